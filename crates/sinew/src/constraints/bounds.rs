@@ -1,0 +1,200 @@
+//! Staying above a plane and inside a box (physics.md C4), with Coulomb friction where a particle touches (F8).
+
+use glam::Vec3;
+
+use crate::particles::Particles;
+
+/// "Every particle stays on the side of this plane to which the normal points": the ground, a wall, a ramp.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// Unit vector that points to the allowed side. [`Plane::new`] normalises it.
+    pub normal: Vec3,
+    /// `normal · x` of the points on the plane, metres: its signed distance from the origin.
+    pub offset: f32,
+    /// Coulomb's coefficient of friction μ, 0 (ice) and up. Default 0.5.
+    pub friction: f32,
+}
+
+impl Plane {
+    /// The level ground at y = `height` metres.
+    pub fn ground(height: f32) -> Self {
+        Self { normal: Vec3::Y, offset: height, friction: 0.5 }
+    }
+
+    /// The plane through `point` with the given normal, of any length but zero; `None` if it has no direction or is not finite.
+    pub fn new(point: Vec3, normal: Vec3) -> Option<Self> {
+        let normal = normal.try_normalize()?;
+        let plane = Self { normal, offset: normal.dot(point), friction: 0.5 };
+        plane.is_valid().then_some(plane)
+    }
+
+    /// The same with another coefficient of friction.
+    pub fn with_friction(self, friction: f32) -> Self {
+        Self { friction, ..self }
+    }
+
+    /// Whether the normal is a unit vector and all numbers are finite and in range. An invalid plane is skipped.
+    pub fn is_valid(&self) -> bool {
+        (self.normal.length_squared() - 1.0).abs() < 1e-3
+            && self.offset.is_finite()
+            && self.friction.is_finite()
+            && self.friction >= 0.0
+    }
+}
+
+/// "Every particle stays inside this box", whose edges lie along the axes: the lectures' clamp.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InsideBox {
+    /// Corner with the smallest coordinates, metres.
+    pub min: Vec3,
+    /// Corner with the largest coordinates, metres.
+    pub max: Vec3,
+    /// Coulomb's coefficient of friction μ on its walls, 0 and up. Default 0.5.
+    pub friction: f32,
+}
+
+impl InsideBox {
+    /// The box between two corners, metres.
+    pub fn new(min: Vec3, max: Vec3) -> Self {
+        Self { min, max, friction: 0.5 }
+    }
+
+    /// Whether `min ≤ max` and all numbers are finite and in range. An invalid box is skipped.
+    pub fn is_valid(&self) -> bool {
+        self.min.is_finite()
+            && self.max.is_finite()
+            && self.min.cmple(self.max).all()
+            && self.friction.is_finite()
+            && self.friction >= 0.0
+    }
+}
+
+/// A constraint on single particles: how far out a point is, and which way back.
+pub(crate) trait Contact {
+    /// The displacement that brings a sphere of `radius` at `position` just inside, metres; zero if it is inside already.
+    fn correction(&self, position: Vec3, radius: f32) -> Vec3;
+
+    /// Coulomb's μ.
+    fn friction(&self) -> f32;
+
+    /// Projects every particle that can move, and returns how far out the farthest one was, metres.
+    fn project_all(&self, particles: &mut Particles) -> f32 {
+        let mut worst = 0.0_f32;
+        for (i, q) in particles.position.iter_mut().enumerate() {
+            let at = q.truncate();
+            let normal_part = self.correction(at, particles.radius[i]);
+            if normal_part == Vec3::ZERO || q.w == 0.0 {
+                continue;
+            }
+            let depth = normal_part.length();
+            let moved = at + normal_part - particles.start[i];
+            let slid = moved - normal_part * (moved.dot(normal_part) / (depth * depth));
+            *q += (normal_part + friction(slid, depth, self.friction())).extend(0.0);
+            worst = worst.max(depth);
+        }
+        worst
+    }
+
+    /// How far out the farthest particle is, metres, moving nothing.
+    fn error(&self, particles: &Particles) -> f32 {
+        let out = |(q, radius): (&glam::Vec4, &f32)| match q.w {
+            0.0 => 0.0,
+            _ => self.correction(q.truncate(), *radius).length(),
+        };
+        particles.position.iter().zip(&particles.radius).map(out).fold(0.0, f32::max)
+    }
+}
+
+/// The tangential correction of Coulomb's law in positions: `Δt = -t · min(μ Δn/‖t‖, 1)`.
+///
+/// `t` is the sliding of this substep and `Δn` the normal correction. A normal force N acts for a substep h on the mass m as
+/// the displacement `Δn = N h²/m`; friction of at most μN moves it back by at most `μ Δn`, and never past standing still.
+#[inline]
+fn friction(slid: Vec3, normal_correction: f32, coefficient: f32) -> Vec3 {
+    let distance = slid.length();
+    if distance > coefficient * normal_correction {
+        slid * (-coefficient * normal_correction / distance)
+    } else {
+        -slid
+    }
+}
+
+impl Contact for Plane {
+    /// The nearest point of the half-space: along the normal, for one particle whatever its mass.
+    #[inline]
+    fn correction(&self, position: Vec3, radius: f32) -> Vec3 {
+        let height = self.normal.dot(position) - self.offset - radius;
+        if height < 0.0 { self.normal * -height } else { Vec3::ZERO }
+    }
+
+    fn friction(&self) -> f32 {
+        self.friction
+    }
+}
+
+impl Contact for InsideBox {
+    /// The clamp, coordinate by coordinate. Where the box is thinner than the sphere, the sphere is held in the middle.
+    #[inline]
+    fn correction(&self, position: Vec3, radius: f32) -> Vec3 {
+        let middle = (self.min + self.max) * 0.5;
+        let low = (self.min + radius).min(middle);
+        let high = (self.max - radius).max(middle);
+        position.max(low).min(high) - position
+    }
+
+    fn friction(&self) -> f32 {
+        self.friction
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::particles::ParticleSeed;
+
+    fn one(at: Vec3, moved_from: Vec3, radius: f32) -> Particles {
+        let mut particles = Particles::default();
+        particles.push(ParticleSeed::at(moved_from).with_radius(radius)).unwrap();
+        particles.set_position(0, at);
+        particles
+    }
+
+    #[test]
+    fn a_sunken_particle_is_put_on_the_ground_and_a_flying_one_left_alone() {
+        let ground = Plane::ground(1.0).with_friction(0.0);
+        let mut low = one(Vec3::new(3.0, 0.2, 4.0), Vec3::new(3.0, 1.2, 4.0), 0.1);
+        assert!((ground.project_all(&mut low) - 0.9).abs() < 1e-6);
+        assert!(low.position(0).abs_diff_eq(Vec3::new(3.0, 1.1, 4.0), 1e-6));
+        let mut high = one(Vec3::Y * 1.2, Vec3::Y * 1.3, 0.1);
+        assert_eq!(ground.project_all(&mut high), 0.0);
+        assert_eq!(high.position(0), Vec3::Y * 1.2);
+    }
+
+    #[test]
+    fn the_box_clamps_each_coordinate_and_centres_what_does_not_fit() {
+        let room = InsideBox::new(Vec3::ZERO, Vec3::new(100.0, 1.0, 100.0));
+        let mut out = one(Vec3::new(-5.0, 0.5, 120.0), Vec3::new(-5.0, 0.5, 120.0), 0.25);
+        room.project_all(&mut out);
+        assert!(out.position(0).abs_diff_eq(Vec3::new(0.25, 0.5, 99.75), 1e-4));
+        let mut fat = one(Vec3::new(50.0, 0.9, 50.0), Vec3::new(50.0, 0.9, 50.0), 2.0);
+        room.project_all(&mut fat);
+        assert_eq!(fat.position(0).y, 0.5);
+    }
+
+    #[test]
+    fn friction_takes_at_most_mu_times_the_normal_correction() {
+        let slid = Vec3::new(0.3, 0.0, 0.4);
+        assert!(friction(slid, 0.1, 0.5).abs_diff_eq(slid * -0.1, 1e-7));
+        assert_eq!(friction(slid, 10.0, 0.5), -slid);
+        assert_eq!(friction(Vec3::ZERO, 0.0, 0.5), Vec3::ZERO);
+    }
+
+    #[test]
+    fn invalid_planes_and_boxes_say_so() {
+        assert!(Plane::new(Vec3::ZERO, Vec3::ZERO).is_none());
+        assert!(Plane::new(Vec3::NAN, Vec3::Y).is_none());
+        assert!(Plane::new(Vec3::ZERO, Vec3::Y * 7.0).is_some_and(|p| p.normal == Vec3::Y));
+        assert!(!Plane::ground(0.0).with_friction(-1.0).is_valid());
+        assert!(!InsideBox::new(Vec3::ONE, Vec3::ZERO).is_valid());
+    }
+}

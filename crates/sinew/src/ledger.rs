@@ -1,0 +1,55 @@
+//! The ledger: energy and momentum of a world, so that every claim about them is one test.
+
+use glam::{DVec3, Vec3};
+
+use crate::forces;
+use crate::simulation::Simulation;
+
+/// Energies in joules and momenta of all particles of finite mass, summed in `f64`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ledger {
+    /// `Σ ½ m v²`, J, with the velocity at the instant of the position.
+    pub kinetic: f64,
+    /// `-Σ m g · x`, J, zero at the origin.
+    pub gravitational: f64,
+    /// `Σ ½ k (‖d‖ - L)²` of the springs, J.
+    pub elastic: f64,
+    /// `Σ K q_a q_b / ‖d‖` of the charges, J.
+    pub electric: f64,
+    /// `Σ m v`, kg·m/s.
+    pub momentum: DVec3,
+    /// `Σ m x × v` about the origin, kg·m²/s.
+    pub angular_momentum: DVec3,
+}
+
+impl Ledger {
+    /// Sum of the four energies, J.
+    pub fn energy(&self) -> f64 {
+        self.kinetic + self.gravitational + self.elastic + self.electric
+    }
+}
+
+/// Reads the ledger off a simulation whose accelerations are those of its present positions.
+pub(crate) fn take(simulation: &Simulation) -> Ledger {
+    let particles = &simulation.particles;
+    let gravity = simulation.forces.gravity.as_dvec3();
+    let mut ledger = Ledger::default();
+    for i in 0..particles.len() {
+        let w = particles.inverse_mass(i);
+        if w == 0.0 {
+            continue;
+        }
+        let m = 1.0 / f64::from(w);
+        let x = particles.position(i).as_dvec3();
+        let v: Vec3 = simulation.velocity_now(i);
+        let v = v.as_dvec3();
+        ledger.kinetic += 0.5 * m * v.length_squared();
+        ledger.gravitational -= m * gravity.dot(x);
+        ledger.momentum += m * v;
+        ledger.angular_momentum += m * x.cross(v);
+    }
+    let springs = &simulation.forces.springs;
+    ledger.elastic = springs.iter().map(|s| f64::from(s.energy(particles))).sum();
+    ledger.electric = forces::electric_energy(particles, &simulation.forces.electric);
+    ledger
+}

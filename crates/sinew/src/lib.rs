@@ -1,0 +1,70 @@
+//! Verlet particles, springs and positional constraints, without an engine.
+//!
+//! A server, a test or another engine can use this crate alone:
+//!
+//! ```
+//! use sinew::glam::Vec3;
+//! use sinew::{Distance, ParticleSeed, Simulation};
+//!
+//! let mut world = Simulation::default();
+//! let hook = world.particles.push(ParticleSeed::at(Vec3::Y * 2.0).pinned())?;
+//! let bob = world.particles.push(ParticleSeed::at(Vec3::new(1.0, 2.0, 0.0)))?;
+//! world.distances_mut().push(Distance::new(hook, bob, 1.0));
+//! for _ in 0..60 {
+//!     world.step(1.0 / 60.0)?;
+//! }
+//! assert!((world.particles.position(1).distance(Vec3::Y * 2.0) - 1.0).abs() < 1e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # The story of one step
+//!
+//! The method is that of a series of game-physics lectures (M. Tarini: Verlet integration and *Position Based Dynamics*), corrected where they are loose.
+//! A step of `dt` seconds is cut into substeps of `h`; each runs six phases, which are methods of [`Simulation`] with these names:
+//!
+//! 1. **`accumulate_forces`**: gravity, the game's own forces and springs are summed up into an acceleration per particle.
+//! 2. **`apply_wind`**, 3. **`apply_buoyancy`**, 4. **`apply_electric`** add theirs.
+//! 5. **`integrate`**: Verlet predicts where every particle would go if it were alone ([`integrate`]).
+//! 6. **`solve_constraints`**: what must hold, holds: rods keep their length, nothing sinks into the ground. The solver moves the
+//!    *positions* ([`constraints`], [`solve`]); the velocities follow from them, and so do spin, collision and friction, which nobody wrote down.
+//!
+//! # The map
+//!
+//! | file | what it owns |
+//! |---|---|
+//! | [`particles`] | the columns: position, velocity, inverse mass, … |
+//! | [`simulation`] | particles + forces + constraints + plan; one method a phase |
+//! | [`integrate`] | the Verlet formula, its derivation and its properties |
+//! | [`forces`] | springs, wind, buoyancy, charges: a file each |
+//! | [`constraints`] | distance, plane, box, pin: data, value, gradient, kernel, a file each |
+//! | [`solve`] | the plan (colours), the cascade, the report |
+//! | [`pose`] | transform, velocity, spin and inertia out of particles |
+//! | [`recipes`] | box, rope, cloth, ragdoll: shape in, particles and constraints out |
+//! | [`ledger`] | energy and momentum |
+//!
+//! Arrows point one way: `recipes` and `simulation` know `solve`, which knows `constraints`, which know `particles`; nothing points back.
+//!
+//! # Units and rules
+//!
+//! SI throughout: metres, seconds, kilograms, newtons, coulombs, radians. A bad argument is refused with an error or clamped as documented, and
+//! changes nothing; inside a step nothing panics and nothing divides by zero. Results depend on the input alone: no unordered iteration, no
+//! platform maths, no fused operations.
+
+pub mod constraints;
+pub mod forces;
+pub mod integrate;
+pub mod ledger;
+pub mod particles;
+pub mod pose;
+pub mod recipes;
+pub mod simulation;
+pub mod solve;
+
+pub use glam;
+
+pub use constraints::{Bound, Constraints, Distance, DistanceFault, InsideBox, Pin, Plane};
+pub use forces::{Electric, Fluid, Forces, Spring, SpringFault, Wind};
+pub use ledger::Ledger;
+pub use particles::{ParticleFault, ParticleSeed, Particles};
+pub use simulation::{Simulation, StepFault, Substep};
+pub use solve::{SolverReport, SolverSettings};

@@ -1,0 +1,253 @@
+//! What a recipe hands over: particles, what holds them together, and how to draw them. Plain data, so that a game may add to
+//! it, move it or check it before it is built.
+
+use glam::{Mat3, Quat, Vec3};
+
+use crate::constraints::{Distance, DistanceFault};
+use crate::particles::{ParticleFault, ParticleSeed};
+
+/// Particles and what holds them together, in the body's own coordinates (metres). Indices count from 0 within the blueprint.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Blueprint {
+    /// The particles; a pinned one has infinite mass.
+    pub particles: Vec<ParticleSeed>,
+    /// Distances to keep between pairs of particles.
+    pub distances: Vec<Distance>,
+    /// Triangles of particles, counter-clockwise from outside, on which wind presses.
+    pub triangles: Vec<[u32; 3]>,
+    /// For a mesh that follows the particles: which particle each vertex follows. Empty where there is none.
+    pub vertices: Vec<u32>,
+    /// Rigid parts whose pose is to be read back; empty for a body that is all cloth.
+    pub parts: Vec<Part>,
+}
+
+/// A rigid part of a body: the particles that carry it, and where they sit in the part's own frame.
+///
+/// Its transform is the rotation and translation that best maps `rest` onto the particles (physics.md E1). A part of two
+/// particles is a rod: it says where it points, but not how far it is turned about itself.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Part {
+    /// What it is called: `"torso"`, `"left forearm"`.
+    pub name: &'static str,
+    /// Particles of the blueprint.
+    pub particles: Vec<u32>,
+    /// Their positions in the part's own frame, metres; as many as `particles`.
+    pub rest: Vec<Vec3>,
+    /// Size of the part along its own axes, metres, for whoever draws it centred on the origin of its frame. A capsule has
+    /// the diameter `size.x` and the whole length `size.y`, caps included.
+    pub size: Vec3,
+}
+
+/// What is wrong with a blueprint. Numbers count from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BlueprintFault {
+    /// A particle that cannot be simulated.
+    #[error("its particle {index} cannot be simulated: {fault}")]
+    Particle {
+        /// Which one.
+        index: usize,
+        /// Why.
+        fault: ParticleFault,
+    },
+    /// A distance that cannot be kept.
+    #[error("its distance {index} cannot be kept: {fault}")]
+    Distance {
+        /// Which one.
+        index: usize,
+        /// Why.
+        fault: DistanceFault,
+    },
+    /// A triangle with a corner that is no particle, or the same one twice.
+    #[error("its triangle {0} does not have three particles for corners")]
+    Triangle(usize),
+    /// A vertex that follows a particle that is not there.
+    #[error("its vertex {0} follows a particle that does not exist")]
+    Vertex(usize),
+    /// A part with a particle that is not there, without a rest position for each, or of no finite size.
+    #[error("its part {0} does not match the particles")]
+    Part(usize),
+    /// [`Blueprint::pin`] was asked for a particle that is not there.
+    #[error("it has no particle {0}")]
+    NoSuchParticle(u32),
+}
+
+impl Blueprint {
+    /// The first thing that is wrong with it, in the order of the fields. What a recipe returns is in order; check what was
+    /// changed by hand.
+    pub fn validate(&self) -> Result<(), BlueprintFault> {
+        let count = self.particles.len();
+        let exists = |particle: &u32| (*particle as usize) < count;
+        for (index, particle) in self.particles.iter().enumerate() {
+            if let Some(fault) = particle.fault() {
+                return Err(BlueprintFault::Particle { index, fault });
+            }
+        }
+        for (index, distance) in self.distances.iter().enumerate() {
+            if let Some(fault) = distance.fault(count) {
+                return Err(BlueprintFault::Distance { index, fault });
+            }
+        }
+        for (index, t @ [a, b, c]) in self.triangles.iter().enumerate() {
+            if a == b || b == c || c == a || !t.iter().all(exists) {
+                return Err(BlueprintFault::Triangle(index));
+            }
+        }
+        if let Some(index) = self.vertices.iter().position(|v| !exists(v)) {
+            return Err(BlueprintFault::Vertex(index));
+        }
+        let sound = |part: &Part| {
+            part.particles.len() == part.rest.len()
+                && part.particles.iter().all(exists)
+                && part.rest.iter().all(|r| r.is_finite())
+                && part.size.is_finite()
+        };
+        match self.parts.iter().position(|part| !sound(part)) {
+            Some(index) => Err(BlueprintFault::Part(index)),
+            None => Ok(()),
+        }
+    }
+
+    /// Sum of the masses in kilograms; pinned particles, whose mass is infinite, are left out.
+    pub fn total_mass(&self) -> f32 {
+        let finite = self.particles.iter().filter(|p| p.mass.is_finite());
+        finite.map(|p| f64::from(p.mass)).sum::<f64>() as f32
+    }
+
+    /// Holds a particle where it is, by giving it infinite mass. Refuses a particle that is not there.
+    pub fn pin(&mut self, particle: u32) -> Result<(), BlueprintFault> {
+        match self.particles.get_mut(particle as usize) {
+            Some(seed) => {
+                *seed = seed.pinned();
+                Ok(())
+            }
+            None => Err(BlueprintFault::NoSuchParticle(particle)),
+        }
+    }
+
+    /// The same body turned about its origin and then moved by `translation` (metres): positions and velocities turn,
+    /// positions move; lengths, masses and parts' own frames stay.
+    ///
+    /// `rotation` need not be normalised; one that cannot be (zero, NaN) turns nothing. A translation that is not finite
+    /// gives a blueprint that [`validate`](Self::validate) refuses.
+    pub fn transformed(&self, rotation: Quat, translation: Vec3) -> Self {
+        let turn = rotation_matrix(rotation);
+        let mut placed = self.clone();
+        for particle in &mut placed.particles {
+            particle.position = turn * particle.position + translation;
+            particle.velocity = turn * particle.velocity;
+        }
+        placed
+    }
+
+    /// Adds a hard rod between two particles that are there, as long as they are apart.
+    pub(super) fn rod(&mut self, a: u32, b: u32) {
+        let ends = [a, b].map(|i| self.particles[i as usize].position);
+        self.distances.push(Distance::new(a, b, gap(ends[0], ends[1])));
+    }
+}
+
+/// The distance of two points, rounded once: a rest length.
+pub(super) fn gap(a: Vec3, b: Vec3) -> f32 {
+    (a.as_dvec3() - b.as_dvec3()).length() as f32
+}
+
+/// Normalised here, term by term, because glam's own order of terms differs from one processor to the next.
+fn rotation_matrix(q: Quat) -> Mat3 {
+    let length = (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w).sqrt();
+    if length.is_finite() && length > 0.0 {
+        let unit = Quat::from_xyzw(q.x / length, q.y / length, q.z / length, q.w / length);
+        Mat3::from_quat(unit)
+    } else {
+        Mat3::IDENTITY
+    }
+}
+
+/// Checks that every recipe's tests make.
+#[cfg(test)]
+pub(super) mod checks {
+    use super::Blueprint;
+    use crate::constraints::Bound;
+    use std::collections::BTreeSet;
+
+    /// Valid; no pair is tied twice the same way; none is tied at length 0; and all ties are kept, to 1e-6 of their length.
+    pub(crate) fn assert_at_rest(blueprint: &Blueprint) {
+        assert_eq!(blueprint.validate(), Ok(()));
+        let mut seen = BTreeSet::new();
+        for d in &blueprint.distances {
+            let pair = [d.a.min(d.b), d.a.max(d.b)];
+            let way = match d.bound {
+                Bound::Equal => 0,
+                Bound::AtMost => 1,
+                Bound::AtLeast => 2,
+            };
+            assert!(seen.insert((pair, way)), "{d:?} is there twice");
+            assert!(d.rest > 0.0, "{d:?}");
+            let [a, b] = [d.a, d.b].map(|i| blueprint.particles[i as usize].position);
+            assert!(d.error(a, b) <= 1e-6 * d.rest, "{d:?}: {a} {b}");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{BoxSpec, box_3d};
+    use super::*;
+
+    fn cube() -> Blueprint {
+        box_3d(&BoxSpec::default()).unwrap()
+    }
+
+    #[test]
+    fn moving_and_turning_keeps_every_length_and_the_mass() {
+        let body = cube();
+        let turned =
+            body.transformed(Quat::from_xyzw(1.0, -2.0, 0.5, 3.0), Vec3::new(3.0, 4.0, -5.0));
+        for (d, rest) in turned.distances.iter().zip(&body.distances) {
+            let [a, b] = [d.a, d.b].map(|i| turned.particles[i as usize].position);
+            assert!((gap(a, b) - rest.rest).abs() < 2e-6);
+        }
+        assert_eq!(turned.total_mass(), body.total_mass());
+        assert_eq!(turned.parts, body.parts);
+        assert_ne!(turned.particles, body.particles);
+    }
+
+    #[test]
+    fn a_rotation_that_is_none_turns_nothing() {
+        for q in [Quat::from_xyzw(0.0, 0.0, 0.0, 0.0), Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0)] {
+            assert_eq!(cube().transformed(q, Vec3::ZERO), cube());
+        }
+    }
+
+    #[test]
+    fn a_pinned_particle_leaves_the_total_mass_and_a_missing_one_is_refused() {
+        let mut body = cube();
+        body.pin(3).unwrap();
+        assert_eq!(body.particles[3].mass, f32::INFINITY);
+        assert_eq!(body.total_mass(), 7.0 / 8.0);
+        let before = body.clone();
+        assert_eq!(body.pin(8), Err(BlueprintFault::NoSuchParticle(8)));
+        assert_eq!(body, before);
+    }
+
+    #[test]
+    fn each_fault_is_found_where_it_is() {
+        let spoilt = |spoil: fn(&mut Blueprint)| {
+            let mut body = cube();
+            spoil(&mut body);
+            body.validate().unwrap_err()
+        };
+        let fault = ParticleFault::Mass;
+        let particle = BlueprintFault::Particle { index: 2, fault };
+        assert_eq!(spoilt(|b| b.particles[2].mass = 0.0), particle);
+        let fault = DistanceFault::MissingParticle;
+        let distance = BlueprintFault::Distance { index: 5, fault };
+        assert_eq!(spoilt(|b| b.distances[5].b = 9), distance);
+        assert_eq!(spoilt(|b| b.triangles[1] = [1, 2, 1]), BlueprintFault::Triangle(1));
+        assert_eq!(spoilt(|b| b.vertices = vec![7, 8]), BlueprintFault::Vertex(1));
+        assert_eq!(spoilt(|b| b.parts[0].rest.truncate(7)), BlueprintFault::Part(0));
+        assert_eq!(
+            distance.to_string(),
+            "its distance 5 cannot be kept: one of its particles does not exist"
+        );
+    }
+}

@@ -1,0 +1,37 @@
+//! A blueprint becomes part of a simulation: for whoever uses this crate without an engine.
+
+use core::ops::Range;
+
+use super::{Blueprint, BlueprintFault};
+use crate::constraints::Distance;
+use crate::simulation::Simulation;
+
+impl Blueprint {
+    /// Adds the particles, distances and triangles to a simulation, and returns the rows of the particles, in the order of the blueprint.
+    ///
+    /// # Errors
+    /// A blueprint that is not in [order](Self::validate) is refused and nothing changes.
+    ///
+    /// ```
+    /// use sinew::{Simulation, recipes::{RopeSpec, rope}};
+    ///
+    /// let mut world = Simulation::default();
+    /// let rows = rope(&RopeSpec { pin_start: true, ..Default::default() })?.build(&mut world)?;
+    /// assert_eq!(rows, 0..21);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn build(&self, simulation: &mut Simulation) -> Result<Range<usize>, BlueprintFault> {
+        self.validate()?;
+        let first = simulation.particles.len();
+        for (index, seed) in self.particles.iter().enumerate() {
+            let added = simulation.particles.push(*seed);
+            added.map_err(|fault| BlueprintFault::Particle { index, fault })?;
+        }
+        let offset = first as u32;
+        let moved = |d: &Distance| Distance { a: d.a + offset, b: d.b + offset, ..*d };
+        simulation.distances_mut().extend(self.distances.iter().map(moved));
+        let corners = self.triangles.iter().map(|t| t.map(|i| i + offset));
+        simulation.forces.surfaces.extend(corners);
+        Ok(first..simulation.particles.len())
+    }
+}

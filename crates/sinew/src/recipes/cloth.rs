@@ -1,0 +1,240 @@
+//! Cloth as a regular grid: a flag, a curtain, a trampoline, a sail (physics.md B3). Rows of equal cells are also what the
+//! solver is quickest with, so prefer this to a mesh wherever cloth is a rectangle.
+
+use glam::Vec3;
+
+use super::blueprint::Blueprint;
+use super::{LENGTHS, MOST_PARTICLES, MeshFault, is_compliance, is_drag, is_radius};
+use crate::constraints::Distance;
+use crate::particles::ParticleSeed;
+
+/// What cloth is made of: shared by grids and meshes. The default is plain-woven cotton.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClothMaterial {
+    /// Mass of a square metre, kg/m², 1e-6 to 1e6; default 0.2 (a bed sheet 0.15, denim 0.4, silk 0.06).
+    pub density: f32,
+    /// Compliance of the threads, along them and in shear, m/N, not negative; default 0: cloth does not stretch.
+    pub stretch_compliance: f32,
+    /// Compliance of the ties across each fold, m/N, not negative; `None`: cloth that bends freely, with no such ties.
+    ///
+    /// Default 1. With particles a distance `s` apart, a fold by the angle `θ` costs `s²θ⁴/32α`; cloth of bending rigidity
+    /// `B` (N·m) costs `½Bθ²`. They agree at a fold of 1 rad for `α = s²/16B`. In cells of 5 cm, 1 m/N is `B = 1.6e-4` (a
+    /// stiff cotton); in cells of 1 cm, 6e-6 (a silk; Kawabata's tests of fabrics find 2e-6 to 1e-4).
+    pub bend_compliance: Option<f32>,
+    /// Radius of every particle, metres, not negative; default 0.005. Contacts keep the cloth that far off.
+    pub radius: f32,
+    /// Share of the velocity lost per second, 0 to 1; default 0. Air is better modelled as wind.
+    pub drag: f32,
+    /// Vertices of a mesh closer than this are one particle, metres, not negative; default 1e-5: what rounding in a file
+    /// makes of a coordinate of 100 m. A grid has no use for it.
+    pub weld_tolerance: f32,
+}
+
+/// A rectangle of cloth. The default is 1 m × 1 m in 20 × 20 cells.
+///
+/// It hangs in the xy plane about the origin: columns run from left (-x) to right, rows from the top (+y) down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClothSpec {
+    /// Length along x, metres, 1e-6 to 1e6; default 1.
+    pub width: f32,
+    /// Length along y, metres, 1e-6 to 1e6; default 1.
+    pub height: f32,
+    /// Cells from left to right, at least 1; default 20. One particle more than that a row.
+    pub columns: u32,
+    /// Cells from top to bottom, at least 1; default 20. One row of particles more than that.
+    pub rows: u32,
+    /// Whether each cell has both its diagonals, against shear; default yes.
+    pub shear: bool,
+    /// What it is made of.
+    pub material: ClothMaterial,
+}
+
+/// Why cloth is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ClothFault {
+    /// NaN, or outside the range.
+    #[error("its width or height is not between 1e-6 and 1e6 metres")]
+    Size,
+    /// No columns or no rows.
+    #[error("it has no cells")]
+    NoCells,
+    /// More than 2²⁴ particles.
+    #[error("it would have more than 16777216 particles")]
+    TooMany,
+    /// NaN, or outside the range.
+    #[error("its mass per area is not between 1e-6 and 1e6 kilograms per square metre")]
+    Density,
+    /// NaN, infinite or negative.
+    #[error("its stretch compliance is not a finite number of metres per newton")]
+    StretchCompliance,
+    /// NaN, infinite or negative.
+    #[error("its bend compliance is not a finite number of metres per newton")]
+    BendCompliance,
+    /// NaN, negative or too large.
+    #[error("its radius is not between 0 and 1e6 metres")]
+    Radius,
+    /// NaN or outside 0..=1.
+    #[error("its drag is not a share between 0 and 1 per second")]
+    Drag,
+    /// Cells or triangles so small or so large that a mass or a length is no ordinary `f32`.
+    #[error(
+        "a particle's mass or an edge's length is too small or too large to simulate: check its units"
+    )]
+    Scale,
+    /// The mesh that it is to be made from.
+    #[error(transparent)]
+    Mesh(#[from] MeshFault),
+}
+
+impl Default for ClothMaterial {
+    fn default() -> Self {
+        Self {
+            density: 0.2,
+            stretch_compliance: 0.0,
+            bend_compliance: Some(1.0),
+            radius: 0.005,
+            drag: 0.0,
+            weld_tolerance: 1e-5,
+        }
+    }
+}
+
+impl Default for ClothSpec {
+    fn default() -> Self {
+        Self {
+            width: 1.0,
+            height: 1.0,
+            columns: 20,
+            rows: 20,
+            shear: true,
+            material: ClothMaterial::default(),
+        }
+    }
+}
+
+/// A rectangle of cloth out of rows of particles: the top row first, each from left to right.
+///
+/// Distances come class by class, each class row by row and all of one length: along rows, along columns, the diagonals
+/// down to the right, the diagonals down to the left, and the bending ties past one particle along rows and along columns.
+/// A particle has the mass of the quarters of cells around it. Two triangles a cell, counter-clockwise seen from +z; vertex
+/// `i` of a mesh with the same numbering follows particle `i`.
+pub fn cloth_grid(spec: &ClothSpec) -> Result<Blueprint, ClothFault> {
+    check(spec)?;
+    let (columns, rows) = (spec.columns, spec.rows);
+    let (dx, dy) =
+        (f64::from(spec.width) / f64::from(columns), f64::from(spec.height) / f64::from(rows));
+    let mut body = Blueprint {
+        particles: particles(spec, f64::from(spec.material.density) * dx * dy),
+        vertices: (0..(columns + 1) * (rows + 1)).collect(),
+        ..Blueprint::default()
+    };
+    let mut tie = |compliance: f32, length: f64, [x0, y0]: [u32; 2], [x1, y1]: [u32; 2]| {
+        let (across, down) = (x0.max(x1), y0.max(y1));
+        for row in 0..(rows + 1).saturating_sub(down) {
+            body.distances.extend((0..(columns + 1).saturating_sub(across)).map(|column| {
+                let (a, b) = (spec.index(column + x0, row + y0), spec.index(column + x1, row + y1));
+                Distance::new(a, b, length as f32).with_compliance(compliance)
+            }));
+        }
+    };
+    let stretch = spec.material.stretch_compliance;
+    tie(stretch, dx, [0, 0], [1, 0]);
+    tie(stretch, dy, [0, 0], [0, 1]);
+    if spec.shear {
+        let diagonal = (dx * dx + dy * dy).sqrt();
+        tie(stretch, diagonal, [0, 0], [1, 1]);
+        tie(stretch, diagonal, [1, 0], [0, 1]);
+    }
+    if let Some(bend) = spec.material.bend_compliance {
+        tie(bend, 2.0 * dx, [0, 0], [2, 0]);
+        tie(bend, 2.0 * dy, [0, 0], [0, 2]);
+    }
+    body.triangles.reserve(2 * (columns * rows) as usize);
+    for row in 0..rows {
+        for column in 0..columns {
+            let [a, b] = [0, 1].map(|right| spec.index(column + right, row));
+            let [c, d] = [0, 1].map(|right| spec.index(column + right, row + 1));
+            body.triangles.extend([[a, c, d], [a, d, b]]);
+        }
+    }
+    Ok(body)
+}
+
+/// Texture coordinates of [`cloth_grid`]'s particles, for a mesh of the same numbering: (0, 0) at the top left, (1, 1) at the
+/// bottom right. Refuses what [`cloth_grid`] refuses.
+pub fn grid_uvs(spec: &ClothSpec) -> Result<Vec<[f32; 2]>, ClothFault> {
+    check(spec)?;
+    let share = |i: u32, of: u32| (f64::from(i) / f64::from(of)) as f32;
+    let row = |r| (0..=spec.columns).map(move |c| [share(c, spec.columns), share(r, spec.rows)]);
+    Ok((0..=spec.rows).flat_map(row).collect())
+}
+
+impl ClothSpec {
+    /// The particle at a column and a row, both from 0 to the number of cells; beyond, the last one there is.
+    pub fn index(&self, column: u32, row: u32) -> u32 {
+        let above = row.min(self.rows).saturating_mul(self.columns.saturating_add(1));
+        above.saturating_add(column.min(self.columns))
+    }
+
+    /// The particles at the corners: top left, top right, bottom left, bottom right.
+    pub fn corners(&self) -> [u32; 4] {
+        let (right, bottom) = (self.columns, self.rows);
+        [(0, 0), (right, 0), (0, bottom), (right, bottom)]
+            .map(|(column, row)| self.index(column, row))
+    }
+}
+
+impl ClothMaterial {
+    /// The first thing that is wrong with it.
+    pub(super) fn check(&self) -> Result<(), ClothFault> {
+        if !(1e-6..=1e6).contains(&self.density) {
+            Err(ClothFault::Density)
+        } else if !is_compliance(self.stretch_compliance) {
+            Err(ClothFault::StretchCompliance)
+        } else if !self.bend_compliance.is_none_or(is_compliance) {
+            Err(ClothFault::BendCompliance)
+        } else if !is_radius(self.radius) {
+            Err(ClothFault::Radius)
+        } else if !is_drag(self.drag) {
+            Err(ClothFault::Drag)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// A particle of this material, kg.
+    pub(super) fn seed(&self, position: Vec3, mass: f64) -> ParticleSeed {
+        let seed = ParticleSeed::at(position).with_mass(mass as f32);
+        seed.with_radius(self.radius).with_drag(self.drag)
+    }
+}
+
+fn check(spec: &ClothSpec) -> Result<(), ClothFault> {
+    let particles = (u64::from(spec.columns) + 1) * (u64::from(spec.rows) + 1);
+    if !(LENGTHS.contains(&spec.width) && LENGTHS.contains(&spec.height)) {
+        Err(ClothFault::Size)
+    } else if spec.columns == 0 || spec.rows == 0 {
+        Err(ClothFault::NoCells)
+    } else if particles > MOST_PARTICLES {
+        Err(ClothFault::TooMany)
+    } else {
+        spec.material.check()
+    }
+}
+
+fn particles(spec: &ClothSpec, cell_mass: f64) -> Vec<ParticleSeed> {
+    let share = |i: u32, of: u32| f64::from(i) / f64::from(of) - 0.5;
+    let inside = |i: u32, of: u32| if i == 0 || i == of { 0.5 } else { 1.0 };
+    let particle = |column, row| {
+        let x = f64::from(spec.width) * share(column, spec.columns);
+        let y = f64::from(spec.height) * -share(row, spec.rows);
+        let mass = cell_mass * inside(column, spec.columns) * inside(row, spec.rows);
+        spec.material.seed(Vec3::new(x as f32, y as f32, 0.0), mass)
+    };
+    (0..=spec.rows)
+        .flat_map(|row| (0..=spec.columns).map(move |column| particle(column, row)))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,252 @@
+//! From the triangles of a picture to the triangles of a body. A mesh that is made to be drawn holds several vertices where
+//! its surface has one point, wherever texture coordinates or normals jump; built as it is, it would burst at those seams.
+
+use glam::{DVec3, Vec3};
+
+use super::MOST_PARTICLES;
+use super::nearest::{Nearest, bounds};
+
+/// A mesh with its seams closed: what [`weld`] returns. Particles and triangles keep the order of the mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Weld {
+    /// Where each particle is, metres: the first vertex of those that it stands for.
+    pub positions: Vec<Vec3>,
+    /// The triangles of the mesh, between particles, wound as they were; degenerate and repeated ones are gone.
+    pub triangles: Vec<[u32; 3]>,
+    /// Which particle each vertex of the mesh follows. A vertex without a proper triangle follows the nearest particle.
+    pub vertices: Vec<u32>,
+    /// Every edge of a triangle once, as `[lower, higher]`, sorted.
+    pub edges: Vec<[u32; 2]>,
+    /// Every edge between exactly two triangles, sorted by edge. Where three or more meet, there is no saying what is opposite.
+    pub bends: Vec<Bend>,
+}
+
+/// Two triangles that share an edge: what bends when they fold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Bend {
+    /// The edge that they share, `[lower, higher]`.
+    pub edge: [u32; 2],
+    /// The corner of each that is not on the edge, `[lower, higher]`.
+    pub opposite: [u32; 2],
+}
+
+/// Why a mesh is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MeshFault {
+    /// No vertices, or no triangles.
+    #[error("its mesh has no vertices or no triangles")]
+    Empty,
+    /// A number of indices that is no multiple of three.
+    #[error("its mesh is not made of triangles: it has {0} indices")]
+    NotTriangles(usize),
+    /// More vertices than there may be particles.
+    #[error("its mesh has more than 16777216 vertices")]
+    TooMany,
+    /// A vertex with a coordinate that is NaN or infinite.
+    #[error("vertex {0} of its mesh is not at a finite position")]
+    NotFinite(usize),
+    /// An index without a vertex.
+    #[error("its mesh names vertex {index}, but has {vertices}")]
+    IndexOutOfRange {
+        /// The index.
+        index: u32,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// NaN, infinite or negative.
+    #[error("the tolerance for welding its mesh is not a finite length")]
+    Tolerance,
+    /// No triangle has an area, or none is larger than the tolerance.
+    #[error("all triangles of its mesh are degenerate")]
+    AllDegenerate,
+}
+
+/// Closes the seams of a triangle list: vertices within `tolerance` metres become one particle.
+///
+/// - Vertices are taken in order; each joins the nearest earlier one that stands for itself and is within the tolerance. So
+///   no particle ends up within the tolerance of another, and a fine mesh does not collapse along a chain of near vertices.
+///   As long as a seam's vertices are closer together than the tolerance and all others farther apart than twice that, the
+///   order of the vertices changes nothing but the numbers. A tolerance of 0 merges only equal positions.
+/// - Triangles that lose a corner to this, or that are thinner than a millionth of their longest edge (what rounding makes
+///   of a straight line), are dropped; so are repetitions of a triangle, either way round, as two-sided meshes have them.
+/// - Vertices that no remaining triangle uses make no particles.
+///
+/// O(n log n) in the number of vertices and triangles. Refuses what [`MeshFault`] lists.
+pub fn weld(positions: &[Vec3], indices: &[u32], tolerance: f32) -> Result<Weld, MeshFault> {
+    check(positions, indices, tolerance)?;
+    let mut used = vec![false; positions.len()];
+    for &index in indices {
+        used[index as usize] = true;
+    }
+    let leaders = leaders(positions, &used, tolerance);
+    let joined = indices.chunks_exact(3).map(|t| [0, 1, 2].map(|k| leaders[t[k] as usize]));
+    let mut triangles: Vec<[u32; 3]> = joined.filter(|&t| has_area(positions, t)).collect();
+    if triangles.is_empty() {
+        return Err(MeshFault::AllDegenerate);
+    }
+    let particles = number(&mut triangles, positions.len());
+    let first = |v: usize| particles[v] != NONE && leaders[v] == v as u32;
+    let kept: Vec<Vec3> =
+        (0..positions.len()).filter(|&v| first(v)).map(|v| positions[v]).collect();
+    let (edges, bends) = edges_and_bends(&mut triangles);
+    Ok(Weld {
+        vertices: followed(positions, &kept, &leaders, &particles),
+        positions: kept,
+        triangles,
+        edges,
+        bends,
+    })
+}
+
+/// No vertex, no particle.
+const NONE: u32 = u32::MAX;
+
+fn check(positions: &[Vec3], indices: &[u32], tolerance: f32) -> Result<(), MeshFault> {
+    if positions.is_empty() || indices.is_empty() {
+        return Err(MeshFault::Empty);
+    }
+    if !indices.len().is_multiple_of(3) {
+        return Err(MeshFault::NotTriangles(indices.len()));
+    }
+    if positions.len() as u64 > MOST_PARTICLES {
+        return Err(MeshFault::TooMany);
+    }
+    if let Some(vertex) = positions.iter().position(|p| !p.is_finite()) {
+        return Err(MeshFault::NotFinite(vertex));
+    }
+    let vertices = positions.len();
+    if let Some(&index) = indices.iter().find(|&&i| i as usize >= vertices) {
+        return Err(MeshFault::IndexOutOfRange { index, vertices });
+    }
+    if !(tolerance.is_finite() && tolerance >= 0.0) {
+        return Err(MeshFault::Tolerance);
+    }
+    Ok(())
+}
+
+/// For each used vertex the one that stands for it, itself or an earlier one; `NONE` for the others.
+///
+/// A grid of cells, hashed into as many chains as there are vertices; a chain that two cells share costs time and changes
+/// nothing. A cell is 8 tolerances wide: rarely must a second one be searched, and yet it does not hold many points that are
+/// more than the tolerance apart. Never so small that a cell's number would not be exact in an `f64`.
+fn leaders(positions: &[Vec3], used: &[bool], tolerance: f32) -> Vec<u32> {
+    let [low, high] = bounds(positions.iter().copied()).map(Vec3::as_dvec3);
+    let reach = f64::from(tolerance);
+    let size = (8.0 * reach).max((high - low).max_element() / (1_u64 << 50) as f64);
+    let scale = if size > 0.0 { 1.0 / size } else { 0.0 };
+    let cell = |p: DVec3| ((p - low) * scale).floor().to_array().map(|x| x as i64);
+    let mut heads = vec![NONE; positions.len().next_power_of_two()];
+    let mut next = vec![NONE; positions.len()];
+    let mut leaders = vec![NONE; positions.len()];
+    for v in (0..positions.len()).filter(|&v| used[v]) {
+        let at = positions[v].as_dvec3();
+        let mut best = (reach * reach, NONE);
+        for cell in block(cell(at - reach), cell(at + reach)) {
+            let mut leader = heads[chain(cell, heads.len())];
+            while leader != NONE {
+                let away = at.distance_squared(positions[leader as usize].as_dvec3());
+                best = nearer(best, (away, leader));
+                leader = next[leader as usize];
+            }
+        }
+        if best.1 == NONE {
+            best.1 = v as u32;
+            let chain = chain(cell(at), heads.len());
+            (next[v], heads[chain]) = (heads[chain], best.1);
+        }
+        leaders[v] = best.1;
+    }
+    leaders
+}
+
+/// The chain of a cell, of a power of two of chains: each coordinate stirred by the finaliser of `SplitMix64`.
+fn chain(cell: [i64; 3], chains: usize) -> usize {
+    let stir = |hash: u64, x: i64| {
+        let z = (hash ^ x as u64).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb) ^ z >> 31
+    };
+    cell.into_iter().fold(0, stir) as usize & (chains - 1)
+}
+
+/// The nearer of two candidates, or the earlier of two that are equally near.
+fn nearer(a: (f64, u32), b: (f64, u32)) -> (f64, u32) {
+    if b < a { b } else { a }
+}
+
+/// All cells from one corner to another.
+fn block(from: [i64; 3], to: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
+    let row = move |x, y| (from[2]..=to[2]).map(move |z| [x, y, z]);
+    let plane = move |x| (from[1]..=to[1]).flat_map(move |y| row(x, y));
+    (from[0]..=to[0]).flat_map(plane)
+}
+
+/// Whether a triangle has three corners that are not on one line.
+fn has_area(positions: &[Vec3], t: [u32; 3]) -> bool {
+    let [a, b, c] = t.map(|i| positions[i as usize].as_dvec3());
+    let longest =
+        (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+    let twice_area = (b - a).cross(c - a).length();
+    t[0] != t[1] && t[1] != t[2] && t[2] != t[0] && twice_area > 1e-6 * longest
+}
+
+/// Renumbers the corners of triangles without gaps, in the order of the vertices; returns each corner's new number.
+fn number(triangles: &mut [[u32; 3]], vertices: usize) -> Vec<u32> {
+    let mut numbers = vec![NONE; vertices];
+    for &corner in triangles.iter().flatten() {
+        numbers[corner as usize] = 0;
+    }
+    for (particle, number) in (0..).zip(numbers.iter_mut().filter(|number| **number == 0)) {
+        *number = particle;
+    }
+    for corner in triangles.iter_mut().flatten() {
+        *corner = numbers[*corner as usize];
+    }
+    numbers
+}
+
+/// The particle of each vertex: its leader's, or else the nearest.
+fn followed(positions: &[Vec3], kept: &[Vec3], leaders: &[u32], particles: &[u32]) -> Vec<u32> {
+    let mut nearest = None;
+    let particle = |(&leader, &position): (&u32, &Vec3)| match particles.get(leader as usize) {
+        Some(&particle) if particle != NONE => particle,
+        _ => nearest.get_or_insert_with(|| Nearest::new(kept)).find(position),
+    };
+    leaders.iter().zip(positions).map(particle).collect()
+}
+
+/// Sorts the sides of all triangles, so that those of one edge lie together; drops the later ones of triangles with the same
+/// edge and the same corner opposite, which are the same triangle.
+///
+/// A side is one number for the sort: edge, opposite corner, triangle.
+fn edges_and_bends(triangles: &mut Vec<[u32; 3]>) -> (Vec<[u32; 2]>, Vec<Bend>) {
+    let side = |a: u32, b: u32, opposite: u32, triangle: u32| {
+        let join = |high: u128, low: u32| high << 32 | u128::from(low);
+        [a.max(b), opposite, triangle].into_iter().fold(u128::from(a.min(b)), join)
+    };
+    let three =
+        |(i, &[a, b, c]): (u32, &[u32; 3])| [side(a, b, c, i), side(b, c, a, i), side(c, a, b, i)];
+    let mut sides: Vec<u128> = (0..).zip(triangles.iter()).flat_map(three).collect();
+    sides.sort_unstable();
+    let mut repeated = vec![false; triangles.len()];
+    sides.dedup_by(|later, first| {
+        let same = *later >> 32 == *first >> 32;
+        repeated[*later as u32 as usize] |= same;
+        same
+    });
+    let (mut edges, mut bends) =
+        (Vec::with_capacity(sides.len()), Vec::with_capacity(sides.len() / 2));
+    for edge in sides.chunk_by(|a, b| a >> 64 == b >> 64) {
+        let ends = [(edge[0] >> 96) as u32, (edge[0] >> 64) as u32];
+        edges.push(ends);
+        if let [low, high] = *edge {
+            let opposite = [(low >> 32) as u32, (high >> 32) as u32];
+            bends.push(Bend { edge: ends, opposite });
+        }
+    }
+    let mut gone = repeated.iter();
+    triangles.retain(|_| gone.next() != Some(&true));
+    (edges, bends)
+}
+
+#[cfg(test)]
+mod tests;

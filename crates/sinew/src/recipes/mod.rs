@@ -1,0 +1,51 @@
+//! Recipes: a shape goes in, particles and constraints come out. No engine is needed: [`Blueprint::build`] puts the result
+//! into a [`Simulation`](crate::Simulation), and a plugin may spawn it as entities instead.
+//!
+//! Every recipe takes a `...Spec` with defaults, refuses what it cannot build with a fault of its own, and returns a
+//! [`Blueprint`] in the body's own coordinates. The same spec gives the same bits on every machine: sums and lengths are
+//! taken in `f64` with plain arithmetic, sines in `libm`, and nothing is ordered by a hash.
+
+mod blueprint;
+mod build;
+mod cloth;
+mod cloth_mesh;
+mod mesh;
+mod nearest;
+mod ragdoll;
+mod rope;
+mod solid_box;
+
+pub use blueprint::{Blueprint, BlueprintFault, Part};
+pub use cloth::{ClothFault, ClothMaterial, ClothSpec, cloth_grid, grid_uvs};
+pub use cloth_mesh::cloth_from_mesh;
+pub use mesh::{Bend, MeshFault, Weld, weld};
+pub use ragdoll::{RagdollFault, RagdollParticle, RagdollSpec, ragdoll};
+pub use rope::{RopeFault, RopeSpec, rope};
+pub use solid_box::{BoxFault, BoxLayout, BoxSpec, box_2d, box_3d};
+
+use std::ops::RangeInclusive;
+
+/// Lengths that a recipe accepts, metres. Squares, volumes and their inverses then stay inside `f32` with room to spare.
+const LENGTHS: RangeInclusive<f32> = 1e-6..=1e6;
+
+/// Masses that a recipe accepts for a whole body, kilograms: a pollen grain to a mountain. Shared among as many particles as
+/// there may be, each keeps an inverse that is an ordinary number.
+const MASSES: RangeInclusive<f32> = 1e-9..=1e12;
+
+/// Most particles that a recipe makes: as far as `f32` counts without gaps.
+const MOST_PARTICLES: u64 = 1 << 24;
+
+/// Whether `x` may be a particle's radius: a length in metres, or none at all.
+fn is_radius(x: f32) -> bool {
+    (0.0..=*LENGTHS.end()).contains(&x)
+}
+
+/// Whether `x` may be a particle's drag: a share per second.
+fn is_drag(x: f32) -> bool {
+    (0.0..=1.0).contains(&x)
+}
+
+/// Whether `x` may be a compliance: metres per newton, 0 for a hard constraint.
+fn is_compliance(x: f32) -> bool {
+    x.is_finite() && x >= 0.0
+}

@@ -1,0 +1,93 @@
+//! The cascade: constraints enforced one after the other, again and again, until they all hold well enough (Gauss–Seidel).
+
+use crate::constraints::{Constraints, Contact, Distance, project};
+use crate::particles::Particles;
+use crate::solve::{Plan, SolverReport, SolverSettings};
+
+/// Sweeps until the largest error met is within the tolerance, at most `max_sweeps` times; adds to the report.
+///
+/// Distances come first, colour by colour, contacts last: what must not be seen to fail, a foot in the ground, has the last word. The
+/// order never changes from substep to substep, because alternating it pumps energy. A sweep's error is what it *found*, before it
+/// corrected it: reaching the tolerance therefore costs no extra pass, and is never claimed too early.
+pub(crate) fn cascade(
+    particles: &mut Particles,
+    constraints: &Constraints,
+    plan: &mut Plan,
+    settings: &SolverSettings,
+    h: f32,
+    report: &mut SolverReport,
+) {
+    plan.lambdas.fill(0.0);
+    let compliance_scale = 1.0 / (h * h);
+    for sweep in 1..=settings.max_sweeps {
+        let found = sweep_distances(particles, plan, compliance_scale)
+            .max(sweep_contacts(particles, constraints));
+        report.sweeps += 1;
+        report.most_sweeps = report.most_sweeps.max(sweep);
+        if found <= settings.tolerance {
+            return;
+        }
+    }
+    report.converged = false;
+}
+
+/// Measures what is left, moving nothing: largest error of the hard constraints in metres, and largest strain of the hard distances.
+pub(crate) fn measure(
+    particles: &Particles,
+    constraints: &Constraints,
+    plan: &Plan,
+    report: &mut SolverReport,
+) {
+    let (mut error, mut strain) = (0.0_f32, 0.0_f32);
+    for distance in plan.distances.iter().filter(|d| d.compliance == 0.0) {
+        let (a, b) = (distance.a as usize, distance.b as usize);
+        if particles.inverse_mass(a) + particles.inverse_mass(b) == 0.0 {
+            continue;
+        }
+        let left = distance.error(particles.position(a), particles.position(b));
+        error = error.max(left);
+        if distance.rest > 0.0 {
+            strain = strain.max(left / distance.rest);
+        }
+    }
+    for plane in constraints.planes.iter().filter(|p| p.is_valid()) {
+        error = error.max(plane.error(particles));
+    }
+    for room in constraints.boxes.iter().filter(|b| b.is_valid()) {
+        error = error.max(room.error(particles));
+    }
+    report.error = error;
+    report.strain = strain;
+}
+
+/// Projects every distance once and returns the largest error found among the hard ones, metres.
+fn sweep_distances(particles: &mut Particles, plan: &mut Plan, compliance_scale: f32) -> f32 {
+    let positions = particles.position.as_mut_slice();
+    let mut worst = 0.0_f32;
+    for range in &plan.colours {
+        let distances = &plan.distances[range.clone()];
+        let lambdas = &mut plan.lambdas[range.clone()];
+        for (distance, lambda) in distances.iter().zip(lambdas) {
+            let Distance { a, b, rest, compliance, bound } = *distance;
+            let scaled = compliance * compliance_scale;
+            let error = project(positions, a, b, rest, scaled, bound, lambda);
+            // A soft distance is not meant to be kept, so it does not ask for another sweep.
+            if compliance == 0.0 {
+                worst = worst.max(error);
+            }
+        }
+    }
+    worst
+}
+
+/// Projects every particle out of every plane and into every box once; returns the deepest it found, metres.
+fn sweep_contacts(particles: &mut Particles, constraints: &Constraints) -> f32 {
+    let mut worst = 0.0_f32;
+    for plane in constraints.planes.iter().filter(|p| p.is_valid()) {
+        worst = worst.max(plane.project_all(particles));
+    }
+    for room in constraints.boxes.iter().filter(|b| b.is_valid()) {
+        worst = worst.max(room.project_all(particles));
+    }
+    worst
+}

@@ -1,0 +1,158 @@
+//! What must not happen, whatever a caller does.
+
+use sinew::glam::Vec3;
+use sinew::recipes::{BoxSpec, ClothSpec, RagdollSpec, box_3d, cloth_grid, ragdoll};
+use sinew::{Bound, Distance, ParticleSeed, Plane, Simulation};
+
+fn on_the_ground() -> Simulation {
+    let mut world = Simulation::default();
+    world.constraints.planes.push(Plane::ground(0.0));
+    world
+}
+
+/// Largest error of a rod as a share of its length. The limits of the joints are inequalities, and not bones.
+fn longest_error_of_bones(world: &Simulation) -> f32 {
+    let place = |row: u32| world.particles.position(row as usize);
+    let bones = world.distances().iter().filter(|d| d.bound == Bound::Equal);
+    bones.map(|d| d.error(place(d.a), place(d.b)) / d.rest).fold(0.0, f32::max)
+}
+
+#[test]
+fn a_box_lands_tumbles_and_keeps_its_distances_within_half_a_percent() {
+    let mut world = on_the_ground();
+    let turned = sinew::glam::Quat::from_xyzw(0.18, 0.36, 0.54, 0.74).normalize();
+    box_3d(&BoxSpec::default())
+        .unwrap()
+        .transformed(turned, Vec3::Y * 3.0)
+        .build(&mut world)
+        .unwrap();
+    let mut worst = 0.0_f32;
+    for _ in 0..300 {
+        worst = worst.max(world.step(1.0 / 60.0).unwrap().strain);
+    }
+    assert!(worst < 0.005, "{worst}");
+    let lowest = (0..8).map(|i| world.particles.position(i).y).fold(f32::MAX, f32::min);
+    assert!(lowest > -1e-3 && lowest < 1e-3, "{lowest}");
+    let centre = (0..8).map(|i| world.particles.position(i)).sum::<Vec3>() / 8.0;
+    assert!((centre.y - 0.5).abs() < 0.01, "it lies on a face: {centre}");
+}
+
+#[test]
+fn a_ragdoll_collapses_and_its_bones_keep_their_lengths_within_one_percent() {
+    let mut world = on_the_ground();
+    let body = ragdoll(&RagdollSpec::default()).unwrap();
+    body.transformed(sinew::glam::Quat::IDENTITY, Vec3::Y * 0.5).build(&mut world).unwrap();
+    world.particles.add_impulse(0, Vec3::new(8.0, 0.0, -12.0));
+    let mut worst = 0.0_f32;
+    for _ in 0..360 {
+        world.step(1.0 / 60.0).unwrap();
+        worst = worst.max(longest_error_of_bones(&world));
+    }
+    assert!(worst < 0.01, "{worst}");
+    let highest =
+        (0..world.particles.len()).map(|i| world.particles.position(i).y).fold(0.0, f32::max);
+    assert!(highest < 0.9, "it has collapsed: {highest}");
+}
+
+#[test]
+fn stiff_cloth_on_two_corners_stays_finite_and_close_to_its_size() {
+    let mut world = Simulation::default();
+    let spec = ClothSpec { columns: 63, rows: 63, ..Default::default() };
+    let mut cloth = cloth_grid(&spec).unwrap();
+    let [left, right, ..] = spec.corners();
+    cloth.pin(left).unwrap();
+    cloth.pin(right).unwrap();
+    cloth.build(&mut world).unwrap();
+    world.settings.max_sweeps = 1;
+    for _ in 0..240 {
+        world.step(1.0 / 60.0).unwrap();
+    }
+    let lowest =
+        (0..world.particles.len()).map(|i| world.particles.position(i).y).fold(0.0, f32::min);
+    assert!(lowest.is_finite() && lowest > -1.0 && lowest < -0.3, "{lowest}");
+}
+
+#[test]
+fn a_step_of_no_length_or_no_number_is_refused_and_changes_nothing() {
+    let mut world = on_the_ground();
+    world.particles.push(ParticleSeed::at(Vec3::Y).with_velocity(Vec3::X)).unwrap();
+    for dt in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-40] {
+        assert!(world.step(dt).is_err(), "{dt}");
+        assert_eq!(world.particles.position(0), Vec3::Y);
+        assert_eq!(world.time, 0.0);
+    }
+}
+
+#[test]
+fn settings_out_of_range_are_clamped() {
+    let mut world = on_the_ground();
+    world.particles.push(ParticleSeed::at(Vec3::Y)).unwrap();
+    world.settings.substeps = 0;
+    world.settings.max_sweeps = 0;
+    world.settings.tolerance = f32::NAN;
+    let report = world.step(1.0 / 60.0).unwrap();
+    assert_eq!((report.substeps, report.sweeps), (1, 1));
+}
+
+#[test]
+fn a_particle_that_turns_non_finite_is_put_back_and_reported() {
+    let mut world = on_the_ground();
+    world.particles.push(ParticleSeed::at(Vec3::Y)).unwrap();
+    world.particles.push(ParticleSeed::at(Vec3::Y * 2.0)).unwrap();
+    world.particles.set_external_force(0, Vec3::X * f32::MAX);
+    let frozen = world.step(10.0).unwrap().frozen.clone();
+    assert_eq!(frozen, [0]);
+    assert_eq!(world.particles.position(0), Vec3::Y);
+    assert!(world.particles.position(1).is_finite());
+}
+
+#[test]
+fn a_faulty_distance_changes_no_bit_of_the_rest() {
+    let run = |faulty: bool| {
+        let mut world = on_the_ground();
+        box_3d(&BoxSpec::default())
+            .unwrap()
+            .transformed(sinew::glam::Quat::IDENTITY, Vec3::Y * 2.0)
+            .build(&mut world)
+            .unwrap();
+        if faulty {
+            world.distances_mut().insert(3, Distance::new(2, 2, 1.0));
+            world.distances_mut().push(Distance::new(0, 99, 1.0));
+            world.distances_mut().push(Distance::new(0, 1, f32::NAN));
+        }
+        for _ in 0..120 {
+            world.step(1.0 / 60.0).unwrap();
+        }
+        (0..8).map(|i| world.particles.seed(i)).collect::<Vec<_>>()
+    };
+    assert_eq!(run(true), run(false));
+}
+
+#[test]
+fn the_same_world_gives_the_same_bits_twice() {
+    let run = || {
+        let mut world = on_the_ground();
+        let body = ragdoll(&RagdollSpec::default()).unwrap();
+        body.build(&mut world).unwrap();
+        for _ in 0..240 {
+            world.step(1.0 / 60.0).unwrap();
+        }
+        (0..world.particles.len()).map(|i| world.particles.position(i)).collect::<Vec<_>>()
+    };
+    assert_eq!(run(), run());
+}
+
+#[test]
+fn the_report_tells_convergence_from_a_spent_budget() {
+    let mut world = on_the_ground();
+    world.particles.push(ParticleSeed::at(Vec3::Y)).unwrap();
+    assert!(world.step(1.0 / 60.0).unwrap().converged);
+    // Two rods of one pair that contradict each other.
+    world.particles.push(ParticleSeed::at(Vec3::Y * 2.0)).unwrap();
+    world.distances_mut().push(Distance::new(0, 1, 1.0));
+    world.distances_mut().push(Distance::new(0, 1, 2.0));
+    let report = world.step(1.0 / 60.0).unwrap();
+    assert!(!report.converged);
+    assert_eq!(report.most_sweeps, 4);
+    assert!(report.error > 0.3, "{}", report.error);
+}
