@@ -1,0 +1,65 @@
+//! What is behind and below everything: a soft sky, and a ground that fades into it like a photographer's paper roll.
+
+use glam::Vec3;
+
+use super::{camera::View, image::linear_of};
+
+/// Colours in linear light, and the scale of the ground's squares.
+pub(super) struct Backdrop {
+    pub(super) zenith: Vec3,
+    pub(super) horizon: Vec3,
+    squares: [Vec3; 2],
+    cell: f32,
+    target: Vec3,
+    distance: f32,
+    height: Option<f32>,
+}
+
+impl Backdrop {
+    pub(super) fn new(view: &View, height: Option<f32>) -> Self {
+        Self {
+            zenith: linear_of([0.47, 0.65, 0.87]),
+            horizon: linear_of([0.91, 0.94, 0.965]),
+            squares: [
+                linear_of([0.885, 0.885, 0.88]),
+                linear_of([0.825, 0.83, 0.84]),
+            ],
+            cell: 10f32.powf((view.distance / 7.0).log10().round()),
+            target: view.target,
+            distance: view.distance,
+            height,
+        }
+    }
+
+    /// The sky in a direction.
+    #[inline]
+    pub(super) fn sky(&self, ray: Vec3) -> Vec3 {
+        let rise = ray.y / ray.length();
+        let t = (rise * 2.2).clamp(0.0, 1.0);
+        self.horizon.lerp(self.zenith, t * (2.0 - t))
+    }
+
+    /// How far along `ray` the ground is, if it is seen from above.
+    #[inline]
+    pub(super) fn ground_depth(&self, eye: Vec3, ray: Vec3) -> Option<f32> {
+        let below = eye.y - self.height?;
+        (below > 0.0 && ray.y < 0.0).then(|| below / -ray.y)
+    }
+
+    /// The ground's own colour at a point, for a sample this wide, and how much of it has faded into the sky there.
+    #[inline]
+    pub(super) fn ground(&self, point: Vec3, width: [f32; 2]) -> (Vec3, f32) {
+        let square = |x: f32, width: f32| {
+            // The mean over the sample's width of a wave that is +1 on even squares and -1 on odd ones.
+            let w = (width / self.cell).max(1e-3);
+            let sum = |x: f32| 1.0 - 4.0 * (x * 0.5 - (x * 0.5).floor() - 0.5).abs();
+            let x = x / self.cell;
+            (sum(x + w * 0.5) - sum(x - w * 0.5)) * 0.5 / w
+        };
+        let checker = 0.5 + 0.5 * square(point.x, width[0]) * square(point.z, width[1]);
+        let away = point.with_y(self.target.y).distance(self.target) / self.distance;
+        let fade = ((away - 0.5) / 3.5).clamp(0.0, 1.0);
+        let fade = fade * fade * (3.0 - 2.0 * fade);
+        (self.squares[0].lerp(self.squares[1], checker), fade)
+    }
+}

@@ -1,0 +1,38 @@
+//! Pictures without a GPU, for `gallery --headless`: a build server, a container or a remote shell has no display, and
+//! still deserves to see what the solver did.
+//!
+//! A [`Scene`] goes in, an [`Image`] comes out of [`render`]; [`write_png`], [`write_gif`] and [`contact_sheet`] make
+//! files of images. How one picture comes about, a file a stage:
+//!
+//! 1. `geometry` turns items and lines into plain triangles, and skips what cannot be drawn.
+//! 2. `raster` clips them and lets the `euc` crate find which triangle each sample sees, for the eye and for the sun.
+//! 3. `shadow` and `occlusion` answer how much of the sun and of the sky reaches a point.
+//! 4. `shade` colours each sample, in front of the `backdrop` of ground and sky, and averages samples to pixels.
+//!
+//! Nothing here knows Bevy: whoever calls brings world-space triangles.
+
+mod animation;
+mod backdrop;
+mod camera;
+#[cfg(test)]
+mod file_tests;
+mod geometry;
+mod image;
+mod occlusion;
+mod raster;
+mod scene;
+mod shade;
+mod shadow;
+mod sheet;
+#[cfg(test)]
+mod tests;
+mod text;
+mod texture;
+
+pub(crate) use animation::write_gif;
+pub(crate) use camera::Camera;
+pub(crate) use image::{Image, write_png};
+pub(crate) use scene::{Item, Line, Scene, palette};
+pub(crate) use shade::render;
+pub(crate) use sheet::contact_sheet;
+pub(crate) use texture::Texture;

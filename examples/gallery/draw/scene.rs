@@ -1,0 +1,99 @@
+//! What a picture shows: the input of `render`, in world space, so that a caller only copies what it already has.
+
+use std::{borrow::Cow, sync::Arc};
+
+use glam::{Vec2, Vec3};
+
+use super::{Camera, Texture};
+
+/// One moment to draw.
+pub(crate) struct Scene<'a> {
+    /// From where it is seen.
+    pub(crate) camera: Camera,
+    /// Points from the scene to the sun; the length does not matter.
+    pub(crate) sun: Vec3,
+    /// Height of the endless ground, or `None` for things that float in the sky.
+    pub(crate) ground: Option<f32>,
+    /// Surfaces.
+    pub(crate) items: Vec<Item<'a>>,
+    /// Strokes: springs, ropes, gizmos.
+    pub(crate) lines: Vec<Line>,
+}
+
+impl Scene<'_> {
+    /// Nothing yet, on the ground at height 0, under a late-morning sun from the left behind a camera that looks along -Z.
+    pub(crate) fn new(camera: Camera) -> Self {
+        Self {
+            camera,
+            sun: Vec3::new(-0.55, 0.95, 0.8),
+            ground: Some(0.0),
+            items: Vec::new(),
+            lines: Vec::new(),
+        }
+    }
+}
+
+/// A triangle mesh. Triangles with a corner that is missing or not finite, and those without area, are left out.
+#[derive(Clone)]
+pub(crate) struct Item<'a> {
+    /// Vertices in world space.
+    pub(crate) positions: Cow<'a, [Vec3]>,
+    /// A normal per vertex. `None` works them out, smooth across shared vertices but not across sharp edges, so that
+    /// both a cloth and a box of eight vertices look right.
+    pub(crate) normals: Option<Cow<'a, [Vec3]>>,
+    /// A texture coordinate per vertex, (0, 0) at the top left of the texture, repeating.
+    pub(crate) uvs: Option<Cow<'a, [Vec2]>>,
+    /// Three vertices a triangle, counter-clockwise seen from the front.
+    pub(crate) indices: Cow<'a, [[u32; 3]]>,
+    /// sRGB, 0 to 1 a channel; multiplies the texture.
+    pub(crate) color: [f32; 3],
+    /// Drawn with `uvs`.
+    pub(crate) texture: Option<Arc<Texture>>,
+    /// A sheet: visible from behind too, and some sunlight shines through it.
+    pub(crate) double_sided: bool,
+}
+
+impl<'a> Item<'a> {
+    /// A closed body of one colour.
+    pub(crate) fn new(
+        positions: impl Into<Cow<'a, [Vec3]>>,
+        indices: impl Into<Cow<'a, [[u32; 3]]>>,
+        color: [f32; 3],
+    ) -> Self {
+        Self {
+            positions: positions.into(),
+            normals: None,
+            uvs: None,
+            indices: indices.into(),
+            color,
+            texture: None,
+            double_sided: false,
+        }
+    }
+}
+
+/// A straight stroke, some pixels wide however far away, that casts a thin shadow.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line {
+    /// Where it starts.
+    pub(crate) from: Vec3,
+    /// Where it ends.
+    pub(crate) to: Vec3,
+    /// sRGB, 0 to 1 a channel; not shaded.
+    pub(crate) color: [f32; 3],
+}
+
+/// Colours (sRGB) that go together and stand out from ground and sky; the index wraps around.
+pub(crate) fn palette(index: usize) -> [f32; 3] {
+    const COLORS: [[u8; 3]; 8] = [
+        [226, 88, 66],
+        [42, 122, 186],
+        [240, 172, 56],
+        [46, 157, 128],
+        [133, 92, 172],
+        [226, 122, 146],
+        [96, 160, 66],
+        [70, 84, 110],
+    ];
+    COLORS[index % COLORS.len()].map(|c| f32::from(c) / 255.0)
+}

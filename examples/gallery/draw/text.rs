@@ -1,0 +1,74 @@
+//! Words on pictures, with the fonts that the panel (egui) brings along anyway.
+
+use std::sync::OnceLock;
+
+use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
+
+use super::Image;
+
+/// How a piece of text looks.
+#[derive(Clone, Copy)]
+pub(super) struct Style {
+    /// Height of a line, in pixels.
+    pub(super) size: f32,
+    pub(super) color: [u8; 3],
+}
+
+/// Writes one line, its top left corner at (`x`, `y`); characters that the font lacks are boxes.
+pub(super) fn write(image: &mut Image, [x, y]: [f32; 2], style: Style, text: &str) {
+    let font = font().as_scaled(PxScale::from(style.size));
+    let mut pen = x;
+    let mut last = None;
+    for letter in text.chars() {
+        let id = font.glyph_id(letter);
+        pen += last.map_or(0.0, |last| font.kern(last, id));
+        last = Some(id);
+        let glyph = id.with_scale_and_position(style.size, point(pen, y + font.ascent()));
+        pen += font.h_advance(id);
+        if let Some(outline) = font.outline_glyph(glyph) {
+            let corner = outline.px_bounds().min;
+            outline.draw(|dx, dy, coverage| {
+                let at = [
+                    corner.x as i64 + i64::from(dx),
+                    corner.y as i64 + i64::from(dy),
+                ];
+                // A light typeface: thin strokes would fade into the paper without a little help.
+                image.blend(at[0], at[1], style.color, coverage.powf(0.75));
+            });
+        }
+    }
+}
+
+/// How wide a line of text gets, in pixels.
+pub(super) fn width(style: Style, text: &str) -> f32 {
+    let font = font().as_scaled(PxScale::from(style.size));
+    let mut last = None;
+    let advance = |letter| {
+        let id = font.glyph_id(letter);
+        let kern = last.replace(id).map_or(0.0, |last| font.kern(last, id));
+        kern + font.h_advance(id)
+    };
+    text.chars().map(advance).sum()
+}
+
+/// As much of a text as fits, with an ellipsis if that is not all of it.
+pub(super) fn shortened(style: Style, text: &str, room: f32) -> String {
+    if width(style, text) <= room {
+        return text.to_owned();
+    }
+    let mut short = text.to_owned();
+    while short.pop().is_some() {
+        let with_dots = format!("{}…", short.trim_end());
+        if width(style, &with_dots) <= room {
+            return with_dots;
+        }
+    }
+    String::new()
+}
+
+fn font() -> &'static FontRef<'static> {
+    static FONT: OnceLock<FontRef<'static>> = OnceLock::new();
+    FONT.get_or_init(|| {
+        FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT).expect("a font that egui ships")
+    })
+}
