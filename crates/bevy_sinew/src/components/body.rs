@@ -1,0 +1,124 @@
+//! Bodies: which particles belong together, and what is read back from them.
+
+use bevy::prelude::*;
+
+use crate::rows::Rows;
+
+/// A body made of particles. Despawn it and its particles, springs and constraints go too.
+///
+/// Its `Transform` is where the recipe builds it. What the transform does afterwards depends on the body: a rigid one has a
+/// [`RigidPose`] that writes it; for cloth and ropes it stays the frame in which the mesh is written. Either way, a game that moves it
+/// teleports the particles along.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(Component, Default, Clone)]
+#[require(Transform, ExtractedTransform, Rows<BodyParticles>)]
+#[require(LinearVelocity, AngularVelocity, Barycenter)]
+pub struct ParticleBody;
+
+/// Says to which body a particle belongs.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Component, Clone, PartialEq)]
+#[relationship(relationship_target = BodyParticles)]
+pub struct ParticleOf(#[entities] pub Entity);
+
+/// The particles of a body, in the order in which they joined it.
+#[derive(Component, Reflect, Clone, Debug, Default)]
+#[reflect(Component, Default)]
+#[relationship_target(relationship = ParticleOf, linked_spawn)]
+pub struct BodyParticles(Vec<Entity>);
+
+/// Says to which body a spring or a constraint belongs, so that it goes when the body goes.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Component, Clone, PartialEq)]
+#[relationship(relationship_target = BodyConstraints)]
+pub struct ConstraintOf(#[entities] pub Entity);
+
+/// The springs and constraints of a body.
+#[derive(Component, Reflect, Clone, Debug, Default)]
+#[reflect(Component, Default)]
+#[relationship_target(relationship = ConstraintOf, linked_spawn)]
+pub struct BodyConstraints(Vec<Entity>);
+
+/// Drives this entity's `Transform` with particles: after each tick it is the rotation and translation that best map `rest` onto them.
+///
+/// The best is in the sense of least mass-weighted squares ([`sinew::pose`]); the scale is left alone.
+#[derive(Component, Reflect, Clone, Debug, Default)]
+#[reflect(Component, Default, Clone)]
+#[require(Transform, Rows<RigidPose>)]
+pub struct RigidPose {
+    /// The particles that carry it.
+    #[entities]
+    pub particles: Vec<Entity>,
+    /// Where each of them sits in this entity's own frame, metres; as many as `particles`.
+    pub rest: Vec<Vec3>,
+}
+
+/// Triangles of particles on which [`Wind`](super::Wind) presses.
+#[derive(Component, Reflect, Clone, Debug, Default)]
+#[reflect(Component, Default, Clone)]
+pub struct WindSurface {
+    /// The corners of each triangle.
+    #[entities]
+    pub triangles: Vec<[Entity; 3]>,
+}
+
+/// Drives the vertices of this entity's `Mesh3d` with particles; normals follow.
+#[derive(Component, Reflect, Clone, Debug, Default)]
+#[reflect(Component, Default, Clone)]
+#[require(Transform, Rows<MeshFollow>)]
+pub struct MeshFollow {
+    /// The particle that each vertex follows, in the order of the mesh's vertices.
+    #[entities]
+    pub vertices: Vec<Entity>,
+}
+
+/// Draws a chain of particles as a tube: gives this entity a `Mesh3d` and keeps it around them.
+#[derive(Component, Reflect, Clone, Debug)]
+#[reflect(Component, Default, Clone)]
+#[require(Transform, Rows<TubeMesh>)]
+pub struct TubeMesh {
+    /// The particles along the middle of the tube.
+    #[entities]
+    pub particles: Vec<Entity>,
+    /// Radius of the tube, metres. Default 0.02.
+    pub radius: f32,
+    /// Edges of its cross-section, 3 to 64. Default 8.
+    pub sides: u32,
+}
+
+impl Default for TubeMesh {
+    fn default() -> Self {
+        Self { particles: Vec::new(), radius: 0.02, sides: 8 }
+    }
+}
+
+/// Eases what is drawn of this body between two ticks: its transforms (through `bevy_transform_interpolation`) and its mesh.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(Component, Default, Clone)]
+pub struct Interpolate;
+
+/// The transform that the simulation last knew. Where `Transform` differs from it, somebody else moved the entity, and its particles
+/// are moved along. Part of the state: save and restore it together with `Transform`.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct ExtractedTransform(pub Option<Transform>);
+
+/// Velocity of a body's barycentre, m/s: `Σ m v / Σ m`. Written after each tick.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct LinearVelocity(pub Vec3);
+
+/// Angular velocity of a body about its barycentre, rad/s: `I⁻¹ Σ m r×v`. Written after each tick.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct AngularVelocity(pub Vec3);
+
+/// A body's centre of mass in the world, metres, and its total mass without pinned particles, kg. Written after each tick.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct Barycenter {
+    /// `Σ m x / Σ m`, metres.
+    pub position: Vec3,
+    /// `Σ m`, kilograms.
+    pub mass: f32,
+}

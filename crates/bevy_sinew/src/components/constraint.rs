@@ -1,0 +1,107 @@
+//! What holds particles together: constraints that hold exactly, and springs that pull.
+
+use bevy::prelude::*;
+
+use super::order::{CreationOrder, mark_topology};
+
+/// Which way a distance is enforced.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum Bound {
+    /// Exactly the rest length: a rod. The default.
+    #[default]
+    Equal,
+    /// The rest length or less: a rope or a tether.
+    AtMost,
+    /// The rest length or more: a strut.
+    AtLeast,
+}
+
+/// Two particles stay a fixed distance apart: an entity of its own, to add, change or despawn at run time.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Clone, PartialEq)]
+#[require(CreationOrder)]
+#[component(on_add = mark_topology, on_remove = mark_topology)]
+pub struct DistanceConstraint {
+    /// One particle.
+    #[entities]
+    pub a: Entity,
+    /// The other particle.
+    #[entities]
+    pub b: Entity,
+    /// Length to keep, metres, 0 and up.
+    pub rest: f32,
+    /// Inverse stiffness, m/N; 0 (the default of [`new`](Self::new)) is hard.
+    pub compliance: f32,
+    /// Whether the length is kept both ways.
+    pub bound: Bound,
+}
+
+impl DistanceConstraint {
+    /// A hard rod of `rest` metres between two particles.
+    pub fn new(a: Entity, b: Entity, rest: f32) -> Self {
+        Self { a, b, rest, compliance: 0.0, bound: Bound::Equal }
+    }
+
+    /// The same with a compliance, m/N.
+    pub fn with_compliance(self, compliance: f32) -> Self {
+        Self { compliance, ..self }
+    }
+
+    /// The same as an inequality.
+    pub fn with_bound(self, bound: Bound) -> Self {
+        Self { bound, ..self }
+    }
+}
+
+/// A damped spring between two particles: an entity of its own.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Clone, PartialEq)]
+#[require(CreationOrder)]
+#[component(on_add = mark_topology, on_remove = mark_topology)]
+pub struct Spring {
+    /// One particle.
+    #[entities]
+    pub a: Entity,
+    /// The other particle.
+    #[entities]
+    pub b: Entity,
+    /// Length at which it exerts no force, metres.
+    pub rest: f32,
+    /// Stiffness, N/m.
+    pub stiffness: f32,
+    /// Damping along the spring, N·s/m; critical is `2√(kμ)` with `1/μ = 1/m_a + 1/m_b`.
+    pub damping: f32,
+}
+
+impl Spring {
+    /// An undamped spring of the given rest length (m) and stiffness (N/m).
+    pub fn new(a: Entity, b: Entity, rest: f32, stiffness: f32) -> Self {
+        Self { a, b, rest, stiffness, damping: 0.0 }
+    }
+
+    /// The same with a damping, N·s/m.
+    pub fn with_damping(self, damping: f32) -> Self {
+        Self { damping, ..self }
+    }
+}
+
+impl From<Bound> for sinew::Bound {
+    fn from(bound: Bound) -> Self {
+        match bound {
+            Bound::Equal => Self::Equal,
+            Bound::AtMost => Self::AtMost,
+            Bound::AtLeast => Self::AtLeast,
+        }
+    }
+}
+
+impl From<sinew::Bound> for Bound {
+    fn from(bound: sinew::Bound) -> Self {
+        match bound {
+            sinew::Bound::Equal => Self::Equal,
+            sinew::Bound::AtMost => Self::AtMost,
+            sinew::Bound::AtLeast => Self::AtLeast,
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! A particle and its properties.
+
+use bevy::prelude::*;
+
+use super::order::{CreationOrder, mark_topology};
+
+/// A point mass: the whole state of Verlet, in world coordinates.
+///
+/// The lectures keep the position and the previous one. This component keeps the same as a position, the mean velocity of the last
+/// substep, and that substep's length: `previous = position - velocity * lag`. That loses no digits far from the origin, starts exactly,
+/// and survives a change of the time step ([`sinew::particles`] says why).
+///
+/// Edit it at any time: `position` alone is a teleport, [`set_velocity`](Self::set_velocity) a change of velocity,
+/// [`add_impulse`](Self::add_impulse) a kick.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(Mass, CreationOrder, ParticleRow)]
+#[component(on_add = mark_topology, on_remove = mark_topology)]
+pub struct Particle {
+    /// Where it is, metres.
+    pub position: Vec3,
+    /// Mean velocity over the last `lag` seconds, m/s.
+    pub velocity: Vec3,
+    /// Length of the substep over which `velocity` is the mean, seconds; 0 says that the velocity is true now.
+    pub lag: f32,
+}
+
+impl Particle {
+    /// A particle at rest at `position` (metres).
+    pub fn at(position: Vec3) -> Self {
+        Self { position, ..default() }
+    }
+
+    /// The same with a velocity, m/s.
+    pub fn with_velocity(self, velocity: Vec3) -> Self {
+        Self { velocity, lag: 0.0, ..self }
+    }
+
+    /// Where it was one substep ago, metres: Verlet's previous position.
+    pub fn previous(&self) -> Vec3 {
+        self.position - self.velocity * self.lag
+    }
+
+    /// Sets the velocity, m/s, true at this instant.
+    pub fn set_velocity(&mut self, velocity: Vec3) {
+        self.velocity = velocity;
+        self.lag = 0.0;
+    }
+
+    /// Adds an impulse, N·s, to a particle of the given mass: its momentum changes by exactly that.
+    pub fn add_impulse(&mut self, impulse: Vec3, mass: Mass) {
+        self.velocity += impulse / mass.0;
+    }
+
+    /// Swaps the two positions of Verlet: undamped, unconstrained motion runs backwards from here.
+    pub fn reverse(&mut self) {
+        self.position = self.previous();
+        self.velocity = -self.velocity;
+    }
+}
+
+/// Mass in kilograms, positive. Default 1.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, PartialOrd)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct Mass(pub f32);
+
+impl Default for Mass {
+    fn default() -> Self {
+        Self(1.0)
+    }
+}
+
+/// Holds a particle: it has infinite mass for everything else, and only its pin moves it.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct Pinned {
+    /// The point it is led to over the next tick, metres; `None` (the default) holds it where it is.
+    pub target: Option<Vec3>,
+}
+
+impl Pinned {
+    /// Held where it is.
+    pub const HERE: Self = Self { target: None };
+
+    /// Led to `point` (metres) over the next tick, and held there.
+    pub fn at(point: Vec3) -> Self {
+        Self { target: Some(point) }
+    }
+}
+
+/// Holds a particle at a point of another entity, which may move: the end of a rope in a hand.
+///
+/// Removing it (or despawning the other entity) lets go of the particle.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Clone, PartialEq)]
+pub struct PinnedTo {
+    /// The entity whose `GlobalTransform` leads the particle.
+    #[entities]
+    pub entity: Entity,
+    /// Where on it, in its own coordinates.
+    pub offset: Vec3,
+}
+
+/// Radius in metres, 0 and up: how far from the ground the particle's centre stays, and how big a ball floats. Without it, 0.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct Radius(pub f32);
+
+/// Electric charge in coulombs. Without it, 0.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct Charge(pub f32);
+
+/// Share of its velocity that the particle loses per second, 0 to 1. Adds to [`AirDrag`](super::AirDrag) and to a fluid's. Without it, 0.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct Drag(pub f32);
+
+/// A force in newtons that the game exerts on the particle in every substep, until it is changed or removed.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct ExternalForce(pub Vec3);
+
+/// Which row of the solver's columns holds this particle. Scratch: it is given anew whenever particles come or go.
+///
+/// A force system of a game's own reads it to find the particle in [`SinewWorld`](crate::SinewWorld).
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[component(clone_behavior = Ignore)]
+pub struct ParticleRow(pub(crate) u32);
+
+impl ParticleRow {
+    /// The row, or `None` before the particle's first tick.
+    pub fn get(self) -> Option<usize> {
+        (self.0 != u32::MAX).then_some(self.0 as usize)
+    }
+}
+
+impl Default for ParticleRow {
+    fn default() -> Self {
+        Self(u32::MAX)
+    }
+}

@@ -1,0 +1,132 @@
+//! Particle physics for Bevy: Verlet particles, springs and positional constraints as plain ECS data, which become boxes, ropes, ragdolls
+//! and cloth.
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_sinew::prelude::*;
+//!
+//! fn main() {
+//!     let mut app = App::new();
+//!     app.add_plugins((MinimalPlugins, SinewPlugins)).add_systems(Startup, setup);
+//!     # app.finish();
+//!     app.update();
+//! }
+//!
+//! fn setup(mut commands: Commands) {
+//!     commands.spawn(Ground::default());
+//!     commands.spawn((ParticleBox::new(Vec3::ONE), Transform::from_xyz(0.0, 3.0, 0.0)));
+//! }
+//! ```
+//!
+//! # What a game touches
+//!
+//! - A **particle** is an entity with [`Particle`] and [`Mass`]; [`Pinned`], [`PinnedTo`], [`Radius`], [`Charge`], [`Drag`] and [`ExternalForce`] say more.
+//! - A **spring** or a **constraint** is an entity: [`Spring`], [`DistanceConstraint`]. Add, change or despawn one and the next tick knows.
+//! - A **body** is an entity with a recipe: [`ParticleBox`], [`Rope`], [`Cloth`], [`Ragdoll`]. It builds its particles, and takes them with it.
+//! - The **surroundings** are [`Ground`], [`BoundingBox`], [`Wind`], [`Fluid`] (entities), [`Gravity`], [`AirDrag`], [`Electric`] (resources).
+//! - **Read back** are `Transform` ([`RigidPose`]), meshes ([`MeshFollow`], [`TubeMesh`]), [`LinearVelocity`], [`AngularVelocity`], [`Barycenter`];
+//!   [`SinewWorld::report`] says how the solver fared, and [`Refused`] messages what it set aside.
+//!
+//! SI units throughout: metres, seconds, kilograms, newtons.
+//!
+//! # How a tick flows
+//!
+//! ```text
+//! components --Gather--> columns --[ phases ] x substeps--> columns --Scatter--> components --Extract--> Transform, velocities
+//!                                                                                                  \--> meshes, once a frame
+//! ```
+//!
+//! One tick runs in `FixedPostUpdate`, in the sets of [`SinewSystems`]:
+//!
+//! 1. **Build**: new or changed recipes become particles and constraints, in world coordinates, where their `Transform` is.
+//! 2. **Gather**: every particle is copied into its row of the solver's columns; bad ones are set aside, each with one message. Rows follow the
+//!    order of creation ([`CreationOrder`]). Constraints are compiled again only if something came, went or changed. A `Transform` that somebody
+//!    else moved teleports its body, here and nowhere else.
+//! 3. **Substeps**: [`SubstepSchedule`] runs [`SolverConfig::substeps`] times; each phase is a system in its own set of [`PhaseSystems`].
+//! 4. **Scatter**: the columns go back into [`Particle`].
+//! 5. **Extract**: transforms and velocities are read off.
+//!
+//! The ECS is the state. What is not in a component, in [`SinewClock`] or in the configuration resources does not survive a tick: save and restore
+//! those, and the simulation goes on bit for bit. [`ExtractedTransform`] and [`CreationOrder`] are part of that; [`SinewWorld`] is not.
+//!
+//! # A force of one's own
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_sinew::prelude::*;
+//! #[derive(Component)]
+//! struct Rocket;
+//!
+//! fn thrust(mut world: ResMut<SinewWorld>, rockets: Query<&ParticleRow, With<Rocket>>) {
+//!     for row in &rockets {
+//!         if let Some(i) = row.get() {
+//!             world.particles_mut().add_force(i, Vec3::Y * 20.0);
+//!         }
+//!     }
+//! }
+//!
+//! # let mut app = App::new();
+//! # app.add_plugins((MinimalPlugins, SinewPlugins));
+//! app.add_systems(SubstepSchedule, thrust.in_set(PhaseSystems::AccumulateForces));
+//! ```
+//!
+//! # The map
+//!
+//! | folder | what it holds |
+//! |---|---|
+//! | `components` | what a game spawns, edits and reads: the state |
+//! | `recipes` | bodies that build themselves |
+//! | `schedule` | the sets, the phases and the driver of the substeps |
+//! | `step` | layout, gather, links, scatter, extract: components to columns and back |
+//! | `world` | the columns and tables, scratch of a tick |
+//! | `show` | meshes, tubes and gizmos: nothing there is read back |
+//! | `messages` | what is said when something is wrong |
+//!
+//! Everything physical is in the crate [`sinew`], which knows no engine.
+
+mod components;
+mod config;
+mod messages;
+mod plugin;
+mod recipes;
+mod rows;
+mod schedule;
+mod show;
+mod step;
+mod world;
+
+pub use components::{
+    AirDrag, AngularVelocity, Barycenter, BodyConstraints, BodyParticles, Bound, BoundingBox,
+    Charge, ConstraintOf, CreationOrder, DistanceConstraint, Drag, Electric, ExternalForce,
+    ExtractedTransform, Fluid, Gravity, Ground, Interpolate, LinearVelocity, Mass, MeshFollow,
+    Particle, ParticleBody, ParticleOf, ParticleRow, Pinned, PinnedTo, Radius, RigidPose, Spring,
+    TubeMesh, Wind, WindSurface,
+};
+pub use config::SolverConfig;
+pub use messages::{Refusal, Refused};
+#[cfg(feature = "interpolation")]
+pub use plugin::EasePlugin;
+pub use plugin::{SinewPlugin, SinewPlugins};
+pub use recipes::{
+    BodyPart, BodyParts, BoxParticles, Cloth, ClothPins, ClothShape, PartOf, ParticleBox, Ragdoll,
+    Rope,
+};
+pub use schedule::{
+    PhaseSystems, SinewClock, SinewControl, SinewSystems, SubstepSchedule, TickTime,
+};
+#[cfg(feature = "gizmos")]
+pub use show::{SinewGizmoConfigGroup, SinewGizmoPlugin};
+pub use sinew;
+pub use world::SinewWorld;
+
+/// What most games want in scope.
+pub mod prelude {
+    pub use crate::{
+        AirDrag, AngularVelocity, Barycenter, BodyPart, Bound, BoundingBox, Charge, Cloth,
+        ClothPins, ClothShape, ConstraintOf, DistanceConstraint, Drag, Electric, ExternalForce,
+        Fluid, Gravity, Ground, Interpolate, LinearVelocity, Mass, Particle, ParticleBody,
+        ParticleBox, ParticleOf, ParticleRow, PhaseSystems, Pinned, PinnedTo, Radius, Ragdoll,
+        Refused, RigidPose, Rope, SinewClock, SinewControl, SinewPlugins, SinewSystems, SinewWorld,
+        SolverConfig, Spring, SubstepSchedule, Wind,
+    };
+}

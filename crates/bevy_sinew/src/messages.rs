@@ -1,0 +1,69 @@
+//! What the simulation says when something is wrong: one message, once, that names the entity.
+
+use bevy::prelude::*;
+use sinew::recipes::{BoxFault, ClothFault, RagdollFault, RopeFault};
+use sinew::{DistanceFault, ParticleFault, SpringFault};
+
+/// Something was set aside, or put back. The rest of the simulation goes on as if it were not there.
+///
+/// Sent once when it happens, and again only after it was mended and broke anew. It is logged as a warning as well.
+#[derive(Message, Clone, Debug, PartialEq)]
+pub struct Refused {
+    /// The particle, spring, constraint or body.
+    pub entity: Entity,
+    /// What is wrong with it.
+    pub reason: Refusal,
+}
+
+/// Why something was refused. Its text reads on after the name of the entity.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    /// A particle with a bad number; it is left out until the number is mended.
+    #[error("is set aside: {0}")]
+    Particle(ParticleFault),
+    /// A particle that turned non-finite during a tick; it is put back to where the tick began, at rest.
+    #[error("turned non-finite and was put back to where the tick began, at rest")]
+    Diverged,
+    /// A distance constraint that cannot be enforced; it is left out until it is mended.
+    #[error("is set aside: {0}")]
+    Distance(DistanceFault),
+    /// A spring that cannot act; it is left out until it is mended.
+    #[error("is set aside: {0}")]
+    Spring(SpringFault),
+    /// A particle pinned to an entity that is gone: it was let go.
+    #[error("was let go: the entity it is pinned to, {0}, is gone or has no transform")]
+    PinTarget(Entity),
+    /// A body whose recipe asks for the impossible; it has no particles.
+    #[error("cannot be built: {0}")]
+    Box(#[from] BoxFault),
+    /// See [`Refusal::Box`].
+    #[error("cannot be built: {0}")]
+    Rope(#[from] RopeFault),
+    /// See [`Refusal::Box`].
+    #[error("cannot be built: {0}")]
+    Cloth(#[from] ClothFault),
+    /// See [`Refusal::Box`].
+    #[error("cannot be built: {0}")]
+    Ragdoll(#[from] RagdollFault),
+    /// A body whose transform is not finite or has no size: its particles would have nowhere to be.
+    #[error("cannot be built: its transform is not finite, or has no size")]
+    Transform,
+    /// A body from a mesh, without `Mesh3d`.
+    #[error("cannot be built: it is to be made from a mesh, but has no Mesh3d")]
+    NoMesh,
+    /// A body from a mesh that has no readable positions or triangles.
+    #[error("cannot be built: its mesh has no positions and triangles that the CPU can read")]
+    UnreadableMesh,
+    /// A mesh that does not have as many vertices as its `MeshFollow` has entries.
+    #[error("is not deformed: its mesh and its MeshFollow differ in the number of vertices")]
+    VertexCount,
+    /// A mesh that failed to load.
+    #[error("cannot be built: its mesh failed to load")]
+    MeshLoad,
+}
+
+/// Logs a refusal and sends it.
+pub(crate) fn refuse(messages: &mut MessageWriter<Refused>, entity: Entity, reason: Refusal) {
+    warn!("sinew: entity {entity} {reason}");
+    messages.write(Refused { entity, reason });
+}

@@ -1,0 +1,112 @@
+//! The plugins: one for the simulation, and a group with what most games want beside it.
+
+use bevy::app::PluginGroupBuilder;
+use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
+use bevy::prelude::*;
+
+use crate::components::{self, AirDrag, CreationCounter, Electric, Gravity, TopologyChanged};
+use crate::config::SolverConfig;
+use crate::messages::Refused;
+use crate::recipes;
+use crate::schedule::{self, SinewClock, SinewControl, SinewSystems, TickTime};
+use crate::show::{mesh, tube};
+use crate::step::{extract, gather, layout, links, scatter};
+use crate::world::SinewWorld;
+
+/// Everything: the simulation, the gizmos, and the easing of transforms between ticks for bodies that opt in.
+///
+/// Parts can be left out as from any plugin group: `SinewPlugins.build().disable::<SinewGizmoPlugin>()`.
+pub struct SinewPlugins;
+
+impl PluginGroup for SinewPlugins {
+    fn build(self) -> PluginGroupBuilder {
+        let group = PluginGroupBuilder::start::<Self>().add(SinewPlugin::default());
+        #[cfg(feature = "gizmos")]
+        let group = group.add(crate::show::SinewGizmoPlugin);
+        #[cfg(feature = "interpolation")]
+        let group = group.add(EasePlugin);
+        group
+    }
+}
+
+/// Eases the transforms of bodies with [`Interpolate`](crate::Interpolate) between ticks, through `bevy_transform_interpolation`.
+#[cfg(feature = "interpolation")]
+pub struct EasePlugin;
+
+#[cfg(feature = "interpolation")]
+impl Plugin for EasePlugin {
+    fn build(&self, app: &mut App) {
+        use bevy_transform_interpolation::prelude::TransformInterpolationPlugin;
+        // A game may have added it for its own transforms.
+        if !app.is_plugin_added::<TransformInterpolationPlugin>() {
+            app.add_plugins(TransformInterpolationPlugin::default());
+        }
+    }
+}
+
+/// The simulation itself. Works with `MinimalPlugins` as with `DefaultPlugins`; without a renderer it draws nothing and minds nothing.
+pub struct SinewPlugin {
+    tick: InternedScheduleLabel,
+}
+
+impl SinewPlugin {
+    /// Runs the tick in another schedule than `FixedPostUpdate`, such as the one of a rollback plugin. Its step is `Time::delta` there.
+    pub fn in_schedule(schedule: impl ScheduleLabel) -> Self {
+        Self { tick: schedule.intern() }
+    }
+}
+
+impl Default for SinewPlugin {
+    fn default() -> Self {
+        Self::in_schedule(FixedPostUpdate)
+    }
+}
+
+impl Plugin for SinewPlugin {
+    fn build(&self, app: &mut App) {
+        components::register(app);
+        app.register_type::<SolverConfig>()
+            .register_type::<SinewControl>()
+            .register_type::<SinewClock>()
+            .init_resource::<CreationCounter>()
+            .init_resource::<TopologyChanged>()
+            .init_resource::<SinewWorld>()
+            .init_resource::<SinewClock>()
+            .init_resource::<SinewControl>()
+            .init_resource::<TickTime>()
+            .init_resource::<SolverConfig>()
+            .init_resource::<Gravity>()
+            .init_resource::<AirDrag>()
+            .init_resource::<Electric>()
+            .add_message::<Refused>();
+        schedule::configure(app, self.tick);
+        recipes::add(app, self.tick);
+        app.add_systems(
+            self.tick,
+            (
+                gather::follow_teleports,
+                layout::lay_out,
+                gather::gather_particles,
+                gather::gather_moving_pins,
+                gather::gather_environment,
+                links::compile_links,
+            )
+                .chain()
+                .in_set(SinewSystems::Gather),
+        );
+        app.add_systems(self.tick, scatter::scatter.in_set(SinewSystems::Scatter));
+        app.add_systems(
+            self.tick,
+            (extract::extract_poses, extract::extract_motion, extract::extract_particles)
+                .chain()
+                .in_set(SinewSystems::Extract),
+        );
+        // Before transforms are propagated and bounds computed, which look at what is written here.
+        app.add_systems(
+            PostUpdate,
+            (mesh::deform_meshes, tube::draw_tubes)
+                .chain()
+                .before(bevy::transform::TransformSystems::Propagate),
+        );
+    }
+}

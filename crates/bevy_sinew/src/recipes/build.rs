@@ -1,0 +1,229 @@
+//! From a recipe to entities: what all recipes share.
+
+use core::marker::PhantomData;
+
+use bevy::asset::LoadState;
+use bevy::ecs::component::Mutable;
+use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
+use bevy::prelude::*;
+use sinew::recipes::Blueprint;
+
+use crate::components::{
+    BodyConstraints, BodyParticles, ConstraintOf, CreationOrder, DistanceConstraint, Drag,
+    ExtractedTransform, Interpolate, Mass, MeshFollow, Particle, ParticleOf, Pinned, Radius,
+    WindSurface,
+};
+use crate::messages::{Refusal, Refused};
+use crate::recipes::{BodyPart, BodyParts, PartOf};
+
+/// A component that describes a body and can build it.
+pub(crate) trait Recipe: Component<Mutability = Mutable> + Clone {
+    /// The blueprint in the body's own frame, from the recipe and, where it asks for one, the mesh.
+    fn blueprint(&self, mesh: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal>;
+
+    /// Whether the body is made from the entity's mesh.
+    fn wants_mesh(&self) -> bool {
+        false
+    }
+
+    /// Puts onto the body what is special to this recipe, once its particles are there.
+    fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, particles: &[Entity]);
+}
+
+/// The triangles of a mesh, as recipes read them, in the mesh's own coordinates.
+pub(crate) struct MeshShape {
+    pub(crate) positions: Vec<Vec3>,
+    pub(crate) indices: Vec<u32>,
+}
+
+/// Marks a body whose mesh is still loading.
+#[derive(Component)]
+pub(crate) struct AwaitsMesh<R: Send + Sync + 'static>(PhantomData<fn() -> R>);
+
+/// Builds the bodies whose recipe of type `R` is new or changed, and those whose mesh has arrived since.
+pub(crate) fn build<R: Recipe>(
+    world: &mut World,
+    wanted: &mut QueryState<
+        (Entity, &R, &CreationOrder, Has<AwaitsMesh<R>>),
+        Or<(Changed<R>, With<AwaitsMesh<R>>)>,
+    >,
+) {
+    let mut bodies: Vec<(CreationOrder, Entity, R, bool)> = wanted
+        .iter(world)
+        .map(|(entity, recipe, order, waits)| (*order, entity, recipe.clone(), waits))
+        .collect();
+    bodies.sort_unstable_by_key(|(order, entity, ..)| (*order, *entity));
+    for (_, body, recipe, waits) in bodies {
+        let built = build_one(world, body, &recipe);
+        match built {
+            Ok(true) if waits => {
+                world.entity_mut(body).remove::<AwaitsMesh<R>>();
+            }
+            Ok(true) => {}
+            Ok(false) if waits => {}
+            Ok(false) => {
+                world.entity_mut(body).insert(AwaitsMesh::<R>(PhantomData));
+            }
+            Err(reason) => {
+                world.entity_mut(body).remove::<AwaitsMesh<R>>();
+                warn!("sinew: entity {body} {reason}");
+                world.write_message(Refused { entity: body, reason });
+            }
+        }
+    }
+}
+
+/// Builds one body, or says that its mesh is not there yet (`Ok(false)`). A refused body is left without particles.
+fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<bool, Refusal> {
+    let transform = *world.get::<Transform>(body).ok_or(Refusal::Transform)?;
+    if !transform.is_finite() || transform.scale.min_element() == 0.0 {
+        return Err(Refusal::Transform);
+    }
+    let mesh = if recipe.wants_mesh() {
+        match read_mesh(world, body)? {
+            Some(mesh) => Some(mesh),
+            None => return Ok(false),
+        }
+    } else {
+        None
+    };
+    tear_down(world, body);
+    let blueprint = recipe.blueprint(mesh.as_ref(), transform.scale)?;
+    let placed = blueprint.transformed(transform.rotation, transform.translation);
+    let particles = spawn_particles(world, body, &placed);
+    spawn_distances(world, body, &placed, &particles);
+
+    let mut entity = world.entity_mut(body);
+    entity.insert(ExtractedTransform(Some(transform)));
+    if !placed.triangles.is_empty() {
+        let corner = |i: u32| particles[i as usize];
+        let triangles = placed.triangles.iter().map(|t| t.map(corner)).collect();
+        entity.insert(WindSurface { triangles });
+    }
+    if !placed.vertices.is_empty() {
+        let vertices = placed.vertices.iter().map(|&i| particles[i as usize]).collect();
+        entity.insert(MeshFollow { vertices });
+    }
+    recipe.finish(world, body, &placed, &particles);
+    ease_transforms(world, body);
+    Ok(true)
+}
+
+/// Despawns what an earlier build of this body made.
+fn tear_down(world: &mut World, body: Entity) {
+    world
+        .entity_mut(body)
+        .despawn_related::<BodyParticles>()
+        .despawn_related::<BodyConstraints>()
+        .despawn_related::<BodyParts>()
+        .remove::<(WindSurface, MeshFollow)>();
+}
+
+/// The mesh of a body; `None` while it is loading.
+fn read_mesh(world: &World, body: Entity) -> Result<Option<MeshShape>, Refusal> {
+    let handle = &world.get::<Mesh3d>(body).ok_or(Refusal::NoMesh)?.0;
+    let meshes = world.get_resource::<Assets<Mesh>>().ok_or(Refusal::NoMesh)?;
+    let Some(mesh) = meshes.get(handle) else {
+        let state =
+            world.get_resource::<AssetServer>().and_then(|server| server.get_load_state(handle));
+        return match state {
+            Some(LoadState::Failed(_)) => Err(Refusal::MeshLoad),
+            Some(_) => Ok(None),
+            // A handle that nobody loads will never have a mesh.
+            None => Err(Refusal::NoMesh),
+        };
+    };
+    let readable = mesh.primitive_topology() == PrimitiveTopology::TriangleList;
+    let positions = mesh.try_attribute(Mesh::ATTRIBUTE_POSITION).ok();
+    let (true, Some(VertexAttributeValues::Float32x3(positions))) = (readable, positions) else {
+        return Err(Refusal::UnreadableMesh);
+    };
+    let positions: Vec<Vec3> = positions.iter().map(|&p| p.into()).collect();
+    let indices = match mesh.try_indices() {
+        Ok(Indices::U16(list)) => list.iter().map(|&i| u32::from(i)).collect(),
+        Ok(Indices::U32(list)) => list.clone(),
+        Err(_) => (0..positions.len() as u32).collect(),
+    };
+    Ok(Some(MeshShape { positions, indices }))
+}
+
+fn spawn_particles(world: &mut World, body: Entity, blueprint: &Blueprint) -> Vec<Entity> {
+    let mut pins = Vec::new();
+    let particles: Vec<Entity> = blueprint
+        .particles
+        .iter()
+        .map(|seed| {
+            let pinned = seed.mass.is_infinite();
+            let particle = (
+                Particle { position: seed.position, velocity: seed.velocity, lag: seed.lag },
+                Mass(if pinned { 1.0 } else { seed.mass }),
+                Radius(seed.radius),
+                ParticleOf(body),
+            );
+            let mut entity = world.spawn(particle);
+            if seed.drag > 0.0 {
+                entity.insert(Drag(seed.drag));
+            }
+            if pinned {
+                pins.push(entity.id());
+            }
+            entity.id()
+        })
+        .collect();
+    for pin in pins {
+        world.entity_mut(pin).insert(Pinned::HERE);
+    }
+    particles
+}
+
+fn spawn_distances(world: &mut World, body: Entity, blueprint: &Blueprint, particles: &[Entity]) {
+    let constraints: Vec<_> = blueprint
+        .distances
+        .iter()
+        .map(|distance| {
+            let constraint = DistanceConstraint {
+                a: particles[distance.a as usize],
+                b: particles[distance.b as usize],
+                rest: distance.rest,
+                compliance: distance.compliance,
+                bound: distance.bound.into(),
+            };
+            (constraint, ConstraintOf(body))
+        })
+        .collect();
+    world.spawn_batch(constraints);
+}
+
+/// Spawns an entity for each rigid part of a body, with the pose that follows it.
+pub(crate) fn spawn_parts(
+    world: &mut World,
+    body: Entity,
+    blueprint: &Blueprint,
+    particles: &[Entity],
+) {
+    for part in &blueprint.parts {
+        world.spawn((
+            Name::new(part.name),
+            BodyPart { size: part.size },
+            PartOf(body),
+            super::rigid::pose_of(part, particles),
+        ));
+    }
+}
+
+/// Opts the transforms of a body and its parts into easing, where the body asks for it.
+fn ease_transforms(world: &mut World, body: Entity) {
+    #[cfg(feature = "interpolation")]
+    if world.get::<Interpolate>(body).is_some() {
+        use bevy_transform_interpolation::prelude::TransformInterpolation;
+        let parts: Vec<Entity> =
+            world.get::<BodyParts>(body).map(|parts| parts.iter().collect()).unwrap_or_default();
+        for entity in parts.into_iter().chain([body]) {
+            if world.get::<crate::components::RigidPose>(entity).is_some() {
+                world.entity_mut(entity).insert(TransformInterpolation);
+            }
+        }
+    }
+    #[cfg(not(feature = "interpolation"))]
+    let _ = (world, body, core::any::type_name::<Interpolate>());
+}

@@ -1,0 +1,210 @@
+//! Cloth: a rectangle woven on a grid, or any mesh.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+use sinew::recipes::{Blueprint, ClothMaterial, ClothSpec, cloth_from_mesh, cloth_grid, grid_uvs};
+
+use super::build::{MeshShape, Recipe};
+use crate::components::{CreationOrder, ParticleBody};
+use crate::messages::Refusal;
+
+/// A piece of cloth. It deforms a mesh: its own on a grid, or the one it was made from.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(ParticleBody, CreationOrder)]
+pub struct Cloth {
+    /// What it is cut like. Default 1 m × 1 m in 20 × 20 cells.
+    pub shape: ClothShape,
+    /// Which of its particles are held. Default none.
+    pub pins: ClothPins,
+    /// Mass of a square metre, kg/m². Default 0.2, plain cotton.
+    pub density: f32,
+    /// Compliance of the threads, m/N. Default 0: it does not stretch.
+    pub stretch_compliance: f32,
+    /// Compliance across folds, m/N; `None` bends freely. Default 1.
+    pub bend_compliance: Option<f32>,
+    /// Radius of every particle, metres: how far off the ground it lies. Default 0.005.
+    pub radius: f32,
+}
+
+/// What a cloth is cut like.
+#[derive(Reflect, Clone, Debug, PartialEq)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum ClothShape {
+    /// A rectangle about the origin of the body's xy plane, in equal cells; it is given a mesh with texture coordinates.
+    Grid {
+        /// Length along x, metres.
+        width: f32,
+        /// Length along y, metres.
+        height: f32,
+        /// Cells along x.
+        columns: u32,
+        /// Cells along y.
+        rows: u32,
+    },
+    /// The triangles of the entity's `Mesh3d`, once it is loaded. Vertices at the same place (as at seams of the texture) become one
+    /// particle. The entity is given a mesh of its own, so that others that share the handle keep theirs.
+    Mesh,
+}
+
+/// Which particles of a cloth are held where they are, in the body's own frame.
+#[derive(Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum ClothPins {
+    /// None: it falls.
+    #[default]
+    None,
+    /// The two ends of its upper edge.
+    TopCorners,
+    /// All of its upper edge: what lies within a thousandth of its height of its highest point.
+    TopEdge,
+    /// All of its left edge, as a flag on its pole.
+    LeftEdge,
+    /// The four corners of its bounding rectangle.
+    Corners,
+    /// Those with these numbers: row by row on a grid, in the order of first use in a mesh.
+    Particles(Vec<u32>),
+}
+
+impl Default for ClothShape {
+    fn default() -> Self {
+        Self::Grid { width: 1.0, height: 1.0, columns: 20, rows: 20 }
+    }
+}
+
+impl Default for Cloth {
+    fn default() -> Self {
+        let material = ClothMaterial::default();
+        Self {
+            shape: ClothShape::default(),
+            pins: ClothPins::None,
+            density: material.density,
+            stretch_compliance: material.stretch_compliance,
+            bend_compliance: material.bend_compliance,
+            radius: material.radius,
+        }
+    }
+}
+
+impl Cloth {
+    /// A rectangle of `width` × `height` metres in `columns` × `rows` cells.
+    pub fn grid(width: f32, height: f32, columns: u32, rows: u32) -> Self {
+        Self { shape: ClothShape::Grid { width, height, columns, rows }, ..default() }
+    }
+
+    /// Cloth in the shape of the entity's `Mesh3d`.
+    pub fn from_mesh() -> Self {
+        Self { shape: ClothShape::Mesh, ..default() }
+    }
+
+    /// The same, held at some of its particles.
+    pub fn pinned(self, pins: ClothPins) -> Self {
+        Self { pins, ..self }
+    }
+
+    fn material(&self) -> ClothMaterial {
+        ClothMaterial {
+            density: self.density,
+            stretch_compliance: self.stretch_compliance,
+            bend_compliance: self.bend_compliance,
+            radius: self.radius,
+            ..default()
+        }
+    }
+
+    fn spec(&self) -> Option<ClothSpec> {
+        match self.shape {
+            ClothShape::Grid { width, height, columns, rows } => Some(ClothSpec {
+                width,
+                height,
+                columns,
+                rows,
+                material: self.material(),
+                ..default()
+            }),
+            ClothShape::Mesh => None,
+        }
+    }
+}
+
+impl Recipe for Cloth {
+    fn wants_mesh(&self) -> bool {
+        self.shape == ClothShape::Mesh
+    }
+
+    fn blueprint(&self, mesh: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal> {
+        let mut blueprint = match (self.spec(), mesh) {
+            (Some(spec), _) => cloth_grid(&spec)?,
+            (None, Some(mesh)) => {
+                let scaled: Vec<Vec3> = mesh.positions.iter().map(|p| *p * scale).collect();
+                cloth_from_mesh(&scaled, &mesh.indices, &self.material())?
+            }
+            (None, None) => return Err(Refusal::NoMesh),
+        };
+        for pin in self.pins.choose(&blueprint) {
+            // A number beyond the last particle pins nothing.
+            let _ = blueprint.pin(pin);
+        }
+        Ok(blueprint)
+    }
+
+    fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, _: &[Entity]) {
+        let Some(mut meshes) = world.get_resource_mut::<Assets<Mesh>>() else { return };
+        let handle = match self.spec() {
+            Some(spec) => meshes.add(grid_mesh(&spec, blueprint)),
+            None => {
+                let shared = world.get::<Mesh3d>(body).map(|mesh| mesh.0.clone());
+                let mut meshes = world.resource_mut::<Assets<Mesh>>();
+                let own = shared.and_then(|handle| meshes.get(&handle).cloned());
+                let Some(own) = own else { return };
+                meshes.add(own)
+            }
+        };
+        world.entity_mut(body).insert(Mesh3d(handle));
+    }
+}
+
+impl ClothPins {
+    /// The particles to pin, by where they are at rest.
+    fn choose(&self, blueprint: &Blueprint) -> Vec<u32> {
+        let at = |i: &u32| blueprint.particles[*i as usize].position;
+        let all = 0..blueprint.particles.len() as u32;
+        let (min, max) = all.clone().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), i| {
+            (min.min(at(&i)), max.max(at(&i)))
+        });
+        let near = (max - min) * 1e-3;
+        let top = |i: &u32| at(i).y >= max.y - near.y;
+        let ends = |edge: Vec<u32>| -> Vec<u32> {
+            let left = edge.iter().copied().min_by(|a, b| at(a).x.total_cmp(&at(b).x));
+            let right = edge.iter().copied().max_by(|a, b| at(a).x.total_cmp(&at(b).x));
+            left.into_iter().chain(right).collect()
+        };
+        match self {
+            Self::None => Vec::new(),
+            Self::TopCorners => ends(all.filter(top).collect()),
+            Self::TopEdge => all.filter(top).collect(),
+            Self::LeftEdge => all.filter(|i| at(i).x <= min.x + near.x).collect(),
+            Self::Corners => {
+                let bottom = |i: &u32| at(i).y <= min.y + near.y;
+                let mut corners = ends(all.clone().filter(top).collect());
+                corners.extend(ends(all.filter(bottom).collect()));
+                corners
+            }
+            Self::Particles(list) => list.clone(),
+        }
+    }
+}
+
+/// The mesh of a grid: a vertex a particle, with texture coordinates; positions and normals are filled in by the simulation.
+fn grid_mesh(spec: &ClothSpec, blueprint: &Blueprint) -> Mesh {
+    let vertices = blueprint.vertices.len();
+    let uvs = grid_uvs(spec).unwrap_or_else(|_| vec![[0.0; 2]; vertices]);
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0_f32; 3]; vertices])
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0_f32, 0.0, 1.0]; vertices])
+        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, uvs)
+        .with_inserted_indices(Indices::U32(
+            blueprint.triangles.iter().flatten().copied().collect(),
+        ))
+}

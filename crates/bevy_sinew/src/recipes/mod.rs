@@ -1,0 +1,40 @@
+//! Recipes as components: spawn one and the body builds itself, change one and it is built anew, despawn it and everything goes.
+
+mod build;
+mod cloth;
+mod ragdoll;
+mod rigid;
+mod rope;
+
+pub use cloth::{Cloth, ClothPins, ClothShape};
+pub use ragdoll::{BodyPart, BodyParts, PartOf, Ragdoll};
+pub use rigid::{BoxParticles, ParticleBox};
+pub use rope::Rope;
+
+use bevy::ecs::schedule::InternedScheduleLabel;
+use bevy::prelude::*;
+
+use crate::schedule::SinewSystems;
+
+/// Adds the builders of all recipes.
+pub(crate) fn add(app: &mut App, tick: InternedScheduleLabel) {
+    app.register_type::<ParticleBox>()
+        .register_type::<Rope>()
+        .register_type::<Cloth>()
+        .register_type::<Ragdoll>()
+        .register_type::<BodyPart>()
+        .register_type::<PartOf>()
+        .register_type::<BodyParts>();
+    // One after the other: the order in which bodies of one tick are numbered must not depend on the executor.
+    app.add_systems(
+        tick,
+        (
+            build::build::<ParticleBox>,
+            build::build::<Rope>,
+            build::build::<Cloth>,
+            build::build::<Ragdoll>,
+        )
+            .chain()
+            .in_set(SinewSystems::Build),
+    );
+}

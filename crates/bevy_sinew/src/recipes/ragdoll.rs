@@ -1,0 +1,58 @@
+//! Ragdolls: a figure that nobody holds up.
+
+use bevy::prelude::*;
+use sinew::recipes::{Blueprint, RagdollSpec, ragdoll};
+
+use super::build::{MeshShape, Recipe, spawn_parts};
+use crate::components::{CreationOrder, ParticleBody};
+use crate::messages::Refusal;
+
+/// A standing human figure, its soles at the origin of its transform, facing +z.
+///
+/// Each segment of the body becomes an entity with [`BodyPart`], whose transform follows it: give those a mesh.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(ParticleBody, CreationOrder)]
+pub struct Ragdoll {
+    /// From the soles to the top of the head, metres. Default 1.75.
+    pub height: f32,
+    /// Mass of the whole figure, kg. Default 75.
+    pub mass: f32,
+}
+
+impl Default for Ragdoll {
+    fn default() -> Self {
+        let spec = RagdollSpec::default();
+        Self { height: spec.height, mass: spec.mass }
+    }
+}
+
+/// A rigid part of a body, such as a forearm: an entity whose `Transform` follows the particles that carry it. Its `Name` says which.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct BodyPart {
+    /// Its size along its own axes, metres: a capsule along y has the diameter `size.x` and the whole length `size.y`.
+    pub size: Vec3,
+}
+
+/// Says to which body a part belongs.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Component, Clone, PartialEq)]
+#[relationship(relationship_target = BodyParts)]
+pub struct PartOf(#[entities] pub Entity);
+
+/// The rigid parts of a body that has several; they go when it goes.
+#[derive(Component, Reflect, Clone, Debug, Default)]
+#[reflect(Component, Default)]
+#[relationship_target(relationship = PartOf, linked_spawn)]
+pub struct BodyParts(Vec<Entity>);
+
+impl Recipe for Ragdoll {
+    fn blueprint(&self, _: Option<&MeshShape>, _: Vec3) -> Result<Blueprint, Refusal> {
+        Ok(ragdoll(&RagdollSpec { height: self.height, mass: self.mass })?)
+    }
+
+    fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, particles: &[Entity]) {
+        spawn_parts(world, body, blueprint, particles);
+    }
+}

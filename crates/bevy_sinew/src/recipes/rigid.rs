@@ -1,0 +1,79 @@
+//! Boxes: rigid bodies that nobody integrates as such.
+
+use bevy::prelude::*;
+use sinew::recipes::{Blueprint, BoxLayout, BoxSpec, Part, box_2d, box_3d};
+
+use super::build::{MeshShape, Recipe};
+use crate::components::{CreationOrder, ParticleBody, RigidPose};
+use crate::messages::Refusal;
+
+/// A box of particles held by distances: 8 particles and 28 distances, or 4 and 6 when it is flat.
+///
+/// Its `Transform` says where it is built, and then follows it.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(ParticleBody, CreationOrder)]
+pub struct ParticleBox {
+    /// Lengths of its edges, metres, 1e-6 to 1e6. Default 1 each.
+    pub size: Vec3,
+    /// Mass of the whole box, kg. Default 1.
+    pub mass: f32,
+    /// Where in it the particles sit. Default at the corners.
+    pub particles: BoxParticles,
+    /// Whether it is the 2D box of the lectures: 4 particles in the local xy plane. Default not.
+    pub flat: bool,
+}
+
+/// Where in a box its particles sit.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum BoxParticles {
+    /// At its corners, so that contacts and the picture agree; its inertia is three times a solid box's.
+    #[default]
+    Corners,
+    /// At 1/√3 of the way to its corners: mass and inertia of the solid box, exactly.
+    Equimomental,
+}
+
+impl Default for ParticleBox {
+    fn default() -> Self {
+        Self { size: Vec3::ONE, mass: 1.0, particles: BoxParticles::Corners, flat: false }
+    }
+}
+
+impl ParticleBox {
+    /// A box with edges of the given lengths, metres, and a mass of 1 kg.
+    pub fn new(size: Vec3) -> Self {
+        Self { size, ..default() }
+    }
+
+    /// The same with another mass, kg.
+    pub fn with_mass(self, mass: f32) -> Self {
+        Self { mass, ..self }
+    }
+}
+
+impl Recipe for ParticleBox {
+    fn blueprint(&self, _: Option<&MeshShape>, _: Vec3) -> Result<Blueprint, Refusal> {
+        let layout = match self.particles {
+            BoxParticles::Corners => BoxLayout::Corners,
+            BoxParticles::Equimomental => BoxLayout::Equimomental,
+        };
+        let spec = BoxSpec { size: self.size, mass: self.mass, layout, ..default() };
+        Ok(if self.flat { box_2d(&spec)? } else { box_3d(&spec)? })
+    }
+
+    fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, particles: &[Entity]) {
+        if let Some(part) = blueprint.parts.first() {
+            world.entity_mut(body).insert(pose_of(part, particles));
+        }
+    }
+}
+
+/// The pose that follows a rigid part.
+pub(crate) fn pose_of(part: &Part, particles: &[Entity]) -> RigidPose {
+    RigidPose {
+        particles: part.particles.iter().map(|&i| particles[i as usize]).collect(),
+        rest: part.rest.clone(),
+    }
+}

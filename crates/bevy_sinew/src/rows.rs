@@ -1,0 +1,43 @@
+//! Which rows a list of particles stands in, resolved once per layout: extraction looks up no entity in a warm tick.
+
+use core::marker::PhantomData;
+
+use bevy::prelude::*;
+
+use crate::world::Tables;
+
+/// The rows of the particles that the component `T` of the same entity names, in its order. Scratch.
+#[derive(Component)]
+pub(crate) struct Rows<T: Send + Sync + 'static> {
+    layout: u64,
+    rows: Vec<u32>,
+    /// The tick that was last drawn from these rows, for those that draw; counted from 1.
+    pub(crate) drawn: u64,
+    of: PhantomData<fn() -> T>,
+}
+
+/// Stands where a particle is gone.
+pub(crate) const GONE: u32 = u32::MAX;
+
+impl<T: Send + Sync + 'static> Default for Rows<T> {
+    fn default() -> Self {
+        Self { layout: 0, rows: Vec::new(), drawn: 0, of: PhantomData }
+    }
+}
+
+impl<T: Send + Sync + 'static> Rows<T> {
+    /// The rows, resolved afresh if `named` changed or the particles were laid out anew. [`GONE`] for what is no particle (any more).
+    pub(crate) fn resolve(
+        &mut self,
+        tables: &Tables,
+        changed: bool,
+        named: impl Iterator<Item = Entity>,
+    ) -> &[u32] {
+        if changed || self.layout != tables.layout {
+            self.layout = tables.layout;
+            self.rows.clear();
+            self.rows.extend(named.map(|entity| *tables.row_of.get(&entity).unwrap_or(&GONE)));
+        }
+        &self.rows
+    }
+}

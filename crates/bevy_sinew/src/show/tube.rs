@@ -1,0 +1,159 @@
+//! Tubes around chains of particles: what a rope looks like.
+
+use core::f32::consts::TAU;
+
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+use bevy::transform::helper::TransformHelper;
+
+use super::{drawn_position, into_frame};
+use crate::components::{Interpolate, TubeMesh};
+use crate::rows::{GONE, Rows};
+use crate::schedule::SinewClock;
+use crate::world::SinewWorld;
+
+/// Gives each [`TubeMesh`] a mesh of its own, and keeps it around its particles.
+pub(crate) fn draw_tubes(
+    mut commands: Commands,
+    world: Res<SinewWorld>,
+    clock: Res<SinewClock>,
+    time: Res<Time<Fixed>>,
+    meshes: Option<ResMut<Assets<Mesh>>>,
+    mut tubes: Query<(
+        Entity,
+        Ref<TubeMesh>,
+        &mut Rows<TubeMesh>,
+        Option<&Mesh3d>,
+        Has<Interpolate>,
+    )>,
+    transforms: TransformHelper,
+    mut middle: Local<Vec<Vec3>>,
+) {
+    let Some(mut meshes) = meshes else { return };
+    for (entity, tube, mut rows, handle, eased) in &mut tubes {
+        if handle.is_some() && !tube.is_changed() && !eased && rows.drawn == clock.tick {
+            continue;
+        }
+        rows.drawn = clock.tick;
+        let ease = eased.then(|| time.overstep_fraction());
+        let rows = rows.resolve(&world.tables, tube.is_changed(), tube.particles.iter().copied());
+        let Some(into) = into_frame(&transforms, entity) else { continue };
+        middle.clear();
+        let there = rows.iter().filter(|&&row| row != GONE);
+        middle.extend(there.map(|&row| into.transform_point3(drawn_position(&world, row, ease))));
+        let sides = tube.sides.clamp(3, 64) as usize;
+        let shape = Skin::around(&middle, tube.radius, sides);
+        if let Some(handle) = handle {
+            if let Some(mut mesh) = meshes.get_mut(&handle.0) {
+                shape.write(&mut mesh);
+            }
+            continue;
+        }
+        let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default());
+        shape.write(&mut mesh);
+        commands.entity(entity).try_insert(Mesh3d(meshes.add(mesh)));
+    }
+}
+
+/// The skin of a tube, in rings of `sides + 1` vertices (the first stands again at the end, for the texture's seam).
+struct Skin {
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+    uvs: Vec<[f32; 2]>,
+    indices: Vec<u32>,
+}
+
+impl Skin {
+    /// A tube of `radius` metres around a chain of points, closed by flat caps of its own rings. Empty for fewer than two points.
+    ///
+    /// The rings are carried along without twist: each ring's direction is the last one's, turned by the shortest arc between the two
+    /// pieces of the chain that it stands between (parallel transport).
+    fn around(middle: &[Vec3], radius: f32, sides: usize) -> Self {
+        let mut skin = Self {
+            positions: Vec::new(),
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            indices: Vec::new(),
+        };
+        if middle.len() < 2 {
+            return skin;
+        }
+        let last = middle.len() - 1;
+        let direction = |i: usize| {
+            let (before, after) = (middle[i.saturating_sub(1)], middle[(i + 1).min(last)]);
+            (after - before).try_normalize()
+        };
+        let mut along = direction(0).unwrap_or(Vec3::Y);
+        let mut across = along.any_orthonormal_vector();
+        let mut run = 0.0;
+        for (i, point) in middle.iter().enumerate() {
+            let next = direction(i).unwrap_or(along);
+            across = (Quat::from_rotation_arc(along, next) * across).normalize_or(across);
+            along = next;
+            if i > 0 {
+                run += middle[i - 1].distance(*point);
+            }
+            let side = along.cross(across);
+            for k in 0..=sides {
+                let share = k as f32 / sides as f32;
+                let (sin, cos) = libm::sincosf(share * TAU);
+                let out = across * cos + side * sin;
+                skin.positions.push((*point + out * radius).to_array());
+                skin.normals.push(out.to_array());
+                // One turn of the texture is as long as it is around, so that a rope's strands keep their slant.
+                skin.uvs.push([share, run / (TAU * radius.max(1e-6))]);
+            }
+        }
+        let ring = sides as u32 + 1;
+        for i in 0..last as u32 {
+            for k in 0..sides as u32 {
+                let (a, b) = (i * ring + k, i * ring + k + 1);
+                skin.indices.extend([a, b, a + ring, b, b + ring, a + ring]);
+            }
+        }
+        for (first, flip) in [(0, true), (last as u32 * ring, false)] {
+            for k in 1..sides as u32 - 1 {
+                let (b, c) = if flip { (k + 1, k) } else { (k, k + 1) };
+                skin.indices.extend([first, first + b, first + c]);
+            }
+        }
+        skin
+    }
+
+    fn write(self, mesh: &mut Mesh) {
+        mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, self.positions);
+        mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, self.normals);
+        mesh.insert_attribute(Mesh::ATTRIBUTE_UV_0, self.uvs);
+        mesh.insert_indices(Indices::U32(self.indices));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tube_stays_at_its_radius_and_faces_outwards() {
+        let middle: Vec<Vec3> =
+            (0..20).map(|i| Vec3::new(i as f32 * 0.1, (i as f32 * 0.3).sin() * 0.2, 0.0)).collect();
+        let skin = Skin::around(&middle, 0.03, 8);
+        assert_eq!(skin.positions.len(), 20 * 9);
+        for (i, position) in skin.positions.iter().enumerate() {
+            let distance = Vec3::from(*position).distance(middle[i / 9]);
+            assert!((distance - 0.03).abs() < 1e-5);
+        }
+        for t in skin.indices.chunks(3).take(19 * 16) {
+            let [a, b, c] = [t[0], t[1], t[2]].map(|i| Vec3::from(skin.positions[i as usize]));
+            let outwards = Vec3::from(skin.normals[t[0] as usize]);
+            assert!((b - a).cross(c - a).dot(outwards) > 0.0);
+        }
+    }
+
+    #[test]
+    fn points_on_top_of_each_other_leave_it_finite() {
+        let skin = Skin::around(&[Vec3::ZERO, Vec3::ZERO, Vec3::Y, Vec3::ZERO], 0.1, 5);
+        assert!(skin.positions.iter().flatten().all(|x| x.is_finite()));
+        assert!(Skin::around(&[Vec3::ZERO], 0.1, 5).indices.is_empty());
+    }
+}

@@ -1,0 +1,77 @@
+//! The solver's working copy of the components, and the tables that lead from one to the other. Scratch: it is refilled at the start
+//! of every tick, and nothing in it survives one.
+
+use bevy::ecs::entity::EntityHashMap;
+use bevy::prelude::*;
+use sinew::{ParticleFault, Particles, Simulation, SolverReport};
+
+use crate::messages::Refusal;
+
+/// The columns that the phases work on, for the systems of a game that join in between [phases](crate::PhaseSystems).
+///
+/// Outside the substeps it holds the last tick's end. To change the simulation there, change components.
+#[derive(Resource, Default)]
+pub struct SinewWorld {
+    /// The simulation whose columns were gathered from the components of this tick.
+    pub(crate) simulation: Simulation,
+    pub(crate) tables: Tables,
+}
+
+impl SinewWorld {
+    /// The particles of this substep. [`ParticleRow`](crate::ParticleRow) says which row is whose.
+    pub fn particles(&self) -> &Particles {
+        &self.simulation.particles
+    }
+
+    /// The particles of this substep, to add forces to or to move.
+    pub fn particles_mut(&mut self) -> &mut Particles {
+        &mut self.simulation.particles
+    }
+
+    /// The simulation: settings, forces and constraints as gathered for this tick.
+    pub fn simulation(&self) -> &Simulation {
+        &self.simulation
+    }
+
+    /// Length of the current substep, seconds, and how many are left in this tick.
+    pub fn substep(&self) -> sinew::Substep {
+        self.simulation.substep()
+    }
+
+    /// How the last tick went.
+    pub fn report(&self) -> &SolverReport {
+        self.simulation.report()
+    }
+
+    /// Energies and momenta of everything, J, kg·m/s and kg·m²/s, as of the end of the last tick.
+    pub fn ledger(&mut self) -> sinew::Ledger {
+        self.simulation.ledger()
+    }
+}
+
+/// Who is in which row, and what is set aside.
+#[derive(Default)]
+pub(crate) struct Tables {
+    /// The particle of each row, in the order of creation.
+    pub(crate) entities: Vec<Entity>,
+    /// The row of each particle: for rebuilding what names particles; never read in a tick without changes.
+    pub(crate) row_of: EntityHashMap<u32>,
+    /// Why a row is set aside, if it is.
+    pub(crate) refused: Vec<Option<ParticleFault>>,
+    /// Mass of each row, kg, pinned or not: a pinned particle still counts where its body is.
+    pub(crate) mass: Vec<f32>,
+    /// Why a spring, a constraint or a body is set aside: so that each is reported once.
+    pub(crate) complaints: EntityHashMap<Refusal>,
+    /// Distances, springs or surfaces must be compiled afresh.
+    pub(crate) stale: bool,
+    /// Counts the layouts, so that whoever resolved entities into rows knows when to do so again.
+    pub(crate) layout: u64,
+}
+
+impl Tables {
+    /// The row of a particle that takes part, or `None` if it is gone or set aside.
+    pub(crate) fn sound_row(&self, entity: Entity) -> Option<u32> {
+        let row = *self.row_of.get(&entity)?;
+        self.refused[row as usize].is_none().then_some(row)
+    }
+}

@@ -1,0 +1,1 @@
+//! An egui panel that tunes, inspects and steps a Sinew world.

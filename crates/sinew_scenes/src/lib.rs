@@ -1,0 +1,1 @@
+//! Named scenes that the examples, tests and benchmarks share.
