@@ -1,4 +1,90 @@
-//! Stub.
-fn main() {
-    bevy::prelude::App::new().add_plugins(bevy::prelude::DefaultPlugins).run();
+//! The gallery: every scene of Sinew, in a window to play with, or headless as pictures.
+//!
+//! `cargo run --example gallery` opens a window; where none can be opened it does what `--headless` does: it runs every scene without a
+//! GPU and leaves a contact sheet, an animated GIF and a table.
+
+mod draw;
+mod headless;
+mod stage;
+mod window;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Parser;
+use sinew_scenes::Scene;
+
+/// Every scene of Sinew, in a window or as pictures.
+#[derive(Parser, Debug)]
+#[command(name = "gallery", version, about)]
+struct Options {
+    /// Run without a window and leave pictures and a table.
+    #[arg(long)]
+    headless: bool,
+    /// Where the pictures go.
+    #[arg(long, value_name = "DIR", default_value = "gallery_out")]
+    out: PathBuf,
+    /// Only this scene (the window opens with it).
+    #[arg(long, value_name = "NAME")]
+    scene: Option<String>,
+    /// How long to run each scene, seconds; default: as long as it is worth watching.
+    #[arg(long, value_name = "S")]
+    seconds: Option<f32>,
+    /// Frames a second of the animations.
+    #[arg(long, value_name = "N", default_value_t = 15)]
+    fps: u32,
+    /// Open a window, save a screenshot of every scene to this folder, and quit.
+    #[arg(long, value_name = "DIR")]
+    screenshots: Option<PathBuf>,
+    /// List the scenes and quit.
+    #[arg(long)]
+    list: bool,
+}
+
+fn main() -> ExitCode {
+    let options = Options::parse();
+    if options.list {
+        for scene in sinew_scenes::ALL {
+            println!("{:<10} {}", scene.name, scene.about);
+        }
+        return ExitCode::SUCCESS;
+    }
+    let scenes = match chosen(&options) {
+        Ok(scenes) => scenes,
+        Err(message) => {
+            eprintln!("gallery: {message}");
+            return ExitCode::from(2);
+        }
+    };
+    if !options.headless {
+        match window::run(&options, &scenes) {
+            Ok(code) => return code,
+            Err(reason) if options.screenshots.is_some() => {
+                eprintln!("gallery: no window for the screenshots: {reason}");
+                return ExitCode::FAILURE;
+            }
+            Err(reason) => println!("No window ({reason}), so here is the gallery in pictures."),
+        }
+    }
+    headless::run(&options, &scenes)
+}
+
+/// The scenes asked for, after checking the numbers that go with them.
+fn chosen(options: &Options) -> Result<Vec<&'static Scene>, String> {
+    if options.seconds.is_some_and(|s| !(s > 0.0 && s <= 3600.0)) {
+        return Err("--seconds must be more than 0 and at most 3600".into());
+    }
+    if !(1..=60).contains(&options.fps) {
+        return Err("--fps must be between 1 and 60".into());
+    }
+    match &options.scene {
+        None => Ok(sinew_scenes::ALL.iter().collect()),
+        Some(name) => match sinew_scenes::find(name) {
+            Some(scene) => Ok(vec![scene]),
+            None => {
+                let names: Vec<_> = sinew_scenes::ALL.iter().map(|scene| scene.name).collect();
+                Err(format!("there is no scene \"{name}\"; there are {}", names.join(", ")))
+            }
+        },
+    }
 }

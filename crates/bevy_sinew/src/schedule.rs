@@ -1,5 +1,6 @@
 //! When things happen: the system sets of a tick and of a substep, and the driver that runs the substeps.
 
+use bevy::ecs::message::signal_message_update_system;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 
@@ -50,8 +51,15 @@ pub struct SubstepSchedule;
 pub struct SinewControl {
     /// Whether time stands still. Bodies that are spawned meanwhile are built all the same.
     pub paused: bool,
-    /// Ticks to run although it is paused; each one takes one off.
+    /// Ticks to run although it is paused; each takes one off.
     pub single_steps: u32,
+}
+
+impl SinewControl {
+    /// Whether the next tick is to be simulated.
+    pub fn running(&self) -> bool {
+        !self.paused || self.single_steps > 0
+    }
 }
 
 /// Simulated time. Part of the state: save and restore it with the components.
@@ -82,7 +90,9 @@ pub(crate) fn configure(app: &mut App, tick: InternedScheduleLabel) {
             SinewSystems::Scatter,
             SinewSystems::Extract,
         )
-            .chain(),
+            .chain()
+            // Bevy's own system in `FixedPostUpdate`; the order does not matter, but an ambiguity would be an error.
+            .before(signal_message_update_system),
     );
     app.configure_sets(
         tick,
@@ -115,10 +125,12 @@ pub(crate) fn configure(app: &mut App, tick: InternedScheduleLabel) {
         // The sums are cleared before the first set, so that forces add up in whatever order the systems of a set run.
         schedule.add_systems((
             begin_substep.before(PhaseSystems::AccumulateForces),
-            accumulate_forces.in_set(PhaseSystems::AccumulateForces),
-            apply_wind.in_set(PhaseSystems::Wind),
-            apply_buoyancy.in_set(PhaseSystems::Buoyancy),
-            apply_electric.in_set(PhaseSystems::Electric),
+            accumulate_forces
+                .in_set(PhaseSystems::AccumulateForces)
+                .ambiguous_with(PhaseSystems::AccumulateForces),
+            apply_wind.in_set(PhaseSystems::Wind).ambiguous_with(PhaseSystems::Wind),
+            apply_buoyancy.in_set(PhaseSystems::Buoyancy).ambiguous_with(PhaseSystems::Buoyancy),
+            apply_electric.in_set(PhaseSystems::Electric).ambiguous_with(PhaseSystems::Electric),
             integrate.in_set(PhaseSystems::Integrate),
             solve_constraints.in_set(PhaseSystems::SolveConstraints),
         ));
@@ -127,7 +139,7 @@ pub(crate) fn configure(app: &mut App, tick: InternedScheduleLabel) {
 
 /// Whether this tick is to be simulated.
 fn running(control: Res<SinewControl>) -> bool {
-    !control.paused || control.single_steps > 0
+    control.running()
 }
 
 /// Runs the substeps of a tick. The schedule is taken out of the world once, not once a substep.

@@ -69,6 +69,16 @@ pub(crate) struct Tables {
 }
 
 impl Tables {
+    /// Whether an entity is no particle, or none any more.
+    pub(crate) fn is_missing(&self, entity: Entity) -> bool {
+        !self.row_of.contains_key(&entity)
+    }
+
+    /// Whether an entity is a particle that is set aside.
+    pub(crate) fn is_set_aside(&self, entity: Entity) -> bool {
+        self.row_of.get(&entity).is_some_and(|&row| self.refused[row as usize].is_some())
+    }
+
     /// The row of a particle that takes part, or `None` if it is gone or set aside.
     pub(crate) fn sound_row(&self, entity: Entity) -> Option<u32> {
         let row = *self.row_of.get(&entity)?;

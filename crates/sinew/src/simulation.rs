@@ -186,6 +186,11 @@ impl Simulation {
         self.scratch.checkpoint.get(i).copied().unwrap_or_else(|| self.particles.position(i))
     }
 
+    /// Forgets where the particles were when the last step began, because rows now hold other particles.
+    pub fn forget_step_start(&mut self) {
+        self.scratch.checkpoint.clear();
+    }
+
     /// How the last step went.
     pub fn report(&self) -> &SolverReport {
         &self.report
@@ -202,9 +207,9 @@ impl Simulation {
         &mut self.distances
     }
 
-    /// Number of colours in the plan: groups of distances that share no particle.
+    /// Number of groups in the plan: distances of one kind and one colour, which share no particle.
     pub fn colours(&self) -> usize {
-        self.scratch.plan.colours.len()
+        self.scratch.plan.groups.len()
     }
 
     /// Velocity of particle `i` at the instant of its position, m/s: the mean velocity of the last substep, carried half a substep

@@ -1,1 +1,87 @@
-//! Named scenes that the examples, tests and benchmarks share.
+//! Named scenes that the gallery, the tests and the benchmarks share: one place where "the flag" is defined.
+//!
+//! A scene spawns entities and nothing else; it says how things look with [`Look`], which every renderer, with or without a GPU,
+//! turns into what it draws. [`load`] swaps scenes in a running app.
+//!
+//! | scene | what it shows |
+//! |---|---|
+//! | `flag` | cloth on a grid, wind pressure, gusts, a texture |
+//! | `crate` | boxes of 8 particles and 28 distances landing and tumbling |
+//! | `square` | the lectures' 2D box: 4 particles and 6 distances |
+//! | `ragdoll` | figures that nobody holds up |
+//! | `ropes` | ropes, slack and swinging, one led by a moving hand |
+//! | `banner` | cloth made from a mesh with a seam in its texture |
+//! | `jelly` | a block of springs that lands and wobbles |
+//! | `pendulums` | rods of different lengths that drift in and out of step |
+//! | `charges` | electric forces in a box |
+//! | `buoys` | loose particles that float as deep as their density says |
+
+mod look;
+mod scenes;
+mod shapes;
+
+pub use look::Look;
+pub use scenes::{ALL, Scene, find};
+pub use shapes::{ball, capsule, cylinder, rounded_box};
+
+use bevy::prelude::*;
+use bevy_sinew::{
+    AirDrag, BodyPart, Electric, Gravity, PartOf, ParticleBody, SinewClock, SolverConfig,
+};
+
+/// What scenes need beside [`SinewPlugins`](bevy_sinew::SinewPlugins): the skin of ragdolls and whatever moves by a script of its own.
+///
+/// Meshes and textures come through the asset server, so the app needs Bevy's plugins for assets, images, meshes and glTF.
+pub struct ScenesPlugin;
+
+impl Plugin for ScenesPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_type::<Look>().add_observer(dress_part).add_observer(scenes::ropes::tie_ends);
+        app.add_systems(FixedUpdate, scenes::ropes::wave_hand);
+    }
+}
+
+/// Marks what a scene spawned, so that the next one can clear it away.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(Component, Default, Clone)]
+pub struct InScene;
+
+/// Clears the last scene away and spawns another, from the beginning: time zero, settings as the scene wants them.
+pub fn load(world: &mut World, scene: &Scene) {
+    let mut old = world.query_filtered::<Entity, With<InScene>>();
+    let old: Vec<Entity> = old.iter(world).collect();
+    for entity in old {
+        // A body takes its particles along, so some of these may be gone by their turn.
+        if let Ok(entity) = world.get_entity_mut(entity) {
+            entity.despawn();
+        }
+    }
+    world.insert_resource(SinewClock::default());
+    world.insert_resource(SolverConfig::default());
+    world.insert_resource(Gravity::default());
+    world.insert_resource(AirDrag::default());
+    world.insert_resource(Electric::default());
+    (scene.spawn)(world);
+    world.flush();
+}
+
+/// Gives each part of a ragdoll a skin, in the colour of the figure it belongs to.
+fn dress_part(
+    added: On<Add, BodyPart>,
+    mut commands: Commands,
+    parts: Query<(&BodyPart, &Name, &PartOf)>,
+    bodies: Query<&Look, With<ParticleBody>>,
+    meshes: Option<ResMut<Assets<Mesh>>>,
+) {
+    let (Some(mut meshes), Ok((part, name, body))) = (meshes, parts.get(added.entity)) else {
+        return;
+    };
+    let look = bodies.get(body.0).cloned().unwrap_or_default();
+    let size = part.size;
+    let mesh = match name.as_str() {
+        "torso" | "pelvis" => rounded_box(size, size.min_element() * 0.42, 5),
+        "head" => rounded_box(size, size.min_element() * 0.5, 6),
+        _ => capsule(size.x * 0.5, size.y),
+    };
+    commands.entity(added.entity).insert((Mesh3d(meshes.add(mesh)), look));
+}

@@ -24,17 +24,12 @@ const DITHER: f32 = 2.0;
 /// Writes pictures of one size as a GIF that repeats forever, `delay` hundredths of a second apart.
 pub(crate) fn write_gif(path: impl AsRef<Path>, frames: &[Image], delay: u16) -> io::Result<()> {
     let invalid = |why: &str| io::Error::new(io::ErrorKind::InvalidInput, why);
-    let first = frames
-        .first()
-        .ok_or_else(|| invalid("an animation needs a frame"))?;
+    let first = frames.first().ok_or_else(|| invalid("an animation needs a frame"))?;
     let side = |n: usize| {
         u16::try_from(n).map_err(|_| invalid("a GIF is at most 65535 pixels wide and high"))
     };
     let (width, height) = (side(first.width)?, side(first.height)?);
-    if frames
-        .iter()
-        .any(|f| (f.width, f.height) != (first.width, first.height))
-    {
+    if frames.iter().any(|f| (f.width, f.height) != (first.width, first.height)) {
         return Err(invalid("the frames of an animation are of one size"));
     }
 
@@ -45,9 +40,7 @@ pub(crate) fn write_gif(path: impl AsRef<Path>, frames: &[Image], delay: u16) ->
     let mut shown = Vec::new();
     for image in frames {
         let indices = palette.indices(image);
-        encoder
-            .write_frame(&change(&shown, &indices, first.width, delay))
-            .map_err(error)?;
+        encoder.write_frame(&change(&shown, &indices, first.width, delay)).map_err(error)?;
         shown = indices;
     }
     Ok(())
@@ -75,9 +68,7 @@ fn change(shown: &[u8], indices: &[u8], width: usize, delay: u16) -> Frame<'stat
         (left, right, top, bottom) = (0, 1, 0, 1);
     }
     let rows = (top..bottom).flat_map(|y| (left..right).map(move |x| y * width + x));
-    let buffer: Vec<u8> = rows
-        .map(|i| if same(i) { COLORS as u8 } else { indices[i] })
-        .collect();
+    let buffer: Vec<u8> = rows.map(|i| if same(i) { COLORS as u8 } else { indices[i] }).collect();
     Frame {
         delay,
         dispose: DisposalMethod::Keep,
@@ -118,10 +109,7 @@ impl Palette {
         while samples.len() < 4 * 4096 && !samples.is_empty() {
             samples.extend_from_within(..);
         }
-        Self {
-            quantizer: NeuQuant::new(3, COLORS, &samples),
-            known: HashMap::new(),
-        }
+        Self { quantizer: NeuQuant::new(3, COLORS, &samples), known: HashMap::new() }
     }
 
     fn bytes(&self) -> Vec<u8> {
@@ -141,10 +129,7 @@ impl Palette {
             let key = u32::from_be_bytes([0, r & !1, g & !1, b & !1]);
             let quantizer = &self.quantizer;
             out.push(
-                *self
-                    .known
-                    .entry(key)
-                    .or_insert_with(|| quantizer.index_of(&[r, g, b, 255]) as u8),
+                *self.known.entry(key).or_insert_with(|| quantizer.index_of(&[r, g, b, 255]) as u8),
             );
         }
         out

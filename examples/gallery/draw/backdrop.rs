@@ -20,10 +20,7 @@ impl Backdrop {
         Self {
             zenith: linear_of([0.47, 0.65, 0.87]),
             horizon: linear_of([0.91, 0.94, 0.965]),
-            squares: [
-                linear_of([0.885, 0.885, 0.88]),
-                linear_of([0.825, 0.83, 0.84]),
-            ],
+            squares: [linear_of([0.885, 0.885, 0.88]), linear_of([0.825, 0.83, 0.84])],
             cell: 10f32.powf((view.distance / 7.0).log10().round()),
             target: view.target,
             distance: view.distance,

@@ -32,9 +32,7 @@ pub(super) struct View {
 
 impl View {
     pub(super) fn new(camera: &Camera, aspect: f32) -> Self {
-        let forward = (camera.target - camera.eye)
-            .try_normalize()
-            .unwrap_or(Vec3::NEG_Z);
+        let forward = (camera.target - camera.eye).try_normalize().unwrap_or(Vec3::NEG_Z);
         let right = forward.cross(Vec3::Y).try_normalize().unwrap_or(Vec3::X);
         let distance = camera.eye.distance(camera.target).max(1e-3);
         let tangent = (camera.fov.clamp(0.01, 3.0) * 0.5).tan();
@@ -55,12 +53,7 @@ impl View {
     pub(super) fn clip(&self, point: Vec3) -> Vec4 {
         let p = point - self.eye;
         let [sx, sy] = self.scale;
-        Vec4::new(
-            p.dot(self.right) / sx,
-            p.dot(self.up) / sy,
-            self.near,
-            p.dot(self.forward),
-        )
+        Vec4::new(p.dot(self.right) / sx, p.dot(self.up) / sy, self.near, p.dot(self.forward))
     }
 
     /// What `x` and `y` (-1 to 1, up) look along: the eye plus this times a distance along the view is a world point.
@@ -71,11 +64,7 @@ impl View {
 
     /// A direction as the eye has it: to the right, up, and away.
     pub(super) fn turned(&self, direction: Vec3) -> Vec3 {
-        Vec3::new(
-            direction.dot(self.right),
-            direction.dot(self.up),
-            direction.dot(self.forward),
-        )
+        Vec3::new(direction.dot(self.right), direction.dot(self.up), direction.dot(self.forward))
     }
 
     /// Half the picture's height at distance 1.

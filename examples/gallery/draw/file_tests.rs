@@ -18,9 +18,8 @@ fn a_png_reads_back_as_it_was() {
     let image = speckled(40, 30);
     let path = scratch("picture.png");
     write_png(&path, &image).unwrap();
-    let mut reader = png::Decoder::new(BufReader::new(File::open(&path).unwrap()))
-        .read_info()
-        .unwrap();
+    let mut reader =
+        png::Decoder::new(BufReader::new(File::open(&path).unwrap())).read_info().unwrap();
     let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut bytes).unwrap();
     assert_eq!((info.width, info.height), (40, 30));
@@ -35,9 +34,7 @@ fn a_gif_has_all_its_frames_and_repeats() {
     }
     let path = scratch("film.gif");
     write_gif(&path, &frames, 4).unwrap();
-    let mut decoder = gif::DecodeOptions::new()
-        .read_info(File::open(&path).unwrap())
-        .unwrap();
+    let mut decoder = gif::DecodeOptions::new().read_info(File::open(&path).unwrap()).unwrap();
     let mut count = 0;
     while let Some(frame) = decoder.read_next_frame().unwrap() {
         assert_eq!(frame.delay, 4);
@@ -46,36 +43,16 @@ fn a_gif_has_all_its_frames_and_repeats() {
     assert_eq!(count, 5);
     assert_eq!(decoder.repeat(), gif::Repeat::Infinite);
     assert!(write_gif(&path, &[], 4).is_err());
-    assert!(
-        write_gif(
-            &path,
-            &[Image::new(2, 2, [0; 4]), Image::new(3, 2, [0; 4])],
-            4
-        )
-        .is_err()
-    );
+    assert!(write_gif(&path, &[Image::new(2, 2, [0; 4]), Image::new(3, 2, [0; 4])], 4).is_err());
 }
 
 #[test]
 fn a_sheet_holds_its_frames() {
-    let frames: Vec<_> = (0..3)
-        .map(|i| (format!("{i} s"), Image::new(60, 40, [10, 20, 30, 255])))
-        .collect();
-    let sheet = contact_sheet(
-        "A title that is too long for a small page",
-        "below",
-        &frames,
-        2,
-    );
-    let dark = sheet
-        .pixels
-        .iter()
-        .filter(|p| **p == [10, 20, 30, 255])
-        .count();
-    assert!(
-        (3 * 2000..3 * 2400).contains(&dark),
-        "three pictures less their corners: {dark}"
-    );
+    let frames: Vec<_> =
+        (0..3).map(|i| (format!("{i} s"), Image::new(60, 40, [10, 20, 30, 255]))).collect();
+    let sheet = contact_sheet("A title that is too long for a small page", "below", &frames, 2);
+    let dark = sheet.pixels.iter().filter(|p| **p == [10, 20, 30, 255]).count();
+    assert!((3 * 2000..3 * 2400).contains(&dark), "three pictures less their corners: {dark}");
     assert!(sheet.width > 120 && sheet.height > 80);
     assert!(contact_sheet("Nothing", "", &[], 3).width > 0);
 }

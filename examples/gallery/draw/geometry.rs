@@ -62,24 +62,13 @@ fn push_item(out: &mut Vec<Triangle>, index: usize, item: &Item, view: &View, ro
         let positions = corners.map(|i| item.positions[i]);
         let behind = face.dot(view.eye - positions[0]) < 0.0;
         // A sheet's normals look at the eye, whichever side that is.
-        let side = if behind && item.double_sided {
-            -1.0
-        } else {
-            1.0
-        };
+        let side = if behind && item.double_sided { -1.0 } else { 1.0 };
         let normals = corners.map(|i| {
-            let given = item
-                .normals
-                .as_ref()
-                .and_then(|n| n.get(i)?.try_normalize());
+            let given = item.normals.as_ref().and_then(|n| n.get(i)?.try_normalize());
             side * given.unwrap_or_else(|| faces.smooth(number, i))
         });
-        let uvs = corners.map(|i| {
-            item.uvs
-                .as_ref()
-                .and_then(|uvs| uvs.get(i).copied())
-                .unwrap_or_default()
-        });
+        let uvs = corners
+            .map(|i| item.uvs.as_ref().and_then(|uvs| uvs.get(i).copied()).unwrap_or_default());
         let lod = item.texture.as_ref().map_or(0.0, |texture| {
             let texels = (uvs[1] - uvs[0]).perp_dot(uvs[2] - uvs[0]).abs() * texture.area();
             let to_eye = view.eye - positions[0];
@@ -128,9 +117,7 @@ impl Faces {
         let (mut starts, mut around) = (Vec::new(), Vec::new());
         if item.normals.is_none() {
             let drawn = || {
-                (0u32..)
-                    .zip(item.indices.iter())
-                    .filter(|(f, _)| planes[*f as usize] != Vec3::ZERO)
+                (0u32..).zip(item.indices.iter()).filter(|(f, _)| planes[*f as usize] != Vec3::ZERO)
             };
             starts = vec![0u32; item.positions.len() + 1];
             for (_, corners) in drawn() {
@@ -150,11 +137,7 @@ impl Faces {
                 }
             }
         }
-        Self {
-            planes,
-            starts,
-            around,
-        }
+        Self { planes, starts, around }
     }
 
     fn unit(&self, face: usize) -> Option<Vec3> {
@@ -175,14 +158,9 @@ impl Faces {
             return own;
         };
         let alike = |plane: &Vec3| plane.dot(own) > CREASE * plane.length();
-        let around = self.around[start as usize..end as usize]
-            .iter()
-            .map(|&f| self.planes[f as usize]);
-        around
-            .filter(alike)
-            .sum::<Vec3>()
-            .try_normalize()
-            .unwrap_or(own)
+        let around =
+            self.around[start as usize..end as usize].iter().map(|&f| self.planes[f as usize]);
+        around.filter(alike).sum::<Vec3>().try_normalize().unwrap_or(own)
     }
 }
 
@@ -209,11 +187,7 @@ fn push_line(
             let samples = LINE_SAMPLES.max(rows as f32 * LINE);
             let half = samples * view.pixel(rows) * view.depth(p).abs().max(view.near);
             // A little closer to the eye, to win against a surface that it lies on.
-            let p = if hidden {
-                p
-            } else {
-                p + (view.eye - p) * 0.002
-            };
+            let p = if hidden { p } else { p + (view.eye - p) * 0.002 };
             [p - side * half, p + side * half]
         });
         for positions in [[a, c, b], [b, c, d]] {

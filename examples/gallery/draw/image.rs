@@ -22,19 +22,12 @@ pub(crate) struct Image {
 impl Image {
     /// A picture of one colour.
     pub(crate) fn new(width: usize, height: usize, fill: [u8; 4]) -> Self {
-        Self {
-            width,
-            height,
-            pixels: vec![fill; width * height],
-        }
+        Self { width, height, pixels: vec![fill; width * height] }
     }
 
     /// The pixel in column `x` of row `y`; panics outside of the picture.
     pub(crate) fn at(&self, x: usize, y: usize) -> [u8; 4] {
-        assert!(
-            x < self.width && y < self.height,
-            "pixel outside of the picture"
-        );
+        assert!(x < self.width && y < self.height, "pixel outside of the picture");
         self.pixels[y * self.width + x]
     }
 
@@ -67,13 +60,7 @@ pub(crate) fn write_png(path: impl AsRef<Path>, image: &Image) -> io::Result<()>
 
 /// sRGB, 0 to 1 a channel, to the linear light that shading adds up.
 pub(super) fn linear_of(srgb: [f32; 3]) -> Vec3 {
-    Vec3::from(srgb.map(|c| {
-        if c <= 0.04045 {
-            c / 12.92
-        } else {
-            ((c + 0.055) / 1.055).powf(2.4)
-        }
-    }))
+    Vec3::from(srgb.map(|c| if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }))
 }
 
 /// Rolls highlights off towards white and leaves everything else as it is (the Khronos "neutral" tone mapper).
@@ -97,18 +84,10 @@ impl SrgbTable {
 
     pub(super) fn new() -> Self {
         let encode = |c: f32| {
-            if c <= 0.003_130_8 {
-                c * 12.92
-            } else {
-                1.055 * c.powf(1.0 / 2.4) - 0.055
-            }
+            if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
         };
         let steps = 0..=Self::STEPS;
-        Self(
-            steps
-                .map(|i| (encode(i as f32 / Self::STEPS as f32) * 255.0).round() as u8)
-                .collect(),
-        )
+        Self(steps.map(|i| (encode(i as f32 / Self::STEPS as f32) * 255.0).round() as u8).collect())
     }
 
     #[inline]

@@ -51,9 +51,7 @@ pub(super) fn openness(view: &View, facets: &[Facet], width: usize, height: usiz
     let mut rough = vec![1.0f32; facets.len()];
     each_pixel(&mut rough, &|at| around.look(at));
     let mut smooth = vec![1.0f32; facets.len()];
-    each_pixel(&mut smooth, &|at| {
-        blurred(&rough, facets, [width, height], at)
-    });
+    each_pixel(&mut smooth, &|at| blurred(&rough, facets, [width, height], at));
     smooth
 }
 
@@ -81,12 +79,7 @@ impl Surroundings<'_> {
     fn solid(&self, margin: usize) -> Option<[Range<usize>; 2]> {
         let [width, height] = self.size;
         let (mut low, mut high) = ([width, height], [0, 0]);
-        for (i, _) in self
-            .facets
-            .iter()
-            .enumerate()
-            .filter(|(_, facet)| facet.solid)
-        {
+        for (i, _) in self.facets.iter().enumerate().filter(|(_, facet)| facet.solid) {
             for (axis, at) in [i % width, i / width].into_iter().enumerate() {
                 low[axis] = low[axis].min(at);
                 high[axis] = high[axis].max(at + 1);

@@ -24,10 +24,7 @@ pub(super) struct Fragment {
 
 impl Fragment {
     /// No triangle at all.
-    pub(super) const NONE: Self = Self {
-        triangle: u32::MAX,
-        weights: [0.0; 2],
-    };
+    pub(super) const NONE: Self = Self { triangle: u32::MAX, weights: [0.0; 2] };
 }
 
 /// The samples of a picture: what each one sees and how close that is (reversed depth, 0 is nothing).
@@ -100,10 +97,7 @@ fn clipped(
         polygon.clear();
         for (clip, weights) in clips.into_iter().zip([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]) {
             let triangle = triangle as u32;
-            polygon.push(Corner {
-                clip,
-                at: Fragment { triangle, weights },
-            });
+            polygon.push(Corner { clip, at: Fragment { triangle, weights } });
         }
         for (plane, offset) in planes {
             let inside = |c: &Corner| plane.dot(c.clip) - offset;
@@ -170,9 +164,7 @@ fn push(out: &mut Vec<Corner>, corners: [Corner; 3], size: [usize; 2]) {
     let length = edge(longest).sqrt();
     // Not so far that the tip of a sliver shows.
     let by = (0.03 * length / area).min(0.3 / length);
-    let middle = corners[0]
-        .towards(corners[1], 0.5)
-        .towards(corners[2], 1.0 / 3.0);
+    let middle = corners[0].towards(corners[1], 0.5).towards(corners[2], 1.0 / 3.0);
     out.extend(corners.map(|corner| middle.towards(corner, 1.0 + by)));
 }
 
@@ -191,10 +183,7 @@ impl Interpolate for Fragment {
     fn lerp2(a: Self, b: Self, x: f32, y: f32) -> Self {
         Self {
             triangle: a.triangle,
-            weights: [
-                a.weights[0] * x + b.weights[0] * y,
-                a.weights[1] * x + b.weights[1] * y,
-            ],
+            weights: [a.weights[0] * x + b.weights[0] * y, a.weights[1] * x + b.weights[1] * y],
         }
     }
 

@@ -33,9 +33,7 @@ pub(crate) fn render(scene: &Scene, width: usize, height: usize) -> Image {
     let view = View::new(&scene.camera, width as f32 / height as f32);
     let size = [width * FINE, height * FINE];
     let triangles = geometry::triangles(scene, &view, size[1]);
-    let detail = (width.max(height) * 2)
-        .next_power_of_two()
-        .clamp(1024, 2048);
+    let detail = (width.max(height) * 2).next_power_of_two().clamp(1024, 2048);
     // The sun's view and the eye's, side by side.
     let (shadow, samples) = std::thread::scope(|scope| {
         let shadow = scope.spawn(|| ShadowMap::new(&triangles, scene.sun, &view, detail));
@@ -43,18 +41,11 @@ pub(crate) fn render(scene: &Scene, width: usize, height: usize) -> Image {
             let triangle = &triangles[t];
             (!triangle.hidden).then(|| triangle.positions.map(|p| view.clip(p)))
         });
-        (
-            shadow.join().expect("drawing a shadow does not panic"),
-            samples,
-        )
+        (shadow.join().expect("drawing a shadow does not panic"), samples)
     });
     let shader = Shader {
         scene,
-        colors: scene
-            .items
-            .iter()
-            .map(|item| linear_of(item.color))
-            .collect(),
+        colors: scene.items.iter().map(|item| linear_of(item.color)).collect(),
         shadow,
         backdrop: Backdrop::new(&view, scene.ground),
         pixel: view.pixel(size[1]),
@@ -65,11 +56,7 @@ pub(crate) fn render(scene: &Scene, width: usize, height: usize) -> Image {
     };
 
     // The sky's light changes slowly: one sample a pixel will do.
-    let nothing = Facet {
-        depth: f32::INFINITY,
-        normal: Vec3::Y,
-        solid: false,
-    };
+    let nothing = Facet { depth: f32::INFINITY, normal: Vec3::Y, solid: false };
     let mut facets = vec![nothing; width * height];
     each_row(&mut facets, width, |y, row| {
         for (x, facet) in row.iter_mut().enumerate() {
@@ -130,10 +117,7 @@ impl Shader<'_> {
     fn pixel(&self, [x, y]: [usize; 2], open: f32) -> Vec3 {
         let samples =
             [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[dx, dy]| [x * FINE + dx, y * FINE + dy]);
-        if samples
-            .iter()
-            .all(|sample| self.fragment(*sample).triangle == Fragment::NONE.triangle)
-        {
+        if samples.iter().all(|sample| self.fragment(*sample).triangle == Fragment::NONE.triangle) {
             // Ground and sky melt into each other: there is no edge between them to smooth.
             let ray = self.ray(samples[0], 1.0);
             return self.color(&self.behind(ray), ray, FINE as f32, open);
@@ -153,10 +137,7 @@ impl Shader<'_> {
             };
             return self.color(&middle, ray, FINE as f32, open);
         }
-        let colors = seen
-            .iter()
-            .zip(rays)
-            .map(|(seen, ray)| self.color(seen, ray, 1.0, open));
+        let colors = seen.iter().zip(rays).map(|(seen, ray)| self.color(seen, ray, 1.0, open));
         colors.sum::<Vec3>() * 0.25
     }
 
@@ -179,18 +160,10 @@ impl Shader<'_> {
             Seen::Ground(depth) => (depth, Vec3::Y, false),
             Seen::Triangle(triangle, weights) => {
                 let depth = self.view.depth(mix(triangle.positions, weights));
-                (
-                    depth,
-                    mix(triangle.normals, weights).normalize_or(triangle.face),
-                    true,
-                )
+                (depth, mix(triangle.normals, weights).normalize_or(triangle.face), true)
             }
         };
-        Facet {
-            depth,
-            normal: self.view.turned(normal),
-            solid,
-        }
+        Facet { depth, normal: self.view.turned(normal), solid }
     }
 
     /// Along which the eye looks through a sample, so far (in samples) from its top left corner.
@@ -237,20 +210,14 @@ impl Shader<'_> {
         let slant = ray.length() / ray.y.abs();
         let flat = ray.with_y(0.0).normalize_or_zero();
         let stretch = |along: f32| across * (1.0 + (slant - 1.0) * along.abs());
-        let (color, fade) = self
-            .backdrop
-            .ground(point, [stretch(flat.x), stretch(flat.z)]);
+        let (color, fade) = self.backdrop.ground(point, [stretch(flat.x), stretch(flat.z)]);
         let horizon = self.backdrop.sky(ray.with_y(0.0));
         if fade >= 1.0 {
             return horizon;
         }
         // In full light the ground has exactly its own colour, however high the sun: only shadows darken it.
         let cosine = self.shadow.sun.y.max(0.0);
-        let lit = if cosine > 0.0 {
-            self.shadow.light(point, Vec3::Y)
-        } else {
-            0.0
-        };
+        let lit = if cosine > 0.0 { self.shadow.light(point, Vec3::Y) } else { 0.0 };
         let light = (SKY * open + SUN * (cosine * lit)) / (SKY + SUN * cosine);
         (color * light).lerp(horizon, fade)
     }

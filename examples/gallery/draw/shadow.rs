@@ -40,11 +40,8 @@ impl ShadowMap {
         let empty = low[0] > high[0];
         let middle = [0, 1].map(|i| if empty { 0.0 } else { (low[i] + high[i]) * 0.5 });
         // A margin of a few texels, so that soft edges do not run out of the map.
-        let half = if empty {
-            1.0
-        } else {
-            ((high[0] - low[0]).max(high[1] - low[1]) * 0.51).max(1e-3)
-        };
+        let half =
+            if empty { 1.0 } else { ((high[0] - low[0]).max(high[1] - low[1]) * 0.51).max(1e-3) };
         let mut map = Self {
             depth: Buffer2d::new([0; 2], 0.0),
             size,
@@ -78,10 +75,7 @@ impl ShadowMap {
         // the surface itself, not something that shades it.
         let lifted = point + normal * (self.texel * (0.4 + 2.6 * sine));
         let p = self.project(lifted);
-        let (u, v) = (
-            (p.x + 1.0) * 0.5 * self.size as f32,
-            (1.0 - p.y) * 0.5 * self.size as f32,
-        );
+        let (u, v) = ((p.x + 1.0) * 0.5 * self.size as f32, (1.0 - p.y) * 0.5 * self.size as f32);
         let limit = self.size as f32 - 3.0;
         if !(u > 2.0 && v > 2.0 && u < limit && v < limit) {
             return 1.0;

@@ -21,32 +21,15 @@ pub(crate) fn contact_sheet(
 ) -> Image {
     let columns = columns.clamp(1, frames.len().max(1));
     let rows = frames.len().div_ceil(columns);
-    let cell_width = frames
-        .iter()
-        .map(|(_, image)| image.width)
-        .max()
-        .unwrap_or(320);
-    let cell_height = frames
-        .iter()
-        .map(|(_, image)| image.height)
-        .max()
-        .unwrap_or(0);
+    let cell_width = frames.iter().map(|(_, image)| image.width).max().unwrap_or(320);
+    let cell_height = frames.iter().map(|(_, image)| image.height).max().unwrap_or(0);
     // Everything grows with the pictures, so that a page that is scaled down for a README stays readable.
     let unit = (cell_width as f32 / 320.0).clamp(0.75, 2.5);
     let px = |n: f32| (n * unit).round() as usize;
     let (margin, gap, caption_room) = (px(28.0), px(16.0), px(26.0));
-    let title_style = Style {
-        size: 30.0 * unit,
-        color: INK,
-    };
-    let subtitle_style = Style {
-        size: 17.0 * unit,
-        color: GREY,
-    };
-    let caption_style = Style {
-        size: 16.0 * unit,
-        color: GREY,
-    };
+    let title_style = Style { size: 30.0 * unit, color: INK };
+    let subtitle_style = Style { size: 17.0 * unit, color: GREY };
+    let caption_style = Style { size: 16.0 * unit, color: GREY };
 
     let header = px(34.0) + if subtitle.is_empty() { 0 } else { px(24.0) } + px(14.0);
     let width = 2 * margin + columns * cell_width + (columns - 1) * gap;
@@ -56,19 +39,9 @@ pub(crate) fn contact_sheet(
     let room = (width - 2 * margin) as f32;
     let left = margin as f32;
     let fitted = text::shortened(title_style, title, room);
-    text::write(
-        &mut page,
-        [left, margin as f32 - 4.0 * unit],
-        title_style,
-        &fitted,
-    );
+    text::write(&mut page, [left, margin as f32 - 4.0 * unit], title_style, &fitted);
     let fitted = text::shortened(subtitle_style, subtitle, room);
-    text::write(
-        &mut page,
-        [left, margin as f32 + 34.0 * unit],
-        subtitle_style,
-        &fitted,
-    );
+    text::write(&mut page, [left, margin as f32 + 34.0 * unit], subtitle_style, &fitted);
 
     for (number, (caption, image)) in frames.iter().enumerate() {
         let x = margin + number % columns * (cell_width + gap);
@@ -77,12 +50,7 @@ pub(crate) fn contact_sheet(
         let fitted = text::shortened(caption_style, caption, cell_width as f32);
         let indent = (image.width as f32 - text::width(caption_style, &fitted)) * 0.5;
         let below = (y + image.height) as f32 + 5.0 * unit;
-        text::write(
-            &mut page,
-            [x as f32 + indent, below],
-            caption_style,
-            &fitted,
-        );
+        text::write(&mut page, [x as f32 + indent, below], caption_style, &fitted);
     }
     page
 }

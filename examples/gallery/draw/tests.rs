@@ -11,11 +11,7 @@ const BLUE: [f32; 3] = [0.1, 0.1, 0.9];
 
 /// A camera on +Z that looks at the point (0, 1, 0).
 fn scene<'a>() -> Scene<'a> {
-    Scene::new(Camera {
-        eye: vec3(0.0, 1.0, 4.0),
-        target: vec3(0.0, 1.0, 0.0),
-        fov: FRAC_PI_4,
-    })
+    Scene::new(Camera { eye: vec3(0.0, 1.0, 4.0), target: vec3(0.0, 1.0, 0.0), fov: FRAC_PI_4 })
 }
 
 fn triangle<'a>(corners: [Vec3; 3], color: [f32; 3]) -> Item<'a> {
@@ -23,10 +19,7 @@ fn triangle<'a>(corners: [Vec3; 3], color: [f32; 3]) -> Item<'a> {
 }
 
 fn upright<'a>(z: f32, color: [f32; 3]) -> Item<'a> {
-    triangle(
-        [vec3(-1.0, 0.4, z), vec3(1.0, 0.4, z), vec3(0.0, 2.0, z)],
-        color,
-    )
+    triangle([vec3(-1.0, 0.4, z), vec3(1.0, 0.4, z), vec3(0.0, 2.0, z)], color)
 }
 
 fn brightness([r, g, b, _]: [u8; 4]) -> u32 {
@@ -66,19 +59,11 @@ fn a_shadow_darkens_the_ground() {
     scene.sun = Vec3::Y;
     let lit = render(&scene, 64, 64);
     // Out of the camera's sight, between the ground and the sun.
-    let roof = [
-        vec3(-0.5, 20.0, -0.5),
-        vec3(0.5, 20.0, -0.5),
-        vec3(0.0, 20.0, 0.5),
-    ];
+    let roof = [vec3(-0.5, 20.0, -0.5), vec3(0.5, 20.0, -0.5), vec3(0.0, 20.0, 0.5)];
     scene.items = vec![triangle(roof, RED)];
     let dark = render(&scene, 64, 64);
     assert!(brightness(dark.at(32, 32)) + 100 < brightness(lit.at(32, 32)));
-    assert_eq!(
-        dark.at(4, 60),
-        lit.at(4, 60),
-        "far from the shadow nothing changes"
-    );
+    assert_eq!(dark.at(4, 60), lit.at(4, 60), "far from the shadow nothing changes");
 }
 
 #[test]
@@ -88,18 +73,10 @@ fn a_surface_does_not_shade_itself() {
     scene.sun = vec3(0.9, 0.3, 0.2);
     let corner = |i: u32| vec3((i % 9) as f32 * 0.5 - 2.0, 1.0, (i / 9) as f32 * 0.5 - 2.0);
     let quads = (0..72u32).filter(|i| i % 9 != 8);
-    let indices: Vec<_> = quads
-        .flat_map(|i| [[i, i + 9, i + 1], [i + 1, i + 9, i + 10]])
-        .collect();
-    scene.items = vec![Item::new(
-        (0..81).map(corner).collect::<Vec<_>>(),
-        indices,
-        [0.5; 3],
-    )];
+    let indices: Vec<_> = quads.flat_map(|i| [[i, i + 9, i + 1], [i + 1, i + 9, i + 10]]).collect();
+    scene.items = vec![Item::new((0..81).map(corner).collect::<Vec<_>>(), indices, [0.5; 3])];
     let image = render(&scene, 64, 64);
-    let middle: Vec<_> = (24..40)
-        .flat_map(|y| (24..40).map(move |x| (x, y)))
-        .collect();
+    let middle: Vec<_> = (24..40).flat_map(|y| (24..40).map(move |x| (x, y))).collect();
     let shades = middle.iter().map(|&(x, y)| brightness(image.at(x, y)));
     assert!(
         shades.clone().max().unwrap() - shades.min().unwrap() < 12,
@@ -113,33 +90,19 @@ fn what_reaches_behind_the_eye_is_cut_off_cleanly() {
     scene.ground = None;
     let sky = render(&scene, 64, 64);
     // A long strip under the eye, from far in front to far behind.
-    let strip = [
-        vec3(-1.0, 0.0, -50.0),
-        vec3(-1.0, 0.0, 50.0),
-        vec3(1.0, 0.0, 50.0),
-    ];
+    let strip = [vec3(-1.0, 0.0, -50.0), vec3(-1.0, 0.0, 50.0), vec3(1.0, 0.0, 50.0)];
     scene.items = vec![triangle(strip, RED)];
     let image = render(&scene, 64, 64);
     for y in 0..32 {
         for x in 0..64 {
-            assert_eq!(
-                image.at(x, y),
-                sky.at(x, y),
-                "nothing above the horizon at {x} {y}"
-            );
+            assert_eq!(image.at(x, y), sky.at(x, y), "nothing above the horizon at {x} {y}");
         }
     }
     assert_ne!(image.at(24, 60), sky.at(24, 60), "the strip is there");
 
     // Wholly behind: nothing.
-    scene.items = vec![triangle(
-        [
-            vec3(-1.0, 0.0, 9.0),
-            vec3(1.0, 0.0, 9.0),
-            vec3(0.0, 2.0, 9.0),
-        ],
-        RED,
-    )];
+    scene.items =
+        vec![triangle([vec3(-1.0, 0.0, 9.0), vec3(1.0, 0.0, 9.0), vec3(0.0, 2.0, 9.0)], RED)];
     scene.items[0].double_sided = true;
     assert_eq!(render(&scene, 64, 64), sky);
 }
@@ -159,22 +122,8 @@ fn what_cannot_be_drawn_is_left_out() {
     let empty = render(&scene, 48, 48);
     let p = Vec3::ONE;
     scene.items = vec![
-        triangle(
-            [
-                vec3(f32::NAN, 0.0, 0.0),
-                vec3(1.0, 0.0, 0.0),
-                vec3(0.0, 1.0, 0.0),
-            ],
-            RED,
-        ),
-        triangle(
-            [
-                vec3(f32::INFINITY, 0.0, 0.0),
-                vec3(1.0, 0.0, 0.0),
-                vec3(0.0, 1.0, 0.0),
-            ],
-            RED,
-        ),
+        triangle([vec3(f32::NAN, 0.0, 0.0), vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0)], RED),
+        triangle([vec3(f32::INFINITY, 0.0, 0.0), vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0)], RED),
         triangle([p, p, p], RED),
         triangle([p, p * 2.0, p * 3.0], RED),
         Item::new(vec![p], vec![[0, 1, 2]], RED),
@@ -191,30 +140,9 @@ fn huge_and_tiny_things_do_no_harm() {
     let mut scene = scene();
     let far = 1e12;
     scene.items = vec![
-        triangle(
-            [
-                vec3(-far, 0.3, -far),
-                vec3(far, 0.3, -far),
-                vec3(0.0, 0.3, far),
-            ],
-            BLUE,
-        ),
-        triangle(
-            [
-                vec3(-far, 0.0, 0.0),
-                vec3(far, 1e-3, 0.0),
-                vec3(far, far, 1e-9),
-            ],
-            BLUE,
-        ),
-        triangle(
-            [
-                Vec3::ONE,
-                Vec3::ONE + Vec3::X * 1e-6,
-                Vec3::ONE + Vec3::Y * 1e-6,
-            ],
-            BLUE,
-        ),
+        triangle([vec3(-far, 0.3, -far), vec3(far, 0.3, -far), vec3(0.0, 0.3, far)], BLUE),
+        triangle([vec3(-far, 0.0, 0.0), vec3(far, 1e-3, 0.0), vec3(far, far, 1e-9)], BLUE),
+        triangle([Vec3::ONE, Vec3::ONE + Vec3::X * 1e-6, Vec3::ONE + Vec3::Y * 1e-6], BLUE),
         upright(0.0, RED),
     ];
     scene.items[0].double_sided = true;
@@ -226,11 +154,7 @@ fn huge_and_tiny_things_do_no_harm() {
 fn lines_are_seen() {
     let mut scene = scene();
     let (from, to) = (vec3(-1.0, 1.0, 0.0), vec3(1.0, 1.0, 0.0));
-    scene.lines = vec![Line {
-        from,
-        to,
-        color: RED,
-    }];
+    scene.lines = vec![Line { from, to, color: RED }];
     let image = render(&scene, 64, 64);
     let [r, g, ..] = image.at(32, 32);
     assert!(r > g + 60, "red on the line: {r} {g}");
@@ -243,12 +167,8 @@ fn a_texture_has_its_first_row_at_the_top() {
     let (white, black) = ([255, 255, 255, 255], [0, 0, 0, 255]);
     let texels = [white, white, black, black].concat();
     let mut scene = scene();
-    let corners = vec![
-        vec3(-1.0, 0.1, 0.0),
-        vec3(1.0, 0.1, 0.0),
-        vec3(1.0, 2.0, 0.0),
-        vec3(-1.0, 2.0, 0.0),
-    ];
+    let corners =
+        vec![vec3(-1.0, 0.1, 0.0), vec3(1.0, 0.1, 0.0), vec3(1.0, 2.0, 0.0), vec3(-1.0, 2.0, 0.0)];
     let mut item = Item::new(corners, vec![[0, 1, 2], [0, 2, 3]], [1.0; 3]);
     item.uvs = Some(vec![Vec2::Y, Vec2::ONE, Vec2::X, Vec2::ZERO].into());
     item.texture = Some(Texture::from_rgba8(2, 2, &texels).into());

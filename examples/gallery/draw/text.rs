@@ -28,10 +28,7 @@ pub(super) fn write(image: &mut Image, [x, y]: [f32; 2], style: Style, text: &st
         if let Some(outline) = font.outline_glyph(glyph) {
             let corner = outline.px_bounds().min;
             outline.draw(|dx, dy, coverage| {
-                let at = [
-                    corner.x as i64 + i64::from(dx),
-                    corner.y as i64 + i64::from(dy),
-                ];
+                let at = [corner.x as i64 + i64::from(dx), corner.y as i64 + i64::from(dy)];
                 // A light typeface: thin strokes would fade into the paper without a little help.
                 image.blend(at[0], at[1], style.color, coverage.powf(0.75));
             });

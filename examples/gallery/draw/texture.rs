@@ -26,18 +26,12 @@ impl Texture {
             width > 0 && height > 0 && rgba.len() >= width * height * 4,
             "a texture needs its texels"
         );
-        let decoded: Vec<f32> = (0..=255)
-            .map(|b| linear_of([b as f32 / 255.0; 3]).x)
-            .collect();
+        let decoded: Vec<f32> = (0..=255).map(|b| linear_of([b as f32 / 255.0; 3]).x).collect();
         let texel = |p: &[u8]| Vec3::from([p[0], p[1], p[2]].map(|b| decoded[usize::from(b)]));
         let mut levels = vec![Level {
             width,
             height,
-            texels: rgba
-                .chunks_exact(4)
-                .take(width * height)
-                .map(texel)
-                .collect(),
+            texels: rgba.chunks_exact(4).take(width * height).map(texel).collect(),
         }];
         while let Some(last) = levels.last()
             && last.width.max(last.height) > 1
@@ -75,11 +69,7 @@ impl Level {
             let (x, y) = (i % width * 2, i / width * 2);
             (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1)) * 0.25
         };
-        Self {
-            width,
-            height,
-            texels: (0..width * height).map(average).collect(),
-        }
+        Self { width, height, texels: (0..width * height).map(average).collect() }
     }
 
     #[inline]

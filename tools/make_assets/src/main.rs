@@ -37,26 +37,11 @@ struct Asset {
 }
 
 const ASSETS: [Asset; 5] = [
-    Asset {
-        path: "textures/flag.png",
-        bytes: || paint::flag().to_png(),
-    },
-    Asset {
-        path: "textures/crate.png",
-        bytes: || paint::crate_face().to_png(),
-    },
-    Asset {
-        path: "textures/ball.png",
-        bytes: || paint::ball().to_png(),
-    },
-    Asset {
-        path: "props/lantern.glb",
-        bytes: gltf::lantern,
-    },
-    Asset {
-        path: "props/banner.glb",
-        bytes: gltf::banner,
-    },
+    Asset { path: "textures/flag.png", bytes: || paint::flag().to_png() },
+    Asset { path: "textures/crate.png", bytes: || paint::crate_face().to_png() },
+    Asset { path: "textures/ball.png", bytes: || paint::ball().to_png() },
+    Asset { path: "props/lantern.glb", bytes: gltf::lantern },
+    Asset { path: "props/banner.glb", bytes: gltf::banner },
 ];
 
 /// Where the committed files stand, whatever folder the tool is started in.

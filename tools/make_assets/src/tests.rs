@@ -25,11 +25,8 @@ fn committed_files_are_what_the_tool_writes() {
 
 #[test]
 fn assets_stay_small() {
-    let size = |path| {
-        fs::metadata(Path::new(COMMITTED).join(path))
-            .expect("a committed asset")
-            .len()
-    };
+    let size =
+        |path| fs::metadata(Path::new(COMMITTED).join(path)).expect("a committed asset").len();
     let total: u64 = ASSETS.iter().map(|asset| size(asset.path)).sum();
     assert!(total < 1_000_000, "{total} bytes");
 }
@@ -37,11 +34,7 @@ fn assets_stay_small() {
 #[test]
 fn lantern_is_one_closed_skin_around_its_centre() {
     let model = Model::load(&crate::gltf::lantern());
-    assert!(
-        (500..=2000).contains(&model.triangles.len()),
-        "{} triangles",
-        model.triangles.len()
-    );
+    assert!((500..=2000).contains(&model.triangles.len()), "{} triangles", model.triangles.len());
     let size = model.high - model.low;
     assert!((size.y - 0.6).abs() < 0.01, "{size}");
 
@@ -64,35 +57,22 @@ fn lantern_is_one_closed_skin_around_its_centre() {
     assert_eq!(pieces(&welded), 1);
     let corners: HashSet<usize> = welded.iter().flatten().copied().collect();
     let euler = corners.len() as isize - edges.len() as isize / 2 + welded.len() as isize;
-    assert_eq!(
-        euler, 0,
-        "a solid with one hole through it, under the handle"
-    );
+    assert_eq!(euler, 0, "a solid with one hole through it, under the handle");
 
     let (mut volume, mut moment) = (0.0, Vec3::ZERO);
-    for [a, b, c] in welded
-        .iter()
-        .map(|triangle| triangle.map(|corner| model.positions[corner]))
-    {
+    for [a, b, c] in welded.iter().map(|triangle| triangle.map(|corner| model.positions[corner])) {
         let wedge = a.dot(b.cross(c)) / 6.0;
         volume += wedge;
         moment += (a + b + c) / 4.0 * wedge;
     }
-    assert!(
-        (0.01..0.05).contains(&volume),
-        "{volume} cubic metres; negative is inside out"
-    );
+    assert!((0.01..0.05).contains(&volume), "{volume} cubic metres; negative is inside out");
     assert!((moment / volume).length() < 1.0e-4, "{}", moment / volume);
 }
 
 #[test]
 fn banner_is_irregular_cloth_with_one_seam() {
     let model = Model::load(&crate::gltf::banner());
-    assert!(
-        (500..=700).contains(&model.triangles.len()),
-        "{} triangles",
-        model.triangles.len()
-    );
+    assert!((500..=700).contains(&model.triangles.len()), "{} triangles", model.triangles.len());
     assert_eq!(
         (model.low, model.high),
         (
@@ -105,31 +85,20 @@ fn banner_is_irregular_cloth_with_one_seam() {
     assert_eq!(pieces(&model.triangles), 2, "the seam parts the halves");
     assert_eq!(pieces(&welded), 1, "welding joins them");
     let kept: HashSet<usize> = welded.iter().flatten().copied().collect();
-    let twins = (0..model.positions.len())
-        .filter(|vertex| !kept.contains(vertex))
-        .collect::<Vec<_>>();
+    let twins =
+        (0..model.positions.len()).filter(|vertex| !kept.contains(vertex)).collect::<Vec<_>>();
     assert!(twins.len() > 10);
     assert!(twins.iter().all(|&vertex| model.positions[vertex].x == 0.0));
 
     let mut area = 0.0;
-    for [a, b, c] in welded
-        .iter()
-        .map(|triangle| triangle.map(|corner| model.positions[corner]))
-    {
+    for [a, b, c] in welded.iter().map(|triangle| triangle.map(|corner| model.positions[corner])) {
         area += (b - a).cross(c - a).z / 2.0;
         for (from, to) in [(a, b), (b, c), (c, a)] {
-            assert!(
-                (0.05..0.2).contains(&from.distance(to)),
-                "an edge {} long",
-                from.distance(to)
-            );
+            assert!((0.05..0.2).contains(&from.distance(to)), "an edge {} long", from.distance(to));
         }
     }
     let outline = shape::HALF_WIDTH * (shape::LENGTH + shape::NOTCH);
-    assert!(
-        (area - outline).abs() < 1.0e-4,
-        "triangles cover {area} of {outline} square metres"
-    );
+    assert!((area - outline).abs() < 1.0e-4, "triangles cover {area} of {outline} square metres");
 }
 
 /// A model as a loader sees it.
@@ -154,37 +123,20 @@ impl Model {
         }
 
         let reader = primitive.reader(|_| Some(bytes));
-        let positions: Vec<Vec3> = reader
-            .read_positions()
-            .expect("positions")
-            .map(Vec3::from)
-            .collect();
-        let normals: Vec<Vec3> = reader
-            .read_normals()
-            .expect("normals")
-            .map(Vec3::from)
-            .collect();
-        let uvs: Vec<Vec2> = reader
-            .read_tex_coords(0)
-            .expect("uvs")
-            .into_f32()
-            .map(Vec2::from)
-            .collect();
+        let positions: Vec<Vec3> =
+            reader.read_positions().expect("positions").map(Vec3::from).collect();
+        let normals: Vec<Vec3> = reader.read_normals().expect("normals").map(Vec3::from).collect();
+        let uvs: Vec<Vec2> =
+            reader.read_tex_coords(0).expect("uvs").into_f32().map(Vec2::from).collect();
         let indices: Vec<usize> = reader
             .read_indices()
             .expect("indices")
             .into_u32()
             .map(|index| index as usize)
             .collect();
-        assert_eq!(
-            (normals.len(), uvs.len()),
-            (positions.len(), positions.len())
-        );
+        assert_eq!((normals.len(), uvs.len()), (positions.len(), positions.len()));
         assert!(normals.iter().all(|normal| normal.is_normalized()));
-        assert!(
-            uvs.iter()
-                .all(|uv| uv.min_element() >= 0.0 && uv.max_element() <= 1.0)
-        );
+        assert!(uvs.iter().all(|uv| uv.min_element() >= 0.0 && uv.max_element() <= 1.0));
         assert_eq!(
             indices.iter().collect::<HashSet<_>>().len(),
             positions.len(),
@@ -192,18 +144,10 @@ impl Model {
         );
 
         let low = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
-        let high = positions
-            .iter()
-            .copied()
-            .fold(Vec3::NEG_INFINITY, Vec3::max);
+        let high = positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
         let bounds = primitive.bounding_box();
         assert_eq!((bounds.min, bounds.max), (low.to_array(), high.to_array()));
-        Self {
-            positions,
-            triangles: indices.as_chunks().0.to_vec(),
-            low,
-            high,
-        }
+        Self { positions, triangles: indices.as_chunks().0.to_vec(), low, high }
     }
 
     /// The triangles, with vertices at the very same position made one.
@@ -211,15 +155,10 @@ impl Model {
         let mut first = HashMap::new();
         let vertices: Vec<usize> = (0..self.positions.len())
             .map(|vertex| {
-                *first
-                    .entry(self.positions[vertex].to_array().map(f32::to_bits))
-                    .or_insert(vertex)
+                *first.entry(self.positions[vertex].to_array().map(f32::to_bits)).or_insert(vertex)
             })
             .collect();
-        self.triangles
-            .iter()
-            .map(|triangle| triangle.map(|corner| vertices[corner]))
-            .collect()
+        self.triangles.iter().map(|triangle| triangle.map(|corner| vertices[corner])).collect()
     }
 }
 

@@ -40,6 +40,20 @@ pub(crate) struct MeshShape {
 #[derive(Component)]
 pub(crate) struct AwaitsMesh<R: Send + Sync + 'static>(PhantomData<fn() -> R>);
 
+/// The mesh that a body was made from, and its own copy, which it deforms: a later build starts from the former.
+#[derive(Component)]
+pub(crate) struct MadeFrom {
+    pub(crate) source: Handle<Mesh>,
+    pub(crate) own: Handle<Mesh>,
+}
+
+/// The mesh to make a body from: its `Mesh3d`, unless that is the copy that it deforms.
+pub(crate) fn source_mesh(world: &World, body: Entity) -> Option<&Handle<Mesh>> {
+    let worn = &world.get::<Mesh3d>(body)?.0;
+    let made = world.get::<MadeFrom>(body).filter(|made| made.own == *worn);
+    Some(made.map_or(worn, |made| &made.source))
+}
+
 /// Builds the bodies whose recipe of type `R` is new or changed, and those whose mesh has arrived since.
 pub(crate) fn build<R: Recipe>(
     world: &mut World,
@@ -65,6 +79,7 @@ pub(crate) fn build<R: Recipe>(
                 world.entity_mut(body).insert(AwaitsMesh::<R>(PhantomData));
             }
             Err(reason) => {
+                tear_down(world, body);
                 world.entity_mut(body).remove::<AwaitsMesh<R>>();
                 warn!("sinew: entity {body} {reason}");
                 world.write_message(Refused { entity: body, reason });
@@ -76,7 +91,7 @@ pub(crate) fn build<R: Recipe>(
 /// Builds one body, or says that its mesh is not there yet (`Ok(false)`). A refused body is left without particles.
 fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<bool, Refusal> {
     let transform = *world.get::<Transform>(body).ok_or(Refusal::Transform)?;
-    if !transform.is_finite() || transform.scale.min_element() == 0.0 {
+    if !transform.is_finite() || transform.scale.abs().min_element() == 0.0 {
         return Err(Refusal::Transform);
     }
     let mesh = if recipe.wants_mesh() {
@@ -121,7 +136,7 @@ fn tear_down(world: &mut World, body: Entity) {
 
 /// The mesh of a body; `None` while it is loading.
 fn read_mesh(world: &World, body: Entity) -> Result<Option<MeshShape>, Refusal> {
-    let handle = &world.get::<Mesh3d>(body).ok_or(Refusal::NoMesh)?.0;
+    let handle = source_mesh(world, body).ok_or(Refusal::NoMesh)?;
     let meshes = world.get_resource::<Assets<Mesh>>().ok_or(Refusal::NoMesh)?;
     let Some(mesh) = meshes.get(handle) else {
         let state =

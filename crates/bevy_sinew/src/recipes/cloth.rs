@@ -5,7 +5,7 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use sinew::recipes::{Blueprint, ClothMaterial, ClothSpec, cloth_from_mesh, cloth_grid, grid_uvs};
 
-use super::build::{MeshShape, Recipe};
+use super::build::{MadeFrom, MeshShape, Recipe, source_mesh};
 use crate::components::{CreationOrder, ParticleBody};
 use crate::messages::Refusal;
 
@@ -154,11 +154,12 @@ impl Recipe for Cloth {
         let handle = match self.spec() {
             Some(spec) => meshes.add(grid_mesh(&spec, blueprint)),
             None => {
-                let shared = world.get::<Mesh3d>(body).map(|mesh| mesh.0.clone());
+                let Some(source) = source_mesh(world, body).cloned() else { return };
                 let mut meshes = world.resource_mut::<Assets<Mesh>>();
-                let own = shared.and_then(|handle| meshes.get(&handle).cloned());
-                let Some(own) = own else { return };
-                meshes.add(own)
+                let Some(copy) = meshes.get(&source).cloned() else { return };
+                let own = meshes.add(copy);
+                world.entity_mut(body).insert(MadeFrom { source, own: own.clone() });
+                own
             }
         };
         world.entity_mut(body).insert(Mesh3d(handle));

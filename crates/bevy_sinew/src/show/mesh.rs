@@ -8,13 +8,14 @@ use super::{drawn_position, into_frame};
 use crate::components::{Interpolate, MeshFollow};
 use crate::messages::{Refusal, Refused, refuse};
 use crate::rows::{GONE, Rows};
-use crate::schedule::SinewClock;
+use crate::schedule::{SinewClock, SinewControl};
 use crate::world::SinewWorld;
 
 /// Writes the vertices and normals of every mesh with a [`MeshFollow`], once a frame, if a tick passed or the body eases between ticks.
 pub(crate) fn deform_meshes(
     world: Res<SinewWorld>,
     clock: Res<SinewClock>,
+    control: Res<SinewControl>,
     time: Res<Time<Fixed>>,
     meshes: Option<ResMut<Assets<Mesh>>>,
     mut messages: MessageWriter<Refused>,
@@ -32,11 +33,12 @@ pub(crate) fn deform_meshes(
     normals.resize(world.simulation.particles.len(), Vec3::ZERO);
     for (entity, follow, mut rows, handle, eased) in &mut bodies {
         let changed = follow.is_changed() || handle.is_changed();
-        if !changed && !eased && rows.drawn == clock.tick {
+        if !changed && !eased && control.running() && rows.drawn == clock.tick {
             continue;
         }
         rows.drawn = clock.tick;
-        let ease = eased.then(|| time.overstep_fraction());
+        // A world that stands still is drawn where it stands.
+        let ease = (eased && control.running()).then(|| time.overstep_fraction());
         let rows =
             rows.resolve(&world.tables, follow.is_changed(), follow.vertices.iter().copied());
         let Some(into) = into_frame(&transforms, entity) else { continue };

@@ -10,7 +10,7 @@ use bevy::transform::helper::TransformHelper;
 use super::{drawn_position, into_frame};
 use crate::components::{Interpolate, TubeMesh};
 use crate::rows::{GONE, Rows};
-use crate::schedule::SinewClock;
+use crate::schedule::{SinewClock, SinewControl};
 use crate::world::SinewWorld;
 
 /// Gives each [`TubeMesh`] a mesh of its own, and keeps it around its particles.
@@ -18,6 +18,7 @@ pub(crate) fn draw_tubes(
     mut commands: Commands,
     world: Res<SinewWorld>,
     clock: Res<SinewClock>,
+    control: Res<SinewControl>,
     time: Res<Time<Fixed>>,
     meshes: Option<ResMut<Assets<Mesh>>>,
     mut tubes: Query<(
@@ -32,11 +33,13 @@ pub(crate) fn draw_tubes(
 ) {
     let Some(mut meshes) = meshes else { return };
     for (entity, tube, mut rows, handle, eased) in &mut tubes {
-        if handle.is_some() && !tube.is_changed() && !eased && rows.drawn == clock.tick {
+        let drawn = handle.is_some() && !tube.is_changed() && rows.drawn == clock.tick;
+        if drawn && !eased && control.running() {
             continue;
         }
         rows.drawn = clock.tick;
-        let ease = eased.then(|| time.overstep_fraction());
+        // A world that stands still is drawn where it stands.
+        let ease = (eased && control.running()).then(|| time.overstep_fraction());
         let rows = rows.resolve(&world.tables, tube.is_changed(), tube.particles.iter().copied());
         let Some(into) = into_frame(&transforms, entity) else { continue };
         middle.clear();

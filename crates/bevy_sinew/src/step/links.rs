@@ -8,7 +8,8 @@ use crate::world::{SinewWorld, Tables};
 
 /// Compiles all links afresh if particles, links or surfaces came, went or changed.
 ///
-/// A link that cannot act is left out, so that the others run bit for bit as if it were not there, and reported once.
+/// A link that cannot act is left out, so that the others run bit for bit as if it were not there, and reported once. One that
+/// waits for a particle that is set aside is not reported: the particle was.
 pub(crate) fn compile_links(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
@@ -50,6 +51,9 @@ pub(crate) fn compile_links(
     let list = simulation.distances_mut();
     list.clear();
     for (entity, _, constraint) in ordered {
+        if tables.is_set_aside(constraint.a) || tables.is_set_aside(constraint.b) {
+            continue;
+        }
         let distance = sinew::Distance {
             a: row_or_none(tables, constraint.a),
             b: row_or_none(tables, constraint.b),
@@ -59,6 +63,8 @@ pub(crate) fn compile_links(
         };
         let fault = if constraint.a == constraint.b {
             Some(sinew::DistanceFault::SameParticle)
+        } else if tables.is_missing(constraint.a) || tables.is_missing(constraint.b) {
+            Some(sinew::DistanceFault::MissingParticle)
         } else {
             distance.fault(rows)
         };
@@ -72,6 +78,9 @@ pub(crate) fn compile_links(
     let list = &mut simulation.forces.springs;
     list.clear();
     for (entity, _, spring) in ordered {
+        if tables.is_set_aside(spring.a) || tables.is_set_aside(spring.b) {
+            continue;
+        }
         let compiled = sinew::Spring {
             a: row_or_none(tables, spring.a),
             b: row_or_none(tables, spring.b),
@@ -81,6 +90,8 @@ pub(crate) fn compile_links(
         };
         let fault = if spring.a == spring.b {
             Some(sinew::SpringFault::SameParticle)
+        } else if tables.is_missing(spring.a) || tables.is_missing(spring.b) {
+            Some(sinew::SpringFault::MissingParticle)
         } else {
             compiled.fault(rows)
         };

@@ -16,7 +16,7 @@ pub use distance::{Bound, Distance, DistanceFault};
 pub use pin::Pin;
 
 pub(crate) use bounds::Contact;
-pub(crate) use distance::project;
+pub(crate) use distance::{project, project_rod};
 
 /// What is enforced on single particles. Distances are kept apart, in the [`Simulation`](crate::Simulation), because they are compiled
 /// into a plan when they change; these may change at any step for free.

@@ -210,7 +210,7 @@ impl ClothMaterial {
 }
 
 fn check(spec: &ClothSpec) -> Result<(), ClothFault> {
-    let particles = (u64::from(spec.columns) + 1) * (u64::from(spec.rows) + 1);
+    let particles = (u64::from(spec.columns) + 1).saturating_mul(u64::from(spec.rows) + 1);
     if !(LENGTHS.contains(&spec.width) && LENGTHS.contains(&spec.height)) {
         Err(ClothFault::Size)
     } else if spec.columns == 0 || spec.rows == 0 {

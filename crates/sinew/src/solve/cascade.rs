@@ -1,6 +1,6 @@
 //! The cascade: constraints enforced one after the other, again and again, until they all hold well enough (Gauss–Seidel).
 
-use crate::constraints::{Constraints, Contact, Distance, project};
+use crate::constraints::{Constraints, Contact, project, project_rod};
 use crate::particles::Particles;
 use crate::solve::{Plan, SolverReport, SolverSettings};
 
@@ -64,15 +64,19 @@ pub(crate) fn measure(
 fn sweep_distances(particles: &mut Particles, plan: &mut Plan, compliance_scale: f32) -> f32 {
     let positions = particles.position.as_mut_slice();
     let mut worst = 0.0_f32;
-    for range in &plan.colours {
-        let distances = &plan.distances[range.clone()];
-        let lambdas = &mut plan.lambdas[range.clone()];
-        for (distance, lambda) in distances.iter().zip(lambdas) {
-            let Distance { a, b, rest, compliance, bound } = *distance;
-            let scaled = compliance * compliance_scale;
-            let error = project(positions, a, b, rest, scaled, bound, lambda);
+    for group in &plan.groups {
+        let distances = &plan.distances[group.range.clone()];
+        if group.rods {
+            for d in distances {
+                worst = worst.max(project_rod(positions, d.a, d.b, d.rest));
+            }
+            continue;
+        }
+        for (d, lambda) in distances.iter().zip(&mut plan.lambdas[group.range.clone()]) {
+            let scaled = d.compliance * compliance_scale;
+            let error = project(positions, d.a, d.b, d.rest, scaled, d.bound, lambda);
             // A soft distance is not meant to be kept, so it does not ask for another sweep.
-            if compliance == 0.0 {
+            if d.compliance == 0.0 {
                 worst = worst.max(error);
             }
         }

@@ -6,7 +6,7 @@
 
 use core::ops::Range;
 
-use crate::constraints::Distance;
+use crate::constraints::{Bound, Distance};
 
 /// The distances in solving order, and what a sweep needs beside them. Compiled when the topology changes; scratch, never saved.
 #[derive(Clone, Debug, Default)]
@@ -15,14 +15,29 @@ pub(crate) struct Plan {
     pub(crate) distances: Vec<Distance>,
     /// The multiplier that each distance has summed up in this substep.
     pub(crate) lambdas: Vec<f32>,
-    /// The range of each colour in `distances`. The last may be the overflow: constraints that found no free colour.
-    pub(crate) colours: Vec<Range<usize>>,
+    /// The groups of `distances`: first what is soft or one-sided, then the hard rods, colour by colour: bones
+    /// have the last word over the limits of their joints. The last colour may be the overflow:
+    /// constraints that found no free colour.
+    pub(crate) groups: Vec<Group>,
     used: Vec<u64>,
-    colour_of: Vec<u8>,
+    group_of: Vec<u8>,
+}
+
+/// Distances of one kind and one colour: no two share a particle, except in the overflow.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Group {
+    /// Where they are in the plan.
+    pub(crate) range: Range<usize>,
+    /// Hard rods, which the shortest kernel serves.
+    pub(crate) rods: bool,
 }
 
 /// The colour of what found no other: a particle in more than 64 constraints. Solved one after the other, which is always right.
-const OVERFLOW: u8 = 64;
+const OVERFLOW: usize = 64;
+/// Colours, the overflow included. What is no rod is numbered from 0, rods from here.
+const COLOURS: usize = OVERFLOW + 1;
+/// The group of a faulty distance.
+const LEFT_OUT: u8 = u8::MAX;
 
 impl Plan {
     /// Compiles the valid ones among `distances`, for `particles` rows. Linear in both; keeps its memory.
@@ -32,39 +47,42 @@ impl Plan {
     pub(crate) fn compile(&mut self, distances: &[Distance], particles: usize) {
         self.used.clear();
         self.used.resize(particles, 0);
-        self.colour_of.clear();
-        let mut counts = [0_usize; OVERFLOW as usize + 1];
+        self.group_of.clear();
+        let mut counts = [0_usize; 2 * COLOURS];
         for distance in distances {
             if distance.fault(particles).is_some() {
-                self.colour_of.push(u8::MAX);
+                self.group_of.push(LEFT_OUT);
                 continue;
             }
             let (a, b) = (distance.a as usize, distance.b as usize);
-            let colour = (!(self.used[a] | self.used[b])).trailing_zeros() as u8;
+            let colour = (!(self.used[a] | self.used[b])).trailing_zeros() as usize;
             if colour < OVERFLOW {
                 self.used[a] |= 1 << colour;
                 self.used[b] |= 1 << colour;
             }
-            counts[colour as usize] += 1;
-            self.colour_of.push(colour);
+            let rod = distance.compliance == 0.0 && distance.bound == Bound::Equal;
+            let group = if rod { COLOURS + colour } else { colour };
+            counts[group] += 1;
+            self.group_of.push(group as u8);
         }
 
-        self.colours.clear();
-        let mut next = [0_usize; OVERFLOW as usize + 1];
+        self.groups.clear();
+        let mut next = [0_usize; 2 * COLOURS];
         let mut total = 0;
-        for (colour, count) in counts.iter().enumerate() {
-            next[colour] = total;
+        for (group, count) in counts.iter().enumerate() {
+            next[group] = total;
             if *count > 0 {
-                self.colours.push(total..total + count);
+                let rods = group >= COLOURS;
+                self.groups.push(Group { range: total..total + count, rods });
             }
             total += count;
         }
         self.distances.clear();
         self.distances.resize(total, Distance::new(0, 0, 0.0));
-        for (distance, &colour) in distances.iter().zip(&self.colour_of) {
-            if colour != u8::MAX {
-                self.distances[next[colour as usize]] = *distance;
-                next[colour as usize] += 1;
+        for (distance, &group) in distances.iter().zip(&self.group_of) {
+            if group != LEFT_OUT {
+                self.distances[next[group as usize]] = *distance;
+                next[group as usize] += 1;
             }
         }
         self.lambdas.clear();
@@ -93,10 +111,10 @@ mod tests {
         let mut plan = Plan::default();
         plan.compile(&distances, (columns * rows) as usize);
         assert_eq!(plan.distances.len(), distances.len());
-        assert!(plan.colours.len() <= 16, "{}", plan.colours.len());
-        for range in &plan.colours {
+        assert!(plan.groups.len() <= 16, "{}", plan.groups.len());
+        for group in &plan.groups {
             let mut seen = std::collections::BTreeSet::new();
-            for distance in &plan.distances[range.clone()] {
+            for distance in &plan.distances[group.range.clone()] {
                 assert!(seen.insert(distance.a) && seen.insert(distance.b));
             }
         }
@@ -108,8 +126,8 @@ mod tests {
         let mut plan = Plan::default();
         plan.compile(&distances, 101);
         assert_eq!(plan.distances.len(), 100);
-        assert_eq!(plan.colours.len(), 65);
-        assert_eq!(plan.colours.last().unwrap().len(), 36);
+        assert_eq!(plan.groups.len(), 65);
+        assert_eq!(plan.groups.last().unwrap().range.len(), 36);
     }
 
     #[test]
@@ -120,6 +138,6 @@ mod tests {
         with.compile(&[good[0], bad, good[1], Distance::new(0, 9, 1.0)], 4);
         without.compile(&good, 4);
         assert_eq!(with.distances, without.distances);
-        assert_eq!(with.colours, without.colours);
+        assert_eq!(with.groups, without.groups);
     }
 }

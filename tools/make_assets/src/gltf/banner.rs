@@ -20,12 +20,7 @@ pub(crate) fn banner() -> Vec<u8> {
     write(
         "banner",
         &mesh,
-        &Surface {
-            picture: &picture,
-            glow: None,
-            roughness: 0.9,
-            double_sided: true,
-        },
+        &Surface { picture: &picture, glow: None, roughness: 0.9, double_sided: true },
     )
 }
 
@@ -35,12 +30,7 @@ const SPACING: f32 = 0.082;
 /// Adds one half of the banner. Its seam vertices are its own, at the very positions of the other half's.
 fn sew_panel(mesh: &mut Mesh, right: bool, dice: &mut Dice) {
     let side = if right { HALF_WIDTH } else { -HALF_WIDTH };
-    let corners = [
-        vec2(0.0, 0.0),
-        vec2(0.0, -NOTCH),
-        vec2(side, -LENGTH),
-        vec2(side, 0.0),
-    ];
+    let corners = [vec2(0.0, 0.0), vec2(0.0, -NOTCH), vec2(side, -LENGTH), vec2(side, 0.0)];
     let mut points = Vec::new();
     for (index, &from) in corners.iter().enumerate() {
         let to = corners[(index + 1) % corners.len()];
@@ -49,18 +39,13 @@ fn sew_panel(mesh: &mut Mesh, right: bool, dice: &mut Dice) {
     }
     scatter(&mut points, side, dice);
 
-    let exact: Vec<[f64; 2]> = points
-        .iter()
-        .map(|point| point.to_array().map(f64::from))
-        .collect();
+    let exact: Vec<[f64; 2]> = points.iter().map(|point| point.to_array().map(f64::from)).collect();
     let vertices: Vec<u32> = points
         .iter()
         .map(|&point| mesh.push(point.extend(0.0), Vec3::Z, paint::banner_uv(point, right)))
         .collect();
     mesh.triangles.extend(
-        triangulate(&exact)
-            .into_iter()
-            .map(|corners| corners.map(|corner| vertices[corner])),
+        triangulate(&exact).into_iter().map(|corners| corners.map(|corner| vertices[corner])),
     );
 }
 
@@ -70,9 +55,7 @@ fn scatter(points: &mut Vec<Vec2>, side: f32, dice: &mut Dice) {
     while misses < 3000 {
         let at = vec2(side * dice.unit(), -LENGTH * dice.unit());
         let inside = at.y > -NOTCH - at.x.abs() / HALF_WIDTH * (LENGTH - NOTCH);
-        let free = points
-            .iter()
-            .all(|point| point.distance(at) > SPACING * 0.82);
+        let free = points.iter().all(|point| point.distance(at) > SPACING * 0.82);
         if inside && free {
             points.push(at);
         } else {

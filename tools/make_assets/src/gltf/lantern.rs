@@ -21,19 +21,11 @@ pub(crate) fn lantern() -> Vec<u8> {
     }
 
     let mesh = Mesh::from_triangles(&triangles, libm::cosf(28.0 * PI / 180.0));
-    let (picture, glow) = (
-        paint::lantern_palette().to_png(),
-        paint::lantern_glow().to_png(),
-    );
+    let (picture, glow) = (paint::lantern_palette().to_png(), paint::lantern_glow().to_png());
     write(
         "lantern",
         &mesh,
-        &Surface {
-            picture: &picture,
-            glow: Some(&glow),
-            roughness: 0.5,
-            double_sided: false,
-        },
+        &Surface { picture: &picture, glow: Some(&glow), roughness: 0.5, double_sided: false },
     )
 }
 
@@ -48,12 +40,7 @@ struct Row {
 }
 
 const fn row(apothem: f32, height: f32, recess: f32, cover: Swatch) -> Row {
-    Row {
-        apothem,
-        height,
-        recess,
-        cover,
-    }
+    Row { apothem, height, recess, cover }
 }
 
 const ROWS: [Row; 22] = [
@@ -94,12 +81,9 @@ fn ring(row: &Row) -> Vec<Vec3> {
         .map(|index| {
             let side = (index / PER_SIDE) as f32 * TAU / SIDES as f32;
             let (outward, along) = (direction(side), direction(side + PI / 2.0));
-            let (recess, aside) = [
-                (0.0, -post),
-                (row.recess, -pane),
-                (row.recess, pane),
-                (0.0, post),
-            ][index % PER_SIDE];
+            let (recess, aside) =
+                [(0.0, -post), (row.recess, -pane), (row.recess, pane), (0.0, post)]
+                    [index % PER_SIDE];
             outward * (row.apothem - recess) + along * aside + Vec3::Y * row.height
         })
         .collect()
@@ -120,32 +104,18 @@ fn body(triangles: &mut Vec<[Corner; 3]>, rings: &[Vec<Vec3>]) {
             let to = (from + 1) % AROUND;
             let pane = from % PER_SIDE == 1;
             let cover = ROWS[index].cover;
-            let cover = if cover == Swatch::Glass && !pane {
-                Swatch::Iron
-            } else {
-                cover
-            };
-            quad(
-                triangles,
-                [below[from], below[to], above[to], above[from]],
-                |at| texture(cover, at.y),
-            );
+            let cover = if cover == Swatch::Glass && !pane { Swatch::Iron } else { cover };
+            quad(triangles, [below[from], below[to], above[to], above[from]], |at| {
+                texture(cover, at.y)
+            });
         }
     }
     let (bottom, top) = (&rings[0], &rings[rings.len() - 1]);
     for from in 0..AROUND {
         let to = (from + 1) % AROUND;
         let axis = |y: f32| vec3(0.0, y, 0.0);
-        fan(
-            triangles,
-            [axis(bottom[0].y), bottom[to], bottom[from]],
-            Swatch::Enamel,
-        );
-        fan(
-            triangles,
-            [axis(top[0].y + 0.008), top[from], top[to]],
-            Swatch::Brass,
-        );
+        fan(triangles, [axis(bottom[0].y), bottom[to], bottom[from]], Swatch::Enamel);
+        fan(triangles, [axis(top[0].y + 0.008), top[from], top[to]], Swatch::Brass);
     }
 }
 
@@ -173,12 +143,7 @@ fn handle(triangles: &mut Vec<[Corner; 3]>, rings: &[Vec<Vec3>]) {
         let middle = outward * (SPAN * cos) + Vec3::Y * (BASE + RISE * sin);
         let away = (outward * (cos / SPAN) + Vec3::Y * (sin / RISE)).normalize() * THICKNESS;
         let aside = along * THICKNESS;
-        [
-            middle + away - aside,
-            middle + away + aside,
-            middle - away + aside,
-            middle - away - aside,
-        ]
+        [middle + away - aside, middle + away + aside, middle - away + aside, middle - away - aside]
     }));
     // The far foot is met from the other side: left is right there.
     let [a, b, c, d] = foot(HANDLE_FEET[1]);
@@ -187,40 +152,25 @@ fn handle(triangles: &mut Vec<[Corner; 3]>, rings: &[Vec<Vec3>]) {
     for pair in sections.windows(2) {
         for from in 0..4 {
             let to = (from + 1) % 4;
-            quad(
-                triangles,
-                [pair[0][from], pair[0][to], pair[1][to], pair[1][from]],
-                |at| texture(Swatch::Brass, at.y),
-            );
+            quad(triangles, [pair[0][from], pair[0][to], pair[1][to], pair[1][from]], |at| {
+                texture(Swatch::Brass, at.y)
+            });
         }
     }
 }
 
 /// Swatches are shaded from the lantern's foot to its top, the glass from the panes' lower edge to their upper one.
 fn texture(cover: Swatch, height: f32) -> Vec2 {
-    let (bottom, top) = if cover == Swatch::Glass {
-        (0.082, 0.338)
-    } else {
-        (-0.10, 0.60)
-    };
-    vec2(
-        cover.u(),
-        1.0 - ((height - bottom) / (top - bottom)).clamp(0.0, 1.0),
-    )
+    let (bottom, top) = if cover == Swatch::Glass { (0.082, 0.338) } else { (-0.10, 0.60) };
+    vec2(cover.u(), 1.0 - ((height - bottom) / (top - bottom)).clamp(0.0, 1.0))
 }
 
 fn fan(triangles: &mut Vec<[Corner; 3]>, corners: [Vec3; 3], cover: Swatch) {
-    triangles.push(corners.map(|position| Corner {
-        position,
-        uv: texture(cover, position.y),
-    }));
+    triangles.push(corners.map(|position| Corner { position, uv: texture(cover, position.y) }));
 }
 
 /// Two triangles over a face whose corners are counter-clockwise seen from outside.
 fn quad(triangles: &mut Vec<[Corner; 3]>, corners: [Vec3; 4], uv: impl Fn(Vec3) -> Vec2) {
-    let [a, b, c, d] = corners.map(|position| Corner {
-        position,
-        uv: uv(position),
-    });
+    let [a, b, c, d] = corners.map(|position| Corner { position, uv: uv(position) });
     triangles.extend([[a, b, c], [a, c, d]]);
 }

@@ -43,14 +43,9 @@ impl Mesh {
                     .map(|&other| facing[other])
                     .sum::<Vec3>()
                     .normalize();
-                let key = (
-                    bits(corner.position),
-                    bits(smoothed),
-                    corner.uv.to_array().map(f32::to_bits),
-                );
-                *known
-                    .entry(key)
-                    .or_insert_with(|| mesh.push(corner.position, smoothed, corner.uv))
+                let key =
+                    (bits(corner.position), bits(smoothed), corner.uv.to_array().map(f32::to_bits));
+                *known.entry(key).or_insert_with(|| mesh.push(corner.position, smoothed, corner.uv))
             });
             mesh.triangles.push(triangle);
         }
@@ -69,10 +64,7 @@ impl Mesh {
 /// The middle of the solid that closed `triangles` bound.
 pub(super) fn centroid(triangles: &[[Corner; 3]]) -> Vec3 {
     let (mut volume, mut moment) = (0.0, Vec3::ZERO);
-    for [a, b, c] in triangles
-        .iter()
-        .map(|corners| corners.map(|corner| corner.position))
-    {
+    for [a, b, c] in triangles.iter().map(|corners| corners.map(|corner| corner.position)) {
         let wedge = a.dot(b.cross(c)) / 6.0;
         volume += wedge;
         moment += (a + b + c) / 4.0 * wedge;

@@ -40,17 +40,11 @@ pub(super) fn write(name: &str, mesh: &Mesh, surface: &Surface) -> Vec<u8> {
         extensions: None,
         extras: Default::default(),
         name: Some(name.into()),
-        primitives: vec![Primitive {
-            material: Some(material),
-            ..primitive
-        }],
+        primitives: vec![Primitive { material: Some(material), ..primitive }],
         weights: None,
     });
-    let node = file.root.push(Node {
-        mesh: Some(mesh),
-        name: Some(name.into()),
-        ..Default::default()
-    });
+    let node =
+        file.root.push(Node { mesh: Some(mesh), name: Some(name.into()), ..Default::default() });
     let scene = file.root.push(Scene {
         extensions: None,
         extras: Default::default(),
@@ -70,16 +64,8 @@ struct File {
 
 impl File {
     fn primitive(&mut self, mesh: &Mesh) -> Primitive {
-        let low = mesh
-            .positions
-            .iter()
-            .copied()
-            .fold(Vec3::INFINITY, Vec3::min);
-        let high = mesh
-            .positions
-            .iter()
-            .copied()
-            .fold(Vec3::NEG_INFINITY, Vec3::max);
+        let low = mesh.positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+        let high = mesh.positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
         let positions = self.floats(Type::Vec3, mesh.positions.iter().map(Vec3::to_array));
         self.root.accessors[positions.value()].min = Some(corner(low));
         self.root.accessors[positions.value()].max = Some(corner(high));
@@ -88,9 +74,7 @@ impl File {
 
         let indices = mesh.triangles.as_flattened();
         let bytes = indices.iter().flat_map(|&index| {
-            u16::try_from(index)
-                .expect("the project's models are small")
-                .to_le_bytes()
+            u16::try_from(index).expect("the project's models are small").to_le_bytes()
         });
         let view = self.view(bytes.collect(), Some(Target::ElementArrayBuffer));
         let indices = self.accessor(view, indices.len(), ComponentType::U16, Type::Scalar);
@@ -149,12 +133,7 @@ impl File {
             extensions: None,
             extras: Default::default(),
         });
-        Info {
-            index,
-            tex_coord: 0,
-            extensions: None,
-            extras: Default::default(),
-        }
+        Info { index, tex_coord: 0, extensions: None, extras: Default::default() }
     }
 
     fn floats<const N: usize>(
@@ -212,10 +191,8 @@ impl File {
     }
 
     fn finish(mut self) -> Vec<u8> {
-        self.root.asset = Asset {
-            generator: Some("sinew_make_assets".into()),
-            ..Default::default()
-        };
+        self.root.asset =
+            Asset { generator: Some("sinew_make_assets".into()), ..Default::default() };
         self.root.push(Buffer {
             byte_length: USize64::from(self.bytes.len()),
             name: None,
@@ -226,16 +203,8 @@ impl File {
         let json =
             gltf::json::serialize::to_vec(&self.root).expect("glTF's own types are always JSON");
         // The header's length is worked out while writing.
-        let header = Header {
-            magic: *b"glTF",
-            version: 2,
-            length: 0,
-        };
-        let file = Glb {
-            header,
-            json: Cow::Owned(json),
-            bin: Some(Cow::Owned(self.bytes)),
-        };
+        let header = Header { magic: *b"glTF", version: 2, length: 0 };
+        let file = Glb { header, json: Cow::Owned(json), bin: Some(Cow::Owned(self.bytes)) };
         file.to_vec().expect("writing to memory cannot fail")
     }
 }

@@ -24,15 +24,9 @@ use shape::{HALF_WIDTH, LENGTH, NOTCH};
 
 /// Where a point of the banner is in the picture. Points on the seam are in both panels.
 pub(crate) fn banner_uv(at: Vec2, right: bool) -> Vec2 {
-    let (start, from) = if right {
-        (WIDTH as f32 - MARGIN - PANEL, 0.0)
-    } else {
-        (MARGIN, -HALF_WIDTH)
-    };
-    vec2(
-        (start + (at.x - from) / HALF_WIDTH * PANEL) / WIDTH as f32,
-        -at.y / LENGTH,
-    )
+    let (start, from) =
+        if right { (WIDTH as f32 - MARGIN - PANEL, 0.0) } else { (MARGIN, -HALF_WIDTH) };
+    vec2((start + (at.x - from) / HALF_WIDTH * PANEL) / WIDTH as f32, -at.y / LENGTH)
 }
 
 /// Paints the banner, both panels side by side.
@@ -40,17 +34,9 @@ pub(crate) fn banner() -> Canvas {
     let dyes = Dyes::new();
     Canvas::paint(WIDTH, HEIGHT, |texel| {
         let right = texel.x > WIDTH as f32 / 2.0;
-        let start = if right {
-            WIDTH as f32 - MARGIN - PANEL
-        } else {
-            MARGIN
-        };
+        let start = if right { WIDTH as f32 - MARGIN - PANEL } else { MARGIN };
         let across = ((texel.x - start) / PANEL).clamp(0.0, 1.0);
-        let x = if right {
-            across * HALF_WIDTH
-        } else {
-            (across - 1.0) * HALF_WIDTH
-        };
+        let x = if right { across * HALF_WIDTH } else { (across - 1.0) * HALF_WIDTH };
         let at = vec2(x, -texel.y / HEIGHT as f32 * LENGTH);
         field(at, right, &dyes) * weave(texel)
     })
@@ -65,12 +51,7 @@ fn field(at: Vec2, right: bool, dyes: &Dyes) -> Vec3 {
         return top_band(at, dyes);
     }
     if edge < 0.05 {
-        return dyes.gold
-            * if edge > 0.012 && edge < 0.038 {
-                1.0
-            } else {
-                0.72
-            };
+        return dyes.gold * if edge > 0.012 && edge < 0.038 { 1.0 } else { 0.72 };
     }
     if edge < 0.064 {
         return dyes.midnight;
@@ -79,11 +60,7 @@ fn field(at: Vec2, right: bool, dyes: &Dyes) -> Vec3 {
     let from_sun = at - vec2(0.0, -0.64);
     let distance = from_sun.length();
     if distance < 0.40 {
-        return if on_sun(from_sun / 0.365, 20) {
-            dyes.gold
-        } else {
-            dyes.midnight
-        };
+        return if on_sun(from_sun / 0.365, 20) { dyes.gold } else { dyes.midnight };
     }
     if distance < 0.445 {
         return dyes.ivory;
@@ -93,11 +70,8 @@ fn field(at: Vec2, right: bool, dyes: &Dyes) -> Vec3 {
     }
 
     // Chevrons follow the notch and swap dyes at the seam.
-    let (own, other) = if right {
-        (dyes.teal, dyes.vermilion)
-    } else {
-        (dyes.vermilion, dyes.teal)
-    };
+    let (own, other) =
+        if right { (dyes.teal, dyes.vermilion) } else { (dyes.vermilion, dyes.teal) };
     let stripe = |from: f32, to: f32| notch_line > from && notch_line < to;
     let dye = if stripe(0.34, 0.45) {
         dyes.ivory
@@ -117,9 +91,5 @@ fn top_band(at: Vec2, dyes: &Dyes) -> Vec3 {
     }
     let x = (at.x / SPACING - (at.x / SPACING).floor() - 0.5).abs() * SPACING;
     let y = (at.y + 0.056).abs();
-    if x + y * 1.1 < 0.036 {
-        dyes.gold
-    } else {
-        dyes.midnight
-    }
+    if x + y * 1.1 < 0.036 { dyes.gold } else { dyes.midnight }
 }

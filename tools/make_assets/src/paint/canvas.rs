@@ -27,11 +27,7 @@ impl Canvas {
                 texels.extend((sum / (GRID * GRID) as f32).to_array().map(encode));
             }
         }
-        Self {
-            width,
-            height,
-            texels,
-        }
+        Self { width, height, texels }
     }
 
     /// The picture as a PNG file.
@@ -80,9 +76,5 @@ fn encode(linear: f32) -> u8 {
 }
 
 fn decode(srgb: f32) -> f32 {
-    if srgb <= 0.040_45 {
-        srgb / 12.92
-    } else {
-        libm::powf((srgb + 0.055) / 1.055, 2.4)
-    }
+    if srgb <= 0.040_45 { srgb / 12.92 } else { libm::powf((srgb + 0.055) / 1.055, 2.4) }
 }

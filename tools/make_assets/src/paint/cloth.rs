@@ -37,18 +37,11 @@ pub(super) fn weave(texel: Vec2) -> f32 {
     let (column, row) = (across as i32, along as i32);
     let upright = (column + row) % 2 == 0;
     // A thread is brightest along its middle and dips where it dives under its neighbour.
-    let (side, length) = if upright {
-        (at.x - across, at.y - along)
-    } else {
-        (at.y - along, at.x - across)
-    };
+    let (side, length) =
+        if upright { (at.x - across, at.y - along) } else { (at.y - along, at.x - across) };
     let round = |t: f32| 4.0 * t * (1.0 - t);
     let relief = 0.55 * round(side) + 0.45 * round(length);
-    let own = if upright {
-        cell(column, 0, 71)
-    } else {
-        cell(row, 1, 71)
-    };
+    let own = if upright { cell(column, 0, 71) } else { cell(row, 1, 71) };
     1.0 + 0.13 * (relief - 0.6) + 0.05 * (own - 0.5) + 0.09 * (fractal(texel / 90.0, 9) - 0.5)
 }
 

@@ -23,9 +23,7 @@ pub(crate) fn crate_face() -> Canvas {
         frame: [hex(0xc9_94_57), hex(0x7d_4c_25)],
         brace: [hex(0xbd_84_49), hex(0x70_42_20)],
     };
-    Canvas::paint(SIZE, SIZE, |texel| {
-        nail(texel).unwrap_or_else(|| boards(texel, &woods))
-    })
+    Canvas::paint(SIZE, SIZE, |texel| nail(texel).unwrap_or_else(|| boards(texel, &woods)))
 }
 
 /// The light and the dark of each kind of board.
@@ -70,11 +68,7 @@ fn boards(texel: Vec2, woods: &Woods) -> Vec3 {
         * occlusion(from_frame, 26.0)
         * occlusion(across.abs() - BRACE, 22.0)
         * bevel(gap - 0.8, gap - 0.8, 90.0);
-    wood(
-        vec2(texel.y, within + plank as f32 * 97.0),
-        40 + plank as u32,
-        woods.planks,
-    ) * lit
+    wood(vec2(texel.y, within + plank as f32 * 97.0), 40 + plank as u32, woods.planks) * lit
 }
 
 /// Wood with its grain along x: growth rings drawn out into lines, knots they flow around, and fine pores.
@@ -167,10 +161,7 @@ fn nearest_nail(texel: Vec2) -> Vec2 {
         }
     };
     let mirrored = |nail: Vec2, x: bool, y: bool| {
-        vec2(
-            if x { SIDE - nail.x } else { nail.x },
-            if y { SIDE - nail.y } else { nail.y },
-        )
+        vec2(if x { SIDE - nail.x } else { nail.x }, if y { SIDE - nail.y } else { nail.y })
     };
     for (x, y) in [(false, false), (true, false), (false, true), (true, true)] {
         offer(mirrored(vec2(22.0, 24.0), x, y));
@@ -179,11 +170,7 @@ fn nearest_nail(texel: Vec2) -> Vec2 {
     for flip in [false, true] {
         for aside in [-15.0, 15.0] {
             let from_corner = FRAME + 31.0;
-            offer(mirrored(
-                vec2(from_corner + aside, SIDE - from_corner + aside),
-                flip,
-                flip,
-            ));
+            offer(mirrored(vec2(from_corner + aside, SIDE - from_corner + aside), flip, flip));
         }
         for plank in 0..PLANKS {
             let x = FRAME + (SIDE - 2.0 * FRAME) * (plank as f32 + 0.5) / PLANKS as f32;

@@ -41,11 +41,7 @@ fn field(texel: Vec2, dyes: &Dyes) -> (Vec3, f32) {
         }
     }
     if at.y.abs() < path(at.x).0.abs() {
-        let dye = if on_sun(at / 0.43, 20) {
-            dyes.gold
-        } else {
-            dyes.midnight
-        };
+        let dye = if on_sun(at / 0.43, 20) { dyes.gold } else { dyes.midnight };
         (dye, 1.0)
     } else if at.y > 0.0 {
         (dyes.vermilion, rays_of_dawn(at))
@@ -57,21 +53,13 @@ fn field(texel: Vec2, dyes: &Dyes) -> (Vec3, f32) {
 /// The light above the strands, tone on tone: it opens out from the sun.
 fn rays_of_dawn(at: Vec2) -> f32 {
     let turn = libm::atan2f(at.x, at.y) / PI * 14.0;
-    if (turn - libm::roundf(turn)).abs() < 0.25 {
-        1.10
-    } else {
-        0.86
-    }
+    if (turn - libm::roundf(turn)).abs() < 0.25 { 1.10 } else { 0.86 }
 }
 
 /// The water below them: rings that widen as they leave the sun.
 fn ripples(at: Vec2) -> f32 {
     let ring = libm::sqrtf(at.length()) * 9.0;
-    if ring - ring.floor() < 0.5 {
-        1.22
-    } else {
-        0.88
-    }
+    if ring - ring.floor() < 0.5 { 1.22 } else { 0.88 }
 }
 
 /// Where the eye around the sun ends, along the flag.
@@ -87,17 +75,11 @@ fn path(x: f32) -> (f32, f32) {
     let along = x.abs();
     if along < EYE {
         let angle = along / EYE * FRAC_PI_2;
-        (
-            EYE_HEIGHT * libm::cosf(angle),
-            -side * EYE_HEIGHT * FRAC_PI_2 / EYE * libm::sinf(angle),
-        )
+        (EYE_HEIGHT * libm::cosf(angle), -side * EYE_HEIGHT * FRAC_PI_2 / EYE * libm::sinf(angle))
     } else {
         let height = EYE_HEIGHT * FRAC_PI_2 / EYE / TWIST;
         let angle = (along - EYE) * TWIST;
-        (
-            -height * libm::sinf(angle),
-            -side * height * TWIST * libm::cosf(angle),
-        )
+        (-height * libm::sinf(angle), -side * height * TWIST * libm::cosf(angle))
     }
 }
 
@@ -144,11 +126,7 @@ fn sewn_edges(texel: Vec2, dyes: &Dyes) -> Option<(Vec3, f32)> {
             }
         }
         let stitch = (texel.x - (HOIST - 4.0)).abs() < 0.8 && texel.y % 9.0 < 6.0;
-        return Some(if stitch {
-            (dyes.vermilion, 0.9)
-        } else {
-            (dyes.ivory, 0.93)
-        });
+        return Some(if stitch { (dyes.vermilion, 0.9) } else { (dyes.ivory, 0.93) });
     }
     let (edge, along) = from_edge(texel);
     let stitch = (edge - HEM + 2.0).abs() < 0.7 && along % 9.0 < 5.5;
@@ -162,11 +140,7 @@ fn hem_shade(texel: Vec2) -> f32 {
     }
     let sleeve_shadow = 1.0 - 0.35 * smooth(5.0, 0.0, texel.x - HOIST);
     let (edge, _) = from_edge(texel);
-    let fold = if edge < HEM {
-        0.88
-    } else {
-        1.0 - 0.22 * smooth(2.5, 0.0, edge - HEM)
-    };
+    let fold = if edge < HEM { 0.88 } else { 1.0 - 0.22 * smooth(2.5, 0.0, edge - HEM) };
     sleeve_shadow * fold
 }
 
@@ -174,9 +148,5 @@ fn hem_shade(texel: Vec2) -> f32 {
 fn from_edge(texel: Vec2) -> (f32, f32) {
     let top_or_bottom = texel.y.min(HEIGHT as f32 - texel.y);
     let fly = WIDTH as f32 - texel.x;
-    if fly < top_or_bottom {
-        (fly, texel.y)
-    } else {
-        (top_or_bottom, texel.x)
-    }
+    if fly < top_or_bottom { (fly, texel.y) } else { (top_or_bottom, texel.x) }
 }

@@ -46,11 +46,7 @@ pub(crate) fn lantern_palette() -> Canvas {
 /// What the lantern gives off by itself: black but for the glass.
 pub(crate) fn lantern_glow() -> Canvas {
     Canvas::paint(COLUMNS * COLUMN, ROWS, |texel| {
-        if texel.x as u32 / COLUMN == 3 {
-            flame(texel.y / ROWS as f32)
-        } else {
-            Vec3::ZERO
-        }
+        if texel.x as u32 / COLUMN == 3 { flame(texel.y / ROWS as f32) } else { Vec3::ZERO }
     })
 }
 

@@ -1,0 +1,59 @@
+//! How a thing is to look, said without a renderer.
+
+use bevy::prelude::*;
+
+/// The surface of an entity with a `Mesh3d`, for whichever renderer draws it: a material of Bevy's, or the software one.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct Look {
+    /// Colour; it multiplies the texture.
+    pub color: Color,
+    /// Path of a texture among the assets.
+    pub texture: Option<String>,
+    /// Whether both sides are seen: cloth.
+    pub double_sided: bool,
+    /// From 0 (a mirror) to 1 (chalk).
+    pub roughness: f32,
+    /// From 0 to 1.
+    pub metallic: f32,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self {
+            color: Color::srgb(0.8, 0.8, 0.8),
+            texture: None,
+            double_sided: false,
+            roughness: 0.7,
+            metallic: 0.0,
+        }
+    }
+}
+
+impl Look {
+    /// A plain colour, by its sRGB bytes as in `0xRRGGBB`.
+    pub fn color(rgb: u32) -> Self {
+        let [_, red, green, blue] = rgb.to_be_bytes();
+        Self { color: Color::srgb_u8(red, green, blue), ..default() }
+    }
+
+    /// A texture, by its path among the assets.
+    pub fn texture(path: &str) -> Self {
+        Self { color: Color::WHITE, texture: Some(path.to_owned()), ..default() }
+    }
+
+    /// The same, seen from both sides.
+    pub fn double_sided(self) -> Self {
+        Self { double_sided: true, ..self }
+    }
+
+    /// The same, rougher or smoother.
+    pub fn roughness(self, roughness: f32) -> Self {
+        Self { roughness, ..self }
+    }
+
+    /// The same in metal.
+    pub fn metal(self) -> Self {
+        Self { metallic: 0.9, roughness: 0.35, ..self }
+    }
+}

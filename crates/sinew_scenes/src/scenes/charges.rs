@@ -1,0 +1,82 @@
+//! Charges in a box: opposite ones find each other, like ones flee.
+
+use bevy::prelude::*;
+use bevy_sinew::TubeMesh;
+use bevy_sinew::prelude::*;
+
+use super::{Scene, mesh};
+use crate::{InScene, Look, ball};
+
+pub(super) const SCENE: Scene = Scene {
+    name: "charges",
+    title: "Electric charges",
+    about: "48 charges in a box without gravity: red ones and blue ones attract, like ones repel",
+    eye: Vec3::new(2.9, 2.5, 3.7),
+    target: Vec3::new(0.0, 1.15, 0.0),
+    seconds: 6.0,
+    moment: 2.5,
+    spawn,
+};
+
+/// Half the edge of the box, metres.
+const HALF: f32 = 1.1;
+
+fn spawn(world: &mut World) {
+    world.insert_resource(Gravity(Vec3::ZERO));
+    world.insert_resource(AirDrag(0.35));
+    world.insert_resource(Electric { softening: 0.12, ..default() });
+    let centre = Vec3::Y * (HALF + 0.05);
+    world.spawn((
+        InScene,
+        BoundingBox { half_size: Vec3::splat(HALF), friction: 0.1 },
+        Transform::from_translation(centre),
+    ));
+    frame(world, centre);
+    let looks = [0xd1495b, 0x2e86ab].map(|color| Look::color(color).roughness(0.25));
+    let skins = [0.075, 0.055].map(|radius| mesh(world, ball(radius)));
+    let mut random = 20_u32;
+    let mut next = || {
+        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (random >> 8) as f32 / (1 << 24) as f32 * 2.0 - 1.0
+    };
+    for i in 0..48 {
+        let place = centre + Vec3::new(next(), next(), next()) * (HALF * 0.9);
+        let kind = i % 2;
+        // ±2 µC at 1 m repel with 36 mN, which moves 20 g at 1.8 m/s².
+        let charge = if kind == 0 { 2e-6 } else { -2e-6 };
+        world.spawn((
+            InScene,
+            Particle::at(place),
+            Mass(0.02),
+            Radius([0.075, 0.055][kind]),
+            Charge(charge),
+            Transform::from_translation(place),
+            skins[kind].clone(),
+            looks[kind].clone(),
+        ));
+    }
+}
+
+/// The edges of the box, so that one sees what holds the charges: tubes between pinned particles.
+fn frame(world: &mut World, centre: Vec3) {
+    let corners: Vec<Entity> = (0..8)
+        .map(|i| {
+            let side = |bit: usize| if i >> bit & 1 == 1 { HALF } else { -HALF };
+            let place = centre + Vec3::new(side(0), side(1), side(2));
+            world.spawn((InScene, Particle::at(place), Pinned::HERE)).id()
+        })
+        .collect();
+    for i in 0..8_usize {
+        for bit in 0..3 {
+            let j = i | 1 << bit;
+            if j != i {
+                let particles = vec![corners[i], corners[j]];
+                world.spawn((
+                    InScene,
+                    TubeMesh { particles, radius: 0.012, sides: 6 },
+                    Look::color(0x8d99ae),
+                ));
+            }
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! The list of scenes.
+
+mod banner;
+mod buoys;
+mod charges;
+mod crates;
+mod flag;
+mod jelly;
+mod pendulums;
+mod ragdoll;
+pub(crate) mod ropes;
+mod square;
+
+use bevy::prelude::*;
+
+/// A scene: what it is called, where to look at it from, and how to spawn it.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene {
+    /// What it is called on a command line.
+    pub name: &'static str,
+    /// What it is called on a picture.
+    pub title: &'static str,
+    /// One sentence on what there is to see.
+    pub about: &'static str,
+    /// Where the camera stands, metres.
+    pub eye: Vec3,
+    /// What it looks at, metres.
+    pub target: Vec3,
+    /// How long it is worth watching, seconds.
+    pub seconds: f32,
+    /// When it is best photographed, seconds.
+    pub moment: f32,
+    /// Spawns everything; each root carries [`InScene`](crate::InScene).
+    pub spawn: fn(&mut World),
+}
+
+/// All scenes, in the order in which a gallery shows them.
+pub const ALL: &[Scene] = &[
+    flag::SCENE,
+    crates::SCENE,
+    square::SCENE,
+    ragdoll::SCENE,
+    ropes::SCENE,
+    banner::SCENE,
+    jelly::SCENE,
+    pendulums::SCENE,
+    charges::SCENE,
+    buoys::SCENE,
+];
+
+/// The scene of that name.
+pub fn find(name: &str) -> Option<&'static Scene> {
+    ALL.iter().find(|scene| scene.name == name)
+}
+
+/// Adds a mesh to the app's assets.
+fn mesh(world: &mut World, mesh: impl Into<Mesh>) -> Mesh3d {
+    Mesh3d(world.resource_mut::<Assets<Mesh>>().add(mesh))
+}

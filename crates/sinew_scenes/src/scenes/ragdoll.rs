@@ -1,0 +1,40 @@
+//! Ragdolls that collapse, each in its own way.
+
+use bevy::prelude::*;
+use bevy_sinew::prelude::*;
+
+use super::Scene;
+use crate::{InScene, Look};
+
+pub(super) const SCENE: Scene = Scene {
+    name: "ragdoll",
+    title: "Ragdolls",
+    about: "17 particles, 25 bones and 32 limits each; nobody holds them up",
+    eye: Vec3::new(0.9, 1.9, 6.0),
+    target: Vec3::new(0.0, 0.9, -0.3),
+    seconds: 5.0,
+    moment: 0.75,
+    spawn,
+};
+
+fn spawn(world: &mut World) {
+    world.insert_resource(AirDrag(0.2));
+    world.spawn((InScene, Ground { friction: 0.6 }));
+    // Apart, because figures do not meet yet.
+    let figures = [
+        (Vec3::new(0.0, 0.02, 0.0), 0.0, 0.0, 0xd9622b),
+        (Vec3::new(-1.9, 0.9, -0.6), 0.8, 0.5, 0x2f8f83),
+        (Vec3::new(1.9, 1.3, -0.8), -0.9, -1.1, 0xe0b040),
+    ];
+    for (place, yaw, roll, color) in figures {
+        let rotation = Quat::from_rotation_y(yaw) * Quat::from_rotation_z(roll);
+        world.spawn((
+            InScene,
+            Name::new("ragdoll"),
+            Ragdoll::default(),
+            Look::color(color).roughness(0.55),
+            Interpolate,
+            Transform::from_translation(place).with_rotation(rotation),
+        ));
+    }
+}

@@ -1,0 +1,136 @@
+//! Ropes: one slack between two posts, one that swings with a lantern at its end, one led by a hand that moves.
+
+use bevy::prelude::*;
+use bevy_sinew::prelude::*;
+use bevy_sinew::{BodyParticles, PinnedTo};
+
+use super::{Scene, mesh};
+use crate::{InScene, Look, ball, cylinder};
+
+pub(super) const SCENE: Scene = Scene {
+    name: "ropes",
+    title: "Ropes",
+    about: "a slack line, a swinging lantern, and a whip in a moving hand",
+    eye: Vec3::new(1.0, 1.9, 5.9),
+    target: Vec3::new(0.25, 1.25, 0.0),
+    seconds: 6.0,
+    moment: 2.6,
+    spawn,
+};
+
+/// A hand that waves: its path is a function of the simulation's time alone.
+#[derive(Component)]
+pub(crate) struct Hand {
+    at: Vec3,
+}
+
+/// Leads the hand along a lying figure of eight, 0.3 m up and down in 1.6 s.
+pub(crate) fn wave_hand(clock: Res<SinewClock>, mut hands: Query<(&Hand, &mut Transform)>) {
+    for (hand, mut transform) in &mut hands {
+        let turn = (clock.seconds / 1.6).fract() as f32 * core::f32::consts::TAU;
+        let (sin, cos) = libm::sincosf(turn);
+        transform.translation = hand.at + Vec3::new(0.25 * sin, 0.3 * sin * cos, 0.1 * cos);
+    }
+}
+
+fn spawn(world: &mut World) {
+    world.spawn((InScene, Ground::default()));
+    let wood = Look::color(0x8a6a4b);
+    for x in [-2.0, 0.4] {
+        let post = mesh(world, cylinder(0.05, 2.2));
+        world.spawn((InScene, post, wood.clone(), Transform::from_xyz(x, 1.1, 0.0)));
+    }
+    let hemp = Look::color(0xc9a66b).roughness(0.9);
+    let rope = |from: Vec3, to: Vec3, radius: f32| Rope {
+        mass: 0.4,
+        radius,
+        segments: 32,
+        ..Rope::between(from, to)
+    };
+    let line = rope(Vec3::new(-2.0, 2.15, 0.0), Vec3::new(0.4, 2.15, 0.0), 0.022);
+    world.spawn((
+        InScene,
+        Name::new("slack line"),
+        Rope { slack: 0.25, pin_end: true, ..line },
+        hemp.clone(),
+        Interpolate,
+    ));
+
+    // The lantern's two particles hang on the last one of the rope.
+    let swing = rope(Vec3::new(0.4, 2.1, 0.0), Vec3::new(1.45, 1.35, 0.0), 0.016);
+    let swing = Rope { segments: 16, ..swing };
+    let end = swing.to;
+    let along = (swing.to - swing.from).normalize();
+    let rope =
+        world.spawn((InScene, Name::new("swinging rope"), swing, hemp.clone(), Interpolate)).id();
+    let lamp_mesh = world.resource::<AssetServer>().load("props/lantern.glb#Mesh0/Primitive0");
+    let lamp = world
+        .spawn((
+            InScene,
+            Name::new("lantern"),
+            ParticleBody,
+            Mesh3d(lamp_mesh),
+            Look::texture("props/lantern.glb#Texture0").roughness(0.4),
+            Interpolate,
+            Transform::from_translation(end),
+        ))
+        .id();
+    // Its ring is 0.35 m above its centre of mass; the mass sits low, as in a lantern.
+    let [ring, foot] = [(0.0, 0.1), (0.55, 1.2)].map(|(down, mass)| {
+        let place = end + along * down;
+        world.spawn((Particle::at(place), Mass(mass), ParticleOf(lamp))).id()
+    });
+    world.spawn((DistanceConstraint::new(ring, foot, 0.55), ConstraintOf(lamp)));
+    let rest = vec![Vec3::Y * 0.36, Vec3::Y * -0.19];
+    world.entity_mut(lamp).insert(RigidPose { particles: vec![ring, foot], rest });
+    world.spawn((InScene, Tie { rope, ring }));
+
+    let at = Vec3::new(2.2, 2.0, 0.3);
+    let knob = mesh(world, ball(0.07));
+    let hand = world
+        .spawn((InScene, Hand { at }, knob, Look::color(0xd9622b), Transform::from_translation(at)))
+        .id();
+    let whip =
+        Rope { segments: 40, radius: 0.014, mass: 0.2, ..Rope::between(at, at - Vec3::Y * 1.6) };
+    let whip =
+        world.spawn((InScene, Name::new("whip"), whip, Look::color(0x3a3f47), Interpolate)).id();
+    // Ropes get their particles with the next tick; what is tied to them waits for that.
+    world.spawn((InScene, Lead { rope: whip, hand }));
+}
+
+/// Waits to tie the end of a rope to a particle.
+#[derive(Component)]
+pub(crate) struct Tie {
+    rope: Entity,
+    ring: Entity,
+}
+
+/// Waits to put the start of a rope into a hand.
+#[derive(Component)]
+pub(crate) struct Lead {
+    rope: Entity,
+    hand: Entity,
+}
+
+/// Ties what waits for a rope, once the rope is built.
+pub(crate) fn tie_ends(
+    built: On<Add, bevy_sinew::TubeMesh>,
+    mut commands: Commands,
+    ropes: Query<&BodyParticles>,
+    ties: Query<(Entity, &Tie)>,
+    leads: Query<(Entity, &Lead)>,
+) {
+    let Ok(particles) = ropes.get(built.entity) else { return };
+    let (Some(first), Some(last)) = (particles.iter().next(), particles.iter().last()) else {
+        return;
+    };
+    for (waiting, tie) in ties.iter().filter(|(_, tie)| tie.rope == built.entity) {
+        let knot = DistanceConstraint::new(last, tie.ring, 0.0);
+        commands.spawn((knot, ConstraintOf(tie.rope)));
+        commands.entity(waiting).despawn();
+    }
+    for (waiting, lead) in leads.iter().filter(|(_, lead)| lead.rope == built.entity) {
+        commands.entity(first).insert(PinnedTo { entity: lead.hand, offset: Vec3::ZERO });
+        commands.entity(waiting).despawn();
+    }
+}

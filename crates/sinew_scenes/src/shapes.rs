@@ -1,0 +1,112 @@
+//! The few shapes that scenes are drawn with.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+
+/// A ball of the given radius, metres, with the texture wrapped around its y axis.
+pub fn ball(radius: f32) -> Mesh {
+    Sphere::new(radius).mesh().uv(32, 18)
+}
+
+/// A capsule along y with the given radius and whole length, metres, caps included.
+pub fn capsule(radius: f32, length: f32) -> Mesh {
+    Capsule3d::new(radius, (length - 2.0 * radius).max(0.0))
+        .mesh()
+        .longitudes(20)
+        .latitudes(10)
+        .build()
+}
+
+/// A cylinder along y, metres.
+pub fn cylinder(radius: f32, height: f32) -> Mesh {
+    Cylinder::new(radius, height).mesh().resolution(24).build()
+}
+
+/// A box about the origin with rounded edges, metres: `detail` facets across each rounding. Every face shows the whole texture.
+///
+/// Each face is a grid whose points are pulled onto the sphere swept around the inner box: the nearest point of the inner box, plus the radius
+/// along the way out.
+pub fn rounded_box(size: Vec3, radius: f32, detail: u32) -> Mesh {
+    let half = size * 0.5;
+    let radius = radius.clamp(0.0, half.min_element());
+    let inner = half - radius;
+    let (mut positions, mut normals, mut uvs, mut indices) = (vec![], vec![], vec![], vec![]);
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z];
+    for face in 0..6 {
+        let (axis, sign) = (face / 2, if face % 2 == 0 { 1.0 } else { -1.0 });
+        let out = axes[axis] * sign;
+        // Right and up as seen from outside, so that textures read the right way round.
+        let up = if axis == 1 { Vec3::NEG_Z * sign } else { Vec3::Y };
+        let right = up.cross(out);
+        let (half_right, half_up) = (half.dot(right.abs()), half.dot(up.abs()));
+        let stops_right = stops(half_right, radius, detail);
+        let stops_up = stops(half_up, radius, detail);
+        let first = positions.len() as u32;
+        for y in &stops_up {
+            for x in &stops_right {
+                let raw = out * half.dot(out.abs()) + right * *x + up * *y;
+                let core = raw.clamp(-inner, inner);
+                let normal = (raw - core).normalize_or(out);
+                positions.push((core + normal * radius).to_array());
+                normals.push(normal.to_array());
+                uvs.push([0.5 + 0.5 * x / half_right, 0.5 - 0.5 * y / half_up]);
+            }
+        }
+        let row = stops_right.len() as u32;
+        for y in 0..stops_up.len() as u32 - 1 {
+            for x in 0..row - 1 {
+                let a = first + y * row + x;
+                indices.extend([a, a + 1, a + row + 1, a, a + row + 1, a + row]);
+            }
+        }
+    }
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, uvs)
+        .with_inserted_indices(Indices::U32(indices))
+}
+
+/// Where the grid of a face is cut, from -half to half: finely in the rounded margins, not at all in between.
+fn stops(half: f32, radius: f32, detail: u32) -> Vec<f32> {
+    let detail = detail.max(1);
+    // Equal angles, not equal lengths: on the arc, the tangent of the angle is what the grid cuts.
+    let margin = |k: u32| {
+        let angle = core::f32::consts::FRAC_PI_4 * k as f32 / detail as f32;
+        libm::tanf(angle) * radius
+    };
+    let low = (0..=detail).rev().map(|k| -(half - radius) - margin(k));
+    let high = (0..=detail).map(|k| half - radius + margin(k));
+    let mut stops: Vec<f32> = low.chain(high).collect();
+    stops.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
+    stops
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy::mesh::VertexAttributeValues;
+
+    #[test]
+    fn a_rounded_box_is_inside_its_size_and_faces_outwards() {
+        let size = Vec3::new(1.0, 2.0, 0.6);
+        let mesh = rounded_box(size, 0.2, 4);
+        let Some(VertexAttributeValues::Float32x3(positions)) =
+            mesh.attribute(Mesh::ATTRIBUTE_POSITION)
+        else {
+            panic!("no positions")
+        };
+        let positions: Vec<Vec3> = positions.iter().map(|&p| p.into()).collect();
+        for p in &positions {
+            assert!(p.abs().cmple(size * 0.5 + 1e-5).all(), "{p}");
+        }
+        let Some(Indices::U32(indices)) = mesh.indices() else { panic!("no indices") };
+        let mut volume = 0.0;
+        for t in indices.chunks(3) {
+            let [a, b, c] = [t[0], t[1], t[2]].map(|i| positions[i as usize]);
+            volume += a.dot(b.cross(c)) / 6.0;
+        }
+        assert!(volume > 0.7 * 1.2 && volume < 1.2, "{volume}");
+    }
+}

@@ -1,0 +1,260 @@
+//! The gallery without a window: every scene under `MinimalPlugins`, a contact sheet and a GIF each, and a table of how it went.
+
+use std::fs;
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use bevy::asset::AssetPlugin;
+use bevy::gltf::GltfPlugin;
+use bevy::image::{CompressedImageFormatSupport, CompressedImageFormats, ImageLoader, ImagePlugin};
+use bevy::mesh::MeshPlugin;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy::world_serialization::WorldSerializationPlugin;
+use bevy_sinew::prelude::*;
+use bevy_sinew::{Refusal, TickTime};
+use indicatif::{ProgressBar, ProgressStyle};
+use sinew_examples::assets_folder;
+use sinew_scenes::{Scene, ScenesPlugin};
+
+use crate::Options;
+use crate::draw::{self, Image};
+use crate::stage::{self, Textures};
+
+/// Size of a frame on the contact sheet and in the GIF, pixels.
+const SHEET_FRAME: (usize, usize) = (480, 300);
+const FILM_FRAME: (usize, usize) = (400, 250);
+/// Frames on a contact sheet.
+const SHEET_FRAMES: usize = 6;
+/// Wall-clock time after which an asset that has not arrived is given up on.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// Runs the scenes and leaves the pictures. Succeeds only if everything stayed finite and every picture was written.
+pub fn run(options: &Options, scenes: &[&'static Scene]) -> ExitCode {
+    if let Err(error) = fs::create_dir_all(&options.out) {
+        eprintln!("gallery: cannot make {}: {error}", options.out.display());
+        return ExitCode::FAILURE;
+    }
+    let length = |scene: &Scene| options.seconds.unwrap_or(scene.seconds);
+    let frames: f32 = scenes.iter().map(|scene| length(scene) * options.fps as f32).sum();
+    let bar = ProgressBar::new(frames.ceil() as u64).with_style(
+        ProgressStyle::with_template("{msg:>10} [{bar:40}] {percent:>3} % {elapsed} of {duration}")
+            .unwrap_or_else(|_| ProgressStyle::default_bar())
+            .progress_chars("=> "),
+    );
+    let mut rows = Vec::new();
+    let mut failed = false;
+    for scene in scenes {
+        bar.set_message(scene.name);
+        match perform(scene, length(scene), options.fps, &options.out, &bar) {
+            Ok(row) => rows.push(row),
+            Err(error) => {
+                failed = true;
+                bar.suspend(|| eprintln!("gallery: {}: {error}", scene.name));
+            }
+        }
+    }
+    bar.finish_and_clear();
+    let table = table(&rows);
+    print!("{table}");
+    let summary = options.out.join("summary.txt");
+    if let Err(error) = fs::write(&summary, &table) {
+        eprintln!("gallery: cannot write {}: {error}", summary.display());
+        failed = true;
+    }
+    println!("\nPictures: {}/*.png, *.gif", options.out.display());
+    if failed || rows.iter().any(|row| !row.finite) { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+}
+
+/// How a scene went.
+struct Row {
+    name: &'static str,
+    particles: usize,
+    constraints: usize,
+    ticks: u64,
+    milliseconds: f64,
+    /// Largest error of a hard constraint that any tick left, metres, and as a share of its length.
+    error: f32,
+    strain: f32,
+    /// Energy at the start and at the end, joules.
+    energy: [f64; 2],
+    finite: bool,
+}
+
+/// Plays one scene and writes its pictures.
+fn perform(
+    scene: &'static Scene,
+    seconds: f32,
+    fps: u32,
+    out: &Path,
+    bar: &ProgressBar,
+) -> Result<Row, String> {
+    let mut app = theatre();
+    sinew_scenes::load(app.world_mut(), scene);
+    raise_curtain(&mut app)?;
+
+    let mut row = Row {
+        name: scene.name,
+        particles: 0,
+        constraints: 0,
+        ticks: 0,
+        milliseconds: 0.0,
+        error: 0.0,
+        strain: 0.0,
+        energy: [0.0; 2],
+        finite: true,
+    };
+    let films = (seconds * fps as f32).ceil().max(1.0) as usize;
+    let sheets: Vec<usize> = (0..SHEET_FRAMES).map(|i| i * films / SHEET_FRAMES).collect();
+    let (mut film, mut sheet) = (Vec::with_capacity(films), Vec::new());
+    for frame in 0..films {
+        let due = frame as f64 / f64::from(fps);
+        while app.world().resource::<SinewClock>().seconds + 1e-9 < due {
+            tick(&mut app, &mut row);
+        }
+        film.push(stage::photograph(app.world_mut(), scene, FILM_FRAME.0, FILM_FRAME.1));
+        if sheets.contains(&frame) {
+            let picture = stage::photograph(app.world_mut(), scene, SHEET_FRAME.0, SHEET_FRAME.1);
+            sheet.push((format!("{due:.1} s"), picture));
+        }
+        bar.inc(1);
+    }
+    row.energy[1] = app.world_mut().resource_mut::<SinewWorld>().ledger().energy();
+    row.finite &= row.energy.iter().all(|e| e.is_finite()) && all_finite(app.world_mut());
+    if row.ticks > 0 {
+        row.milliseconds /= row.ticks as f64;
+    }
+    write_pictures(scene, &film, &sheet, fps, out).map_err(|error| error.to_string())?;
+    Ok(row)
+}
+
+/// An app with everything that a scene needs and nothing that needs a GPU or a display.
+fn theatre() -> App {
+    let mut app = App::new();
+    app.add_plugins((
+        MinimalPlugins,
+        TransformPlugin,
+        AssetPlugin { file_path: assets_folder(), ..default() },
+        ImagePlugin::default(),
+        MeshPlugin,
+        WorldSerializationPlugin,
+    ));
+    // Nothing here can show compressed textures; saying so keeps the loader from warning about it.
+    app.insert_resource(CompressedImageFormatSupport(CompressedImageFormats::NONE));
+    // The renderer registers this one otherwise, because it knows which formats the GPU takes.
+    app.register_asset_loader(ImageLoader::new(CompressedImageFormats::NONE));
+    app.add_plugins((GltfPlugin::default(), SinewPlugins, ScenesPlugin));
+    let step = app.world().resource::<Time<Fixed>>().timestep();
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(step))
+        .init_resource::<Textures>()
+        .add_systems(PostUpdate, stage::request_textures);
+    app.finish();
+    app.cleanup();
+    app
+}
+
+/// Waits for meshes and textures while time stands still, so that every run starts from the same moment.
+fn raise_curtain(app: &mut App) -> Result<(), String> {
+    let began = std::time::Instant::now();
+    app.world_mut().resource_mut::<SinewControl>().paused = true;
+    loop {
+        app.update();
+        let world = app.world_mut();
+        let mut waiting = world.query::<&Mesh3d>();
+        let meshes = world.resource::<Assets<Mesh>>();
+        let missing = waiting.iter(world).filter(|mesh| meshes.get(&mesh.0).is_none()).count();
+        if missing == 0 && world.resource::<Textures>().ready() {
+            break;
+        }
+        if began.elapsed() > PATIENCE {
+            return Err(format!("{missing} meshes or some textures did not load"));
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    // Once more, for what was built from a mesh that has just arrived to be drawn.
+    app.update();
+    app.world_mut().resource_mut::<SinewControl>().paused = false;
+    Ok(())
+}
+
+/// One tick, and what it adds to the row.
+fn tick(app: &mut App, row: &mut Row) {
+    app.update();
+    let world = app.world_mut();
+    let diverged = world
+        .resource_mut::<Messages<Refused>>()
+        .drain()
+        .filter(|refused| refused.reason == Refusal::Diverged)
+        .count();
+    row.finite &= diverged == 0;
+    row.milliseconds += world.resource::<TickTime>().substeps.as_secs_f64() * 1e3;
+    let mut sinew = world.resource_mut::<SinewWorld>();
+    row.ticks += 1;
+    row.particles = sinew.particles().len();
+    row.constraints =
+        sinew.simulation().distances().len() + sinew.simulation().forces.springs.len();
+    row.error = row.error.max(sinew.report().error);
+    row.strain = row.strain.max(sinew.report().strain);
+    if row.ticks == 1 {
+        row.energy[0] = sinew.ledger().energy();
+    }
+}
+
+/// Whether all particles, transforms and meshes hold numbers.
+fn all_finite(world: &mut World) -> bool {
+    let mut particles = world.query::<&Particle>();
+    let mut transforms = world.query::<&Transform>();
+    let sound = |p: &Particle| p.position.is_finite() && p.velocity.is_finite();
+    let meshes = world.resource::<Assets<Mesh>>().iter().all(|(_, mesh)| {
+        let positions = mesh.attribute(Mesh::ATTRIBUTE_POSITION).and_then(|list| list.as_float3());
+        positions.is_none_or(|list| list.iter().flatten().all(|x| x.is_finite()))
+    });
+    meshes
+        && particles.iter(world).all(sound)
+        && transforms.iter(world).all(|transform| transform.is_finite())
+}
+
+fn write_pictures(
+    scene: &Scene,
+    film: &[Image],
+    sheet: &[(String, Image)],
+    fps: u32,
+    out: &Path,
+) -> std::io::Result<()> {
+    let picture = draw::contact_sheet(scene.title, scene.about, sheet, 3);
+    draw::write_png(out.join(format!("{}.png", scene.name)), &picture)?;
+    let delay = (100.0 / fps as f32).round().max(2.0) as u16;
+    draw::write_gif(out.join(format!("{}.gif", scene.name)), film, delay)
+}
+
+fn table(rows: &[Row]) -> String {
+    let mut text = format!(
+        "{:<10} {:>9} {:>11} {:>6} {:>8} {:>10} {:>8} {:>11} {:>11}  finite\n",
+        "scene",
+        "particles",
+        "constraints",
+        "ticks",
+        "ms/tick",
+        "error, mm",
+        "strain",
+        "J at start",
+        "J at end"
+    );
+    for row in rows {
+        text += &format!(
+            "{:<10} {:>9} {:>11} {:>6} {:>8.3} {:>10.3} {:>6.2} % {:>11.4} {:>11.4}  {}\n",
+            row.name,
+            row.particles,
+            row.constraints,
+            row.ticks,
+            row.milliseconds,
+            row.error * 1e3,
+            row.strain * 100.0,
+            row.energy[0],
+            row.energy[1],
+            if row.finite { "yes" } else { "NO" },
+        );
+    }
+    text
+}

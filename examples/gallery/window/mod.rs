@@ -1,0 +1,84 @@
+//! The gallery in a window: an orbit camera, a panel, and every scene live.
+
+mod screenshots;
+mod stage;
+mod ui;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::process::ExitCode;
+
+use bevy::asset::AssetPlugin;
+use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::window::WindowResolution;
+use bevy_sinew::SinewPlugins;
+use sinew_examples::assets_folder;
+use sinew_scenes::{Scene, ScenesPlugin};
+
+use crate::Options;
+
+/// Which scene is on, and which was asked for.
+#[derive(Resource)]
+struct Programme {
+    current: &'static Scene,
+    /// Load this one (again) before the next frame.
+    wanted: Option<&'static Scene>,
+}
+
+/// Opens the window and stays until it is closed; `Err` says why there can be none.
+///
+/// Bevy panics where it finds no display or no GPU. That is not this program's failure, so it is caught here, and only until the first
+/// frame: a panic later on is a bug and must be seen.
+pub fn run(options: &Options, scenes: &[&'static Scene]) -> Result<ExitCode, String> {
+    let first = *scenes.first().ok_or("there is no scene to show")?;
+    if cfg!(target_os = "linux") && !display_named() {
+        return Err("neither DISPLAY nor WAYLAND_DISPLAY is set".into());
+    }
+    let shots = options.screenshots.clone();
+    let opened = catch_unwind(AssertUnwindSafe(|| open(first, shots.is_some())));
+    let mut app = opened.map_err(|_| "Bevy could not open one, see above")?;
+    if let Some(folder) = shots {
+        screenshots::add(&mut app, folder, scenes.to_vec());
+    }
+    match app.run() {
+        AppExit::Success => Ok(ExitCode::SUCCESS),
+        AppExit::Error(code) => Ok(ExitCode::from(code.get())),
+    }
+}
+
+fn display_named() -> bool {
+    let named = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    named("DISPLAY") || named("WAYLAND_DISPLAY")
+}
+
+fn open(first: &'static Scene, for_pictures: bool) -> App {
+    let window = Window {
+        title: "Sinew gallery".into(),
+        resolution: WindowResolution::new(1280, 800),
+        ..default()
+    };
+    let mut app = App::new();
+    app.add_plugins((
+        DefaultPlugins
+            .set(WindowPlugin { primary_window: Some(window), ..default() })
+            .set(AssetPlugin { file_path: assets_folder(), ..default() })
+            // A picture must not be taken before its shaders are there.
+            .set(RenderPlugin { synchronous_pipeline_compilation: for_pictures, ..default() }),
+        SinewPlugins,
+        ScenesPlugin,
+    ));
+    stage::add(&mut app);
+    ui::add(&mut app);
+    app.insert_resource(Programme { current: first, wanted: Some(first) })
+        .add_systems(First, change_scene);
+    app
+}
+
+/// Loads the scene that was asked for, and walks the camera to where it wants to be seen from.
+fn change_scene(world: &mut World) {
+    let Some(scene) = world.resource_mut::<Programme>().wanted.take() else { return };
+    let moved = world.resource::<Programme>().current.name != scene.name;
+    world.resource_mut::<Programme>().current = scene;
+    sinew_scenes::load(world, scene);
+    stage::aim(world, scene, moved);
+}

@@ -1,0 +1,96 @@
+//! A screenshot of every scene, for whoever cannot be there: CI, and the README.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use bevy::prelude::*;
+use bevy::render::view::screenshot::{Screenshot, save_to_disk};
+use bevy::time::TimeUpdateStrategy;
+use bevy_sinew::SinewClock;
+use sinew_scenes::Scene;
+
+use super::Programme;
+
+/// Simulated time a frame: much, because a software renderer draws a few frames a second, and nobody watches.
+const STRIDE: Duration = Duration::from_millis(125);
+/// Frames drawn at the moment of the picture before it is taken: textures reach the GPU, and the panel its final layout.
+const STILL: u32 = 6;
+/// Frames to wait at most for the moment and for the file: a loading asset or a full disk must not hang CI.
+const PATIENCE: u32 = 2_000;
+
+/// Takes over the app: one scene after the other, then it quits.
+pub(super) fn add(app: &mut App, folder: PathBuf, scenes: Vec<&'static Scene>) {
+    app.insert_resource(Series { folder, scenes, next: 0, state: State::Start, frames: 0 })
+        .insert_resource(TimeUpdateStrategy::ManualDuration(STRIDE))
+        .add_systems(Last, shoot);
+}
+
+#[derive(Resource)]
+struct Series {
+    folder: PathBuf,
+    scenes: Vec<&'static Scene>,
+    next: usize,
+    state: State,
+    frames: u32,
+}
+
+enum State {
+    Start,
+    Playing,
+    Still(u32),
+    Saving(PathBuf),
+}
+
+fn shoot(
+    mut commands: Commands,
+    mut series: ResMut<Series>,
+    mut programme: ResMut<Programme>,
+    mut time: ResMut<TimeUpdateStrategy>,
+    clock: Res<SinewClock>,
+    mut exit: MessageWriter<AppExit>,
+) {
+    let series = &mut *series;
+    let Some(scene) = series.scenes.get(series.next).copied() else {
+        exit.write(AppExit::Success);
+        return;
+    };
+    series.frames += 1;
+    if series.frames > PATIENCE {
+        error!("no picture of {} after {PATIENCE} frames", scene.name);
+        exit.write(AppExit::error());
+        return;
+    }
+    let next = match &series.state {
+        State::Start => {
+            if std::fs::create_dir_all(&series.folder).is_err() {
+                error!("cannot make {}", series.folder.display());
+                exit.write(AppExit::error());
+                return;
+            }
+            programme.wanted = Some(scene);
+            *time = TimeUpdateStrategy::ManualDuration(STRIDE);
+            State::Playing
+        }
+        State::Playing if clock.seconds < f64::from(scene.moment) => return,
+        State::Playing => {
+            *time = TimeUpdateStrategy::ManualDuration(Duration::ZERO);
+            State::Still(0)
+        }
+        State::Still(frames) if *frames < STILL => State::Still(frames + 1),
+        State::Still(_) => {
+            let path = series.folder.join(format!("{}.png", scene.name));
+            // An older picture must not pass for this one.
+            let _ = std::fs::remove_file(&path);
+            commands.spawn(Screenshot::primary_window()).observe(save_to_disk(path.clone()));
+            State::Saving(path)
+        }
+        State::Saving(path) if !path.exists() => return,
+        State::Saving(path) => {
+            println!("{}", path.display());
+            series.next += 1;
+            series.frames = 0;
+            State::Start
+        }
+    };
+    series.state = next;
+}

@@ -1,0 +1,385 @@
+//! The rules of the house, as tests: what a reviewer would have to remember and no lint of the compiler knows.
+//!
+//! Each test lists all offences at once, each as `file:line: what to do`. A rule that stands in the way of something good is changed here,
+//! with its reason, and not worked around there. Why the rules are as they are is told in `CONTRIBUTING.md`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Longest file, lines: a reader keeps about that much in mind.
+const MOST_LINES: usize = 400;
+
+/// The only home of `unsafe`.
+const LANES: &str = "crates/sinew/src/lanes/";
+
+/// Where results are made: what stands there must give the same bits on every machine.
+const STATE: [&str; 2] = ["crates/sinew/src/", "crates/bevy_sinew/src/"];
+
+/// Methods of `f32`, `f64` and `glam` that call the platform's maths library, or that the compiler may round in more than one way.
+const PLATFORM_MATHS: [&str; 45] = [
+    "sin",
+    "cos",
+    "tan",
+    "asin",
+    "acos",
+    "atan",
+    "atan2",
+    "sin_cos",
+    "sinh",
+    "cosh",
+    "tanh",
+    "asinh",
+    "acosh",
+    "atanh",
+    "exp",
+    "exp2",
+    "exp_m1",
+    "ln",
+    "ln_1p",
+    "log",
+    "log2",
+    "log10",
+    "powf",
+    "powi",
+    "cbrt",
+    "hypot",
+    "mul_add",
+    "slerp",
+    "rotate_towards",
+    "angle_between",
+    "angle_to",
+    "to_axis_angle",
+    "to_scaled_axis",
+    "to_euler",
+    "from_axis_angle",
+    "from_scaled_axis",
+    "from_rotation_x",
+    "from_rotation_y",
+    "from_rotation_z",
+    "from_euler",
+    "from_angle",
+    "from_rotation_axis",
+    "rotate_x",
+    "rotate_y",
+    "rotate_z",
+];
+
+/// Collections whose order is chance.
+const UNORDERED: [&str; 6] =
+    ["HashMap", "HashSet", "EntityHashMap", "EntityHashSet", "TypeIdMap", "TypeIdSet"];
+
+/// Exceptions: file, word, and why it does no harm there.
+const ALLOWED: [(&str, &str, &str); 1] = [(
+    "crates/bevy_sinew/src/world.rs",
+    "EntityHashMap",
+    "entities are looked up in it; what goes over it (`retain`) does so in an order that nobody sees",
+)];
+
+/// A text file of the repository.
+struct File {
+    /// From the root, with `/`.
+    path: String,
+    text: String,
+}
+
+impl File {
+    fn is_rust(&self) -> bool {
+        self.path.ends_with(".rs")
+    }
+
+    /// Lines of [bare] code with their numbers, and none of what is compiled for tests alone.
+    ///
+    /// It reads what rustfmt wrote: an item ends with `}` at the indentation at which its attribute stands.
+    fn code(&self) -> Vec<(usize, String)> {
+        let mut code = Vec::new();
+        let mut lines = (1..).zip(self.text.lines());
+        while let Some((number, line)) = lines.next() {
+            if line.trim_start() == "#[cfg(test)]" {
+                let indent = &line[..line.len() - line.trim_start().len()];
+                let closes = |l: &str| {
+                    l.strip_prefix(indent)
+                        .is_some_and(|l| l == "}" || l.ends_with(';') && !l.starts_with(' '))
+                };
+                let _ = lines.by_ref().find(|(_, l)| closes(l));
+            } else {
+                code.push((number, bare(line)));
+            }
+        }
+        code
+    }
+
+    /// Whether the whole file is a test module.
+    fn is_test(&self) -> bool {
+        self.path.contains("/tests/") || self.path.ends_with("tests.rs")
+    }
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../..")
+        .canonicalize()
+        .expect("the repository has a root")
+}
+
+/// All text files below a folder that are there to be committed.
+fn files(folder: &Path, found: &mut Vec<File>) {
+    let mut entries: Vec<PathBuf> = fs::read_dir(folder)
+        .expect("a folder can be read")
+        .flatten()
+        .map(|entry| entry.path())
+        .collect();
+    entries.sort();
+    for path in entries {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let generated = ["target", ".git", "gallery_out", "corpus", "artifacts", "coverage"];
+        if path.is_dir() {
+            if !generated.contains(&name.as_str()) {
+                files(&path, found);
+            }
+        } else if let Ok(text) = fs::read_to_string(&path) {
+            let path = path.strip_prefix(root()).expect("it is below the root");
+            found.push(File { path: path.to_string_lossy().replace('\\', "/"), text });
+        }
+    }
+}
+
+fn repository() -> Vec<File> {
+    let mut found = Vec::new();
+    files(&root(), &mut found);
+    assert!(found.len() > 50, "the walk did not find the repository");
+    found
+}
+
+/// A line of code without its comment and without what its strings say.
+fn bare(line: &str) -> String {
+    let (mut code, mut quoted, mut before) = (String::new(), false, ' ');
+    for c in line.chars() {
+        let quote = c == '"' && before != '\\' && before != '\'';
+        if !quoted && (before, c) == ('/', '/') {
+            code.pop();
+            break;
+        }
+        if quote {
+            quoted = !quoted;
+        } else if !quoted {
+            code.push(c);
+        }
+        before = if (before, c) == ('\\', '\\') { ' ' } else { c };
+    }
+    code
+}
+
+/// The words of a line: runs of letters, digits and `_`.
+fn words(line: &str) -> impl Iterator<Item = &str> {
+    line.split(|c: char| !(c.is_alphanumeric() || c == '_'))
+}
+
+fn assert_none(offences: &[String]) {
+    assert!(offences.is_empty(), "\n{}\n", offences.join("\n"));
+}
+
+#[test]
+fn every_file_opens_with_why_it_is_there() {
+    let silent = repository().into_iter().filter(|f| f.is_rust() && !f.text.starts_with("//! "));
+    assert_none(
+        &silent
+            .map(|f| format!("{}:1: open the file with `//! ` and what it is for", f.path))
+            .collect::<Vec<_>>(),
+    );
+}
+
+#[test]
+fn no_file_is_too_long() {
+    let lines = |f: File| (f.text.lines().count(), f);
+    let long =
+        repository().into_iter().filter(File::is_rust).map(lines).filter(|(n, _)| *n > MOST_LINES);
+    assert_none(
+        &long
+            .map(|(n, f)| {
+                format!("{}:{MOST_LINES}: {n} lines; split it by what it is about, at most {MOST_LINES}", f.path)
+            })
+            .collect::<Vec<_>>(),
+    );
+}
+
+#[test]
+fn unsafe_stays_in_the_lanes() {
+    let mut offences = Vec::new();
+    for file in repository().iter().filter(|f| f.is_rust() && !f.path.starts_with(LANES)) {
+        for (number, line) in (1..).zip(file.text.lines()) {
+            let code = bare(line);
+            let keyword = words(&code).any(|word| word == "unsafe");
+            let lifted = ["allow(", "expect("].iter().any(|by| code.contains(by))
+                && code.contains("unsafe_code");
+            if keyword || lifted {
+                offences.push(format!("{}:{number}: `unsafe` belongs in {LANES}", file.path));
+            }
+        }
+    }
+    assert_none(&offences);
+}
+
+/// Offences against a list of words in the code that makes results.
+fn state_without(
+    list: &[&str],
+    is_offence: impl Fn(&str, &str) -> bool,
+    advice: &str,
+) -> Vec<String> {
+    let mut offences = Vec::new();
+    let makes_results = |f: &&File| f.is_rust() && STATE.iter().any(|s| f.path.starts_with(s));
+    for file in repository().iter().filter(makes_results).filter(|f| !f.is_test()) {
+        for (number, line) in file.code() {
+            for word in list.iter().filter(|word| is_offence(&line, word)) {
+                if !ALLOWED.iter().any(|(path, allowed, _)| *path == file.path && allowed == word) {
+                    offences.push(format!("{}:{number}: `{word}`: {advice}", file.path));
+                }
+            }
+        }
+    }
+    offences
+}
+
+/// Whether a line calls a method or a function of a type by that name; `libm`'s are the ones to call.
+fn calls(line: &str, name: &str) -> bool {
+    let by = |by: &str| {
+        let call = format!("{by}{name}(");
+        line.match_indices(&call).any(|(at, _)| !line[..at].ends_with("libm"))
+    };
+    by(".") || by("::")
+}
+
+#[test]
+fn results_do_not_depend_on_the_platforms_maths() {
+    let advice = "differs from one machine to the next; use `libm::` (or plain + - × ÷ √)";
+    assert_none(&state_without(&PLATFORM_MATHS, calls, advice));
+    let fused = ["fmadd", "fmsub", "fnmadd", "vfma", "rsqrt", "rcp_ps", "rcp14"];
+    let advice = "rounds differently from its scalar twin; use + - × ÷ √";
+    assert_none(&state_without(&fused, |line, word| line.contains(word), advice));
+}
+
+#[test]
+fn results_do_not_depend_on_the_order_of_a_hash() {
+    let named = |line: &str, name: &str| words(line).any(|word| word == name);
+    let advice = "iterates in an order of chance; use a `Vec`, a `BTreeMap`, or sort, or add it to ALLOWED \
+                  with a reason if nothing iterates over it";
+    assert_none(&state_without(&UNORDERED, named, advice));
+}
+
+#[test]
+fn nothing_names_the_machine_it_was_written_on() {
+    // Put together here, so that this file does not name them.
+    let places = [
+        concat!("/wo", "rk/"),
+        concat!("/ro", "ot/"),
+        concat!("/ho", "me/"),
+        concat!("/Us", "ers/"),
+    ];
+    let mut offences = Vec::new();
+    for file in repository() {
+        for (number, line) in (1..).zip(file.text.lines()) {
+            if let Some(place) = places.iter().find(|place| names(line, place)) {
+                offences.push(format!(
+                    "{}:{number}: `{place}` is a folder of one machine; use a path from the root of the repository",
+                    file.path
+                ));
+            }
+        }
+    }
+    assert_none(&offences);
+}
+
+/// Whether a line has an absolute path that starts with `place`: one in the middle of an address or of a relative path is another thing.
+fn names(line: &str, place: &str) -> bool {
+    let before = |at: usize| line[..at].chars().next_back();
+    let part = |c: char| c.is_alphanumeric() || "._-~})/".contains(c);
+    line.match_indices(place).any(|(at, _)| !before(at).is_some_and(part))
+}
+
+#[test]
+fn everything_comes_from_the_public_registry() {
+    const PUBLIC: &str = r#"source = "registry+https://github.com/rust-lang/crates.io-index""#;
+    let mut offences = Vec::new();
+    for file in repository() {
+        for (number, line) in (1..).zip(file.text.lines()) {
+            let foreign = file.path.ends_with("Cargo.lock")
+                && line.starts_with("source = ")
+                && line != PUBLIC;
+            let redirected = file.path.ends_with(".toml")
+                && ["replace-with", "registry = ", "index = \"", "git = \""]
+                    .iter()
+                    .any(|key| line.contains(key));
+            if foreign || redirected {
+                offences.push(format!(
+                    "{}:{number}: every crate comes from crates.io; keep mirrors in a config of your own",
+                    file.path
+                ));
+            }
+        }
+    }
+    assert_none(&offences);
+}
+
+#[test]
+fn every_package_follows_the_workspace() {
+    let mut offences = Vec::new();
+    for file in repository() {
+        // The fuzzer's workspace is its own, so that nothing else needs a nightly compiler.
+        if !file.path.ends_with("/Cargo.toml") || file.path.starts_with("fuzz/") {
+            continue;
+        }
+        let mut say = |what: &str| offences.push(format!("{}:1: {what}", file.path));
+        if !file.text.contains("[lints]\nworkspace = true") {
+            say("add `[lints]` with `workspace = true`");
+        }
+        if !file.text.contains("\ndescription = \"") {
+            say("add a `description`: one sentence");
+        }
+        let mut section = "";
+        for line in file.text.lines() {
+            if line.starts_with('[') {
+                section = line;
+            }
+            let literal = line.contains("version = \"") || line.contains(" = \"");
+            if section.ends_with("dependencies]") && literal && !line.starts_with('#') {
+                say(&format!(
+                    "`{line}`: versions stand in the root's Cargo.toml alone; use `workspace = true`"
+                ));
+            }
+        }
+    }
+    assert_none(&offences);
+}
+
+#[test]
+fn links_in_the_documents_lead_somewhere() {
+    let mut offences = Vec::new();
+    for file in repository().iter().filter(|f| f.path.ends_with(".md")) {
+        let folder = root().join(&file.path);
+        let folder = folder.parent().expect("a file is in a folder");
+        for (number, line) in (1..).zip(file.text.lines()) {
+            let targets = line.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+            for target in targets.filter(|t| !t.contains("://") && !t.starts_with('#')) {
+                let path = target.split(['#', ' ']).next().unwrap_or_default();
+                if !folder.join(path).exists() {
+                    offences.push(format!("{}:{number}: there is no `{target}`", file.path));
+                }
+            }
+        }
+    }
+    assert_none(&offences);
+}
+
+/// A rule that finds nothing any more would pass for ever: here is what each must find.
+#[test]
+fn the_rules_find_what_they_are_for() {
+    let file = |path: &str, text: &str| File { path: path.into(), text: text.into() };
+    let code = "let a = x.sin(); // y.cos()\n#[cfg(test)]\nmod tests {\n    fn f() {}\n}\nlet b = \"z.tan()\";\n";
+    let file = file("crates/sinew/src/a.rs", code);
+    let left: Vec<_> =
+        file.code().into_iter().map(|(n, line)| format!("{n} {}", line.trim())).collect();
+    assert_eq!(left, ["1 let a = x.sin();", "6 let b = ;"]);
+    assert!(calls("q = f32::powf(x, 2.0)", "powf") && calls("v.mul_add(a, b)", "mul_add"));
+    assert!(!calls("libm::sin(x)", "sin") && !calls("x.sinew()", "sin") && !calls("sin(x)", "sin"));
+    let home = concat!("/ho", "me/");
+    assert!(names(&format!("see {home}me"), home) && !names(&format!("https://a.b{home}"), home));
+}
