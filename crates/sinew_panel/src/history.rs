@@ -1,0 +1,206 @@
+//! The last seconds of energy: a ring buffer, filled once a tick while somebody looks at the plot.
+
+use std::collections::VecDeque;
+
+use bevy::prelude::*;
+use bevy_sinew::sinew::Ledger;
+
+/// The energies at the end of one tick, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnergySample {
+    /// When, in seconds of simulated time.
+    pub seconds: f64,
+    /// Energy of motion.
+    pub kinetic: f64,
+    /// Energy of height, zero at the world's origin.
+    pub gravitational: f64,
+    /// Energy in springs and between charges.
+    pub stored: f64,
+}
+
+impl EnergySample {
+    /// Reads a ledger at a time of the simulation's clock.
+    pub fn new(seconds: f64, ledger: &Ledger) -> Self {
+        Self {
+            seconds,
+            kinetic: ledger.kinetic,
+            gravitational: ledger.gravitational,
+            stored: ledger.elastic + ledger.electric,
+        }
+    }
+
+    /// Sum of all of them.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.gravitational + self.stored
+    }
+
+    fn is_finite(&self) -> bool {
+        self.seconds.is_finite() && self.total().is_finite()
+    }
+}
+
+/// The samples of the last [`SPAN`](Self::SPAN) seconds, oldest first.
+///
+/// It forgets everything when the clock goes back, as after a reset or a rollback: what it holds then never happened.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct EnergyHistory {
+    samples: VecDeque<(u64, EnergySample)>,
+}
+
+impl EnergyHistory {
+    /// Simulated seconds that it looks back.
+    pub const SPAN: f64 = 10.0;
+    /// The most samples that it holds, however fast the ticks are.
+    pub const CAPACITY: usize = 4096;
+    /// A longer gap, in seconds, is no curve: after it the history starts afresh.
+    const GAP: f64 = 1.0;
+
+    /// Appends the sample of a tick. One for a tick that it knows, or one that is not finite, is left out.
+    pub fn push(&mut self, tick: u64, sample: EnergySample) {
+        self.rewind(tick);
+        if !sample.is_finite() {
+            return;
+        }
+        if let Some(&(last_tick, last)) = self.samples.back() {
+            if last_tick == tick {
+                return;
+            }
+            if !(0.0..=Self::GAP).contains(&(sample.seconds - last.seconds)) {
+                self.samples.clear();
+            }
+        }
+        while self.samples.front().is_some_and(|(_, s)| s.seconds < sample.seconds - Self::SPAN) {
+            self.samples.pop_front();
+        }
+        if self.samples.len() == Self::CAPACITY {
+            self.samples.pop_front();
+        }
+        self.samples.push_back((tick, sample));
+    }
+
+    /// Forgets everything if the clock stands before the last sample.
+    pub fn rewind(&mut self, tick: u64) {
+        if self.samples.back().is_some_and(|&(last, _)| tick < last) {
+            self.samples.clear();
+        }
+    }
+
+    /// The samples, oldest first.
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = &EnergySample> + ExactSizeIterator {
+        self.samples.iter().map(|(_, sample)| sample)
+    }
+
+    /// The latest sample.
+    pub fn last(&self) -> Option<&EnergySample> {
+        self.samples.back().map(|(_, sample)| sample)
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.samples.is_empty()
+    }
+
+    /// About `most` samples, or twice as many at worst, and always the last one.
+    ///
+    /// Which ticks are kept depends on their number alone, so that a curve that moves to the left keeps its shape.
+    pub fn thinned(&self, most: usize) -> impl Iterator<Item = &EnergySample> {
+        let stride = (self.samples.len() / most.max(1)).max(1).next_power_of_two() as u64;
+        let last = self.samples.len().saturating_sub(1);
+        self.samples
+            .iter()
+            .enumerate()
+            .filter(move |&(i, &(tick, _))| tick % stride == 0 || i == last)
+            .map(|(_, (_, sample))| sample)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DT: f64 = 1.0 / 64.0;
+
+    fn at(seconds: f64) -> EnergySample {
+        EnergySample { seconds, kinetic: seconds, ..default() }
+    }
+
+    fn filled(ticks: u64) -> EnergyHistory {
+        let mut history = EnergyHistory::default();
+        for tick in 1..=ticks {
+            history.push(tick, at(tick as f64 * DT));
+        }
+        history
+    }
+
+    #[test]
+    fn keeps_the_last_seconds_only() {
+        let history = filled(64 * 25);
+        let first = history.iter().next().unwrap().seconds;
+        assert_eq!(first, 15.0);
+        assert_eq!(history.last().unwrap().seconds, 25.0);
+        assert_eq!(history.len(), 641);
+    }
+
+    #[test]
+    fn never_exceeds_its_capacity() {
+        let mut history = EnergyHistory::default();
+        for tick in 0..10_000 {
+            history.push(tick, at(tick as f64 * 1e-4));
+        }
+        assert_eq!(history.len(), EnergyHistory::CAPACITY);
+        assert_eq!(history.last().unwrap().seconds, 9_999.0 * 1e-4);
+    }
+
+    #[test]
+    fn a_tick_counts_once() {
+        let mut history = filled(3);
+        history.push(3, at(99.0));
+        assert_eq!(history.len(), 3);
+        assert_eq!(history.last().unwrap().seconds, 3.0 * DT);
+    }
+
+    #[test]
+    fn a_clock_that_goes_back_clears_it() {
+        let mut history = filled(100);
+        history.rewind(100);
+        assert_eq!(history.len(), 100);
+        history.rewind(0);
+        assert!(history.is_empty());
+
+        let mut history = filled(100);
+        history.push(1, at(DT));
+        assert_eq!(history.len(), 1);
+    }
+
+    #[test]
+    fn a_gap_starts_afresh() {
+        let mut history = filled(100);
+        history.push(500, at(500.0 * DT));
+        assert_eq!(history.len(), 1);
+    }
+
+    #[test]
+    fn what_is_not_finite_is_left_out() {
+        let mut history = filled(2);
+        history.push(3, EnergySample { seconds: 3.0 * DT, kinetic: f64::NAN, ..default() });
+        assert_eq!(history.len(), 2);
+    }
+
+    #[test]
+    fn thinning_keeps_the_same_ticks_as_time_goes_on() {
+        let (earlier, later) = (filled(1000), filled(1001));
+        let kept = |h: &EnergyHistory| h.thinned(100).map(|s| s.seconds).collect::<Vec<_>>();
+        let (a, b) = (kept(&earlier), kept(&later));
+        assert!(a.len() <= 201);
+        assert_eq!(a.last().copied(), earlier.last().map(|s| s.seconds));
+        // All but the moving end of the one is in the other.
+        let inner = a[1..a.len() - 1].iter();
+        assert_eq!(inner.filter(|s| !b.contains(s)).count(), 0);
+        assert_eq!(EnergyHistory::default().thinned(0).count(), 0);
+    }
+}

@@ -1,0 +1,167 @@
+//! What surrounds the particles: gravity, air, winds, and the law of charges if there are any.
+
+use bevy::prelude::*;
+use bevy_egui::egui::{Label, RichText, Slider, Ui};
+use bevy_sinew::{Gravity, Wind};
+
+use crate::panel::PanelParams;
+use crate::widgets::{row, slider, vector};
+
+/// Density of air, kg/m³, to tell a pressure's speed.
+const AIR: f32 = 1.225;
+
+/// Writes `Gravity`, `AirDrag`, `Electric` and every `Wind`.
+pub(crate) fn surroundings(ui: &mut Ui, panel: &mut PanelParams) {
+    gravity(ui, panel);
+
+    let mut air = panel.air.0;
+    let rail = Slider::new(&mut air, 0.0..=1.0).fixed_decimals(2).suffix(" /s");
+    let hint = "Share of their velocity that all particles lose to the air per second.";
+    if slider(ui, "Air drag", hint, rail) {
+        panel.air.0 = air;
+    }
+
+    let mut winds: Vec<_> = panel.winds.iter_mut().collect();
+    winds.sort_by_key(|(_, order, ..)| **order);
+    for (i, (entity, _, mut wind, name)) in winds.into_iter().enumerate() {
+        let title = name.map_or_else(|| format!("Wind {}", i + 1), ToString::to_string);
+        ui.push_id(entity.to_bits(), |ui| {
+            if let Some(changed) = blow(ui, &title, &wind) {
+                wind.set_if_neq(changed);
+            }
+        });
+    }
+
+    if !panel.charges.is_empty() {
+        subtitle(ui, "Charges");
+        let mut law = *panel.electric;
+        let rail = Slider::new(&mut law.constant, 0.0..=1e12)
+            .logarithmic(true)
+            .smallest_positive(1.0)
+            .custom_formatter(|k, _| format!("{k:.2e}"));
+        let hint = "Coulomb's constant K, N·m²/C²: the force of two charges is K·q·q/d².";
+        let mut changed = slider(ui, "Constant", hint, rail);
+        let rail = Slider::new(&mut law.softening, 0.0..=1.0).fixed_decimals(3).suffix(" m");
+        let hint = "Distance within which the force of two charges is softened.";
+        changed |= slider(ui, "Softening", hint, rail);
+        if changed {
+            panel.electric.set_if_neq(law);
+        }
+    }
+}
+
+fn gravity(ui: &mut Ui, panel: &mut PanelParams) {
+    let hint = "Acceleration of everything with mass, m/s².";
+    let mut gravity = panel.gravity.0;
+    let mut on = gravity != Vec3::ZERO;
+    if row(ui, "Gravity", hint, |ui| {
+        let size = format!("{:6.2} m/s²", gravity.length());
+        ui.checkbox(&mut on, RichText::new(size).monospace()).on_hover_text("On or off.").changed()
+    }) {
+        if on {
+            gravity = panel.state.gravity.take().unwrap_or_else(|| Gravity::default().0);
+        } else {
+            panel.state.gravity = Some(gravity);
+            gravity = Vec3::ZERO;
+        }
+        panel.gravity.0 = gravity;
+    }
+    let Vec3 { x, y, z } = &mut gravity;
+    if vector(ui, "", hint, [x, y, z], 0.05) {
+        panel.gravity.0 = gravity;
+    }
+}
+
+fn subtitle(ui: &mut Ui, title: &str) {
+    ui.add_space(4.0);
+    ui.add(Label::new(RichText::new(title).strong()).truncate());
+}
+
+/// The sliders of one wind: what it becomes, if the user touched it.
+fn blow(ui: &mut Ui, title: &str, wind: &Wind) -> Option<Wind> {
+    subtitle(ui, title);
+    // A lull has no direction: remember the last one, so that the wind rises again from where it blew.
+    let memory = ui.id().with("sinew_wind");
+    let mut aim = Aim::of(wind.pressure);
+    if aim.strength > 0.0 {
+        ui.data_mut(|data| data.insert_temp(memory, (aim.heading, aim.tilt)));
+    } else if let Some((heading, tilt)) = ui.data(|data| data.get_temp::<(f32, f32)>(memory)) {
+        aim = Aim { heading, tilt, ..aim };
+    }
+    let mut wind = *wind;
+
+    let speed = (2.0 * aim.strength / AIR).sqrt();
+    let hint = format!("Dynamic pressure: ½ρv², now a breeze of {speed:.1} m/s.");
+    let rail = Slider::new(&mut aim.strength, 0.0..=200.0)
+        .logarithmic(true)
+        .smallest_positive(0.1)
+        .custom_formatter(|x, _| format!("{x:.1}"))
+        .suffix(" Pa");
+    let mut aimed = slider(ui, "Pressure", &hint, rail);
+
+    let rail = Slider::new(&mut aim.heading, -180.0..=180.0).fixed_decimals(0).suffix(" °");
+    let hint = "Where it blows to, about the vertical: 0° along x, 90° along −z.";
+    aimed |= slider(ui, "Heading", hint, rail);
+
+    let rail = Slider::new(&mut aim.tilt, -90.0..=90.0).fixed_decimals(0).suffix(" °");
+    aimed |= slider(ui, "Tilt", "How much it blows upwards.", rail);
+    if aimed {
+        wind.pressure = aim.pressure();
+        ui.data_mut(|data| data.insert_temp(memory, (aim.heading, aim.tilt)));
+    }
+
+    let rail = Slider::new(&mut wind.gusts, 0.0..=1.0).fixed_decimals(2);
+    let hint = "How much gusts add and take, as a share of the pressure.";
+    let gusty = slider(ui, "Gusts", hint, rail);
+    (aimed || gusty).then_some(wind)
+}
+
+/// A pressure as a strength, Pa, and a direction, degrees.
+#[derive(Clone, Copy, Debug)]
+struct Aim {
+    strength: f32,
+    heading: f32,
+    tilt: f32,
+}
+
+impl Aim {
+    fn of(pressure: Vec3) -> Self {
+        let strength = pressure.length();
+        let (mut heading, mut tilt) = (0.0, 0.0);
+        if strength > 0.0 {
+            tilt = (pressure.y / strength).clamp(-1.0, 1.0).asin().to_degrees();
+            if pressure.xz() != Vec2::ZERO {
+                // The sum makes a plain zero of a negative one.
+                heading = (-pressure.z).atan2(pressure.x).to_degrees() + 0.0;
+            }
+        }
+        Self { strength, heading, tilt }
+    }
+
+    fn pressure(self) -> Vec3 {
+        let (sin_heading, cos_heading) = self.heading.to_radians().sin_cos();
+        let (sin_tilt, cos_tilt) = self.tilt.to_radians().sin_cos();
+        self.strength * Vec3::new(cos_heading * cos_tilt, sin_tilt, -sin_heading * cos_tilt)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_aim_leads_back_to_its_pressure() {
+        for pressure in [
+            Vec3::X * 5.0,
+            Vec3::NEG_X,
+            Vec3::Z * 61.0,
+            Vec3::Y * 3.0,
+            Vec3::new(1.0, -2.0, 3.0),
+            Vec3::ZERO,
+        ] {
+            let back = Aim::of(pressure).pressure();
+            assert!(back.distance(pressure) <= 1e-5 * (1.0 + pressure.length()), "{pressure}");
+        }
+        assert_eq!(Aim::of(Vec3::NEG_Z).heading, 90.0);
+    }
+}

@@ -1,0 +1,184 @@
+//! The panel without a screen: the plugin in an app of MinimalPlugins, and the layout in an egui context that nobody paints.
+
+use bevy::ecs::system::RunSystemOnce;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_egui::egui::{self, Rect, pos2};
+use bevy_sinew::prelude::*;
+
+use super::*;
+
+fn app(plugin: SinewPanelPlugin) -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, SinewPlugins, plugin));
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(core::time::Duration::from_secs_f64(
+        1.0 / 64.0,
+    )));
+    app.world_mut().spawn((ParticleBox::new(Vec3::ONE), Transform::from_xyz(0.0, 3.0, 0.0)));
+    app.world_mut().spawn((Wind::default(), Name::new("Breeze")));
+    app.finish();
+    app
+}
+
+/// Draws the panel once, on a screen of 1280 × 720, and says what it covers.
+fn draw_once(app: &mut App, ctx: &egui::Context, side: PanelSide) -> (egui::FullOutput, Rect) {
+    let (ctx, screen) = (ctx.clone(), Rect::from_min_max(pos2(0.0, 0.0), pos2(1280.0, 720.0)));
+    let draw = move |mut params: PanelParams| {
+        let input = egui::RawInput { screen_rect: Some(screen), ..default() };
+        let mut covered = Rect::NOTHING;
+        let output = ctx.run_ui(input, |root| {
+            let ctx = root.ctx().clone();
+            style(&ctx);
+            covered = dock(&ctx, side, |ui| {
+                show(ui, &mut params);
+                ui.min_rect()
+            });
+        });
+        (output, covered)
+    };
+    app.world_mut().run_system_once(draw).expect("the panel's parameters are there")
+}
+
+#[test]
+fn an_app_without_a_screen_runs_as_without_the_panel() {
+    for plugin in [SinewPanelPlugin::default(), SinewPanelPlugin::embedded()] {
+        let mut app = app(plugin);
+        for _ in 0..5 {
+            app.update();
+        }
+        assert!(!app.is_plugin_added::<EguiPlugin>());
+        assert!(app.world().resource::<SinewClock>().tick > 2);
+        // Nobody looked: no energy was summed up.
+        assert!(app.world().resource::<EnergyHistory>().is_empty());
+    }
+}
+
+#[test]
+fn without_sinew_the_plugin_does_nothing() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, SinewPanelPlugin::default()));
+    app.update();
+    app.update();
+}
+
+#[test]
+fn energies_are_sampled_once_a_tick_while_somebody_looks() {
+    let mut app = app(SinewPanelPlugin::embedded());
+    let ctx = egui::Context::default();
+    app.update();
+    let began = app.world().resource::<SinewClock>().tick;
+    for _ in 0..8 {
+        draw_once(&mut app, &ctx, PanelSide::Left);
+        app.update();
+    }
+    let ticks = app.world().resource::<SinewClock>().tick - began;
+    assert!(ticks >= 7);
+    assert_eq!(app.world().resource::<EnergyHistory>().len() as u64, ticks);
+
+    app.insert_resource(SinewClock::default());
+    app.world_mut().resource_mut::<SinewControl>().paused = true;
+    app.update();
+    assert!(app.world().resource::<EnergyHistory>().is_empty());
+}
+
+#[test]
+fn looking_changes_nothing() {
+    let run = |looked: bool| {
+        let mut app = app(SinewPanelPlugin::embedded());
+        // Values that the sliders cannot show.
+        app.insert_resource(SolverConfig { substeps: 100, max_sweeps: 200, tolerance: 0.5 });
+        app.insert_resource(AirDrag(1.5));
+        let ctx = egui::Context::default();
+        for _ in 0..20 {
+            app.update();
+            if looked {
+                draw_once(&mut app, &ctx, PanelSide::Right);
+            }
+        }
+        let world = app.world_mut();
+        let config = *world.resource::<SolverConfig>();
+        let air = *world.resource::<AirDrag>();
+        let mut particles: Vec<_> = world
+            .query::<&Particle>()
+            .iter(world)
+            .map(|p| {
+                (p.position.to_array().map(f32::to_bits), p.velocity.to_array().map(f32::to_bits))
+            })
+            .collect();
+        particles.sort_unstable();
+        assert!(!particles.is_empty());
+        (config, air, particles)
+    };
+    assert_eq!(run(true), run(false));
+}
+
+#[test]
+fn nothing_sticks_out_of_the_panel() {
+    let mut app = app(SinewPanelPlugin::embedded());
+    app.world_mut().spawn((Particle::default(), Charge(1e-6)));
+    let ctx = egui::Context::default();
+    for side in [PanelSide::Left, PanelSide::Right] {
+        let mut widths = Vec::new();
+        for _ in 0..30 {
+            app.update();
+            let (_, covered) = draw_once(&mut app, &ctx, side);
+            // The panel less its margins: one widget too wide pushes the edge of all below it.
+            assert!(covered.width() <= DOCK_WIDTH - 28.0, "{covered}");
+            widths.push(covered.width());
+            let edges = match side {
+                PanelSide::Left => 0.0..=DOCK_WIDTH,
+                PanelSide::Right => 1280.0 - DOCK_WIDTH..=1280.0,
+            };
+            assert!(
+                edges.contains(&covered.left()) && edges.contains(&covered.right()),
+                "{covered}"
+            );
+        }
+        assert!(widths.iter().all(|w| *w == widths[0]), "{widths:?}");
+    }
+}
+
+/// What a window and a renderer bring along for egui, without either.
+fn add_pretended_screen(app: &mut App) {
+    fn init_assets_of<A: Asset>(app: &mut App, _: &Handle<A>) {
+        app.init_asset::<A>();
+    }
+    app.add_plugins((AssetPlugin::default(), WindowPlugin::default(), InputPlugin));
+    app.init_asset::<Image>();
+    init_assets_of(app, &EGUI_SHADER_HANDLE);
+}
+
+#[test]
+fn docked_it_waits_for_a_camera_and_goes_with_its_key() {
+    let mut app = App::new();
+    app.add_plugins(MinimalPlugins);
+    add_pretended_screen(&mut app);
+    app.add_plugins((SinewPlugins, SinewPanelPlugin::default()));
+    assert!(app.is_plugin_added::<EguiPlugin>());
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(core::time::Duration::from_millis(20)));
+    app.finish();
+    let looked = |app: &App| !app.world().resource::<EnergyHistory>().is_empty();
+
+    app.update();
+    app.update();
+    assert!(!looked(&app));
+
+    app.world_mut().spawn(Camera::default());
+    for _ in 0..4 {
+        app.update();
+    }
+    assert!(looked(&app));
+
+    let mut keys = ButtonInput::<KeyCode>::default();
+    keys.press(KeyCode::F1);
+    app.insert_resource(keys);
+    app.world_mut().run_system_once(toggle).unwrap();
+    assert!(!app.world().resource::<SinewPanel>().shown);
+    app.insert_resource(EnergyHistory::default());
+    app.update();
+    app.insert_resource(EnergyHistory::default());
+    for _ in 0..4 {
+        app.update();
+    }
+    assert!(!looked(&app));
+}

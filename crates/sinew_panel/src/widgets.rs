@@ -1,0 +1,188 @@
+//! The few shapes that every section is made of: a header that folds, a row with a label column, a number with its unit.
+
+use bevy_egui::egui::collapsing_header::CollapsingState;
+use bevy_egui::egui::{
+    self, Align, Align2, Color32, Label, Layout, Response, Sense, Slider, Stroke, TextStyle, Ui,
+    UiBuilder, vec2,
+};
+
+/// Width of the column of labels, points.
+const LABEL: f32 = 84.0;
+/// Width of the number beside a slider, points: room for ten characters, or it grows and pushes the edge of everything below.
+const VALUE: f32 = 84.0;
+/// Width of the column of units, points.
+const UNIT: f32 = 30.0;
+
+/// A section under a header that folds it. Returns whether it is open.
+pub(crate) fn section(ui: &mut Ui, title: &str, body: impl FnOnce(&mut Ui)) -> bool {
+    let id = ui.make_persistent_id(("sinew_section", title));
+    let mut state = CollapsingState::load_with_default_open(ui.ctx(), id, true);
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 26.0), Sense::click());
+    if response.clicked() {
+        state.toggle(ui);
+    }
+    let visuals = ui.visuals();
+    let color = if response.hovered() { visuals.text_color() } else { visuals.weak_text_color() };
+    let painter = ui.painter();
+    painter.hline(rect.x_range(), rect.top(), visuals.widgets.noninteractive.bg_stroke);
+    let font = TextStyle::Body.resolve(ui.style());
+    let strong = visuals.strong_text_color();
+    painter.text(rect.left_center(), Align2::LEFT_CENTER, title, font, strong);
+    // A chevron that points right when closed and down when open.
+    let centre = rect.right_center() - vec2(6.0, 0.0);
+    let turn =
+        egui::emath::Rot2::from_angle(state.openness(ui.ctx()) * std::f32::consts::FRAC_PI_2);
+    let corners = [vec2(-2.0, -4.0), vec2(2.0, 0.0), vec2(-2.0, 4.0)];
+    painter.line(corners.map(|c| centre + turn * c).to_vec(), Stroke::new(1.5, color));
+
+    state.show_body_unindented(ui, |ui| {
+        ui.set_width(ui.available_width());
+        body(ui);
+        ui.add_space(6.0);
+    });
+    state.is_open()
+}
+
+/// A row: a label in its column, then whatever `add` puts to its right. Hovering the label explains it.
+pub(crate) fn row<R>(ui: &mut Ui, label: &str, hint: &str, add: impl FnOnce(&mut Ui) -> R) -> R {
+    ui.horizontal(|ui| {
+        let size = vec2(LABEL, ui.spacing().interact_size.y);
+        let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+        let layout = Layout::left_to_right(Align::Center);
+        ui.new_child(UiBuilder::new().max_rect(rect).layout(layout))
+            .add(Label::new(label).truncate().selectable(false));
+        response.on_hover_text(hint);
+        add(ui)
+    })
+    .inner
+}
+
+/// A row with a slider that fills it, its number in a column of fixed width. Returns whether the user moved it.
+///
+/// A value out of the slider's range stays as it is until then: looking at a world must not change it.
+pub(crate) fn slider(ui: &mut Ui, label: &str, hint: &str, slider: Slider<'_>) -> bool {
+    row(ui, label, hint, |ui| {
+        let rail = ui.available_width() - VALUE - ui.spacing().item_spacing.x;
+        ui.spacing_mut().slider_width = rail.max(24.0);
+        ui.spacing_mut().interact_size.x = VALUE;
+        let response = ui.add(slider.clamping(egui::SliderClamping::Edits));
+        response.on_hover_text(hint).changed()
+    })
+}
+
+/// A row with one number to drag for each axis. Returns whether the user changed one.
+pub(crate) fn vector(
+    ui: &mut Ui,
+    label: &str,
+    hint: &str,
+    axes: [&mut f32; 3],
+    speed: f64,
+) -> bool {
+    row(ui, label, hint, |ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let width = ((ui.available_width() - 8.0) / 3.0).floor();
+        ui.spacing_mut().interact_size.x = width.max(24.0);
+        let mut changed = false;
+        for (axis, name) in axes.into_iter().zip(["x", "y", "z"]) {
+            let drag = egui::DragValue::new(axis).speed(speed).fixed_decimals(2);
+            changed |= ui.add(drag).on_hover_text(format!("{name}: {hint}")).changed();
+        }
+        changed
+    })
+}
+
+/// A row with a number that is only read: right-aligned, with its unit in a column of its own, so that nothing moves as it changes.
+pub(crate) fn value(ui: &mut Ui, label: &str, hint: &str, number: &str, unit: &str) {
+    colored_value(ui, None, label, hint, number, unit, None);
+}
+
+/// The same, with a coloured dot before the label and a colour for the number.
+pub(crate) fn colored_value(
+    ui: &mut Ui,
+    dot: Option<Color32>,
+    label: &str,
+    hint: &str,
+    number: &str,
+    unit: &str,
+    color: Option<Color32>,
+) {
+    let (rect, response) = readout_space(ui);
+    let visuals = ui.visuals();
+    let body = TextStyle::Body.resolve(ui.style());
+    let mono = TextStyle::Monospace.resolve(ui.style());
+    let painter = ui.painter();
+    let mut left = rect.left_center();
+    if let Some(dot) = dot {
+        painter.circle_filled(left + vec2(4.0, 0.0), 3.5, dot);
+        left.x += 14.0;
+    }
+    painter.text(left, Align2::LEFT_CENTER, label, body, visuals.text_color());
+    let edge = rect.right_center() - vec2(UNIT, 0.0);
+    let strong = color.unwrap_or_else(|| visuals.strong_text_color());
+    painter.text(edge, Align2::RIGHT_CENTER, number, mono.clone(), strong);
+    let weak = visuals.weak_text_color();
+    painter.text(edge + vec2(6.0, 0.0), Align2::LEFT_CENTER, unit, mono, weak);
+    response.on_hover_text(hint);
+}
+
+fn readout_space(ui: &mut Ui) -> (egui::Rect, Response) {
+    // Closer together than what has to be hit with a pointer.
+    let size = vec2(ui.available_width(), ui.spacing().interact_size.y - 3.0);
+    ui.allocate_exact_size(size, Sense::hover())
+}
+
+/// An integer with a gap between its thousands.
+pub(crate) fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// The factor and the prefix that leave one to three digits before the point.
+pub(crate) fn prefix(size: f64) -> (f64, &'static str) {
+    match size.abs() {
+        x if x >= 1e9 => (1e9, "G"),
+        x if x >= 1e6 => (1e6, "M"),
+        x if x >= 1e3 => (1e3, "k"),
+        x if x >= 1.0 || x == 0.0 => (1.0, ""),
+        x if x >= 1e-3 => (1e-3, "m"),
+        x if x >= 1e-6 => (1e-6, "µ"),
+        // Smaller than anything worth a digit.
+        _ => (1.0, ""),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thousands_stand_apart() {
+        assert_eq!(grouped(0), "0");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(grouped(1_000), "1 000");
+        assert_eq!(grouped(65_536), "65 536");
+        assert_eq!(grouped(1_234_567), "1 234 567");
+    }
+
+    #[test]
+    fn prefixes_leave_three_digits() {
+        for (size, name) in [
+            (0.0, ""),
+            (12.0, ""),
+            (-4.5e3, "k"),
+            (2e6, "M"),
+            (0.02, "m"),
+            (5e-6, "µ"),
+            (1e-12, ""),
+        ] {
+            assert_eq!(prefix(size).1, name, "{size}");
+        }
+    }
+}
