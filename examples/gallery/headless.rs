@@ -31,7 +31,7 @@ const SHEET_FRAMES: usize = 6;
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Runs the scenes and leaves the pictures. Succeeds only if everything stayed finite and every picture was written.
-pub fn run(options: &Options, scenes: &[&'static Scene]) -> ExitCode {
+pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> ExitCode {
     if let Err(error) = fs::create_dir_all(&options.out) {
         eprintln!("gallery: cannot make {}: {error}", options.out.display());
         return ExitCode::FAILURE;

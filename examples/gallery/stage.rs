@@ -13,12 +13,12 @@ use crate::draw;
 
 /// Textures as the software renderer wants them, kept from frame to frame.
 #[derive(Resource, Default)]
-pub struct Textures {
+pub(crate) struct Textures {
     loaded: BTreeMap<String, (Handle<Image>, Option<Arc<draw::Texture>>)>,
 }
 
 /// Starts loading the textures that the scene names. Call it until [`Textures::ready`] and the meshes are there.
-pub fn request_textures(
+pub(crate) fn request_textures(
     looks: Query<&Look>,
     server: Res<AssetServer>,
     images: Res<Assets<Image>>,
@@ -39,13 +39,18 @@ pub fn request_textures(
 
 impl Textures {
     /// Whether every texture asked for is there.
-    pub fn ready(&self) -> bool {
+    pub(crate) fn ready(&self) -> bool {
         self.loaded.values().all(|(_, texture)| texture.is_some())
     }
 }
 
 /// A picture of the world as it is, seen from where the scene wants to be seen.
-pub fn photograph(world: &mut World, scene: &Scene, width: usize, height: usize) -> draw::Image {
+pub(crate) fn photograph(
+    world: &mut World,
+    scene: &Scene,
+    width: usize,
+    height: usize,
+) -> draw::Image {
     let items = world.run_system_cached(collect).unwrap_or_default();
     let camera = draw::Camera { eye: scene.eye, target: scene.target, fov: 0.7 };
     let mut shot = draw::Scene::new(camera);

@@ -313,7 +313,8 @@ impl Particles {
         self.velocity[i] = seed.velocity.extend(seed.lag);
         self.radius[i] = seed.radius;
         self.charge[i] = seed.charge;
-        self.damping[i] = rate_of_drag(seed.drag);
+        // Most particles have none, and a logarithm each tick would be the dearest part of a row.
+        self.damping[i] = if seed.drag > 0.0 { rate_of_drag(seed.drag) } else { 0.0 };
     }
 }
 

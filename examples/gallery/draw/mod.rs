@@ -32,7 +32,7 @@ mod texture;
 pub(crate) use animation::write_gif;
 pub(crate) use camera::Camera;
 pub(crate) use image::{Image, write_png};
-pub(crate) use scene::{Item, Line, Scene, palette};
+pub(crate) use scene::{Item, Scene};
 pub(crate) use shade::render;
 pub(crate) use sheet::contact_sheet;
 pub(crate) use texture::Texture;

@@ -82,18 +82,3 @@ pub(crate) struct Line {
     /// sRGB, 0 to 1 a channel; not shaded.
     pub(crate) color: [f32; 3],
 }
-
-/// Colours (sRGB) that go together and stand out from ground and sky; the index wraps around.
-pub(crate) fn palette(index: usize) -> [f32; 3] {
-    const COLORS: [[u8; 3]; 8] = [
-        [226, 88, 66],
-        [42, 122, 186],
-        [240, 172, 56],
-        [46, 157, 128],
-        [133, 92, 172],
-        [226, 122, 146],
-        [96, 160, 66],
-        [70, 84, 110],
-    ];
-    COLORS[index % COLORS.len()].map(|c| f32::from(c) / 255.0)
-}

@@ -21,6 +21,8 @@ use crate::Options;
 #[derive(Resource)]
 struct Programme {
     current: &'static Scene,
+    /// Whether any scene was loaded yet.
+    begun: bool,
     /// Load this one (again) before the next frame.
     wanted: Option<&'static Scene>,
 }
@@ -29,7 +31,7 @@ struct Programme {
 ///
 /// Bevy panics where it finds no display or no GPU. That is not this program's failure, so it is caught here, and only until the first
 /// frame: a panic later on is a bug and must be seen.
-pub fn run(options: &Options, scenes: &[&'static Scene]) -> Result<ExitCode, String> {
+pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> Result<ExitCode, String> {
     let first = *scenes.first().ok_or("there is no scene to show")?;
     if cfg!(target_os = "linux") && !display_named() {
         return Err("neither DISPLAY nor WAYLAND_DISPLAY is set".into());
@@ -69,7 +71,7 @@ fn open(first: &'static Scene, for_pictures: bool) -> App {
     ));
     stage::add(&mut app);
     ui::add(&mut app);
-    app.insert_resource(Programme { current: first, wanted: Some(first) })
+    app.insert_resource(Programme { current: first, begun: false, wanted: Some(first) })
         .add_systems(First, change_scene);
     app
 }
@@ -77,8 +79,10 @@ fn open(first: &'static Scene, for_pictures: bool) -> App {
 /// Loads the scene that was asked for, and walks the camera to where it wants to be seen from.
 fn change_scene(world: &mut World) {
     let Some(scene) = world.resource_mut::<Programme>().wanted.take() else { return };
-    let moved = world.resource::<Programme>().current.name != scene.name;
-    world.resource_mut::<Programme>().current = scene;
+    let mut programme = world.resource_mut::<Programme>();
+    let moved = !programme.begun || programme.current.name != scene.name;
+    programme.begun = true;
+    programme.current = scene;
     sinew_scenes::load(world, scene);
     stage::aim(world, scene, moved);
 }

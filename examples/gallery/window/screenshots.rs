@@ -6,15 +6,16 @@ use std::time::Duration;
 use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, save_to_disk};
 use bevy::time::TimeUpdateStrategy;
+use bevy_panorbit_camera::PanOrbitCamera;
 use bevy_sinew::SinewClock;
 use sinew_scenes::Scene;
 
 use super::Programme;
 
-/// Simulated time a frame: much, because a software renderer draws a few frames a second, and nobody watches.
+/// Simulated time a frame until the moment of the picture.
 const STRIDE: Duration = Duration::from_millis(125);
 /// Frames drawn at the moment of the picture before it is taken: textures reach the GPU, and the panel its final layout.
-const STILL: u32 = 6;
+const STILL: u32 = 4;
 /// Frames to wait at most for the moment and for the file: a loading asset or a full disk must not hang CI.
 const PATIENCE: u32 = 2_000;
 
@@ -46,6 +47,7 @@ fn shoot(
     mut series: ResMut<Series>,
     mut programme: ResMut<Programme>,
     mut time: ResMut<TimeUpdateStrategy>,
+    mut camera: Single<&mut Camera, With<PanOrbitCamera>>,
     clock: Res<SinewClock>,
     mut exit: MessageWriter<AppExit>,
 ) {
@@ -69,11 +71,14 @@ fn shoot(
             }
             programme.wanted = Some(scene);
             *time = TimeUpdateStrategy::ManualDuration(STRIDE);
+            // A software renderer draws a frame in seconds: nothing is drawn until it is to be seen.
+            camera.is_active = false;
             State::Playing
         }
         State::Playing if clock.seconds < f64::from(scene.moment) => return,
         State::Playing => {
             *time = TimeUpdateStrategy::ManualDuration(Duration::ZERO);
+            camera.is_active = true;
             State::Still(0)
         }
         State::Still(frames) if *frames < STILL => State::Still(frames + 1),

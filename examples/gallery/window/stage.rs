@@ -29,25 +29,15 @@ pub(super) fn add(app: &mut App) {
 
 /// Points the camera where the scene wants to be seen from; a restart of the same scene leaves it where the visitor put it.
 pub(super) fn aim(world: &mut World, scene: &Scene, moved: bool) {
-    let mut cameras = world.query_filtered::<Entity, With<PanOrbitCamera>>();
-    let Some(camera) = cameras.iter(world).next() else {
-        // The first scene comes before the camera: leave it to the set-up.
-        world.insert_resource(FirstView { eye: scene.eye, target: scene.target });
+    if !moved {
         return;
-    };
-    if moved {
-        world.entity_mut(camera).insert((
-            Transform::from_translation(scene.eye).looking_at(scene.target, Vec3::Y),
-            orbit(scene.target),
-        ));
     }
-}
-
-/// Where the camera starts.
-#[derive(Resource)]
-struct FirstView {
-    eye: Vec3,
-    target: Vec3,
+    let mut cameras = world.query_filtered::<Entity, With<PanOrbitCamera>>();
+    let Some(camera) = cameras.iter(world).next() else { return };
+    world.entity_mut(camera).insert((
+        Transform::from_translation(scene.eye).looking_at(scene.target, Vec3::Y),
+        orbit(scene.target),
+    ));
 }
 
 fn orbit(focus: Vec3) -> PanOrbitCamera {
@@ -62,24 +52,21 @@ fn orbit(focus: Vec3) -> PanOrbitCamera {
 
 fn set_up(
     mut commands: Commands,
-    view: Option<Res<FirstView>>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut images: ResMut<Assets<Image>>,
 ) {
-    let (eye, target) = view.map_or((Vec3::splat(4.0), Vec3::Y), |view| (view.eye, view.target));
     commands.spawn((
         Camera3d::default(),
         Tonemapping::TonyMcMapface,
-        Exposure { ev100: 9.7 },
+        Exposure { ev100: 10.0 },
         Projection::from(PerspectiveProjection { fov: 0.7, ..default() }),
         DistanceFog {
             color: HORIZON,
             falloff: FogFalloff::Linear { start: 12.0, end: 42.0 },
             ..default()
         },
-        Transform::from_translation(eye).looking_at(target, Vec3::Y),
-        orbit(target),
+        orbit(Vec3::ZERO),
     ));
     commands.spawn((
         DirectionalLight {
@@ -89,7 +76,8 @@ fn set_up(
             ..default()
         },
         CascadeShadowConfigBuilder {
-            first_cascade_far_bound: 6.0,
+            num_cascades: 2,
+            first_cascade_far_bound: 7.0,
             maximum_distance: 30.0,
             ..default()
         }

@@ -1,12 +1,142 @@
 //! The panel on the left: the list of scenes, and below it the controls of the simulation.
 
-use bevy::camera::Viewport;
+use bevy::camera::visibility::RenderLayers;
+use bevy::camera::{CameraOutputMode, Viewport};
 use bevy::prelude::*;
+use bevy::render::render_resource::BlendState;
 use bevy::window::PrimaryWindow;
-use bevy_egui::{EguiContexts, EguiGlobalSettings, EguiPlugin, EguiPrimaryContextPass, egui};
+use bevy_egui::input::EguiWantsInput;
+use bevy_egui::{
+    EguiContexts, EguiGlobalSettings, EguiPlugin, EguiPrimaryContextPass, PrimaryEguiContext, egui,
+};
+use bevy_panorbit_camera::PanOrbitCamera;
+use bevy_sinew::SinewControl;
+use sinew_panel::{DOCK_WIDTH, PanelParams, PanelSide, SinewPanelPlugin, dock, show, style};
+use sinew_scenes::ALL;
 
 use super::Programme;
 
+/// Adds the panel, the keys, and the camera that egui draws with.
 pub(super) fn add(app: &mut App) {
-    let _ = app;
+    app.add_plugins((EguiPlugin::default(), SinewPanelPlugin::embedded()));
+    // Egui draws through whichever camera comes first otherwise, and would be squeezed into its share of the window.
+    app.world_mut().resource_mut::<EguiGlobalSettings>().auto_create_primary_context = false;
+    app.add_systems(Startup, spawn_camera)
+        .add_systems(EguiPrimaryContextPass, draw)
+        .add_systems(Update, (keys, leave_room, share_pointer));
+}
+
+fn spawn_camera(mut commands: Commands) {
+    commands.spawn((
+        PrimaryEguiContext,
+        Camera2d,
+        RenderLayers::none(),
+        Camera {
+            order: 1,
+            output_mode: CameraOutputMode::Write {
+                blend_state: Some(BlendState::ALPHA_BLENDING),
+                clear_color: ClearColorConfig::None,
+            },
+            clear_color: ClearColorConfig::Custom(Color::NONE),
+            ..default()
+        },
+    ));
+}
+
+fn draw(
+    mut contexts: EguiContexts,
+    mut panel: PanelParams,
+    mut programme: ResMut<Programme>,
+    mut styled: Local<bool>,
+) -> Result {
+    let ctx = contexts.ctx_mut()?;
+    if !*styled {
+        style(ctx);
+        *styled = true;
+    }
+    dock(ctx, PanelSide::Left, |ui| {
+        ui.heading("Sinew");
+        ui.add_space(2.0);
+        let current = programme.current;
+        ui.label(egui::RichText::new(current.about).weak());
+        ui.add_space(6.0);
+        egui::Grid::new("scenes").num_columns(2).spacing([6.0, 4.0]).show(ui, |ui| {
+            let width = (ui.available_width() - 6.0) * 0.5;
+            for (i, scene) in ALL.iter().enumerate() {
+                let chosen = scene.name == current.name;
+                let button = egui::Button::selectable(chosen, scene.name)
+                    .min_size(egui::vec2(width.max(110.0), 22.0));
+                if ui.add(button).on_hover_text(scene.title).clicked() {
+                    programme.wanted = Some(scene);
+                }
+                if i % 2 == 1 {
+                    ui.end_row();
+                }
+            }
+        });
+        ui.add_space(4.0);
+        ui.horizontal(|ui| {
+            if ui.button("Restart").on_hover_text("R").clicked() {
+                programme.wanted = Some(current);
+            }
+            ui.label(egui::RichText::new("Space pauses, N steps, arrows switch").weak().small());
+        });
+        ui.separator();
+        show(ui, &mut panel);
+    });
+    Ok(())
+}
+
+fn keys(
+    keys: Res<ButtonInput<KeyCode>>,
+    egui: Res<EguiWantsInput>,
+    mut programme: ResMut<Programme>,
+    mut control: ResMut<SinewControl>,
+) {
+    if egui.wants_keyboard_input() {
+        return;
+    }
+    let current = ALL.iter().position(|scene| scene.name == programme.current.name).unwrap_or(0);
+    if keys.just_pressed(KeyCode::KeyR) {
+        programme.wanted = Some(programme.current);
+    }
+    if keys.just_pressed(KeyCode::ArrowRight) {
+        programme.wanted = Some(&ALL[(current + 1) % ALL.len()]);
+    }
+    if keys.just_pressed(KeyCode::ArrowLeft) {
+        programme.wanted = Some(&ALL[(current + ALL.len() - 1) % ALL.len()]);
+    }
+    if keys.just_pressed(KeyCode::Space) {
+        control.paused = !control.paused;
+    }
+    if keys.just_pressed(KeyCode::KeyN) && control.paused {
+        control.single_steps += 1;
+    }
+}
+
+/// Gives the camera what the panel leaves of the window, so that a scene is in the middle of what is seen of it.
+fn leave_room(
+    window: Single<&Window, With<PrimaryWindow>>,
+    mut camera: Single<&mut Camera, With<PanOrbitCamera>>,
+) {
+    let whole = window.physical_size();
+    let dock = (DOCK_WIDTH * window.scale_factor()) as u32;
+    // A window that is hardly wider than the panel keeps its picture behind it.
+    let left = if whole.x > 2 * dock { dock } else { 0 };
+    let physical_position = UVec2::new(left, 0);
+    let physical_size = whole - physical_position;
+    let fits = camera.viewport.as_ref().is_some_and(|viewport| {
+        viewport.physical_position == physical_position && viewport.physical_size == physical_size
+    });
+    if !fits && physical_size.min_element() > 0 {
+        camera.viewport = Some(Viewport { physical_position, physical_size, ..default() });
+    }
+}
+
+/// The pointer turns the camera only where it is not over the panel.
+fn share_pointer(egui: Res<EguiWantsInput>, mut camera: Single<&mut PanOrbitCamera>) {
+    let free = !egui.wants_any_pointer_input();
+    if camera.enabled != free {
+        camera.enabled = free;
+    }
 }

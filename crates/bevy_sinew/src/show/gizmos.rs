@@ -15,7 +15,10 @@ pub struct SinewGizmoConfigGroup;
 pub struct SinewGizmoPlugin;
 
 impl Plugin for SinewGizmoPlugin {
-    fn build(&self, app: &mut App) {
+    fn build(&self, _: &mut App) {}
+
+    /// Not while building, so that the order of the plugins does not matter.
+    fn finish(&self, app: &mut App) {
         // Without a renderer there is no store of gizmo configurations, and nobody to see a line.
         if !app.world().contains_resource::<GizmoConfigStore>() {
             return;

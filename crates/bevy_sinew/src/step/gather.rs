@@ -106,7 +106,7 @@ pub(crate) fn gather_moving_pins(
     mut commands: Commands,
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
-    pins: Query<(Entity, &PinnedTo, &ParticleRow)>,
+    pins: Query<(Entity, &PinnedTo, &ParticleRow), With<Particle>>,
     transforms: TransformHelper,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
