@@ -36,6 +36,8 @@ struct Scratch {
     stale: bool,
     substep: Substep,
     charged: Vec<u32>,
+    /// The pressure of each wind on each triangle, looked up when the step began.
+    pressures: Vec<Vec3>,
     checkpoint: Vec<Vec3>,
 }
 
@@ -80,13 +82,15 @@ impl Simulation {
     /// # Errors
     /// A `dt` that is not positive and finite is refused and nothing changes.
     pub fn begin_step(&mut self, dt: f32) -> Result<u32, StepFault> {
+        // What froze in the last step did not freeze in this one, taken or not.
+        self.report.frozen.clear();
         let settings = self.settings.clamped();
         let h = dt / settings.substeps as f32;
         // 1/h² must be a number: compliances are scaled by it.
         if !(dt.is_finite() && h > 0.0 && (1.0 / (h * h)).is_finite()) {
             return Err(StepFault(dt));
         }
-        if self.scratch.stale {
+        if self.scratch.stale || self.scratch.plan.rows != self.particles.len() {
             self.scratch.plan.compile(&self.distances, self.particles.len());
             self.scratch.stale = false;
         }
@@ -94,12 +98,27 @@ impl Simulation {
         let rows = self.particles.position.iter();
         self.scratch.checkpoint.clear();
         self.scratch.checkpoint.extend(rows.map(|q| q.truncate()));
+        self.feel_winds();
         self.report.substeps = settings.substeps;
         self.report.sweeps = 0;
         self.report.most_sweeps = 0;
         self.report.converged = true;
-        self.report.frozen.clear();
         Ok(settings.substeps)
+    }
+
+    /// Looks up the gusts on every triangle.
+    fn feel_winds(&mut self) {
+        let Self { particles, forces, scratch, .. } = self;
+        scratch.pressures.clear();
+        for wind in &forces.winds {
+            forces::sample_wind(
+                particles,
+                &forces.surfaces,
+                wind,
+                self.time,
+                &mut scratch.pressures,
+            );
+        }
     }
 
     /// Where in the step the simulation is: the length of a substep and how many are left.
@@ -120,9 +139,8 @@ impl Simulation {
 
     /// Phase 2: adds the pressure of the winds on the surfaces.
     pub fn apply_wind(&mut self) {
-        for wind in &self.forces.winds {
-            forces::apply_wind(&mut self.particles, &self.forces.surfaces, wind, self.time);
-        }
+        let pressures = &self.scratch.pressures;
+        forces::apply_wind(&mut self.particles, &self.forces.surfaces, pressures);
     }
 
     /// Phase 3: adds the buoyancy and the drag of the fluids.
@@ -220,6 +238,7 @@ impl Simulation {
 
     /// Energy and momentum of the whole world. It sums up the forces afresh, so that velocities and positions are of one instant.
     pub fn ledger(&mut self) -> ledger::Ledger {
+        self.feel_winds();
         self.begin_substep();
         self.accumulate_forces();
         self.apply_wind();

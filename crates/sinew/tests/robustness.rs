@@ -2,7 +2,7 @@
 
 use sinew::glam::Vec3;
 use sinew::recipes::{BoxSpec, ClothSpec, RagdollSpec, box_3d, cloth_grid, ragdoll};
-use sinew::{Bound, Distance, ParticleSeed, Plane, Simulation};
+use sinew::{Bound, Distance, ParticleSeed, Pin, Plane, Simulation, Spring, Wind};
 
 fn on_the_ground() -> Simulation {
     let mut world = Simulation::default();
@@ -155,4 +155,30 @@ fn the_report_tells_convergence_from_a_spent_budget() {
     assert!(!report.converged);
     assert_eq!(report.most_sweeps, 4);
     assert!(report.error > 0.3, "{}", report.error);
+}
+
+#[test]
+fn springs_triangles_and_pins_on_rows_that_are_not_there_do_nothing() {
+    let mut world = on_the_ground();
+    world.particles.push(ParticleSeed::at(Vec3::Y)).unwrap();
+    world.forces.springs.push(Spring { a: 0, b: 7, rest: 1.0, stiffness: 1.0, damping: 0.0 });
+    world.forces.springs.push(Spring { a: 0, b: 0, rest: 1.0, stiffness: 1.0, damping: 0.0 });
+    world.forces.surfaces.push([0, 1, 2]);
+    world.forces.winds.push(Wind::steady(Vec3::X));
+    world.constraints.pins.push(Pin { particle: 3, target: Vec3::ZERO });
+    world.step(1.0 / 60.0).unwrap();
+    assert!((world.particles.position(0).y - 1.0 + 0.5 * 9.81 / 3600.0).abs() < 1e-6);
+    assert_eq!(world.ledger().elastic, 0.0);
+}
+
+#[test]
+fn particles_that_are_cleared_away_take_their_distances_out_of_the_plan() {
+    let mut world = on_the_ground();
+    box_3d(&BoxSpec::default()).unwrap().build(&mut world).unwrap();
+    world.step(1.0 / 60.0).unwrap();
+    world.particles.resize(3);
+    world.step(1.0 / 60.0).unwrap();
+    world.particles.clear();
+    world.step(1.0 / 60.0).unwrap();
+    assert!(world.particles.is_empty());
 }

@@ -64,9 +64,6 @@
 //! | `dock` | the place at the edge of the screen |
 //! | `style` | colours, fonts, spacing |
 
-// A system takes its parameters by value.
-#![allow(clippy::needless_pass_by_value)]
-
 mod dock;
 mod history;
 mod panel;

@@ -1,4 +1,4 @@
-//! The panel without a screen: the plugin in an app of MinimalPlugins, and the layout in an egui context that nobody paints.
+//! The panel without a screen: the plugin in an app of `MinimalPlugins`, and the layout in an egui context that nobody paints.
 
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;

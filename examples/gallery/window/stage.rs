@@ -1,7 +1,7 @@
 //! Light, ground, camera, and materials for what scenes say of their looks.
 
 use bevy::asset::RenderAssetUsages;
-use bevy::camera::Exposure;
+use bevy::camera::{Exposure, Hdr};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap, GlobalAmbientLight};
@@ -11,7 +11,7 @@ use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
 use sinew_scenes::{Look, Scene};
 
 /// Sky, and what the ground fades into.
-const HORIZON: Color = Color::srgb(0.80, 0.86, 0.91);
+const HORIZON: Color = Color::srgb(0.86, 0.92, 0.98);
 
 /// Adds the stage to the app.
 pub(super) fn add(app: &mut App) {
@@ -58,6 +58,8 @@ fn set_up(
 ) {
     commands.spawn((
         Camera3d::default(),
+        // Tone mapping as a pass of its own, so that the sky and the fog go through the same curve and meet at the horizon.
+        Hdr,
         Tonemapping::TonyMcMapface,
         Exposure { ev100: 10.0 },
         Projection::from(PerspectiveProjection { fov: 0.7, ..default() }),

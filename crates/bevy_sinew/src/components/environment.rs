@@ -30,7 +30,7 @@ impl Default for AirDrag {
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone)]
 pub struct Electric {
-    /// Coulomb's constant K, N·m²/C². Default the vacuum's, 8.9875518e9.
+    /// Coulomb's constant K, N·m²/C². Default the vacuum's, 8.987552e9.
     pub constant: f32,
     /// Distance within which the force is softened, metres. Default 0.
     pub softening: f32,

@@ -7,7 +7,7 @@ use crate::particles::Particles;
 /// Coulomb's law between all charged particles: like charges repel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Electric {
-    /// Coulomb's constant K, N·m²/C². Default 8.987 551 8e9, the vacuum's: a microcoulomb is a strong charge on this scale.
+    /// Coulomb's constant K, N·m²/C². Default 8.987 552e9, the vacuum's: a microcoulomb is a strong charge on this scale.
     pub constant: f32,
     /// Softening length ε, metres: within it the force falls to zero instead of growing without bound (Plummer). Default 0.
     pub softening: f32,
@@ -15,7 +15,7 @@ pub struct Electric {
 
 impl Default for Electric {
     fn default() -> Self {
-        Self { constant: 8.987_551_8e9, softening: 0.0 }
+        Self { constant: 8.987_552e9, softening: 0.0 }
     }
 }
 

@@ -16,7 +16,7 @@ pub use wind::Wind;
 pub(crate) use buoyancy::apply as apply_buoyancy;
 pub(crate) use electric::{apply as apply_electric, energy as electric_energy};
 pub(crate) use spring::apply as apply_springs;
-pub(crate) use wind::apply as apply_wind;
+pub(crate) use wind::{apply as apply_wind, sample as sample_wind};
 
 use glam::Vec3;
 

@@ -18,7 +18,7 @@ pub(crate) use plan::Plan;
 pub struct SolverSettings {
     /// Substeps in a step, 1 to 256, default 10. At equal work many substeps with few sweeps beat one step with many.
     pub substeps: u32,
-    /// The most sweeps over all constraints in a substep (the lectures' N_MAX), 1 to 1000, default 4.
+    /// The most sweeps over all constraints in a substep (the lectures' `N_MAX`), 1 to 1000, default 4.
     pub max_sweeps: u32,
     /// Error in metres at which a substep stops sweeping early, 0 or more, default 1e-4. A negative or non-finite one counts as 0.
     pub tolerance: f32,

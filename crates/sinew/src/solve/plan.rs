@@ -19,6 +19,8 @@ pub(crate) struct Plan {
     /// have the last word over the limits of their joints. The last colour may be the overflow:
     /// constraints that found no free colour.
     pub(crate) groups: Vec<Group>,
+    /// How many rows it was compiled for.
+    pub(crate) rows: usize,
     used: Vec<u64>,
     group_of: Vec<u8>,
 }
@@ -45,6 +47,7 @@ impl Plan {
     /// Greedy colouring: each constraint takes the lowest colour that neither of its particles has used. The grid of a cloth needs 8 colours
     /// that way, a mesh some 13.
     pub(crate) fn compile(&mut self, distances: &[Distance], particles: usize) {
+        self.rows = particles;
         self.used.clear();
         self.used.resize(particles, 0);
         self.group_of.clear();

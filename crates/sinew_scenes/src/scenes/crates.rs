@@ -13,7 +13,7 @@ pub(super) const SCENE: Scene = Scene {
     eye: Vec3::new(3.6, 3.4, 7.6),
     target: Vec3::new(0.0, 1.5, -0.4),
     seconds: 5.0,
-    moment: 1.15,
+    moment: 1.0,
     spawn,
 };
 
@@ -22,8 +22,8 @@ fn spawn(world: &mut World) {
     // Apart, because boxes do not meet yet: each is alone with the ground.
     let crates = [
         (Vec3::new(0.0, 3.4, 0.0), Vec3::splat(1.0), Vec3::new(0.5, 0.3, 0.7)),
-        (Vec3::new(-2.6, 2.2, 0.9), Vec3::new(0.8, 0.8, 0.8), Vec3::new(0.9, 1.0, 0.1)),
-        (Vec3::new(2.5, 3.6, -0.4), Vec3::new(0.7, 1.1, 0.7), Vec3::new(0.2, 0.4, 1.2)),
+        (Vec3::new(-2.2, 2.2, 0.9), Vec3::new(0.8, 0.8, 0.8), Vec3::new(0.9, 1.0, 0.1)),
+        (Vec3::new(2.2, 3.6, -0.2), Vec3::new(0.7, 1.1, 0.7), Vec3::new(0.2, 0.4, 1.2)),
         (Vec3::new(-0.6, 4.6, -3.4), Vec3::new(1.1, 0.6, 0.8), Vec3::new(1.1, 0.2, 0.5)),
     ];
     for (place, size, turn) in crates {

@@ -10,10 +10,10 @@ pub(super) const SCENE: Scene = Scene {
     name: "ragdoll",
     title: "Ragdolls",
     about: "17 particles, 25 bones and 32 limits each; nobody holds them up",
-    eye: Vec3::new(0.9, 1.9, 6.0),
+    eye: Vec3::new(0.9, 1.9, 6.4),
     target: Vec3::new(0.0, 0.9, -0.3),
     seconds: 5.0,
-    moment: 0.75,
+    moment: 0.5,
     spawn,
 };
 
@@ -23,8 +23,8 @@ fn spawn(world: &mut World) {
     // Apart, because figures do not meet yet.
     let figures = [
         (Vec3::new(0.0, 0.02, 0.0), 0.0, 0.0, 0xd9622b),
-        (Vec3::new(-1.9, 0.9, -0.6), 0.8, 0.5, 0x2f8f83),
-        (Vec3::new(1.9, 1.3, -0.8), -0.9, -1.1, 0xe0b040),
+        (Vec3::new(-1.6, 0.9, -0.6), 0.8, 0.5, 0x2f8f83),
+        (Vec3::new(1.6, 1.3, -0.8), -0.9, -1.1, 0xe0b040),
     ];
     for (place, yaw, roll, color) in figures {
         let rotation = Quat::from_rotation_y(yaw) * Quat::from_rotation_z(roll);

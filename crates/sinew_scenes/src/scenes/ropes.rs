@@ -11,7 +11,7 @@ pub(super) const SCENE: Scene = Scene {
     name: "ropes",
     title: "Ropes",
     about: "a slack line, a swinging lantern, and a whip in a moving hand",
-    eye: Vec3::new(1.0, 1.9, 5.9),
+    eye: Vec3::new(0.9, 1.9, 6.6),
     target: Vec3::new(0.25, 1.25, 0.0),
     seconds: 6.0,
     moment: 2.6,
@@ -85,7 +85,7 @@ fn spawn(world: &mut World) {
     world.entity_mut(lamp).insert(RigidPose { particles: vec![ring, foot], rest });
     world.spawn((InScene, Tie { rope, ring }));
 
-    let at = Vec3::new(2.2, 2.0, 0.3);
+    let at = Vec3::new(2.0, 2.0, 0.3);
     let knob = mesh(world, ball(0.07));
     let hand = world
         .spawn((InScene, Hand { at }, knob, Look::color(0xd9622b), Transform::from_translation(at)))
