@@ -1,8 +1,8 @@
 //! The simulation: particles, forces and constraints, and one method for each phase of a step.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
-use crate::constraints::{Constraints, Distance};
+use crate::constraints::{Constraints, Contacts, Distance};
 use crate::forces::{self, Forces};
 use crate::particles::Particles;
 use crate::solve::{self, Plan, SolverReport, SolverSettings};
@@ -36,9 +36,11 @@ struct Scratch {
     stale: bool,
     substep: Substep,
     charged: Vec<u32>,
+    contacts: Contacts,
     /// The pressure of each wind on each triangle, looked up when the step began.
     pressures: Vec<Vec3>,
-    checkpoint: Vec<Vec3>,
+    /// Where the step began, with the inverse mass: what went non-finite took that with it.
+    checkpoint: Vec<Vec4>,
 }
 
 /// Where in a step the simulation is.
@@ -95,9 +97,12 @@ impl Simulation {
             self.scratch.stale = false;
         }
         self.scratch.substep = Substep { length: h, remaining: settings.substeps };
-        let rows = self.particles.position.iter();
-        self.scratch.checkpoint.clear();
-        self.scratch.checkpoint.extend(rows.map(|q| q.truncate()));
+        self.scratch.checkpoint.resize(self.particles.len(), Vec4::ZERO);
+        for (good, q) in self.scratch.checkpoint.iter_mut().zip(&self.particles.position) {
+            // A row that a caller set to no position at all goes back to the last one it had.
+            *good = if q.is_finite() { *q } else { good.truncate().extend(q.w) };
+        }
+        self.scratch.contacts.take(&self.constraints.planes, &self.constraints.boxes);
         self.feel_winds();
         self.report.substeps = settings.substeps;
         self.report.sweeps = 0;
@@ -174,7 +179,7 @@ impl Simulation {
         let h = self.scratch.substep.length;
         solve::cascade(
             &mut self.particles,
-            &self.constraints,
+            &self.scratch.contacts,
             &mut self.scratch.plan,
             &settings,
             h,
@@ -190,18 +195,24 @@ impl Simulation {
         for i in 0..self.particles.len() {
             if !self.particles.is_finite(i) {
                 let good = self.scratch.checkpoint.get(i).copied().unwrap_or_default();
-                self.particles.set_position(i, good);
-                self.particles.start[i] = good;
+                self.particles.position[i] = good;
+                self.particles.start[i] = good.truncate();
                 self.particles.set_velocity(i, Vec3::ZERO);
                 self.report.frozen.push(i as u32);
             }
         }
-        solve::measure(&self.particles, &self.constraints, &self.scratch.plan, &mut self.report);
+        solve::measure(
+            &self.particles,
+            &self.scratch.contacts,
+            &self.scratch.plan,
+            &mut self.report,
+        );
     }
 
     /// Where particle `i` was when the last step began, metres: for drawing what lies between two steps.
     pub fn step_start(&self, i: usize) -> Vec3 {
-        self.scratch.checkpoint.get(i).copied().unwrap_or_else(|| self.particles.position(i))
+        let began = self.scratch.checkpoint.get(i);
+        began.map_or_else(|| self.particles.position(i), |q| q.truncate())
     }
 
     /// Forgets where the particles were when the last step began, because rows now hold other particles.
@@ -225,9 +236,14 @@ impl Simulation {
         &mut self.distances
     }
 
-    /// Number of groups in the plan: distances of one kind and one colour, which share no particle.
+    /// The most groups that an island has in the plan: distances of one kind and one colour, which share no particle.
     pub fn colours(&self) -> usize {
-        self.scratch.plan.groups.len()
+        self.scratch.plan.islands.iter().map(|island| island.groups.len()).max().unwrap_or(0)
+    }
+
+    /// Number of islands: sets of particles that distances connect, a loose particle being one by itself.
+    pub fn islands(&self) -> usize {
+        self.scratch.plan.islands.len()
     }
 
     /// Velocity of particle `i` at the instant of its position, m/s: the mean velocity of the last substep, carried half a substep

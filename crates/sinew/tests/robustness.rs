@@ -182,3 +182,26 @@ fn particles_that_are_cleared_away_take_their_distances_out_of_the_plan() {
     world.step(1.0 / 60.0).unwrap();
     assert!(world.particles.is_empty());
 }
+
+#[test]
+fn a_particle_that_is_put_nowhere_goes_back_to_where_it_last_was() {
+    let mut world = on_the_ground();
+    world.particles.push(ParticleSeed::at(Vec3::Y)).unwrap();
+    world.step(1.0 / 60.0).unwrap();
+    world.particles.set_position(0, Vec3::NAN);
+    assert_eq!(world.step(1.0 / 60.0).unwrap().frozen, [0]);
+    assert_eq!(world.particles.position(0), Vec3::Y);
+}
+
+#[test]
+fn a_rod_to_a_particle_that_turns_non_finite_leaves_both_their_masses() {
+    let mut world = Simulation::default();
+    world.particles.push(ParticleSeed::at(Vec3::ZERO).with_mass(2.0)).unwrap();
+    world.particles.push(ParticleSeed::at(Vec3::X).with_mass(4.0)).unwrap();
+    world.distances_mut().push(Distance::new(0, 1, 1.0));
+    world.particles.set_external_force(0, Vec3::X * f32::MAX);
+    world.step(10.0).unwrap();
+    world.particles.set_external_force(0, Vec3::ZERO);
+    assert_eq!((world.particles.mass(0), world.particles.mass(1)), (2.0, 4.0));
+    assert!(world.step(1.0 / 60.0).unwrap().frozen.is_empty());
+}

@@ -69,40 +69,68 @@ impl InsideBox {
     }
 }
 
-/// A constraint on single particles: how far out a point is, and which way back.
-pub(crate) trait Contact {
-    /// The displacement that brings a sphere of `radius` at `position` just inside, metres; zero if it is inside already.
-    fn correction(&self, position: Vec3, radius: f32) -> Vec3;
+/// The valid ones among the surfaces that bound every particle: scratch of a step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Contacts {
+    planes: Vec<Plane>,
+    boxes: Vec<InsideBox>,
+}
 
-    /// Coulomb's μ.
-    fn friction(&self) -> f32;
+impl Contacts {
+    /// Takes what is valid of the lists, and keeps its memory.
+    pub(crate) fn take(&mut self, planes: &[Plane], boxes: &[InsideBox]) {
+        self.planes.clear();
+        self.planes.extend(planes.iter().filter(|plane| plane.is_valid()));
+        self.boxes.clear();
+        self.boxes.extend(boxes.iter().filter(|room| room.is_valid()));
+    }
 
-    /// Projects every particle that can move, and returns how far out the farthest one was, metres.
-    fn project_all(&self, particles: &mut Particles) -> f32 {
+    /// Whether there is nothing to touch.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.planes.is_empty() && self.boxes.is_empty()
+    }
+
+    /// Puts particle `i` on the right side of everything, once, with friction; returns how far out it was, metres.
+    #[inline]
+    pub(crate) fn project(&self, particles: &mut Particles, i: usize) -> f32 {
+        if particles.position[i].w == 0.0 {
+            return 0.0;
+        }
         let mut worst = 0.0_f32;
-        for (i, q) in particles.position.iter_mut().enumerate() {
-            let at = q.truncate();
-            let normal_part = self.correction(at, particles.radius[i]);
-            if normal_part == Vec3::ZERO || q.w == 0.0 {
-                continue;
-            }
-            let depth = normal_part.length();
-            let moved = at + normal_part - particles.start[i];
-            let slid = moved - normal_part * (moved.dot(normal_part) / (depth * depth));
-            *q += (normal_part + friction(slid, depth, self.friction())).extend(0.0);
-            worst = worst.max(depth);
+        for plane in &self.planes {
+            let out = plane.correction(particles.position(i), particles.radius[i]);
+            worst = worst.max(push(particles, i, out, plane.friction));
+        }
+        for room in &self.boxes {
+            let out = room.correction(particles.position(i), particles.radius[i]);
+            worst = worst.max(push(particles, i, out, room.friction));
         }
         worst
     }
 
-    /// How far out the farthest particle is, metres, moving nothing.
-    fn error(&self, particles: &Particles) -> f32 {
-        let out = |(q, radius): (&glam::Vec4, &f32)| match q.w {
-            0.0 => 0.0,
-            _ => self.correction(q.truncate(), *radius).length(),
-        };
-        particles.position.iter().zip(&particles.radius).map(out).fold(0.0, f32::max)
+    /// How far out particle `i` is, metres, moving nothing.
+    pub(crate) fn error(&self, particles: &Particles, i: usize) -> f32 {
+        if particles.position[i].w == 0.0 {
+            return 0.0;
+        }
+        let (at, radius) = (particles.position(i), particles.radius[i]);
+        let planes = self.planes.iter().map(|plane| plane.correction(at, radius));
+        let boxes = self.boxes.iter().map(|room| room.correction(at, radius));
+        planes.chain(boxes).map(Vec3::length).fold(0.0, f32::max)
     }
+}
+
+/// Moves particle `i` by the normal correction and by the friction that goes with it; returns how far out it was, metres.
+#[inline]
+fn push(particles: &mut Particles, i: usize, normal_part: Vec3, coefficient: f32) -> f32 {
+    if normal_part == Vec3::ZERO {
+        return 0.0;
+    }
+    let depth = normal_part.length();
+    let moved = particles.position(i) + normal_part - particles.start[i];
+    let slid = moved - normal_part * (moved.dot(normal_part) / (depth * depth));
+    particles.position[i] += (normal_part + friction(slid, depth, coefficient)).extend(0.0);
+    depth
 }
 
 /// The tangential correction of Coulomb's law in positions: `Δt = -t · min(μ Δn/‖t‖, 1)`.
@@ -119,31 +147,24 @@ fn friction(slid: Vec3, normal_correction: f32, coefficient: f32) -> Vec3 {
     }
 }
 
-impl Contact for Plane {
-    /// The nearest point of the half-space: along the normal, for one particle whatever its mass.
+impl Plane {
+    /// The displacement that brings a sphere of `radius` at `position` just inside, metres; zero if it is inside already. It goes to the
+    /// nearest point of the half-space: along the normal, for one particle whatever its mass.
     #[inline]
     fn correction(&self, position: Vec3, radius: f32) -> Vec3 {
         let height = self.normal.dot(position) - self.offset - radius;
         if height < 0.0 { self.normal * -height } else { Vec3::ZERO }
     }
-
-    fn friction(&self) -> f32 {
-        self.friction
-    }
 }
 
-impl Contact for InsideBox {
-    /// The clamp, coordinate by coordinate. Where the box is thinner than the sphere, the sphere is held in the middle.
+impl InsideBox {
+    /// The same: the clamp, coordinate by coordinate. Where the box is thinner than the sphere, the sphere is held in the middle.
     #[inline]
     fn correction(&self, position: Vec3, radius: f32) -> Vec3 {
         let middle = (self.min + self.max) * 0.5;
         let low = (self.min + radius).min(middle);
         let high = (self.max - radius).max(middle);
         position.max(low).min(high) - position
-    }
-
-    fn friction(&self) -> f32 {
-        self.friction
     }
 }
 
@@ -159,14 +180,18 @@ mod tests {
         particles
     }
 
+    fn touch(plane: Plane, particles: &mut Particles) -> f32 {
+        Contacts { planes: vec![plane], ..Default::default() }.project(particles, 0)
+    }
+
     #[test]
     fn a_sunken_particle_is_put_on_the_ground_and_a_flying_one_left_alone() {
         let ground = Plane::ground(1.0).with_friction(0.0);
         let mut low = one(Vec3::new(3.0, 0.2, 4.0), Vec3::new(3.0, 1.2, 4.0), 0.1);
-        assert!((ground.project_all(&mut low) - 0.9).abs() < 1e-6);
+        assert!((touch(ground, &mut low) - 0.9).abs() < 1e-6);
         assert!(low.position(0).abs_diff_eq(Vec3::new(3.0, 1.1, 4.0), 1e-6));
         let mut high = one(Vec3::Y * 1.2, Vec3::Y * 1.3, 0.1);
-        assert_eq!(ground.project_all(&mut high), 0.0);
+        assert_eq!(touch(ground, &mut high), 0.0);
         assert_eq!(high.position(0), Vec3::Y * 1.2);
     }
 
@@ -174,10 +199,10 @@ mod tests {
     fn the_box_clamps_each_coordinate_and_centres_what_does_not_fit() {
         let room = InsideBox::new(Vec3::ZERO, Vec3::new(100.0, 1.0, 100.0));
         let mut out = one(Vec3::new(-5.0, 0.5, 120.0), Vec3::new(-5.0, 0.5, 120.0), 0.25);
-        room.project_all(&mut out);
+        Contacts { boxes: vec![room], ..Default::default() }.project(&mut out, 0);
         assert!(out.position(0).abs_diff_eq(Vec3::new(0.25, 0.5, 99.75), 1e-4));
         let mut fat = one(Vec3::new(50.0, 0.9, 50.0), Vec3::new(50.0, 0.9, 50.0), 2.0);
-        room.project_all(&mut fat);
+        Contacts { boxes: vec![room], ..Default::default() }.project(&mut fat, 0);
         assert_eq!(fat.position(0).y, 0.5);
     }
 

@@ -15,7 +15,7 @@ pub use bounds::{InsideBox, Plane};
 pub use distance::{Bound, Distance, DistanceFault};
 pub use pin::Pin;
 
-pub(crate) use bounds::Contact;
+pub(crate) use bounds::Contacts;
 pub(crate) use distance::{project, project_rod};
 
 /// What is enforced on single particles. Distances are kept apart, in the [`Simulation`](crate::Simulation), because they are compiled

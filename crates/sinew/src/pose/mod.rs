@@ -32,6 +32,8 @@
 //! Only `+ - × ÷ √` in a fixed order, on scalar types (glam's `DVec3`, `DMat3`, `DQuat` are scalar everywhere; its `Quat`
 //! is not): the same bits on every machine.
 
+#[cfg(test)]
+mod degenerate_tests;
 mod inertia;
 mod rotation;
 mod symmetric;

@@ -1,17 +1,19 @@
 //! The cascade: constraints enforced one after the other, again and again, until they all hold well enough (Gauss–Seidel).
 
-use crate::constraints::{Constraints, Contact, project, project_rod};
+use core::ops::Range;
+
+use crate::constraints::{Contacts, project, project_rod};
 use crate::particles::Particles;
 use crate::solve::{Plan, SolverReport, SolverSettings};
 
-/// Sweeps until the largest error met is within the tolerance, at most `max_sweeps` times; adds to the report.
+/// Sweeps each island until the largest error met in it is within the tolerance, at most `max_sweeps` times; adds to the report.
 ///
 /// Distances come first, colour by colour, contacts last: what must not be seen to fail, a foot in the ground, has the last word. The
 /// order never changes from substep to substep, because alternating it pumps energy. A sweep's error is what it *found*, before it
 /// corrected it: reaching the tolerance therefore costs no extra pass, and is never claimed too early.
 pub(crate) fn cascade(
     particles: &mut Particles,
-    constraints: &Constraints,
+    contacts: &Contacts,
     plan: &mut Plan,
     settings: &SolverSettings,
     h: f32,
@@ -19,22 +21,29 @@ pub(crate) fn cascade(
 ) {
     plan.lambdas.fill(0.0);
     let compliance_scale = 1.0 / (h * h);
-    for sweep in 1..=settings.max_sweeps {
-        let found = sweep_distances(particles, plan, compliance_scale)
-            .max(sweep_contacts(particles, constraints));
-        report.sweeps += 1;
-        report.most_sweeps = report.most_sweeps.max(sweep);
-        if found <= settings.tolerance {
-            return;
+    let mut most = 0;
+    for number in 0..plan.islands.len() {
+        let island = plan.islands[number].clone();
+        let mut converged = false;
+        for sweep in 1..=settings.max_sweeps {
+            let found = sweep_distances(particles, plan, island.groups.clone(), compliance_scale)
+                .max(sweep_contacts(particles, contacts, &plan.members[island.members.clone()]));
+            most = most.max(sweep);
+            if found <= settings.tolerance {
+                converged = true;
+                break;
+            }
         }
+        report.converged &= converged;
     }
-    report.converged = false;
+    report.sweeps += most;
+    report.most_sweeps = report.most_sweeps.max(most);
 }
 
 /// Measures what is left, moving nothing: largest error of the hard constraints in metres, and largest strain of the hard distances.
 pub(crate) fn measure(
     particles: &Particles,
-    constraints: &Constraints,
+    contacts: &Contacts,
     plan: &Plan,
     report: &mut SolverReport,
 ) {
@@ -50,21 +59,20 @@ pub(crate) fn measure(
             strain = strain.max(left / distance.rest);
         }
     }
-    for plane in constraints.planes.iter().filter(|p| p.is_valid()) {
-        error = error.max(plane.error(particles));
-    }
-    for room in constraints.boxes.iter().filter(|b| b.is_valid()) {
-        error = error.max(room.error(particles));
-    }
-    report.error = error;
+    report.error = (0..particles.len()).map(|i| contacts.error(particles, i)).fold(error, f32::max);
     report.strain = strain;
 }
 
-/// Projects every distance once and returns the largest error found among the hard ones, metres.
-fn sweep_distances(particles: &mut Particles, plan: &mut Plan, compliance_scale: f32) -> f32 {
+/// Projects every distance of some groups once and returns the largest error found among the hard ones, metres.
+fn sweep_distances(
+    particles: &mut Particles,
+    plan: &mut Plan,
+    groups: Range<usize>,
+    compliance_scale: f32,
+) -> f32 {
     let positions = particles.position.as_mut_slice();
     let mut worst = 0.0_f32;
-    for group in &plan.groups {
+    for group in &plan.groups[groups] {
         let distances = &plan.distances[group.range.clone()];
         if group.rods {
             for d in distances {
@@ -84,14 +92,10 @@ fn sweep_distances(particles: &mut Particles, plan: &mut Plan, compliance_scale:
     worst
 }
 
-/// Projects every particle out of every plane and into every box once; returns the deepest it found, metres.
-fn sweep_contacts(particles: &mut Particles, constraints: &Constraints) -> f32 {
-    let mut worst = 0.0_f32;
-    for plane in constraints.planes.iter().filter(|p| p.is_valid()) {
-        worst = worst.max(plane.project_all(particles));
+/// Projects some particles out of every plane and into every box once; returns the deepest it found, metres.
+fn sweep_contacts(particles: &mut Particles, contacts: &Contacts, rows: &[u32]) -> f32 {
+    if contacts.is_empty() {
+        return 0.0;
     }
-    for room in constraints.boxes.iter().filter(|b| b.is_valid()) {
-        worst = worst.max(room.project_all(particles));
-    }
-    worst
+    rows.iter().map(|&row| contacts.project(particles, row as usize)).fold(0.0, f32::max)
 }

@@ -1,8 +1,8 @@
 //! Solving: in which order the kernels of the [constraints](crate::constraints) run, and how often.
 //!
-//! - [`plan`] compiles the distances into an order that does not depend on how they were added, in colours;
-//! - [`cascade`] runs Gauss–Seidel sweeps over it until the largest error is small enough or the sweeps are spent;
-//! - [`report`] says how that went.
+//! - `plan` compiles the distances into islands, and each island into colours;
+//! - `cascade` runs Gauss–Seidel sweeps over each island until the largest error in it is small enough or the sweeps are spent;
+//! - `report` says how that went.
 
 mod cascade;
 mod plan;
@@ -20,7 +20,7 @@ pub struct SolverSettings {
     pub substeps: u32,
     /// The most sweeps over all constraints in a substep (the lectures' `N_MAX`), 1 to 1000, default 4.
     pub max_sweeps: u32,
-    /// Error in metres at which a substep stops sweeping early, 0 or more, default 1e-4. A negative or non-finite one counts as 0.
+    /// Error in metres at which an island stops being swept early in a substep, 0 or more, default 1e-4. A negative or non-finite one counts as 0.
     pub tolerance: f32,
 }
 

@@ -1,8 +1,11 @@
-//! The plan: distances sorted into colours, so that no two of a colour share a particle.
+//! The plan: distances sorted into islands, and within an island into colours, so that no two of a colour share a particle.
 //!
-//! In the order in which a game adds them, each constraint waits for the particle that the last one moved, and stiff cloth swept outwards
-//! from its pins pumps up energy until it bursts. Colour by colour, neighbours in the plan are independent: a core overlaps them, and the
-//! sweep has no direction. The price is one bit mask per particle while compiling.
+//! An **island** is a set of particles that distances connect. Each is swept until it holds, or its sweeps are spent, by itself: what happens
+//! in one never changes a bit in another, however hard it works.
+//!
+//! **Colours**: in the order in which a game adds them, each constraint waits for the particle that the last one moved, and stiff cloth swept
+//! outwards from its pins pumps up energy until it bursts. Colour by colour, neighbours in the plan are independent: a core overlaps them, and
+//! the sweep has no direction. The price is one bit mask per particle while compiling.
 
 use core::ops::Range;
 
@@ -11,18 +14,20 @@ use crate::constraints::{Bound, Distance};
 /// The distances in solving order, and what a sweep needs beside them. Compiled when the topology changes; scratch, never saved.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Plan {
-    /// The distances, colour after colour; within a colour in the order given.
+    /// The distances, island after island, group after group; within a group in the order given.
     pub(crate) distances: Vec<Distance>,
     /// The multiplier that each distance has summed up in this substep.
     pub(crate) lambdas: Vec<f32>,
-    /// The groups of `distances`: first what is soft or one-sided, then the hard rods, colour by colour: bones
-    /// have the last word over the limits of their joints. The last colour may be the overflow:
-    /// constraints that found no free colour.
+    /// The groups of `distances`. In an island what is soft or one-sided comes first, then the hard rods, colour by colour: bones have the
+    /// last word over the limits of their joints.
     pub(crate) groups: Vec<Group>,
+    /// The islands, in the order of their first particles. Every particle is in one.
+    pub(crate) islands: Vec<Island>,
+    /// The rows of the particles, island after island, ascending in each.
+    pub(crate) members: Vec<u32>,
     /// How many rows it was compiled for.
     pub(crate) rows: usize,
-    used: Vec<u64>,
-    group_of: Vec<u8>,
+    compiling: Compiling,
 }
 
 /// Distances of one kind and one colour: no two share a particle, except in the overflow.
@@ -34,63 +39,130 @@ pub(crate) struct Group {
     pub(crate) rods: bool,
 }
 
+/// Particles that distances connect, and those distances.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Island {
+    /// Where its groups are among the plan's.
+    pub(crate) groups: Range<usize>,
+    /// Where its particles are among the plan's members.
+    pub(crate) members: Range<usize>,
+}
+
+/// What compiling needs; kept for its memory.
+#[derive(Clone, Debug, Default)]
+struct Compiling {
+    /// The colours that each particle's distances have used.
+    used: Vec<u64>,
+    /// Union-find: towards the first particle of the island.
+    parent: Vec<u32>,
+    /// The number of each particle's island.
+    island: Vec<u32>,
+    /// Sorting key and number of each sound distance.
+    keys: Vec<(u64, u32)>,
+}
+
 /// The colour of what found no other: a particle in more than 64 constraints. Solved one after the other, which is always right.
-const OVERFLOW: usize = 64;
-/// Colours, the overflow included. What is no rod is numbered from 0, rods from here.
-const COLOURS: usize = OVERFLOW + 1;
-/// The group of a faulty distance.
-const LEFT_OUT: u8 = u8::MAX;
+const OVERFLOW: u32 = 64;
+/// Added to the colour of a rod, so that rods come after the rest of their island.
+const ROD: u32 = 128;
 
 impl Plan {
-    /// Compiles the valid ones among `distances`, for `particles` rows. Linear in both; keeps its memory.
+    /// Compiles the valid ones among `distances`, for `particles` rows. Keeps its memory.
     ///
     /// Greedy colouring: each constraint takes the lowest colour that neither of its particles has used. The grid of a cloth needs 8 colours
-    /// that way, a mesh some 13.
+    /// that way, a mesh some 13. A pinned particle (of infinite mass) belongs to the island of what hangs on it, and joins several into one.
     pub(crate) fn compile(&mut self, distances: &[Distance], particles: usize) {
         self.rows = particles;
-        self.used.clear();
-        self.used.resize(particles, 0);
-        self.group_of.clear();
-        let mut counts = [0_usize; 2 * COLOURS];
-        for distance in distances {
-            if distance.fault(particles).is_some() {
-                self.group_of.push(LEFT_OUT);
-                continue;
-            }
+        let sound = |d: &Distance| d.fault(particles).is_none();
+        self.find_islands(distances.iter().filter(|d| sound(d)), particles);
+
+        let Compiling { used, island, keys, .. } = &mut self.compiling;
+        used.clear();
+        used.resize(particles, 0);
+        keys.clear();
+        for (distance, number) in distances.iter().zip(0..).filter(|(d, _)| sound(d)) {
             let (a, b) = (distance.a as usize, distance.b as usize);
-            let colour = (!(self.used[a] | self.used[b])).trailing_zeros() as usize;
+            let colour = (!(used[a] | used[b])).trailing_zeros();
             if colour < OVERFLOW {
-                self.used[a] |= 1 << colour;
-                self.used[b] |= 1 << colour;
+                used[a] |= 1 << colour;
+                used[b] |= 1 << colour;
             }
             let rod = distance.compliance == 0.0 && distance.bound == Bound::Equal;
-            let group = if rod { COLOURS + colour } else { colour };
-            counts[group] += 1;
-            self.group_of.push(group as u8);
+            let group = colour + if rod { ROD } else { 0 };
+            keys.push((u64::from(island[a]) << 32 | u64::from(group), number));
         }
+        keys.sort_unstable();
 
-        self.groups.clear();
-        let mut next = [0_usize; 2 * COLOURS];
-        let mut total = 0;
-        for (group, count) in counts.iter().enumerate() {
-            next[group] = total;
-            if *count > 0 {
-                let rods = group >= COLOURS;
-                self.groups.push(Group { range: total..total + count, rods });
-            }
-            total += count;
-        }
         self.distances.clear();
-        self.distances.resize(total, Distance::new(0, 0, 0.0));
-        for (distance, &group) in distances.iter().zip(&self.group_of) {
-            if group != LEFT_OUT {
-                self.distances[next[group as usize]] = *distance;
-                next[group as usize] += 1;
-            }
-        }
+        self.distances.extend(keys.iter().map(|&(_, number)| distances[number as usize]));
         self.lambdas.clear();
-        self.lambdas.resize(total, 0.0);
+        self.lambdas.resize(self.distances.len(), 0.0);
+        self.groups.clear();
+        let mut begin = 0;
+        for run in keys.chunk_by(|(one, _), (other, _)| one == other) {
+            let (island, rods) = ((run[0].0 >> 32) as usize, run[0].0 as u32 >= ROD);
+            let range = begin..begin + run.len();
+            begin = range.end;
+            let island = &mut self.islands[island];
+            if island.groups.is_empty() {
+                island.groups = self.groups.len()..self.groups.len();
+            }
+            island.groups.end += 1;
+            self.groups.push(Group { range, rods });
+        }
     }
+
+    /// Numbers the islands by their first particles, and lists the members of each.
+    fn find_islands<'a>(
+        &mut self,
+        distances: impl Iterator<Item = &'a Distance>,
+        particles: usize,
+    ) {
+        let Compiling { parent, island, .. } = &mut self.compiling;
+        parent.clear();
+        parent.extend(0..particles as u32);
+        for distance in distances {
+            let (a, b) = (root(parent, distance.a), root(parent, distance.b));
+            // Towards the smaller row, so that the root of an island is its first particle.
+            parent[a.max(b) as usize] = a.min(b);
+        }
+        self.islands.clear();
+        island.clear();
+        for row in 0..particles as u32 {
+            let first = root(parent, row);
+            let number = if first == row {
+                self.islands.push(Island::default());
+                self.islands.len() as u32 - 1
+            } else {
+                island[first as usize]
+            };
+            island.push(number);
+            self.islands[number as usize].members.end += 1;
+        }
+        let mut begin = 0;
+        for island in &mut self.islands {
+            let count = island.members.end;
+            island.members = begin..begin;
+            begin += count;
+        }
+        self.members.clear();
+        self.members.resize(particles, 0);
+        for (row, &number) in island.iter().enumerate() {
+            let members = &mut self.islands[number as usize].members;
+            self.members[members.end] = row as u32;
+            members.end += 1;
+        }
+    }
+}
+
+/// The first particle of the island of `row`, shortening the way for the next time (path halving).
+fn root(parent: &mut [u32], mut row: u32) -> u32 {
+    while parent[row as usize] != row {
+        let up = parent[parent[row as usize] as usize];
+        parent[row as usize] = up;
+        row = up;
+    }
+    row
 }
 
 #[cfg(test)]
@@ -131,6 +203,30 @@ mod tests {
         assert_eq!(plan.distances.len(), 100);
         assert_eq!(plan.groups.len(), 65);
         assert_eq!(plan.groups.last().unwrap().range.len(), 36);
+    }
+
+    #[test]
+    fn islands_are_what_distances_connect_and_loose_particles_are_islands_too() {
+        let distances =
+            [Distance::new(4, 1, 1.0), Distance::new(0, 3, 1.0), Distance::new(3, 5, 1.0)];
+        let mut plan = Plan::default();
+        plan.compile(&distances, 7);
+        let members: Vec<_> =
+            plan.islands.iter().map(|i| &plan.members[i.members.clone()]).collect();
+        assert_eq!(members, [&[0, 3, 5][..], &[1, 4], &[2], &[6]]);
+        let groups: Vec<_> = plan.islands.iter().map(|i| i.groups.len()).collect();
+        assert_eq!(groups, [2, 1, 0, 0]);
+        assert_eq!(plan.distances, [distances[1], distances[2], distances[0]]);
+    }
+
+    #[test]
+    fn an_island_is_compiled_the_same_whatever_stands_beside_it() {
+        let body = |first: u32| (0..5).map(move |i| Distance::new(first + i, first + i + 1, 1.0));
+        let (mut alone, mut beside) = (Plan::default(), Plan::default());
+        alone.compile(&body(0).collect::<Vec<_>>(), 6);
+        beside.compile(&body(6).chain(body(0)).collect::<Vec<_>>(), 12);
+        assert_eq!(beside.distances[..5], alone.distances[..]);
+        assert_eq!(beside.groups[..2], alone.groups[..]);
     }
 
     #[test]

@@ -5,11 +5,11 @@
 pub struct SolverReport {
     /// Substeps taken.
     pub substeps: u32,
-    /// Sweeps over all constraints, summed over the substeps.
+    /// Sweeps of whichever island needed most, summed over the substeps.
     pub sweeps: u32,
-    /// The most sweeps that one substep needed.
+    /// The most sweeps that one island needed in one substep.
     pub most_sweeps: u32,
-    /// Whether every substep met the tolerance before its sweeps were spent.
+    /// Whether every island met the tolerance in every substep before its sweeps were spent.
     pub converged: bool,
     /// Largest error left in any hard constraint at the end of the step, metres.
     pub error: f32,
