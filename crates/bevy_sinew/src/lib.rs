@@ -79,6 +79,7 @@
 //! | `schedule` | the sets, the phases and the driver of the substeps |
 //! | `step` | layout, gather, links, scatter, extract: components to columns and back |
 //! | `world` | the columns and tables, scratch of a tick |
+//! | `drag` | dragging particles with the mouse |
 //! | `show` | meshes, tubes and gizmos: nothing there is read back |
 //! | `messages` | what is said when something is wrong |
 //!
@@ -86,6 +87,8 @@
 
 mod components;
 mod config;
+#[cfg(feature = "drag")]
+mod drag;
 mod messages;
 mod plugin;
 mod recipes;
@@ -103,6 +106,8 @@ pub use components::{
     TubeMesh, Wind, WindSurface,
 };
 pub use config::SolverConfig;
+#[cfg(feature = "drag")]
+pub use drag::{Grab, MouseDrag, MouseDragPlugin};
 pub use messages::{Refusal, Refused};
 #[cfg(feature = "interpolation")]
 pub use plugin::EasePlugin;
@@ -119,14 +124,14 @@ pub use show::{SinewGizmoConfigGroup, SinewGizmoPlugin};
 pub use sinew;
 pub use world::SinewWorld;
 
-/// What most games want in scope.
+/// What most games want in scope. [`Drag`] is left out, because Bevy's prelude has another one.
 pub mod prelude {
     pub use crate::{
         AirDrag, AngularVelocity, Barycenter, BodyPart, Bound, BoundingBox, Charge, Cloth,
-        ClothPins, ClothShape, ConstraintOf, DistanceConstraint, Drag, Electric, ExternalForce,
-        Fluid, Gravity, Ground, Interpolate, LinearVelocity, Mass, Particle, ParticleBody,
-        ParticleBox, ParticleOf, ParticleRow, PhaseSystems, Pinned, PinnedTo, Radius, Ragdoll,
-        Refused, RigidPose, Rope, SinewClock, SinewControl, SinewPlugins, SinewSystems, SinewWorld,
+        ClothPins, ClothShape, ConstraintOf, DistanceConstraint, Electric, ExternalForce, Fluid,
+        Gravity, Ground, Interpolate, LinearVelocity, Mass, Particle, ParticleBody, ParticleBox,
+        ParticleOf, ParticleRow, PhaseSystems, Pinned, PinnedTo, Radius, Ragdoll, Refused,
+        RigidPose, Rope, SinewClock, SinewControl, SinewPlugins, SinewSystems, SinewWorld,
         SolverConfig, Spring, SubstepSchedule, Wind,
     };
 }

@@ -33,6 +33,12 @@ pub enum Refusal {
     /// A particle pinned to an entity that is gone: it was let go.
     #[error("was let go: the entity it is pinned to, {0}, is gone or has no transform")]
     PinTarget(Entity),
+    /// A wind, a fluid, a ground or a room with a number that is none, or out of range; it does nothing until that is mended.
+    #[error("does nothing: a number of it or of its transform is not finite or out of range")]
+    Surroundings,
+    /// A pin that leads nowhere; the particle is held where it is.
+    #[error("is held where it is: the point it is pinned to is not finite")]
+    PinPoint,
     /// A body whose recipe asks for the impossible; it has no particles.
     #[error("cannot be built: {0}")]
     Box(#[from] BoxFault),

@@ -13,7 +13,7 @@ use crate::show::{mesh, tube};
 use crate::step::{extract, gather, layout, links, scatter};
 use crate::world::SinewWorld;
 
-/// Everything: the simulation, the gizmos, and the easing of transforms between ticks for bodies that opt in.
+/// Everything: the simulation, the gizmos, the mouse, and the easing of transforms between ticks for bodies that opt in.
 ///
 /// Parts can be left out as from any plugin group: `SinewPlugins.build().disable::<SinewGizmoPlugin>()`.
 pub struct SinewPlugins;
@@ -23,6 +23,8 @@ impl PluginGroup for SinewPlugins {
         let group = PluginGroupBuilder::start::<Self>().add(SinewPlugin::default());
         #[cfg(feature = "gizmos")]
         let group = group.add(crate::show::SinewGizmoPlugin);
+        #[cfg(feature = "drag")]
+        let group = group.add(crate::drag::MouseDragPlugin);
         #[cfg(feature = "interpolation")]
         let group = group.add(EasePlugin);
         group

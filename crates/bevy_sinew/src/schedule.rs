@@ -41,6 +41,10 @@ pub enum PhaseSystems {
     SolveConstraints,
 }
 
+/// What happens only while time passes.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct TimePasses;
+
 /// One substep. Run by the driver; add systems to it, but do not run it.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct SubstepSchedule;
@@ -94,18 +98,15 @@ pub(crate) fn configure(app: &mut App, tick: InternedScheduleLabel) {
             // Bevy's own system in `FixedPostUpdate`; the order does not matter, but an ambiguity would be an error.
             .before(signal_message_update_system),
     );
-    app.configure_sets(
-        tick,
-        (
-            SinewSystems::Gather,
-            SinewSystems::Substeps,
-            SinewSystems::Scatter,
-            SinewSystems::Extract,
-        )
-            .run_if(running),
-    );
+    // While time stands still, bodies are built, gathered and extracted all the same: what is spawned or moved meanwhile is seen. The
+    // condition stands on a set around the rest, so that it is asked once a tick and not once a part.
+    app.configure_sets(tick, (SinewSystems::Substeps, SinewSystems::Scatter).in_set(TimePasses));
+    app.configure_sets(tick, TimePasses.run_if(running));
     app.add_systems(tick, run_substeps.in_set(SinewSystems::Substeps));
-    app.add_systems(tick, count_tick.after(SinewSystems::Extract).run_if(running));
+    app.add_systems(
+        tick,
+        count_tick.in_set(TimePasses).after(SinewSystems::Scatter).before(SinewSystems::Extract),
+    );
 
     app.init_schedule(SubstepSchedule);
     app.edit_schedule(SubstepSchedule, |schedule| {
@@ -170,10 +171,14 @@ fn count_tick(
     mut control: ResMut<SinewControl>,
     world: Res<SinewWorld>,
 ) {
+    // A fixed clock that stood still took no tick.
+    if clock.seconds == world.simulation.time {
+        return;
+    }
     clock.tick += 1;
     clock.seconds = world.simulation.time;
     if control.paused {
-        control.single_steps -= 1;
+        control.single_steps = control.single_steps.saturating_sub(1);
     }
 }
 

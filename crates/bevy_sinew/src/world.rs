@@ -1,6 +1,8 @@
 //! The solver's working copy of the components, and the tables that lead from one to the other. Scratch: it is refilled at the start
 //! of every tick, and nothing in it survives one.
 
+use std::collections::BTreeSet;
+
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 use sinew::{ParticleFault, Particles, Simulation, SolverReport};
@@ -62,6 +64,8 @@ pub(crate) struct Tables {
     pub(crate) mass: Vec<f32>,
     /// Why a spring, a constraint or a body is set aside: so that each is reported once.
     pub(crate) complaints: EntityHashMap<Refusal>,
+    /// Surroundings and pins with a broken number: so that each is reported once.
+    pub(crate) broken: BTreeSet<Entity>,
     /// Distances, springs or surfaces must be compiled afresh.
     pub(crate) stale: bool,
     /// Counts the layouts, so that whoever resolved entities into rows knows when to do so again.

@@ -1,5 +1,7 @@
 //! A particle and its properties.
 
+use bevy::ecs::lifecycle::HookContext;
+use bevy::ecs::world::DeferredWorld;
 use bevy::prelude::*;
 
 use super::order::{CreationOrder, mark_topology};
@@ -15,7 +17,7 @@ use super::order::{CreationOrder, mark_topology};
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Mass, CreationOrder, ParticleRow)]
-#[component(on_add = mark_topology, on_remove = mark_topology)]
+#[component(on_add = mark_topology, on_remove = leave)]
 pub struct Particle {
     /// Where it is, metres.
     pub position: Vec3,
@@ -57,6 +59,14 @@ impl Particle {
         self.position = self.previous();
         self.velocity = -self.velocity;
     }
+}
+
+/// Takes the row from an entity that is no particle any more.
+fn leave(mut world: DeferredWorld, context: HookContext) {
+    if let Some(mut row) = world.get_mut::<ParticleRow>(context.entity) {
+        *row = ParticleRow::default();
+    }
+    mark_topology(world, context);
 }
 
 /// Mass in kilograms, positive. Default 1.

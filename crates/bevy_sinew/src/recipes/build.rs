@@ -17,7 +17,7 @@ use crate::messages::{Refusal, Refused};
 use crate::recipes::{BodyPart, BodyParts, PartOf};
 
 /// A component that describes a body and can build it.
-pub(crate) trait Recipe: Component<Mutability = Mutable> + Clone {
+pub(crate) trait Recipe: Component<Mutability = Mutable> + Clone + PartialEq {
     /// The blueprint in the body's own frame, from the recipe and, where it asks for one, the mesh.
     fn blueprint(&self, mesh: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal>;
 
@@ -54,6 +54,22 @@ pub(crate) fn source_mesh(world: &World, body: Entity) -> Option<&Handle<Mesh>> 
     Some(made.map_or(worn, |made| &made.source))
 }
 
+/// What a body was last built from: a recipe that is put back unchanged, as a rollback does, builds nothing anew.
+#[derive(Component)]
+pub(crate) struct Built<R: Send + Sync + 'static> {
+    recipe: R,
+    mesh: Option<AssetId<Mesh>>,
+}
+
+/// How building went, where nothing was wrong.
+enum Outcome {
+    Built,
+    /// The mesh is not there yet.
+    Waits,
+    /// An observer despawned the body while it was being built.
+    Gone,
+}
+
 /// Builds the bodies whose recipe of type `R` is new or changed, and those whose mesh has arrived since.
 pub(crate) fn build<R: Recipe>(
     world: &mut World,
@@ -68,19 +84,24 @@ pub(crate) fn build<R: Recipe>(
         .collect();
     bodies.sort_unstable_by_key(|(order, entity, ..)| (*order, *entity));
     for (_, body, recipe, waits) in bodies {
-        let built = build_one(world, body, &recipe);
-        match built {
-            Ok(true) if waits => {
-                world.entity_mut(body).remove::<AwaitsMesh<R>>();
+        // An observer of a body before it may have despawned this one.
+        if world.get_entity(body).is_err() || (!waits && stands(world, body, &recipe)) {
+            continue;
+        }
+        let mesh = wanted_mesh(world, body, &recipe);
+        let outcome = build_one(world, body, &recipe);
+        let Ok(mut entity) = world.get_entity_mut(body) else { continue };
+        match outcome {
+            Ok(Outcome::Built) => {
+                entity.insert(Built { recipe, mesh }).remove::<AwaitsMesh<R>>();
             }
-            Ok(true) => {}
-            Ok(false) if waits => {}
-            Ok(false) => {
-                world.entity_mut(body).insert(AwaitsMesh::<R>(PhantomData));
+            Ok(Outcome::Waits) => {
+                entity.insert_if_new(AwaitsMesh::<R>(PhantomData));
             }
+            Ok(Outcome::Gone) => {}
             Err(reason) => {
+                entity.remove::<(AwaitsMesh<R>, Built<R>)>();
                 tear_down(world, body);
-                world.entity_mut(body).remove::<AwaitsMesh<R>>();
                 warn!("sinew: entity {body} {reason}");
                 world.write_message(Refused { entity: body, reason });
             }
@@ -88,8 +109,20 @@ pub(crate) fn build<R: Recipe>(
     }
 }
 
-/// Builds one body, or says that its mesh is not there yet (`Ok(false)`). A refused body is left without particles.
-fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<bool, Refusal> {
+/// Whether the body stands as this recipe and its mesh would build it.
+fn stands<R: Recipe>(world: &World, body: Entity, recipe: &R) -> bool {
+    let built = world.get::<Built<R>>(body).filter(|_| world.get::<BodyParticles>(body).is_some());
+    built.is_some_and(|built| {
+        built.recipe == *recipe && built.mesh == wanted_mesh(world, body, recipe)
+    })
+}
+
+fn wanted_mesh<R: Recipe>(world: &World, body: Entity, recipe: &R) -> Option<AssetId<Mesh>> {
+    source_mesh(world, body).filter(|_| recipe.wants_mesh()).map(Handle::id)
+}
+
+/// Builds one body. A refused one is left without particles.
+fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<Outcome, Refusal> {
     let transform = *world.get::<Transform>(body).ok_or(Refusal::Transform)?;
     if !transform.is_finite() || transform.scale.abs().min_element() == 0.0 {
         return Err(Refusal::Transform);
@@ -97,7 +130,7 @@ fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<b
     let mesh = if recipe.wants_mesh() {
         match read_mesh(world, body)? {
             Some(mesh) => Some(mesh),
-            None => return Ok(false),
+            None => return Ok(Outcome::Waits),
         }
     } else {
         None
@@ -106,28 +139,44 @@ fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<b
     let blueprint = recipe.blueprint(mesh.as_ref(), transform.scale)?;
     let placed = blueprint.transformed(transform.rotation, transform.translation);
     let particles = spawn_particles(world, body, &placed);
-    spawn_distances(world, body, &placed, &particles);
+    let distances = spawn_distances(world, body, &placed, &particles);
 
-    let mut entity = world.entity_mut(body);
-    entity.insert(ExtractedTransform(Some(transform)));
-    if !placed.triangles.is_empty() {
+    attach(world, body, ExtractedTransform(Some(transform)));
+    let all_there = particles.len() == placed.particles.len();
+    if all_there && !placed.triangles.is_empty() {
         let corner = |i: u32| particles[i as usize];
         let triangles = placed.triangles.iter().map(|t| t.map(corner)).collect();
-        entity.insert(WindSurface { triangles });
+        attach(world, body, WindSurface { triangles });
     }
-    if !placed.vertices.is_empty() {
+    if all_there && !placed.vertices.is_empty() {
         let vertices = placed.vertices.iter().map(|&i| particles[i as usize]).collect();
-        entity.insert(MeshFollow { vertices });
+        attach(world, body, MeshFollow { vertices });
     }
-    recipe.finish(world, body, &placed, &particles);
-    ease_transforms(world, body);
-    Ok(true)
+    if world.get_entity(body).is_ok() {
+        recipe.finish(world, body, &placed, &particles);
+        ease_transforms(world, body);
+    }
+    if world.get_entity(body).is_ok() {
+        return Ok(Outcome::Built);
+    }
+    // What joined the body went with it; what came after it was gone would be left behind.
+    for entity in particles.into_iter().chain(distances) {
+        world.try_despawn(entity).ok();
+    }
+    Ok(Outcome::Gone)
+}
+
+/// Inserts something on a body, unless an observer has despawned it meanwhile.
+pub(crate) fn attach(world: &mut World, body: Entity, bundle: impl Bundle) {
+    if let Ok(mut entity) = world.get_entity_mut(body) {
+        entity.insert(bundle);
+    }
 }
 
 /// Despawns what an earlier build of this body made.
 fn tear_down(world: &mut World, body: Entity) {
-    world
-        .entity_mut(body)
+    let Ok(mut entity) = world.get_entity_mut(body) else { return };
+    entity
         .despawn_related::<BodyParticles>()
         .despawn_related::<BodyConstraints>()
         .despawn_related::<BodyParts>()
@@ -162,51 +211,53 @@ fn read_mesh(world: &World, body: Entity) -> Result<Option<MeshShape>, Refusal> 
     Ok(Some(MeshShape { positions, indices }))
 }
 
+/// Spawns the particles of a body. An observer may despawn the body at any of them: then it stops there, and so do the others below.
 fn spawn_particles(world: &mut World, body: Entity, blueprint: &Blueprint) -> Vec<Entity> {
-    let mut pins = Vec::new();
-    let particles: Vec<Entity> = blueprint
-        .particles
-        .iter()
-        .map(|seed| {
-            let pinned = seed.mass.is_infinite();
-            let particle = (
-                Particle { position: seed.position, velocity: seed.velocity, lag: seed.lag },
-                Mass(if pinned { 1.0 } else { seed.mass }),
-                Radius(seed.radius),
-                ParticleOf(body),
-            );
-            let mut entity = world.spawn(particle);
-            if seed.drag > 0.0 {
-                entity.insert(Drag(seed.drag));
-            }
-            if pinned {
-                pins.push(entity.id());
-            }
-            entity.id()
-        })
-        .collect();
-    for pin in pins {
-        world.entity_mut(pin).insert(Pinned::HERE);
+    let mut particles = Vec::with_capacity(blueprint.particles.len());
+    for seed in &blueprint.particles {
+        if world.get_entity(body).is_err() {
+            break;
+        }
+        let pinned = seed.mass.is_infinite();
+        let particle = (
+            Particle { position: seed.position, velocity: seed.velocity, lag: seed.lag },
+            Mass(if pinned { 1.0 } else { seed.mass }),
+            Radius(seed.radius),
+            ParticleOf(body),
+        );
+        let entity = world.spawn(particle).id();
+        if seed.drag > 0.0 {
+            attach(world, entity, Drag(seed.drag));
+        }
+        if pinned {
+            attach(world, entity, Pinned::HERE);
+        }
+        particles.push(entity);
     }
     particles
 }
 
-fn spawn_distances(world: &mut World, body: Entity, blueprint: &Blueprint, particles: &[Entity]) {
-    let constraints: Vec<_> = blueprint
-        .distances
-        .iter()
-        .map(|distance| {
-            let constraint = DistanceConstraint {
-                a: particles[distance.a as usize],
-                b: particles[distance.b as usize],
-                rest: distance.rest,
-                compliance: distance.compliance,
-                bound: distance.bound.into(),
-            };
-            (constraint, ConstraintOf(body))
-        })
-        .collect();
-    world.spawn_batch(constraints);
+fn spawn_distances(
+    world: &mut World,
+    body: Entity,
+    blueprint: &Blueprint,
+    particles: &[Entity],
+) -> Vec<Entity> {
+    let mut distances = Vec::with_capacity(blueprint.distances.len());
+    for distance in &blueprint.distances {
+        if world.get_entity(body).is_err() {
+            break;
+        }
+        let constraint = DistanceConstraint {
+            a: particles[distance.a as usize],
+            b: particles[distance.b as usize],
+            rest: distance.rest,
+            compliance: distance.compliance,
+            bound: distance.bound.into(),
+        };
+        distances.push(world.spawn((constraint, ConstraintOf(body))).id());
+    }
+    distances
 }
 
 /// Spawns an entity for each rigid part of a body, with the pose that follows it.
@@ -217,6 +268,9 @@ pub(crate) fn spawn_parts(
     particles: &[Entity],
 ) {
     for part in &blueprint.parts {
+        if world.get_entity(body).is_err() {
+            return;
+        }
         world.spawn((
             Name::new(part.name),
             BodyPart { size: part.size },

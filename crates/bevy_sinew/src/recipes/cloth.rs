@@ -5,7 +5,7 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use sinew::recipes::{Blueprint, ClothMaterial, ClothSpec, cloth_from_mesh, cloth_grid, grid_uvs};
 
-use super::build::{MadeFrom, MeshShape, Recipe, source_mesh};
+use super::build::{MadeFrom, MeshShape, Recipe, attach, source_mesh};
 use crate::components::{CreationOrder, ParticleBody};
 use crate::messages::Refusal;
 
@@ -158,11 +158,11 @@ impl Recipe for Cloth {
                 let mut meshes = world.resource_mut::<Assets<Mesh>>();
                 let Some(copy) = meshes.get(&source).cloned() else { return };
                 let own = meshes.add(copy);
-                world.entity_mut(body).insert(MadeFrom { source, own: own.clone() });
+                attach(world, body, MadeFrom { source, own: own.clone() });
                 own
             }
         };
-        world.entity_mut(body).insert(Mesh3d(handle));
+        attach(world, body, Mesh3d(handle));
     }
 }
 

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use sinew::recipes::{Blueprint, BoxLayout, BoxSpec, Part, box_2d, box_3d};
 
-use super::build::{MeshShape, Recipe};
+use super::build::{MeshShape, Recipe, attach};
 use crate::components::{CreationOrder, ParticleBody, RigidPose};
 use crate::messages::Refusal;
 
@@ -65,7 +65,7 @@ impl Recipe for ParticleBox {
 
     fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, particles: &[Entity]) {
         if let Some(part) = blueprint.parts.first() {
-            world.entity_mut(body).insert(pose_of(part, particles));
+            attach(world, body, pose_of(part, particles));
         }
     }
 }

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use sinew::recipes::{Blueprint, RopeSpec, rope};
 
-use super::build::{MeshShape, Recipe};
+use super::build::{MeshShape, Recipe, attach};
 use crate::components::{Bound, CreationOrder, ParticleBody, TubeMesh};
 use crate::messages::Refusal;
 
@@ -79,6 +79,6 @@ impl Recipe for Rope {
 
     fn finish(&self, world: &mut World, body: Entity, _: &Blueprint, particles: &[Entity]) {
         let tube = TubeMesh { particles: particles.to_vec(), radius: self.radius, ..default() };
-        world.entity_mut(body).insert(tube);
+        attach(world, body, tube);
     }
 }

@@ -1,5 +1,7 @@
 //! Gather: the values of the components into the columns, every tick; and the environment into the force laws.
 
+use std::collections::BTreeSet;
+
 use bevy::prelude::*;
 use bevy::transform::helper::TransformHelper;
 use sinew::{InsideBox, ParticleFault, ParticleSeed, Pin, Plane};
@@ -91,10 +93,11 @@ pub(crate) fn gather_particles(
         debug_assert!(put.is_ok(), "the seed was checked above");
         simulation.particles.set_external_force(row, external);
         tables.mass[row] = mass.0;
-        if let Some(target) = pinned.and_then(|pin| pin.target)
-            && target.is_finite()
-        {
-            simulation.constraints.pins.push(Pin { particle: row as u32, target });
+        if let Some(target) = pinned.and_then(|pin| pin.target) {
+            let reason = (!target.is_finite()).then_some(Refusal::PinPoint);
+            if sound(&mut tables.broken, &mut messages, entity, reason) {
+                simulation.constraints.pins.push(Pin { particle: row as u32, target });
+            }
         }
     }
     // A query's order is not the order of creation; each particle has one pin at most, so sorting makes it so.
@@ -132,20 +135,21 @@ pub(crate) fn gather_moving_pins(
     simulation.constraints.pins.sort_by_key(|pin| pin.particle);
 }
 
-/// Copies the configuration and the environment. Invalid entries are skipped by the laws themselves.
+/// Copies the configuration and the environment; what has a broken number is left out, and reported when that is news.
 pub(crate) fn gather_environment(
     mut world: ResMut<SinewWorld>,
+    mut messages: MessageWriter<Refused>,
     config: Res<SolverConfig>,
     clock: Res<SinewClock>,
     gravity: Res<Gravity>,
     drag: Res<AirDrag>,
     electric: Res<Electric>,
-    winds: Query<(&CreationOrder, &Wind)>,
-    fluids: Query<(&CreationOrder, &Fluid, &Transform)>,
-    grounds: Query<(&CreationOrder, &Ground, &Transform)>,
-    rooms: Query<(&CreationOrder, &BoundingBox, &Transform)>,
+    winds: Query<(Entity, &CreationOrder, &Wind)>,
+    fluids: Query<(Entity, &CreationOrder, &Fluid, &Transform)>,
+    grounds: Query<(Entity, &CreationOrder, &Ground, &Transform)>,
+    rooms: Query<(Entity, &CreationOrder, &BoundingBox, &Transform)>,
 ) {
-    let simulation = &mut world.simulation;
+    let SinewWorld { simulation, tables } = &mut *world;
     simulation.settings = (*config).into();
     simulation.time = clock.seconds;
     let forces = &mut simulation.forces;
@@ -154,33 +158,80 @@ pub(crate) fn gather_environment(
     forces.electric =
         sinew::Electric { constant: electric.constant, softening: electric.softening };
 
-    in_order(&mut forces.winds, winds.iter().map(|(order, wind)| (*order, (*wind).into())));
-    let fluid = |(order, fluid, transform): (&CreationOrder, &Fluid, &Transform)| {
-        let up = transform.up();
-        let level = up.dot(transform.translation);
-        (*order, sinew::Fluid { up: *up, level, density: fluid.density, drag: fluid.drag })
+    let mut in_order = InOrder { broken: &mut tables.broken, messages: &mut messages };
+    let wind = |(entity, order, wind): (Entity, &CreationOrder, &Wind)| {
+        (*order, entity, sinew::Wind::from(*wind))
     };
-    in_order(&mut forces.fluids, fluids.iter().map(fluid));
+    in_order.fill(&mut forces.winds, winds.iter().map(wind), sinew::Wind::is_valid);
+    let fluid = |(entity, order, fluid, frame): (Entity, &CreationOrder, &Fluid, &Transform)| {
+        let (up, level) = surface(frame);
+        let fluid = sinew::Fluid { up, level, density: fluid.density, drag: fluid.drag };
+        (*order, entity, fluid)
+    };
+    in_order.fill(&mut forces.fluids, fluids.iter().map(fluid), sinew::Fluid::is_valid);
 
     let constraints = &mut simulation.constraints;
-    let plane = |(order, ground, transform): (&CreationOrder, &Ground, &Transform)| {
-        let normal = transform.up();
-        let offset = normal.dot(transform.translation);
-        (*order, Plane { normal: *normal, offset, friction: ground.friction })
+    let plane = |(entity, order, ground, frame): (Entity, &CreationOrder, &Ground, &Transform)| {
+        let (normal, offset) = surface(frame);
+        (*order, entity, Plane { normal, offset, friction: ground.friction })
     };
-    in_order(&mut constraints.planes, grounds.iter().map(plane));
-    let room = |(order, room, transform): (&CreationOrder, &BoundingBox, &Transform)| {
-        let (centre, half) = (transform.translation, room.half_size);
-        let (min, max) = (centre - half, centre + half);
-        (*order, InsideBox { min, max, friction: room.friction })
-    };
-    in_order(&mut constraints.boxes, rooms.iter().map(room));
+    in_order.fill(&mut constraints.planes, grounds.iter().map(plane), Plane::is_valid);
+    let room =
+        |(entity, order, room, frame): (Entity, &CreationOrder, &BoundingBox, &Transform)| {
+            let (centre, half) = (frame.translation, room.half_size);
+            let (min, max) = (centre - half, centre + half);
+            (*order, entity, InsideBox { min, max, friction: room.friction })
+        };
+    in_order.fill(&mut constraints.boxes, rooms.iter().map(room), InsideBox::is_valid);
 }
 
-/// Fills `list` in the order of creation, whatever the order of the query. There are a handful of each kind at most.
-fn in_order<T>(list: &mut Vec<T>, entries: impl Iterator<Item = (CreationOrder, T)>) {
-    let mut entries: Vec<_> = entries.collect();
-    entries.sort_by_key(|(order, _)| *order);
-    list.clear();
-    list.extend(entries.into_iter().map(|(_, entry)| entry));
+/// The plane of an entity's own x and z axes: its normal, and its distance from the origin along that.
+fn surface(frame: &Transform) -> (Vec3, f32) {
+    // Not `Transform::up`, which asserts that a rotation is one: a broken one is to be refused, not to end the game.
+    let normal = (frame.rotation * Vec3::Y).normalize_or_zero();
+    (normal, normal.dot(frame.translation))
+}
+
+/// Fills lists of surroundings in the order of creation, whatever the order of the query. There are a handful of each kind at most.
+struct InOrder<'a, 'w> {
+    broken: &'a mut BTreeSet<Entity>,
+    messages: &'a mut MessageWriter<'w, Refused>,
+}
+
+impl InOrder<'_, '_> {
+    fn fill<T>(
+        &mut self,
+        list: &mut Vec<T>,
+        entries: impl Iterator<Item = (CreationOrder, Entity, T)>,
+        valid: impl Fn(&T) -> bool,
+    ) {
+        let mut entries: Vec<_> = entries.collect();
+        entries.sort_by_key(|(order, ..)| *order);
+        list.clear();
+        for (_, entity, entry) in entries {
+            let reason = (!valid(&entry)).then_some(Refusal::Surroundings);
+            if sound(self.broken, self.messages, entity, reason) {
+                list.push(entry);
+            }
+        }
+    }
+}
+
+/// Whether nothing is wrong; what is gets reported once, until it was mended.
+fn sound(
+    broken: &mut BTreeSet<Entity>,
+    messages: &mut MessageWriter<Refused>,
+    entity: Entity,
+    reason: Option<Refusal>,
+) -> bool {
+    let Some(reason) = reason else {
+        if !broken.is_empty() {
+            broken.remove(&entity);
+        }
+        return true;
+    };
+    if broken.insert(entity) {
+        refuse(messages, entity, reason);
+    }
+    false
 }

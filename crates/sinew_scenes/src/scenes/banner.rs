@@ -21,6 +21,7 @@ fn spawn(world: &mut World) {
     let pressure = Vec3::new(2.0, 0.0, -7.0);
     world.spawn((InScene, Wind { pressure, gusts: 0.9, gust_length: 1.7, gust_period: 1.7 }));
     world.insert_resource(AirDrag(0.6));
+    world.insert_resource(SolverConfig { substeps: 24, ..default() });
     world.spawn((InScene, Ground::default()));
     let banner = world.resource::<AssetServer>().load("props/banner.glb#Mesh0/Primitive0");
     world.spawn((
