@@ -1,1 +1,1 @@
-//! Stub.
+//! The suites that run Sinew in a Bevy app with `MinimalPlugins`. They are one test binary, `app`: see `main.rs`.

@@ -1,0 +1,271 @@
+//! What is wrong is set aside with one message that names it, and the rest goes on, bit for bit, as if it were not there.
+
+use bevy::prelude::*;
+use bevy_sinew::prelude::*;
+use bevy_sinew::sinew::{DistanceFault, ParticleFault, SpringFault};
+use bevy_sinew::{Drag, Refusal};
+
+use crate::support::{app, assert_finite, busy_scene, forget, hash_of, heard, tick};
+
+/// Runs a busy scene beside something bad and the same scene alone, and compares all bodies, tick by tick; returns what was said.
+fn beside(bad: impl FnOnce(&mut World) -> Entity) -> (Entity, Vec<(Entity, Refusal)>) {
+    let (mut with, mut without) = (app(), app());
+    let (bodies, controls) = (busy_scene(&mut with), busy_scene(&mut without));
+    let culprit = bad(with.world_mut());
+    for tick_number in 0..40 {
+        tick(&mut with, 1);
+        tick(&mut without, 1);
+        assert_eq!(hash_of(&with, &bodies), hash_of(&without, &controls), "tick {tick_number}");
+    }
+    (culprit, heard(&with))
+}
+
+/// As [`beside`], and expects one message, about the culprit.
+fn refused(reason: Refusal, bad: impl FnOnce(&mut World) -> Entity) {
+    let (culprit, said) = beside(bad);
+    assert_eq!(said, [(culprit, reason)]);
+}
+
+/// A pinned particle far from everything.
+fn nail(world: &mut World, x: f32) -> Entity {
+    world.spawn((Particle::at(Vec3::new(x, 5.0, 5.0)), Pinned::HERE)).id()
+}
+
+#[test]
+fn a_constraint_whose_particle_is_gone_is_named_once() {
+    let missing = DistanceFault::MissingParticle;
+    refused(Refusal::Distance(missing), |world| {
+        let (a, b) = (nail(world, 0.0), nail(world, 1.0));
+        world.despawn(b);
+        world.spawn(DistanceConstraint::new(a, b, 1.0)).id()
+    });
+    refused(Refusal::Distance(missing), |world| {
+        let (a, b) = (nail(world, 0.0), world.spawn(Name::new("no particle")).id());
+        world.spawn(DistanceConstraint::new(a, b, 1.0)).id()
+    });
+    refused(Refusal::Distance(missing), |world| {
+        let (a, b) = (nail(world, 0.0), nail(world, 1.0));
+        world.despawn(a);
+        world.despawn(b);
+        world.spawn(DistanceConstraint::new(a, b, 1.0)).id()
+    });
+    refused(Refusal::Spring(SpringFault::MissingParticle), |world| {
+        let (a, b) = (nail(world, 0.0), nail(world, 1.0));
+        world.despawn(a);
+        world.spawn(Spring::new(a, b, 1.0, 10.0)).id()
+    });
+}
+
+#[test]
+fn a_constraint_from_a_particle_to_itself_is_named_once() {
+    refused(Refusal::Distance(DistanceFault::SameParticle), |world| {
+        let a = nail(world, 0.0);
+        world.spawn(DistanceConstraint::new(a, a, 1.0)).id()
+    });
+    refused(Refusal::Spring(SpringFault::SameParticle), |world| {
+        let a = nail(world, 0.0);
+        world.spawn(Spring::new(a, a, 1.0, 10.0)).id()
+    });
+}
+
+#[test]
+fn a_constraint_with_a_broken_number_is_named_once() {
+    for rest in [f32::NAN, f32::INFINITY, -1.0] {
+        refused(Refusal::Distance(DistanceFault::Rest), |world| {
+            let (a, b) = (nail(world, 0.0), nail(world, 1.0));
+            world.spawn(DistanceConstraint::new(a, b, rest)).id()
+        });
+    }
+    for compliance in [f32::NAN, f32::INFINITY, -1.0] {
+        refused(Refusal::Distance(DistanceFault::Compliance), |world| {
+            let (a, b) = (nail(world, 0.0), nail(world, 1.0));
+            world.spawn(DistanceConstraint::new(a, b, 1.0).with_compliance(compliance)).id()
+        });
+    }
+    for (rest, stiffness, damping) in
+        [(f32::NAN, 1.0, 1.0), (1.0, f32::NAN, 1.0), (1.0, 1.0, f32::NAN), (1.0, -1.0, 0.0)]
+    {
+        refused(Refusal::Spring(SpringFault::Number), |world| {
+            let (a, b) = (nail(world, 0.0), nail(world, 1.0));
+            world.spawn(Spring::new(a, b, rest, stiffness).with_damping(damping)).id()
+        });
+    }
+}
+
+#[test]
+fn a_particle_with_a_broken_number_is_named_once() {
+    let place = Particle::at(Vec3::new(0.0, 5.0, 5.0));
+    let with = |fault, bundle: Box<dyn FnOnce(&mut World) -> Entity>| {
+        refused(Refusal::Particle(fault), bundle);
+    };
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        let at = Vec3::new(1.0, bad, 1.0);
+        with(ParticleFault::Position, Box::new(move |w| w.spawn(Particle::at(at)).id()));
+        with(ParticleFault::Velocity, Box::new(move |w| w.spawn(place.with_velocity(at)).id()));
+        let lag = Particle { lag: bad, ..place };
+        with(ParticleFault::Velocity, Box::new(move |w| w.spawn(lag).id()));
+        with(ParticleFault::Charge, Box::new(move |w| w.spawn((place, Charge(bad))).id()));
+        with(ParticleFault::Radius, Box::new(move |w| w.spawn((place, Radius(bad))).id()));
+        with(ParticleFault::Drag, Box::new(move |w| w.spawn((place, Drag(bad))).id()));
+        with(ParticleFault::Force, Box::new(move |w| w.spawn((place, ExternalForce(at))).id()));
+    }
+    for bad in [-1.0, 0.0, -0.0, f32::NAN, f32::NEG_INFINITY, 1e-45] {
+        with(ParticleFault::Mass, Box::new(move |w| w.spawn((place, Mass(bad))).id()));
+    }
+    with(ParticleFault::Radius, Box::new(move |w| w.spawn((place, Radius(-0.1))).id()));
+    with(ParticleFault::Drag, Box::new(move |w| w.spawn((place, Drag(1.5))).id()));
+}
+
+#[test]
+fn a_pin_to_something_that_is_gone_or_nowhere_lets_go_and_says_so_once() {
+    for gone in [true, false] {
+        let (said_by, said) = beside(|world| {
+            let hand = world.spawn(Name::new("a hand without a transform")).id();
+            if gone {
+                world.despawn(hand);
+            }
+            let at = Vec3::new(0.0, 5.0, 5.0);
+            world.spawn((Particle::at(at), PinnedTo { entity: hand, offset: Vec3::ZERO })).id()
+        });
+        assert!(
+            matches!(said[..], [(entity, Refusal::PinTarget(_))] if entity == said_by),
+            "{said:?}"
+        );
+    }
+}
+
+#[test]
+fn surroundings_with_a_broken_number_are_named_once_and_do_nothing() {
+    let cases: [(&str, fn(&mut World) -> Entity); 8] = [
+        ("wind", |w| w.spawn(Wind { pressure: Vec3::NAN, ..default() }).id()),
+        ("gusts", |w| w.spawn(Wind { gusts: f32::NAN, ..default() }).id()),
+        ("fluid", |w| w.spawn(Fluid { density: f32::NAN, ..default() }).id()),
+        ("nowhere", |w| w.spawn((Fluid::default(), Transform::from_translation(Vec3::NAN))).id()),
+        ("ground", |w| w.spawn(Ground { friction: -1.0 }).id()),
+        ("abyss", |w| w.spawn((Ground::default(), Transform::from_xyz(0.0, f32::NAN, 0.0))).id()),
+        ("room", |w| w.spawn(BoundingBox { half_size: Vec3::splat(-1.0), ..default() }).id()),
+        ("pin", |w| {
+            let at = Vec3::new(0.0, 5.0, 5.0);
+            w.spawn((Particle::at(at), Pinned::at(Vec3::NAN))).id()
+        }),
+    ];
+    let mut wrong = Vec::new();
+    for (name, spawn) in cases {
+        let (culprit, said) = beside(spawn);
+        let whom: Vec<Entity> = said.iter().map(|(entity, _)| *entity).collect();
+        if whom != [culprit] {
+            wrong.push((name, culprit, whom));
+        }
+    }
+    assert!(wrong.is_empty(), "one message each was expected: {wrong:?}");
+}
+
+#[test]
+fn what_is_mended_goes_on_and_what_breaks_again_is_named_again() {
+    let mut app = app();
+    let stone = app.world_mut().spawn(Particle::at(Vec3::Y)).id();
+    let set = |app: &mut App, mass: f32| {
+        app.world_mut().get_mut::<Mass>(stone).unwrap().0 = mass;
+        tick(app, 10);
+        let at = app.world().get::<Particle>(stone).unwrap().position.y;
+        let said = heard(app).len();
+        forget(app);
+        (at, said)
+    };
+    assert_eq!(set(&mut app, -1.0), (1.0, 1), "set aside where it is");
+    let (fell, said) = set(&mut app, 2.0);
+    assert!(fell < 1.0 && said == 0, "mended, it falls");
+    assert_eq!(set(&mut app, f32::NAN), (fell, 1));
+    assert_eq!(set(&mut app, f32::NAN), (fell, 0), "said once");
+}
+
+#[test]
+fn a_mended_constraint_holds_again() {
+    let mut app = app();
+    let world = app.world_mut();
+    let hook = world.spawn((Particle::at(Vec3::ZERO), Pinned::HERE)).id();
+    let bob = world.spawn(Particle::at(Vec3::X)).id();
+    let rod = world.spawn(DistanceConstraint::new(hook, bob, f32::NAN)).id();
+    tick(&mut app, 30);
+    let length = |app: &App| app.world().get::<Particle>(bob).unwrap().position.length();
+    assert!(length(&app) > 1.1, "it falls freely");
+    app.world_mut().get_mut::<DistanceConstraint>(rod).unwrap().rest = 1.0;
+    tick(&mut app, 60);
+    assert!((length(&app) - 1.0).abs() < 1e-3, "{}", length(&app));
+    app.world_mut().get_mut::<DistanceConstraint>(rod).unwrap().b = rod;
+    tick(&mut app, 2);
+    let said: Vec<_> = heard(&app).into_iter().map(|(entity, _)| entity).collect();
+    assert_eq!(said, [rod, rod], "once for each time that it broke");
+}
+
+#[test]
+fn one_poisoned_particle_of_a_cloth_is_one_message_and_poisons_nothing() {
+    let mut app = app();
+    let bodies = busy_scene(&mut app);
+    tick(&mut app, 20);
+    let poisoned = crate::support::particles_of(&app, bodies[2])[40];
+    app.world_mut().get_mut::<Particle>(poisoned).unwrap().position.y = f32::NAN;
+    tick(&mut app, 60);
+    let said = heard(&app);
+    assert_eq!(said, [(poisoned, Refusal::Particle(ParticleFault::Position))]);
+    app.world_mut().get_mut::<Particle>(poisoned).unwrap().position.y = 2.0;
+    assert_finite(&mut app);
+}
+
+#[test]
+fn a_force_that_is_not_a_number_freezes_its_particle_alone() {
+    let run = |poison: bool| {
+        let mut app = app();
+        let bodies = busy_scene(&mut app);
+        let victim = app.world_mut().spawn(Particle::at(Vec3::new(0.0, 5.0, 5.0))).id();
+        let spoil = move |mut world: ResMut<SinewWorld>,
+                          rows: Query<&ParticleRow>,
+                          clock: Res<SinewClock>| {
+            if poison && clock.tick == 5 {
+                let row = rows.get(victim).unwrap().get().unwrap();
+                world.particles_mut().add_force(row, Vec3::NAN);
+            }
+        };
+        app.add_systems(SubstepSchedule, spoil.in_set(PhaseSystems::Wind));
+        tick(&mut app, 20);
+        assert_finite(&mut app);
+        (victim, hash_of(&app, &bodies), heard(&app))
+    };
+    let (victim, poisoned, said) = run(true);
+    assert_eq!(said, [(victim, Refusal::Diverged)]);
+    assert_eq!(poisoned, run(false).1, "nobody else notices");
+}
+
+#[test]
+fn a_particle_that_froze_is_not_named_again_while_the_clock_stands() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, bevy_sinew::SinewPlugin::in_schedule(Update)));
+    app.finish();
+    let hurled = Particle::at(Vec3::ZERO).with_velocity(Vec3::splat(f32::MAX));
+    let stone = app.world_mut().spawn((hurled, ExternalForce(Vec3::splat(f32::MAX)))).id();
+    let run = |app: &mut App, length, frames| {
+        app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(length));
+        (0..frames).for_each(|_| app.update());
+        app.world().resource::<Messages<Refused>>().len()
+    };
+    // Bevy keeps messages while its clock stands, so they add up.
+    let said = run(&mut app, crate::support::TICK, 2);
+    assert_eq!(said, 1, "it froze");
+    assert_eq!(run(&mut app, core::time::Duration::ZERO, 5), said);
+    app.world_mut().despawn(stone);
+    assert_eq!(run(&mut app, core::time::Duration::ZERO, 2), said);
+}
+
+#[test]
+fn a_refusal_reads_as_a_sentence_about_its_entity() {
+    let texts = [
+        Refusal::Particle(ParticleFault::Mass),
+        Refusal::Distance(DistanceFault::SameParticle),
+        Refusal::Transform,
+        Refusal::NoMesh,
+    ]
+    .map(|reason| format!("entity 7v1 {reason}"));
+    assert_eq!(texts[0], "entity 7v1 is set aside: its mass is not a positive number of kilograms");
+    assert_eq!(texts[1], "entity 7v1 is set aside: both its ends are the same particle");
+    assert!(texts.iter().all(|text| !text.ends_with('.') && text.len() > 20), "{texts:?}");
+}

@@ -1,0 +1,224 @@
+//! What is despawned while it is in use: a particle, a constraint, a body, what a pin follows, a mesh, before and after every set,
+//! from within a substep, in an observer, and in the very tick in which it was spawned.
+
+use bevy::ecs::schedule::ScheduleConfigs;
+use bevy::ecs::system::ScheduleSystem;
+use bevy::prelude::*;
+use bevy_sinew::prelude::*;
+use bevy_sinew::{BodyConstraints, PinnedTo};
+
+use crate::support::{app, assert_finite, busy_scene, hash_of, heard, particles_of, tick};
+
+/// What is going to be despawned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Victim {
+    Particle,
+    Constraint,
+    Body,
+    PinTarget,
+    MeshAsset,
+}
+
+const VICTIMS: [Victim; 5] =
+    [Victim::Particle, Victim::Constraint, Victim::Body, Victim::PinTarget, Victim::MeshAsset];
+
+/// Whom to despawn in the tenth tick.
+#[derive(Resource)]
+struct Doomed {
+    what: Victim,
+    entity: Entity,
+    mesh: Entity,
+}
+
+fn strike(world: &mut World) {
+    if world.resource::<SinewClock>().tick != 10 {
+        return;
+    }
+    let Some(doomed) = world.remove_resource::<Doomed>() else { return };
+    if doomed.what == Victim::MeshAsset {
+        let handle = world.get::<Mesh3d>(doomed.mesh).unwrap().0.id();
+        assert!(world.resource_mut::<Assets<Mesh>>().remove(handle).is_some());
+    } else {
+        assert!(world.despawn(doomed.entity));
+    }
+}
+
+/// Runs a cloth that hangs on a moving anchor through the loss of something, beside others; says what was heard, and the others' hash.
+fn lose(what: Option<Victim>, place: impl FnOnce(&mut App)) -> (usize, u64) {
+    let mut app = app();
+    let others = busy_scene(&mut app);
+    let world = app.world_mut();
+    let anchor = world.spawn(Transform::from_xyz(0.5, 5.0, 4.0)).id();
+    let cloth = world.spawn((Cloth::grid(0.4, 0.4, 4, 4), Transform::from_xyz(0.3, 4.8, 4.0))).id();
+    tick(&mut app, 1);
+    let particles = particles_of(&app, cloth);
+    let offset = Vec3::ZERO;
+    app.world_mut().entity_mut(particles[4]).insert(PinnedTo { entity: anchor, offset });
+    let constraints = app.world().get::<BodyConstraints>(cloth).unwrap().iter().collect::<Vec<_>>();
+    if let Some(what) = what {
+        let entity = match what {
+            Victim::Particle => particles[12],
+            Victim::Constraint => constraints[20],
+            Victim::Body | Victim::MeshAsset => cloth,
+            Victim::PinTarget => anchor,
+        };
+        app.insert_resource(Doomed { what, entity, mesh: cloth });
+    }
+    place(&mut app);
+    tick(&mut app, 30);
+    assert_finite(&mut app);
+    assert!(!app.world().contains_resource::<Doomed>(), "it struck");
+    (heard(&app).len(), hash_of(&app, &others))
+}
+
+/// How many messages a loss may cause: one for the pin, one for each constraint that lost its particle (8 threads and 4 bends).
+fn most_messages(what: Victim) -> usize {
+    match what {
+        Victim::PinTarget => 1,
+        Victim::Particle => 12,
+        _ => 0,
+    }
+}
+
+#[test]
+fn a_loss_before_or_after_any_set_harms_nobody_else() {
+    let calm = lose(None, |_| ()).1;
+    let sets = [
+        SinewSystems::Build,
+        SinewSystems::Gather,
+        SinewSystems::Substeps,
+        SinewSystems::Scatter,
+        SinewSystems::Extract,
+    ];
+    for what in VICTIMS {
+        for set in sets {
+            let places: [(&str, ScheduleConfigs<ScheduleSystem>); 2] =
+                [("before", strike.before(set)), ("after", strike.after(set))];
+            for (when, place) in places {
+                let (said, others) = lose(Some(what), |app| {
+                    app.add_systems(FixedPostUpdate, place);
+                });
+                assert_eq!(others, calm, "{what:?} {when} {set:?}");
+                let most = most_messages(what);
+                assert!(said <= most, "{what:?} {when} {set:?}: {said} messages, at most {most}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_loss_within_a_substep_or_between_frames_harms_nobody_else() {
+    let calm = lose(None, |_| ()).1;
+    for what in VICTIMS {
+        let (_, others) = lose(Some(what), |app| {
+            app.add_systems(
+                SubstepSchedule,
+                strike.after(PhaseSystems::Integrate).before(PhaseSystems::SolveConstraints),
+            );
+        });
+        assert_eq!(others, calm, "{what:?} within a substep");
+        for label in [0, 1] {
+            let (_, others) = lose(Some(what), |app| {
+                if label == 0 {
+                    app.add_systems(Update, strike);
+                } else {
+                    app.add_systems(PostUpdate, strike);
+                }
+            });
+            assert_eq!(others, calm, "{what:?} between frames");
+        }
+    }
+}
+
+#[test]
+fn a_body_whose_observer_despawns_it_while_it_is_built_harms_nobody() {
+    fn check(name: &str, watch: impl FnOnce(&mut App)) {
+        let mut app = app();
+        let others = [app
+            .world_mut()
+            .spawn((ParticleBox::default(), Transform::from_xyz(9.0, 0.0, 0.0)))
+            .id()];
+        tick(&mut app, 2);
+        watch(&mut app);
+        let body = app.world_mut().spawn(Cloth::default()).id();
+        tick(&mut app, 5);
+        assert!(app.world().get_entity(body).is_err(), "{name}: it is gone");
+        let particles = app.world().resource::<SinewWorld>().particles().len();
+        assert_eq!(particles, 8, "{name}: and so are its particles");
+        assert_eq!(particles_of(&app, others[0]).len(), 8);
+    }
+    check("on a particle", |app| {
+        app.add_observer(
+            |put: On<Insert, ParticleOf>, of: Query<&ParticleOf>, mut commands: Commands| {
+                if let Ok(of) = of.get(put.entity) {
+                    commands.entity(of.0).try_despawn();
+                }
+            },
+        );
+    });
+    check("on a constraint", |app| {
+        app.add_observer(
+            |put: On<Insert, ConstraintOf>, of: Query<&ConstraintOf>, mut commands: Commands| {
+                if let Ok(of) = of.get(put.entity) {
+                    commands.entity(of.0).try_despawn();
+                }
+            },
+        );
+    });
+    check("on its surface", |app| {
+        app.add_observer(|put: On<Insert, bevy_sinew::WindSurface>, mut commands: Commands| {
+            commands.entity(put.entity).try_despawn();
+        });
+    });
+    check("on its mesh", |app| {
+        app.add_observer(|put: On<Insert, Mesh3d>, mut commands: Commands| {
+            commands.entity(put.entity).try_despawn();
+        });
+    });
+}
+
+#[test]
+fn bodies_that_are_despawned_in_the_tick_that_they_were_spawned_in_leave_nothing() {
+    let mut app = app();
+    for _ in 0..10 {
+        let world = app.world_mut();
+        let body = world.spawn(Ragdoll::default()).id();
+        let particle = world.spawn(Particle::at(Vec3::ZERO)).id();
+        let rod = world.spawn(DistanceConstraint::new(particle, particle, 1.0)).id();
+        for entity in [body, particle, rod] {
+            world.despawn(entity);
+        }
+        tick(&mut app, 1);
+    }
+    // The recipe built it, and it goes before it was ever gathered.
+    let world = app.world_mut();
+    world.insert_resource(SinewControl { paused: true, single_steps: 0 });
+    let body = world.spawn(Ragdoll::default()).id();
+    tick(&mut app, 1);
+    assert!(!particles_of(&app, body).is_empty());
+    app.world_mut().despawn(body);
+    app.insert_resource(SinewControl::default());
+    tick(&mut app, 5);
+    assert!(app.world().resource::<SinewWorld>().particles().is_empty());
+    assert_eq!(heard(&app), []);
+}
+
+#[test]
+fn components_taken_off_and_put_on_again_do_no_harm() {
+    let mut app = app();
+    let bodies = busy_scene(&mut app);
+    tick(&mut app, 5);
+    let box_particles = particles_of(&app, bodies[0]);
+    let saved = *app.world().get::<Particle>(box_particles[7]).unwrap();
+    app.world_mut().entity_mut(box_particles[7]).remove::<Particle>();
+    tick(&mut app, 5);
+    app.world_mut().entity_mut(box_particles[7]).insert(saved);
+    app.world_mut().entity_mut(box_particles[0]).remove::<ParticleOf>();
+    tick(&mut app, 5);
+    app.world_mut().entity_mut(box_particles[1]).insert(ParticleOf(bodies[1]));
+    tick(&mut app, 5);
+    app.world_mut().entity_mut(bodies[3]).remove::<ParticleBody>();
+    app.world_mut().entity_mut(bodies[2]).remove::<(Cloth, Transform)>();
+    tick(&mut app, 30);
+    assert_finite(&mut app);
+}

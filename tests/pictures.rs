@@ -1,0 +1,184 @@
+//! What is drawn follows what is simulated: vertices, normals, tubes, and what lies between two ticks.
+
+use core::time::Duration;
+
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_sinew::MeshFollow;
+use bevy_sinew::prelude::*;
+
+use crate::support::{TICK, app, assert_finite, heard, mesh_of, particles_of, position, tick};
+
+/// The largest distance between a cloth's vertices, brought into the world, and the particles that they follow.
+fn mesh_error(app: &App, body: Entity) -> f32 {
+    let frame = *app.world().get::<Transform>(body).unwrap();
+    let follow = app.world().get::<MeshFollow>(body).unwrap();
+    let mesh = mesh_of(app, body);
+    assert_eq!(mesh.len(), follow.vertices.len());
+    let pairs = mesh.iter().zip(&follow.vertices);
+    pairs.map(|(&v, &p)| (frame * v).distance(position(app, p))).fold(0.0, f32::max)
+}
+
+#[test]
+fn the_vertices_of_a_cloth_are_where_its_particles_are_whatever_its_transform() {
+    let mut app = app();
+    app.world_mut().spawn(Wind { gusts: 0.5, ..default() });
+    let transforms = [
+        Transform::IDENTITY,
+        Transform::from_xyz(3.0, -2.0, 7.0).with_rotation(Quat::from_rotation_x(0.7)),
+        Transform::from_xyz(-3.0, 0.0, 0.0).with_scale(Vec3::new(2.0, 0.5, 1.0)),
+        Transform::from_xyz(-6.0, 0.0, 0.0).with_scale(Vec3::new(-1.0, 1.0, 1.0)),
+    ];
+    let cloths = transforms.map(|transform| {
+        app.world_mut().spawn((Cloth::default().pinned(ClothPins::TopCorners), transform)).id()
+    });
+    for _ in 0..30 {
+        tick(&mut app, 3);
+        for cloth in cloths {
+            let error = mesh_error(&app, cloth);
+            assert!(error < 1e-5, "{error}");
+        }
+    }
+    assert_finite(&mut app);
+    assert_eq!(heard(&app), []);
+}
+
+#[test]
+fn a_scaled_mesh_becomes_a_cloth_of_the_scaled_size() {
+    let mut app = app();
+    app.insert_resource(Gravity(Vec3::ZERO));
+    let mesh =
+        app.world_mut().resource_mut::<Assets<Mesh>>().add(Mesh::from(Cuboid::from_length(1.0)));
+    let scale = Vec3::new(2.0, 3.0, 4.0);
+    let body = app
+        .world_mut()
+        .spawn((Cloth::from_mesh(), Mesh3d(mesh), Transform::from_scale(scale)))
+        .id();
+    tick(&mut app, 10);
+    let particles = particles_of(&app, body);
+    assert_eq!(particles.len(), 8, "24 vertices of a cube are 8 corners");
+    for particle in particles {
+        assert!(position(&app, particle).abs().abs_diff_eq(scale / 2.0, 1e-3));
+    }
+    assert!(mesh_error(&app, body) < 1e-5);
+}
+
+#[test]
+fn normals_are_unit_vectors_and_stand_on_a_flat_cloth() {
+    let mut app = app();
+    app.insert_resource(Gravity(Vec3::ZERO));
+    let turn = Quat::from_rotation_y(1.0);
+    let cloth = app.world_mut().spawn((Cloth::default(), Transform::from_rotation(turn))).id();
+    tick(&mut app, 5);
+    let handle = &app.world().get::<Mesh3d>(cloth).unwrap().0;
+    let mesh = app.world().resource::<Assets<Mesh>>().get(handle).unwrap();
+    let normals = mesh.attribute(Mesh::ATTRIBUTE_NORMAL).and_then(|list| list.as_float3()).unwrap();
+    assert_eq!(normals.len(), 441);
+    for &normal in normals {
+        assert!(Vec3::from(normal).abs_diff_eq(Vec3::Z, 1e-4), "{normal:?}");
+    }
+}
+
+#[test]
+fn the_tube_of_a_rope_keeps_its_radius_around_its_particles() {
+    let mut app = app();
+    let rope = Rope { radius: 0.03, slack: 0.5, to: Vec3::X, pin_end: true, ..default() };
+    let body = app.world_mut().spawn((rope, Transform::from_xyz(1.0, 2.0, 3.0))).id();
+    tick(&mut app, 90);
+    let frame = *app.world().get::<Transform>(body).unwrap();
+    let particles: Vec<Vec3> =
+        particles_of(&app, body).iter().map(|&p| position(&app, p)).collect();
+    let skin = mesh_of(&app, body);
+    assert_eq!(skin.len(), 21 * 9);
+    for (vertex, &place) in skin.iter().enumerate() {
+        let away = (frame * place).distance(particles[vertex / 9]);
+        assert!((away - 0.03).abs() < 1e-4, "{away}");
+    }
+}
+
+#[test]
+fn a_cloth_that_is_spawned_while_time_stands_still_is_drawn_where_it_is() {
+    let mut app = app();
+    app.insert_resource(SinewControl { paused: true, single_steps: 0 });
+    let cloth = app.world_mut().spawn((Cloth::default(), Transform::from_xyz(1.0, 2.0, 3.0))).id();
+    let rope = app.world_mut().spawn(Rope::default()).id();
+    tick(&mut app, 3);
+    assert!(mesh_error(&app, cloth) < 1e-5, "{}", mesh_error(&app, cloth));
+    assert_eq!(mesh_of(&app, rope).len(), 21 * 9);
+}
+
+#[test]
+fn what_is_eased_is_drawn_between_the_last_two_ticks() {
+    let mut app = app();
+    let fall = |eased: bool, app: &mut App| {
+        let mut body = app.world_mut().spawn((Cloth::default(), Transform::default()));
+        if eased {
+            body.insert(Interpolate);
+        }
+        body.id()
+    };
+    let (eased, plain) = (fall(true, &mut app), fall(false, &mut app));
+    tick(&mut app, 30);
+    let top = |app: &App, body| mesh_of(app, body)[0].y;
+    let overstep = |app: &App| app.world().resource::<Time<Fixed>>().overstep_fraction();
+    // Frames of a fifth of a tick.
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(TICK / 5));
+    let mut drawn = Vec::new();
+    for _ in 0..10 {
+        let before = app.world().resource::<SinewClock>().tick;
+        let last = position(&app, particles_of(&app, eased)[0]).y;
+        app.update();
+        let now = position(&app, particles_of(&app, eased)[0]).y;
+        if app.world().resource::<SinewClock>().tick > before {
+            let expected = last + (now - last) * overstep(&app);
+            assert!((top(&app, eased) - expected).abs() < 1e-4, "{} {expected}", top(&app, eased));
+        }
+        assert!((top(&app, plain) - now).abs() < 1e-5, "the other one jumps from tick to tick");
+        drawn.push(top(&app, eased));
+    }
+    let steps: Vec<f32> = drawn.windows(2).map(|pair| pair[0] - pair[1]).collect();
+    assert!(steps.iter().all(|&step| step > 0.0), "it falls in every frame: {steps:?}");
+    let (least, most) =
+        (steps.iter().copied().fold(f32::MAX, f32::min), steps.iter().copied().fold(0.0, f32::max));
+    assert!(most < 1.5 * least, "and evenly: {steps:?}");
+}
+
+#[test]
+fn the_transform_of_an_eased_box_glides_and_the_simulation_does_not_notice() {
+    let run = |eased: bool| {
+        let mut app = app();
+        let mut body =
+            app.world_mut().spawn((ParticleBox::default(), Transform::from_xyz(0.0, 5.0, 0.0)));
+        if eased {
+            body.insert(Interpolate);
+        }
+        let body = body.id();
+        tick(&mut app, 10);
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(TICK / 4));
+        let mut heights = Vec::new();
+        for _ in 0..40 {
+            app.update();
+            heights.push(app.world().get::<Transform>(body).unwrap().translation.y);
+        }
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+        let states =
+            particles_of(&app, body).into_iter().map(|p| *app.world().get::<Particle>(p).unwrap());
+        (states.collect::<Vec<_>>(), heights)
+    };
+    let ((eased, glide), (plain, jumps)) = (run(true), run(false));
+    assert_eq!(eased, plain, "it is only drawn differently");
+    let moves = |heights: &[f32]| heights.windows(2).filter(|pair| pair[1] < pair[0]).count();
+    assert!(moves(&glide) >= 38, "{glide:?}");
+    assert!(moves(&jumps) <= 11, "{jumps:?}");
+}
+
+#[test]
+fn a_loose_ball_is_drawn_where_its_particle_is() {
+    let mut app = app();
+    let ball =
+        app.world_mut().spawn((Particle::at(Vec3::new(1.0, 5.0, 2.0)), Transform::default())).id();
+    tick(&mut app, 20);
+    let drawn = app.world().get::<Transform>(ball).unwrap().translation;
+    assert_eq!(drawn, position(&app, ball));
+    assert!(drawn.y < 5.0 && drawn.x == 1.0);
+}

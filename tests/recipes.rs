@@ -1,0 +1,260 @@
+//! Boxes, ropes, cloth and ragdolls build themselves, are built anew when they are changed, and are teleported by their transform.
+
+use bevy::prelude::*;
+use bevy_sinew::prelude::*;
+use bevy_sinew::{BodyConstraints, BodyParts, BoxParticles, MeshFollow, TubeMesh, WindSurface};
+
+use crate::support::{app, assert_finite, heard, mesh_of, particles_of, position, tick, vertices};
+
+fn transform(app: &App, entity: Entity) -> Transform {
+    *app.world().get::<Transform>(entity).unwrap()
+}
+
+fn constraints_of(app: &App, body: Entity) -> usize {
+    app.world().get::<BodyConstraints>(body).map_or(0, |list| list.iter().count())
+}
+
+#[test]
+fn every_recipe_builds_itself_where_its_transform_is() {
+    let mut app = app();
+    app.insert_resource(Gravity(Vec3::ZERO));
+    let at = Transform::from_xyz(5.0, 2.0, -3.0).with_rotation(Quat::from_rotation_y(1.0));
+    let world = app.world_mut();
+    let flat = ParticleBox { flat: true, particles: BoxParticles::Corners, ..default() };
+    let cases = [
+        (world.spawn((ParticleBox::default(), at)).id(), 8, 28),
+        (world.spawn((flat, at)).id(), 4, 6),
+        (world.spawn((Rope::default(), at)).id(), 21, 20),
+        // 5 × 4 particles: 16 + 15 threads, 2 × 12 diagonals, 12 + 10 bends.
+        (world.spawn((Cloth::grid(1.0, 1.0, 4, 3), at)).id(), 20, 77),
+    ];
+    tick(&mut app, 1);
+    for (body, particles, constraints) in cases {
+        assert_eq!(particles_of(&app, body).len(), particles);
+        assert_eq!(constraints_of(&app, body), constraints);
+        for particle in particles_of(&app, body) {
+            let local = transform(&app, body)
+                .to_matrix()
+                .inverse()
+                .transform_point3(position(&app, particle));
+            assert!(local.abs().max_element() < 1.01, "{local} in its own frame");
+            let far = position(&app, particle).distance(at.translation);
+            assert!(far < 1.8, "{far}");
+        }
+        assert!(transform(&app, body).translation.abs_diff_eq(at.translation, 1e-4));
+        assert!(transform(&app, body).rotation.abs_diff_eq(at.rotation, 1e-4));
+    }
+    assert_eq!(heard(&app), []);
+}
+
+#[test]
+fn a_box_turns_and_falls_and_its_transform_and_velocities_say_so() {
+    let mut app = app();
+    app.insert_resource(AirDrag(0.0)).insert_resource(Gravity(Vec3::ZERO));
+    let body = app
+        .world_mut()
+        .spawn((
+            ParticleBox::new(Vec3::new(1.0, 2.0, 3.0)).with_mass(4.0),
+            Transform::from_xyz(0.0, 9.0, 0.0),
+        ))
+        .id();
+    tick(&mut app, 1);
+    let (spin, drift) = (Vec3::Z * 2.0, Vec3::new(0.5, -1.0, 0.0));
+    for particle in particles_of(&app, body) {
+        let arm = position(&app, particle) - Vec3::Y * 9.0;
+        app.world_mut()
+            .get_mut::<Particle>(particle)
+            .unwrap()
+            .set_velocity(drift + spin.cross(arm));
+    }
+    tick(&mut app, 60);
+    let seen = transform(&app, body);
+    let expected = Transform::from_xyz(0.5, 8.0, 0.0).with_rotation(Quat::from_rotation_z(2.0));
+    assert!(seen.translation.abs_diff_eq(expected.translation, 5e-3), "{seen:?}");
+    assert!(seen.rotation.angle_between(expected.rotation) < 0.02, "{seen:?}");
+    let get = |app: &App| {
+        let entity = app.world().entity(body);
+        (
+            entity.get::<LinearVelocity>().unwrap().0,
+            entity.get::<AngularVelocity>().unwrap().0,
+            *entity.get::<Barycenter>().unwrap(),
+        )
+    };
+    let (linear, angular, centre) = get(&app);
+    assert!(
+        linear.abs_diff_eq(drift, 5e-3) && angular.abs_diff_eq(spin, 0.02),
+        "{linear} {angular}"
+    );
+    assert!(
+        (centre.mass - 4.0).abs() < 1e-5 && centre.position.abs_diff_eq(seen.translation, 1e-4)
+    );
+}
+
+#[test]
+fn changing_a_recipe_builds_the_body_anew_and_leaves_nothing_of_the_old_one() {
+    let mut app = app();
+    let world = app.world_mut();
+    let rope = world.spawn((Rope::default(), Transform::from_xyz(0.0, 3.0, 0.0))).id();
+    let cloth = world.spawn((Cloth::grid(1.0, 1.0, 4, 4), Transform::from_xyz(2.0, 3.0, 0.0))).id();
+    let ragdoll = world.spawn((Ragdoll::default(), Transform::from_xyz(4.0, 0.0, 0.0))).id();
+    tick(&mut app, 30);
+    let world = app.world_mut();
+    let parts = world.get::<BodyParts>(ragdoll).unwrap().len();
+    let before = world.query::<&Particle>().iter(world).count();
+    let old = particles_of(&app, rope);
+    app.world_mut().get_mut::<Rope>(rope).unwrap().segments = 5;
+    app.world_mut().get_mut::<Ragdoll>(ragdoll).unwrap().height = 1.2;
+    app.world_mut().get_mut::<Cloth>(cloth).unwrap().shape =
+        bevy_sinew::ClothShape::Grid { width: 1.0, height: 1.0, columns: 2, rows: 2 };
+    tick(&mut app, 2);
+    let world = app.world_mut();
+    assert!(old.iter().all(|&entity| world.get_entity(entity).is_err()));
+    let after = world.query::<&Particle>().iter(world).count();
+    assert_eq!(after, before - (21 - 6) - (25 - 9));
+    assert_eq!(world.get::<BodyParts>(ragdoll).unwrap().len(), parts);
+    assert_eq!(world.get::<TubeMesh>(rope).unwrap().particles.len(), 6);
+    assert_eq!(world.get::<MeshFollow>(cloth).unwrap().vertices.len(), 9);
+    assert_eq!(world.get::<WindSurface>(cloth).unwrap().triangles.len(), 8);
+    tick(&mut app, 30);
+    assert_eq!(mesh_of(&app, cloth).len(), 9);
+    assert_finite(&mut app);
+    assert_eq!(heard(&app), []);
+}
+
+#[test]
+fn cloth_from_a_mesh_that_is_built_anew_starts_from_the_mesh_and_not_from_its_folds() {
+    let mut app = app();
+    app.world_mut().spawn((Ground::default(), Transform::from_xyz(0.0, -1.0, 0.0)));
+    let sphere = Sphere::new(0.5).mesh().ico(3).unwrap();
+    let original = vertices(&sphere);
+    let handle = app.world_mut().resource_mut::<Assets<Mesh>>().add(sphere);
+    let body = app.world_mut().spawn((Cloth::from_mesh(), Mesh3d(handle.clone()))).id();
+    tick(&mut app, 120);
+    let lowest = |points: &[Vec3]| points.iter().map(|p| p.y).fold(f32::MAX, f32::min);
+    assert!(lowest(&mesh_of(&app, body)) < -0.9, "it collapsed on the ground");
+    let shared = vertices(app.world().resource::<Assets<Mesh>>().get(&handle).unwrap());
+    assert_eq!(shared, original, "others that share the mesh keep theirs");
+    app.insert_resource(Gravity(Vec3::ZERO));
+    app.world_mut().get_mut::<Cloth>(body).unwrap().density = 0.5;
+    tick(&mut app, 1);
+    let far =
+        particles_of(&app, body).into_iter().map(|p| (position(&app, p).length() - 0.5).abs());
+    let worst = far.fold(0.0, f32::max);
+    assert!(worst < 1e-3, "it is a sphere again: {worst}");
+}
+
+#[test]
+fn a_transform_moved_by_somebody_else_teleports_the_body_and_keeps_its_motion() {
+    let mut app = app();
+    app.insert_resource(Gravity(Vec3::ZERO)).insert_resource(AirDrag(0.0));
+    let world = app.world_mut();
+    let bodies = [
+        world.spawn((ParticleBox::default(), Transform::from_xyz(0.0, 1.0, 0.0))).id(),
+        world.spawn((Cloth::default(), Transform::from_xyz(3.0, 1.0, 0.0))).id(),
+        world
+            .spawn((Rope { pin_start: false, ..default() }, Transform::from_xyz(6.0, 1.0, 0.0)))
+            .id(),
+        world.spawn((Ragdoll::default(), Transform::from_xyz(9.0, 1.0, 0.0))).id(),
+    ];
+    tick(&mut app, 1);
+    for body in bodies {
+        for particle in particles_of(&app, body) {
+            app.world_mut().get_mut::<Particle>(particle).unwrap().set_velocity(Vec3::X);
+        }
+    }
+    tick(&mut app, 6);
+    let turn = Quat::from_rotation_y(core::f32::consts::FRAC_PI_2);
+    for body in bodies {
+        let before: Vec<Vec3> =
+            particles_of(&app, body).iter().map(|&p| position(&app, p)).collect();
+        let old = transform(&app, body);
+        let new = Transform::from_xyz(-20.0, 7.0, 2.0).with_rotation(turn * old.rotation);
+        *app.world_mut().get_mut::<Transform>(body).unwrap() = new;
+        tick(&mut app, 1);
+        let velocity = Vec3::NEG_Z;
+        for (particle, before) in particles_of(&app, body).into_iter().zip(before) {
+            let expected = new.translation + turn * (before - old.translation) + velocity / 60.0;
+            let error = position(&app, particle).distance(expected);
+            assert!(error < 2e-3, "{error}");
+            let moving = app.world().get::<Particle>(particle).unwrap().velocity;
+            assert!(moving.abs_diff_eq(velocity, 0.01), "its motion turns with it: {moving}");
+        }
+    }
+    assert_eq!(heard(&app), []);
+}
+
+#[test]
+fn a_cloth_is_not_teleported_by_ticks_that_nobody_else_touches() {
+    let mut app = app();
+    let body = app.world_mut().spawn((Cloth::default(), Transform::from_xyz(1.0, 2.0, 3.0))).id();
+    tick(&mut app, 1);
+    // Something that marks the transform as changed and leaves it what it was.
+    app.add_systems(FixedUpdate, |mut all: Query<&mut Transform>| {
+        all.iter_mut().for_each(|mut transform| transform.set_changed());
+    });
+    tick(&mut app, 60);
+    let fallen = position(&app, particles_of(&app, body)[0]).y;
+    let (t, half) = (61.0_f32 / 60.0, 0.5);
+    let expected = 2.0 + half - half * 9.81 * t * t;
+    assert!((fallen - expected).abs() < 0.2, "{fallen} {expected}");
+}
+
+#[test]
+fn a_transform_set_to_nan_moves_nothing_and_is_mended() {
+    let mut app = app();
+    let body =
+        app.world_mut().spawn((ParticleBox::default(), Transform::from_xyz(0.0, 9.0, 0.0))).id();
+    tick(&mut app, 5);
+    let broken = Transform {
+        rotation: Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0),
+        ..Transform::from_xyz(f32::NAN, 0.0, 0.0)
+    };
+    *app.world_mut().get_mut::<Transform>(body).unwrap() = broken;
+    tick(&mut app, 2);
+    assert_finite(&mut app);
+    assert!((transform(&app, body).translation.y - 9.0).abs() < 0.2);
+}
+
+#[test]
+fn despawning_a_body_takes_everything_with_it() {
+    let mut app = app();
+    let world = app.world_mut();
+    let count = |world: &mut World| world.query::<Entity>().iter(world).count();
+    let before = count(world);
+    let bodies = [
+        world.spawn(ParticleBox::default()).id(),
+        world.spawn(Rope::default()).id(),
+        world.spawn(Cloth::default()).id(),
+        world.spawn(Ragdoll::default()).id(),
+    ];
+    tick(&mut app, 2);
+    assert!(count(app.world_mut()) > before + 500);
+    for body in bodies {
+        app.world_mut().despawn(body);
+    }
+    assert_eq!(count(app.world_mut()), before);
+    tick(&mut app, 2);
+    assert_eq!(app.world().resource::<SinewWorld>().simulation().distances().len(), 0);
+    assert_eq!(heard(&app), []);
+}
+
+#[test]
+fn a_ragdoll_has_named_parts_that_stay_with_its_particles() {
+    let mut app = app();
+    app.world_mut().spawn(Ground::default());
+    let body = app.world_mut().spawn((Ragdoll::default(), Transform::from_xyz(0.0, 0.5, 0.0))).id();
+    tick(&mut app, 180);
+    let parts: Vec<Entity> = app.world().get::<BodyParts>(body).unwrap().iter().collect();
+    assert!(parts.len() >= 10, "{}", parts.len());
+    for part in parts {
+        let entity = app.world().entity(part);
+        let name = entity.get::<Name>().unwrap().as_str();
+        let pose = entity.get::<RigidPose>().unwrap();
+        let frame = *entity.get::<Transform>().unwrap();
+        for (&particle, &rest) in pose.particles.iter().zip(&pose.rest) {
+            let error = (frame * rest).distance(position(&app, particle));
+            assert!(error < 0.02, "{name}: {error} m");
+        }
+        assert!(frame.translation.y < 0.6 && frame.translation.y > -0.01, "{name} lies: {frame:?}");
+    }
+}
