@@ -1,0 +1,253 @@
+//! Random operations on a world, and steps of odd lengths: whatever a game does to it, the world stands.
+
+use sinew::glam::Vec3;
+use sinew::{Bound, Distance, Electric, Fluid, InsideBox, ParticleSeed, Pin, Plane};
+use sinew::{Simulation, SolverSettings, Spring, Wind};
+
+use crate::input::Input;
+
+/// So many that colours and islands appear, and so few that a scenario takes less than a millisecond.
+const MOST_PARTICLES: usize = 40;
+const MOST_LINKS: usize = 80;
+const MOST_OTHERS: usize = 4;
+const MOST_STEPS: u32 = 12;
+
+/// Runs a scenario. Panics where the solver breaks a promise.
+pub fn step(data: &[u8]) {
+    let mut input = Input::new(data);
+    let mut world = Simulation::default();
+    world.settings = settings(&mut input);
+    let mut steps = 0;
+    while !input.is_spent() && steps < MOST_STEPS {
+        if input.rarely(6) {
+            steps += 1;
+            let dt = input.mostly(|input| input.positive() / 64.0);
+            take_step(&mut world, dt);
+        } else {
+            operate(&mut world, &mut input);
+        }
+    }
+    take_step(&mut world, 1.0 / 60.0);
+}
+
+/// The solver's settings: extremes in one number only, because together they are a quarter of a million sweeps.
+fn settings(input: &mut Input) -> SolverSettings {
+    let (substeps, max_sweeps) = match input.below(12) {
+        0 => (u32::MAX, input.below(3)),
+        1 => (input.below(3), u32::MAX),
+        _ => (input.below(5), input.below(6)),
+    };
+    SolverSettings { substeps, max_sweeps, tolerance: input.mostly(|_| 1e-4) }
+}
+
+/// One operation of a game.
+fn operate(world: &mut Simulation, input: &mut Input) {
+    let count = world.particles.len();
+    match input.below(20) {
+        0..=4 => push(world, input),
+        5 if count > 0 => {
+            let (row, seed) = (input.below(count as u32) as usize, seed(input));
+            let before = state(world);
+            if world.particles.set(row, seed).is_err() {
+                assert_eq!(state(world), before, "a refused seed changed something");
+            }
+        }
+        6..=8 => {
+            let distance = distance(input, count);
+            let distances = world.distances_mut();
+            if distances.len() < MOST_LINKS {
+                distances.push(distance);
+            }
+        }
+        9 if !world.distances().is_empty() => {
+            let k = input.below(world.distances().len() as u32) as usize;
+            if input.flag() {
+                world.distances_mut().swap_remove(k);
+            } else {
+                world.distances_mut()[k] = distance(input, count);
+            }
+        }
+        10 => keep(&mut world.forces.springs, spring(input, count), MOST_LINKS),
+        11 => keep(&mut world.forces.surfaces, [0; 3].map(|_| row(input, count)), MOST_LINKS),
+        12 => {
+            let wind = wind(input);
+            check_gusts(&wind, input.vector(), world.time);
+            keep(&mut world.forces.winds, wind, MOST_OTHERS);
+        }
+        13 => keep(&mut world.forces.fluids, fluid(input), MOST_OTHERS),
+        14 => surroundings(world, input),
+        15 => {
+            let pin = Pin { particle: row(input, count), target: input.vector() };
+            keep(&mut world.constraints.pins, pin, MOST_LINKS);
+        }
+        16 => world.settings = settings(input),
+        17 if input.rarely(4) => {
+            let len = input.below(count as u32 + 4) as usize;
+            world.particles.resize(len.min(MOST_PARTICLES));
+        }
+        18 if count > 0 => {
+            let i = input.below(count as u32) as usize;
+            match input.below(4) {
+                0 => world.particles.set_position(i, input.vector()),
+                1 => world.particles.set_velocity(i, input.vector()),
+                2 => world.particles.set_external_force(i, input.vector()),
+                _ => world.particles.add_impulse(i, input.vector()),
+            }
+        }
+        _ => {
+            world.ledger();
+        }
+    }
+}
+
+fn push(world: &mut Simulation, input: &mut Input) {
+    let (seed, count) = (seed(input), world.particles.len());
+    if count < MOST_PARTICLES {
+        let pushed = world.particles.push(seed);
+        assert_eq!(pushed.err(), seed.fault());
+        assert_eq!(world.particles.len(), count + usize::from(pushed.is_ok()));
+    }
+}
+
+/// Adds to a list, or replaces its last entry where it is long enough.
+fn keep<T>(list: &mut Vec<T>, item: T, most: usize) {
+    list.truncate(most - 1);
+    list.push(item);
+}
+
+fn seed(input: &mut Input) -> ParticleSeed {
+    let seed = ParticleSeed::at(input.vector())
+        .with_velocity(input.vector())
+        .with_mass(input.mostly(Input::positive))
+        .with_radius(input.mostly(|input| if input.flag() { input.positive() } else { 0.0 }))
+        .with_charge(input.mostly(|input| input.ordinary() * 1e-6))
+        .with_drag(input.mostly(|input| input.positive() / 64.0));
+    let lag = input.mostly(|input| if input.flag() { 0.01 } else { 0.0 });
+    if input.rarely(8) { seed.pinned() } else { ParticleSeed { lag, ..seed } }
+}
+
+/// A row that mostly exists.
+fn row(input: &mut Input, count: usize) -> u32 {
+    if input.rarely(16) { input.bits() } else { input.below(count as u32) }
+}
+
+fn distance(input: &mut Input, count: usize) -> Distance {
+    let (a, b) = (row(input, count), row(input, count));
+    let bound = [Bound::Equal, Bound::AtMost, Bound::AtLeast][input.below(3) as usize];
+    let compliance = input.mostly(|input| if input.flag() { 0.0 } else { input.positive() });
+    Distance { a, b, rest: input.mostly(Input::positive), compliance, bound }
+}
+
+fn spring(input: &mut Input, count: usize) -> Spring {
+    Spring {
+        a: row(input, count),
+        b: row(input, count),
+        rest: input.mostly(Input::positive),
+        stiffness: input.mostly(|input| input.positive() * 100.0),
+        damping: input.mostly(Input::positive),
+    }
+}
+
+fn wind(input: &mut Input) -> Wind {
+    Wind {
+        pressure: input.vector(),
+        gusts: input.mostly(Input::positive),
+        gust_length: input.mostly(Input::positive),
+        gust_period: input.mostly(Input::positive),
+    }
+}
+
+/// Gusts add and take no more than they say: the waves of each kind add up to 1 at most.
+fn check_gusts(wind: &Wind, place: Vec3, time: f64) {
+    let ordinary = |x: f32| (1e-6..1e6).contains(&x);
+    let numbers = [wind.pressure.length(), wind.gusts, wind.gust_length, wind.gust_period];
+    if numbers.into_iter().all(ordinary) && place.length() < 1e18 && time.is_finite() {
+        let most = wind.pressure.length() * (1.0 + 2.01 * wind.gusts);
+        let blows = wind.at(place, time);
+        assert!(blows.length() <= most, "{wind:?} blows with {blows} at {place} and {time} s");
+    }
+}
+
+fn fluid(input: &mut Input) -> Fluid {
+    let up = if input.rarely(4) { input.vector() } else { Vec3::Y };
+    let drag = input.mostly(|input| input.positive() / 64.0);
+    let density = input.mostly(|input| input.positive() * 1000.0);
+    Fluid { up, level: input.mostly(Input::ordinary), density, drag }
+}
+
+fn surroundings(world: &mut Simulation, input: &mut Input) {
+    let friction = input.mostly(Input::positive);
+    match input.below(7) {
+        0 => world.forces.gravity = input.vector(),
+        1 => world.forces.drag = input.mostly(|input| input.positive() / 64.0),
+        2 => {
+            world.forces.electric =
+                Electric { constant: input.any(), softening: input.mostly(Input::positive) };
+        }
+        3 => {
+            let plane = Plane { normal: input.vector(), offset: input.any(), friction };
+            keep(&mut world.constraints.planes, plane, MOST_OTHERS);
+        }
+        4 => {
+            if let Some(plane) = Plane::new(input.vector(), input.vector()) {
+                assert!(plane.is_valid());
+                keep(&mut world.constraints.planes, plane.with_friction(friction), MOST_OTHERS);
+            }
+        }
+        5 => {
+            let (min, max) = (input.vector(), input.vector());
+            keep(&mut world.constraints.boxes, InsideBox { min, max, friction }, MOST_OTHERS);
+        }
+        _ => world.time = f64::from(input.any()),
+    }
+}
+
+/// Steps, and checks what a step promises.
+fn take_step(world: &mut Simulation, dt: f32) {
+    let before = state(world);
+    let mut twin = world.clone();
+    if world.step(dt).is_err() {
+        assert_eq!(state(world), before, "a refused step changed something");
+        return;
+    }
+    for i in 0..world.particles.len() {
+        let p = &world.particles;
+        assert!(p.is_finite(i), "particle {i} is at {} with {}", p.position(i), p.velocity(i));
+    }
+    let report = world.report();
+    assert!(
+        report.frozen.is_sorted() && report.frozen.iter().all(|&i| (i as usize) < before.len())
+    );
+    assert!(!report.error.is_nan() && !report.strain.is_nan(), "{report:?}");
+    for (i, row) in before.iter().enumerate() {
+        assert_eq!(world.particles.inverse_mass(i).to_bits(), row[3], "a step changed a mass");
+        let pinned = world.particles.inverse_mass(i) == 0.0;
+        let led = world.constraints.pins.iter().any(|pin| pin.particle as usize == i);
+        let was = Vec3::from_array([0, 1, 2].map(|k| f32::from_bits(row[k])));
+        if pinned && !led && was.is_finite() {
+            assert_eq!(world.particles.position(i), was, "a pinned particle moved");
+        }
+    }
+    twin.step(dt).expect("a step was taken once and refused once");
+    assert_eq!(state(&twin), state(world), "two runs differ");
+}
+
+/// Every bit that a step starts from, a row a particle. Two NaN are equal if their bits are.
+fn state(world: &Simulation) -> Vec<[u32; 8]> {
+    let p = &world.particles;
+    let row = |i| {
+        let (position, velocity) = (p.position(i).to_array(), p.velocity(i).to_array());
+        let numbers = [
+            position[0],
+            position[1],
+            position[2],
+            p.inverse_mass(i),
+            velocity[0],
+            velocity[1],
+            velocity[2],
+            p.lag(i),
+        ];
+        numbers.map(f32::to_bits)
+    };
+    (0..p.len()).map(row).collect()
+}
