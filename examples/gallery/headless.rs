@@ -212,7 +212,7 @@ fn all_finite(world: &mut World) -> bool {
     });
     meshes
         && particles.iter(world).all(sound)
-        && transforms.iter(world).all(|transform| transform.is_finite())
+        && transforms.iter(world).all(bevy::prelude::Transform::is_finite)
 }
 
 fn write_pictures(

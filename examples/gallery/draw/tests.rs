@@ -4,6 +4,7 @@ use std::f32::consts::FRAC_PI_4;
 
 use glam::{Vec2, Vec3, vec3};
 
+use super::scene::Line;
 use super::*;
 
 const RED: [f32; 3] = [0.9, 0.1, 0.1];

@@ -124,7 +124,7 @@ fn checker() -> Image {
             for x in 0..size {
                 let texel = if size == 1 {
                     [180, 182, 185]
-                } else if (x * 2 / size + y * 2 / size) % 2 == 0 {
+                } else if (x * 2 / size + y * 2 / size).is_multiple_of(2) {
                     light
                 } else {
                     dark

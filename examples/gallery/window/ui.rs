@@ -10,7 +10,7 @@ use bevy_egui::{
     EguiContexts, EguiGlobalSettings, EguiPlugin, EguiPrimaryContextPass, PrimaryEguiContext, egui,
 };
 use bevy_panorbit_camera::PanOrbitCamera;
-use bevy_sinew::SinewControl;
+use bevy_sinew::{MouseDrag, SinewControl};
 use sinew_panel::{DOCK_WIDTH, PanelParams, PanelSide, SinewPanelPlugin, dock, show, style};
 use sinew_scenes::ALL;
 
@@ -79,7 +79,7 @@ fn draw(
             if ui.button("Restart").on_hover_text("R").clicked() {
                 programme.wanted = Some(current);
             }
-            ui.label(egui::RichText::new("Space pauses, N steps, arrows switch").weak().small());
+            ui.label(egui::RichText::new("Drag anything. Space pauses, N steps").weak().small());
         });
         ui.separator();
         show(ui, &mut panel);
@@ -133,9 +133,19 @@ fn leave_room(
     }
 }
 
-/// The pointer turns the camera only where it is not over the panel.
-fn share_pointer(egui: Res<EguiWantsInput>, mut camera: Single<&mut PanOrbitCamera>) {
-    let free = !egui.wants_any_pointer_input();
+/// The pointer turns the camera only where it is not over the panel and holds nothing; over the panel it grabs nothing.
+fn share_pointer(
+    egui: Res<EguiWantsInput>,
+    mut drag: ResMut<MouseDrag>,
+    mut camera: Single<&mut PanOrbitCamera>,
+) {
+    let over_panel = egui.wants_any_pointer_input();
+    if over_panel && drag.grabbed.is_none() {
+        drag.button = None;
+    } else if drag.button.is_none() {
+        drag.button = Some(MouseButton::Left);
+    }
+    let free = !over_panel && drag.grabbed.is_none();
     if camera.enabled != free {
         camera.enabled = free;
     }
