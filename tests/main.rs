@@ -13,6 +13,7 @@
 //! | `unrelated` | what has nothing to do with a body does not change a bit of it |
 //! | `frame_rate` | neither does the frame rate |
 //! | `models` | real meshes from outside become cloth |
+//! | `scenes` | the scenes of the gallery keep what their captions promise |
 //! | `schedules` | no two systems of ours race |
 //!
 //! `support` holds what they share.
@@ -26,6 +27,7 @@ mod phases;
 mod pictures;
 mod recipes;
 mod runtime_changes;
+mod scenes;
 mod schedules;
 mod snapshot;
 mod state;

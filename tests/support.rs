@@ -2,6 +2,7 @@
 
 use core::time::Duration;
 
+use bevy::app::Plugins;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_sinew::prelude::*;
@@ -28,10 +29,15 @@ pub(crate) fn bare_app() -> App {
 
 /// The same with assets, so that there are meshes, and with the propagation of transforms.
 pub(crate) fn app() -> App {
+    app_with(())
+}
+
+/// The same with more plugins.
+pub(crate) fn app_with<M>(more: impl Plugins<M>) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin));
     app.init_asset::<Mesh>();
-    app.add_plugins(SinewPlugins);
+    app.add_plugins(SinewPlugins).add_plugins(more);
     instrument(&mut app);
     app
 }

@@ -47,6 +47,10 @@ pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> ExitCode {
     let mut failed = false;
     for scene in scenes {
         bar.set_message(scene.name);
+        // Where nobody watches, as in a log, the bar hides, and a line for each scene says that work goes on.
+        if bar.is_hidden() {
+            println!("playing {} ...", scene.name);
+        }
         match perform(scene, length(scene), options.fps, &options.out, &bar) {
             Ok(row) => rows.push(row),
             Err(error) => {

@@ -37,7 +37,7 @@
 //! | [`integrate`] | the Verlet formula, its derivation and its properties |
 //! | [`forces`] | springs, wind, buoyancy, charges: a file each |
 //! | [`constraints`] | distance, plane, box, pin: data, value, gradient, kernel, a file each |
-//! | [`solve`] | the plan (colours), the cascade, the report |
+//! | [`solve`] | the plan (islands, colours), the cascade, the report |
 //! | [`pose`] | transform, velocity, spin and inertia out of particles |
 //! | [`recipes`] | box, rope, cloth, ragdoll: shape in, particles and constraints out |
 //! | [`ledger`] | energy and momentum |
