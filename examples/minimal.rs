@@ -19,9 +19,9 @@ fn setup(
     let floor = meshes.add(Plane3d::default().mesh().size(20.0, 20.0));
     commands.spawn((Ground::default(), Mesh3d(floor), paint(Color::srgb(0.6, 0.6, 0.6))));
     commands.spawn(Wind { pressure: Vec3::new(2.0, 0.0, 4.0), gusts: 0.8, ..default() });
-    // A box made of particles: its transform follows them.
+    // A box made of particles: its transform follows them. It is heavy, or the wind would have it.
     commands.spawn((
-        ParticleBox::new(Vec3::ONE),
+        ParticleBox::new(Vec3::ONE).with_mass(50.0),
         Mesh3d(meshes.add(Cuboid::default())),
         paint(Color::srgb(0.8, 0.5, 0.2)),
         Transform::from_xyz(1.2, 4.0, 0.0).with_rotation(Quat::from_rotation_z(0.6)),

@@ -10,8 +10,8 @@ use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
 use sinew_scenes::{Look, Scene};
 
-/// Sky, and what the ground fades into.
-const HORIZON: Color = Color::srgb(0.86, 0.92, 0.98);
+/// Sky, and what the ground fades into: brighter than white, because the tone mapping will not let it be.
+const HORIZON: Color = Color::linear_rgb(1.15, 1.42, 1.75);
 
 /// Adds the stage to the app.
 pub(super) fn add(app: &mut App) {

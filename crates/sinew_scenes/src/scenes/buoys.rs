@@ -10,7 +10,7 @@ pub(super) const SCENE: Scene = Scene {
     name: "buoys",
     title: "Floating balls",
     about: "from cork to stone: each floats as deep as its density says, and one sinks",
-    eye: Vec3::new(0.5, 1.7, 4.9),
+    eye: Vec3::new(0.4, 2.0, 6.6),
     target: Vec3::new(0.0, 0.55, 0.0),
     seconds: 6.0,
     moment: 1.4,
