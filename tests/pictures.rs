@@ -182,3 +182,32 @@ fn a_loose_ball_is_drawn_where_its_particle_is() {
     assert_eq!(drawn, position(&app, ball));
     assert!(drawn.y < 5.0 && drawn.x == 1.0);
 }
+
+#[test]
+fn normals_stand_on_the_drawn_surface_in_a_stretched_or_mirrored_frame() {
+    for scale in
+        [Vec3::ONE, Vec3::new(1.0, 1.0, 4.0), Vec3::new(0.5, 3.0, 1.0), Vec3::new(-1.0, 1.0, 1.0)]
+    {
+        let mut app = app();
+        let cloth =
+            app.world_mut().spawn((Cloth::grid(1.0, 1.0, 3, 3), Transform::from_scale(scale))).id();
+        tick(&mut app, 1);
+        app.world_mut().resource_mut::<SinewControl>().paused = true;
+        for particle in particles_of(&app, cloth) {
+            let mut particle = app.world_mut().get_mut::<Particle>(particle).unwrap();
+            particle.position.z = particle.position.y + 0.5 * particle.position.x;
+        }
+        tick(&mut app, 2);
+        let handle = &app.world().get::<Mesh3d>(cloth).unwrap().0;
+        let mesh = app.world().resource::<Assets<Mesh>>().get(handle).unwrap();
+        let at = mesh.attribute(Mesh::ATTRIBUTE_POSITION).unwrap().as_float3().unwrap();
+        let normals = mesh.attribute(Mesh::ATTRIBUTE_NORMAL).unwrap().as_float3().unwrap();
+        let corners: Vec<usize> = mesh.indices().unwrap().iter().collect();
+        for corners in corners.chunks(3) {
+            let [a, b, c] = [corners[0], corners[1], corners[2]].map(|i| Vec3::from(at[i]));
+            let face = (b - a).cross(c - a).normalize();
+            let normal = Vec3::from(normals[corners[0]]);
+            assert!(normal.dot(face) > 0.999, "{scale}: {normal} on a face of {face}");
+        }
+    }
+}

@@ -60,19 +60,26 @@ pub(crate) fn deform_meshes(
                 }
             }
         }
-        // Normals turn with the inverse transpose, which for world-to-frame is the transpose of frame-to-world: close enough to the
-        // plain direction unless the frame is sheared, and renormalised.
+        let turn = normal_matrix(into);
         if let Ok(VertexAttributeValues::Float32x3(list)) =
             mesh.try_attribute_mut(Mesh::ATTRIBUTE_NORMAL)
         {
             for (vertex, &row) in list.iter_mut().zip(rows) {
                 if row != GONE {
-                    let normal = into.transform_vector3(normals[row as usize]);
+                    let normal = turn * normals[row as usize];
                     *vertex = normal.normalize_or(Vec3::Z).to_array();
                 }
             }
         }
     }
+}
+
+/// What `into` does to area vectors, up to their length: the transposed inverse of its linear part, turned around where it mirrors.
+///
+/// For edges `e`, `f` and a matrix `A`, `Ae × Af = det(A) A⁻ᵀ (e × f)`; of the determinant only the sign outlives normalising.
+fn normal_matrix(into: Mat4) -> Mat3 {
+    let linear = Mat3::from_mat4(into);
+    linear.inverse().transpose() * linear.determinant().signum()
 }
 
 /// Sums up, per particle, the area vectors of the triangles around it: its smooth normal, across the seams of the texture too.
