@@ -47,7 +47,8 @@
 //! 5. **Extract**: transforms and velocities are read off.
 //!
 //! The ECS is the state. What is not in a component, in [`SinewClock`] or in the configuration resources does not survive a tick: save and restore
-//! those, and the simulation goes on bit for bit. [`ExtractedTransform`] and [`CreationOrder`] are part of that; [`SinewWorld`] is not.
+//! those, and the simulation goes on bit for bit. [`ExtractedTransform`] and [`CreationOrder`] are part of that; [`SinewWorld`] is not. A recipe may be put back with the
+//! rest: one that did not change builds nothing anew.
 //!
 //! # A force of one's own
 //!
