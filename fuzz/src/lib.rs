@@ -18,6 +18,7 @@
 //! A finding becomes a test in the crate that it concerns, named after what went wrong; inputs are not kept.
 
 mod input;
+mod laws;
 mod recipes;
 mod step;
 mod weld;

@@ -60,7 +60,7 @@ fn check(body: &Blueprint, mass: Option<f32>, input: &mut Input) {
     let placed = body.transformed(rotation, input.vector());
     let sound = placed.validate();
     let mut world = Simulation::default();
-    world.constraints.planes.push(Plane::ground(0.0));
+    world.boundaries.planes.push(Plane::ground(0.0));
     match placed.build(&mut world) {
         Ok(rows) => assert_eq!(rows, 0..body.particles.len()),
         Err(fault) => {

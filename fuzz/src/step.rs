@@ -5,6 +5,7 @@ use sinew::{Bound, Distance, Electric, Fluid, InsideBox, ParticleSeed, Pin, Plan
 use sinew::{Simulation, SolverSettings, Spring, Wind};
 
 use crate::input::Input;
+use crate::laws;
 
 /// So many that colours and islands appear, and so few that a scenario takes less than a millisecond.
 const MOST_PARTICLES: usize = 40;
@@ -37,13 +38,15 @@ fn settings(input: &mut Input) -> SolverSettings {
         1 => (input.below(3), u32::MAX),
         _ => (input.below(5), input.below(6)),
     };
-    SolverSettings { substeps, max_sweeps, tolerance: input.mostly(|_| 1e-4) }
+    let tolerance = input.mostly(|_| 1e-4);
+    laws::choices(input, SolverSettings { substeps, max_sweeps, tolerance, ..Default::default() })
 }
 
 /// One operation of a game.
 fn operate(world: &mut Simulation, input: &mut Input) {
     let count = world.particles.len();
-    match input.below(20) {
+    match input.below(26) {
+        20..=25 => laws::operate(world, input, row),
         0..=4 => push(world, input),
         5 if count > 0 => {
             let (row, seed) = (input.below(count as u32) as usize, seed(input));
@@ -78,7 +81,7 @@ fn operate(world: &mut Simulation, input: &mut Input) {
         14 => surroundings(world, input),
         15 => {
             let pin = Pin { particle: row(input, count), target: input.vector() };
-            keep(&mut world.constraints.pins, pin, MOST_LINKS);
+            keep(&mut world.boundaries.pins, pin, MOST_LINKS);
         }
         16 => world.settings = settings(input),
         17 if input.rarely(4) => {
@@ -135,7 +138,7 @@ fn distance(input: &mut Input, count: usize) -> Distance {
     let (a, b) = (row(input, count), row(input, count));
     let bound = [Bound::Equal, Bound::AtMost, Bound::AtLeast][input.below(3) as usize];
     let compliance = input.mostly(|input| if input.flag() { 0.0 } else { input.positive() });
-    Distance { a, b, rest: input.mostly(Input::positive), compliance, bound }
+    Distance::new(a, b, input.mostly(Input::positive)).with_compliance(compliance).with_bound(bound)
 }
 
 fn spring(input: &mut Input, count: usize) -> Spring {
@@ -154,6 +157,7 @@ fn wind(input: &mut Input) -> Wind {
         gusts: input.mostly(Input::positive),
         gust_length: input.mostly(Input::positive),
         gust_period: input.mostly(Input::positive),
+        ..Wind::steady(Vec3::ZERO)
     }
 }
 
@@ -172,7 +176,8 @@ fn fluid(input: &mut Input) -> Fluid {
     let up = if input.rarely(4) { input.vector() } else { Vec3::Y };
     let drag = input.mostly(|input| input.positive() / 64.0);
     let density = input.mostly(|input| input.positive() * 1000.0);
-    Fluid { up, level: input.mostly(Input::ordinary), density, drag }
+    let current = if input.rarely(4) { input.vector() } else { Vec3::ZERO };
+    Fluid { up, level: input.mostly(Input::ordinary), density, drag, current, ..Fluid::default() }
 }
 
 fn surroundings(world: &mut Simulation, input: &mut Input) {
@@ -182,21 +187,21 @@ fn surroundings(world: &mut Simulation, input: &mut Input) {
         1 => world.forces.drag = input.mostly(|input| input.positive() / 64.0),
         2 => {
             world.forces.electric =
-                Electric { constant: input.any(), softening: input.mostly(Input::positive) };
+                Electric { constant: input.any(), softening: input.mostly(Input::positive), ..Electric::default() };
         }
         3 => {
             let plane = Plane { normal: input.vector(), offset: input.any(), friction };
-            keep(&mut world.constraints.planes, plane, MOST_OTHERS);
+            keep(&mut world.boundaries.planes, plane, MOST_OTHERS);
         }
         4 => {
             if let Some(plane) = Plane::new(input.vector(), input.vector()) {
                 assert!(plane.is_valid());
-                keep(&mut world.constraints.planes, plane.with_friction(friction), MOST_OTHERS);
+                keep(&mut world.boundaries.planes, plane.with_friction(friction), MOST_OTHERS);
             }
         }
         5 => {
             let (min, max) = (input.vector(), input.vector());
-            keep(&mut world.constraints.boxes, InsideBox { min, max, friction }, MOST_OTHERS);
+            keep(&mut world.boundaries.boxes, InsideBox { min, max, friction }, MOST_OTHERS);
         }
         _ => world.time = f64::from(input.any()),
     }
@@ -222,7 +227,7 @@ fn take_step(world: &mut Simulation, dt: f32) {
     for (i, row) in before.iter().enumerate() {
         assert_eq!(world.particles.inverse_mass(i).to_bits(), row[3], "a step changed a mass");
         let pinned = world.particles.inverse_mass(i) == 0.0;
-        let led = world.constraints.pins.iter().any(|pin| pin.particle as usize == i);
+        let led = world.boundaries.pins.iter().any(|pin| pin.particle as usize == i);
         let was = Vec3::from_array([0, 1, 2].map(|k| f32::from_bits(row[k])));
         if pinned && !led && was.is_finite() {
             assert_eq!(world.particles.position(i), was, "a pinned particle moved");

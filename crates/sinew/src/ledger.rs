@@ -10,11 +10,11 @@ use crate::simulation::Simulation;
 pub struct Ledger {
     /// `Σ ½ m v²`, J, with the velocity at the instant of the position.
     pub kinetic: f64,
-    /// `-Σ m g · x`, J, zero at the origin.
+    /// `-Σ m g · x`, J, zero at the origin, and `-Σ GM m/√(r² + ε²)` of the attractors, zero far from them.
     pub gravitational: f64,
-    /// `Σ ½ k (‖d‖ - L)²` of the springs, J.
+    /// `Σ ½ k (‖d‖ - L)²` of the springs and `Σ ½ C²/α` of the soft distances and constraints, J.
     pub elastic: f64,
-    /// `Σ K q_a q_b / ‖d‖` of the charges, J.
+    /// `Σ K q_a q_b / ‖d‖` of the charges, J, and `-q E·x` of those that can move in the fields that fill the world, zero at the origin.
     pub electric: f64,
     /// `Σ m v`, kg·m/s.
     pub momentum: DVec3,
@@ -32,7 +32,6 @@ impl Ledger {
 /// Reads the ledger off a simulation whose accelerations are those of its present positions.
 pub(crate) fn take(simulation: &Simulation) -> Ledger {
     let particles = &simulation.particles;
-    let gravity = simulation.forces.gravity.as_dvec3();
     let mut ledger = Ledger::default();
     for i in 0..particles.len() {
         let w = particles.inverse_mass(i);
@@ -40,16 +39,17 @@ pub(crate) fn take(simulation: &Simulation) -> Ledger {
             continue;
         }
         let m = 1.0 / f64::from(w);
-        let x = particles.position(i).as_dvec3();
+        let x = particles.origin[i].as_dvec3() + particles.position[i].truncate().as_dvec3();
         let v: Vec3 = simulation.velocity_now(i);
         let v = v.as_dvec3();
         ledger.kinetic += 0.5 * m * v.length_squared();
-        ledger.gravitational -= m * gravity.dot(x);
+        ledger.gravitational += forces::gravity_energy(particles, &simulation.forces, i, m);
         ledger.momentum += m * v;
         ledger.angular_momentum += m * x.cross(v);
     }
     let springs = &simulation.forces.springs;
     ledger.elastic = springs.iter().map(|s| f64::from(s.energy(particles))).sum();
-    ledger.electric = forces::electric_energy(particles, &simulation.forces.electric);
+    ledger.elastic += simulation.soft_energy();
+    ledger.electric = forces::electric_energy(particles, &simulation.forces);
     ledger
 }

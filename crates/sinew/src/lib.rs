@@ -22,7 +22,7 @@
 //! The method is that of a series of game-physics lectures (M. Tarini: Verlet integration and *Position Based Dynamics*), corrected where they are loose.
 //! A step of `dt` seconds is cut into substeps of `h`; each runs six phases, which are methods of [`Simulation`] with these names:
 //!
-//! 1. **`accumulate_forces`**: gravity, the game's own forces and springs are summed up into an acceleration per particle.
+//! 1. **`accumulate_forces`**: gravity, the game's own forces, controls and springs are summed up into an acceleration per particle.
 //! 2. **`apply_wind`**, 3. **`apply_buoyancy`**, 4. **`apply_electric`** add theirs.
 //! 5. **`integrate`**: Verlet predicts where every particle would go if it were alone ([`integrate`]).
 //! 6. **`solve_constraints`**: what must hold, holds: rods keep their length, nothing sinks into the ground. The solver moves the
@@ -32,17 +32,19 @@
 //!
 //! | file | what it owns |
 //! |---|---|
-//! | [`particles`] | the columns: position, velocity, inverse mass, … |
-//! | [`simulation`] | particles + forces + constraints + plan; one method a phase |
-//! | [`integrate`] | the Verlet formula, its derivation and its properties |
-//! | [`forces`] | springs, wind, buoyancy, charges: a file each |
-//! | [`constraints`] | distance, plane, box, pin: data, value, gradient, kernel, a file each |
-//! | [`solve`] | the plan (islands, colours), the cascade, the report |
+//! | [`particles`] | the columns: position, velocity, inverse mass, …; impulses and teleports |
+//! | [`simulation`] | particles + forces + constraints + plan; one method a phase; statics |
+//! | [`integrate`] | Verlet, leapfrog and the Eulers: formulas, derivation, properties |
+//! | [`forces`] | gravity, controls, springs, wind and air, fluids and hulls, charges and fields: a room each |
+//! | [`constraints`] | distances, angles, areas, volumes, bending, shapes, bounds, a game's own: data, value, gradient, kernel, a file each |
+//! | [`solve`] | the plan (islands, colours), three orders of a sweep, two directions of a correction, the report |
 //! | [`pose`] | transform, velocity, spin and inertia out of particles |
+//! | [`rigid`] | explicit rigid bodies, and the swap to particles and back |
 //! | [`recipes`] | box, rope, cloth, ragdoll: shape in, particles and constraints out |
 //! | [`ledger`] | energy and momentum |
 //!
-//! Arrows point one way: `recipes` and `simulation` know `solve`, which knows `constraints`, which know `particles`; nothing points back.
+//! Arrows point one way: `recipes` and `simulation` know `solve`, `rigid` and `forces`, which know `constraints`, which know `particles`; nothing points back.
+//! (`rigid` reads a whole simulation when a compound becomes a body; `particles` and `solve` use the sums of `pose`.)
 //!
 //! # Units and rules
 //!
@@ -57,14 +59,23 @@ pub mod ledger;
 pub mod particles;
 pub mod pose;
 pub mod recipes;
+pub mod rigid;
 pub mod simulation;
 pub mod solve;
 
 pub use glam;
 
-pub use constraints::{Bound, Constraints, Distance, DistanceFault, InsideBox, Pin, Plane};
-pub use forces::{Electric, Fluid, Forces, Spring, SpringFault, Wind};
+pub use constraints::{
+    Bound, Boundaries, Constraint, Direction, Distance, DistanceFault, Equation, InsideBox, Law,
+    LawFault, Pin, Plane, Points, Softness,
+};
+pub use forces::{
+    AirFlow, Attractor, Control, Electric, ElectricField, Extent, Fluid, Forces, Hull, HullFault,
+    Region, Skin, Spring, SpringFault, Wind,
+};
+pub use integrate::Integrator;
 pub use ledger::Ledger;
 pub use particles::{ParticleFault, ParticleSeed, Particles};
-pub use simulation::{Simulation, StepFault, Substep};
-pub use solve::{SolverReport, SolverSettings};
+pub use rigid::{Compound, RigidBody, RigidFault, RigidIntegrator};
+pub use simulation::{Relaxed, Simulation, StepFault, Substep};
+pub use solve::{BodySettings, IslandReport, Order, SolverReport, SolverSettings};

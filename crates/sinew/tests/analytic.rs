@@ -205,7 +205,7 @@ fn a_block_slides_if_the_slope_is_steeper_than_friction_holds() {
         let mut world = Simulation::default();
         let normal = Vec3::new(slope, 1.0, 0.0);
         world
-            .constraints
+            .boundaries
             .planes
             .push(Plane::new(Vec3::ZERO, normal).unwrap().with_friction(friction));
         world.particles.push(ParticleSeed::at(Vec3::ZERO)).unwrap();
@@ -224,7 +224,7 @@ fn a_block_slides_if_the_slope_is_steeper_than_friction_holds() {
 fn a_sliding_block_stops_where_friction_has_eaten_its_speed() {
     let (speed, friction) = (3.0, 0.5);
     let mut world = Simulation::default();
-    world.constraints.planes.push(Plane::ground(0.0).with_friction(friction));
+    world.boundaries.planes.push(Plane::ground(0.0).with_friction(friction));
     world.particles.push(ParticleSeed::at(Vec3::ZERO).with_velocity(Vec3::X * speed)).unwrap();
     for _ in 0..120 {
         world.step(1.0 / 60.0).unwrap();
@@ -242,8 +242,8 @@ fn a_particle_led_by_a_pin_walks_there_evenly_and_pulls_what_hangs_on_it() {
     world.distances_mut().push(Distance::new(0, 1, 1.0));
     for tick in 1..=60 {
         let target = Vec3::X * (tick as f32 * 0.02);
-        world.constraints.pins.clear();
-        world.constraints.pins.push(sinew::Pin { particle: 0, target });
+        world.boundaries.pins.clear();
+        world.boundaries.pins.push(sinew::Pin { particle: 0, target });
         world.step(1.0 / 60.0).unwrap();
         assert_eq!(world.particles.position(0), target);
     }

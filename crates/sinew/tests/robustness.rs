@@ -6,7 +6,7 @@ use sinew::{Bound, Distance, ParticleSeed, Pin, Plane, Simulation, Spring, Wind}
 
 fn on_the_ground() -> Simulation {
     let mut world = Simulation::default();
-    world.constraints.planes.push(Plane::ground(0.0));
+    world.boundaries.planes.push(Plane::ground(0.0));
     world
 }
 
@@ -165,7 +165,7 @@ fn springs_triangles_and_pins_on_rows_that_are_not_there_do_nothing() {
     world.forces.springs.push(Spring { a: 0, b: 0, rest: 1.0, stiffness: 1.0, damping: 0.0 });
     world.forces.surfaces.push([0, 1, 2]);
     world.forces.winds.push(Wind::steady(Vec3::X));
-    world.constraints.pins.push(Pin { particle: 3, target: Vec3::ZERO });
+    world.boundaries.pins.push(Pin { particle: 3, target: Vec3::ZERO });
     world.step(1.0 / 60.0).unwrap();
     assert!((world.particles.position(0).y - 1.0 + 0.5 * 9.81 / 3600.0).abs() < 1e-6);
     assert_eq!(world.ledger().elastic, 0.0);

@@ -2,6 +2,8 @@
 
 use glam::{Vec3, Vec4};
 
+use super::softness::{Pace, Softness, multiplier};
+
 /// "Particles `a` and `b` stay `rest` metres apart."
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
@@ -11,9 +13,8 @@ pub struct Distance {
     pub b: u32,
     /// Length to keep, metres, not negative. Zero makes the particles coincide.
     pub rest: f32,
-    /// Inverse stiffness, m/N: 0 (the default of [`Distance::new`]) is hard, larger is softer. A compliant distance behaves
-    /// like a spring of stiffness `1/compliance`, whatever the number of sweeps and substeps (Macklin et al., *XPBD*, 2016).
-    pub compliance: f32,
+    /// How hard it is; [`Distance::new`] makes a hard one.
+    pub softness: Softness,
     /// Whether the length is kept both ways, or only one.
     pub bound: Bound,
 }
@@ -42,20 +43,25 @@ pub enum DistanceFault {
     /// NaN, infinite or negative rest length.
     #[error("its rest length is not a finite length")]
     Rest,
-    /// NaN, infinite or negative compliance.
-    #[error("its compliance is not a finite number of metres per newton")]
-    Compliance,
+    /// NaN, infinite or negative compliance, damping, frequency or share.
+    #[error("its softness is not a finite number in range")]
+    Softness,
 }
 
 impl Distance {
     /// A hard rod of `rest` metres between two particles.
     pub fn new(a: u32, b: u32, rest: f32) -> Self {
-        Self { a, b, rest, compliance: 0.0, bound: Bound::Equal }
+        Self { a, b, rest, softness: Softness::Hard, bound: Bound::Equal }
     }
 
     /// The same with a compliance, m/N.
     pub fn with_compliance(self, compliance: f32) -> Self {
-        Self { compliance, ..self }
+        Self { softness: Softness::compliant(compliance), ..self }
+    }
+
+    /// The same, as hard as that.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
     }
 
     /// The same as an inequality.
@@ -71,8 +77,8 @@ impl Distance {
             Some(DistanceFault::MissingParticle)
         } else if !(self.rest.is_finite() && self.rest >= 0.0) {
             Some(DistanceFault::Rest)
-        } else if !(self.compliance.is_finite() && self.compliance >= 0.0) {
-            Some(DistanceFault::Compliance)
+        } else if !self.softness.is_valid() {
+            Some(DistanceFault::Softness)
         } else {
             None
         }
@@ -119,30 +125,81 @@ pub(crate) fn project_rod(positions: &mut [Vec4], a: u32, b: u32, rest: f32) -> 
         return value.abs();
     }
     // Both pinned, or in the same place: rare, and not worth a branch above.
-    project(positions, a as u32, b as u32, rest, 0.0, Bound::Equal, &mut 0.0)
+    part(positions, a, b, rest)
 }
 
 /// Keeps the inverse mass in the fourth lane out of arithmetic on positions.
 const XYZ: Vec4 = Vec4::new(1.0, 1.0, 1.0, 0.0);
 
-/// Projects any distance, hard or soft, both ways or one, and returns how far it was from being kept, in metres.
+/// A hard rod between coincident particles, or between pinned ones.
+#[cold]
+fn part(positions: &mut [Vec4], a: usize, b: usize, rest: f32) -> f32 {
+    let weights = positions[a].w + positions[b].w;
+    if weights == 0.0 {
+        return 0.0;
+    }
+    let change = Vec3::X * (rest / weights);
+    positions[a] += (change * positions[a].w).extend(0.0);
+    positions[b] -= (change * positions[b].w).extend(0.0);
+    rest
+}
+
+/// Projects one hard rod along where it pointed when the substep began (SHAKE), and returns how far it was from being kept, metres.
 ///
-/// With a compliance α the multiplier is summed over the sweeps of a substep in `lambda`, and each sweep solves for its
-/// change: `Δλ = (C - α̃ λ)/(w_a + w_b + α̃)`, `α̃ = α/h²` (XPBD, eq. 18, with the sign of λ turned). An inequality only ever
-/// pushes one way, so its sum is held on that side of zero. With α = 0 this is the formula of [`project_rod`].
+/// The force of a rod acts along the rod at the *start* of the step: then Verlet conserves angular momentum and energy. Wanted is the multiple
+/// `s` of `d = p_b - p_a`, the rod at the start, with `‖d* - s (w_a + w_b) d‖ = L` for `d* = q_b - q_a`. To first order in `s`,
+/// `‖d*‖² - 2 s (w_a + w_b) d*·d = L²`:
+///
+/// ```text
+/// s = (‖d*‖² - L²) / (2 (w_a + w_b) d*·d)        q_a += w_a s d,  q_b -= w_b s d
+/// ```
+///
+/// a Newton step, without a square root (but the error is given as a length, which takes one). Where the rod has turned too far for that, or has
+/// no direction, it is projected to the nearest point instead.
+#[inline]
+pub(crate) fn project_rod_from_start(
+    positions: &mut [Vec4],
+    starts: &[Vec3],
+    a: u32,
+    b: u32,
+    rest: f32,
+) -> f32 {
+    let (pa, pb) = (positions[a as usize], positions[b as usize]);
+    let now = (pb - pa).truncate();
+    let start = starts[b as usize] - starts[a as usize];
+    let square = now.length_squared();
+    let along = now.dot(start);
+    // A third of what a rod in order would give: 70°, far beyond where the island goes back to the nearest point.
+    if along <= rest * rest * (1.0 / 3.0) {
+        return project_rod(positions, a, b, rest);
+    }
+    let weights = pa.w + pb.w;
+    if weights > 0.0 {
+        let s = (square - rest * rest) / (2.0 * weights * along);
+        positions[a as usize] = pa + (start * (pa.w * s)).extend(0.0);
+        positions[b as usize] = pb - (start * (pb.w * s)).extend(0.0);
+        return (square.sqrt() - rest).abs();
+    }
+    0.0
+}
+
+/// Projects any distance, hard or soft, both ways or one, and returns how far it was from being kept, in metres; of a soft one, how far it moved.
+///
+/// A soft one sums up its multiplier over the sweeps of a substep in `lambda`; an inequality only ever pushes one way, so its sum is held on that
+/// side of zero. A hard one of equality is the formula of [`project_rod`].
 ///
 /// Coincident particles have no direction: they are pushed apart along the x axis, `a` towards +x.
 #[inline]
 pub(crate) fn project(
     positions: &mut [Vec4],
-    a: u32,
-    b: u32,
-    rest: f32,
-    scaled_compliance: f32,
-    bound: Bound,
+    starts: &[Vec3],
+    distance: &Distance,
+    pace: Pace,
     lambda: &mut f32,
 ) -> f32 {
-    let (pa, pb) = (positions[a as usize], positions[b as usize]);
+    let Distance { a, b, rest, softness, bound } = *distance;
+    let (a, b) = (a as usize, b as usize);
+    let (pa, pb) = (positions[a], positions[b]);
     let d = pa.truncate() - pb.truncate();
     let len = length(d);
     let value = len - rest;
@@ -150,18 +207,26 @@ pub(crate) fn project(
     if weights == 0.0 || (*lambda == 0.0 && bound.holds(value)) {
         return 0.0;
     }
-    let asked = (value - scaled_compliance * *lambda) / (weights + scaled_compliance);
+    let n = if len > 0.0 { d / len } else { Vec3::X };
+    let moved = n.dot(d - (starts[a] - starts[b]));
+    let unit = softness.unit(weights);
+    let asked = multiplier(softness, pace, value, weights, moved, *lambda) * unit;
     let change = match bound {
         Bound::Equal => asked,
         Bound::AtMost => (asked + *lambda).max(0.0) - *lambda,
         Bound::AtLeast => (asked + *lambda).min(0.0) - *lambda,
     };
     // The sum matters to soft constraints alone; a hard inequality projects afresh in each sweep.
-    *lambda = if scaled_compliance > 0.0 { *lambda + change } else { 0.0 };
-    let n = if len > 0.0 { d / len } else { Vec3::X };
-    positions[a as usize] -= (n * (pa.w * change)).extend(0.0);
-    positions[b as usize] += (n * (pb.w * change)).extend(0.0);
-    if bound.holds(value) { 0.0 } else { value.abs() }
+    *lambda = if softness.remembers() { *lambda + change } else { 0.0 };
+    let change = change / unit;
+    positions[a] -= (n * (pa.w * change)).extend(0.0);
+    positions[b] += (n * (pb.w * change)).extend(0.0);
+    match (softness.is_hard(), bound.holds(value)) {
+        (true, true) => 0.0,
+        (true, false) => value.abs(),
+        // A soft one is not meant to be kept. It asks for another sweep as long as sweeps still move it.
+        (false, _) => (change * weights).abs(),
+    }
 }
 
 /// `‖d‖`, with the products and sums in a fixed order and no fused operations, so that it is the same on every machine.
@@ -185,11 +250,19 @@ mod tests {
         [a.extend(wa), b.extend(wb)]
     }
 
+    const PACE: Pace = Pace { h: 1.0, sweeps: 1 };
+
     fn hard(positions: &mut [Vec4], rest: f32, bound: Bound) -> f32 {
-        match bound {
-            Bound::Equal => project_rod(positions, 0, 1, rest),
-            _ => project(positions, 0, 1, rest, 0.0, bound, &mut 0.0),
+        if bound == Bound::Equal {
+            project_rod(positions, 0, 1, rest)
+        } else {
+            any(positions, rest, bound)
         }
+    }
+
+    fn any(positions: &mut [Vec4], rest: f32, bound: Bound) -> f32 {
+        let distance = Distance::new(0, 1, rest).with_bound(bound);
+        project(positions, &[Vec3::ZERO; 2], &distance, PACE, &mut 0.0)
     }
 
     #[test]
@@ -199,7 +272,7 @@ mod tests {
             let mut one = pair(Vec3::new(0.3, -1.0, 2.0), Vec3::new(1.0, 0.5, -0.2), wa, wb);
             let mut other = one;
             let fast = project_rod(&mut one, 0, 1, rest);
-            let slow = project(&mut other, 0, 1, rest, 0.0, Bound::Equal, &mut 0.0);
+            let slow = any(&mut other, rest, Bound::Equal);
             assert_eq!(fast, slow);
             assert!(one[0].abs_diff_eq(other[0], 1e-6) && one[1].abs_diff_eq(other[1], 1e-6));
         }
@@ -268,13 +341,30 @@ mod tests {
         // Two free particles of 1 kg: the soft minimiser of Σ½m d² /h² + C²/2α has λ = C/(w_a + w_b + α̃), in any number of sweeps.
         for sweeps in [1, 2, 10] {
             let mut p = pair(Vec3::ZERO, Vec3::X * 2.0, 1.0, 1.0);
-            let (alpha, mut lambda) = (0.5, 0.0);
+            let (soft, mut lambda) = (Distance::new(0, 1, 1.0).with_compliance(0.5), 0.0);
             for _ in 0..sweeps {
-                project(&mut p, 0, 1, 1.0, alpha, Bound::Equal, &mut lambda);
+                project(&mut p, &[Vec3::ZERO; 2], &soft, PACE, &mut lambda);
             }
             assert!((lambda - 1.0 / 2.5).abs() < 1e-6, "{sweeps}: {lambda}");
             assert!((p[0].x - 0.4).abs() < 1e-6, "{sweeps}: {}", p[0].x);
         }
+    }
+
+    #[test]
+    fn a_rod_corrected_along_its_start_keeps_the_angular_momentum_of_the_step() {
+        let starts = [Vec3::ZERO, Vec3::X];
+        let mut p = pair(Vec3::new(0.0, -0.05, 0.0), Vec3::new(1.02, 0.1, 0.03), 1.0, 0.5);
+        let momentum =
+            |p: &[Vec4; 2]| (0..2).map(|i| starts[i].cross(p[i].truncate()) / p[i].w).sum::<Vec3>();
+        let before = momentum(&p);
+        for _ in 0..4 {
+            project_rod_from_start(&mut p, &starts, 0, 1, 1.0);
+        }
+        assert!(momentum(&p).abs_diff_eq(before, 1e-6));
+        assert!((p[0].truncate().distance(p[1].truncate()) - 1.0).abs() < 1e-6);
+        let mut far = pair(Vec3::ZERO, Vec3::Y * 1.5, 1.0, 1.0);
+        project_rod_from_start(&mut far, &starts, 0, 1, 1.0);
+        assert!((far[1].y - far[0].y - 1.0).abs() < 1e-6, "turned too far: the nearest point");
     }
 
     #[test]
@@ -284,6 +374,6 @@ mod tests {
         assert_eq!(Distance::new(1, 1, 1.0).fault(2), Some(DistanceFault::SameParticle));
         assert_eq!(good.fault(1), Some(DistanceFault::MissingParticle));
         assert_eq!(Distance::new(0, 1, f32::NAN).fault(2), Some(DistanceFault::Rest));
-        assert_eq!(good.with_compliance(-1.0).fault(2), Some(DistanceFault::Compliance));
+        assert_eq!(good.with_compliance(-1.0).fault(2), Some(DistanceFault::Softness));
     }
 }

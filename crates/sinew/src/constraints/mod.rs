@@ -4,28 +4,80 @@
 //! For a scalar `C` that is `dᵢ = -wᵢ ∇ᵢC · C / Σ wⱼ‖∇ⱼC‖²` (lectures 4 and 5; Müller et al., *Position Based Dynamics*, 2007):
 //! exact where `C` is linear along its gradient, one Newton step otherwise. An inequality that holds does nothing.
 //!
-//! Every file here holds one constraint: its data, its value and gradient, the derivation above the kernel, and its tests.
+//! | file | what it keeps |
+//! |---|---|
+//! | [`Distance`] | two particles at a distance, or nearer, or farther: the one that bodies are made of, with a kernel of its own |
+//! | [`Constraint`] | any other [`Law`] between any particles; each law is an [`Equation`], in a file of its own |
+//! | [`Boundaries`] | what holds every particle, or one, by itself: planes, boxes, pins, a sheet for worlds in 2D |
+//! | [`Softness`] | how hard any of them is |
+//!
+//! Every file holds a constraint's data, its value and gradient, the derivation above the kernel, and its tests.
 //! [`solve`](crate::solve) decides in which order the kernels run, and how often.
 
-mod bounds;
+mod angle;
+mod area;
+mod bend;
+mod boundaries;
+#[cfg(test)]
+pub(crate) mod checks;
+mod collinear;
+mod cone;
+mod coplanar;
 mod distance;
+mod equation;
+mod hinge;
+mod law;
+mod patch;
 mod pin;
+mod rigid;
+mod softness;
+mod tetrahedron;
+mod towards;
+mod volume;
 
-pub use bounds::{InsideBox, Plane};
+pub use angle::Angle;
+pub use area::Area;
+pub use bend::Bend;
+pub use boundaries::{Boundaries, InsideBox, Plane};
+pub use collinear::Collinear;
+pub use cone::Cone;
+pub use coplanar::Coplanar;
 pub use distance::{Bound, Distance, DistanceFault};
+pub use equation::{Equation, Points};
+pub use hinge::Hinge;
+pub use law::{Constraint, Law, LawFault, Rows};
+pub use patch::Patch;
 pub use pin::Pin;
+pub use rigid::Rigid;
+pub use softness::Softness;
+pub use tetrahedron::Tetrahedron;
+pub use volume::Volume;
 
-pub(crate) use bounds::Contacts;
-pub(crate) use distance::{project, project_rod};
+pub(crate) use boundaries::Contacts;
+pub(crate) use distance::{project, project_rod, project_rod_from_start};
+pub(crate) use equation::{
+    energy as equation_energy, error as equation_error, project as project_equation,
+};
+pub(crate) use softness::Pace;
 
-/// What is enforced on single particles. Distances are kept apart, in the [`Simulation`](crate::Simulation), because they are compiled
-/// into a plan when they change; these may change at any step for free.
-#[derive(Clone, Debug, Default)]
-pub struct Constraints {
-    /// Half-spaces that every particle stays in, such as the ground.
-    pub planes: Vec<Plane>,
-    /// Boxes that every particle stays inside.
-    pub boxes: Vec<InsideBox>,
-    /// Particles that are held at a point, or led along a path.
-    pub pins: Vec<Pin>,
+/// Along which gradient a hard distance or a rigid shape is corrected.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Direction {
+    /// To the nearest point: along the gradient where the particles are now, as the lectures show it. Robust; bleeds spin.
+    #[default]
+    Nearest,
+    /// Along the gradient at the start of the substep (SHAKE; Ryckaert et al., 1977), which keeps momentum, angular momentum and energy as
+    /// Verlet does. It needs a nearly converged loop to pay. Where something turns by 0.35 rad or more in a substep the island goes back to
+    /// [`Nearest`](Self::Nearest), for that substep.
+    StepStart,
+}
+
+/// Along which way an area or a volume of many triangles is corrected (physics.md C7, C8).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Way {
+    /// Along its gradient: the least mass-weighted displacement, approached by Newton steps, and soft if it is asked to be. The default.
+    #[default]
+    Gradient,
+    /// By scaling everything about the barycentre, as the lectures do: right at once, but not the least.
+    Scaling,
 }

@@ -3,20 +3,30 @@
 //! A force law reads positions and velocities at the start of a substep and adds to [`Particles::acceleration`]. Nothing else moves
 //! because of a force; what must hold exactly is a [constraint](crate::constraints) instead.
 
-mod buoyancy;
+mod control;
 mod electric;
+mod fluid;
+mod gravity;
+mod region;
 mod spring;
 mod wind;
 
-pub use buoyancy::Fluid;
-pub use electric::Electric;
+pub use control::Control;
+pub use electric::{Electric, ElectricField};
+pub use fluid::{Fluid, Hull, HullFault, Skin};
+pub use gravity::Attractor;
+pub use region::{Extent, Region};
 pub use spring::{Spring, SpringFault};
-pub use wind::Wind;
+pub use wind::{AirFlow, Wind};
 
-pub(crate) use buoyancy::apply as apply_buoyancy;
-pub(crate) use electric::{apply as apply_electric, energy as electric_energy};
+pub(crate) use control::apply as apply_controls;
+pub(crate) use electric::{
+    Scratch as ElectricScratch, apply as apply_electric, energy as electric_energy,
+};
+pub(crate) use fluid::{Scratch as FluidScratch, apply as apply_fluids};
+pub(crate) use gravity::{apply as apply_gravity_and_external, energy as gravity_energy};
 pub(crate) use spring::apply as apply_springs;
-pub(crate) use wind::{apply as apply_wind, sample as sample_wind};
+pub(crate) use wind::{Air, apply_air, apply_wind, sample_air, sample_wind};
 
 use glam::Vec3;
 
@@ -27,30 +37,45 @@ use crate::particles::{Particles, rate_of_drag};
 pub struct Forces {
     /// Gravitational acceleration, m/s². Default `(0, -9.81, 0)`.
     pub gravity: Vec3,
+    /// Points that attract, besides.
+    pub attractors: Vec<Attractor>,
     /// Damping of everything by the air, as the share of velocity lost per second (the lectures' drag), 0 to 1. Default 0.
     pub drag: f32,
+    /// The user's own forces on particles and compounds.
+    pub controls: Vec<Control>,
     /// Springs between pairs of particles.
     pub springs: Vec<Spring>,
-    /// Triangles of particles on which wind presses.
+    /// Triangles of particles on which wind presses and air drags.
     pub surfaces: Vec<[u32; 3]>,
-    /// Winds that blow everywhere.
+    /// Winds that press on them.
     pub winds: Vec<Wind>,
-    /// Fluids that loose particles float in.
+    /// Air that they and loose particles move in: with drag, lift and a velocity.
+    pub air_flows: Vec<AirFlow>,
+    /// Fluids that hulls and loose particles float in.
     pub fluids: Vec<Fluid>,
+    /// Solids made of several particles that float by their own shape. One at fault is left out, and its particles float as balls.
+    pub hulls: Vec<Hull>,
     /// How charges attract and repel.
     pub electric: Electric,
+    /// Uniform electric fields, each within its region.
+    pub electric_fields: Vec<ElectricField>,
 }
 
 impl Default for Forces {
     fn default() -> Self {
         Self {
             gravity: Vec3::new(0.0, -9.81, 0.0),
+            attractors: Vec::new(),
             drag: 0.0,
+            controls: Vec::new(),
             springs: Vec::new(),
             surfaces: Vec::new(),
             winds: Vec::new(),
+            air_flows: Vec::new(),
             fluids: Vec::new(),
+            hulls: Vec::new(),
             electric: Electric::default(),
+            electric_fields: Vec::new(),
         }
     }
 }
@@ -60,14 +85,5 @@ pub(crate) fn reset(particles: &mut Particles, forces: &Forces) {
     particles.acceleration.fill(Vec3::ZERO);
     let air = rate_of_drag(forces.drag.clamp(0.0, 1.0));
     particles.medium.fill(if air.is_nan() { 0.0 } else { air });
-}
-
-/// Adds gravity, which needs no mass (`f = m g`, so `a = g`), and the game's own forces.
-pub(crate) fn apply_gravity_and_external(particles: &mut Particles, forces: &Forces) {
-    for i in 0..particles.len() {
-        let w = particles.position[i].w;
-        if w > 0.0 {
-            particles.acceleration[i] += forces.gravity + particles.external[i] * w;
-        }
-    }
+    particles.drift.clear();
 }

@@ -57,7 +57,7 @@ impl Spring {
         if self.fault(particles.len()).is_some() {
             return 0.0;
         }
-        let d = particles.position(self.a as usize) - particles.position(self.b as usize);
+        let d = particles.separation(self.a as usize, self.b as usize);
         let stretch = d.length() - self.rest;
         0.5 * self.stiffness * stretch * stretch
     }
@@ -72,7 +72,7 @@ pub(crate) fn apply(particles: &mut Particles, springs: &[Spring]) {
             continue;
         }
         let (a, b) = (spring.a as usize, spring.b as usize);
-        let d = particles.position(a) - particles.position(b);
+        let d = particles.separation(a, b);
         let length = d.length();
         let n = if length > 0.0 { d / length } else { Vec3::ZERO };
         let closing = (particles.velocity(a) - particles.velocity(b)).dot(n);

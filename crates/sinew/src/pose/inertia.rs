@@ -118,7 +118,7 @@ impl Sums {
 }
 
 /// `ω` with `I ω = L`, and nothing along the directions in which `I` vanishes.
-fn spin(inertia: [[f64; 3]; 3], angular_momentum: DVec3) -> DVec3 {
+pub(crate) fn spin(inertia: [[f64; 3]; 3], angular_momentum: DVec3) -> DVec3 {
     if let Some((w, _)) = symmetric::solve(&inertia, angular_momentum) {
         return w;
     }

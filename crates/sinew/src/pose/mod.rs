@@ -35,11 +35,12 @@
 #[cfg(test)]
 mod degenerate_tests;
 mod inertia;
-mod rotation;
-mod symmetric;
+pub(crate) mod rotation;
+pub(crate) mod symmetric;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use inertia::spin as pseudo_solve;
 pub use inertia::{Motion, motion};
 
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};

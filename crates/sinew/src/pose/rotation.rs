@@ -52,7 +52,7 @@ const EQUAL: f64 = 2e-9;
 const NOTHING: f64 = 1e-24;
 
 /// The rotation nearest to `m` (any scale), and among equals the one nearest to `previous`, a unit quaternion.
-pub(super) fn nearest(m: DMat3, previous: DQuat) -> DQuat {
+pub(crate) fn nearest(m: DMat3, previous: DQuat) -> DQuat {
     let q = newton(m, previous).map_or_else(|| davenport(m, previous), |(q, _)| q);
     if q.dot(previous) < 0.0 { -q } else { q }
 }

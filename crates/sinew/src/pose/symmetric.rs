@@ -7,7 +7,7 @@ const WORST: f64 = 1e6;
 
 /// `x = K⁻¹ b` and a bound on the condition of `K`, `tr(K) tr(K⁻¹)` (9 at best), if `K` is positive definite and well
 /// conditioned. By cofactors: the same ones show whether it is (Sylvester's criterion).
-pub(super) fn solve(k: &[[f64; 3]; 3], b: DVec3) -> Option<(DVec3, f64)> {
+pub(crate) fn solve(k: &[[f64; 3]; 3], b: DVec3) -> Option<(DVec3, f64)> {
     let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = *k;
     let (cxx, cyy, czz) = (yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy);
     let (cxy, cxz, cyz) = (xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - xx * yz);
@@ -30,7 +30,7 @@ pub(super) fn solve(k: &[[f64; 3]; 3], b: DVec3) -> Option<(DVec3, f64)> {
 /// Eigenvalues and unit eigenvectors (one a row) of a symmetric matrix, in no order, by Jacobi's method: turn one
 /// off-diagonal element after the other to zero; what the others get back vanishes quadratically (Golub, Van Loan, *Matrix
 /// Computations*, 8.5). Slow for large matrices, the most accurate for small ones.
-pub(super) fn eigen<const N: usize>(mut a: [[f64; N]; N]) -> ([f64; N], [[f64; N]; N]) {
+pub(crate) fn eigen<const N: usize>(mut a: [[f64; N]; N]) -> ([f64; N], [[f64; N]; N]) {
     let mut vectors = [[0.0; N]; N];
     for (i, v) in vectors.iter_mut().enumerate() {
         v[i] = 1.0;

@@ -3,8 +3,9 @@
 
 use glam::{Mat3, Quat, Vec3};
 
-use crate::constraints::{Distance, DistanceFault};
+use crate::constraints::{Constraint, Distance, DistanceFault, LawFault};
 use crate::particles::{ParticleFault, ParticleSeed};
+use crate::solve::BodySettings;
 
 /// Particles and what holds them together, in the body's own coordinates (metres). Indices count from 0 within the blueprint.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -13,12 +14,16 @@ pub struct Blueprint {
     pub particles: Vec<ParticleSeed>,
     /// Distances to keep between pairs of particles.
     pub distances: Vec<Distance>,
+    /// Whatever else must hold between them; rows are numbers of this blueprint's particles.
+    pub constraints: Vec<Constraint>,
     /// Triangles of particles, counter-clockwise from outside, on which wind presses.
     pub triangles: Vec<[u32; 3]>,
     /// For a mesh that follows the particles: which particle each vertex follows. Empty where there is none.
     pub vertices: Vec<u32>,
     /// Rigid parts whose pose is to be read back; empty for a body that is all cloth.
     pub parts: Vec<Part>,
+    /// What it asks of the solver. Boxes ask to be corrected along the start of the step, which keeps their spin.
+    pub settings: BodySettings,
 }
 
 /// A rigid part of a body: the particles that carry it, and where they sit in the part's own frame.
@@ -57,6 +62,14 @@ pub enum BlueprintFault {
         /// Why.
         fault: DistanceFault,
     },
+    /// A constraint that cannot be enforced.
+    #[error("its constraint {index} cannot be enforced: {fault}")]
+    Constraint {
+        /// Which one.
+        index: usize,
+        /// Why.
+        fault: LawFault,
+    },
     /// A triangle with a corner that is no particle, or the same one twice.
     #[error("its triangle {0} does not have three particles for corners")]
     Triangle(usize),
@@ -85,6 +98,11 @@ impl Blueprint {
         for (index, distance) in self.distances.iter().enumerate() {
             if let Some(fault) = distance.fault(count) {
                 return Err(BlueprintFault::Distance { index, fault });
+            }
+        }
+        for (index, constraint) in self.constraints.iter().enumerate() {
+            if let Some(fault) = constraint.fault(count) {
+                return Err(BlueprintFault::Constraint { index, fault });
             }
         }
         for (index, t @ [a, b, c]) in self.triangles.iter().enumerate() {

@@ -3,11 +3,11 @@
 use core::ops::Range;
 
 use super::{Blueprint, BlueprintFault};
-use crate::constraints::Distance;
+use crate::constraints::{Constraint, Distance};
 use crate::simulation::Simulation;
 
 impl Blueprint {
-    /// Adds the particles, distances and triangles to a simulation, and returns the rows of the particles, in the order of the blueprint.
+    /// Adds the particles, constraints and triangles to a simulation, as a body if it asks the solver for anything, and returns the rows of the particles, in the order of the blueprint.
     ///
     /// # Errors
     /// A blueprint that is not in [order](Self::validate) is refused and nothing changes.
@@ -30,6 +30,15 @@ impl Blueprint {
         let offset = first as u32;
         let moved = |d: &Distance| Distance { a: d.a + offset, b: d.b + offset, ..*d };
         simulation.distances_mut().extend(self.distances.iter().map(moved));
+        let moved =
+            |c: &Constraint| Constraint::new(c.rows.iter().map(|row| row + offset), c.law.clone());
+        simulation.constraints_mut().extend(self.constraints.iter().map(moved));
+        if self.settings != Default::default() {
+            let body = simulation.bodies.len() as u32;
+            simulation.bodies.push(self.settings);
+            let rows = first..simulation.particles.len();
+            rows.for_each(|i| simulation.particles.set_body(i, Some(body)));
+        }
         let corners = self.triangles.iter().map(|t| t.map(|i| i + offset));
         simulation.forces.surfaces.extend(corners);
         Ok(first..simulation.particles.len())

@@ -5,22 +5,35 @@
 //! [`Blueprint`] in the body's own coordinates. The same spec gives the same bits on every machine: sums and lengths are
 //! taken in `f64` with plain arithmetic, sines in `libm`, and nothing is ordered by a hash.
 
+mod articulated;
 mod blueprint;
 mod build;
 mod cloth;
 mod cloth_mesh;
+mod hull;
+mod mass;
 mod mesh;
 mod nearest;
 mod ragdoll;
 mod rope;
+mod soft;
+mod solid;
 mod solid_box;
 
+pub use articulated::{ArticulatedFault, ArticulatedSpec, Bone, Joint, articulated};
 pub use blueprint::{Blueprint, BlueprintFault, Part};
 pub use cloth::{ClothFault, ClothMaterial, ClothSpec, cloth_grid, grid_uvs};
 pub use cloth_mesh::cloth_from_mesh;
+pub use hull::{HullFault, convex_hull};
+pub use mass::{MassFault, MassProperties};
 pub use mesh::{Bend, MeshFault, Weld, weld};
 pub use ragdoll::{RagdollFault, RagdollParticle, RagdollSpec, ragdoll};
 pub use rope::{RopeFault, RopeSpec, rope};
+pub use soft::{
+    SoftFault, SoftLatticeSpec, SoftMeshSpec, SoftShape, SoftSurface, soft_lattice,
+    soft_lattice_mesh, soft_mesh,
+};
+pub use solid::{Bulk, SolidFault, SolidLayout, SolidShape, SolidSpec, solid};
 pub use solid_box::{BoxFault, BoxLayout, BoxSpec, box_2d, box_3d};
 
 use std::ops::RangeInclusive;

@@ -1,23 +1,19 @@
 //! A human figure that falls as one: particles at the joints, rods for bones, and inequalities that keep it from folding up.
 //!
-//! The trunk is two rigid frames with depth, thorax and pelvis, which meet in the waist; arms, legs and head are chains of
-//! rods. It stands upright with its arms hanging, elbows and knees a little bent the way they bend.
-//!
-//! What it does not have yet: limits of the angles themselves. A distance cannot tell forward from backward, so an elbow may
-//! still bend the wrong way, the upper arm has no twist, and a rod's picture may turn about its axis. The limits here
-//! are distances between particles on both sides of a joint: coarse, but as cheap and as stable as a bone.
+//! The trunk is two rigid frames with depth, thorax and pelvis, which meet in the waist. Arms and legs hang on it by ball joints, within cones
+//! and limits of twist. Elbow and knee are hinges: both bones hold on to the two ends of a pin, and the signed angle about it keeps them from
+//! bending backward. It stands upright with its arms hanging, elbows and knees a little bent the way they bend.
 
 mod anatomy;
-
-use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
 use self::anatomy::{APART, BONES, FIGURE, LIMITS, Limit, PARTS, Shape};
-use super::blueprint::{Blueprint, Part, gap};
+use super::blueprint::{Blueprint, Part};
 use super::{LENGTHS, MASSES};
-use crate::constraints::{Bound, Distance};
+use crate::constraints::{Bound, Cone, Constraint, Distance, Hinge, Law};
 use crate::particles::ParticleSeed;
+use crate::solve::BodySettings;
 
 /// A ragdoll to build. The default is an adult of 1.75 m and 75 kg.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +35,8 @@ pub enum RagdollFault {
     Mass,
 }
 
-/// The particles of a ragdoll, in the order of [`Blueprint::particles`]. Its own left is towards +x.
+/// The particles of a ragdoll, in the order of [`Blueprint::particles`]. Its own left is towards +x. A pin is the outer end
+/// of the axis of an elbow or a knee; the other end is the joint itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u32)]
 #[allow(missing_docs, reason = "the names say it")]
@@ -61,6 +58,11 @@ pub enum RagdollParticle {
     RightHip,
     RightKnee,
     RightAnkle,
+    Face,
+    LeftElbowPin,
+    LeftKneePin,
+    RightElbowPin,
+    RightKneePin,
 }
 
 impl Default for RagdollSpec {
@@ -80,18 +82,23 @@ impl RagdollParticle {
         match self.index() {
             i @ 5..=10 => FIGURE[i as usize + 6].particle,
             i @ 11..=16 => FIGURE[i as usize - 6].particle,
+            i @ 18..=19 => FIGURE[i as usize + 2].particle,
+            i @ 20..=21 => FIGURE[i as usize - 2].particle,
             _ => self,
         }
     }
 }
 
-/// A human figure of 17 particles ([`RagdollParticle`]) in 11 parts, standing with its soles at y = 0 below the origin of its
+/// As [`articulated`](super::articulated) bodies.
+const SWEEPS: u32 = super::articulated::SWEEPS;
+
+/// A human figure of 22 particles ([`RagdollParticle`]) in 11 parts, standing with its soles at y = 0 below the origin of its
 /// coordinates, and facing +z.
 ///
 /// Each particle's radius is the thickness of the body there, so that it comes to rest on the ground as thick as it is drawn.
 /// Parts are called `"head"`, `"torso"`, `"pelvis"`, `"left upper arm"`, `"left forearm"`, `"left thigh"`, `"left shin"` and
 /// the same on the right. A limb's part is centred on its bone, with y from the far joint to the near one; the others are
-/// upright when the figure stands.
+/// upright when the figure stands. It asks for 12 sweeps, with which its joints yield by a few degrees at most when it lands.
 pub fn ragdoll(spec: &RagdollSpec) -> Result<Blueprint, RagdollFault> {
     if !LENGTHS.contains(&spec.height) {
         return Err(RagdollFault::Height);
@@ -105,8 +112,11 @@ pub fn ragdoll(spec: &RagdollSpec) -> Result<Blueprint, RagdollFault> {
             .with_mass((joint.mass * f64::from(spec.mass)) as f32)
             .with_radius((joint.radius * height) as f32)
     };
-    let mut body =
-        Blueprint { particles: FIGURE.iter().map(seed).collect(), ..Blueprint::default() };
+    let mut body = Blueprint {
+        particles: FIGURE.iter().map(seed).collect(),
+        settings: BodySettings { max_sweeps: Some(SWEEPS), ..BodySettings::default() },
+        ..Blueprint::default()
+    };
     for [a, b] in both_sides(BONES) {
         body.rod(a.index(), b.index());
     }
@@ -115,13 +125,10 @@ pub fn ragdoll(spec: &RagdollSpec) -> Result<Blueprint, RagdollFault> {
         let touching = body.particles[a as usize].radius + body.particles[b as usize].radius;
         body.distances.push(Distance::new(a, b, touching).with_bound(Bound::AtLeast));
     }
-    for limit in LIMITS {
-        let [a, b] = [limit.moved, limit.from];
-        let rest = (limit_distance(limit) * height) as f32;
-        for [a, b] in both_sides(&[[a, b]]) {
-            let tie = Distance::new(a.index(), b.index(), rest).with_bound(limit.bound);
-            body.distances.push(tie);
-        }
+    for (limit, mirror) in LIMITS.iter().flat_map(|limit| [(limit, false), (limit, true)]) {
+        let limit = limited(limit, mirror);
+        // Those of the middle are their own mirror image.
+        body.constraints.extend(limit.filter(|limit| !body.constraints.contains(limit)));
     }
     body.parts = PARTS.iter().map(|part| shaped(part, &body, spec.height)).collect();
     Ok(body)
@@ -138,15 +145,37 @@ fn both_sides(
     })
 }
 
-/// How far the two ends of a limit are from each other, as a share of the height, when the moved one is turned about the
-/// joint as far as it goes (Rodrigues' rotation formula).
-fn limit_distance(limit: &Limit) -> f64 {
-    let at = |particle: RagdollParticle| FIGURE[particle.index() as usize].position;
-    let (arm, axis, angle) =
-        (at(limit.moved) - at(limit.joint), limit.axis, limit.degrees / 180.0 * PI);
-    let (sin, cos) = (libm::sin(angle), libm::cos(angle));
-    let turned = arm * cos + axis.cross(arm) * sin + axis * (axis.dot(arm) * (1.0 - cos));
-    (at(limit.joint) + turned - at(limit.from)).length()
+/// A limit of the table, or its mirror image; angles do not depend on the height.
+fn limited(limit: &Limit, mirror: bool) -> Option<Constraint> {
+    let side = |p: RagdollParticle| if mirror { p.mirrored() } else { p };
+    let at = |p: RagdollParticle| FIGURE[p.index() as usize].position.as_vec3();
+    let turn = |rows: [RagdollParticle; 4], below: f64, above: f64, from: Option<f64>| {
+        let rows = rows.map(side);
+        let now = || f64::from(Hinge::rest(rows.map(at)).min);
+        // A mirror image turns the other way.
+        let (below, above) = if mirror { (above, below) } else { (below, above) };
+        let middle = from.unwrap_or_else(now);
+        let law = Hinge::between(
+            (middle - below.to_radians()) as f32,
+            (middle + above.to_radians()) as f32,
+        );
+        Constraint::new(rows.map(RagdollParticle::index), Law::Hinge(law))
+    };
+    Some(match *limit {
+        Limit::Cone { frame, joint, moved, around, degrees } => {
+            // Of a frame in the middle the mirror image has the same order, or its cross product would point the other way.
+            let [o, x, y] = if frame[0] == side(frame[0]) { frame } else { frame.map(side) };
+            let (joint, moved) = (side(joint), side(moved));
+            let around = if mirror { DVec3::new(-around.x, around.y, around.z) } else { around };
+            let cone =
+                Cone::about(at(o), at(x), at(y), around.as_vec3(), degrees.to_radians() as f32)?;
+            let begin = (joint != o).then_some(joint);
+            let rows = [o, x, y].into_iter().chain(begin).chain([moved]);
+            Constraint::new(rows.map(RagdollParticle::index), Law::Cone(cone))
+        }
+        Limit::Turn { rows, below, above } => turn(rows, below, above, None),
+        Limit::Hinge { rows, below, above } => turn(rows, below, above, Some(std::f64::consts::PI)),
+    })
 }
 
 /// A part of the table for a figure of this height.
@@ -159,10 +188,17 @@ fn shaped(part: &anatomy::Segment, body: &Blueprint, height: f32) -> Part {
             (positions.iter().map(|&p| p - centre).collect(), size * f64::from(height))
         }
         Shape::Limb { thickness } => {
-            let half = DVec3::Y * f64::from(gap(positions[0], positions[1])) * 0.5;
+            let [near, far] = [positions[0], positions[1]].map(Vec3::as_dvec3);
+            let y = (near - far).normalize_or_zero();
+            let x = DVec3::X.reject_from_normalized(y).normalize_or_zero();
+            let axes = [x, y, x.cross(y)];
+            let local = |p: &Vec3| {
+                let from = p.as_dvec3() - (near + far) * 0.5;
+                DVec3::from_array(axes.map(|axis| axis.dot(from))).as_vec3()
+            };
             let thickness = thickness * f64::from(height);
-            let size = DVec3::new(thickness, 2.0 * half.y + thickness, thickness);
-            (vec![half.as_vec3(), (-half).as_vec3()], size)
+            let size = DVec3::new(thickness, near.distance(far) + thickness, thickness);
+            (positions.iter().map(local).collect(), size)
         }
     };
     Part {

@@ -5,6 +5,7 @@ use glam::{DVec3, Vec3};
 
 use super::blueprint::{Blueprint, Part};
 use super::{LENGTHS, MASSES, is_drag, is_radius};
+use crate::constraints::Direction;
 use crate::particles::ParticleSeed;
 
 /// A box to build. The default is a cube of 1 m and 1 kg, with its particles at the corners.
@@ -123,6 +124,9 @@ fn tied(spec: &BoxSpec, count: u32, size: Vec3) -> Blueprint {
             body.rod(a, b);
         }
     }
+    // Rods bleed the spin of what they hold unless they act along where they were. Hitting the ground takes more sweeps that way.
+    body.settings.direction = Some(Direction::StepStart);
+    body.settings.max_sweeps = Some(8);
     body.parts = vec![Part { name: "box", particles: (0..count).collect(), rest, size: spec.size }];
     body
 }

@@ -9,123 +9,183 @@
 
 use core::ops::Range;
 
-use crate::constraints::{Bound, Distance};
+use crate::constraints::{Bound, Constraint, Distance, Law};
+use crate::solve::SolverSettings;
 
-/// The distances in solving order, and what a sweep needs beside them. Compiled when the topology changes; scratch, never saved.
+/// The distances and constraints in solving order, and what a sweep needs beside them. Compiled when the topology changes; scratch, never saved.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Plan {
     /// The distances, island after island, group after group; within a group in the order given.
     pub(crate) distances: Vec<Distance>,
     /// The multiplier that each distance has summed up in this substep.
     pub(crate) lambdas: Vec<f32>,
-    /// The groups of `distances`. In an island what is soft or one-sided comes first, then the hard rods, colour by colour: bones have the
-    /// last word over the limits of their joints.
+    /// All other constraints, in the same way.
+    pub(crate) constraints: Vec<Constraint>,
+    /// The multiplier that each constraint has summed up in this substep.
+    pub(crate) multipliers: Vec<f32>,
+    /// The groups of both. In an island what is soft or one-sided comes first, then the hard rods, colour by colour: bones have the last word
+    /// over the limits of their joints. Rigid shapes come after those.
     pub(crate) groups: Vec<Group>,
     /// The islands, in the order of their first particles. Every particle is in one.
     pub(crate) islands: Vec<Island>,
     /// The rows of the particles, island after island, ascending in each.
     pub(crate) members: Vec<u32>,
+    /// The number of each particle's island.
+    pub(crate) island_of: Vec<u32>,
     /// How many rows it was compiled for.
     pub(crate) rows: usize,
     compiling: Compiling,
 }
 
-/// Distances of one kind and one colour: no two share a particle, except in the overflow.
+/// Constraints of one kind and one colour: no two share a particle, except in the overflow.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Group {
-    /// Where they are in the plan.
+    /// Which list they are in, and which kernel serves them.
+    pub(crate) kind: Kind,
+    /// Where they are in that list.
     pub(crate) range: Range<usize>,
-    /// Hard rods, which the shortest kernel serves.
-    pub(crate) rods: bool,
 }
 
-/// Particles that distances connect, and those distances.
+/// The kinds of groups.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// Of the plan's constraints, by their equations.
+    Constraints,
+    /// Of the plan's distances, by the general kernel.
+    Distances,
+    /// Of the plan's distances, hard ones of equality, by the shortest kernel.
+    Rods,
+}
+
+/// Particles that constraints connect, and those constraints.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Island {
     /// Where its groups are among the plan's.
     pub(crate) groups: Range<usize>,
     /// Where its particles are among the plan's members.
     pub(crate) members: Range<usize>,
+    /// Whether a compound in it moves as an explicit rigid body, which keeps its own momenta.
+    pub(crate) rigid: bool,
+    /// How it is solved in this step: the world's settings, and those of the bodies in it.
+    pub(crate) settings: SolverSettings,
 }
 
 /// What compiling needs; kept for its memory.
 #[derive(Clone, Debug, Default)]
 struct Compiling {
-    /// The colours that each particle's distances have used.
+    /// The colours that each particle's constraints have used.
     used: Vec<u64>,
     /// Union-find: towards the first particle of the island.
     parent: Vec<u32>,
-    /// The number of each particle's island.
-    island: Vec<u32>,
-    /// Sorting key and number of each sound distance.
-    keys: Vec<(u64, u32)>,
+    /// Sorting key, list and number of each sound constraint.
+    keys: Vec<(u64, Kind, u32)>,
 }
 
 /// The colour of what found no other: a particle in more than 64 constraints. Solved one after the other, which is always right.
 const OVERFLOW: u32 = 64;
-/// Added to the colour of a rod, so that rods come after the rest of their island.
-const ROD: u32 = 128;
+/// Room for the colours of one rank of groups.
+const RANK: u32 = 128;
+/// The rank of distances: after the laws that precede them.
+const DISTANCES: u32 = 32;
+/// The rank of rods, after the rest of their island.
+const RODS: u32 = 33;
+/// The rank of rigid shapes.
+const RIGID: u32 = 34;
 
 impl Plan {
-    /// Compiles the valid ones among `distances`, for `particles` rows. Keeps its memory.
+    /// Compiles the valid ones among `distances` and `constraints`, for `particles` rows. Keeps its memory.
     ///
-    /// Greedy colouring: each constraint takes the lowest colour that neither of its particles has used. The grid of a cloth needs 8 colours
+    /// Greedy colouring: each constraint takes the lowest colour that none of its particles has used. The grid of a cloth needs 8 colours
     /// that way, a mesh some 13. A pinned particle (of infinite mass) belongs to the island of what hangs on it, and joins several into one.
-    pub(crate) fn compile(&mut self, distances: &[Distance], particles: usize) {
+    pub(crate) fn compile(
+        &mut self,
+        distances: &[Distance],
+        constraints: &[Constraint],
+        particles: usize,
+    ) {
         self.rows = particles;
-        let sound = |d: &Distance| d.fault(particles).is_none();
-        self.find_islands(distances.iter().filter(|d| sound(d)), particles);
+        let sound: Vec<bool> = constraints.iter().map(|c| c.fault(particles).is_none()).collect();
+        let bound = || constraints.iter().zip(0..).zip(&sound).filter(|(_, sound)| **sound);
+        let kept = || {
+            distances
+                .iter()
+                .zip(0..)
+                .filter(|(d, _): &(&Distance, u32)| d.fault(particles).is_none())
+        };
 
-        let Compiling { used, island, keys, .. } = &mut self.compiling;
+        let parent = &mut self.compiling.parent;
+        parent.clear();
+        parent.extend(0..particles as u32);
+        for (d, _) in kept() {
+            unite(parent, d.a, d.b);
+        }
+        for ((c, _), _) in bound() {
+            c.rows.iter().for_each(|&row| unite(parent, c.rows[0], row));
+        }
+        self.number_islands(particles);
+
+        let Compiling { used, keys, .. } = &mut self.compiling;
         used.clear();
         used.resize(particles, 0);
         keys.clear();
-        for (distance, number) in distances.iter().zip(0..).filter(|(d, _)| sound(d)) {
-            let (a, b) = (distance.a as usize, distance.b as usize);
-            let colour = (!(used[a] | used[b])).trailing_zeros();
-            if colour < OVERFLOW {
-                used[a] |= 1 << colour;
-                used[b] |= 1 << colour;
-            }
-            let rod = distance.compliance == 0.0 && distance.bound == Bound::Equal;
-            let group = colour + if rod { ROD } else { 0 };
-            keys.push((u64::from(island[a]) << 32 | u64::from(group), number));
+        for (distance, number) in kept() {
+            let rod = distance.softness.is_hard() && distance.bound == Bound::Equal;
+            let colour = colour(used, &[distance.a, distance.b]);
+            let (rank, kind) = if rod { (RODS, Kind::Rods) } else { (DISTANCES, Kind::Distances) };
+            let island = self.island_of[distance.a as usize];
+            keys.push((key(island, rank, colour), kind, number));
         }
-        keys.sort_unstable();
+        for ((constraint, number), _) in bound() {
+            let colour = colour(used, &constraint.rows);
+            let rigid = matches!(constraint.law, Law::Rigid(_));
+            let rank = if rigid { RIGID } else { constraint.law.rank() };
+            let island = self.island_of[constraint.rows[0] as usize];
+            keys.push((key(island, rank, colour), Kind::Constraints, number));
+        }
+        // Every key has one kind, and numbers are unique in it.
+        keys.sort_unstable_by_key(|&(key, _, number)| (key, number));
 
+        let keys = core::mem::take(&mut self.compiling.keys);
+        self.take_in_order(distances, constraints, &keys);
+        self.compiling.keys = keys;
+    }
+
+    /// Copies the constraints in the order of their keys, and cuts them into groups.
+    fn take_in_order(
+        &mut self,
+        distances: &[Distance],
+        constraints: &[Constraint],
+        keys: &[(u64, Kind, u32)],
+    ) {
         self.distances.clear();
-        self.distances.extend(keys.iter().map(|&(_, number)| distances[number as usize]));
-        self.lambdas.clear();
-        self.lambdas.resize(self.distances.len(), 0.0);
+        self.constraints.clear();
         self.groups.clear();
-        let mut begin = 0;
-        for run in keys.chunk_by(|(one, _), (other, _)| one == other) {
-            let (island, rods) = ((run[0].0 >> 32) as usize, run[0].0 as u32 >= ROD);
-            let range = begin..begin + run.len();
-            begin = range.end;
+        for run in keys.chunk_by(|(one, ..), (other, ..)| one == other) {
+            let (island, kind) = ((run[0].0 >> 32) as usize, run[0].1);
+            let numbers = run.iter().map(|&(.., number)| number as usize);
+            let range = if kind == Kind::Constraints {
+                self.constraints.extend(numbers.map(|number| constraints[number].clone()));
+                self.constraints.len() - run.len()..self.constraints.len()
+            } else {
+                self.distances.extend(numbers.map(|number| distances[number]));
+                self.distances.len() - run.len()..self.distances.len()
+            };
             let island = &mut self.islands[island];
             if island.groups.is_empty() {
                 island.groups = self.groups.len()..self.groups.len();
             }
             island.groups.end += 1;
-            self.groups.push(Group { range, rods });
+            self.groups.push(Group { kind, range });
         }
+        self.lambdas.clear();
+        self.lambdas.resize(self.distances.len(), 0.0);
+        self.multipliers.clear();
+        self.multipliers.resize(self.constraints.len(), 0.0);
     }
 
     /// Numbers the islands by their first particles, and lists the members of each.
-    fn find_islands<'a>(
-        &mut self,
-        distances: impl Iterator<Item = &'a Distance>,
-        particles: usize,
-    ) {
-        let Compiling { parent, island, .. } = &mut self.compiling;
-        parent.clear();
-        parent.extend(0..particles as u32);
-        for distance in distances {
-            let (a, b) = (root(parent, distance.a), root(parent, distance.b));
-            // Towards the smaller row, so that the root of an island is its first particle.
-            parent[a.max(b) as usize] = a.min(b);
-        }
+    fn number_islands(&mut self, particles: usize) {
+        let (parent, island) = (&mut self.compiling.parent, &mut self.island_of);
         self.islands.clear();
         island.clear();
         for row in 0..particles as u32 {
@@ -153,6 +213,26 @@ impl Plan {
             members.end += 1;
         }
     }
+}
+
+fn key(island: u32, rank: u32, colour: u32) -> u64 {
+    u64::from(island) << 32 | u64::from(rank * RANK + colour)
+}
+
+/// The lowest colour that none of the particles has used, which they now have; [`OVERFLOW`] if there is none.
+fn colour(used: &mut [u64], rows: &[u32]) -> u32 {
+    let taken = rows.iter().fold(0, |taken, &row| taken | used[row as usize]);
+    let colour = (!taken).trailing_zeros();
+    if colour < OVERFLOW {
+        rows.iter().for_each(|&row| used[row as usize] |= 1 << colour);
+    }
+    colour
+}
+
+/// Joins the islands of two particles, towards the smaller row, so that the root of an island is its first particle.
+fn unite(parent: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (root(parent, a), root(parent, b));
+    parent[a.max(b) as usize] = a.min(b);
 }
 
 /// The first particle of the island of `row`, shortening the way for the next time (path halving).
@@ -184,7 +264,7 @@ mod tests {
             }
         }
         let mut plan = Plan::default();
-        plan.compile(&distances, (columns * rows) as usize);
+        plan.compile(&distances, &[], (columns * rows) as usize);
         assert_eq!(plan.distances.len(), distances.len());
         assert!(plan.groups.len() <= 16, "{}", plan.groups.len());
         for group in &plan.groups {
@@ -199,7 +279,7 @@ mod tests {
     fn a_hub_of_a_hundred_spokes_overflows_and_is_still_all_there() {
         let distances: Vec<_> = (1..=100).map(|i| Distance::new(0, i, 1.0)).collect();
         let mut plan = Plan::default();
-        plan.compile(&distances, 101);
+        plan.compile(&distances, &[], 101);
         assert_eq!(plan.distances.len(), 100);
         assert_eq!(plan.groups.len(), 65);
         assert_eq!(plan.groups.last().unwrap().range.len(), 36);
@@ -210,7 +290,7 @@ mod tests {
         let distances =
             [Distance::new(4, 1, 1.0), Distance::new(0, 3, 1.0), Distance::new(3, 5, 1.0)];
         let mut plan = Plan::default();
-        plan.compile(&distances, 7);
+        plan.compile(&distances, &[], 7);
         let members: Vec<_> =
             plan.islands.iter().map(|i| &plan.members[i.members.clone()]).collect();
         assert_eq!(members, [&[0, 3, 5][..], &[1, 4], &[2], &[6]]);
@@ -223,8 +303,8 @@ mod tests {
     fn an_island_is_compiled_the_same_whatever_stands_beside_it() {
         let body = |first: u32| (0..5).map(move |i| Distance::new(first + i, first + i + 1, 1.0));
         let (mut alone, mut beside) = (Plan::default(), Plan::default());
-        alone.compile(&body(0).collect::<Vec<_>>(), 6);
-        beside.compile(&body(6).chain(body(0)).collect::<Vec<_>>(), 12);
+        alone.compile(&body(0).collect::<Vec<_>>(), &[], 6);
+        beside.compile(&body(6).chain(body(0)).collect::<Vec<_>>(), &[], 12);
         assert_eq!(beside.distances[..5], alone.distances[..]);
         assert_eq!(beside.groups[..2], alone.groups[..]);
     }
@@ -234,8 +314,8 @@ mod tests {
         let good = [Distance::new(0, 1, 1.0), Distance::new(2, 3, 2.0)];
         let bad = Distance::new(1, 1, 1.0);
         let (mut with, mut without) = (Plan::default(), Plan::default());
-        with.compile(&[good[0], bad, good[1], Distance::new(0, 9, 1.0)], 4);
-        without.compile(&good, 4);
+        with.compile(&[good[0], bad, good[1], Distance::new(0, 9, 1.0)], &[], 4);
+        without.compile(&good, &[], 4);
         assert_eq!(with.distances, without.distances);
         assert_eq!(with.groups, without.groups);
     }

@@ -17,4 +17,29 @@ pub struct SolverReport {
     pub strain: f32,
     /// Rows that turned non-finite and were put back to where the step began, at rest.
     pub frozen: Vec<u32>,
+    /// The islands one by one, in the order of their first particles.
+    pub islands: Vec<IslandReport>,
+}
+
+/// How the last step of one island went: of particles that constraints connect, and so of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IslandReport {
+    /// Sweeps, summed over the substeps.
+    pub sweeps: u32,
+    /// Whether it met the tolerance in every substep.
+    pub converged: bool,
+    /// Substeps in which it turned too fast to be corrected along the start of the step.
+    pub fallbacks: u32,
+    /// Largest error left in a hard constraint, metres.
+    pub error: f32,
+    /// Largest error left in a hard distance as a share of its rest length.
+    pub strain: f32,
+    /// Time that solving it took, seconds; zero unless [`SolverSettings::timed`](super::SolverSettings::timed). Not part of any state.
+    pub seconds: f64,
+}
+
+impl Default for IslandReport {
+    fn default() -> Self {
+        Self { sweeps: 0, converged: true, fallbacks: 0, error: 0.0, strain: 0.0, seconds: 0.0 }
+    }
 }

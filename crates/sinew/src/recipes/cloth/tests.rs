@@ -29,7 +29,7 @@ fn every_tie_is_at_rest_and_the_mass_is_that_of_the_area() {
         let (columns, rows) = (n + 1, m + 1);
         let ties = n * rows + m * columns + 2 * n * m + (n - 1) * rows + (m - 1) * columns;
         assert_eq!(body.distances.len(), ties as usize);
-        let soft = body.distances.iter().filter(|d| d.compliance == 1.0).count();
+        let soft = body.distances.iter().filter(|d| !d.softness.is_hard()).count();
         assert_eq!(soft, ((n - 1) * rows + (m - 1) * columns) as usize);
     }
 }

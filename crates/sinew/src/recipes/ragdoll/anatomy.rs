@@ -3,7 +3,7 @@
 //! Heights, breadths and lengths: Drillis & Contini, *Body Segment Parameters* (1966), as drawn in Winter, *Biomechanics and
 //! Motor Control of Human Movement*, fig. 4.1: chin 0.870, shoulder 0.818, hip 0.530, knee 0.285 and ankle 0.039 above the
 //! ground; half the shoulder breadth 0.129, hip breadth 0.191, upper arm 0.186, forearm 0.146, hand 0.108. The neck, sternum,
-//! waist and pelvis particles and all depths and thicknesses are ours, chosen for a figure that looks the part.
+//! waist, pelvis and face particles, the pins and all depths and thicknesses are ours, chosen for a figure that looks the part.
 //!
 //! Masses: Winter, table 4.1 (after Dempster 1955): head and neck 0.081, thorax 0.216, abdomen 0.139, pelvis 0.142; each
 //! upper arm 0.028, forearm 0.016, hand 0.006, thigh 0.100, shank 0.0465, foot 0.0145. A limb's mass goes to the two ends of
@@ -13,7 +13,6 @@
 use glam::DVec3;
 
 use super::RagdollParticle::{self, *};
-use crate::constraints::Bound;
 
 /// A particle of the figure.
 #[derive(Clone, Copy)]
@@ -24,15 +23,21 @@ pub(super) struct Joint {
     pub(super) mass: f64,
 }
 
-/// "Turning `moved` about `joint` around `axis` (right-handed) by so many degrees brings it to its limit": from then on its
-/// distance from `from` is bounded.
-pub(super) struct Limit {
-    pub(super) moved: RagdollParticle,
-    pub(super) joint: RagdollParticle,
-    pub(super) axis: DVec3,
-    pub(super) degrees: f64,
-    pub(super) from: RagdollParticle,
-    pub(super) bound: Bound,
+/// A limit of a joint, in degrees.
+pub(super) enum Limit {
+    /// What leads from `joint` to `moved` stays within an angle of a direction that is fixed in the frame of three particles.
+    Cone {
+        frame: [RagdollParticle; 3],
+        joint: RagdollParticle,
+        moved: RagdollParticle,
+        around: DVec3,
+        degrees: f64,
+    },
+    /// The angle about the axis of the second and third particle from the first to the fourth, from so many degrees below to so many above
+    /// what it is in the standing figure.
+    Turn { rows: [RagdollParticle; 4], below: f64, above: f64 },
+    /// The same, but counted from straight.
+    Hinge { rows: [RagdollParticle; 4], below: f64, above: f64 },
 }
 
 /// A part to draw.
@@ -46,7 +51,7 @@ pub(super) struct Segment {
 pub(super) enum Shape {
     /// A box about a centre, upright while the figure stands.
     Box { centre: DVec3, size: DVec3 },
-    /// A capsule along the bone from the first particle to the second.
+    /// A capsule along the bone from the first particle to the second; the third is beside it.
     Limb { thickness: f64 },
 }
 
@@ -56,9 +61,15 @@ const FOREARM_FAR: f64 = 0.016 * 0.430 * 0.146 / (0.146 + 0.055);
 const THIGH_FAR: f64 = 0.100 * 0.433;
 const SHIN_FAR: f64 = 0.0465 * 0.433;
 
+const ELBOW: f64 = UPPER_ARM_FAR + 0.016 - FOREARM_FAR;
+const KNEE: f64 = THIGH_FAR + 0.0465 - SHIN_FAR;
+/// Share of the mass of an elbow or a knee that its pin has: as much as gives the pin a say in what its limits push.
+const PIN: f64 = 0.4;
+
 /// Particles in the order of their numbers: the middle, the left, the right.
-pub(super) const FIGURE: [Joint; 17] = [
-    joint(Head, [0.0, 0.935, -0.01], 0.065, 0.081),
+pub(super) const FIGURE: [Joint; 22] = [
+    // Head 0.081 = its middle 0.061 + the face 0.020.
+    joint(Head, [0.0, 0.935, -0.01], 0.065, 0.061),
     // Thorax 0.216 = neck 0.016 + sternum 0.14 + shoulders 0.03 each; abdomen = waist.
     joint(Neck, [0.0, 0.850, -0.01], 0.030, 0.016),
     joint(Sternum, [0.0, 0.720, 0.04], 0.040, 0.140),
@@ -77,16 +88,27 @@ pub(super) const FIGURE: [Joint; 17] = [
     mirrored(LEFT[3], RightHip),
     mirrored(LEFT[4], RightKnee),
     mirrored(LEFT[5], RightAnkle),
+    joint(Face, [0.0, 0.920, 0.045], 0.015, 0.020),
+    LEFT_PINS[0],
+    LEFT_PINS[1],
+    mirrored(LEFT_PINS[0], RightElbowPin),
+    mirrored(LEFT_PINS[1], RightKneePin),
 ];
 
 /// One side.
 const LEFT: [Joint; 6] = [
     joint(LeftShoulder, [0.129, 0.818, 0.0], 0.030, 0.030 + 0.028 - UPPER_ARM_FAR),
-    joint(LeftElbow, [0.129, 0.632, -0.008], 0.022, UPPER_ARM_FAR + 0.016 - FOREARM_FAR),
+    joint(LeftElbow, [0.129, 0.632, -0.008], 0.022, (1.0 - PIN) * ELBOW),
     joint(LeftHand, [0.129, 0.431, 0.012], 0.025, FOREARM_FAR + 0.006),
     joint(LeftHip, [0.050, 0.530, 0.0], 0.045, 0.046 + 0.100 - THIGH_FAR),
-    joint(LeftKnee, [0.050, 0.285, 0.010], 0.033, THIGH_FAR + 0.0465 - SHIN_FAR),
+    joint(LeftKnee, [0.050, 0.285, 0.010], 0.033, (1.0 - PIN) * KNEE),
     joint(LeftAnkle, [0.050, 0.039, 0.0], 0.039, SHIN_FAR + 0.0145),
+];
+
+/// The outer ends of the pins about which elbow and knee turn: the outer knob of the bone, where the limb is thickest.
+const LEFT_PINS: [Joint; 2] = [
+    joint(LeftElbowPin, [0.164, 0.632, -0.008], 0.0, PIN * ELBOW),
+    joint(LeftKneePin, [0.090, 0.285, 0.010], 0.0, PIN * KNEE),
 ];
 
 /// Rods; those of the left stand for both sides. Thorax and pelvis have all their pairs: rigid.
@@ -107,6 +129,14 @@ pub(super) const BONES: &[[RagdollParticle; 2]] = &[
     [LeftElbow, LeftHand],
     [LeftHip, LeftKnee],
     [LeftKnee, LeftAnkle],
+    [Head, Face],
+    [Neck, Face],
+    [LeftShoulder, LeftElbowPin],
+    [LeftElbow, LeftElbowPin],
+    [LeftElbowPin, LeftHand],
+    [LeftHip, LeftKneePin],
+    [LeftKnee, LeftKneePin],
+    [LeftKneePin, LeftAnkle],
 ];
 
 /// Particles that come no nearer than their radii together, so that limbs do not pass through each other and the trunk.
@@ -121,37 +151,39 @@ pub(super) const APART: &[[RagdollParticle; 2]] = &[
     [LeftHand, Head],
 ];
 
-/// Axes that turn what hangs below its joint (an arm, a leg) or stands above it (the trunk, the head) in the named direction.
-const FORWARD_BELOW: DVec3 = DVec3::NEG_X;
-const BACK_BELOW: DVec3 = DVec3::X;
-const FORWARD_ABOVE: DVec3 = DVec3::X;
-const LEFT_ABOVE: DVec3 = DVec3::NEG_Z;
-const LEFT_BELOW: DVec3 = DVec3::Z;
-
 /// Limits; those of the left stand for both sides. The angles are rounded from the ranges of motion of the American Academy of
-/// Orthopaedic Surgeons (*Joint Motion*, 1965), less what thick limbs cannot do.
+/// Orthopaedic Surgeons (*Joint Motion*, 1965), less what thick limbs cannot do; x is to the figure's left, y up, z ahead.
+///
+/// A twist is measured from a particle of the trunk, and means nothing where the limb points at that: so it is measured from one that the cone
+/// keeps it from, save for the upper arm, which reaches everywhere; there it is wide.
 pub(super) const LIMITS: &[Limit] = &[
-    // Neck: 45° from the line of the spine, all around.
-    limit(Head, Neck, FORWARD_ABOVE, 45.0, Waist, Bound::AtLeast),
-    // Waist: bends 45° forward, 35° to a side, twists 45°, which is also some 25° back.
-    limit(Sternum, Waist, FORWARD_ABOVE, 45.0, Pelvis, Bound::AtLeast),
-    limit(LeftShoulder, Waist, LEFT_ABOVE, 35.0, LeftHip, Bound::AtLeast),
-    limit(Sternum, Waist, DVec3::NEG_Y, 45.0, LeftHip, Bound::AtMost),
-    // Shoulder: across the chest by 45°.
-    limit(LeftElbow, LeftShoulder, DVec3::NEG_Z, 45.0, RightShoulder, Bound::AtLeast),
-    // Elbow: 140°.
-    limit(LeftHand, LeftElbow, FORWARD_BELOW, 140.0, LeftShoulder, Bound::AtLeast),
-    // Hip: 110° forward, 30° back, 45° outward.
-    limit(LeftKnee, LeftHip, FORWARD_BELOW, 110.0, Waist, Bound::AtLeast),
-    limit(LeftKnee, LeftHip, BACK_BELOW, 30.0, Pelvis, Bound::AtMost),
-    limit(LeftKnee, LeftHip, LEFT_BELOW, 45.0, RightHip, Bound::AtMost),
-    // Knee: 135°.
-    limit(LeftAnkle, LeftKnee, BACK_BELOW, 135.0, LeftHip, Bound::AtLeast),
+    // Neck: bends 45° all around (flexion and extension 45°, to a side 45°) and turns 60° to a side.
+    cone_from([Waist, LeftShoulder, RightShoulder], [Neck, Head], [0.0, 1.0, 0.0], 45.0),
+    turn([LeftShoulder, Neck, Head, Face], 60.0, 60.0),
+    // Spine: ahead 47° (of 80°, the rest being the hips'), back 27° (25°), to a side 36° (35°); turns 40° (45°).
+    cone([Waist, LeftHip, RightHip], Neck, [0.0, 0.966, 0.259], 37.0),
+    turn([Pelvis, Waist, Neck, LeftShoulder], 40.0, 40.0),
+    // Shoulder: up to 180° ahead and to the side, 55° back (60°), across the body 56° hanging and level; turns 90° to either side.
+    cone([LeftShoulder, RightShoulder, Waist], LeftElbow, [0.652, -0.351, 0.672], 110.0),
+    turn([Sternum, LeftShoulder, LeftElbow, LeftElbowPin], 90.0, 90.0),
+    // Elbow: closes by 145° (150°), and not beyond straight.
+    Limit::Hinge {
+        rows: [LeftShoulder, LeftElbow, LeftElbowPin, LeftHand],
+        below: 145.0,
+        above: 0.0,
+    },
+    // Hip: ahead 117° (120°), back 27° (30°); outward 45°, inward 30°; turns 45° either way.
+    cone([LeftHip, RightHip, Waist], LeftKnee, [0.0, -0.707, 0.707], 72.0),
+    cone([LeftHip, RightHip, Waist], LeftKnee, [-1.0, 0.0, 0.0], 135.0),
+    cone([LeftHip, RightHip, Waist], LeftKnee, [1.0, 0.0, 0.0], 120.0),
+    turn([RightHip, LeftHip, LeftKnee, LeftKneePin], 45.0, 45.0),
+    // Knee: closes by 135°, and not beyond straight.
+    Limit::Hinge { rows: [LeftHip, LeftKnee, LeftKneePin, LeftAnkle], below: 0.0, above: 135.0 },
 ];
 
 /// The parts. The torso's box spans shoulders and chest; the head's box is as tall as from chin to crown.
 pub(super) const PARTS: &[Segment] = &[
-    boxed("head", &[Head, Neck], [0.0, 0.935, -0.01], [0.090, 0.130, 0.110]),
+    boxed("head", &[Head, Neck, Face], [0.0, 0.935, -0.01], [0.090, 0.130, 0.110]),
     boxed(
         "torso",
         &[Neck, Sternum, Waist, LeftShoulder, RightShoulder],
@@ -159,14 +191,14 @@ pub(super) const PARTS: &[Segment] = &[
         [0.230, 0.240, 0.140],
     ),
     boxed("pelvis", &[Waist, Pelvis, LeftHip, RightHip], [0.0, 0.545, 0.0], [0.191, 0.110, 0.140]),
-    limb("left upper arm", &[LeftShoulder, LeftElbow], 0.052),
-    limb("left forearm", &[LeftElbow, LeftHand], 0.044),
-    limb("left thigh", &[LeftHip, LeftKnee], 0.086),
-    limb("left shin", &[LeftKnee, LeftAnkle], 0.066),
-    limb("right upper arm", &[RightShoulder, RightElbow], 0.052),
-    limb("right forearm", &[RightElbow, RightHand], 0.044),
-    limb("right thigh", &[RightHip, RightKnee], 0.086),
-    limb("right shin", &[RightKnee, RightAnkle], 0.066),
+    limb("left upper arm", &[LeftShoulder, LeftElbow, LeftElbowPin], 0.052),
+    limb("left forearm", &[LeftElbow, LeftHand, LeftElbowPin], 0.044),
+    limb("left thigh", &[LeftHip, LeftKnee, LeftKneePin], 0.086),
+    limb("left shin", &[LeftKnee, LeftAnkle, LeftKneePin], 0.066),
+    limb("right upper arm", &[RightShoulder, RightElbow, RightElbowPin], 0.052),
+    limb("right forearm", &[RightElbow, RightHand, RightElbowPin], 0.044),
+    limb("right thigh", &[RightHip, RightKnee, RightKneePin], 0.086),
+    limb("right shin", &[RightKnee, RightAnkle, RightKneePin], 0.066),
 ];
 
 const fn joint(particle: RagdollParticle, [x, y, z]: [f64; 3], radius: f64, mass: f64) -> Joint {
@@ -179,15 +211,27 @@ const fn mirrored(left: Joint, particle: RagdollParticle) -> Joint {
     Joint { particle, position, ..left }
 }
 
-const fn limit(
+/// About the first particle of the frame.
+const fn cone(
+    frame: [RagdollParticle; 3],
     moved: RagdollParticle,
-    joint: RagdollParticle,
-    axis: DVec3,
+    around: [f64; 3],
     degrees: f64,
-    from: RagdollParticle,
-    bound: Bound,
 ) -> Limit {
-    Limit { moved, joint, axis, degrees, from, bound }
+    cone_from(frame, [frame[0], moved], around, degrees)
+}
+
+const fn cone_from(
+    frame: [RagdollParticle; 3],
+    [joint, moved]: [RagdollParticle; 2],
+    [x, y, z]: [f64; 3],
+    degrees: f64,
+) -> Limit {
+    Limit::Cone { frame, joint, moved, around: DVec3::new(x, y, z), degrees }
+}
+
+const fn turn(rows: [RagdollParticle; 4], below: f64, above: f64) -> Limit {
+    Limit::Turn { rows, below, above }
 }
 
 const fn boxed(
@@ -203,7 +247,7 @@ const fn boxed(
 
 const fn limb(
     name: &'static str,
-    particles: &'static [RagdollParticle; 2],
+    particles: &'static [RagdollParticle; 3],
     thickness: f64,
 ) -> Segment {
     Segment { name, particles, shape: Shape::Limb { thickness } }

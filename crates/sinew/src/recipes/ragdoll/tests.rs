@@ -1,7 +1,10 @@
 //! What the figure must be: at rest, symmetrical, as heavy and as tall as asked.
 
 use super::*;
+use crate::constraints::checks::{Random, evaluate};
 use crate::recipes::blueprint::checks::assert_at_rest;
+use crate::recipes::blueprint::gap;
+use crate::{Plane, Simulation};
 
 fn adult() -> Blueprint {
     ragdoll(&RagdollSpec::default()).unwrap()
@@ -18,7 +21,7 @@ fn it_stands_at_rest_as_heavy_and_tall_as_asked() {
         assert!(sole.abs() < 1e-6 * height && (top / height - 1.0).abs() < 1e-6, "{sole} {top}");
     }
     let body = adult();
-    assert_eq!((body.particles.len(), body.parts.len()), (17, 11));
+    assert_eq!((body.particles.len(), body.parts.len()), (22, 11));
 }
 
 #[test]
@@ -64,9 +67,14 @@ fn parts_agree_with_their_particles() {
     }
     let drawn = |name: &str| body.parts.iter().find(|p| p.name == name).unwrap();
     let shin = drawn("left shin");
-    let ends = [RagdollParticle::LeftKnee, RagdollParticle::LeftAnkle];
+    let ends =
+        [RagdollParticle::LeftKnee, RagdollParticle::LeftAnkle, RagdollParticle::LeftKneePin];
     assert_eq!(shin.particles, ends.map(RagdollParticle::index));
-    assert!(shin.rest[0].y > 0.2 && shin.rest[0] == -shin.rest[1]);
+    assert!(
+        shin.rest[0].y > 0.2
+            && (shin.rest[0] + shin.rest[1]).length() < 1e-6
+            && shin.rest[2].x > 0.05
+    );
 }
 
 #[test]
@@ -102,4 +110,124 @@ fn a_figure_without_a_height_or_mass_is_refused() {
         let spec = RagdollSpec { mass, ..RagdollSpec::default() };
         assert_eq!(ragdoll(&spec), Err(RagdollFault::Mass));
     }
+}
+
+/// By how much the worst limit is exceeded, degrees, and which it is.
+fn excess(world: &Simulation) -> (f32, usize) {
+    let one = |c: &Constraint| {
+        let places: Vec<Vec3> =
+            c.rows.iter().map(|&i| world.particles.position(i as usize)).collect();
+        evaluate(c.law.equation(), &places).0.abs() * (180.0 / core::f32::consts::PI)
+    };
+    let all = world.constraints().iter().map(one).zip(0..);
+    all.fold((0.0, 0), |worst, one| if one.0 > worst.0 { one } else { worst })
+}
+
+/// Largest error of a bone as a share of its length.
+fn strain(world: &Simulation) -> f32 {
+    let bones = world.distances().iter().filter(|d| d.bound == Bound::Equal);
+    let one = |d: &Distance| {
+        let [a, b] = [d.a, d.b].map(|i| world.particles.position(i as usize));
+        d.error(a, b) / d.rest
+    };
+    bones.map(one).fold(0.0, f32::max)
+}
+
+#[test]
+fn the_standing_figure_is_within_all_its_limits_and_they_are_mirror_images() {
+    let body = adult();
+    let mut world = Simulation::default();
+    body.build(&mut world).unwrap();
+    assert_eq!(excess(&world).0, 0.0);
+    println!("{} rods and struts, {} limits", body.distances.len(), body.constraints.len());
+    // A pose on one side, and its image on the other, are as far beyond.
+    let mut random = Random::new(5);
+    for _ in 0..20 {
+        for joint in FIGURE.map(|joint| joint.particle) {
+            let p = FIGURE[joint.index() as usize].position.as_vec3() + random.vector() * 0.3;
+            world.particles.set_position(joint.index() as usize, p);
+        }
+        let mut image = world.clone();
+        for joint in FIGURE.map(|joint| joint.particle) {
+            let p = world.particles.position(joint.mirrored().index() as usize);
+            image.particles.set_position(joint.index() as usize, Vec3::new(-p.x, p.y, p.z));
+        }
+        let [(a, _), (b, _)] = [&world, &image].map(excess);
+        assert!((a - b).abs() < 0.1, "{a} {b}");
+    }
+}
+
+/// The figure pinned at the hips and shoulders, with a limb thrown about: how far its bones turn.
+fn thrown(moved: RagdollParticle, joint: RagdollParticle, velocity: Vec3) -> f32 {
+    let mut body = adult();
+    let held =
+        [joint, RagdollParticle::LeftHip, RagdollParticle::LeftShoulder, RagdollParticle::Waist];
+    held.iter().for_each(|p| body.pin(p.index()).unwrap());
+    let mut world = Simulation::default();
+    world.forces.gravity = Vec3::ZERO;
+    body.build(&mut world).unwrap();
+    world.particles.set_velocity(moved.index() as usize, velocity);
+    let mut ahead = 0.0_f32;
+    for _ in 0..60 {
+        world.step(1.0 / 60.0).unwrap();
+        let at = |p: RagdollParticle| world.particles.position(p.index() as usize);
+        let along = at(moved) - at(joint);
+        ahead = ahead.max(libm::atan2f(along.z * velocity.z.signum(), -along.y));
+    }
+    ahead * (180.0 / core::f32::consts::PI)
+}
+
+#[test]
+fn elbows_and_knees_do_not_bend_backward_and_close_as_far_as_they_should() {
+    use RagdollParticle::*;
+    let knee = [10.0, -10.0].map(|v| thrown(LeftAnkle, LeftKnee, Vec3::Z * v));
+    let elbow = [-10.0, 10.0].map(|v| thrown(LeftHand, LeftElbow, Vec3::Z * v));
+    println!("knee {knee:.1?}°, elbow {elbow:.1?}°: the wrong way, and the right way");
+    assert!(knee[0] < 4.0 && elbow[0] < 4.0, "{knee:?} {elbow:?}");
+    assert!(
+        (125.0..140.0).contains(&knee[1]) && (135.0..150.0).contains(&elbow[1]),
+        "{knee:?} {elbow:?}"
+    );
+}
+
+#[test]
+fn a_fall_stretches_no_bone_by_a_percent_and_no_joint_yields_by_more_than_a_few_degrees() {
+    let (mut worst, mut longest, mut sweeps, mut steps) = ((0.0, 0, 0), 0.0_f32, 0, 0);
+    for (number, q) in
+        [[0.0, 0.0, 0.0, 1.0], [0.6, 0.1, 0.3, 0.7], [0.1, 0.2, 0.9, 0.2], [-0.7, 0.0, 0.2, 0.6]]
+            .into_iter()
+            .enumerate()
+    {
+        let mut world = Simulation::default();
+        world.boundaries.planes.push(Plane::ground(0.0));
+        let up = Vec3::Y * (1.0 + number as f32);
+        let turn = glam::Quat::from_xyzw(q[0], q[1], q[2], q[3]);
+        adult().transformed(turn, up).build(&mut world).unwrap();
+        world.particles.add_impulse(number * 5, Vec3::new(8.0, 0.0, -12.0));
+        for tick in 0..300 {
+            sweeps += world.step(1.0 / 60.0).unwrap().sweeps;
+            steps += 1;
+            let (beyond, which) = excess(&world);
+            if beyond > worst.0 {
+                worst = (beyond, which, tick);
+            }
+            longest = longest.max(strain(&world));
+        }
+        let moving = world.ledger().kinetic;
+        println!("after 5 s it moves with {moving:.2} J");
+        assert!(moving < 20.0, "{moving}");
+    }
+    let body = adult();
+    let each = body.distances.len() + body.constraints.len();
+    let mean = sweeps as usize / steps;
+    println!(
+        "bones stretched by {:.2} %, a limit passed by {:.2}° (number {} in tick {}); {mean} sweeps a tick of {each}: {} projections",
+        longest * 100.0,
+        worst.0,
+        worst.1,
+        worst.2,
+        mean * each
+    );
+    assert!(longest < 0.01, "{longest}");
+    assert!(worst.0 < 5.0, "{worst:?}");
 }

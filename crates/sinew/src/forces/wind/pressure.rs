@@ -2,9 +2,11 @@
 
 use glam::Vec3;
 
+use super::gusts::{arch, fraction};
+use crate::forces::region::{Extent, Place, Region};
 use crate::particles::Particles;
 
-/// A wind that blows everywhere.
+/// A wind that presses on surfaces, everywhere or in a region.
 ///
 /// The lectures' law: a triangle that shows the area `A` to the wind feels the force `A ‖w‖` along `w`, whichever side it shows, and a third
 /// of it acts on each corner. `w` is a pressure, and the motion of the cloth does not matter to it.
@@ -18,12 +20,15 @@ pub struct Wind {
     pub gust_length: f32,
     /// Time between gusts at one place, seconds; default 1.3.
     pub gust_period: f32,
+    /// Where it blows; default everywhere. Where the region fades, the pressure does.
+    pub region: Region,
 }
 
 impl Wind {
-    /// A steady wind of the given direction and pressure (Pa).
+    /// A steady wind of the given direction and pressure (Pa), everywhere.
     pub fn steady(pressure: Vec3) -> Self {
-        Self { pressure, gusts: 0.0, gust_length: 2.0, gust_period: 1.3 }
+        let region = Region::EVERYWHERE;
+        Self { pressure, gusts: 0.0, gust_length: 2.0, gust_period: 1.3, region }
     }
 
     /// The same with gusts of the given share.
@@ -31,9 +36,14 @@ impl Wind {
         Self { gusts, ..self }
     }
 
+    /// The same, blowing in a region only.
+    pub fn within(self, region: Region) -> Self {
+        Self { region, ..self }
+    }
+
     /// The pressure at a place and time, Pa: a pure function of both, so that nothing about gusts needs to be saved.
     pub fn at(&self, position: Vec3, time: f64) -> Vec3 {
-        Gusts::of(self, time).pressure(position)
+        Gusts::of(self, time).pressure(position) * self.region.share(position)
     }
 
     /// Whether every number is finite and the gusts have a length and a period. An invalid wind does not blow.
@@ -44,6 +54,7 @@ impl Wind {
             && self.gust_length > 0.0
             && self.gust_period.is_finite()
             && self.gust_period > 0.0
+            && self.region.is_valid()
     }
 }
 
@@ -61,13 +72,19 @@ pub(crate) fn sample(
         return;
     }
     let gusts = Gusts::of(wind, time);
+    let everywhere = wind.region.extent == Extent::Everywhere;
     pressures.extend(surfaces.iter().map(|corners| {
         // A triangle that names a row that is not there is left in the lee.
         if corners.iter().any(|&i| i as usize >= particles.len()) {
             return Vec3::ZERO;
         }
-        let [p0, p1, p2] = corners.map(|i| particles.position(i as usize));
-        gusts.pressure((p0 + p1 + p2) * THIRD)
+        let corners = corners.map(|i| i as usize);
+        let [p0, p1, p2] = corners.map(|i| particles.position(i));
+        let pressure = gusts.pressure((p0 + p1 + p2) * THIRD);
+        if everywhere {
+            return pressure;
+        }
+        pressure * wind.region.share_at(Place::middle(particles, corners))
     }));
 }
 
@@ -85,8 +102,7 @@ pub(crate) fn apply(particles: &mut Particles, surfaces: &[[u32; 3]], pressures:
                 continue;
             }
             let [a, b, c] = corners.map(|i| i as usize);
-            let [p0, p1, p2] = [a, b, c].map(|i| particles.position(i));
-            let area = (p1 - p0).cross(p2 - p0) * 0.5;
+            let area = particles.separation(b, a).cross(particles.separation(c, a)) * 0.5;
             let third = w * (area.dot(w).abs() / strength * THIRD);
             for i in [a, b, c] {
                 particles.add_force(i, third);
@@ -134,11 +150,7 @@ impl Gusts {
             along: along / wind.gust_length,
             height: 1.0 / wind.gust_length,
             gusts: wind.gusts,
-            // Whole turns are dropped in f64, so that gusts are as smooth after a day as in the first second.
-            run: WAVES.map(|[speed, ..]| {
-                let run = turns * f64::from(speed);
-                (run - run as i64 as f64).clamp(-1.0, 1.0) as f32
-            }),
+            run: WAVES.map(|[speed, ..]| fraction(turns * f64::from(speed))),
         }
     }
 
@@ -157,18 +169,6 @@ impl Gusts {
         let sway = wave(3) + wave(4);
         self.steady * (1.0 + self.gusts * push) + self.sway * sway
     }
-}
-
-/// A smooth wave of period 1 between -1 and 1, of parabolas instead of a sine: a tenth of the time, and the same bits on every machine.
-/// Beyond 2²² turns hardly a fraction is left: what it gives there is no wave, but never more than 1.
-#[inline]
-fn arch(turn: f32) -> f32 {
-    // Adding 1.5·2²³ leaves no bits for a fraction, so this rounds to the nearest whole turn without a branch.
-    const NO_FRACTION: f32 = 12_582_912.0;
-    let whole = (turn + NO_FRACTION) - NO_FRACTION;
-    // From -1 to 1, where 4 t (1 - |t|) is one whole wave.
-    let t = 2.0 * (turn - whole).clamp(-0.5, 0.5);
-    4.0 * t * (1.0 - t.abs())
 }
 
 /// A unit vector across another one: horizontal, or along x where that one is vertical.
@@ -239,15 +239,22 @@ mod tests {
     }
 
     #[test]
-    fn a_wave_of_parabolas_is_close_to_a_sine_and_repeats() {
-        for i in -4000..4000 {
-            let turn = i as f32 * 0.00731;
-            let sine = libm::sinf(turn * core::f32::consts::TAU);
-            assert!((arch(turn) - sine).abs() < 0.06, "{turn}");
-        }
-        for far in [5e6, 1e9, 3e9, 1e30, f32::MAX] {
-            assert!(arch(far).abs() <= 1.0 && arch(-far).abs() <= 1.0, "{far}");
-        }
+    fn a_wind_in_a_region_blows_there_only_and_fades_towards_its_surface() {
+        let tunnel = Region::boxed(Vec3::ZERO, Vec3::new(5.0, 2.0, 2.0)).with_fade(1.0);
+        let wind = Wind::steady(Vec3::Z * 8.0).within(tunnel);
+        let pressed = |x: f32| {
+            let mut sheet = Particles::default();
+            for corner in [Vec3::ZERO, Vec3::X, Vec3::Y] {
+                let middle = Vec3::new(THIRD, THIRD, 0.0);
+                sheet.push(ParticleSeed::at(corner - middle + Vec3::X * x)).unwrap();
+            }
+            pushed(&mut sheet, &[[0, 1, 2]], &wind).z
+        };
+        assert!((pressed(0.0) - 4.0).abs() < 1e-5);
+        assert!((pressed(4.5) - 2.0).abs() < 1e-4, "half a metre deep: half of it");
+        assert_eq!(pressed(5.1), 0.0);
+        assert!((wind.at(Vec3::X * 4.5, 0.0).z - 4.0).abs() < 1e-5);
+        assert!(!wind.within(Region::sphere(Vec3::ZERO, f32::NAN)).is_valid());
     }
 
     #[test]

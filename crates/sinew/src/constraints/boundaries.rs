@@ -1,8 +1,24 @@
-//! Staying above a plane and inside a box (physics.md C4), with Coulomb friction where a particle touches (F8).
+//! What holds particles by themselves: planes and boxes (physics.md C4), with Coulomb friction where a particle touches (F8), pins (C3), and the
+//! sheet that a world in 2D lies in.
 
 use glam::Vec3;
 
+use super::Pin;
 use crate::particles::Particles;
+
+/// What is enforced on single particles. [`Constraint`](super::Constraint)s and distances are kept apart, in the
+/// [`Simulation`](crate::Simulation), because they are compiled into a plan when they change; these may change at any step for free.
+#[derive(Clone, Debug, Default)]
+pub struct Boundaries {
+    /// Half-spaces that every particle stays in, such as the ground.
+    pub planes: Vec<Plane>,
+    /// Boxes that every particle stays inside.
+    pub boxes: Vec<InsideBox>,
+    /// Particles that are held at a point, or led along a path.
+    pub pins: Vec<Pin>,
+    /// For a world in 2D: the plane in which every particle stays, on both its sides. Its friction does not matter.
+    pub sheet: Option<Plane>,
+}
 
 /// "Every particle stays on the side of this plane to which the normal points": the ground, a wall, a ramp.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,20 +90,22 @@ impl InsideBox {
 pub(crate) struct Contacts {
     planes: Vec<Plane>,
     boxes: Vec<InsideBox>,
+    sheet: Option<Plane>,
 }
 
 impl Contacts {
-    /// Takes what is valid of the lists, and keeps its memory.
-    pub(crate) fn take(&mut self, planes: &[Plane], boxes: &[InsideBox]) {
+    /// Takes what is valid, and keeps its memory.
+    pub(crate) fn take(&mut self, boundaries: &Boundaries) {
         self.planes.clear();
-        self.planes.extend(planes.iter().filter(|plane| plane.is_valid()));
+        self.planes.extend(boundaries.planes.iter().filter(|plane| plane.is_valid()));
         self.boxes.clear();
-        self.boxes.extend(boxes.iter().filter(|room| room.is_valid()));
+        self.boxes.extend(boundaries.boxes.iter().filter(|room| room.is_valid()));
+        self.sheet = boundaries.sheet.filter(Plane::is_valid);
     }
 
     /// Whether there is nothing to touch.
     pub(crate) fn is_empty(&self) -> bool {
-        self.planes.is_empty() && self.boxes.is_empty()
+        self.planes.is_empty() && self.boxes.is_empty() && self.sheet.is_none()
     }
 
     /// Puts particle `i` on the right side of everything, once, with friction; returns how far out it was, metres.
@@ -98,12 +116,17 @@ impl Contacts {
         }
         let mut worst = 0.0_f32;
         for plane in &self.planes {
-            let out = plane.correction(particles.position(i), particles.radius[i]);
+            let out = plane.correction(particles, i);
             worst = worst.max(push(particles, i, out, plane.friction));
         }
         for room in &self.boxes {
-            let out = room.correction(particles.position(i), particles.radius[i]);
+            let out = room.correction(particles, i);
             worst = worst.max(push(particles, i, out, room.friction));
+        }
+        if let Some(sheet) = &self.sheet {
+            let out = particles.height(i, sheet.normal, sheet.offset);
+            particles.displace(i, sheet.normal * -out);
+            worst = worst.max(out.abs());
         }
         worst
     }
@@ -113,10 +136,10 @@ impl Contacts {
         if particles.position[i].w == 0.0 {
             return 0.0;
         }
-        let (at, radius) = (particles.position(i), particles.radius[i]);
-        let planes = self.planes.iter().map(|plane| plane.correction(at, radius));
-        let boxes = self.boxes.iter().map(|room| room.correction(at, radius));
-        planes.chain(boxes).map(Vec3::length).fold(0.0, f32::max)
+        let planes = self.planes.iter().map(|plane| plane.correction(particles, i).length());
+        let boxes = self.boxes.iter().map(|room| room.correction(particles, i).length());
+        let sheet = self.sheet.iter().map(|s| particles.height(i, s.normal, s.offset).abs());
+        planes.chain(boxes).chain(sheet).fold(0.0, f32::max)
     }
 }
 
@@ -127,7 +150,7 @@ fn push(particles: &mut Particles, i: usize, normal_part: Vec3, coefficient: f32
         return 0.0;
     }
     let depth = normal_part.length();
-    let moved = particles.position(i) + normal_part - particles.start[i];
+    let moved = particles.position[i].truncate() + normal_part - particles.start[i];
     let slid = moved - normal_part * (moved.dot(normal_part) / (depth * depth));
     particles.position[i] += (normal_part + friction(slid, depth, coefficient)).extend(0.0);
     depth
@@ -148,11 +171,11 @@ fn friction(slid: Vec3, normal_correction: f32, coefficient: f32) -> Vec3 {
 }
 
 impl Plane {
-    /// The displacement that brings a sphere of `radius` at `position` just inside, metres; zero if it is inside already. It goes to the
+    /// The displacement that brings particle `i`, a sphere of its radius, just inside, metres; zero if it is inside already. It goes to the
     /// nearest point of the half-space: along the normal, for one particle whatever its mass.
     #[inline]
-    fn correction(&self, position: Vec3, radius: f32) -> Vec3 {
-        let height = self.normal.dot(position) - self.offset - radius;
+    fn correction(&self, particles: &Particles, i: usize) -> Vec3 {
+        let height = particles.height(i, self.normal, self.offset) - particles.radius[i];
         if height < 0.0 { self.normal * -height } else { Vec3::ZERO }
     }
 }
@@ -160,10 +183,13 @@ impl Plane {
 impl InsideBox {
     /// The same: the clamp, coordinate by coordinate. Where the box is thinner than the sphere, the sphere is held in the middle.
     #[inline]
-    fn correction(&self, position: Vec3, radius: f32) -> Vec3 {
-        let middle = (self.min + self.max) * 0.5;
-        let low = (self.min + radius).min(middle);
-        let high = (self.max - radius).max(middle);
+    fn correction(&self, particles: &Particles, i: usize) -> Vec3 {
+        let (radius, origin) = (particles.radius[i], particles.origin[i]);
+        let (min, max) = (self.min - origin, self.max - origin);
+        let middle = (min + max) * 0.5;
+        let low = (min + radius).min(middle);
+        let high = (max - radius).max(middle);
+        let position = particles.position[i].truncate();
         position.max(low).min(high) - position
     }
 }

@@ -3,14 +3,26 @@
 //! Memory layout of one particle, hot columns first:
 //!
 //! ```text
-//! position      [x y z w]   16 B   metres; w = inverse mass, 1/kg: what a constraint reads and writes
-//! start         [x y z -]   16 B   position at the start of the substep
+//! position      [x y z w]   16 B   metres from the origin; w = inverse mass, 1/kg: what a constraint reads and writes
+//! origin        [x y z]     12 B   whole metres: what `position` is relative to, the same for all particles of an island
+//! start         [x y z]     12 B   position at the start of the substep
 //! velocity      [x y z l]   16 B   mean velocity of the last substep, m/s; l = its length, s (see below)
-//! acceleration  [x y z -]   16 B   sum of the forces so far this substep, times the inverse mass, m/s²
+//! rounding      [x y z]     12 B   what rounding took from the velocity when it last changed, m/s: added to the next change
+//! acceleration  [x y z]     12 B   sum of the forces so far this substep, times the inverse mass, m/s²
 //! external      [x y z]     12 B   the game's own force on the particle, N
 //! radius, charge, damping   12 B   m, C, 1/s
-//! medium                     4 B   damping that a fluid adds this substep, 1/s
+//! gravity scale              4 B
+//! medium                     4 B   damping that air and fluids add this substep, 1/s
+//! drift         [x y z]     12 B   that damping times the velocity of the medium, m/s²: where it drags the particle to; empty while nothing flows
+//! body                       4 B   which of the simulation's bodies it belongs to
 //! ```
+//!
+//! # Why positions are relative to an origin of their own
+//!
+//! 5 km away two neighbouring `f32` are 0.5 mm apart, and a body at rest there trembles or stands askew. So a position is kept as an origin in
+//! whole metres and a distance from it that keeps its digits; the particles that constraints bind together share the origin, which follows them
+//! when a step begins. A scene moved by whole metres then runs bit for bit as it does at zero. Constraints work on the distances alone;
+//! what compares particles of different islands uses [`Particles::separation`], what compares with a point of the world [`Particles::relative_to`].
 //!
 //! # Why the previous position is kept as a velocity
 //!
@@ -23,133 +35,44 @@
 //!   time-corrected formula of [`integrate`](crate::integrate) then starts it on the exact parabola.
 //! - **Step changes.** `l` travels with the particle, so the step may change at any tick, for any particle.
 
+mod edit;
+#[cfg(test)]
+mod edit_tests;
+mod rate;
+mod seed;
+mod whole;
+
+pub use rate::{drag_of_rate, rate_of_drag};
+pub use seed::{ParticleFault, ParticleSeed};
+
+pub(crate) use whole::Whole;
+
 use glam::{Vec3, Vec4};
-
-/// What a particle is when it is added. Everything has a default except the position.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ParticleSeed {
-    /// Where it is, metres.
-    pub position: Vec3,
-    /// Its velocity, m/s. Default zero.
-    pub velocity: Vec3,
-    /// Length in seconds of the step over which `velocity` is the mean: 0 (the default) says that the velocity is true now.
-    pub lag: f32,
-    /// Mass in kilograms, positive; default 1. Infinity pins the particle where it is.
-    pub mass: f32,
-    /// Radius in metres, used by contacts and buoyancy; default 0.
-    pub radius: f32,
-    /// Electric charge in coulombs; default 0.
-    pub charge: f32,
-    /// Share of the velocity that is lost per second, 0 to 1 (the lectures' drag factor); default 0.
-    pub drag: f32,
-}
-
-impl ParticleSeed {
-    /// A particle of 1 kg at rest at `position` (metres).
-    pub fn at(position: Vec3) -> Self {
-        Self {
-            position,
-            velocity: Vec3::ZERO,
-            lag: 0.0,
-            mass: 1.0,
-            radius: 0.0,
-            charge: 0.0,
-            drag: 0.0,
-        }
-    }
-
-    /// The same with a velocity, m/s, true at this instant.
-    pub fn with_velocity(self, velocity: Vec3) -> Self {
-        Self { velocity, lag: 0.0, ..self }
-    }
-
-    /// The same with another mass, kg.
-    pub fn with_mass(self, mass: f32) -> Self {
-        Self { mass, ..self }
-    }
-
-    /// The same with a radius, m.
-    pub fn with_radius(self, radius: f32) -> Self {
-        Self { radius, ..self }
-    }
-
-    /// The same with a charge, C.
-    pub fn with_charge(self, charge: f32) -> Self {
-        Self { charge, ..self }
-    }
-
-    /// The same with a drag, share of the velocity lost per second.
-    pub fn with_drag(self, drag: f32) -> Self {
-        Self { drag, ..self }
-    }
-
-    /// The same, pinned where it is (infinite mass).
-    pub fn pinned(self) -> Self {
-        Self { mass: f32::INFINITY, ..self }
-    }
-
-    /// Why this particle cannot be simulated, or `None` if it can. Checked at the door ([`Particles::push`],
-    /// [`Particles::set`]), so that no phase needs to.
-    pub fn fault(&self) -> Option<ParticleFault> {
-        if !self.position.is_finite() {
-            Some(ParticleFault::Position)
-        } else if !(self.velocity.is_finite() && self.lag.is_finite() && self.lag >= 0.0) {
-            Some(ParticleFault::Velocity)
-        } else if self.mass.is_nan() || self.mass <= 0.0 || 1.0 / self.mass == f32::INFINITY {
-            Some(ParticleFault::Mass)
-        } else if !(self.radius.is_finite() && self.radius >= 0.0) {
-            Some(ParticleFault::Radius)
-        } else if !self.charge.is_finite() {
-            Some(ParticleFault::Charge)
-        } else if !(0.0..=1.0).contains(&self.drag) {
-            Some(ParticleFault::Drag)
-        } else {
-            None
-        }
-    }
-}
-
-/// What is wrong with a particle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ParticleFault {
-    /// NaN or infinite.
-    #[error("its position is not finite")]
-    Position,
-    /// NaN or infinite, or with a negative lag.
-    #[error("its velocity is not finite")]
-    Velocity,
-    /// NaN, zero or negative (or so small that its inverse overflows).
-    #[error("its mass is not a positive number of kilograms")]
-    Mass,
-    /// NaN, infinite or negative.
-    #[error("its radius is not a finite length")]
-    Radius,
-    /// NaN or infinite.
-    #[error("its charge is not finite")]
-    Charge,
-    /// NaN or outside 0..=1.
-    #[error("its drag is not a share between 0 and 1 per second")]
-    Drag,
-    /// The game's force on it is NaN or infinite.
-    #[error("the external force on it is not finite")]
-    Force,
-}
 
 /// All particles of a simulation, in columns. Rows are numbered from 0 in the order of [`push`](Self::push).
 #[derive(Clone, Debug, Default)]
 pub struct Particles {
-    /// `[x y z w]`: position in metres and inverse mass in 1/kg. The kernels of the constraints work on this alone.
+    /// `[x y z w]`: position in metres from the origin and inverse mass in 1/kg. The kernels of the constraints work on this alone.
     pub(crate) position: Vec<Vec4>,
+    /// What `position` and `start` are relative to, whole metres.
+    pub(crate) origin: Vec<Vec3>,
     pub(crate) start: Vec<Vec3>,
     /// `[x y z l]`: mean velocity of the last substep in m/s, and that substep's length in seconds.
     pub(crate) velocity: Vec<Vec4>,
+    pub(crate) rounding: Vec<Vec3>,
     pub(crate) acceleration: Vec<Vec3>,
     pub(crate) external: Vec<Vec3>,
     pub(crate) radius: Vec<f32>,
     pub(crate) charge: Vec<f32>,
     pub(crate) damping: Vec<f32>,
+    pub(crate) gravity_scale: Vec<f32>,
     pub(crate) medium: Vec<f32>,
+    pub(crate) drift: Vec<Vec3>,
+    pub(crate) body: Vec<u32>,
 }
+
+/// The body of a particle that belongs to none.
+pub(crate) const NO_BODY: u32 = u32::MAX;
 
 impl Particles {
     /// Number of particles.
@@ -181,7 +104,7 @@ impl Particles {
         Ok(row as u32)
     }
 
-    /// Overwrites row `i` and clears its external force.
+    /// Overwrites row `i`, clears its external force, and takes it from its body.
     ///
     /// # Errors
     /// A seed with a [fault](ParticleSeed::fault) is refused and nothing changes.
@@ -200,30 +123,71 @@ impl Particles {
     /// Makes room for exactly `len` particles. New rows are particles at the origin with infinite mass, which nothing moves.
     pub fn resize(&mut self, len: usize) {
         self.position.resize(len, Vec4::ZERO);
+        self.origin.resize(len, Vec3::ZERO);
         self.start.resize(len, Vec3::ZERO);
         self.velocity.resize(len, Vec4::ZERO);
+        self.rounding.resize(len, Vec3::ZERO);
         self.acceleration.resize(len, Vec3::ZERO);
         self.external.resize(len, Vec3::ZERO);
         self.radius.resize(len, 0.0);
         self.charge.resize(len, 0.0);
         self.damping.resize(len, 0.0);
+        self.gravity_scale.resize(len, 1.0);
         self.medium.resize(len, 0.0);
+        self.drift.clear();
+        self.body.resize(len, NO_BODY);
     }
 
-    /// Position of particle `i`, metres.
+    /// Position of particle `i`, metres, as near as `f32` comes to it.
+    #[inline]
     pub fn position(&self, i: usize) -> Vec3 {
-        self.position[i].truncate()
+        self.origin[i] + self.position[i].truncate()
+    }
+
+    /// What [`position`](Self::position) leaves out, metres: the two together are the particle's position to the last bit.
+    pub fn remainder(&self, i: usize) -> Vec3 {
+        // Knuth's two-sum: exact, whichever of the two is larger.
+        let (a, b) = (self.origin[i], self.position[i].truncate());
+        let sum = a + b;
+        let part = sum - a;
+        (a - (sum - part)) + (b - part)
+    }
+
+    /// `p_a - p_b`, metres, with the digits of their own origins: true to 1e-7 of the distance however far out both are.
+    #[inline]
+    pub fn separation(&self, a: usize, b: usize) -> Vec3 {
+        let local = self.position[a].truncate() - self.position[b].truncate();
+        local + (self.origin[a] - self.origin[b])
+    }
+
+    /// `p_i - point`, metres, for a point of the world.
+    #[inline]
+    pub fn relative_to(&self, i: usize, point: Vec3) -> Vec3 {
+        (self.origin[i] - point) + self.position[i].truncate()
+    }
+
+    /// `normal · p_i - offset`, metres: the height of particle `i` over a plane of the world.
+    #[inline]
+    pub fn height(&self, i: usize, normal: Vec3, offset: f32) -> f32 {
+        let ground = normal.as_dvec3().dot(self.origin[i].as_dvec3()) - f64::from(offset);
+        normal.dot(self.position[i].truncate()) + ground as f32
     }
 
     /// Moves particle `i` to a point, in metres, without touching its velocity: a teleport, or (between the phases
     /// `integrate` and `solve_constraints`) a positional constraint of the caller's own.
     pub fn set_position(&mut self, i: usize, position: Vec3) {
-        self.position[i] = position.extend(self.position[i].w);
+        let local = position - self.origin[i];
+        self.position[i] = local.extend(self.position[i].w);
+    }
+
+    /// Moves particle `i` by `displacement`, metres, without touching its velocity.
+    pub fn displace(&mut self, i: usize, displacement: Vec3) {
+        self.position[i] += displacement.extend(0.0);
     }
 
     /// Position of particle `i` at the start of the current substep, metres.
     pub fn start(&self, i: usize) -> Vec3 {
-        self.start[i]
+        self.origin[i] + self.start[i]
     }
 
     /// Mean velocity of particle `i` over the last substep, m/s. It is true half a substep ago:
@@ -240,6 +204,7 @@ impl Particles {
     /// Sets the velocity of particle `i`, m/s, true at this instant.
     pub fn set_velocity(&mut self, i: usize, velocity: Vec3) {
         self.velocity[i] = velocity.extend(0.0);
+        self.rounding[i] = Vec3::ZERO;
     }
 
     /// Adds an impulse, N·s: the momentum of the particle changes by exactly that. Pinned particles do not notice.
@@ -284,49 +249,83 @@ impl Particles {
         self.acceleration[i] += acceleration;
     }
 
+    /// Drags particle `i` towards `velocity` (m/s) in this substep, at the rate `rate` (1/s, finite): what a medium does that may be moving. Media
+    /// add up.
+    pub fn drag_towards(&mut self, i: usize, rate: f32, velocity: Vec3) {
+        self.medium[i] += rate;
+        if velocity != Vec3::ZERO && self.drift.is_empty() {
+            self.drift.resize(self.len(), Vec3::ZERO);
+        }
+        if let Some(drift) = self.drift.get_mut(i) {
+            *drift += velocity * rate;
+        }
+    }
+
     /// Sets the external force on particle `i`, N, which acts in every substep until it is set again.
     pub fn set_external_force(&mut self, i: usize, force: Vec3) {
         self.external[i] = force;
     }
 
+    /// Multiplies the scale of gravity on particle `i` by a finite factor; others are ignored.
+    pub fn scale_gravity(&mut self, i: usize, factor: f32) {
+        let scaled = self.gravity_scale[i] * factor;
+        if scaled.is_finite() {
+            self.gravity_scale[i] = scaled;
+        }
+    }
+
+    /// Says to which of the simulation's [bodies](crate::Simulation::bodies) particle `i` belongs; `None` for none, as by default.
+    pub fn set_body(&mut self, i: usize, body: Option<u32>) {
+        self.body[i] = body.unwrap_or(NO_BODY);
+    }
+
+    /// The body that particle `i` belongs to.
+    pub fn body(&self, i: usize) -> Option<u32> {
+        (self.body[i] != NO_BODY).then_some(self.body[i])
+    }
+
     /// Whether row `i` holds only finite numbers.
     pub fn is_finite(&self, i: usize) -> bool {
-        self.position[i].is_finite() && self.velocity[i].is_finite()
+        // Of origin and distance, too: either may be finite and their sum not.
+        self.position(i).is_finite() && self.position[i].is_finite() && self.velocity[i].is_finite()
     }
 
     /// Row `i` as it would be added again: the state that a caller must save to restore the particle.
     pub fn seed(&self, i: usize) -> ParticleSeed {
         ParticleSeed {
             position: self.position(i),
+            remainder: self.remainder(i),
             velocity: self.velocity(i),
             lag: self.lag(i),
             mass: self.mass(i),
             radius: self.radius[i],
             charge: self.charge[i],
             drag: drag_of_rate(self.damping[i]),
+            gravity_scale: self.gravity_scale[i],
         }
     }
 
     fn write(&mut self, i: usize, seed: &ParticleSeed) {
-        self.position[i] = seed.position.extend(1.0 / seed.mass);
-        self.start[i] = seed.position;
+        let origin = snap(seed.position);
+        let local = (seed.position - origin) + seed.remainder;
+        self.origin[i] = origin;
+        self.position[i] = local.extend(1.0 / seed.mass);
+        self.start[i] = local;
         self.velocity[i] = seed.velocity.extend(seed.lag);
+        self.rounding[i] = Vec3::ZERO;
         self.radius[i] = seed.radius;
         self.charge[i] = seed.charge;
+        self.gravity_scale[i] = seed.gravity_scale;
+        self.body[i] = NO_BODY;
         // Most particles have none, and a logarithm each tick would be the dearest part of a row.
         self.damping[i] = if seed.drag > 0.0 { rate_of_drag(seed.drag) } else { 0.0 };
     }
 }
 
-/// The damping rate λ in 1/s with `(1 - drag)^t = e^(-λ t)`: rates of several media add up, shares do not.
-/// A drag of 1 gives infinity: all velocity is forgotten in every step (the lectures' statics).
-pub fn rate_of_drag(drag: f32) -> f32 {
-    -libm::log1pf(-drag)
-}
-
-/// The share of the velocity lost per second at the damping rate `rate` (1/s): the inverse of [`rate_of_drag`].
-pub fn drag_of_rate(rate: f32) -> f32 {
-    -libm::expm1f(-rate)
+/// The whole metres nearest to a position; halves go up, on either side of zero, so that a scene moved by whole metres is snapped alike.
+#[inline]
+pub(crate) fn snap(position: Vec3) -> Vec3 {
+    (position + 0.5).floor()
 }
 
 #[cfg(test)]
@@ -367,6 +366,20 @@ mod tests {
         particles.add_impulse(1, impulse);
         assert_eq!(particles.velocity(0) * 4.0, impulse);
         assert_eq!(particles.velocity(1), Vec3::ZERO);
+    }
+
+    #[test]
+    fn a_position_and_its_remainder_are_the_particle_to_the_last_bit() {
+        let mut particles = Particles::default();
+        particles.push(ParticleSeed::at(Vec3::new(5000.25, -0.5, 1e20))).unwrap();
+        let tiny = Vec3::X * 1e-5;
+        particles.displace(0, tiny);
+        assert_eq!(particles.position(0).x, 5000.25, "too small for f32 out there");
+        let mut copy = Particles::default();
+        copy.push(particles.seed(0)).unwrap();
+        copy.displace(0, -tiny);
+        assert!((copy.remainder(0).x).abs() < 1e-7);
+        assert_eq!(copy.position(0), Vec3::new(5000.25, -0.5, 1e20));
     }
 
     #[test]

@@ -1,11 +1,17 @@
 //! The simulation: particles, forces and constraints, and one method for each phase of a step.
 
+mod prepare;
+mod statics;
+
+pub use statics::Relaxed;
+
 use glam::{Vec3, Vec4};
 
-use crate::constraints::{Constraints, Contacts, Distance};
+use crate::constraints::{Boundaries, Constraint, Contacts, Distance};
 use crate::forces::{self, Forces};
 use crate::particles::Particles;
-use crate::solve::{self, Plan, SolverReport, SolverSettings};
+use crate::rigid::{Compound, Moving};
+use crate::solve::{self, BodySettings, IslandReport, Plan, SolverReport, SolverSettings};
 use crate::{integrate, ledger};
 
 /// A world of particles.
@@ -20,11 +26,15 @@ pub struct Simulation {
     pub particles: Particles,
     /// What accelerates them.
     pub forces: Forces,
-    /// What holds single particles.
-    pub constraints: Constraints,
+    /// What holds single particles: planes, boxes, pins.
+    pub boundaries: Boundaries,
+    /// What single bodies ask of the solver. [`Particles::set_body`] says which particle belongs to which.
+    pub bodies: Vec<BodySettings>,
     /// Simulated time in seconds at the start of the current substep; gusts of wind depend on it.
     pub time: f64,
     distances: Vec<Distance>,
+    constraints: Vec<Constraint>,
+    compounds: Vec<Compound>,
     scratch: Scratch,
     report: SolverReport,
 }
@@ -35,10 +45,17 @@ struct Scratch {
     plan: Plan,
     stale: bool,
     substep: Substep,
-    charged: Vec<u32>,
+    electric: forces::ElectricScratch,
+    fluids: forces::FluidScratch,
     contacts: Contacts,
+    solving: solve::Scratch,
+    moving: Moving,
+    /// Pinned particles that were given another origin for this step.
+    anchors: Vec<prepare::Anchor>,
     /// The pressure of each wind on each triangle, looked up when the step began.
     pressures: Vec<Vec3>,
+    /// The air at each triangle and loose particle, looked up at the same time.
+    air: forces::Air,
     /// Where the step began, with the inverse mass: what went non-finite took that with it.
     checkpoint: Vec<Vec4>,
 }
@@ -92,38 +109,21 @@ impl Simulation {
         if !(dt.is_finite() && h > 0.0 && (1.0 / (h * h)).is_finite()) {
             return Err(StepFault(dt));
         }
-        if self.scratch.stale || self.scratch.plan.rows != self.particles.len() {
-            self.scratch.plan.compile(&self.distances, self.particles.len());
-            self.scratch.stale = false;
-        }
+        self.compile();
         self.scratch.substep = Substep { length: h, remaining: settings.substeps };
-        self.scratch.checkpoint.resize(self.particles.len(), Vec4::ZERO);
-        for (good, q) in self.scratch.checkpoint.iter_mut().zip(&self.particles.position) {
-            // A row that a caller set to no position at all goes back to the last one it had.
-            *good = if q.is_finite() { *q } else { good.truncate().extend(q.w) };
-        }
-        self.scratch.contacts.take(&self.constraints.planes, &self.constraints.boxes);
+        self.share_origins();
+        self.settle_islands(settings);
+        self.set_checkpoint();
+        self.with_moving(|moving, simulation| moving.read(simulation));
+        self.scratch.contacts.take(&self.boundaries);
         self.feel_winds();
         self.report.substeps = settings.substeps;
         self.report.sweeps = 0;
         self.report.most_sweeps = 0;
         self.report.converged = true;
+        self.report.islands.clear();
+        self.report.islands.resize(self.scratch.plan.islands.len(), IslandReport::default());
         Ok(settings.substeps)
-    }
-
-    /// Looks up the gusts on every triangle.
-    fn feel_winds(&mut self) {
-        let Self { particles, forces, scratch, .. } = self;
-        scratch.pressures.clear();
-        for wind in &forces.winds {
-            forces::sample_wind(
-                particles,
-                &forces.surfaces,
-                wind,
-                self.time,
-                &mut scratch.pressures,
-            );
-        }
     }
 
     /// Where in the step the simulation is: the length of a substep and how many are left.
@@ -136,35 +136,41 @@ impl Simulation {
         forces::reset(&mut self.particles, &self.forces);
     }
 
-    /// Phase 1: adds gravity, the game's own forces and springs.
+    /// Phase 1: adds gravity, the game's own forces, controls and springs.
     pub fn accumulate_forces(&mut self) {
         forces::apply_gravity_and_external(&mut self.particles, &self.forces);
+        forces::apply_controls(&mut self.particles, &self.forces.controls);
         forces::apply_springs(&mut self.particles, &self.forces.springs);
     }
 
-    /// Phase 2: adds the pressure of the winds on the surfaces.
+    /// Phase 2: adds the pressure of the winds on the surfaces, and the drag and the lift of the air.
     pub fn apply_wind(&mut self) {
-        let pressures = &self.scratch.pressures;
-        forces::apply_wind(&mut self.particles, &self.forces.surfaces, pressures);
+        let Self { particles, forces, scratch: Scratch { pressures, air, substep, .. }, .. } = self;
+        forces::apply_wind(particles, &forces.surfaces, pressures);
+        forces::apply_air(particles, &forces.surfaces, air, substep.length);
     }
 
     /// Phase 3: adds the buoyancy and the drag of the fluids.
     pub fn apply_buoyancy(&mut self) {
-        let (fluids, gravity) = (&self.forces.fluids, self.forces.gravity);
-        forces::apply_buoyancy(&mut self.particles, fluids, gravity);
+        let scratch = &mut self.scratch.fluids;
+        forces::apply_fluids(&mut self.particles, &self.forces, scratch);
     }
 
-    /// Phase 4: adds the forces between charges.
+    /// Phase 4: adds the forces between charges, and those of electric fields.
     pub fn apply_electric(&mut self) {
-        let charged = &mut self.scratch.charged;
-        forces::apply_electric(&mut self.particles, &self.forces.electric, charged);
+        let scratch = &mut self.scratch.electric;
+        forces::apply_electric(&mut self.particles, &self.forces, scratch);
     }
 
     /// Phase 5: predicts the next positions by Verlet integration, and leads the pinned particles towards their targets.
     pub fn integrate(&mut self) {
         let Substep { length, remaining } = self.scratch.substep;
-        integrate::predict(&mut self.particles, length);
-        for pin in &self.constraints.pins {
+        if self.settings.statics {
+            self.particles.velocity.fill(Vec4::ZERO);
+        }
+        integrate::predict(&mut self.particles, self.settings.integrator, length);
+        self.scratch.moving.predict(&mut self.particles, &self.compounds, length);
+        for pin in &self.boundaries.pins {
             let i = pin.particle as usize;
             if i < self.particles.len() && pin.target.is_finite() {
                 let led = pin.lead(self.particles.position(i), remaining);
@@ -175,17 +181,12 @@ impl Simulation {
 
     /// Phase 6: enforces the constraints, derives the velocities from where the particles ended, and closes the substep.
     pub fn solve_constraints(&mut self) {
-        let settings = self.settings.clamped();
         let h = self.scratch.substep.length;
-        solve::cascade(
-            &mut self.particles,
-            &self.scratch.contacts,
-            &mut self.scratch.plan,
-            &settings,
-            h,
-            &mut self.report,
-        );
-        integrate::derive_velocities(&mut self.particles, h);
+        let Scratch { plan, contacts, solving, .. } = &mut self.scratch;
+        solve::solve(&mut self.particles, contacts, plan, h, solving, &mut self.report);
+        integrate::derive_velocities(&mut self.particles, self.settings.integrator, h);
+        solve::keep_momentum(&mut self.particles, plan, solving);
+        self.with_moving(|moving, simulation| moving.settle(simulation, h));
         self.time += f64::from(h);
         self.scratch.substep.remaining = self.scratch.substep.remaining.saturating_sub(1);
     }
@@ -201,18 +202,16 @@ impl Simulation {
                 self.report.frozen.push(i as u32);
             }
         }
-        solve::measure(
-            &self.particles,
-            &self.scratch.contacts,
-            &self.scratch.plan,
-            &mut self.report,
-        );
+        let Scratch { plan, contacts, solving, .. } = &mut self.scratch;
+        solve::measure(&self.particles, contacts, plan, solving, &mut self.report);
+        self.restore_anchors();
     }
 
     /// Where particle `i` was when the last step began, metres: for drawing what lies between two steps.
     pub fn step_start(&self, i: usize) -> Vec3 {
         let began = self.scratch.checkpoint.get(i);
-        began.map_or_else(|| self.particles.position(i), |q| q.truncate())
+        began
+            .map_or_else(|| self.particles.position(i), |q| self.particles.origin[i] + q.truncate())
     }
 
     /// Forgets where the particles were when the last step began, because rows now hold other particles.
@@ -236,12 +235,47 @@ impl Simulation {
         &mut self.distances
     }
 
-    /// The most groups that an island has in the plan: distances of one kind and one colour, which share no particle.
+    /// The constraints other than distances, in the order in which they were added.
+    pub fn constraints(&self) -> &[Constraint] {
+        &self.constraints
+    }
+
+    /// The constraints other than distances, to add to, change or remove from. The plan is compiled afresh at the next step; a faulty constraint is
+    /// left out of it.
+    pub fn constraints_mut(&mut self) -> &mut Vec<Constraint> {
+        self.scratch.stale = true;
+        &mut self.constraints
+    }
+
+    /// The compounds that move as explicit rigid bodies.
+    pub fn compounds(&self) -> &[Compound] {
+        &self.compounds
+    }
+
+    /// The compounds that move as explicit rigid bodies, to add to, change or remove from: that swaps their representation, and nothing jumps.
+    /// Distances and constraints among the particles of one compound alone rest meanwhile.
+    pub fn compounds_mut(&mut self) -> &mut Vec<Compound> {
+        self.scratch.stale = true;
+        &mut self.compounds
+    }
+
+    /// The same, for who puts back what it took.
+    pub(crate) fn compounds_unmarked(&mut self) -> &mut Vec<Compound> {
+        &mut self.compounds
+    }
+
+    /// How the last step of the island of particle `i` went: of everything that constraints connect it with.
+    pub fn island_report(&self, i: usize) -> Option<&IslandReport> {
+        let number = *self.scratch.plan.island_of.get(i)?;
+        self.report.islands.get(number as usize)
+    }
+
+    /// The most groups that an island has in the plan: constraints of one kind and one colour, which share no particle.
     pub fn colours(&self) -> usize {
         self.scratch.plan.islands.iter().map(|island| island.groups.len()).max().unwrap_or(0)
     }
 
-    /// Number of islands: sets of particles that distances connect, a loose particle being one by itself.
+    /// Number of islands: sets of particles that constraints connect, a loose particle being one by itself.
     pub fn islands(&self) -> usize {
         self.scratch.plan.islands.len()
     }
@@ -252,14 +286,23 @@ impl Simulation {
         self.particles.velocity(i) + self.particles.acceleration(i) * (0.5 * self.particles.lag(i))
     }
 
+    /// Energy that soft distances and constraints store, J.
+    pub(crate) fn soft_energy(&self) -> f64 {
+        solve::soft_energy(&self.particles, &self.scratch.plan)
+    }
+
     /// Energy and momentum of the whole world. It sums up the forces afresh, so that velocities and positions are of one instant.
     pub fn ledger(&mut self) -> ledger::Ledger {
+        self.compile();
+        self.share_origins();
         self.feel_winds();
         self.begin_substep();
         self.accumulate_forces();
         self.apply_wind();
         self.apply_buoyancy();
         self.apply_electric();
-        ledger::take(self)
+        let ledger = ledger::take(self);
+        self.restore_anchors();
+        ledger
     }
 }

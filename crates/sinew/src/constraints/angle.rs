@@ -1,0 +1,242 @@
+//! The angle at a joint of three particles, between two limits (physics.md C5).
+
+use core::f32::consts::PI;
+
+use glam::Vec3;
+
+use super::{Equation, LawFault, Points, Softness};
+
+/// The angle `a b c` at the joint `b` of the particles `[a, b, c]`, between two limits in 0..=π.
+///
+/// It has no side: an elbow at rest at 180° may bend either way. What may bend one way only is a [`Hinge`](super::Hinge).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Angle {
+    /// Smallest angle, radians, 0 to `max`. The joint opens at least so far.
+    pub min: f32,
+    /// Largest angle, radians, `min` to π. π is a straight joint. The same as `min` keeps one angle.
+    pub max: f32,
+    /// How hard it is. A compliance is in rad²/J.
+    pub softness: Softness,
+}
+
+impl Angle {
+    /// Hard limits, radians.
+    pub fn between(min: f32, max: f32) -> Self {
+        Self { min, max, softness: Softness::Hard }
+    }
+
+    /// The angle that `[a, b, c]` make there, kept hard; 0 where two of them coincide and there is none.
+    pub fn rest(positions: [Vec3; 3]) -> Self {
+        let [a, b, c] = positions;
+        let angle = between(a - b, c - b).map_or(0.0, |turn| turn.angle);
+        Self::between(angle, angle)
+    }
+
+    /// The same, as hard as that.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
+    }
+
+    /// Why it cannot bind `particles` particles, or `None` if it can.
+    pub(crate) fn fault(&self, particles: usize) -> Option<LawFault> {
+        let inside = |angle: f32| (0.0..=PI).contains(&angle);
+        if particles != 3 {
+            Some(LawFault::Count)
+        } else if !(inside(self.min) && inside(self.max)) {
+            Some(LawFault::Number)
+        } else if self.min > self.max {
+            Some(LawFault::Limits)
+        } else {
+            None
+        }
+    }
+}
+
+/// `C = θ - max` above the range, `θ - min` (negative) below, radians, and zero inside: an inequality with two sides.
+impl Equation for Angle {
+    fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
+        let (u, v) = (points.at(0) - points.at(1), points.at(2) - points.at(1));
+        let Some(turn) = between(u, v) else { return 0.0 };
+        let value = beyond(turn.angle, self.min, self.max);
+        if value != 0.0 {
+            gradients[0] = turn.by_u;
+            gradients[1] = -(turn.by_u + turn.by_v);
+            gradients[2] = turn.by_v;
+        }
+        value
+    }
+
+    fn softness(&self) -> Softness {
+        self.softness
+    }
+}
+
+/// How far a number is above a range, or (negative) below.
+#[inline]
+pub(super) fn beyond(x: f32, min: f32, max: f32) -> f32 {
+    if x > max {
+        x - max
+    } else if x < min {
+        x - min
+    } else {
+        0.0
+    }
+}
+
+/// The angle between two vectors, 0 to π, and how it changes with each of them, rad/m.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turn {
+    pub(super) angle: f32,
+    pub(super) by_u: Vec3,
+    pub(super) by_v: Vec3,
+}
+
+/// The angle `θ = atan2(‖u×v‖, u·v)` of two vectors; `None` where one of them has no direction.
+///
+/// The arc tangent has all its digits everywhere; the arc cosine loses half of them near 0 and π, and its derivative there is infinite. With the unit
+/// normal `n = u×v/‖u×v‖`, a turn of `u` about `n` by a small angle takes it by `n×u` per radian towards `v`; so, `u` moving across its own length,
+///
+/// ```text
+/// ∂θ/∂u = -(n×û)/‖u‖        ∂θ/∂v = (n×v̂)/‖v‖
+/// ```
+///
+/// and nothing along `u`, nor along `n`. Where `u` and `v` lie on one line (θ is 0 or π) every way across opens or bends the joint, and the angle has no
+/// gradient but a rim of them. One is chosen: `n` is `u` × the coordinate axis that it is least along. So a straight joint that is asked to bend does bend,
+/// always the same way.
+#[inline]
+pub(super) fn between(u: Vec3, v: Vec3) -> Option<Turn> {
+    let (u_length, v_length) = (u.length(), v.length());
+    if !(u_length > 0.0 && v_length > 0.0 && u_length.is_finite() && v_length.is_finite()) {
+        return None;
+    }
+    let (u, v) = (u / u_length, v / v_length);
+    let across = u.cross(v);
+    let sine = across.length();
+    let normal = if sine > 0.0 { across / sine } else { any_normal(u) };
+    let angle = libm::atan2f(sine, u.dot(v));
+    Some(Turn { angle, by_u: u.cross(normal) / u_length, by_v: normal.cross(v) / v_length })
+}
+
+/// A unit vector across `u`: `u` × the coordinate axis that it is least along, the first of them if they are equal. `u` must not be zero.
+#[inline]
+pub(super) fn any_normal(u: Vec3) -> Vec3 {
+    let size = u.abs();
+    let axis = if size.x <= size.y && size.x <= size.z {
+        Vec3::X
+    } else if size.y <= size.z {
+        Vec3::Y
+    } else {
+        Vec3::Z
+    };
+    u.cross(axis).normalize_or(Vec3::X)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::checks::*;
+    use super::*;
+    use crate::{Constraint, Distance, Law, ParticleSeed, Simulation};
+
+    #[test]
+    fn the_gradient_is_that_of_the_angle_from_sharp_to_blunt() {
+        let mut random = Random::new(1);
+        let mut checked = 0;
+        for _ in 0..40 {
+            let places = random.positions(3);
+            let angle = Angle::rest([places[0], places[1], places[2]]).min;
+            if !(0.3..2.8).contains(&angle)
+                || places[1].distance(places[0]) < 0.4
+                || places[1].distance(places[2]) < 0.4
+            {
+                continue; // Too near to where it has none, for differences.
+            }
+            checked += 1;
+            assert_gradients(&Angle::between(0.0, angle - 0.2), &places);
+            assert_gradients(&Angle::between(angle + 0.2, PI), &places);
+        }
+        assert!(checked >= 15, "{checked}");
+    }
+
+    #[test]
+    fn it_keeps_momentum_and_its_limits_at_the_least_cost() {
+        let mut random = Random::new(2);
+        for _ in 0..20 {
+            let (places, masses) = (random.positions(3), random.masses(3));
+            let angle = Angle::rest([places[0], places[1], places[2]]).min;
+            for law in
+                [Angle::between(0.0, angle * 0.6), Angle::between(0.4 * angle + 0.6 * PI, PI)]
+            {
+                assert_momentum_kept(&law, &places, &masses);
+                assert_kept(&law, &places, &masses, 1e-5);
+            }
+        }
+        let corner = [Vec3::X, Vec3::ZERO, Vec3::new(0.2, 1.5, 0.3)];
+        assert_least(&Angle::between(0.0, 1.3), &corner, &[1.0, 2.0, 0.5]);
+        assert_least(&Angle::between(1.5, PI), &corner, &[1.0, 2.0, 0.5]);
+    }
+
+    #[test]
+    fn it_does_nothing_inside_its_range_and_says_how_far_outside_it_is() {
+        let right = [Vec3::X, Vec3::ZERO, Vec3::Y];
+        assert_eq!(evaluate(&Angle::between(1.0, 2.0), &right), (0.0, vec![Vec3::ZERO; 3]));
+        assert!((evaluate(&Angle::between(0.0, 1.0), &right).0 - (PI / 2.0 - 1.0)).abs() < 1e-6);
+        assert!((evaluate(&Angle::between(2.0, 3.0), &right).0 - (PI / 2.0 - 2.0)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_straight_joint_bends_and_a_folded_one_opens() {
+        let straight = [-Vec3::X, Vec3::ZERO, Vec3::X];
+        assert_kept(&Angle::between(0.0, 2.0), &straight, &[], 1e-4);
+        let folded = [Vec3::X, Vec3::ZERO, Vec3::X * 2.0];
+        assert_kept(&Angle::between(1.0, PI), &folded, &[], 1e-4);
+        assert_momentum_kept(&Angle::between(0.0, 2.0), &straight, &[1.0, 2.0, 3.0]);
+        assert_momentum_kept(&Angle::between(1.0, PI), &folded, &[1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn it_survives_every_degenerate_set() {
+        let places = Random::new(3).positions(3);
+        for law in [Angle::between(0.0, 0.1), Angle::between(3.0, PI), Angle::between(1.0, 1.0)] {
+            assert_survives(&law, &places);
+            assert_survives(&law.with_softness(Softness::frequency(5.0, 1.0)), &places);
+        }
+    }
+
+    /// A rod hangs from a pinned bar at an angle of 90° that is kept by the law alone, against gravity.
+    #[test]
+    fn a_bracket_carries_its_arm_as_long_as_its_angle_is_hard() {
+        let lowest = |softness: Softness| {
+            let mut world = Simulation::default();
+            let places = [Vec3::Y, Vec3::ZERO, Vec3::X];
+            for (i, at) in places.into_iter().enumerate() {
+                let seed = ParticleSeed::at(at);
+                world.particles.push(if i < 2 { seed.pinned() } else { seed }).unwrap();
+            }
+            world.distances_mut().push(Distance::new(1, 2, 1.0));
+            let law = Angle::rest(places).with_softness(softness);
+            world.constraints_mut().push(Constraint::new([0, 1, 2], Law::Angle(law)));
+            let mut lowest = 0.0_f32;
+            for _ in 0..180 {
+                world.step(1.0 / 60.0).unwrap();
+                lowest = lowest.min(world.particles.position(2).y);
+            }
+            lowest
+        };
+        let hard = lowest(Softness::Hard);
+        assert!(hard > -2e-3, "{hard}");
+        // At 2 Hz it sags by g/ω² = 62 mm, and swings to twice that at first.
+        let soft = lowest(Softness::frequency(2.0, 0.0));
+        assert!(soft < -0.08 && soft > -0.135, "{soft}");
+    }
+
+    #[test]
+    fn faults_are_told_apart() {
+        let good = Angle::between(0.0, 1.0);
+        assert_eq!(good.fault(3), None);
+        assert_eq!(good.fault(4), Some(LawFault::Count));
+        assert_eq!(Angle::between(1.0, 0.5).fault(3), Some(LawFault::Limits));
+        assert_eq!(Angle::between(-0.1, 0.5).fault(3), Some(LawFault::Number));
+        assert_eq!(Angle::between(0.0, 3.2).fault(3), Some(LawFault::Number));
+        assert_eq!(Angle::between(f32::NAN, 0.5).fault(3), Some(LawFault::Number));
+    }
+}

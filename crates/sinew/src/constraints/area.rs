@@ -1,0 +1,212 @@
+//! The area of a triangle (physics.md C8).
+
+use glam::Vec3;
+
+use super::angle::any_normal;
+use super::{Equation, LawFault, Points, Softness};
+
+/// The area of the triangle `[a, b, c]`.
+///
+/// One that has collapsed to a line opens again, in a plane that is chosen for it. Three particles in one place have no way to go, and stay.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Area {
+    /// Area to keep, m², not negative.
+    pub rest: f32,
+    /// How hard it is. A compliance is in m⁴/J.
+    pub softness: Softness,
+}
+
+impl Area {
+    /// The area that a triangle has there, kept hard.
+    pub fn of(positions: [Vec3; 3]) -> Self {
+        Self { rest: area(positions).0, softness: Softness::Hard }
+    }
+
+    /// The same, as hard as that.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
+    }
+
+    /// Why it cannot bind `particles` particles, or `None` if it can.
+    pub(crate) fn fault(&self, particles: usize) -> Option<LawFault> {
+        if particles != 3 {
+            Some(LawFault::Count)
+        } else if !(self.rest.is_finite() && self.rest >= 0.0) {
+            Some(LawFault::Number)
+        } else {
+            None
+        }
+    }
+}
+
+/// `C = A - A₀`, m², its gradient steep enough (`keep_within_reach`).
+impl Equation for Area {
+    fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
+        let (now, by) = area([points.at(0), points.at(1), points.at(2)]);
+        gradients.copy_from_slice(&by);
+        let value = now - self.rest;
+        keep_within_reach(value, now.max(self.rest).sqrt(), gradients);
+        value
+    }
+
+    fn softness(&self) -> Softness {
+        self.softness
+    }
+}
+
+/// The area of a triangle, m², and how it changes with its corners, m.
+///
+/// With `u = b - a`, `v = c - a` and the unit normal `n = u×v/‖u×v‖`, `A = ½‖u×v‖` changes by `½ n·(du×v + u×dv)`: a turn of the normal itself changes
+/// nothing to first order. Hence
+///
+/// ```text
+/// ∂A/∂b = ½ v×n        ∂A/∂c = ½ n×u        ∂A/∂a = -∂A/∂b - ∂A/∂c
+/// ```
+///
+/// each as long as half the side opposite, and across it. A flat triangle has no normal, and its area grows whichever way it opens; it is given one across
+/// its longer side. The normal comes of a cross product without its size, whose square would be lost in a triangle of a micrometre.
+#[inline]
+pub(super) fn area([a, b, c]: [Vec3; 3]) -> (f32, [Vec3; 3]) {
+    let (u, v) = (b - a, c - a);
+    let cross = u.cross(v);
+    let size = cross.abs().max_element();
+    let (twice, normal) = if size > 0.0 {
+        let cross = cross / size;
+        let length = cross.length();
+        (size * length, cross / length)
+    } else {
+        (0.0, any_normal(if u.length_squared() > v.length_squared() { u } else { v }))
+    };
+    let (by_b, by_c) = (v.cross(normal) * 0.5, normal.cross(u) * 0.5);
+    (0.5 * twice, [-(by_b + by_c), by_b, by_c])
+}
+
+/// Makes the gradients of an area or a volume so steep that one step takes the particles no farther than `reach` metres (root of the mean square).
+///
+/// A step is `‖d‖ = |C|/‖∇C‖` with equal masses. Of what has collapsed to a point the gradient is all but zero, and the step would throw the particles
+/// thousands of shapes far. Such a gradient keeps its direction, and gets the steepness with which the step is the reach: that is about the one that the
+/// shape will have when it is in order, so the multipliers of a soft one keep their size, too. `reach` is the size that the shape has or shall have;
+/// what is not collapsed never meets this bound.
+pub(super) fn keep_within_reach(value: f32, reach: f32, gradients: &mut [Vec3]) {
+    let square: f32 = gradients.iter().map(|g| g.length_squared()).sum();
+    let most = (square * gradients.len() as f32).sqrt() * reach;
+    let steeper = value.abs() / most;
+    // Infinite or NaN where nothing is left of the gradient, or of the numbers: for the solver to see.
+    if steeper > 1.0 && steeper.is_finite() {
+        for gradient in gradients {
+            *gradient *= steeper;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::checks::*;
+    use super::*;
+    use crate::{Constraint, Law, ParticleSeed, Simulation};
+
+    #[test]
+    fn the_gradient_is_that_of_the_area() {
+        let mut random = Random::new(11);
+        for _ in 0..20 {
+            let places = random.positions(3);
+            let law = Area::of([places[0], places[1], places[2]]);
+            if law.rest < 0.2 {
+                continue; // A thin one has a gradient that bends too soon for differences.
+            }
+            assert_gradients(&Area { rest: law.rest * 0.7, ..law.clone() }, &places);
+            assert_gradients(&Area { rest: law.rest * 1.5, ..law }, &places);
+        }
+        let right = [Vec3::ZERO, Vec3::X * 3.0, Vec3::Y * 4.0];
+        assert_eq!(Area::of(right).rest, 6.0);
+    }
+
+    #[test]
+    fn it_keeps_momentum_and_the_area_at_the_least_cost() {
+        let mut random = Random::new(12);
+        for _ in 0..20 {
+            let (places, masses) = (random.positions(3), random.masses(3));
+            for rest in [0.1, 0.5, 2.0] {
+                let law = Area { rest, softness: Softness::Hard };
+                assert_momentum_kept(&law, &places, &masses);
+                assert_kept(&law, &places, &masses, 1e-5);
+            }
+        }
+        let places = [Vec3::ZERO, Vec3::new(1.0, 0.2, 0.0), Vec3::new(0.3, 1.0, 0.4)];
+        let law = Area::of(places);
+        for factor in [0.93, 1.07] {
+            let law = Area { rest: law.rest * factor, ..law.clone() };
+            assert_least(&law, &places, &[1.0, 3.0, 0.5]);
+        }
+    }
+
+    #[test]
+    fn a_triangle_fallen_to_a_line_opens_again_and_one_of_a_micrometre_grows() {
+        let law = Area { rest: 0.5, softness: Softness::Hard };
+        assert_kept(&law, &[Vec3::ZERO, Vec3::X, Vec3::X * 2.0], &[], 1e-5);
+        assert_kept(&law, &[Vec3::ZERO, Vec3::X, Vec3::X], &[], 1e-5);
+        let tiny = [Vec3::ZERO, Vec3::X * 1e-6, Vec3::Y * 1e-6];
+        assert_kept(&law, &tiny, &[], 1e-5);
+        let mut particles = points_of(&tiny, &[]);
+        particles.project(&law);
+        assert!(extent(&particles.positions()) < 2.0, "not thrown away: {particles:?}");
+    }
+
+    #[test]
+    fn it_survives_every_degenerate_set() {
+        let places = Random::new(13).positions(3);
+        for rest in [0.0, 1e-12, 1.0, 1e12] {
+            let law = Area { rest, softness: Softness::Hard };
+            assert_survives(&law, &places);
+            assert_survives(&law.with_softness(Softness::frequency(5.0, 0.5)), &places);
+        }
+    }
+
+    /// A soft triangle, 10 % too large, without gravity: its area over 2 s, and the largest and the smallest.
+    fn breathing(sweeps: u32, softness: Softness) -> Vec<f32> {
+        let mut world = Simulation::default();
+        world.settings.max_sweeps = sweeps;
+        world.forces.gravity = Vec3::ZERO;
+        let places = [Vec3::ZERO, Vec3::X, Vec3::new(0.5, 0.75_f32.sqrt(), 0.0)];
+        for place in places {
+            world.particles.push(ParticleSeed::at(place * 1.05)).unwrap();
+        }
+        let law = Area::of(places).with_softness(softness);
+        world.constraints_mut().push(Constraint::new(0..3, Law::Area(law)));
+        world.constraints_mut().push(Constraint::new([0], Law::custom(Restless)));
+        world.settings.tolerance = 0.0;
+        let rows = [0, 1, 2];
+        (0..120)
+            .map(|_| {
+                assert_eq!(world.step(1.0 / 60.0).unwrap().most_sweeps, sweeps);
+                area(rows.map(|i| world.particles.position(i))).0 / Area::of(places).rest
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_soft_one_swings_at_its_frequency_however_often_it_is_swept() {
+        let (once, often) = (1, 8);
+        let soft = Softness::frequency(2.0, 0.0);
+        let (one, eight) = (breathing(once, soft), breathing(often, soft));
+        let apart = one.iter().zip(&eight).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        let turns = (1..one.len()).filter(|&i| (one[i] > 1.0) != (one[i - 1] > 1.0)).count();
+        let (last, first) = (one[90..].iter().copied(), one[..30].iter().copied());
+        println!("1 and 8 sweeps are {apart} apart; {turns} crossings in 2 s");
+        assert!(apart < 2e-4, "{apart}");
+        // Twice in each of the four periods of 2 s, at 2 Hz.
+        assert!((7..=9).contains(&turns), "{turns}");
+        assert!(last.fold(0.0, f32::max) > 1.03 && first.fold(2.0, f32::min) < 0.95);
+        let damped = breathing(often, Softness::frequency(2.0, 1.0));
+        assert!((damped[119] - 1.0).abs() < 1e-3 && damped.iter().all(|a| *a > 0.999));
+    }
+
+    #[test]
+    fn faults_are_told_apart() {
+        let law = Area { rest: 1.0, softness: Softness::Hard };
+        assert_eq!(law.fault(3), None);
+        assert_eq!(law.fault(2), Some(LawFault::Count));
+        assert_eq!(Area { rest: -1.0, ..law.clone() }.fault(3), Some(LawFault::Number));
+        assert_eq!(Area { rest: f32::NAN, ..law }.fault(3), Some(LawFault::Number));
+    }
+}

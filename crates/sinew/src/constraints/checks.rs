@@ -1,0 +1,348 @@
+//! Checks that the tests of every law make: a wrong sign, a lost momentum or a NaN in a corner must not get past them.
+
+use glam::{Vec3, Vec4};
+
+use super::{Direction, Equation, Pace, Points, equation_error, project_equation};
+
+/// A substep of a sixtieth of a second, of eight sweeps.
+const PACE: Pace = Pace { h: 1.0 / 60.0, sweeps: 8 };
+
+/// The particles of a law, as a test holds them: positions and inverse masses now, positions at the start of the substep.
+#[derive(Clone, Debug)]
+pub(crate) struct Particles {
+    pub(crate) now: Vec<Vec4>,
+    pub(crate) starts: Vec<Vec3>,
+    lambda: f32,
+}
+
+/// Particles at rest there. Masses in kg; one that is missing is 1 kg, and an infinite one pins.
+pub(crate) fn points_of(positions: &[Vec3], masses: &[f32]) -> Particles {
+    let inverse = |i: usize| masses.get(i).map_or(1.0, |mass| 1.0 / mass);
+    let now = positions.iter().enumerate().map(|(i, p)| p.extend(inverse(i))).collect();
+    Particles { now, starts: positions.to_vec(), lambda: 0.0 }
+}
+
+impl Particles {
+    pub(crate) fn points(&self) -> Points<'_> {
+        Points {
+            now: &self.now,
+            starts: &self.starts,
+            origin: Vec3::ZERO,
+            direction: Direction::Nearest,
+        }
+    }
+
+    pub(crate) fn positions(&self) -> Vec<Vec3> {
+        self.now.iter().map(|q| q.truncate()).collect()
+    }
+
+    /// One projection, as the solver makes it; how far the law was from being kept, metres.
+    pub(crate) fn project(&mut self, law: &dyn Equation) -> f32 {
+        let mut gradients = vec![Vec3::ZERO; self.now.len()];
+        let mut moves = Vec::new();
+        let mut lambda = self.lambda;
+        let error =
+            project_equation(law, &self.points(), &mut gradients, PACE, &mut lambda, |i, d| {
+                moves.push((i, d));
+            });
+        self.lambda = lambda;
+        for (i, d) in moves {
+            self.now[i] += d.extend(0.0);
+        }
+        error
+    }
+
+    /// How far a hard law is from being kept, metres.
+    pub(crate) fn error(&self, law: &dyn Equation) -> f32 {
+        equation_error(law, &self.points(), &mut vec![Vec3::ZERO; self.now.len()])
+    }
+
+    /// `Σ mᵢ‖pᵢ - qᵢ‖²` over the free particles, in f64: what a constraint is to make least.
+    pub(crate) fn cost(&self, from: &[Vec3]) -> f64 {
+        let of = |(q, p): (&Vec4, &Vec3)| {
+            (q.truncate() - p).as_dvec3().length_squared() / f64::from(q.w)
+        };
+        self.now.iter().zip(from).filter(|(q, _)| q.w > 0.0).map(of).sum()
+    }
+}
+
+/// Value and gradients of a law there, all masses 1 kg.
+pub(crate) fn evaluate(law: &dyn Equation, positions: &[Vec3]) -> (f32, Vec<Vec3>) {
+    let mut gradients = vec![Vec3::ZERO; positions.len()];
+    let value = law.evaluate(&points_of(positions, &[]).points(), &mut gradients);
+    (value, gradients)
+}
+
+/// Every gradient agrees with central differences of the value, to 2e-3 of the largest of the gradients.
+///
+/// The differences are of f32 values, whose round-off (some 1e-7 of the value) is divided by the step: so the step is large, 2 % of the extent, and
+/// the error of its square is taken out by Richardson's extrapolation with half of it. What is left is about 1e-5 each. The value must be smooth that
+/// far around: inside the range of a limit there is nothing to check, and the check says so by failing.
+#[track_caller]
+pub(crate) fn assert_gradients(law: &dyn Equation, positions: &[Vec3]) {
+    let (value, gradients) = evaluate(law, positions);
+    assert!(value.is_finite() && value != 0.0, "nothing to check: the value is {value}");
+    let largest = gradients.iter().map(|g| g.length()).fold(0.0, f32::max);
+    assert!(largest > 0.0, "no gradient, but a value of {value}");
+    let step = 0.02 * extent(positions);
+    for i in 0..positions.len() {
+        for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+            let at = |distance: f32| {
+                let mut moved = positions.to_vec();
+                moved[i] += axis * distance;
+                f64::from(evaluate(law, &moved).0)
+            };
+            let slope = |h: f32| (at(h) - at(-h)) / (2.0 * f64::from(h));
+            let measured = ((4.0 * slope(0.5 * step) - slope(step)) / 3.0) as f32;
+            let claimed = gradients[i].dot(axis);
+            assert!(
+                (claimed - measured).abs() <= 2e-3 * largest,
+                "particle {i} along {axis}: the gradient is {claimed}, the value changes by {measured}"
+            );
+        }
+    }
+}
+
+/// One projection keeps momentum and angular momentum: `Σ mᵢdᵢ` and `Σ mᵢ qᵢ×dᵢ` vanish to 2e-5 of the sum of their sizes. Masses must be finite.
+#[track_caller]
+pub(crate) fn assert_momentum_kept(law: &dyn Equation, positions: &[Vec3], masses: &[f32]) {
+    let particles = points_of(positions, masses);
+    let mut gradients = vec![Vec3::ZERO; positions.len()];
+    let mut moves = vec![Vec3::ZERO; positions.len()];
+    let points = particles.points();
+    project_equation(law, &points, &mut gradients, PACE, &mut 0.0, |i, d| moves[i] = d);
+    assert!(moves.iter().any(|d| *d != Vec3::ZERO), "nothing to check: nothing moved");
+    let (mut linear, mut angular, mut size) = (Vec3::ZERO.as_dvec3(), Vec3::ZERO.as_dvec3(), 0.0);
+    let middle = positions.iter().sum::<Vec3>() / positions.len() as f32;
+    for (i, d) in moves.iter().enumerate() {
+        let push = d.as_dvec3() / f64::from(particles.now[i].w);
+        linear += push;
+        angular += (positions[i] - middle).as_dvec3().cross(push);
+        size += push.length();
+    }
+    let arm = f64::from(extent(positions));
+    assert!(linear.length() <= 2e-5 * size, "momentum {linear} of {size}");
+    assert!(angular.length() <= 2e-5 * size * arm, "angular momentum {angular} of {}", size * arm);
+}
+
+/// A hundred projections bring a hard law to within `tolerance` metres of being kept, from further away.
+#[track_caller]
+pub(crate) fn assert_kept(law: &dyn Equation, positions: &[Vec3], masses: &[f32], tolerance: f32) {
+    let mut particles = points_of(positions, masses);
+    let before = particles.error(law);
+    assert!(before > tolerance, "nothing to check: it is off by {before}");
+    for _ in 0..100 {
+        particles.project(law);
+    }
+    let after = particles.error(law);
+    let value = evaluate(law, &particles.positions()).0;
+    assert!(value.is_finite(), "off by {before} before, and now by {value}");
+    assert!(after <= tolerance, "off by {before} before and by {after} after");
+}
+
+/// The way to the constraint is the least: it goes along `w∇C` as measured by differences (see [`assert_gradients`]), and from where it ends every
+/// feasible place nearby costs more, `Σ m‖d‖²`. The violation must be small beside the shape, 10 % say: Newton's steps are the least only as far as
+/// the surface is flat.
+#[track_caller]
+pub(crate) fn assert_least(law: &dyn Equation, positions: &[Vec3], masses: &[f32]) {
+    assert_gradients(law, positions);
+    let mut best = points_of(positions, masses);
+    let gradients = evaluate(law, positions).1;
+    best.project(law);
+    // Along w∇C: one λ for all.
+    let (mut along, mut squares) = (0.0, 0.0);
+    for (i, gradient) in gradients.iter().enumerate() {
+        let wanted = *gradient * best.now[i].w;
+        along += wanted.dot(best.now[i].truncate() - positions[i]);
+        squares += wanted.length_squared();
+    }
+    let lambda = along / squares;
+    for (i, gradient) in gradients.iter().enumerate() {
+        let (moved, wanted) = (best.now[i].truncate() - positions[i], *gradient * best.now[i].w);
+        let off = (moved - wanted * lambda).length();
+        assert!(off <= 1e-4 * lambda.abs() * squares.sqrt(), "particle {i} moved by {moved}");
+    }
+    for _ in 0..20 {
+        best.project(law);
+    }
+    let least = best.cost(positions);
+    assert!(least > 0.0, "nothing to check: nothing moved");
+    let mut random = Random::new(7);
+    let reach = (least as f32).sqrt() / best.now.len() as f32;
+    for attempt in 0..40 {
+        let mut other = best.clone();
+        for q in other.now.iter_mut().filter(|q| q.w > 0.0) {
+            *q += (random.vector() * reach * q.w.sqrt()).extend(0.0);
+        }
+        for _ in 0..20 {
+            other.project(law);
+        }
+        let cost = other.cost(positions);
+        assert!(cost >= least * (1.0 - 1e-3), "attempt {attempt} costs {cost}, not {least}");
+    }
+}
+
+/// Whatever the places are, projecting leaves finite ones: coincident, collinear, coplanar, mirrored, huge, tiny, two in one place; with all free, one
+/// pinned, or all; and masses far apart.
+#[track_caller]
+pub(crate) fn assert_survives(law: &dyn Equation, positions: &[Vec3]) {
+    let count = positions.len();
+    let alike = |f: &dyn Fn(Vec3) -> Vec3| positions.iter().map(|p| f(*p)).collect::<Vec<_>>();
+    let mut sets = vec![
+        ("as given", positions.to_vec()),
+        ("coincident at the origin", vec![Vec3::ZERO; count]),
+        ("coincident elsewhere", vec![Vec3::new(3.0, -7.0, 0.1); count]),
+        ("collinear along x", alike(&|p| Vec3::X * p.x)),
+        ("collinear aslant", alike(&|p| Vec3::new(1.0, 2.0, -0.5) * p.x)),
+        ("evenly collinear", (0..count).map(|i| Vec3::Y * i as f32).collect()),
+        ("coplanar", alike(&|p| Vec3::new(p.x, p.y, 0.0))),
+        ("mirrored", alike(&|p| Vec3::new(-p.x, p.y, p.z))),
+    ];
+    // Squares overflow from 2e19 m on, and vanish below 1e-19 m; between them values of many powers do one or the other.
+    for (name, scale) in [
+        ("1e-30", 1e-30),
+        ("1e-18", 1e-18),
+        ("1e-15", 1e-15),
+        ("1e-12", 1e-12),
+        ("1e-9", 1e-9),
+        ("1e-6", 1e-6),
+        ("1e6", 1e6),
+        ("1e9", 1e9),
+        ("1e12", 1e12),
+        ("1e18", 1e18),
+    ] {
+        sets.push((name, alike(&|p| p * scale)));
+    }
+    for i in 0..count.min(6) {
+        for j in 0..i {
+            let mut set = positions.to_vec();
+            set[i] = set[j];
+            sets.push(("two in one place", set.clone()));
+            set[i] += Vec3::splat(1e-20);
+            sets.push(("two hardly apart", set));
+        }
+    }
+    let one_pinned: Vec<f32> =
+        (0..count).map(|i| if i == 0 { f32::INFINITY } else { 1.0 }).collect();
+    let apart: Vec<f32> = (0..count).map(|i| if i % 2 == 0 { 1e-6 } else { 1e6 }).collect();
+    for masses in [vec![1.0; count], one_pinned, vec![f32::INFINITY; count], apart] {
+        for (name, set) in &sets {
+            let mut particles = points_of(set, &masses);
+            for sweep in 0..8 {
+                let error = particles.project(law);
+                let finite = particles.now.iter().all(|q| q.is_finite()) && error.is_finite();
+                assert!(finite, "{name}, masses {masses:?}, sweep {sweep}: {:?}", particles.now);
+            }
+            let energy =
+                super::equation_energy(law, &particles.points(), &mut vec![Vec3::ZERO; count]);
+            assert!(!energy.is_nan(), "{name}");
+            for (q, p) in particles.now.iter().zip(set).filter(|(q, _)| q.w == 0.0) {
+                assert_eq!(q.truncate(), *p, "{name}: a pinned particle moved");
+            }
+        }
+    }
+}
+
+/// An equation that is never kept and moves nothing that f32 could tell, so that an island with the tolerance 0 is swept as often as it may be. A soft law
+/// has no error of its own to be swept for.
+#[derive(Debug)]
+pub(crate) struct Restless;
+
+impl Equation for Restless {
+    fn evaluate(&self, _: &Points, gradients: &mut [Vec3]) -> f32 {
+        gradients[0] = Vec3::X;
+        1e-15
+    }
+}
+
+/// The largest distance from the mean of the positions, metres.
+pub(crate) fn extent(positions: &[Vec3]) -> f32 {
+    let middle = positions.iter().sum::<Vec3>() / positions.len() as f32;
+    positions.iter().map(|p| p.distance(middle)).fold(0.0, f32::max)
+}
+
+/// The same numbers on every run: a 64-bit linear congruential generator (Knuth's constants), its upper bits.
+#[derive(Clone, Debug)]
+pub(crate) struct Random(u64);
+
+impl Random {
+    pub(crate) fn new(seed: u64) -> Self {
+        let mut random = Self(seed ^ 0x9e37_79b9_7f4a_7c15);
+        random.number();
+        random
+    }
+
+    /// From -1 up to 1.
+    pub(crate) fn number(&mut self) -> f32 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 40) as f32 / (1u64 << 23) as f32 - 1.0
+    }
+
+    /// In the cube from -1 to 1.
+    pub(crate) fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.number(), self.number(), self.number())
+    }
+
+    /// `count` points in that cube.
+    pub(crate) fn positions(&mut self, count: usize) -> Vec<Vec3> {
+        (0..count).map(|_| self.vector()).collect()
+    }
+
+    /// `count` masses from 0.25 to 4 kg, evenly in their logarithm.
+    pub(crate) fn masses(&mut self, count: usize) -> Vec<f32> {
+        (0..count).map(|_| libm::exp2f(2.0 * self.number())).collect()
+    }
+}
+
+/// The checks themselves must be able to fail.
+mod tests {
+    use super::*;
+
+    /// A rod of length 1 between two particles, with what may be wrong about it.
+    #[derive(Debug)]
+    struct Rod {
+        sign: f32,
+        first: f32,
+    }
+
+    impl Equation for Rod {
+        fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
+            let d = points.at(0) - points.at(1);
+            let n = d.normalize_or(Vec3::X);
+            gradients[0] = n * (self.sign * self.first);
+            gradients[1] = -n * self.sign;
+            d.length() - 1.0
+        }
+    }
+
+    const PLACES: [Vec3; 2] = [Vec3::ZERO, Vec3::new(0.3, 0.9, 0.5)];
+
+    #[test]
+    fn a_sound_law_passes_every_check() {
+        let rod = Rod { sign: 1.0, first: 1.0 };
+        assert_gradients(&rod, &PLACES);
+        assert_momentum_kept(&rod, &PLACES, &[1.0, 3.0]);
+        assert_kept(&rod, &PLACES, &[1.0, 3.0], 1e-6);
+        assert_least(&rod, &PLACES, &[1.0, 3.0]);
+        assert_survives(&rod, &PLACES);
+    }
+
+    #[test]
+    #[should_panic(expected = "the gradient is")]
+    fn a_wrong_sign_is_found() {
+        assert_gradients(&Rod { sign: -1.0, first: 1.0 }, &PLACES);
+    }
+
+    #[test]
+    #[should_panic(expected = "momentum")]
+    fn a_lopsided_push_is_found() {
+        assert_momentum_kept(&Rod { sign: 1.0, first: 1.01 }, &PLACES, &[]);
+    }
+
+    #[test]
+    #[should_panic(expected = "off by")]
+    fn what_runs_away_is_found() {
+        assert_kept(&Rod { sign: -1.0, first: 1.0 }, &PLACES, &[], 1e-3);
+    }
+}

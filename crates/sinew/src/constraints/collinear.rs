@@ -1,0 +1,144 @@
+//! Particles on one line (physics.md C6): the least-squares line, and everything onto it.
+
+use glam::Vec3;
+
+use super::coplanar::Spread;
+use super::towards::towards;
+use super::{Equation, LawFault, Points, Softness};
+
+/// All particles lie on one line, wherever that is; three of them or more. It does not keep their order or their distances.
+///
+/// They go to the line to which their way is the least, `Σ m‖d‖²`; what is pinned does not move and decides where the line is, as far as it lies on
+/// one itself. Where several lines are as near (particles in one place, at the corners of a square or of a cube) one of them is taken, always the
+/// same for the same positions. The error that the solver sees is the root mean square of the distances, weighted by mass.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Collinear {
+    /// How hard it is.
+    pub softness: Softness,
+}
+
+impl Collinear {
+    /// The same, as hard as that.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness }
+    }
+
+    /// Why it cannot bind `particles` particles, or `None` if it can.
+    pub(crate) fn fault(&self, particles: usize) -> Option<LawFault> {
+        // Two are on a line whatever they do.
+        (particles < 3).then_some(LawFault::Count)
+    }
+}
+
+/// Onto a line along the unit vector `e` through the barycentre, particle `i` goes by `e (e·r) - r`, with `r = q - q̄`, and all together cost
+/// `Σ m (r² - (e·r)²) = tr S - eᵀ S e` with `S` as for [`Coplanar`](super::Coplanar): least for the eigenvector of the greatest eigenvalue. Momentum
+/// is kept, `Σ m r = 0`, and angular momentum, `Σ m r × e (e·r) = (S e) × e = 0`.
+impl Equation for Collinear {
+    fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
+        let Some(Spread { centre, values, axes }) = Spread::of(points) else { return 0.0 };
+        let most = (1..3).fold(0, |most, i| if values[i] > values[most] { i } else { most });
+        let along = axes[most];
+        towards(points, gradients, |i| {
+            let r = points.at(i).as_dvec3() - centre;
+            (along * along.dot(r) - r).as_vec3()
+        })
+    }
+
+    fn softness(&self) -> Softness {
+        self.softness
+    }
+
+    fn is_length(&self) -> bool {
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::checks::{self, Random, points_of};
+    use super::*;
+
+    /// Five beads near a line, and masses for them.
+    fn beads() -> (Vec<Vec3>, Vec<f32>) {
+        let mut random = Random::new(11);
+        let along = Vec3::new(1.0, -0.5, 2.0);
+        let places = (0..5).map(|i| along * (0.3 * i as f32) + random.vector() * 0.2);
+        (places.collect(), random.masses(5))
+    }
+
+    /// Off the line through the first and the last, metres.
+    fn off(places: &[Vec3]) -> f32 {
+        let along = (places[4] - places[0]).normalize();
+        places.iter().map(|p| (*p - places[0]).reject_from(along).length()).fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn one_projection_makes_them_collinear_and_keeps_both_momenta() {
+        let (places, masses) = beads();
+        let law = Collinear::default();
+        checks::assert_gradients(&law, &places);
+        checks::assert_momentum_kept(&law, &places, &masses);
+        let mut particles = points_of(&places, &masses);
+        let error = particles.project(&law);
+        assert!(off(&places) > 0.1 && error > 0.05, "{} {error}", off(&places));
+        assert!(off(&particles.positions()) < 1e-6, "{}", off(&particles.positions()));
+        assert!(particles.error(&law) < 1e-6);
+    }
+
+    #[test]
+    fn every_other_line_costs_more() {
+        let (places, masses) = beads();
+        let mut particles = points_of(&places, &masses);
+        particles.project(&Collinear::default());
+        let least = particles.cost(&places);
+        let found = particles.positions();
+        let along = (found[4] - found[0]).normalize();
+        let mut random = Random::new(5);
+        for _ in 0..200 {
+            // Through somewhere near, and tilted a little.
+            let tilted = (along + random.vector() * 0.05).normalize().as_dvec3();
+            let through = (found[0] + random.vector() * 0.02).as_dvec3();
+            let cost: f64 = places
+                .iter()
+                .zip(&masses)
+                .map(|(p, m)| {
+                    let r = p.as_dvec3() - through;
+                    f64::from(*m) * (r - tilted * tilted.dot(r)).length_squared()
+                })
+                .sum();
+            assert!(cost > least * (1.0 + 1e-6), "{cost} {least}");
+        }
+    }
+
+    #[test]
+    fn pinned_particles_decide_and_do_not_move() {
+        let (places, _) = beads();
+        for pinned in [vec![2], vec![0, 3]] {
+            let mut masses = beads().1;
+            for &i in &pinned {
+                masses[i] = f32::INFINITY;
+            }
+            let mut particles = points_of(&places, &masses);
+            for _ in 0..3 {
+                particles.project(&Collinear::default());
+            }
+            let found = particles.positions();
+            assert!(off(&found) < 2e-6, "{pinned:?}: {}", off(&found));
+            assert!(pinned.iter().all(|&i| found[i] == places[i]));
+        }
+    }
+
+    #[test]
+    fn degenerate_sets_stay_finite_and_two_particles_are_refused() {
+        checks::assert_survives(&Collinear::default(), &beads().0);
+        let square = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
+        let mut particles = points_of(&square, &[]);
+        particles.project(&Collinear::default());
+        assert!(
+            particles.error(&Collinear::default()) < 1e-6,
+            "any line through its middle, but one"
+        );
+        assert_eq!(Collinear::default().fault(2), Some(LawFault::Count));
+        assert_eq!(Collinear::default().fault(3), None);
+    }
+}

@@ -1,0 +1,268 @@
+//! The signed angle about an axis of two particles, between two limits (physics.md C5), which is also the dihedral angle of bending (C9).
+
+use core::f32::consts::TAU;
+
+use glam::Vec3;
+
+use super::angle::beyond;
+use super::{Equation, LawFault, Points, Softness};
+
+/// The signed angle about the axis `h0 → h1` from the half-plane of `a` to the half-plane of `c`, of the particles `[a, h0, h1, c]`, between two limits.
+///
+/// The angle is -π to π, positive where the thumb of a right hand that turns `a` towards `c` points from `h0` to `h1`. What it is good for:
+///
+/// - **A hinge**, an elbow or a knee: `h0` and `h1` are the pin of the hinge, `a` and `c` lie on the two bones. A straight joint has the angle π, so an
+///   elbow that closes by 150° and never bends backward is [`between`](Self::between)(30°, 180°), or (180°, 330°) if it closes the other way.
+/// - **Bending** of two triangles with the common edge `h0 h1`: [`rest`](Self::rest) keeps the dihedral angle; flat is π.
+/// - **A limit of twist**: the particles are [a reference in the parent, the joint, the child's far end, a reference in the child], so that the axis is the
+///   bone itself.
+///
+/// On a circle every number is above and below every range. Which it is goes by the shorter way: -179° is 1° above a range of 170° to 180°.
+/// Where `a` or `c` lies on the axis there is no angle, and nothing is done.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hinge {
+    /// Smallest angle, radians, -2π to 2π: a range about the angle π goes beyond it (170° to 190°).
+    pub min: f32,
+    /// Largest angle, radians, `min` (which keeps one angle) to 2π, and at most 2π above `min` (which allows all).
+    pub max: f32,
+    /// How hard it is. A compliance is in rad²/J.
+    pub softness: Softness,
+}
+
+impl Hinge {
+    /// Hard limits, radians.
+    pub fn between(min: f32, max: f32) -> Self {
+        Self { min, max, softness: Softness::Hard }
+    }
+
+    /// The angle that `[a, h0, h1, c]` make there, kept hard; 0 where there is none.
+    pub fn rest(positions: [Vec3; 4]) -> Self {
+        let angle = dihedral(positions).map_or(0.0, |dihedral| dihedral.angle);
+        Self::between(angle, angle)
+    }
+
+    /// The same, as hard as that.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
+    }
+
+    /// Why it cannot bind `particles` particles, or `None` if it can.
+    pub(crate) fn fault(&self, particles: usize) -> Option<LawFault> {
+        let inside = |angle: f32| (-TAU..=TAU).contains(&angle);
+        if particles != 4 {
+            Some(LawFault::Count)
+        } else if !(inside(self.min) && inside(self.max) && self.max - self.min <= TAU) {
+            Some(LawFault::Number)
+        } else if self.min > self.max {
+            Some(LawFault::Limits)
+        } else {
+            None
+        }
+    }
+}
+
+/// `C` is how far the angle is above the range, or (negative) below, radians, and zero inside.
+impl Equation for Hinge {
+    fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
+        let Some(found) = dihedral([points.at(0), points.at(1), points.at(2), points.at(3)]) else {
+            return 0.0;
+        };
+        // From the middle of the range, the short way round.
+        let (middle, half) = (0.5 * (self.min + self.max), 0.5 * (self.max - self.min));
+        let value = beyond(around(found.angle - middle), -half, half);
+        if value != 0.0 {
+            gradients.copy_from_slice(&found.gradients);
+        }
+        value
+    }
+
+    fn softness(&self) -> Softness {
+        self.softness
+    }
+}
+
+/// An angle as the one of -π to π that points the same way.
+fn around(angle: f32) -> f32 {
+    angle - TAU * (angle / TAU).round()
+}
+
+struct Dihedral {
+    angle: f32,
+    gradients: [Vec3; 4],
+}
+
+/// The dihedral angle and its gradients, rad/m; `None` where there is no axis or one of the outer particles lies on it.
+///
+/// With the unit axis `ê` along `e = h1 - h0`, `n = ê×(a - h0)` is as long as `a` is far from the axis, and points where `a` goes if it turns about `ê`;
+/// `m = ê×(c - h0)` likewise. The angle from one half-plane to the other is the angle from `n` to `m`: `φ = atan2(ê·(n×m), n·m)`, all its digits
+/// everywhere, with its sign. If `a` moves by `δ`, its half-plane turns by `δ·n/‖n‖²`, so
+///
+/// ```text
+/// ∂φ/∂a = -n/‖n‖²        ∂φ/∂c = m/‖m‖²
+/// ```
+///
+/// Along the edge, `a` stands at `s = (a - h0)·e/‖e‖²` (0 at `h0`, 1 at `h1`), and `c` at `t`. If `h1` moves by `δ`, the place of the axis beside `a` moves
+/// by `s δ`, which turns the half-plane as if `a` had moved by `-s δ`; if `h0` moves, `1 - s` stands in the place of `s`:
+///
+/// ```text
+/// ∂φ/∂h0 = -(1 - s) ∂φ/∂a - (1 - t) ∂φ/∂c        ∂φ/∂h1 = -s ∂φ/∂a - t ∂φ/∂c
+/// ```
+///
+/// (Bridson et al., *Simulation of Clothing with Folds and Wrinkles*, 2003, in other letters.) Unlike an angle without a sign, this one has a gradient
+/// where the joint is straight or folded flat, too.
+fn dihedral([a, h0, h1, c]: [Vec3; 4]) -> Option<Dihedral> {
+    let edge = h1 - h0;
+    let length = edge.length();
+    if !(length > 0.0 && length.is_finite()) {
+        return None;
+    }
+    let axis = edge / length;
+    let (to_a, to_c) = (a - h0, c - h0);
+    let (n, m) = (axis.cross(to_a), axis.cross(to_c));
+    let (n_square, m_square) = (n.length_squared(), m.length_squared());
+    // Below a millionth of the distance, what is across the axis is round-off.
+    let on_axis = |across: f32, to: Vec3| across <= 1e-12 * to.length_squared();
+    if on_axis(n_square, to_a) || on_axis(m_square, to_c) {
+        return None;
+    }
+    let angle = libm::atan2f(axis.dot(n.cross(m)), n.dot(m));
+    let (by_a, by_c) = (-n / n_square, m / m_square);
+    let (s, t) = (to_a.dot(axis) / length, to_c.dot(axis) / length);
+    let by_h0 = by_a * (s - 1.0) + by_c * (t - 1.0);
+    Some(Dihedral { angle, gradients: [by_a, by_h0, by_a * -s - by_c * t, by_c] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::checks::*;
+    use super::*;
+    use crate::{Constraint, Distance, Law, ParticleSeed, Simulation};
+    use core::f32::consts::PI;
+
+    fn degrees(angle: f32) -> f32 {
+        angle * (PI / 180.0)
+    }
+
+    /// Half-planes at `angle` about the z axis, with levers that are not 0 or 1.
+    fn at(angle: f32) -> [Vec3; 4] {
+        let c = Vec3::new(libm::cosf(angle), libm::sinf(angle), 0.0) * 0.8 + Vec3::Z * 1.3;
+        [Vec3::new(1.0, 0.0, -0.2), Vec3::ZERO, Vec3::Z, c]
+    }
+
+    #[test]
+    fn the_angle_turns_from_a_to_c_by_the_right_hand() {
+        for angle in [-179.0, -90.0, -1.0, 0.0, 1.0, 45.0, 120.0, 179.0] {
+            let found = Hinge::rest(at(degrees(angle))).min;
+            assert!((found - degrees(angle)).abs() < 1e-6, "{angle}: {found}");
+        }
+    }
+
+    #[test]
+    fn a_range_is_left_by_the_shorter_way_round() {
+        let value = |angle: f32, min: f32, max: f32| {
+            let law = Hinge::between(degrees(min), degrees(max));
+            evaluate(&law, &at(degrees(angle))).0 * (180.0 / PI)
+        };
+        for (angle, min, max, expected) in [
+            (-179.0, 170.0, 180.0, 1.0),
+            (169.0, 170.0, 180.0, -1.0),
+            (-179.0, 170.0, 190.0, 0.0),
+            (-165.0, 170.0, 190.0, 5.0),
+            (-1.0, 0.0, 150.0, -1.0),
+            (151.0, 0.0, 150.0, 1.0),
+            (-179.0, 179.0, 179.0, 2.0),
+            (3.0, -180.0, 180.0, 0.0),
+            (179.0, -180.0, -170.0, -1.0),
+            (-100.0, 180.0, 330.0, 0.0),
+        ] {
+            let found = value(angle, min, max);
+            assert!((found - expected).abs() < 1e-3, "{angle} in {min}..{max}: {found}");
+        }
+    }
+
+    #[test]
+    fn the_gradient_is_that_of_the_angle_the_flat_and_the_folded_included() {
+        for angle in [-170.0, -60.0, 0.0, 20.0, 90.0, 180.0] {
+            let rest = degrees(angle) + 0.5;
+            assert_gradients(&Hinge::between(rest, rest), &at(degrees(angle)));
+            assert_gradients(&Hinge::between(rest - 1.0, rest - 1.0), &at(degrees(angle)));
+        }
+    }
+
+    #[test]
+    fn it_keeps_momentum_and_its_limits_at_the_least_cost() {
+        let mut random = Random::new(5);
+        for _ in 0..30 {
+            let (places, masses) = (random.positions(4), random.masses(4));
+            let angle = Hinge::rest([places[0], places[1], places[2], places[3]]).min;
+            let law = Hinge::between(angle + 0.3, angle + 0.6);
+            assert_momentum_kept(&law, &places, &masses);
+            assert_kept(&law, &places, &masses, 1e-4);
+        }
+        assert_least(&Hinge::between(1.2, 2.0), &at(1.1), &[1.0, 2.0, 0.5, 1.0]);
+        assert_least(&Hinge::between(0.1, 1.0), &at(1.1), &[1.0, 2.0, 0.5, 1.0]);
+    }
+
+    #[test]
+    fn it_survives_every_degenerate_set() {
+        for law in [Hinge::between(0.2, 0.3), Hinge::between(PI, PI), Hinge::between(-3.0, -2.0)] {
+            assert_survives(&law, &at(1.0));
+            assert_survives(&law.with_softness(Softness::frequency(5.0, 1.0)), &at(1.0));
+        }
+    }
+
+    /// An elbow: the upper arm and the pin of the hinge are held, the forearm is straight at first, and `gravity` pulls at the hand. How far it has bent,
+    /// radians: the least, the most and the last.
+    fn bent(gravity: f32, law: Option<Hinge>, start: f32) -> (f32, f32, f32) {
+        let mut world = Simulation::default();
+        world.forces.gravity = Vec3::new(0.0, gravity, 0.0);
+        let hand = Vec3::new(libm::cosf(start), libm::sinf(start), 0.0);
+        let places = [-Vec3::X, Vec3::Z * -0.1, Vec3::Z * 0.1, hand];
+        for (i, place) in places.into_iter().enumerate() {
+            let seed = ParticleSeed::at(place);
+            world.particles.push(if i < 3 { seed.pinned() } else { seed }).unwrap();
+        }
+        for pin in [1, 2] {
+            let length = places[pin].distance(hand);
+            world.distances_mut().push(Distance::new(pin as u32, 3, length));
+        }
+        world.constraints_mut().extend(law.map(|law| Constraint::new(0..4, Law::Hinge(law))));
+        let (mut least, mut most, mut last) = (0.0_f32, 0.0_f32, 0.0);
+        for _ in 0..120 {
+            world.step(1.0 / 60.0).unwrap();
+            let hand = world.particles.position(3);
+            assert!((hand.length() - 1.0).abs() < 5e-3, "the forearm is {} long", hand.length());
+            last = libm::atan2f(hand.y, hand.x);
+            (least, most) = (least.min(last), most.max(last));
+        }
+        (least, most, last)
+    }
+
+    #[test]
+    fn an_elbow_bends_forward_by_150_degrees_and_not_backward() {
+        // Straight is 180°; the angle from the upper arm to the forearm goes on as the hand goes up.
+        let elbow = || Some(Hinge::between(degrees(180.0), degrees(330.0)));
+        let (least, ..) = bent(-9.81, None, 0.0);
+        assert!(least < degrees(-90.0), "a free arm falls: {least}");
+        let (least, most, last) = bent(-9.81, elbow(), 0.0);
+        println!("pulled backward: {least} to {most}, at last {last} rad");
+        assert!(least > degrees(-0.5) && most < degrees(0.5), "{least} {most}");
+        let (least, most, last) = bent(9.81, elbow(), 0.01);
+        println!("pulled forward: {least} to {most}, at last {last} rad");
+        assert!(least > degrees(-0.5) && (most - degrees(150.0)).abs() < degrees(1.0), "{most}");
+        // Thrown far: what it swings up to is the limit.
+        let (_, most, _) = bent(9.81, Some(Hinge::between(degrees(180.0), degrees(240.0))), 0.01);
+        assert!((most - degrees(60.0)).abs() < degrees(1.0), "{most}");
+    }
+
+    #[test]
+    fn faults_are_told_apart() {
+        assert_eq!(Hinge::between(-PI, PI).fault(4), None);
+        assert_eq!(Hinge::between(degrees(170.0), degrees(190.0)).fault(4), None);
+        assert_eq!(Hinge::between(0.0, 1.0).fault(3), Some(LawFault::Count));
+        assert_eq!(Hinge::between(1.0, 0.5).fault(4), Some(LawFault::Limits));
+        assert_eq!(Hinge::between(-7.0, 0.5).fault(4), Some(LawFault::Number));
+        assert_eq!(Hinge::between(-5.0, 5.0).fault(4), Some(LawFault::Number));
+        assert_eq!(Hinge::between(0.0, f32::NAN).fault(4), Some(LawFault::Number));
+    }
+}

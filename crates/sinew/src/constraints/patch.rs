@@ -1,0 +1,245 @@
+//! The area of a whole patch of triangles (physics.md C8), and what every constraint on a mesh needs.
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+
+use super::area::{area, keep_within_reach};
+use super::{Equation, LawFault, Points, Softness, Way};
+
+/// The total area of a patch of triangles: one may grow while another shrinks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Patch {
+    /// The triangles, as numbers of the constraint's particles. Which way round they are does not matter.
+    pub triangles: Arc<[[u32; 3]]>,
+    /// Area to keep, m², not negative.
+    pub rest: f32,
+    /// Along which way it is corrected.
+    pub way: Way,
+    /// How hard it is. A compliance is in m⁴/J along the gradient, and in m/N for scaling.
+    pub softness: Softness,
+}
+
+impl Patch {
+    /// The area that a patch has there, kept hard along the gradient. `positions` are those of the constraint's particles, in its order; a triangle that
+    /// names none of them does not count, and is a fault.
+    pub fn of(triangles: impl Into<Arc<[[u32; 3]]>>, positions: &[Vec3]) -> Self {
+        let triangles = triangles.into();
+        let corner = |i: u32| positions.get(i as usize).copied();
+        let one = |t: &[u32; 3]| Some(area([corner(t[0])?, corner(t[1])?, corner(t[2])?]).0);
+        let rest = triangles.iter().filter_map(one).map(f64::from).sum::<f64>() as f32;
+        Self { triangles, rest, way: Way::Gradient, softness: Softness::Hard }
+    }
+
+    /// The same, corrected that way.
+    pub fn with_way(self, way: Way) -> Self {
+        Self { way, ..self }
+    }
+
+    /// The same, as hard as that.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
+    }
+
+    /// Why it cannot bind `particles` particles, or `None` if it can.
+    pub(crate) fn fault(&self, particles: usize) -> Option<LawFault> {
+        if particles < 3 {
+            Some(LawFault::Count)
+        } else if !(self.rest.is_finite() && self.rest >= 0.0) {
+            Some(LawFault::Number)
+        } else {
+            triangle_fault(&self.triangles, particles)
+        }
+    }
+}
+
+/// Along the gradient `C = ΣA - A₀`, m², the gradient of each triangle from `area`, steep enough (`keep_within_reach`). By scaling, see `scale`:
+/// lengths go as the root of the area, so the factor is `√(A₀/A)`. What has no area to scale, or less than a quarter of what it should, goes along the
+/// gradient in either case. The solver takes the value's error through the gradient, which gives the same length for both units.
+impl Equation for Patch {
+    fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
+        let mut sum = 0.0_f64;
+        for triangle in self.triangles.iter() {
+            let corners = triangle.map(|i| i as usize);
+            let (one, by) = area(corners.map(|i| points.at(i)));
+            sum += f64::from(one);
+            for (corner, gradient) in corners.into_iter().zip(by) {
+                gradients[corner] += gradient;
+            }
+        }
+        let now = sum as f32;
+        if self.way == Way::Scaling && self.rest <= 4.0 * now {
+            return scale(points, (self.rest / now).sqrt(), gradients);
+        }
+        let value = (sum - f64::from(self.rest)) as f32;
+        keep_within_reach(value, now.max(self.rest).sqrt(), gradients);
+        value
+    }
+
+    fn softness(&self) -> Softness {
+        self.softness
+    }
+}
+
+/// Uniform scaling by `factor` about the mass barycentre, as a value and gradients that the generic projection turns into just that.
+///
+/// Every free particle is to move by `dᵢ = (s - 1)(qᵢ - B)`. Let `M = Σm` over the free ones, `R = √(Σ mᵢ‖qᵢ - B‖²/M)` the root of the mean square
+/// distance from the barycentre (metres), and
+///
+/// ```text
+/// C = (1 - s) R        ∇ᵢC = mᵢ (qᵢ - B)/(M R)        so that Σ wⱼ‖∇ⱼC‖² = Σ mⱼ‖qⱼ - B‖²/(M R)² = 1/M
+/// ```
+///
+/// The projection `dᵢ = -wᵢ ∇ᵢC · C/(1/M)` gives `-(qᵢ - B)/(M R) · (1 - s) R · M = (s - 1)(qᵢ - B)`. `|C|` is the root of the mean square of how far the
+/// particles go, a length. The gradient is that of `R` with the factor held, not of the factor: this is the lectures' way, and not the least.
+///
+/// `B` is the barycentre of the *masses*: `Σ mᵢ(qᵢ - B) = 0` is the momentum that it does not give, and `Σ mᵢ (qᵢ - B)×(qᵢ - B) = 0` the angular momentum.
+/// A pinned particle weighs more than all others together, so where there are some, `B` is the mean of those; they do not move, and with one of them the
+/// size is right at once as well.
+pub(super) fn scale(points: &Points, factor: f32, gradients: &mut [Vec3]) -> f32 {
+    gradients.fill(Vec3::ZERO);
+    let all = || (0..points.len()).map(|i| (points.at(i).as_dvec3(), mass(points.inverse_mass(i))));
+    let (mut free, mut pinned) = ((DVec3::ZERO, 0.0), (DVec3::ZERO, 0.0));
+    for (q, m) in all() {
+        match m {
+            Some(m) => free = (free.0 + q * m, free.1 + m),
+            None => pinned = (pinned.0 + q, pinned.1 + 1.0),
+        }
+    }
+    let (sum, weight) = if pinned.1 > 0.0 { pinned } else { free };
+    let middle = sum / weight;
+    let square: f64 =
+        all().map(|(q, m)| m.map_or(0.0, |m| m * (q - middle).length_squared())).sum();
+    let radius = (square / free.1).sqrt();
+    // Nothing free, or all in one place: no size to scale.
+    if !(radius > 0.0 && radius.is_finite()) {
+        return 0.0;
+    }
+    for (gradient, (q, m)) in gradients.iter_mut().zip(all()) {
+        *gradient = m.map_or(Vec3::ZERO, |m| ((q - middle) * (m / (free.1 * radius))).as_vec3());
+    }
+    (1.0 - factor) * radius as f32
+}
+
+/// Mass in kg; `None` if it is pinned.
+fn mass(inverse: f32) -> Option<f64> {
+    (inverse > 0.0).then(|| 1.0 / f64::from(inverse))
+}
+
+/// What is wrong with the triangles of a constraint of so many particles.
+pub(super) fn triangle_fault(triangles: &[[u32; 3]], particles: usize) -> Option<LawFault> {
+    if triangles.iter().flatten().any(|&i| i as usize >= particles) {
+        Some(LawFault::Triangle)
+    } else if triangles.iter().any(|[a, b, c]| a == b || b == c || c == a) {
+        Some(LawFault::SameParticle)
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::checks::*;
+    use super::*;
+
+    /// A sheet of 3 × 3 particles, 1 m wide, a little bent so that it is in no plane.
+    fn sheet() -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let mut places = Vec::new();
+        for row in 0..3 {
+            for column in 0..3 {
+                let (x, y) = (column as f32 * 0.5, row as f32 * 0.5);
+                places.push(Vec3::new(x, y + 0.1 * x, 0.3 * x * x - 0.2 * x * y));
+            }
+        }
+        let mut triangles = Vec::new();
+        for [row, column] in [[0, 0], [0, 1], [1, 0], [1, 1]] {
+            let corner = row * 3 + column;
+            triangles.push([corner, corner + 1, corner + 4]);
+            triangles.push([corner, corner + 4, corner + 3]);
+        }
+        (places, triangles)
+    }
+
+    fn patch(factor: f32, way: Way) -> Patch {
+        let (places, triangles) = sheet();
+        let patch = Patch::of(triangles, &places).with_way(way);
+        Patch { rest: patch.rest * factor, ..patch }
+    }
+
+    #[test]
+    fn the_gradient_is_that_of_the_whole_area() {
+        let (places, _) = sheet();
+        assert!((patch(1.0, Way::Gradient).rest - 1.0).abs() < 0.2);
+        assert_gradients(&patch(0.5, Way::Gradient), &places);
+        assert_gradients(&patch(1.5, Way::Gradient), &places);
+    }
+
+    #[test]
+    fn either_way_keeps_momentum_and_the_area_and_one_at_the_least_cost() {
+        let (places, _) = sheet();
+        let masses = Random::new(31).masses(9);
+        for way in [Way::Gradient, Way::Scaling] {
+            for factor in [0.3, 0.9, 1.1, 3.0, 20.0] {
+                assert_momentum_kept(&patch(factor, way), &places, &masses);
+                assert_kept(&patch(factor, way), &places, &masses, 1e-4);
+            }
+        }
+        assert_least(&patch(0.95, Way::Gradient), &places, &masses);
+        assert_least(&patch(1.05, Way::Gradient), &places, &masses);
+    }
+
+    #[test]
+    fn one_scaling_makes_the_area_right_and_moves_each_particle_as_derived() {
+        let (places, _) = sheet();
+        let masses = Random::new(32).masses(9);
+        let law = patch(1.7, Way::Scaling);
+        let mut particles = points_of(&places, &masses);
+        particles.project(&law);
+        assert!(
+            (Patch::of(law.triangles.clone(), &particles.positions()).rest / law.rest - 1.0).abs()
+                < 1e-5
+        );
+        let total: f32 = masses.iter().sum();
+        let middle = places.iter().zip(&masses).map(|(p, m)| *p * *m).sum::<Vec3>() / total;
+        for (p, q) in places.iter().zip(particles.positions()) {
+            assert!(q.abs_diff_eq(middle + (*p - middle) * 1.7_f32.sqrt(), 1e-5), "{p} {q}");
+        }
+    }
+
+    #[test]
+    fn a_scaling_with_one_pinned_particle_is_right_at_once_about_that() {
+        let (places, _) = sheet();
+        let mut masses = vec![1.0; 9];
+        masses[2] = f32::INFINITY;
+        let law = patch(0.6, Way::Scaling);
+        let mut particles = points_of(&places, &masses);
+        particles.project(&law);
+        assert_eq!(particles.positions()[2], places[2]);
+        assert!(particles.error(&law) < 1e-5);
+    }
+
+    #[test]
+    fn either_way_survives_every_degenerate_set() {
+        let (places, _) = sheet();
+        for way in [Way::Gradient, Way::Scaling] {
+            for factor in [0.0, 0.5, 1e6] {
+                let soft = Softness::frequency(5.0, 0.5);
+                assert_survives(&patch(factor, way), &places);
+                assert_survives(&patch(factor, way).with_softness(soft), &places);
+            }
+        }
+    }
+
+    #[test]
+    fn faults_are_told_apart() {
+        let good = patch(1.0, Way::Gradient);
+        assert_eq!(good.fault(9), None);
+        assert_eq!(good.fault(8), Some(LawFault::Triangle));
+        assert_eq!(good.fault(2), Some(LawFault::Count));
+        assert_eq!(patch(-1.0, Way::Gradient).fault(9), Some(LawFault::Number));
+        assert_eq!(patch(f32::NAN, Way::Gradient).fault(9), Some(LawFault::Number));
+        let twice = Patch { triangles: Arc::from([[0, 1, 1]]), ..good };
+        assert_eq!(twice.fault(9), Some(LawFault::SameParticle));
+        assert_eq!(Patch::of([[0, 1, 7]], &[Vec3::ZERO; 3]).fault(3), Some(LawFault::Triangle));
+    }
+}

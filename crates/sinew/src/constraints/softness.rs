@@ -1,0 +1,191 @@
+//! Softness: how hard a constraint is, in numbers that mean the same at any number of sweeps and substeps.
+
+/// How hard a constraint is enforced.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Softness {
+    /// Exactly, as far as the sweeps go. The default.
+    #[default]
+    Hard,
+    /// As a damped spring with the energy `½ C²/α`, stable at any stiffness and step (Macklin et al., *XPBD*, 2016).
+    Compliant {
+        /// α, inverse stiffness: metres per newton where the constraint's value is a length; in general the value's unit squared per joule.
+        /// Zero is hard. The lectures' spring of stiffness k is `1/k`.
+        compliance: f32,
+        /// β: force per rate of change of the value, N·s/m where that is a length. Zero swings on.
+        damping: f32,
+    },
+    /// As a damped spring of its own frequency, whatever the masses: stiffness `μω²`, damping `2ζμω`, with μ the mass that the constraint feels.
+    Frequency {
+        /// Undamped frequency `ω/2π`, Hz, more than zero.
+        hertz: f32,
+        /// Damping ratio ζ: 0 swings on, 1 is critical.
+        ratio: f32,
+    },
+    /// The stiffness of the lectures and of the first PBD papers: the share k of the error, 0 to 1, that a substep takes away. It depends on the
+    /// substep, unlike the others, but no longer on the sweeps: each of n takes `1 - (1-k)^(1/n)`.
+    Share(f32),
+}
+
+impl Softness {
+    /// A compliance of `compliance` m/N without damping; hard if it is zero.
+    pub fn compliant(compliance: f32) -> Self {
+        if compliance == 0.0 { Self::Hard } else { Self::Compliant { compliance, damping: 0.0 } }
+    }
+
+    /// A spring of `stiffness` N/m and `damping` N·s/m.
+    pub fn spring(stiffness: f32, damping: f32) -> Self {
+        Self::Compliant { compliance: 1.0 / stiffness, damping }
+    }
+
+    /// A spring of `hertz` Hz and damping ratio `ratio`.
+    pub fn frequency(hertz: f32, ratio: f32) -> Self {
+        Self::Frequency { hertz, ratio }
+    }
+
+    /// Whether nothing yields.
+    pub fn is_hard(self) -> bool {
+        match self {
+            Self::Hard => true,
+            Self::Compliant { compliance, .. } => compliance == 0.0,
+            Self::Frequency { .. } => false,
+            Self::Share(share) => share == 1.0,
+        }
+    }
+
+    /// Whether every number is finite and in range.
+    pub fn is_valid(self) -> bool {
+        let amount = |x: f32| x.is_finite() && x >= 0.0;
+        match self {
+            Self::Hard => true,
+            Self::Compliant { compliance, damping } => amount(compliance) && amount(damping),
+            Self::Frequency { hertz, ratio } => amount(hertz) && hertz > 0.0 && amount(ratio),
+            Self::Share(share) => (0.0..=1.0).contains(&share),
+        }
+    }
+
+    /// Energy stored at the value `value` of a constraint, J, where that is defined: `½ C²/α`. `weights` is `Σ w‖∇C‖²`.
+    pub(crate) fn energy(self, value: f32, weights: f32) -> f32 {
+        let stiffness = match self {
+            Self::Hard | Self::Share(_) => 0.0,
+            Self::Compliant { compliance, .. } if compliance > 0.0 => 1.0 / compliance,
+            Self::Compliant { .. } => 0.0,
+            Self::Frequency { hertz, .. } if weights > 0.0 => {
+                let omega = core::f32::consts::TAU * hertz;
+                omega * omega / weights
+            }
+            Self::Frequency { .. } => 0.0,
+        };
+        0.5 * stiffness * value * value
+    }
+}
+
+/// The substep that a softness is resolved for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pace {
+    /// Length of the substep, s.
+    pub(crate) h: f32,
+    /// The most sweeps in it.
+    pub(crate) sweeps: u32,
+}
+
+/// The change of the multiplier that one projection makes, and its new sum.
+///
+/// XPBD, eqs. 18 and 26, with the sign of λ turned: with `α̃ = α/h²`, `γ = αβ/h` and `W = Σ w‖∇C‖²`,
+///
+/// ```text
+/// Δλ = (C - α̃ λ + γ ∇C·(q - p)) / ((1 + γ) W + α̃)        particles move by -w ∇C Δλ
+/// ```
+///
+/// which is one step of implicit Euler of the damped spring, however often it is repeated within the substep. A frequency is the compliance
+/// `W/ω²` with the damping `2ζω/W`: μ = 1/W is the mass that the constraint feels. `moved` is `∇C·(q - p)`, the change of `C` in this substep.
+///
+/// What is summed up over the sweeps is λ, or for a frequency `W λ`, the change of `C` that it made: `W` may differ from sweep to sweep as gradients
+/// do, and a λ summed up at one `W` says little at another. [`Softness::unit`] is what turns a change of λ into a change of the sum.
+#[inline]
+pub(crate) fn multiplier(
+    softness: Softness,
+    pace: Pace,
+    value: f32,
+    weights: f32,
+    moved: f32,
+    sum: f32,
+) -> f32 {
+    let (scaled, gamma) = match softness {
+        Softness::Hard => return value / weights,
+        Softness::Compliant { compliance, damping } => {
+            (compliance / (pace.h * pace.h), compliance * damping / pace.h)
+        }
+        Softness::Frequency { hertz, ratio } => {
+            let turn = core::f32::consts::TAU * hertz * pace.h;
+            let (yielding, gamma) = (1.0 / (turn * turn), 2.0 * ratio / turn);
+            let change = (value - yielding * sum + gamma * moved) / (1.0 + gamma + yielding);
+            return change / weights;
+        }
+        Softness::Share(share) => {
+            let each = 1.0 - libm::powf(1.0 - share, 1.0 / pace.sweeps as f32);
+            return each * value / weights;
+        }
+    };
+    (value - scaled * sum + gamma * moved) / ((1.0 + gamma) * weights + scaled)
+}
+
+impl Softness {
+    /// What a change of λ is multiplied with before it is summed up: 1, or `W` for a frequency.
+    #[inline]
+    pub(crate) fn unit(self, weights: f32) -> f32 {
+        if let Self::Frequency { .. } = self { weights } else { 1.0 }
+    }
+
+    /// Whether the multiplier is summed up over the sweeps of a substep.
+    #[inline]
+    pub(crate) fn remembers(self) -> bool {
+        matches!(self, Self::Compliant { .. } | Self::Frequency { .. })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_is_taken_once_however_many_sweeps_take_it() {
+        for sweeps in [1, 4, 20] {
+            let pace = Pace { h: 0.01, sweeps };
+            let mut left = 1.0;
+            for _ in 0..sweeps {
+                left -= multiplier(Softness::Share(0.7), pace, left, 1.0, 0.0, 0.0);
+            }
+            assert!((left - 0.3_f32).abs() < 1e-5, "{left}");
+        }
+    }
+
+    #[test]
+    fn sweeping_a_soft_constraint_again_changes_nothing() {
+        let softness = Softness::Compliant { compliance: 0.01, damping: 3.0 };
+        let (pace, weights) = (Pace { h: 0.01, sweeps: 9 }, 2.0);
+        // Value and movement are both linear in λ: C = 1 - W λ, moved = 0.4 - W λ.
+        let mut lambda = 0.0;
+        for _ in 0..3 {
+            let (value, moved) = (1.0 - weights * lambda, 0.4 - weights * lambda);
+            lambda += multiplier(softness, pace, value, weights, moved, lambda);
+        }
+        let again = multiplier(
+            softness,
+            pace,
+            1.0 - weights * lambda,
+            weights,
+            0.4 - weights * lambda,
+            lambda,
+        );
+        assert!(again.abs() < 1e-7, "{again}");
+    }
+
+    #[test]
+    fn numbers_out_of_range_are_not_valid() {
+        assert!(!Softness::compliant(-1.0).is_valid());
+        assert!(!Softness::frequency(0.0, 1.0).is_valid());
+        assert!(!Softness::frequency(f32::NAN, 1.0).is_valid());
+        assert!(!Softness::Share(1.1).is_valid());
+        assert!(Softness::default().is_valid() && Softness::default().is_hard());
+    }
+}

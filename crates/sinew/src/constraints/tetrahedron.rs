@@ -1,0 +1,191 @@
+//! The volume of a tetrahedron (physics.md C7).
+
+use glam::Vec3;
+
+use super::area::keep_within_reach;
+use super::{Equation, LawFault, Points, Softness};
+
+/// The signed volume of the tetrahedron `[a, b, c, d]`: `⅙ (b - a)×(c - a)·(d - a)`.
+///
+/// It is positive where `d` sees `a`, `b`, `c` in counter-clockwise order. That agrees with a [`Volume`](super::Volume) of its outward triangles, which are
+/// `[a, c, b]`, `[a, b, d]`, `[a, d, c]` and `[b, c, d]`. Having a sign, it comes back right side out when it has been turned inside out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tetrahedron {
+    /// Volume to keep, m³; negative for one whose particles are named in the other order.
+    pub rest: f32,
+    /// How hard it is. A compliance is in m⁶/J.
+    pub softness: Softness,
+}
+
+impl Tetrahedron {
+    /// The volume that a tetrahedron has there, sign and all, kept hard.
+    pub fn of(positions: [Vec3; 4]) -> Self {
+        Self { rest: volume(positions).0, softness: Softness::Hard }
+    }
+
+    /// The same, as hard as that.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
+    }
+
+    /// Why it cannot bind `particles` particles, or `None` if it can.
+    pub(crate) fn fault(&self, particles: usize) -> Option<LawFault> {
+        if particles != 4 {
+            Some(LawFault::Count)
+        } else if !self.rest.is_finite() {
+            Some(LawFault::Number)
+        } else {
+            None
+        }
+    }
+}
+
+/// `C = V - V₀`, m³, its gradient steep enough (`keep_within_reach`). Where all four lie on one line there is no gradient, and nothing is done.
+impl Equation for Tetrahedron {
+    fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
+        let (now, by) = volume([points.at(0), points.at(1), points.at(2), points.at(3)]);
+        gradients.copy_from_slice(&by);
+        let value = now - self.rest;
+        keep_within_reach(value, libm::cbrtf(now.abs().max(self.rest.abs())), gradients);
+        value
+    }
+
+    fn softness(&self) -> Softness {
+        self.softness
+    }
+}
+
+/// The signed volume, m³, and how it changes with each corner, m².
+///
+/// `V = ⅙ (u×v)·w` with `u = b - a`, `v = c - a`, `w = d - a` is linear in each, and the same with the three turned round; so
+///
+/// ```text
+/// ∂V/∂b = ⅙ v×w        ∂V/∂c = ⅙ w×u        ∂V/∂d = ⅙ u×v        ∂V/∂a = -∂V/∂b - ∂V/∂c - ∂V/∂d
+/// ```
+///
+/// each a third of the area of the face opposite long, and pointing away from it.
+#[inline]
+fn volume([a, b, c, d]: [Vec3; 4]) -> (f32, [Vec3; 4]) {
+    let (u, v, w) = (b - a, c - a, d - a);
+    let (by_b, by_c, by_d) = (v.cross(w) / 6.0, w.cross(u) / 6.0, u.cross(v) / 6.0);
+    (by_d.dot(w), [-(by_b + by_c + by_d), by_b, by_c, by_d])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::checks::*;
+    use super::super::{Volume, Way};
+    use super::*;
+    use crate::{Constraint, Law, ParticleSeed, Simulation};
+
+    const CORNER: [Vec3; 4] = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+
+    #[test]
+    fn its_volume_is_that_of_its_outward_triangles() {
+        assert!((Tetrahedron::of(CORNER).rest - 1.0 / 6.0).abs() < 1e-7);
+        let mut random = Random::new(21);
+        let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        for _ in 0..10 {
+            let p = random.positions(4);
+            let (one, gradients) =
+                evaluate(&Tetrahedron { rest: 0.0, softness: Softness::Hard }, &p);
+            let mesh = Volume { rest: 0.0, ..Volume::of(faces, &p) };
+            assert_eq!(mesh.way, Way::Gradient);
+            let (other, others) = evaluate(&mesh, &p);
+            assert!((one - other).abs() < 1e-6);
+            assert!(gradients.iter().zip(&others).all(|(a, b)| a.abs_diff_eq(*b, 1e-6)));
+        }
+    }
+
+    #[test]
+    fn the_gradient_is_that_of_the_volume() {
+        let mut random = Random::new(22);
+        for _ in 0..20 {
+            let places = random.positions(4);
+            let now = Tetrahedron::of([places[0], places[1], places[2], places[3]]).rest;
+            for rest in [now - 0.1, now + 0.1] {
+                assert_gradients(&Tetrahedron { rest, softness: Softness::Hard }, &places);
+            }
+        }
+    }
+
+    #[test]
+    fn it_keeps_momentum_and_the_volume_at_the_least_cost() {
+        let mut random = Random::new(23);
+        for _ in 0..20 {
+            let (places, masses) = (random.positions(4), random.masses(4));
+            for rest in [-0.4, 0.01, 1.0] {
+                let law = Tetrahedron { rest, softness: Softness::Hard };
+                assert_momentum_kept(&law, &places, &masses);
+                assert_kept(&law, &places, &masses, 1e-5);
+            }
+        }
+        for factor in [0.93, 1.07] {
+            let law = Tetrahedron { rest: factor / 6.0, softness: Softness::Hard };
+            assert_least(&law, &CORNER, &[1.0, 3.0, 0.5, 1.0]);
+        }
+    }
+
+    #[test]
+    fn one_turned_inside_out_comes_back_and_a_flat_one_fills() {
+        let law = Tetrahedron::of(CORNER);
+        assert_kept(&law, &CORNER.map(|p| p * Vec3::new(1.0, 1.0, -1.0)), &[], 1e-5);
+        assert_kept(&law, &CORNER.map(|p| p * Vec3::new(1.0, 1.0, 0.0)), &[], 1e-5);
+        let tiny = CORNER.map(|p| p * 1e-5);
+        assert_kept(&law, &tiny, &[], 1e-5);
+        let mut particles = points_of(&tiny, &[]);
+        particles.project(&law);
+        assert!(extent(&particles.positions()) < 2.0, "not thrown away: {particles:?}");
+    }
+
+    #[test]
+    fn it_survives_every_degenerate_set() {
+        let places = Random::new(24).positions(4);
+        for rest in [-1.0, 0.0, 1e-12, 1.0, 1e12] {
+            let law = Tetrahedron { rest, softness: Softness::Hard };
+            assert_survives(&law, &places);
+            assert_survives(&law.with_softness(Softness::frequency(5.0, 0.5)), &places);
+        }
+    }
+
+    #[test]
+    fn a_soft_one_breathes_alike_however_often_it_is_swept() {
+        let breathing = |sweeps: u32, softness: Softness| -> Vec<f32> {
+            let mut world = Simulation::default();
+            world.settings.max_sweeps = sweeps;
+            world.forces.gravity = Vec3::ZERO;
+            for place in CORNER {
+                world.particles.push(ParticleSeed::at(place)).unwrap();
+            }
+            let law = Tetrahedron { rest: 1.1 / 6.0, softness };
+            world.constraints_mut().push(Constraint::new(0..4, Law::Tetrahedron(law)));
+            world.constraints_mut().push(Constraint::new([0], Law::custom(Restless)));
+            world.settings.tolerance = 0.0;
+            let now = |world: &Simulation| {
+                Tetrahedron::of([0, 1, 2, 3].map(|i| world.particles.position(i))).rest * 6.0
+            };
+            (0..120)
+                .map(|_| {
+                    assert_eq!(world.step(1.0 / 60.0).unwrap().most_sweeps, sweeps);
+                    now(&world)
+                })
+                .collect()
+        };
+        for softness in [Softness::frequency(2.0, 0.1), Softness::spring(500.0, 0.0)] {
+            let (one, eight) = (breathing(1, softness), breathing(8, softness));
+            let apart = one.iter().zip(&eight).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            let most = one.iter().copied().fold(0.0, f32::max);
+            println!("{softness:?}: 1 and 8 sweeps are {apart} apart; it swings up to {most}");
+            assert!(apart < 2e-4 && most > 1.12, "{apart} {most}");
+        }
+    }
+
+    #[test]
+    fn faults_are_told_apart() {
+        let law = Tetrahedron::of(CORNER);
+        assert_eq!(law.fault(4), None);
+        assert_eq!(law.fault(3), Some(LawFault::Count));
+        assert_eq!(Tetrahedron { rest: -1.0, ..law.clone() }.fault(4), None);
+        assert_eq!(Tetrahedron { rest: f32::INFINITY, ..law }.fault(4), Some(LawFault::Number));
+    }
+}

@@ -1,0 +1,188 @@
+//! Laws that know where each particle should go, told to a solver that asks for a value and its gradient; and what pinned particles weigh in them.
+
+use glam::{DVec3, Vec3};
+
+use super::Points;
+
+/// Value and gradients of "every free particle moves by its own `dᵢ`", metres; zero where that is not finite.
+///
+/// Some laws have a closed form for the whole displacement (a plane, a line, a rigid shape, a change of scale). With `M = Σ mᵢ` over the free
+/// particles let
+///
+/// ```text
+/// C = √(Σ mᵢ‖dᵢ‖² / M)        ∇ᵢC = -mᵢ dᵢ / (M C)
+/// ```
+///
+/// Then `Σ wⱼ‖∇ⱼC‖² = Σ mⱼ‖dⱼ‖² / (M C)² = 1/M`, and what the solver does with any equation, `-wᵢ ∇ᵢC · C / Σ wⱼ‖∇ⱼC‖²`, is
+///
+/// ```text
+/// wᵢ · mᵢ dᵢ / (M C) · C · M = dᵢ
+/// ```
+///
+/// so a hard law moves each particle by exactly that, and a soft one by the same share of it: `C`, the root mean square of the displacements
+/// weighted by mass, is the length of a spring that the whole mass `M` hangs on. Where the `dᵢ` are the least `Σ m‖d‖²` that lead to a set which
+/// does not depend on the particles, `C` is the distance to that set and `∇C` its gradient. Otherwise it is not one, and need not be.
+///
+/// `M C ≥ √(M mᵢ) ‖dᵢ‖`, so no gradient is longer than 1, however far apart the masses are.
+pub(crate) fn towards(
+    points: &Points,
+    gradients: &mut [Vec3],
+    mut displacement: impl FnMut(usize) -> Vec3,
+) -> f32 {
+    let (mut mass, mut sum) = (0.0_f64, 0.0_f64);
+    for (i, kept) in gradients.iter_mut().enumerate() {
+        let w = points.inverse_mass(i);
+        if w > 0.0 {
+            // Kept in the place of the gradient, so that no displacement is asked for twice.
+            *kept = displacement(i);
+            let m = 1.0 / f64::from(w);
+            mass += m;
+            sum += m * kept.as_dvec3().length_squared();
+        }
+    }
+    let value = (sum / mass).sqrt();
+    // Also if nothing is free, and for NaN.
+    if !(value > 0.0 && value.is_finite()) {
+        gradients.fill(Vec3::ZERO);
+        return 0.0;
+    }
+    for (i, gradient) in gradients.iter_mut().enumerate() {
+        let w = points.inverse_mass(i);
+        if w > 0.0 {
+            let share = 1.0 / (f64::from(w) * mass);
+            *gradient = (gradient.as_dvec3() * (-share / value)).as_vec3();
+        }
+    }
+    value as f32
+}
+
+/// What each particle weighs in a fit, so that what is pinned decides and what is free follows.
+///
+/// The centre of a set is the barycentre of the free particles if all are free, and the mean of the pinned ones otherwise: exactly, because a
+/// fit about one pinned particle must not tug at it. In the moments about it a pinned particle weighs [`PINNED`] times as much as all free ones.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Weights {
+    /// Of a pinned particle in the moments, kg.
+    heavy: f64,
+    /// One over the sum of the weights in the centre.
+    share: f64,
+    any_pinned: bool,
+}
+
+/// How many times the mass of all free particles a pinned one weighs. Where several pinned ones cannot all be met they compromise among each
+/// other, and the free ones bend that by a thousandth, which the next sweep makes a millionth. A greater weight would leave what the free ones
+/// decide (the turn about a hinge of two pins) too few digits.
+const PINNED: f64 = 1e3;
+
+impl Weights {
+    /// `None` if no particle is free: nothing can be done.
+    pub(crate) fn of(points: &Points) -> Option<Self> {
+        let (mut free, mut pinned) = (0.0_f64, 0.0_f64);
+        for i in 0..points.len() {
+            match points.inverse_mass(i) {
+                w if w > 0.0 => free += 1.0 / f64::from(w),
+                _ => pinned += 1.0,
+            }
+        }
+        let any_pinned = pinned > 0.0;
+        let share = 1.0 / if any_pinned { pinned } else { free };
+        (free > 0.0).then_some(Self { heavy: PINNED * free, share, any_pinned })
+    }
+
+    /// Weight of particle `i` in the moments about the centre, kg.
+    #[inline]
+    pub(crate) fn at(&self, points: &Points, i: usize) -> f64 {
+        let w = points.inverse_mass(i);
+        if w > 0.0 { 1.0 / f64::from(w) } else { self.heavy }
+    }
+
+    /// Weight of particle `i` in the centre, of which the sum is 1.
+    #[inline]
+    pub(crate) fn in_centre(&self, points: &Points, i: usize) -> f64 {
+        let w = points.inverse_mass(i);
+        match (self.any_pinned, w > 0.0) {
+            (false, _) => self.share / f64::from(w),
+            (true, true) => 0.0,
+            (true, false) => self.share,
+        }
+    }
+
+    /// The centre of the particles where they are now, metres from the origin. As a sum of differences from the first one, so that particles in
+    /// one place have their centre exactly there.
+    pub(crate) fn centre(&self, points: &Points) -> DVec3 {
+        let first = points.at(0).as_dvec3();
+        let from_first = |i| (points.at(i).as_dvec3() - first) * self.in_centre(points, i);
+        first + (1..points.len()).map(from_first).sum::<DVec3>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::checks::points_of;
+    use super::super::{Equation, Softness};
+    use super::*;
+
+    /// Each particle goes its own way.
+    #[derive(Debug)]
+    struct March(Vec<Vec3>, Softness);
+
+    impl Equation for March {
+        fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
+            towards(points, gradients, |i| self.0[i])
+        }
+
+        fn softness(&self) -> Softness {
+            self.1
+        }
+
+        fn is_length(&self) -> bool {
+            true
+        }
+    }
+
+    const STEPS: [Vec3; 3] = [Vec3::X, Vec3::new(0.0, -3.0, 1.0), Vec3::new(1e-3, 0.0, 0.0)];
+
+    #[test]
+    fn a_hard_law_moves_each_particle_by_what_it_says_and_a_pinned_one_not_at_all() {
+        for masses in [[1.0, 1.0, 1.0], [1e-6, 1e6, 3.0], [2.0, f32::INFINITY, 1.0]] {
+            let mut particles = points_of(&[Vec3::ZERO; 3], &masses);
+            particles.project(&March(STEPS.to_vec(), Softness::Hard));
+            for (i, p) in particles.positions().iter().enumerate() {
+                let wanted = if masses[i].is_finite() { STEPS[i] } else { Vec3::ZERO };
+                assert!((*p - wanted).length() <= 1e-6 * wanted.length(), "{masses:?} {i} {p}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_soft_law_moves_all_by_the_same_share() {
+        let mut particles = points_of(&[Vec3::ZERO; 3], &[1.0, 2.0, 4.0]);
+        // Half a frequency of 1/2πh: 1/(1 + 1/(ωh)²).
+        let hertz = 60.0 / core::f32::consts::TAU;
+        particles.project(&March(STEPS.to_vec(), Softness::frequency(hertz, 0.0)));
+        for (p, step) in particles.positions().iter().zip(STEPS) {
+            assert!((*p - step * 0.5).length() < 1e-6, "{p}");
+        }
+    }
+
+    #[test]
+    fn no_way_to_go_or_one_that_is_no_number_is_nothing() {
+        for step in [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY] {
+            let mut particles = points_of(&[Vec3::ZERO; 2], &[]);
+            particles.project(&March(vec![step; 2], Softness::Hard));
+            assert_eq!(particles.positions(), [Vec3::ZERO; 2]);
+        }
+    }
+
+    #[test]
+    fn one_pinned_particle_is_the_centre_and_otherwise_the_barycentre_is() {
+        let places = [Vec3::ZERO, Vec3::X, Vec3::Y * 4.0];
+        let centre = |masses: &[f32]| {
+            let particles = points_of(&places, masses);
+            Weights::of(&particles.points()).map(|w| w.centre(&particles.points()))
+        };
+        assert_eq!(centre(&[2.0, 1.0, 1.0]), Some(DVec3::new(0.25, 1.0, 0.0)));
+        assert_eq!(centre(&[2.0, f32::INFINITY, 1.0]), Some(DVec3::X));
+        assert_eq!(centre(&[f32::INFINITY; 3]), None);
+    }
+}

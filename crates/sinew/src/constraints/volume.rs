@@ -1,0 +1,303 @@
+//! The volume inside a closed triangle mesh (physics.md C7).
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+
+use super::area::keep_within_reach;
+use super::patch::{scale, triangle_fault};
+use super::{Equation, LawFault, Points, Softness, Way};
+
+/// The volume inside a closed mesh of triangles: what keeps a balloon or a soft body full.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Volume {
+    /// The triangles, as numbers of the constraint's particles, counter-clockwise as seen from outside. The other way round the volume is negative, which
+    /// works as well. A mesh with a hole counts as if the hole were closed by a fan around the constraint's first particle.
+    pub triangles: Arc<[[u32; 3]]>,
+    /// Volume to keep, m³.
+    pub rest: f32,
+    /// Along which way it is corrected.
+    pub way: Way,
+    /// How hard it is. A compliance is in m⁶/J along the gradient, and in m/N for scaling.
+    pub softness: Softness,
+}
+
+impl Volume {
+    /// The volume that a mesh has there, kept hard along the gradient. `positions` are those of the constraint's particles, in its order; a triangle that
+    /// names none of them does not count, and is a fault.
+    pub fn of(triangles: impl Into<Arc<[[u32; 3]]>>, positions: &[Vec3]) -> Self {
+        let triangles = triangles.into();
+        let first = positions.first().copied().unwrap_or_default();
+        let corner = |i: u32| positions.get(i as usize).map(|p| (*p - first).as_dvec3());
+        let one = |t: &[u32; 3]| Some(corner(t[0])?.dot(corner(t[1])?.cross(corner(t[2])?)));
+        let rest = (triangles.iter().filter_map(one).sum::<f64>() / 6.0) as f32;
+        Self { triangles, rest, way: Way::Gradient, softness: Softness::Hard }
+    }
+
+    /// The same, blown up to `factor` times the volume that it would keep (1 changes nothing): what holds it back stands under pressure.
+    pub fn with_pressure(self, factor: f32) -> Self {
+        Self { rest: self.rest * factor, ..self }
+    }
+
+    /// The same, corrected that way.
+    pub fn with_way(self, way: Way) -> Self {
+        Self { way, ..self }
+    }
+
+    /// The same, as hard as that.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
+    }
+
+    /// Why it cannot bind `particles` particles, or `None` if it can.
+    pub(crate) fn fault(&self, particles: usize) -> Option<LawFault> {
+        if particles < 4 {
+            Some(LawFault::Count)
+        } else if !self.rest.is_finite() {
+            Some(LawFault::Number)
+        } else {
+            triangle_fault(&self.triangles, particles)
+        }
+    }
+}
+
+/// `V = ⅙ Σ xᵢ·(xⱼ×x_k)` over the triangles: each is the base of a tetrahedron with its top at the origin, and in a closed mesh what lies outside cancels. The
+/// sum is linear in each corner, and the same with the three turned round, so a triangle adds
+///
+/// ```text
+/// ⅙ xⱼ×x_k to ∇ᵢV,   ⅙ x_k×xᵢ to ∇ⱼV,   ⅙ xᵢ×xⱼ to ∇_kV
+/// ```
+///
+/// The origin does not matter to a closed mesh, but to its digits: it is the first particle, `x₀ = 0`, and sums are in f64. The first particle's own
+/// gradient is what makes the sum of all zero, so a mesh with a hole keeps momentum, too.
+///
+/// Along the gradient `C = V - V₀`, m³, its gradient steep enough (`keep_within_reach`). By scaling, see `scale`: lengths go as the third root of the volume, so
+/// the factor is `∛(V₀/V)`. What has no volume to scale, less than an eighth of what it should, or is inside out, goes along the gradient in either case.
+impl Equation for Volume {
+    fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
+        let Some(first) = (!points.is_empty()).then(|| points.at(0)) else { return 0.0 };
+        let mut sum = 0.0_f64;
+        for triangle in self.triangles.iter() {
+            let [i, j, k] = triangle.map(|i| i as usize);
+            let [a, b, c] = [i, j, k].map(|i| points.at(i) - first);
+            let by_a = b.cross(c);
+            sum += a.as_dvec3().dot(b.as_dvec3().cross(c.as_dvec3()));
+            gradients[i] += by_a;
+            gradients[j] += c.cross(a);
+            gradients[k] += a.cross(b);
+        }
+        let now = (sum / 6.0) as f32;
+        let ratio = self.rest / now;
+        if self.way == Way::Scaling && (0.0..=8.0).contains(&ratio) {
+            return scale(points, libm::cbrtf(ratio), gradients);
+        }
+        let mut others = DVec3::ZERO;
+        for gradient in &mut gradients[1..] {
+            *gradient /= 6.0;
+            others += gradient.as_dvec3();
+        }
+        gradients[0] = -others.as_vec3();
+        let value = (sum / 6.0 - f64::from(self.rest)) as f32;
+        keep_within_reach(value, libm::cbrtf(now.abs().max(self.rest.abs())), gradients);
+        value
+    }
+
+    fn softness(&self) -> Softness {
+        self.softness
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::checks::*;
+    use super::*;
+
+    /// An octahedron whose triangles are cut in four `cuts` times and pushed out onto the unit sphere; outward.
+    fn sphere(cuts: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let mut places = vec![Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
+        let mut triangles = vec![
+            [0, 1, 2],
+            [1, 3, 2],
+            [3, 4, 2],
+            [4, 0, 2],
+            [1, 0, 5],
+            [3, 1, 5],
+            [4, 3, 5],
+            [0, 4, 5],
+        ];
+        for _ in 0..cuts {
+            let mut edges: Vec<[u32; 2]> = Vec::new();
+            let mut finer = Vec::new();
+            for [a, b, c] in triangles {
+                let mut middle = |i: u32, j: u32| {
+                    let edge = [i.min(j), i.max(j)];
+                    let known = edges.iter().position(|e| *e == edge);
+                    let number = known.unwrap_or_else(|| {
+                        edges.push(edge);
+                        places.push((places[i as usize] + places[j as usize]).normalize());
+                        edges.len() - 1
+                    });
+                    (places.len() - edges.len() + number) as u32
+                };
+                let (d, e, f) = (middle(a, b), middle(b, c), middle(c, a));
+                finer.extend([[a, d, f], [d, b, e], [f, e, c], [d, e, f]]);
+            }
+            triangles = finer;
+        }
+        (places, triangles)
+    }
+
+    fn volume(mesh: &(Vec<Vec3>, Vec<[u32; 3]>), factor: f32, way: Way) -> Volume {
+        Volume::of(mesh.1.clone(), &mesh.0).with_pressure(factor).with_way(way)
+    }
+
+    /// A sphere of 18 particles pulled out of shape.
+    fn potato() -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let (mut places, triangles) = sphere(1);
+        let mut random = Random::new(41);
+        for place in &mut places {
+            *place = *place * Vec3::new(1.0, 0.7, 0.5) + random.vector() * 0.1;
+        }
+        (places, triangles)
+    }
+
+    #[test]
+    fn the_volume_of_a_sphere_is_that_wherever_it_is() {
+        let (places, triangles) = sphere(4);
+        let ideal = 4.0 / 3.0 * core::f32::consts::PI;
+        let near = Volume::of(triangles.clone(), &places).rest;
+        assert!((near / ideal - 1.0).abs() < 0.01, "{near}");
+        let far: Vec<Vec3> = places.iter().map(|p| *p + Vec3::new(500.0, -300.0, 100.0)).collect();
+        let far = Volume::of(triangles, &far).rest;
+        assert!((far / near - 1.0).abs() < 1e-4, "{far} {near}");
+    }
+
+    #[test]
+    fn the_gradient_is_that_of_the_volume_and_of_a_mesh_with_a_hole_too() {
+        let mut mesh = potato();
+        assert_gradients(&volume(&mesh, 0.5, Way::Gradient), &mesh.0);
+        assert_gradients(&volume(&mesh, 2.0, Way::Gradient), &mesh.0);
+        mesh.1.truncate(20);
+        assert_gradients(&volume(&mesh, 0.5, Way::Gradient), &mesh.0);
+        assert_momentum_kept(&volume(&mesh, 0.5, Way::Gradient), &mesh.0, &[]);
+    }
+
+    #[test]
+    fn either_way_keeps_momentum_and_the_volume_and_one_at_the_least_cost() {
+        let mesh = potato();
+        let masses = Random::new(42).masses(mesh.0.len());
+        for way in [Way::Gradient, Way::Scaling] {
+            for factor in [0.3, 0.9, 1.1, 3.0, 20.0] {
+                assert_momentum_kept(&volume(&mesh, factor, way), &mesh.0, &masses);
+                assert_kept(&volume(&mesh, factor, way), &mesh.0, &masses, 1e-4);
+            }
+        }
+        assert_least(&volume(&mesh, 0.95, Way::Gradient), &mesh.0, &masses);
+        assert_least(&volume(&mesh, 1.05, Way::Gradient), &mesh.0, &masses);
+    }
+
+    #[test]
+    fn one_scaling_makes_the_volume_right() {
+        let mesh = potato();
+        let masses = Random::new(43).masses(mesh.0.len());
+        for factor in [0.2, 0.9, 1.5, 7.0] {
+            let law = volume(&mesh, factor, Way::Scaling);
+            let mut particles = points_of(&mesh.0, &masses);
+            particles.project(&law);
+            let now = Volume::of(mesh.1.clone(), &particles.positions()).rest;
+            assert!((now / law.rest - 1.0).abs() < 1e-5, "{now} {}", law.rest);
+        }
+    }
+
+    /// What a volume 1 % off costs by scaling, over what it costs along the gradient.
+    fn dearer(mesh: &(Vec<Vec3>, Vec<[u32; 3]>), masses: &[f32]) -> f64 {
+        let cost = |way: Way| {
+            let mut particles = points_of(&mesh.0, masses);
+            let law = volume(mesh, 1.01, way);
+            for _ in 0..20 {
+                particles.project(&law);
+            }
+            assert!(particles.error(&law) < 1e-5);
+            particles.cost(&mesh.0)
+        };
+        cost(Way::Scaling) / cost(Way::Gradient)
+    }
+
+    /// Twelve meridians and five parallels with poles: how a sphere is cut where nobody thinks about it.
+    fn globe(height: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        use core::f32::consts::{FRAC_PI_6, PI};
+        let mut places = vec![Vec3::Z * height];
+        for (row, column) in (1..6).flat_map(|row| (0..12).map(move |column| (row, column))) {
+            let (t, p) = (PI * row as f32 / 6.0, FRAC_PI_6 * column as f32);
+            let across = Vec3::new(libm::cosf(p), libm::sinf(p), 0.0) * libm::sinf(t);
+            places.push(across + Vec3::Z * (libm::cosf(t) * height));
+        }
+        places.push(Vec3::Z * -height);
+        let at = |row: u32, column: u32| 1 + (row - 1) * 12 + column % 12;
+        let mut triangles = Vec::new();
+        for column in 0..12 {
+            triangles.push([0, at(1, column), at(1, column + 1)]);
+            triangles.push([61, at(5, column + 1), at(5, column)]);
+            for row in 1..5 {
+                let [a, b] = [at(row, column), at(row, column + 1)];
+                let [c, d] = [at(row + 1, column), at(row + 1, column + 1)];
+                triangles.extend([[a, c, d], [a, d, b]]);
+            }
+        }
+        (places, triangles)
+    }
+
+    /// physics.md C7: 1.08 times on a sphere, 22 times on a pancake (one a tenth or so as high as it is wide).
+    #[test]
+    fn scaling_is_a_little_dearer_than_the_least_on_a_sphere_and_much_on_a_pancake() {
+        let (even, odd) = (dearer(&sphere(3), &[]), dearer(&globe(1.0), &[]));
+        let pancake = dearer(&globe(0.09), &[]);
+        println!("cut evenly {even:.3}, a globe {odd:.3}, a pancake {pancake:.2} times the least");
+        assert!(even > 1.0 && even < 1.06, "{even}");
+        assert!((odd - 1.08).abs() < 0.01, "{odd}");
+        assert!((pancake - 22.0).abs() < 1.0, "{pancake}");
+    }
+
+    #[test]
+    fn a_flat_mesh_fills_and_one_turned_inside_out_comes_back_either_way() {
+        let mesh = sphere(1);
+        for way in [Way::Gradient, Way::Scaling] {
+            let law = volume(&mesh, 1.0, way);
+            for squash in [0.0, 1e-3, -0.2, -1.0] {
+                let places: Vec<Vec3> =
+                    mesh.0.iter().map(|p| *p * Vec3::new(1.0, 1.0, squash)).collect();
+                assert_kept(&law, &places, &[], 1e-4);
+            }
+            let tiny: Vec<Vec3> = mesh.0.iter().map(|p| *p * 1e-4).collect();
+            assert_kept(&law, &tiny, &[], 1e-4);
+            let mut particles = points_of(&tiny, &[]);
+            particles.project(&law);
+            assert!(extent(&particles.positions()) < 5.0, "not thrown away");
+        }
+    }
+
+    #[test]
+    fn either_way_survives_every_degenerate_set() {
+        let mesh = potato();
+        for way in [Way::Gradient, Way::Scaling] {
+            for factor in [-1.0, 0.0, 0.5, 1e6] {
+                let law = volume(&mesh, factor, way);
+                assert_survives(&law, &mesh.0);
+                assert_survives(&law.with_softness(Softness::frequency(5.0, 0.5)), &mesh.0);
+            }
+        }
+    }
+
+    #[test]
+    fn faults_are_told_apart() {
+        let mesh = sphere(0);
+        let good = volume(&mesh, 1.0, Way::Gradient);
+        assert_eq!(good.fault(6), None);
+        assert_eq!(good.fault(5), Some(LawFault::Triangle));
+        assert_eq!(good.fault(3), Some(LawFault::Count));
+        assert_eq!(good.clone().with_pressure(-1.0).fault(6), None);
+        assert_eq!(good.clone().with_pressure(f32::NAN).fault(6), Some(LawFault::Number));
+        let twice = Volume { triangles: Arc::from([[0, 1, 0]]), ..good };
+        assert_eq!(twice.fault(6), Some(LawFault::SameParticle));
+    }
+}

@@ -1,0 +1,193 @@
+//! Control forces: named pushes of the user's own, on a particle or on a compound as a whole (physics.md F2): an engine, a thruster, a hand.
+//!
+//! A compound feels the force at its barycentre, as `F/M` on every particle, or at a point, with its lever; and a torque, spread as a
+//! rigid body would take it. [`particles`](crate::particles)' `whole.rs` derives that.
+
+use glam::{DVec3, Vec3};
+
+use crate::particles::{Particles, Whole};
+
+/// A force and a torque on some particles together, in every substep until it is changed or removed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Control {
+    /// What the user calls it. Nothing in the simulation depends on it.
+    pub name: String,
+    /// The rows that it acts on together. Pinned ones and such as are not there do not count.
+    pub rows: Vec<u32>,
+    /// The force on all of them together, N, along the world's axes. (A thruster that turns with its body sets it anew each step, from the
+    /// body's [`pose`](crate::pose::pose).)
+    pub force: Vec3,
+    /// The torque on all of them together, N·m. A line cannot be turned about itself, nor one particle at all: that part is lost.
+    pub torque: Vec3,
+    /// The point of the world where the force acts, metres. Default `None`: at the barycentre, so that it turns nothing.
+    pub point: Option<Vec3>,
+}
+
+impl Control {
+    /// A force on `rows` together at their barycentre, N.
+    pub fn force(name: impl Into<String>, rows: impl Into<Vec<u32>>, force: Vec3) -> Self {
+        Self { name: name.into(), rows: rows.into(), force, ..Self::default() }
+    }
+
+    /// A torque on `rows` together, N·m.
+    pub fn torque(name: impl Into<String>, rows: impl Into<Vec<u32>>, torque: Vec3) -> Self {
+        Self { name: name.into(), rows: rows.into(), torque, ..Self::default() }
+    }
+
+    /// The same with the force acting at a point of the world, metres.
+    pub fn at(self, point: Vec3) -> Self {
+        Self { point: Some(point), ..self }
+    }
+
+    /// Whether every number is finite. An invalid control does nothing.
+    pub fn is_valid(&self) -> bool {
+        self.force.is_finite() && self.torque.is_finite() && self.point.is_none_or(Vec3::is_finite)
+    }
+}
+
+/// Adds the accelerations of the controls.
+pub(crate) fn apply(particles: &mut Particles, controls: &[Control]) {
+    let idle = |c: &Control| c.force == Vec3::ZERO && c.torque == Vec3::ZERO;
+    for control in controls.iter().filter(|control| control.is_valid() && !idle(control)) {
+        let Some(whole) = Whole::of(particles, &control.rows) else { continue };
+        let lever = control.point.map_or(DVec3::ZERO, |point| whole.arm_of(particles, point));
+        let force = control.force.as_dvec3();
+        let answer = whole.answer(force, control.torque.as_dvec3() + lever.cross(force));
+        for &row in &control.rows {
+            let i = row as usize;
+            if i < particles.len() && particles.position[i].w > 0.0 {
+                let acceleration = answer.at(whole.arm(particles, i));
+                if acceleration.is_finite() {
+                    particles.add_acceleration(i, acceleration);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::constraints::{Direction, Distance};
+    use crate::particles::ParticleSeed;
+    use crate::simulation::Simulation;
+
+    /// A box of eight particles of different masses, 2 × 1 × 3 m, with all its distances, without gravity.
+    fn crate_of_wood() -> Simulation {
+        let mut world = Simulation::default();
+        world.forces.gravity = Vec3::ZERO;
+        world.settings.substeps = 4;
+        for i in 0..8_u32 {
+            let bit = |n: u32| (i >> n & 1) as f32 - 0.5;
+            let at = Vec3::new(2.0 * bit(0), bit(1), 3.0 * bit(2));
+            let mass = 1.0 + (i % 3) as f32;
+            world.particles.push(ParticleSeed::at(at).with_mass(mass)).unwrap();
+        }
+        for a in 0..8 {
+            for b in a + 1..8 {
+                let length = world.particles.separation(a, b).length();
+                world.distances_mut().push(Distance::new(a as u32, b as u32, length));
+            }
+        }
+        world
+    }
+
+    const ALL: [u32; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
+
+    /// Force and torque about the barycentre that the particles feel in all.
+    fn felt(world: &mut Simulation) -> (DVec3, DVec3) {
+        world.begin_substep();
+        world.accumulate_forces();
+        let particles = &world.particles;
+        let (mut mass, mut first) = (0.0, DVec3::ZERO);
+        for i in 0..particles.len() {
+            mass += f64::from(particles.mass(i));
+            first += particles.position(i).as_dvec3() * f64::from(particles.mass(i));
+        }
+        let (mut force, mut torque) = (DVec3::ZERO, DVec3::ZERO);
+        for i in 0..particles.len() {
+            let f = particles.acceleration(i).as_dvec3() * f64::from(particles.mass(i));
+            force += f;
+            torque += (particles.position(i).as_dvec3() - first / mass).cross(f);
+        }
+        (force, torque)
+    }
+
+    #[test]
+    fn a_force_on_a_compound_accelerates_all_of_it_by_force_over_mass() {
+        let mut world = crate_of_wood();
+        let force = Vec3::new(30.0, -4.0, 12.0);
+        world.forces.controls.push(Control::force("engine", ALL, force));
+        world.begin_substep();
+        world.accumulate_forces();
+        // 1 + 2 + 3 + 1 + 2 + 3 + 1 + 2 kg.
+        for i in 0..8 {
+            assert!(world.particles.acceleration(i).abs_diff_eq(force / 15.0, 1e-6));
+        }
+        for _ in 0..120 {
+            world.step(1.0 / 60.0).unwrap();
+        }
+        let velocity = world.velocity_now(3);
+        assert!(velocity.abs_diff_eq(force / 15.0 * 2.0, 2e-4), "F = m a: {velocity}");
+    }
+
+    #[test]
+    fn a_torque_is_felt_as_itself_and_as_no_force_and_a_force_at_a_point_with_its_lever() {
+        let torque = Vec3::new(5.0, -3.0, 8.0);
+        let mut world = crate_of_wood();
+        world.forces.controls.push(Control::torque("wheel", ALL, torque));
+        let (force, turn) = felt(&mut world);
+        assert!(force.length() < 2e-6 && (turn - torque.as_dvec3()).length() < 5e-6);
+
+        let (push, point) = (Vec3::new(0.0, 7.0, 2.0), Vec3::new(4.0, 0.5, 0.0));
+        world.forces.controls[0] = Control { torque, ..Control::force("oar", ALL, push).at(point) };
+        let centre =
+            (0..8).map(|i| world.particles.position(i) * world.particles.mass(i)).sum::<Vec3>()
+                / 15.0;
+        let (force, turn) = felt(&mut world);
+        let expected = (torque + (point - centre).cross(push)).as_dvec3();
+        assert!((force - push.as_dvec3()).length() < 5e-6, "{force}");
+        assert!((turn - expected).length() < 2e-5, "{turn} {expected}");
+    }
+
+    #[test]
+    fn a_steady_torque_spins_a_box_up_to_angular_acceleration_times_time() {
+        let mut world = crate_of_wood();
+        for i in 0..8 {
+            let at = world.particles.position(i);
+            world.particles.set(i, ParticleSeed::at(at).with_mass(1.0)).unwrap();
+        }
+        // The direction that does not bleed spin, and sweeps enough for it.
+        world.settings.direction = Direction::StepStart;
+        world.settings.max_sweeps = 40;
+        // About its middle, along z: Σ m (x² + y²) = 8 (1 + 1/4) kg·m².
+        world.forces.controls.push(Control::torque("motor", ALL, Vec3::Z * 10.0));
+        for _ in 0..120 {
+            world.step(1.0 / 60.0).unwrap();
+        }
+        let points = (0..8).map(|i| (world.particles.position(i), world.velocity_now(i), 1.0_f32));
+        let spin = crate::pose::motion(points).unwrap().angular_velocity;
+        assert!(spin.abs_diff_eq(Vec3::Z * 2.0, 0.002), "α t = 10/10 · 2 s: {spin}");
+    }
+
+    #[test]
+    fn pinned_rows_missing_rows_and_broken_controls_are_left_out() {
+        let mut particles = Particles::default();
+        particles.push(ParticleSeed::at(Vec3::X).pinned()).unwrap();
+        particles.push(ParticleSeed::at(Vec3::Y).with_mass(2.0)).unwrap();
+        let push = Control::force("push", [0, 1, 9], Vec3::X * 6.0);
+        apply(&mut particles, &[push.clone().at(Vec3::Y * 5.0)]);
+        assert_eq!(particles.acceleration(0), Vec3::ZERO);
+        assert_eq!(particles.acceleration(1), Vec3::X * 3.0, "one particle has no lever");
+        let broken = [
+            Control { force: Vec3::NAN, ..push.clone() },
+            Control { torque: Vec3::INFINITY, ..push.clone() },
+            push.clone().at(Vec3::NAN),
+            Control { rows: vec![0, 9], ..push.clone() },
+            Control { rows: vec![], ..push },
+        ];
+        apply(&mut particles, &broken);
+        assert_eq!(particles.acceleration(1), Vec3::X * 3.0);
+        assert!(broken[..3].iter().all(|control| !control.is_valid()));
+    }
+}

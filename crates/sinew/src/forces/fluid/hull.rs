@@ -1,0 +1,279 @@
+//! Hulls: solids made of several particles that float by their own shape.
+//!
+//! The force of a fluid at rest on a body is that of the pressure on its wetted skin, `F = -∫ ρ g s n dA`, with the moment
+//! `-∫ ρ g s x × n dA`. [`clip`](super::clip) gives both exactly for a triangle, spread onto its corners; here they are summed up.
+//!
+//! **A closed skin** needs no cut through the body at the waterline: that cut is where `s = 0`, so pressure does nothing there. By the divergence
+//! theorem the sum is `ρ g V up`, Archimedes' law with the submerged volume `V`, acting through its centroid:
+//! `-∫ s n dA = -∫ ∇s dV = up V`.
+//!
+//! **An open skin**, a boat, is right as it stands while its rim is dry: it floats on its outside. When the rim goes under, the pressure on the
+//! opening is missing, and a sunken boat would be thrown out of the water. So the rim (the edges that have a triangle on one side only) is
+//! covered by a lid, a fan about the middle of the rim, which feels pressure where it is under. That makes every skin a closed one. *Water does
+//! not flow in*: a boat that heels or sinks below its rim floats on as if it had a deck, and goes down when it weighs more than the
+//! water that boat and lid push aside.
+//!
+//! **From the skin to the particles.** Where the particles are the corners of the skin, they take the force of their triangles: force and moment
+//! are those of the pressure, to round-off. Where the skin is carried along by the pose of the particles, the force `F` and the moment `τ` about
+//! their barycentre accelerate them as a rigid body, `aᵢ = F/M + α × rᵢ` with `I α = τ`: sums over the particles give `F` and `τ` back. What
+//! particles on a line, or a single one, cannot take of a moment is left out (the pseudo-inverse of `I`).
+
+use glam::{DVec3, Quat, Vec3};
+
+use super::Fluid;
+use super::clip::{Wetting, wetting};
+use crate::forces::region::Place;
+use crate::particles::Particles;
+use crate::pose::{Pose, pose, pseudo_solve};
+
+mod skin;
+
+pub use skin::{Hull, HullFault, Skin};
+
+/// What the fluids need and nobody saves; it keeps its memory between calls.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch {
+    /// Which rows carry a hull, and so do not float as balls.
+    pub(super) carriers: Vec<bool>,
+    /// Vertices of the hull at hand, metres from its first carrier.
+    points: Vec<DVec3>,
+    /// Force on each of them at a weight of the fluid of 1 Pa/m, m³.
+    forces: Vec<DVec3>,
+}
+
+/// Adds the buoyancy and the drag of all fluids on a hull, and marks its carriers. A hull at fault is left out: its particles float as balls.
+pub(super) fn apply(
+    particles: &mut Particles,
+    fluids: &[Fluid],
+    hull: &Hull,
+    gravity: Vec3,
+    scratch: &mut Scratch,
+) {
+    if hull.fault(particles.len()).is_some() {
+        return;
+    }
+    for &row in &hull.rows {
+        scratch.carriers[row as usize] = true;
+    }
+    if place(particles, hull, &mut scratch.points).is_none() {
+        return;
+    }
+    let first = hull.rows[0] as usize;
+    for fluid in fluids.iter().filter(|fluid| fluid.is_valid()) {
+        let Some(load) = Load::of(particles, hull, fluid, scratch) else { continue };
+        let inside =
+            fluid.region.share_at(Place::of(particles, first).moved(load.middle.as_vec3()));
+        if inside > 0.0 {
+            let weight = f64::from(fluid.weight(gravity) * inside);
+            match hull.skin() {
+                Skin::Carriers => press(particles, hull, &scratch.forces, weight),
+                Skin::Posed { .. } => push(particles, hull, &load, weight),
+            }
+            let rate = fluid.rate() * load.share as f32 * inside;
+            for &i in &hull.rows {
+                particles.drag_towards(i as usize, rate, fluid.current);
+            }
+        }
+    }
+}
+
+/// Finds where the vertices of a hull are, metres from its first carrier. `None` where they are nowhere.
+fn place(particles: &Particles, hull: &Hull, points: &mut Vec<DVec3>) -> Option<()> {
+    let first = hull.rows[0] as usize;
+    points.clear();
+    match hull.skin() {
+        Skin::Carriers => points.extend(hull.rows.iter().map(|&i| from(particles, i, first))),
+        Skin::Posed { vertices, rest } => {
+            // A pinned carrier has no mass to tell; it counts as the others do on average.
+            let (sum, count) = moving(particles, &hull.rows)
+                .fold((0.0, 0.0), |(sum, count), (_, m)| (sum + m, count + 1.0));
+            let mean = if count > 0.0 { (sum / count) as f32 } else { 1.0 };
+            let carriers = hull.rows.iter().zip(rest).map(|(&i, &rest)| {
+                let i = i as usize;
+                let w = particles.position[i].w;
+                (particles.separation(i, first), rest, if w > 0.0 { 1.0 / w } else { mean })
+            });
+            // Always from the same rotation: the result is a function of the particles alone.
+            let found: Pose = pose(carriers, Quat::IDENTITY)?;
+            points.extend(vertices.iter().map(|&v| found.point(v).as_dvec3()));
+        }
+    }
+    Some(())
+}
+
+/// What a fluid with a weight of 1 Pa/m does to a hull as a whole.
+#[derive(Default)]
+struct Load {
+    /// Force, m³.
+    force: DVec3,
+    /// Moment about the first carrier, m⁴.
+    moment: DVec3,
+    /// Share of the volume that is under, or of the area for an open hull, 0 to 1.
+    share: f64,
+    /// Mean place of the pressure, metres from the first carrier: somewhere under the surface.
+    middle: DVec3,
+}
+
+impl Load {
+    /// Sums the pressure up, and leaves what each vertex bears in `scratch.forces`. `None` if nothing is under.
+    fn of(
+        particles: &Particles,
+        hull: &Hull,
+        fluid: &Fluid,
+        scratch: &mut Scratch,
+    ) -> Option<Self> {
+        let Scratch { points, forces, .. } = scratch;
+        let (up, first) = (fluid.up.as_dvec3(), hull.rows[0] as usize);
+        let level = f64::from(fluid.level) - up.dot(place_of(particles, first));
+        if !points.iter().any(|x| up.dot(*x) < level) {
+            return None;
+        }
+        forces.clear();
+        forces.resize(points.len(), DVec3::ZERO);
+        let mut sum = Sum::default();
+        for corners in hull.triangles() {
+            let at = corners.map(|v| v as usize);
+            let wet = sum.add(at.map(|v| points[v]), up, level);
+            sum.area += wet.area.length();
+            sum.wetted += wet.area.length() * wet.wetting.share;
+            for (v, weight) in at.into_iter().zip(wet.wetting.weights) {
+                forces[v] -= wet.area * weight;
+                let pressure = wet.area.length() * weight;
+                sum.pressure += pressure;
+                sum.middle += points[v] * pressure;
+            }
+        }
+        sum.cover(hull.rim(), points, forces, up, level);
+        // A skin that is turned inside out (by the order of its corners, or by what happened to it) still has the fluid outside.
+        let outward = if sum.volume < 0.0 { -1.0 } else { 1.0 };
+        let mut load = Self::default();
+        for (force, x) in forces.iter_mut().zip(points) {
+            *force *= outward;
+            load.force += *force;
+            load.moment += x.cross(*force);
+        }
+        if !(load.force.is_finite() && load.moment.is_finite() && sum.pressure > 0.0) {
+            return None;
+        }
+        load.middle = sum.middle / sum.pressure;
+        let (part, whole) = if hull.is_open() || sum.volume == 0.0 {
+            (sum.wetted, sum.area)
+        } else {
+            (load.force.dot(up), sum.volume.abs())
+        };
+        load.share = if whole > 0.0 { (part / whole).clamp(0.0, 1.0) } else { 0.0 };
+        Some(load)
+    }
+}
+
+/// What is summed up over the skin.
+#[derive(Default)]
+struct Sum {
+    volume: f64,
+    area: f64,
+    wetted: f64,
+    pressure: f64,
+    middle: DVec3,
+}
+
+struct Wet {
+    /// Vector area, m², out of the skin.
+    area: DVec3,
+    wetting: Wetting,
+}
+
+impl Sum {
+    /// One triangle: its share in the volume, and how it is wetted. A triangle that is not finite is none.
+    fn add(&mut self, [a, b, c]: [DVec3; 3], up: DVec3, level: f64) -> Wet {
+        let area = (b - a).cross(c - a) * 0.5;
+        if !area.is_finite() {
+            return Wet { area: DVec3::ZERO, wetting: Wetting::default() };
+        }
+        // The cone from the first carrier over the triangle.
+        self.volume += a.dot(area) / 3.0;
+        Wet { area, wetting: wetting([a, b, c].map(|x| level - up.dot(x))) }
+    }
+
+    /// The lid: a fan over the rim about its middle, whose share each vertex of the rim bears equally.
+    fn cover(
+        &mut self,
+        rim: &[[u32; 2]],
+        points: &[DVec3],
+        forces: &mut [DVec3],
+        up: DVec3,
+        level: f64,
+    ) {
+        if rim.is_empty() {
+            return;
+        }
+        let share = 1.0 / rim.len() as f64;
+        let middle = rim.iter().map(|&[a, _]| points[a as usize]).sum::<DVec3>() * share;
+        let mut borne = DVec3::ZERO;
+        for &[a, b] in rim {
+            // The other way round: the skin is on the left of its rim, the lid on the right.
+            let at = [b as usize, a as usize];
+            let wet = self.add([points[at[0]], points[at[1]], middle], up, level);
+            forces[at[0]] -= wet.area * wet.wetting.weights[0];
+            forces[at[1]] -= wet.area * wet.wetting.weights[1];
+            borne -= wet.area * wet.wetting.weights[2];
+        }
+        for &[a, _] in rim {
+            forces[a as usize] += borne * share;
+        }
+    }
+}
+
+/// Puts the forces of the vertices onto the carriers that they are.
+fn press(particles: &mut Particles, hull: &Hull, forces: &[DVec3], weight: f64) {
+    for (&i, &force) in hull.rows.iter().zip(forces) {
+        particles.add_force(i as usize, (force * weight).as_vec3());
+    }
+}
+
+/// Accelerates the carriers that can move as a rigid body, by the whole force and moment.
+fn push(particles: &mut Particles, hull: &Hull, load: &Load, weight: f64) {
+    let first = hull.rows[0] as usize;
+    let (mut mass, mut first_moment) = (0.0, DVec3::ZERO);
+    for (i, m) in moving(particles, &hull.rows) {
+        mass += m;
+        first_moment += from(particles, i, first) * m;
+    }
+    if mass == 0.0 {
+        return;
+    }
+    let barycentre = first_moment / mass;
+    let mut inertia = [[0.0; 3]; 3];
+    for (i, m) in moving(particles, &hull.rows) {
+        let r = from(particles, i, first) - barycentre;
+        let r2 = r.length_squared();
+        let r = r.to_array();
+        for (row, x) in inertia.iter_mut().zip(r) {
+            row.iter_mut().zip(r).for_each(|(entry, y)| *entry -= m * x * y);
+        }
+        (0..3).for_each(|k| inertia[k][k] += m * r2);
+    }
+    let linear = load.force * (weight / mass);
+    let moment = (load.moment - barycentre.cross(load.force)) * weight;
+    let angular = pseudo_solve(inertia, moment);
+    for &i in &hull.rows {
+        if particles.position[i as usize].w > 0.0 {
+            let r = from(particles, i, first) - barycentre;
+            particles.add_acceleration(i as usize, (linear + angular.cross(r)).as_vec3());
+        }
+    }
+}
+
+/// The carriers that can move, with their masses.
+fn moving<'a>(particles: &'a Particles, rows: &'a [u32]) -> impl Iterator<Item = (u32, f64)> + 'a {
+    let of = |&i: &u32| (i, f64::from(particles.position[i as usize].w));
+    rows.iter().map(of).filter(|&(_, w)| w > 0.0).map(|(i, w)| (i, 1.0 / w))
+}
+
+/// Position of particle `i`, metres from another.
+fn from(particles: &Particles, i: u32, first: usize) -> DVec3 {
+    place_of(particles, i as usize) - place_of(particles, first)
+}
+
+fn place_of(particles: &Particles, i: usize) -> DVec3 {
+    particles.origin[i].as_dvec3() + particles.position[i].truncate().as_dvec3()
+}

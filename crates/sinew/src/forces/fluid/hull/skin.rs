@@ -1,0 +1,214 @@
+//! What a hull is: the particles that carry it, its skin, and the rim that is found once.
+
+use glam::Vec3;
+
+/// The skin of a solid that floats by its shape, and the particles that carry it.
+///
+/// Its particles do not float as balls as well, whatever their radius. The skin should be closed, or open like a boat; corners of a triangle go
+/// counter-clockwise seen from outside, and a skin that is inside out as a whole is taken the right way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hull {
+    /// Rows of the carriers, in the order in which the skin was made for them. A program that moves particles to other rows writes here.
+    pub rows: Vec<u32>,
+    triangles: Vec<[u32; 3]>,
+    skin: Skin,
+    rim: Vec<[u32; 2]>,
+}
+
+/// How the skin of a hull hangs on its carriers.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Skin {
+    /// The carriers are the corners of its triangles: boats of cloth, soft bodies, boxes with a particle at each corner.
+    Carriers,
+    /// Carried along by the rigid [`pose`](crate::pose::pose) of the carriers: boxes whose particles are inside, bones, detailed meshes.
+    Posed {
+        /// Corners of the triangles in the rest frame, metres.
+        vertices: Vec<Vec3>,
+        /// Where each carrier is in that frame, metres, in the order of [`Hull::rows`].
+        rest: Vec<Vec3>,
+    },
+}
+
+/// What is wrong with a hull.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum HullFault {
+    /// It has no triangle or no particle.
+    #[error("it has no triangle, or no particle that carries it")]
+    Empty,
+    /// A row that the simulation does not have.
+    #[error("one of its particles does not exist")]
+    MissingParticle,
+    /// A triangle names a corner that is not there.
+    #[error("one of its triangles has a corner that does not exist")]
+    MissingVertex,
+    /// The carriers are more or fewer than the skin was made for.
+    #[error("it has not one rest position for each particle that carries it")]
+    Count,
+    /// A vertex or a rest position is NaN or infinite.
+    #[error("one of its vertices or rest positions is not finite")]
+    Number,
+}
+
+impl Hull {
+    /// A hull of triangles, each naming three carriers (by their place in `rows`) or three vertices of a posed skin.
+    ///
+    /// Vertices at exactly the same place, as meshes have them where normals differ, are taken for one.
+    ///
+    /// # Errors
+    /// A triangle without corners, positions that are not finite, or a rest position too many or too few.
+    pub fn new(
+        rows: Vec<u32>,
+        mut triangles: Vec<[u32; 3]>,
+        skin: Skin,
+    ) -> Result<Self, HullFault> {
+        if rows.is_empty() || triangles.is_empty() {
+            return Err(HullFault::Empty);
+        }
+        let corners = match &skin {
+            Skin::Carriers => rows.len(),
+            Skin::Posed { vertices, rest } => {
+                if rest.len() != rows.len() {
+                    return Err(HullFault::Count);
+                }
+                if !vertices.iter().chain(rest).all(|x| x.is_finite()) {
+                    return Err(HullFault::Number);
+                }
+                vertices.len()
+            }
+        };
+        if triangles.iter().flatten().any(|&v| v as usize >= corners) {
+            return Err(HullFault::MissingVertex);
+        }
+        if let Skin::Posed { vertices, .. } = &skin {
+            let one = welded(vertices);
+            triangles.iter_mut().flatten().for_each(|v| *v = one[*v as usize]);
+        }
+        let rim = rim_of(&triangles);
+        Ok(Self { rows, triangles, skin, rim })
+    }
+
+    /// Why this hull cannot float among `particles` rows, or `None` if it can.
+    pub fn fault(&self, particles: usize) -> Option<HullFault> {
+        let carriers = match &self.skin {
+            Skin::Carriers => {
+                1 + self.triangles.iter().flatten().fold(0, |most, &v| most.max(v as usize))
+            }
+            Skin::Posed { rest, .. } => rest.len(),
+        };
+        if self.rows.iter().any(|&i| i as usize >= particles) {
+            Some(HullFault::MissingParticle)
+        } else if self.rows.len() < carriers {
+            Some(HullFault::Count)
+        } else {
+            None
+        }
+    }
+
+    /// The triangles, by carrier or by vertex.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// How it hangs on its carriers.
+    pub fn skin(&self) -> &Skin {
+        &self.skin
+    }
+
+    /// Whether it has a rim: edges with a triangle on one side only.
+    pub fn is_open(&self) -> bool {
+        !self.rim.is_empty()
+    }
+
+    /// The edges of the rim, each in the direction that its triangle gives it.
+    pub(super) fn rim(&self) -> &[[u32; 2]] {
+        &self.rim
+    }
+}
+
+/// For each vertex the first one, in the order of the list, at the same place.
+fn welded(vertices: &[Vec3]) -> Vec<u32> {
+    // Adding zero makes -0 a 0.
+    let place = |v: u32| (vertices[v as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
+    let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
+    order.sort_unstable_by_key(|&v| (place(v), v));
+    let mut one = vec![0; vertices.len()];
+    let mut first = 0;
+    for (k, &v) in order.iter().enumerate() {
+        if k == 0 || place(v) != place(first) {
+            first = v;
+        }
+        one[v as usize] = first;
+    }
+    one
+}
+
+/// The directed edges that no triangle runs along the other way.
+fn rim_of(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let mut edges: Vec<(u32, u32, i32)> = triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
+        .map(|(a, b)| if a < b { (a, b, 1) } else { (b, a, -1) })
+        .collect();
+    edges.sort_unstable();
+    let mut rim = Vec::new();
+    for same in edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
+        let (a, b, _) = same[0];
+        let net: i32 = same.iter().map(|edge| edge.2).sum();
+        // An edge of no length, of a triangle with the same corner twice, is none.
+        if a != b {
+            let edge = if net > 0 { [a, b] } else { [b, a] };
+            rim.extend((0..net.unsigned_abs()).map(|_| edge));
+        }
+    }
+    rim
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TETRAHEDRON: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+
+    #[test]
+    fn a_closed_skin_has_no_rim_and_an_open_one_has_the_edges_of_its_holes() {
+        let hull = |triangles: &[[u32; 3]]| {
+            Hull::new(vec![0, 1, 2, 3], triangles.to_vec(), Skin::Carriers).unwrap()
+        };
+        assert!(!hull(&TETRAHEDRON).is_open());
+        let open = hull(&TETRAHEDRON[1..]);
+        assert_eq!(open.rim(), [[0, 1], [2, 0], [1, 2]]);
+        assert!(!hull(&[TETRAHEDRON.as_slice(), &[[1, 1, 2]]].concat()).is_open());
+    }
+
+    #[test]
+    fn vertices_at_the_same_place_are_one() {
+        let corner = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+        let vertices: Vec<Vec3> =
+            TETRAHEDRON.iter().flatten().map(|&v| corner[v as usize]).collect();
+        let triangles = (0..4).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        let skin = Skin::Posed { vertices, rest: vec![Vec3::ZERO] };
+        assert!(!Hull::new(vec![0], triangles, skin).unwrap().is_open());
+    }
+
+    #[test]
+    fn a_faulty_hull_is_refused() {
+        let make = |rows: &[u32], triangles: &[[u32; 3]], skin| {
+            Hull::new(rows.to_vec(), triangles.to_vec(), skin)
+        };
+        let posed = |vertex: Vec3, rest: usize| Skin::Posed {
+            vertices: vec![vertex; 3],
+            rest: vec![Vec3::ZERO; rest],
+        };
+        let one = [[0, 1, 2]];
+        assert_eq!(make(&[], &one, Skin::Carriers), Err(HullFault::Empty));
+        assert_eq!(make(&[0, 1, 2], &[], Skin::Carriers), Err(HullFault::Empty));
+        assert_eq!(make(&[0, 1], &one, Skin::Carriers), Err(HullFault::MissingVertex));
+        assert_eq!(make(&[0], &one, posed(Vec3::X, 2)), Err(HullFault::Count));
+        assert_eq!(make(&[0], &one, posed(Vec3::NAN, 1)), Err(HullFault::Number));
+        let mut hull = make(&[4, 5, 6], &one, Skin::Carriers).unwrap();
+        assert_eq!(hull.fault(7), None);
+        assert_eq!(hull.fault(6), Some(HullFault::MissingParticle));
+        hull.rows.pop();
+        assert_eq!(hull.fault(7), Some(HullFault::Count));
+    }
+}

@@ -1,0 +1,130 @@
+//! Fluids at rest or in a steady flow: what they carry and how they drag (physics.md F6, F7).
+//!
+//! Under a surface with the unit normal `up`, pressure is `p = ρ g s`, with the depth `s` measured along `up` and `g` the component of gravity
+//! against `up`. Where gravity is not along `up`, as over the bed of a mountain stream, the rest of it is what drives the stream, and
+//! what floats in it is carried across the surface's tilt by the same pull and held back by the drag. [`ball`] applies that to loose particles,
+//! [`hull`] to solids made of several.
+//!
+//! The drag of a fluid pulls towards its current, at a rate in proportion to the share of the body that is under. The masses of fluid that a body
+//! must push aside when it accelerates (added mass) are not modelled: a light body bobs faster than in truth.
+
+mod ball;
+mod clip;
+mod hull;
+#[cfg(test)]
+mod tests;
+
+pub use hull::{Hull, HullFault, Skin};
+
+pub(crate) use hull::Scratch;
+
+use glam::Vec3;
+
+use super::Forces;
+use super::region::Region;
+use crate::particles::{Particles, rate_of_drag};
+
+/// A fluid that fills the half-space below a plane, or the part of it within a region.
+///
+/// A particle with a radius floats in it as a ball of that radius; particles that carry a [`Hull`] float as that hull instead. Where fluids
+/// overlap, each acts as if it were alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fluid {
+    /// Unit normal of the surface, out of the fluid. Default +y.
+    pub up: Vec3,
+    /// `up · x` of the points on the surface, metres. Default 0.
+    pub level: f32,
+    /// Density, kg/m³. Default 1000, which is water's.
+    pub density: f32,
+    /// Share of its velocity, relative to the fluid's, that a wholly submerged particle loses per second, 0 to 1; in proportion while it is
+    /// partly submerged. Default 0.8. A drag of 1 is a rate of [`FASTEST`](Self::FASTEST).
+    pub drag: f32,
+    /// Velocity of the fluid, m/s: its drag pulls everything in it towards this. Default zero.
+    pub current: Vec3,
+    /// Where under the surface the fluid is; default everywhere. A pool is a box; where the region fades, density and drag fade with it.
+    /// A body is inside by where the middle of its submerged part is, not triangle by triangle: walls exert no pressure.
+    pub region: Region,
+}
+
+impl Default for Fluid {
+    fn default() -> Self {
+        Self::water(0.0)
+    }
+}
+
+impl Fluid {
+    /// The highest rate of damping that a fluid exerts, 1/s, and what a drag of 1 stands for. The rate of a drag of 1 is infinite, and so would be
+    /// the pull of its current; this one forgets a velocity within any step that there is, and stays a number.
+    pub const FASTEST: f32 = 1e6;
+
+    /// Water at rest with its surface at y = `level` metres: 1000 kg/m³, a drag of 0.8.
+    pub fn water(level: f32) -> Self {
+        Self {
+            up: Vec3::Y,
+            level,
+            density: 1000.0,
+            drag: 0.8,
+            current: Vec3::ZERO,
+            region: Region::default(),
+        }
+    }
+
+    /// The same flowing at `current`, m/s.
+    pub fn with_current(self, current: Vec3) -> Self {
+        Self { current, ..self }
+    }
+
+    /// The same within `region` only.
+    pub fn within(self, region: Region) -> Self {
+        Self { region, ..self }
+    }
+
+    /// Whether every number is finite and in range. An invalid fluid carries nothing.
+    pub fn is_valid(&self) -> bool {
+        (self.up.length_squared() - 1.0).abs() < 1e-3
+            && self.level.is_finite()
+            && self.density.is_finite()
+            && self.density >= 0.0
+            && (0.0..=1.0).contains(&self.drag)
+            && self.current.is_finite()
+            && self.region.is_valid()
+    }
+
+    /// The volume in m³ of a ball of `radius` metres at `position` that lies below the surface, wherever the fluid's region is.
+    ///
+    /// The part below is a spherical cap of height `d`, with `d` from 0 (just touching) to `2r` (wholly under): `V = π d² (3r - d)/3`.
+    pub fn submerged_volume(&self, position: Vec3, radius: f32) -> f32 {
+        ball::cap_volume(self.up.dot(position) - self.level, radius)
+    }
+
+    /// The rate at which a velocity relative to it decays in it, 1/s.
+    fn rate(&self) -> f32 {
+        rate_of_drag(self.drag).min(Self::FASTEST)
+    }
+
+    /// Increase of the pressure with depth, Pa/m: `ρ g` with the part of gravity against `up`.
+    fn weight(&self, gravity: Vec3) -> f32 {
+        -self.density * gravity.dot(self.up)
+    }
+}
+
+/// Adds the buoyancy and the drag of all fluids on all hulls, and on the loose particles that carry none.
+pub(crate) fn apply(
+    particles: &mut Particles,
+    Forces { fluids, hulls, gravity, .. }: &Forces,
+    scratch: &mut Scratch,
+) {
+    if !fluids.iter().any(Fluid::is_valid) {
+        return;
+    }
+    scratch.carriers.clear();
+    if !hulls.is_empty() {
+        scratch.carriers.resize(particles.len(), false);
+        for hull in hulls {
+            hull::apply(particles, fluids, hull, *gravity, scratch);
+        }
+    }
+    for fluid in fluids.iter().filter(|fluid| fluid.is_valid()) {
+        ball::apply(particles, fluid, *gravity, &scratch.carriers);
+    }
+}

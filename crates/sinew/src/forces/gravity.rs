@@ -1,0 +1,160 @@
+//! Gravity: the uniform pull of a ground that is near, and the pull of heavy points (physics.md F1).
+//!
+//! A point of gravitational parameter `GM` attracts with `a = -GM d/(r² + ε²)^{3/2}`, `d` the particle from the point. The softening `ε` keeps
+//! it finite where a particle flies through; its potential is `-GM/√(r² + ε²)`. Either is an acceleration: mass does not matter, and the
+//! [gravity scale](crate::ParticleSeed::gravity_scale) of a particle multiplies both. Particles do not pull the point.
+
+use glam::{DVec3, Vec3};
+
+use super::Forces;
+use crate::particles::Particles;
+
+/// A point that attracts everything: a planet, a magnet in a game, a black hole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attractor {
+    /// Where it is, metres.
+    pub position: Vec3,
+    /// Gravitational parameter `GM`, m³/s²; negative repels. At 10 m, 981 m³/s² pull as the Earth does on its ground.
+    pub strength: f32,
+    /// Softening length `ε`, metres, 0 or more: nearer than that the pull does not grow. Default 0.1; keep it above the way of a substep.
+    pub softening: f32,
+}
+
+impl Attractor {
+    /// A point that attracts with the gravitational parameter `strength`, m³/s², softened over 0.1 m.
+    pub fn new(position: Vec3, strength: f32) -> Self {
+        Self { position, strength, softening: 0.1 }
+    }
+
+    /// Whether every number is finite and the softening is not negative. An invalid attractor does not attract.
+    pub fn is_valid(&self) -> bool {
+        self.position.is_finite()
+            && self.strength.is_finite()
+            && self.softening.is_finite()
+            && self.softening >= 0.0
+    }
+
+    /// The acceleration of a particle at `d` from the point, m/s². None at the point itself.
+    fn pull(&self, d: Vec3) -> Vec3 {
+        let squared = d.length_squared() + self.softening * self.softening;
+        let pull = d * (-self.strength / (squared * squared.sqrt()));
+        // Without softening, at the point: no direction.
+        if pull.is_finite() { pull } else { Vec3::ZERO }
+    }
+}
+
+/// Adds gravity, which needs no mass (`f = m g`, so `a = g`), and the game's own forces.
+pub(crate) fn apply(particles: &mut Particles, forces: &Forces) {
+    for i in 0..particles.len() {
+        let w = particles.position[i].w;
+        if w > 0.0 {
+            let pull = forces.gravity * particles.gravity_scale[i];
+            particles.acceleration[i] += pull + particles.external[i] * w;
+        }
+    }
+    for attractor in forces.attractors.iter().filter(|attractor| attractor.is_valid()) {
+        for i in 0..particles.len() {
+            if particles.position[i].w > 0.0 {
+                let pull = attractor.pull(particles.relative_to(i, attractor.position));
+                particles.acceleration[i] += pull * particles.gravity_scale[i];
+            }
+        }
+    }
+}
+
+/// Potential energy of particle `i` of mass `m` (kg) in both, J: `-m g·x - m Σ GM/√(r² + ε²)`.
+pub(crate) fn energy(particles: &Particles, forces: &Forces, i: usize, m: f64) -> f64 {
+    let x = particles.origin[i].as_dvec3() + particles.position[i].truncate().as_dvec3();
+    let well = |attractor: &Attractor| {
+        let d: DVec3 = x - attractor.position.as_dvec3();
+        let softening = f64::from(attractor.softening);
+        let distance = (d.length_squared() + softening * softening).sqrt();
+        if distance > 0.0 { f64::from(attractor.strength) / distance } else { 0.0 }
+    };
+    let valid = forces.attractors.iter().filter(|attractor| attractor.is_valid());
+    let potential = forces.gravity.as_dvec3().dot(x) + valid.map(well).sum::<f64>();
+    -m * f64::from(particles.gravity_scale[i]) * potential
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::particles::ParticleSeed;
+    use crate::simulation::Simulation;
+
+    const GM: f32 = 200.0;
+
+    /// A particle at 5 m from a point far from the origin, thrown across at the given share of the speed of a circular orbit.
+    fn orbit(share: f32, centre: Vec3) -> Simulation {
+        let mut world = Simulation::default();
+        world.forces.gravity = Vec3::ZERO;
+        world.settings.substeps = 8;
+        world.forces.attractors.push(Attractor { position: centre, strength: GM, softening: 0.0 });
+        let speed = (GM / 5.0_f32).sqrt() * share;
+        let seed = ParticleSeed::at(centre + Vec3::X * 5.0).with_velocity(Vec3::Z * speed);
+        world.particles.push(seed.with_mass(3.0)).unwrap();
+        world
+    }
+
+    #[test]
+    fn a_circular_orbit_has_keplers_period() {
+        for centre in [Vec3::ZERO, Vec3::new(8000.0, 0.0, 0.0)] {
+            let mut world = orbit(1.0, centre);
+            // Ten turns, each ending where z becomes positive again.
+            let (mut turns, mut t, mut last) = (0, 0.0_f64, 0.0_f32);
+            while turns < 10 && t < 60.0 {
+                world.step(1.0 / 60.0).unwrap();
+                t += 1.0 / 60.0;
+                let now = world.particles.relative_to(0, centre).z;
+                if last < 0.0 && now >= 0.0 {
+                    turns += 1;
+                    if turns == 10 {
+                        t -= f64::from(now / (now - last)) / 60.0;
+                    }
+                }
+                last = now;
+            }
+            let exact = core::f64::consts::TAU * (125.0 / f64::from(GM)).sqrt();
+            let period = t / 10.0;
+            assert!((period / exact - 1.0).abs() < 1e-4, "{period} s of {exact}");
+        }
+    }
+
+    #[test]
+    fn an_eccentric_orbit_keeps_its_energy_and_its_angular_momentum() {
+        let mut world = orbit(0.6, Vec3::ZERO);
+        let start = world.ledger();
+        assert!(start.gravitational < 0.0 && start.energy() < 0.0, "it is bound: {start:?}");
+        for _ in 0..60 * 60 {
+            world.step(1.0 / 60.0).unwrap();
+            let now = world.ledger();
+            let drift = (now.energy() - start.energy()).abs() / start.energy().abs();
+            assert!(drift < 2e-3, "{drift}");
+            assert!(
+                (now.angular_momentum - start.angular_momentum).length()
+                    < 1e-3 * start.angular_momentum.length()
+            );
+        }
+    }
+
+    #[test]
+    fn a_gravity_scale_scales_attractors_too_and_none_pulls_at_its_own_place() {
+        let mut particles = Particles::default();
+        for (at, scale) in [(Vec3::X, 1.0), (Vec3::X, 0.5), (Vec3::ZERO, 1.0)] {
+            let seed = ParticleSeed { gravity_scale: scale, ..ParticleSeed::at(at) };
+            particles.push(seed).unwrap();
+        }
+        let attractor = Attractor { position: Vec3::ZERO, strength: 2.0, softening: 0.0 };
+        let broken = Attractor { softening: -1.0, ..attractor };
+        let forces = Forces {
+            gravity: Vec3::ZERO,
+            attractors: vec![attractor, broken, Attractor::new(Vec3::NAN, 1.0)],
+            ..Forces::default()
+        };
+        apply(&mut particles, &forces);
+        let found = [0, 1, 2].map(|i| particles.acceleration(i));
+        assert_eq!(found, [Vec3::X * -2.0, -Vec3::X, Vec3::ZERO]);
+        assert_eq!(energy(&particles, &forces, 1, 4.0), -4.0);
+        assert!(energy(&particles, &forces, 2, 4.0).is_finite());
+    }
+}

@@ -1,0 +1,343 @@
+//! Where in the world a field acts: a wind in a tunnel, a fluid in a basin. One notion of place for all of them, so that they fade alike.
+//!
+//! A shape says how deep inside it a point lies, in metres; what acts there is the share `3t² - 2t³` with `t = depth/fade`, from 0 at the
+//! shape's surface to 1 at `fade` metres inside. Its slope vanishes at both ends, so a field with a fade switches nothing on at once; one
+//! without (`fade` 0, the default) ends like a wall.
+
+use glam::{Quat, Vec3};
+
+use crate::particles::Particles;
+
+/// Where a field acts, and how softly it ends. Default: everywhere.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Region {
+    /// What it fills.
+    pub extent: Extent,
+    /// Over how many metres, from the surface inwards, the field grows from nothing to all of itself. Default 0: at once.
+    ///
+    /// A shape thinner than twice this has the field nowhere in full.
+    pub fade: f32,
+}
+
+/// A shape in the world, metres.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Extent {
+    /// The whole world.
+    #[default]
+    Everywhere,
+    /// The half-space of points with `up · x < level`.
+    Below {
+        /// Unit normal of the boundary, out of the region.
+        up: Vec3,
+        /// `up · x` of the points on the boundary, metres.
+        level: f32,
+    },
+    /// A box.
+    Box {
+        /// Its middle.
+        centre: Vec3,
+        /// Half its edges, metres, along its own axes.
+        half_size: Vec3,
+        /// How its axes are turned; a unit quaternion.
+        rotation: Quat,
+    },
+    /// A ball.
+    Sphere {
+        /// Its middle.
+        centre: Vec3,
+        /// Its radius, metres.
+        radius: f32,
+    },
+    /// A cylinder with flat ends.
+    Cylinder {
+        /// The middle of one end.
+        a: Vec3,
+        /// The middle of the other, another point than `a`.
+        b: Vec3,
+        /// Its radius, metres.
+        radius: f32,
+    },
+    /// What is within a radius of a line from `a` to `b`: a cylinder with round ends. A ball if the two coincide.
+    Capsule {
+        /// One end of the line.
+        a: Vec3,
+        /// Its other end.
+        b: Vec3,
+        /// The radius, metres.
+        radius: f32,
+    },
+}
+
+impl Region {
+    /// The whole world.
+    pub const EVERYWHERE: Self = Self { extent: Extent::Everywhere, fade: 0.0 };
+
+    /// A box with edges along the world's axes, from its middle and half its edges in metres. It ends like a wall.
+    pub fn boxed(centre: Vec3, half_size: Vec3) -> Self {
+        Extent::Box { centre, half_size, rotation: Quat::IDENTITY }.into()
+    }
+
+    /// A ball, from its middle and its radius in metres. It ends like a wall.
+    pub fn sphere(centre: Vec3, radius: f32) -> Self {
+        Extent::Sphere { centre, radius }.into()
+    }
+
+    /// The same, fading in over `fade` metres from its surface inwards.
+    pub fn with_fade(self, fade: f32) -> Self {
+        Self { fade, ..self }
+    }
+
+    /// Whether every number is finite and in range. A field in an invalid region acts nowhere.
+    pub fn is_valid(&self) -> bool {
+        self.fade.is_finite() && self.fade >= 0.0 && self.extent.is_valid()
+    }
+
+    /// Whether a point of the world, in metres, lies inside or on the surface.
+    pub fn contains(&self, point: Vec3) -> bool {
+        self.extent.depth(Place::at(point)) >= 0.0
+    }
+
+    /// The share of the field that acts at a point of the world, 0 to 1.
+    pub fn share(&self, point: Vec3) -> f32 {
+        self.share_at(Place::at(point))
+    }
+
+    /// The share of the field that acts on particle `i`, 0 to 1; true to the digits of its own origin, however far out it is.
+    pub fn share_of(&self, particles: &Particles, i: usize) -> f32 {
+        self.share_at(Place::of(particles, i))
+    }
+
+    /// The share of the field that acts at a place, 0 to 1.
+    #[inline]
+    pub(crate) fn share_at(&self, place: Place) -> f32 {
+        if self.extent == Extent::Everywhere {
+            return 1.0;
+        }
+        let depth = self.extent.depth(place);
+        // Written so that a NaN is outside.
+        if depth >= self.fade {
+            1.0
+        } else if depth > 0.0 {
+            let t = depth / self.fade;
+            t * t * (3.0 - 2.0 * t)
+        } else {
+            0.0
+        }
+    }
+}
+
+impl From<Extent> for Region {
+    fn from(extent: Extent) -> Self {
+        Self { extent, fade: 0.0 }
+    }
+}
+
+impl Extent {
+    fn is_valid(&self) -> bool {
+        let long = |x: f32| x.is_finite() && x > 0.0;
+        match *self {
+            Self::Everywhere => true,
+            Self::Below { up, level } => is_unit(up.length_squared()) && level.is_finite(),
+            Self::Box { centre, half_size, rotation: r } => {
+                let squared = r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w;
+                centre.is_finite() && half_size.to_array().into_iter().all(long) && is_unit(squared)
+            }
+            Self::Sphere { centre, radius } => centre.is_finite() && long(radius),
+            Self::Cylinder { a, b, radius } => {
+                a.is_finite() && b.is_finite() && long(a.distance(b)) && long(radius)
+            }
+            Self::Capsule { a, b, radius } => {
+                a.is_finite() && b.is_finite() && a.distance(b).is_finite() && long(radius)
+            }
+        }
+    }
+
+    /// How far inside the surface a place is, metres; negative outside, where only the sign counts.
+    fn depth(&self, place: Place) -> f32 {
+        match *self {
+            Self::Everywhere => f32::INFINITY,
+            Self::Below { up, level } => -up.dot(place.relative_to(up * level)),
+            Self::Box { centre, half_size, rotation } => {
+                let margin = half_size - turned_back(rotation, place.relative_to(centre)).abs();
+                // In scalars: `min_element` picks what it likes beside a NaN.
+                margin.x.min(margin.y).min(margin.z)
+            }
+            Self::Sphere { centre, radius } => radius - place.relative_to(centre).length(),
+            Self::Cylinder { a, b, radius } => {
+                let (axis, from) = (b - a, place.relative_to(a));
+                let length = axis.length();
+                let along = axis.dot(from) / length;
+                let across = (from - axis * (along / length)).length();
+                (radius - across).min(along).min(length - along)
+            }
+            Self::Capsule { a, b, radius } => {
+                let (axis, from) = (b - a, place.relative_to(a));
+                let squared = axis.length_squared();
+                let t = if squared > 0.0 { axis.dot(from) / squared } else { 0.0 };
+                radius - (from - axis * t.clamp(0.0, 1.0)).length()
+            }
+        }
+    }
+}
+
+fn is_unit(squared: f32) -> bool {
+    // A quaternion or a normal that was rounded or turned a thousand times is still one.
+    (squared - 1.0).abs() < 1e-3
+}
+
+/// `v` as seen from a frame that `rotation` has turned: its inverse applied, in scalars for the same bits everywhere.
+fn turned_back(rotation: Quat, v: Vec3) -> Vec3 {
+    let axis = -Vec3::new(rotation.x, rotation.y, rotation.z);
+    let across = axis.cross(v) * 2.0;
+    v + across * rotation.w + axis.cross(across)
+}
+
+/// A point of the world with the digits of an origin of its own, as particles have (see [`particles`](crate::particles)).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    origin: Vec3,
+    local: Vec3,
+}
+
+impl Place {
+    /// A point as it is, metres.
+    pub(crate) fn at(point: Vec3) -> Self {
+        Self { origin: point, local: Vec3::ZERO }
+    }
+
+    /// Where particle `i` is.
+    #[inline]
+    pub(crate) fn of(particles: &Particles, i: usize) -> Self {
+        Self { origin: particles.origin[i], local: particles.position[i].truncate() }
+    }
+
+    /// The middle of three particles.
+    #[inline]
+    pub(crate) fn middle(particles: &Particles, [a, b, c]: [usize; 3]) -> Self {
+        let aside = particles.separation(b, a) + particles.separation(c, a);
+        let first = Self::of(particles, a);
+        Self { local: first.local + aside * (1.0 / 3.0), ..first }
+    }
+
+    /// A place `by` metres from this one.
+    #[inline]
+    pub(crate) fn moved(self, by: Vec3) -> Self {
+        Self { local: self.local + by, ..self }
+    }
+
+    /// This place minus a point of the world, metres.
+    #[inline]
+    pub(crate) fn relative_to(self, point: Vec3) -> Vec3 {
+        (self.origin - point) + self.local
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::particles::ParticleSeed;
+
+    fn shapes() -> [Extent; 6] {
+        // 120° about (1, 1, 1): x goes to y, y to z, z to x.
+        let rotation = Quat::from_xyzw(0.5, 0.5, 0.5, 0.5);
+        let centre = Vec3::new(10.0, 0.0, 0.0);
+        let (a, b) = (centre - Vec3::Y * 2.0, centre + Vec3::Y * 2.0);
+        [
+            Extent::Everywhere,
+            Extent::Below { up: Vec3::Y, level: 1.0 },
+            Extent::Box { centre, half_size: Vec3::new(3.0, 1.0, 1.0), rotation },
+            Extent::Sphere { centre, radius: 2.0 },
+            Extent::Cylinder { a, b, radius: 1.0 },
+            Extent::Capsule { a, b, radius: 1.0 },
+        ]
+    }
+
+    #[test]
+    fn each_shape_contains_what_is_in_it_and_nothing_else() {
+        // From the middle of the shapes: up 0.9, up 2.5, up 3.5, aside 0.9, aside 1.5; and whether each of the six contains it.
+        let probes = [
+            (Vec3::Y * 0.9, [true, true, true, true, true, true]),
+            (Vec3::Y * 2.5, [true, false, true, false, false, true]),
+            (Vec3::Y * 3.5, [true, false, false, false, false, false]),
+            (Vec3::X * 0.9, [true, true, true, true, true, true]),
+            (Vec3::Z * 1.5, [true, true, false, true, false, false]),
+        ];
+        for (probe, inside) in probes {
+            let found =
+                shapes().map(|extent| Region::from(extent).contains(Vec3::X * 10.0 + probe));
+            assert_eq!(found, inside, "{probe}");
+        }
+    }
+
+    #[test]
+    fn the_share_grows_smoothly_from_nothing_at_the_surface_to_all_at_the_fade() {
+        let ball = Region::sphere(Vec3::ZERO, 2.0).with_fade(1.0);
+        let share = |x: f32| ball.share(Vec3::X * x);
+        assert_eq!(
+            [share(2.5), share(2.0), share(1.5), share(1.0), share(0.0)],
+            [0., 0., 0.5, 1., 1.]
+        );
+        let steps: Vec<f32> = (0..=300).map(|i| share(2.25 - i as f32 * 0.005)).collect();
+        let slopes: Vec<f32> = steps.windows(2).map(|s| s[1] - s[0]).collect();
+        assert!(slopes.iter().all(|&slope| (0.0..=0.0076).contains(&slope)));
+        // No kink either: the slope itself changes by 6/fade² a metre at most.
+        assert!(slopes.windows(2).all(|s| (s[1] - s[0]).abs() < 2e-4));
+    }
+
+    #[test]
+    fn without_a_fade_a_region_ends_like_a_wall() {
+        for extent in shapes() {
+            let region = Region::from(extent);
+            for i in 0..400 {
+                let point = Vec3::new(8.0 + 0.01 * i as f32, 0.003 * i as f32, 0.2);
+                let share = region.share(point);
+                assert_eq!(
+                    share,
+                    if region.contains(point) { 1.0 } else { 0.0 },
+                    "{extent:?} {point}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn far_from_the_origin_a_region_still_fades_by_millimetres() {
+        // Neighbouring f32 are 8 mm apart at 100 km.
+        let far = Vec3::new(100_000.0, 0.0, 100_000.0);
+        let region = Region::sphere(far, 1.0).with_fade(0.5);
+        let mut particles = Particles::default();
+        particles.push(ParticleSeed::at(far)).unwrap();
+        particles.displace(0, Vec3::X * 0.5);
+        let mut last = region.share_of(&particles, 0);
+        for _ in 0..400 {
+            particles.displace(0, Vec3::X * 0.001);
+            let now = region.share_of(&particles, 0);
+            assert!(now < last, "a millimetre further out is less");
+            last = now;
+        }
+    }
+
+    #[test]
+    fn a_region_with_a_broken_number_is_not_valid_and_nothing_is_inside_of_nan() {
+        let broken = [
+            Region::sphere(Vec3::NAN, 1.0),
+            Region::sphere(Vec3::ZERO, -1.0),
+            Region::sphere(Vec3::ZERO, 1.0).with_fade(f32::NAN),
+            Region::boxed(Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0)),
+            Extent::Box {
+                centre: Vec3::ZERO,
+                half_size: Vec3::ONE,
+                rotation: Quat::from_xyzw(0., 0., 0., 0.),
+            }
+            .into(),
+            Extent::Below { up: Vec3::Y * 2.0, level: 0.0 }.into(),
+            Extent::Cylinder { a: Vec3::X, b: Vec3::X, radius: 1.0 }.into(),
+            Extent::Capsule { a: Vec3::X, b: Vec3::X, radius: f32::INFINITY }.into(),
+        ];
+        assert!(broken.iter().all(|region| !region.is_valid()));
+        assert!(shapes().iter().all(|&extent| Region::from(extent).is_valid()));
+        for extent in &shapes()[1..] {
+            assert_eq!(Region::from(*extent).share(Vec3::NAN), 0.0, "{extent:?}");
+        }
+    }
+}

@@ -1,0 +1,309 @@
+//! Air with a velocity: drag and lift from the motion of each triangle relative to it (physics.md F5), so that a flag flutters, a feather floats
+//! down and a kite climbs.
+//!
+//! # The law
+//!
+//! With `v` the air's velocity minus the triangle's (the mean of its corners'), and `a = A n` its area vector,
+//!
+//! ```text
+//! drag = ½ρ C_D |a·v| v                                 along v: dynamic pressure times silhouette
+//! lift = ½ρ C_L |a·v| (v × n') × v / |v|                across v, with n' = ±n, whichever points downwind
+//! ```
+//!
+//! and a third of it on each corner. For a sheet at the angle of attack α (between sheet and wind) drag is `½ρ C_D A v² sin α`, lift
+//! `½ρ C_L A v² sin α cos α`. The textbook's lift has the *direction* of `(v × n) × v`; that one is `½ρ C_L A v²` at full strength on a sheet that
+//! stands square to the wind, where it has no direction, and flips about with every tremor. The vector itself carries the missing `cos α`.
+//! As `(v × n) × v = n v² - v (v·n)` and `|a·v| n' = (a·v) n`, the lift is even in `n`:
+//!
+//! ```text
+//! lift = ½ρ C_L ((a·v)|v| n - (a·v)²/(A |v|) v)
+//! ```
+//!
+//! and it does not matter which way round the triangle is. A kite that turns its lower face to the wind has an `n'` that points downwind and up,
+//! and is lifted.
+//!
+//! # Why it cannot blow up
+//!
+//! The force is taken at the start of a substep of `h` and held, and light things in strong wind would be thrown back and forth. With `f` the
+//! force of triangle `t`, every corner `i` gets the impulses of all its `n_i` triangles, and by Cauchy and Schwarz the energy of the change is
+//!
+//! ```text
+//! ½ Σ_i w_i (Σ_t h f_t/3)²  ≤  ½ Σ_i w_i n_i Σ_t h² f_t²/9  =  ½ h² Σ_t g_t f_t²        g_t = Σ n_i w_i / 9 over its corners
+//! ```
+//!
+//! while the force does the work `-h Σ_t f_t·v_t` on the motion relative to the air. That motion does not gain energy if for each triangle
+//! `h g f² ≤ 2 f·v`. With `x = h g |drag|/|v|` and `y = h g |lift|/|v|` that reads `x² + y² ≤ 2x`, which
+//!
+//! ```text
+//! x ≤ 1        and        y² ≤ ½ x (2 - x)
+//! ```
+//!
+//! ensure, with half of what drag takes left over, so that what lift makes swing comes to rest. The first also says that no sheet overshoots:
+//! for one that moves as a whole, `g` is exactly how much its triangles yield together, and `x = 1` takes it to the velocity of the air and not
+//! beyond. Neither does anything where the substep is short enough for the law itself, so the terminal speed is the law's to round-off.
+
+use core::f32::consts::PI;
+
+use glam::Vec3;
+
+use super::gusts::CurlNoise;
+use crate::forces::region::{Extent, Place, Region};
+use crate::particles::Particles;
+
+/// Air that flows with a velocity, everywhere or in a region. Still air, velocity zero, slows things down.
+///
+/// Where several overlap there is air once: their velocities add up, each by the share of its region, and density and coefficients are those of
+/// the densest. So a fan may blow in a breeze, and a breeze in still air.
+///
+/// A triangle stands for a sheet, of which both sides are in the air. On a closed body the lee side feels the wind as well: give its air half
+/// the coefficients.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AirFlow {
+    /// Velocity of the air, m/s.
+    pub velocity: Vec3,
+    /// Density of the air, kg/m³. Default 1.225: at sea level and 15 °C.
+    pub density: f32,
+    /// Drag coefficient `C_D` of a sheet that stands square to the flow, 0 or more. Default 1.28, that of a flat plate. Without
+    /// drag there is no lift either.
+    pub drag: f32,
+    /// Lift coefficient `C_L`, of `½ρ C_L A v² sin α cos α`, 0 or more. Default 1.28, as the drag.
+    pub lift: f32,
+    /// How much gusts add and take: the standard deviation of each component of the velocity, as a share of the speed (the
+    /// meteorologists' intensity of turbulence, 0.1 over water, 0.3 in a town). Default 0: a steady flow.
+    pub gusts: f32,
+    /// Size of the largest eddies, metres. Default 4.
+    pub gust_length: f32,
+    /// Time in which the eddies change besides being carried along, seconds. Default 2.
+    pub gust_period: f32,
+    /// Where the air is. Default everywhere. Where the region fades, both density and velocity do.
+    pub region: Region,
+    /// Whether loose particles (those of no triangle) with a radius feel it too, as balls with a drag coefficient of 0.47. Default true.
+    pub on_particles: bool,
+}
+
+impl Default for AirFlow {
+    fn default() -> Self {
+        Self {
+            velocity: Vec3::ZERO,
+            density: 1.225,
+            drag: 1.28,
+            lift: 1.28,
+            gusts: 0.0,
+            gust_length: 4.0,
+            gust_period: 2.0,
+            region: Region::EVERYWHERE,
+            on_particles: true,
+        }
+    }
+}
+
+impl AirFlow {
+    /// A steady flow of the given velocity, m/s, everywhere.
+    pub fn steady(velocity: Vec3) -> Self {
+        Self { velocity, ..Self::default() }
+    }
+
+    /// The same with gusts of the given share of its speed.
+    pub fn with_gusts(self, gusts: f32) -> Self {
+        Self { gusts, ..self }
+    }
+
+    /// The same, in a region only.
+    pub fn within(self, region: Region) -> Self {
+        Self { region, ..self }
+    }
+
+    /// The velocity that this flow adds at a place and time, m/s: a pure function of both, without divergence where the region is in full.
+    pub fn at(&self, position: Vec3, time: f64) -> Vec3 {
+        Current::of(self, time).velocity(position) * self.region.share(position)
+    }
+
+    /// Whether every number is finite and in range. Invalid air is not there.
+    pub fn is_valid(&self) -> bool {
+        let not_negative = |x: f32| x.is_finite() && x >= 0.0;
+        self.velocity.is_finite()
+            && [self.density, self.drag, self.lift, self.gusts].into_iter().all(not_negative)
+            && [self.gust_length, self.gust_period].into_iter().all(|x| x.is_finite() && x > 0.0)
+            && self.region.is_valid()
+    }
+}
+
+/// Drag coefficient of a ball between a few hundred and some 200 000 Reynolds: anything from a pea to a football in a breeze.
+const BALL: f32 = 0.47;
+
+const THIRD: f32 = 1.0 / 3.0;
+
+/// The air at each triangle and each loose particle, looked up once a step: gusts take a good part of a second to pass.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Air {
+    /// One for each triangle of the surfaces, or none if there is no air.
+    triangles: Vec<Felt>,
+    balls: Vec<(u32, Felt)>,
+    /// Number of triangles at each particle.
+    crowd: Vec<u32>,
+}
+
+/// The air at a place, and how what is there answers to it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Felt {
+    velocity: Vec3,
+    /// `½ρ`, kg/m³; 0 where there is no air.
+    density: f32,
+    /// `C_D`; for a ball times its silhouette, m².
+    drag: f32,
+    /// `C_L`.
+    lift: f32,
+    /// How much it yields to a force, 1/kg: `g` of the derivation.
+    give: f32,
+}
+
+/// Looks up the air at the time `time`, seconds.
+pub(crate) fn sample(
+    particles: &Particles,
+    surfaces: &[[u32; 3]],
+    flows: &[AirFlow],
+    time: f64,
+    air: &mut Air,
+) {
+    let Air { triangles, balls, crowd } = air;
+    triangles.clear();
+    balls.clear();
+    if !flows.iter().any(AirFlow::is_valid) {
+        return;
+    }
+    let there = |corners: &[u32; 3]| corners.iter().all(|&i| (i as usize) < particles.len());
+    crowd.clear();
+    crowd.resize(particles.len(), 0);
+    for &i in surfaces.iter().filter(|corners| there(corners)).flatten() {
+        crowd[i as usize] += 1;
+    }
+    triangles.resize(surfaces.len(), Felt::default());
+    for (felt, corners) in triangles.iter_mut().zip(surfaces) {
+        // A triangle that names a row that is not there is left in the lee: it yields to nothing.
+        if there(corners) {
+            let yields = |&i: &u32| crowd[i as usize] as f32 * particles.inverse_mass(i as usize);
+            felt.give = corners.iter().map(yields).sum::<f32>() / 9.0;
+        }
+    }
+    let loose =
+        |&i: &usize| crowd[i] == 0 && particles.radius(i) > 0.0 && particles.inverse_mass(i) > 0.0;
+    if flows.iter().any(|flow| flow.is_valid() && flow.on_particles) {
+        balls.extend(
+            (0..particles.len())
+                .filter(loose)
+                .map(|i| (i as u32, Felt { give: particles.inverse_mass(i), ..Felt::default() })),
+        );
+    }
+    for flow in flows.iter().filter(|flow| flow.is_valid()) {
+        let current = Current::of(flow, time);
+        for (felt, corners) in triangles.iter_mut().zip(surfaces).filter(|(f, _)| f.give > 0.0) {
+            let place = Place::middle(particles, corners.map(|i| i as usize));
+            felt.blend(&current, place, [flow.drag, flow.lift]);
+        }
+        for (i, felt) in balls.iter_mut().filter(|_| flow.on_particles) {
+            let i = *i as usize;
+            let silhouette = PI * particles.radius(i) * particles.radius(i);
+            felt.blend(&current, Place::of(particles, i), [BALL * silhouette, 0.0]);
+        }
+    }
+}
+
+/// A flow at one instant.
+struct Current<'a> {
+    flow: &'a AirFlow,
+    /// Its gusts, if it has any.
+    noise: Option<CurlNoise>,
+}
+
+impl<'a> Current<'a> {
+    fn of(flow: &'a AirFlow, time: f64) -> Self {
+        let strength = flow.gusts * flow.velocity.length();
+        let noise = (strength > 0.0).then(|| {
+            CurlNoise::new(strength, flow.gust_length, flow.gust_period, flow.velocity, time)
+        });
+        Self { flow, noise }
+    }
+
+    #[inline]
+    fn velocity(&self, position: Vec3) -> Vec3 {
+        self.flow.velocity + self.noise.map_or(Vec3::ZERO, |noise| noise.at(position))
+    }
+}
+
+impl Felt {
+    /// Adds a flow's velocity, and takes over its density with the coefficients if that is denser than what is there.
+    #[inline]
+    fn blend(&mut self, current: &Current, place: Place, [drag, lift]: [f32; 2]) {
+        let everywhere = current.flow.region.extent == Extent::Everywhere;
+        let share = if everywhere { 1.0 } else { current.flow.region.share_at(place) };
+        if share > 0.0 {
+            self.velocity += current.velocity(place.relative_to(Vec3::ZERO)) * share;
+            let density = 0.5 * current.flow.density * share;
+            if density > self.density {
+                (self.density, self.drag, self.lift) = (density, drag, lift);
+            }
+        }
+    }
+
+    /// The force on a sheet of the given area vector (m²) from air that moves at `v` relative to it (m/s), held for `tau` seconds; N.
+    #[inline]
+    fn on_sheet(&self, area: Vec3, v: Vec3, tau: f32) -> Vec3 {
+        let (size, speed) = (area.length(), v.length());
+        if !(size > 0.0 && speed > 0.0) {
+            return Vec3::ZERO;
+        }
+        let facing = area.dot(v);
+        let slowing = self.density * self.drag * facing.abs();
+        let mut x = tau * self.give * slowing;
+        let mut force = v * slowing;
+        if x > 1.0 {
+            force *= 1.0 / x;
+            x = 1.0;
+        }
+        let across = (area * speed - v * (facing / speed)) * (facing / size);
+        let lift = across * (self.density * self.lift);
+        let y = lift * (tau * self.give / speed);
+        let (room, taken) = (0.5 * x * (2.0 - x), y.length_squared());
+        force + if taken > room { lift * (room / taken).sqrt() } else { lift }
+    }
+
+    /// The same on a ball.
+    #[inline]
+    fn on_ball(&self, v: Vec3, tau: f32) -> Vec3 {
+        let slowing = self.density * self.drag * v.length();
+        let x = tau * self.give * slowing;
+        v * if x > 1.0 { slowing / x } else { slowing }
+    }
+}
+
+/// Adds drag and lift for a substep of `h` seconds, from the air that was last [sampled](sample).
+pub(crate) fn apply(particles: &mut Particles, surfaces: &[[u32; 3]], air: &Air, h: f32) {
+    // A force acts from the middle of the last substep to that of this one; the longer of the two readings, as not every integrator does that.
+    let held = |lag: f32| 0.5 * (lag.max(h) + h);
+    for (corners, felt) in surfaces.iter().zip(&air.triangles) {
+        // The second for whoever exchanged particles since the air was sampled.
+        if felt.density == 0.0 || corners.iter().any(|&i| i as usize >= particles.len()) {
+            continue;
+        }
+        let [a, b, c] = corners.map(|i| i as usize);
+        let area = particles.separation(b, a).cross(particles.separation(c, a)) * 0.5;
+        let sum = particles.velocity[a] + particles.velocity[b] + particles.velocity[c];
+        let lag = particles.lag(a).max(particles.lag(b)).max(particles.lag(c));
+        let third = felt.on_sheet(area, felt.velocity - sum.truncate() * THIRD, held(lag)) * THIRD;
+        // Speeds beyond 1e19 m/s have no square: there the air gives up before the particles do.
+        if third.is_finite() {
+            for i in [a, b, c] {
+                particles.add_force(i, third);
+            }
+        }
+    }
+    for &(i, felt) in &air.balls {
+        let i = i as usize;
+        if felt.density > 0.0 && i < particles.len() {
+            let force = felt.on_ball(felt.velocity - particles.velocity(i), held(particles.lag(i)));
+            if force.is_finite() {
+                particles.add_force(i, force);
+            }
+        }
+    }
+}

@@ -1,0 +1,242 @@
+//! What air must do to sheets and balls: the analytic results of physics.md F5, and that no substep makes it throw anything about.
+
+use glam::Vec3;
+
+use super::aero::{Air, AirFlow, apply, sample};
+use crate::forces::Region;
+use crate::particles::{ParticleSeed, Particles};
+use crate::simulation::Simulation;
+
+const H: f32 = 1.0 / 60.0;
+
+/// A square metre of two triangles across `normal` with its middle at the origin, of `mass` kg and in motion.
+fn sheet(normal: Vec3, mass: f32, velocity: Vec3) -> (Particles, Vec<[u32; 3]>) {
+    let side = normal.any_orthonormal_vector();
+    let up = normal.normalize().cross(side);
+    let mut particles = Particles::default();
+    for (x, y) in [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)] {
+        // The two corners of both triangles carry twice what the others do, so that the sheet does not turn.
+        let mass = if x * y > 0.0 { mass / 3.0 } else { mass / 6.0 };
+        let seed = ParticleSeed::at(side * x + up * y).with_mass(mass).with_velocity(velocity);
+        particles.push(seed).unwrap();
+    }
+    (particles, vec![[0, 1, 2], [0, 2, 3]])
+}
+
+/// Force on all particles, N, over a substep of `h` seconds.
+fn felt(particles: &mut Particles, surfaces: &[[u32; 3]], flows: &[AirFlow], h: f32) -> Vec3 {
+    let mut air = Air::default();
+    sample(particles, surfaces, flows, 0.0, &mut air);
+    particles.acceleration.fill(Vec3::ZERO);
+    apply(particles, surfaces, &air, h);
+    (0..particles.len())
+        .filter(|&i| particles.inverse_mass(i) > 0.0)
+        .map(|i| particles.acceleration(i) * particles.mass(i))
+        .sum()
+}
+
+/// A unit vector in the xy plane, by its angle from x in degrees.
+fn direction(degrees: f64) -> Vec3 {
+    let angle = degrees.to_radians();
+    Vec3::new(libm::cos(angle) as f32, libm::sin(angle) as f32, 0.0)
+}
+
+#[test]
+fn drag_is_dynamic_pressure_times_silhouette_and_depends_on_relative_velocity_alone() {
+    for degrees in [0.0_f64, 20.0, 45.0, 70.0, 90.0, 130.0] {
+        let normal = direction(degrees);
+        let expected = 0.5 * 1.225 * 1.28 * 36.0 * libm::cos(degrees.to_radians()).abs() as f32;
+        let moving =
+            [(Vec3::X * 6.0, Vec3::ZERO), (Vec3::ZERO, Vec3::X * -6.0), (Vec3::X, Vec3::X * -5.0)];
+        for (wind, own) in moving {
+            let (mut particles, surfaces) = sheet(normal, 10.0, own);
+            let flow = AirFlow { lift: 0.0, ..AirFlow::steady(wind) };
+            let force = felt(&mut particles, &surfaces, &[flow], H);
+            assert!(force.abs_diff_eq(Vec3::X * expected, 2e-5 * 29.0), "{degrees}°: {force}");
+        }
+    }
+}
+
+#[test]
+fn lift_is_across_the_wind_and_lifts_a_kite_whichever_way_round_its_triangles_are() {
+    let wind = Vec3::X * 8.0;
+    for degrees in [-80.0_f64, -45.0, -10.0, 10.0, 30.0, 45.0, 60.0, 80.0] {
+        // The normal points downwind, and up for a kite: its upwind edge is the upper one.
+        let normal = direction(degrees);
+        for normal in [normal, -normal] {
+            let (mut particles, mut surfaces) = sheet(normal, 10.0, Vec3::ZERO);
+            surfaces[1].swap(1, 2);
+            let of = |drag: f32, lift: f32| AirFlow { drag, lift, ..AirFlow::steady(wind) };
+            let both = felt(&mut particles, &surfaces, &[of(1.0, 1.3)], H);
+            let lift = both - felt(&mut particles, &surfaces, &[of(1.0, 0.0)], H);
+            // The sheet meets the wind at 90° minus the angle of its normal.
+            let (sin, cos) = (libm::cos(degrees.to_radians()), libm::sin(degrees.to_radians()));
+            let expected = 0.5 * 1.225 * 1.3 * 64.0 * sin.abs() * cos;
+            assert!(lift.dot(wind).abs() < 1e-4 * wind.length() * expected.abs() as f32);
+            assert!(
+                (f64::from(lift.y) - expected).abs() < 1e-4 * 50.0,
+                "{degrees}°: {lift} {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_falling_sheet_reaches_the_terminal_speed_at_which_drag_carries_its_weight() {
+    for (mass, h) in [(0.3_f32, H), (0.3, H / 8.0), (5.0, 1.0 / 30.0)] {
+        let mut world = Simulation::default();
+        let surfaces;
+        (world.particles, surfaces) = sheet(Vec3::Y, mass, Vec3::ZERO);
+        world.forces.surfaces = surfaces;
+        world.forces.air_flows.push(AirFlow::default());
+        let exact = (2.0 * mass * 9.81 / (1.225 * 1.28)).sqrt();
+        // It gets there as tanh(g t/v). Nothing holds these four particles together, and a free sheet is not steady for long.
+        for _ in 0..(6.0 * exact / 9.81 / h) as u32 {
+            world.step(h).unwrap();
+        }
+        let speed = -world.particles.velocity(0).y;
+        assert!((speed / exact - 1.0).abs() < 1e-4, "{mass} kg, {h} s: {speed} m/s of {exact}");
+    }
+}
+
+#[test]
+fn a_falling_ball_reaches_its_terminal_speed_and_a_particle_of_a_sheet_is_no_ball() {
+    let mut world = Simulation::default();
+    let ball = ParticleSeed::at(Vec3::ZERO).with_mass(0.43).with_radius(0.11);
+    world.particles.push(ball).unwrap();
+    world.forces.air_flows.push(AirFlow::default());
+    for _ in 0..60 * 30 {
+        world.step(H).unwrap();
+    }
+    let area = core::f32::consts::PI * 0.11 * 0.11;
+    let exact = (2.0 * 0.43 * 9.81 / (1.225 * 0.47 * area)).sqrt();
+    let speed = -world.particles.velocity(0).y;
+    assert!((speed / exact - 1.0).abs() < 1e-4, "{speed} of {exact}");
+
+    let (mut particles, surfaces) = sheet(Vec3::Y, 1.0, Vec3::X * 9.0);
+    particles.radius.fill(0.5);
+    let edge_on = felt(&mut particles, &surfaces, &[AirFlow::default()], H);
+    assert!(edge_on.length() < 1e-4, "{edge_on}");
+    let none = AirFlow { on_particles: false, ..AirFlow::default() };
+    assert_eq!(felt(&mut world.particles, &[], &[none], H), Vec3::ZERO);
+}
+
+/// Kinetic energy of the particles relative to air at `wind`, J.
+fn energy(particles: &Particles, wind: Vec3) -> f64 {
+    let of = |i| {
+        0.5 * f64::from(particles.mass(i))
+            * (particles.velocity(i) - wind).as_dvec3().length_squared()
+    };
+    (0..particles.len()).map(of).sum()
+}
+
+#[test]
+fn a_feather_in_a_storm_is_carried_along_and_never_thrown_about() {
+    // A tenth of a gram and 50 cm² in 40 m/s, at 1/60 s and at a hopeless 1/10 s: the bare law would push it to fifty times the wind's speed.
+    let wind = Vec3::new(40.0, 0.0, 0.0);
+    for (h, lift) in [(H, 0.0), (0.1, 0.0), (H, 1.28), (0.1, 5.0)] {
+        let mut world = Simulation::default();
+        world.forces.gravity = Vec3::ZERO;
+        for corner in [Vec3::ZERO, Vec3::new(0.0, 0.1, 0.03), Vec3::new(0.02, 0.0, 0.1)] {
+            world.particles.push(ParticleSeed::at(corner).with_mass(1e-4 / 3.0)).unwrap();
+        }
+        world.forces.surfaces.push([0, 1, 2]);
+        world.forces.air_flows.push(AirFlow { lift, ..AirFlow::steady(wind) });
+        let mut last = energy(&world.particles, wind);
+        for _ in 0..120 {
+            world.step(h).unwrap();
+            let now = energy(&world.particles, wind);
+            assert!(now <= last * 1.000_01, "lift {lift}: {now} J after {last} J");
+            let v = world.particles.velocity(0);
+            assert!(lift > 0.0 || v.x <= 40.0 && v.y.abs() < 1e-4, "past the wind: {v}");
+            last = now;
+        }
+        assert!(last < 0.05 * 0.5 * 1e-4 * 1600.0, "lift {lift}: it goes with the wind: {last} J");
+    }
+}
+
+#[test]
+fn a_crumpled_cloth_of_light_particles_never_gains_energy_from_still_air() {
+    // Corners that share up to six triangles, masses from 1 mg to 1 g, all of them thrown in different directions.
+    let mut seed = 3_u32;
+    let mut next = move || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (seed >> 8) as f32 / (1 << 24) as f32 - 0.5
+    };
+    let (mut particles, mut surfaces, n) = (Particles::default(), Vec::new(), 12_u32);
+    for i in 0..n * n {
+        let at = Vec3::new((i % n) as f32, (i / n) as f32, 2.0 * next());
+        let velocity = Vec3::new(next(), next(), next()) * 60.0;
+        let mass = 1e-6 * (1.0 + 999.0 * (next() + 0.5));
+        particles.push(ParticleSeed::at(at * 0.1).with_velocity(velocity).with_mass(mass)).unwrap();
+        if i % n + 1 < n && i / n + 1 < n {
+            surfaces.extend([[i, i + 1, i + n], [i + 1, i + n + 1, i + n]]);
+        }
+    }
+    for lift in [0.0, 1.28, 20.0] {
+        let mut particles = particles.clone();
+        let (mut air, start) = (Air::default(), energy(&particles, Vec3::ZERO));
+        let mut last = start;
+        for step in 0..60 {
+            let flow = AirFlow { lift, ..AirFlow::default() };
+            sample(&particles, &surfaces, &[flow], 0.0, &mut air);
+            particles.acceleration.fill(Vec3::ZERO);
+            apply(&mut particles, &surfaces, &air, H);
+            for i in 0..particles.len() {
+                let change = particles.acceleration(i).extend(0.0) * H;
+                particles.velocity[i] += change;
+            }
+            let now = energy(&particles, Vec3::ZERO);
+            assert!(now <= last * 1.000_01, "lift {lift}, step {step}: {now} after {last}");
+            last = now;
+        }
+        assert!(last < 0.8 * start, "lift {lift}: {last} of {start}");
+    }
+}
+
+#[test]
+fn a_flow_blows_in_its_region_only_and_flows_that_overlap_are_one_air() {
+    let fan = Region::sphere(Vec3::ZERO, 3.0);
+    let flow = AirFlow::steady(Vec3::Y * 4.0);
+    let at = |place: Vec3, flows: &[AirFlow]| {
+        let (mut particles, surfaces) = sheet(Vec3::Y, 10.0, Vec3::ZERO);
+        (0..4).for_each(|i| particles.displace(i, place));
+        felt(&mut particles, &surfaces, flows, H).y
+    };
+    let square = |v: f32| 0.5 * 1.225 * 1.28 * v * v;
+    let near = |a: f32, b: f32| (a - b).abs() < 1e-4;
+    assert!(near(at(Vec3::X, &[flow.within(fan)]), square(4.0)));
+    assert_eq!(at(Vec3::X * 5.0, &[flow.within(fan)]), 0.0);
+    // The middles of the triangles are 1/√18 m aside, and so 2.5 m from the middle. At half the fade half of the velocity and half of the density: an eighth of the force.
+    let faded = at(Vec3::Y * 2.488_86, &[flow.within(fan.with_fade(1.0))]);
+    assert!((faded / square(4.0) - 0.125).abs() < 1e-3, "{faded}");
+    let breeze = AirFlow::steady(Vec3::Y);
+    assert!(near(at(Vec3::X, &[flow.within(fan), breeze]), square(5.0)));
+    assert!(near(at(Vec3::X * 5.0, &[flow.within(fan), breeze]), square(1.0)));
+    assert_eq!(flow.within(fan).at(Vec3::X * 5.0, 1.0), Vec3::ZERO);
+}
+
+#[test]
+fn broken_air_and_broken_triangles_are_left_out() {
+    let good = AirFlow::steady(Vec3::Y * 4.0);
+    let broken = [
+        AirFlow::steady(Vec3::NAN),
+        AirFlow { density: -1.0, ..good },
+        AirFlow { lift: f32::INFINITY, ..good },
+        AirFlow { gust_period: 0.0, ..good },
+        good.within(Region::sphere(Vec3::NAN, 1.0)),
+    ];
+    assert!(good.is_valid() && broken.iter().all(|flow| !flow.is_valid()));
+    let (mut particles, mut surfaces) = sheet(Vec3::Y, 10.0, Vec3::ZERO);
+    assert_eq!(felt(&mut particles, &surfaces, &broken, H), Vec3::ZERO);
+    let whole = felt(&mut particles, &surfaces, &[good], H);
+    // A row that is not there, no area, no direction: nothing of it is felt, and nothing is NaN.
+    surfaces.extend([[0, 1, 99], [0, 0, 1], [2, 2, 2]]);
+    assert!(felt(&mut particles, &surfaces, &[good], H).abs_diff_eq(whole, 1e-4));
+    particles.set_velocity(0, Vec3::splat(f32::MAX));
+    assert!(felt(&mut particles, &surfaces, &[good], H).is_finite());
+    for i in 0..4 {
+        particles.position[i].w = 0.0;
+    }
+    assert_eq!(felt(&mut particles, &surfaces, &[good], H), Vec3::ZERO);
+}

@@ -1,0 +1,118 @@
+//! Pushing, moving and turning back several particles at once, as a game does it (physics.md I6 to I8): between two steps, or at any time for
+//! all the particles that constraints bind together.
+//!
+//! The state of a particle is a position and the mean velocity of the last substep (see [`particles`](super)). An impulse changes the
+//! velocity alone, whenever it was true: from `v = (p - p_old)/l` that is the lectures' edit of `p_old`. A teleport changes the position
+//! alone, which in the lectures moves `p` and `p_old` by the same. To run a motion backwards is to swap the two.
+//!
+//! Everywhere, rows that are not there are ignored, and pinned ones are, except by a teleport. An argument that is not finite changes nothing, nor
+//! does a call where one of the rows is not finite.
+
+use glam::{DQuat, DVec3, Quat, Vec3};
+
+use super::whole::Whole;
+use super::{Particles, snap};
+
+impl Particles {
+    /// Gives `rows` together an impulse at their barycentre, N·s: all change their velocity by the same, their momentum by exactly that.
+    pub fn apply_impulse(&mut self, rows: &[u32], impulse: Vec3) {
+        self.kick(rows, impulse, Vec3::ZERO, None);
+    }
+
+    /// Gives `rows` together an angular impulse about their barycentre, N·m·s (= kg·m²/s): they change their velocities as a rigid body would, their
+    /// angular momentum by exactly that and their momentum not at all.
+    ///
+    /// Rows on a line cannot turn about it: that part of the angular impulse is lost. One particle cannot turn at all.
+    pub fn apply_angular_impulse(&mut self, rows: &[u32], angular_impulse: Vec3) {
+        self.kick(rows, Vec3::ZERO, angular_impulse, None);
+    }
+
+    /// Gives `rows` together an impulse, N·s, at a point of the world, metres: the impulse at the barycentre, and the angular
+    /// impulse of its lever. The point need not be on any of them.
+    pub fn apply_impulse_at(&mut self, rows: &[u32], impulse: Vec3, point: Vec3) {
+        self.kick(rows, impulse, Vec3::ZERO, Some(point));
+    }
+
+    /// Turns `rows` about their barycentre by `rotation` (of any length but zero) and then moves them by `translation`, metres. Velocities keep every
+    /// bit, so what moved north before moves north afterwards.
+    ///
+    /// Pinned rows go along; where all are pinned, each counts the same for the barycentre. Whole metres are moved without
+    /// round-off, however many they are.
+    pub fn teleport(&mut self, rows: &[u32], translation: Vec3, rotation: Quat) {
+        let [x, y, z, w] = rotation.to_array().map(f64::from);
+        let turn = DQuat::from_xyzw(x, y, z, w);
+        let length = turn.length();
+        let whole = Whole::of(self, rows).or_else(|| Whole::weighing(self, rows, |_| 1.0));
+        let Some(whole) = whole else { return };
+        if !(translation.is_finite() && length.is_finite() && length > 0.0) {
+            return;
+        }
+        let turn = turn * (1.0 / length);
+        let metres = snap(translation);
+        let rest = (translation - metres).as_dvec3();
+        // All arms first: the barycentre hangs on the first row, which moves as well.
+        let moves: Vec<(usize, Vec3)> = present(self, rows)
+            .map(|i| {
+                let arm = whole.arm(self, i);
+                (i, (turn * arm - arm + rest).as_vec3())
+            })
+            .collect();
+        for (i, by) in moves {
+            self.origin[i] += metres;
+            self.position[i] += by.extend(0.0);
+            self.start[i] += by;
+        }
+    }
+
+    /// Makes `rows` move as one rigid body: their barycentre with `velocity`, m/s, and about it with `angular_velocity`, rad/s, both true at this
+    /// instant.
+    pub fn set_motion(&mut self, rows: &[u32], velocity: Vec3, angular_velocity: Vec3) {
+        let Some(whole) = Whole::of(self, rows) else { return };
+        if !(velocity.is_finite() && angular_velocity.is_finite()) {
+            return;
+        }
+        for i in moving(self, rows) {
+            let turn = angular_velocity.as_dvec3().cross(whole.arm(self, i));
+            self.set_velocity(i, (velocity.as_dvec3() + turn).as_vec3());
+        }
+    }
+
+    /// Sends `rows` back the way they came: swaps the present and the previous position. Motion without damping, contacts and corrections of
+    /// positions then returns to its start within round-off, under a constant step and Verlet or leapfrog integration.
+    ///
+    /// It goes back by one substep at once: after N substeps N - 1 more lead back to the start. Each row once: naming one twice turns it forwards.
+    pub fn reverse(&mut self, rows: &[u32]) {
+        for i in moving(self, rows) {
+            let (v, lag) = (self.velocity(i), self.lag(i));
+            if v.is_finite() {
+                self.displace(i, -v * lag);
+                self.velocity[i] = (-v).extend(lag);
+            }
+        }
+    }
+
+    fn kick(&mut self, rows: &[u32], impulse: Vec3, turn: Vec3, point: Option<Vec3>) {
+        let Some(whole) = Whole::of(self, rows) else { return };
+        let lever = point.map_or(DVec3::ZERO, |point| whole.arm_of(self, point));
+        let (impulse, turn) = (impulse.as_dvec3(), turn.as_dvec3());
+        let answer = whole.answer(impulse, turn + lever.cross(impulse));
+        let rows = moving(self, rows);
+        if rows.iter().all(|&i| answer.at(whole.arm(self, i)).is_finite()) {
+            for i in rows {
+                let change = answer.at(whole.arm(self, i));
+                self.velocity[i] += change.extend(0.0);
+            }
+        }
+    }
+}
+
+/// The rows that are there.
+fn present<'a>(particles: &Particles, rows: &'a [u32]) -> impl Iterator<Item = usize> + use<'a> {
+    let len = particles.len();
+    rows.iter().map(|&row| row as usize).filter(move |&i| i < len)
+}
+
+/// The rows that are there and not pinned.
+fn moving(particles: &Particles, rows: &[u32]) -> Vec<usize> {
+    present(particles, rows).filter(|&i| particles.position[i].w > 0.0).collect()
+}

@@ -1,0 +1,196 @@
+//! How much a closed mesh holds, where its middle is and how it resists being turned: exactly, for any shape that has an inside.
+//!
+//! # The integrals
+//!
+//! Choose any point `o`. Each triangle `a b c` makes a tetrahedron with it, counted positive where the triangle turns its
+//! back to `o` and negative where it turns its face; what lies outside of a closed mesh is counted as often one way as the other, and what lies inside
+//! once. So an integral over the inside is a sum over triangles. For one tetrahedron, with `a`, `b`, `c` measured from `o`,
+//!
+//! ```text
+//! V = a · (b × c) / 6        ∫ x dV = V s / 4        ∫ x xᵀ dV = V (a aᵀ + b bᵀ + c cᵀ + s sᵀ) / 20        s = a + b + c
+//! ```
+//!
+//! The last: a point of the tetrahedron is `x = Σ λᵢ vᵢ` over its four corners with `λ` uniform on the simplex, for which the mean of
+//! `λᵢ²` is 1/10 and that of `λᵢ λⱼ` is 1/20; so the mean of `x xᵀ` is `(Σ vᵢ vᵢᵀ + (Σ v)(Σ v)ᵀ) / 20`, and the fourth corner is zero.
+//! About the mean `c` it is `∫ (x - c)(x - c)ᵀ dV = ∫ x xᵀ dV - V c cᵀ`.
+//!
+//! `o` is the middle of the bounding box, so that a mesh far from zero loses nothing in the subtraction. All in `f64`.
+
+use glam::{DMat3, DVec3, Mat3, Vec3};
+
+use super::nearest::bounds;
+
+/// Volume, barycentre and second moments of what a closed mesh encloses, at uniform density.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MassProperties {
+    /// What it holds, m³, positive.
+    pub volume: f64,
+    /// Where its middle is, metres, in the coordinates of the mesh.
+    pub barycentre: DVec3,
+    /// The mean of `x xᵀ` over the inside, with `x` from the barycentre, m²: symmetric, positive. Times the mass, these are the second moments.
+    pub spread: DMat3,
+}
+
+/// Why a mesh has no mass properties.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MassFault {
+    /// No vertices, or no triangles.
+    #[error("its mesh has no vertices or no triangles")]
+    Empty,
+    /// A vertex with a coordinate that is NaN or infinite.
+    #[error("vertex {0} of its mesh is not at a finite position")]
+    NotFinite(usize),
+    /// A triangle with a corner that is no vertex.
+    #[error("triangle {0} of its mesh has a corner that is no vertex")]
+    NoSuchVertex(usize),
+    /// Between these two vertices there are not as many triangles one way round as the other: a hole, or a triangle that is turned round.
+    #[error("its mesh is open, or turned round in part, between the vertices {0} and {1}")]
+    Open(u32, u32),
+    /// Closed, but with its triangles facing inward.
+    #[error("its mesh is inside out")]
+    InsideOut,
+    /// It encloses nothing, or is thinner than a millionth of its length; or it crosses itself such that its mass is no one's.
+    #[error("its mesh encloses no volume")]
+    Flat,
+}
+
+/// Thickness squared over length squared below which a solid is flat: a millionth of its length, where `f32` vertices say nothing more.
+const FLAT: f64 = 1e-12;
+/// A volume below this share of the tetrahedra that it is the sum of is what rounding left.
+const CANCELLED: f64 = 1e-12;
+
+impl MassProperties {
+    /// The mass properties of a closed mesh of triangles, counter-clockwise from outside. It need not be convex, nor in one piece, and may
+    /// have cavities whose triangles face into them. Vertices in the same place count as one, so seams of texture coordinates do no harm.
+    ///
+    /// # Errors
+    /// What [`MassFault`] lists.
+    pub fn of_mesh(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<Self, MassFault> {
+        check(positions, triangles)?;
+        let [low, high] = bounds(positions.iter().copied()).map(Vec3::as_dvec3);
+        let middle = (low + high) * 0.5;
+        let (mut volume, mut all, mut first, mut second) = (0.0, 0.0, DVec3::ZERO, DMat3::ZERO);
+        for t in triangles {
+            let [a, b, c] = t.map(|i| positions[i as usize].as_dvec3() - middle);
+            let (v, s) = (a.dot(b.cross(c)) / 6.0, a + b + c);
+            volume += v;
+            all += v.abs();
+            first += s * (v / 4.0);
+            second += (outer(a) + outer(b) + outer(c) + outer(s)) * (v / 20.0);
+        }
+        if volume.abs() <= CANCELLED * all {
+            return Err(MassFault::Flat);
+        }
+        if volume < 0.0 {
+            return Err(MassFault::InsideOut);
+        }
+        let mean = first * (1.0 / volume);
+        let spread = second * (1.0 / volume) - outer(mean);
+        let found = Self { volume, barycentre: middle + mean, spread };
+        let (squares, _) = found.principal();
+        if !(squares.min_element() > FLAT * squares.max_element() && squares.is_finite()) {
+            return Err(MassFault::Flat);
+        }
+        Ok(found)
+    }
+
+    /// Inertia tensor about the barycentre for a body of `mass` kg, kg·m², in the axes of the mesh: `M (tr(S) 1 - S)`.
+    pub fn inertia(&self, mass: f32) -> Mat3 {
+        let s = self.spread;
+        let trace = s.x_axis.x + s.y_axis.y + s.z_axis.z;
+        ((DMat3::from_diagonal(DVec3::splat(trace)) - s) * f64::from(mass)).as_mat3()
+    }
+
+    /// The mean squares along the principal axes, m², and those axes, one a column: each a unit vector, in the order and sense in
+    /// which they are nearest to x, y and z.
+    ///
+    /// A shape that is the same along several axes (a cube) has no axes of its own: it gets those of the mesh.
+    pub fn principal(&self) -> (DVec3, DMat3) {
+        // What f32 vertices make of a zero, or of two equal numbers, would choose axes at random.
+        let mut rows = self.spread.to_cols_array_2d();
+        for i in 0..3 {
+            for j in 0..3 {
+                if i != j && rows[i][j].abs() <= UNEVEN * (rows[i][i] * rows[j][j]).sqrt() {
+                    rows[i][j] = 0.0;
+                }
+            }
+        }
+        let (squares, axes) = crate::pose::symmetric::eigen(rows);
+        let order = nearest_order(&axes);
+        let axis = |k: usize| {
+            let axis = DVec3::from_array(axes[order[k]]);
+            if axis[k] < 0.0 { -axis } else { axis }
+        };
+        let squares = DVec3::from_array(order.map(|row| squares[row]));
+        (squares, DMat3::from_cols(axis(0), axis(1), axis(2)))
+    }
+}
+
+/// A mean of `x y` below this share of the root mean squares of `x` and `y` counts as zero: some roundings of `f32`.
+const UNEVEN: f64 = 3e-7;
+
+/// `a aᵀ`.
+fn outer(a: DVec3) -> DMat3 {
+    DMat3::from_cols(a * a.x, a * a.y, a * a.z)
+}
+
+/// Which of three orthogonal vectors is most along x, which of the other two most along y, and the last.
+fn nearest_order(axes: &[[f64; 3]; 3]) -> [usize; 3] {
+    let longer =
+        |k: usize, a: usize, b: usize| if axes[b][k].abs() > axes[a][k].abs() { b } else { a };
+    let x = longer(0, longer(0, 0, 1), 2);
+    let [p, q] = [[1, 2], [0, 2], [0, 1]][x];
+    let y = longer(1, p, q);
+    [x, y, p + q - y]
+}
+
+/// Everything that can be wrong before there is anything to integrate.
+fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MassFault> {
+    if positions.is_empty() || triangles.is_empty() {
+        return Err(MassFault::Empty);
+    }
+    if let Some(vertex) = positions.iter().position(|p| !p.is_finite()) {
+        return Err(MassFault::NotFinite(vertex));
+    }
+    let is_vertex = |i: &u32| (*i as usize) < positions.len();
+    if let Some(number) = triangles.iter().position(|t| !t.iter().all(is_vertex)) {
+        return Err(MassFault::NoSuchVertex(number));
+    }
+    let same = leaders(positions);
+    // Every side of a triangle as its edge and whether it goes up or down. A closed surface goes each edge as often up as down.
+    let mut sides = Vec::with_capacity(3 * triangles.len());
+    for t in triangles {
+        let t = t.map(|i| same[i as usize]);
+        for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+            if a != b {
+                sides.push(([a.min(b), a.max(b)], if a < b { 1 } else { -1 }));
+            }
+        }
+    }
+    sides.sort_unstable();
+    for edge in sides.chunk_by(|a, b| a.0 == b.0) {
+        if edge.iter().map(|side| side.1).sum::<i32>() != 0 {
+            let [a, b] = edge[0].0;
+            return Err(MassFault::Open(a, b));
+        }
+    }
+    Ok(())
+}
+
+/// For each vertex the first one in the same place.
+fn leaders(positions: &[Vec3]) -> Vec<u32> {
+    // Adding zero makes of -0 the zero that it equals.
+    let key = |i: u32| positions[i as usize].to_array().map(|x| (x + 0.0).to_bits());
+    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
+    order.sort_by_key(|&i| (key(i), i));
+    let mut leaders = vec![0; positions.len()];
+    for same in order.chunk_by(|&a, &b| key(a) == key(b)) {
+        for &i in same {
+            leaders[i as usize] = same[0];
+        }
+    }
+    leaders
+}
+
+#[cfg(test)]
+pub(super) mod tests;

@@ -1,0 +1,275 @@
+//! Soft bodies (physics.md B3, C7): a closed skin that its volume keeps full, and a lattice of tetrahedra that is soft all through.
+//!
+//! Both take the stiffness of the material, not of a single tie, and work out from it what each tie has to be; so a body that is cut finer
+//! is not a softer one.
+
+mod cells;
+mod lattice;
+
+use glam::{DVec3, Vec3};
+
+pub use self::lattice::{SoftLatticeSpec, SoftShape, SoftSurface, soft_lattice, soft_lattice_mesh};
+use super::blueprint::{Blueprint, gap};
+use super::mass::{MassFault, MassProperties};
+use super::mesh::{Bend, MeshFault, weld};
+use super::solid::Bulk;
+use super::{LENGTHS, MASSES, is_drag, is_radius};
+use crate::constraints::{self, Constraint, Distance, Law, Softness, Volume};
+use crate::particles::ParticleSeed;
+use crate::solve::BodySettings;
+
+/// A skin that is kept full: a ball, a cushion, a balloon. The default weighs 1 kg and stretches like a balloon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SoftMeshSpec {
+    /// How much of it there is: mass, or density of what it encloses. Spread over its surface by area; default 1 kg.
+    pub bulk: Bulk,
+    /// Stiffness of the skin against being stretched, N/m: Young's modulus times thickness, 1e-6 to 1e9; default 100 (0.1 mm of rubber).
+    pub stretch: f32,
+    /// Stiffness of the skin against being bent, N·m, not negative; default 0.01. Zero: it bends freely.
+    pub bend: f32,
+    /// Damping ratio of every tie of the skin, 0 (it swings on) to 10; default 0.1.
+    pub damping: f32,
+    /// The volume that it is kept at, as a multiple of the mesh's own, 0.01 to 100; default 1. More than that puts the skin under tension.
+    ///
+    /// A tight skin begins to turn by itself, slowly: springs that pull against each other one after the other leave a little torque in every
+    /// substep, the square of how far one pulls in that. A ball of 1 kg at 1.3 times its volume has 0.04 J of it after 2 s with a skin of 100 N/m,
+    /// and 6 J with one of 1000 N/m, unless it lies on something, has drag, or is solved in [`Order::Jacobi`](crate::Order::Jacobi).
+    pub pressure: f32,
+    /// How hard the volume is kept; default hard. A soft one lets itself be squashed.
+    pub softness: Softness,
+    /// Radius of every particle, metres, not negative; default 0.005.
+    pub radius: f32,
+    /// Share of the velocity lost per second, 0 to 1; default 0.
+    pub drag: f32,
+    /// Vertices of the mesh closer than this are one particle, metres, not negative; default 1e-5.
+    pub weld_tolerance: f32,
+}
+
+/// Why a soft body is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SoftFault {
+    /// The mesh that it is to be made from is none.
+    #[error(transparent)]
+    Mesh(#[from] MeshFault),
+    /// The mesh has no inside: it is open, flat or inside out.
+    #[error(transparent)]
+    Inside(#[from] MassFault),
+    /// NaN, or outside the range; by density, what comes of it.
+    #[error("its mass is not between 1e-9 and 1e12 kilograms")]
+    Mass,
+    /// NaN, or outside the range.
+    #[error("its size is not between 1e-6 and 1e6 metres")]
+    Size,
+    /// No cells along an axis.
+    #[error("it has no cells")]
+    NoCells,
+    /// More than 2²⁴ particles.
+    #[error("it would have more than 16777216 particles")]
+    TooMany,
+    /// NaN, or outside the range: of the skin in N/m, of the lattice in Pa.
+    #[error("its stiffness is out of range")]
+    Stiffness,
+    /// NaN, infinite or negative.
+    #[error("its bending stiffness is not a finite number of newton metres")]
+    Bend,
+    /// NaN, or outside the range.
+    #[error("its Poisson's ratio is not between 0.25 and 0.49")]
+    Poisson,
+    /// NaN, or outside the range.
+    #[error("its damping ratio is not between 0 and 10")]
+    Damping,
+    /// NaN, or outside the range.
+    #[error("its pressure is not between 0.01 and 100 times its volume")]
+    Pressure,
+    /// The softness of its volume has a number out of range.
+    #[error("the softness of its volume is not a finite number in range")]
+    Softness,
+    /// NaN, negative or too large.
+    #[error("the radius of its particles is not between 0 and 1e6 metres")]
+    Radius,
+    /// NaN or outside 0..=1.
+    #[error("its drag is not a share between 0 and 1 per second")]
+    Drag,
+    /// Triangles or cells so small or so large that a mass, a length or a compliance is no ordinary `f32`.
+    #[error(
+        "a mass, a length or a compliance is too small or too large to simulate: check its units"
+    )]
+    Scale,
+}
+
+impl Default for SoftMeshSpec {
+    fn default() -> Self {
+        Self {
+            bulk: Bulk::Mass(1.0),
+            stretch: 100.0,
+            bend: 0.01,
+            damping: 0.1,
+            pressure: 1.0,
+            softness: Softness::Hard,
+            radius: 0.005,
+            drag: 0.0,
+            weld_tolerance: 1e-5,
+        }
+    }
+}
+
+/// Sweeps in a substep that a hard volume asks for. Contacts push a squashed ball's volume off again after it was put right, a tenth as far
+/// each time; with 8 it is kept to some 0.1 %.
+const SWEEPS: u32 = 8;
+
+/// A soft body out of a closed triangle list, counter-clockwise from outside: a particle at each welded vertex ([`weld`](super::weld)), a
+/// distance along each edge, bending across each edge, and one volume.
+///
+/// [`Blueprint::vertices`] names the particle of each vertex of the mesh, [`Blueprint::triangles`] are for the wind. It asks for 8 sweeps.
+///
+/// # The skin
+///
+/// A sheet of springs has the stiffness `Y` (N/m) of a sheet of material if each spring stands for the material around it: along an edge of
+/// length `l` with the triangles `A₀` and `A₁` at its sides, `k = Y (A₀ + A₁)/l²`. That is exact for equilateral triangles, whose springs of
+/// `k = √3/2 Y` are an isotropic sheet with Poisson's ratio 1/3, and near it elsewhere (Van Gelder, *Approximate simulation of elastic membranes
+/// by triangulated spring meshes*, 1998).
+///
+/// # Errors
+/// What [`SoftFault`] lists: an open, flat or inverted mesh is [`SoftFault::Inside`].
+pub fn soft_mesh(
+    spec: &SoftMeshSpec,
+    positions: &[Vec3],
+    indices: &[u32],
+) -> Result<Blueprint, SoftFault> {
+    check(spec)?;
+    let welded = weld(positions, indices, spec.weld_tolerance)?;
+    let (positions, triangles, edges) = (welded.positions, welded.triangles, welded.edges);
+    let volume = MassProperties::of_mesh(&positions, &triangles)?.volume;
+    let mass = mass_of(spec.bulk, volume)?;
+    let areas: Vec<f64> = triangles.iter().map(|t| area(&positions, t)).collect();
+    let mut masses = vec![0.0; positions.len()];
+    // Closed and not flat, so there is an area.
+    let per_area = mass / areas.iter().sum::<f64>();
+    for (t, area) in triangles.iter().zip(&areas) {
+        t.iter().for_each(|&i| masses[i as usize] += per_area * area / 3.0);
+    }
+    let seed = |(p, m): (&Vec3, &f64)| {
+        let seed = ParticleSeed::at(*p).with_mass(*m as f32);
+        seed.with_radius(spec.radius).with_drag(spec.drag)
+    };
+    let mut body = Blueprint {
+        particles: positions.iter().zip(&masses).map(seed).collect(),
+        vertices: welded.vertices,
+        settings: BodySettings { max_sweeps: Some(SWEEPS), ..BodySettings::default() },
+        ..Blueprint::default()
+    };
+    for (&[a, b], around) in edges.iter().zip(around(&edges, &triangles, &areas)) {
+        let [p, q] = [a, b].map(|i| positions[i as usize]);
+        let length = (p.as_dvec3() - q.as_dvec3()).length();
+        let stiffness = f64::from(spec.stretch) * around / (length * length);
+        let inverse = [a, b].iter().map(|&i| 1.0 / masses[i as usize]).sum();
+        let softness = damped(1.0 / stiffness, inverse, spec.damping);
+        body.distances.push(Distance::new(a, b, gap(p, q)).with_softness(softness));
+    }
+    if spec.bend > 0.0 {
+        body.constraints
+            .extend(welded.bends.iter().filter_map(|b| fold(spec, b, &positions, &masses)));
+    }
+    let full = Volume::of(triangles.as_slice(), &positions).with_pressure(spec.pressure);
+    let full = Law::Volume(full.with_softness(spec.softness));
+    body.constraints.push(Constraint::new(0..positions.len() as u32, full));
+    body.triangles = triangles;
+    sound(body)
+}
+
+fn check(spec: &SoftMeshSpec) -> Result<(), SoftFault> {
+    if !(1e-6..=1e9).contains(&spec.stretch) {
+        Err(SoftFault::Stiffness)
+    } else if !(spec.bend.is_finite() && spec.bend >= 0.0) {
+        Err(SoftFault::Bend)
+    } else if !(0.01..=100.0).contains(&spec.pressure) {
+        Err(SoftFault::Pressure)
+    } else if !spec.softness.is_valid() {
+        Err(SoftFault::Softness)
+    } else {
+        check_common(spec.damping, spec.radius, spec.drag)
+    }
+}
+
+fn check_common(damping: f32, radius: f32, drag: f32) -> Result<(), SoftFault> {
+    if !(0.0..=10.0).contains(&damping) {
+        Err(SoftFault::Damping)
+    } else if !is_radius(radius) {
+        Err(SoftFault::Radius)
+    } else if !is_drag(drag) {
+        Err(SoftFault::Drag)
+    } else {
+        Ok(())
+    }
+}
+
+/// The mass of a body of that volume, kg.
+fn mass_of(bulk: Bulk, volume: f64) -> Result<f64, SoftFault> {
+    let mass = match bulk {
+        Bulk::Mass(mass) => f64::from(mass),
+        Bulk::Density(density) => f64::from(density) * volume,
+    };
+    if MASSES.contains(&(mass as f32)) { Ok(mass) } else { Err(SoftFault::Mass) }
+}
+
+/// m².
+fn area(positions: &[Vec3], t: &[u32; 3]) -> f64 {
+    let [a, b, c] = t.map(|i| positions[i as usize].as_dvec3());
+    (b - a).cross(c - a).length() * 0.5
+}
+
+/// The area of the triangles at each edge, m². The edges are sorted.
+fn around(edges: &[[u32; 2]], triangles: &[[u32; 3]], areas: &[f64]) -> Vec<f64> {
+    let mut sums = vec![0.0; edges.len()];
+    for (&[a, b, c], area) in triangles.iter().zip(areas) {
+        for [p, q] in [[a, b], [b, c], [c, a]] {
+            if let Ok(edge) = edges.binary_search(&[p.min(q), p.max(q)]) {
+                sums[edge] += area;
+            }
+        }
+    }
+    sums
+}
+
+/// What resists bending across an edge.
+fn fold(
+    spec: &SoftMeshSpec,
+    bend: &Bend,
+    positions: &[Vec3],
+    masses: &[f64],
+) -> Option<Constraint> {
+    let rows = [bend.edge[0], bend.edge[1], bend.opposite[0], bend.opposite[1]];
+    let law = constraints::Bend::stiff(rows.map(|i| positions[i as usize]), spec.bend)?;
+    let Softness::Compliant { compliance, .. } = law.softness else { return None };
+    let square = |(i, w): (&u32, &f32)| f64::from(w * w) / masses[*i as usize];
+    let inverse = rows.iter().zip(&law.weights).map(square).sum();
+    let softness = damped(f64::from(compliance), inverse, spec.damping);
+    Some(Constraint::new(rows, Law::Bend(law.with_softness(softness))))
+}
+
+/// A compliance with the damping that is `ratio` of critical: `β = 2ζ√(kμ)` with `k = 1/α` and the mass `μ = 1/Σ w‖∇C‖²` that a tie feels.
+fn damped(compliance: f64, inverse_mass: f64, ratio: f32) -> Softness {
+    let damping = 2.0 * f64::from(ratio) / (compliance * inverse_mass).sqrt();
+    Softness::Compliant { compliance: compliance as f32, damping: damping as f32 }
+}
+
+/// The body, if all its numbers are ordinary ones: lengths are squared and masses inverted in `f32` at every sweep.
+fn sound(body: Blueprint) -> Result<Blueprint, SoftFault> {
+    let corners = || body.particles.iter().map(|p| p.position);
+    let low = corners().fold(DVec3::INFINITY, |a, b| a.min(b.as_dvec3()));
+    let high = corners().fold(DVec3::NEG_INFINITY, |a, b| a.max(b.as_dvec3()));
+    if !LENGTHS.contains(&((high - low).max_element() as f32)) {
+        return Err(SoftFault::Size);
+    }
+    let lengths = body.distances.iter().map(|d| d.rest * d.rest);
+    let compliances = body.distances.iter().filter_map(|d| match d.softness {
+        Softness::Compliant { compliance, .. } => Some(compliance),
+        _ => None,
+    });
+    let mut ordinary = lengths.chain(compliances).chain(body.particles.iter().map(|p| p.mass));
+    let sound = ordinary.all(|x| x.is_normal() && (1.0 / x).is_normal()) && body.validate().is_ok();
+    if sound { Ok(body) } else { Err(SoftFault::Scale) }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,253 @@
+//! A body that is soft all through: a lattice of tetrahedra, whose edges are springs and whose volumes resist being changed.
+
+use std::collections::BTreeMap;
+
+use glam::{DVec3, UVec3, Vec3};
+
+use super::cells::{ball, block};
+use super::{SoftFault, check_common, damped, mass_of, sound};
+use crate::constraints::{Constraint, Distance, Law, Tetrahedron};
+use crate::particles::ParticleSeed;
+use crate::recipes::blueprint::{Blueprint, gap};
+use crate::recipes::solid::Bulk;
+use crate::recipes::{LENGTHS, MOST_PARTICLES};
+
+/// A soft box or ball. The default is a cube of jelly, 1 m and 100 kg, in 4×4×4 cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SoftLatticeSpec {
+    /// What it looks like, and how fine it is cut; about the origin.
+    pub shape: SoftShape,
+    /// How much of it there is; default 100 kg.
+    pub bulk: Bulk,
+    /// Young's modulus, Pa, 1e-3 to 1e12; default 2e4 (gelatine 1e3 to 1e5, rubber 1e6).
+    ///
+    /// Soft ties are swept once in a substep. That is enough as long as sound does not cross a cell in one: `h √(E/ρ)` below about half a cell.
+    /// What is stiffer than that needs more substeps, or yields more than it should.
+    pub stiffness: f32,
+    /// Poisson's ratio: how much it grows sideways when it is squashed, 0.25 to 0.49; default 0.35. Near 0.5 it keeps its volume, and a coarse
+    /// lattice becomes too stiff.
+    pub poisson: f32,
+    /// Damping ratio of every tie, 0 (it swings on) to 10; default 0.3.
+    pub damping: f32,
+    /// Radius of every particle, metres, not negative; default 0.
+    pub radius: f32,
+    /// Share of the velocity lost per second, 0 to 1; default 0.
+    pub drag: f32,
+}
+
+/// The shape of a soft lattice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SoftShape {
+    /// A box.
+    Box {
+        /// Lengths of its edges, metres, 1e-6 to 1e6.
+        size: Vec3,
+        /// Cells along each axis, at least 1. Best near cubes: a cell that is more than 1.2 times as long as it is wide is too stiff along that.
+        cells: UVec3,
+    },
+    /// A ball out of shells around a middle particle.
+    Ball {
+        /// Metres, 1e-6 to 1e6.
+        radius: f32,
+        /// Cells from one side to the other, at least 1; rounded up to an even number.
+        cells: u32,
+    },
+}
+
+/// The surface of a soft lattice as a mesh to draw.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SoftSurface {
+    /// Its vertices, metres.
+    pub positions: Vec<Vec3>,
+    /// Its triangles, three numbers of vertices each, counter-clockwise from outside.
+    pub indices: Vec<u32>,
+    /// The particle that each vertex follows.
+    pub vertices: Vec<u32>,
+}
+
+/// Points, and the tetrahedra between them, each of positive volume.
+pub(super) struct Lattice {
+    /// Metres.
+    pub(super) points: Vec<DVec3>,
+    pub(super) tetrahedra: Vec<[u32; 4]>,
+    /// The stiffness of each edge for a shear modulus of 1 Pa: metres.
+    pub(super) ties: BTreeMap<[u32; 2], f64>,
+}
+
+impl Default for SoftLatticeSpec {
+    fn default() -> Self {
+        Self {
+            shape: SoftShape::Box { size: Vec3::ONE, cells: UVec3::splat(4) },
+            bulk: Bulk::Mass(100.0),
+            stiffness: 2e4,
+            poisson: 0.35,
+            damping: 0.3,
+            radius: 0.0,
+            drag: 0.0,
+        }
+    }
+}
+
+/// A lattice of tetrahedra, soft all through.
+///
+/// A box has a particle at each corner of each cell, x fastest, then y, then z, and five tetrahedra a cell, turned such that those of neighbours
+/// share whole faces. A ball has shells of particles, the middle one first. A particle has a quarter of the mass of each tetrahedron around it.
+/// [`Blueprint::triangles`] are its surface, and [`Blueprint::vertices`] the particles of [`soft_lattice_mesh`].
+///
+/// # How stiff the ties are
+///
+/// Springs along the edges of a lattice alone are a material in which Lamé's constants are equal, `λ = μ` (Cauchy: what acts along lines
+/// between points cannot tell them apart), that is, Poisson's ratio 1/4. The energy of the springs `kₑ` in a strain `ε` is `½ Σ kₑ Lₑ² (n·εn)²`.
+///
+/// For a cell `a × b × c` of volume `V` with one diagonal in each face, on the average either of the two, that equals the energy of the material,
+/// `V μ (ε:ε + ½ (tr ε)²)`, for every strain at once, if
+///
+/// ```text
+/// k_xy = μ V (1/a² + 1/b²)   along the diagonals in xy     k_x = μ V (3/a² - 1/b² - 1/c²)   along the edges in x
+/// ```
+///
+/// and likewise for the others: of a cube, `2μa` and `μa`. An edge at the surface belongs to fewer cells, and gets less. In a ball, where edges
+/// point everywhere, the mean of `(n·εn)²` over all directions, `((tr ε)² + 2 ε:ε)/15`, gives `kₑ = 2.5 μ V/Lₑ²` for each of the six edges of each
+/// tetrahedron.
+///
+/// A tetrahedron cannot bend by itself, so what is `n` cells across resists bending by a share of about `1/n²` too much.
+///
+/// The rest, `λ - μ`, comes from the volumes: `½ (λ - μ) (V - V₀)²/V₀` is the energy of a volume law of compliance `V₀/(λ - μ)`.
+///
+/// # Errors
+/// What [`SoftFault`] lists.
+pub fn soft_lattice(spec: &SoftLatticeSpec) -> Result<Blueprint, SoftFault> {
+    let lattice = cut(spec)?;
+    let places: Vec<Vec3> = lattice.points.iter().map(|p| p.as_vec3()).collect();
+    let volumes: Vec<f64> = lattice.tetrahedra.iter().map(|t| lattice.volume(t)).collect();
+    let volume = volumes.iter().sum::<f64>();
+    let density = mass_of(spec.bulk, volume)? / volume;
+    let mut masses = vec![0.0; places.len()];
+    for (t, volume) in lattice.tetrahedra.iter().zip(&volumes) {
+        t.iter().for_each(|&i| masses[i as usize] += 0.25 * density * volume);
+    }
+    let seed = |(p, m): (&Vec3, &f64)| {
+        let seed = ParticleSeed::at(*p).with_mass(*m as f32);
+        seed.with_radius(spec.radius).with_drag(spec.drag)
+    };
+    let mut body = Blueprint {
+        particles: places.iter().zip(&masses).map(seed).collect(),
+        ..Blueprint::default()
+    };
+    let (young, poisson) = (f64::from(spec.stiffness), f64::from(spec.poisson));
+    let shear = young / (2.0 * (1.0 + poisson));
+    // At 1/4 nothing is left for the volumes, but they are also what a tetrahedron turned inside out comes back by.
+    let bulk = (shear * (4.0 * poisson - 1.0) / (1.0 - 2.0 * poisson)).max(0.05 * shear);
+    for (&[a, b], tie) in &lattice.ties {
+        let inverse = [a, b].iter().map(|&i| 1.0 / masses[i as usize]).sum();
+        let softness = damped(1.0 / (shear * tie), inverse, spec.damping);
+        let rest = gap(places[a as usize], places[b as usize]);
+        body.distances.push(Distance::new(a, b, rest).with_softness(softness));
+    }
+    for (&t, &volume) in lattice.tetrahedra.iter().zip(&volumes) {
+        let corners = t.map(|i| places[i as usize]);
+        let faces = [[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]].map(|f| f.map(|k| corners[k]));
+        // The gradient by a corner is a third of the area of the face opposite.
+        let gradients =
+            faces.map(|[a, b, c]| (b - a).as_dvec3().cross((c - a).as_dvec3()).length() / 6.0);
+        let inverse = t.iter().zip(gradients).map(|(&i, g)| g * g / masses[i as usize]).sum();
+        let softness = damped(volume / bulk, inverse, spec.damping);
+        let law = Law::Tetrahedron(Tetrahedron::of(corners).with_softness(softness));
+        body.constraints.push(Constraint::new(t, law));
+    }
+    let surface = lattice.surface();
+    body.triangles = surface;
+    body.vertices = outer(&body.triangles);
+    sound(body)
+}
+
+/// The surface of [`soft_lattice`] as a mesh to draw, one vertex for each particle on it, in the order of [`Blueprint::vertices`]. Refuses what
+/// that refuses.
+pub fn soft_lattice_mesh(spec: &SoftLatticeSpec) -> Result<SoftSurface, SoftFault> {
+    let body = soft_lattice(spec)?;
+    let positions = body.vertices.iter().map(|&i| body.particles[i as usize].position).collect();
+    // Every corner is among the vertices, which are sorted.
+    let number = |i: &u32| body.vertices.partition_point(|v| v < i) as u32;
+    let indices = body.triangles.iter().flatten().map(number).collect();
+    Ok(SoftSurface { positions, indices, vertices: body.vertices })
+}
+
+fn cut(spec: &SoftLatticeSpec) -> Result<Lattice, SoftFault> {
+    if !(1e-3..=1e12).contains(&spec.stiffness) {
+        return Err(SoftFault::Stiffness);
+    }
+    if !(0.25..=0.49).contains(&spec.poisson) {
+        return Err(SoftFault::Poisson);
+    }
+    check_common(spec.damping, spec.radius, spec.drag)?;
+    match spec.shape {
+        SoftShape::Box { size, cells } => {
+            let count =
+                cells.to_array().iter().map(|&n| u64::from(n) + 1).fold(1, u64::saturating_mul);
+            if !size.to_array().iter().all(|edge| LENGTHS.contains(edge)) {
+                Err(SoftFault::Size)
+            } else if cells.min_element() == 0 {
+                Err(SoftFault::NoCells)
+            } else if count > MOST_PARTICLES {
+                Err(SoftFault::TooMany)
+            } else {
+                Ok(block(size.as_dvec3(), cells))
+            }
+        }
+        SoftShape::Ball { radius, cells } => {
+            let shells = cells.div_ceil(2);
+            // A shell k has 10 k² + 2 particles.
+            let count = u64::from(shells).saturating_pow(3).saturating_mul(4);
+            if !LENGTHS.contains(&radius) {
+                Err(SoftFault::Size)
+            } else if cells == 0 {
+                Err(SoftFault::NoCells)
+            } else if count > MOST_PARTICLES {
+                Err(SoftFault::TooMany)
+            } else {
+                Ok(ball(f64::from(radius), shells))
+            }
+        }
+    }
+}
+
+impl Lattice {
+    /// Adds a tetrahedron, turned such that its volume is positive.
+    pub(super) fn push(&mut self, [a, b, c, d]: [u32; 4]) {
+        let t = [a, b, c, d];
+        self.tetrahedra.push(if self.volume(&t) < 0.0 { [b, a, c, d] } else { t });
+    }
+
+    /// Makes the tie between two points stiffer.
+    pub(super) fn tie(&mut self, a: u32, b: u32, stiffness: f64) {
+        *self.ties.entry([a.min(b), a.max(b)]).or_insert(0.0) += stiffness;
+    }
+
+    /// m³, with its sign.
+    pub(super) fn volume(&self, t: &[u32; 4]) -> f64 {
+        let [a, b, c, d] = t.map(|i| self.points[i as usize]);
+        (b - a).cross(c - a).dot(d - a) / 6.0
+    }
+
+    /// The faces that only one tetrahedron has, outward, in the order of their corners.
+    fn surface(&self) -> Vec<[u32; 3]> {
+        let outward = |&[a, b, c, d]: &[u32; 4]| [[a, c, b], [a, b, d], [a, d, c], [b, c, d]];
+        let key = |face: [u32; 3]| {
+            let mut sorted = face;
+            sorted.sort_unstable();
+            (sorted, face)
+        };
+        let mut faces: Vec<_> = self.tetrahedra.iter().flat_map(outward).map(key).collect();
+        faces.sort_unstable();
+        let alone = faces.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1);
+        alone.map(|same| same[0].1).collect()
+    }
+}
+
+/// The corners of some triangles, each once, sorted.
+fn outer(triangles: &[[u32; 3]]) -> Vec<u32> {
+    let mut corners: Vec<u32> = triangles.iter().flatten().copied().collect();
+    corners.sort_unstable();
+    corners.dedup();
+    corners
+}

@@ -1,0 +1,207 @@
+//! Any solid out of four or eight particles that weigh and turn exactly as it does (physics.md B2): equimomental particles.
+//!
+//! # Why so few are enough
+//!
+//! How a rigid body moves under forces depends on ten numbers: its mass, its barycentre and its six second moments `M S`, where `S` is the mean of
+//! `x xᵀ` over the solid, `x` from the barycentre ([`MassProperties`]). Along its principal axes `S` is diagonal, with `s₁`, `s₂`, `s₃`. Particles of
+//! equal mass `M/n` at `(±√s₁, ±√s₂, ±√s₃)` from the barycentre have
+//!
+//! - the mass `M`, being `n` times `M/n`;
+//! - the second moment `n · M/n · s₁ = M s₁` along the first axis, and so on: each is as far out as the root mean square of the solid;
+//! - the barycentre and no mixed moments, if over all particles the signs, and the products of two signs, sum up to zero.
+//!
+//! All **eight** choices of signs do that, and so do the **four** with an even number of minus signs, which are every other corner of the same box:
+//! `+++ +-- -+- --+`. Each column sums up to zero, and the products of the first two are `+ - - +`. Fewer than four cannot span a volume. A solid
+//! box has `s₁ = a²/12`: its particles are at `½a/√3`, those of [`BoxLayout::Equimomental`](super::BoxLayout).
+
+use glam::Vec3;
+
+use super::blueprint::{Blueprint, Part};
+use super::hull::{HullFault, convex_hull};
+use super::mass::{MassFault, MassProperties};
+use super::nearest::bounds;
+use super::{LENGTHS, MASSES, is_drag, is_radius};
+use crate::particles::ParticleSeed;
+
+/// A solid to build. The default is empty, and refused: it has no shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolidSpec {
+    /// What it looks like.
+    pub shape: SolidShape,
+    /// How much of it there is; default 1 kg.
+    pub bulk: Bulk,
+    /// Which particles stand for it; default eight.
+    pub layout: SolidLayout,
+    /// Radius of every particle, metres, not negative; default 0. The particles are inside the solid, about half way out.
+    pub radius: f32,
+    /// Share of the velocity lost per second, 0 to 1; default 0.
+    pub drag: f32,
+}
+
+/// The shape of a solid, in metres, in coordinates that become the body's own frame: what is drawn with the extracted transform is
+/// the mesh as it was given, wherever its zero is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SolidShape {
+    /// A closed surface, counter-clockwise from outside; see [`MassProperties::of_mesh`] for what may pass for one.
+    Mesh {
+        /// Corners of the triangles, metres.
+        vertices: Vec<Vec3>,
+        /// Triangles between the vertices.
+        triangles: Vec<[u32; 3]>,
+    },
+    /// The [convex hull](convex_hull) of points, metres: for a mesh that is not closed, or a collider without dents.
+    Hull(Vec<Vec3>),
+}
+
+/// How much of a solid there is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bulk {
+    /// Its mass, kg, 1e-9 to 1e12.
+    Mass(f32),
+    /// Its density, kg/m³ (water has 1000), such that the mass comes out between 1e-9 and 1e12 kg.
+    Density(f32),
+}
+
+/// Which particles stand for a solid.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum SolidLayout {
+    /// Eight, at the corners of a box along the principal axes, all 28 pairs tied. The default: what the solver shakes off spreads best.
+    ///
+    /// Particle `i` is on the positive side of the axes nearest to x, y and z where bit 0, 1 and 2 of `i` is set.
+    #[default]
+    Box8,
+    /// Four, at every other corner of that box, all 6 pairs tied: the same mass, barycentre and inertia with less than a quarter of the work.
+    Tetrahedron4,
+}
+
+/// Why a solid is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SolidFault {
+    /// Its mesh has no inside.
+    #[error(transparent)]
+    Mesh(#[from] MassFault),
+    /// Its points have no hull.
+    #[error(transparent)]
+    Hull(#[from] HullFault),
+    /// Its longest side is out of range; or it is so thin (about 1 in 100 000), or so far from the zero of its coordinates, that `f32` cannot
+    /// say where its particles are.
+    #[error(
+        "its longest side is not between 1e-6 and 1e6 metres, or it is too thin or too far from zero"
+    )]
+    Size,
+    /// NaN, or outside the range; by density, what comes of it.
+    #[error("its mass is not between 1e-9 and 1e12 kilograms")]
+    Mass,
+    /// NaN, negative or too large.
+    #[error("the radius of its particles is not between 0 and 1e6 metres")]
+    Radius,
+    /// NaN or outside 0..=1.
+    #[error("its drag is not a share between 0 and 1 per second")]
+    Drag,
+}
+
+impl Default for SolidSpec {
+    fn default() -> Self {
+        Self {
+            shape: SolidShape::Hull(Vec::new()),
+            bulk: Bulk::Mass(1.0),
+            layout: SolidLayout::default(),
+            radius: 0.0,
+            drag: 0.0,
+        }
+    }
+}
+
+impl SolidShape {
+    /// What the shape encloses.
+    ///
+    /// # Errors
+    /// [`SolidFault::Mesh`] and [`SolidFault::Hull`].
+    pub fn mass_properties(&self) -> Result<MassProperties, SolidFault> {
+        Ok(match self {
+            Self::Mesh { vertices, triangles } => MassProperties::of_mesh(vertices, triangles)?,
+            Self::Hull(points) => MassProperties::of_mesh(points, &convex_hull(points)?)?,
+        })
+    }
+
+    fn points(&self) -> &[Vec3] {
+        match self {
+            Self::Mesh { vertices, .. } => vertices,
+            Self::Hull(points) => points,
+        }
+    }
+}
+
+/// A solid of any shape and uniform density: 4 or 8 particles, each tied to each, one part called `"solid"`.
+///
+/// The part's size is that of the shape's bounding box. There are no triangles: the particles are inside, where no wind blows.
+///
+/// # Errors
+/// What [`SolidFault`] lists.
+pub fn solid(spec: &SolidSpec) -> Result<Blueprint, SolidFault> {
+    if !is_radius(spec.radius) {
+        return Err(SolidFault::Radius);
+    }
+    if !is_drag(spec.drag) {
+        return Err(SolidFault::Drag);
+    }
+    let properties = spec.shape.mass_properties()?;
+    let [low, high] = bounds(spec.shape.points().iter().copied());
+    let size = high - low;
+    let mass = match spec.bulk {
+        Bulk::Mass(mass) => mass,
+        Bulk::Density(density) => (f64::from(density) * properties.volume) as f32,
+    };
+    if !LENGTHS.contains(&size.max_element()) {
+        return Err(SolidFault::Size);
+    }
+    if !MASSES.contains(&mass) {
+        return Err(SolidFault::Mass);
+    }
+    let rest = places(&properties, spec.layout);
+    if !told_apart(&rest, &properties) {
+        return Err(SolidFault::Size);
+    }
+    let count = rest.len() as u32;
+    let seed = |&position: &Vec3| {
+        ParticleSeed::at(position)
+            .with_mass(mass / count as f32)
+            .with_radius(spec.radius)
+            .with_drag(spec.drag)
+    };
+    let mut body = Blueprint { particles: rest.iter().map(seed).collect(), ..Blueprint::default() };
+    for a in 0..count {
+        for b in a + 1..count {
+            body.rod(a, b);
+        }
+    }
+    body.parts = vec![Part { name: "solid", particles: (0..count).collect(), rest, size }];
+    Ok(body)
+}
+
+/// Where the particles are in the coordinates of the mesh.
+fn places(properties: &MassProperties, layout: SolidLayout) -> Vec<Vec3> {
+    let (squares, axes) = properties.principal();
+    let reach = squares.map(f64::sqrt);
+    let corner = |&i: &u32| {
+        let side = |k: usize| {
+            if i >> k & 1 == 1 { axes.col(k) * reach[k] } else { axes.col(k) * -reach[k] }
+        };
+        (properties.barycentre + side(0) + side(1) + side(2)).as_vec3()
+    };
+    match layout {
+        SolidLayout::Box8 => [0, 1, 2, 3, 4, 5, 6, 7].iter().map(corner).collect(),
+        // Those with an even number of minus signs.
+        SolidLayout::Tetrahedron4 => [7, 1, 2, 4].iter().map(corner).collect(),
+    }
+}
+
+/// Whether the particles, as they were rounded, are still where they should be, to a hundredth of the shortest way between two.
+fn told_apart(rest: &[Vec3], properties: &MassProperties) -> bool {
+    let shortest = 2.0 * properties.principal().0.min_element().sqrt();
+    let farthest = rest.iter().fold(0.0, |far: f32, r| far.max(r.abs().max_element()));
+    f64::from(farthest) * f64::from(f32::EPSILON) <= 1e-2 * shortest
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,143 @@
+//! The particles of a solid weigh and turn as it does.
+
+use super::super::blueprint::checks::assert_at_rest;
+use super::super::mass;
+use super::super::{BoxLayout, BoxSpec, box_3d};
+use super::*;
+use crate::pose::{Motion, motion};
+
+const LAYOUTS: [SolidLayout; 2] = [SolidLayout::Box8, SolidLayout::Tetrahedron4];
+
+fn cuboid(size: Vec3, middle: Vec3) -> Vec<Vec3> {
+    let side = |i: u8| f32::from(i & 1) - 0.5;
+    (0..8).map(|i| Vec3::new(side(i), side(i >> 1), side(i >> 2)) * size + middle).collect()
+}
+
+fn hull(points: Vec<Vec3>) -> SolidSpec {
+    SolidSpec { shape: SolidShape::Hull(points), ..SolidSpec::default() }
+}
+
+/// Mass, barycentre and inertia of the particles.
+fn measured(body: &Blueprint) -> Motion {
+    motion(body.particles.iter().map(|p| (p.position, p.velocity, p.mass))).unwrap()
+}
+
+/// The shapes that `mass.rs` holds against closed forms, and others.
+fn shapes() -> Vec<SolidShape> {
+    let (vertices, triangles) = mass::tests::letter();
+    let mut seed = 9_u32;
+    let mut random = || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (seed >> 8) as f32 / (1 << 24) as f32
+    };
+    let mut cloud = || Vec3::new(random() * 3.0, random() - 4.0, random() * 0.5);
+    vec![
+        SolidShape::Mesh { vertices, triangles },
+        SolidShape::Hull((0..60).map(|_| cloud()).collect()),
+        SolidShape::Hull(vec![Vec3::ZERO, Vec3::X, Vec3::Y * 2.0, Vec3::Z * 3.0]),
+        SolidShape::Hull(cuboid(Vec3::new(0.01, 2.0, 1.0), Vec3::ONE)),
+    ]
+}
+
+#[test]
+fn four_or_eight_particles_have_the_mass_the_barycentre_and_the_inertia_of_any_solid() {
+    let mut worst = 0.0_f32;
+    for shape in shapes() {
+        for layout in LAYOUTS {
+            let spec = SolidSpec {
+                shape: shape.clone(),
+                bulk: Bulk::Density(700.0),
+                layout,
+                ..SolidSpec::default()
+            };
+            let body = solid(&spec).unwrap();
+            assert_at_rest(&body);
+            let (found, wanted) = (measured(&body), shape.mass_properties().unwrap());
+            let mass = (wanted.volume * 700.0) as f32;
+            assert!((found.mass / mass - 1.0).abs() < 1e-6);
+            assert!((found.barycentre - wanted.barycentre.as_vec3()).length() < 1e-6);
+            let inertia = wanted.inertia(mass);
+            let size = inertia.to_cols_array().into_iter().fold(0.0, f32::max);
+            for (a, b) in found.inertia.to_cols_array().iter().zip(inertia.to_cols_array()) {
+                worst = worst.max((a - b).abs() / size);
+            }
+        }
+    }
+    println!("inertia is off by {worst:.1e} of the largest element at most");
+    assert!(worst < 1e-5, "{worst}");
+}
+
+#[test]
+fn a_box_of_any_size_gives_its_own_equimomental_particles() {
+    for size in [Vec3::ONE, Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.01, 5.0, 0.3), Vec3::splat(1e5)] {
+        let own =
+            BoxSpec { size, mass: 5.0, layout: BoxLayout::Equimomental, ..BoxSpec::default() };
+        let own = box_3d(&own).unwrap();
+        let spec = SolidSpec { bulk: Bulk::Mass(5.0), ..hull(cuboid(size, Vec3::ZERO)) };
+        let body = solid(&spec).unwrap();
+        assert_eq!(body.distances.len(), 28);
+        for (a, b) in body.particles.iter().zip(&own.particles) {
+            assert!(((a.position - b.position) / size).abs().max_element() < 1e-6, "{a:?} {b:?}");
+            assert_eq!(a.mass, b.mass);
+        }
+        assert_eq!(body.parts[0].size, size);
+        let four = solid(&SolidSpec { layout: SolidLayout::Tetrahedron4, ..spec }).unwrap();
+        assert_eq!((four.particles.len(), four.distances.len()), (4, 6));
+        assert!(
+            four.particles.iter().all(|p| body.particles.iter().any(|q| p.position == q.position))
+        );
+    }
+}
+
+#[test]
+fn the_transform_that_is_read_back_is_that_of_the_mesh() {
+    let shape = shapes().swap_remove(0);
+    let body =
+        solid(&SolidSpec { shape, layout: SolidLayout::Tetrahedron4, ..SolidSpec::default() })
+            .unwrap();
+    let part = &body.parts[0];
+    assert_eq!((part.name, part.size), ("solid", Vec3::new(2.0, 3.0, 1.0)));
+    let rotation = glam::Quat::from_xyzw(0.48, 0.0, 0.6, 0.64);
+    let moved = body.transformed(rotation, Vec3::new(1.0, -2.0, 0.5));
+    let points = moved.particles.iter().zip(&part.rest).map(|(p, &r)| (p.position, r, p.mass));
+    let pose = crate::pose::pose(points, glam::Quat::IDENTITY).unwrap();
+    assert!((pose.translation - Vec3::new(1.0, -2.0, 0.5)).length() < 1e-5);
+    assert!(pose.rotation.dot(rotation).abs() > 1.0 - 1e-6);
+}
+
+#[test]
+fn each_fault_is_told_apart_and_the_ends_of_the_ranges_are_accepted() {
+    let good = || hull(cuboid(Vec3::ONE, Vec3::ZERO));
+    let refused = |change: fn(&mut SolidSpec)| {
+        let mut spec = good();
+        change(&mut spec);
+        solid(&spec).unwrap_err()
+    };
+    assert_eq!(solid(&SolidSpec::default()), Err(SolidFault::Hull(HullFault::TooFew)));
+    assert_eq!(solid(&hull(vec![Vec3::ONE; 8])), Err(SolidFault::Hull(HullFault::Flat)));
+    let plate = cuboid(Vec3::new(1.0, 1.0, 0.0), Vec3::ZERO);
+    assert_eq!(solid(&hull(plate)), Err(SolidFault::Hull(HullFault::Flat)));
+    let nan = vec![Vec3::X, Vec3::NAN, Vec3::Y, Vec3::Z];
+    assert_eq!(solid(&hull(nan)), Err(SolidFault::Hull(HullFault::NotFinite(1))));
+    let open =
+        SolidShape::Mesh { vertices: cuboid(Vec3::ONE, Vec3::ZERO), triangles: vec![[0, 1, 3]] };
+    let open = SolidSpec { shape: open, ..SolidSpec::default() };
+    assert_eq!(solid(&open), Err(SolidFault::Mesh(MassFault::Open(0, 1))));
+    assert_eq!(solid(&hull(cuboid(Vec3::splat(1e-7), Vec3::ZERO))), Err(SolidFault::Size));
+    assert_eq!(solid(&hull(cuboid(Vec3::splat(2e6), Vec3::ZERO))), Err(SolidFault::Size));
+    assert_eq!(solid(&hull(cuboid(Vec3::ONE, Vec3::X * 1e6))), Err(SolidFault::Size));
+    let sheet = cuboid(Vec3::new(1.0, 1.0, 5e-6), Vec3::ZERO);
+    assert_eq!(solid(&hull(sheet)), Err(SolidFault::Size));
+    assert_eq!(refused(|s| s.bulk = Bulk::Mass(0.0)), SolidFault::Mass);
+    assert_eq!(refused(|s| s.bulk = Bulk::Mass(f32::NAN)), SolidFault::Mass);
+    assert_eq!(refused(|s| s.bulk = Bulk::Density(-1.0)), SolidFault::Mass);
+    assert_eq!(refused(|s| s.bulk = Bulk::Density(f32::INFINITY)), SolidFault::Mass);
+    assert_eq!(refused(|s| s.radius = -0.1), SolidFault::Radius);
+    assert_eq!(refused(|s| s.drag = 1.5), SolidFault::Drag);
+    for (size, mass) in [(1e-6, 1e12), (1e6, 1e-9)] {
+        for layout in LAYOUTS {
+            let spec = hull(cuboid(Vec3::splat(size), Vec3::ZERO));
+            assert_at_rest(&solid(&SolidSpec { bulk: Bulk::Mass(mass), layout, ..spec }).unwrap());
+        }
+    }
+}

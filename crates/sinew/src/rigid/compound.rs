@@ -1,0 +1,177 @@
+//! A compound that moves as an explicit rigid body, among particles that do not (physics.md M1, M2).
+//!
+//! Between steps its particles are the state, as for every other compound: swapping it in or out is adding it to the simulation's list or taking it
+//! off. When a step begins it is read off them ([`RigidBody::from_rows`]). In each substep
+//!
+//! 1. the forces on its particles are summed up into a force and a torque, and the body is stepped as such;
+//! 2. its particles are put where that leaves them, and constraints and contacts move them like any others; among those is a [`Rigid`] shape
+//!    (which takes the place of whatever held them together), so that what pulls at one of them pulls at all;
+//! 3. if nothing moved them the body goes on as it is, to the last bit of its own integrator. Otherwise it goes where they are, and what moved each
+//!    of them by `d` is an impulse `m d/h` on the body.
+
+use glam::{DVec3, Quat, Vec3, Vec4};
+
+use super::{RigidBody, RigidIntegrator};
+use crate::constraints::{Constraint, Law, Rigid};
+use crate::particles::Particles;
+use crate::simulation::Simulation;
+
+/// Which particles move as one rigid body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compound {
+    /// Rows of the particles. Constraints among them alone rest meanwhile.
+    pub rows: Vec<usize>,
+    /// Where each of them rests in the body's own frame, metres.
+    pub rest: Vec<Vec3>,
+    /// How it steps through time.
+    pub integrator: RigidIntegrator,
+}
+
+/// The bodies of a step. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Moving {
+    /// The body of each compound; none where it cannot be one: a pinned particle among them, or nothing to sum up. Those stay particles.
+    bodies: Vec<Option<RigidBody>>,
+    /// Where the body has put its particles in this substep, all compounds one after the other.
+    placed: Vec<Vec4>,
+}
+
+impl Compound {
+    /// Particles that rest at `rest` (metres) in the body's own frame, moved by the default integrator.
+    pub fn new(rows: impl IntoIterator<Item = usize>, rest: Vec<Vec3>) -> Self {
+        Self { rows: rows.into_iter().collect(), rest, integrator: RigidIntegrator::default() }
+    }
+
+    /// The shape that holds its particles together against what pulls at them.
+    pub(crate) fn shape(&self) -> Constraint {
+        let law = Rigid { rest: self.rest.as_slice().into(), softness: Default::default() };
+        Constraint::new(self.rows.iter().map(|&row| row as u32), Law::Rigid(law))
+    }
+}
+
+impl Moving {
+    /// Reads the bodies off their particles, at the beginning of a step.
+    pub(crate) fn read(&mut self, simulation: &Simulation) {
+        self.bodies.clear();
+        for compound in simulation.compounds() {
+            self.bodies.push(read_one(simulation, compound));
+        }
+    }
+
+    /// Moves the bodies through `h` seconds, and puts their particles where that leaves them. The particles have been predicted one by one before,
+    /// which is forgotten.
+    pub(crate) fn predict(&mut self, particles: &mut Particles, compounds: &[Compound], h: f32) {
+        self.placed.clear();
+        for (compound, slot) in compounds.iter().zip(&mut self.bodies) {
+            let Some(body) = slot else { continue };
+            let (mut force, mut torque, mut loss) = (Vec3::ZERO, Vec3::ZERO, 0.0);
+            for &i in &compound.rows {
+                let m = particles.mass(i);
+                let push = particles.acceleration[i] * m;
+                let arm = (particles.origin[i] - body.origin) + particles.start[i] - body.position;
+                force += push;
+                torque += arm.cross(push);
+                loss += (particles.damping[i] + particles.medium[i]) * m;
+            }
+            if body.step(force, torque, h, compound.integrator).is_err() {
+                *slot = None;
+                continue;
+            }
+            // Damping acts on each particle's velocity alike, so on the body's two.
+            let kept = libm::expf(-loss / body.mass * h);
+            body.velocity *= kept;
+            body.angular_velocity *= kept;
+            for (&i, (place, _)) in compound.rows.iter().zip(body.place(&compound.rest)) {
+                let local = (body.origin - particles.origin[i]) + place;
+                particles.position[i] = local.extend(particles.position[i].w);
+                let lag = particles.velocity[i].w;
+                particles.velocity[i] = ((local - particles.start[i]) / h).extend(lag);
+                self.placed.push(particles.position[i]);
+            }
+        }
+    }
+
+    /// Closes a substep of `h` seconds: bodies that were pushed take that up, and all particles have the velocities of their bodies.
+    pub(crate) fn settle(&mut self, simulation: &mut Simulation, h: f32) {
+        let mut placed = self.placed.iter();
+        let compounds = core::mem::take(simulation.compounds_unmarked());
+        for (compound, slot) in compounds.iter().zip(&mut self.bodies) {
+            if slot.is_none() {
+                continue;
+            }
+            let placed = placed.by_ref().take(compound.rows.len());
+            if let Some(push) = Push::of(&simulation.particles, compound, placed) {
+                *slot = slot.as_ref().and_then(|body| pushed(simulation, compound, body, &push, h));
+            }
+            if let Some(body) = slot
+                && body
+                    .write_rows(&mut simulation.particles, &compound.rows, &compound.rest)
+                    .is_err()
+            {
+                *slot = None;
+            }
+        }
+        *simulation.compounds_unmarked() = compounds;
+    }
+}
+
+/// What constraints have done to the particles of a body in a substep.
+struct Push {
+    /// `Σ m d`, kg·m.
+    linear: DVec3,
+    /// `Σ m p × d` about the origin of the particles, kg·m².
+    angular: DVec3,
+}
+
+impl Push {
+    /// `None` if no particle was moved by more than round-off.
+    fn of<'a>(
+        particles: &Particles,
+        compound: &Compound,
+        placed: impl Iterator<Item = &'a Vec4>,
+    ) -> Option<Self> {
+        let mut push = Self { linear: DVec3::ZERO, angular: DVec3::ZERO };
+        let mut touched = false;
+        for (&i, put) in compound.rows.iter().zip(placed) {
+            let now = particles.position[i].truncate();
+            let moved = now - put.truncate();
+            // Four times the spacing of numbers there: less is what the shape's own projection rounds.
+            touched |= moved.abs().max_element() > 4.0 * f32::EPSILON * now.abs().max_element();
+            let m = f64::from(particles.mass(i));
+            push.linear += moved.as_dvec3() * m;
+            push.angular += now.as_dvec3().cross(moved.as_dvec3()) * m;
+        }
+        touched.then_some(push)
+    }
+}
+
+/// The body where its particles are now, with the impulses of what moved them there.
+fn pushed(
+    simulation: &Simulation,
+    compound: &Compound,
+    body: &RigidBody,
+    push: &Push,
+    h: f32,
+) -> Option<RigidBody> {
+    let mut found = read_one(simulation, compound)?;
+    let first = *compound.rows.first()?;
+    // The particles are relative to the origin of their island, the body to its own.
+    let centre =
+        (found.origin - simulation.particles.origin[first]).as_dvec3() + found.position.as_dvec3();
+    (found.velocity, found.angular_velocity) = (body.velocity, body.angular_velocity);
+    found.apply_impulse((push.linear / f64::from(h)).as_vec3());
+    found.apply_angular_impulse(
+        ((push.angular - centre.cross(push.linear)) / f64::from(h)).as_vec3(),
+    );
+    Some(found)
+}
+
+/// The body of a compound, if it can be one.
+fn read_one(simulation: &Simulation, compound: &Compound) -> Option<RigidBody> {
+    let held =
+        |&i: &usize| i >= simulation.particles.len() || simulation.particles.inverse_mass(i) == 0.0;
+    if compound.rows.iter().any(held) {
+        return None;
+    }
+    RigidBody::from_rows(simulation, &compound.rows, &compound.rest, Quat::IDENTITY).ok()
+}

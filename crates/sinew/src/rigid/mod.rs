@@ -1,0 +1,241 @@
+//! Explicit rigid bodies: where the particles of a compound let orientation and spin emerge, here they are the state and are
+//! integrated themselves (physics.md M1). Cheaper where nothing bends, and the measure that the compounds are held to; a
+//! compound becomes one and back at any time (`swap.rs`, physics.md M2).
+//!
+//! # The equations
+//!
+//! With the barycentre `p`, its velocity `v`, the rotation `R` from the body's frame to the world, the inertia `I` in the body's
+//! frame and the angular momentum about the barycentre `L = R I Rᵀ ω`, a force `F` and a torque `τ` about the barycentre do
+//!
+//! ```text
+//! ṗ = v        m v̇ = F        Ṙ = [ω] R        L̇ = τ
+//! ```
+//!
+//! Without a torque `L` stands still in the world, and yet `ω` does not: it wanders as `R I Rᵀ` turns, and that is
+//! all the wobble and the flips there are. So the good integrators keep `(R, L)`, and turn `R` such that the energy `½ ω·L` stays:
+//!
+//! | [`RigidIntegrator`] | order | energy | angular momentum | file |
+//! |---|---|---|---|---|
+//! | `Euler` | 1 | drifts | drifts | `euler.rs` |
+//! | `Leapfrog` | 2 | bounded error, no drift | kept | `leapfrog.rs` |
+//! | `Verlet` | 2 | bounded error, no drift | kept | `verlet.rs` |
+//!
+//! The barycentre goes by the formula of the same name: Euler takes the velocity first, then the position; the other two
+//! follow a parabola exactly.
+//!
+//! # Precision
+//!
+//! A step is made in `f64` and ends in `f32`. Positions are measured from an `origin` in whole metres that follows the body,
+//! as those of the [particles](crate::particles) are, so that a body at 5 km moves bit for bit as it does at zero. What is "kept" above
+//! is kept to the rounding of that `f32`, some 1e-7 of it a step, at random.
+
+mod compound;
+mod euler;
+mod leapfrog;
+mod principal;
+mod step;
+mod swap;
+#[cfg(test)]
+mod swap_tests;
+#[cfg(test)]
+mod tests;
+mod verlet;
+
+pub use compound::Compound;
+pub(crate) use compound::Moving;
+pub use step::RigidIntegrator;
+
+use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
+
+use crate::pose::Pose;
+use principal::Principal;
+
+/// A rigid body: its state and what resists changing it. All fields are of the same instant, and free to be edited;
+/// [`fault`](Self::fault) says whether they make sense.
+///
+/// Every position that a method takes or gives is in metres from [`origin`](Self::origin), with the axes of the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigidBody {
+    /// What `position` is measured from, whole metres (a fraction does no harm, except that a scene moved by it is not moved exactly).
+    /// It changes by itself as the body moves on. Default zero.
+    pub origin: Vec3,
+    /// The barycentre, metres from `origin`. Default zero.
+    pub position: Vec3,
+    /// How the body's frame is turned; brought to unit length before use. Default the identity.
+    pub rotation: Quat,
+    /// Velocity of the barycentre, m/s. Default zero.
+    pub velocity: Vec3,
+    /// Angular velocity in the axes of the world, rad/s. Default zero.
+    pub angular_velocity: Vec3,
+    /// Mass, kg, positive and finite. Default 1.
+    pub mass: f32,
+    /// Inertia tensor about the barycentre in the axes of the body's frame, kg·m²: symmetric, not negative. Default that of a solid
+    /// cube of 1 m and 1 kg. A principal moment below a millionth of the greatest counts as zero: about such an
+    /// axis (all mass within 1/1000 of the length) the body neither spins nor can be spun.
+    pub inertia: Mat3,
+    /// Where the barycentre is in the body's frame, metres: what is drawn need not be centred on it. Default zero.
+    pub centre: Vec3,
+}
+
+/// Why a rigid body, or what is asked of it, is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RigidFault {
+    /// Position, origin or centre are NaN or infinite.
+    #[error("its position is not finite")]
+    Position,
+    /// NaN, infinite or zero.
+    #[error("its rotation is not a rotation")]
+    Rotation,
+    /// Velocity or angular velocity are NaN or infinite.
+    #[error("its velocity is not finite")]
+    Velocity,
+    /// NaN, infinite, zero, negative, or so small that its inverse is not finite.
+    #[error("its mass is not a positive number of kilograms")]
+    Mass,
+    /// NaN, infinite, not symmetric, or with a negative moment.
+    #[error("its inertia is not that of a body")]
+    Inertia,
+    /// A force, a torque or a step that is NaN or infinite, or one that takes the body out of what `f32` can say.
+    #[error("the step does not lead to finite numbers")]
+    Step,
+    /// A swap with another number of rest positions than of particles, or with particles of which none has a finite mass.
+    #[error("its particles do not make a rigid body")]
+    Particles,
+}
+
+impl Default for RigidBody {
+    fn default() -> Self {
+        Self::new(1.0, Mat3::from_diagonal(Vec3::splat(1.0 / 6.0)))
+    }
+}
+
+impl RigidBody {
+    /// A body at rest at the origin: mass in kg, inertia about the barycentre in its own frame in kg·m².
+    pub fn new(mass: f32, inertia: Mat3) -> Self {
+        Self {
+            origin: Vec3::ZERO,
+            position: Vec3::ZERO,
+            rotation: Quat::IDENTITY,
+            velocity: Vec3::ZERO,
+            angular_velocity: Vec3::ZERO,
+            mass,
+            inertia,
+            centre: Vec3::ZERO,
+        }
+    }
+
+    /// A solid box at rest, centred on the origin: edges along its axes in metres, mass in kg. `I = m/12 (b² + c²)`.
+    pub fn solid_box(size: Vec3, mass: f32) -> Self {
+        let s = size * size;
+        let moments = Vec3::new(s.y + s.z, s.z + s.x, s.x + s.y) * (mass / 12.0);
+        Self::new(mass, Mat3::from_diagonal(moments))
+    }
+
+    /// The first thing that is wrong with it, in the order of [`RigidFault`]. Checked at every step.
+    pub fn fault(&self) -> Option<RigidFault> {
+        self.principal().err()
+    }
+
+    /// Where the body's frame is: the transform to draw with, its translation in metres from `origin`.
+    pub fn pose(&self) -> Pose {
+        let shift = self.turn() * self.centre.as_dvec3();
+        let translation = (self.position.as_dvec3() - shift).as_vec3();
+        Pose { translation, rotation: self.turn().as_quat() }
+    }
+
+    /// A place in metres from `origin` as the world knows it: the nearest `f32` and what that leaves out, as a
+    /// [particle's seed](crate::ParticleSeed::remainder) takes them.
+    pub fn world(&self, place: Vec3) -> (Vec3, Vec3) {
+        let exact = self.origin.as_dvec3() + place.as_dvec3();
+        let near = exact.as_vec3();
+        (near, (exact - near.as_dvec3()).as_vec3())
+    }
+
+    /// `m v`, kg·m/s.
+    pub fn momentum(&self) -> DVec3 {
+        self.velocity.as_dvec3() * f64::from(self.mass)
+    }
+
+    /// Angular momentum about the barycentre, `R I Rᵀ ω`, kg·m²/s, in the axes of the world.
+    pub fn angular_momentum(&self) -> DVec3 {
+        self.world_inertia() * self.angular_velocity.as_dvec3()
+    }
+
+    /// Angular momentum about the zero of the world, kg·m²/s: that about the barycentre and `x × m v`.
+    pub fn angular_momentum_about_zero(&self) -> DVec3 {
+        let place = self.origin.as_dvec3() + self.position.as_dvec3();
+        self.angular_momentum() + place.cross(self.momentum())
+    }
+
+    /// `½ m v² + ½ ω·L`, J.
+    pub fn kinetic_energy(&self) -> f64 {
+        let turning = self.angular_velocity.as_dvec3().dot(self.angular_momentum());
+        0.5 * (self.velocity.as_dvec3().dot(self.momentum()) + turning)
+    }
+
+    /// Inertia about the barycentre in the axes of the world, `R I Rᵀ`, kg·m².
+    pub fn world_inertia(&self) -> DMat3 {
+        let turn = DMat3::from_quat(self.turn());
+        turn * self.inertia.as_dmat3() * turn.transpose()
+    }
+
+    /// Velocity of the body's matter at `point`, m/s: `v + ω × (point - p)`.
+    pub fn point_velocity(&self, point: Vec3) -> Vec3 {
+        self.velocity + self.angular_velocity.cross(point - self.position)
+    }
+
+    /// Adds an impulse at the barycentre, N·s: the momentum changes by exactly that. One that is not finite, or that such a body cannot
+    /// take, changes nothing; so too below.
+    pub fn apply_impulse(&mut self, impulse: Vec3) {
+        self.apply(impulse, DVec3::ZERO);
+    }
+
+    /// Adds an impulse, N·s, at `point`: `P += J`, `L += (point - p) × J`.
+    pub fn apply_impulse_at(&mut self, impulse: Vec3, point: Vec3) {
+        let arm = point.as_dvec3() - self.position.as_dvec3();
+        self.apply(impulse, arm.cross(impulse.as_dvec3()));
+    }
+
+    /// Adds an angular impulse, N·m·s: the angular momentum changes by exactly that, less what is about an axis without inertia.
+    pub fn apply_angular_impulse(&mut self, impulse: Vec3) {
+        self.apply(Vec3::ZERO, impulse.as_dvec3());
+    }
+
+    /// The torque about the barycentre, N·m, of a force in N that acts at `point`: what [`step`](Self::step) takes beside the force.
+    pub fn torque_of(&self, force: Vec3, point: Vec3) -> Vec3 {
+        (point - self.position).cross(force)
+    }
+
+    fn apply(&mut self, impulse: Vec3, turning: DVec3) {
+        let Ok(principal) = self.principal() else { return };
+        let turn = self.turn();
+        let change = turn * principal.rate(turn.conjugate() * turning);
+        let velocity = self.velocity + impulse / self.mass;
+        let angular_velocity = (self.angular_velocity.as_dvec3() + change).as_vec3();
+        if velocity.is_finite() && angular_velocity.is_finite() {
+            (self.velocity, self.angular_velocity) = (velocity, angular_velocity);
+        }
+    }
+
+    /// The rotation at unit length; only for a body without a fault is it one.
+    fn turn(&self) -> DQuat {
+        DQuat::from_array(self.rotation.to_array().map(f64::from)).normalize()
+    }
+
+    /// The principal axes, once everything is found to be in order.
+    fn principal(&self) -> Result<Principal, RigidFault> {
+        let places = [self.origin, self.position, self.centre];
+        let length = self.rotation.to_array().map(f64::from).iter().map(|x| x * x).sum::<f64>();
+        if !places.iter().all(|place| place.is_finite()) {
+            Err(RigidFault::Position)
+        } else if !(length.is_finite() && length > 0.0) {
+            Err(RigidFault::Rotation)
+        } else if !(self.velocity.is_finite() && self.angular_velocity.is_finite()) {
+            Err(RigidFault::Velocity)
+        } else if !(self.mass > 0.0 && self.mass.is_finite() && (1.0 / self.mass).is_finite()) {
+            Err(RigidFault::Mass)
+        } else {
+            Principal::new(self.inertia.as_dmat3()).ok_or(RigidFault::Inertia)
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! The inertia in its principal axes: where it is three numbers, and where it shows about which axes there is none.
+
+use glam::{DMat3, DVec3};
+
+use crate::pose::symmetric;
+
+/// Moments below this share of the greatest one count as zero. An `f32` matrix says nothing about smaller ones: its
+/// elements are rounded to 6e-8 of themselves, and so the least eigenvalue by about 1e-7 of the greatest.
+const NOTHING: f64 = 1e-6;
+
+/// Principal moments and axes of a body.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Principal {
+    /// The moments, kg·m², all positive. Where there is none the greatest stands in for it (1 if there is none at all), which does no
+    /// harm, because there is no angular momentum about that axis ever: [`rate`](Self::rate) sees to that.
+    pub(super) moments: DVec3,
+    /// What turns angular momentum into angular velocity: `1/moment`, and 0 where there is none.
+    inverse: DVec3,
+    /// The principal axes in the body's frame, one a column, right-handed.
+    pub(super) axes: DMat3,
+}
+
+impl Principal {
+    /// `None` if it is not finite, not symmetric or has a negative moment.
+    pub(super) fn new(m: DMat3) -> Option<Self> {
+        let across = m - m.transpose();
+        let size = m.to_cols_array().into_iter().fold(0.0, |size: f64, x| size.max(x.abs()));
+        let skew = across.to_cols_array().into_iter().fold(0.0, |skew: f64, x| skew.max(x.abs()));
+        if !m.is_finite() || skew > NOTHING * size {
+            return None;
+        }
+        let even = (m + m.transpose()) * 0.5;
+        let (values, vectors) = symmetric::eigen(even.to_cols_array_2d());
+        let top = values.iter().fold(0.0_f64, |top, &value| top.max(value));
+        if values.iter().any(|&value| value < -NOTHING * size) {
+            return None;
+        }
+        let stand_in = if top > 0.0 { top } else { 1.0 };
+        let there = |value: &f64| *value > NOTHING * top;
+        let axes = DMat3::from_cols_array_2d(&vectors);
+        let handed = if axes.determinant() < 0.0 { -1.0 } else { 1.0 };
+        Some(Self {
+            moments: DVec3::from(values.map(|v| if there(&v) { v } else { stand_in })),
+            inverse: DVec3::from(values.map(|v| if there(&v) { 1.0 / v } else { 0.0 })),
+            axes: axes * handed,
+        })
+    }
+
+    /// `I⁻¹ L`, rad/s, with both in the body's frame: the pseudo-inverse, without a share about axes that have no inertia.
+    pub(super) fn rate(&self, momentum: DVec3) -> DVec3 {
+        self.axes * (self.inverse * (self.axes.transpose() * momentum))
+    }
+
+    /// Whether there is inertia about every axis.
+    pub(super) fn is_full(&self) -> bool {
+        self.inverse.min_element() > 0.0
+    }
+
+    /// `I ω`, kg·m²/s, with both in the body's frame, and without a share about axes that have no inertia.
+    pub(super) fn momentum(&self, rate: DVec3) -> DVec3 {
+        let there = |x: f64| if x > 0.0 { 1.0 } else { 0.0 };
+        let there = DVec3::new(there(self.inverse.x), there(self.inverse.y), there(self.inverse.z));
+        self.axes * (self.moments * there * (self.axes.transpose() * rate))
+    }
+}

@@ -1,0 +1,161 @@
+//! A compound of particles becomes a rigid body, and a rigid body a compound, at any time (physics.md M2).
+//!
+//! # What is conserved, and how
+//!
+//! The particles are at `pᵢ` with velocities `vᵢ`; in the body's frame they rest at `rᵢ`. The body takes
+//!
+//! ```text
+//! M = Σ m        p = Σ m pᵢ / M        v = Σ m vᵢ / M        c = Σ m rᵢ / M        R: the nearest to Σ m (pᵢ - p)(rᵢ - c)ᵀ
+//! I = Σ m (s² 1 - s sᵀ),  s = rᵢ - c        L = Σ m (pᵢ - p) × (vᵢ - v)        ω = (R I Rᵀ)⁻¹ L
+//! ```
+//!
+//! and gives back `pᵢ = p + R s`, `vᵢ = v + ω × R s`, whose momentum is `M v`, whose angular momentum is `R I Rᵀ ω = L` and whose
+//! nearest rotation is `R`. So nothing jumps, neither way, and what a swap there and back changes is round-off, as long as the
+//! compound was rigid. If it was not, its strain and the motions that are no turning are gone, with their energy; `P` and `L` stay.
+//!
+//! The inertia is that of the *particles*: eight at the corners of a box turn three times as hard as the solid, and so does
+//! the body that they become. It is taken at rest, not as the compound happens to be strained, so that a second swap finds the same one.
+//!
+//! **Flat** compounds keep everything. On a **line** there is no inertia about it, so neither the particles nor the body can spin
+//! about it: a body that was given such a spin by hand loses it, and which way it is twisted is what `previous` says ([`pose`]). A **single** particle
+//! keeps its momentum and `previous`, and does not spin.
+
+use glam::{DMat3, DVec3, Mat3, Quat, Vec3};
+
+use super::principal::Principal;
+use super::{RigidBody, RigidFault};
+use crate::particles::Particles;
+use crate::pose::pose;
+use crate::simulation::Simulation;
+
+impl RigidBody {
+    /// The rigid body that a compound is: position (metres from `origin`, which is in whole metres), velocity (m/s, true at the instant of the
+    /// position) and mass (kg) of each particle, and where they rest in the body's frame, in the same order.
+    ///
+    /// `previous` is the rotation of last time, or the identity; see [`pose`], which says when it matters. Particles whose mass
+    /// is not positive and finite do not count; pinned ones are among them, and what they hold comes loose.
+    ///
+    /// # Errors
+    /// [`RigidFault::Particles`] if there are not as many rest positions as particles or none counts; the fault of the
+    /// result if a number is not finite.
+    pub fn from_particles(
+        origin: Vec3,
+        points: impl Iterator<Item = (Vec3, Vec3, f32)> + Clone,
+        rest: &[Vec3],
+        previous: Quat,
+    ) -> Result<Self, RigidFault> {
+        if points.clone().count() != rest.len() {
+            return Err(RigidFault::Particles);
+        }
+        let counted = || {
+            let all = points.clone().zip(rest);
+            let counted = all.filter(|((_, _, m), _)| *m > 0.0 && m.is_finite());
+            counted.map(|((p, v, m), r)| (p.as_dvec3(), v.as_dvec3(), r.as_dvec3(), f64::from(m)))
+        };
+        let mass: f64 = counted().map(|(.., m)| m).sum();
+        if mass == 0.0 {
+            return Err(RigidFault::Particles);
+        }
+        let mean = |f: fn((DVec3, DVec3, DVec3, f64)) -> DVec3| {
+            counted().map(f).sum::<DVec3>() * (1.0 / mass)
+        };
+        let (position, velocity) = (mean(|(p, _, _, m)| p * m), mean(|(_, v, _, m)| v * m));
+        let centre = mean(|(_, _, r, m)| r * m);
+        let (mut moments, mut momentum) = (DMat3::ZERO, DVec3::ZERO);
+        for (p, v, r, m) in counted() {
+            let s = r - centre;
+            moments += DMat3::from_cols(s * s.x, s * s.y, s * s.z) * m;
+            momentum += (p - position).cross(v - velocity) * m;
+        }
+        let trace = moments.x_axis.x + moments.y_axis.y + moments.z_axis.z;
+        let inertia = DMat3::from_diagonal(DVec3::splat(trace)) - moments;
+        let points = points.zip(rest).map(|((p, _, m), &r)| (p, r, m));
+        let pose = pose(points, previous).ok_or(RigidFault::Position)?;
+        let mut body = Self {
+            origin,
+            rotation: pose.rotation,
+            centre: centre.as_vec3(),
+            ..Self::new(mass as f32, symmetric(inertia))
+        };
+        if let Some(fault) = body.fault() {
+            return Err(fault);
+        }
+        // The rest is fitted to the centre as it was rounded and to the inertia as it was not: what `place` makes of it then has
+        // the same means and the same L, and swaps in a row do not add up what one of them rounds.
+        let (turn, principal) = (body.turn(), Principal::new(inertia).ok_or(RigidFault::Inertia)?);
+        let rate = turn * principal.rate(turn.conjugate() * momentum);
+        let off = turn * (body.centre.as_dvec3() - centre);
+        body.position = (position + off).as_vec3();
+        body.velocity = (velocity + rate.cross(off)).as_vec3();
+        body.angular_velocity = rate.as_vec3();
+        body.fault().map_or(Ok(body), Err)
+    }
+
+    /// Where the particles that rest at `rest` (metres, body's frame) are now, in metres from `origin`, and their velocities, m/s, true at the
+    /// same instant.
+    pub fn place<'a>(
+        &self,
+        rest: &'a [Vec3],
+    ) -> impl ExactSizeIterator<Item = (Vec3, Vec3)> + Clone + use<'a> {
+        let (turn, body) = (self.turn(), *self);
+        rest.iter().map(move |r| {
+            let arm = turn * (r.as_dvec3() - body.centre.as_dvec3());
+            let velocity = body.angular_velocity.as_dvec3().cross(arm) + body.velocity.as_dvec3();
+            ((body.position.as_dvec3() + arm).as_vec3(), velocity.as_vec3())
+        })
+    }
+
+    /// The rigid body that the particles in `rows` of a simulation are, with their velocities at the instant of the positions; otherwise as
+    /// [`from_particles`](Self::from_particles). The particles stay where they are: whoever swaps takes them out, or pins them.
+    ///
+    /// # Errors
+    /// As `from_particles`; and [`RigidFault::Particles`] for a row that is not there.
+    pub fn from_rows(
+        simulation: &Simulation,
+        rows: &[usize],
+        rest: &[Vec3],
+        previous: Quat,
+    ) -> Result<Self, RigidFault> {
+        let particles = &simulation.particles;
+        if rows.iter().any(|&i| i >= particles.len()) {
+            return Err(RigidFault::Particles);
+        }
+        let Some(&first) = rows.first() else { return Err(RigidFault::Particles) };
+        let origin = particles.origin[first];
+        let point = |&i: &usize| {
+            (particles.relative_to(i, origin), simulation.velocity_now(i), particles.mass(i))
+        };
+        Self::from_particles(origin, rows.iter().map(point), rest, previous)
+    }
+
+    /// Puts the particles in `rows` where the body has them, with its velocities: the way back. Their masses are left alone.
+    ///
+    /// # Errors
+    /// [`RigidFault::Particles`] if there are not as many rest positions as rows, or for a row that is not there; the body's
+    /// [fault](Self::fault) if it has one. Then nothing changes.
+    pub fn write_rows(
+        &self,
+        particles: &mut Particles,
+        rows: &[usize],
+        rest: &[Vec3],
+    ) -> Result<(), RigidFault> {
+        if let Some(fault) = self.fault() {
+            return Err(fault);
+        }
+        if rows.len() != rest.len() || rows.iter().any(|&i| i >= particles.len()) {
+            return Err(RigidFault::Particles);
+        }
+        for (&i, (position, velocity)) in rows.iter().zip(self.place(rest)) {
+            // As a displacement: set as a position of the world, it would lose its digits far from zero.
+            particles.displace(i, position - particles.relative_to(i, self.origin));
+            particles.set_velocity(i, velocity);
+        }
+        Ok(())
+    }
+}
+
+/// In `f32`, with both halves from the same one, so that they agree.
+fn symmetric(m: DMat3) -> Mat3 {
+    let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = m.as_mat3().to_cols_array_2d();
+    Mat3::from_cols_array_2d(&[[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+}

@@ -1,0 +1,189 @@
+//! What a step needs before its first substep: a plan, origins, settings, a state to go back to, and the gusts.
+
+use glam::{Vec3, Vec4};
+
+use super::{Scratch, Simulation};
+use crate::constraints::{Constraint, Distance};
+use crate::forces;
+use crate::particles::{Particles, snap};
+use crate::rigid::{Compound, Moving};
+use crate::solve::{BodySettings, SolverSettings};
+
+impl Simulation {
+    /// Compiles the plan afresh if what it was compiled from has changed.
+    pub(super) fn compile(&mut self) {
+        if self.scratch.stale || self.scratch.plan.rows != self.particles.len() {
+            if self.compounds.is_empty() {
+                let (distances, constraints) = (&self.distances, &self.constraints);
+                self.scratch.plan.compile(distances, constraints, self.particles.len());
+            } else {
+                let (distances, constraints) = self.beside_compounds();
+                let plan = &mut self.scratch.plan;
+                plan.compile(&distances, &constraints, self.particles.len());
+                for compound in &self.compounds {
+                    for &row in &compound.rows {
+                        if let Some(&island) = plan.island_of.get(row) {
+                            plan.islands[island as usize].rigid = true;
+                        }
+                    }
+                }
+            }
+            self.scratch.stale = false;
+        }
+    }
+
+    /// The constraints less those among the particles of one compound, which its shape does away with; and the shapes.
+    fn beside_compounds(&self) -> (Vec<Distance>, Vec<Constraint>) {
+        let mut compound_of = vec![usize::MAX; self.particles.len()];
+        for (number, compound) in self.compounds.iter().enumerate() {
+            for &row in &compound.rows {
+                if let Some(slot) = compound_of.get_mut(row) {
+                    *slot = number;
+                }
+            }
+        }
+        let inside = |rows: &[u32]| {
+            let mut owners = rows.iter().map(|&row| compound_of.get(row as usize).copied());
+            let first = owners.next().flatten().filter(|&owner| owner != usize::MAX);
+            first.is_some() && owners.all(|owner| owner == first)
+        };
+        let distances = self.distances.iter().filter(|d| !inside(&[d.a, d.b])).copied().collect();
+        let constraints = self.constraints.iter().filter(|c| !inside(&c.rows)).cloned();
+        (distances, constraints.chain(self.compounds.iter().map(Compound::shape)).collect())
+    }
+
+    /// Gives the particles of each island one origin near them, which constraints rely on.
+    pub(super) fn share_origins(&mut self) {
+        let Self { particles, scratch: Scratch { plan, checkpoint, anchors, .. }, .. } = self;
+        anchors.clear();
+        for island in &plan.islands {
+            let rows = || plan.members[island.members.clone()].iter().map(|&row| row as usize);
+            let Some(first) = rows().find(|&i| particles.is_finite(i)) else { continue };
+            // From the digits that it has, not from the world position, which has fewer far out.
+            let origin = particles.origin[first] + snap(particles.position[first].truncate());
+            for i in rows() {
+                let shift = (particles.origin[i] - origin).extend(0.0);
+                // What is so far off that the difference of two origins is none keeps its own: nothing can bind it.
+                if shift == Vec4::ZERO || !shift.is_finite() {
+                    continue;
+                }
+                let (home, place) = (particles.origin[i], particles.position[i]);
+                particles.origin[i] = origin;
+                particles.position[i] += shift;
+                particles.start[i] += shift.truncate();
+                if place.w == 0.0 {
+                    let shifted = particles.position[i];
+                    anchors.push(Anchor { row: i, home, place, shifted });
+                }
+                if let Some(good) = checkpoint.get_mut(i) {
+                    *good += shift;
+                }
+            }
+        }
+    }
+
+    /// Puts pinned particles that nothing led back to the last bit: as seen from the origin of their island they may have been rounded.
+    pub(super) fn restore_anchors(&mut self) {
+        let Self { particles, scratch: Scratch { anchors, checkpoint, .. }, .. } = self;
+        for Anchor { row, home, place, shifted } in anchors.drain(..) {
+            if particles.position[row] == shifted {
+                particles.origin[row] = home;
+                particles.position[row] = place;
+                particles.start[row] = place.truncate();
+                if let Some(good) = checkpoint.get_mut(row) {
+                    *good = place;
+                }
+            }
+        }
+    }
+
+    /// Gives each island the settings that its bodies ask for.
+    pub(super) fn settle_islands(&mut self, world: SolverSettings) {
+        let Self { particles, bodies, scratch: Scratch { plan, .. }, .. } = self;
+        for island in &mut plan.islands {
+            let members = &plan.members[island.members.clone()];
+            island.settings = settings_of(members, particles, bodies, world);
+        }
+    }
+
+    /// Lends out the rigid bodies of the step, which read the rest of the simulation.
+    pub(super) fn with_moving(&mut self, use_it: impl FnOnce(&mut Moving, &mut Self)) {
+        if !self.compounds.is_empty() {
+            let mut moving = core::mem::take(&mut self.scratch.moving);
+            use_it(&mut moving, self);
+            self.scratch.moving = moving;
+        }
+    }
+
+    /// Notes a good state for each row to go back to.
+    pub(super) fn set_checkpoint(&mut self) {
+        let Self { particles, scratch: Scratch { checkpoint, .. }, .. } = self;
+        checkpoint.resize(particles.len(), Vec4::ZERO);
+        for (good, q) in checkpoint.iter_mut().zip(&particles.position) {
+            // A row that a caller set to no position at all goes back to the last one it had.
+            *good = if q.is_finite() { *q } else { good.truncate().extend(q.w) };
+        }
+    }
+
+    /// Looks up the gusts on every triangle.
+    pub(super) fn feel_winds(&mut self) {
+        let Self { particles, forces, scratch, .. } = self;
+        let flows = &forces.air_flows;
+        forces::sample_air(particles, &forces.surfaces, flows, self.time, &mut scratch.air);
+        scratch.pressures.clear();
+        for wind in &forces.winds {
+            forces::sample_wind(
+                particles,
+                &forces.surfaces,
+                wind,
+                self.time,
+                &mut scratch.pressures,
+            );
+        }
+    }
+}
+
+/// Where a pinned particle was before its island gave it another origin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Anchor {
+    row: usize,
+    /// Its own origin, metres.
+    home: Vec3,
+    /// Where it is from that, with its inverse mass, zero.
+    place: Vec4,
+    /// Where it is from the island's.
+    shifted: Vec4,
+}
+
+/// What the bodies of an island ask for together.
+fn settings_of(
+    members: &[u32],
+    particles: &Particles,
+    bodies: &[BodySettings],
+    world: SolverSettings,
+) -> SolverSettings {
+    if bodies.is_empty() {
+        return world;
+    }
+    let (mut found, mut last) = (None::<SolverSettings>, None);
+    for &row in members {
+        let body = particles.body[row as usize];
+        // A pinned particle holds on to nothing, and has nothing to say. Neighbours mostly share their body.
+        if particles.position[row as usize].w == 0.0 || last == Some(body) {
+            continue;
+        }
+        last = Some(body);
+        let own = bodies.get(body as usize).map_or(world, |body| body.over(world));
+        found = Some(found.map_or(own, |sum| SolverSettings {
+            max_sweeps: sum.max_sweeps.max(own.max_sweeps),
+            tolerance: sum.tolerance.min(own.tolerance),
+            direction: if own.direction == sum.direction {
+                own.direction
+            } else {
+                Default::default()
+            },
+            ..sum
+        }));
+    }
+    found.unwrap_or(world)
+}

@@ -1,0 +1,204 @@
+//! One constraint of the plan, whatever its kind: what the orders that pick constraints one by one work with.
+
+use glam::{Vec3, Vec4};
+
+use super::plan::{Kind, Plan};
+use crate::constraints::{
+    Constraint, Direction, Pace, Points, equation_energy, equation_error, project,
+    project_equation, project_rod, project_rod_from_start,
+};
+use crate::particles::Particles;
+
+/// A constraint of the plan: its kind, and its number in the list of that kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Item {
+    pub(crate) kind: Kind,
+    pub(crate) number: u32,
+}
+
+/// How constraints are projected in this substep.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Manner {
+    pub(crate) pace: Pace,
+    pub(crate) direction: Direction,
+}
+
+/// The particles of one constraint side by side, in its own order. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Local {
+    pub(crate) now: Vec<Vec4>,
+    pub(crate) starts: Vec<Vec3>,
+    pub(crate) gradients: Vec<Vec3>,
+}
+
+impl Local {
+    /// Takes copies of some particles.
+    #[inline]
+    pub(crate) fn take(&mut self, particles: &Particles, rows: &[u32]) {
+        self.now.clear();
+        self.starts.clear();
+        for &row in rows {
+            self.now.push(particles.position[row as usize]);
+            self.starts.push(particles.start[row as usize]);
+        }
+        self.gradients.resize(rows.len(), Vec3::ZERO);
+    }
+}
+
+impl Item {
+    /// The rows of its particles. A distance writes them into `pair`.
+    pub(crate) fn rows<'a>(self, plan: &'a Plan, pair: &'a mut [u32; 2]) -> &'a [u32] {
+        let number = self.number as usize;
+        if self.kind == Kind::Constraints {
+            &plan.constraints[number].rows
+        } else {
+            let distance = &plan.distances[number];
+            *pair = [distance.a, distance.b];
+            pair
+        }
+    }
+
+    /// Whether it asks for another sweep while it does not hold.
+    pub(crate) fn is_hard(self, plan: &Plan) -> bool {
+        let number = self.number as usize;
+        match self.kind {
+            Kind::Rods => true,
+            Kind::Distances => plan.distances[number].softness.is_hard(),
+            Kind::Constraints => plan.constraints[number].law.equation().softness().is_hard(),
+        }
+    }
+
+    /// Projects it once, on the particles themselves. Returns the error found, metres; of a soft one, how far it moved.
+    #[inline]
+    pub(crate) fn project(
+        self,
+        particles: &mut Particles,
+        plan: &mut Plan,
+        manner: Manner,
+        local: &mut Local,
+    ) -> f32 {
+        let number = self.number as usize;
+        match self.kind {
+            Kind::Rods => {
+                let d = plan.distances[number];
+                let positions = particles.position.as_mut_slice();
+                match manner.direction {
+                    Direction::Nearest => project_rod(positions, d.a, d.b, d.rest),
+                    Direction::StepStart => {
+                        project_rod_from_start(positions, &particles.start, d.a, d.b, d.rest)
+                    }
+                }
+            }
+            Kind::Distances => {
+                let (distance, lambda) = (&plan.distances[number], &mut plan.lambdas[number]);
+                let (positions, starts) = (particles.position.as_mut_slice(), &particles.start);
+                project(positions, starts, distance, manner.pace, lambda)
+            }
+            Kind::Constraints => {
+                let (constraint, lambda) =
+                    (&plan.constraints[number], &mut plan.multipliers[number]);
+                project_constraint(particles, constraint, manner, lambda, local)
+            }
+        }
+    }
+
+    /// Projects it once on the copies in `local`, whose inverse masses may be others.
+    pub(crate) fn project_local(
+        self,
+        plan: &mut Plan,
+        manner: Manner,
+        origin: Vec3,
+        local: &mut Local,
+    ) -> f32 {
+        let number = self.number as usize;
+        let Local { now, starts, gradients } = local;
+        if self.kind == Kind::Constraints {
+            let law = plan.constraints[number].law.equation();
+            let before = now.clone();
+            let points = Points { now: &before, starts, origin, direction: manner.direction };
+            let lambda = &mut plan.multipliers[number];
+            return project_equation(law, &points, gradients, manner.pace, lambda, |i, step| {
+                now[i] += step.extend(0.0);
+            });
+        }
+        let distance = crate::constraints::Distance { a: 0, b: 1, ..plan.distances[number] };
+        if self.kind == Kind::Rods && manner.direction == Direction::StepStart {
+            return project_rod_from_start(now, starts, 0, 1, distance.rest);
+        }
+        project(now, starts, &distance, manner.pace, &mut plan.lambdas[number])
+    }
+
+    /// How far it is from being kept, metres, moving nothing; zero for a soft one.
+    pub(crate) fn error(self, particles: &Particles, plan: &Plan, local: &mut Local) -> f32 {
+        let number = self.number as usize;
+        if self.kind == Kind::Constraints {
+            return constraint_error(particles, &plan.constraints[number], local);
+        }
+        let distance = &plan.distances[number];
+        let (a, b) =
+            (particles.position[distance.a as usize], particles.position[distance.b as usize]);
+        if !distance.softness.is_hard() || a.w + b.w == 0.0 {
+            return 0.0;
+        }
+        distance.error(a.truncate(), b.truncate())
+    }
+}
+
+/// Energy that the soft distances and constraints of a plan store, J.
+pub(crate) fn soft_energy(particles: &Particles, plan: &Plan) -> f64 {
+    let mut local = Local::default();
+    let soft = plan.distances.iter().filter(|d| !d.softness.is_hard());
+    let distances = soft.map(|d| {
+        let (a, b) = (particles.position[d.a as usize], particles.position[d.b as usize]);
+        let value = (a - b).truncate().length() - d.rest;
+        let held = d.bound.holds(value);
+        if held { 0.0 } else { f64::from(d.softness.energy(value, a.w + b.w)) }
+    });
+    let mut sum: f64 = distances.sum();
+    for constraint in &plan.constraints {
+        let law = constraint.law.equation();
+        if !law.softness().is_hard() {
+            let rows = constraint.rows.as_slice();
+            local.take(particles, rows);
+            let (origin, direction) = (particles.origin[rows[0] as usize], Direction::Nearest);
+            let points = Points { now: &local.now, starts: &local.starts, origin, direction };
+            sum += f64::from(equation_energy(law, &points, &mut local.gradients));
+        }
+    }
+    sum
+}
+
+/// Projects a constraint by its equation.
+#[inline]
+pub(crate) fn project_constraint(
+    particles: &mut Particles,
+    constraint: &Constraint,
+    manner: Manner,
+    lambda: &mut f32,
+    local: &mut Local,
+) -> f32 {
+    let rows = constraint.rows.as_slice();
+    local.take(particles, rows);
+    let origin = particles.origin[rows[0] as usize];
+    let direction = manner.direction;
+    let points = Points { now: &local.now, starts: &local.starts, origin, direction };
+    let law = constraint.law.equation();
+    let positions = &mut particles.position;
+    project_equation(law, &points, &mut local.gradients, manner.pace, lambda, |i, step| {
+        positions[rows[i] as usize] += step.extend(0.0);
+    })
+}
+
+/// How far a constraint is from being kept, metres.
+pub(crate) fn constraint_error(
+    particles: &Particles,
+    constraint: &Constraint,
+    local: &mut Local,
+) -> f32 {
+    let rows = constraint.rows.as_slice();
+    local.take(particles, rows);
+    let origin = particles.origin[rows[0] as usize];
+    let direction = Direction::Nearest;
+    let points = Points { now: &local.now, starts: &local.starts, origin, direction };
+    equation_error(constraint.law.equation(), &points, &mut local.gradients)
+}

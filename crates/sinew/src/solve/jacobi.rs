@@ -1,0 +1,66 @@
+//! Jacobi: every constraint is solved from the same positions, and each particle goes to the mean of what its constraints ask of it.
+//!
+//! Plain averaging loses momentum where two particles are in different numbers of constraints. So the mass of a particle is split among its n
+//! constraints first (Tonge et al., *Mass splitting for jitter-free parallel rigid body simulation*, 2012): each sees the inverse mass `n w`, and
+//! the mean of the n corrections keeps the barycentre of every constraint where it was.
+
+use glam::Vec3;
+
+use super::item::{Item, Local, Manner};
+use super::plan::{Island, Plan};
+use crate::particles::Particles;
+
+/// What is asked of each particle. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Asked {
+    sum: Vec<Vec3>,
+    count: Vec<u32>,
+}
+
+/// Projects every constraint of an island once, from the same positions, and returns the largest error found among the hard ones, metres.
+pub(super) fn sweep(
+    particles: &mut Particles,
+    plan: &mut Plan,
+    island: &Island,
+    items: &[Item],
+    manner: Manner,
+    local: &mut Local,
+    asked: &mut Asked,
+) -> f32 {
+    asked.sum.resize(particles.len(), Vec3::ZERO);
+    asked.count.resize(particles.len(), 0);
+    let members = plan.members[island.members.clone()].to_vec();
+    for &row in &members {
+        asked.sum[row as usize] = Vec3::ZERO;
+        asked.count[row as usize] = 0;
+    }
+    let mut pair = [0; 2];
+    for item in items {
+        for &row in item.rows(plan, &mut pair) {
+            asked.count[row as usize] += 1;
+        }
+    }
+    let mut worst = 0.0_f32;
+    let mut rows = Vec::new();
+    for item in items {
+        rows.clear();
+        rows.extend_from_slice(item.rows(plan, &mut pair));
+        local.take(particles, &rows);
+        for (point, &row) in local.now.iter_mut().zip(&rows) {
+            point.w *= asked.count[row as usize] as f32;
+        }
+        let origin = particles.origin[rows[0] as usize];
+        worst = worst.max(item.project_local(plan, manner, origin, local));
+        for (point, &row) in local.now.iter().zip(&rows) {
+            let row = row as usize;
+            asked.sum[row] += point.truncate() - particles.position[row].truncate();
+        }
+    }
+    for &row in &members {
+        let row = row as usize;
+        if asked.count[row] > 0 {
+            particles.displace(row, asked.sum[row] / asked.count[row] as f32);
+        }
+    }
+    worst
+}

@@ -1,0 +1,98 @@
+//! Configuration of the solver: for a world, and for single bodies in it.
+
+use crate::constraints::Direction;
+use crate::integrate::Integrator;
+
+/// How the solver goes through the constraints of an island.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Order {
+    /// One after the other, colour by colour, again and again (Gauss–Seidel): the lectures' loop. The default.
+    #[default]
+    Cascade,
+    /// Always the one that is violated most. A heap finds it, which pays below some 200 constraints.
+    WorstFirst,
+    /// All from the same positions, and each particle to the mean of what its constraints ask. The order does not matter, and it converges slowly.
+    Jacobi,
+}
+
+/// How hard the solver tries. Every number has a documented range and is clamped to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolverSettings {
+    /// Substeps in a step, 1 to 256, default 10. At equal work many substeps with few sweeps beat one step with many.
+    pub substeps: u32,
+    /// The most sweeps over all constraints in a substep (the lectures' `N_MAX`), 1 to 1000, default 4.
+    pub max_sweeps: u32,
+    /// Error in metres at which an island stops being swept early in a substep, 0 or more, default 1e-4. A negative or non-finite one counts as 0.
+    pub tolerance: f32,
+    /// Along which gradients hard distances and rigid shapes are corrected. Default [`Direction::Nearest`].
+    pub direction: Direction,
+    /// In which order constraints are enforced. Default [`Order::Cascade`].
+    pub order: Order,
+    /// How a step through time is made. Default [`Integrator::Verlet`].
+    pub integrator: Integrator,
+    /// Whether what nothing outside holds keeps its angular momentum though its corrections do not: those to the nearest point bleed spin, and a skin
+    /// under pressure even makes some. Default so; without it the lectures' loop is as it is. Linear momentum is always kept.
+    pub keep_spin: bool,
+    /// Whether velocities are forgotten in every substep, so that the state walks to rest (the lectures' statics, physics.md F9). Default not.
+    pub statics: bool,
+    /// Whether the time that each island takes is measured, for the report. It never changes a result. Default not.
+    pub timed: bool,
+}
+
+impl Default for SolverSettings {
+    fn default() -> Self {
+        Self {
+            substeps: 10,
+            max_sweeps: 4,
+            tolerance: 1e-4,
+            direction: Direction::Nearest,
+            order: Order::Cascade,
+            integrator: Integrator::Verlet,
+            keep_spin: true,
+            statics: false,
+            timed: false,
+        }
+    }
+}
+
+impl SolverSettings {
+    /// The same with every number inside its range.
+    pub fn clamped(self) -> Self {
+        Self {
+            substeps: self.substeps.clamp(1, 256),
+            max_sweeps: self.max_sweeps.clamp(1, 1000),
+            tolerance: if self.tolerance.is_finite() { self.tolerance.max(0.0) } else { 0.0 },
+            ..self
+        }
+    }
+}
+
+/// What one body asks of the solver, where that differs from its world. What is `None` is as in the world.
+///
+/// Bodies that constraints connect are solved together: with the most sweeps and the smallest tolerance that any of them asks for, along the start
+/// of the step if all of them do, and in the order that the first of them wants.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BodySettings {
+    /// The most sweeps in a substep, 1 to 1000.
+    pub max_sweeps: Option<u32>,
+    /// Error in metres at which sweeping stops early, 0 or more.
+    pub tolerance: Option<f32>,
+    /// Along which gradients it is corrected.
+    pub direction: Option<Direction>,
+    /// In which order its constraints are enforced.
+    pub order: Option<Order>,
+}
+
+impl BodySettings {
+    /// The world's settings with this body's own in their place, every number inside its range.
+    pub fn over(self, world: SolverSettings) -> SolverSettings {
+        SolverSettings {
+            max_sweeps: self.max_sweeps.unwrap_or(world.max_sweeps),
+            tolerance: self.tolerance.unwrap_or(world.tolerance),
+            direction: self.direction.unwrap_or(world.direction),
+            order: self.order.unwrap_or(world.order),
+            ..world
+        }
+        .clamped()
+    }
+}
