@@ -21,13 +21,13 @@ fn beside(bad: impl FnOnce(&mut World) -> Entity) -> (Entity, Vec<(Entity, Refus
 }
 
 /// As [`beside`], and expects one message, about the culprit.
-fn refused(reason: Refusal, bad: impl FnOnce(&mut World) -> Entity) {
+pub(crate) fn refused(reason: Refusal, bad: impl FnOnce(&mut World) -> Entity) {
     let (culprit, said) = beside(bad);
     assert_eq!(said, [(culprit, reason)]);
 }
 
 /// A pinned particle far from everything.
-fn nail(world: &mut World, x: f32) -> Entity {
+pub(crate) fn nail(world: &mut World, x: f32) -> Entity {
     world.spawn((Particle::at(Vec3::new(x, 5.0, 5.0)), Pinned::HERE)).id()
 }
 
@@ -77,7 +77,7 @@ fn a_constraint_with_a_broken_number_is_named_once() {
         });
     }
     for compliance in [f32::NAN, f32::INFINITY, -1.0] {
-        refused(Refusal::Distance(DistanceFault::Compliance), |world| {
+        refused(Refusal::Distance(DistanceFault::Softness), |world| {
             let (a, b) = (nail(world, 0.0), nail(world, 1.0));
             world.spawn(DistanceConstraint::new(a, b, 1.0).with_compliance(compliance)).id()
         });

@@ -165,6 +165,25 @@ fn a_body_whose_observer_despawns_it_while_it_is_built_harms_nobody() {
             },
         );
     });
+    // Sooner: while it is being inserted, with everything else of its bundle.
+    check("on a new particle", |app| {
+        app.add_observer(
+            |put: On<Add, Particle>, of: Query<&ParticleOf>, mut commands: Commands| {
+                if let Ok(of) = of.get(put.entity) {
+                    commands.entity(of.0).try_despawn();
+                }
+            },
+        );
+    });
+    check("on a new constraint", |app| {
+        app.add_observer(
+            |put: On<Add, DistanceConstraint>, of: Query<&ConstraintOf>, mut commands: Commands| {
+                if let Ok(of) = of.get(put.entity) {
+                    commands.entity(of.0).try_despawn();
+                }
+            },
+        );
+    });
     check("on its surface", |app| {
         app.add_observer(|put: On<Insert, bevy_sinew::WindSurface>, mut commands: Commands| {
             commands.entity(put.entity).try_despawn();

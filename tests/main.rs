@@ -5,12 +5,20 @@
 //! | `phases` | the phases run in their order, substeps times a tick, and a game's own systems fit in between |
 //! | `state` | all state lives in components: clone them, put them back, and everything happens again, bit for bit |
 //! | `bad_input` | what is wrong is set aside with one message that names it, and nothing else notices |
+//! | `bad_commands` | what cannot be done to a body is refused, and nothing changes |
 //! | `bad_recipes` | bodies that cannot be built say so once |
 //! | `runtime_changes` | particles, springs, constraints and bodies come, change and go while time runs |
+//! | `constraints` | every law of the solver is a component that does what it says |
+//! | `own_constraints` | a game's own constraints: one door, one order, one state |
+//! | `commands` | impulses, velocities, teleports and reversal of bodies do what they say, or nothing |
+//! | `controls` | control forces accelerate what they act on |
 //! | `in_use` | what is despawned while it is in use, before and after every set |
 //! | `recipes` | boxes, ropes, cloth and ragdolls build themselves, are built anew when changed, and are teleported |
+//! | `recipes_soft` | solids of any shape, soft bodies and articulated ones build themselves |
 //! | `pictures` | meshes and transforms follow, between ticks too |
 //! | `unrelated` | what has nothing to do with a body does not change a bit of it |
+//! | `forces` | every force of the solver is a component or a resource that does what physics asks |
+//! | `forces_live` | forces edited, broken and rolled back while they are in use |
 //! | `frame_rate` | neither does the frame rate |
 //! | `models` | real meshes from outside become cloth |
 //! | `scenes` | the scenes of the gallery keep what their captions promise |
@@ -18,14 +26,22 @@
 //!
 //! `support` holds what they share.
 
+mod bad_commands;
 mod bad_input;
 mod bad_recipes;
+mod commands;
+mod constraints;
+mod controls;
+mod forces;
+mod forces_live;
 mod frame_rate;
 mod in_use;
 mod models;
+mod own_constraints;
 mod phases;
 mod pictures;
 mod recipes;
+mod recipes_soft;
 mod runtime_changes;
 mod scenes;
 mod schedules;

@@ -83,7 +83,7 @@ fn each_phase_does_its_own_work_in_its_own_set_and_no_other() {
     app.init_resource::<Seen>()
         .insert_resource(SolverConfig { substeps: 1, ..default() })
         .insert_resource(AirDrag(0.0))
-        .insert_resource(Electric { constant: 1.0, softening: 0.0 });
+        .insert_resource(Electric { constant: 1.0, softening: 0.0, ..default() });
     let world = app.world_mut();
     // One particle that feels everything: in wind (as part of a sheet), half in water, charged, and tied to a hook.
     let start = Vec3::new(0.0, 1.0, 0.0);

@@ -195,7 +195,7 @@ pub(crate) fn busy_scene(app: &mut App) -> Vec<Entity> {
             ))
             .id(),
     ];
-    world.insert_resource(Electric { constant: 1.0, softening: 0.05 });
+    world.insert_resource(Electric { constant: 1.0, softening: 0.05, ..default() });
     let swarm: Vec<Entity> = (0..6)
         .map(|i| {
             let place = Vec3::new(-1.0 + 0.3 * i as f32, 2.0, -1.0 + 0.1 * (i * i) as f32);

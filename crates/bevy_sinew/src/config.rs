@@ -1,7 +1,7 @@
-//! How hard the solver tries: configuration, as a resource that may be edited live.
+//! How hard the solver tries: configuration, as a resource that may be edited live, and what single bodies ask for beside it.
 
 use bevy::prelude::*;
-use sinew::SolverSettings;
+use sinew::{BodySettings, SolverSettings};
 
 /// Settings of the solver for the whole world. Values outside their range are clamped to it.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
@@ -13,6 +13,74 @@ pub struct SolverConfig {
     pub max_sweeps: u32,
     /// Error in metres at which a substep stops sweeping early, 0 or more. Default 1e-4.
     pub tolerance: f32,
+    /// Along which gradients hard distances and rigid shapes are corrected. Default to the nearest point.
+    pub direction: Direction,
+    /// In which order constraints are enforced. Default one after the other.
+    pub order: Order,
+    /// How a step through time is made. Default Verlet.
+    pub integrator: Integrator,
+    /// Whether what nothing outside holds keeps its angular momentum though corrections to the nearest point do not. Default so.
+    pub keep_spin: bool,
+    /// Whether velocities are forgotten in every substep, so that everything walks to rest: the lectures' statics. Default not.
+    pub statics: bool,
+    /// Whether the time that each body takes is measured, for its [`BodyReport`](crate::BodyReport). Default not.
+    pub timed: bool,
+}
+
+/// What one body asks of the solver, where that differs from [`SolverConfig`]: put it onto the body. What is `None` is as in the world.
+///
+/// Bodies that constraints connect are solved together: with the most sweeps and the smallest tolerance that any of them asks for, along the start
+/// of the step if all of them do, and in the order that the first of them wants.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct BodySolver {
+    /// The most sweeps in a substep, 1 to 1000.
+    pub max_sweeps: Option<u32>,
+    /// Error in metres at which sweeping stops early, 0 or more.
+    pub tolerance: Option<f32>,
+    /// Along which gradients it is corrected.
+    pub direction: Option<Direction>,
+    /// In which order its constraints are enforced.
+    pub order: Option<Order>,
+}
+
+/// Along which gradient a hard distance or a rigid shape is corrected.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum Direction {
+    /// To the nearest point. Robust; bleeds spin. The default.
+    #[default]
+    Nearest,
+    /// Along the gradient at the start of the substep (SHAKE): keeps spin and energy. Boxes ask for it.
+    StepStart,
+}
+
+/// How the solver goes through the constraints of a body.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum Order {
+    /// One after the other, again and again (Gauss–Seidel). The default.
+    #[default]
+    Cascade,
+    /// Always the one that is violated most; pays below some 200 constraints.
+    WorstFirst,
+    /// All from the same positions, each particle to the mean of what is asked of it; converges slowly.
+    Jacobi,
+}
+
+/// How a world steps through time. [`sinew::integrate`] compares them.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum Integrator {
+    /// Order 2, keeps energy. The default.
+    #[default]
+    Verlet,
+    /// Order 2: kick, drift, kick.
+    Leapfrog,
+    /// Order 1, bounded energy.
+    SemiImplicitEuler,
+    /// Order 1, gains energy on what swings. To compare with.
+    ExplicitEuler,
 }
 
 impl Default for SolverConfig {
@@ -22,6 +90,12 @@ impl Default for SolverConfig {
             substeps: settings.substeps,
             max_sweeps: settings.max_sweeps,
             tolerance: settings.tolerance,
+            direction: Direction::default(),
+            order: Order::default(),
+            integrator: Integrator::default(),
+            keep_spin: settings.keep_spin,
+            statics: settings.statics,
+            timed: settings.timed,
         }
     }
 }
@@ -32,6 +106,83 @@ impl From<SolverConfig> for SolverSettings {
             substeps: config.substeps,
             max_sweeps: config.max_sweeps,
             tolerance: config.tolerance,
+            direction: config.direction.into(),
+            order: config.order.into(),
+            integrator: config.integrator.into(),
+            keep_spin: config.keep_spin,
+            statics: config.statics,
+            timed: config.timed,
+        }
+    }
+}
+
+impl From<BodySolver> for BodySettings {
+    fn from(body: BodySolver) -> Self {
+        Self {
+            max_sweeps: body.max_sweeps,
+            tolerance: body.tolerance,
+            direction: body.direction.map(Into::into),
+            order: body.order.map(Into::into),
+        }
+    }
+}
+
+impl From<BodySettings> for BodySolver {
+    fn from(settings: BodySettings) -> Self {
+        Self {
+            max_sweeps: settings.max_sweeps,
+            tolerance: settings.tolerance,
+            direction: settings.direction.map(Into::into),
+            order: settings.order.map(Into::into),
+        }
+    }
+}
+
+impl From<Direction> for sinew::Direction {
+    fn from(direction: Direction) -> Self {
+        match direction {
+            Direction::Nearest => Self::Nearest,
+            Direction::StepStart => Self::StepStart,
+        }
+    }
+}
+
+impl From<sinew::Direction> for Direction {
+    fn from(direction: sinew::Direction) -> Self {
+        match direction {
+            sinew::Direction::Nearest => Self::Nearest,
+            sinew::Direction::StepStart => Self::StepStart,
+        }
+    }
+}
+
+impl From<Order> for sinew::Order {
+    fn from(order: Order) -> Self {
+        match order {
+            Order::Cascade => Self::Cascade,
+            Order::WorstFirst => Self::WorstFirst,
+            Order::Jacobi => Self::Jacobi,
+        }
+    }
+}
+
+impl From<sinew::Order> for Order {
+    fn from(order: sinew::Order) -> Self {
+        match order {
+            sinew::Order::Cascade => Self::Cascade,
+            sinew::Order::WorstFirst => Self::WorstFirst,
+            sinew::Order::Jacobi => Self::Jacobi,
+        }
+    }
+}
+
+impl From<Integrator> for sinew::Integrator {
+    fn from(integrator: Integrator) -> Self {
+        match integrator {
+            Integrator::Verlet => Self::Verlet,
+            Integrator::Leapfrog => Self::Leapfrog,
+            Integrator::SemiImplicitEuler => Self::SemiImplicitEuler,
+            Integrator::ExplicitEuler => Self::ExplicitEuler,
         }
     }
 }

@@ -21,10 +21,13 @@
 //! # What a game touches
 //!
 //! - A **particle** is an entity with [`Particle`] and [`Mass`]; [`Pinned`], [`PinnedTo`], [`Radius`], [`Charge`], [`Drag`] and [`ExternalForce`] say more.
-//! - A **spring** or a **constraint** is an entity: [`Spring`], [`DistanceConstraint`]. Add, change or despawn one and the next tick knows.
-//! - A **body** is an entity with a recipe: [`ParticleBox`], [`Rope`], [`Cloth`], [`Ragdoll`]. It builds its particles, and takes them with it.
-//! - The **surroundings** are [`Ground`], [`BoundingBox`], [`Wind`], [`Fluid`] (entities), [`Gravity`], [`AirDrag`], [`Electric`] (resources).
-//! - **Read back** are `Transform` ([`RigidPose`]), meshes ([`MeshFollow`], [`TubeMesh`]), [`LinearVelocity`], [`AngularVelocity`], [`Barycenter`];
+//! - A **spring** or a **constraint** is an entity: [`Spring`], [`DistanceConstraint`], [`AngleConstraint`], [`VolumeConstraint`], … and those of a
+//!   game's own ([`ParticleConstraint`]). Add, change or despawn one and the next tick knows.
+//! - A **body** is an entity with a recipe: [`ParticleBox`], [`Solid`], [`Rope`], [`Cloth`], [`SoftBody`], [`Articulated`], [`Ragdoll`]. It builds its particles, and takes them with it.
+//! - What **moves a body** is a [`ControlForce`], steered while time runs, or a command ([`BodyCommandsExt`]): an impulse, a velocity, a teleport.
+//! - The **surroundings** are [`Gravity`], [`AirDrag`], [`Electric`] (resources), [`Wind`], [`AirFlow`], [`Fluid`], [`ElectricField`] (entities,
+//!   everywhere or in a [`Region`]), [`Attractor`], [`Ground`], [`BoundingBox`] and, for a world in 2D, [`Flatland`]. A body [`Floats`] by its shape.
+//! - **Read back** are `Transform` ([`RigidPose`]), meshes ([`MeshFollow`], [`TubeMesh`]), [`LinearVelocity`], [`AngularVelocity`], [`Barycenter`], [`Inertia`];
 //!   [`SinewWorld::report`] says how the solver fared, and [`Refused`] messages what it set aside.
 //!
 //! SI units throughout: metres, seconds, kilograms, newtons.
@@ -71,14 +74,21 @@
 //! app.add_systems(SubstepSchedule, thrust.in_set(PhaseSystems::AccumulateForces));
 //! ```
 //!
+//! # A constraint of one's own
+//!
+//! A component that implements [`ParticleConstraint`], which says what must hold, and one line,
+//! [`register_particle_constraint`](RegisterParticleConstraint::register_particle_constraint): `examples/custom_constraint.rs` is all of it. The
+//! constraints that come with the plugin come in by the same door.
+//!
 //! # The map
 //!
 //! | folder | what it holds |
 //! |---|---|
+//! | `commands` | impulses, velocities, teleports and reversal of whole bodies |
 //! | `components` | what a game spawns, edits and reads: the state |
 //! | `recipes` | bodies that build themselves |
 //! | `schedule` | the sets, the phases and the driver of the substeps |
-//! | `step` | layout, gather, links, scatter, extract: components to columns and back |
+//! | `step` | layout, gather, links, representation, scatter, extract: components to columns and back |
 //! | `world` | the columns and tables, scratch of a tick |
 //! | `drag` | dragging particles with the mouse |
 //! | `show` | meshes, tubes and gizmos: nothing there is read back |
@@ -86,6 +96,7 @@
 //!
 //! Everything physical is in the crate [`sinew`], which knows no engine.
 
+mod commands;
 mod components;
 mod config;
 #[cfg(feature = "drag")]
@@ -99,14 +110,25 @@ mod show;
 mod step;
 mod world;
 
+pub use commands::{BodyCommandsExt, BodyEdit, EditFault, PendingEdits};
 pub use components::{
-    AirDrag, AngularVelocity, Barycenter, BodyConstraints, BodyParticles, Bound, BoundingBox,
-    Charge, ConstraintOf, CreationOrder, DistanceConstraint, Drag, Electric, ExternalForce,
-    ExtractedTransform, Fluid, Gravity, Ground, Interpolate, LinearVelocity, Mass, MeshFollow,
-    Particle, ParticleBody, ParticleOf, ParticleRow, Pinned, PinnedTo, Radius, RigidPose, Spring,
-    TubeMesh, Wind, WindSurface,
+    AirDrag, AngularVelocity, Barycenter, BodyConstraints, BodyParticles, BodyReport, Bound,
+    BoundingBox, Charge, ConstraintOf, CreationOrder, DistanceConstraint, Drag, Electric,
+    ExternalForce, ExtractedTransform, Fluid, Gravity, GravityScale, Ground, Interpolate,
+    LinearVelocity, Mass, MeshFollow, Particle, ParticleBody, ParticleOf, ParticleRow, Pinned,
+    PinnedTo, Radius, Representation, RigidIntegrator, RigidPose, Softness, Spring, TubeMesh, Wind,
+    WindSurface,
 };
-pub use config::SolverConfig;
+pub use components::{
+    AirFlow, Attractor, ElectricField, Flatland, Floats, HullShape, Region, RegionShape,
+};
+pub use components::{
+    AngleConstraint, AreaConstraint, BendConstraint, CollinearConstraint, ConeConstraint,
+    CoplanarConstraint, HingeConstraint, LawConstraint, ParticleConstraint, PatchConstraint,
+    RigidConstraint, TetrahedronConstraint, VolumeConstraint, Way,
+};
+pub use components::{ControlForce, Inertia};
+pub use config::{BodySolver, Direction, Integrator, Order, SolverConfig};
 #[cfg(feature = "drag")]
 pub use drag::{Grab, MouseDrag, MouseDragPlugin};
 pub use messages::{Refusal, Refused};
@@ -114,8 +136,9 @@ pub use messages::{Refusal, Refused};
 pub use plugin::EasePlugin;
 pub use plugin::{SinewPlugin, SinewPlugins};
 pub use recipes::{
-    BodyPart, BodyParts, BoxParticles, Cloth, ClothPins, ClothShape, PartOf, ParticleBox, Ragdoll,
-    Rope,
+    Articulated, BodyPart, BodyParts, Bone, BoneJoint, BoxParticles, Bulk, Cloth, ClothPins,
+    ClothShape, PartOf, ParticleBox, Ragdoll, Rope, SoftBody, SoftShape, Solid, SolidParticles,
+    SolidShape,
 };
 pub use schedule::{
     PhaseSystems, SinewClock, SinewControl, SinewSystems, SubstepSchedule, TickTime,
@@ -123,16 +146,28 @@ pub use schedule::{
 #[cfg(feature = "gizmos")]
 pub use show::{SinewGizmoConfigGroup, SinewGizmoPlugin};
 pub use sinew;
+pub use step::RegisterParticleConstraint;
 pub use world::SinewWorld;
 
 /// What most games want in scope. [`Drag`] is left out, because Bevy's prelude has another one.
 pub mod prelude {
     pub use crate::{
-        AirDrag, AngularVelocity, Barycenter, BodyPart, Bound, BoundingBox, Charge, Cloth,
-        ClothPins, ClothShape, ConstraintOf, DistanceConstraint, Electric, ExternalForce, Fluid,
-        Gravity, Ground, Interpolate, LinearVelocity, Mass, Particle, ParticleBody, ParticleBox,
-        ParticleOf, ParticleRow, PhaseSystems, Pinned, PinnedTo, Radius, Ragdoll, Refused,
-        RigidPose, Rope, SinewClock, SinewControl, SinewPlugins, SinewSystems, SinewWorld,
-        SolverConfig, Spring, SubstepSchedule, Wind,
+        AirDrag, AngularVelocity, Articulated, Barycenter, BodyPart, BodyReport, BodySolver, Bone,
+        BoneJoint, Bound, BoundingBox, Bulk, Charge, Cloth, ClothPins, ClothShape, ConstraintOf,
+        Direction, DistanceConstraint, Electric, ExternalForce, Fluid, Gravity, GravityScale,
+        Ground, Integrator, Interpolate, LinearVelocity, Mass, Order, Particle, ParticleBody,
+        ParticleBox, ParticleOf, ParticleRow, PhaseSystems, Pinned, PinnedTo, Radius, Ragdoll,
+        Refused, Representation, RigidIntegrator, RigidPose, Rope, SinewClock, SinewControl,
+        SinewPlugins, SinewSystems, SinewWorld, SoftBody, SoftShape, Softness, Solid,
+        SolidParticles, SolidShape, SolverConfig, Spring, SubstepSchedule, Wind,
     };
+    pub use crate::{
+        AirFlow, Attractor, ElectricField, Flatland, Floats, HullShape, Region, RegionShape,
+    };
+    pub use crate::{
+        AngleConstraint, AreaConstraint, BendConstraint, CollinearConstraint, ConeConstraint,
+        CoplanarConstraint, HingeConstraint, LawConstraint, ParticleConstraint, PatchConstraint,
+        RegisterParticleConstraint, RigidConstraint, TetrahedronConstraint, VolumeConstraint, Way,
+    };
+    pub use crate::{BodyCommandsExt, ControlForce, Inertia};
 }

@@ -1,8 +1,14 @@
 //! What the simulation says when something is wrong: one message, once, that names the entity.
 
+use std::collections::BTreeMap;
+
 use bevy::prelude::*;
-use sinew::recipes::{BoxFault, ClothFault, RagdollFault, RopeFault};
-use sinew::{DistanceFault, ParticleFault, SpringFault};
+use sinew::recipes::{
+    ArticulatedFault, BoxFault, ClothFault, RagdollFault, RopeFault, SoftFault, SolidFault,
+};
+use sinew::{DistanceFault, HullFault, LawFault, ParticleFault, SpringFault};
+
+use crate::commands::EditFault;
 
 /// Something was set aside, or put back. The rest of the simulation goes on as if it were not there.
 ///
@@ -30,12 +36,35 @@ pub enum Refusal {
     /// A spring that cannot act; it is left out until it is mended.
     #[error("is set aside: {0}")]
     Spring(SpringFault),
+    /// Any other constraint that cannot be enforced; it is left out until it is mended.
+    #[error("is set aside: {0}")]
+    Constraint(LawFault),
     /// A particle pinned to an entity that is gone: it was let go.
     #[error("was let go: the entity it is pinned to, {0}, is gone or has no transform")]
     PinTarget(Entity),
-    /// A wind, a fluid, a ground or a room with a number that is none, or out of range; it does nothing until that is mended.
+    /// A field, an attractor, a ground, a room or the like with a number (of its transform, of its [`Region`](crate::Region)) that is none, or out
+    /// of range; it does nothing until that is mended.
     #[error("does nothing: a number of it or of its transform is not finite or out of range")]
     Surroundings,
+    /// A resource of the surroundings ([`Gravity`](crate::Gravity), [`AirDrag`](crate::AirDrag), [`Electric`](crate::Electric)) with a number that is none,
+    /// or out of range; it does nothing until that is mended. The entity is the one that Bevy keeps the resource on.
+    #[error("is the resource {0}, and does nothing: a number of it is not finite or out of range")]
+    Resource(&'static str),
+    /// A body with [`Floats`](crate::Floats) but without a shape to float by; its particles float as balls until that is mended.
+    #[error("floats as the balls of its particles: {0}")]
+    Hull(HullFault),
+    /// A body with a [`GravityScale`](crate::GravityScale) that is not finite; it falls as without one.
+    #[error("falls as without a GravityScale: that is not finite")]
+    GravityScale,
+    /// A body that is to be rigid but has no [`RigidPose`](crate::RigidPose), such as cloth; it goes on as particles.
+    #[error("goes on as particles: only a body with a RigidPose can be rigid")]
+    Representation,
+    /// A command on a body or a particle that cannot be done; nothing changed.
+    #[error("is left as it is: {0}")]
+    Edit(EditFault),
+    /// A control force that cannot act; it does nothing until it is mended.
+    #[error("does nothing: {0}")]
+    Control(EditFault),
     /// A pin that leads nowhere; the particle is held where it is.
     #[error("is held where it is: the point it is pinned to is not finite")]
     PinPoint,
@@ -51,6 +80,15 @@ pub enum Refusal {
     /// See [`Refusal::Box`].
     #[error("cannot be built: {0}")]
     Ragdoll(#[from] RagdollFault),
+    /// See [`Refusal::Box`].
+    #[error("cannot be built: {0}")]
+    Solid(#[from] SolidFault),
+    /// See [`Refusal::Box`].
+    #[error("cannot be built: {0}")]
+    Soft(#[from] SoftFault),
+    /// See [`Refusal::Box`].
+    #[error("cannot be built: {0}")]
+    Articulated(#[from] ArticulatedFault),
     /// A body whose transform is not finite or has no size: its particles would have nowhere to be.
     #[error("cannot be built: its transform is not finite, or has no size")]
     Transform,
@@ -67,6 +105,9 @@ pub enum Refusal {
     #[error("cannot be built: its mesh failed to load")]
     MeshLoad,
 }
+
+/// What is set aside and why, by entity and by the number of which of its links: so that each is reported once.
+pub(crate) type Complaints = BTreeMap<(Entity, usize), Refusal>;
 
 /// Logs a refusal and sends it.
 pub(crate) fn refuse(messages: &mut MessageWriter<Refused>, entity: Entity, reason: Refusal) {

@@ -4,13 +4,16 @@ use bevy::app::PluginGroupBuilder;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::prelude::*;
 
+use crate::commands;
 use crate::components::{self, AirDrag, CreationCounter, Electric, Gravity, TopologyChanged};
-use crate::config::SolverConfig;
+use crate::config::{BodySolver, SolverConfig};
 use crate::messages::Refused;
 use crate::recipes;
 use crate::schedule::{self, SinewClock, SinewControl, SinewSystems, TickTime};
 use crate::show::{mesh, tube};
-use crate::step::{extract, gather, layout, links, scatter};
+use crate::step::{
+    bodies, controls, environment, extract, gather, hulls, layout, links, representation, scatter,
+};
 use crate::world::SinewWorld;
 
 /// Everything: the simulation, the gizmos, the mouse, and the easing of transforms between ticks for bodies that opt in.
@@ -68,6 +71,8 @@ impl Plugin for SinewPlugin {
     fn build(&self, app: &mut App) {
         components::register(app);
         app.register_type::<SolverConfig>()
+            .register_type::<BodySolver>()
+            .register_type::<commands::PendingEdits>()
             .register_type::<SinewControl>()
             .register_type::<SinewClock>()
             .init_resource::<CreationCounter>()
@@ -81,16 +86,24 @@ impl Plugin for SinewPlugin {
             .init_resource::<AirDrag>()
             .init_resource::<Electric>()
             .add_message::<Refused>();
+        links::register_ours(app);
         schedule::configure(app, self.tick);
         recipes::add(app, self.tick);
         app.add_systems(
             self.tick,
             (
+                commands::apply_pending,
                 gather::follow_teleports,
                 layout::lay_out,
                 gather::gather_particles,
+                bodies::gather_bodies,
                 gather::gather_moving_pins,
-                gather::gather_environment,
+                environment::gather_environment,
+                controls::gather_controls,
+                links::notice_links,
+                representation::compile_compounds,
+                hulls::compile_hulls,
+                links::collect_laws,
                 links::compile_links,
             )
                 .chain()
@@ -99,7 +112,12 @@ impl Plugin for SinewPlugin {
         app.add_systems(self.tick, scatter::scatter.in_set(SinewSystems::Scatter));
         app.add_systems(
             self.tick,
-            (extract::extract_poses, extract::extract_motion, extract::extract_particles)
+            (
+                extract::extract_poses,
+                extract::extract_motion,
+                extract::extract_particles,
+                extract::extract_reports,
+            )
                 .chain()
                 .in_set(SinewSystems::Extract),
         );

@@ -7,7 +7,7 @@ use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 use sinew::{ParticleFault, Particles, Simulation, SolverReport};
 
-use crate::messages::Refusal;
+use crate::messages::Complaints;
 
 /// The columns that the phases work on, for the systems of a game that join in between [phases](crate::PhaseSystems).
 ///
@@ -62,9 +62,9 @@ pub(crate) struct Tables {
     pub(crate) refused: Vec<Option<ParticleFault>>,
     /// Mass of each row, kg, pinned or not: a pinned particle still counts where its body is.
     pub(crate) mass: Vec<f32>,
-    /// Why a spring, a constraint or a body is set aside: so that each is reported once.
-    pub(crate) complaints: EntityHashMap<Refusal>,
-    /// Surroundings and pins with a broken number: so that each is reported once.
+    /// Why a spring or a constraint is set aside: so that each is reported once.
+    pub(crate) complaints: Complaints,
+    /// Pins with a broken number: so that each is reported once.
     pub(crate) broken: BTreeSet<Entity>,
     /// Distances, springs or surfaces must be compiled afresh.
     pub(crate) stale: bool,
@@ -73,11 +73,6 @@ pub(crate) struct Tables {
 }
 
 impl Tables {
-    /// Whether an entity is no particle, or none any more.
-    pub(crate) fn is_missing(&self, entity: Entity) -> bool {
-        !self.row_of.contains_key(&entity)
-    }
-
     /// Whether an entity is a particle that is set aside.
     pub(crate) fn is_set_aside(&self, entity: Entity) -> bool {
         self.row_of.get(&entity).is_some_and(|&row| self.refused[row as usize].is_some())

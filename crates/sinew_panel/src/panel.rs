@@ -5,8 +5,8 @@ use bevy::gizmos::config::GizmoConfigStore;
 use bevy::prelude::*;
 use bevy_egui::egui::Ui;
 use bevy_sinew::{
-    AirDrag, Charge, CreationOrder, Electric, Gravity, SinewClock, SinewControl, SinewWorld,
-    SolverConfig, TickTime, Wind,
+    AirDrag, AirFlow, Charge, CreationOrder, Electric, Fluid, Gravity, SinewClock, SinewControl,
+    SinewWorld, SolverConfig, TickTime, Wind,
 };
 
 use crate::history::{EnergyHistory, EnergySample};
@@ -35,6 +35,15 @@ pub struct PanelParams<'w, 's> {
     /// Every wind.
     pub winds:
         Query<'w, 's, (Entity, &'static CreationOrder, &'static mut Wind, Option<&'static Name>)>,
+    /// Every flow of air.
+    pub flows: Query<
+        'w,
+        's,
+        (Entity, &'static CreationOrder, &'static mut AirFlow, Option<&'static Name>),
+    >,
+    /// Every fluid.
+    pub fluids:
+        Query<'w, 's, (Entity, &'static CreationOrder, &'static mut Fluid, Option<&'static Name>)>,
     /// Every charge.
     pub charges: Query<'w, 's, (), With<Charge>>,
     /// The solver's columns and its report.

@@ -86,7 +86,12 @@ fn looking_changes_nothing() {
     let run = |looked: bool| {
         let mut app = app(SinewPanelPlugin::embedded());
         // Values that the sliders cannot show.
-        app.insert_resource(SolverConfig { substeps: 100, max_sweeps: 200, tolerance: 0.5 });
+        app.insert_resource(SolverConfig {
+            substeps: 100,
+            max_sweeps: 200,
+            tolerance: 0.5,
+            ..default()
+        });
         app.insert_resource(AirDrag(1.5));
         let ctx = egui::Context::default();
         for _ in 0..20 {

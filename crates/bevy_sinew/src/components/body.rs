@@ -12,7 +12,7 @@ use crate::rows::Rows;
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Clone)]
 #[require(Transform, ExtractedTransform, Rows<BodyParticles>)]
-#[require(LinearVelocity, AngularVelocity, Barycenter)]
+#[require(LinearVelocity, AngularVelocity, Barycenter, Inertia)]
 pub struct ParticleBody;
 
 /// Says to which body a particle belongs.
@@ -113,7 +113,8 @@ pub struct LinearVelocity(pub Vec3);
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct AngularVelocity(pub Vec3);
 
-/// A body's centre of mass in the world, metres, and its total mass without pinned particles, kg. Written after each tick.
+/// A body's centre of mass in the world, metres, and its total mass, kg. Written after each tick. A pinned particle counts with the
+/// [`Mass`](super::Mass) that it would have if it were let go.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Barycenter {
@@ -121,4 +122,85 @@ pub struct Barycenter {
     pub position: Vec3,
     /// `Σ m`, kilograms.
     pub mass: f32,
+}
+
+/// Inertia tensor of a body about its barycentre, kg·m², in the axes of the world, so it turns with the body. Written after each tick.
+///
+/// It is that of the particles as points, `Σ m (r² 1 - r rᵀ)`: for a box with particles at its corners three times the solid's, for an
+/// [equimomental](crate::BoxParticles::Equimomental) one the solid's. Pinned particles count as in [`Barycenter`].
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct Inertia(pub Mat3);
+
+impl Default for Inertia {
+    /// None, as before the first tick.
+    fn default() -> Self {
+        Self(Mat3::ZERO)
+    }
+}
+
+/// How the last tick of this body went in the solver. Add it to a body to have it filled; bodies that constraints connect share theirs.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct BodyReport {
+    /// Sweeps, summed over the substeps.
+    pub sweeps: u32,
+    /// Whether it met its tolerance in every substep.
+    pub converged: bool,
+    /// Substeps in which it turned too fast to be corrected along the start of the step.
+    pub fallbacks: u32,
+    /// Largest error left in a hard constraint, metres.
+    pub error: f32,
+    /// Largest error left in a hard distance, as a share of its rest length.
+    pub strain: f32,
+    /// Time that solving it took, seconds; zero unless [`SolverConfig::timed`](crate::SolverConfig::timed). Wall-clock time: never part of the state.
+    pub seconds: f64,
+}
+
+/// How strongly gravity pulls on a body or a particle, as a multiple of [`Gravity`](super::Gravity). Without it, 1; a body's and its particles' multiply.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, PartialOrd)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct GravityScale(pub f32);
+
+impl Default for GravityScale {
+    fn default() -> Self {
+        Self(1.0)
+    }
+}
+
+/// How a rigid body moves: a body with a [`RigidPose`], such as a box. Change it at any time: position, rotation, momentum and angular momentum stay.
+///
+/// The particles are the state either way. A rigid one is read off them when a tick begins, moved as position, rotation and two velocities,
+/// and written back; whatever pulls at one of its particles pulls at all. The distances and constraints inside it rest meanwhile.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub enum Representation {
+    /// As particles that constraints hold together. The default.
+    #[default]
+    Particles,
+    /// As an explicit rigid body.
+    Rigid(RigidIntegrator),
+}
+
+/// How an explicit rigid body steps through time. [`sinew::rigid`] compares them.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum RigidIntegrator {
+    /// As the lectures have it: order 1, drifts. To compare with.
+    Euler,
+    /// Kick, turn, kick: order 2. The default.
+    #[default]
+    Leapfrog,
+    /// The discrete Moser–Veselov equations: order 2, what Verlet is for rotations.
+    Verlet,
+}
+
+impl From<RigidIntegrator> for sinew::RigidIntegrator {
+    fn from(integrator: RigidIntegrator) -> Self {
+        match integrator {
+            RigidIntegrator::Euler => Self::Euler,
+            RigidIntegrator::Leapfrog => Self::Leapfrog,
+            RigidIntegrator::Verlet => Self::Verlet,
+        }
+    }
 }

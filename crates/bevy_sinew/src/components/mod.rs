@@ -2,28 +2,43 @@
 
 mod body;
 mod constraint;
+mod control;
 mod environment;
 mod order;
 mod particle;
+mod softness;
 
 pub use body::{
-    AngularVelocity, Barycenter, BodyConstraints, BodyParticles, ConstraintOf, ExtractedTransform,
-    Interpolate, LinearVelocity, MeshFollow, ParticleBody, ParticleOf, RigidPose, TubeMesh,
-    WindSurface,
+    AngularVelocity, Barycenter, BodyConstraints, BodyParticles, BodyReport, ConstraintOf,
+    ExtractedTransform, GravityScale, Inertia, Interpolate, LinearVelocity, MeshFollow,
+    ParticleBody, ParticleOf, Representation, RigidIntegrator, RigidPose, TubeMesh, WindSurface,
 };
-pub use constraint::{Bound, DistanceConstraint, Spring};
-pub use environment::{AirDrag, BoundingBox, Electric, Fluid, Gravity, Ground, Wind};
+pub use constraint::{
+    AngleConstraint, AreaConstraint, BendConstraint, Bound, CollinearConstraint, ConeConstraint,
+    CoplanarConstraint, DistanceConstraint, HingeConstraint, LawConstraint, ParticleConstraint,
+    PatchConstraint, RigidConstraint, Spring, TetrahedronConstraint, VolumeConstraint, Way,
+};
+pub use control::ControlForce;
+pub use environment::{
+    AirDrag, AirFlow, Attractor, BoundingBox, Electric, ElectricField, Flatland, Floats, Fluid,
+    Gravity, Ground, HullShape, Region, RegionShape, Wind,
+};
 pub use order::CreationOrder;
 pub use particle::{
     Charge, Drag, ExternalForce, Mass, Particle, ParticleRow, Pinned, PinnedTo, Radius,
 };
 
+pub use softness::Softness;
+
+pub(crate) use control::ResolvedTarget;
 pub(crate) use order::{CreationCounter, TopologyChanged};
 
 use bevy::prelude::*;
 
 /// Registers every component for reflection, for apps that do not register types by themselves.
 pub(crate) fn register(app: &mut App) {
+    constraint::register(app);
+    environment::register(app);
     app.register_type::<Particle>()
         .register_type::<Mass>()
         .register_type::<Pinned>()
@@ -33,8 +48,6 @@ pub(crate) fn register(app: &mut App) {
         .register_type::<Drag>()
         .register_type::<ExternalForce>()
         .register_type::<CreationOrder>()
-        .register_type::<DistanceConstraint>()
-        .register_type::<Spring>()
         .register_type::<ParticleBody>()
         .register_type::<ParticleOf>()
         .register_type::<BodyParticles>()
@@ -49,11 +62,10 @@ pub(crate) fn register(app: &mut App) {
         .register_type::<LinearVelocity>()
         .register_type::<AngularVelocity>()
         .register_type::<Barycenter>()
-        .register_type::<Gravity>()
-        .register_type::<AirDrag>()
-        .register_type::<Electric>()
-        .register_type::<Wind>()
-        .register_type::<Fluid>()
-        .register_type::<Ground>()
-        .register_type::<BoundingBox>();
+        .register_type::<Inertia>()
+        .register_type::<ControlForce>()
+        .register_type::<BodyReport>()
+        .register_type::<Representation>()
+        .register_type::<GravityScale>()
+        .register_type::<Softness>();
 }

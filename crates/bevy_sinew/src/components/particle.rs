@@ -2,6 +2,7 @@
 
 use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::world::DeferredWorld;
+use bevy::math::DVec3;
 use bevy::prelude::*;
 
 use super::order::{CreationOrder, mark_topology};
@@ -12,8 +13,10 @@ use super::order::{CreationOrder, mark_topology};
 /// substep, and that substep's length: `previous = position - velocity * lag`. That loses no digits far from the origin, starts exactly,
 /// and survives a change of the time step ([`sinew::particles`] says why).
 ///
-/// Edit it at any time: `position` alone is a teleport, [`set_velocity`](Self::set_velocity) a change of velocity,
-/// [`add_impulse`](Self::add_impulse) a kick.
+/// Edit it at any time: [`teleport`](Self::teleport) and [`displace`](Self::displace) move it and leave the velocity,
+/// [`set_velocity`](Self::set_velocity) and [`add_impulse`](Self::add_impulse) change the velocity, [`reverse`](Self::reverse) sends it back.
+/// These are plain arithmetic: whether the numbers are any good is looked at when the next tick begins. What edits whole bodies, and refuses, is
+/// [`BodyCommandsExt`](crate::BodyCommandsExt).
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Mass, CreationOrder, ParticleRow)]
@@ -21,6 +24,9 @@ use super::order::{CreationOrder, mark_topology};
 pub struct Particle {
     /// Where it is, metres.
     pub position: Vec3,
+    /// What `position` leaves out because `f32` has no digits for it, metres: 5 km from the origin they are 0.5 mm apart. Written with it; leave it
+    /// alone, or at zero.
+    pub remainder: Vec3,
     /// Mean velocity over the last `lag` seconds, m/s.
     pub velocity: Vec3,
     /// Length of the substep over which `velocity` is the mean, seconds; 0 says that the velocity is true now.
@@ -43,6 +49,24 @@ impl Particle {
         self.position - self.velocity * self.lag
     }
 
+    /// The velocity at the instant of the position, m/s, under the acceleration (m/s²) of the last substep: gravity, for what falls freely.
+    ///
+    /// [`LinearVelocity`](super::LinearVelocity) knows the acceleration of a body's particles by itself.
+    pub fn velocity_now(&self, acceleration: Vec3) -> Vec3 {
+        self.velocity + acceleration * (0.5 * self.lag)
+    }
+
+    /// Moves it to a point, metres, and leaves its velocity: in the lectures, both positions move by the same.
+    pub fn teleport(&mut self, to: Vec3) {
+        self.position = to;
+        self.remainder = Vec3::ZERO;
+    }
+
+    /// Moves it by so many metres and leaves its velocity. What `f32` has no digits for goes into the remainder.
+    pub fn displace(&mut self, by: Vec3) {
+        self.place(self.exact() + by.as_dvec3());
+    }
+
     /// Sets the velocity, m/s, true at this instant.
     pub fn set_velocity(&mut self, velocity: Vec3) {
         self.velocity = velocity;
@@ -55,9 +79,22 @@ impl Particle {
     }
 
     /// Swaps the two positions of Verlet: undamped, unconstrained motion runs backwards from here.
+    ///
+    /// That goes back by one substep at once: after N substeps, N - 1 more lead back to the start.
     pub fn reverse(&mut self) {
-        self.position = self.previous();
+        self.displace(-self.velocity * self.lag);
         self.velocity = -self.velocity;
+    }
+
+    /// Where it is, to the last digit, metres.
+    pub(crate) fn exact(&self) -> DVec3 {
+        self.position.as_dvec3() + self.remainder.as_dvec3()
+    }
+
+    /// Puts it there, metres.
+    pub(crate) fn place(&mut self, exact: DVec3) {
+        self.position = exact.as_vec3();
+        self.remainder = (exact - self.position.as_dvec3()).as_vec3();
     }
 }
 

@@ -9,11 +9,13 @@ use bevy::prelude::*;
 use sinew::recipes::Blueprint;
 
 use crate::components::{
-    BodyConstraints, BodyParticles, ConstraintOf, CreationOrder, DistanceConstraint, Drag,
-    ExtractedTransform, Interpolate, Mass, MeshFollow, Particle, ParticleOf, Pinned, Radius,
-    WindSurface,
+    BodyConstraints, BodyParticles, CreationOrder, Drag, ExtractedTransform, Interpolate, Mass,
+    MeshFollow, Particle, ParticleOf, Pinned, Radius, WindSurface,
 };
+use crate::config::BodySolver;
 use crate::messages::{Refusal, Refused};
+use crate::recipes::bind::{bind, join};
+use crate::recipes::wear::source_mesh;
 use crate::recipes::{BodyPart, BodyParts, PartOf};
 
 /// A component that describes a body and can build it.
@@ -36,23 +38,18 @@ pub(crate) struct MeshShape {
     pub(crate) indices: Vec<u32>,
 }
 
+impl MeshShape {
+    /// Its triangles, facing outwards after the mesh was scaled: a scale that mirrors turns them round. Indices that make no triangle are left out.
+    pub(crate) fn faces(&self, scale: Vec3) -> Vec<[u32; 3]> {
+        let mirrored = scale.x * scale.y * scale.z < 0.0;
+        let face = |&[a, b, c]: &[u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
+        self.indices.as_chunks::<3>().0.iter().map(face).collect()
+    }
+}
+
 /// Marks a body whose mesh is still loading.
 #[derive(Component)]
 pub(crate) struct AwaitsMesh<R: Send + Sync + 'static>(PhantomData<fn() -> R>);
-
-/// The mesh that a body was made from, and its own copy, which it deforms: a later build starts from the former.
-#[derive(Component)]
-pub(crate) struct MadeFrom {
-    pub(crate) source: Handle<Mesh>,
-    pub(crate) own: Handle<Mesh>,
-}
-
-/// The mesh to make a body from: its `Mesh3d`, unless that is the copy that it deforms.
-pub(crate) fn source_mesh(world: &World, body: Entity) -> Option<&Handle<Mesh>> {
-    let worn = &world.get::<Mesh3d>(body)?.0;
-    let made = world.get::<MadeFrom>(body).filter(|made| made.own == *worn);
-    Some(made.map_or(worn, |made| &made.source))
-}
 
 /// What a body was last built from: a recipe that is put back unchanged, as a rollback does, builds nothing anew.
 #[derive(Component)]
@@ -139,9 +136,15 @@ fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<O
     let blueprint = recipe.blueprint(mesh.as_ref(), transform.scale)?;
     let placed = blueprint.transformed(transform.rotation, transform.translation);
     let particles = spawn_particles(world, body, &placed);
-    let distances = spawn_distances(world, body, &placed, &particles);
+    let bound = bind(world, body, &placed, &particles);
 
     attach(world, body, ExtractedTransform(Some(transform)));
+    // What a game asks for comes before what the recipe would.
+    if blueprint.settings != Default::default()
+        && let Ok(mut entity) = world.get_entity_mut(body)
+    {
+        entity.insert_if_new(BodySolver::from(blueprint.settings));
+    }
     let all_there = particles.len() == placed.particles.len();
     if all_there && !placed.triangles.is_empty() {
         let corner = |i: u32| particles[i as usize];
@@ -160,7 +163,7 @@ fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<O
         return Ok(Outcome::Built);
     }
     // What joined the body went with it; what came after it was gone would be left behind.
-    for entity in particles.into_iter().chain(distances) {
+    for entity in particles.into_iter().chain(bound) {
         world.try_despawn(entity).ok();
     }
     Ok(Outcome::Gone)
@@ -220,12 +223,16 @@ fn spawn_particles(world: &mut World, body: Entity, blueprint: &Blueprint) -> Ve
         }
         let pinned = seed.mass.is_infinite();
         let particle = (
-            Particle { position: seed.position, velocity: seed.velocity, lag: seed.lag },
+            Particle {
+                position: seed.position,
+                remainder: seed.remainder,
+                velocity: seed.velocity,
+                lag: seed.lag,
+            },
             Mass(if pinned { 1.0 } else { seed.mass }),
             Radius(seed.radius),
-            ParticleOf(body),
         );
-        let entity = world.spawn(particle).id();
+        let entity = join(world, ParticleOf(body), |mut entity| _ = entity.insert(particle));
         if seed.drag > 0.0 {
             attach(world, entity, Drag(seed.drag));
         }
@@ -237,42 +244,20 @@ fn spawn_particles(world: &mut World, body: Entity, blueprint: &Blueprint) -> Ve
     particles
 }
 
-fn spawn_distances(
-    world: &mut World,
-    body: Entity,
-    blueprint: &Blueprint,
-    particles: &[Entity],
-) -> Vec<Entity> {
-    let mut distances = Vec::with_capacity(blueprint.distances.len());
-    for distance in &blueprint.distances {
-        if world.get_entity(body).is_err() {
-            break;
-        }
-        let constraint = DistanceConstraint {
-            a: particles[distance.a as usize],
-            b: particles[distance.b as usize],
-            rest: distance.rest,
-            compliance: distance.compliance,
-            bound: distance.bound.into(),
-        };
-        distances.push(world.spawn((constraint, ConstraintOf(body))).id());
-    }
-    distances
-}
-
 /// Spawns an entity for each rigid part of a body, with the pose that follows it.
 pub(crate) fn spawn_parts(
     world: &mut World,
     body: Entity,
     blueprint: &Blueprint,
     particles: &[Entity],
+    names: impl Iterator<Item = Name>,
 ) {
-    for part in &blueprint.parts {
+    for (part, name) in blueprint.parts.iter().zip(names) {
         if world.get_entity(body).is_err() {
             return;
         }
         world.spawn((
-            Name::new(part.name),
+            name,
             BodyPart { size: part.size },
             PartOf(body),
             super::rigid::pose_of(part, particles),

@@ -5,7 +5,8 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use sinew::recipes::{Blueprint, ClothMaterial, ClothSpec, cloth_from_mesh, cloth_grid, grid_uvs};
 
-use super::build::{MadeFrom, MeshShape, Recipe, attach, source_mesh};
+use super::build::{MeshShape, Recipe, attach};
+use super::wear::own_copy;
 use crate::components::{CreationOrder, ParticleBody};
 use crate::messages::Refusal;
 
@@ -150,19 +151,10 @@ impl Recipe for Cloth {
     }
 
     fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, _: &[Entity]) {
+        let Some(spec) = self.spec() else { return own_copy(world, body) };
         let Some(mut meshes) = world.get_resource_mut::<Assets<Mesh>>() else { return };
-        let handle = match self.spec() {
-            Some(spec) => meshes.add(grid_mesh(&spec, blueprint)),
-            None => {
-                let Some(source) = source_mesh(world, body).cloned() else { return };
-                let mut meshes = world.resource_mut::<Assets<Mesh>>();
-                let Some(copy) = meshes.get(&source).cloned() else { return };
-                let own = meshes.add(copy);
-                attach(world, body, MadeFrom { source, own: own.clone() });
-                own
-            }
-        };
-        attach(world, body, Mesh3d(handle));
+        let skin = meshes.add(grid_mesh(&spec, blueprint));
+        attach(world, body, Mesh3d(skin));
     }
 }
 

@@ -1,15 +1,23 @@
 //! Recipes as components: spawn one and the body builds itself, change one and it is built anew, despawn it and everything goes.
 
+mod articulated;
+mod bind;
 mod build;
 mod cloth;
 mod ragdoll;
 mod rigid;
 mod rope;
+mod soft;
+mod solid;
+mod wear;
 
+pub use articulated::{Articulated, Bone, BoneJoint};
 pub use cloth::{Cloth, ClothPins, ClothShape};
 pub use ragdoll::{BodyPart, BodyParts, PartOf, Ragdoll};
 pub use rigid::{BoxParticles, ParticleBox};
 pub use rope::Rope;
+pub use soft::{SoftBody, SoftShape};
+pub use solid::{Bulk, Solid, SolidParticles, SolidShape};
 
 use bevy::ecs::schedule::InternedScheduleLabel;
 use bevy::prelude::*;
@@ -22,6 +30,9 @@ pub(crate) fn add(app: &mut App, tick: InternedScheduleLabel) {
         .register_type::<Rope>()
         .register_type::<Cloth>()
         .register_type::<Ragdoll>()
+        .register_type::<Solid>()
+        .register_type::<SoftBody>()
+        .register_type::<Articulated>()
         .register_type::<BodyPart>()
         .register_type::<PartOf>()
         .register_type::<BodyParts>();
@@ -33,6 +44,9 @@ pub(crate) fn add(app: &mut App, tick: InternedScheduleLabel) {
             build::build::<Rope>,
             build::build::<Cloth>,
             build::build::<Ragdoll>,
+            build::build::<Solid>,
+            build::build::<SoftBody>,
+            build::build::<Articulated>,
         )
             .chain()
             .in_set(SinewSystems::Build),

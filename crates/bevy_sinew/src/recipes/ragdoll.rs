@@ -53,6 +53,7 @@ impl Recipe for Ragdoll {
     }
 
     fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, particles: &[Entity]) {
-        spawn_parts(world, body, blueprint, particles);
+        let names = blueprint.parts.iter().map(|part| Name::new(part.name));
+        spawn_parts(world, body, blueprint, particles, names);
     }
 }

@@ -6,10 +6,11 @@ use sinew::recipes::{Blueprint, BoxLayout, BoxSpec, Part, box_2d, box_3d};
 use super::build::{MeshShape, Recipe, attach};
 use crate::components::{CreationOrder, ParticleBody, RigidPose};
 use crate::messages::Refusal;
+use crate::recipes::BodyPart;
 
 /// A box of particles held by distances: 8 particles and 28 distances, or 4 and 6 when it is flat.
 ///
-/// Its `Transform` says where it is built, and then follows it.
+/// Its `Transform` says where it is built, and then follows it. It gets a [`BodyPart`] that tells its size.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(ParticleBody, CreationOrder)]
@@ -65,7 +66,7 @@ impl Recipe for ParticleBox {
 
     fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, particles: &[Entity]) {
         if let Some(part) = blueprint.parts.first() {
-            attach(world, body, pose_of(part, particles));
+            attach(world, body, (pose_of(part, particles), BodyPart { size: part.size }));
         }
     }
 }

@@ -1,7 +1,15 @@
 //! What happens around the substeps: components into columns, and columns back into components.
 
+pub(crate) mod bodies;
+pub(crate) mod carry;
+pub(crate) mod controls;
+pub(crate) mod environment;
 pub(crate) mod extract;
 pub(crate) mod gather;
+pub(crate) mod hulls;
 pub(crate) mod layout;
 pub(crate) mod links;
+pub(crate) mod representation;
 pub(crate) mod scatter;
+
+pub use links::RegisterParticleConstraint;

@@ -18,6 +18,7 @@ pub(crate) fn scatter(
         if tables.refused[row].is_none() {
             *particle = Particle {
                 position: columns.position(row),
+                remainder: columns.remainder(row),
                 velocity: columns.velocity(row),
                 lag: columns.lag(row),
             };

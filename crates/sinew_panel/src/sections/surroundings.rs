@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_egui::egui::{Label, RichText, Slider, Ui};
-use bevy_sinew::{Gravity, Wind};
+use bevy_sinew::{AirFlow, Fluid, Gravity, Wind};
 
 use crate::panel::PanelParams;
 use crate::widgets::{row, slider, vector};
@@ -10,7 +10,7 @@ use crate::widgets::{row, slider, vector};
 /// Density of air, kg/m³, to tell a pressure's speed.
 const AIR: f32 = 1.225;
 
-/// Writes `Gravity`, `AirDrag`, `Electric` and every `Wind`.
+/// Writes `Gravity`, `AirDrag`, `Electric` and every `Wind`, `AirFlow` and `Fluid`.
 pub(crate) fn surroundings(ui: &mut Ui, panel: &mut PanelParams) {
     gravity(ui, panel);
 
@@ -30,6 +30,19 @@ pub(crate) fn surroundings(ui: &mut Ui, panel: &mut PanelParams) {
                 wind.set_if_neq(changed);
             }
         });
+    }
+
+    let mut flows: Vec<_> = panel.flows.iter_mut().collect();
+    flows.sort_by_key(|(_, order, ..)| **order);
+    for (i, (entity, _, mut flow, name)) in flows.into_iter().enumerate() {
+        subtitle(ui, &name.map_or_else(|| format!("Air {}", i + 1), ToString::to_string));
+        ui.push_id(entity.to_bits(), |ui| _ = flow.set_if_neq(stream(ui, *flow)));
+    }
+    let mut fluids: Vec<_> = panel.fluids.iter_mut().collect();
+    fluids.sort_by_key(|(_, order, ..)| **order);
+    for (i, (entity, _, mut fluid, name)) in fluids.into_iter().enumerate() {
+        subtitle(ui, &name.map_or_else(|| format!("Fluid {}", i + 1), ToString::to_string));
+        ui.push_id(entity.to_bits(), |ui| _ = fluid.set_if_neq(pour(ui, *fluid)));
     }
 
     if !panel.charges.is_empty() {
@@ -114,6 +127,26 @@ fn blow(ui: &mut Ui, title: &str, wind: &Wind) -> Option<Wind> {
     let hint = "How much gusts add and take, as a share of the pressure.";
     let gusty = slider(ui, "Gusts", hint, rail);
     (aimed || gusty).then_some(wind)
+}
+
+/// The sliders of a flow of air: what it becomes.
+fn stream(ui: &mut Ui, mut flow: AirFlow) -> AirFlow {
+    let Vec3 { x, y, z } = &mut flow.velocity;
+    vector(ui, "Velocity", "Velocity of the air, m/s.", [x, y, z], 0.05);
+    let rail = Slider::new(&mut flow.gusts, 0.0..=1.0).fixed_decimals(2);
+    let hint = "How much gusts add and take, as a share of the speed.";
+    slider(ui, "Gusts", hint, rail);
+    flow
+}
+
+/// The sliders of a fluid: what it becomes.
+fn pour(ui: &mut Ui, mut fluid: Fluid) -> Fluid {
+    let Vec3 { x, y, z } = &mut fluid.current;
+    vector(ui, "Current", "Velocity of the fluid, m/s.", [x, y, z], 0.05);
+    let rail = Slider::new(&mut fluid.drag, 0.0..=1.0).fixed_decimals(2).suffix(" /s");
+    let hint = "Share of its velocity that a submerged particle loses per second.";
+    slider(ui, "Drag", hint, rail);
+    fluid
 }
 
 /// A pressure as a strength, Pa, and a direction, degrees.

@@ -1,8 +1,9 @@
-//! What holds particles together: constraints that hold exactly, and springs that pull.
+//! What holds pairs of particles together: distances, which hold exactly, and springs, which pull.
 
 use bevy::prelude::*;
 
-use super::order::{CreationOrder, mark_topology};
+use super::super::order::{CreationOrder, mark_topology};
+use super::super::softness::Softness;
 
 /// Which way a distance is enforced.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -31,8 +32,8 @@ pub struct DistanceConstraint {
     pub b: Entity,
     /// Length to keep, metres, 0 and up.
     pub rest: f32,
-    /// Inverse stiffness, m/N; 0 (the default of [`new`](Self::new)) is hard.
-    pub compliance: f32,
+    /// How hard it is; [`new`](Self::new) makes a hard one.
+    pub softness: Softness,
     /// Whether the length is kept both ways.
     pub bound: Bound,
 }
@@ -40,12 +41,17 @@ pub struct DistanceConstraint {
 impl DistanceConstraint {
     /// A hard rod of `rest` metres between two particles.
     pub fn new(a: Entity, b: Entity, rest: f32) -> Self {
-        Self { a, b, rest, compliance: 0.0, bound: Bound::Equal }
+        Self { a, b, rest, softness: Softness::Hard, bound: Bound::Equal }
     }
 
     /// The same with a compliance, m/N.
     pub fn with_compliance(self, compliance: f32) -> Self {
-        Self { compliance, ..self }
+        self.with_softness(sinew::Softness::compliant(compliance).into())
+    }
+
+    /// The same, as hard as that.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
     }
 
     /// The same as an inequality.

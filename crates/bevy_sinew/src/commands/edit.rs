@@ -1,0 +1,64 @@
+//! What can be asked of a body, and why it is not done.
+
+use bevy::prelude::*;
+
+/// One change to a body, a rigid part or a particle: [`BodyCommandsExt`](super::BodyCommandsExt) says what each does. It is an `EntityCommand`.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Clone, PartialEq)]
+pub enum BodyEdit {
+    /// An impulse at the barycentre, N·s.
+    Impulse(Vec3),
+    /// An impulse, N·s, at a point of the world, metres.
+    ImpulseAt(Vec3, Vec3),
+    /// An angular impulse about the barycentre, N·m·s.
+    AngularImpulse(Vec3),
+    /// The velocity of the barycentre, m/s.
+    LinearVelocity(Vec3),
+    /// The angular velocity about it, rad/s.
+    AngularVelocity(Vec3),
+    /// The velocity, m/s, and the angular velocity, rad/s, of one rigid body.
+    Motion(Vec3, Vec3),
+    /// Where its `Transform` is to be, metres; the scale does not count.
+    Teleport(Transform),
+    /// A displacement, metres.
+    Displace(Vec3),
+    /// A turn about the barycentre; of any length but zero.
+    Turn(Quat),
+    /// Backwards from here.
+    Reverse,
+}
+
+impl BodyEdit {
+    /// Whether all its numbers are finite, and rotations are some.
+    pub fn is_valid(&self) -> bool {
+        let rotates = |q: Quat| q.is_finite() && q.to_array().iter().any(|&part| part != 0.0);
+        match self {
+            Self::Impulse(a)
+            | Self::AngularImpulse(a)
+            | Self::LinearVelocity(a)
+            | Self::AngularVelocity(a)
+            | Self::Displace(a) => a.is_finite(),
+            Self::ImpulseAt(a, b) | Self::Motion(a, b) => a.is_finite() && b.is_finite(),
+            Self::Teleport(to) => to.translation.is_finite() && rotates(to.rotation),
+            Self::Turn(by) => rotates(*by),
+            Self::Reverse => true,
+        }
+    }
+}
+
+/// Why a command or a control force has no effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum EditFault {
+    /// A number that it was given is NaN or infinite, or a rotation is none; or what comes of it is.
+    #[error("a number of what is asked of it is not finite, or would not be")]
+    NotFinite,
+    /// It is neither a body nor a rigid part nor a particle, or is gone.
+    #[error("it is neither a body nor a particle")]
+    NoParticles,
+    /// A body to be teleported that has no `Transform`, or one that is no place.
+    #[error("its Transform, from which it would be moved, is missing or not finite")]
+    NoTransform,
+    /// A body that waits for its particles with more edits than [`PendingEdits::MOST`](super::PendingEdits::MOST).
+    #[error("too many edits wait for its particles")]
+    TooMany,
+}

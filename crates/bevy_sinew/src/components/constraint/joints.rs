@@ -1,0 +1,156 @@
+//! Angles between particles: elbows, hinges, and cones.
+
+use bevy::prelude::*;
+use sinew::Law;
+use sinew::constraints::{Angle, Cone, Hinge};
+
+use super::super::order::CreationOrder;
+use super::super::softness::Softness;
+use super::ParticleConstraint;
+
+/// The angle at a joint of three particles stays between two limits.
+///
+/// It has no side: a straight elbow may bend either way. What may bend one way only is a [`HingeConstraint`].
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Clone, PartialEq)]
+#[require(CreationOrder)]
+pub struct AngleConstraint {
+    /// One end, the joint, the other end.
+    #[entities]
+    pub particles: [Entity; 3],
+    /// Smallest angle, radians, 0 to `max`.
+    pub min: f32,
+    /// Largest angle, radians, `min` (which keeps one angle) to π (a straight joint).
+    pub max: f32,
+    /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in rad²/J.
+    pub softness: Softness,
+}
+
+impl AngleConstraint {
+    /// Hard limits, radians, at the joint `b` of `[a, b, c]`.
+    pub fn new(particles: [Entity; 3], min: f32, max: f32) -> Self {
+        Self { particles, min, max, softness: Softness::Hard }
+    }
+
+    /// A law of the solver between some particles: [`Angle::rest`] keeps an angle as it is.
+    pub fn from_law(particles: [Entity; 3], law: &Angle) -> Self {
+        Self { particles, min: law.min, max: law.max, softness: law.softness.into() }
+    }
+
+    /// The same, as hard as that.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
+    }
+}
+
+impl ParticleConstraint for AngleConstraint {
+    fn particles(&self) -> &[Entity] {
+        &self.particles
+    }
+
+    fn law(&self) -> Law {
+        Law::Angle(Angle { min: self.min, max: self.max, softness: self.softness.into() })
+    }
+}
+
+/// The signed angle about an axis of two particles stays between two limits, from the half-plane of `a` to the half-plane of `c` about `h0 → h1`.
+///
+/// The angle is positive where the thumb of a right hand that turns `a` towards `c` points from `h0` to `h1`. Three things at once:
+///
+/// - **a hinge**, an elbow or a knee, with `h0` and `h1` along its pin and `a` and `c` on the two bones: a straight one has the angle π, so one
+///   that closes by 150° and never bends backward has the limits 30° and 180°, or 180° and 330° if it closes the other way;
+/// - **a limit of twist**: `[a reference in the parent, the joint, the child's far end, a reference in the child]`, so that the axis is the bone;
+/// - **bending** by the dihedral angle of two triangles with the common edge `h0 h1`; flat is π. [`BendConstraint`](super::BendConstraint) is cheaper.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # let mut world = World::new();
+/// # let [hand, shoulder, pin, end] = [(); 4].map(|()| world.spawn_empty().id());
+/// let elbow = HingeConstraint::new([shoulder, pin, end, hand], 30_f32.to_radians(), 180_f32.to_radians());
+/// assert_eq!(elbow.softness, Softness::Hard);
+/// ```
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Clone, PartialEq)]
+#[require(CreationOrder)]
+pub struct HingeConstraint {
+    /// `[a, h0, h1, c]`: the axis is in the middle.
+    #[entities]
+    pub particles: [Entity; 4],
+    /// Smallest angle, radians, -2π to 2π: a range about the angle π goes beyond it (170° to 190°).
+    pub min: f32,
+    /// Largest angle, radians, `min` (which keeps one angle) to 2π, and at most 2π above `min`.
+    pub max: f32,
+    /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in rad²/J.
+    pub softness: Softness,
+}
+
+impl HingeConstraint {
+    /// Hard limits, radians, about the axis `h0 → h1` of `[a, h0, h1, c]`.
+    pub fn new(particles: [Entity; 4], min: f32, max: f32) -> Self {
+        Self { particles, min, max, softness: Softness::Hard }
+    }
+
+    /// A law of the solver between some particles: [`Hinge::rest`] keeps an angle as it is.
+    pub fn from_law(particles: [Entity; 4], law: &Hinge) -> Self {
+        Self { particles, min: law.min, max: law.max, softness: law.softness.into() }
+    }
+
+    /// The same, as hard as that.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
+    }
+}
+
+impl ParticleConstraint for HingeConstraint {
+    fn particles(&self) -> &[Entity] {
+        &self.particles
+    }
+
+    fn law(&self) -> Law {
+        Law::Hinge(Hinge { min: self.min, max: self.max, softness: self.softness.into() })
+    }
+}
+
+/// A bone stays in a cone about an axis that is fixed in its parent: a shoulder or a hip. It says nothing about twist.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Clone, PartialEq)]
+#[require(CreationOrder)]
+pub struct ConeConstraint {
+    /// `[o, x, y, c, d]`: three particles of the parent, then the ends of the bone; or `[o, x, y, d]` for a bone that begins at `o`.
+    #[entities]
+    pub particles: Vec<Entity>,
+    /// The axis is `axis.x (x - o) + axis.y (y - o) + axis.z (x - o)×(y - o)`; not zero, its length does not matter. [`Cone::about`] finds it.
+    pub axis: Vec3,
+    /// Largest angle between the axis and the bone, radians, 0 to π (which allows all).
+    pub max: f32,
+    /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in rad²/J.
+    pub softness: Softness,
+}
+
+impl ConeConstraint {
+    /// A hard cone of `max` radians for `[o, x, y, c, d]` or `[o, x, y, d]`.
+    pub fn new(particles: impl Into<Vec<Entity>>, axis: Vec3, max: f32) -> Self {
+        Self { particles: particles.into(), axis, max, softness: Softness::Hard }
+    }
+
+    /// A law of the solver between some particles: [`Cone::about`] makes one about a direction in the world.
+    pub fn from_law(particles: impl Into<Vec<Entity>>, law: &Cone) -> Self {
+        Self::new(particles, law.axis, law.max).with_softness(law.softness.into())
+    }
+
+    /// The same, as hard as that.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
+    }
+}
+
+impl ParticleConstraint for ConeConstraint {
+    fn particles(&self) -> &[Entity] {
+        &self.particles
+    }
+
+    fn law(&self) -> Law {
+        Law::Cone(Cone { axis: self.axis, max: self.max, softness: self.softness.into() })
+    }
+}

@@ -1,0 +1,116 @@
+//! What holds particles together: each constraint and each spring is an entity of its own, to add, change or despawn at run time.
+//!
+//! | file | what it keeps |
+//! |---|---|
+//! | `pairs` | two particles: [`DistanceConstraint`], [`Spring`] |
+//! | `joints` | angles: [`AngleConstraint`], [`HingeConstraint`], [`ConeConstraint`] |
+//! | `sizes` | areas and volumes: [`AreaConstraint`], [`PatchConstraint`], [`TetrahedronConstraint`], [`VolumeConstraint`] |
+//! | `shapes` | [`BendConstraint`], [`CoplanarConstraint`], [`CollinearConstraint`], [`RigidConstraint`] |
+//! | `law` | any law, without a component of its own: [`LawConstraint`] |
+//!
+//! Distances and springs are so many that they have lists of their own. All others come in by one door, [`ParticleConstraint`], and so do a game's.
+
+mod joints;
+mod law;
+mod pairs;
+mod shapes;
+mod sizes;
+
+pub use joints::{AngleConstraint, ConeConstraint, HingeConstraint};
+pub use law::LawConstraint;
+pub use pairs::{Bound, DistanceConstraint, Spring};
+pub use shapes::{BendConstraint, CollinearConstraint, CoplanarConstraint, RigidConstraint};
+pub use sizes::{AreaConstraint, PatchConstraint, TetrahedronConstraint, VolumeConstraint, Way};
+
+use bevy::prelude::*;
+use sinew::{Law, LawFault};
+
+/// A constraint as a component: it names particles, and says what must hold between them. Implement it for a component of your own and
+/// [register](crate::RegisterParticleConstraint) that, and it is solved like the rest.
+///
+/// Particles, value and gradient are all that it takes; the value and the gradient are those of a [`sinew::Equation`], whose documentation says
+/// what to check. Add, change or despawn the component at run time and the next tick knows. Nothing is asked again in between: neither `particles`
+/// nor `law` is called in a tick in which no particle, spring or constraint came, went or changed. So let them depend on the component alone.
+///
+/// A constraint that cannot act (a particle is gone, is named twice, or a number of the law is out of range) is set aside, with one
+/// [`Refused`](crate::Refused) message, and the rest goes on bit for bit as if it were not there. One whose particle is itself set aside waits for it,
+/// silently. Constraints are solved in the order in which their entities were created ([`CreationOrder`](crate::CreationOrder), which comes with a
+/// registered component), whatever their types; several on one entity in the order in which their types were registered.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy_sinew::prelude::*;
+/// use bevy_sinew::sinew::{Equation, Law, Points};
+///
+/// /// Keeps a particle on a ball.
+/// #[derive(Component)]
+/// struct OnBall {
+///     particle: Entity,
+///     centre: Vec3,
+///     radius: f32,
+/// }
+///
+/// impl ParticleConstraint for OnBall {
+///     fn particles(&self) -> &[Entity] {
+///         core::slice::from_ref(&self.particle)
+///     }
+///
+///     fn law(&self) -> Law {
+///         Law::custom(Ball { centre: self.centre, radius: self.radius })
+///     }
+/// }
+///
+/// /// `C = ‖p - centre‖ - radius`, metres; its gradient points outward and has the length 1.
+/// #[derive(Debug)]
+/// struct Ball {
+///     centre: Vec3,
+///     radius: f32,
+/// }
+///
+/// impl Equation for Ball {
+///     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
+///         let from_centre = points.relative_to(0, self.centre);
+///         gradients[0] = from_centre.normalize_or(Vec3::Y);
+///         from_centre.length() - self.radius
+///     }
+/// }
+///
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, SinewPlugins));
+/// app.register_particle_constraint::<OnBall>();
+/// let particle = app.world_mut().spawn(Particle::at(Vec3::Y)).id();
+/// app.world_mut().spawn(OnBall { particle, centre: Vec3::ZERO, radius: 1.0 });
+/// # app.finish();
+/// # app.update();
+/// ```
+pub trait ParticleConstraint: Component {
+    /// The particles that it binds, each once, in the order that its law asks for.
+    fn particles(&self) -> &[Entity];
+
+    /// What must hold between them.
+    fn law(&self) -> Law;
+
+    /// What is wrong with it beside what [`sinew::Constraint::fault`] finds: the numbers of a law of one's own, which nobody else can check.
+    /// Nothing by default.
+    fn fault(&self) -> Option<LawFault> {
+        None
+    }
+}
+
+/// Registers the constraints for reflection, for apps that do not register types by themselves.
+pub(super) fn register(app: &mut App) {
+    app.register_type::<DistanceConstraint>()
+        .register_type::<Spring>()
+        .register_type::<AngleConstraint>()
+        .register_type::<HingeConstraint>()
+        .register_type::<ConeConstraint>()
+        .register_type::<AreaConstraint>()
+        .register_type::<PatchConstraint>()
+        .register_type::<TetrahedronConstraint>()
+        .register_type::<VolumeConstraint>()
+        .register_type::<BendConstraint>()
+        .register_type::<CoplanarConstraint>()
+        .register_type::<CollinearConstraint>()
+        .register_type::<RigidConstraint>()
+        .register_type::<LawConstraint>();
+}

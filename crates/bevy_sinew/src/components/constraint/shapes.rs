@@ -1,0 +1,162 @@
+//! Shapes that particles keep: unbent, flat, straight, or rigid.
+
+use bevy::prelude::*;
+use sinew::Law;
+use sinew::constraints::{Bend, Collinear, Coplanar, Rigid};
+
+use super::super::order::CreationOrder;
+use super::super::softness::Softness;
+use super::ParticleConstraint;
+
+/// Two triangles that share an edge do not bend: isometric bending, cheaper and calmer than an angle, but blind to the side of a fold.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Clone, PartialEq)]
+#[require(CreationOrder)]
+pub struct BendConstraint {
+    /// `[e0, e1, a, b]`: the edge, then the two opposite corners.
+    #[entities]
+    pub particles: [Entity; 4],
+    /// Weights of the particles, which sum to zero. [`Bend::of`] finds them.
+    pub weights: [f32; 4],
+    /// Length of the weighted sum at rest, metres, 0 (a flat shape) and up.
+    pub rest: f32,
+    /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in m/N.
+    pub softness: Softness,
+}
+
+impl BendConstraint {
+    /// A hard one with those weights and `rest` metres.
+    pub fn new(particles: [Entity; 4], weights: [f32; 4], rest: f32) -> Self {
+        Self { particles, weights, rest, softness: Softness::Hard }
+    }
+
+    /// A law of the solver between some particles: [`Bend::of`] and [`Bend::stiff`] keep a fold as it is.
+    pub fn from_law(particles: [Entity; 4], law: &Bend) -> Self {
+        Self::new(particles, law.weights, law.rest).with_softness(law.softness.into())
+    }
+
+    /// The same, as hard as that.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
+    }
+}
+
+impl ParticleConstraint for BendConstraint {
+    fn particles(&self) -> &[Entity] {
+        &self.particles
+    }
+
+    fn law(&self) -> Law {
+        let softness = self.softness.into();
+        Law::Bend(Bend { weights: self.weights, rest: self.rest, softness })
+    }
+}
+
+/// Particles stay in one plane, wherever that is.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Clone, PartialEq)]
+#[require(CreationOrder)]
+pub struct CoplanarConstraint {
+    /// The particles, each once; four or more.
+    #[entities]
+    pub particles: Vec<Entity>,
+    /// How hard it is; [`new`](Self::new) makes a hard one.
+    pub softness: Softness,
+}
+
+impl CoplanarConstraint {
+    /// A hard one.
+    pub fn new(particles: impl Into<Vec<Entity>>) -> Self {
+        Self { particles: particles.into(), softness: Softness::Hard }
+    }
+
+    /// The same, as hard as that. A compliance is in m/N.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
+    }
+}
+
+impl ParticleConstraint for CoplanarConstraint {
+    fn particles(&self) -> &[Entity] {
+        &self.particles
+    }
+
+    fn law(&self) -> Law {
+        Law::Coplanar(Coplanar { softness: self.softness.into() })
+    }
+}
+
+/// Particles stay on one line, wherever that is. It keeps neither their order nor their distances.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Clone, PartialEq)]
+#[require(CreationOrder)]
+pub struct CollinearConstraint {
+    /// The particles, each once; three or more.
+    #[entities]
+    pub particles: Vec<Entity>,
+    /// How hard it is; [`new`](Self::new) makes a hard one.
+    pub softness: Softness,
+}
+
+impl CollinearConstraint {
+    /// A hard one.
+    pub fn new(particles: impl Into<Vec<Entity>>) -> Self {
+        Self { particles: particles.into(), softness: Softness::Hard }
+    }
+
+    /// The same, as hard as that. A compliance is in m/N.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
+    }
+}
+
+impl ParticleConstraint for CollinearConstraint {
+    fn particles(&self) -> &[Entity] {
+        &self.particles
+    }
+
+    fn law(&self) -> Law {
+        Law::Collinear(Collinear { softness: self.softness.into() })
+    }
+}
+
+/// Particles keep a rigid shape, all at once, wherever it is and however it is turned.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Clone, PartialEq)]
+#[require(CreationOrder)]
+pub struct RigidConstraint {
+    /// The particles, each once.
+    #[entities]
+    pub particles: Vec<Entity>,
+    /// Where each of them sits in the shape's own frame, metres; as many as `particles`. World positions will do.
+    pub rest: Vec<Vec3>,
+    /// How hard it is; [`new`](Self::new) makes a hard one.
+    pub softness: Softness,
+}
+
+impl RigidConstraint {
+    /// A hard one in the shape `rest`, metres.
+    pub fn new(particles: impl Into<Vec<Entity>>, rest: impl Into<Vec<Vec3>>) -> Self {
+        Self { particles: particles.into(), rest: rest.into(), softness: Softness::Hard }
+    }
+
+    /// A law of the solver between some particles.
+    pub fn from_law(particles: impl Into<Vec<Entity>>, law: &Rigid) -> Self {
+        Self::new(particles, law.rest.to_vec()).with_softness(law.softness.into())
+    }
+
+    /// The same, as hard as that. A compliance is in m/N.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
+    }
+}
+
+impl ParticleConstraint for RigidConstraint {
+    fn particles(&self) -> &[Entity] {
+        &self.particles
+    }
+
+    fn law(&self) -> Law {
+        Law::Rigid(Rigid { rest: self.rest.as_slice().into(), softness: self.softness.into() })
+    }
+}

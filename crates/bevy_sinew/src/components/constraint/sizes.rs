@@ -1,0 +1,244 @@
+//! Areas and volumes of what particles span.
+
+use bevy::prelude::*;
+use sinew::Law;
+use sinew::constraints::{Area, Patch, Tetrahedron, Volume};
+
+use super::super::order::CreationOrder;
+use super::super::softness::Softness;
+use super::ParticleConstraint;
+
+/// Along which way an area or a volume of many triangles is corrected.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum Way {
+    /// Along its gradient: the least mass-weighted displacement. The default.
+    #[default]
+    Gradient,
+    /// By scaling everything about the barycentre: right at once, but not the least.
+    Scaling,
+}
+
+/// The area of a triangle stays as it is.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Clone, PartialEq)]
+#[require(CreationOrder)]
+pub struct AreaConstraint {
+    /// The corners, either way round.
+    #[entities]
+    pub particles: [Entity; 3],
+    /// Area to keep, m², 0 and up.
+    pub rest: f32,
+    /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in m⁴/J.
+    pub softness: Softness,
+}
+
+impl AreaConstraint {
+    /// A hard one of `rest` square metres.
+    pub fn new(particles: [Entity; 3], rest: f32) -> Self {
+        Self { particles, rest, softness: Softness::Hard }
+    }
+
+    /// A law of the solver between some particles: [`Area::of`] keeps an area as it is.
+    pub fn from_law(particles: [Entity; 3], law: &Area) -> Self {
+        Self { particles, rest: law.rest, softness: law.softness.into() }
+    }
+
+    /// The same, as hard as that.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
+    }
+}
+
+impl ParticleConstraint for AreaConstraint {
+    fn particles(&self) -> &[Entity] {
+        &self.particles
+    }
+
+    fn law(&self) -> Law {
+        Law::Area(Area { rest: self.rest, softness: self.softness.into() })
+    }
+}
+
+/// The total area of many triangles stays as it is: one may grow while another shrinks.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Clone, PartialEq)]
+#[require(CreationOrder)]
+pub struct PatchConstraint {
+    /// The particles, each once.
+    #[entities]
+    pub particles: Vec<Entity>,
+    /// The triangles, as places in `particles`, either way round.
+    pub triangles: Vec<[u32; 3]>,
+    /// Area to keep, m², 0 and up.
+    pub rest: f32,
+    /// Along which way it is corrected; [`new`](Self::new) takes the gradient.
+    pub way: Way,
+    /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in m⁴/J along the gradient, and in m/N for scaling.
+    pub softness: Softness,
+}
+
+impl PatchConstraint {
+    /// A hard one of `rest` square metres, corrected along the gradient.
+    pub fn new(
+        particles: impl Into<Vec<Entity>>,
+        triangles: impl Into<Vec<[u32; 3]>>,
+        rest: f32,
+    ) -> Self {
+        let (particles, triangles) = (particles.into(), triangles.into());
+        Self { particles, triangles, rest, way: Way::Gradient, softness: Softness::Hard }
+    }
+
+    /// A law of the solver between some particles: [`Patch::of`] keeps an area as it is.
+    pub fn from_law(particles: impl Into<Vec<Entity>>, law: &Patch) -> Self {
+        Self::new(particles, law.triangles.to_vec(), law.rest)
+            .with_way(law.way.into())
+            .with_softness(law.softness.into())
+    }
+
+    /// The same, corrected that way.
+    pub fn with_way(self, way: Way) -> Self {
+        Self { way, ..self }
+    }
+
+    /// The same, as hard as that.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
+    }
+}
+
+impl ParticleConstraint for PatchConstraint {
+    fn particles(&self) -> &[Entity] {
+        &self.particles
+    }
+
+    fn law(&self) -> Law {
+        Law::Patch(Patch {
+            triangles: self.triangles.as_slice().into(),
+            rest: self.rest,
+            way: self.way.into(),
+            softness: self.softness.into(),
+        })
+    }
+}
+
+/// The signed volume of a tetrahedron stays as it is; one that was turned inside out comes back.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Clone, PartialEq)]
+#[require(CreationOrder)]
+pub struct TetrahedronConstraint {
+    /// The corners `[a, b, c, d]`; the volume is positive where `d` sees `a`, `b`, `c` counter-clockwise.
+    #[entities]
+    pub particles: [Entity; 4],
+    /// Volume to keep, m³; negative if the corners are named in the other order.
+    pub rest: f32,
+    /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in m⁶/J.
+    pub softness: Softness,
+}
+
+impl TetrahedronConstraint {
+    /// A hard one of `rest` cubic metres.
+    pub fn new(particles: [Entity; 4], rest: f32) -> Self {
+        Self { particles, rest, softness: Softness::Hard }
+    }
+
+    /// A law of the solver between some particles: [`Tetrahedron::of`] keeps a volume as it is, sign and all.
+    pub fn from_law(particles: [Entity; 4], law: &Tetrahedron) -> Self {
+        Self { particles, rest: law.rest, softness: law.softness.into() }
+    }
+
+    /// The same, as hard as that.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
+    }
+}
+
+impl ParticleConstraint for TetrahedronConstraint {
+    fn particles(&self) -> &[Entity] {
+        &self.particles
+    }
+
+    fn law(&self) -> Law {
+        Law::Tetrahedron(Tetrahedron { rest: self.rest, softness: self.softness.into() })
+    }
+}
+
+/// The volume inside a closed mesh of particles stays as it is: what keeps a ball or a soft body full.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Clone, PartialEq)]
+#[require(CreationOrder)]
+pub struct VolumeConstraint {
+    /// The particles, each once.
+    #[entities]
+    pub particles: Vec<Entity>,
+    /// The triangles, as places in `particles`, counter-clockwise from outside; the other way round the volume is negative.
+    pub triangles: Vec<[u32; 3]>,
+    /// Volume to keep, m³. More than it has at rest is pressure.
+    pub rest: f32,
+    /// Along which way it is corrected; [`new`](Self::new) takes the gradient.
+    pub way: Way,
+    /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in m⁶/J along the gradient, and in m/N for scaling.
+    pub softness: Softness,
+}
+
+impl VolumeConstraint {
+    /// A hard one of `rest` cubic metres, corrected along the gradient.
+    pub fn new(
+        particles: impl Into<Vec<Entity>>,
+        triangles: impl Into<Vec<[u32; 3]>>,
+        rest: f32,
+    ) -> Self {
+        let (particles, triangles) = (particles.into(), triangles.into());
+        Self { particles, triangles, rest, way: Way::Gradient, softness: Softness::Hard }
+    }
+
+    /// A law of the solver between some particles: [`Volume::of`] keeps a volume as it is.
+    pub fn from_law(particles: impl Into<Vec<Entity>>, law: &Volume) -> Self {
+        Self::new(particles, law.triangles.to_vec(), law.rest)
+            .with_way(law.way.into())
+            .with_softness(law.softness.into())
+    }
+
+    /// The same, corrected that way.
+    pub fn with_way(self, way: Way) -> Self {
+        Self { way, ..self }
+    }
+
+    /// The same, as hard as that.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
+    }
+}
+
+impl ParticleConstraint for VolumeConstraint {
+    fn particles(&self) -> &[Entity] {
+        &self.particles
+    }
+
+    fn law(&self) -> Law {
+        Law::Volume(Volume {
+            triangles: self.triangles.as_slice().into(),
+            rest: self.rest,
+            way: self.way.into(),
+            softness: self.softness.into(),
+        })
+    }
+}
+
+impl From<Way> for sinew::constraints::Way {
+    fn from(way: Way) -> Self {
+        match way {
+            Way::Gradient => Self::Gradient,
+            Way::Scaling => Self::Scaling,
+        }
+    }
+}
+
+impl From<sinew::constraints::Way> for Way {
+    fn from(way: sinew::constraints::Way) -> Self {
+        match way {
+            sinew::constraints::Way::Gradient => Self::Gradient,
+            sinew::constraints::Way::Scaling => Self::Scaling,
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! The surfaces that bound the space in which particles are.
+
+use bevy::prelude::*;
+
+use crate::components::CreationOrder;
+
+/// An endless plane that no particle sinks under: the entity's local xz plane, solid below.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(Transform, CreationOrder)]
+pub struct Ground {
+    /// Coulomb's coefficient of friction μ, 0 and up. Default 0.5.
+    pub friction: f32,
+}
+
+impl Default for Ground {
+    fn default() -> Self {
+        Self { friction: 0.5 }
+    }
+}
+
+/// A room that no particle leaves: a box around the entity's position, its walls along the world's axes.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(Transform, CreationOrder)]
+pub struct BoundingBox {
+    /// Half of each edge, metres. Default 5.
+    pub half_size: Vec3,
+    /// Coulomb's coefficient of friction μ on its walls, 0 and up. Default 0.5.
+    pub friction: f32,
+}
+
+impl Default for BoundingBox {
+    fn default() -> Self {
+        Self { half_size: Vec3::splat(5.0), friction: 0.5 }
+    }
+}
+
+/// Makes the world one of two dimensions: all particles stay in the entity's local xy plane, by default the one with z = 0. Only pinned ones are
+/// where they are pinned.
+///
+/// There is one world, and so one plane: of several, the one that was created first and is sound.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(Transform, CreationOrder)]
+pub struct Flatland;

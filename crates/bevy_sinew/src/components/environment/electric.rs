@@ -1,0 +1,59 @@
+//! Charges: how they act on each other, and the fields that act on them.
+
+use bevy::prelude::*;
+
+use crate::components::CreationOrder;
+
+/// Coulomb's law for particles with a [`Charge`](crate::Charge), and a field that acts on all of them.
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Resource, Default, Clone)]
+pub struct Electric {
+    /// Coulomb's constant K, N·m²/C². Default the vacuum's, 8.987552e9. 0 switches the forces between charges off.
+    pub constant: f32,
+    /// Distance within which the force is softened, metres, 0 and up. Default 0.
+    pub softening: f32,
+    /// A uniform field everywhere, N/C (the same as V/m): the force on a charge is `q E`. Default zero.
+    pub field: Vec3,
+    /// Up to this many charges every pair is summed up; beyond it far groups act as one, which is faster from some 500 on. Default 2000.
+    pub all_pairs_up_to: u32,
+    /// How large a group may be to act as one, as a share of its distance: 0.1 to 1. Default 0.5: forces are wrong by 0.5 % then.
+    pub opening: f32,
+}
+
+impl Default for Electric {
+    fn default() -> Self {
+        let law = sinew::Electric::default();
+        Self {
+            constant: law.constant,
+            softening: law.softening,
+            field: law.field,
+            all_pairs_up_to: law.all_pairs_up_to,
+            opening: law.opening,
+        }
+    }
+}
+
+impl From<Electric> for sinew::Electric {
+    fn from(law: Electric) -> Self {
+        let Electric { constant, softening, field, all_pairs_up_to, opening } = law;
+        Self { constant, softening, field, all_pairs_up_to, opening }
+    }
+}
+
+/// A uniform electric field, everywhere or in the [`Region`](super::Region) on the same entity: between the plates of a capacitor.
+///
+/// At the end of its region it is no gradient of anything (a true field bulges out there), so a charge that circles in and out may gain energy.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(CreationOrder)]
+pub struct ElectricField {
+    /// Force per charge in the world, N/C. Default zero.
+    pub field: Vec3,
+}
+
+impl ElectricField {
+    /// A field of so many N/C.
+    pub fn new(field: Vec3) -> Self {
+        Self { field }
+    }
+}

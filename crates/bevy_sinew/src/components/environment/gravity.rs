@@ -1,0 +1,55 @@
+//! What pulls at everything, whatever its mass: the ground that is near, and points that are heavy.
+
+use bevy::prelude::*;
+
+use crate::components::CreationOrder;
+
+/// Gravitational acceleration, m/s². Default `(0, -9.81, 0)`. [`GravityScale`](crate::GravityScale) makes exceptions.
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Resource, Default, Clone)]
+pub struct Gravity(pub Vec3);
+
+impl Default for Gravity {
+    fn default() -> Self {
+        Self(Vec3::new(0.0, -9.81, 0.0))
+    }
+}
+
+/// A point that attracts every particle: a planet, a black hole. It is where the entity is, and is not pulled itself.
+///
+/// The acceleration at the distance `r` is `strength · r / (r² + softening²)^{3/2}`, times the particle's [`GravityScale`](crate::GravityScale). It
+/// comes on top of [`Gravity`]; in space, set that to zero.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(Transform, CreationOrder)]
+pub struct Attractor {
+    /// Gravitational parameter `GM`, m³/s²; negative repels. Default 100: 1 m/s² at 10 m.
+    pub strength: f32,
+    /// Softening length, metres, 0 and up: nearer than that the pull does not grow. Default 0.1; keep it above the way of a substep.
+    pub softening: f32,
+}
+
+impl Default for Attractor {
+    fn default() -> Self {
+        Self::new(100.0)
+    }
+}
+
+impl Attractor {
+    /// A point that attracts with the gravitational parameter `strength`, m³/s², softened over 0.1 m.
+    pub fn new(strength: f32) -> Self {
+        let softening = sinew::Attractor::new(Vec3::ZERO, strength).softening;
+        Self { strength, softening }
+    }
+
+    /// The same softened over another length, metres.
+    pub fn with_softening(self, softening: f32) -> Self {
+        Self { softening, ..self }
+    }
+
+    /// The same for the solver, at a point of the world.
+    pub(crate) fn at(self, position: Vec3) -> sinew::Attractor {
+        let Self { strength, softening } = self;
+        sinew::Attractor { position, strength, softening }
+    }
+}

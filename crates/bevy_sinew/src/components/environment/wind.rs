@@ -1,0 +1,133 @@
+//! Air: what it takes from everything, the wind that presses on surfaces, and air that flows, with drag and lift.
+
+use bevy::prelude::*;
+
+use crate::components::CreationOrder;
+
+/// Share of their velocity that all particles lose to the air per second, 0 to 1. Default 0.1.
+///
+/// That is the lectures' drag: it knows neither size nor shape. What slows down by its silhouette is an [`AirFlow`].
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Resource, Default, Clone)]
+pub struct AirDrag(pub f32);
+
+impl Default for AirDrag {
+    fn default() -> Self {
+        Self(0.1)
+    }
+}
+
+/// A wind that presses on every [`WindSurface`](crate::WindSurface), whichever way that moves: the lectures' wind. It blows everywhere, or in the
+/// [`Region`](super::Region) on the same entity.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(CreationOrder)]
+pub struct Wind {
+    /// Direction in the world, and dynamic pressure in pascal: ½ρv², so 10 m/s is 61 Pa. Default 5 Pa along x.
+    pub pressure: Vec3,
+    /// How much gusts add and take, as a share of the pressure. Default 0.
+    pub gusts: f32,
+    /// Distance between gusts along the wind, metres. Default 2.
+    pub gust_length: f32,
+    /// Time between gusts at one place, seconds. Default 1.3.
+    pub gust_period: f32,
+}
+
+impl Default for Wind {
+    fn default() -> Self {
+        let wind = sinew::Wind::steady(Vec3::X * 5.0);
+        Self {
+            pressure: wind.pressure,
+            gusts: wind.gusts,
+            gust_length: wind.gust_length,
+            gust_period: wind.gust_period,
+        }
+    }
+}
+
+impl Wind {
+    /// The same for the solver.
+    pub(crate) fn within(self, region: sinew::Region) -> sinew::Wind {
+        let Self { pressure, gusts, gust_length, gust_period } = self;
+        sinew::Wind { pressure, gusts, gust_length, gust_period, region }
+    }
+}
+
+impl From<Wind> for sinew::Wind {
+    fn from(wind: Wind) -> Self {
+        wind.within(sinew::Region::EVERYWHERE)
+    }
+}
+
+/// Air with a velocity, everywhere or in the [`Region`](super::Region) on the same entity: things slow down, lift and fall in it as in air.
+///
+/// It acts on the triangles of every [`WindSurface`](crate::WindSurface) by their velocity relative to it, and on loose particles with a
+/// [`Radius`](crate::Radius). Where several overlap there is air once: velocities add up, density and coefficients are those of the densest. A
+/// triangle stands for a sheet, with air on both sides: give the air around closed bodies half the coefficients.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(CreationOrder)]
+pub struct AirFlow {
+    /// Velocity in the world, m/s. Default zero: still air, in which things slow down.
+    pub velocity: Vec3,
+    /// Density, kg/m³. Default 1.225: at sea level and 15 °C.
+    pub density: f32,
+    /// Drag coefficient of a sheet that stands square to the flow, 0 and up. Default 1.28, that of a flat plate.
+    pub drag: f32,
+    /// Lift coefficient, 0 and up: the lift at the angle of attack α is `½ρ C A v² sin α cos α`. Default 1.28.
+    pub lift: f32,
+    /// How much gusts add and take: the standard deviation of each component of the velocity, as a share of the speed. Default 0;
+    /// 0.1 over water, 0.3 in a town.
+    pub gusts: f32,
+    /// Size of the largest eddies, metres. Default 4.
+    pub gust_length: f32,
+    /// Time in which the eddies change, besides being carried along, seconds. Default 2.
+    pub gust_period: f32,
+    /// Whether loose particles with a radius feel it too, as balls. Default true.
+    pub on_particles: bool,
+}
+
+impl Default for AirFlow {
+    fn default() -> Self {
+        let air = sinew::AirFlow::default();
+        Self {
+            velocity: air.velocity,
+            density: air.density,
+            drag: air.drag,
+            lift: air.lift,
+            gusts: air.gusts,
+            gust_length: air.gust_length,
+            gust_period: air.gust_period,
+            on_particles: air.on_particles,
+        }
+    }
+}
+
+impl AirFlow {
+    /// A steady flow of the given velocity, m/s.
+    pub fn steady(velocity: Vec3) -> Self {
+        Self { velocity, ..default() }
+    }
+
+    /// The same with gusts of the given share of its speed.
+    pub fn with_gusts(self, gusts: f32) -> Self {
+        Self { gusts, ..self }
+    }
+
+    /// The same for the solver.
+    pub(crate) fn within(self, region: sinew::Region) -> sinew::AirFlow {
+        let Self { velocity, density, drag, lift, gusts, gust_length, gust_period, on_particles } =
+            self;
+        sinew::AirFlow {
+            velocity,
+            density,
+            drag,
+            lift,
+            gusts,
+            gust_length,
+            gust_period,
+            region,
+            on_particles,
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! How hard a constraint is: the solver's own type, with reflection.
+
+use bevy::prelude::*;
+
+/// How hard a constraint is enforced; the same at any number of sweeps and substeps.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum Softness {
+    /// Exactly, as far as the sweeps go. The default.
+    #[default]
+    Hard,
+    /// As a damped spring with the energy `½ C²/compliance`: the lectures' spring of stiffness k has the compliance `1/k`.
+    Compliant {
+        /// Inverse stiffness, m/N where the constraint's value is a length; 0 is hard.
+        compliance: f32,
+        /// Force per rate of change, N·s/m where the value is a length.
+        damping: f32,
+    },
+    /// As a damped spring of its own frequency, whatever the masses.
+    Frequency {
+        /// Undamped frequency, Hz, more than zero.
+        hertz: f32,
+        /// Damping ratio: 0 swings on, 1 is critical.
+        ratio: f32,
+    },
+    /// The share of the error that a substep takes away, 0 to 1, in however many sweeps.
+    Share(f32),
+}
+
+impl Softness {
+    /// A spring of `hertz` Hz and damping ratio `ratio`.
+    pub fn frequency(hertz: f32, ratio: f32) -> Self {
+        Self::Frequency { hertz, ratio }
+    }
+
+    /// A compliance, m/N, without damping.
+    pub fn compliant(compliance: f32) -> Self {
+        sinew::Softness::compliant(compliance).into()
+    }
+}
+
+impl From<Softness> for sinew::Softness {
+    fn from(softness: Softness) -> Self {
+        match softness {
+            Softness::Hard => Self::Hard,
+            Softness::Compliant { compliance, damping } => Self::Compliant { compliance, damping },
+            Softness::Frequency { hertz, ratio } => Self::Frequency { hertz, ratio },
+            Softness::Share(share) => Self::Share(share),
+        }
+    }
+}
+
+impl From<sinew::Softness> for Softness {
+    fn from(softness: sinew::Softness) -> Self {
+        match softness {
+            sinew::Softness::Hard => Self::Hard,
+            sinew::Softness::Compliant { compliance, damping } => {
+                Self::Compliant { compliance, damping }
+            }
+            sinew::Softness::Frequency { hertz, ratio } => Self::Frequency { hertz, ratio },
+            sinew::Softness::Share(share) => Self::Share(share),
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! Soft bodies: a skin around a volume, made from a mesh, or a box or a ball that is soft all through.
+
+use bevy::prelude::*;
+use sinew::recipes::{
+    Blueprint, SoftLatticeSpec, SoftMeshSpec, SoftShape as Lattice, soft_lattice, soft_mesh,
+};
+
+use super::build::{MeshShape, Recipe, attach};
+use super::solid::Bulk;
+use super::wear::{own_copy, skin_of};
+use crate::components::{CreationOrder, ParticleBody, Softness};
+use crate::messages::Refusal;
+
+/// A soft body: a ball full of air, a cushion, a cube of jelly. It deforms a mesh: its own, or the one it was made from.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// fn spawn(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
+///     let ball = meshes.add(Sphere::new(0.4).mesh().ico(3).unwrap());
+///     commands.spawn((SoftBody { pressure: 1.1, ..SoftBody::from_mesh() }, Mesh3d(ball)));
+///     commands.spawn((SoftBody::cuboid(Vec3::splat(0.5), UVec3::splat(4)), Transform::from_xyz(2.0, 1.0, 0.0)));
+/// }
+/// ```
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(ParticleBody, CreationOrder)]
+pub struct SoftBody {
+    /// What it looks like. Default a cube of 1 m in 4 × 4 × 4 cells.
+    pub shape: SoftShape,
+    /// How much of it there is. Default 100 kg/m³; 1 kg from a mesh.
+    pub bulk: Bulk,
+    /// Damping ratio of all that holds it together, 0 (it swings on) to 10. Default 0.3; 0.1 from a mesh.
+    pub damping: f32,
+    /// Radius of every particle, metres, 0 and up: how far off the ground it lies. Default 0; 0.005 from a mesh.
+    pub radius: f32,
+    /// From a mesh: stiffness of the skin against being stretched, N/m, 1e-6 to 1e9. Default 100, 0.1 mm of rubber.
+    pub stretch: f32,
+    /// From a mesh: stiffness of the skin against being bent, N·m, 0 and up. Default 0.01.
+    pub bend: f32,
+    /// From a mesh: the volume that it is kept at, as a multiple of the mesh's own, 0.01 to 100. Default 1; more puts the skin under tension.
+    pub pressure: f32,
+    /// From a mesh: how hard the volume is kept. Default hard; a soft one lets itself be squashed.
+    pub softness: Softness,
+    /// A box or a ball: Young's modulus, Pa, 1e-3 to 1e12. Default 2e4 (gelatine 1e3 to 1e5, rubber 1e6). Stiff ones need substeps
+    /// ([`SoftLatticeSpec::stiffness`]).
+    pub stiffness: f32,
+    /// A box or a ball: Poisson's ratio, how much it grows sideways when it is squashed, 0.25 to 0.49. Default 0.35.
+    pub poisson: f32,
+}
+
+/// The shape of a [`SoftBody`].
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum SoftShape {
+    /// The entity's `Mesh3d`, once it is loaded, as a skin around a volume: closed, facing outwards. Vertices at the same place become one particle.
+    /// The entity is given a mesh of its own, so that others that share the handle keep theirs.
+    Mesh,
+    /// A box about the body's origin, soft all through; it is given a mesh.
+    Cuboid {
+        /// Lengths of its edges, metres, 1e-6 to 1e6.
+        size: Vec3,
+        /// Cells along each, 1 and up. Best near cubes.
+        cells: UVec3,
+    },
+    /// A ball about the body's origin, soft all through; it is given a mesh.
+    Ball {
+        /// Metres, 1e-6 to 1e6.
+        radius: f32,
+        /// Cells from one side to the other, 1 and up; rounded up to an even number.
+        cells: u32,
+    },
+}
+
+impl Default for SoftShape {
+    fn default() -> Self {
+        Self::Cuboid { size: Vec3::ONE, cells: UVec3::splat(4) }
+    }
+}
+
+impl Default for SoftBody {
+    fn default() -> Self {
+        let (skin, flesh) = (SoftMeshSpec::default(), SoftLatticeSpec::default());
+        Self {
+            shape: SoftShape::default(),
+            bulk: Bulk::Density(100.0),
+            damping: flesh.damping,
+            radius: flesh.radius,
+            stretch: skin.stretch,
+            bend: skin.bend,
+            pressure: skin.pressure,
+            softness: skin.softness.into(),
+            stiffness: flesh.stiffness,
+            poisson: flesh.poisson,
+        }
+    }
+}
+
+impl SoftBody {
+    /// A skin in the shape of the entity's `Mesh3d`, of 1 kg, kept full.
+    pub fn from_mesh() -> Self {
+        let skin = SoftMeshSpec::default();
+        Self {
+            shape: SoftShape::Mesh,
+            bulk: Bulk::default(),
+            damping: skin.damping,
+            radius: skin.radius,
+            ..default()
+        }
+    }
+
+    /// A box with edges of the given lengths, metres, in so many cells along each.
+    pub fn cuboid(size: Vec3, cells: UVec3) -> Self {
+        Self { shape: SoftShape::Cuboid { size, cells }, ..default() }
+    }
+
+    /// A ball of the given radius, metres, in so many cells from one side to the other.
+    pub fn ball(radius: f32, cells: u32) -> Self {
+        Self { shape: SoftShape::Ball { radius, cells }, ..default() }
+    }
+
+    /// The same with another mass, kg.
+    pub fn with_mass(self, mass: f32) -> Self {
+        Self { bulk: Bulk::Mass(mass), ..self }
+    }
+
+    /// The same with another density, kg/m³.
+    pub fn with_density(self, density: f32) -> Self {
+        Self { bulk: Bulk::Density(density), ..self }
+    }
+
+    fn lattice(&self, shape: Lattice) -> SoftLatticeSpec {
+        SoftLatticeSpec {
+            shape,
+            bulk: self.bulk.into(),
+            stiffness: self.stiffness,
+            poisson: self.poisson,
+            damping: self.damping,
+            radius: self.radius,
+            ..default()
+        }
+    }
+
+    fn skin(&self) -> SoftMeshSpec {
+        SoftMeshSpec {
+            bulk: self.bulk.into(),
+            stretch: self.stretch,
+            bend: self.bend,
+            damping: self.damping,
+            pressure: self.pressure,
+            softness: self.softness.into(),
+            radius: self.radius,
+            ..default()
+        }
+    }
+}
+
+impl Recipe for SoftBody {
+    fn wants_mesh(&self) -> bool {
+        self.shape == SoftShape::Mesh
+    }
+
+    fn blueprint(&self, mesh: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal> {
+        Ok(match (self.shape, mesh) {
+            (SoftShape::Cuboid { size, cells }, _) => {
+                soft_lattice(&self.lattice(Lattice::Box { size, cells }))?
+            }
+            (SoftShape::Ball { radius, cells }, _) => {
+                soft_lattice(&self.lattice(Lattice::Ball { radius, cells }))?
+            }
+            (SoftShape::Mesh, Some(mesh)) => {
+                let scaled: Vec<Vec3> = mesh.positions.iter().map(|p| *p * scale).collect();
+                soft_mesh(&self.skin(), &scaled, mesh.faces(scale).as_flattened())?
+            }
+            (SoftShape::Mesh, None) => return Err(Refusal::NoMesh),
+        })
+    }
+
+    fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, _: &[Entity]) {
+        if self.shape == SoftShape::Mesh {
+            own_copy(world, body);
+        } else if let Some(mut meshes) = world.get_resource_mut::<Assets<Mesh>>() {
+            let skin = meshes.add(skin_of(blueprint));
+            attach(world, body, Mesh3d(skin));
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! Solids: rigid bodies of any shape, out of four or eight particles that weigh and turn exactly as they do.
+
+use bevy::prelude::*;
+use sinew::recipes::{Blueprint, SolidLayout, SolidSpec, solid};
+
+use super::build::{MeshShape, Recipe, attach};
+use super::rigid::pose_of;
+use crate::components::{CreationOrder, ParticleBody};
+use crate::messages::Refusal;
+
+/// A rigid body in the shape of its mesh. Its mass, barycentre and inertia are those of the shape filled evenly ([`sinew::recipes::solid`]).
+///
+/// Its particles are inside, about half way out: it meets the ground with these (see `radius`), and wind does not press on it. Its `Transform` says
+/// where it is built, and then follows it; the scale is that of the shape. The mesh is drawn as it is, and others may share it. To have it float by
+/// its shape, give it [`Floats::mesh`](crate::Floats::mesh).
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// fn spawn(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
+///     let top = meshes.add(Cone::new(0.3, 0.5));
+///     commands.spawn((Solid::density(700.0), Mesh3d(top), Transform::from_xyz(0.0, 1.0, 0.0)));
+/// }
+/// ```
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(ParticleBody, CreationOrder)]
+pub struct Solid {
+    /// What it looks like. Default its mesh.
+    pub shape: SolidShape,
+    /// How much of it there is. Default 1 kg.
+    pub bulk: Bulk,
+    /// Which particles stand for it. Default eight.
+    pub particles: SolidParticles,
+    /// Radius of every particle, metres, 0 and up. Default 0.
+    pub radius: f32,
+}
+
+/// The shape of a [`Solid`].
+#[derive(Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum SolidShape {
+    /// The inside of the entity's `Mesh3d`, once it is loaded: a closed surface that faces outwards, dents and all. The default.
+    #[default]
+    Mesh,
+    /// The convex hull of the entity's `Mesh3d`, once it is loaded: for a mesh that is not closed.
+    Hull,
+    /// The convex hull of these points, metres in the body's own frame. It needs no mesh.
+    Points(Vec<Vec3>),
+}
+
+/// How much of a [`Solid`] or a [`SoftBody`](crate::SoftBody) there is.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum Bulk {
+    /// Its mass, kg, 1e-9 to 1e12. Default 1.
+    Mass(f32),
+    /// Its density, kg/m³: water has 1000.
+    Density(f32),
+}
+
+/// Which particles stand for a [`Solid`].
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum SolidParticles {
+    /// Eight, all 28 pairs tied. The default.
+    #[default]
+    Eight,
+    /// Four, all 6 pairs tied: the same mass and inertia for less than a quarter of the work.
+    Four,
+}
+
+impl Default for Bulk {
+    fn default() -> Self {
+        Self::Mass(1.0)
+    }
+}
+
+impl From<Bulk> for sinew::recipes::Bulk {
+    fn from(bulk: Bulk) -> Self {
+        match bulk {
+            Bulk::Mass(mass) => Self::Mass(mass),
+            Bulk::Density(density) => Self::Density(density),
+        }
+    }
+}
+
+impl Default for Solid {
+    fn default() -> Self {
+        Self {
+            shape: SolidShape::default(),
+            bulk: Bulk::default(),
+            particles: SolidParticles::default(),
+            radius: 0.0,
+        }
+    }
+}
+
+impl Solid {
+    /// In the shape of its mesh, with a mass in kg.
+    pub fn mass(mass: f32) -> Self {
+        Self { bulk: Bulk::Mass(mass), ..default() }
+    }
+
+    /// In the shape of its mesh, with a density in kg/m³.
+    pub fn density(density: f32) -> Self {
+        Self { bulk: Bulk::Density(density), ..default() }
+    }
+
+    /// The same in another shape.
+    pub fn shaped(self, shape: SolidShape) -> Self {
+        Self { shape, ..self }
+    }
+}
+
+impl Recipe for Solid {
+    fn wants_mesh(&self) -> bool {
+        !matches!(self.shape, SolidShape::Points(_))
+    }
+
+    fn blueprint(&self, mesh: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal> {
+        let scaled = |points: &[Vec3]| points.iter().map(|&p| p * scale).collect::<Vec<_>>();
+        let shape = match (&self.shape, mesh) {
+            (SolidShape::Points(points), _) => sinew::recipes::SolidShape::Hull(scaled(points)),
+            (SolidShape::Hull, Some(mesh)) => {
+                sinew::recipes::SolidShape::Hull(scaled(&mesh.positions))
+            }
+            (SolidShape::Mesh, Some(mesh)) => sinew::recipes::SolidShape::Mesh {
+                vertices: scaled(&mesh.positions),
+                triangles: mesh.faces(scale),
+            },
+            (_, None) => return Err(Refusal::NoMesh),
+        };
+        let layout = match self.particles {
+            SolidParticles::Eight => SolidLayout::Box8,
+            SolidParticles::Four => SolidLayout::Tetrahedron4,
+        };
+        let spec =
+            SolidSpec { shape, bulk: self.bulk.into(), layout, radius: self.radius, ..default() };
+        let mut blueprint = solid(&spec)?;
+        // As a box: rods bleed the spin of what they hold unless they act along where they were.
+        blueprint.settings.direction.get_or_insert(sinew::Direction::StepStart);
+        Ok(blueprint)
+    }
+
+    fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, particles: &[Entity]) {
+        if let Some(part) = blueprint.parts.first() {
+            attach(world, body, pose_of(part, particles));
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! The surroundings at gather: resources and entities become the force laws and the boundaries of the solver, every tick. There are a handful of
+//! each kind at most, so nothing is kept from tick to tick but what was complained of.
+
+use std::collections::BTreeSet;
+
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+use sinew::{InsideBox, Plane};
+
+use crate::components::{
+    AirDrag, AirFlow, Attractor, BoundingBox, CreationOrder, Electric, ElectricField, Flatland,
+    Fluid, Gravity, Ground, Region, Wind,
+};
+use crate::config::SolverConfig;
+use crate::messages::{Refusal, Refused, refuse};
+use crate::schedule::SinewClock;
+use crate::world::SinewWorld;
+
+/// Copies the configuration and the surroundings; what has a broken number is left out, and reported when that is news.
+pub(crate) fn gather_environment(
+    mut world: ResMut<SinewWorld>,
+    mut messages: MessageWriter<Refused>,
+    config: Res<SolverConfig>,
+    clock: Res<SinewClock>,
+    everywhere: Everywhere,
+    fields: Fields,
+    bounds: Bounds,
+    frames: Frames,
+    mut known: Local<BTreeSet<Broken>>,
+) {
+    let SinewWorld { simulation, .. } = &mut *world;
+    simulation.settings = (*config).into();
+    simulation.time = clock.seconds;
+    let before = core::mem::take(&mut *known);
+    let mut judge = Judge { before, now: BTreeSet::new(), kind: 0, messages: &mut messages };
+    everywhere.tell(&mut simulation.forces, &mut judge);
+    fields.tell(&mut simulation.forces, &frames, &mut judge);
+    bounds.tell(&mut simulation.boundaries, &frames, &mut judge);
+    *known = judge.now;
+}
+
+/// What fills the world, and of which there is one.
+#[derive(SystemParam)]
+pub(crate) struct Everywhere<'w, 's> {
+    gravity: Res<'w, Gravity>,
+    drag: Res<'w, AirDrag>,
+    electric: Res<'w, Electric>,
+    /// Resources are on entities of their own, which a message can name.
+    gravity_at: Query<'w, 's, Entity, With<Gravity>>,
+    drag_at: Query<'w, 's, Entity, With<AirDrag>>,
+    electric_at: Query<'w, 's, Entity, With<Electric>>,
+}
+
+impl Everywhere<'_, '_> {
+    fn tell(&self, forces: &mut sinew::Forces, judge: &mut Judge) {
+        let Gravity(gravity) = *self.gravity;
+        let sound = judge.resource("Gravity", &self.gravity_at, gravity.is_finite());
+        forces.gravity = if sound { gravity } else { Vec3::ZERO };
+
+        let AirDrag(drag) = *self.drag;
+        let sound = judge.resource("AirDrag", &self.drag_at, (0.0..=1.0).contains(&drag));
+        forces.drag = if sound { drag } else { 0.0 };
+
+        // The solver leaves an invalid law out by itself.
+        forces.electric = (*self.electric).into();
+        judge.resource("Electric", &self.electric_at, forces.electric.is_valid());
+    }
+}
+
+type Field<T> = (Entity, &'static CreationOrder, &'static T, Option<&'static Region>);
+
+/// The fields that fill a place, or act from one.
+#[derive(SystemParam)]
+pub(crate) struct Fields<'w, 's> {
+    winds: Query<'w, 's, Field<Wind>>,
+    air: Query<'w, 's, Field<AirFlow>>,
+    fluids: Query<'w, 's, Field<Fluid>>,
+    electric: Query<'w, 's, Field<ElectricField>>,
+    attractors: Query<'w, 's, (Entity, &'static CreationOrder, &'static Attractor)>,
+}
+
+impl Fields<'_, '_> {
+    fn tell(&self, forces: &mut sinew::Forces, frames: &Frames, judge: &mut Judge) {
+        let within = |entity, region: Option<&Region>| {
+            region.map_or(sinew::Region::EVERYWHERE, |region| region.at(&frames.of(entity)))
+        };
+
+        let wind = |(entity, order, wind, region): (_, &_, &Wind, _)| {
+            (*order, entity, wind.within(within(entity, region)))
+        };
+        judge.fill(&mut forces.winds, self.winds.iter().map(wind), sinew::Wind::is_valid);
+
+        let air = |(entity, order, air, region): (_, &_, &AirFlow, _)| {
+            (*order, entity, air.within(within(entity, region)))
+        };
+        judge.fill(&mut forces.air_flows, self.air.iter().map(air), sinew::AirFlow::is_valid);
+
+        let fluid = |(entity, order, fluid, region): (_, &_, &Fluid, _)| {
+            let (up, level) = plane(&frames.of(entity), Vec3::Y);
+            (*order, entity, fluid.under(up, level, within(entity, region)))
+        };
+        judge.fill(&mut forces.fluids, self.fluids.iter().map(fluid), sinew::Fluid::is_valid);
+
+        let field = |(entity, order, field, region): (_, &_, &ElectricField, _)| {
+            let region = within(entity, region);
+            (*order, entity, sinew::ElectricField { field: field.field, region })
+        };
+        let fields = self.electric.iter().map(field);
+        judge.fill(&mut forces.electric_fields, fields, sinew::ElectricField::is_valid);
+
+        let attractor = |(entity, order, attractor): (_, &_, &Attractor)| {
+            (*order, entity, attractor.at(frames.of(entity).translation))
+        };
+        let attractors = self.attractors.iter().map(attractor);
+        judge.fill(&mut forces.attractors, attractors, sinew::Attractor::is_valid);
+    }
+}
+
+/// The surfaces that bound space.
+#[derive(SystemParam)]
+pub(crate) struct Bounds<'w, 's> {
+    grounds: Query<'w, 's, (Entity, &'static CreationOrder, &'static Ground)>,
+    rooms: Query<'w, 's, (Entity, &'static CreationOrder, &'static BoundingBox)>,
+    sheets: Query<'w, 's, (Entity, &'static CreationOrder), With<Flatland>>,
+}
+
+impl Bounds<'_, '_> {
+    fn tell(&self, boundaries: &mut sinew::Boundaries, frames: &Frames, judge: &mut Judge) {
+        let ground = |(entity, order, ground): (_, &_, &Ground)| {
+            let (normal, offset) = plane(&frames.of(entity), Vec3::Y);
+            (*order, entity, Plane { normal, offset, friction: ground.friction })
+        };
+        judge.fill(&mut boundaries.planes, self.grounds.iter().map(ground), Plane::is_valid);
+
+        let room = |(entity, order, room): (_, &_, &BoundingBox)| {
+            let (centre, half) = (frames.of(entity).translation, room.half_size);
+            let (min, max) = (centre - half, centre + half);
+            (*order, entity, InsideBox { min, max, friction: room.friction })
+        };
+        judge.fill(&mut boundaries.boxes, self.rooms.iter().map(room), InsideBox::is_valid);
+
+        let sheet = |(entity, order): (_, &_)| {
+            let (normal, offset) = plane(&frames.of(entity), Vec3::Z);
+            (*order, entity, Plane { normal, offset, friction: 0.0 })
+        };
+        let mut sheets = Vec::new();
+        judge.fill(&mut sheets, self.sheets.iter().map(sheet), Plane::is_valid);
+        boundaries.sheet = sheets.first().copied();
+    }
+}
+
+/// The plane through an entity's origin that is square to one of its axes: its normal, and its distance from the world's origin along that.
+fn plane(frame: &Transform, axis: Vec3) -> (Vec3, f32) {
+    // Not `Transform::up`, which asserts that a rotation is one: a broken one is to be refused, not to end the game.
+    let normal = (frame.rotation * axis).normalize_or_zero();
+    (normal, normal.dot(frame.translation))
+}
+
+/// Where entities are: computed afresh, as `GlobalTransform` is a frame old in the fixed schedule.
+#[derive(SystemParam)]
+pub(crate) struct Frames<'w, 's> {
+    transforms: Query<'w, 's, &'static Transform>,
+    parents: Query<'w, 's, &'static ChildOf>,
+}
+
+impl Frames<'_, '_> {
+    fn of(&self, entity: Entity) -> Transform {
+        let own = |entity| self.transforms.get(entity).copied().unwrap_or_default();
+        let parents = self.parents.iter_ancestors(entity);
+        parents.fold(own(entity), |inner, parent| own(parent).mul_transform(inner))
+    }
+}
+
+/// An entity and the number of what is broken on it: it may be several things at once.
+type Broken = (Entity, u32);
+
+/// Lets the sound ones pass, in the order of creation, whatever the order of the query; and complains of the others, once for each time that one broke.
+struct Judge<'a, 'w> {
+    before: BTreeSet<Broken>,
+    now: BTreeSet<Broken>,
+    /// Counts what was asked for.
+    kind: u32,
+    messages: &'a mut MessageWriter<'w, Refused>,
+}
+
+impl Judge<'_, '_> {
+    fn fill<T>(
+        &mut self,
+        list: &mut Vec<T>,
+        entries: impl Iterator<Item = (CreationOrder, Entity, T)>,
+        valid: impl Fn(&T) -> bool,
+    ) {
+        self.kind += 1;
+        let mut entries: Vec<_> = entries.collect();
+        entries.sort_by_key(|(order, entity, _)| (*order, *entity));
+        list.clear();
+        for (_, entity, entry) in entries {
+            if self.sound(entity, valid(&entry), || Refusal::Surroundings) {
+                list.push(entry);
+            }
+        }
+    }
+
+    /// Whether a resource is sound; its entity is the one that is named.
+    fn resource<T: Resource>(
+        &mut self,
+        name: &'static str,
+        at: &Query<Entity, With<T>>,
+        valid: bool,
+    ) -> bool {
+        self.kind += 1;
+        let entity = at.iter().next().unwrap_or(Entity::PLACEHOLDER);
+        self.sound(entity, valid, || Refusal::Resource(name))
+    }
+
+    fn sound(&mut self, entity: Entity, valid: bool, reason: impl FnOnce() -> Refusal) -> bool {
+        if !valid {
+            let broken = (entity, self.kind);
+            if !self.before.contains(&broken) {
+                refuse(self.messages, entity, reason());
+            }
+            self.now.insert(broken);
+        }
+        valid
+    }
+}

@@ -1,0 +1,147 @@
+//! Hulls: what bodies float by is compiled among rows when a body, its shape or the particles changed, and at no other time.
+
+use std::collections::BTreeMap;
+
+use bevy::prelude::*;
+use sinew::{Hull, HullFault, Skin};
+
+use crate::components::{
+    BodyParticles, CreationOrder, Floats, HullShape, ParticleBody, RigidPose, WindSurface,
+};
+use crate::messages::{Refusal, Refused, refuse};
+use crate::recipes::BodyPart;
+use crate::world::{SinewWorld, Tables};
+
+/// What a hull may be made of.
+type Parts = (
+    &'static Floats,
+    Option<&'static RigidPose>,
+    Option<&'static WindSurface>,
+    Option<&'static BodyPart>,
+    Has<ParticleBody>,
+    Has<BodyParticles>,
+);
+
+/// Compiles all hulls afresh if particles came, went or were set aside, or something that a hull is made of came, went or changed.
+///
+/// One that is at fault is left out, and reported once; so is, without a word, one whose body is not built yet or whose particles are all set aside.
+pub(crate) fn compile_hulls(
+    mut world: ResMut<SinewWorld>,
+    mut messages: MessageWriter<Refused>,
+    floating: Query<(Entity, &CreationOrder, Parts)>,
+    changed: Query<
+        (),
+        (
+            With<Floats>,
+            Or<(Changed<Floats>, Changed<RigidPose>, Changed<WindSurface>, Changed<BodyPart>)>,
+        ),
+    >,
+    mut count: Local<[usize; 4]>,
+    mut known: Local<BTreeMap<Entity, HullFault>>,
+) {
+    let SinewWorld { simulation, tables } = &mut *world;
+    // What went is not told as a change; what came is one, so that their number says the rest.
+    let mut now = [0; 4];
+    for (_, _, (_, pose, surface, part, ..)) in &floating {
+        let there = [true, pose.is_some(), surface.is_some(), part.is_some()];
+        now.iter_mut().zip(there).for_each(|(count, there)| *count += usize::from(there));
+    }
+    let went = core::mem::replace(&mut *count, now) != now;
+    if !tables.stale && !went && changed.is_empty() {
+        return;
+    }
+    let mut bodies: Vec<_> = floating.iter().collect();
+    bodies.sort_unstable_by_key(|(entity, order, _)| (**order, *entity));
+    let before = core::mem::take(&mut *known);
+    let hulls = &mut simulation.forces.hulls;
+    hulls.clear();
+    for (entity, _, parts) in bodies {
+        match hull(tables, parts) {
+            Ok(found) => hulls.extend(found),
+            Err(fault) => {
+                if before.get(&entity) != Some(&fault) {
+                    refuse(&mut messages, entity, Refusal::Hull(fault));
+                }
+                known.insert(entity, fault);
+            }
+        }
+    }
+}
+
+/// The hull of a body; `None` while it is not there.
+fn hull(
+    tables: &Tables,
+    (floats, pose, surface, part, is_body, is_built): <Parts as bevy::ecs::query::QueryData>::Item<
+        '_,
+        '_,
+    >,
+) -> Result<Option<Hull>, HullFault> {
+    if is_body && !is_built {
+        return Ok(None);
+    }
+    match (&floats.shape, part) {
+        (HullShape::Own, Some(part)) => posed(tables, pose, boxed(part.size * 0.5)),
+        (HullShape::Own | HullShape::Surface, _) => carried(tables, surface),
+        (HullShape::Box { half_size }, _) => posed(tables, pose, boxed(*half_size)),
+        (HullShape::Mesh { vertices, triangles }, _) => {
+            posed(tables, pose, (vertices.clone(), triangles.clone()))
+        }
+    }
+}
+
+/// A skin in the frame of a rigid body, carried by those of its particles that are there and sound.
+fn posed(
+    tables: &Tables,
+    pose: Option<&RigidPose>,
+    (vertices, triangles): (Vec<Vec3>, Vec<[u32; 3]>),
+) -> Result<Option<Hull>, HullFault> {
+    let pose = pose.ok_or(HullFault::Empty)?;
+    if pose.particles.len() != pose.rest.len() {
+        return Err(HullFault::Count);
+    }
+    let carriers = pose.particles.iter().zip(&pose.rest);
+    let sound = carriers.filter_map(|(&p, &rest)| Some((tables.sound_row(p)?, rest)));
+    let (rows, rest): (Vec<u32>, Vec<Vec3>) = sound.unzip();
+    let skin = Skin::Posed { vertices, rest };
+    made(tables, rows, triangles, skin, pose.particles.iter().copied())
+}
+
+/// A skin whose corners are particles; a triangle without all three of them is left out, as for the wind.
+fn carried(tables: &Tables, surface: Option<&WindSurface>) -> Result<Option<Hull>, HullFault> {
+    let corners = &surface.ok_or(HullFault::Empty)?.triangles;
+    let row = |corner| tables.sound_row(corner);
+    let sound: Vec<[u32; 3]> =
+        corners.iter().filter_map(|&[a, b, c]| Some([row(a)?, row(b)?, row(c)?])).collect();
+    let mut rows: Vec<u32> = sound.iter().flatten().copied().collect();
+    rows.sort_unstable();
+    rows.dedup();
+    // Each is there: the list was made of them.
+    let place = |row: u32| rows.partition_point(|&other| other < row) as u32;
+    let triangles = sound.iter().map(|corners| corners.map(place)).collect();
+    made(tables, rows.clone(), triangles, Skin::Carriers, corners.iter().flatten().copied())
+}
+
+/// The hull, or what is wrong with it. Where nobody is left to carry it because all are set aside, it waits for them.
+fn made(
+    tables: &Tables,
+    rows: Vec<u32>,
+    triangles: Vec<[u32; 3]>,
+    skin: Skin,
+    mut named: impl Iterator<Item = Entity>,
+) -> Result<Option<Hull>, HullFault> {
+    if rows.is_empty() && named.any(|particle| tables.is_set_aside(particle)) {
+        return Ok(None);
+    }
+    Hull::new(rows, triangles, skin).map(Some)
+}
+
+/// The skin of a solid box about the origin: corner `i` is on the positive side of x, y and z where bit 0, 1 and 2 of `i` is set.
+fn boxed(half_size: Vec3) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    // Counter-clockwise from outside, as the faces of `sinew::recipes::box_3d`.
+    const FACES: [[u32; 4]; 6] =
+        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let side = |i: u32, bit: u32| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
+    let corner = |i| Vec3::new(side(i, 0), side(i, 1), side(i, 2)) * half_size;
+    let triangles = FACES.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    ((0..8).map(corner).collect(), triangles)
+}

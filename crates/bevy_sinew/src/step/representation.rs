@@ -1,0 +1,47 @@
+//! Which bodies move as explicit rigid bodies: told to the solver when that changed.
+
+use bevy::prelude::*;
+
+use crate::components::{CreationOrder, Representation, RigidPose};
+use crate::messages::{Refusal, Refused, refuse};
+use crate::rows::{GONE, Rows};
+use crate::world::SinewWorld;
+
+/// Lists the compounds afresh if particles came or went, or a body changed its representation.
+///
+/// One that cannot be rigid, because it has no [`RigidPose`] or a particle of it is gone or set aside, goes on as particles.
+pub(crate) fn compile_compounds(
+    mut world: ResMut<SinewWorld>,
+    mut messages: MessageWriter<Refused>,
+    changed: Query<Entity, Changed<Representation>>,
+    unposed: Query<(), (With<Representation>, Without<RigidPose>)>,
+    mut bodies: Query<(&CreationOrder, &Representation, Ref<RigidPose>, &mut Rows<RigidPose>)>,
+    mut count: Local<usize>,
+) {
+    let SinewWorld { simulation, tables } = &mut *world;
+    // What lost the component is not told as a change, but their number says it.
+    let now = bodies.iter().len();
+    let went = core::mem::replace(&mut *count, now) != now;
+    if !tables.stale && !went && changed.is_empty() {
+        return;
+    }
+    tables.stale = true;
+    for entity in changed.iter().filter(|&entity| unposed.contains(entity)) {
+        refuse(&mut messages, entity, Refusal::Representation);
+    }
+    let mut compounds = Vec::new();
+    for (order, representation, pose, mut rows) in &mut bodies {
+        let Representation::Rigid(integrator) = *representation else { continue };
+        let rows = rows.resolve(tables, pose.is_changed(), pose.particles.iter().copied());
+        let sound = |&row: &u32| row != GONE && tables.refused[row as usize].is_none();
+        if rows.len() == pose.rest.len() && rows.iter().all(sound) {
+            let rows = rows.iter().map(|&row| row as usize);
+            let compound = sinew::Compound::new(rows, pose.rest.clone());
+            compounds.push((*order, sinew::Compound { integrator: integrator.into(), ..compound }));
+        }
+    }
+    compounds.sort_by_key(|(order, _)| *order);
+    let list = simulation.compounds_mut();
+    list.clear();
+    list.extend(compounds.into_iter().map(|(_, compound)| compound));
+}
