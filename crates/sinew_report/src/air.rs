@@ -1,0 +1,135 @@
+//! Row F5: wind as a pressure, and air with drag and lift.
+
+use sinew::glam::{DVec3, Vec3};
+use sinew::recipes::{BoxSpec, box_3d};
+use sinew::{AirFlow, ParticleSeed, Simulation, Wind};
+
+use crate::Row;
+use crate::case::cases;
+use crate::measure::{Dice, G, TICK, empty, force, rotation, steps};
+
+cases! {
+    "F5" wind_presses_on_a_sheet_by_the_area_that_it_shows;
+    "F5" the_front_of_a_closed_body_feels_the_wind_on_its_silhouette;
+    "F5" drag_and_lift_follow_the_angle_of_attack;
+    "F5" a_falling_sheet_reaches_its_terminal_speed;
+    "F5" a_storm_never_reverses_what_moves_in_it;
+}
+
+/// A square of 2 m² and `mass` kg, turned by `angle` (radians) out of the flat about x. Its corners weigh what they have of its triangles, so that it
+/// moves as a whole without anything that holds it together.
+fn sheet(mass: f32, angle: f64) -> Simulation {
+    let mut world = empty(1);
+    let (s, c) = (libm::sin(angle), libm::cos(angle));
+    for (x, y, share) in [(-1.0, -1.0, 3.0), (1.0, -1.0, 6.0), (1.0, 1.0, 3.0), (-1.0, 1.0, 6.0)] {
+        let (x, y) = (x / core::f64::consts::SQRT_2, y / core::f64::consts::SQRT_2);
+        let at = DVec3::new(x, y * s, y * c).as_vec3();
+        world
+            .particles
+            .push(ParticleSeed::at(at).with_mass(mass / share))
+            .expect("a sound particle");
+    }
+    world.forces.surfaces = vec![[0, 1, 2], [0, 2, 3]];
+    world
+}
+
+/// Ten roundings of `f32` on the way to a force of some 20 N.
+fn wind_presses_on_a_sheet_by_the_area_that_it_shows() -> Vec<Row> {
+    [0.0, 30.0, 60.0, 90.0]
+        .map(|degrees: f64| {
+            let angle = degrees * core::f64::consts::PI / 180.0;
+            let mut world = sheet(1.0, angle);
+            world.forces.winds.push(Wind::steady(Vec3::Y * 10.0));
+            let exact = 2.0 * 10.0 * libm::cos(angle);
+            let what = format!("force of 10 Pa on 2 m² turned away by {degrees}°: A‖w‖cos θ");
+            Row::absolute(what, "N", exact, force(&mut world).y, 1.2e-5)
+        })
+        .into()
+}
+
+/// Back and front both show their area, so the front has half of the force.
+fn the_front_of_a_closed_body_feels_the_wind_on_its_silhouette() -> Vec<Row> {
+    let size = Vec3::new(1.0, 2.0, 3.0);
+    let body = box_3d(&BoxSpec { size, ..BoxSpec::default() }).expect("a sound box");
+    let mut dice = Dice(2);
+    [(); 3]
+        .map(|()| {
+            let turn = rotation(&mut dice);
+            let mut world = empty(1);
+            for seed in &body.particles {
+                let at = (turn * seed.position.as_dvec3()).as_vec3();
+                world.particles.push(ParticleSeed::at(at)).expect("a sound particle");
+            }
+            world.forces.surfaces = body.triangles.clone();
+            world.forces.winds.push(Wind::steady(Vec3::X * 10.0));
+            // A box shows each of its three pairs of faces by the cosine of its normal.
+            let shown = |axis: DVec3, area: f64| (turn * axis).x.abs() * area;
+            let exact = 10.0 * (shown(DVec3::X, 6.0) + shown(DVec3::Y, 3.0) + shown(DVec3::Z, 2.0));
+            let front = 0.5 * force(&mut world).x;
+            Row::relative(
+                "10 Pa on the front of a 1×2×3 m box, turned at random",
+                "N",
+                exact,
+                front,
+                2e-6,
+            )
+        })
+        .into()
+}
+
+fn drag_and_lift_follow_the_angle_of_attack() -> Vec<Row> {
+    let mut rows = Vec::new();
+    for degrees in [15.0, 45.0, 90.0] {
+        let attack = degrees * core::f64::consts::PI / 180.0;
+        // A heavy sheet, which the bound against overshooting does not touch.
+        let mut world = sheet(100.0, core::f64::consts::FRAC_PI_2 - attack);
+        let flow = AirFlow { lift: 1.0, ..AirFlow::steady(Vec3::Y * 5.0) };
+        world.forces.air_flows.push(flow);
+        let dynamic = 0.5 * f64::from(flow.density) * 25.0 * 2.0;
+        let (s, c) = (libm::sin(attack), libm::cos(attack));
+        let felt = force(&mut world);
+        let what = format!("drag on 2 m² at 5 m/s, angle of attack {degrees}°");
+        rows.push(Row::relative(what, "N", dynamic * f64::from(flow.drag) * s, felt.y, 2e-6));
+        let across = (felt.x * felt.x + felt.z * felt.z).sqrt();
+        let what = format!("lift on it at {degrees}°: ½ρC_L A v² sin α cos α");
+        rows.push(Row::absolute(what, "N", dynamic * s * c, across, 3e-5));
+    }
+    rows
+}
+
+/// The force is the law's at any step, so only the speed at which it balances the weight counts: some ten roundings.
+fn a_falling_sheet_reaches_its_terminal_speed() -> Vec<Row> {
+    let mut world = sheet(0.5, 0.0);
+    world.settings.substeps = 10;
+    world.forces.gravity = Vec3::Y * -9.81;
+    let air = AirFlow::steady(Vec3::ZERO);
+    world.forces.air_flows.push(air);
+    steps(&mut world, TICK, 600);
+    let exact = libm::sqrt(2.0 * 0.5 * G / (f64::from(air.density) * f64::from(air.drag) * 2.0));
+    let speed = -f64::from(world.particles.velocity(0).y);
+    vec![Row::relative("terminal speed of 2 m², 0.5 kg: √(2mg/ρC_D A)", "m/s", exact, speed, 1e-5)]
+}
+
+fn a_storm_never_reverses_what_moves_in_it() -> Vec<Row> {
+    let mut world = sheet(1e-4, 0.0);
+    world.forces.air_flows.push(AirFlow::steady(Vec3::Y * 40.0));
+    let (mut most, mut least) = (0.0_f64, f64::INFINITY);
+    for n in 0..120 {
+        steps(&mut world, TICK, 1);
+        let speed = f64::from(world.particles.velocity(0).y);
+        most = most.max(speed);
+        if n > 0 {
+            least = least.min(speed);
+        }
+    }
+    vec![
+        // Rounded once or twice at 40 m/s.
+        Row::at_most(
+            "fastest of a sheet of 0.1 g in a storm of 40 m/s, 1/60 s",
+            "m/s",
+            40.0 + 1e-5,
+            most,
+        ),
+        Row::at_least("its speed is never below 0 after the first step", "m/s", 0.0, least),
+    ]
+}

@@ -1,0 +1,55 @@
+//! Every claim of the physics, run and measured: one case each, shared by the tests and by `cargo run --example physics_report`.
+//!
+//! A [`Case`] builds a world, runs it and returns [`Row`]s: what a formula gives, what the solver gave, and how far apart the two may be. What is
+//! allowed is derived from the order of the method at the step that is used, and says so beside the number; it is never loosened so that a row
+//! passes. Each case is a test of this crate as well, named after what it shows.
+//!
+//! | file | what of it |
+//! |---|---|
+//! | `integrators` | I1 to I9: parabola, damping, steps that change, orders, reversal |
+//! | `forces`, `air`, `media` | F1 to F9: springs, charges; wind; fluids, friction, statics |
+//! | `constraints`, `shapes` | C1 to C11: distances, limits and boundaries; planes, lines, areas, volumes and bending |
+//! | `solver` | direction, loop, substeps, softness, the ledger of a long run |
+//! | `compounds`, `readback`, `bodies` | B1 to B3: boxes and pendulums; E1 to E3: what is read back; B2', M1, M2: rigid shapes and rigid bodies |
+//! | `far` | what 5 km from the origin change: nothing |
+//! | `plots` | the pictures |
+//! | `table` | the page as text, and as JSON |
+
+mod air;
+mod bodies;
+mod case;
+mod compounds;
+mod constraints;
+mod far;
+mod forces;
+mod integrators;
+mod measure;
+mod media;
+pub mod plots;
+mod readback;
+mod row;
+mod shapes;
+mod solver;
+mod table;
+
+pub use case::{Case, Chapter};
+pub use row::{Allowed, Row};
+pub use table::{json, table};
+
+/// The chapters of the report, in the order of `physics.md`.
+pub const CHAPTERS: &[Chapter] = &[
+    Chapter { title: "State and integration", groups: &[integrators::CASES] },
+    Chapter { title: "Forces", groups: &[forces::CASES, air::CASES, media::CASES] },
+    Chapter { title: "Positional constraints", groups: &[constraints::CASES, shapes::CASES] },
+    Chapter { title: "The solver", groups: &[solver::CASES] },
+    Chapter {
+        title: "Compounds and what is read back from them",
+        groups: &[compounds::CASES, readback::CASES, bodies::CASES],
+    },
+    Chapter { title: "Far from the origin", groups: &[far::CASES] },
+];
+
+/// All cases, in the order of the page.
+pub fn cases() -> impl Iterator<Item = &'static Case> {
+    CHAPTERS.iter().flat_map(Chapter::cases)
+}
