@@ -2,9 +2,10 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{BodyParts, CreationOrder, WindSurface};
 use sinew_scenes::ScenesPlugin;
 
-use crate::support::{app_with, assert_finite, tick};
+use crate::support::{app_with, assert_finite, particles_of, position, tick};
 
 /// Plays a scene for `ticks` ticks and returns the largest error of a rod in any of them, as a share of its length.
 fn longest_error_of_rods(name: &str, ticks: u64) -> f32 {
@@ -82,4 +83,263 @@ fn scenes_follow_each_other_in_one_app_without_a_trace() {
         );
     }
     assert_eq!(particles(&mut app), 32, "only the crates are left");
+}
+
+/// What bears a name in a scene, in the order of its creation.
+fn named(app: &mut App, name: &str) -> Vec<Entity> {
+    let world = app.world_mut();
+    let mut found: Vec<(Option<CreationOrder>, Entity)> = world
+        .query::<(Entity, &Name, Option<&CreationOrder>)>()
+        .iter(world)
+        .filter(|(_, its, _)| its.as_str() == name)
+        .map(|(entity, _, order)| (order.copied(), entity))
+        .collect();
+    found.sort_unstable();
+    assert!(!found.is_empty(), "nothing is called {name}");
+    found.into_iter().map(|(_, entity)| entity).collect()
+}
+
+fn transform(app: &App, entity: Entity) -> Transform {
+    *app.world().get::<Transform>(entity).unwrap()
+}
+
+/// The lowest particle of a body, metres.
+fn lowest(app: &App, body: Entity) -> f32 {
+    let heights = particles_of(app, body).into_iter().map(|p| position(app, p).y);
+    heights.fold(f32::MAX, f32::min)
+}
+
+#[test]
+fn bricks_flip_every_four_seconds_and_the_one_corrected_to_the_nearest_point_slows_down() {
+    let mut app = playing("bricks");
+    tick(&mut app, 1);
+    let bricks = named(&mut app, "brick");
+    let up = |app: &App| -> Vec<f32> {
+        bricks.iter().map(|&brick| (transform(app, brick).rotation * Vec3::Y).y).collect()
+    };
+    let spin = |app: &App, i: usize| -> f32 {
+        app.world().get::<AngularVelocity>(bricks[i]).unwrap().0.length()
+    };
+    assert_eq!(bricks.len(), 3);
+    // One flip takes 3.903 s: half way at 1.95 s, upside down at 3.90, upright again at 7.81.
+    tick(&mut app, 233);
+    for i in [1, 2] {
+        assert!(up(&app)[i] < -0.95, "upside down after one flip: {:?}", up(&app));
+    }
+    tick(&mut app, 234);
+    for i in [1, 2] {
+        assert!(up(&app)[i] > 0.95, "upright after two: {:?}", up(&app));
+        assert!((spin(&app, i) - 6.0).abs() < 0.1, "{}", spin(&app, i));
+    }
+    assert!(spin(&app, 0) < 4.8, "the first one lost a fifth of its spin: {}", spin(&app, 0));
+    assert_finite(&mut app);
+}
+
+#[test]
+fn hulls_float_at_their_draft_the_tall_box_turns_over_and_all_drift_with_the_current() {
+    let mut app = playing("boats");
+    tick(&mut app, 1);
+    let (crates, tall) = (named(&mut app, "crate"), named(&mut app, "tall box")[0]);
+    let raft = named(&mut app, "raft")[0];
+    let afloat = [crates[0], crates[1], crates[2], tall, raft];
+    let before = afloat.map(|body| transform(&app, body).translation.x);
+    tick(&mut app, 479);
+    for (&body, share) in crates.iter().zip([0.25, 0.5, 0.75]) {
+        let frame = transform(&app, body);
+        // The surface is at 1.2 m, the crate 0.5 m high.
+        let draft = 1.2 - (frame.translation.y - 0.25);
+        assert!((draft - 0.5 * share).abs() < 0.02, "{share}: {draft}");
+        assert!((frame.rotation * Vec3::Y).y > 0.99, "level: {frame:?}");
+    }
+    assert!((transform(&app, raft).rotation * Vec3::Y).y > 0.99, "the raft is level");
+    assert!((transform(&app, tall).rotation * Vec3::Y).y.abs() < 0.3, "the tall box lies");
+    for (body, before) in afloat.into_iter().zip(before) {
+        let drift = transform(&app, body).translation.x - before;
+        assert!(drift > 0.8 && drift < 2.4, "8 s at up to 0.3 m/s: {drift}");
+    }
+    assert_finite(&mut app);
+}
+
+#[test]
+fn what_swaps_every_second_keeps_up_with_what_never_does() {
+    let mut app = playing("swap");
+    tick(&mut app, 1);
+    let boxes = named(&mut app, "box");
+    let mut swaps = 0;
+    let mut last = None;
+    for _ in 0..200 {
+        tick(&mut app, 1);
+        let now = app.world().get::<Representation>(boxes[0]).copied();
+        swaps += usize::from(last.is_some() && now != last);
+        last = now;
+        for pair in boxes.chunks(2) {
+            let [a, b] = [pair[0], pair[1]].map(|body| transform(&app, body));
+            // They are thrown from 2 m apart along z.
+            let apart = a.translation.distance(b.translation + Vec3::Z * 2.0);
+            assert!(apart < 2e-3, "{apart} m");
+            let turned = a.rotation.angle_between(b.rotation);
+            assert!(turned < 0.03, "{turned} rad");
+        }
+    }
+    assert_eq!(swaps, 3);
+    assert_finite(&mut app);
+}
+
+/// The directions of the bones of an articulated body, from head to tail.
+fn bones(app: &App, body: Entity) -> Vec<Vec3> {
+    let parts = app.world().get::<BodyParts>(body).unwrap();
+    parts.iter().map(|part| transform(app, part).rotation * Vec3::NEG_Y).collect()
+}
+
+/// From one direction to another, radians about z, within ±π.
+fn about_z(a: Vec3, b: Vec3) -> f32 {
+    a.cross(b).z.atan2(a.dot(b))
+}
+
+#[test]
+fn flaps_stop_at_their_marks_one_elbow_never_bends_backward_and_the_tail_stays_in_its_cones() {
+    let mut app = playing("hinges");
+    tick(&mut app, 1);
+    let (flaps, tail) = (named(&mut app, "signal"), named(&mut app, "tail")[0]);
+    let [arm, free] = ["arm", "free arm"].map(|name| named(&mut app, name)[0]);
+    let fallen = |app: &App, flap: Entity| -about_z(Vec3::X, bones(app, flap)[1]);
+    let bent = |app: &App, arm: Entity| about_z(bones(app, arm)[1], bones(app, arm)[2]);
+    let (mut farthest, mut backward, mut closed) = ([0.0_f32; 3], 0.0_f32, 0.0_f32);
+    for _ in 0..360 {
+        tick(&mut app, 1);
+        for (flap, far) in flaps.iter().zip(&mut farthest) {
+            *far = far.max(fallen(&app, *flap));
+        }
+        backward = backward.min(bent(&app, free));
+        closed = closed.max(bent(&app, arm));
+        assert!(bent(&app, arm) > -0.06, "an elbow bent backward: {}", bent(&app, arm));
+        for (i, pair) in bones(&app, tail).windows(2).enumerate() {
+            let angle = pair[0].angle_between(pair[1]).to_degrees();
+            assert!(angle < 24.0, "bone {i} of the tail: {angle}°");
+        }
+    }
+    for (far, mark) in farthest.into_iter().zip([0.9, 1.8, 2.3]) {
+        assert!((far - mark).abs() < 0.08, "{far} of {mark}");
+    }
+    assert!(closed > 0.5, "it bends forward: {closed}");
+    assert!(backward < -0.5, "the free one bends the other way: {backward}");
+    let root = bones(&app, tail);
+    let hangs = root[0].angle_between(root[8]).to_degrees();
+    assert!(hangs > 60.0, "the tail curls by a few degrees a bone: {hangs}°");
+    assert_finite(&mut app);
+}
+
+/// How much room a mesh takes, m³.
+fn volume(app: &App, body: Entity) -> f32 {
+    let triangles = &app.world().get::<WindSurface>(body).unwrap().triangles;
+    let six = |t: &[Entity; 3]| {
+        let [a, b, c] = t.map(|p| position(app, p));
+        a.dot(b.cross(c))
+    };
+    triangles.iter().map(six).sum::<f32>() / 6.0
+}
+
+#[test]
+fn soft_bodies_squash_when_they_land_and_come_back() {
+    let mut app = playing("soft");
+    // Without images and glTF the ball's own mesh is there all the same: scenes make it.
+    tick(&mut app, 1);
+    let mut bodies = named(&mut app, "ball");
+    let balls = bodies.len();
+    bodies.extend(named(&mut app, "cube"));
+    bodies.extend(named(&mut app, "drop"));
+    assert_eq!((balls, bodies.len()), (2, 5));
+    let height = |app: &App, body: Entity| {
+        let heights = particles_of(app, body).into_iter().map(|p| position(app, p).y);
+        heights.fold(f32::MIN, f32::max) - lowest(app, body)
+    };
+    tick(&mut app, 1);
+    let tall: Vec<f32> = bodies.iter().map(|&body| height(&app, body)).collect();
+    let full: Vec<f32> = bodies.iter().map(|&body| volume(&app, body)).collect();
+    let mut least = tall.clone();
+    for _ in 0..300 {
+        tick(&mut app, 1);
+        for (body, least) in bodies.iter().zip(&mut least) {
+            *least = least.min(height(&app, *body));
+        }
+    }
+    for (i, &body) in bodies.iter().enumerate() {
+        assert!(least[i] < 0.9 * tall[i], "{i} is squashed to {} of {}", least[i], tall[i]);
+        let now = volume(&app, body) / full[i];
+        let bound = if i < balls { 0.01 } else { 0.15 };
+        assert!((now - 1.0).abs() < bound, "{i} has its volume again: {now}");
+        let low = lowest(&app, body);
+        assert!(low > -1e-3, "{i} is not in the ground: {low}");
+        assert!(low < 0.05 || i < balls, "{i} lies there: {low}");
+    }
+    assert_finite(&mut app);
+}
+
+#[test]
+fn sheets_sink_at_the_speed_that_their_weight_asks_for_and_a_fan_blows_one_away() {
+    let mut app = playing("feathers");
+    tick(&mut app, 1);
+    let sheets = named(&mut app, "sheet");
+    let speed = |app: &App, i: usize| app.world().get::<LinearVelocity>(sheets[i]).unwrap().0;
+    // v = √(2σg/ρC), and from rest v tanh(g t / v).
+    for (i, (weight, ticks)) in [(2, (1.6_f32, 30)), (1, (0.4, 15)), (0, (0.1, 0))] {
+        tick(&mut app, ticks);
+        let terminal = (2.0 * weight * 9.81 / (1.225 * 1.28)).sqrt();
+        let seconds = app.world().resource::<SinewClock>().seconds as f32;
+        let expected = terminal * (9.81 * seconds / terminal).tanh();
+        let falls = -speed(&app, i).y;
+        assert!((falls / expected - 1.0).abs() < 0.1, "{weight}: {falls} for {expected}");
+    }
+    tick(&mut app, 135);
+    let place = |i: usize| app.world().get::<Barycenter>(sheets[i]).unwrap().position.x;
+    assert!(place(3) > 2.6, "blown away: {}", place(3));
+    assert_finite(&mut app);
+}
+
+#[test]
+fn planets_come_back_to_where_they_began_after_their_years() {
+    let mut app = playing("orbits");
+    tick(&mut app, 1);
+    let planets = named(&mut app, "planet");
+    let sun = Vec3::new(0.0, 1.3, 0.0);
+    let far = |app: &App, i: usize| position(app, planets[i]).distance(sun);
+    let (mut least, mut most) = ([f32::MAX; 5], [0.0_f32; 5]);
+    // A year at 1.25 m: 2π√(1.25³/4) = 4.39 s, 263.4 ticks.
+    for _ in 0..263 {
+        tick(&mut app, 1);
+        for i in 0..5 {
+            least[i] = least[i].min(far(&app, i));
+            most[i] = most[i].max(far(&app, i));
+        }
+    }
+    for (i, (axis, e)) in
+        [(0.45, 0.0), (0.8, 0.0), (1.25, 0.0), (1.25, 2.0 / 3.0)].into_iter().enumerate()
+    {
+        assert!((least[i] / (axis * (1.0 - e)) - 1.0).abs() < 0.01, "{i}: {}", least[i]);
+        assert!((most[i] / (axis * (1.0 + e)) - 1.0).abs() < 0.01, "{i}: {}", most[i]);
+    }
+    assert!(far(&app, 3) < 0.45, "the red one is near again after a year: {}", far(&app, 3));
+    assert_finite(&mut app);
+}
+
+#[test]
+fn nothing_leaves_flatland_and_squares_turn_in_its_plane_alone() {
+    let mut app = playing("flatland");
+    let mut turned = 0.0_f32;
+    for _ in 0..300 {
+        tick(&mut app, 1);
+        let world = app.world_mut();
+        for particle in world.query::<&Particle>().iter(world) {
+            assert!(particle.position.z.abs() < 1e-5, "{particle:?}");
+        }
+        let mut squares =
+            world.query_filtered::<(&Transform, &AngularVelocity), With<ParticleBox>>();
+        for (frame, spin) in squares.iter(world) {
+            let facing = (frame.rotation * Vec3::Z).z;
+            assert!(facing > 0.999, "{frame:?}");
+            turned = turned.max(spin.0.z.abs());
+        }
+    }
+    assert!(turned > 1.0, "they tumble: {turned} rad/s");
+    assert_finite(&mut app);
 }

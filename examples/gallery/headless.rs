@@ -196,8 +196,9 @@ fn tick(app: &mut App, row: &mut Row) {
     let mut sinew = world.resource_mut::<SinewWorld>();
     row.ticks += 1;
     row.particles = sinew.particles().len();
-    row.constraints =
-        sinew.simulation().distances().len() + sinew.simulation().forces.springs.len();
+    let simulation = sinew.simulation();
+    let laws = simulation.distances().len() + simulation.constraints().len();
+    row.constraints = laws + simulation.forces.springs.len();
     row.error = row.error.max(sinew.report().error);
     row.strain = row.strain.max(sinew.report().strain);
     if row.ticks == 1 {

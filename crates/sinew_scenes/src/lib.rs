@@ -15,6 +15,14 @@
 //! | `pendulums` | rods of different lengths that drift in and out of step |
 //! | `charges` | electric forces in a box |
 //! | `buoys` | loose particles that float as deep as their density says |
+//! | `boats` | boxes that float by their shape, in a current |
+//! | `bricks` | three ways to compute a spin, and what each does to it |
+//! | `soft` | balls kept full by their volume, cubes of tetrahedra |
+//! | `swap` | boxes that become rigid bodies and particles again in flight |
+//! | `hinges` | limits of angles: flaps, elbows, a tail of cones |
+//! | `feathers` | drag by area and speed: sheets at their terminal speed, and a fan |
+//! | `orbits` | an attractor and Kepler's ellipses |
+//! | `flatland` | a world in 2D |
 
 mod look;
 mod scenes;
@@ -37,7 +45,7 @@ pub struct ScenesPlugin;
 impl Plugin for ScenesPlugin {
     fn build(&self, app: &mut App) {
         app.register_type::<Look>().add_observer(dress_part).add_observer(scenes::ropes::tie_ends);
-        app.add_systems(FixedUpdate, scenes::ropes::wave_hand);
+        app.add_systems(FixedUpdate, (scenes::ropes::wave_hand, scenes::swap::swap_bodies));
     }
 }
 

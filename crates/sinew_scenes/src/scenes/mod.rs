@@ -1,15 +1,23 @@
 //! The list of scenes.
 
 mod banner;
+mod boats;
+mod bricks;
 mod buoys;
 mod charges;
 mod crates;
+mod feathers;
 mod flag;
+mod flatland;
+mod hinges;
 mod jelly;
+mod orbits;
 mod pendulums;
 mod ragdoll;
 pub(crate) mod ropes;
+mod soft;
 mod square;
+pub(crate) mod swap;
 
 use bevy::prelude::*;
 
@@ -46,6 +54,14 @@ pub const ALL: &[Scene] = &[
     pendulums::SCENE,
     charges::SCENE,
     buoys::SCENE,
+    boats::SCENE,
+    bricks::SCENE,
+    soft::SCENE,
+    swap::SCENE,
+    hinges::SCENE,
+    feathers::SCENE,
+    orbits::SCENE,
+    flatland::SCENE,
 ];
 
 /// The scene of that name.

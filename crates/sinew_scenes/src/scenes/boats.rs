@@ -1,0 +1,87 @@
+//! Boxes that float by their own shape, in a pool whose water flows.
+
+use bevy::prelude::*;
+use bevy_sinew::BoxParticles;
+use bevy_sinew::prelude::*;
+
+use super::{Scene, mesh};
+use crate::{InScene, Look, cylinder, rounded_box};
+
+pub(super) const SCENE: Scene = Scene {
+    name: "boats",
+    title: "Hulls in a current",
+    about: "crates float a quarter, a half and three quarters deep, as their density says; the raft stays level, the tall box turns over; all drift",
+    eye: Vec3::new(0.4, 3.8, 9.7),
+    target: Vec3::new(0.0, 0.95, 0.0),
+    seconds: 8.0,
+    moment: 4.2,
+    spawn,
+};
+
+/// Depth of the pool, metres: the height of its surface above the ground.
+const DEPTH: f32 = 1.2;
+/// Half its length, and its width behind what floats in it, metres.
+const HALF: Vec2 = Vec2::new(4.7, 1.6);
+/// Density of the water, kg/m³.
+const WATER: f32 = 1000.0;
+/// Velocity of the water, m/s.
+const CURRENT: f32 = 0.25;
+
+fn spawn(world: &mut World) {
+    world.spawn((InScene, Ground::default()));
+    world.spawn((
+        InScene,
+        Name::new("pool"),
+        Fluid::flowing(Vec3::X * CURRENT),
+        Region::boxed(Vec3::new(HALF.x, DEPTH, HALF.y)),
+        Transform::from_xyz(0.0, DEPTH, 0.0),
+    ));
+    // The water is a slab, cut open along the middle of what floats in it, so that one sees how deep it sits.
+    let slab = mesh(world, Cuboid::new(2.0 * HALF.x, DEPTH, HALF.y));
+    let blue = Look::color(0x4d9bc1).roughness(0.15);
+    world.spawn((InScene, slab, blue, Transform::from_xyz(0.0, DEPTH * 0.5, -HALF.y * 0.5)));
+    for (i, share) in [0.25, 0.5, 0.75].into_iter().enumerate() {
+        // Wide enough to float upright at any density: width² > 6 height² s (1 - s).
+        let crate_ = float(world, Vec3::new(0.8, 0.5, 0.8), share, -1.5 + 1.1 * i as f32, 0.0);
+        let skin = mesh(world, rounded_box(Vec3::new(0.8, 0.5, 0.8), 0.02, 2));
+        let wood = Look::texture("textures/crate.png").roughness(0.8);
+        world.entity_mut(crate_).insert((Name::new("crate"), skin, wood));
+    }
+    let tall = Vec3::new(0.45, 1.5, 0.45);
+    let tower = float(world, tall, 0.5, 2.2, -0.06);
+    let skin = mesh(world, rounded_box(tall, 0.03, 2));
+    world.entity_mut(tower).insert((Name::new("tall box"), skin, Look::color(0xd9622b)));
+    raft(world);
+}
+
+/// A box that floats, its lower side a little above the water.
+fn float(world: &mut World, size: Vec3, share: f32, x: f32, turn: f32) -> Entity {
+    let place = Vec3::new(x, DEPTH + 0.5 * size.y - 0.3 * share, 0.0);
+    world
+        .spawn((
+            InScene,
+            ParticleBox { particles: BoxParticles::Equimomental, ..ParticleBox::new(size) }
+                .with_mass(WATER * share * size.element_product()),
+            Floats::OWN,
+            Interpolate,
+            Transform::from_translation(place).with_rotation(Quat::from_rotation_z(turn)),
+        ))
+        .id()
+}
+
+/// A raft of six logs with a mast: to the water it is one wide box.
+fn raft(world: &mut World) {
+    let size = Vec3::new(1.5, 0.22, 1.26);
+    let raft = float(world, size, 0.45, -3.6, -0.2);
+    world.entity_mut(raft).insert((Name::new("raft"), Visibility::default()));
+    let log = mesh(world, cylinder(size.y * 0.5, size.x));
+    let bark = Look::color(0x8a6a4b).roughness(0.9);
+    let along = Quat::from_rotation_z(core::f32::consts::FRAC_PI_2);
+    for i in 0..6 {
+        let place = Transform::from_xyz(0.0, 0.0, (i as f32 - 2.5) * 0.21).with_rotation(along);
+        world.spawn((ChildOf(raft), log.clone(), bark.clone(), place));
+    }
+    let (mast, sail) = (mesh(world, cylinder(0.03, 1.2)), mesh(world, Cuboid::new(0.02, 0.6, 0.8)));
+    world.spawn((ChildOf(raft), mast, bark, Transform::from_xyz(0.0, 0.65, 0.0)));
+    world.spawn((ChildOf(raft), sail, Look::color(0xefe6d2), Transform::from_xyz(0.04, 0.9, 0.0)));
+}

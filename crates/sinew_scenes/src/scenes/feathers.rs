@@ -1,0 +1,66 @@
+//! Sheets that sink through still air, each at the speed that its weight asks for, and one that a fan blows away.
+
+use bevy::prelude::*;
+use bevy_sinew::prelude::*;
+
+use super::{Scene, mesh};
+use crate::{InScene, Look, cylinder};
+
+pub(super) const SCENE: Scene = Scene {
+    name: "feathers",
+    title: "Falling through air",
+    about: "four times the weight falls twice as fast: √(2σg/ρC) for sheets of 0.1, 0.4 and 1.6 kg/m²; the fourth passes a fan",
+    eye: Vec3::new(-2.6, 6.4, 7.4),
+    target: Vec3::new(0.25, 1.6, 0.0),
+    seconds: 4.0,
+    moment: 0.9,
+    spawn,
+};
+
+/// Edge of a sheet, metres, and the height from which it falls.
+const EDGE: f32 = 0.9;
+const TOP: f32 = 4.0;
+/// Where the fan is.
+const FAN: Vec3 = Vec3::new(1.15, 2.4, 0.0);
+
+fn spawn(world: &mut World) {
+    // The air below does all the braking: by area and speed, not by a share of the velocity.
+    world.insert_resource(AirDrag(0.0));
+    world.spawn((InScene, Ground { friction: 0.8 }));
+    world.spawn((InScene, Name::new("still air"), AirFlow::default()));
+    world.spawn((
+        InScene,
+        Name::new("fan"),
+        AirFlow::steady(Vec3::X * 5.0),
+        Region::boxed(Vec3::new(1.3, 0.45, 0.8)).with_fade(0.2),
+        Transform::from_translation(FAN + Vec3::X * 1.3),
+    ));
+    let blade = mesh(world, Cuboid::new(0.02, 0.74, 0.09));
+    let (ring, stand) = (mesh(world, Torus::new(0.38, 0.46)), mesh(world, cylinder(0.04, 2.0)));
+    let upright = Quat::from_rotation_z(core::f32::consts::FRAC_PI_2);
+    let metal = Look::color(0x6c757d).metal();
+    let here = Transform::from_translation(FAN).with_rotation(upright);
+    world.spawn((InScene, ring, metal.clone(), here));
+    for turn in [0.4, 1.97] {
+        let across = Transform::from_translation(FAN).with_rotation(Quat::from_rotation_x(turn));
+        world.spawn((InScene, blade.clone(), metal.clone(), across));
+    }
+    world.spawn((InScene, stand, metal, Transform::from_translation(FAN.with_y(1.0))));
+    let sheets = [
+        (-2.4, 0.1, 0xe9b44c),
+        (-1.2, 0.4, 0xe07a5f),
+        (0.0, 1.6, 0x8d4b62),
+        (FAN.x + 0.75, 0.1, 0x3d7ea6),
+    ];
+    for (x, density, color) in sheets {
+        world.spawn((
+            InScene,
+            Name::new("sheet"),
+            Cloth { density, ..Cloth::grid(EDGE, EDGE, 12, 12) },
+            Look::color(color).double_sided().roughness(0.8),
+            Interpolate,
+            Transform::from_xyz(x, TOP, 0.0)
+                .with_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2)),
+        ));
+    }
+}

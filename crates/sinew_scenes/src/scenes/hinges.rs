@@ -1,0 +1,96 @@
+//! Joints that know how far they go: flaps, elbows, and a tail.
+
+use core::f32::consts::PI;
+
+use bevy::prelude::*;
+use bevy_sinew::TubeMesh;
+use bevy_sinew::prelude::*;
+
+use super::Scene;
+use crate::{InScene, Look};
+
+pub(super) const SCENE: Scene = Scene {
+    name: "hinges",
+    title: "Hinges, elbows, cones",
+    about: "each flap stops at its red mark; the orange elbow never bends backward, the grey one does; each bone of the tail stays within 20° of the last",
+    eye: Vec3::new(1.8, 2.3, 8.4),
+    target: Vec3::new(0.2, 1.5, 0.0),
+    seconds: 6.0,
+    moment: 1.9,
+    spawn,
+};
+
+/// How far the flaps fall from straight out, radians.
+const FLAPS: [f32; 3] = [0.9, 1.8, 2.3];
+/// How far a bone of the tail may be turned against the one before it, radians.
+const CONE: f32 = PI / 9.0;
+
+fn spawn(world: &mut World) {
+    world.insert_resource(SolverConfig { substeps: 20, ..default() });
+    world.insert_resource(AirDrag(0.1));
+    world.spawn((InScene, Ground::default()));
+    for (i, far) in FLAPS.into_iter().enumerate() {
+        flap(world, Vec3::new(-3.1 + 1.05 * i as f32, 2.0, 0.0), far);
+    }
+    for (z, backward, color) in [(0.5, false, 0xd9622b), (-0.5, true, 0x9aa1ab)] {
+        arm(world, Vec3::new(0.4, 2.1, z), backward, color);
+    }
+    tail(world, Vec3::new(1.7, 2.3, 0.0));
+}
+
+fn body(world: &mut World, name: &'static str, at: Vec3, bones: Vec<Bone>, look: Look) {
+    let place = Transform::from_translation(at);
+    // So that they swing on; with as many sweeps as the recipe asks for.
+    let (direction, max_sweeps) = (Some(Direction::StepStart), Some(12));
+    let solver = BodySolver { direction, max_sweeps, ..default() };
+    let bones = Articulated::new(bones);
+    world.spawn((InScene, Name::new(name), bones, solver, look.roughness(0.5), Interpolate, place));
+}
+
+/// What does not move, and carries the rest.
+fn held(head: Vec3, tail: Vec3, width: f32) -> Bone {
+    Bone { width, pinned: true, ..Bone::new("held", head, tail) }
+}
+
+/// A flap that starts straight out from its post and falls, until it is `far` radians down.
+fn flap(world: &mut World, at: Vec3, far: f32) {
+    let hinge = BoneJoint::Hinge { axis: Vec3::Z, min: -far, max: 0.0 };
+    let arm = Bone { width: 0.16, ..Bone::new("flap", Vec3::ZERO, Vec3::X * 0.7) }.on(0, hinge);
+    let post = held(Vec3::ZERO, Vec3::Y * 0.3, 0.2);
+    body(world, "signal", at, vec![post, arm], Look::color(0x3d7ea6));
+    let (sin, cos) = libm::sincosf(-far);
+    let mark = [0.1, 0.85].map(|out| {
+        let place = at + Vec3::new(cos * out, sin * out, 0.12);
+        world.spawn((InScene, Particle::at(place), Pinned::HERE)).id()
+    });
+    let mark = TubeMesh { particles: mark.to_vec(), radius: 0.022, sides: 8 };
+    world.spawn((InScene, mark, Look::color(0xd1495b)));
+}
+
+/// An arm held out, hinged at its shoulder and its elbow; `backward` leaves the elbow free.
+fn arm(world: &mut World, at: Vec3, backward: bool, color: u32) {
+    let (elbow, hand) = (Vec3::X * 0.65, Vec3::X * 1.25);
+    let free = BoneJoint::Hinge { axis: Vec3::Z, min: -PI, max: PI };
+    // Held out, it closes by 150° upwards.
+    let closes = BoneJoint::Hinge { axis: Vec3::Z, min: 0.0, max: 2.6 };
+    let bones = vec![
+        held(Vec3::ZERO, Vec3::Y * 0.25, 0.26),
+        Bone { width: 0.2, ..Bone::new("upper arm", Vec3::ZERO, elbow).on(0, free) },
+        Bone { width: 0.15, ..Bone::new("forearm", elbow, hand) }
+            .on(1, if backward { free } else { closes }),
+    ];
+    body(world, if backward { "free arm" } else { "arm" }, at, bones, Look::color(color));
+}
+
+/// A tail of bones, each in a cone about the direction of the one before it, and the first about where its root points.
+fn tail(world: &mut World, at: Vec3) {
+    let long = 0.27;
+    let joint = BoneJoint::Ball { cone: CONE, twist: 0.2 };
+    let mut bones = vec![held(Vec3::X * -0.25, Vec3::ZERO, 0.26)];
+    for i in 0..8 {
+        let [head, tail] = [i, i + 1].map(|n| Vec3::X * (long * n as f32));
+        let width = 0.22 - 0.016 * i as f32;
+        bones.push(Bone { width, mass: 0.3, ..Bone::new("bone", head, tail).on(i, joint) });
+    }
+    body(world, "tail", at, bones, Look::color(0x66a182));
+}

@@ -1,0 +1,81 @@
+//! Planets about a sun: an attractor, and nothing that says what an ellipse is.
+
+use bevy::prelude::*;
+use bevy_sinew::TubeMesh;
+use bevy_sinew::prelude::*;
+
+use super::{Scene, mesh};
+use crate::{InScene, Look, ball};
+
+pub(super) const SCENE: Scene = Scene {
+    name: "orbits",
+    title: "Orbits",
+    about: "each planet stays on the ellipse that Kepler drew for it; the red one needs as long as the green one, but dives in to a fifth of its distance",
+    eye: Vec3::new(0.0, 4.3, 4.3),
+    target: Vec3::new(-0.1, 1.15, 0.15),
+    seconds: 7.0,
+    moment: 2.2,
+    spawn,
+};
+
+/// Gravitational parameter of the sun, m³/s²: at 1 m, a year is 3.1 s.
+const STRENGTH: f32 = 4.0;
+/// Where it stands.
+const SUN: Vec3 = Vec3::new(0.0, 1.3, 0.0);
+/// Particles that a drawn orbit is strung on.
+const BEADS: usize = 96;
+
+fn spawn(world: &mut World) {
+    world.insert_resource(Gravity(Vec3::ZERO));
+    world.insert_resource(AirDrag(0.0));
+    let skin = mesh(world, ball(0.16));
+    let gold = Look::color(0xffc94d).roughness(0.4);
+    world.spawn((
+        InScene,
+        Name::new("sun"),
+        Attractor::new(STRENGTH).with_softening(0.0),
+        skin,
+        gold,
+        Transform::from_translation(SUN),
+    ));
+    // Semi-major axis in metres, eccentricity, where the nearest point is and how the plane is tilted in radians, radius, colour.
+    let planets = [
+        (0.45, 0.0, 0.0, 0.1, 0.045, 0x8d99ae),
+        (0.8, 0.0, 2.0, -0.05, 0.07, 0x3d7ea6),
+        (1.25, 0.0, 4.0, 0.08, 0.08, 0x66a182),
+        (1.25, 2.0 / 3.0, 0.6, -0.25, 0.06, 0xd1495b),
+        (1.75, 0.1, 5.2, 0.03, 0.11, 0xd9a441),
+    ];
+    for (axis, eccentricity, turn, tilt, radius, color) in planets {
+        let plane = Quat::from_rotation_z(tilt) * Quat::from_rotation_y(turn);
+        let look = Look::color(color).roughness(0.4);
+        let orbit = path(world, axis, eccentricity, plane);
+        let thread = TubeMesh { particles: orbit, radius: 0.009, sides: 5 };
+        world.spawn((InScene, thread, look.clone()));
+        // It begins where it is nearest and fastest: v² = GM (1 + e) / (a (1 - e)).
+        let place = SUN + plane * Vec3::X * (axis * (1.0 - eccentricity));
+        let speed = (STRENGTH / axis * (1.0 + eccentricity) / (1.0 - eccentricity)).sqrt();
+        let skin = mesh(world, ball(radius));
+        world.spawn((
+            InScene,
+            Name::new("planet"),
+            Particle::at(place).with_velocity(plane * Vec3::NEG_Z * speed),
+            Transform::from_translation(place),
+            skin,
+            look,
+        ));
+    }
+}
+
+/// The ellipse with the sun in one focus, as pinned particles for a thread.
+fn path(world: &mut World, axis: f32, eccentricity: f32, plane: Quat) -> Vec<Entity> {
+    let across = axis * (1.0 - eccentricity * eccentricity).sqrt();
+    let bead = |i: usize| {
+        let (sin, cos) = libm::sincosf(core::f32::consts::TAU * i as f32 / BEADS as f32);
+        let place = SUN + plane * Vec3::new(axis * (cos - eccentricity), 0.0, -across * sin);
+        world.spawn((InScene, Particle::at(place), Pinned::HERE)).id()
+    };
+    let mut beads: Vec<Entity> = (0..BEADS).map(bead).collect();
+    beads.push(beads[0]);
+    beads
+}
