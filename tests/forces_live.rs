@@ -133,7 +133,7 @@ fn each_number_edited_live_takes_effect_in_the_next_tick() {
 }
 
 /// The first so many particles, in the order of their creation.
-fn state(app: &mut App, count: usize) -> Vec<[u32; 7]> {
+fn state(app: &mut App, count: usize) -> Vec<[u32; 10]> {
     let world = app.world_mut();
     let mut all: Vec<(CreationOrder, Particle)> =
         world.query::<(&CreationOrder, &Particle)>().iter(world).map(|(o, p)| (*o, *p)).collect();

@@ -15,6 +15,8 @@
 //! | `in_use` | what is despawned while it is in use, before and after every set |
 //! | `recipes` | boxes, ropes, cloth and ragdolls build themselves, are built anew when changed, and are teleported |
 //! | `recipes_soft` | solids of any shape, soft bodies and articulated ones build themselves |
+//! | `representation` | a body swaps between particles and a rigid body in any tick, and nothing jumps |
+//! | `solver` | settings and reports of worlds and bodies; five kilometres from the origin it is as at home |
 //! | `pictures` | meshes and transforms follow, between ticks too |
 //! | `unrelated` | what has nothing to do with a body does not change a bit of it |
 //! | `forces` | every force of the solver is a component or a resource that does what physics asks |
@@ -42,10 +44,12 @@ mod phases;
 mod pictures;
 mod recipes;
 mod recipes_soft;
+mod representation;
 mod runtime_changes;
 mod scenes;
 mod schedules;
 mod snapshot;
+mod solver;
 mod state;
 mod support;
 mod unrelated;

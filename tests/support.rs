@@ -97,9 +97,9 @@ pub(crate) fn fnv(words: impl Iterator<Item = u32>) -> u64 {
 }
 
 /// The bits of one particle's state.
-pub(crate) fn bits(particle: &Particle) -> [u32; 7] {
-    let (p, v) = (particle.position.to_array(), particle.velocity.to_array());
-    [p[0], p[1], p[2], v[0], v[1], v[2], particle.lag].map(f32::to_bits)
+pub(crate) fn bits(particle: &Particle) -> [u32; 10] {
+    let Particle { position: p, remainder: r, velocity: v, lag } = *particle;
+    [p.x, p.y, p.z, r.x, r.y, r.z, v.x, v.y, v.z, lag].map(f32::to_bits)
 }
 
 /// Hash of all particles, in the order of their creation.

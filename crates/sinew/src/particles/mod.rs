@@ -306,7 +306,9 @@ impl Particles {
     }
 
     fn write(&mut self, i: usize, seed: &ParticleSeed) {
-        let origin = snap(seed.position);
+        let whole = snap(seed.position);
+        // The remainder may lead over into the next metre, where the distance would need a bit more than it has.
+        let origin = whole + snap((seed.position - whole) + seed.remainder);
         let local = (seed.position - origin) + seed.remainder;
         self.origin[i] = origin;
         self.position[i] = local.extend(1.0 / seed.mass);

@@ -1,0 +1,130 @@
+//! A body may be particles or an explicit rigid body, and change in any tick: nothing jumps, nothing is lost.
+
+use bevy::prelude::*;
+use bevy_sinew::prelude::*;
+use bevy_sinew::{BodyParticles, BoxParticles, Inertia, Refusal, RigidIntegrator};
+
+use crate::support::{bare_app, hash, heard, tick};
+
+const RIGID: Representation = Representation::Rigid(RigidIntegrator::Leapfrog);
+
+/// A world without gravity or drag, in which a solid box flies and tumbles.
+fn tumbling(representation: Representation) -> (App, Entity) {
+    let mut app = bare_app();
+    app.insert_resource(Gravity(Vec3::ZERO)).insert_resource(AirDrag(0.0));
+    let box_ = ParticleBox {
+        particles: BoxParticles::Equimomental,
+        ..ParticleBox::new(Vec3::new(1.0, 2.0, 3.0))
+    };
+    let body = app.world_mut().spawn((box_, representation)).id();
+    tick(&mut app, 1);
+    let world = app.world_mut();
+    world.entity_mut(body).set_motion(Vec3::new(1.0, 0.0, -0.5), Vec3::new(3.0, -2.0, 4.0));
+    (app, body)
+}
+
+/// Where a body is, how it is turned, its momentum (kg·m/s) and its angular momentum (kg·m²/s).
+fn whole(app: &App, body: Entity) -> (Vec3, Quat, Vec3, Vec3) {
+    let entity = app.world().entity(body);
+    let (transform, centre) =
+        (entity.get::<Transform>().unwrap(), entity.get::<Barycenter>().unwrap());
+    let velocity = entity.get::<LinearVelocity>().unwrap().0;
+    let spin = entity.get::<AngularVelocity>().unwrap().0;
+    let inertia = entity.get::<Inertia>().unwrap().0;
+    (centre.position, transform.rotation, velocity * centre.mass, inertia * spin)
+}
+
+#[test]
+fn changing_the_representation_swaps_at_once_and_changes_nothing_that_can_be_seen() {
+    let (mut plain, reference) = tumbling(Representation::Particles);
+    let (mut swapped, body) = tumbling(Representation::Particles);
+    tick(&mut plain, 30);
+    tick(&mut swapped, 30);
+    let (_, _, momentum, turning) = whole(&swapped, body);
+    for round in 0..6 {
+        let next = if round % 2 == 0 { RIGID } else { Representation::Particles };
+        swapped.world_mut().entity_mut(body).insert(next);
+        tick(&mut swapped, 10);
+        tick(&mut plain, 10);
+        let (a, b) = (whole(&swapped, body), whole(&plain, reference));
+        assert!(a.0.distance(b.0) < 1e-4, "round {round}: {} and {}", a.0, b.0);
+        assert!(a.1.angle_between(b.1) < 0.01, "round {round}: {} and {}", a.1, b.1);
+        assert!((a.2 - momentum).length() < 1e-4 * momentum.length(), "round {round}: {}", a.2);
+        assert!(
+            (a.3 - turning).length() < 1e-3 * turning.length(),
+            "round {round}: {} of {turning}",
+            a.3
+        );
+    }
+    assert_eq!(heard(&swapped), []);
+}
+
+#[test]
+fn a_rigid_body_has_no_constraints_to_solve_and_particles_have_28() {
+    let (mut app, body) = tumbling(RIGID);
+    tick(&mut app, 2);
+    let (rods, compounds) = {
+        let simulation = app.world().resource::<SinewWorld>().simulation();
+        (simulation.colours(), simulation.compounds().len())
+    };
+    assert_eq!((rods, compounds), (1, 1), "one shape and no rods");
+    app.world_mut().entity_mut(body).remove::<Representation>();
+    tick(&mut app, 1);
+    let simulation = app.world().resource::<SinewWorld>().simulation();
+    assert!(simulation.colours() >= 7 && simulation.compounds().is_empty());
+}
+
+#[test]
+fn a_rope_pulls_a_rigid_box_off_the_ground_and_lets_it_down() {
+    let mut app = bare_app();
+    app.world_mut().spawn(Ground::default());
+    let place = Transform::from_xyz(0.0, 0.5, 0.0);
+    let body = app.world_mut().spawn((ParticleBox::new(Vec3::ONE), RIGID, place)).id();
+    tick(&mut app, 60);
+    let rest = app.world().get::<Transform>(body).unwrap().translation;
+    assert!((rest.y - 0.5).abs() < 2e-3, "{rest}");
+    let corner = app.world().get::<BodyParticles>(body).unwrap().iter().nth(7).unwrap();
+    let hook = app.world_mut().spawn((Particle::at(Vec3::new(0.5, 2.0, 0.5)), Pinned::HERE)).id();
+    let rope = app.world_mut().spawn(DistanceConstraint::new(corner, hook, 1.0)).id();
+    tick(&mut app, 1);
+    for step in 1..=60 {
+        let up = Vec3::new(0.5, 2.0 + step as f32 * 0.02, 0.5);
+        app.world_mut().entity_mut(hook).insert(Pinned::at(up));
+        tick(&mut app, 1);
+    }
+    tick(&mut app, 120);
+    let hung = *app.world().get::<Transform>(body).unwrap();
+    assert!(hung.translation.y > 1.2, "{hung:?}");
+    app.world_mut().despawn(rope);
+    tick(&mut app, 240);
+    let down = app.world().get::<Transform>(body).unwrap().translation;
+    assert!(down.y < 0.9, "{down}");
+}
+
+#[test]
+fn what_has_no_pose_is_refused_once_and_goes_on_as_particles() {
+    let mut app = bare_app();
+    let rope = app.world_mut().spawn((Rope::default(), RIGID)).id();
+    tick(&mut app, 5);
+    assert_eq!(heard(&app), [(rope, Refusal::Representation)]);
+    assert!(app.world().resource::<SinewWorld>().simulation().compounds().is_empty());
+}
+
+#[test]
+fn a_rigid_body_restored_from_its_components_goes_on_bit_for_bit() {
+    let (mut app, _) = tumbling(RIGID);
+    tick(&mut app, 40);
+    let particles: Vec<(Entity, Particle)> = {
+        let mut query = app.world_mut().query::<(Entity, &Particle)>();
+        query.iter(app.world()).map(|(entity, particle)| (entity, *particle)).collect()
+    };
+    let clock = *app.world().resource::<SinewClock>();
+    tick(&mut app, 60);
+    let first = hash(&mut app);
+    app.insert_resource(clock);
+    for (entity, particle) in particles {
+        app.world_mut().entity_mut(entity).insert(particle);
+    }
+    tick(&mut app, 60);
+    assert_eq!(hash(&mut app), first);
+}
