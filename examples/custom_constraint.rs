@@ -77,11 +77,13 @@ fn setup(
     ));
     let ball = meshes.add(Sphere::new(MARBLE));
     for i in 0..24 {
-        // Near the top, in a row across the tube, each with a push of its own: they slide round and round.
+        // Near the top, in a row across the tube, each with a push of its own. They slide down, swing to and fro, and shy away from each other.
         let side = (i as f32 - 11.5) / 11.5;
         let place = Vec3::new(0.2 * side, MAJOR + MINOR + MARBLE, 0.25 * side);
         let marble = (
             Particle::at(place).with_velocity(Vec3::new(2.0 * side, 0.0, 1.0)),
+            Mass(0.05),
+            Charge(1.5e-6),
             Mesh3d(ball.clone()),
             MeshMaterial3d(materials.add(Color::hsl(15.0 * i as f32, 0.7, 0.5))),
             // A particle with a transform is drawn where it is.

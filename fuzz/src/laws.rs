@@ -33,9 +33,14 @@ pub(crate) fn choices(input: &mut Input, settings: SolverSettings) -> SolverSett
 }
 
 /// Adds or changes one of them.
-pub(crate) fn operate(world: &mut Simulation, input: &mut Input, row: fn(&mut Input, usize) -> u32) {
+pub(crate) fn operate(
+    world: &mut Simulation,
+    input: &mut Input,
+    row: fn(&mut Input, usize) -> u32,
+) {
     let count = world.particles.len();
-    let rows = |input: &mut Input, n: u32| -> Vec<u32> { (0..n).map(|_| row(input, count)).collect() };
+    let rows =
+        |input: &mut Input, n: u32| -> Vec<u32> { (0..n).map(|_| row(input, count)).collect() };
     match input.below(8) {
         0..=3 => {
             let n = input.below(7);
@@ -55,7 +60,11 @@ pub(crate) fn operate(world: &mut Simulation, input: &mut Input, row: fn(&mut In
             list.push(Compound { integrator, ..Compound::new(rows, rest) });
         }
         5 => {
-            let flow = AirFlow { velocity: input.vector(), gusts: input.mostly(Input::positive), ..AirFlow::steady(Vec3::X) };
+            let flow = AirFlow {
+                velocity: input.vector(),
+                gusts: input.mostly(Input::positive),
+                ..AirFlow::steady(Vec3::X)
+            };
             world.forces.air_flows.truncate(1);
             world.forces.air_flows.push(AirFlow { region: region(input), ..flow });
         }
@@ -93,13 +102,23 @@ fn order(input: &mut Input) -> Order {
 }
 
 fn region(input: &mut Input) -> Region {
-    if input.flag() { Region::EVERYWHERE } else { Region::sphere(input.vector(), input.mostly(Input::positive)) }
+    if input.flag() {
+        Region::EVERYWHERE
+    } else {
+        Region::sphere(input.vector(), input.mostly(Input::positive))
+    }
 }
 
 fn softness(input: &mut Input) -> Softness {
     match input.below(5) {
-        0 => Softness::Compliant { compliance: input.mostly(Input::positive), damping: input.mostly(Input::positive) },
-        1 => Softness::Frequency { hertz: input.mostly(Input::positive), ratio: input.mostly(Input::positive) },
+        0 => Softness::Compliant {
+            compliance: input.mostly(Input::positive),
+            damping: input.mostly(Input::positive),
+        },
+        1 => Softness::Frequency {
+            hertz: input.mostly(Input::positive),
+            ratio: input.mostly(Input::positive),
+        },
         2 => Softness::Share(input.mostly(|input| input.positive() / 64.0)),
         _ => Softness::Hard,
     }

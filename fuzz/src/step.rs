@@ -186,8 +186,11 @@ fn surroundings(world: &mut Simulation, input: &mut Input) {
         0 => world.forces.gravity = input.vector(),
         1 => world.forces.drag = input.mostly(|input| input.positive() / 64.0),
         2 => {
-            world.forces.electric =
-                Electric { constant: input.any(), softening: input.mostly(Input::positive), ..Electric::default() };
+            world.forces.electric = Electric {
+                constant: input.any(),
+                softening: input.mostly(Input::positive),
+                ..Electric::default()
+            };
         }
         3 => {
             let plane = Plane { normal: input.vector(), offset: input.any(), friction };

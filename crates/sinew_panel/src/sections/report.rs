@@ -19,8 +19,11 @@ pub(crate) fn report(ui: &mut Ui, panel: &PanelParams) {
     value(ui, "Particles", "Particles that the solver works on.", &number, "");
     let number = count(simulation.distances().len());
     value(ui, "Distances", "Distance constraints that the solver holds.", &number, "");
+    let number = count(simulation.constraints().len());
+    let hint = "All other constraints: angles, volumes, shapes and a game's own.";
+    value(ui, "Other laws", hint, &number, "");
     let number = count(simulation.colours());
-    let hint = "Groups of distances that share no particle: each is solved side by side.";
+    let hint = "Groups of constraints that share no particle: each is solved side by side.";
     value(ui, "Colours", hint, &number, "");
     value(ui, "Substeps", "Parts of the last tick.", &grouped(report.substeps.into()), "");
     let hint = "Rounds over all constraints, summed over the substeps.";

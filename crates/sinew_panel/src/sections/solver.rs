@@ -1,11 +1,11 @@
 //! How hard the solver tries.
 
 use bevy::prelude::*;
-use bevy_egui::egui::{Button, Slider, Ui, vec2};
-use bevy_sinew::SolverConfig;
+use bevy_egui::egui::{Button, ComboBox, Slider, Ui, vec2};
+use bevy_sinew::{Direction, Integrator, Order, SolverConfig};
 
 use crate::panel::PanelParams;
-use crate::widgets::slider;
+use crate::widgets::{row, slider};
 
 /// Writes `SolverConfig`.
 pub(crate) fn solver(ui: &mut Ui, panel: &mut PanelParams) {
@@ -32,15 +32,62 @@ pub(crate) fn solver(ui: &mut Ui, panel: &mut PanelParams) {
         changed = true;
     }
 
+    let hint = "How a step through time is made. Verlet keeps energy; explicit Euler is there to be compared with.";
+    let integrators = [
+        (Integrator::Verlet, "Verlet"),
+        (Integrator::Leapfrog, "Leapfrog"),
+        (Integrator::SemiImplicitEuler, "Semi-implicit Euler"),
+        (Integrator::ExplicitEuler, "Explicit Euler"),
+    ];
+    changed |= choice(ui, "Integrator", hint, &mut config.integrator, &integrators);
+    let hint = "Along which gradients rods are corrected. Bodies such as boxes ask for their own.";
+    let directions =
+        [(Direction::Nearest, "Nearest point"), (Direction::StepStart, "Start of the step")];
+    changed |= choice(ui, "Direction", hint, &mut config.direction, &directions);
+    let hint = "In which order constraints are enforced.";
+    let orders = [
+        (Order::Cascade, "Cascade"),
+        (Order::WorstFirst, "Most violated first"),
+        (Order::Jacobi, "Jacobi"),
+    ];
+    changed |= choice(ui, "Order", hint, &mut config.order, &orders);
+    let hint = "What nothing holds keeps its angular momentum, though corrections to the nearest point lose it.";
+    changed |= row(ui, "Keep spin", hint, |ui| ui.checkbox(&mut config.keep_spin, "").changed());
+    let hint = "Forgets velocities, so that everything walks to rest.";
+    changed |= row(ui, "Statics", hint, |ui| ui.checkbox(&mut config.statics, "").changed());
+
     let tuned = config != SolverConfig::default();
     let size = vec2(ui.available_width(), 22.0);
     let reset = ui.add_enabled_ui(tuned, |ui| ui.add_sized(size, Button::new("Reset to defaults")));
     let reset = reset.inner;
-    if reset.on_hover_text("10 substeps, 4 sweeps, 0.1 mm.").clicked() {
+    if reset
+        .on_hover_text("10 substeps, 4 sweeps, 0.1 mm, Verlet, nearest point, cascade.")
+        .clicked()
+    {
         config = SolverConfig::default();
         changed = true;
     }
     if changed {
         panel.config.set_if_neq(config);
     }
+}
+
+/// A drop-down of a few names. Whether another one was chosen.
+fn choice<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    label: &str,
+    hint: &str,
+    chosen: &mut T,
+    names: &[(T, &str)],
+) -> bool {
+    row(ui, label, hint, |ui| {
+        let mut changed = false;
+        let name = names.iter().find(|(value, _)| value == chosen).map_or("", |(_, name)| name);
+        ComboBox::from_id_salt(label).selected_text(name).show_ui(ui, |ui| {
+            for &(value, name) in names {
+                changed |= ui.selectable_value(chosen, value, name).changed();
+            }
+        });
+        changed
+    })
 }

@@ -9,7 +9,7 @@ use crate::{InScene, Look};
 pub(super) const SCENE: Scene = Scene {
     name: "ragdoll",
     title: "Ragdolls",
-    about: "17 particles, 25 bones and 32 limits each; nobody holds them up",
+    about: "22 particles, 33 bones, 20 struts and 22 limits of angles each; nobody holds them up",
     eye: Vec3::new(0.9, 1.9, 6.4),
     target: Vec3::new(0.0, 0.9, -0.3),
     seconds: 5.0,
