@@ -276,3 +276,16 @@ fn without_gravity_of_their_own_bodies_and_particles_hang_and_with_twice_of_it_f
         close(fallen, -0.5 * 9.81 * 0.25 * scale, 1e-3);
     }
 }
+
+#[test]
+fn a_drag_along_the_ground_takes_its_share_of_a_sliding_block_each_second() {
+    let mut app = bare_app();
+    app.insert_resource(AirDrag(0.0));
+    let drag = GroundDrag { along: 0.6, ..default() };
+    app.world_mut().spawn((Ground { friction: 0.0 }, drag));
+    let block = Particle::at(Vec3::ZERO).with_velocity(Vec3::X * 3.0);
+    let block = app.world_mut().spawn(block).id();
+    tick(&mut app, 120);
+    let speed = app.world().get::<Particle>(block).unwrap().velocity.x;
+    assert!((speed / (3.0 * 0.4 * 0.4) - 1.0).abs() < 1e-3, "{speed}");
+}

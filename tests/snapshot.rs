@@ -51,6 +51,7 @@ macro_rules! for_each_state_component {
             ControlForce,
             PendingEdits,
             GravityScale,
+            GroundDrag,
             BodySolver,
             Representation,
             Wind,

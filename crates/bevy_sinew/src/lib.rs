@@ -114,10 +114,10 @@ pub use commands::{BodyCommandsExt, BodyEdit, EditFault, PendingEdits};
 pub use components::{
     AirDrag, AngularVelocity, Barycenter, BodyConstraints, BodyParticles, BodyReport, Bound,
     BoundingBox, Charge, ConstraintOf, CreationOrder, DistanceConstraint, Drag, Electric,
-    ExternalForce, ExtractedTransform, Fluid, Gravity, GravityScale, Ground, Interpolate,
-    LinearVelocity, Mass, MeshFollow, Particle, ParticleBody, ParticleOf, ParticleRow, Pinned,
-    PinnedTo, Radius, Representation, RigidIntegrator, RigidPose, Softness, Spring, TubeMesh, Wind,
-    WindSurface,
+    ExternalForce, ExtractedTransform, Fluid, Gravity, GravityScale, Ground, GroundDrag,
+    Interpolate, LinearVelocity, Mass, MeshFollow, Particle, ParticleBody, ParticleOf, ParticleRow,
+    Pinned, PinnedTo, Radius, Representation, RigidIntegrator, RigidPose, Softness, Spring,
+    TubeMesh, Wind, WindSurface,
 };
 pub use components::{
     AirFlow, Attractor, ElectricField, Flatland, Floats, HullShape, Region, RegionShape,
@@ -155,10 +155,10 @@ pub mod prelude {
         AirDrag, AngularVelocity, Articulated, Barycenter, BodyPart, BodyReport, BodySolver, Bone,
         BoneJoint, Bound, BoundingBox, Bulk, Charge, Cloth, ClothPins, ClothShape, ConstraintOf,
         Direction, DistanceConstraint, Electric, ExternalForce, Fluid, Gravity, GravityScale,
-        Ground, Integrator, Interpolate, LinearVelocity, Mass, Order, Particle, ParticleBody,
-        ParticleBox, ParticleOf, ParticleRow, PhaseSystems, Pinned, PinnedTo, Radius, Ragdoll,
-        Refused, Representation, RigidIntegrator, RigidPose, Rope, SinewClock, SinewControl,
-        SinewPlugins, SinewSystems, SinewWorld, SoftBody, SoftShape, Softness, Solid,
+        Ground, GroundDrag, Integrator, Interpolate, LinearVelocity, Mass, Order, Particle,
+        ParticleBody, ParticleBox, ParticleOf, ParticleRow, PhaseSystems, Pinned, PinnedTo, Radius,
+        Ragdoll, Refused, Representation, RigidIntegrator, RigidPose, Rope, SinewClock,
+        SinewControl, SinewPlugins, SinewSystems, SinewWorld, SoftBody, SoftShape, Softness, Solid,
         SolidParticles, SolidShape, SolverConfig, Spring, SubstepSchedule, Wind,
     };
     pub use crate::{

@@ -67,7 +67,7 @@ pub use glam;
 
 pub use constraints::{
     Bound, Boundaries, Constraint, Direction, Distance, DistanceFault, Equation, InsideBox, Law,
-    LawFault, Pin, Plane, Points, Softness,
+    LawFault, Pin, PlanarDrag, Plane, Points, Softness,
 };
 pub use forces::{
     AirFlow, Attractor, Control, Electric, ElectricField, Extent, Fluid, Forces, Hull, HullFault,

@@ -2,7 +2,7 @@
 
 use sinew::glam::Vec3;
 use sinew::recipes::{BoxSpec, RopeSpec, box_3d, rope};
-use sinew::{Fluid, Hull, ParticleSeed, Plane, Simulation, Skin};
+use sinew::{Fluid, Hull, ParticleSeed, PlanarDrag, Plane, Simulation, Skin};
 
 use crate::Row;
 use crate::case::cases;
@@ -15,6 +15,7 @@ cases! {
     "F7" a_fluid_damps_by_the_submerged_share;
     "F8" a_block_slides_exactly_if_the_slope_is_steeper_than_friction_holds;
     "F8" a_sliding_block_stops_where_friction_has_eaten_its_speed;
+    "F8" a_drag_along_the_plane_takes_its_share_each_second;
     "F9" a_chain_hangs_as_its_catenary;
 }
 
@@ -143,6 +144,27 @@ fn a_block_slides_exactly_if_the_slope_is_steeper_than_friction_holds() -> Vec<R
         Row::relative("the same, tan θ = 0.41", "m", exact(0.41), slid(0.41), 5e-3),
         Row::relative("the same, tan θ = 0.5", "m", exact(0.5), slid(0.5), 5e-3),
     ]
+}
+
+/// The lectures' planar friction is an exponential, taken substep by substep: exact but for round-off.
+fn a_drag_along_the_plane_takes_its_share_each_second() -> Vec<Row> {
+    let speed = |along: f32| {
+        let mut world = Simulation::default();
+        let drag = PlanarDrag { along, across: 0.0 };
+        let plane = Plane { drag, ..Plane::ground(0.0).with_friction(0.0) };
+        world.boundaries.planes.push(plane);
+        let seed = ParticleSeed::at(Vec3::ZERO).with_velocity(Vec3::X * 3.0);
+        world.particles.push(seed).expect("a sound particle");
+        steps(&mut world, TICK, 120);
+        f64::from(world.particles.velocity(0).x)
+    };
+    [0.2, 0.6]
+        .map(|along| {
+            let left = 1.0 - f64::from(along);
+            let what = format!("3 m/s after 2 s on a plane of drag {along} along it");
+            Row::relative(what, "m/s", 3.0 * left * left, speed(along), 1e-5)
+        })
+        .into()
 }
 
 fn a_sliding_block_stops_where_friction_has_eaten_its_speed() -> Vec<Row> {

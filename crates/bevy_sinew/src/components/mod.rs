@@ -21,7 +21,7 @@ pub use constraint::{
 pub use control::ControlForce;
 pub use environment::{
     AirDrag, AirFlow, Attractor, BoundingBox, Electric, ElectricField, Flatland, Floats, Fluid,
-    Gravity, Ground, HullShape, Region, RegionShape, Wind,
+    Gravity, Ground, GroundDrag, HullShape, Region, RegionShape, Wind,
 };
 pub use order::CreationOrder;
 pub use particle::{

@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use sinew::{InsideBox, Plane};
+use sinew::{InsideBox, PlanarDrag, Plane};
 
 use crate::components::{
     AirDrag, AirFlow, Attractor, BoundingBox, CreationOrder, Electric, ElectricField, Flatland,
-    Fluid, Gravity, Ground, Region, Wind,
+    Fluid, Gravity, Ground, GroundDrag, Region, Wind,
 };
 use crate::config::SolverConfig;
 use crate::messages::{Refusal, Refused, refuse};
@@ -119,16 +119,22 @@ impl Fields<'_, '_> {
 /// The surfaces that bound space.
 #[derive(SystemParam)]
 pub(crate) struct Bounds<'w, 's> {
-    grounds: Query<'w, 's, (Entity, &'static CreationOrder, &'static Ground)>,
+    grounds: Query<
+        'w,
+        's,
+        (Entity, &'static CreationOrder, &'static Ground, Option<&'static GroundDrag>),
+    >,
     rooms: Query<'w, 's, (Entity, &'static CreationOrder, &'static BoundingBox)>,
     sheets: Query<'w, 's, (Entity, &'static CreationOrder), With<Flatland>>,
 }
 
 impl Bounds<'_, '_> {
     fn tell(&self, boundaries: &mut sinew::Boundaries, frames: &Frames, judge: &mut Judge) {
-        let ground = |(entity, order, ground): (_, &_, &Ground)| {
+        let ground = |(entity, order, ground, drag): (_, &_, &Ground, Option<&GroundDrag>)| {
             let (normal, offset) = plane(&frames.of(entity), Vec3::Y);
-            (*order, entity, Plane { normal, offset, friction: ground.friction })
+            let drag = drag
+                .map_or(default(), |drag| PlanarDrag { along: drag.along, across: drag.across });
+            (*order, entity, Plane { normal, offset, friction: ground.friction, drag })
         };
         judge.fill(&mut boundaries.planes, self.grounds.iter().map(ground), Plane::is_valid);
 
@@ -141,7 +147,7 @@ impl Bounds<'_, '_> {
 
         let sheet = |(entity, order): (_, &_)| {
             let (normal, offset) = plane(&frames.of(entity), Vec3::Z);
-            (*order, entity, Plane { normal, offset, friction: 0.0 })
+            (*order, entity, Plane { normal, offset, friction: 0.0, ..Plane::ground(0.0) })
         };
         let mut sheets = Vec::new();
         judge.fill(&mut sheets, self.sheets.iter().map(sheet), Plane::is_valid);

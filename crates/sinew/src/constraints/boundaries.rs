@@ -4,6 +4,7 @@
 use glam::Vec3;
 
 use super::Pin;
+use super::planar_drag::{self, PlanarDrag};
 use crate::particles::Particles;
 
 /// What is enforced on single particles. [`Constraint`](super::Constraint)s and distances are kept apart, in the
@@ -29,18 +30,20 @@ pub struct Plane {
     pub offset: f32,
     /// Coulomb's coefficient of friction μ, 0 (ice) and up. Default 0.5.
     pub friction: f32,
+    /// The lectures' friction: a drag along the plane and one across it, for what touches it. Default none.
+    pub drag: PlanarDrag,
 }
 
 impl Plane {
     /// The level ground at y = `height` metres.
     pub fn ground(height: f32) -> Self {
-        Self { normal: Vec3::Y, offset: height, friction: 0.5 }
+        Self { normal: Vec3::Y, offset: height, friction: 0.5, drag: PlanarDrag::default() }
     }
 
     /// The plane through `point` with the given normal, of any length but zero; `None` if it has no direction or is not finite.
     pub fn new(point: Vec3, normal: Vec3) -> Option<Self> {
         let normal = normal.try_normalize()?;
-        let plane = Self { normal, offset: normal.dot(point), friction: 0.5 };
+        let plane = Self { normal, offset: normal.dot(point), ..Self::ground(0.0) };
         plane.is_valid().then_some(plane)
     }
 
@@ -55,6 +58,7 @@ impl Plane {
             && self.offset.is_finite()
             && self.friction.is_finite()
             && self.friction >= 0.0
+            && self.drag.is_valid()
     }
 }
 
@@ -106,6 +110,11 @@ impl Contacts {
     /// Whether there is nothing to touch.
     pub(crate) fn is_empty(&self) -> bool {
         self.planes.is_empty() && self.boxes.is_empty() && self.sheet.is_none()
+    }
+
+    /// Slows down what touches a plane with a drag, before a substep of `h` seconds is predicted.
+    pub(crate) fn drag(&self, particles: &mut Particles, h: f32) {
+        planar_drag::apply(particles, &self.planes, h);
     }
 
     /// Puts particle `i` on the right side of everything, once, with friction; returns how far out it was, metres.

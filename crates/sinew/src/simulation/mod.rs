@@ -168,6 +168,7 @@ impl Simulation {
         if self.settings.statics {
             self.particles.velocity.fill(Vec4::ZERO);
         }
+        self.scratch.contacts.drag(&mut self.particles, length);
         integrate::predict(&mut self.particles, self.settings.integrator, length);
         self.scratch.moving.predict(&mut self.particles, &self.compounds, length);
         for pin in &self.boundaries.pins {

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::item::{Item, Local, Manner};
+use super::item::{Item, Local, Manner, constraint_error, distance_error};
 use super::momentum::Momenta;
 use super::plan::{Island, Kind, Plan};
 use super::{Order, SolverReport, cascade, jacobi, worst_first};
@@ -111,17 +111,22 @@ pub(crate) fn measure(
     scratch: &mut Scratch,
     report: &mut SolverReport,
 ) {
-    let Scratch { local, items, .. } = scratch;
+    let local = &mut scratch.local;
     (report.error, report.strain) = (0.0, 0.0);
     for (island, own) in plan.islands.iter().zip(&mut report.islands) {
         let (mut error, mut strain) = (0.0_f32, 0.0_f32);
-        list_items(plan, island, items);
-        for item in items.iter() {
-            let left = item.error(particles, plan, local);
-            error = error.max(left);
-            if item.kind != Kind::Constraints {
-                let rest = plan.distances[item.number as usize].rest;
-                strain = if rest > 0.0 { strain.max(left / rest) } else { strain };
+        for group in &plan.groups[island.groups.clone()] {
+            if group.kind == Kind::Constraints {
+                let constraints = plan.constraints[group.range.clone()].iter();
+                error = constraints
+                    .map(|c| constraint_error(particles, c, local))
+                    .fold(error, f32::max);
+                continue;
+            }
+            for d in &plan.distances[group.range.clone()] {
+                let left = distance_error(particles, d);
+                error = error.max(left);
+                strain = if d.rest > 0.0 { strain.max(left / d.rest) } else { strain };
             }
         }
         if !contacts.is_empty() {

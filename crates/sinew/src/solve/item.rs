@@ -4,7 +4,7 @@ use glam::{Vec3, Vec4};
 
 use super::plan::{Kind, Plan};
 use crate::constraints::{
-    Constraint, Direction, Pace, Points, equation_energy, equation_error, project,
+    Constraint, Direction, Distance, Pace, Points, equation_energy, equation_error, project,
     project_equation, project_rod, project_rod_from_start,
 };
 use crate::particles::Particles;
@@ -121,7 +121,7 @@ impl Item {
                 now[i] += step.extend(0.0);
             });
         }
-        let distance = crate::constraints::Distance { a: 0, b: 1, ..plan.distances[number] };
+        let distance = Distance { a: 0, b: 1, ..plan.distances[number] };
         if self.kind == Kind::Rods && manner.direction == Direction::StepStart {
             return project_rod_from_start(now, starts, 0, 1, distance.rest);
         }
@@ -134,14 +134,19 @@ impl Item {
         if self.kind == Kind::Constraints {
             return constraint_error(particles, &plan.constraints[number], local);
         }
-        let distance = &plan.distances[number];
-        let (a, b) =
-            (particles.position[distance.a as usize], particles.position[distance.b as usize]);
-        if !distance.softness.is_hard() || a.w + b.w == 0.0 {
-            return 0.0;
-        }
-        distance.error(a.truncate(), b.truncate())
+        distance_error(particles, &plan.distances[number])
     }
+}
+
+/// How far a hard distance is from being kept, metres; zero for a soft one, and between pinned particles.
+#[inline]
+pub(crate) fn distance_error(particles: &Particles, distance: &Distance) -> f32 {
+    let at = |row: u32| particles.position[row as usize];
+    let (a, b) = (at(distance.a), at(distance.b));
+    if !distance.softness.is_hard() || a.w + b.w == 0.0 {
+        return 0.0;
+    }
+    distance.error(a.truncate(), b.truncate())
 }
 
 /// Energy that the soft distances and constraints of a plan store, J.

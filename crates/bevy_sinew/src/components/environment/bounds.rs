@@ -19,6 +19,18 @@ impl Default for Ground {
     }
 }
 
+/// The lectures' friction, beside a [`Ground`] on the same entity: a drag of its own along the ground and across it, for what touches it.
+///
+/// Coulomb's friction, [`Ground::friction`], acts besides: set that to 0 to have this alone.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct GroundDrag {
+    /// Share of the velocity along the ground that is lost per second, 0 to 1. Default 0.
+    pub along: f32,
+    /// Share of the velocity towards it or away that is lost per second, 0 to 1. Default 0.
+    pub across: f32,
+}
+
 /// A room that no particle leaves: a box around the entity's position, its walls along the world's axes.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]

@@ -1,0 +1,92 @@
+//! The lectures' planar friction (physics.md F8): where a particle touches a plane, its velocity is split along the plane and across it, and a drag
+//! of its own takes its share of each. Coulomb's law, which needs no drag and knows sticking, is beside it in `boundaries`.
+
+use glam::Vec3;
+
+use super::Plane;
+use crate::particles::{Particles, rate_of_drag};
+
+/// Shares of the velocity that a particle loses per second while it touches a plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PlanarDrag {
+    /// Of the velocity along the plane, 0 to 1. Default 0.
+    pub along: f32,
+    /// Of the velocity across it, towards it or away, 0 to 1: how sticky it is. Default 0.
+    pub across: f32,
+}
+
+impl PlanarDrag {
+    /// Whether both are shares. With a broken one the plane is skipped.
+    pub fn is_valid(self) -> bool {
+        (0.0..=1.0).contains(&self.along) && (0.0..=1.0).contains(&self.across)
+    }
+}
+
+/// How near to a plane counts as touching it, metres: what rests on it is a hair above or below.
+const TOUCH: f32 = 1e-3;
+
+/// Takes from the velocities of particles that touch a plane with a drag what a substep of `h` seconds takes: `v_t ← v_t (1 - along)^h`,
+/// `v_n ← v_n (1 - across)^h`.
+pub(crate) fn apply(particles: &mut Particles, planes: &[Plane], h: f32) {
+    for plane in planes.iter().filter(|plane| plane.drag != PlanarDrag::default()) {
+        let lost = |drag: f32| -libm::expm1f(-rate_of_drag(drag) * h);
+        let (along, across) = (lost(plane.drag.along), lost(plane.drag.across));
+        for i in 0..particles.len() {
+            let above = particles.height(i, plane.normal, plane.offset) - particles.radius[i];
+            if above > TOUCH || particles.position[i].w == 0.0 {
+                continue;
+            }
+            let velocity = particles.velocity[i].truncate();
+            let normal: Vec3 = plane.normal * velocity.dot(plane.normal);
+            let taken = (velocity - normal) * along + normal * across;
+            particles.velocity[i] -= taken.extend(0.0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::particles::ParticleSeed;
+    use crate::simulation::Simulation;
+
+    #[test]
+    fn each_part_of_the_velocity_loses_its_own_share_where_the_plane_is_touched() {
+        let mut particles = Particles::default();
+        for y in [0.05, 0.5] {
+            let seed = ParticleSeed::at(Vec3::Y * y).with_velocity(Vec3::new(4.0, 2.0, 0.0));
+            particles.push(seed.with_radius(0.05)).unwrap();
+        }
+        let drag = PlanarDrag { along: 0.75, across: 0.5 };
+        apply(&mut particles, &[Plane { drag, ..Plane::ground(0.0) }], 0.5);
+        let expected = Vec3::new(4.0 * 0.25_f32.sqrt(), 2.0 * 0.5_f32.sqrt(), 0.0);
+        assert!(particles.velocity(0).abs_diff_eq(expected, 1e-5), "{}", particles.velocity(0));
+        assert_eq!(particles.velocity(1), Vec3::new(4.0, 2.0, 0.0), "it does not touch");
+    }
+
+    #[test]
+    fn a_block_that_slides_on_it_slows_down_by_its_share_per_second() {
+        let mut world = Simulation::default();
+        let drag = PlanarDrag { along: 0.6, across: 0.0 };
+        world.boundaries.planes.push(Plane { drag, ..Plane::ground(0.0).with_friction(0.0) });
+        let seed = ParticleSeed::at(Vec3::ZERO).with_velocity(Vec3::X * 3.0);
+        world.particles.push(seed).unwrap();
+        for _ in 0..120 {
+            world.step(1.0 / 60.0).unwrap();
+        }
+        let exact = 3.0 * 0.4_f32 * 0.4;
+        let speed = world.particles.velocity(0).x;
+        assert!((speed / exact - 1.0).abs() < 1e-3, "{speed} is not {exact}");
+    }
+
+    #[test]
+    fn all_the_drag_there_is_stops_it_at_once_and_a_broken_one_skips_the_plane() {
+        let mut particles = Particles::default();
+        particles.push(ParticleSeed::at(Vec3::ZERO).with_velocity(Vec3::ONE)).unwrap();
+        let drag = PlanarDrag { along: 1.0, across: 1.0 };
+        apply(&mut particles, &[Plane { drag, ..Plane::ground(0.0) }], 0.01);
+        assert_eq!(particles.velocity(0), Vec3::ZERO);
+        let drag = PlanarDrag { along: f32::NAN, across: 0.0 };
+        assert!(!Plane { drag, ..Plane::ground(0.0) }.is_valid());
+    }
+}
