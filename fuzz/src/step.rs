@@ -193,7 +193,12 @@ fn surroundings(world: &mut Simulation, input: &mut Input) {
             };
         }
         3 => {
-            let plane = Plane { normal: input.vector(), offset: input.any(), friction, ..Plane::ground(0.0) };
+            let plane = Plane {
+                normal: input.vector(),
+                offset: input.any(),
+                friction,
+                ..Plane::ground(0.0)
+            };
             keep(&mut world.boundaries.planes, plane, MOST_OTHERS);
         }
         4 => {
