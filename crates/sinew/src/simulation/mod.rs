@@ -7,7 +7,7 @@ pub use statics::Relaxed;
 
 use glam::{Vec3, Vec4};
 
-use crate::constraints::{Boundaries, Constraint, Contacts, Distance};
+use crate::constraints::{Boundaries, Constraint, Contacts, Distance, Pin};
 use crate::forces::{self, Forces};
 use crate::particles::Particles;
 use crate::rigid::{Compound, Moving};
@@ -162,7 +162,8 @@ impl Simulation {
         forces::apply_electric(&mut self.particles, &self.forces, scratch);
     }
 
-    /// Phase 5: predicts the next positions by Verlet integration, and leads the pinned particles towards their targets.
+    /// Phase 5: predicts the next positions by the world's integrator, after what planes with a drag have taken, and leads the pinned particles towards
+    /// their targets.
     pub fn integrate(&mut self) {
         let Substep { length, remaining } = self.scratch.substep;
         if self.settings.statics {
@@ -174,8 +175,10 @@ impl Simulation {
         for pin in &self.boundaries.pins {
             let i = pin.particle as usize;
             if i < self.particles.len() && pin.target.is_finite() {
-                let led = pin.lead(self.particles.position(i), remaining);
-                self.particles.set_position(i, led);
+                // From the origin that the particle has: far out, points of the world have no digits for a way walked in small parts.
+                let pin = Pin { target: pin.target - self.particles.origin[i], ..*pin };
+                let here = self.particles.position[i];
+                self.particles.position[i] = pin.lead(here.truncate(), remaining).extend(here.w);
             }
         }
     }

@@ -16,7 +16,7 @@ pub(crate) struct Scratch {
     items: Vec<Item>,
     asked: jacobi::Asked,
     queue: worst_first::Queue,
-    /// What each island did before it was solved, if nothing outside it acts through a constraint.
+    /// The momenta that each island is to keep, if nothing outside acts on it through a constraint.
     free: Vec<Option<Momenta>>,
 }
 
