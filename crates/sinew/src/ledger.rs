@@ -30,7 +30,8 @@ impl Ledger {
 }
 
 /// Reads the ledger off a simulation whose accelerations are those of its present positions.
-pub(crate) fn take(simulation: &Simulation) -> Ledger {
+pub(crate) fn take(simulation: &mut Simulation) -> Ledger {
+    let soft = simulation.soft_energy();
     let particles = &simulation.particles;
     let mut ledger = Ledger::default();
     for i in 0..particles.len() {
@@ -49,7 +50,7 @@ pub(crate) fn take(simulation: &Simulation) -> Ledger {
     }
     let springs = &simulation.forces.springs;
     ledger.elastic = springs.iter().map(|s| f64::from(s.energy(particles))).sum();
-    ledger.elastic += simulation.soft_energy();
+    ledger.elastic += soft;
     ledger.electric = forces::electric_energy(particles, &simulation.forces);
     ledger
 }

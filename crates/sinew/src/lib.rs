@@ -55,6 +55,7 @@
 pub mod constraints;
 pub mod forces;
 pub mod integrate;
+pub(crate) mod lanes;
 pub mod ledger;
 pub mod particles;
 pub mod pose;
@@ -74,8 +75,9 @@ pub use forces::{
     Region, Skin, Spring, SpringFault, Wind,
 };
 pub use integrate::Integrator;
+pub use lanes::InstructionSet;
 pub use ledger::Ledger;
-pub use particles::{ParticleFault, ParticleSeed, Particles};
+pub use particles::{ParticleFault, ParticleSeed, ParticleState, Particles};
 pub use rigid::{Compound, RigidBody, RigidFault, RigidIntegrator};
 pub use simulation::{Relaxed, Simulation, StepFault, Substep};
 pub use solve::{BodySettings, IslandReport, Order, SolverReport, SolverSettings};

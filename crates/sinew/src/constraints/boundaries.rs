@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::Pin;
 use super::planar_drag::{self, PlanarDrag};
-use crate::particles::Particles;
+use crate::particles::{Particles, Places};
 
 /// What is enforced on single particles. [`Constraint`](super::Constraint)s and distances are kept apart, in the
 /// [`Simulation`](crate::Simulation), because they are compiled into a plan when they change; these may change at any step for free.
@@ -117,51 +117,52 @@ impl Contacts {
         planar_drag::apply(particles, &self.planes, h);
     }
 
-    /// Puts particle `i` on the right side of everything, once, with friction; returns how far out it was, metres.
+    /// Puts a row on the right side of everything, once, with friction; returns how far out it was, metres.
     #[inline]
-    pub(crate) fn project(&self, particles: &mut Particles, i: usize) -> f32 {
-        if particles.position[i].w == 0.0 {
+    pub(crate) fn project(&self, places: &mut Places, row: u32) -> f32 {
+        if places.position[places.at(row)].w == 0.0 {
             return 0.0;
         }
         let mut worst = 0.0_f32;
         for plane in &self.planes {
-            let out = plane.correction(particles, i);
-            worst = worst.max(push(particles, i, out, plane.friction));
+            let out = plane.correction(places, row);
+            worst = worst.max(push(places, row, out, plane.friction));
         }
         for room in &self.boxes {
-            let out = room.correction(particles, i);
-            worst = worst.max(push(particles, i, out, room.friction));
+            let out = room.correction(places, row);
+            worst = worst.max(push(places, row, out, room.friction));
         }
         if let Some(sheet) = &self.sheet {
-            let out = particles.height(i, sheet.normal, sheet.offset);
-            particles.displace(i, sheet.normal * -out);
+            let out = places.height(row, sheet.normal, sheet.offset);
+            places.displace(row, sheet.normal * -out);
             worst = worst.max(out.abs());
         }
         worst
     }
 
-    /// How far out particle `i` is, metres, moving nothing.
-    pub(crate) fn error(&self, particles: &Particles, i: usize) -> f32 {
-        if particles.position[i].w == 0.0 {
+    /// How far out a row is, metres, moving nothing.
+    pub(crate) fn error(&self, places: &Places, row: u32) -> f32 {
+        if places.position[places.at(row)].w == 0.0 {
             return 0.0;
         }
-        let planes = self.planes.iter().map(|plane| plane.correction(particles, i).length());
-        let boxes = self.boxes.iter().map(|room| room.correction(particles, i).length());
-        let sheet = self.sheet.iter().map(|s| particles.height(i, s.normal, s.offset).abs());
+        let planes = self.planes.iter().map(|plane| plane.correction(places, row).length());
+        let boxes = self.boxes.iter().map(|room| room.correction(places, row).length());
+        let sheet = self.sheet.iter().map(|s| places.height(row, s.normal, s.offset).abs());
         planes.chain(boxes).chain(sheet).fold(0.0, f32::max)
     }
 }
 
-/// Moves particle `i` by the normal correction and by the friction that goes with it; returns how far out it was, metres.
+/// Moves a row by the normal correction and by the friction that goes with it; returns how far out it was, metres.
 #[inline]
-fn push(particles: &mut Particles, i: usize, normal_part: Vec3, coefficient: f32) -> f32 {
+fn push(places: &mut Places, row: u32, normal_part: Vec3, coefficient: f32) -> f32 {
     if normal_part == Vec3::ZERO {
         return 0.0;
     }
     let depth = normal_part.length();
-    let moved = particles.position[i].truncate() + normal_part - particles.start[i];
+    let i = places.at(row);
+    let moved = (places.position[i] - places.start[i]).truncate() + normal_part;
     let slid = moved - normal_part * (moved.dot(normal_part) / (depth * depth));
-    particles.position[i] += (normal_part + friction(slid, depth, coefficient)).extend(0.0);
+    places.displace(row, normal_part + friction(slid, depth, coefficient));
     depth
 }
 
@@ -180,11 +181,12 @@ fn friction(slid: Vec3, normal_correction: f32, coefficient: f32) -> Vec3 {
 }
 
 impl Plane {
-    /// The displacement that brings particle `i`, a sphere of its radius, just inside, metres; zero if it is inside already. It goes to the
+    /// The displacement that brings a row, a sphere of its radius, just inside, metres; zero if it is inside already. It goes to the
     /// nearest point of the half-space: along the normal, for one particle whatever its mass.
     #[inline]
-    fn correction(&self, particles: &Particles, i: usize) -> Vec3 {
-        let height = particles.height(i, self.normal, self.offset) - particles.radius[i];
+    fn correction(&self, places: &Places, row: u32) -> Vec3 {
+        let radius = places.radius[places.at(row)];
+        let height = places.height(row, self.normal, self.offset) - radius;
         if height < 0.0 { self.normal * -height } else { Vec3::ZERO }
     }
 }
@@ -192,13 +194,14 @@ impl Plane {
 impl InsideBox {
     /// The same: the clamp, coordinate by coordinate. Where the box is thinner than the sphere, the sphere is held in the middle.
     #[inline]
-    fn correction(&self, particles: &Particles, i: usize) -> Vec3 {
-        let (radius, origin) = (particles.radius[i], particles.origin[i]);
+    fn correction(&self, places: &Places, row: u32) -> Vec3 {
+        let i = places.at(row);
+        let (radius, origin) = (places.radius[i], places.origin[i]);
         let (min, max) = (self.min - origin, self.max - origin);
         let middle = (min + max) * 0.5;
         let low = (min + radius).min(middle);
         let high = (max - radius).max(middle);
-        let position = particles.position[i].truncate();
+        let position = places.position[i].truncate();
         position.max(low).min(high) - position
     }
 }
@@ -216,7 +219,8 @@ mod tests {
     }
 
     fn touch(plane: Plane, particles: &mut Particles) -> f32 {
-        Contacts { planes: vec![plane], ..Default::default() }.project(particles, 0)
+        Contacts { planes: vec![plane], ..Default::default() }
+            .project(&mut Places::all(particles), 0)
     }
 
     #[test]
@@ -234,10 +238,10 @@ mod tests {
     fn the_box_clamps_each_coordinate_and_centres_what_does_not_fit() {
         let room = InsideBox::new(Vec3::ZERO, Vec3::new(100.0, 1.0, 100.0));
         let mut out = one(Vec3::new(-5.0, 0.5, 120.0), Vec3::new(-5.0, 0.5, 120.0), 0.25);
-        Contacts { boxes: vec![room], ..Default::default() }.project(&mut out, 0);
+        Contacts { boxes: vec![room], ..Default::default() }.project(&mut Places::all(&mut out), 0);
         assert!(out.position(0).abs_diff_eq(Vec3::new(0.25, 0.5, 99.75), 1e-4));
         let mut fat = one(Vec3::new(50.0, 0.9, 50.0), Vec3::new(50.0, 0.9, 50.0), 2.0);
-        Contacts { boxes: vec![room], ..Default::default() }.project(&mut fat, 0);
+        Contacts { boxes: vec![room], ..Default::default() }.project(&mut Places::all(&mut fat), 0);
         assert_eq!(fat.position(0).y, 0.5);
     }
 

@@ -11,15 +11,15 @@ const PACE: Pace = Pace { h: 1.0 / 60.0, sweeps: 8 };
 #[derive(Clone, Debug)]
 pub(crate) struct Particles {
     pub(crate) now: Vec<Vec4>,
-    pub(crate) starts: Vec<Vec3>,
+    pub(crate) starts: Vec<Vec4>,
     lambda: f32,
 }
 
 /// Particles at rest there. Masses in kg; one that is missing is 1 kg, and an infinite one pins.
 pub(crate) fn points_of(positions: &[Vec3], masses: &[f32]) -> Particles {
     let inverse = |i: usize| masses.get(i).map_or(1.0, |mass| 1.0 / mass);
-    let now = positions.iter().enumerate().map(|(i, p)| p.extend(inverse(i))).collect();
-    Particles { now, starts: positions.to_vec(), lambda: 0.0 }
+    let now: Vec<_> = positions.iter().enumerate().map(|(i, p)| p.extend(inverse(i))).collect();
+    Particles { starts: now.clone(), now, lambda: 0.0 }
 }
 
 impl Particles {

@@ -159,14 +159,14 @@ fn part(positions: &mut [Vec4], a: usize, b: usize, rest: f32) -> f32 {
 #[inline]
 pub(crate) fn project_rod_from_start(
     positions: &mut [Vec4],
-    starts: &[Vec3],
+    starts: &[Vec4],
     a: u32,
     b: u32,
     rest: f32,
 ) -> f32 {
     let (pa, pb) = (positions[a as usize], positions[b as usize]);
     let now = (pb - pa).truncate();
-    let start = starts[b as usize] - starts[a as usize];
+    let start = (starts[b as usize] - starts[a as usize]).truncate();
     let square = now.length_squared();
     let along = now.dot(start);
     // A third of what a rod in order would give: 70°, far beyond where the island goes back to the nearest point.
@@ -192,7 +192,7 @@ pub(crate) fn project_rod_from_start(
 #[inline]
 pub(crate) fn project(
     positions: &mut [Vec4],
-    starts: &[Vec3],
+    starts: &[Vec4],
     distance: &Distance,
     pace: Pace,
     lambda: &mut f32,
@@ -208,7 +208,7 @@ pub(crate) fn project(
         return 0.0;
     }
     let n = if len > 0.0 { d / len } else { Vec3::X };
-    let moved = n.dot(d - (starts[a] - starts[b]));
+    let moved = n.dot(d - (starts[a] - starts[b]).truncate());
     let unit = softness.unit(weights);
     let asked = multiplier(softness, pace, value, weights, moved, *lambda) * unit;
     let change = match bound {
@@ -262,7 +262,7 @@ mod tests {
 
     fn any(positions: &mut [Vec4], rest: f32, bound: Bound) -> f32 {
         let distance = Distance::new(0, 1, rest).with_bound(bound);
-        project(positions, &[Vec3::ZERO; 2], &distance, PACE, &mut 0.0)
+        project(positions, &[Vec4::ZERO; 2], &distance, PACE, &mut 0.0)
     }
 
     #[test]
@@ -343,7 +343,7 @@ mod tests {
             let mut p = pair(Vec3::ZERO, Vec3::X * 2.0, 1.0, 1.0);
             let (soft, mut lambda) = (Distance::new(0, 1, 1.0).with_compliance(0.5), 0.0);
             for _ in 0..sweeps {
-                project(&mut p, &[Vec3::ZERO; 2], &soft, PACE, &mut lambda);
+                project(&mut p, &[Vec4::ZERO; 2], &soft, PACE, &mut lambda);
             }
             assert!((lambda - 1.0 / 2.5).abs() < 1e-6, "{sweeps}: {lambda}");
             assert!((p[0].x - 0.4).abs() < 1e-6, "{sweeps}: {}", p[0].x);
@@ -352,10 +352,11 @@ mod tests {
 
     #[test]
     fn a_rod_corrected_along_its_start_keeps_the_angular_momentum_of_the_step() {
-        let starts = [Vec3::ZERO, Vec3::X];
+        let starts = [Vec4::ZERO, Vec4::X];
         let mut p = pair(Vec3::new(0.0, -0.05, 0.0), Vec3::new(1.02, 0.1, 0.03), 1.0, 0.5);
-        let momentum =
-            |p: &[Vec4; 2]| (0..2).map(|i| starts[i].cross(p[i].truncate()) / p[i].w).sum::<Vec3>();
+        let momentum = |p: &[Vec4; 2]| {
+            (0..2).map(|i| starts[i].truncate().cross(p[i].truncate()) / p[i].w).sum::<Vec3>()
+        };
         let before = momentum(&p);
         for _ in 0..4 {
             project_rod_from_start(&mut p, &starts, 0, 1, 1.0);

@@ -70,7 +70,7 @@ pub trait Equation: Send + Sync + core::fmt::Debug {
 #[derive(Clone, Copy, Debug)]
 pub struct Points<'a> {
     pub(crate) now: &'a [Vec4],
-    pub(crate) starts: &'a [Vec3],
+    pub(crate) starts: &'a [Vec4],
     pub(crate) origin: Vec3,
     pub(crate) direction: Direction,
 }
@@ -95,7 +95,7 @@ impl Points<'_> {
     /// Where it was when the substep began, metres from the origin.
     #[inline]
     pub fn start(&self, i: usize) -> Vec3 {
-        self.starts[i]
+        self.starts[i].truncate()
     }
 
     /// Inverse mass of particle `i`, 1/kg; zero if it is pinned.

@@ -45,18 +45,23 @@ impl Attractor {
 
 /// Adds gravity, which needs no mass (`f = m g`, so `a = g`), and the game's own forces.
 pub(crate) fn apply(particles: &mut Particles, forces: &Forces) {
-    for i in 0..particles.len() {
-        let w = particles.position[i].w;
-        if w > 0.0 {
-            let pull = forces.gravity * particles.gravity_scale[i];
-            particles.acceleration[i] += pull + particles.external[i] * w;
+    if particles.survey.plain {
+        particles.accelerate_all(forces.gravity);
+    } else {
+        for i in 0..particles.len() {
+            let w = particles.position[i].w;
+            if w > 0.0 {
+                let pull = forces.gravity * particles.gravity_scale[i];
+                particles.add_acceleration(i, pull + particles.external[i] * w);
+            }
         }
     }
     for attractor in forces.attractors.iter().filter(|attractor| attractor.is_valid()) {
         for i in 0..particles.len() {
             if particles.position[i].w > 0.0 {
                 let pull = attractor.pull(particles.relative_to(i, attractor.position));
-                particles.acceleration[i] += pull * particles.gravity_scale[i];
+                let scale = particles.gravity_scale[i];
+                particles.add_acceleration(i, pull * scale);
             }
         }
     }

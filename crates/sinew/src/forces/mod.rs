@@ -82,8 +82,6 @@ impl Default for Forces {
 
 /// Starts the sums of a substep afresh: no acceleration, and the damping of the air alone.
 pub(crate) fn reset(particles: &mut Particles, forces: &Forces) {
-    particles.acceleration.fill(Vec3::ZERO);
     let air = rate_of_drag(forces.drag.clamp(0.0, 1.0));
-    particles.medium.fill(if air.is_nan() { 0.0 } else { air });
-    particles.drift.clear();
+    particles.clear_sums(if air.is_nan() { 0.0 } else { air });
 }

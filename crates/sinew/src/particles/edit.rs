@@ -60,7 +60,7 @@ impl Particles {
         for (i, by) in moves {
             self.origin[i] += metres;
             self.position[i] += by.extend(0.0);
-            self.start[i] += by;
+            self.start[i] += by.extend(0.0);
         }
     }
 

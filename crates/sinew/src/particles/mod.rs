@@ -5,14 +5,14 @@
 //! ```text
 //! position      [x y z w]   16 B   metres from the origin; w = inverse mass, 1/kg: what a constraint reads and writes
 //! origin        [x y z]     12 B   whole metres: what `position` is relative to, the same for all particles of an island
-//! start         [x y z]     12 B   position at the start of the substep
+//! start         [x y z w]   16 B   the same at the start of the substep
 //! velocity      [x y z l]   16 B   mean velocity of the last substep, m/s; l = its length, s (see below)
-//! rounding      [x y z]     12 B   what rounding took from the velocity when it last changed, m/s: added to the next change
-//! acceleration  [x y z]     12 B   sum of the forces so far this substep, times the inverse mass, m/s²
+//! rounding      [x y z 0]   16 B   what rounding took from the velocity when it last changed, m/s: added to the next change
+//! acceleration  [x y z 0]   16 B   sum of the forces so far this substep, times the inverse mass, less what all share, m/s²
 //! external      [x y z]     12 B   the game's own force on the particle, N
 //! radius, charge, damping   12 B   m, C, 1/s
 //! gravity scale              4 B
-//! medium                     4 B   damping that air and fluids add this substep, 1/s
+//! medium                     4 B   damping that fluids and balls in the air add this substep, 1/s
 //! drift         [x y z]     12 B   that damping times the velocity of the medium, m/s²: where it drags the particle to; empty while nothing flows
 //! body                       4 B   which of the simulation's bodies it belongs to
 //! ```
@@ -35,16 +35,22 @@
 //!   time-corrected formula of [`integrate`](crate::integrate) then starts it on the exact parabola.
 //! - **Step changes.** `l` travels with the particle, so the step may change at any tick, for any particle.
 
+mod bulk;
 mod edit;
 #[cfg(test)]
 mod edit_tests;
+mod places;
 mod rate;
 mod seed;
+mod sums;
 mod whole;
 
+pub use bulk::ParticleState;
 pub use rate::{drag_of_rate, rate_of_drag};
 pub use seed::{ParticleFault, ParticleSeed};
 
+pub(crate) use places::Places;
+pub(crate) use sums::Survey;
 pub(crate) use whole::Whole;
 
 use glam::{Vec3, Vec4};
@@ -56,19 +62,30 @@ pub struct Particles {
     pub(crate) position: Vec<Vec4>,
     /// What `position` and `start` are relative to, whole metres.
     pub(crate) origin: Vec<Vec3>,
-    pub(crate) start: Vec<Vec3>,
+    pub(crate) start: Vec<Vec4>,
     /// `[x y z l]`: mean velocity of the last substep in m/s, and that substep's length in seconds.
     pub(crate) velocity: Vec<Vec4>,
-    pub(crate) rounding: Vec<Vec3>,
-    pub(crate) acceleration: Vec<Vec3>,
+    pub(crate) rounding: Vec<Vec4>,
+    pub(crate) acceleration: Vec<Vec4>,
+    /// Whether anything wrote to `acceleration` in this substep; it is all zeros otherwise.
+    pub(crate) pushed: bool,
+    /// What every particle that can move is accelerated by besides, m/s².
+    pub(crate) common: Vec3,
     pub(crate) external: Vec<Vec3>,
     pub(crate) radius: Vec<f32>,
     pub(crate) charge: Vec<f32>,
     pub(crate) damping: Vec<f32>,
     pub(crate) gravity_scale: Vec<f32>,
     pub(crate) medium: Vec<f32>,
+    /// The same of `medium`.
+    pub(crate) stirred: bool,
+    /// Damping that all particles have besides, 1/s.
+    pub(crate) air: f32,
     pub(crate) drift: Vec<Vec3>,
     pub(crate) body: Vec<u32>,
+    /// See `edits`.
+    pub(crate) edits: u64,
+    pub(crate) survey: Survey,
 }
 
 /// The body of a particle that belongs to none.
@@ -116,18 +133,20 @@ impl Particles {
             return Err(fault);
         }
         self.write(i, &seed);
+        self.edits = self.edits.wrapping_add(1);
         self.external[i] = Vec3::ZERO;
         Ok(())
     }
 
     /// Makes room for exactly `len` particles. New rows are particles at the origin with infinite mass, which nothing moves.
     pub fn resize(&mut self, len: usize) {
+        self.edits = self.edits.wrapping_add(1);
         self.position.resize(len, Vec4::ZERO);
         self.origin.resize(len, Vec3::ZERO);
-        self.start.resize(len, Vec3::ZERO);
+        self.start.resize(len, Vec4::ZERO);
         self.velocity.resize(len, Vec4::ZERO);
-        self.rounding.resize(len, Vec3::ZERO);
-        self.acceleration.resize(len, Vec3::ZERO);
+        self.rounding.resize(len, Vec4::ZERO);
+        self.acceleration.resize(len, Vec4::ZERO);
         self.external.resize(len, Vec3::ZERO);
         self.radius.resize(len, 0.0);
         self.charge.resize(len, 0.0);
@@ -135,6 +154,7 @@ impl Particles {
         self.gravity_scale.resize(len, 1.0);
         self.medium.resize(len, 0.0);
         self.drift.clear();
+        self.survey = Survey::default();
         self.body.resize(len, NO_BODY);
     }
 
@@ -169,8 +189,7 @@ impl Particles {
     /// `normal · p_i - offset`, metres: the height of particle `i` over a plane of the world.
     #[inline]
     pub fn height(&self, i: usize, normal: Vec3, offset: f32) -> f32 {
-        let ground = normal.as_dvec3().dot(self.origin[i].as_dvec3()) - f64::from(offset);
-        normal.dot(self.position[i].truncate()) + ground as f32
+        places::height(self.origin[i], self.position[i], normal, offset)
     }
 
     /// Moves particle `i` to a point, in metres, without touching its velocity: a teleport, or (between the phases
@@ -187,16 +206,18 @@ impl Particles {
 
     /// Position of particle `i` at the start of the current substep, metres.
     pub fn start(&self, i: usize) -> Vec3 {
-        self.origin[i] + self.start[i]
+        self.origin[i] + self.start[i].truncate()
     }
 
     /// Mean velocity of particle `i` over the last substep, m/s. It is true half a substep ago:
     /// [`Simulation::velocity_now`](crate::Simulation::velocity_now) gives it at the instant of the position.
+    #[inline]
     pub fn velocity(&self, i: usize) -> Vec3 {
         self.velocity[i].truncate()
     }
 
     /// Length in seconds of the substep over which [`velocity`](Self::velocity) is the mean; 0 for a velocity that was set.
+    #[inline]
     pub fn lag(&self, i: usize) -> f32 {
         self.velocity[i].w
     }
@@ -204,7 +225,7 @@ impl Particles {
     /// Sets the velocity of particle `i`, m/s, true at this instant.
     pub fn set_velocity(&mut self, i: usize, velocity: Vec3) {
         self.velocity[i] = velocity.extend(0.0);
-        self.rounding[i] = Vec3::ZERO;
+        self.rounding[i] = Vec4::ZERO;
     }
 
     /// Adds an impulse, N·s: the momentum of the particle changes by exactly that. Pinned particles do not notice.
@@ -233,49 +254,26 @@ impl Particles {
         self.charge[i]
     }
 
-    /// Acceleration of particle `i` as summed up so far in this substep, m/s².
-    pub fn acceleration(&self, i: usize) -> Vec3 {
-        self.acceleration[i]
-    }
-
-    /// Adds a force, N, for this substep: for force laws of the caller's own, between `accumulate_forces` and `integrate`.
-    /// Forces add up; pinned particles do not notice.
-    pub fn add_force(&mut self, i: usize, force: Vec3) {
-        self.acceleration[i] += force * self.position[i].w;
-    }
-
-    /// Adds an acceleration, m/s², for this substep: a force that is proportional to mass, as gravity is.
-    pub fn add_acceleration(&mut self, i: usize, acceleration: Vec3) {
-        self.acceleration[i] += acceleration;
-    }
-
-    /// Drags particle `i` towards `velocity` (m/s) in this substep, at the rate `rate` (1/s, finite): what a medium does that may be moving. Media
-    /// add up.
-    pub fn drag_towards(&mut self, i: usize, rate: f32, velocity: Vec3) {
-        self.medium[i] += rate;
-        if velocity != Vec3::ZERO && self.drift.is_empty() {
-            self.drift.resize(self.len(), Vec3::ZERO);
-        }
-        if let Some(drift) = self.drift.get_mut(i) {
-            *drift += velocity * rate;
-        }
-    }
-
     /// Sets the external force on particle `i`, N, which acts in every substep until it is set again.
     pub fn set_external_force(&mut self, i: usize, force: Vec3) {
+        self.edits = self.edits.wrapping_add(1);
         self.external[i] = force;
+        self.survey.plain &= force == Vec3::ZERO;
     }
 
     /// Multiplies the scale of gravity on particle `i` by a finite factor; others are ignored.
     pub fn scale_gravity(&mut self, i: usize, factor: f32) {
+        self.edits = self.edits.wrapping_add(1);
         let scaled = self.gravity_scale[i] * factor;
         if scaled.is_finite() {
             self.gravity_scale[i] = scaled;
+            self.survey.plain = false;
         }
     }
 
     /// Says to which of the simulation's [bodies](crate::Simulation::bodies) particle `i` belongs; `None` for none, as by default.
     pub fn set_body(&mut self, i: usize, body: Option<u32>) {
+        self.edits = self.edits.wrapping_add(1);
         self.body[i] = body.unwrap_or(NO_BODY);
     }
 
@@ -306,18 +304,16 @@ impl Particles {
     }
 
     fn write(&mut self, i: usize, seed: &ParticleSeed) {
-        let whole = snap(seed.position);
-        // The remainder may lead over into the next metre, where the distance would need a bit more than it has.
-        let origin = whole + snap((seed.position - whole) + seed.remainder);
-        let local = (seed.position - origin) + seed.remainder;
+        let (origin, local) = bulk::place(seed.position, seed.remainder);
         self.origin[i] = origin;
         self.position[i] = local.extend(1.0 / seed.mass);
-        self.start[i] = local;
+        self.start[i] = self.position[i];
         self.velocity[i] = seed.velocity.extend(seed.lag);
-        self.rounding[i] = Vec3::ZERO;
+        self.rounding[i] = Vec4::ZERO;
         self.radius[i] = seed.radius;
         self.charge[i] = seed.charge;
         self.gravity_scale[i] = seed.gravity_scale;
+        self.survey = Survey::default();
         self.body[i] = NO_BODY;
         // Most particles have none, and a logarithm each tick would be the dearest part of a row.
         self.damping[i] = if seed.drag > 0.0 { rate_of_drag(seed.drag) } else { 0.0 };

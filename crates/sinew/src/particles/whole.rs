@@ -150,7 +150,7 @@ fn aside(particles: &Particles, i: usize, anchor: usize, instant: Instant) -> DV
 fn local(particles: &Particles, i: usize, instant: Instant) -> DVec3 {
     match instant {
         Instant::Now => particles.position[i].truncate(),
-        Instant::Start => particles.start[i],
+        Instant::Start => particles.start[i].truncate(),
     }
     .as_dvec3()
 }

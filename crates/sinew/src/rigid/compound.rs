@@ -67,11 +67,12 @@ impl Moving {
             let (mut force, mut torque, mut loss) = (Vec3::ZERO, Vec3::ZERO, 0.0);
             for &i in &compound.rows {
                 let m = particles.mass(i);
-                let push = particles.acceleration[i] * m;
-                let arm = (particles.origin[i] - body.origin) + particles.start[i] - body.position;
+                let push = particles.acceleration(i) * m;
+                let arm = (particles.origin[i] - body.origin) + particles.start[i].truncate()
+                    - body.position;
                 force += push;
                 torque += arm.cross(push);
-                loss += (particles.damping[i] + particles.medium[i]) * m;
+                loss += particles.rate(i) * m;
             }
             if body.step(force, torque, h, compound.integrator).is_err() {
                 *slot = None;
@@ -85,7 +86,7 @@ impl Moving {
                 let local = (body.origin - particles.origin[i]) + place;
                 particles.position[i] = local.extend(particles.position[i].w);
                 let lag = particles.velocity[i].w;
-                particles.velocity[i] = ((local - particles.start[i]) / h).extend(lag);
+                particles.velocity[i] = ((local - particles.start[i].truncate()) / h).extend(lag);
                 self.placed.push(particles.position[i]);
             }
         }

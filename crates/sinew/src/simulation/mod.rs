@@ -9,6 +9,7 @@ use glam::{Vec3, Vec4};
 
 use crate::constraints::{Boundaries, Constraint, Contacts, Distance, Pin};
 use crate::forces::{self, Forces};
+use crate::lanes::InstructionSet;
 use crate::particles::Particles;
 use crate::rigid::{Compound, Moving};
 use crate::solve::{self, BodySettings, IslandReport, Plan, SolverReport, SolverSettings};
@@ -30,6 +31,8 @@ pub struct Simulation {
     pub boundaries: Boundaries,
     /// What single bodies ask of the solver. [`Particles::set_body`] says which particle belongs to which.
     pub bodies: Vec<BodySettings>,
+    /// Which instructions the wide kernels use; the best that the machine has by default. It never changes a result.
+    pub instructions: InstructionSet,
     /// Simulated time in seconds at the start of the current substep; gusts of wind depend on it.
     pub time: f64,
     distances: Vec<Distance>,
@@ -110,6 +113,7 @@ impl Simulation {
             return Err(StepFault(dt));
         }
         self.compile();
+        self.particles.look();
         self.scratch.substep = Substep { length: h, remaining: settings.substeps };
         self.share_origins();
         self.settle_islands(settings);
@@ -170,7 +174,12 @@ impl Simulation {
             self.particles.velocity.fill(Vec4::ZERO);
         }
         self.scratch.contacts.drag(&mut self.particles, length);
-        integrate::predict(&mut self.particles, self.settings.integrator, length);
+        integrate::predict(
+            &mut self.particles,
+            self.settings.integrator,
+            length,
+            self.instructions,
+        );
         self.scratch.moving.predict(&mut self.particles, &self.compounds, length);
         for pin in &self.boundaries.pins {
             let i = pin.particle as usize;
@@ -187,8 +196,14 @@ impl Simulation {
     pub fn solve_constraints(&mut self) {
         let h = self.scratch.substep.length;
         let Scratch { plan, contacts, solving, .. } = &mut self.scratch;
-        solve::solve(&mut self.particles, contacts, plan, h, solving, &mut self.report);
-        integrate::derive_velocities(&mut self.particles, self.settings.integrator, h);
+        let (instructions, report) = (self.instructions, &mut self.report);
+        solve::solve(&mut self.particles, contacts, plan, h, instructions, solving, report);
+        integrate::derive_velocities(
+            &mut self.particles,
+            self.settings.integrator,
+            h,
+            self.instructions,
+        );
         solve::keep_momentum(&mut self.particles, plan, solving);
         self.with_moving(|moving, simulation| moving.settle(simulation, h));
         self.time += f64::from(h);
@@ -201,17 +216,19 @@ impl Simulation {
             if !self.particles.is_finite(i) {
                 let good = self.scratch.checkpoint.get(i).copied().unwrap_or_default();
                 self.particles.position[i] = good;
-                self.particles.start[i] = good.truncate();
+                self.particles.start[i] = good;
                 self.particles.set_velocity(i, Vec3::ZERO);
                 self.report.frozen.push(i as u32);
             }
         }
         let Scratch { plan, contacts, solving, .. } = &mut self.scratch;
-        solve::measure(&self.particles, contacts, plan, solving, &mut self.report);
+        let (instructions, report) = (self.instructions, &mut self.report);
+        solve::measure(&mut self.particles, contacts, plan, instructions, solving, report);
         self.restore_anchors();
     }
 
     /// Where particle `i` was when the last step began, metres: for drawing what lies between two steps.
+    #[inline]
     pub fn step_start(&self, i: usize) -> Vec3 {
         let began = self.scratch.checkpoint.get(i);
         began
@@ -286,13 +303,14 @@ impl Simulation {
 
     /// Velocity of particle `i` at the instant of its position, m/s: the mean velocity of the last substep, carried half a substep
     /// further by the acceleration that [`accumulate_forces`](Self::accumulate_forces) and its followers last summed up.
+    #[inline]
     pub fn velocity_now(&self, i: usize) -> Vec3 {
         self.particles.velocity(i) + self.particles.acceleration(i) * (0.5 * self.particles.lag(i))
     }
 
     /// Energy that soft distances and constraints store, J.
-    pub(crate) fn soft_energy(&self) -> f64 {
-        solve::soft_energy(&self.particles, &self.scratch.plan)
+    pub(crate) fn soft_energy(&mut self) -> f64 {
+        solve::soft_energy(&mut self.particles, &self.scratch.plan)
     }
 
     /// Energy and momentum of the whole world. It sums up the forces afresh, so that velocities and positions are of one instant.

@@ -7,7 +7,7 @@ use crate::constraints::{Constraint, Distance};
 use crate::forces;
 use crate::particles::{Particles, snap};
 use crate::rigid::{Compound, Moving};
-use crate::solve::{BodySettings, SolverSettings};
+use crate::solve::{BodySettings, SolverSettings, is_free};
 
 impl Simulation {
     /// Compiles the plan afresh if what it was compiled from has changed.
@@ -70,7 +70,7 @@ impl Simulation {
                 let (home, place) = (particles.origin[i], particles.position[i]);
                 particles.origin[i] = origin;
                 particles.position[i] += shift;
-                particles.start[i] += shift.truncate();
+                particles.start[i] += shift;
                 if place.w == 0.0 {
                     let shifted = particles.position[i];
                     anchors.push(Anchor { row: i, home, place, shifted });
@@ -89,7 +89,7 @@ impl Simulation {
             if particles.position[row] == shifted {
                 particles.origin[row] = home;
                 particles.position[row] = place;
-                particles.start[row] = place.truncate();
+                particles.start[row] = place;
                 if let Some(good) = checkpoint.get_mut(row) {
                     *good = place;
                 }
@@ -103,6 +103,9 @@ impl Simulation {
         for island in &mut plan.islands {
             let members = &plan.members[island.members.clone()];
             island.settings = settings_of(members, particles, bodies, world);
+        }
+        for number in 0..plan.islands.len() {
+            plan.islands[number].free = is_free(particles, plan, &plan.islands[number]);
         }
     }
 

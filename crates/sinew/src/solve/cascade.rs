@@ -1,47 +1,52 @@
 //! The cascade: constraints enforced one after the other, colour by colour (Gauss–Seidel). The order never changes from substep to substep, because
 //! alternating it pumps energy.
 
-use super::item::{Local, Manner, project_constraint};
+use super::item::{Local, Manner, project_constraint, project_distance};
 use super::plan::{Island, Kind, Plan};
-use crate::constraints::{Direction, project, project_rod, project_rod_from_start};
-use crate::particles::Particles;
+use super::rods::Columns;
+use crate::constraints::Direction;
+use crate::lanes::Lanes;
+use crate::particles::Places;
 
 /// Projects every constraint of an island once and returns the largest error found, metres; of soft ones, how far they moved.
-pub(super) fn sweep(
-    particles: &mut Particles,
+#[inline(always)]
+pub(super) fn sweep<L: Lanes>(
+    places: &mut Places,
     plan: &mut Plan,
     island: &Island,
     manner: Manner,
     local: &mut Local,
+    columns: &mut Columns,
 ) -> f32 {
     let mut worst = 0.0_f32;
-    for group in &plan.groups[island.groups.clone()] {
-        let range = group.range.clone();
-        if group.kind == Kind::Constraints {
-            let multipliers = &mut plan.multipliers[range.clone()];
-            for (constraint, lambda) in plan.constraints[range].iter().zip(multipliers) {
-                worst = worst.max(project_constraint(particles, constraint, manner, lambda, local));
-            }
+    let Plan { bundles, groups, rods, distances, lambdas, constraints, multipliers, .. } = plan;
+    for bundle in &bundles[island.bundles.clone()] {
+        let groups = &groups[bundle.groups.clone()];
+        if bundle.columns && manner.direction == Direction::Nearest {
+            let each = groups.iter().map(|group| (&group.runs, &group.blocks));
+            let rows = bundle.rows.clone();
+            worst = worst.max(rods.sweep_columns::<L>(places, each, rows, columns));
             continue;
         }
-        let positions = particles.position.as_mut_slice();
-        let (starts, distances) = (particles.start.as_slice(), &plan.distances[range.clone()]);
-        match (group.kind, manner.direction) {
-            (Kind::Rods, Direction::Nearest) => {
-                for d in distances {
-                    worst = worst.max(project_rod(positions, d.a, d.b, d.rest));
+        for group in groups {
+            let range = group.range.clone();
+            let found = match group.kind {
+                Kind::Rods => {
+                    let (runs, blocks) = (group.runs.clone(), group.blocks.clone());
+                    rods.sweep::<L>(places, runs, blocks, manner.direction)
                 }
-            }
-            (Kind::Rods, Direction::StepStart) => {
-                for d in distances {
-                    worst = worst.max(project_rod_from_start(positions, starts, d.a, d.b, d.rest));
+                Kind::Distances => {
+                    let each = distances[range.clone()].iter().zip(&mut lambdas[range]);
+                    each.map(|(d, lambda)| project_distance(places, d, manner.pace, lambda))
+                        .fold(0.0, f32::max)
                 }
-            }
-            _ => {
-                for (d, lambda) in distances.iter().zip(&mut plan.lambdas[range]) {
-                    worst = worst.max(project(positions, starts, d, manner.pace, lambda));
+                Kind::Constraints => {
+                    let each = constraints[range.clone()].iter().zip(&mut multipliers[range]);
+                    each.map(|(c, lambda)| project_constraint(places, c, manner, lambda, local))
+                        .fold(0.0, f32::max)
                 }
-            }
+            };
+            worst = worst.max(found);
         }
     }
     worst

@@ -7,7 +7,7 @@ use crate::constraints::{
     Constraint, Direction, Distance, Pace, Points, equation_energy, equation_error, project,
     project_equation, project_rod, project_rod_from_start,
 };
-use crate::particles::Particles;
+use crate::particles::{Particles, Places};
 
 /// A constraint of the plan: its kind, and its number in the list of that kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,19 +27,20 @@ pub(crate) struct Manner {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Local {
     pub(crate) now: Vec<Vec4>,
-    pub(crate) starts: Vec<Vec3>,
+    pub(crate) starts: Vec<Vec4>,
     pub(crate) gradients: Vec<Vec3>,
 }
 
 impl Local {
     /// Takes copies of some particles.
     #[inline]
-    pub(crate) fn take(&mut self, particles: &Particles, rows: &[u32]) {
+    pub(crate) fn take(&mut self, places: &Places, rows: &[u32]) {
         self.now.clear();
         self.starts.clear();
         for &row in rows {
-            self.now.push(particles.position[row as usize]);
-            self.starts.push(particles.start[row as usize]);
+            let i = places.at(row);
+            self.now.push(places.position[i]);
+            self.starts.push(places.start[i]);
         }
         self.gradients.resize(rows.len(), Vec3::ZERO);
     }
@@ -72,7 +73,7 @@ impl Item {
     #[inline]
     pub(crate) fn project(
         self,
-        particles: &mut Particles,
+        places: &mut Places,
         plan: &mut Plan,
         manner: Manner,
         local: &mut Local,
@@ -81,23 +82,22 @@ impl Item {
         match self.kind {
             Kind::Rods => {
                 let d = plan.distances[number];
-                let positions = particles.position.as_mut_slice();
+                let (a, b) = (places.at(d.a) as u32, places.at(d.b) as u32);
                 match manner.direction {
-                    Direction::Nearest => project_rod(positions, d.a, d.b, d.rest),
+                    Direction::Nearest => project_rod(places.position, a, b, d.rest),
                     Direction::StepStart => {
-                        project_rod_from_start(positions, &particles.start, d.a, d.b, d.rest)
+                        project_rod_from_start(places.position, places.start, a, b, d.rest)
                     }
                 }
             }
             Kind::Distances => {
                 let (distance, lambda) = (&plan.distances[number], &mut plan.lambdas[number]);
-                let (positions, starts) = (particles.position.as_mut_slice(), &particles.start);
-                project(positions, starts, distance, manner.pace, lambda)
+                project_distance(places, distance, manner.pace, lambda)
             }
             Kind::Constraints => {
                 let (constraint, lambda) =
                     (&plan.constraints[number], &mut plan.multipliers[number]);
-                project_constraint(particles, constraint, manner, lambda, local)
+                project_constraint(places, constraint, manner, lambda, local)
             }
         }
     }
@@ -129,19 +129,19 @@ impl Item {
     }
 
     /// How far it is from being kept, metres, moving nothing; zero for a soft one.
-    pub(crate) fn error(self, particles: &Particles, plan: &Plan, local: &mut Local) -> f32 {
+    pub(crate) fn error(self, places: &Places, plan: &Plan, local: &mut Local) -> f32 {
         let number = self.number as usize;
         if self.kind == Kind::Constraints {
-            return constraint_error(particles, &plan.constraints[number], local);
+            return constraint_error(places, &plan.constraints[number], local);
         }
-        distance_error(particles, &plan.distances[number])
+        distance_error(places, &plan.distances[number])
     }
 }
 
 /// How far a hard distance is from being kept, metres; zero for a soft one, and between pinned particles.
 #[inline]
-pub(crate) fn distance_error(particles: &Particles, distance: &Distance) -> f32 {
-    let at = |row: u32| particles.position[row as usize];
+pub(crate) fn distance_error(places: &Places, distance: &Distance) -> f32 {
+    let at = |row: u32| places.position[places.at(row)];
     let (a, b) = (at(distance.a), at(distance.b));
     if !distance.softness.is_hard() || a.w + b.w == 0.0 {
         return 0.0;
@@ -150,11 +150,12 @@ pub(crate) fn distance_error(particles: &Particles, distance: &Distance) -> f32 
 }
 
 /// Energy that the soft distances and constraints of a plan store, J.
-pub(crate) fn soft_energy(particles: &Particles, plan: &Plan) -> f64 {
+pub(crate) fn soft_energy(particles: &mut Particles, plan: &Plan) -> f64 {
+    let places = &Places::all(particles);
     let mut local = Local::default();
     let soft = plan.distances.iter().filter(|d| !d.softness.is_hard());
     let distances = soft.map(|d| {
-        let (a, b) = (particles.position[d.a as usize], particles.position[d.b as usize]);
+        let (a, b) = (places.position[d.a as usize], places.position[d.b as usize]);
         let value = (a - b).truncate().length() - d.rest;
         let held = d.bound.holds(value);
         if held { 0.0 } else { f64::from(d.softness.energy(value, a.w + b.w)) }
@@ -164,8 +165,8 @@ pub(crate) fn soft_energy(particles: &Particles, plan: &Plan) -> f64 {
         let law = constraint.law.equation();
         if !law.softness().is_hard() {
             let rows = constraint.rows.as_slice();
-            local.take(particles, rows);
-            let (origin, direction) = (particles.origin[rows[0] as usize], Direction::Nearest);
+            local.take(places, rows);
+            let (origin, direction) = (places.origin[rows[0] as usize], Direction::Nearest);
             let points = Points { now: &local.now, starts: &local.starts, origin, direction };
             sum += f64::from(equation_energy(law, &points, &mut local.gradients));
         }
@@ -173,36 +174,44 @@ pub(crate) fn soft_energy(particles: &Particles, plan: &Plan) -> f64 {
     sum
 }
 
+/// Projects a distance by the general kernel.
+#[inline]
+pub(crate) fn project_distance(
+    places: &mut Places,
+    distance: &Distance,
+    pace: Pace,
+    lambda: &mut f32,
+) -> f32 {
+    let (a, b) = (places.at(distance.a) as u32, places.at(distance.b) as u32);
+    let local = Distance { a, b, ..*distance };
+    project(places.position, places.start, &local, pace, lambda)
+}
+
 /// Projects a constraint by its equation.
 #[inline]
 pub(crate) fn project_constraint(
-    particles: &mut Particles,
+    places: &mut Places,
     constraint: &Constraint,
     manner: Manner,
     lambda: &mut f32,
     local: &mut Local,
 ) -> f32 {
     let rows = constraint.rows.as_slice();
-    local.take(particles, rows);
-    let origin = particles.origin[rows[0] as usize];
+    local.take(places, rows);
+    let origin = places.origin[places.at(rows[0])];
     let direction = manner.direction;
     let points = Points { now: &local.now, starts: &local.starts, origin, direction };
     let law = constraint.law.equation();
-    let positions = &mut particles.position;
     project_equation(law, &points, &mut local.gradients, manner.pace, lambda, |i, step| {
-        positions[rows[i] as usize] += step.extend(0.0);
+        places.displace(rows[i], step);
     })
 }
 
 /// How far a constraint is from being kept, metres.
-pub(crate) fn constraint_error(
-    particles: &Particles,
-    constraint: &Constraint,
-    local: &mut Local,
-) -> f32 {
+pub(crate) fn constraint_error(places: &Places, constraint: &Constraint, local: &mut Local) -> f32 {
     let rows = constraint.rows.as_slice();
-    local.take(particles, rows);
-    let origin = particles.origin[rows[0] as usize];
+    local.take(places, rows);
+    let origin = places.origin[places.at(rows[0])];
     let direction = Direction::Nearest;
     let points = Points { now: &local.now, starts: &local.starts, origin, direction };
     equation_error(constraint.law.equation(), &points, &mut local.gradients)

@@ -8,7 +8,7 @@ use glam::Vec3;
 
 use super::item::{Item, Local, Manner};
 use super::plan::{Island, Plan};
-use crate::particles::Particles;
+use crate::particles::Places;
 
 /// What is asked of each particle. Scratch.
 #[derive(Clone, Debug, Default)]
@@ -19,7 +19,7 @@ pub(crate) struct Asked {
 
 /// Projects every constraint of an island once, from the same positions, and returns the largest error found among the hard ones, metres.
 pub(super) fn sweep(
-    particles: &mut Particles,
+    places: &mut Places,
     plan: &mut Plan,
     island: &Island,
     items: &[Item],
@@ -27,8 +27,8 @@ pub(super) fn sweep(
     local: &mut Local,
     asked: &mut Asked,
 ) -> f32 {
-    asked.sum.resize(particles.len(), Vec3::ZERO);
-    asked.count.resize(particles.len(), 0);
+    asked.sum.resize(plan.rows, Vec3::ZERO);
+    asked.count.resize(plan.rows, 0);
     let members = plan.members[island.members.clone()].to_vec();
     for &row in &members {
         asked.sum[row as usize] = Vec3::ZERO;
@@ -45,21 +45,21 @@ pub(super) fn sweep(
     for item in items {
         rows.clear();
         rows.extend_from_slice(item.rows(plan, &mut pair));
-        local.take(particles, &rows);
+        local.take(places, &rows);
         for (point, &row) in local.now.iter_mut().zip(&rows) {
             point.w *= asked.count[row as usize] as f32;
         }
-        let origin = particles.origin[rows[0] as usize];
+        let origin = places.origin[places.at(rows[0])];
         worst = worst.max(item.project_local(plan, manner, origin, local));
         for (point, &row) in local.now.iter().zip(&rows) {
-            let row = row as usize;
-            asked.sum[row] += point.truncate() - particles.position[row].truncate();
+            let moved = point.truncate() - places.position[places.at(row)].truncate();
+            asked.sum[row as usize] += moved;
         }
     }
     for &row in &members {
-        let row = row as usize;
-        if asked.count[row] > 0 {
-            particles.displace(row, asked.sum[row] / asked.count[row] as f32);
+        let count = asked.count[row as usize];
+        if count > 0 {
+            places.displace(row, asked.sum[row as usize] / count as f32);
         }
     }
     worst

@@ -37,10 +37,9 @@ impl Momenta {
         island: &Island,
         direction: Direction,
     ) -> Option<Self> {
-        let rows = &plan.members[island.members.clone()];
-        let free = is_free(particles, plan, island, rows);
         let keeps_angular = direction == Direction::StepStart || island.settings.keep_spin;
-        free.then(|| Self { keeps_angular, ..Self::of(particles, rows) })
+        let rows = &plan.members[island.members.clone()];
+        island.free.then(|| Self { keeps_angular, ..Self::of(particles, rows) })
     }
 
     fn of(particles: &Particles, rows: &[u32]) -> Self {
@@ -50,7 +49,7 @@ impl Momenta {
             let velocity = particles.velocity[i].truncate().as_dvec3();
             let momentum = velocity / f64::from(particles.position[i].w);
             linear += momentum;
-            angular += particles.start[i].as_dvec3().cross(momentum);
+            angular += particles.start[i].truncate().as_dvec3().cross(momentum);
         }
         Self { linear, angular, keeps_angular: false }
     }
@@ -78,8 +77,8 @@ impl Momenta {
     }
 }
 
-/// Whether an island has constraints, all of them between its own particles, and no particle that is held.
-fn is_free(particles: &Particles, plan: &Plan, island: &Island, rows: &[u32]) -> bool {
+/// Whether an island has constraints, all of them between its own particles, and no particle that is held. To be asked once a step.
+pub(crate) fn is_free(particles: &Particles, plan: &Plan, island: &Island) -> bool {
     // A game's own law may hold on to the world, and is of a group of its own.
     let own = |group: &Group| {
         let first = plan.constraints.get(group.range.start);
@@ -91,5 +90,7 @@ fn is_free(particles: &Particles, plan: &Plan, island: &Island, rows: &[u32]) ->
         && !island.rigid
         && island.settings.integrator != Integrator::ExplicitEuler
         && groups.iter().all(own)
-        && rows.iter().all(|&row| particles.position[row as usize].w > 0.0)
+        && plan.members[island.members.clone()]
+            .iter()
+            .all(|&row| particles.position[row as usize].w > 0.0)
 }

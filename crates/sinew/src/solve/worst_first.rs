@@ -4,7 +4,7 @@ use std::collections::BinaryHeap;
 
 use super::item::{Item, Local, Manner};
 use super::plan::{Island, Plan};
-use crate::particles::Particles;
+use crate::particles::Places;
 
 /// What the heap needs beside the plan. Scratch.
 #[derive(Clone, Debug, Default)]
@@ -23,7 +23,7 @@ pub(crate) struct Queue {
 /// As many projections as the island has constraints, always of the one that is violated most; returns the largest error found, metres.
 /// Soft constraints, which are not meant to be kept, take one turn each, first.
 pub(super) fn sweep(
-    particles: &mut Particles,
+    places: &mut Places,
     plan: &mut Plan,
     island: &Island,
     items: &[Item],
@@ -33,18 +33,18 @@ pub(super) fn sweep(
     tolerance: f32,
 ) -> f32 {
     let mut pair = [0; 2];
-    queue.connect(plan, island, items, particles.len());
+    queue.connect(plan, island, items);
     let mut worst = 0.0_f32;
     for item in items {
         if !item.is_hard(plan) {
-            worst = worst.max(item.project(particles, plan, manner, local));
+            worst = worst.max(item.project(places, plan, manner, local));
         }
     }
     queue.heap.clear();
     queue.stamps.clear();
     queue.stamps.resize(items.len(), 0);
     for (place, item) in items.iter().enumerate() {
-        let error = item.error(particles, plan, local);
+        let error = item.error(places, plan, local);
         worst = worst.max(error);
         queue.enter(place, error, tolerance);
     }
@@ -56,13 +56,13 @@ pub(super) fn sweep(
         }
         left -= 1;
         let item = items[place as usize];
-        item.project(particles, plan, manner, local);
+        item.project(places, plan, manner, local);
         for &row in item.rows(plan, &mut pair) {
             let slot = queue.slots[row as usize] as usize;
             let (begin, end) = (queue.begins[slot], queue.begins[slot + 1]);
             for k in begin..end {
                 let neighbour = queue.touching[k as usize] as usize;
-                let error = items[neighbour].error(particles, plan, local);
+                let error = items[neighbour].error(places, plan, local);
                 queue.enter(neighbour, error, tolerance);
             }
         }
@@ -72,10 +72,10 @@ pub(super) fn sweep(
 
 impl Queue {
     /// Lists the items that bind each particle of the island.
-    fn connect(&mut self, plan: &Plan, island: &Island, items: &[Item], particles: usize) {
+    fn connect(&mut self, plan: &Plan, island: &Island, items: &[Item]) {
         let Self { slots, begins, touching, .. } = self;
         let members = &plan.members[island.members.clone()];
-        slots.resize(particles, 0);
+        slots.resize(plan.rows, 0);
         for (slot, &row) in members.iter().enumerate() {
             slots[row as usize] = slot as u32;
         }

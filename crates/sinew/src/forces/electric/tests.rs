@@ -30,9 +30,9 @@ fn cloud(count: usize, sign: f32, at: Vec3) -> Particles {
 
 fn forces_with(particles: &mut Particles, electric: Electric) -> Vec<DVec3> {
     let forces = Forces { electric, ..Forces::default() };
-    particles.acceleration.fill(Vec3::ZERO);
+    particles.clear_sums(0.0);
     apply(particles, &forces, &mut Scratch::default());
-    particles.acceleration.iter().map(|a| a.as_dvec3()).collect()
+    (0..particles.len()).map(|i| particles.acceleration(i).as_dvec3()).collect()
 }
 
 fn forces(particles: &mut Particles, all_pairs_up_to: u32) -> Vec<DVec3> {
@@ -216,7 +216,7 @@ fn a_field_ends_where_its_region_does() {
         particles.push(ParticleSeed::at(Vec3::Y * x).with_charge(0.5)).unwrap();
     }
     apply_fields(&mut particles, &forces.electric, &forces.electric_fields);
-    assert_eq!(particles.acceleration, [Vec3::X * 0.5, Vec3::ZERO]);
+    assert_eq!([0, 1].map(|i| particles.acceleration(i)), [Vec3::X * 0.5, Vec3::ZERO]);
 }
 
 /// Figures for the documentation: `cargo test -- --ignored --nocapture electric`.
@@ -230,12 +230,13 @@ fn how_fast_and_how_accurate_it_is() {
             let mut scratch = Scratch::default();
             let mut best = f64::INFINITY;
             for _ in 0..5 {
-                particles.acceleration.fill(Vec3::ZERO);
+                particles.clear_sums(0.0);
                 let start = std::time::Instant::now();
                 apply(&mut particles, &forces, &mut scratch);
                 best = best.min(start.elapsed().as_secs_f64() * 1e3);
             }
-            let found: Vec<_> = particles.acceleration.iter().map(|a| a.as_dvec3()).collect();
+            let found: Vec<_> =
+                (0..particles.len()).map(|i| particles.acceleration(i).as_dvec3()).collect();
             (best, found)
         };
         let (pairs, exact) = time(Electric { all_pairs_up_to: ALL_PAIRS, ..Electric::default() });

@@ -97,7 +97,7 @@ fn load(world: &mut Simulation) -> (DVec3, DVec3) {
     world.apply_buoyancy();
     let mut sum = (DVec3::ZERO, DVec3::ZERO);
     for i in 0..world.particles.len() {
-        let f = world.particles.acceleration[i].as_dvec3() * f64::from(world.particles.mass(i));
+        let f = world.particles.acceleration(i).as_dvec3() * f64::from(world.particles.mass(i));
         sum.0 += f;
         sum.1 += world.particles.position(i).as_dvec3().cross(f);
     }

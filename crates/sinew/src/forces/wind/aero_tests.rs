@@ -27,7 +27,7 @@ fn sheet(normal: Vec3, mass: f32, velocity: Vec3) -> (Particles, Vec<[u32; 3]>) 
 fn felt(particles: &mut Particles, surfaces: &[[u32; 3]], flows: &[AirFlow], h: f32) -> Vec3 {
     let mut air = Air::default();
     sample(particles, surfaces, flows, 0.0, &mut air);
-    particles.acceleration.fill(Vec3::ZERO);
+    particles.clear_sums(0.0);
     apply(particles, surfaces, &air, h);
     (0..particles.len())
         .filter(|&i| particles.inverse_mass(i) > 0.0)
@@ -180,7 +180,7 @@ fn a_crumpled_cloth_of_light_particles_never_gains_energy_from_still_air() {
         for step in 0..60 {
             let flow = AirFlow { lift, ..AirFlow::default() };
             sample(&particles, &surfaces, &[flow], 0.0, &mut air);
-            particles.acceleration.fill(Vec3::ZERO);
+            particles.clear_sums(0.0);
             apply(&mut particles, &surfaces, &air, H);
             for i in 0..particles.len() {
                 let change = particles.acceleration(i).extend(0.0) * H;

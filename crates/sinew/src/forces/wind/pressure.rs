@@ -184,9 +184,9 @@ mod tests {
     fn pushed(particles: &mut Particles, surfaces: &[[u32; 3]], wind: &Wind) -> Vec3 {
         let mut pressures = Vec::new();
         sample(particles, surfaces, wind, 0.0, &mut pressures);
-        particles.acceleration.fill(Vec3::ZERO);
+        particles.clear_sums(0.0);
         apply(particles, surfaces, &pressures);
-        particles.acceleration.iter().sum()
+        (0..particles.len()).map(|i| particles.acceleration(i)).sum()
     }
 
     #[test]

@@ -125,7 +125,7 @@ fn carriers_of_a_hull_do_not_float_as_balls_too_but_those_of_a_faulty_one_do() {
         let alone = load(&mut world);
         world.particles.radius.fill(0.3);
         assert_eq!(load(&mut world), alone, "{posed}");
-        assert!((world.particles.medium[0] - rate_of_drag(0.5) * 0.5).abs() < 1e-6);
+        assert!((world.particles.rate(0) - rate_of_drag(0.5) * 0.5).abs() < 1e-6);
         world.forces.hulls[0].rows.pop();
         assert!((load(&mut world).0 - alone.0).length() > 100.0, "{posed}");
         world.forces.hulls[0].rows.push(99);
@@ -192,7 +192,7 @@ fn degenerate_and_broken_triangles_feel_nothing_and_spoil_nothing() {
         world.particles.position[3] = Vec3::NAN.extend(1.0 / 62.5);
         load(&mut world);
         let others = (0..8).filter(|&i| i != 3);
-        assert!(others.clone().all(|i| world.particles.acceleration[i].is_finite()), "{posed}");
+        assert!(others.clone().all(|i| world.particles.acceleration(i).is_finite()), "{posed}");
 
         // Flat, collinear, and all at one point: the pose has nothing to hold on to.
         for flat in [Vec3::new(1.0, 0.0, 1.0), Vec3::X, Vec3::ZERO] {

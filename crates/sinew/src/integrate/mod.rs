@@ -40,8 +40,10 @@
 //! They move the particles from `q` to `q'`, and the velocity follows: `v = u + (q' - q)/h`. Written this way, and not as `(q' - p)/h`, a
 //! particle that no constraint touched keeps every bit of `u`, however far from its origin it is.
 
-use glam::Vec3;
+mod kicks;
+mod wide;
 
+use crate::lanes::{InstructionSet, with};
 use crate::particles::Particles;
 
 /// How a world steps through time. [`integrate`](crate::integrate) compares them.
@@ -72,102 +74,37 @@ impl Integrator {
 ///
 /// Afterwards [`Particles::start`] is where the substep began, and the velocity is the one that led from there to the prediction. A particle
 /// of infinite mass stays where it is.
-pub(crate) fn predict(particles: &mut Particles, integrator: Integrator, h: f32) {
-    // One loop for each, so that the choice is not made particle by particle.
-    match integrator {
-        Integrator::Verlet => {
-            predict_with(particles, h, h, |kick, p, i, v, lag| {
-                kick.apply(p, i, v, (lag + h) * 0.5)
-            });
-        }
-        Integrator::Leapfrog => predict_with(particles, h, h, |kick, p, i, v, lag| {
-            let now = kick.apply(p, i, v, lag * 0.5);
-            kick.apply(p, i, now, h * 0.5)
-        }),
-        // A lag is left over from another integrator: the first kick makes up for it.
-        Integrator::SemiImplicitEuler => {
-            predict_with(particles, h, 0.0, |kick, p, i, v, lag| {
-                kick.apply(p, i, v, lag * 0.5 + h)
-            });
-        }
-        Integrator::ExplicitEuler => {
-            predict_with(particles, h, 0.0, |kick, p, i, v, lag| kick.apply(p, i, v, lag * 0.5));
-        }
-    }
-}
-
-/// Drifts every particle over `h` with the velocity that `kicked` gives it, and notes `lag` with that.
-#[inline(always)]
-fn predict_with(
+pub(crate) fn predict(
     particles: &mut Particles,
+    integrator: Integrator,
     h: f32,
-    lag: f32,
-    kicked: impl Fn(&mut Kick, &mut Particles, usize, Vec3, f32) -> Vec3,
+    instructions: InstructionSet,
 ) {
-    let mut kick = Kick::default();
-    for i in 0..particles.len() {
-        let packed = particles.position[i];
-        let p = packed.truncate();
-        particles.start[i] = p;
-        if packed.w == 0.0 {
-            particles.velocity[i] = Vec3::ZERO.extend(lag);
-            continue;
-        }
-        let v = particles.velocity[i];
-        let u = kicked(&mut kick, particles, i, v.truncate(), v.w);
-        particles.velocity[i] = u.extend(lag);
-        particles.position[i] = (p + u * h).extend(packed.w);
+    // Media that move are rare, and so are the other integrators.
+    if integrator == Integrator::Verlet && particles.drift.is_empty() {
+        with(instructions, wide::Predict::all(particles, h));
+    } else {
+        kicks::predict(particles, integrator, h);
     }
 }
 
 /// Makes the velocities agree with the positions that the constraints left, at the end of a substep of `h` seconds.
-pub(crate) fn derive_velocities(particles: &mut Particles, integrator: Integrator, h: f32) {
-    let mut kick = Kick::default();
-    for i in 0..particles.len() {
-        let u = particles.velocity[i].truncate();
-        let predicted = particles.start[i] + u * h;
-        let corrected = particles.position[i].truncate() - predicted;
-        let mut v = u + corrected / h;
-        if integrator == Integrator::ExplicitEuler && particles.position[i].w > 0.0 {
-            v = kick.apply(particles, i, v, h);
-        }
-        particles.velocity[i] = v.extend(integrator.lag(h));
-    }
-}
-
-/// `v ← e^(-λτ) v + τ a`, with the last exponential kept: neighbours mostly share their damping.
-///
-/// What the sum rounds away goes into the next one (Kahan, 1965). Gravity adds the same at every substep, and a sum of equal terms rounds the same way
-/// until the next power of two: without it, a fall of 10 s at 600 substeps a second ends 1.2e-5 of its height too high.
-#[derive(Default)]
-struct Kick {
-    exponent: f32,
-    /// `1 - e^(-exponent)`.
-    loss: f32,
-}
-
-impl Kick {
-    #[inline(always)]
-    fn apply(&mut self, particles: &mut Particles, i: usize, v: Vec3, tau: f32) -> Vec3 {
-        let rate = particles.damping[i] + particles.medium[i];
-        // No time, no loss, even at an infinite rate.
-        let exponent = if tau > 0.0 { rate * tau } else { 0.0 };
-        if exponent != self.exponent {
-            (self.exponent, self.loss) = (exponent, -libm::expm1f(-exponent));
-        }
-        let slip = match particles.drift.get(i) {
-            Some(&drift) if drift != Vec3::ZERO => v - drift / rate,
-            _ => v,
-        };
-        let change = particles.acceleration[i] * tau - slip * self.loss + particles.rounding[i];
-        let u = v + change;
-        particles.rounding[i] = change - (u - v);
-        u
+pub(crate) fn derive_velocities(
+    particles: &mut Particles,
+    integrator: Integrator,
+    h: f32,
+    instructions: InstructionSet,
+) {
+    with(instructions, wide::Derive::all(particles, h, integrator.lag(h)));
+    if integrator == Integrator::ExplicitEuler {
+        kicks::kick_all(particles, h);
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
     use crate::particles::{ParticleSeed, drag_of_rate, rate_of_drag};
 
@@ -181,9 +118,14 @@ mod tests {
     }
 
     fn advance(particles: &mut Particles, h: f32, acceleration: Vec3) {
-        particles.acceleration.fill(acceleration);
-        predict(particles, Integrator::Verlet, h);
-        derive_velocities(particles, Integrator::Verlet, h);
+        particles.clear_sums(0.0);
+        particles.accelerate_all(acceleration);
+        step(particles, h);
+    }
+
+    fn step(particles: &mut Particles, h: f32) {
+        predict(particles, Integrator::Verlet, h, InstructionSet::best());
+        derive_velocities(particles, Integrator::Verlet, h, InstructionSet::best());
     }
 
     #[test]
@@ -254,9 +196,11 @@ mod tests {
         particles.push(ParticleSeed::at(Vec3::X)).unwrap();
         let steps = (seconds / h).round() as u32;
         for _ in 0..steps {
-            particles.acceleration[0] = -particles.position(0);
-            predict(&mut particles, integrator, h);
-            derive_velocities(&mut particles, integrator, h);
+            particles.clear_sums(0.0);
+            let pull = -particles.position(0);
+            particles.add_acceleration(0, pull);
+            predict(&mut particles, integrator, h, InstructionSet::best());
+            derive_velocities(&mut particles, integrator, h, InstructionSet::best());
         }
         let x = particles.position(0);
         let v = particles.velocity(0) - x * (0.5 * particles.lag(0));
@@ -298,9 +242,10 @@ mod tests {
         let h = 1.0 / 60.0;
         for step in 0..90 {
             let integrator = if step % 20 < 10 { Integrator::Verlet } else { Integrator::Leapfrog };
-            particles.acceleration.fill(G);
-            predict(&mut particles, integrator, h);
-            derive_velocities(&mut particles, integrator, h);
+            particles.clear_sums(0.0);
+            particles.accelerate_all(G);
+            predict(&mut particles, integrator, h, InstructionSet::best());
+            derive_velocities(&mut particles, integrator, h, InstructionSet::best());
         }
         let exact = 4.0 * 1.5 - 0.5 * 9.81 * 1.5 * 1.5;
         assert!((particles.position(0).y - exact).abs() < 1e-4, "{}", particles.position(0));
@@ -310,10 +255,9 @@ mod tests {
     fn a_medium_that_moves_carries_the_particle_to_its_own_speed() {
         let mut particles = thrown(Vec3::ZERO, 0.0);
         for _ in 0..600 {
-            particles.medium[0] = 0.0;
-            particles.drift.clear();
+            particles.clear_sums(0.0);
             particles.drag_towards(0, 2.0, Vec3::X * 3.0);
-            advance(&mut particles, 1.0 / 60.0, Vec3::ZERO);
+            step(&mut particles, 1.0 / 60.0);
         }
         assert!((particles.velocity(0).x - 3.0).abs() < 1e-4);
     }

@@ -1,0 +1,211 @@
+//! Verlet's step, two particles at a time as they lie in memory: what every substep of every world does, and waits for memory in.
+
+use glam::Vec4;
+
+use crate::lanes::{Lanes, Work};
+use crate::particles::Particles;
+
+/// Some consecutive particles, to be predicted. All columns are of one length; `acceleration`, `damping` and `medium` may be empty for zeros, and `damping` may have
+/// one number for all.
+pub(super) struct Predict<'a> {
+    pub(super) position: &'a mut [Vec4],
+    pub(super) start: &'a mut [Vec4],
+    pub(super) velocity: &'a mut [Vec4],
+    pub(super) rounding: &'a mut [Vec4],
+    pub(super) acceleration: &'a [Vec4],
+    pub(super) damping: &'a [f32],
+    pub(super) medium: &'a [f32],
+    /// What all are accelerated by besides, m/s².
+    pub(super) common: Vec4,
+    /// Damping that all have besides, 1/s.
+    pub(super) air: f32,
+    /// Seconds.
+    pub(super) h: f32,
+}
+
+/// Some consecutive particles, whose velocities are to agree with the positions that the constraints left.
+pub(super) struct Derive<'a> {
+    pub(super) position: &'a [Vec4],
+    pub(super) start: &'a [Vec4],
+    pub(super) velocity: &'a mut [Vec4],
+    /// Seconds.
+    pub(super) h: f32,
+    /// How long the substep was over which they are the mean, seconds.
+    pub(super) lag: f32,
+}
+
+impl<'a> Predict<'a> {
+    /// All particles of a world, over a substep of `h` seconds.
+    pub(super) fn all(particles: &'a mut Particles, h: f32) -> Self {
+        let damping = match &particles.survey.damping {
+            Some(all) => core::slice::from_ref(all),
+            None => &particles.damping,
+        };
+        Self {
+            position: &mut particles.position,
+            start: &mut particles.start,
+            velocity: &mut particles.velocity,
+            rounding: &mut particles.rounding,
+            acceleration: if particles.pushed { &particles.acceleration } else { &[] },
+            damping,
+            medium: if particles.stirred { &particles.medium } else { &[] },
+            common: particles.common.extend(0.0),
+            air: particles.air,
+            h,
+        }
+    }
+}
+
+impl<'a> Derive<'a> {
+    /// All particles of a world, after a substep of `h` seconds.
+    pub(super) fn all(particles: &'a mut Particles, h: f32, lag: f32) -> Self {
+        let Particles { position, start, velocity, .. } = particles;
+        Self { position, start, velocity, h, lag }
+    }
+}
+
+impl Work for Predict<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { position, start, velocity, rounding, acceleration, damping, medium, .. } = self;
+        let rates = Rates { damping, medium, air: self.air };
+        let mut step = Step {
+            common: L::two(&[self.common; 2], 0),
+            h: self.h,
+            steady: rates.same().map_or(f32::NAN, |rate| loss(rate * self.h)),
+            last: (0.0, 0.0),
+            rates,
+        };
+        let count = position.len();
+        let (positions, last_position) = position.as_chunks_mut::<2>();
+        let (starts, last_start) = start.as_chunks_mut::<2>();
+        let (velocities, last_velocity) = velocity.as_chunks_mut::<2>();
+        let (roundings, last_rounding) = rounding.as_chunks_mut::<2>();
+        let (accelerations, last_acceleration) = acceleration.as_chunks::<2>();
+        let columns = positions.iter_mut().zip(starts).zip(velocities).zip(roundings);
+        for (i, (((p, start), v), rounding)) in columns.enumerate() {
+            step.take([p, start, v, rounding], accelerations.get(i), 2 * i);
+        }
+        // An odd one goes with one that nothing moves.
+        if let ([p], [s], [v], [r]) = (last_position, last_start, last_velocity, last_rounding) {
+            let mut two = [*p, *s, *v, *r].map(|column| [column, Vec4::ZERO]);
+            let a = last_acceleration.first().map(|&a| [a, Vec4::ZERO]);
+            step.take(two.each_mut(), a.as_ref(), count - 1);
+            [*p, *s, *v, *r] = two.map(|[own, _]| own);
+        }
+    }
+}
+
+impl Work for Derive<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { position, start, velocity, h, lag } = self;
+        let (positions, last_position) = position.as_chunks::<2>();
+        let (starts, last_start) = start.as_chunks::<2>();
+        let (velocities, last_velocity) = velocity.as_chunks_mut::<2>();
+        for ((p, s), v) in positions.iter().zip(starts).zip(velocities) {
+            derive_two::<L>(p, s, v, h, lag);
+        }
+        if let ([p], [s], [v]) = (last_position, last_start, last_velocity) {
+            let mut velocity = [*v, Vec4::ZERO];
+            derive_two::<L>(&[*p, Vec4::ZERO], &[*s, Vec4::ZERO], &mut velocity, h, lag);
+            *v = velocity[0];
+        }
+    }
+}
+
+#[inline(always)]
+fn derive_two<L: Lanes>(p: &[Vec4; 2], start: &[Vec4; 2], v: &mut [Vec4; 2], h: f32, lag: f32) {
+    let u = L::two(v, 0);
+    let predicted = L::two(start, 0) + u * L::splat(h);
+    let corrected = L::two(p, 0) - predicted;
+    (u + corrected * L::splat(1.0 / h)).with_fourths(L::splat(lag)).put_two(v, 0);
+}
+
+/// What the steps of all particles have in common.
+struct Step<'a, L> {
+    common: L,
+    h: f32,
+    rates: Rates<'a>,
+    /// What is lost over a whole substep where all have one damping; NaN where they differ.
+    steady: f32,
+    /// The last exponent, and what is lost with that: neighbours mostly share their damping.
+    last: (f32, f32),
+}
+
+impl<L: Lanes> Step<'_, L> {
+    /// Moves two particles, number `i` and the next: position, start, velocity, rounding.
+    #[inline(always)]
+    fn take(&mut self, columns: [&mut [Vec4; 2]; 4], acceleration: Option<&[Vec4; 2]>, i: usize) {
+        let [position, start, velocity, rounding] = columns;
+        let p = L::two(position, 0);
+        let moves = L::zero().lt(p.fourths());
+        let v = L::two(velocity, 0);
+        let tau = (v.fourths() + L::splat(self.h)) * L::splat(0.5);
+        let a = match acceleration {
+            Some(a) => L::two(a, 0) + self.common,
+            None => self.common,
+        };
+        let before = L::two(rounding, 0);
+        let lags = [velocity[0].w, velocity[1].w];
+        let lost = if lags == [self.h; 2] && !self.steady.is_nan() {
+            L::splat(self.steady)
+        } else {
+            let [one, other] = self.lost(lags, i);
+            L::two(&[Vec4::splat(one), Vec4::splat(other)], 0)
+        };
+        let change = a * tau - v * lost + before;
+        let u = v + change;
+        let rounded = change - (u - v);
+        p.put_two(start, 0);
+        moves.select(rounded, before).with_fourths(L::zero()).put_two(rounding, 0);
+        moves.and(u).with_fourths(L::splat(self.h)).put_two(velocity, 0);
+        moves.select(p + u * L::splat(self.h), p).with_fourths(p).put_two(position, 0);
+    }
+
+    /// What two particles lose that had their last steps so long ago, or are damped differently.
+    #[inline(never)]
+    fn lost(&mut self, lags: [f32; 2], i: usize) -> [f32; 2] {
+        let mut lost = [0.0; 2];
+        for ((lost, lag), i) in lost.iter_mut().zip(lags).zip(i..) {
+            let exponent = self.rates.of(i) * ((lag + self.h) * 0.5);
+            if exponent != self.last.0 {
+                self.last = (exponent, loss(exponent));
+            }
+            *lost = self.last.1;
+        }
+        lost
+    }
+}
+
+/// The rates at which particles lose velocity, 1/s.
+struct Rates<'a> {
+    damping: &'a [f32],
+    medium: &'a [f32],
+    air: f32,
+}
+
+impl Rates<'_> {
+    /// Of one particle; of those that are not there, some number.
+    fn of(&self, i: usize) -> f32 {
+        let own = match self.damping {
+            [all] => *all,
+            each => each.get(i).copied().unwrap_or(0.0),
+        };
+        own + (self.air + self.medium.get(i).copied().unwrap_or(0.0))
+    }
+
+    /// Of all, if it is one.
+    fn same(&self) -> Option<f32> {
+        (self.damping.len() < 2 && self.medium.is_empty()).then(|| self.of(0))
+    }
+}
+
+/// `1 - e^(-x)`.
+fn loss(exponent: f32) -> f32 {
+    if exponent == 0.0 { 0.0 } else { -libm::expm1f(-exponent) }
+}

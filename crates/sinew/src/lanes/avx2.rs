@@ -1,0 +1,350 @@
+//! One register of eight.
+#![allow(unsafe_code)]
+
+use core::arch::x86_64::*;
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+use glam::Vec4;
+
+use super::{LANES, Lanes, Work};
+
+/// Lanes 0 to 7.
+///
+/// Only [`with`] makes kernels of this type, and only where the machine has AVX2: that is what each `unsafe` below relies on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Eight(__m256);
+
+/// Does something with AVX2. To be called only where the machine has it, or it panics.
+#[inline]
+pub(super) fn with<W: Work>(work: W) -> W::Output {
+    #[target_feature(enable = "avx2")]
+    fn inside<W: Work>(work: W) -> W::Output {
+        work.run::<Eight>()
+    }
+    assert!(super::has_avx2(), "this machine has no AVX2");
+    // SAFETY: just asked.
+    unsafe { inside(work) }
+}
+
+macro_rules! each {
+    ($($of:ident $operation:ident $instruction:ident),*) => {$(
+        impl $of for Eight {
+            type Output = Self;
+            #[inline(always)]
+            fn $operation(self, other: Self) -> Self {
+                // SAFETY: see `Eight`.
+                Self(unsafe { $instruction(self.0, other.0) })
+            }
+        }
+    )*};
+}
+
+each!(Add add _mm256_add_ps, Sub sub _mm256_sub_ps, Mul mul _mm256_mul_ps, Div div _mm256_div_ps);
+
+impl Neg for Eight {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        // SAFETY: see `Eight`.
+        Self(unsafe { _mm256_xor_ps(self.0, _mm256_set1_ps(-0.0)) })
+    }
+}
+
+/// Row `a` in the lower half of a register, row `b` in the upper one.
+///
+/// # Safety
+/// Both rows exist, and the machine has AVX2.
+#[inline(always)]
+unsafe fn halves(packed: *const Vec4, a: usize, b: usize) -> __m256 {
+    // SAFETY: as promised; a `Vec4` is four floats.
+    unsafe { _mm256_loadu2_m128(packed.add(b).cast(), packed.add(a).cast()) }
+}
+
+/// The reverse.
+///
+/// # Safety
+/// Both rows exist, and the machine has AVX2.
+#[inline(always)]
+unsafe fn put_halves(packed: *mut Vec4, a: usize, b: usize, value: __m256) {
+    // SAFETY: as promised; a `Vec4` is four floats.
+    unsafe { _mm256_storeu2_m128(packed.add(b).cast(), packed.add(a).cast(), value) }
+}
+
+/// Four by four numbers turned about their diagonal, in each half of the registers: rows 0 to 3 and 4 to 7 become columns, or the reverse.
+#[inline(always)]
+fn transposed([a, b, c, d]: [__m256; 4]) -> [__m256; 4] {
+    // SAFETY: see `Eight`.
+    unsafe {
+        let (low, high) = (_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
+        let (low2, high2) = (_mm256_unpacklo_ps(c, d), _mm256_unpackhi_ps(c, d));
+        [
+            _mm256_shuffle_ps::<0x44>(low, low2),
+            _mm256_shuffle_ps::<0xEE>(low, low2),
+            _mm256_shuffle_ps::<0x44>(high, high2),
+            _mm256_shuffle_ps::<0xEE>(high, high2),
+        ]
+    }
+}
+
+/// Panics unless all rows are less than `len`: one check for eight loads.
+#[inline(always)]
+fn check(rows: &[u32; LANES], len: usize) {
+    // Beyond, rows would be negative to the instruction below.
+    assert!(len <= i32::MAX as usize, "too many rows");
+    // SAFETY: see `Eight`; eight `u32` are a register.
+    let inside = unsafe {
+        let rows = _mm256_loadu_si256(rows.as_ptr().cast());
+        let below = _mm256_cmpgt_epi32(_mm256_set1_epi32(len as i32), rows);
+        let from_zero = _mm256_cmpgt_epi32(rows, _mm256_set1_epi32(-1));
+        _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_and_si256(below, from_zero)))
+    };
+    assert!(inside == 0xFF, "a row that does not exist");
+}
+
+impl Lanes for Eight {
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        // SAFETY: see `Eight`.
+        Self(unsafe { _mm256_set1_ps(x) })
+    }
+
+    #[inline(always)]
+    fn load(from: &[f32; LANES]) -> Self {
+        // SAFETY: see `Eight`; eight floats are a register.
+        Self(unsafe { _mm256_loadu_ps(from.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [f32; LANES]) {
+        // SAFETY: see `Eight`; a register is eight floats.
+        unsafe { _mm256_storeu_ps(to.as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: see `Eight`.
+        Self(unsafe { _mm256_sqrt_ps(self.0) })
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: see `Eight`.
+        Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: see `Eight`. This instruction is that comparison and selection.
+        Self(unsafe { _mm256_min_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        // SAFETY: see `Eight`. This instruction is that comparison and selection.
+        Self(unsafe { _mm256_max_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn lt(self, other: Self) -> Self {
+        // SAFETY: see `Eight`.
+        Self(unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> Self {
+        // SAFETY: see `Eight`.
+        Self(unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn same(self, other: Self) -> Self {
+        // SAFETY: see `Eight`.
+        Self(unsafe { _mm256_cmp_ps::<_CMP_EQ_OQ>(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn and(self, other: Self) -> Self {
+        // SAFETY: see `Eight`.
+        Self(unsafe { _mm256_and_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn or(self, other: Self) -> Self {
+        // SAFETY: see `Eight`.
+        Self(unsafe { _mm256_or_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn select(self, yes: Self, no: Self) -> Self {
+        // SAFETY: see `Eight`.
+        Self(unsafe { _mm256_blendv_ps(no.0, yes.0, self.0) })
+    }
+
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        // SAFETY: see `Eight`.
+        unsafe { _mm256_movemask_ps(self.0) as u32 }
+    }
+
+    #[inline(always)]
+    fn rows(packed: &[Vec4], rows: &[u32; LANES]) -> [Self; 4] {
+        check(rows, packed.len());
+        let from = packed.as_ptr();
+        let [a, b, c, d, e, f, g, h] = *rows;
+        // SAFETY: all rows exist, as just checked; see `Eight`.
+        let [a, b, c, d] = unsafe {
+            transposed([
+                halves(from, a as usize, e as usize),
+                halves(from, b as usize, f as usize),
+                halves(from, c as usize, g as usize),
+                halves(from, d as usize, h as usize),
+            ])
+        };
+        [Self(a), Self(b), Self(c), Self(d)]
+    }
+
+    #[inline(always)]
+    fn put_rows(packed: &mut [Vec4], rows: &[u32; LANES], columns: [Self; 4]) {
+        check(rows, packed.len());
+        let to = packed.as_mut_ptr();
+        let [a, b, c, d, e, f, g, h] = *rows;
+        let [x, y, z, w] = columns;
+        let [p, q, r, s] = transposed([x.0, y.0, z.0, w.0]);
+        // SAFETY: all rows exist, as just checked; see `Eight`.
+        unsafe {
+            put_halves(to, a as usize, e as usize, p);
+            put_halves(to, b as usize, f as usize, q);
+            put_halves(to, c as usize, g as usize, r);
+            put_halves(to, d as usize, h as usize, s);
+        }
+    }
+
+    #[inline(always)]
+    fn run_by_parity(packed: &[Vec4], first: usize) -> [Self; 4] {
+        let from = packed[first..first + LANES].as_ptr();
+        // SAFETY: the eight rows from `from` on exist, as just checked, two a register; see `Eight`.
+        let [a, b, c, d] = unsafe {
+            transposed([
+                _mm256_loadu_ps(from.cast()),
+                _mm256_loadu_ps(from.add(2).cast()),
+                _mm256_loadu_ps(from.add(4).cast()),
+                _mm256_loadu_ps(from.add(6).cast()),
+            ])
+        };
+        [Self(a), Self(b), Self(c), Self(d)]
+    }
+
+    #[inline(always)]
+    fn put_run_by_parity(packed: &mut [Vec4], first: usize, columns: [Self; 4]) {
+        let to = packed[first..first + LANES].as_mut_ptr();
+        let [a, b, c, d] = columns;
+        let [a, b, c, d] = transposed([a.0, b.0, c.0, d.0]);
+        // SAFETY: the eight rows from `to` on exist, as just checked, two a register; see `Eight`.
+        unsafe {
+            _mm256_storeu_ps(to.cast(), a);
+            _mm256_storeu_ps(to.add(2).cast(), b);
+            _mm256_storeu_ps(to.add(4).cast(), c);
+            _mm256_storeu_ps(to.add(6).cast(), d);
+        }
+    }
+
+    #[inline(always)]
+    fn load_halves(low: &[f32; LANES / 2], high: &[f32; LANES / 2]) -> Self {
+        // SAFETY: see `Eight`; twice four floats are a register.
+        Self(unsafe { _mm256_loadu2_m128(high.as_ptr(), low.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn store_halves(self, low: &mut [f32; LANES / 2], high: &mut [f32; LANES / 2]) {
+        // SAFETY: see `Eight`; a register is twice four floats.
+        unsafe { _mm256_storeu2_m128(high.as_mut_ptr(), low.as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    fn run(packed: &[Vec4], first: usize) -> [Self; 4] {
+        let from = packed[first..first + LANES].as_ptr();
+        // SAFETY: the eight rows from `from` on exist, as just checked; see `Eight`.
+        let [a, b, c, d] = unsafe {
+            transposed([
+                halves(from, 0, 4),
+                halves(from, 1, 5),
+                halves(from, 2, 6),
+                halves(from, 3, 7),
+            ])
+        };
+        [Self(a), Self(b), Self(c), Self(d)]
+    }
+
+    #[inline(always)]
+    fn put_run(packed: &mut [Vec4], first: usize, columns: [Self; 4]) {
+        let to = packed[first..first + LANES].as_mut_ptr();
+        let [a, b, c, d] = columns;
+        let [a, b, c, d] = transposed([a.0, b.0, c.0, d.0]);
+        // SAFETY: the eight rows from `to` on exist, as just checked; see `Eight`.
+        unsafe {
+            put_halves(to, 0, 4, a);
+            put_halves(to, 1, 5, b);
+            put_halves(to, 2, 6, c);
+            put_halves(to, 3, 7, d);
+        }
+    }
+
+    #[inline(always)]
+    fn two(packed: &[Vec4], first: usize) -> Self {
+        let from = packed[first..first + 2].as_ptr();
+        // SAFETY: both rows exist, as just checked, and are eight floats; see `Eight`.
+        Self(unsafe { _mm256_loadu_ps(from.cast()) })
+    }
+
+    #[inline(always)]
+    fn put_two(self, packed: &mut [Vec4], first: usize) {
+        let to = packed[first..first + 2].as_mut_ptr();
+        // SAFETY: both rows exist, as just checked, and are eight floats; see `Eight`.
+        unsafe { _mm256_storeu_ps(to.cast(), self.0) }
+    }
+
+    #[inline(always)]
+    fn fourths(self) -> Self {
+        // SAFETY: see `Eight`.
+        Self(unsafe { _mm256_shuffle_ps::<0xFF>(self.0, self.0) })
+    }
+
+    #[inline(always)]
+    fn with_fourths(self, other: Self) -> Self {
+        // SAFETY: see `Eight`.
+        Self(unsafe { _mm256_blend_ps::<0x88>(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn pairs(packed: &[Vec4], first: usize) -> ([Self; 4], [Self; 4]) {
+        let from = packed[first..first + 2 * LANES].as_ptr();
+        // SAFETY: the sixteen rows from `from` on exist, as just checked; see `Eight`.
+        unsafe {
+            let two = |pair: usize| _mm256_loadu_ps(from.add(2 * pair).cast());
+            // Each register holds a first and a second particle, each in its half: turn pairs 0 to 3, and 4 to 7, then sort the halves.
+            let low = transposed([two(0), two(1), two(2), two(3)]);
+            let high = transposed([two(4), two(5), two(6), two(7)]);
+            let ones =
+                core::array::from_fn(|i| Self(_mm256_permute2f128_ps::<0x20>(low[i], high[i])));
+            let others =
+                core::array::from_fn(|i| Self(_mm256_permute2f128_ps::<0x31>(low[i], high[i])));
+            (ones, others)
+        }
+    }
+
+    #[inline(always)]
+    fn put_pairs(packed: &mut [Vec4], first: usize, ones: [Self; 4], others: [Self; 4]) {
+        let to = packed[first..first + 2 * LANES].as_mut_ptr();
+        // SAFETY: the sixteen rows from `to` on exist, as just checked; see `Eight`.
+        unsafe {
+            let low =
+                core::array::from_fn(|i| _mm256_permute2f128_ps::<0x20>(ones[i].0, others[i].0));
+            let high =
+                core::array::from_fn(|i| _mm256_permute2f128_ps::<0x31>(ones[i].0, others[i].0));
+            let pairs = transposed(low).into_iter().chain(transposed(high));
+            for (pair, value) in pairs.enumerate() {
+                _mm256_storeu_ps(to.add(2 * pair).cast(), value);
+            }
+        }
+    }
+}

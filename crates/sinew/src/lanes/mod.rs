@@ -1,0 +1,231 @@
+//! Eight numbers side by side: the few operations that the wide kernels are written in, for whatever instructions the machine has.
+//!
+//! A kernel is written once, over the trait [`Lanes`], and compiled for each [`InstructionSet`]; which one runs is chosen when the program runs. All give
+//! the same bits: there is nothing here but `+ - × ÷ √`, comparisons and selections, which IEEE 754 defines to the last bit. No fused
+//! multiply-add, no reciprocal estimates, and `min` and `max` are made of a comparison and a selection, because instructions differ about NaN and ±0.
+//!
+//! | file | what it is |
+//! |---|---|
+//! | `scalar` | arrays of eight: the truth that the others are tested against, and the fallback everywhere |
+//! | `quads` | two registers of four, by glam: SSE2 on x86-64, NEON on ARM |
+//! | `avx2` | one register of eight |
+//! | `vector` | vectors of three lanes each |
+//! | `twins` | tests: each operation of each set against the scalar one |
+//!
+//! # Packed particles
+//!
+//! Particles lie in memory as `[x y z w]`, 16 bytes each. A kernel wants the x of eight particles in one register, the y in the next, and so on: eight loads and a
+//! transposition. Three ways to name the eight, cheapest last: any rows ([`Lanes::rows`]), pairs of neighbours that two registers are made of
+//! ([`Lanes::pairs`]), consecutive rows ([`Lanes::run`]).
+//!
+//! This folder is the only home of `unsafe` in Sinew: for the instructions of AVX2, which exist only where the machine has been asked, and for loads
+//! whose bounds are checked eight at a time.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+mod quads;
+mod scalar;
+#[cfg(test)]
+mod twins;
+mod vector;
+
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+use glam::Vec4;
+
+pub(crate) use vector::Vector;
+
+/// How many lanes there are.
+pub(crate) const LANES: usize = 8;
+
+/// Which of eight rows each lane holds where they are sorted by parity.
+const PARITY: [usize; LANES] = [0, 2, 4, 6, 1, 3, 5, 7];
+
+/// Instructions that kernels are compiled for. Results are the same bits with each of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum InstructionSet {
+    /// One number at a time, as far as the compiler does not know better.
+    Scalar,
+    /// Four at a time: SSE2 or NEON. What has neither takes this for [`Scalar`](Self::Scalar).
+    Simd128,
+    /// Eight at a time. A machine without AVX2 takes this for [`Simd128`](Self::Simd128).
+    Avx2,
+}
+
+impl InstructionSet {
+    /// The best that this machine has.
+    pub fn best() -> Self {
+        if has_avx2() { Self::Avx2 } else { Self::Simd128 }
+    }
+}
+
+impl Default for InstructionSet {
+    fn default() -> Self {
+        Self::best()
+    }
+}
+
+/// Something to be done in lanes, whatever they are made of.
+pub(crate) trait Work {
+    /// What comes of it.
+    type Output;
+
+    /// Does it. To be marked `#[inline(always)]`, and so must be what it calls: what is not inlined is not compiled for the lanes' instructions, and every operation
+    /// becomes a call. A closure cannot be marked: one that has lanes in it may be called from one place alone.
+    fn run<L: Lanes>(self) -> Self::Output;
+}
+
+/// Does something with the given instructions.
+#[inline]
+pub(crate) fn with<W: Work>(instructions: InstructionSet, work: W) -> W::Output {
+    match instructions {
+        InstructionSet::Scalar => work.run::<scalar::Array>(),
+        #[cfg(target_arch = "x86_64")]
+        InstructionSet::Avx2 if has_avx2() => avx2::with(work),
+        _ => work.run::<quads::Quads>(),
+    }
+}
+
+#[inline]
+fn has_avx2() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return std::arch::is_x86_feature_detected!("avx2");
+    #[cfg(not(target_arch = "x86_64"))]
+    false
+}
+
+/// Eight `f32` side by side.
+///
+/// Loads and stores panic where a slice is too short, as indexing does.
+pub(crate) trait Lanes:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// The same number in each.
+    fn splat(x: f32) -> Self;
+    /// Eight numbers.
+    fn load(from: &[f32; LANES]) -> Self;
+    /// Into an array.
+    fn store(self, to: &mut [f32; LANES]);
+
+    /// The correctly rounded square root.
+    fn sqrt(self) -> Self;
+    /// Without its sign.
+    fn abs(self) -> Self;
+
+    /// A mask of all ones where `self < other`, zeros elsewhere and for NaN. A mask is a number of lanes like any other, and only good for [`select`](Self::select),
+    /// [`and`](Self::and), [`or`](Self::or), [`any`](Self::any) and [`bits`](Self::bits).
+    fn lt(self, other: Self) -> Self;
+    /// The same for `self <= other`.
+    fn le(self, other: Self) -> Self;
+    /// The same for `self == other`.
+    fn same(self, other: Self) -> Self;
+    /// Where both masks are set; or of a mask and numbers: the numbers where it is set, +0 elsewhere.
+    fn and(self, other: Self) -> Self;
+    /// Where one of two masks is set.
+    fn or(self, other: Self) -> Self;
+    /// Where a mask, `self`, is set the lanes of `yes`, elsewhere those of `no`.
+    fn select(self, yes: Self, no: Self) -> Self;
+    /// One bit for each lane of a mask, lane 0 lowest.
+    fn bits(self) -> u32;
+
+    /// `x y z w` of eight rows of packed particles.
+    fn rows(packed: &[Vec4], rows: &[u32; LANES]) -> [Self; 4];
+    /// Writes them back. Of rows that occur twice the last lane stays.
+    fn put_rows(packed: &mut [Vec4], rows: &[u32; LANES], columns: [Self; 4]);
+    /// `x y z w` of the eight rows from `first` on.
+    fn run(packed: &[Vec4], first: usize) -> [Self; 4];
+    /// Writes them back.
+    fn put_run(packed: &mut [Vec4], first: usize, columns: [Self; 4]);
+    /// The eight rows from `first` on, the even ones of the eight in lanes 0 to 3 and the odd ones in lanes 4 to 7: turned without sorting.
+    fn run_by_parity(packed: &[Vec4], first: usize) -> [Self; 4];
+    /// Writes them back.
+    fn put_run_by_parity(packed: &mut [Vec4], first: usize, columns: [Self; 4]);
+    /// Lanes 0 to 3, and 4 to 7.
+    fn load_halves(low: &[f32; LANES / 2], high: &[f32; LANES / 2]) -> Self;
+    /// Into two arrays.
+    fn store_halves(self, low: &mut [f32; LANES / 2], high: &mut [f32; LANES / 2]);
+    /// Two rows as they lie: `x y z w x y z w`.
+    fn two(packed: &[Vec4], first: usize) -> Self;
+    /// Writes them back.
+    fn put_two(self, packed: &mut [Vec4], first: usize);
+    /// The fourth of each four, four times.
+    fn fourths(self) -> Self;
+    /// The same with the fourth of each four from `other`.
+    fn with_fourths(self, other: Self) -> Self;
+
+    /// The eight numbers.
+    #[inline(always)]
+    fn array(self) -> [f32; LANES] {
+        let mut array = [0.0; LANES];
+        self.store(&mut array);
+        array
+    }
+
+    /// Zeros.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::splat(0.0)
+    }
+
+    /// Where `self > other`.
+    #[inline(always)]
+    fn gt(self, other: Self) -> Self {
+        other.lt(self)
+    }
+
+    /// The lesser of the two, `other` where either is NaN or both are zero.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.lt(other).select(self, other)
+    }
+
+    /// The greater of the two, `other` where either is NaN or both are zero.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        other.lt(self).select(self, other)
+    }
+
+    /// Whether a mask is set anywhere.
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.bits() != 0
+    }
+
+    /// Whether a mask is set everywhere.
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.bits() == 0xFF
+    }
+
+    /// The largest of the eight, or `least` if that is larger; NaN does not count.
+    #[inline(always)]
+    fn largest(self, least: f32) -> f32 {
+        self.array().iter().fold(least, |most, &x| if x > most { x } else { most })
+    }
+
+    /// Sixteen rows from `first` on, as eight pairs of neighbours: `x y z w` of the first of each, and of the second of each.
+    #[inline(always)]
+    fn pairs(packed: &[Vec4], first: usize) -> ([Self; 4], [Self; 4]) {
+        let (one, other) = pair_rows(first);
+        (Self::rows(packed, &one), Self::rows(packed, &other))
+    }
+
+    /// Writes them back.
+    #[inline(always)]
+    fn put_pairs(packed: &mut [Vec4], first: usize, ones: [Self; 4], others: [Self; 4]) {
+        let (one, other) = pair_rows(first);
+        Self::put_rows(packed, &one, ones);
+        Self::put_rows(packed, &other, others);
+    }
+}
+
+#[inline(always)]
+fn pair_rows(first: usize) -> ([u32; LANES], [u32; LANES]) {
+    let row = |k: usize| (first + k) as u32;
+    (core::array::from_fn(|k| row(2 * k)), core::array::from_fn(|k| row(2 * k + 1)))
+}

@@ -1,0 +1,190 @@
+//! Arrays of eight: what every other implementation must agree with to the bit, and what runs where there is none.
+
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+use glam::Vec4;
+
+use super::{LANES, Lanes, PARITY};
+
+/// Eight numbers, one after the other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Array([f32; LANES]);
+
+/// All ones, as a mask has them.
+const SET: f32 = f32::from_bits(u32::MAX);
+
+macro_rules! each {
+    ($($of:ident $operation:ident $sign:tt),*) => {$(
+        impl $of for Array {
+            type Output = Self;
+            #[inline(always)]
+            fn $operation(self, other: Self) -> Self {
+                self.zip(other, |a, b| a $sign b)
+            }
+        }
+    )*};
+}
+
+each!(Add add +, Sub sub -, Mul mul *, Div div /);
+
+impl Neg for Array {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(self.0.map(|x| -x))
+    }
+}
+
+impl Array {
+    #[inline(always)]
+    fn zip(self, other: Self, of: impl Fn(f32, f32) -> f32) -> Self {
+        Self(core::array::from_fn(|i| of(self.0[i], other.0[i])))
+    }
+
+    #[inline(always)]
+    fn mask(self, other: Self, of: impl Fn(f32, f32) -> bool) -> Self {
+        self.zip(other, |a, b| if of(a, b) { SET } else { 0.0 })
+    }
+
+    #[inline(always)]
+    fn columns(of: impl Fn(usize) -> Vec4) -> [Self; 4] {
+        let rows: [Vec4; LANES] = core::array::from_fn(of);
+        core::array::from_fn(|column| Self(rows.map(|row| row[column])))
+    }
+
+    #[inline(always)]
+    fn row([x, y, z, w]: [Self; 4], lane: usize) -> Vec4 {
+        Vec4::new(x.0[lane], y.0[lane], z.0[lane], w.0[lane])
+    }
+}
+
+impl Lanes for Array {
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        Self([x; LANES])
+    }
+
+    #[inline(always)]
+    fn load(from: &[f32; LANES]) -> Self {
+        Self(*from)
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [f32; LANES]) {
+        *to = self.0;
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.map(f32::sqrt))
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.map(f32::abs))
+    }
+
+    #[inline(always)]
+    fn lt(self, other: Self) -> Self {
+        self.mask(other, |a, b| a < b)
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> Self {
+        self.mask(other, |a, b| a <= b)
+    }
+
+    #[inline(always)]
+    fn same(self, other: Self) -> Self {
+        self.mask(other, |a, b| a == b)
+    }
+
+    #[inline(always)]
+    fn and(self, other: Self) -> Self {
+        self.zip(other, |a, b| f32::from_bits(a.to_bits() & b.to_bits()))
+    }
+
+    #[inline(always)]
+    fn or(self, other: Self) -> Self {
+        self.zip(other, |a, b| f32::from_bits(a.to_bits() | b.to_bits()))
+    }
+
+    #[inline(always)]
+    fn select(self, yes: Self, no: Self) -> Self {
+        Self(core::array::from_fn(|i| if self.0[i].to_bits() == 0 { no.0[i] } else { yes.0[i] }))
+    }
+
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        (0..LANES).map(|i| u32::from(self.0[i].to_bits() != 0) << i).sum()
+    }
+
+    #[inline(always)]
+    fn rows(packed: &[Vec4], rows: &[u32; LANES]) -> [Self; 4] {
+        Self::columns(|i| packed[rows[i] as usize])
+    }
+
+    #[inline(always)]
+    fn put_rows(packed: &mut [Vec4], rows: &[u32; LANES], columns: [Self; 4]) {
+        for (lane, &row) in rows.iter().enumerate() {
+            packed[row as usize] = Self::row(columns, lane);
+        }
+    }
+
+    #[inline(always)]
+    fn run_by_parity(packed: &[Vec4], first: usize) -> [Self; 4] {
+        Self::columns(|i| packed[first + PARITY[i]])
+    }
+
+    #[inline(always)]
+    fn put_run_by_parity(packed: &mut [Vec4], first: usize, columns: [Self; 4]) {
+        for lane in 0..LANES {
+            packed[first + PARITY[lane]] = Self::row(columns, lane);
+        }
+    }
+
+    #[inline(always)]
+    fn load_halves(low: &[f32; LANES / 2], high: &[f32; LANES / 2]) -> Self {
+        Self(core::array::from_fn(|i| if i < LANES / 2 { low[i] } else { high[i - LANES / 2] }))
+    }
+
+    #[inline(always)]
+    fn store_halves(self, low: &mut [f32; LANES / 2], high: &mut [f32; LANES / 2]) {
+        low.copy_from_slice(&self.0[..LANES / 2]);
+        high.copy_from_slice(&self.0[LANES / 2..]);
+    }
+
+    #[inline(always)]
+    fn run(packed: &[Vec4], first: usize) -> [Self; 4] {
+        Self::columns(|i| packed[first + i])
+    }
+
+    #[inline(always)]
+    fn put_run(packed: &mut [Vec4], first: usize, columns: [Self; 4]) {
+        for lane in 0..LANES {
+            packed[first + lane] = Self::row(columns, lane);
+        }
+    }
+
+    #[inline(always)]
+    fn two(packed: &[Vec4], first: usize) -> Self {
+        let [a, b] = [packed[first].to_array(), packed[first + 1].to_array()];
+        Self([a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]])
+    }
+
+    #[inline(always)]
+    fn put_two(self, packed: &mut [Vec4], first: usize) {
+        packed[first] = Vec4::from_slice(&self.0[..4]);
+        packed[first + 1] = Vec4::from_slice(&self.0[4..]);
+    }
+
+    #[inline(always)]
+    fn fourths(self) -> Self {
+        Self(core::array::from_fn(|i| self.0[i | 3]))
+    }
+
+    #[inline(always)]
+    fn with_fourths(self, other: Self) -> Self {
+        Self(core::array::from_fn(|i| if i % 4 == 3 { other.0[i] } else { self.0[i] }))
+    }
+}

@@ -1,0 +1,153 @@
+//! Each operation of each instruction set against the scalar twin, on numbers of every kind.
+
+use glam::Vec4;
+
+use super::{InstructionSet, LANES, Lanes, Work, with};
+
+const SETS: [InstructionSet; 2] = [InstructionSet::Simd128, InstructionSet::Avx2];
+
+/// Numbers of every kind: signs, zeros, the smallest, the largest, infinite.
+const NUMBERS: [f32; 24] = [
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    0.1,
+    -0.3,
+    3.0,
+    1e-30,
+    -1e-30,
+    1e30,
+    -1e30,
+    1e-45,
+    -1e-45,
+    f32::MAX,
+    f32::MIN,
+    f32::MIN_POSITIVE,
+    f32::INFINITY,
+    f32::NEG_INFINITY,
+    1.000_000_1,
+    16_777_216.0,
+    0.333_333_34,
+    -7.25,
+    123.456,
+    2e-3,
+];
+
+/// All that can be done with two numbers of lanes.
+struct Everything {
+    a: [f32; LANES],
+    b: [f32; LANES],
+}
+
+impl Work for Everything {
+    type Output = Vec<[u32; LANES]>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        let (a, b) = (L::load(&self.a), L::load(&self.b));
+        let mask = a.lt(b);
+        let both = mask.or(a.same(b));
+        let bits = L::splat((a.le(b).bits() << 8 | mask.bits()) as f32);
+        let any = L::splat(f32::from(u8::from(mask.any())));
+        let all = [
+            a + b,
+            a - b,
+            a * b,
+            a / b,
+            -a,
+            a.abs(),
+            a.abs().sqrt(),
+            a.min(b),
+            a.max(b),
+            both.select(a, b),
+            mask.and(a),
+            a.fourths(),
+            a.with_fourths(b),
+            L::splat(a.largest(-1.0)),
+            bits,
+            any,
+            a.gt(b).select(a, L::zero()),
+        ];
+        // Which NaN it is depends on what a compiler makes of an expression; whether it is one does not.
+        let number = |x: f32| if x.is_nan() { f32::NAN.to_bits() } else { x.to_bits() };
+        all.into_iter().map(|lanes| lanes.array().map(number)).collect()
+    }
+}
+
+#[test]
+fn every_operation_gives_the_bits_of_its_scalar_twin() {
+    for shift in 0..NUMBERS.len() {
+        for other in 0..NUMBERS.len() {
+            let pick = |from: usize| core::array::from_fn(|i| NUMBERS[(from + i) % NUMBERS.len()]);
+            let work = || Everything { a: pick(shift), b: pick(other) };
+            let truth = with(InstructionSet::Scalar, work());
+            for set in SETS {
+                assert_eq!(with(set, work()), truth, "{set:?} {:?} {:?}", work().a, work().b);
+            }
+        }
+    }
+}
+
+/// Loads particles every way, changes them, and stores them every way.
+struct Moves<'a> {
+    packed: &'a mut [Vec4],
+    rows: [u32; LANES],
+}
+
+impl Work for Moves<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { packed, rows } = self;
+        let [x, y, z, w] = L::rows(packed, &rows);
+        L::put_rows(packed, &rows, [y, z + w, x, w]);
+        let [x, y, z, w] = L::run(packed, 5);
+        L::put_run(packed, 5, [x + y, y, w, z]);
+        let ([x, y, z, w], other) = L::pairs(packed, 20);
+        L::put_pairs(packed, 20, other, [x, y - z, z, w]);
+        let [x, y, z, w] = L::run_by_parity(packed, 2);
+        L::put_run_by_parity(packed, 2, [x, z, y - w, w]);
+        let (mut low, mut high) = ([0.0; LANES / 2], [0.0; LANES / 2]);
+        (x + y).store_halves(&mut low, &mut high);
+        let turned = L::load_halves(&high, &low).array();
+        (0..LANES).for_each(|i| packed[i + 11].z += turned[i]);
+        let two = L::two(packed, 37);
+        two.with_fourths(two.fourths() + two).put_two(packed, 37);
+    }
+}
+
+#[test]
+fn particles_go_in_and_out_of_lanes_the_same_way() {
+    let start: Vec<Vec4> = (0..40)
+        .map(|i| {
+            let i = i as f32;
+            Vec4::new(i, i + 100.0, i + 200.0, i + 300.0)
+        })
+        .collect();
+    let moved = |set| {
+        let mut packed = start.clone();
+        with(set, Moves { packed: &mut packed, rows: [3, 17, 0, 39, 8, 25, 12, 31] });
+        packed
+    };
+    let truth = moved(InstructionSet::Scalar);
+    assert_eq!(truth[3], Vec4::new(103.0, 3.0, 506.0 - 303.0, 303.0));
+    assert_eq!(truth[37].x, start[37].x);
+    for set in SETS {
+        assert_eq!(moved(set), truth, "{set:?}");
+    }
+}
+
+#[test]
+fn rows_that_do_not_exist_are_refused_by_every_set() {
+    for set in [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2] {
+        for row in [40, u32::MAX] {
+            let refused = std::panic::catch_unwind(|| {
+                let mut packed = vec![Vec4::ZERO; 40];
+                with(set, Moves { packed: &mut packed, rows: [0, 1, 2, row, 4, 5, 6, 7] });
+            });
+            assert!(refused.is_err(), "{set:?} {row}");
+        }
+    }
+}

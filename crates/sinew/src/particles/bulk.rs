@@ -1,0 +1,201 @@
+//! Many rows at once: how a caller that keeps the state elsewhere, as an engine does in components, fills the columns before a step and reads them
+//! after it. What it costs is memory: the arithmetic is done for three axes at once, and what is out of the ordinary is left to the slow way.
+
+use core::ops::Range;
+
+use glam::{Vec3, Vec4};
+
+use super::{ParticleFault, ParticleSeed, Particles, snap};
+
+/// What a particle takes from one step into the next: all of its state that a step changes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ParticleState {
+    /// Where it is, metres.
+    pub position: Vec3,
+    /// What `position` leaves out because `f32` has no digits for it, metres.
+    pub remainder: Vec3,
+    /// Mean velocity over the last `lag` seconds, m/s.
+    pub velocity: Vec3,
+    /// Length of the substep over which `velocity` is the mean, seconds, 0 and up; 0 says that the velocity is true now.
+    pub lag: f32,
+}
+
+impl ParticleState {
+    /// Why a particle cannot be in this state, or `None` if it can.
+    pub fn fault(&self) -> Option<ParticleFault> {
+        let Self { position, remainder, velocity, lag } = *self;
+        ParticleSeed { remainder, velocity, lag, ..ParticleSeed::at(position) }.fault()
+    }
+}
+
+/// Beyond these metres from the origin the quick way to round is none: 2²² + ½ is the last half that `f32` has beside 1.5 · 2²³.
+const NEAR: f32 = 4_194_304.0;
+/// Adding and subtracting this rounds to whole numbers: from 2²³ on, `f32` has no others. The half more keeps negative ones there.
+const ROUNDER: f32 = 12_582_912.0;
+
+impl Particles {
+    /// Puts states into the rows from `first` on, one after the other, and returns how many it put: it stops before one with a
+    /// [fault](ParticleState::fault), and where there are no more rows. Mass and all other properties of the rows stay.
+    ///
+    /// The rows are bit for bit as [`set`](Self::set) would leave them.
+    pub fn load(&mut self, first: usize, states: impl Iterator<Item = ParticleState>) -> usize {
+        let xyz = Vec4::new(1.0, 1.0, 1.0, 0.0).cmpgt(Vec4::ZERO);
+        let lowest = Vec3::MIN.extend(0.0);
+        let rows = from(&mut self.origin, first).iter_mut().zip(from(&mut self.position, first));
+        let rows = rows.zip(from(&mut self.start, first)).zip(from(&mut self.velocity, first));
+        let rows = rows.zip(from(&mut self.rounding, first));
+        let mut count = 0;
+        for (((((origin, position), start), velocity), rounding), state) in rows.zip(states) {
+            let (p, r) = (state.position.extend(0.0), state.remainder.extend(0.0));
+            let v = state.velocity.extend(state.lag);
+            // `snap`, for numbers that are not large.
+            let half_up = p + 0.5;
+            let nearest = (half_up + ROUNDER) - ROUNDER;
+            let above = nearest.cmpgt(half_up);
+            let whole = nearest - Vec4::select(above, Vec4::ONE, Vec4::ZERO);
+            let local = (p - whole) + r;
+            // Ordinary: the remainder does not lead over into the next metre. What is not finite is nowhere between.
+            let within = local + 0.5;
+            let ordinary = p.abs().cmplt(Vec4::splat(NEAR))
+                & within.cmpge(Vec4::ZERO)
+                & within.cmplt(Vec4::ONE)
+                & v.cmpge(lowest)
+                & v.cmple(Vec4::MAX);
+            let (whole, local) = if ordinary.all() {
+                (whole.truncate(), local)
+            } else if let Some((whole, local)) = place_anywhere(p, r, v) {
+                (whole, local.extend(0.0))
+            } else {
+                break;
+            };
+            *origin = whole;
+            *position = Vec4::select(xyz, local, *position);
+            *start = *position;
+            *velocity = v;
+            *rounding = Default::default();
+            count += 1;
+        }
+        count
+    }
+
+    /// Counts the calls that changed a property of a row, or gave it to another particle: who keeps the properties elsewhere and finds the number
+    /// that it left need not write them again. What [`load`](Self::load), the steps and the methods for positions and velocities change is not counted.
+    pub fn edits(&self) -> u64 {
+        self.edits
+    }
+
+    /// The states of some rows, in order; rows that are not there are left out. [`load`](Self::load) puts them back to the last bit.
+    pub fn states(&self, rows: Range<usize>) -> impl Iterator<Item = ParticleState> + '_ {
+        let rows = rows.start..rows.end.min(self.len());
+        let places = self.origin.get(rows.clone()).unwrap_or_default().iter();
+        let locals = self.position.get(rows.clone()).unwrap_or_default();
+        let velocities = self.velocity.get(rows).unwrap_or_default();
+        places.zip(locals).zip(velocities).map(|((origin, local), velocity)| {
+            // Knuth's two-sum, as in `remainder`.
+            let (a, b) = (origin.extend(0.0), *local);
+            let sum = a + b;
+            let part = sum - a;
+            let remainder = (a - (sum - part)) + (b - part);
+            ParticleState {
+                position: sum.truncate(),
+                remainder: remainder.truncate(),
+                velocity: velocity.truncate(),
+                lag: velocity.w,
+            }
+        })
+    }
+}
+
+/// The same for a state that is out of the ordinary; `None` if it is none. It gets copies: what has an address is read and written number by number.
+#[cold]
+fn place_anywhere(p: Vec4, r: Vec4, v: Vec4) -> Option<(Vec3, Vec3)> {
+    let (position, remainder) = (p.truncate(), r.truncate());
+    let state = ParticleState { position, remainder, velocity: v.truncate(), lag: v.w };
+    state.fault().is_none().then(|| place(position, remainder))
+}
+
+/// The rows of a column from `first` on.
+fn from<T>(column: &mut [T], first: usize) -> &mut [T] {
+    column.get_mut(first..).unwrap_or_default()
+}
+
+/// The origin of a position, whole metres, and where it is from there.
+#[inline]
+pub(super) fn place(position: Vec3, remainder: Vec3) -> (Vec3, Vec3) {
+    let whole = snap(position);
+    // The remainder may lead over into the next metre, where the distance would need a bit more than it has.
+    let origin = whole + snap((position - whole) + remainder);
+    (origin, (position - origin) + remainder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Positions near and far, halves and their neighbours, on both sides of zero.
+    fn places() -> Vec<f32> {
+        let near = [0.0, 0.3, 0.5, 0.49999997, 0.50000006, 1.5, 2.5, 7.25, 1e-20, 1e-42, 999.4999];
+        let far = [4_194_303.5, 4_194_304.0, 4_194_304.5, 8_388_607.5, 1.6e7, 3e9, 1e30, f32::MAX];
+        near.iter().chain(&far).flat_map(|&x| [x, -x]).collect()
+    }
+
+    #[test]
+    fn rows_are_as_if_they_were_set_one_by_one() {
+        let places = places();
+        for (i, &x) in places.iter().enumerate() {
+            for &remainder in &[0.0, 1e-9, -1e-9, 2e-4, -2e-4, 0.25, 0.75, -0.75, 3.0] {
+                let (y, z) = (places[(i + 3) % places.len()], places[(i + 8) % places.len()]);
+                let state = ParticleState {
+                    position: Vec3::new(x, y, z),
+                    remainder: Vec3::new(remainder, 0.0, -remainder),
+                    velocity: Vec3::new(x, 1.0, -0.0),
+                    lag: 0.01,
+                };
+                let ParticleState { position, remainder, velocity, lag } = state;
+                let seed = ParticleSeed::at(position).with_mass(3.0);
+                let (mut one, mut many) = (Particles::default(), Particles::default());
+                one.push(ParticleSeed { remainder, velocity, lag, ..seed }).unwrap();
+                many.push(ParticleSeed::at(Vec3::ONE).with_mass(3.0).with_radius(0.1)).unwrap();
+                many.rounding[0] += 1.0;
+                assert_eq!(many.load(0, [state].into_iter()), 1);
+                let bits = |particles: &Particles| {
+                    let (p, v) = (particles.position[0], particles.velocity[0]);
+                    let start = particles.start[0];
+                    [particles.origin[0].extend(0.0), p, start, v]
+                        .map(|x| x.to_array().map(f32::to_bits))
+                };
+                assert_eq!(bits(&one), bits(&many), "{state:?}");
+                assert_eq!(many.rounding[0], one.rounding[0]);
+                assert_eq!(many.radius(0), 0.1, "properties stay");
+                let read = many.states(0..9).next().unwrap();
+                assert_eq!(read.position, many.position(0));
+                assert_eq!(read.remainder, many.remainder(0));
+                assert_eq!((read.velocity, read.lag), (velocity, lag));
+            }
+        }
+    }
+
+    #[test]
+    fn loading_stops_before_what_is_no_state() {
+        let good = ParticleState { position: Vec3::ONE, ..Default::default() };
+        let bad = [
+            ParticleState { position: Vec3::NAN, ..good },
+            ParticleState { remainder: Vec3::new(0.0, f32::INFINITY, 0.0), ..good },
+            ParticleState { velocity: Vec3::new(0.0, 0.0, f32::NEG_INFINITY), ..good },
+            ParticleState { lag: f32::NAN, ..good },
+            ParticleState { lag: -1.0, ..good },
+        ];
+        for bad in bad {
+            let mut particles = Particles::default();
+            particles.resize(3);
+            assert!(bad.fault().is_some() && good.fault().is_none());
+            assert_eq!(particles.load(0, [good, bad, good].into_iter()), 1, "{bad:?}");
+            assert_eq!(particles.position(0), Vec3::ONE);
+            assert_eq!(particles.position(1), Vec3::ZERO);
+            assert_eq!(particles.load(2, [good, good].into_iter()), 1, "there is no fourth row");
+            assert_eq!(particles.load(7, [good].into_iter()), 0);
+            assert_eq!(particles.states(1..7).count(), 2);
+            assert_eq!(particles.states(5..7).count(), 0);
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Positions lent out to be corrected: all that solving may touch, so that several threads can each have the particles of an island of their own.
+
+use glam::{Vec3, Vec4};
+
+use super::Particles;
+
+/// The positions of consecutive rows, and what correcting them needs to know beside.
+pub(crate) struct Places<'a> {
+    /// The first of the rows.
+    pub(crate) first: u32,
+    /// `[x y z w]` of each, to be written.
+    pub(crate) position: &'a mut [Vec4],
+    /// Where each was when the substep began.
+    pub(crate) start: &'a [Vec4],
+    /// What both are relative to, metres.
+    pub(crate) origin: &'a [Vec3],
+    /// Metres.
+    pub(crate) radius: &'a [f32],
+}
+
+impl<'a> Places<'a> {
+    /// Those of all particles.
+    pub(crate) fn all(particles: &'a mut Particles) -> Self {
+        let Particles { position, start, origin, radius, .. } = particles;
+        Self { first: 0, position, start, origin, radius }
+    }
+
+    /// Where a row is in the slices.
+    #[inline(always)]
+    pub(crate) fn at(&self, row: u32) -> usize {
+        row.wrapping_sub(self.first) as usize
+    }
+
+    /// Adds to a position, metres.
+    #[inline(always)]
+    pub(crate) fn displace(&mut self, row: u32, by: Vec3) {
+        let i = self.at(row);
+        self.position[i] += by.extend(0.0);
+    }
+
+    /// `normal · p - offset`, metres: the height of a row over a plane of the world.
+    #[inline]
+    pub(crate) fn height(&self, row: u32, normal: Vec3, offset: f32) -> f32 {
+        let i = self.at(row);
+        height(self.origin[i], self.position[i], normal, offset)
+    }
+}
+
+/// The height of a point over a plane of the world, metres; in two parts, so that far out too it has the point's own digits.
+#[inline]
+pub(super) fn height(origin: Vec3, position: Vec4, normal: Vec3, offset: f32) -> f32 {
+    let ground = normal.as_dvec3().dot(origin.as_dvec3()) - f64::from(offset);
+    normal.dot(position.truncate()) + ground as f32
+}

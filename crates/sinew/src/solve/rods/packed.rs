@@ -1,0 +1,195 @@
+//! Rods on particles as they lie in memory.
+
+use core::ops::Range;
+
+use glam::Vec4;
+
+use super::{Rods, Run, project};
+use crate::constraints::{Direction, project_rod};
+use crate::lanes::{LANES, Lanes, Vector};
+use crate::particles::Places;
+
+impl Rods {
+    /// Projects some runs and blocks once, and returns the largest error found, metres.
+    #[inline(always)]
+    pub(crate) fn sweep<L: Lanes>(
+        &self,
+        places: &mut Places,
+        runs: Range<usize>,
+        blocks: Range<usize>,
+        direction: Direction,
+    ) -> f32 {
+        match direction {
+            Direction::Nearest => self.sweep_to::<L, false>(places, runs, blocks),
+            Direction::StepStart => self.sweep_to::<L, true>(places, runs, blocks),
+        }
+    }
+
+    #[inline(always)]
+    fn sweep_to<L: Lanes, const START: bool>(
+        &self,
+        places: &mut Places,
+        runs: Range<usize>,
+        blocks: Range<usize>,
+    ) -> f32 {
+        let (mut worst, mut parted) = (L::zero(), 0.0_f32);
+        for run in &self.runs[runs] {
+            let (rests, way) = (self.rests_of(run), run.way());
+            for (eight, rest) in rests.iter().enumerate() {
+                let along = (eight * LANES) as u32;
+                let whole = along + LANES as u32 <= run.count;
+                let (a, b) = (run.a + along * run.step, run.b + along * run.step);
+                let (a, b) = (places.at(a), places.at(b));
+                if !whole || way == Way::Rows {
+                    let left = run.count - along;
+                    let rows = [run.rows(a, left), run.rows(b, left)];
+                    let (found, together) =
+                        eight_rods::<L, START>(places, rows, &run.padded(rest, left));
+                    (worst, parted) = (found.max(worst), parted.max(together));
+                    continue;
+                }
+                let (one, other) = load::<L>(places.position, way, a, b);
+                let start = if START { Some(load::<L>(places.start, way, a, b)) } else { None };
+                let (one, other, error, moves) = project(one, other, L::load(rest), start);
+                if way == Way::Pairs {
+                    L::put_pairs(places.position, a, one, other);
+                } else {
+                    L::put_run(places.position, a, one);
+                    L::put_run(places.position, b, other);
+                }
+                worst = error.max(worst);
+                if !moves.all() {
+                    let rows = [run.rows(a, LANES as u32), run.rows(b, LANES as u32)];
+                    parted = parted.max(part(places.position, !moves.bits(), rows, rest));
+                }
+            }
+        }
+        for block in &self.blocks[blocks] {
+            let rows = [less(&block.a, places.first), less(&block.b, places.first)];
+            let (found, together) = eight_rods::<L, START>(places, rows, &block.rest);
+            (worst, parted) = (found.max(worst), parted.max(together));
+        }
+        worst.largest(parted)
+    }
+}
+
+impl Rods {
+    /// What is left to correct in some runs and blocks: largest error, metres, and largest share of a rest length. Moves nothing.
+    #[inline(always)]
+    pub(crate) fn measure<L: Lanes>(
+        &self,
+        positions: &[Vec4],
+        runs: Range<usize>,
+        blocks: Range<usize>,
+    ) -> (f32, f32) {
+        let mut worst = (L::zero(), L::zero());
+        for run in &self.runs[runs] {
+            for (eight, rest) in self.rests_of(run).iter().enumerate() {
+                let along = (eight * LANES) as u32;
+                let left = run.count - along;
+                let at = |row: u32| run.rows((row + along * run.step) as usize, left);
+                let (one, other) = (L::rows(positions, &at(run.a)), L::rows(positions, &at(run.b)));
+                worst = worse(worst, one, other, L::load(&run.padded(rest, left)));
+            }
+        }
+        for block in &self.blocks[blocks] {
+            let (one, other) = (L::rows(positions, &block.a), L::rows(positions, &block.b));
+            worst = worse(worst, one, other, L::load(&block.rest));
+        }
+        (worst.0.largest(0.0), worst.1.largest(0.0))
+    }
+}
+
+/// The larger of errors and strains, and of those of eight more rods. One that nothing can move has none.
+#[inline(always)]
+fn worse<L: Lanes>((error, strain): (L, L), one: [L; 4], other: [L; 4], rest: L) -> (L, L) {
+    let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));
+    let left = L::zero().lt(wa + wb).and(((a - b).length() - rest).abs());
+    let share = L::zero().lt(rest).and(left / rest);
+    (left.max(error), share.max(strain))
+}
+
+/// Eight rods of any rows. Returns the errors found, and the largest of those whose ends were in one place.
+#[inline(always)]
+fn eight_rods<L: Lanes, const START: bool>(
+    places: &mut Places,
+    [a, b]: [[u32; LANES]; 2],
+    rest: &[f32; LANES],
+) -> (L, f32) {
+    let (one, other) = (L::rows(places.position, &a), L::rows(places.position, &b));
+    let start =
+        if START { Some((L::rows(places.start, &a), L::rows(places.start, &b))) } else { None };
+    let (one, other, error, moves) = project(one, other, L::load(rest), start);
+    L::put_rows(places.position, &a, one);
+    L::put_rows(places.position, &b, other);
+    let all = moves.all();
+    (error, if all { 0.0 } else { part(places.position, !moves.bits(), [a, b], rest) })
+}
+
+/// How eight rods of a run are loaded.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Way {
+    /// Both ends from consecutive rows.
+    Runs,
+    /// From rows of which each is bound to the next.
+    Pairs,
+    /// Row by row.
+    Rows,
+}
+
+impl Run {
+    #[inline(always)]
+    fn way(&self) -> Way {
+        match self.step {
+            1 => Way::Runs,
+            2 if self.b == self.a + 1 => Way::Pairs,
+            _ => Way::Rows,
+        }
+    }
+
+    /// The rows of eight of its rods, of which the first is at `first`; where fewer are `left`, that one again.
+    #[inline(always)]
+    fn rows(&self, first: usize, left: u32) -> [u32; LANES] {
+        let mut rows = [first as u32; LANES];
+        for (lane, row) in (0..).zip(&mut rows) {
+            *row += if lane < left { lane * self.step } else { 0 };
+        }
+        rows
+    }
+
+    /// Their rest lengths.
+    #[inline(always)]
+    fn padded(&self, rest: &[f32; LANES], left: u32) -> [f32; LANES] {
+        let mut padded = *rest;
+        padded.iter_mut().skip(left as usize).for_each(|rest_| *rest_ = rest[0]);
+        padded
+    }
+}
+
+/// Both ends of eight rods of a run.
+#[inline(always)]
+fn load<L: Lanes>(packed: &[Vec4], way: Way, a: usize, b: usize) -> ([L; 4], [L; 4]) {
+    if way == Way::Pairs { L::pairs(packed, a) } else { (L::run(packed, a), L::run(packed, b)) }
+}
+
+/// Rows as places in slices that begin with the row `first`.
+#[inline(always)]
+fn less(rows: &[u32; LANES], first: u32) -> [u32; LANES] {
+    let mut places = *rows;
+    if first != 0 {
+        for place in &mut places {
+            *place = place.wrapping_sub(first);
+        }
+    }
+    places
+}
+
+/// Those of eight rods whose ends are in one place, or pinned, one after the other.
+#[cold]
+fn part(positions: &mut [Vec4], stuck: u32, rows: [[u32; LANES]; 2], rest: &[f32; LANES]) -> f32 {
+    let mut worst = 0.0_f32;
+    for lane in (0..LANES).filter(|lane| stuck >> lane & 1 != 0) {
+        worst = worst.max(project_rod(positions, rows[0][lane], rows[1][lane], rest[lane]));
+    }
+    worst
+}
