@@ -64,7 +64,7 @@ pub enum ClothPins {
     LeftEdge,
     /// The four corners of its bounding rectangle.
     Corners,
-    /// Those with these numbers: row by row on a grid, in the order of first use in a mesh.
+    /// Those with these numbers: row by row on a grid; of a mesh, those that its vertices with these numbers follow.
     Particles(Vec<u32>),
 }
 
@@ -144,7 +144,7 @@ impl Recipe for Cloth {
             (None, None) => return Err(Refusal::NoMesh),
         };
         for pin in self.pins.choose(&blueprint) {
-            // A number beyond the last particle pins nothing.
+            // All that are chosen are there: a number beyond the last one pins nothing.
             let _ = blueprint.pin(pin);
         }
         Ok(blueprint)
@@ -184,7 +184,11 @@ impl ClothPins {
                 corners.extend(ends(all.filter(bottom).collect()));
                 corners
             }
-            Self::Particles(list) => list.clone(),
+            // Vertex and particle have the same number on a grid; those of a mesh are numbered as suits the solver.
+            Self::Particles(list) => {
+                let particle = |vertex: &u32| blueprint.vertices.get(*vertex as usize).copied();
+                list.iter().filter_map(particle).collect()
+            }
         }
     }
 }
@@ -200,4 +204,25 @@ fn grid_mesh(spec: &ClothSpec, blueprint: &Blueprint) -> Mesh {
         .with_inserted_indices(Indices::U32(
             blueprint.triangles.iter().flatten().copied().collect(),
         ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_pinned_vertices_of_a_mesh_are_held_however_its_particles_are_numbered() {
+        // Two rows of three vertices, column by column: not the order of the particles.
+        let place = |i: u32| Vec3::new((i / 2) as f32, (i % 2) as f32, 0.0);
+        let positions: Vec<Vec3> = (0..6).map(place).collect();
+        let indices =
+            (0..2).flat_map(|column| [0, 2, 3, 0, 3, 1].map(|k| 2 * column + k)).collect();
+        let mesh = MeshShape { positions, indices };
+        let pins = ClothPins::Particles(vec![1, 4, 99]);
+        let body = Cloth::from_mesh().pinned(pins).blueprint(Some(&mesh), Vec3::ONE).unwrap();
+        let held = body.particles.iter().filter(|p| p.mass.is_infinite());
+        let mut held: Vec<Vec3> = held.map(|p| p.position).collect();
+        held.sort_by(|a, b| a.x.total_cmp(&b.x));
+        assert_eq!(held, [mesh.positions[1], mesh.positions[4]]);
+    }
 }

@@ -4,39 +4,48 @@ use glam::Vec3;
 
 use super::blueprint::{Blueprint, gap};
 use super::cloth::{ClothFault, ClothMaterial};
-use super::mesh::{Bend, Weld, weld};
+use super::mesh::{Closed, Edges, Piece, close, sort};
 use crate::constraints::Distance;
 
-/// Cloth from a triangle list: a particle at each welded vertex ([`weld`]), a distance along each edge, and, unless the
+/// Cloth from a triangle list: a particle at each welded vertex ([`weld`](super::weld)), a distance along each edge, and, unless the
 /// material bends freely, a compliant distance between the two corners opposite each inner edge.
 ///
-/// A particle has a third of the mass of each triangle around it. Distances come in the order of [`Weld::edges`], and
-/// then those across folds, sorted likewise; a pair that is tied already (the opposite corners in a tetrahedron are
-/// themselves an edge) is not tied again. [`Blueprint::vertices`] names the particle of each vertex of the mesh.
+/// A particle has a third of the mass of each triangle around it. Particles are numbered as [`Weld`](super::Weld) says, not as the
+/// vertices are: [`Blueprint::vertices`] names the particle of each vertex of the mesh, so to pin a vertex, pin that one.
+///
+/// Distances along edges come first, then those across folds; a pair that is tied already (the opposite corners in a
+/// tetrahedron are themselves an edge) is not tied again. Either are sorted by their lower and then their higher particle;
+/// in a mesh that is a grid those along rows come first, then those across rows, and then along either diagonal.
 pub fn cloth_from_mesh(
     positions: &[Vec3],
     indices: &[u32],
     material: &ClothMaterial,
 ) -> Result<Blueprint, ClothFault> {
     material.check()?;
-    let Weld { positions, triangles, vertices, edges, bends } =
-        weld(positions, indices, material.weld_tolerance)?;
+    let Closed { positions, triangles, vertices, edges, pieces } =
+        close(positions, indices, material.weld_tolerance)?;
     let masses = masses(&positions, &triangles, material.density);
     let particles = positions.iter().zip(masses).map(|(p, mass)| material.seed(*p, mass)).collect();
     let tie = |[a, b]: [u32; 2], compliance| {
         let rest = gap(positions[a as usize], positions[b as usize]);
         Distance::new(a, b, rest).with_compliance(compliance)
     };
-    let mut distances: Vec<Distance> =
-        edges.iter().map(|&edge| tie(edge, material.stretch_compliance)).collect();
+    // As many folds as edges, or somewhat fewer.
+    let mut distances = Vec::with_capacity(2 * edges.list.len());
+    let steps = |w| [1, w, w + 1, w - 1];
+    let thread = |edge| distances.push(tie(edge, material.stretch_compliance));
+    by_family(&edges.list, |edge| edge.ends, &pieces, steps, thread);
     if let Some(compliance) = material.bend_compliance {
-        distances.extend(folds(&edges, &bends).map(|pair| tie(pair, compliance)));
+        // Of a cell the other diagonal; of two cells two along, level or not, and two down, straight or not.
+        let steps = |w: u32| [w - 1, w + 1, 2, w + 2, w.abs_diff(2), 2 * w, 2 * w + 1, 2 * w - 1];
+        let fold = |pair| distances.push(tie(pair, compliance));
+        by_family(&folds(&edges, positions.len()), |pair| *pair, &pieces, steps, fold);
     }
     let body = Blueprint { particles, distances, triangles, vertices, ..Blueprint::default() };
     let lengths = body.distances.iter().map(|d| d.rest);
-    // Lengths are squared and masses inverted in `f32` at every sweep.
+    // Lengths are squared and masses inverted in `f32` at every sweep: both it and its inverse have to be ordinary numbers.
     let ordinary = lengths.map(|rest| rest * rest).chain(body.particles.iter().map(|p| p.mass));
-    if ordinary.into_iter().all(|x| x.is_normal() && (1.0 / x).is_normal()) {
+    if ordinary.into_iter().all(|x| (f32::MIN_POSITIVE..=1.0 / f32::MIN_POSITIVE).contains(&x)) {
         Ok(body)
     } else {
         Err(ClothFault::Scale)
@@ -57,15 +66,50 @@ fn masses(positions: &[Vec3], triangles: &[[u32; 3]], density: f32) -> Vec<f64> 
 }
 
 /// The opposite corners of all bends, sorted, each pair once, and none that is an edge.
-fn folds<'a>(edges: &'a [[u32; 2]], bends: &[Bend]) -> impl Iterator<Item = [u32; 2]> + use<'a> {
-    let mut pairs: Vec<[u32; 2]> = bends.iter().map(|bend| bend.opposite).collect();
-    pairs.sort_unstable_by_key(|&[a, b]| u64::from(a) << 32 | u64::from(b));
+fn folds(edges: &Edges, particles: usize) -> Vec<[u32; 2]> {
+    let mut pairs = Vec::with_capacity(edges.list.len());
+    pairs.extend(edges.bends().map(|bend| bend.opposite));
+    sort(&mut pairs, particles, |pair| pair[0], |pair| pair[1].into());
     pairs.dedup();
-    let mut edges = edges.iter().peekable();
-    pairs.into_iter().filter(move |pair| {
-        while edges.next_if(|edge| *edge < pair).is_some() {}
-        edges.peek() != Some(&pair)
-    })
+    let mut edges = edges.list.iter().map(|edge| edge.ends).peekable();
+    pairs.retain(|pair| {
+        while edges.next_if(|edge| edge < pair).is_some() {}
+        edges.peek() != Some(pair)
+    });
+    pairs
+}
+
+/// Hands over sorted pairs, piece by piece; those of a grid, of which one end is always one of some steps from the other, step by step, so that
+/// those that run in step come together. `steps` are those in rows of so many particles.
+fn by_family<T, const N: usize>(
+    pairs: &[T],
+    ends: impl Fn(&T) -> [u32; 2],
+    pieces: &[Piece],
+    steps: impl Fn(u32) -> [u32; N],
+    mut take: impl FnMut([u32; 2]),
+) {
+    let mut rest = pairs;
+    for piece in pieces {
+        let (own, others) =
+            rest.split_at(rest.partition_point(|pair| ends(pair)[0] < piece.particles.end));
+        rest = others;
+        let Some(columns) = piece.columns else {
+            own.iter().for_each(|pair| take(ends(pair)));
+            continue;
+        };
+        let steps = steps(columns);
+        let mut left = own.len();
+        for (i, step) in steps.iter().enumerate() {
+            // Some are the same in narrow grids.
+            if left > 0 && !steps[..i].contains(step) {
+                for pair in own.iter().map(&ends).filter(|[a, b]| b - a == *step) {
+                    take(pair);
+                    left -= 1;
+                }
+            }
+        }
+        debug_assert_eq!(left, 0, "a tie of a grid that is in no family");
+    }
 }
 
 #[cfg(test)]

@@ -1,17 +1,29 @@
 //! From the triangles of a picture to the triangles of a body. A mesh that is made to be drawn holds several vertices where
 //! its surface has one point, wherever texture coordinates or normals jump; built as it is, it would burst at those seams.
 
+mod edges;
+mod grid;
+mod order;
+
+use core::ops::Range;
+
 use glam::{DVec3, Vec3};
 
+pub(super) use self::edges::{Edges, sort};
 use super::MOST_PARTICLES;
 use super::nearest::{Nearest, bounds};
 
-/// A mesh with its seams closed: what [`weld`] returns. Particles and triangles keep the order of the mesh.
+/// A mesh with its seams closed: what [`weld`] returns, in the order that suits the solver.
+///
+/// Particles are numbered piece by piece, such that those that are tied have numbers near each other. A piece that is a grid, whose cells are cut
+/// in two along either diagonal, is numbered row by row, and comes out the same to the bit however the mesh was shuffled. Another one keeps the
+/// order of its vertices if that is a good one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Weld {
     /// Where each particle is, metres: the first vertex of those that it stands for.
     pub positions: Vec<Vec3>,
-    /// The triangles of the mesh, between particles, wound as they were; degenerate and repeated ones are gone.
+    /// The triangles of the mesh, between particles, wound as they were, each from its lowest corner on, sorted; degenerate and repeated ones
+    /// are gone.
     pub triangles: Vec<[u32; 3]>,
     /// Which particle each vertex of the mesh follows. A vertex without a proper triangle follows the nearest particle.
     pub vertices: Vec<u32>,
@@ -19,6 +31,17 @@ pub struct Weld {
     pub edges: Vec<[u32; 2]>,
     /// Every edge between exactly two triangles, sorted by edge. Where three or more meet, there is no saying what is opposite.
     pub bends: Vec<Bend>,
+    /// The pieces that no edge connects with each other, in the order of the first vertices in the mesh.
+    pub pieces: Vec<Piece>,
+}
+
+/// Particles that edges connect.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Piece {
+    /// Its particles.
+    pub particles: Range<u32>,
+    /// If it is a grid, how many of them a row has: the longer side. `None` for any other shape.
+    pub columns: Option<u32>,
 }
 
 /// Two triangles that share an edge: what bends when they fold.
@@ -73,6 +96,27 @@ pub enum MeshFault {
 ///
 /// O(n log n) in the number of vertices and triangles. Refuses what [`MeshFault`] lists.
 pub fn weld(positions: &[Vec3], indices: &[u32], tolerance: f32) -> Result<Weld, MeshFault> {
+    let Closed { positions, triangles, vertices, edges, pieces } =
+        close(positions, indices, tolerance)?;
+    let (bends, edges) = (edges.bends().collect(), edges.list.iter().map(|e| e.ends).collect());
+    Ok(Weld { positions, triangles, vertices, edges, bends, pieces })
+}
+
+/// A [`Weld`], with its edges as they were found: large meshes are cheaper so.
+pub(super) struct Closed {
+    pub(super) positions: Vec<Vec3>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) vertices: Vec<u32>,
+    pub(super) edges: Edges,
+    pub(super) pieces: Vec<Piece>,
+}
+
+/// What [`weld`] does.
+pub(super) fn close(
+    positions: &[Vec3],
+    indices: &[u32],
+    tolerance: f32,
+) -> Result<Closed, MeshFault> {
     check(positions, indices, tolerance)?;
     let mut used = vec![false; positions.len()];
     for &index in indices {
@@ -80,21 +124,26 @@ pub fn weld(positions: &[Vec3], indices: &[u32], tolerance: f32) -> Result<Weld,
     }
     let leaders = leaders(positions, &used, tolerance);
     let joined = indices.chunks_exact(3).map(|t| [0, 1, 2].map(|k| leaders[t[k] as usize]));
-    let mut triangles: Vec<[u32; 3]> = joined.filter(|&t| has_area(positions, t)).collect();
+    let mut triangles = Vec::with_capacity(joined.len());
+    triangles.extend(joined.filter(|&t| has_area(positions, t)));
     if triangles.is_empty() {
         return Err(MeshFault::AllDegenerate);
     }
-    let particles = number(&mut triangles, positions.len());
+    let mut particles = number(&mut triangles, positions.len());
     let first = |v: usize| particles[v] != NONE && leaders[v] == v as u32;
-    let kept: Vec<Vec3> =
+    let found: Vec<Vec3> =
         (0..positions.len()).filter(|&v| first(v)).map(|v| positions[v]).collect();
-    let (edges, bends) = edges_and_bends(&mut triangles);
-    Ok(Weld {
+    let edges = Edges::of(&mut triangles, found.len());
+    let (order, pieces) = order::ordered(&found, &edges);
+    let places = renumber(&order, &mut particles, &mut triangles);
+    let edges = edges.renumbered(&places);
+    let kept: Vec<Vec3> = order.iter().map(|&old| found[old as usize]).collect();
+    Ok(Closed {
         vertices: followed(positions, &kept, &leaders, &particles),
         positions: kept,
         triangles,
         edges,
-        bends,
+        pieces,
     })
 }
 
@@ -126,7 +175,7 @@ fn check(positions: &[Vec3], indices: &[u32], tolerance: f32) -> Result<(), Mesh
 
 /// For each used vertex the one that stands for it, itself or an earlier one; `NONE` for the others.
 ///
-/// A grid of cells, hashed into as many chains as there are vertices; a chain that two cells share costs time and changes
+/// A grid of cells, hashed into some times as many chains as there are vertices; a chain that two cells share costs time and changes
 /// nothing. A cell is 8 tolerances wide: rarely must a second one be searched, and yet it does not hold many points that are
 /// more than the tolerance apart. Never so small that a cell's number would not be exact in an `f64`.
 fn leaders(positions: &[Vec3], used: &[bool], tolerance: f32) -> Vec<u32> {
@@ -134,25 +183,32 @@ fn leaders(positions: &[Vec3], used: &[bool], tolerance: f32) -> Vec<u32> {
     let reach = f64::from(tolerance);
     let size = (8.0 * reach).max((high - low).max_element() / (1_u64 << 50) as f64);
     let scale = if size > 0.0 { 1.0 / size } else { 0.0 };
-    let cell = |p: DVec3| ((p - low) * scale).floor().to_array().map(|x| x as i64);
-    let mut heads = vec![NONE; positions.len().next_power_of_two()];
+    // Rounded down, as all is positive. Half a cell aside, or a flat mesh would lie where cells meet.
+    let cell = |p: DVec3| ((p - low) * scale + 1.5).to_array().map(|x| x as i64);
+    let mut heads = vec![NONE; 4 * positions.len().next_power_of_two()];
     let mut next = vec![NONE; positions.len()];
     let mut leaders = vec![NONE; positions.len()];
     for v in (0..positions.len()).filter(|&v| used[v]) {
         let at = positions[v].as_dvec3();
         let mut best = (reach * reach, NONE);
-        for cell in block(cell(at - reach), cell(at + reach)) {
-            let mut leader = heads[chain(cell, heads.len())];
+        let mut search = |chain: usize| {
+            let mut leader = heads[chain];
             while leader != NONE {
                 let away = at.distance_squared(positions[leader as usize].as_dvec3());
                 best = nearer(best, (away, leader));
                 leader = next[leader as usize];
             }
+        };
+        let own = chain(cell(at), heads.len());
+        let [low, high] = [cell(at - reach), cell(at + reach)];
+        if low == high {
+            search(own);
+        } else {
+            block(low, high).for_each(|cell| search(chain(cell, heads.len())));
         }
         if best.1 == NONE {
             best.1 = v as u32;
-            let chain = chain(cell(at), heads.len());
-            (next[v], heads[chain]) = (heads[chain], best.1);
+            (next[v], heads[own]) = (heads[own], best.1);
         }
         leaders[v] = best.1;
     }
@@ -185,8 +241,8 @@ fn has_area(positions: &[Vec3], t: [u32; 3]) -> bool {
     let [a, b, c] = t.map(|i| positions[i as usize].as_dvec3());
     let longest =
         (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
-    let twice_area = (b - a).cross(c - a).length();
-    t[0] != t[1] && t[1] != t[2] && t[2] != t[0] && twice_area > 1e-6 * longest
+    let twice_area_squared = (b - a).cross(c - a).length_squared();
+    t[0] != t[1] && t[1] != t[2] && t[2] != t[0] && twice_area_squared > 1e-12 * longest * longest
 }
 
 /// Renumbers the corners of triangles without gaps, in the order of the vertices; returns each corner's new number.
@@ -204,6 +260,29 @@ fn number(triangles: &mut [[u32; 3]], vertices: usize) -> Vec<u32> {
     numbers
 }
 
+/// Gives particles the numbers of their places in `order`, and puts the triangles into order by those. Returns those places.
+fn renumber(order: &[u32], particles: &mut [u32], triangles: &mut Vec<[u32; 3]>) -> Vec<u32> {
+    let mut places = vec![NONE; order.len()];
+    for (place, &old) in (0..).zip(order) {
+        places[old as usize] = place;
+    }
+    let place = |old: u32| places.get(old as usize).copied().unwrap_or(NONE);
+    particles.iter_mut().for_each(|particle| *particle = place(*particle));
+    for triangle in triangles.iter_mut() {
+        let [a, b, c] = triangle.map(place);
+        let lowest = a.min(b).min(c);
+        *triangle = if a == lowest {
+            [a, b, c]
+        } else if b == lowest {
+            [b, c, a]
+        } else {
+            [c, a, b]
+        };
+    }
+    sort(triangles, order.len(), |t| t[0], |t| edges::join(t[1], t[2]));
+    places
+}
+
 /// The particle of each vertex: its leader's, or else the nearest.
 fn followed(positions: &[Vec3], kept: &[Vec3], leaders: &[u32], particles: &[u32]) -> Vec<u32> {
     let mut nearest = None;
@@ -212,40 +291,6 @@ fn followed(positions: &[Vec3], kept: &[Vec3], leaders: &[u32], particles: &[u32
         _ => nearest.get_or_insert_with(|| Nearest::new(kept)).find(position),
     };
     leaders.iter().zip(positions).map(particle).collect()
-}
-
-/// Sorts the sides of all triangles, so that those of one edge lie together; drops the later ones of triangles with the same
-/// edge and the same corner opposite, which are the same triangle.
-///
-/// A side is one number for the sort: edge, opposite corner, triangle.
-fn edges_and_bends(triangles: &mut Vec<[u32; 3]>) -> (Vec<[u32; 2]>, Vec<Bend>) {
-    let side = |a: u32, b: u32, opposite: u32, triangle: u32| {
-        let join = |high: u128, low: u32| high << 32 | u128::from(low);
-        [a.max(b), opposite, triangle].into_iter().fold(u128::from(a.min(b)), join)
-    };
-    let three =
-        |(i, &[a, b, c]): (u32, &[u32; 3])| [side(a, b, c, i), side(b, c, a, i), side(c, a, b, i)];
-    let mut sides: Vec<u128> = (0..).zip(triangles.iter()).flat_map(three).collect();
-    sides.sort_unstable();
-    let mut repeated = vec![false; triangles.len()];
-    sides.dedup_by(|later, first| {
-        let same = *later >> 32 == *first >> 32;
-        repeated[*later as u32 as usize] |= same;
-        same
-    });
-    let (mut edges, mut bends) =
-        (Vec::with_capacity(sides.len()), Vec::with_capacity(sides.len() / 2));
-    for edge in sides.chunk_by(|a, b| a >> 64 == b >> 64) {
-        let ends = [(edge[0] >> 96) as u32, (edge[0] >> 64) as u32];
-        edges.push(ends);
-        if let [low, high] = *edge {
-            let opposite = [(low >> 32) as u32, (high >> 32) as u32];
-            bends.push(Bend { edge: ends, opposite });
-        }
-    }
-    let mut gone = repeated.iter();
-    triangles.retain(|_| gone.next() != Some(&true));
-    (edges, bends)
 }
 
 #[cfg(test)]

@@ -4,6 +4,10 @@
 //! Every recipe takes a `...Spec` with defaults, refuses what it cannot build with a fault of its own, and returns a
 //! [`Blueprint`] in the body's own coordinates. The same spec gives the same bits on every machine: sums and lengths are
 //! taken in `f64` with plain arithmetic, sines in `libm`, and nothing is ordered by a hash.
+//!
+//! All that is measured is measured in those coordinates, before the body is placed ([`Blueprint::transformed`]): equal bodies are held by equal
+//! bits wherever they stand, and the solver can take them side by side. A spec that names points (the ends of a rope, bones) had better name them
+//! in coordinates that are the same for all such bodies; points that are rounded in the world are not equally far apart.
 
 mod articulated;
 mod blueprint;
@@ -26,7 +30,7 @@ pub use cloth::{ClothFault, ClothMaterial, ClothSpec, cloth_grid, grid_uvs};
 pub use cloth_mesh::cloth_from_mesh;
 pub use hull::{HullFault, convex_hull};
 pub use mass::{MassFault, MassProperties};
-pub use mesh::{Bend, MeshFault, Weld, weld};
+pub use mesh::{Bend, MeshFault, Piece, Weld, weld};
 pub use ragdoll::{RagdollFault, RagdollParticle, RagdollSpec, ragdoll};
 pub use rope::{RopeFault, RopeSpec, rope};
 pub use soft::{
@@ -62,3 +66,6 @@ fn is_drag(x: f32) -> bool {
 fn is_compliance(x: f32) -> bool {
     x.is_finite() && x >= 0.0
 }
+
+#[cfg(test)]
+mod tests;

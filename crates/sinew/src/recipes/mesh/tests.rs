@@ -60,7 +60,11 @@ fn shuffled_vertices_change_nothing_but_the_numbers() {
         let edges: BTreeSet<_> = weld.edges.iter().map(|&e| pair(e)).collect();
         let bends: BTreeSet<_> =
             weld.bends.iter().map(|b| (pair(b.edge), pair(b.opposite))).collect();
-        let triangles: Vec<_> = weld.triangles.iter().map(|t| t.map(name)).collect();
+        let turned = |t: [[i32; 3]; 3]| {
+            let lowest = (0..3).min_by_key(|&k| t[k]).unwrap();
+            [0, 1, 2].map(|k| t[(lowest + k) % 3])
+        };
+        let triangles: BTreeSet<_> = weld.triangles.iter().map(|t| turned(t.map(name))).collect();
         (edges, bends, triangles)
     };
     let straight = weld(&positions, &indices, 1e-5).unwrap();
@@ -103,7 +107,13 @@ fn degenerate_and_repeated_triangles_go_and_stray_vertices_follow_the_nearest() 
 fn an_edge_of_three_triangles_does_not_bend() {
     let positions = [Vec3::ZERO, Vec3::Z, Vec3::X, Vec3::Y, Vec3::NEG_X];
     let two = weld(&positions, &[0, 1, 2, 1, 0, 3], 1e-5).unwrap();
-    assert_eq!(two.bends, [Bend { edge: [0, 1], opposite: [2, 3] }]);
+    let places = |pair: [u32; 2]| pair.map(|i| two.positions[i as usize]);
+    assert_eq!(two.bends.len(), 1);
+    let ([a, b], [c, d]) = (places(two.bends[0].edge), places(two.bends[0].opposite));
+    assert_eq!(
+        (a + b, a.min(b), c + d, c.min(d)),
+        (Vec3::Z, Vec3::ZERO, Vec3::X + Vec3::Y, Vec3::ZERO)
+    );
     let three = weld(&positions, &[0, 1, 2, 1, 0, 3, 0, 1, 4], 1e-5).unwrap();
     assert_eq!((three.edges.len(), three.bends.len()), (7, 0));
 }
@@ -162,6 +172,24 @@ fn noise_is_welded_or_refused_but_never_worse() {
             assert_eq!(weld.vertices.len(), positions.len());
             assert!(weld.vertices.iter().all(|&v| v < particles));
             assert!(weld.triangles.iter().flatten().all(|&v| v < particles));
+            let sorted = |a: u32, b: u32| [a.min(b), a.max(b)];
+            let sides = |&[a, b, c]: &[u32; 3]| [sorted(a, b), sorted(b, c), sorted(c, a)];
+            let edges: BTreeSet<_> = weld.triangles.iter().flat_map(sides).collect();
+            assert!(weld.edges.iter().eq(&edges), "{:?}", weld.edges);
+            let count = |edge: [u32; 2]| {
+                weld.triangles.iter().filter(|&t| sides(t).contains(&edge)).count()
+            };
+            let inner = edges.iter().filter(|&&edge| count(edge) == 2);
+            assert!(weld.bends.iter().map(|bend| &bend.edge).eq(inner));
+            let ends = weld.pieces.iter().map(|piece| piece.particles.end);
+            assert_eq!(ends.clone().next_back(), Some(particles));
+            assert!(
+                weld.pieces
+                    .iter()
+                    .skip(1)
+                    .map(|piece| piece.particles.start)
+                    .eq(ends.take(weld.pieces.len() - 1))
+            );
         }
         let material = ClothMaterial { weld_tolerance: tolerance, ..ClothMaterial::default() };
         if let Ok(body) = cloth_from_mesh(positions, &indices, &material) {
@@ -172,3 +200,5 @@ fn noise_is_welded_or_refused_but_never_worse() {
     }
     assert!(built > 100, "the noise is not all refused: {built}");
 }
+
+mod order;

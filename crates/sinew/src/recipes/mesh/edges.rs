@@ -1,0 +1,231 @@
+//! Which triangles meet at which edge: what bends, what is a border, and who is whose neighbour.
+
+use super::{Bend, NONE};
+
+/// All edges of some triangles, sorted.
+pub(in crate::recipes) struct Edges {
+    pub(in crate::recipes) list: Vec<Edge>,
+    /// Where the edges begin whose lower end is a particle, and where those of the last one end.
+    starts: Vec<u32>,
+}
+
+/// An edge, and what is at its sides.
+#[derive(Clone, Copy, Default)]
+pub(in crate::recipes) struct Edge {
+    /// The lower particle, the higher one.
+    pub(in crate::recipes) ends: [u32; 2],
+    /// The corners opposite, the lower one first; `NONE` where there is no second triangle. Of more than two, the first two.
+    pub(super) opposite: [u32; 2],
+    /// How many triangles have it.
+    pub(super) triangles: u32,
+}
+
+impl Edges {
+    /// Of triangles between so many particles. Of several triangles with the same corners, whichever way round, only the first is kept.
+    ///
+    /// The sides of the triangles are dealt out to their lower ends, so that only a handful have to be sorted at a time: by the higher end, the
+    /// corner opposite and the triangle.
+    pub(super) fn of(triangles: &mut Vec<[u32; 3]>, particles: usize) -> Self {
+        let lowers = |&[a, b, c]: &[u32; 3]| [a.min(b), b.min(c), c.min(a)];
+        let starts = dealt(particles, triangles.iter().flat_map(lowers));
+        let mut next = starts.clone();
+        let mut dealt_out = vec![0; 3 * triangles.len()];
+        for (triangle, corners) in (0..).zip(triangles.iter()) {
+            for (k, lower) in (0..).zip(lowers(corners)) {
+                let place = &mut next[lower as usize];
+                dealt_out[*place as usize] = 3 * triangle + k;
+                *place += 1;
+            }
+        }
+        let side = |&number: &u32| {
+            let t = triangles[number as usize / 3];
+            let k = number as usize % 3;
+            let higher = t[k].max(t[(k + 1) % 3]);
+            (join(higher, t[(k + 2) % 3]), number / 3)
+        };
+        // A closed mesh has three edges to two triangles, an open one somewhat more.
+        let mut list = Vec::with_capacity(triangles.len() * 7 / 4);
+        let (mut repeated, mut sides) = (Vec::new(), Vec::new());
+        for (lower, span) in (0..).zip(starts.windows(2)) {
+            sides.clear();
+            sides.extend(dealt_out[span[0] as usize..span[1] as usize].iter().map(side));
+            // A stable one keeps the triangles in order.
+            sides.sort_by_key(|side| side.0);
+            sides.dedup_by(|later, first| {
+                let same = later.0 == first.0;
+                if same {
+                    repeated.push(later.1);
+                }
+                same
+            });
+            for edge in sides.chunk_by(|a, b| a.0 >> 32 == b.0 >> 32) {
+                list.push(Edge {
+                    ends: [lower, (edge[0].0 >> 32) as u32],
+                    opposite: [edge[0].0 as u32, edge.get(1).map_or(NONE, |side| side.0 as u32)],
+                    triangles: edge.len() as u32,
+                });
+            }
+        }
+        without(triangles, repeated);
+        Self { starts: dealt(particles, list.iter().map(|edge| edge.ends[0])), list }
+    }
+
+    /// The same edges between particles of other numbers.
+    pub(super) fn renumbered(mut self, places: &[u32]) -> Self {
+        if places.iter().zip(0..).all(|(&place, old)| place == old) {
+            return self;
+        }
+        let place = |old: u32| places.get(old as usize).copied().unwrap_or(NONE);
+        for edge in &mut self.list {
+            for pair in [&mut edge.ends, &mut edge.opposite] {
+                let [a, b] = pair.map(place);
+                *pair = [a.min(b), a.max(b)];
+            }
+        }
+        sort(&mut self.list, places.len(), |edge| edge.ends[0], |edge| edge.ends[1].into());
+        Self { starts: dealt(places.len(), self.list.iter().map(|edge| edge.ends[0])), ..self }
+    }
+
+    /// The edges whose lower end is a particle.
+    pub(super) fn of_lower(&self, particle: u32) -> &[Edge] {
+        let [from, to] = [0, 1].map(|i| self.starts[particle as usize + i] as usize);
+        &self.list[from..to]
+    }
+
+    /// The edge between two particles.
+    pub(super) fn between(&self, a: u32, b: u32) -> Option<&Edge> {
+        let own = self.of_lower(a.min(b));
+        own.binary_search_by_key(&a.max(b), |edge| edge.ends[1]).ok().map(|found| &own[found])
+    }
+
+    /// The connected pieces: the particles of each, ascending, in the order of their first ones.
+    pub(super) fn pieces(&self, particles: usize) -> Vec<Vec<u32>> {
+        let mut parents: Vec<u32> = (0..particles as u32).collect();
+        for edge in &self.list {
+            let [a, b] = edge.ends;
+            // Mostly it is known already.
+            if parents[a as usize] != parents[b as usize] {
+                let (a, b) = (root(&mut parents, a), root(&mut parents, b));
+                parents[a.max(b) as usize] = a.min(b);
+            }
+        }
+        let mut pieces: Vec<Vec<u32>> = Vec::new();
+        let mut numbers = vec![0; particles];
+        for particle in 0..particles as u32 {
+            let first = root(&mut parents, particle);
+            if first == particle {
+                numbers[particle as usize] = pieces.len();
+                pieces.push(Vec::new());
+            }
+            pieces[numbers[first as usize]].push(particle);
+        }
+        pieces
+    }
+
+    /// The edges between exactly two triangles.
+    pub(in crate::recipes) fn bends(&self) -> impl Iterator<Item = Bend> {
+        let inner = self.list.iter().filter(|edge| edge.triangles == 2);
+        inner.map(|edge| Bend { edge: edge.ends, opposite: edge.opposite })
+    }
+}
+
+impl Edge {
+    /// The corner opposite, in the triangle that does not have `corner` there; `None` at a border.
+    pub(super) fn across(&self, corner: u32) -> Option<u32> {
+        let [low, high] = self.opposite;
+        let other = if low == corner { high } else { low };
+        (other != NONE).then_some(other)
+    }
+}
+
+/// The particles next to each particle.
+pub(super) struct Neighbours {
+    list: Vec<u32>,
+    starts: Vec<u32>,
+}
+
+impl Neighbours {
+    /// Along pairs of particles, sorted: then so are the neighbours of each.
+    pub(super) fn of(pairs: impl Iterator<Item = [u32; 2]> + Clone, particles: usize) -> Self {
+        let starts = dealt(particles, pairs.clone().flatten());
+        let mut next = starts.clone();
+        let mut list = vec![0; starts[particles] as usize];
+        // Those below first, by the order of the lower ends, and then those above.
+        for [a, b] in pairs.clone() {
+            list[next[b as usize] as usize] = a;
+            next[b as usize] += 1;
+        }
+        for [a, b] in pairs {
+            list[next[a as usize] as usize] = b;
+            next[a as usize] += 1;
+        }
+        Self { list, starts }
+    }
+
+    /// Ascending.
+    pub(super) fn around(&self, particle: u32) -> &[u32] {
+        let [from, to] = [0, 1].map(|i| self.starts[particle as usize + i] as usize);
+        &self.list[from..to]
+    }
+}
+
+/// Sorts items of which a handful each belong to one particle, and by a key among those: dealt out to the particles first, which takes a fraction
+/// of the time of sorting them all.
+pub(in crate::recipes) fn sort<T: Copy + Default>(
+    items: &mut Vec<T>,
+    particles: usize,
+    particle: impl Fn(&T) -> u32,
+    key: impl Fn(&T) -> u64,
+) {
+    let starts = dealt(particles, items.iter().map(&particle));
+    let mut next = starts.clone();
+    let mut sorted = vec![T::default(); items.len()];
+    for item in items.iter() {
+        let place = &mut next[particle(item) as usize];
+        sorted[*place as usize] = *item;
+        *place += 1;
+    }
+    for span in starts.windows(2) {
+        sorted[span[0] as usize..span[1] as usize].sort_by_key(&key);
+    }
+    *items = sorted;
+}
+
+/// The first particle of a piece, by way of parents, which it brings nearer.
+fn root(parents: &mut [u32], mut particle: u32) -> u32 {
+    while parents[particle as usize] != particle {
+        let next = parents[parents[particle as usize] as usize];
+        parents[particle as usize] = next;
+        particle = next;
+    }
+    particle
+}
+
+/// Two numbers as one, the first one above.
+pub(super) fn join(high: u32, low: u32) -> u64 {
+    u64::from(high) << 32 | u64::from(low)
+}
+
+/// Where the items of each particle begin if they are dealt out in turn, and where those of the last one end.
+fn dealt(particles: usize, items: impl Iterator<Item = u32>) -> Vec<u32> {
+    let mut starts = vec![0; particles + 1];
+    items.for_each(|item| starts[item as usize + 1] += 1);
+    let mut sum = 0;
+    for start in &mut starts {
+        sum += *start;
+        *start = sum;
+    }
+    starts
+}
+
+/// Takes out the triangles with these numbers; each may be there several times.
+fn without(triangles: &mut Vec<[u32; 3]>, mut numbers: Vec<u32>) {
+    if numbers.is_empty() {
+        return;
+    }
+    numbers.sort_unstable();
+    numbers.dedup();
+    let mut gone = numbers.into_iter().peekable();
+    let mut number = 0..;
+    triangles.retain(|_| gone.next_if_eq(&number.next().unwrap_or(NONE)).is_none());
+}

@@ -1,0 +1,243 @@
+//! A mesh that is a rectangle of cells, each cut in two along either diagonal, known as such by its triangles alone: whatever order they and
+//! its vertices are in, and however it is bent, stretched or sheared.
+//!
+//! # How it is found
+//!
+//! A grid of `W × H` particles is a disc: one border, of `B = 2(W + H) - 4` edges. With `W·H` particles, the sides are the roots of
+//! `x² - (B/2 + 2) x + W·H`. Its corners are on the border, as far apart as the sides are long, and have no more than two triangles; only a
+//! few places on the border will do, and mostly one. From a corner the first row and the first column are known: they are the border.
+//! Then cell after cell, the triangle below the upper side `ab` of a cell says what the cell is:
+//!
+//! ```text
+//! a──b      its third corner is c, which is known: the diagonal is bc, and d is across it
+//! │  │
+//! c──d      or else it is d: the diagonal is ad, and what is across it must be c
+//! ```
+//!
+//! If no particle comes twice and there are as many triangles as the cells need, it is a grid: two cells have no triangle in common, so all
+//! were used.
+
+use core::cmp::Ordering;
+
+use glam::{DVec3, Vec3};
+
+use super::NONE;
+use super::edges::Edges;
+
+/// Finds grids among the pieces of a mesh.
+pub(super) struct Finder<'a> {
+    positions: &'a [Vec3],
+    edges: &'a Edges,
+    /// The neighbours of each particle along the border.
+    border: Vec<[u32; 2]>,
+    /// The try in which each particle was last put into a row; counts from 1.
+    put: Vec<u32>,
+    tries: u32,
+}
+
+/// The particles of a grid, row by row.
+pub(super) struct Grid {
+    pub(super) order: Vec<u32>,
+    /// How many a row has.
+    pub(super) columns: u32,
+}
+
+/// One way to lay a grid onto a border.
+struct Corners {
+    /// The sum of the cosines of the angles at the four: the squarer, the less.
+    bluntness: f64,
+    /// Where on the border the first row begins, and whether it goes on backwards.
+    first: usize,
+    backwards: bool,
+}
+
+impl<'a> Finder<'a> {
+    pub(super) fn new(positions: &'a [Vec3], edges: &'a Edges) -> Self {
+        let particles = positions.len();
+        Self {
+            positions,
+            edges,
+            border: vec![[NONE; 2]; particles],
+            put: vec![0; particles],
+            tries: 0,
+        }
+    }
+
+    /// The rows of a connected piece, if it is a grid.
+    ///
+    /// A row runs along the longer side: what the solver does without gathering is a run of ties between one row and the next, or along a
+    /// row, and these runs are as long as the rows. It begins at the corner that comes first, the highest one, of equally high ones that with
+    /// the lowest x, then z; if it is square, it goes towards the neighbour that comes first. So shuffling a mesh changes nothing, and
+    /// a square that hangs in the xy plane is numbered as [`cloth_grid`](crate::recipes::cloth_grid) numbers it.
+    pub(super) fn find(&mut self, piece: &[u32]) -> Option<Grid> {
+        let border = self.walk_border(piece)?;
+        let sides = self.sides(piece, border.len())?;
+        let mut ways = self.ways(&border, sides);
+        let [columns, rows] = sides;
+        // The squarest is mostly right. A border of corners only, as of a fan, would do in many ways, but no search shall take longer than
+        // some walks over the whole piece.
+        ways.sort_by(|a, b| {
+            let place = |way: &Corners| self.positions[border[way.first] as usize];
+            a.bluntness.total_cmp(&b.bluntness).then_with(|| compare(place(a), place(b)))
+        });
+        let mut patience = 4 * piece.len();
+        ways.iter().find_map(|way| {
+            let along = |steps: usize| {
+                let steps = steps % border.len();
+                let back = if way.backwards { border.len() - steps } else { steps };
+                border[(way.first + back) % border.len()]
+            };
+            if patience == 0 {
+                return None;
+            }
+            let order = self.fill(sides, along, &mut patience)?;
+            debug_assert_eq!(order.len(), columns * rows);
+            Some(Grid { order, columns: columns as u32 })
+        })
+    }
+
+    /// The particles of the border in turn, if there is one and only one.
+    fn walk_border(&mut self, piece: &[u32]) -> Option<Vec<u32>> {
+        let mut length = 0;
+        for edge in piece.iter().flat_map(|&v| self.edges.of_lower(v)) {
+            if edge.triangles == 1 {
+                length += 1;
+                for (from, to) in [(0, 1), (1, 0)] {
+                    let next = &mut self.border[edge.ends[from] as usize];
+                    *next.iter_mut().find(|free| **free == NONE)? = edge.ends[to];
+                }
+            } else if edge.triangles > 2 {
+                return None;
+            }
+        }
+        let begin = *piece.iter().find(|&&v| self.border[v as usize][0] != NONE)?;
+        let mut walked = Vec::with_capacity(length);
+        let (mut before, mut here) = (NONE, begin);
+        while walked.len() < length {
+            walked.push(here);
+            let [one, other] = self.border[here as usize];
+            (before, here) = (here, if one == before { other } else { one });
+            if here == begin {
+                break;
+            }
+        }
+        (walked.len() == length && here == begin).then_some(walked)
+    }
+
+    /// How many particles it has along its longer and its shorter side, if it is a grid.
+    fn sides(&self, piece: &[u32], border: usize) -> Option<[usize; 2]> {
+        let sum = border / 2 + 2;
+        let rest = (sum * sum).checked_sub(4 * piece.len())?;
+        let root = rest.isqrt();
+        let [long, short] = [sum + root, sum.checked_sub(root)?].map(|twice| twice / 2);
+        let own = piece.iter().flat_map(|&v| self.edges.of_lower(v));
+        let triangles = own.map(|edge| edge.triangles as usize).sum::<usize>() / 3;
+        let fits = border.is_multiple_of(2)
+            && root * root == rest
+            && short >= 2
+            && long * short == piece.len()
+            && triangles == 2 * (long - 1) * (short - 1);
+        fits.then_some([long, short])
+    }
+
+    /// All ways to lay a grid of these sides onto a border, but for turning and mirroring it.
+    fn ways(&self, border: &[u32], [columns, rows]: [usize; 2]) -> Vec<Corners> {
+        let length = border.len();
+        let at = |place: usize| border[place % length];
+        // At a corner is one cell, so there are one or two triangles and no more than three edges.
+        let blunt: Vec<bool> = (0..length)
+            .map(|k| {
+                let [before, here, after] = [k + length - 1, k, k + 1].map(at);
+                let third = self.edges.between(before, here).map(|edge| edge.opposite[0]);
+                let other = self.edges.between(here, after).map(|edge| edge.opposite[0]);
+                !(third == Some(after) || third == other)
+            })
+            .collect();
+        let turns = if columns == rows { length / 4 } else { length / 2 };
+        let corners = |first: usize| {
+            [first, first + columns - 1, first + length / 2, first + length / 2 + columns - 1]
+                .map(|place| place % length)
+        };
+        let possible = (0..turns).map(corners).filter(|four| four.iter().all(|&k| !blunt[k]));
+        possible.map(|four| self.way(border, four, columns == rows)).collect()
+    }
+
+    /// From which of the four corners, and which way. From the second and the fourth, a longer side lies behind.
+    fn way(&self, border: &[u32], corners: [usize; 4], square: bool) -> Corners {
+        let length = border.len();
+        let place = |k: usize| self.positions[border[k % length] as usize];
+        let cosine = |k: usize| {
+            let here = place(k).as_dvec3();
+            let [a, b]: [DVec3; 2] =
+                [k + 1, k + length - 1].map(|next| place(next).as_dvec3() - here);
+            -a.dot(b) / (a.length_squared() * b.length_squared()).sqrt()
+        };
+        let [a, b, c, d] = corners.map(cosine);
+        let mut best = 0;
+        for k in 1..4 {
+            if compare(place(corners[k]), place(corners[best])) == Ordering::Less {
+                best = k;
+            }
+        }
+        let first = corners[best];
+        let backwards = if square {
+            compare(place(first + length - 1), place(first + 1)) == Ordering::Less
+        } else {
+            best % 2 == 1
+        };
+        Corners { bluntness: (a + c) + (b + d), first, backwards }
+    }
+
+    /// Walks all cells, row by row; `None` if one does not fit. `along` is the border from the first corner on.
+    fn fill(
+        &mut self,
+        [columns, rows]: [usize; 2],
+        along: impl Fn(usize) -> u32,
+        patience: &mut usize,
+    ) -> Option<Vec<u32>> {
+        self.tries += 1;
+        let length = 2 * (columns + rows) - 4;
+        let mut order = Vec::with_capacity(columns * rows);
+        // What is above each upper side of the cells of a row.
+        let mut above = vec![NONE; columns - 1];
+        order.extend((0..columns).map(&along));
+        order.iter().for_each(|&v| self.put[v as usize] = self.tries);
+        for row in 1..rows {
+            let mut c = along(length - row);
+            self.put(&mut order, c)?;
+            for (column, above) in above.iter_mut().enumerate() {
+                *patience = patience.checked_sub(1)?;
+                let upper = (row - 1) * columns + column;
+                let [a, b] = [order[upper], order[upper + 1]];
+                let below = self.edges.between(a, b)?.across(*above)?;
+                let d = if below == c {
+                    *above = b;
+                    self.edges.between(b, c)?.across(a)?
+                } else {
+                    *above = a;
+                    (self.edges.between(a, below)?.across(b) == Some(c)).then_some(below)?
+                };
+                self.put(&mut order, d)?;
+                c = d;
+            }
+        }
+        Some(order)
+    }
+
+    /// Puts a particle into a row, unless it is in one already.
+    fn put(&mut self, order: &mut Vec<u32>, particle: u32) -> Option<()> {
+        let put = &mut self.put[particle as usize];
+        if *put == self.tries {
+            return None;
+        }
+        *put = self.tries;
+        order.push(particle);
+        Some(())
+    }
+}
+
+/// From top to bottom, from left to right, from back to front.
+fn compare(a: Vec3, b: Vec3) -> Ordering {
+    let by = |a: f32, b: f32| a.partial_cmp(&b).unwrap_or(Ordering::Equal);
+    by(b.y, a.y).then(by(a.x, b.x)).then(by(a.z, b.z))
+}
