@@ -63,6 +63,7 @@ pub mod recipes;
 pub mod rigid;
 pub mod simulation;
 pub mod solve;
+pub(crate) mod threads;
 
 pub use glam;
 
@@ -81,3 +82,4 @@ pub use particles::{ParticleFault, ParticleSeed, ParticleState, Particles};
 pub use rigid::{Compound, RigidBody, RigidFault, RigidIntegrator};
 pub use simulation::{Relaxed, Simulation, StepFault, Substep};
 pub use solve::{BodySettings, IslandReport, Order, SolverReport, SolverSettings};
+pub use threads::Workers;

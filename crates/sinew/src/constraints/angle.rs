@@ -1,10 +1,14 @@
 //! The angle at a joint of three particles, between two limits (physics.md C5).
 
+mod wide;
+
 use core::f32::consts::PI;
 
 use glam::Vec3;
 
 use super::{Equation, LawFault, Points, Softness};
+pub(crate) use wide::Angles;
+pub(super) use wide::{Turns, any_normal_wide, between_wide};
 
 /// The angle `a b c` at the joint `b` of the particles `[a, b, c]`, between two limits in 0..=π.
 ///

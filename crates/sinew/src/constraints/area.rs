@@ -1,9 +1,13 @@
 //! The area of a triangle (physics.md C8).
 
+mod wide;
+
 use glam::Vec3;
 
 use super::angle::any_normal;
 use super::{Equation, LawFault, Points, Softness};
+pub(crate) use wide::Areas;
+pub(super) use wide::{area_wide, steeper};
 
 /// The area of the triangle `[a, b, c]`.
 ///

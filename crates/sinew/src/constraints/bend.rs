@@ -1,8 +1,11 @@
 //! Isometric bending of two triangles that share an edge (physics.md C9).
 
+mod wide;
+
 use glam::{DVec3, Vec3};
 
 use super::{Equation, LawFault, Points, Softness};
+pub(crate) use wide::Bends;
 
 /// Keeps two triangles that share an edge from bending; particles `[e0, e1, a, b]`: the edge, then the two opposite corners.
 ///

@@ -1,11 +1,14 @@
 //! A cone that a bone stays in, about an axis fixed in its parent (physics.md C5).
 
+mod wide;
+
 use core::f32::consts::PI;
 
 use glam::Vec3;
 
 use super::angle::between;
 use super::{Equation, LawFault, Points, Softness};
+pub(crate) use wide::Cones;
 
 /// The segment `c → d` stays within the angle `max` of an axis that is fixed in the frame of three particles: the shoulder or the hip of a ragdoll.
 ///

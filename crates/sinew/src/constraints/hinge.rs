@@ -1,11 +1,14 @@
 //! The signed angle about an axis of two particles, between two limits (physics.md C5), which is also the dihedral angle of bending (C9).
 
+mod wide;
+
 use core::f32::consts::TAU;
 
 use glam::Vec3;
 
 use super::angle::beyond;
 use super::{Equation, LawFault, Points, Softness};
+pub(crate) use wide::Hinges;
 
 /// The signed angle about the axis `h0 → h1` from the half-plane of `a` to the half-plane of `c`, of the particles `[a, h0, h1, c]`, between two limits.
 ///

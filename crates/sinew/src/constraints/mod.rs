@@ -35,6 +35,7 @@ mod softness;
 mod tetrahedron;
 mod towards;
 mod volume;
+mod wide;
 
 pub use angle::Angle;
 pub use area::Area;
@@ -55,12 +56,19 @@ pub use softness::Softness;
 pub use tetrahedron::Tetrahedron;
 pub use volume::Volume;
 
+pub(crate) use angle::Angles;
+pub(crate) use area::Areas;
+pub(crate) use bend::Bends;
 pub(crate) use boundaries::Contacts;
+pub(crate) use cone::Cones;
 pub(crate) use distance::{project, project_rod, project_rod_from_start};
 pub(crate) use equation::{
     energy as equation_energy, error as equation_error, project as project_equation,
 };
+pub(crate) use hinge::Hinges;
 pub(crate) use softness::Pace;
+pub(crate) use tetrahedron::Tetrahedra;
+pub(crate) use wide::Wide;
 
 /// Along which gradient a hard distance or a rigid shape is corrected.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -1,11 +1,14 @@
 //! The area of a whole patch of triangles (physics.md C8), and what every constraint on a mesh needs.
 
+mod wide;
+
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
 use super::area::{area, keep_within_reach};
 use super::{Equation, LawFault, Points, Softness, Way};
+use crate::lanes::InstructionSet;
 
 /// The total area of a patch of triangles: one may grow while another shrinks.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,15 +61,9 @@ impl Patch {
 /// gradient in either case. The solver takes the value's error through the gradient, which gives the same length for both units.
 impl Equation for Patch {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
-        let mut sum = 0.0_f64;
-        for triangle in self.triangles.iter() {
-            let corners = triangle.map(|i| i as usize);
-            let (one, by) = area(corners.map(|i| points.at(i)));
-            sum += f64::from(one);
-            for (corner, gradient) in corners.into_iter().zip(by) {
-                gradients[corner] += gradient;
-            }
-        }
+        // The same bits with any instructions, so the best.
+        let best = InstructionSet::best();
+        let sum = wide::area_of(&self.triangles, points.now, gradients, best);
         let now = sum as f32;
         if self.way == Way::Scaling && self.rest <= 4.0 * now {
             return scale(points, (self.rest / now).sqrt(), gradients);

@@ -1,9 +1,12 @@
 //! The volume of a tetrahedron (physics.md C7).
 
+mod wide;
+
 use glam::Vec3;
 
 use super::area::keep_within_reach;
 use super::{Equation, LawFault, Points, Softness};
+pub(crate) use wide::Tetrahedra;
 
 /// The signed volume of the tetrahedron `[a, b, c, d]`: `⅙ (b - a)×(c - a)·(d - a)`.
 ///

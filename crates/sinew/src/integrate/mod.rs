@@ -43,8 +43,12 @@
 mod kicks;
 mod wide;
 
-use crate::lanes::{InstructionSet, with};
+use crate::lanes::with;
 use crate::particles::Particles;
+use crate::solve::Machine;
+use crate::threads::{TASKS, each};
+
+pub(crate) use wide::Derive;
 
 /// How a world steps through time. [`integrate`](crate::integrate) compares them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -62,7 +66,7 @@ pub enum Integrator {
 
 impl Integrator {
     /// How long ago the velocity that it keeps is true, in halves of this: the lag of a particle after a substep of `h` seconds.
-    fn lag(self, h: f32) -> f32 {
+    pub(crate) fn lag(self, h: f32) -> f32 {
         match self {
             Self::Verlet | Self::Leapfrog => h,
             Self::SemiImplicitEuler | Self::ExplicitEuler => 0.0,
@@ -74,31 +78,34 @@ impl Integrator {
 ///
 /// Afterwards [`Particles::start`] is where the substep began, and the velocity is the one that led from there to the prediction. A particle
 /// of infinite mass stays where it is.
-pub(crate) fn predict(
-    particles: &mut Particles,
-    integrator: Integrator,
-    h: f32,
-    instructions: InstructionSet,
-) {
+pub(crate) fn predict(particles: &mut Particles, integrator: Integrator, h: f32, machine: Machine) {
     // Media that move are rare, and so are the other integrators.
     if integrator == Integrator::Verlet && particles.drift.is_empty() {
-        with(instructions, wide::Predict::all(particles, h));
+        let all = wide::Predict::all(particles, h);
+        let share = share(all.position.len());
+        each(machine.workers, all.chunks(share), |chunk| with(machine.instructions, chunk));
     } else {
         kicks::predict(particles, integrator, h);
     }
 }
 
-/// Makes the velocities agree with the positions that the constraints left, at the end of a substep of `h` seconds.
-pub(crate) fn derive_velocities(
-    particles: &mut Particles,
-    integrator: Integrator,
-    h: f32,
-    instructions: InstructionSet,
-) {
-    with(instructions, wide::Derive::all(particles, h, integrator.lag(h)));
+/// Makes the velocities agree with the positions that the constraints left, at the end of a substep.
+pub(crate) fn derive(all: Derive, machine: Machine) {
+    let share = share(all.position.len());
+    each(machine.workers, all.chunks(share), |chunk| with(machine.instructions, chunk));
+}
+
+/// What an integrator adds after the constraints, over a substep of `h` seconds.
+pub(crate) fn finish(particles: &mut Particles, integrator: Integrator, h: f32) {
     if integrator == Integrator::ExplicitEuler {
         kicks::kick_all(particles, h);
     }
+}
+
+/// How many of so many particles make a task: an even number, since two are stepped at once, and enough to be worth telling a thread.
+fn share(particles: usize) -> usize {
+    const LEAST: usize = 4096;
+    particles.div_ceil(TASKS).next_multiple_of(2).max(LEAST)
 }
 
 #[cfg(test)]
@@ -106,7 +113,15 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
+    use crate::lanes::InstructionSet;
     use crate::particles::{ParticleSeed, drag_of_rate, rate_of_drag};
+
+    const MACHINE: Machine = Machine { instructions: InstructionSet::Simd128, workers: None };
+
+    fn derive_all(particles: &mut Particles, integrator: Integrator, h: f32) {
+        derive(Derive::all(particles, h, integrator.lag(h)), MACHINE);
+        finish(particles, integrator, h);
+    }
 
     const G: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
@@ -124,8 +139,8 @@ mod tests {
     }
 
     fn step(particles: &mut Particles, h: f32) {
-        predict(particles, Integrator::Verlet, h, InstructionSet::best());
-        derive_velocities(particles, Integrator::Verlet, h, InstructionSet::best());
+        predict(particles, Integrator::Verlet, h, MACHINE);
+        derive_all(particles, Integrator::Verlet, h);
     }
 
     #[test]
@@ -199,8 +214,8 @@ mod tests {
             particles.clear_sums(0.0);
             let pull = -particles.position(0);
             particles.add_acceleration(0, pull);
-            predict(&mut particles, integrator, h, InstructionSet::best());
-            derive_velocities(&mut particles, integrator, h, InstructionSet::best());
+            predict(&mut particles, integrator, h, MACHINE);
+            derive_all(&mut particles, integrator, h);
         }
         let x = particles.position(0);
         let v = particles.velocity(0) - x * (0.5 * particles.lag(0));
@@ -244,8 +259,8 @@ mod tests {
             let integrator = if step % 20 < 10 { Integrator::Verlet } else { Integrator::Leapfrog };
             particles.clear_sums(0.0);
             particles.accelerate_all(G);
-            predict(&mut particles, integrator, h, InstructionSet::best());
-            derive_velocities(&mut particles, integrator, h, InstructionSet::best());
+            predict(&mut particles, integrator, h, MACHINE);
+            derive_all(&mut particles, integrator, h);
         }
         let exact = 4.0 * 1.5 - 0.5 * 9.81 * 1.5 * 1.5;
         assert!((particles.position(0).y - exact).abs() < 1e-4, "{}", particles.position(0));

@@ -24,14 +24,14 @@ pub(super) struct Predict<'a> {
 }
 
 /// Some consecutive particles, whose velocities are to agree with the positions that the constraints left.
-pub(super) struct Derive<'a> {
-    pub(super) position: &'a [Vec4],
-    pub(super) start: &'a [Vec4],
-    pub(super) velocity: &'a mut [Vec4],
+pub(crate) struct Derive<'a> {
+    pub(crate) position: &'a [Vec4],
+    pub(crate) start: &'a [Vec4],
+    pub(crate) velocity: &'a mut [Vec4],
     /// Seconds.
-    pub(super) h: f32,
+    pub(crate) h: f32,
     /// How long the substep was over which they are the mean, seconds.
-    pub(super) lag: f32,
+    pub(crate) lag: f32,
 }
 
 impl<'a> Predict<'a> {
@@ -56,7 +56,37 @@ impl<'a> Predict<'a> {
     }
 }
 
+impl<'a> Predict<'a> {
+    /// In chunks of so many particles, an even number.
+    pub(super) fn chunks(self, of: usize) -> impl Iterator<Item = Self> {
+        let Self { position, start, velocity, rounding, acceleration, damping, medium, .. } = self;
+        let columns = position.chunks_mut(of).zip(start.chunks_mut(of));
+        let columns = columns.zip(velocity.chunks_mut(of)).zip(rounding.chunks_mut(of));
+        columns.enumerate().map(move |(number, (((position, start), velocity), rounding))| {
+            let rows = number * of..number * of + position.len();
+            Self {
+                position,
+                start,
+                velocity,
+                rounding,
+                acceleration: acceleration.get(rows.clone()).unwrap_or_default(),
+                damping: if damping.len() < 2 { damping } else { &damping[rows.clone()] },
+                medium: medium.get(rows).unwrap_or_default(),
+                ..self
+            }
+        })
+    }
+}
+
 impl<'a> Derive<'a> {
+    /// In chunks of so many particles, an even number.
+    pub(super) fn chunks(self, of: usize) -> impl Iterator<Item = Self> {
+        let columns = self.position.chunks(of).zip(self.start.chunks(of));
+        let columns = columns.zip(self.velocity.chunks_mut(of));
+        columns.map(move |((position, start), velocity)| Self { position, start, velocity, ..self })
+    }
+
+    #[cfg(test)]
     /// All particles of a world, after a substep of `h` seconds.
     pub(super) fn all(particles: &'a mut Particles, h: f32, lag: f32) -> Self {
         let Particles { position, start, velocity, .. } = particles;

@@ -190,7 +190,8 @@ impl Lanes for Eight {
     fn rows(packed: &[Vec4], rows: &[u32; LANES]) -> [Self; 4] {
         check(rows, packed.len());
         let from = packed.as_ptr();
-        let [a, b, c, d, e, f, g, h] = *rows;
+        // Read afresh: out of the register that was checked, each would take an instruction more.
+        let [a, b, c, d, e, f, g, h] = *core::hint::black_box(rows);
         // SAFETY: all rows exist, as just checked; see `Eight`.
         let [a, b, c, d] = unsafe {
             transposed([
@@ -207,7 +208,7 @@ impl Lanes for Eight {
     fn put_rows(packed: &mut [Vec4], rows: &[u32; LANES], columns: [Self; 4]) {
         check(rows, packed.len());
         let to = packed.as_mut_ptr();
-        let [a, b, c, d, e, f, g, h] = *rows;
+        let [a, b, c, d, e, f, g, h] = *core::hint::black_box(rows);
         let [x, y, z, w] = columns;
         let [p, q, r, s] = transposed([x.0, y.0, z.0, w.0]);
         // SAFETY: all rows exist, as just checked; see `Eight`.

@@ -9,6 +9,8 @@
 //! | `scalar` | arrays of eight: the truth that the others are tested against, and the fallback everywhere |
 //! | `quads` | two registers of four, by glam: SSE2 on x86-64, NEON on ARM |
 //! | `avx2` | one register of eight |
+//! | `angle` | the arc tangent, in lanes |
+//! | `columns` | particles as columns of x, y, z and w |
 //! | `vector` | vectors of three lanes each |
 //! | `twins` | tests: each operation of each set against the scalar one |
 //!
@@ -19,10 +21,12 @@
 //! ([`Lanes::pairs`]), consecutive rows ([`Lanes::run`]).
 //!
 //! This folder is the only home of `unsafe` in Sinew: for the instructions of AVX2, which exist only where the machine has been asked, and for loads
-//! whose bounds are checked eight at a time.
+//! whose bounds are checked eight at a time, or once for a stretch of eights.
 
+mod angle;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+mod columns;
 mod quads;
 mod scalar;
 #[cfg(test)]
@@ -33,6 +37,8 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use glam::Vec4;
 
+pub(crate) use angle::atan2;
+pub(crate) use columns::{Columns, Eights};
 pub(crate) use vector::Vector;
 
 /// How many lanes there are.
@@ -170,12 +176,6 @@ pub(crate) trait Lanes:
     #[inline(always)]
     fn zero() -> Self {
         Self::splat(0.0)
-    }
-
-    /// Where `self > other`.
-    #[inline(always)]
-    fn gt(self, other: Self) -> Self {
-        other.lt(self)
     }
 
     /// The lesser of the two, `other` where either is NaN or both are zero.

@@ -67,7 +67,7 @@ impl Work for Everything {
             L::splat(a.largest(-1.0)),
             bits,
             any,
-            a.gt(b).select(a, L::zero()),
+            b.lt(a).select(a, L::zero()),
         ];
         // Which NaN it is depends on what a compiler makes of an expression; whether it is one does not.
         let number = |x: f32| if x.is_nan() { f32::NAN.to_bits() } else { x.to_bits() };

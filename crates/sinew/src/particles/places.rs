@@ -16,13 +16,46 @@ pub(crate) struct Places<'a> {
     pub(crate) origin: &'a [Vec3],
     /// Metres.
     pub(crate) radius: &'a [f32],
+    /// `[x y z l]` of each, to be derived when all is corrected.
+    pub(crate) velocity: &'a mut [Vec4],
 }
 
 impl<'a> Places<'a> {
     /// Those of all particles.
     pub(crate) fn all(particles: &'a mut Particles) -> Self {
-        let Particles { position, start, origin, radius, .. } = particles;
-        Self { first: 0, position, start, origin, radius }
+        let Particles { position, start, origin, radius, velocity, .. } = particles;
+        Self { first: 0, position, start, origin, radius, velocity }
+    }
+
+    /// The rows before one, and the others.
+    pub(crate) fn split_at(self, row: u32) -> (Self, Self) {
+        let count = self.at(row);
+        let (position, positions) = self.position.split_at_mut(count);
+        let (start, starts) = self.start.split_at(count);
+        let (origin, origins) = self.origin.split_at(count);
+        let (radius, radii) = self.radius.split_at(count);
+        let (velocity, velocities) = self.velocity.split_at_mut(count);
+        let rest = Places {
+            first: self.first + count as u32,
+            position: positions,
+            start: starts,
+            origin: origins,
+            radius: radii,
+            velocity: velocities,
+        };
+        (Places { first: self.first, position, start, origin, radius, velocity }, rest)
+    }
+
+    /// The same, lent on.
+    pub(crate) fn lend(&mut self) -> Places<'_> {
+        Places {
+            first: self.first,
+            position: self.position,
+            start: self.start,
+            origin: self.origin,
+            radius: self.radius,
+            velocity: self.velocity,
+        }
     }
 
     /// Where a row is in the slices.

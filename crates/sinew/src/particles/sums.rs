@@ -12,6 +12,8 @@ use super::Particles;
 pub(crate) struct Survey {
     /// Whether gravity acts on all alike, and no force of a game's own on any.
     pub(crate) plain: bool,
+    /// Whether none has a charge.
+    pub(crate) neutral: bool,
     /// The damping that all have, 1/s, if it is one.
     pub(crate) damping: Option<f32>,
 }
@@ -25,7 +27,8 @@ impl Particles {
         let plain = self.gravity_scale.iter().fold(true, |plain, &scale| plain & (scale == 1.0));
         let free = self.external.iter().fold(true, |free, &force| free & (force == Vec3::ZERO));
         let plain = plain && free;
-        self.survey = Survey { plain, damping: even.then_some(first) };
+        let neutral = self.charge.iter().fold(true, |neutral, &charge| neutral & (charge == 0.0));
+        self.survey = Survey { plain, neutral, damping: even.then_some(first) };
     }
 
     /// Starts the sums afresh: no acceleration, and the damping `air` (1/s) alone.

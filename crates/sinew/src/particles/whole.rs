@@ -20,8 +20,6 @@ use crate::pose::pseudo_solve;
 
 /// Mass, barycentre and inertia of rows that can move, in `f64` and relative to one of them, so that no distance from the origin costs digits.
 pub(crate) struct Whole {
-    /// Which positions it is of.
-    instant: Instant,
     /// The row that `centre` is relative to.
     anchor: usize,
     /// Total mass, kg.
@@ -32,24 +30,10 @@ pub(crate) struct Whole {
     inertia: [[f64; 3]; 3],
 }
 
-/// Which of the two positions of a particle counts.
-#[derive(Clone, Copy, Debug)]
-enum Instant {
-    /// Where it is.
-    Now,
-    /// Where it was when the substep began.
-    Start,
-}
-
 impl Whole {
     /// The rows that are there and not pinned, by their mass. `None` if there are none, or if they are not all finite.
     pub(crate) fn of(particles: &Particles, rows: &[u32]) -> Option<Self> {
         Self::weighing(particles, rows, |i| mass(particles, i))
-    }
-
-    /// The same where they were when the substep began.
-    pub(crate) fn at_start(particles: &Particles, rows: &[u32]) -> Option<Self> {
-        Self::sum(particles, rows, |i| mass(particles, i), Instant::Start)
     }
 
     /// The same by weights of the caller's; rows that weigh nothing do not count.
@@ -58,15 +42,10 @@ impl Whole {
         rows: &[u32],
         weight: impl Fn(usize) -> f64,
     ) -> Option<Self> {
-        Self::sum(particles, rows, weight, Instant::Now)
+        Self::sum(particles, rows, weight)
     }
 
-    fn sum(
-        particles: &Particles,
-        rows: &[u32],
-        weight: impl Fn(usize) -> f64,
-        instant: Instant,
-    ) -> Option<Self> {
+    fn sum(particles: &Particles, rows: &[u32], weight: impl Fn(usize) -> f64) -> Option<Self> {
         let counted = || {
             let there = rows.iter().map(|&row| row as usize).filter(|&i| i < particles.len());
             there.map(|i| (i, weight(i))).filter(|&(_, m)| m > 0.0)
@@ -75,12 +54,12 @@ impl Whole {
         let (mut mass, mut first) = (0.0, DVec3::ZERO);
         for (i, m) in counted() {
             mass += m;
-            first += aside(particles, i, anchor, instant) * m;
+            first += aside(particles, i, anchor) * m;
         }
         let centre = first / mass;
         let mut inertia = [[0.0; 3]; 3];
         for (i, m) in counted() {
-            let r = aside(particles, i, anchor, instant) - centre;
+            let r = aside(particles, i, anchor) - centre;
             let (rr, components) = (r.length_squared(), r.to_array());
             for (row, a) in inertia.iter_mut().zip(components) {
                 for (entry, b) in row.iter_mut().zip(components) {
@@ -90,22 +69,17 @@ impl Whole {
             (0..3).for_each(|axis| inertia[axis][axis] += m * rr);
         }
         let finite = mass.is_finite() && inertia.iter().flatten().all(|x| x.is_finite());
-        finite.then_some(Self { instant, anchor, mass, centre, inertia })
-    }
-
-    /// The barycentre, metres from the origin of the row that it is measured from: of an island, whose rows share one, the island's.
-    pub(crate) fn centre(&self, particles: &Particles) -> DVec3 {
-        local(particles, self.anchor, self.instant) + self.centre
+        finite.then_some(Self { anchor, mass, centre, inertia })
     }
 
     /// Row `i` from the barycentre, metres.
     pub(crate) fn arm(&self, particles: &Particles, i: usize) -> DVec3 {
-        aside(particles, i, self.anchor, self.instant) - self.centre
+        aside(particles, i, self.anchor) - self.centre
     }
 
     /// A point of the world from the barycentre, metres.
     pub(crate) fn arm_of(&self, particles: &Particles, point: Vec3) -> DVec3 {
-        let anchor = local(particles, self.anchor, self.instant)
+        let anchor = local(particles, self.anchor)
             + (particles.origin[self.anchor].as_dvec3() - point.as_dvec3());
         -(anchor + self.centre)
     }
@@ -141,16 +115,12 @@ fn mass(particles: &Particles, i: usize) -> f64 {
 }
 
 /// `p_i - p_anchor`, metres, to the last bit wherever both are.
-fn aside(particles: &Particles, i: usize, anchor: usize, instant: Instant) -> DVec3 {
-    local(particles, i, instant) - local(particles, anchor, instant)
+fn aside(particles: &Particles, i: usize, anchor: usize) -> DVec3 {
+    local(particles, i) - local(particles, anchor)
         + (particles.origin[i].as_dvec3() - particles.origin[anchor].as_dvec3())
 }
 
-/// Where row `i` is or was, metres from its origin.
-fn local(particles: &Particles, i: usize, instant: Instant) -> DVec3 {
-    match instant {
-        Instant::Now => particles.position[i].truncate(),
-        Instant::Start => particles.start[i].truncate(),
-    }
-    .as_dvec3()
+/// Where row `i` is, metres from its origin.
+fn local(particles: &Particles, i: usize) -> DVec3 {
+    particles.position[i].truncate().as_dvec3()
 }

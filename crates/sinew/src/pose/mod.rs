@@ -35,6 +35,7 @@
 #[cfg(test)]
 mod degenerate_tests;
 mod inertia;
+mod normals;
 pub(crate) mod rotation;
 pub(crate) mod symmetric;
 #[cfg(test)]
@@ -42,6 +43,7 @@ mod tests;
 
 pub(crate) use inertia::spin as pseudo_solve;
 pub use inertia::{Motion, motion};
+pub use normals::normals;
 
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 

@@ -5,6 +5,8 @@ mod statics;
 
 pub use statics::Relaxed;
 
+use std::sync::Arc;
+
 use glam::{Vec3, Vec4};
 
 use crate::constraints::{Boundaries, Constraint, Contacts, Distance, Pin};
@@ -13,6 +15,7 @@ use crate::lanes::InstructionSet;
 use crate::particles::Particles;
 use crate::rigid::{Compound, Moving};
 use crate::solve::{self, BodySettings, IslandReport, Plan, SolverReport, SolverSettings};
+use crate::threads::Workers;
 use crate::{integrate, ledger};
 
 /// A world of particles.
@@ -33,6 +36,8 @@ pub struct Simulation {
     pub bodies: Vec<BodySettings>,
     /// Which instructions the wide kernels use; the best that the machine has by default. It never changes a result.
     pub instructions: InstructionSet,
+    /// Threads that may help; none by default. They never change a result.
+    pub workers: Option<Arc<dyn Workers>>,
     /// Simulated time in seconds at the start of the current substep; gusts of wind depend on it.
     pub time: f64,
     distances: Vec<Distance>,
@@ -52,6 +57,8 @@ struct Scratch {
     fluids: forces::FluidScratch,
     contacts: Contacts,
     solving: solve::Scratch,
+    /// Of measuring what is left.
+    room: solve::Room,
     moving: Moving,
     /// Pinned particles that were given another origin for this step.
     anchors: Vec<prepare::Anchor>,
@@ -162,8 +169,11 @@ impl Simulation {
 
     /// Phase 4: adds the forces between charges, and those of electric fields.
     pub fn apply_electric(&mut self) {
+        if self.particles.survey.neutral {
+            return;
+        }
         let scratch = &mut self.scratch.electric;
-        forces::apply_electric(&mut self.particles, &self.forces, scratch);
+        forces::apply_electric(&mut self.particles, &self.forces, scratch, self.instructions);
     }
 
     /// Phase 5: predicts the next positions by the world's integrator, after what planes with a drag have taken, and leads the pinned particles towards
@@ -174,12 +184,8 @@ impl Simulation {
             self.particles.velocity.fill(Vec4::ZERO);
         }
         self.scratch.contacts.drag(&mut self.particles, length);
-        integrate::predict(
-            &mut self.particles,
-            self.settings.integrator,
-            length,
-            self.instructions,
-        );
+        let machine = machine(self.instructions, &self.workers);
+        integrate::predict(&mut self.particles, self.settings.integrator, length, machine);
         self.scratch.moving.predict(&mut self.particles, &self.compounds, length);
         for pin in &self.boundaries.pins {
             let i = pin.particle as usize;
@@ -195,16 +201,11 @@ impl Simulation {
     /// Phase 6: enforces the constraints, derives the velocities from where the particles ended, and closes the substep.
     pub fn solve_constraints(&mut self) {
         let h = self.scratch.substep.length;
-        let Scratch { plan, contacts, solving, .. } = &mut self.scratch;
-        let (instructions, report) = (self.instructions, &mut self.report);
-        solve::solve(&mut self.particles, contacts, plan, h, instructions, solving, report);
-        integrate::derive_velocities(
-            &mut self.particles,
-            self.settings.integrator,
-            h,
-            self.instructions,
-        );
-        solve::keep_momentum(&mut self.particles, plan, solving);
+        let Self { particles, settings, instructions, workers, scratch, report, .. } = self;
+        let Scratch { plan, contacts, solving, .. } = scratch;
+        let (machine, steps) = (machine(*instructions, workers), (h, settings.integrator.lag(h)));
+        solve::solve_all(particles, contacts, plan, steps, machine, solving, report);
+        integrate::finish(particles, settings.integrator, h);
         self.with_moving(|moving, simulation| moving.settle(simulation, h));
         self.time += f64::from(h);
         self.scratch.substep.remaining = self.scratch.substep.remaining.saturating_sub(1);
@@ -221,9 +222,9 @@ impl Simulation {
                 self.report.frozen.push(i as u32);
             }
         }
-        let Scratch { plan, contacts, solving, .. } = &mut self.scratch;
+        let Scratch { plan, contacts, room, .. } = &mut self.scratch;
         let (instructions, report) = (self.instructions, &mut self.report);
-        solve::measure(&mut self.particles, contacts, plan, instructions, solving, report);
+        solve::measure(&mut self.particles, contacts, plan, instructions, room, report);
         self.restore_anchors();
     }
 
@@ -327,4 +328,9 @@ impl Simulation {
         self.restore_anchors();
         ledger
     }
+}
+
+/// What the machine lends to a phase.
+fn machine(instructions: InstructionSet, workers: &Option<Arc<dyn Workers>>) -> solve::Machine<'_> {
+    solve::Machine { instructions, workers: workers.as_deref() }
 }

@@ -1,211 +1,131 @@
 //! One island: particles that constraints connect, solved until they hold or the sweeps are spent, whatever happens elsewhere.
 
+use core::marker::PhantomData;
 use std::time::Instant;
 
-use super::item::{Item, Local, Manner, constraint_error, distance_error};
-use super::momentum::Momenta;
+use super::item::{Item, Local, Manner};
+use super::momentum::Excess;
 use super::plan::{Island, Kind, Plan};
-use super::rods::Columns;
-use super::{Order, SolverReport, cascade, jacobi, worst_first};
-use crate::constraints::{Contacts, Direction, Distance, Pace};
-use crate::lanes::{InstructionSet, Lanes, Work, with};
-use crate::particles::{Particles, Places};
+use super::sums::Sums;
+use super::{IslandReport, Order, cascade, jacobi, worst_first};
+use crate::constraints::{Contacts, Direction, Pace};
+use crate::lanes::{Columns, Lanes};
+use crate::particles::Places;
 
-/// What solving needs and nobody saves.
+/// What a thread needs while it solves. Scratch.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Scratch {
-    local: Local,
+pub(crate) struct Room {
+    pub(super) local: Local,
+    pub(super) columns: Columns,
     items: Vec<Item>,
     asked: jacobi::Asked,
     queue: worst_first::Queue,
-    columns: Columns,
-    /// The momenta that each island is to keep, if nothing outside acts on it through a constraint.
-    free: Vec<Option<Momenta>>,
+    /// Islands whose corrections gave them what has to be taken off again.
+    pub(super) excesses: Vec<(u32, Excess)>,
 }
 
-/// Sweeps each island until the largest error met in it is within its tolerance, at most `max_sweeps` times; adds to the report.
+/// What solving needs to know, the same for all islands.
+#[derive(Clone, Copy)]
+pub(super) struct Common<'a> {
+    pub(super) plan: &'a Plan,
+    pub(super) contacts: &'a Contacts,
+    /// Length of the substep, seconds.
+    pub(super) h: f32,
+}
+
+/// What makes one sweep over an island, and returns the largest error that it found, metres. A trait and no closure: those cannot be made to be inlined, and
+/// lanes have to be.
+pub(super) trait Sweeper {
+    fn sweep(&mut self, places: &mut Places, sums: &mut Sums, manner: Manner) -> f32;
+}
+
+/// One worker, in lanes, in whatever order the island asks for.
+pub(super) struct InOrder<'a, L> {
+    plan: &'a Plan,
+    island: &'a Island,
+    room: &'a mut Room,
+    lanes: PhantomData<L>,
+}
+
+impl<'a, L> InOrder<'a, L> {
+    pub(super) fn new(plan: &'a Plan, island: &'a Island, room: &'a mut Room) -> Self {
+        if island.settings.order != Order::Cascade {
+            list_items(plan, island, &mut room.items);
+        }
+        Self { plan, island, room, lanes: PhantomData }
+    }
+}
+
+impl<L: Lanes> Sweeper for InOrder<'_, L> {
+    #[inline(always)]
+    fn sweep(&mut self, places: &mut Places, sums: &mut Sums, manner: Manner) -> f32 {
+        let Self { plan, island, room, .. } = self;
+        if island.settings.order == Order::Cascade {
+            let bundles = island.bundles.clone();
+            return cascade::sweep::<L>(places, plan, bundles, sums, manner, room);
+        }
+        let Room { local, items, asked, queue, .. } = *room;
+        if island.settings.order == Order::Jacobi {
+            return jacobi::sweep(places, plan, sums, island, items, manner, local, asked);
+        }
+        let tolerance = island.settings.tolerance;
+        worst_first::sweep(places, plan, sums, island, items, manner, local, queue, tolerance)
+    }
+}
+
+/// Solves an island; returns what its corrections gave it and should not have.
 ///
 /// Constraints come first, contacts last: what must not be seen to fail, a foot in the ground, has the last word. A sweep's error is what it
 /// *found*, before it corrected it: reaching the tolerance therefore costs no extra pass, and is never claimed too early.
-pub(crate) fn solve(
-    particles: &mut Particles,
-    contacts: &Contacts,
-    plan: &mut Plan,
-    h: f32,
-    instructions: InstructionSet,
-    scratch: &mut Scratch,
-    report: &mut SolverReport,
-) {
-    forget_multipliers(plan);
-    let mut most = 0;
-    scratch.free.clear();
-    for number in 0..plan.islands.len() {
-        let island = plan.islands[number].clone();
-        let began = island.settings.timed.then(Instant::now);
-        let mut direction = island.settings.direction;
-        if direction == Direction::StepStart && turns_too_fast(particles, plan, &island) {
-            direction = Direction::Nearest;
-            report.islands[number].fallbacks += 1;
-        }
-        let pace = Pace { h, sweeps: island.settings.max_sweeps };
-        let manner = Manner { pace, direction };
-        let free = Momenta::to_keep(particles, plan, &island, direction);
-        let places = Places::all(particles);
-        let work = Solve { places, contacts, plan, island: &island, manner, scratch };
-        let Solved { sweeps, converged, touched } = with(instructions, work);
-        scratch.free.push(free.filter(|_| !touched));
-        most = most.max(sweeps);
-        report.converged &= converged;
-        let own = &mut report.islands[number];
-        own.sweeps += sweeps;
-        own.converged &= converged;
-        own.seconds += began.map_or(0.0, |began| began.elapsed().as_secs_f64());
+#[inline(always)]
+pub(super) fn solve(
+    common: Common,
+    island: &Island,
+    places: &mut Places,
+    sums: &mut Sums,
+    report: &mut IslandReport,
+    mut sweeper: impl Sweeper,
+) -> Option<Excess> {
+    let Common { plan, contacts, h } = common;
+    let (settings, rows) = (&island.settings, &plan.members[island.members.clone()]);
+    let began = settings.timed.then(Instant::now);
+    let mut direction = settings.direction;
+    if direction == Direction::StepStart && turns_too_fast(places, plan, island) {
+        direction = Direction::Nearest;
+        report.fallbacks += 1;
     }
-    report.sweeps += most;
-    report.most_sweeps = report.most_sweeps.max(most);
+    forget(plan, island, sums);
+    let manner = Manner { pace: Pace { h, sweeps: settings.max_sweeps }, direction };
+    let (mut sweeps, mut converged, mut touched) = (0, false, false);
+    while sweeps < settings.max_sweeps && !converged {
+        let found =
+            if island.groups.is_empty() { 0.0 } else { sweeper.sweep(places, sums, manner) };
+        let depth = touch(places, contacts, rows);
+        touched |= depth > 0.0;
+        sweeps += 1;
+        converged = found.max(depth) <= settings.tolerance;
+    }
+    report.sweeps += sweeps;
+    report.most_sweeps = report.most_sweeps.max(sweeps);
+    report.last_sweeps = sweeps;
+    report.converged &= converged;
+    let keeps_angular = direction == Direction::StepStart || settings.keep_spin;
+    let free = island.free && !touched;
+    let excess = if free { Excess::of(places, rows, h, keeps_angular) } else { None };
+    report.seconds += began.map_or(0.0, |began| began.elapsed().as_secs_f64());
+    excess
 }
 
-/// Starts the sums of a substep afresh; hard rods have none.
-fn forget_multipliers(plan: &mut Plan) {
-    let Plan { bundles, groups, lambdas, multipliers, .. } = plan;
-    for bundle in bundles {
-        let all = &groups[bundle.groups.clone()];
-        let (Some(first), Some(last)) = (all.first(), all.last()) else { continue };
-        let range = first.range.start..last.range.end;
-        match first.kind {
+/// Starts the multipliers of an island afresh.
+fn forget(plan: &Plan, island: &Island, sums: &mut Sums) {
+    for group in &plan.groups[island.groups.clone()] {
+        match group.kind {
+            // Hard rods have none that matter.
             Kind::Rods => {}
-            Kind::Distances => lambdas[range].fill(0.0),
-            Kind::Constraints => multipliers[range].fill(0.0),
+            Kind::Distances => sums.of_distances(group.range.clone()).fill(0.0),
+            Kind::Constraints => sums.of_constraints(group.range.clone()).fill(0.0),
         }
     }
-}
-
-/// Takes from islands that nothing outside holds the momentum that round-off gave them. To be called when velocities have been derived.
-pub(crate) fn keep_momentum(particles: &mut Particles, plan: &Plan, scratch: &Scratch) {
-    for (island, before) in plan.islands.iter().zip(&scratch.free) {
-        if let Some(before) = before {
-            before.restore(particles, plan, island);
-        }
-    }
-}
-
-/// One island to be swept.
-struct Solve<'a> {
-    places: Places<'a>,
-    contacts: &'a Contacts,
-    plan: &'a mut Plan,
-    island: &'a Island,
-    manner: Manner,
-    scratch: &'a mut Scratch,
-}
-
-/// How that went.
-struct Solved {
-    sweeps: u32,
-    /// Whether it met its tolerance.
-    converged: bool,
-    /// Whether it touched anything.
-    touched: bool,
-}
-
-impl Work for Solve<'_> {
-    type Output = Solved;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> Solved {
-        let Self { mut places, contacts, plan, island, manner, scratch } = self;
-        let Scratch { local, items, asked, queue, columns, .. } = scratch;
-        let (places, settings) = (&mut places, &island.settings);
-        if settings.order != Order::Cascade {
-            list_items(plan, island, items);
-        }
-        let mut touched = false;
-        for sweep in 1..=settings.max_sweeps {
-            let found = match settings.order {
-                Order::Cascade => cascade::sweep::<L>(places, plan, island, manner, local, columns),
-                Order::Jacobi => jacobi::sweep(places, plan, island, items, manner, local, asked),
-                Order::WorstFirst => {
-                    let tolerance = settings.tolerance;
-                    worst_first::sweep(places, plan, island, items, manner, local, queue, tolerance)
-                }
-            };
-            let depth = touch(places, contacts, &plan.members[island.members.clone()]);
-            touched |= depth > 0.0;
-            if found.max(depth) <= settings.tolerance {
-                return Solved { sweeps: sweep, converged: true, touched };
-            }
-        }
-        Solved { sweeps: settings.max_sweeps, converged: false, touched }
-    }
-}
-
-/// Measures what is left, moving nothing: largest error of the hard constraints in metres, and largest strain of the hard distances.
-pub(crate) fn measure(
-    particles: &mut Particles,
-    contacts: &Contacts,
-    plan: &Plan,
-    instructions: InstructionSet,
-    scratch: &mut Scratch,
-    report: &mut SolverReport,
-) {
-    (report.error, report.strain) = (0.0, 0.0);
-    let (places, local) = (Places::all(particles), &mut scratch.local);
-    with(instructions, Measure { places, contacts, plan, local, report });
-}
-
-struct Measure<'a> {
-    places: Places<'a>,
-    contacts: &'a Contacts,
-    plan: &'a Plan,
-    local: &'a mut Local,
-    report: &'a mut SolverReport,
-}
-
-impl Work for Measure<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { places, contacts, plan, local, report } = self;
-        for (island, own) in plan.islands.iter().zip(&mut report.islands) {
-            let (mut error, mut strain) = (0.0_f32, 0.0_f32);
-            for group in &plan.groups[island.groups.clone()] {
-                let range = group.range.clone();
-                let (left, share) = match group.kind {
-                    Kind::Rods => {
-                        let (runs, blocks) = (group.runs.clone(), group.blocks.clone());
-                        plan.rods.measure::<L>(places.position, runs, blocks)
-                    }
-                    Kind::Distances => distance_errors(&places, &plan.distances[range]),
-                    Kind::Constraints => {
-                        let each = plan.constraints[range].iter();
-                        let errors = each.map(|c| constraint_error(&places, c, local));
-                        (errors.fold(0.0, f32::max), 0.0)
-                    }
-                };
-                (error, strain) = (error.max(left), strain.max(share));
-            }
-            if !contacts.is_empty() {
-                let rows = plan.members[island.members.clone()].iter();
-                let deepest = rows.map(|&row| contacts.error(&places, row));
-                error = deepest.fold(error, f32::max);
-            }
-            (own.error, own.strain) = (error, strain);
-            report.error = report.error.max(error);
-            report.strain = report.strain.max(strain);
-        }
-    }
-}
-
-/// The largest error of some distances, metres, and the largest share of a rest length.
-fn distance_errors(places: &Places, distances: &[Distance]) -> (f32, f32) {
-    let (mut error, mut strain) = (0.0_f32, 0.0_f32);
-    for d in distances {
-        let left = distance_error(places, d);
-        error = error.max(left);
-        strain = if d.rest > 0.0 { strain.max(left / d.rest) } else { strain };
-    }
-    (error, strain)
 }
 
 /// Lists the constraints of an island in solving order.
@@ -220,22 +140,21 @@ fn list_items(plan: &Plan, island: &Island, items: &mut Vec<Item>) {
 ///
 /// A bond that turns by θ is corrected along a line that is off by θ, with a gain of 1/cos θ: harmless at 20°, without bound at 90°. And where one
 /// bond of an island goes wrong its neighbours follow, so all of it goes back.
-fn turns_too_fast(particles: &Particles, plan: &Plan, island: &Island) -> bool {
+fn turns_too_fast(places: &Places, plan: &Plan, island: &Island) -> bool {
     /// cos² of 0.35 rad.
     const COS_SQUARED: f32 = 0.882_43;
-    let (positions, starts) = (&particles.position, &particles.start);
-    plan.groups[island.groups.clone()].iter().filter(|group| group.kind == Kind::Rods).any(
-        |group| {
-            plan.distances[group.range.clone()].iter().any(|d| {
-                let (a, b) = (d.a as usize, d.b as usize);
-                let now = (positions[b] - positions[a]).truncate();
-                let start = (starts[b] - starts[a]).truncate();
-                let along = now.dot(start);
-                let squares = now.length_squared() * start.length_squared();
-                along < 0.0 || along * along < COS_SQUARED * squares
-            })
-        },
-    )
+    let mut rods = plan.groups[island.groups.clone()]
+        .iter()
+        .filter(|group| group.kind == Kind::Rods)
+        .flat_map(|group| &plan.distances[group.range.clone()]);
+    rods.any(|d| {
+        let (a, b) = (places.at(d.a), places.at(d.b));
+        let now = (places.position[b] - places.position[a]).truncate();
+        let start = (places.start[b] - places.start[a]).truncate();
+        let along = now.dot(start);
+        let squares = now.length_squared() * start.length_squared();
+        along < 0.0 || along * along < COS_SQUARED * squares
+    })
 }
 
 /// Projects some particles out of every plane and into every box once; returns the deepest it found, metres.

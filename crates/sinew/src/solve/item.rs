@@ -3,6 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use super::plan::{Kind, Plan};
+use super::sums::Sums;
 use crate::constraints::{
     Constraint, Direction, Distance, Pace, Points, equation_energy, equation_error, project,
     project_equation, project_rod, project_rod_from_start,
@@ -74,7 +75,8 @@ impl Item {
     pub(crate) fn project(
         self,
         places: &mut Places,
-        plan: &mut Plan,
+        plan: &Plan,
+        sums: &mut Sums,
         manner: Manner,
         local: &mut Local,
     ) -> f32 {
@@ -91,12 +93,11 @@ impl Item {
                 }
             }
             Kind::Distances => {
-                let (distance, lambda) = (&plan.distances[number], &mut plan.lambdas[number]);
+                let (distance, lambda) = (&plan.distances[number], sums.distance(number));
                 project_distance(places, distance, manner.pace, lambda)
             }
             Kind::Constraints => {
-                let (constraint, lambda) =
-                    (&plan.constraints[number], &mut plan.multipliers[number]);
+                let (constraint, lambda) = (&plan.constraints[number], sums.constraint(number));
                 project_constraint(places, constraint, manner, lambda, local)
             }
         }
@@ -105,7 +106,8 @@ impl Item {
     /// Projects it once on the copies in `local`, whose inverse masses may be others.
     pub(crate) fn project_local(
         self,
-        plan: &mut Plan,
+        plan: &Plan,
+        sums: &mut Sums,
         manner: Manner,
         origin: Vec3,
         local: &mut Local,
@@ -116,7 +118,7 @@ impl Item {
             let law = plan.constraints[number].law.equation();
             let before = now.clone();
             let points = Points { now: &before, starts, origin, direction: manner.direction };
-            let lambda = &mut plan.multipliers[number];
+            let lambda = sums.constraint(number);
             return project_equation(law, &points, gradients, manner.pace, lambda, |i, step| {
                 now[i] += step.extend(0.0);
             });
@@ -125,7 +127,7 @@ impl Item {
         if self.kind == Kind::Rods && manner.direction == Direction::StepStart {
             return project_rod_from_start(now, starts, 0, 1, distance.rest);
         }
-        project(now, starts, &distance, manner.pace, &mut plan.lambdas[number])
+        project(now, starts, &distance, manner.pace, sums.distance(number))
     }
 
     /// How far it is from being kept, metres, moving nothing; zero for a soft one.

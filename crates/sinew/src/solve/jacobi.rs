@@ -8,6 +8,7 @@ use glam::Vec3;
 
 use super::item::{Item, Local, Manner};
 use super::plan::{Island, Plan};
+use super::sums::Sums;
 use crate::particles::Places;
 
 /// What is asked of each particle. Scratch.
@@ -20,7 +21,8 @@ pub(crate) struct Asked {
 /// Projects every constraint of an island once, from the same positions, and returns the largest error found among the hard ones, metres.
 pub(super) fn sweep(
     places: &mut Places,
-    plan: &mut Plan,
+    plan: &Plan,
+    sums: &mut Sums,
     island: &Island,
     items: &[Item],
     manner: Manner,
@@ -50,7 +52,7 @@ pub(super) fn sweep(
             point.w *= asked.count[row as usize] as f32;
         }
         let origin = places.origin[places.at(rows[0])];
-        worst = worst.max(item.project_local(plan, manner, origin, local));
+        worst = worst.max(item.project_local(plan, sums, manner, origin, local));
         for (point, &row) in local.now.iter().zip(&rows) {
             let moved = point.truncate() - places.position[places.at(row)].truncate();
             asked.sum[row as usize] += moved;

@@ -3,77 +3,106 @@
 //! Constraints among the particles of an island sum to no momentum, but a correction is rounded to the spacing of positions, 6e-8 m within a
 //! metre, and divided by `h` becomes a kick: at 600 substeps a second, noise of some 1e-5 m/s that adds up like a random walk, until after a
 //! minute a free brick tumbles otherwise than it should. What the sums must be is known, so the difference is taken from all particles as the
-//! answer of a rigid body to it ([`Whole`]).
+//! answer of a rigid body to it.
 //!
 //! The angular momentum `Σ m p × v`, with `p` where the substep began, is what Verlet conserves, and what corrections along the start of the
 //! step ([`Direction::StepStart`]) keep. To the nearest point they do not: a cube of rods loses its spin as `ω₀/√(1 + 2ω₀²ht)`, and a skin under
 //! pressure makes some out of nothing. That is mended in the same way, unless
 //! [`keep_spin`](crate::SolverSettings::keep_spin) asks for the lectures' loop as it is.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::plan::{Group, Island, Kind, Plan};
-use crate::constraints::{Direction, Law};
+use crate::constraints::Law;
 use crate::integrate::Integrator;
-use crate::particles::{Particles, Whole};
+use crate::particles::{Particles, Places};
+use crate::pose::pseudo_solve;
 
-/// What an island's momenta were before it was solved.
+/// What the corrections of an island together gave it, and has to be taken off again.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Momenta {
-    /// `Σ m v`, kg·m/s.
-    linear: DVec3,
-    /// `Σ m p × v` about the island's origin, kg·m²/s.
-    angular: DVec3,
-    /// Whether the corrections keep the angular one.
-    keeps_angular: bool,
+pub(super) struct Excess {
+    /// Where the substep began at the first of its rows, which the barycentre is measured from, metres.
+    anchor: DVec3,
+    centre: DVec3,
+    /// Velocity of the barycentre, m/s, and angular velocity, rad/s.
+    shift: DVec3,
+    turn: DVec3,
 }
 
-impl Momenta {
-    /// The momenta that are to be kept, or `None` if something outside holds the island: a pinned particle, or a law of a game's own; or if there is
-    /// an explicit rigid body in it, whose velocities are its own.
-    pub(super) fn to_keep(
-        particles: &Particles,
-        plan: &Plan,
-        island: &Island,
-        direction: Direction,
-    ) -> Option<Self> {
-        let keeps_angular = direction == Direction::StepStart || island.settings.keep_spin;
-        let rows = &plan.members[island.members.clone()];
-        island.free.then(|| Self { keeps_angular, ..Self::of(particles, rows) })
-    }
-
-    fn of(particles: &Particles, rows: &[u32]) -> Self {
-        let (mut linear, mut angular) = (DVec3::ZERO, DVec3::ZERO);
+impl Excess {
+    /// Of an island that nothing held, before its velocities are derived: linear momentum, and angular momentum if the corrections are to keep that.
+    ///
+    /// With `v' = u + (q' - q)/h` ([`integrate`](crate::integrate)) they gave the momentum `P = Σ m (v' - u)`, and the angular momentum
+    /// `L = Σ r × m (v' - u)` about the point that `r` is measured from, where the substep began. A rigid body of the same masses answers with
+    /// `P/M` and `I⁻¹ (L - r̄ × P)`. Differences of velocities are exact in `f64`, so nothing is lost by summing up.
+    pub(super) fn of(places: &Places, rows: &[u32], h: f32, keeps_angular: bool) -> Option<Self> {
+        let anchor = places.start[places.at(*rows.first()?)].truncate().as_dvec3();
+        let per_second = 1.0 / h;
+        let mut sums = Sums::default();
         for &row in rows {
-            let i = row as usize;
-            let velocity = particles.velocity[i].truncate().as_dvec3();
-            let momentum = velocity / f64::from(particles.position[i].w);
-            linear += momentum;
-            angular += particles.start[i].truncate().as_dvec3().cross(momentum);
+            let i = places.at(row);
+            let (q, start, u) =
+                (places.position[i], places.start[i].truncate(), places.velocity[i]);
+            let u = u.truncate();
+            let v = u + (q.truncate() - (start + u * h)) * per_second;
+            sums.add(1.0 / f64::from(q.w), start.as_dvec3() - anchor, v.as_dvec3() - u.as_dvec3());
         }
-        Self { linear, angular, keeps_angular: false }
+        let (centre, shift, turn) = sums.answer(keeps_angular)?;
+        Some(Self { anchor, centre, shift, turn })
     }
 
-    /// Takes from the derived velocities of an island what it has beyond these momenta.
-    pub(super) fn restore(&self, particles: &mut Particles, plan: &Plan, island: &Island) {
-        let rows = &plan.members[island.members.clone()];
-        let now = Self::of(particles, rows);
-        let Some(whole) = Whole::at_start(particles, rows) else { return };
-        let linear = now.linear - self.linear;
-        let angular = if self.keeps_angular {
-            // About the barycentre: what the linear excess has about the origin goes with it.
-            now.angular - self.angular - whole.centre(particles).cross(linear)
+    /// Takes it off the derived velocities.
+    pub(super) fn take_off(&self, places: &mut Places, rows: &[u32]) {
+        for &row in rows {
+            let i = places.at(row);
+            let arm = places.start[i].truncate().as_dvec3() - self.anchor - self.centre;
+            let share: Vec3 = (self.shift + self.turn.cross(arm)).as_vec3();
+            places.velocity[i] -= share.extend(0.0);
+        }
+    }
+}
+
+/// What is summed up over an island.
+#[derive(Default)]
+struct Sums {
+    mass: f64,
+    /// `Σ m r`.
+    first: DVec3,
+    /// `Σ m r rᵀ`: xx, yy, zz; xy, yz, zx.
+    squares: DVec3,
+    products: DVec3,
+    momentum: DVec3,
+    angular: DVec3,
+}
+
+impl Sums {
+    #[inline]
+    fn add(&mut self, m: f64, r: DVec3, change: DVec3) {
+        let (weighed, gained) = (r * m, change * m);
+        self.mass += m;
+        self.first += weighed;
+        self.squares += weighed * r;
+        self.products += weighed * DVec3::new(r.y, r.z, r.x);
+        self.momentum += gained;
+        self.angular += r.cross(gained);
+    }
+
+    /// The barycentre from the anchor, metres; the velocity and the angular velocity that a rigid body would have of what was gained.
+    fn answer(&self, keeps_angular: bool) -> Option<(DVec3, DVec3, DVec3)> {
+        let centre = self.first / self.mass;
+        let shift = self.momentum / self.mass;
+        let turn = if keeps_angular {
+            let (c, m) = (centre, self.mass);
+            let s = self.squares - c * c * m;
+            let p = self.products - c * DVec3::new(c.y, c.z, c.x) * m;
+            let inertia =
+                [[s.y + s.z, -p.x, -p.z], [-p.x, s.z + s.x, -p.y], [-p.z, -p.y, s.x + s.y]];
+            pseudo_solve(inertia, self.angular - c.cross(self.momentum))
         } else {
             DVec3::ZERO
         };
-        if !(linear.is_finite() && angular.is_finite()) {
-            return;
-        }
-        let excess = whole.answer(linear, angular);
-        for &row in rows {
-            let share = excess.at(whole.arm(particles, row as usize));
-            particles.velocity[row as usize] -= share.extend(0.0);
-        }
+        (centre.is_finite() && shift.is_finite() && turn.is_finite())
+            .then_some((centre, shift, turn))
     }
 }
 
@@ -85,7 +114,7 @@ pub(crate) fn is_free(particles: &Particles, plan: &Plan, island: &Island) -> bo
         group.kind != Kind::Constraints || !matches!(first.map(|c| &c.law), Some(Law::Custom(_)))
     };
     let groups = &plan.groups[island.groups.clone()];
-    // Explicit Euler adds the forces of the substep after the constraints.
+    // Explicit Euler adds the forces of the substep after the constraints; an explicit rigid body's velocities are its own.
     !groups.is_empty()
         && !island.rigid
         && island.settings.integrator != Integrator::ExplicitEuler

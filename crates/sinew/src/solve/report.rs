@@ -26,6 +26,10 @@ pub struct SolverReport {
 pub struct IslandReport {
     /// Sweeps, summed over the substeps.
     pub sweeps: u32,
+    /// The most that it needed in one substep.
+    pub most_sweeps: u32,
+    /// Those of the last substep.
+    pub last_sweeps: u32,
     /// Whether it met the tolerance in every substep.
     pub converged: bool,
     /// Substeps in which it turned too fast to be corrected along the start of the step.
@@ -40,6 +44,15 @@ pub struct IslandReport {
 
 impl Default for IslandReport {
     fn default() -> Self {
-        Self { sweeps: 0, converged: true, fallbacks: 0, error: 0.0, strain: 0.0, seconds: 0.0 }
+        Self {
+            sweeps: 0,
+            most_sweeps: 0,
+            last_sweeps: 0,
+            converged: true,
+            fallbacks: 0,
+            error: 0.0,
+            strain: 0.0,
+            seconds: 0.0,
+        }
     }
 }

@@ -4,6 +4,7 @@ use std::collections::BinaryHeap;
 
 use super::item::{Item, Local, Manner};
 use super::plan::{Island, Plan};
+use super::sums::Sums;
 use crate::particles::Places;
 
 /// What the heap needs beside the plan. Scratch.
@@ -24,7 +25,8 @@ pub(crate) struct Queue {
 /// Soft constraints, which are not meant to be kept, take one turn each, first.
 pub(super) fn sweep(
     places: &mut Places,
-    plan: &mut Plan,
+    plan: &Plan,
+    sums: &mut Sums,
     island: &Island,
     items: &[Item],
     manner: Manner,
@@ -37,7 +39,7 @@ pub(super) fn sweep(
     let mut worst = 0.0_f32;
     for item in items {
         if !item.is_hard(plan) {
-            worst = worst.max(item.project(places, plan, manner, local));
+            worst = worst.max(item.project(places, plan, sums, manner, local));
         }
     }
     queue.heap.clear();
@@ -56,7 +58,7 @@ pub(super) fn sweep(
         }
         left -= 1;
         let item = items[place as usize];
-        item.project(places, plan, manner, local);
+        item.project(places, plan, sums, manner, local);
         for &row in item.rows(plan, &mut pair) {
             let slot = queue.slots[row as usize] as usize;
             let (begin, end) = (queue.begins[slot], queue.begins[slot + 1]);

@@ -1,19 +1,17 @@
-//! The charges in columns, sixteen side by side: one source acts on as many targets at once, which the compiler turns into vector
-//! instructions on every machine.
+//! The charges as packed rows, and Coulomb's law in eight lanes: one source acts on eight targets at once.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 
+use super::walk::Group;
+use crate::lanes::{LANES, Lanes, Vector};
 use crate::particles::Particles;
-
-/// Targets that are worked on at once.
-pub(super) const LANES: usize = 16;
 
 /// Squared distance in m² below which the force falls to zero: a micrometre. Its inverse cube, 1e18, and the squares of charges up to 10⁵ C stay in
 /// the range of `f32` together.
 pub(super) const NEAR: f32 = 1e-12;
 
-/// One number for each of the targets at hand.
-pub(super) type Lanes = [f32; LANES];
+/// The charges of a leaf of the tree: as many as are worked on at once. The number of rows is a multiple of it.
+pub(super) const LEAF: usize = LANES;
 
 /// A charged particle.
 #[derive(Clone, Copy, Debug)]
@@ -37,114 +35,87 @@ pub(super) fn charged(particles: &Particles) -> impl Iterator<Item = Item> + '_ 
     rows.map(item).filter(|item| item.at.length_squared() < 1e36 && item.charge.abs() <= 1e5)
 }
 
-/// The charges, and the sums of the forces on them. Padded with charges of nothing to a multiple of [`LANES`].
+/// The charges, and the sums of the forces on them. Padded with charges of nothing to a multiple of [`LEAF`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Columns {
-    local: [Vec<f32>; 3],
-    origin: [Vec<f32>; 3],
-    /// `√|K| q`: the product of two is symmetric, and neither too large nor too small for `f32`.
-    charge: Vec<f32>,
-    force: [Vec<f32>; 3],
+    /// `[x y z s]`: metres from the origin; s = `√|K| q`: the product of two is symmetric, and neither too large nor too small for `f32`.
+    pub charges: Vec<Vec4>,
+    /// `[x y z 0]`, metres.
+    pub origins: Vec<Vec4>,
+    /// `[x y z 0]`, N, but for the sign of Coulomb's constant.
+    pub forces: Vec<Vec4>,
 }
 
 impl Columns {
     /// Takes over the charges in the order of `items`, and forgets the forces.
     pub(super) fn fill(&mut self, particles: &Particles, items: &[Item], constant: f32) {
-        let padded = items.len().next_multiple_of(LANES);
         let scale = constant.abs().sqrt();
-        for column in self.local.iter_mut().chain(&mut self.origin).chain(&mut self.force) {
-            column.clear();
-            column.resize(padded, 0.0);
-        }
-        self.charge.clear();
-        self.charge.resize(padded, 0.0);
-        for (k, item) in items.iter().enumerate() {
-            let i = item.row as usize;
-            let (local, origin) = (particles.position[i], particles.origin[i]);
-            for axis in 0..3 {
-                self.local[axis][k] = local[axis];
-                self.origin[axis][k] = origin[axis];
-            }
-            self.charge[k] = particles.charge[i] * scale;
-        }
-    }
-
-    /// Number of charges, padding included.
-    pub(super) fn len(&self) -> usize {
-        self.charge.len()
+        let rows = || items.iter().map(|item| item.row as usize);
+        let padded = items.len().next_multiple_of(LEAF);
+        self.charges.clear();
+        self.charges
+            .extend(rows().map(|i| particles.position[i].with_w(particles.charge[i] * scale)));
+        self.charges.resize(padded, Vec4::ZERO);
+        self.origins.clear();
+        self.origins.extend(rows().map(|i| particles.origin[i].extend(0.0)));
+        self.origins.resize(padded, Vec4::ZERO);
+        self.forces.clear();
+        self.forces.resize(padded, Vec4::ZERO);
     }
 
     /// Force on charge `k`, N, but for the sign of Coulomb's constant.
     pub(super) fn force(&self, k: usize) -> Vec3 {
-        Vec3::new(self.force[0][k], self.force[1][k], self.force[2][k])
+        self.forces[k].truncate()
     }
+}
 
-    /// Adds to the forces on the targets from `first` on.
+/// The eight charges on which others act at the moment.
+#[derive(Clone, Copy)]
+pub(super) struct Targets<L> {
+    local: Vector<L>,
+    origin: Vector<L>,
+    pub charge: L,
+    softening: L,
+}
+
+impl<L: Lanes> Targets<L> {
+    /// Those from row `first` on, with `softening` = ε², m².
     #[inline(always)]
-    pub(super) fn add(&mut self, first: usize, sum: &[Lanes; 3]) {
-        for (column, sum) in self.force.iter_mut().zip(sum) {
-            column[first..first + LANES].iter_mut().zip(sum).for_each(|(f, s)| *f += s);
-        }
+    pub(super) fn of(charges: &[Vec4], origins: &[Vec4], first: usize, softening: f32) -> Self {
+        let (local, charge) = Vector::of(L::run(charges, first));
+        let (origin, _) = Vector::of(L::run(origins, first));
+        Self { local, origin, charge, softening: L::splat(softening) }
     }
 
-    /// Takes the sum over the targets off the force on source `k`: what it did to them, they do to it.
-    #[inline(always)]
-    pub(super) fn react(&mut self, k: usize, forces: &[Lanes; 3]) {
-        for (column, f) in self.force.iter_mut().zip(forces) {
-            let mut four = [0.0_f32; 4];
-            for (l, four) in four.iter_mut().enumerate() {
-                *four = (f[l] + f[l + 4]) + (f[l + 8] + f[l + 12]);
-            }
-            column[k] -= (four[0] + four[1]) + (four[2] + four[3]);
-        }
-    }
-
-    /// The targets from `first` on.
-    #[inline(always)]
-    pub(super) fn targets(&self, first: usize) -> Targets {
-        Targets {
-            local: core::array::from_fn(|axis| lanes(&self.local[axis], first)),
-            origin: core::array::from_fn(|axis| lanes(&self.origin[axis], first)),
-            charge: lanes(&self.charge, first),
-        }
-    }
-
-    /// `s_a s_b d/(‖d‖² + ε²)^{3/2}`, the force of charge `k` on each target, with `softening` = ε², m².
+    /// `s_a s_b d/(‖d‖² + ε²)^{3/2}`, the force of a charge on each target.
     ///
     /// Differences are those of [`Particles::separation`]: true to the digits of the charges' own origins. `d` changes its sign exactly when the two
     /// change places, and nothing else does, so action and reaction are the same bits whoever is the target. A target that is the source feels
     /// nothing: `d` is zero.
     #[inline(always)]
-    #[expect(clippy::needless_range_loop, reason = "a lane has one index in seven columns")]
-    pub(super) fn forces_of(&self, k: usize, targets: &Targets, softening: f32) -> [Lanes; 3] {
-        let [x, y, z] = [0, 1, 2].map(|axis| self.local[axis][k]);
-        let [ox, oy, oz] = [0, 1, 2].map(|axis| self.origin[axis][k]);
-        let charge = self.charge[k];
-        let mut forces = [[0.0; LANES]; 3];
-        for l in 0..LANES {
-            let dx = (targets.local[0][l] - x) + (targets.origin[0][l] - ox);
-            let dy = (targets.local[1][l] - y) + (targets.origin[1][l] - oy);
-            let dz = (targets.local[2][l] - z) + (targets.origin[2][l] - oz);
-            let r2 = dx * dx + dy * dy + dz * dz + softening;
-            // Not `max`, which costs more for what it does with NaN.
-            let r2 = if r2 > NEAR { r2 } else { NEAR };
-            let strength = targets.charge[l] * charge / (r2 * r2.sqrt());
-            forces[0][l] = dx * strength;
-            forces[1][l] = dy * strength;
-            forces[2][l] = dz * strength;
-        }
-        forces
+    pub(super) fn forces_of(&self, source: &Vec4, origin: &Vec4) -> Vector<L> {
+        let d = (self.local - Vector::splat(source.truncate()))
+            + (self.origin - Vector::splat(origin.truncate()));
+        let r2 = (d.length_squared() + self.softening).max(L::splat(NEAR));
+        d * (self.charge * L::splat(source.w) / (r2 * r2.sqrt()))
+    }
+
+    /// The force of a far group on each target, which are at `place` seen from where the group's centre is measured from.
+    #[inline(always)]
+    pub(super) fn forces_of_group(&self, place: Vector<L>, group: &Group) -> Vector<L> {
+        let d = place - Vector::splat(group.centre);
+        let r2 = (d.length_squared() + self.softening).max(L::splat(NEAR));
+        let inverse2 = L::splat(1.0) / r2;
+        let strength = (self.charge * inverse2) * (inverse2 * r2.sqrt());
+        let dipole = Vector::splat(group.dipole);
+        let along = L::splat(group.charge) + L::splat(3.0) * dipole.dot(d) * inverse2;
+        (d * along - dipole) * strength
     }
 }
 
-/// The charges on which others act at the moment.
-pub(super) struct Targets {
-    local: [Lanes; 3],
-    origin: [Lanes; 3],
-    pub charge: Lanes,
-}
-
+/// Adds to the forces on the eight targets from row `first` on.
 #[inline(always)]
-fn lanes(column: &[f32], first: usize) -> Lanes {
-    core::array::from_fn(|l| column[first + l])
+pub(super) fn add<L: Lanes>(forces: &mut [Vec4], first: usize, sum: Vector<L>) {
+    let (so_far, rest) = Vector::of(L::run(forces, first));
+    L::put_run(forces, first, (so_far + sum).with(rest));
 }

@@ -2,26 +2,24 @@
 //!
 //! Each pair is worked out once and counts for both, as the same bits with two signs: what the forces add up to is the round-off of the
 //! sums, some 1e-6 of the largest force, and nothing else.
+//!
+//! # The order of the sums
+//!
+//! A source acts on eight targets, and what they do to it is the sum of eight lanes. Adding those up for each eight pairs would cost as much as
+//! the forces, so each source of a block keeps eight sums, and their lanes are added when the block is done. A block is as many sources
+//! as fit into the nearest cache together with their sums. A root and a division for eight pairs are what is left to wait for.
 
-use super::columns::{Columns, Item, LANES};
+use glam::{Vec3, Vec4};
+
+use super::columns::{Columns, Item, Targets, add};
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
+
+/// Sources whose sums are kept at once: 128 of them take 16 KiB, half of what the nearest cache has.
+const BLOCK: usize = 128;
 
 /// Adds the force of every charge on every other.
-pub(super) fn sum(columns: &mut Columns, softening: f32) {
-    for first in (0..columns.len()).step_by(LANES) {
-        let targets = columns.targets(first);
-        let mut total = [[0.0; LANES]; 3];
-        // Among themselves from both sides, since each of them is a target.
-        for k in first..first + LANES {
-            let forces = columns.forces_of(k, &targets, softening);
-            add(&mut total, &forces);
-        }
-        for k in first + LANES..columns.len() {
-            let forces = columns.forces_of(k, &targets, softening);
-            add(&mut total, &forces);
-            columns.react(k, &forces);
-        }
-        columns.add(first, &total);
-    }
+pub(super) fn sum(columns: &mut Columns, softening: f32, instructions: InstructionSet) {
+    with(instructions, AllPairs { columns, softening });
 }
 
 /// `Σ q_a q_b/√(‖d‖² + ε²)` over all pairs, C²/m. Charges at the same point without softening are left out.
@@ -39,12 +37,61 @@ pub(super) fn potential(items: &[Item], softening: f32) -> f64 {
     sum
 }
 
-#[inline(always)]
-pub(super) fn add(total: &mut [[f32; LANES]; 3], forces: &[[f32; LANES]; 3]) {
-    // By index: an iterator over all at once is not turned into vector instructions.
-    for axis in 0..3 {
-        for l in 0..LANES {
-            total[axis][l] += forces[axis][l];
+struct AllPairs<'a> {
+    columns: &'a mut Columns,
+    softening: f32,
+}
+
+impl Work for AllPairs<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Columns { charges, origins, forces } = self.columns;
+        let nothing = Vector::<L>::splat(Vec3::ZERO);
+        let none = Source { charge: Vec4::ZERO, origin: Vec4::ZERO, back: nothing };
+        let mut block = [none; BLOCK];
+        for start in (0..charges.len()).step_by(BLOCK) {
+            let end = (start + BLOCK).min(charges.len());
+            let rows = charges[start..end].iter().zip(&origins[start..end]);
+            for (source, (&charge, &origin)) in block.iter_mut().zip(rows) {
+                *source = Source { charge, origin, back: nothing };
+            }
+            for first in (0..end).step_by(LANES) {
+                let targets = Targets::<L>::of(charges, origins, first, self.softening);
+                let mut total = nothing;
+                // Among themselves from both sides, since each of them is a target.
+                let own = if first < start { 0..0 } else { first - start..first - start + LANES };
+                for source in &block[own.clone()] {
+                    total += targets.forces_of(&source.charge, &source.origin);
+                }
+                for source in &mut block[own.end..end - start] {
+                    let force = targets.forces_of(&source.charge, &source.origin);
+                    total += force;
+                    source.back -= force;
+                }
+                add(forces, first, total);
+            }
+            for (force, Source { back, .. }) in forces[start..end].iter_mut().zip(&block) {
+                *force += Vec4::new(sum_of(back.x), sum_of(back.y), sum_of(back.z), 0.0);
+            }
         }
     }
+}
+
+/// A charge that acts on others, side by side with what comes back. In columns of their own this took up to twice the time, depending on where in
+/// memory they happened to lie.
+#[derive(Clone, Copy)]
+struct Source<L> {
+    charge: Vec4,
+    origin: Vec4,
+    /// What its targets do to it, in eight sums.
+    back: Vector<L>,
+}
+
+/// The eight lanes in one sum, halves first.
+#[inline(always)]
+fn sum_of<L: Lanes>(lanes: L) -> f32 {
+    let [a, b, c, d, e, f, g, h] = lanes.array();
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }

@@ -17,41 +17,42 @@
 //!
 //! # The tree
 //!
-//! Sixteen neighbours at a time are the targets, and the leaves. The charges are halved by a plane across their longest extent, and the halves
-//! again, always at a multiple of sixteen: every leaf but the last is full, the tree is as deep as the logarithm of their number wherever
+//! Eight neighbours at a time are the targets, a lane each, and the leaves. The charges are halved by a plane across their longest extent, and the halves
+//! again, always at a multiple of eight: every leaf but the last is full, the tree is as deep as the logarithm of their number wherever
 //! they are, and needs no pointers: a node with `n` leaves is followed by those of its first half and then by those of its second, `2n - 1` in
 //! all. (Of an octree along a Morton curve the leaves are half empty, and charges crowded in one place make it deep.) Ties are broken by the row, so
 //! the tree and all sums are functions of the particles alone.
 //!
-//! The sixteen share one walk. Differences to a group are taken in `f64` from the middle of the sixteen, so that they keep their digits
-//! wherever in the world they are.
+//! Up to eight leaves, a bunch, share one [walk](super::walk). Differences to a group are taken in `f64` from the middle of the bunch, so that they keep
+//! their digits wherever in the world they are.
 //!
 //! # What is lost
 //!
 //! Momentum: a group acts on a target, and the target on the members of the group one by one or in other groups, so the forces add up to
 //! nothing only as well as they are approximated. Measured on charges of either sign, spread evenly, where most of what far groups do cancels
 //! (error: root mean square, as a share of that of the forces; sum: of all forces, as a share of the sum of their magnitudes; milliseconds on
-//! one core of a shared machine, where all pairs take 2.4 to 3.8 ns a pair: 20 ms for the 4096, 7 to 8 s for the 65 536):
+//! one core of a shared machine with AVX2, where all pairs take 0.78 ns a pair: 6.5 ms for the 4096, 1.7 s for the 65 536):
 //!
 //! | opening | error, 4096 | error, 65 536 | sum, 65 536 | ms, 4096 | ms, 65 536 |
 //! |---|---|---|---|---|---|
-//! | 0.4 | 0.20 % | 0.31 % | 1e-5 | 9 | 180 |
-//! | 0.5 | 0.38 % | 0.53 % | 4e-5 | 4.3 | 120 to 145 |
-//! | 0.6 | 0.60 % | 0.80 % | 3e-5 | 3.4 | 90 to 100 |
-//! | 0.7 | 0.85 % | 1.13 % | 5e-5 | 2.9 | 70 to 110 |
+//! | 0.4 | 0.30 % | 0.43 % | 2e-5 | 2.8 | 75 |
+//! | 0.45 | 0.41 % | 0.56 % | 3e-5 | 2.4 | 63 |
+//! | 0.5 | 0.55 % | 0.73 % | 4e-5 | 2.2 | 55 |
+//! | 0.6 | 0.86 % | 1.12 % | 5e-5 | 1.8 | 44 |
 //!
-//! For 5000 charges of one sign, at 0.5, the error is 0.54 %, and the sum of the forces 1e-3 of their magnitudes.
+//! For 5000 charges of one sign, at 0.45, the error is 0.48 %, and the sum of the forces 1e-3 of their magnitudes.
 //!
 //! Taken charge by charge, each error relative to that charge's own force, the root mean square is some seven times that: it is made
 //! of the few charges on which large forces nearly cancel.
 
 use core::ops::Range;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 
 use super::Electric;
-use super::columns::{Columns, Item, LANES, Lanes, NEAR};
-use super::pairs::add;
+use super::columns::{Columns, Item, LEAF, Targets, add};
+use super::walk::{Group, Walk};
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 
 /// The charges in the order of the tree's leaves, and its nodes from the root on.
 #[derive(Clone, Debug, Default)]
@@ -60,35 +61,27 @@ pub(super) struct Tree {
     nodes: Vec<Node>,
     /// Ranges of leaves yet to be halved.
     pending: Vec<(u32, u32)>,
-    near: Vec<(u32, u32)>,
-    far: Vec<u32>,
+    walk: Walk,
+    /// The far nodes as the targets at hand see them.
+    groups: Vec<Group>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct Node {
+pub(super) struct Node {
     /// Mean place of the charges, weighted by their magnitudes, metres.
-    centre: DVec3,
+    pub centre: DVec3,
     /// Distance of the farthest one from it, metres; exactly zero where all are at one point.
-    reach: f64,
+    pub reach: f64,
     /// C.
-    charge: f64,
+    pub charge: f64,
     /// C·m.
-    dipole: DVec3,
+    pub dipole: DVec3,
     /// Middle of the box around the charges, and distance to its corners, metres.
-    middle: DVec3,
-    radius: f64,
+    pub middle: DVec3,
+    pub radius: f64,
     /// The first of its leaves, and how many there are.
-    first: u32,
-    leaves: u32,
-}
-
-/// A far group, as the targets at hand see it.
-#[derive(Clone, Copy, Debug)]
-struct Group {
-    /// Its centre, metres from the middle of the targets.
-    centre: Vec3,
-    charge: f32,
-    dipole: Vec3,
+    pub first: u32,
+    pub leaves: u32,
 }
 
 impl Tree {
@@ -101,7 +94,7 @@ impl Tree {
 
     /// Sorts the charges into leaves, and sums up the nodes.
     pub(super) fn grow(&mut self) {
-        let leaves = self.items.len().div_ceil(LANES) as u32;
+        let leaves = self.items.len().div_ceil(LEAF) as u32;
         self.nodes.clear();
         self.pending.clear();
         if leaves > 0 {
@@ -121,13 +114,13 @@ impl Tree {
                 } else {
                     2
                 };
-                items.select_nth_unstable_by((half - first) as usize * LANES, |a, b| {
+                items.select_nth_unstable_by((half - first) as usize * LEAF, |a, b| {
                     a.at[axis].total_cmp(&b.at[axis]).then(a.row.cmp(&b.row))
                 });
                 self.pending.push((half, end));
                 self.pending.push((first, half));
             } else {
-                // Which sixteen they are is settled, but not in which order they were left.
+                // Which eight they are is settled, but not in which order they were left.
                 items.sort_unstable_by_key(|item| item.row);
             }
             self.nodes.push(Node {
@@ -145,104 +138,146 @@ impl Tree {
     }
 
     /// Adds the forces on all charges, near and far; `columns` are those of [`items`](Self::items).
-    pub(super) fn sum(&mut self, columns: &mut Columns, law: &Electric) {
-        let scale = f64::from(law.constant.abs().sqrt());
-        let softening = law.softening * law.softening;
-        for n in 0..self.nodes.len() {
-            let node = self.nodes[n];
-            if node.leaves > 1 {
-                continue;
-            }
-            self.walk(&node, law.opening);
-            let first = node.first as usize * LANES;
-            let targets = columns.targets(first);
-            let aside = self.aside(&node);
-            let mut total = [[0.0; LANES]; 3];
-            for &far in &self.far {
-                let group = self.nodes[far as usize].seen_from(node.middle, scale);
-                add(&mut total, &group.forces(&aside, &targets.charge, softening));
-            }
-            for &(start, end) in &self.near {
-                for k in start as usize * LANES..end as usize * LANES {
-                    add(&mut total, &columns.forces_of(k, &targets, softening));
-                }
-            }
-            columns.add(first, &total);
-        }
+    pub(super) fn sum(
+        &mut self,
+        columns: &mut Columns,
+        law: &Electric,
+        instructions: InstructionSet,
+    ) {
+        with(instructions, AllLeaves { tree: self, columns, law });
     }
 
     /// `Σ q_a q_b/√(‖d‖² + ε²)` over all pairs, near ones as they are and far ones by their groups, C²/m.
     pub(super) fn potential(&mut self, law: &Electric) -> f64 {
         let softening = f64::from(law.softening) * f64::from(law.softening);
         let mut twice = 0.0;
-        for n in 0..self.nodes.len() {
-            let node = self.nodes[n];
-            if node.leaves > 1 {
-                continue;
-            }
-            self.walk(&node, law.opening);
-            for k in members(&self.items, node.first, node.first + 1) {
-                let target = self.items[k];
-                let mut sum = 0.0;
-                for &far in &self.far {
-                    // At one point with the target, it may be one of them.
-                    let own = node.first.wrapping_sub(self.nodes[far as usize].first)
-                        < self.nodes[far as usize].leaves;
-                    let own = if own { target.charge } else { 0.0 };
-                    sum += self.nodes[far as usize].potential(target.at, softening, own);
+        let mut bunches = Bunches::default();
+        while let Some(bunch) = bunches.next(&self.nodes) {
+            let (nodes, walk) = (&self.nodes, &mut self.walk);
+            with(InstructionSet::best(), OneWalk { nodes, walk, bunch, opening: law.opening });
+            let bunch = &self.nodes[bunch];
+            for (eighth, leaf) in (bunch.first..bunch.first + bunch.leaves).enumerate() {
+                for k in members(&self.items, leaf, leaf + 1) {
+                    let target = self.items[k];
+                    twice += target.charge * self.potential_at(k, eighth, softening);
                 }
-                for &(start, end) in &self.near {
-                    for j in members(&self.items, start, end) {
-                        let r2 = (target.at - self.items[j].at).length_squared() + softening;
-                        if j != k && r2 > 0.0 {
-                            sum += self.items[j].charge / r2.sqrt();
-                        }
-                    }
-                }
-                twice += target.charge * sum;
             }
         }
         0.5 * twice
     }
 
-    /// Finds what acts on the charges of a leaf: the nodes that act as one, and ranges of leaves that do not.
-    fn walk(&mut self, targets: &Node, opening: f32) {
-        let per_reach = 1.0 / f64::from(opening);
-        self.far.clear();
-        self.near.clear();
-        let mut n = 0;
-        while let Some(node) = self.nodes.get(n) {
-            let least = node.reach * per_reach + targets.radius;
-            let whole = 2 * node.leaves as usize - 1;
-            // Charges at one point are a single charge, however near.
-            if node.reach == 0.0 || (node.centre - targets.middle).length_squared() > least * least
-            {
-                self.far.push(n as u32);
-                n += whole;
-            } else {
-                if node.leaves == 1 {
-                    match self.near.last_mut() {
-                        Some((_, end)) if *end == node.first => *end += 1,
-                        _ => self.near.push((node.first, node.first + 1)),
-                    }
+    /// Potential at charge `k`, of the leaf `eighth` of the last walk, without Coulomb's constant, C/m.
+    fn potential_at(&self, k: usize, eighth: usize, softening: f64) -> f64 {
+        let target = self.items[k];
+        let mut sum = 0.0;
+        for &far in &self.walk.takes[eighth] {
+            let node = &self.nodes[self.walk.far[far as usize] as usize];
+            // At one point with the target, it may be one of them.
+            let own = members(&self.items, node.first, node.first + node.leaves).contains(&k);
+            sum += node.potential(target.at, softening, if own { target.charge } else { 0.0 });
+        }
+        for &(start, end) in &self.walk.near[eighth] {
+            for j in members(&self.items, start, end) {
+                let r2 = (target.at - self.items[j].at).length_squared() + softening;
+                if j != k && r2 > 0.0 {
+                    sum += self.items[j].charge / r2.sqrt();
                 }
-                n += 1;
             }
         }
+        sum
     }
+}
 
-    /// The charges of a leaf, metres from its middle.
-    fn aside(&self, leaf: &Node) -> [Lanes; 3] {
-        let mut aside = [[0.0; LANES]; 3];
-        for (l, k) in members(&self.items, leaf.first, leaf.first + 1).enumerate() {
-            let d = (self.items[k].at - leaf.middle).as_vec3().to_array();
-            (0..3).for_each(|axis| aside[axis][l] = d[axis]);
+/// The nodes of at most eight leaves below one of more, in their order.
+#[derive(Default)]
+struct Bunches {
+    at: usize,
+}
+
+impl Bunches {
+    #[inline]
+    fn next(&mut self, nodes: &[Node]) -> Option<usize> {
+        while nodes.get(self.at)?.leaves > LANES as u32 {
+            self.at += 1;
         }
-        aside
+        let bunch = self.at;
+        self.at += nodes[bunch].whole();
+        Some(bunch)
+    }
+}
+
+/// What acts on the leaves of a bunch.
+struct OneWalk<'a> {
+    nodes: &'a [Node],
+    walk: &'a mut Walk,
+    bunch: usize,
+    opening: f32,
+}
+
+impl Work for OneWalk<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.walk.walk::<L>(self.nodes, self.bunch, 1.0 / f64::from(self.opening));
+    }
+}
+
+/// The forces on the charges of each leaf.
+struct AllLeaves<'a> {
+    tree: &'a mut Tree,
+    columns: &'a mut Columns,
+    law: &'a Electric,
+}
+
+impl Work for AllLeaves<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Columns { charges, origins, forces } = self.columns;
+        let Tree { items, nodes, walk, groups, .. } = self.tree;
+        let scale = f64::from(self.law.constant.abs().sqrt());
+        let softening = self.law.softening * self.law.softening;
+        let per_reach = 1.0 / f64::from(self.law.opening);
+        let mut bunches = Bunches::default();
+        while let Some(n) = bunches.next(nodes) {
+            walk.walk::<L>(nodes, n, per_reach);
+            let bunch = &nodes[n];
+            let far = walk.far.iter().map(|&far| &nodes[far as usize]);
+            groups.clear();
+            groups.extend(far.map(|node| Group::of(node, bunch.middle, scale)));
+            for (eighth, leaf) in (bunch.first..bunch.first + bunch.leaves).enumerate() {
+                let first = leaf as usize * LEAF;
+                let targets = Targets::<L>::of(charges, origins, first, softening);
+                let mut aside = [Vec4::ZERO; LANES];
+                for (aside, item) in aside.iter_mut().zip(&items[members(items, leaf, leaf + 1)]) {
+                    *aside = (item.at - bunch.middle).as_vec3().extend(0.0);
+                }
+                let (place, _) = Vector::of(L::run(&aside, 0));
+                let mut total = Vector::splat(Vec3::ZERO);
+                for &far in &walk.takes[eighth] {
+                    total += targets.forces_of_group(place, &groups[far as usize]);
+                }
+                for &(start, end) in &walk.near[eighth] {
+                    let near = start as usize * LEAF..end as usize * LEAF;
+                    for (charge, origin) in charges[near.clone()].iter().zip(&origins[near]) {
+                        total += targets.forces_of(charge, origin);
+                    }
+                }
+                add(forces, first, total);
+            }
+        }
     }
 }
 
 impl Node {
+    /// How many nodes it is with all below it.
+    #[inline]
+    pub(super) fn whole(&self) -> usize {
+        2 * self.leaves as usize - 1
+    }
+
     fn sum_up(&mut self, items: &[Item]) {
         let (mut weight, mut centre) = (0.0, DVec3::ZERO);
         for item in items {
@@ -269,14 +304,6 @@ impl Node {
         }
     }
 
-    fn seen_from(&self, middle: DVec3, scale: f64) -> Group {
-        Group {
-            centre: (self.centre - middle).as_vec3(),
-            charge: (self.charge * scale) as f32,
-            dipole: (self.dipole * scale).as_vec3(),
-        }
-    }
-
     /// Potential at `point` without Coulomb's constant, C/m; of the charge alone, less `own`, where all of it is at that very point.
     fn potential(&self, point: DVec3, softening: f64, own: f64) -> f64 {
         let d = point - self.centre;
@@ -289,30 +316,9 @@ impl Node {
     }
 }
 
-impl Group {
-    /// The force on each target, N but for the sign of Coulomb's constant.
-    #[inline(always)]
-    fn forces(&self, aside: &[Lanes; 3], charge: &Lanes, softening: f32) -> [Lanes; 3] {
-        let (c, p) = (self.centre, self.dipole);
-        let mut forces = [[0.0; LANES]; 3];
-        for l in 0..LANES {
-            let (dx, dy, dz) = (aside[0][l] - c.x, aside[1][l] - c.y, aside[2][l] - c.z);
-            let r2 = dx * dx + dy * dy + dz * dz + softening;
-            let r2 = if r2 > NEAR { r2 } else { NEAR };
-            let inverse2 = 1.0 / r2;
-            let strength = (charge[l] * inverse2) * (inverse2 * r2.sqrt());
-            let along = self.charge + 3.0 * (p.x * dx + p.y * dy + p.z * dz) * inverse2;
-            forces[0][l] = (along * dx - p.x) * strength;
-            forces[1][l] = (along * dy - p.y) * strength;
-            forces[2][l] = (along * dz - p.z) * strength;
-        }
-        forces
-    }
-}
-
 /// The charges of leaves `first` to `end`.
 fn members(items: &[Item], first: u32, end: u32) -> Range<usize> {
-    first as usize * LANES..(end as usize * LANES).min(items.len())
+    first as usize * LEAF..(end as usize * LEAF).min(items.len())
 }
 
 /// The box around charges.

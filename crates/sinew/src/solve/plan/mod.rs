@@ -17,33 +17,37 @@
 mod clusters;
 mod colours;
 mod islands;
+mod tasks;
 
 use core::ops::Range;
 
 use super::rods::Rods;
+use super::wide::{Laws, Which};
 use crate::constraints::{Bound, Constraint, Distance, Law};
 use crate::solve::SolverSettings;
 use clusters::{Clusters, PHASES, Place};
 use colours::{Colours, Strides};
 use islands::Connected;
 
+pub(crate) use tasks::Task;
+
 /// The distances and constraints in solving order, and what a sweep needs beside them. Scratch, never saved.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Plan {
     /// The distances, island after island, group after group.
     pub(crate) distances: Vec<Distance>,
-    /// The multiplier that each distance has summed up in this substep.
-    pub(crate) lambdas: Vec<f32>,
     /// All other constraints, in the same way.
     pub(crate) constraints: Vec<Constraint>,
-    /// The multiplier that each constraint has summed up in this substep.
-    pub(crate) multipliers: Vec<f32>,
     /// The rods among the distances, eight by eight.
     pub(crate) rods: Rods,
+    /// The others that have a kernel for eight at a time.
+    pub(crate) laws: Laws,
     /// The groups of all of them, in the order of a sweep.
     pub(crate) groups: Vec<Group>,
     /// The bundles that these make.
     pub(crate) bundles: Vec<Bundle>,
+    /// What threads may do side by side.
+    pub(crate) tasks: Vec<Task>,
     /// The islands, in the order of their first particles. Every particle is in one.
     pub(crate) islands: Vec<Island>,
     /// The rows of the particles, island after island, ascending in each.
@@ -62,9 +66,11 @@ pub(crate) struct Group {
     pub(crate) kind: Kind,
     /// Where they are in that list.
     pub(crate) range: Range<usize>,
-    /// Of rods: where they are among the plan's runs, and blocks.
+    /// Of rods: where they are among the plan's runs (or eights, in columns), and blocks.
     pub(crate) runs: Range<usize>,
     pub(crate) blocks: Range<usize>,
+    /// Of others: where they are among its laws, if those have a kernel for eight at a time.
+    pub(crate) wide: Option<Which>,
 }
 
 /// Groups of one rank, of one cluster in one phase, which are swept one after the other: what a thread takes at a time.
@@ -192,6 +198,7 @@ impl Plan {
         self.groups.clear();
         self.bundles.clear();
         self.rods.clear();
+        self.laws.clear();
         self.islands.iter_mut().for_each(|island| (island.groups, island.bundles) = (0..0, 0..0));
         for keys in
             keys.chunk_by(|one, other| Fields::bundle(one.group) == Fields::bundle(other.group))
@@ -203,17 +210,19 @@ impl Plan {
                 island.bundles = self.bundles.len()..self.bundles.len();
             }
             let first = self.groups.len();
-            let (rows, columns) = self.take_bundle(distances, constraints, keys, found);
-            let groups = first..self.groups.len();
             let stage = found.rank * PHASES + found.phase;
+            // Rows before this bundle's may be turned with it, but not those of another one of its stage, or of another island.
+            let begin = match self.bundles.last().filter(|_| !island.bundles.is_empty()) {
+                Some(last) if last.stage == stage => last.rows.end,
+                _ => self.members[island.members.start],
+            };
+            let (rows, columns) = self.take_bundle(distances, constraints, keys, found, begin);
+            let groups = first..self.groups.len();
             let island = &mut self.islands[found.island as usize];
             (island.groups.end, island.bundles.end) = (groups.end, island.bundles.end + 1);
             self.bundles.push(Bundle { groups, stage, rows, columns });
         }
-        self.lambdas.clear();
-        self.lambdas.resize(self.distances.len(), 0.0);
-        self.multipliers.clear();
-        self.multipliers.resize(self.constraints.len(), 0.0);
+        self.tasks = tasks::cut(self);
     }
 
     /// Copies the constraints of one bundle, group by group; returns within which rows they are, and whether they are to be swept in columns.
@@ -223,9 +232,10 @@ impl Plan {
         constraints: &[Constraint],
         keys: &[Key],
         found: Fields,
+        first: u32,
     ) -> (Range<u32>, bool) {
         let kind = found.kind();
-        let mut rows = u32::MAX..0;
+        let (mut rows, alone) = (Range { start: u32::MAX, end: 0 }, colours::OVERFLOW);
         let mut reach = |row: u32| rows = rows.start.min(row)..rows.end.max(row + 1);
         let numbers = keys.iter().map(|key| key.number as usize);
         let mut begin = if kind == Kind::Constraints {
@@ -244,16 +254,33 @@ impl Plan {
         let running = keys.iter().filter(strided).count();
         let columns =
             kind == Kind::Rods && running * 4 >= keys.len() * 3 && rows.len() <= keys.len();
+        if columns {
+            // Strides are mostly even numbers: where the island's rows begin a line of the cache, most eights do.
+            let origin = self.members[self.islands[found.island as usize].members.start];
+            rows.start -= (rows.start - origin) % 32;
+            rows.start = rows.start.max(first);
+        }
         for run in keys.chunk_by(|one, other| one.group == other.group) {
             let range = begin..begin + run.len();
             begin = range.end;
-            let (runs, blocks) = if kind == Kind::Rods {
-                let alone = Fields::of(run[0].group).colour == colours::OVERFLOW;
-                self.rods.add(&self.distances[range.clone()], alone, columns)
-            } else {
-                (0..0, 0..0)
-            };
-            self.groups.push(Group { kind, range, runs, blocks });
+            let alone = Fields::of(run[0].group).colour == alone;
+            let (mut runs, mut blocks, mut wide) = (0..0, 0..0, None);
+            match kind {
+                Kind::Rods if columns => {
+                    let rods = &self.distances[range.clone()];
+                    (runs, blocks) = self.rods.add_to_columns(rods, alone, &rows);
+                }
+                Kind::Rods => {
+                    (runs, blocks) = self.rods.add(&self.distances[range.clone()], alone);
+                }
+                Kind::Distances => {
+                    wide = Some(self.laws.add_distances(&self.distances[range.clone()], alone));
+                }
+                Kind::Constraints => {
+                    wide = self.laws.add(&self.constraints[range.clone()], alone);
+                }
+            }
+            self.groups.push(Group { kind, range, runs, blocks, wide });
         }
         (rows, columns)
     }

@@ -1,26 +1,20 @@
 //! Rods on particles as columns of x, y, z and w: what a grid is swept in.
 //!
-//! In columns, eight rods of a run are eight loads, the formula, and six stores; packed, half of the work is turning particles into lanes and back. A cluster of 2048
-//! particles is 32 kB as columns, so they stay in a core's own cache from turning in to turning out.
+//! In columns, eight rods of a run are eight loads, the formula, and six stores; packed, half of the work is turning particles into lanes and back. So a cluster, which
+//! fits into a core's first cache, is turned once, swept, and turned back.
+//!
+//! The formula waits for a square root and then for a division, some 50 cycles in all, of which eight rods keep the machine busy for ten. So the loop runs ahead: it looks at
+//! eight rods and moves those that it looked at a few rounds ago ([`AHEAD`]). The rods of a colour share no particle, so that changes nothing.
 
 use core::ops::Range;
 
-use glam::Vec4;
-
-use super::{Block, Rods, Run, project};
+use super::{Block, Eight, Rods, moved, stretch};
 use crate::constraints::project_rod;
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{Columns, Eights, LANES, Lanes};
 use crate::particles::Places;
 
-/// Positions and inverse masses of consecutive rows, a column each for even rows and for odd ones. Scratch.
-///
-/// So the rods along a row, `(2k, 2k + 1)` and then `(2k + 1, 2k + 2)`, are runs of neighbours like all others.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Columns {
-    /// x, y, z, w: of each, those of even rows from 0 on, those of odd rows from `half` on.
-    each: [Vec<f32>; 4],
-    half: usize,
-}
+/// How many eights are looked at before the first of them is moved.
+const AHEAD: usize = 2;
 
 impl Rods {
     /// Projects groups of rods (their runs and blocks) once, in their order, on the particles of `rows`; returns the largest error found, metres.
@@ -36,260 +30,134 @@ impl Rods {
         columns.turn_in::<L>(&places.position[span.clone()]);
         let (mut worst, mut parted) = (L::zero(), 0.0_f32);
         for (runs, blocks) in groups {
-            for run in &self.runs[runs.clone()] {
-                let rests = self.rests_of(run);
-                worst = columns.sweep_run::<L>(run, rows.start, rests, worst, &mut parted);
-            }
+            let eights = &self.eights[runs.clone()];
+            worst = sweep_eights::<L>(columns, eights, worst, &mut parted);
             for block in &self.blocks[blocks.clone()] {
-                worst = columns.sweep_block::<L>(block, rows.start, worst, &mut parted);
+                worst = sweep_block::<L>(columns, block, &rows, worst, &mut parted);
             }
         }
         columns.turn_out::<L>(&mut places.position[span]);
         worst.largest(parted)
     }
+
+    /// What is left to correct of the same: largest error, metres, and largest share of a rest length. Moves nothing.
+    #[inline(always)]
+    pub(crate) fn measure_columns<'a, L: Lanes>(
+        &self,
+        places: &Places,
+        groups: impl Iterator<Item = (&'a Range<usize>, &'a Range<usize>)>,
+        rows: Range<u32>,
+        columns: &mut Columns,
+    ) -> (f32, f32) {
+        columns.turn_in::<L>(&places.position[places.at(rows.start)..places.at(rows.end)]);
+        let (mut error, mut strain) = (L::zero(), L::zero());
+        let mut loose = (0.0_f32, 0.0_f32);
+        for (runs, blocks) in groups {
+            let view = columns.eights();
+            for eight in &self.eights[runs.clone()] {
+                let rest = L::load(&eight.rest);
+                let (_, left, _) = stretch(view.load(eight.a), view.load(eight.b), rest);
+                let share = L::zero().lt(rest).and(left / rest);
+                (error, strain) = (left.max(error), share.max(strain));
+            }
+            let (left, share) = self.measure::<L>(places.position, 0..0, blocks.clone());
+            loose = (loose.0.max(left), loose.1.max(share));
+        }
+        (error.largest(loose.0), strain.largest(loose.1))
+    }
 }
 
-impl Columns {
-    /// Where a row is.
-    #[inline(always)]
-    fn at(&self, row: u32) -> usize {
-        (row / 2) as usize + (row % 2) as usize * self.half
+/// The eights of a colour.
+#[inline(always)]
+fn sweep_eights<L: Lanes>(
+    columns: &mut Columns,
+    eights: &[Eight],
+    mut worst: L,
+    parted: &mut f32,
+) -> L {
+    let mut view = columns.eights();
+    let mut all_move = L::zero().same(L::zero());
+    let mut scales = [[0.0; LANES]; AHEAD];
+    for (number, eight) in eights.iter().enumerate() {
+        let slot = &mut scales[number % AHEAD];
+        if number >= AHEAD {
+            move_eight::<L>(&mut view, &eights[number - AHEAD], slot);
+        }
+        let (one, other) = (view.load(eight.a), view.load(eight.b));
+        let (scale, error, moves) = stretch(one, other, L::load(&eight.rest));
+        scale.store(slot);
+        worst = error.max(worst);
+        all_move = all_move.and(moves);
     }
-
-    /// Takes particles.
-    #[inline(always)]
-    fn turn_in<L: Lanes>(&mut self, packed: &[Vec4]) {
-        // Up to seven lanes beyond the last row are loaded, and stored as they were.
-        self.half = packed.len().div_ceil(2) + LANES;
-        for column in &mut self.each {
-            column.resize(2 * self.half, 0.0);
-        }
-        let half = self.half;
-        let [x, y, z, w] = &mut self.each;
-        let ((xe, xo), (ye, yo)) = (x.split_at_mut(half), y.split_at_mut(half));
-        let ((ze, zo), (we, wo)) = (z.split_at_mut(half), w.split_at_mut(half));
-        let (eights, last) = packed.as_chunks::<LANES>();
-        let xs = fours(xe).iter_mut().zip(fours(xo));
-        let ys = fours(ye).iter_mut().zip(fours(yo));
-        let zs = fours(ze).iter_mut().zip(fours(zo));
-        let ws = fours(we).iter_mut().zip(fours(wo));
-        for ((((eight, x), y), z), w) in eights.iter().zip(xs).zip(ys).zip(zs).zip(ws) {
-            let [a, b, c, d] = L::run_by_parity(eight, 0);
-            a.store_halves(x.0, x.1);
-            b.store_halves(y.0, y.1);
-            c.store_halves(z.0, z.1);
-            d.store_halves(w.0, w.1);
-        }
-        for (row, p) in (packed.len() - last.len()..).zip(last) {
-            let at = self.at(row as u32);
-            for (column, value) in self.each.iter_mut().zip(p.to_array()) {
-                column[at] = value;
-            }
+    for number in eights.len().saturating_sub(AHEAD)..eights.len() {
+        move_eight::<L>(&mut view, &eights[number], &scales[number % AHEAD]);
+    }
+    if !all_move.all() {
+        for eight in eights {
+            *parted = parted.max(part(columns, eight.a as usize, eight.b as usize, &eight.rest));
         }
     }
+    worst
+}
 
-    /// Gives them back.
-    #[inline(always)]
-    fn turn_out<L: Lanes>(&mut self, packed: &mut [Vec4]) {
-        let count = packed.len();
-        let half = self.half;
-        let [x, y, z, w] = &mut self.each;
-        let ((xe, xo), (ye, yo)) = (x.split_at_mut(half), y.split_at_mut(half));
-        let ((ze, zo), (we, wo)) = (z.split_at_mut(half), w.split_at_mut(half));
-        let (eights, last) = packed.as_chunks_mut::<LANES>();
-        let xs = fours(xe).iter().zip(fours(xo));
-        let ys = fours(ye).iter().zip(fours(yo));
-        let zs = fours(ze).iter().zip(fours(zo));
-        let ws = fours(we).iter().zip(fours(wo));
-        for ((((eight, x), y), z), w) in eights.iter_mut().zip(xs).zip(ys).zip(zs).zip(ws) {
-            let (x, y) = (L::load_halves(x.0, x.1), L::load_halves(y.0, y.1));
-            let (z, w) = (L::load_halves(z.0, z.1), L::load_halves(w.0, w.1));
-            L::put_run_by_parity(eight, 0, [x, y, z, w]);
-        }
-        for (row, p) in (count - last.len()..).zip(last) {
-            *p = self.row(self.at(row as u32));
-        }
+/// Moves eight rods. The lanes beyond the last rod stay where they are, but may be rows at the other ends of rods of this eight, which lie behind: they are
+/// loaded again before they are written.
+#[inline(always)]
+fn move_eight<L: Lanes>(view: &mut Eights, eight: &Eight, scale: &[f32; LANES]) {
+    let (one, other) = (view.load(eight.a), view.load(eight.b));
+    let (one, other) = moved(one, other, L::load(scale));
+    view.put(eight.a, one);
+    view.put(eight.b, other);
+}
+
+/// Eight rods of any rows.
+#[inline(always)]
+fn sweep_block<L: Lanes>(
+    columns: &mut Columns,
+    block: &Block,
+    rows: &Range<u32>,
+    worst: L,
+    parted: &mut f32,
+) -> L {
+    let (mut a, mut b) = ([0; LANES], [0; LANES]);
+    let half = Columns::half(rows.len());
+    let mut packed = [glam::Vec4::ZERO; 2 * LANES];
+    for lane in 0..LANES {
+        a[lane] = Columns::place(block.a[lane] - rows.start, half);
+        b[lane] = Columns::place(block.b[lane] - rows.start, half);
+        (packed[lane], packed[LANES + lane]) = (columns.get(a[lane]), columns.get(b[lane]));
     }
-
-    fn row(&self, at: usize) -> Vec4 {
-        let [x, y, z, w] = &self.each;
-        Vec4::new(x[at], y[at], z[at], w[at])
+    let (one, other) = (L::run(&packed, 0), L::run(&packed, LANES));
+    let (scale, error, moves) = stretch(one, other, L::load(&block.rest));
+    let (one, other) = moved(one, other, scale);
+    L::put_run(&mut packed, 0, one);
+    L::put_run(&mut packed, LANES, other);
+    for lane in 0..LANES {
+        columns.set(a[lane], packed[lane]);
+        columns.set(b[lane], packed[LANES + lane]);
     }
-
-    /// A run of step 2. Its rods share no particle, so that its first ends lie before its second ones, or in the other half.
-    #[inline(always)]
-    fn sweep_run<L: Lanes>(
-        &mut self,
-        run: &Run,
-        first: u32,
-        rests: &[[f32; LANES]],
-        mut worst: L,
-        parted: &mut f32,
-    ) -> L {
-        let (a, b) = (self.at(run.a - first), self.at(run.b - first));
-        let whole = run.count as usize / LANES;
-        let mut all_move = L::zero().same(L::zero());
-        let [x, y, z, w] = &mut self.each;
-        let (xa, xb) = two_stretches(x, a, b, whole);
-        let (ya, yb) = two_stretches(y, a, b, whole);
-        let (za, zb) = two_stretches(z, a, b, whole);
-        let (wa, wb) = two_stretches(w, a, b, whole);
-        let ones = xa.iter_mut().zip(ya).zip(za).zip(wa.iter());
-        let others = xb.iter_mut().zip(yb).zip(zb).zip(wb.iter());
-        for ((one, other), rest) in ones.zip(others).zip(rests) {
-            let (((ax, ay), az), aw) = one;
-            let (((bx, by), bz), bw) = other;
-            let one = [L::load(ax), L::load(ay), L::load(az), L::load(aw)];
-            let other = [L::load(bx), L::load(by), L::load(bz), L::load(bw)];
-            let (one, other, error, moves) = project(one, other, L::load(rest), None);
-            one[0].store(ax);
-            one[1].store(ay);
-            one[2].store(az);
-            other[0].store(bx);
-            other[1].store(by);
-            other[2].store(bz);
-            worst = error.max(worst);
-            all_move = all_move.and(moves);
-        }
-        if let Some(rest) = rests.get(whole) {
-            let live = L::load(&FIRST[run.count as usize % LANES]);
-            let (a, b) = (a + whole * LANES, b + whole * LANES);
-            let (one, other) = (self.eight::<L>(a), self.eight::<L>(b));
-            let (one_, other_, error, moves) = project(one, other, L::load(rest), None);
-            // The lanes beyond may be rows at the other ends, which therefore come second.
-            self.put_eight(a, live, one_, one);
-            self.put_eight(b, live, other_, other);
-            worst = live.and(error).max(worst);
-            all_move = all_move.and(live.select(moves, all_move));
-        }
-        if !all_move.all() {
-            let count = run.count as usize;
-            *parted = parted.max(self.part(a, b, &rests.as_flattened()[..count]));
-        }
-        worst
-    }
-
-    #[inline(always)]
-    fn eight<L: Lanes>(&self, at: usize) -> [L; 4] {
-        let [x, y, z, w] = &self.each;
-        [L::load(eight(x, at)), L::load(eight(y, at)), L::load(eight(z, at)), L::load(eight(w, at))]
-    }
-
-    /// Writes the new ones where a mask is set, and the old ones elsewhere.
-    #[inline(always)]
-    fn put_eight<L: Lanes>(&mut self, at: usize, live: L, new: [L; 4], old: [L; 4]) {
-        for i in 0..3 {
-            let column = &mut self.each[i][at..at + LANES].as_chunks_mut::<LANES>().0[0];
-            live.select(new[i], old[i]).store(column);
-        }
-    }
-
-    /// Eight rods of any rows.
-    #[inline(always)]
-    fn sweep_block<L: Lanes>(
-        &mut self,
-        block: &Block,
-        first: u32,
-        worst: L,
-        parted: &mut f32,
-    ) -> L {
-        let (mut a, mut b) = ([0; LANES], [0; LANES]);
+    if !moves.all() {
         for lane in 0..LANES {
-            (a[lane], b[lane]) = (self.at(block.a[lane] - first), self.at(block.b[lane] - first));
-        }
-        let (one, other) = (self.gather::<L>(&a), self.gather::<L>(&b));
-        let (one, other, error, moves) = project(one, other, L::load(&block.rest), None);
-        self.scatter(&a, one);
-        self.scatter(&b, other);
-        if !moves.all() {
-            for lane in 0..LANES {
-                *parted = parted.max(self.part(a[lane], b[lane], &[block.rest[lane]]));
-            }
-        }
-        error.max(worst)
-    }
-
-    #[inline(always)]
-    fn gather<L: Lanes>(&self, at: &[usize; LANES]) -> [L; 4] {
-        let mut lanes = [[0.0; LANES]; 4];
-        for (lanes, column) in lanes.iter_mut().zip(&self.each) {
-            for (lane, &at) in lanes.iter_mut().zip(at) {
-                *lane = column[at];
-            }
-        }
-        let [x, y, z, w] = &lanes;
-        [L::load(x), L::load(y), L::load(z), L::load(w)]
-    }
-
-    #[inline(always)]
-    fn scatter<L: Lanes>(&mut self, at: &[usize; LANES], [x, y, z, _]: [L; 4]) {
-        let lanes = [x.array(), y.array(), z.array()];
-        for (lanes, column) in lanes.iter().zip(&mut self.each) {
-            for (&lane, &at) in lanes.iter().zip(at) {
-                column[at] = lane;
-            }
+            *parted = parted.max(part(columns, a[lane], b[lane], &[block.rest[lane]]));
         }
     }
-
-    /// Parts those of some neighbouring rods whose ends are in one place, one after the other: it is rare. What has a direction was projected.
-    #[cold]
-    fn part(&mut self, a: usize, b: usize, rests: &[f32]) -> f32 {
-        let mut worst = 0.0_f32;
-        for (i, &rest) in rests.iter().enumerate() {
-            let ends = [a + i, b + i];
-            let mut pair = ends.map(|at| self.row(at));
-            // As the kernel decides: a distance whose square is nothing is none.
-            let d = (pair[0] - pair[1]).truncate();
-            if d.x * d.x + d.y * d.y + d.z * d.z == 0.0 {
-                worst = worst.max(project_rod(&mut pair, 0, 1, rest));
-                for (at, p) in ends.into_iter().zip(pair) {
-                    let [x, y, z, _] = &mut self.each;
-                    (x[at], y[at], z[at]) = (p.x, p.y, p.z);
-                }
-            }
-        }
-        worst
-    }
+    error.max(worst)
 }
 
-/// Masks of the first few lanes.
-const FIRST: [[f32; LANES]; LANES] = {
-    let mut masks = [[0.0; LANES]; LANES];
-    let mut count = 0;
-    while count < LANES {
-        let mut lane = 0;
-        while lane < count {
-            masks[count][lane] = f32::from_bits(u32::MAX);
-            lane += 1;
+/// Parts those of some neighbouring rods whose ends are in one place, one after the other: it is rare. What has a direction was projected.
+#[cold]
+fn part(columns: &mut Columns, a: usize, b: usize, rests: &[f32]) -> f32 {
+    let mut worst = 0.0_f32;
+    for (i, &rest) in rests.iter().enumerate().filter(|(_, rest)| !rest.is_nan()) {
+        let ends = [a + i, b + i];
+        let mut pair = ends.map(|at| columns.get(at));
+        // As the kernel decides: a distance whose square is nothing is none.
+        let d = (pair[0] - pair[1]).truncate();
+        if d.x * d.x + d.y * d.y + d.z * d.z == 0.0 {
+            worst = worst.max(project_rod(&mut pair, 0, 1, rest));
+            columns.set(ends[0], pair[0]);
+            columns.set(ends[1], pair[1]);
         }
-        count += 1;
     }
-    masks
-};
-
-#[inline(always)]
-fn eight(column: &[f32], at: usize) -> &[f32; LANES] {
-    &column[at..at + LANES].as_chunks().0[0]
-}
-
-/// A column four by four.
-#[inline(always)]
-fn fours(column: &mut [f32]) -> &mut [[f32; LANES / 2]] {
-    column.as_chunks_mut().0
-}
-
-/// Two stretches of a column of so many eights, which do not overlap.
-#[inline(always)]
-fn two_stretches(
-    column: &mut [f32],
-    a: usize,
-    b: usize,
-    eights: usize,
-) -> (&mut [[f32; LANES]], &mut [[f32; LANES]]) {
-    let count = eights * LANES;
-    let (low, high) = column.split_at_mut(a.max(b));
-    let first = low[a.min(b)..].get_mut(..count).unwrap_or_default();
-    let second = high.get_mut(..count).unwrap_or_default();
-    let (first, second) = (first.as_chunks_mut().0, second.as_chunks_mut().0);
-    if a < b { (first, second) } else { (second, first) }
+    worst
 }

@@ -1,7 +1,7 @@
 //! Hard rods, eight side by side: what everything waits for, and the form in which a plan keeps rods for it.
 //!
 //! What is solved together is of one colour, so no two of the eight share a particle, and the order among them does not matter. The formula is that of
-//! [`project_rod`](crate::constraints::project_rod), operation by operation ([`project`]). Two ways to it:
+//! [`project_rod`](crate::constraints::project_rod), operation by operation ([`stretch`], [`moved`]). Two ways to it:
 //!
 //! - `packed`: particles as they lie, `[x y z w]`, turned into lanes and back for every eight rods. For any mesh.
 //! - `columns`: a cluster whose rods mostly run in step, a grid's, is turned once, swept as columns of x, y, z and w without any further turning, and turned back.
@@ -12,9 +12,7 @@ mod packed;
 use core::ops::Range;
 
 use crate::constraints::Distance;
-use crate::lanes::{LANES, Lanes, Vector};
-
-pub(crate) use columns::Columns;
+use crate::lanes::{Columns, LANES, Lanes, Vector};
 
 /// The rods of a plan.
 #[derive(Clone, Debug, Default)]
@@ -22,7 +20,19 @@ pub(crate) struct Rods {
     runs: Vec<Run>,
     /// Rest lengths of the runs, metres.
     rests: Vec<f32>,
+    /// What is swept in columns: runs, eight rods at a time.
+    eights: Vec<Eight>,
     blocks: Vec<Block>,
+}
+
+/// Eight rods between neighbours in a column and neighbours in a column.
+#[derive(Clone, Copy, Debug)]
+struct Eight {
+    /// Where their ends begin in the columns of their bundle.
+    a: u32,
+    b: u32,
+    /// NaN for lanes beyond the last rod.
+    rest: [f32; LANES],
 }
 
 /// Rods in step: `(a, b), (a + s, b + s), (a + 2s, b + 2s), …`
@@ -50,31 +60,53 @@ impl Rods {
     pub(crate) fn clear(&mut self) {
         self.runs.clear();
         self.rests.clear();
+        self.eights.clear();
         self.blocks.clear();
     }
 
     /// Takes the rods of one colour, sorted by their first particles, and returns which runs and which blocks they are. `alone` for those that share particles:
-    /// each has a block to itself. `by_parity` for columns, which keep even and odd rows apart: so their runs go by twos.
-    pub(crate) fn add(
-        &mut self,
-        rods: &[Distance],
-        alone: bool,
-        by_parity: bool,
-    ) -> (Range<usize>, Range<usize>) {
+    /// each has a block to itself.
+    pub(crate) fn add(&mut self, rods: &[Distance], alone: bool) -> (Range<usize>, Range<usize>) {
         let (runs, blocks) = (self.runs.len(), self.blocks.len());
         let mut loose = Vec::new();
         if alone {
             rods.chunks(1).for_each(|rod| self.blocks.push(Block::of(rod)));
-        } else if by_parity {
-            for parity in 0..2 {
-                let of_parity = rods.iter().filter(|rod| ends(rod).0 % 2 == parity);
-                self.find_runs(&of_parity.copied().collect::<Vec<_>>(), &[2], &mut loose);
-            }
         } else {
             self.find_runs(rods, &[1, 2], &mut loose);
         }
         loose.chunks(LANES).for_each(|rods| self.blocks.push(Block::of(rods)));
         (runs..self.runs.len(), blocks..self.blocks.len())
+    }
+
+    /// The same for a bundle of so many rows that is swept in columns: returns which eights, and which blocks.
+    pub(crate) fn add_to_columns(
+        &mut self,
+        rods: &[Distance],
+        alone: bool,
+        rows: &Range<u32>,
+    ) -> (Range<usize>, Range<usize>) {
+        let (eights, runs, rests) = (self.eights.len(), self.runs.len(), self.rests.len());
+        let (_, blocks) = if alone { self.add(rods, true) } else { (0..0, 0..0) };
+        let mut loose = Vec::new();
+        for parity in if alone { 0..0 } else { 0..2 } {
+            let of_parity = rods.iter().filter(|rod| ends(rod).0 % 2 == parity);
+            self.find_runs(&of_parity.copied().collect::<Vec<_>>(), &[2], &mut loose);
+        }
+        for run in self.runs.split_off(runs) {
+            let half = Columns::half(rows.len());
+            let at = |row: u32| Columns::place(row - rows.start, half) as u32;
+            let of_run = &self.rests[run.rests as usize..][..run.count as usize];
+            for (number, some) in of_run.chunks(LANES).enumerate() {
+                let mut rest = [f32::NAN; LANES];
+                rest[..some.len()].copy_from_slice(some);
+                let along = (number * LANES) as u32;
+                self.eights.push(Eight { a: at(run.a) + along, b: at(run.b) + along, rest });
+            }
+        }
+        self.rests.truncate(rests);
+        let first = if alone { blocks.start } else { self.blocks.len() };
+        loose.chunks(LANES).for_each(|rods| self.blocks.push(Block::of(rods)));
+        (eights..self.eights.len(), first..self.blocks.len())
     }
 
     /// Takes the runs of these steps out of some rods; what is left is loose.
@@ -135,38 +167,46 @@ fn run(rods: &[Distance], steps: &[u32]) -> (u32, usize) {
     (step, rods.iter().zip(0..).take_while(follows).count())
 }
 
-/// Eight rods once: both ends moved, the errors found, and a mask of those that have a direction and something that can move.
+/// How far eight rods are to be moved: the multiplier `s` of their direction, the error, metres, and a mask of those that have a direction and something that
+/// can move. One whose rest length is NaN does not count.
 ///
-/// As [`project_rod`](crate::constraints::project_rod): `d = a - b`, `s = (‖d‖ - L)/(‖d‖ (w_a + w_b))`, `a -= w_a s d`, `b += w_b s d`. With the positions
-/// at the start of the substep, as [`project_rod_from_start`](crate::constraints::project_rod_from_start) where that can be.
+/// As [`project_rod`](crate::constraints::project_rod): with `d = a - b`, `s = (‖d‖ - L)/(‖d‖ (w_a + w_b))`.
 #[inline(always)]
-fn project<L: Lanes>(
+fn stretch<L: Lanes>(one: [L; 4], other: [L; 4], rest: L) -> (L, L, L) {
+    let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));
+    let length = (a - b).length();
+    let value = length - rest;
+    let divisor = length * (wa + wb);
+    let moves = L::zero().lt(divisor);
+    let counts = moves.and(rest.le(rest));
+    (counts.and(value / divisor), counts.and(value.abs()), moves)
+}
+
+/// Moves them: `a -= w_a s d`, `b += w_b s d`.
+#[inline(always)]
+fn moved<L: Lanes>(one: [L; 4], other: [L; 4], scale: L) -> ([L; 4], [L; 4]) {
+    let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));
+    let d = a - b;
+    ((a - d * (wa * scale)).with(wa), (b + d * (wb * scale)).with(wb))
+}
+
+/// Both, along where the rods pointed when the substep began, as [`project_rod_from_start`](crate::constraints::project_rod_from_start) does where that can be,
+/// and to the nearest point elsewhere.
+#[inline(always)]
+fn project_from_start<L: Lanes>(
     one: [L; 4],
     other: [L; 4],
+    (from, to): ([L; 4], [L; 4]),
     rest: L,
-    start: Option<([L; 4], [L; 4])>,
 ) -> ([L; 4], [L; 4], L, L) {
+    let (nearest, error, moves) = stretch(one, other, rest);
     let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));
-    let mut d = a - b;
-    let square = d.length_squared();
-    let length = square.sqrt();
-    let value = length - rest;
-    let weights = wa + wb;
-    let divisor = length * weights;
-    let mut moves = L::zero().lt(divisor);
-    let mut scale = moves.and(value / divisor);
-    if let Some((a, b)) = start {
-        let (from, _) = Vector::of(a);
-        let (to, _) = Vector::of(b);
-        let bond = from - to;
-        let along = d.dot(bond);
-        let short = rest * rest;
-        let usable = (short * L::splat(1.0 / 3.0)).lt(along).and(L::zero().lt(weights));
-        let newton = (square - short) / (L::splat(2.0) * weights * along);
-        scale = usable.select(newton, scale);
-        d = bond.or_else(usable, d);
-        moves = moves.or(usable);
-    }
-    let error = moves.and(value.abs());
-    ((a - d * (wa * scale)).with(wa), (b + d * (wb * scale)).with(wb), error, moves)
+    let (d, bond) = (a - b, Vector::of(from).0 - Vector::of(to).0);
+    let (weights, along, short) = (wa + wb, d.dot(bond), rest * rest);
+    let usable = (short * L::splat(1.0 / 3.0)).lt(along).and(L::zero().lt(weights));
+    let newton = (d.length_squared() - short) / (L::splat(2.0) * weights * along);
+    let scale = usable.select(newton, nearest);
+    let way = bond.or_else(usable, d);
+    let (a, b) = (a - way * (wa * scale), b + way * (wb * scale));
+    (a.with(wa), b.with(wb), error, moves.or(usable))
 }

@@ -4,9 +4,9 @@ use core::ops::Range;
 
 use glam::Vec4;
 
-use super::{Rods, Run, project};
+use super::{Rods, Run, moved, project_from_start, stretch};
 use crate::constraints::{Direction, project_rod};
-use crate::lanes::{LANES, Lanes, Vector};
+use crate::lanes::{Columns, LANES, Lanes, Vector};
 use crate::particles::Places;
 
 impl Rods {
@@ -49,8 +49,12 @@ impl Rods {
                     continue;
                 }
                 let (one, other) = load::<L>(places.position, way, a, b);
-                let start = if START { Some(load::<L>(places.start, way, a, b)) } else { None };
-                let (one, other, error, moves) = project(one, other, L::load(rest), start);
+                let rests = L::load(rest);
+                let (one, other, error, moves) = if START {
+                    project_from_start(one, other, load::<L>(places.start, way, a, b), rests)
+                } else {
+                    project(one, other, rests)
+                };
                 if way == Way::Pairs {
                     L::put_pairs(places.position, a, one, other);
                 } else {
@@ -109,6 +113,34 @@ fn worse<L: Lanes>((error, strain): (L, L), one: [L; 4], other: [L; 4], rest: L)
     (left.max(error), share.max(strain))
 }
 
+impl Rods {
+    /// Eights of a bundle in columns, on particles as they lie: along where rods pointed when the substep began, which columns do not know.
+    #[inline(always)]
+    pub(crate) fn sweep_eights_from_start<L: Lanes>(
+        &self,
+        places: &mut Places,
+        eights: Range<usize>,
+        rows: &Range<u32>,
+    ) -> f32 {
+        let (mut worst, mut parted) = (L::zero(), 0.0_f32);
+        let half = Columns::half(rows.len());
+        let first = places.at(rows.start) as u32;
+        for eight in &self.eights[eights] {
+            let (mut ends, mut rest) = ([[0; LANES]; 2], eight.rest);
+            for lane in 0..LANES {
+                let own = if rest[lane].is_nan() { 0 } else { lane };
+                rest[lane] = eight.rest[own];
+                for (end, begin) in ends.iter_mut().zip([eight.a, eight.b]) {
+                    end[lane] = first + Columns::row(begin as usize + own, half);
+                }
+            }
+            let (found, together) = eight_rods::<L, true>(places, ends, &rest);
+            (worst, parted) = (found.max(worst), parted.max(together));
+        }
+        worst.largest(parted)
+    }
+}
+
 /// Eight rods of any rows. Returns the errors found, and the largest of those whose ends were in one place.
 #[inline(always)]
 fn eight_rods<L: Lanes, const START: bool>(
@@ -117,13 +149,24 @@ fn eight_rods<L: Lanes, const START: bool>(
     rest: &[f32; LANES],
 ) -> (L, f32) {
     let (one, other) = (L::rows(places.position, &a), L::rows(places.position, &b));
-    let start =
-        if START { Some((L::rows(places.start, &a), L::rows(places.start, &b))) } else { None };
-    let (one, other, error, moves) = project(one, other, L::load(rest), start);
+    let (one, other, error, moves) = if START {
+        let start = (L::rows(places.start, &a), L::rows(places.start, &b));
+        project_from_start(one, other, start, L::load(rest))
+    } else {
+        project(one, other, L::load(rest))
+    };
     L::put_rows(places.position, &a, one);
     L::put_rows(places.position, &b, other);
     let all = moves.all();
     (error, if all { 0.0 } else { part(places.position, !moves.bits(), [a, b], rest) })
+}
+
+/// Both ends moved to the nearest point, the errors, and which of the rods could be projected.
+#[inline(always)]
+fn project<L: Lanes>(one: [L; 4], other: [L; 4], rest: L) -> ([L; 4], [L; 4], L, L) {
+    let (scale, error, moves) = stretch(one, other, rest);
+    let (one, other) = moved(one, other, scale);
+    (one, other, error, moves)
 }
 
 /// How eight rods of a run are loaded.

@@ -1,0 +1,57 @@
+//! Eight cones side by side.
+
+use super::Cone;
+use crate::constraints::angle::{Turns, between_wide};
+use crate::constraints::wide::{Wide, eight};
+use crate::constraints::{Constraint, Law};
+use crate::lanes::{LANES, Lanes, Vector};
+
+/// The numbers of eight [`Cone`]s of four or five particles.
+#[derive(Clone, Debug)]
+pub(crate) struct Cones {
+    axis: [[f32; LANES]; 3],
+    max: [f32; LANES],
+    /// 1 where the segment begins at the frame's own `o`: four particles, which stand in the form of five, `o` twice.
+    own: [f32; LANES],
+}
+
+impl Wide<5> for Cones {
+    fn of(constraints: [&Constraint; LANES]) -> Option<Self> {
+        let cones: [&Cone; LANES] = eight(constraints, |c| match &c.law {
+            Law::Cone(law) => Some(law),
+            _ => None,
+        })?;
+        Some(Self {
+            axis: core::array::from_fn(|i| cones.map(|cone| cone.axis[i])),
+            max: cones.map(|cone| cone.max),
+            own: constraints.map(|c| f32::from(u8::from(c.rows.len() == 4))),
+        })
+    }
+
+    fn rows(constraint: &Constraint) -> [u32; 5] {
+        match *constraint.rows.as_slice() {
+            [o, x, y, d] => [o, x, y, o, d],
+            _ => core::array::from_fn(|i| constraint.rows[i]),
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate<L: Lanes>(&self, points: &[Vector<L>; 5]) -> (L, [Vector<L>; 5]) {
+        let [o, x, y, c, d] = *points;
+        let (u, v) = (x - o, y - o);
+        let [along_u, along_v, up] = &self.axis;
+        let (along_u, along_v, up) = (L::load(along_u), L::load(along_v), L::load(up));
+        let axis = u * along_u + v * along_v + u.cross(v) * up;
+        let Turns { angle, by_u: turn, by_v: by_d } = between_wide(axis, d - c);
+        let max = L::load(&self.max);
+        let value = max.lt(angle).and(angle - max);
+
+        let by_x = turn * along_u + v.cross(turn) * up;
+        let by_y = turn * along_v + turn.cross(u) * up;
+        let by_o = -(by_x + by_y);
+        let own = L::zero().lt(L::load(&self.own));
+        let nothing = Vector::new(L::zero(), L::zero(), L::zero());
+        let by_o = (by_o - by_d).or_else(own, by_o);
+        (value, [by_o, by_x, by_y, nothing.or_else(own, -by_d), by_d])
+    }
+}

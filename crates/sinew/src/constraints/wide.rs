@@ -1,0 +1,46 @@
+//! Laws eight at a time: the same values and gradients as an [`Equation`](super::Equation) has, in lanes.
+
+use super::Constraint;
+use crate::lanes::{LANES, Lanes, Vector};
+
+/// Eight constraints of one law and of `N` particles each.
+///
+/// `evaluate` is the law's own formula; where it takes another way for round-off or for speed, it says so. What has no value or no gradient may come out as
+/// zero, infinite or NaN: the projector leaves such lanes alone, as the scalar one does.
+pub(crate) trait Wide<const N: usize>: Sized {
+    /// Whether the value is a length in metres, as [`Equation::is_length`](super::Equation::is_length) has it.
+    const IS_LENGTH: bool = false;
+
+    /// The numbers of eight of them; `None` if one is of another law.
+    fn of(constraints: [&Constraint; LANES]) -> Option<Self>;
+
+    /// The rows of one. If one row stands twice the gradients that it has at its later places must be zero.
+    fn rows(constraint: &Constraint) -> [u32; N] {
+        core::array::from_fn(|i| constraint.rows[i])
+    }
+
+    /// Values, and gradients by each particle. To be inlined always.
+    fn evaluate<L: Lanes>(&self, points: &[Vector<L>; N]) -> (L, [Vector<L>; N]);
+}
+
+/// What `pick` finds in each of eight constraints, or `None` if it finds nothing in one.
+pub(super) fn eight<'a, T>(
+    constraints: [&'a Constraint; LANES],
+    pick: impl Fn(&'a Constraint) -> Option<&'a T>,
+) -> Option<[&'a T; LANES]> {
+    let found = constraints.map(pick);
+    let first = found[0]?;
+    found.iter().all(Option::is_some).then(|| found.map(|law| law.unwrap_or(first)))
+}
+
+/// How far a number is above a range, or (negative) below.
+#[inline(always)]
+pub(super) fn beyond<L: Lanes>(x: L, min: L, max: L) -> L {
+    max.lt(x).select(x - max, x.lt(min).and(x - min))
+}
+
+/// Whether a number is more than zero and not infinite.
+#[inline(always)]
+pub(super) fn is_size<L: Lanes>(x: L) -> L {
+    L::zero().lt(x).and(x.le(L::splat(f32::MAX)))
+}

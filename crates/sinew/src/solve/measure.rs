@@ -1,0 +1,95 @@
+//! What is left to correct, for the report.
+
+use super::SolverReport;
+use super::island::Room;
+use super::item::{constraint_error, distance_error};
+use super::plan::{Kind, Plan};
+use crate::constraints::{Contacts, Distance};
+use crate::lanes::{InstructionSet, Lanes, Work, with};
+use crate::particles::{Particles, Places};
+
+/// Measures what is left, moving nothing: largest error of the hard constraints in metres, and largest strain of the hard distances.
+pub(crate) fn measure(
+    particles: &mut Particles,
+    contacts: &Contacts,
+    plan: &Plan,
+    instructions: InstructionSet,
+    room: &mut Room,
+    report: &mut SolverReport,
+) {
+    (report.error, report.strain) = (0.0, 0.0);
+    let places = Places::all(particles);
+    with(instructions, Measure { places, contacts, plan, room, report });
+}
+
+struct Measure<'a> {
+    places: Places<'a>,
+    contacts: &'a Contacts,
+    plan: &'a Plan,
+    room: &'a mut Room,
+    report: &'a mut SolverReport,
+}
+
+impl Work for Measure<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { places, contacts, plan, room, report } = self;
+        for (island, own) in plan.islands.iter().zip(&mut report.islands) {
+            let (mut error, mut strain) = (0.0_f32, 0.0_f32);
+            for bundle in &plan.bundles[island.bundles.clone()] {
+                let groups = &plan.groups[bundle.groups.clone()];
+                if bundle.columns {
+                    let each = groups.iter().map(|group| (&group.runs, &group.blocks));
+                    let rows = bundle.rows.clone();
+                    let (left, share) =
+                        plan.rods.measure_columns::<L>(&places, each, rows, &mut room.columns);
+                    (error, strain) = (error.max(left), strain.max(share));
+                    continue;
+                }
+                for group in groups {
+                    let range = group.range.clone();
+                    let (left, share) = match group.kind {
+                        Kind::Rods => {
+                            let (runs, blocks) = (group.runs.clone(), group.blocks.clone());
+                            plan.rods.measure::<L>(places.position, runs, blocks)
+                        }
+                        Kind::Distances => distance_errors(&places, &plan.distances[range]),
+                        Kind::Constraints if group.wide.is_some() => {
+                            let laws = group.wide.iter();
+                            let errors = laws.map(|which| plan.laws.measure::<L>(&places, which));
+                            (errors.fold(0.0, f32::max), 0.0)
+                        }
+                        Kind::Constraints => {
+                            let each = plan.constraints[range].iter();
+                            let errors =
+                                each.map(|c| constraint_error(&places, c, &mut room.local));
+                            (errors.fold(0.0, f32::max), 0.0)
+                        }
+                    };
+                    (error, strain) = (error.max(left), strain.max(share));
+                }
+            }
+            if !contacts.is_empty() {
+                let rows = plan.members[island.members.clone()].iter();
+                let deepest = rows.map(|&row| contacts.error(&places, row));
+                error = deepest.fold(error, f32::max);
+            }
+            (own.error, own.strain) = (error, strain);
+            report.error = report.error.max(error);
+            report.strain = report.strain.max(strain);
+        }
+    }
+}
+
+/// The largest error of some distances, metres, and the largest share of a rest length.
+fn distance_errors(places: &Places, distances: &[Distance]) -> (f32, f32) {
+    let (mut error, mut strain) = (0.0_f32, 0.0_f32);
+    for d in distances {
+        let left = distance_error(places, d);
+        error = error.max(left);
+        strain = if d.rest > 0.0 { strain.max(left / d.rest) } else { strain };
+    }
+    (error, strain)
+}

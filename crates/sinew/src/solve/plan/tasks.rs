@@ -1,0 +1,68 @@
+//! Tasks: islands dealt out to threads, each task with stretches of rows and of constraints that no other has.
+
+use core::ops::Range;
+
+use super::Plan;
+use crate::threads::TASKS;
+
+/// Consecutive islands, which are solved one after the other.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Task {
+    pub(crate) islands: Range<usize>,
+    /// All rows of these islands, and of no other.
+    pub(crate) rows: Range<u32>,
+    /// The same among the plan's distances and constraints.
+    pub(crate) distances: Range<usize>,
+    pub(crate) constraints: Range<usize>,
+    /// Whether it is one island that is worth being cut into clusters.
+    pub(crate) large: bool,
+}
+
+/// So many constraints keep a thread busy for ten times as long as it takes to tell it so.
+const LARGE: usize = 16_384;
+
+/// Cuts a plan into tasks of about the same work. Islands whose rows lie among each other's go together.
+pub(super) fn cut(plan: &Plan) -> Vec<Task> {
+    let mut tasks: Vec<Task> = Vec::new();
+    let work =
+        |task: &Task| task.rows.len() + 4 * (task.distances.len() + 4 * task.constraints.len());
+    let share = (plan.rows + 4 * (plan.distances.len() + 4 * plan.constraints.len())) / TASKS + 1;
+    // Rows that begun islands reach to.
+    let mut reach = 0;
+    let (mut distance, mut constraint) = (0, 0);
+    for (number, island) in plan.islands.iter().enumerate() {
+        let members = &plan.members[island.members.clone()];
+        let (Some(&first), Some(&last)) = (members.first(), members.last()) else { continue };
+        let (distances, constraints) = (distance, constraint);
+        for group in &plan.groups[island.groups.clone()] {
+            match group.kind {
+                super::Kind::Constraints => constraint += group.range.len(),
+                _ => distance += group.range.len(),
+            }
+        }
+        let large = distance - distances + constraint - constraints >= LARGE
+            && members.len() == (last - first) as usize + 1;
+        let full = |task: &Task| task.large || large || work(task) >= share;
+        let begin = match tasks.last() {
+            None => true,
+            Some(task) => first >= reach && full(task) && tasks.len() < TASKS,
+        };
+        if begin {
+            tasks.push(Task {
+                islands: number..number,
+                rows: first..first,
+                distances: distances..distances,
+                constraints: constraints..constraints,
+                large: false,
+            });
+        }
+        reach = reach.max(last + 1);
+        if let Some(task) = tasks.last_mut() {
+            task.islands.end = number + 1;
+            task.rows.end = reach;
+            (task.distances.end, task.constraints.end) = (distance, constraint);
+            task.large = large && task.islands.len() == 1;
+        }
+    }
+    tasks
+}

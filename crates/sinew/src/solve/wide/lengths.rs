@@ -1,0 +1,135 @@
+//! Eight distances side by side: soft ones, ropes and struts. What is hard both ways is a rod, with kernels of its own.
+
+use super::temper::{Asks, Temper, yielding};
+use super::{less, load_sums, store_sums};
+use crate::constraints::{Distance, Pace};
+use crate::lanes::{LANES, Lanes, Vector};
+use crate::particles::Places;
+
+/// One to eight distances. Where there are fewer, the first stands there again.
+#[derive(Clone, Debug)]
+pub(super) struct Lengths {
+    rows: [[u32; LANES]; 2],
+    rest: [f32; LANES],
+    yielding: [f32; LANES],
+    temper: u32,
+}
+
+impl Lengths {
+    pub(super) fn of(distances: &[Distance], tempers: &mut Vec<Temper>) -> Self {
+        let eight: [&Distance; LANES] =
+            core::array::from_fn(|lane| distances.get(lane).unwrap_or(&distances[0]));
+        let temper = Temper::of(eight.map(|d| d.softness), eight.map(|d| d.bound));
+        Self {
+            rows: [eight.map(|d| d.a), eight.map(|d| d.b)],
+            rest: eight.map(|d| d.rest),
+            yielding: eight.map(|d| yielding(d.softness)),
+            temper: super::number(tempers, temper),
+        }
+    }
+}
+
+/// Projects blocks once, in their order; returns the largest error found, metres, of soft ones how far they moved. `sums` are cut to a block each.
+#[inline(always)]
+pub(super) fn sweep<L: Lanes>(
+    blocks: &[Lengths],
+    tempers: &[Temper],
+    places: &mut Places,
+    sums: core::slice::ChunksMut<f32>,
+    pace: Pace,
+) -> f32 {
+    let (mut each, mut each_of) = ([1.0; LANES], u32::MAX);
+    let mut worst = L::zero();
+    for (block, sums) in blocks.iter().zip(sums) {
+        let temper = &tempers[block.temper as usize];
+        if block.temper != each_of {
+            each = if temper.shares { temper.each(pace.sweeps) } else { [1.0; LANES] };
+            each_of = block.temper;
+        }
+        worst = project::<L>(block, temper, &each, places, sums, pace.h).max(worst);
+    }
+    worst.largest(0.0)
+}
+
+/// The largest error of the hard ones, metres, moving nothing.
+#[inline(always)]
+pub(super) fn measure<L: Lanes>(blocks: &[Lengths], tempers: &[Temper], places: &Places) -> f32 {
+    let mut worst = L::zero();
+    for block in blocks {
+        let mut room = [[0; LANES]; 2];
+        let rows = less(&block.rows, places.first, &mut room);
+        let (a, wa) = Vector::of(L::rows(places.position, &rows[0]));
+        let (b, wb) = Vector::of(L::rows(places.position, &rows[1]));
+        let temper = &tempers[block.temper as usize];
+        let value = (a - b).length() - L::load(&block.rest);
+        let asked = temper.hard::<L>().and(L::zero().lt(wa + wb));
+        let error = temper.holds(value).select(L::zero(), value.abs());
+        worst = asked.and(error).max(worst);
+    }
+    worst.largest(0.0)
+}
+
+/// One block once; the errors found. As [`project`](crate::constraints::project): with `n = d/‖d‖`, `d = a - b`, the gradients are `±n`, so that
+/// `Σ w‖∇C‖² = w_a + w_b`. Coincident ends are pushed apart along the x axis, `a` towards +x.
+#[inline(always)]
+fn project<L: Lanes>(
+    block: &Lengths,
+    temper: &Temper,
+    each: &[f32; LANES],
+    places: &mut Places,
+    sums: &mut [f32],
+    h: f32,
+) -> L {
+    let mut room = [[0; LANES]; 2];
+    let rows = less(&block.rows, places.first, &mut room);
+    let (a, wa) = Vector::of(L::rows(places.position, &rows[0]));
+    let (b, wb) = Vector::of(L::rows(places.position, &rows[1]));
+    let (zero, one, most) = (L::zero(), L::splat(1.0), L::splat(f32::MAX));
+    let d = a - b;
+    let length = d.length();
+    let value = length - L::load(&block.rest);
+    let weights = wa + wb;
+    let sum = if temper.plain { zero } else { load_sums::<L>(sums) };
+    let mut active = zero.lt(weights).and(weights.le(most)).and(value.abs().le(most));
+    let holds = temper.holds(value);
+    active = sum.same(zero).and(holds).select(zero, active);
+    if !active.any() {
+        return zero;
+    }
+    let parted = zero.lt(length);
+    let inverse = one / length;
+    let n = Vector {
+        x: parted.select(d.x * inverse, one),
+        y: parted.and(d.y * inverse),
+        z: parted.and(d.z * inverse),
+    };
+    let change = if temper.plain {
+        value / weights
+    } else {
+        let mut moved = zero;
+        if temper.damped {
+            let (from, _) = Vector::of(L::rows(places.start, &rows[0]));
+            let (to, _) = Vector::of(L::rows(places.start, &rows[1]));
+            moved = n.dot(d - (from - to));
+        }
+        let asks = Asks { value, weights, moved, sum };
+        let (change, summed) = temper.change(&asks, &block.yielding, each, h);
+        let sound = active.and(change.abs().le(most));
+        store_sums(sound.select(summed, sum), sums);
+        change
+    };
+    active = active.and(change.abs().le(most));
+    let (to_a, to_b) = (wa * change, wb * change);
+    let moved_a = (a - n * to_a).or_else(active, a);
+    let moved_b = (b + n * to_b).or_else(active, b);
+    L::put_rows(places.position, &rows[0], moved_a.with(wa));
+    L::put_rows(places.position, &rows[1], moved_b.with(wb));
+    let hard = holds.select(zero, value.abs());
+    let error = if temper.all_hard {
+        hard
+    } else {
+        // A soft one is not meant to be kept. It asks for another sweep as long as sweeps still move it.
+        temper.hard::<L>().select(hard, (change * weights).abs())
+    };
+    active.and(error)
+}

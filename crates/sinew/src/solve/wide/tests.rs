@@ -1,0 +1,358 @@
+//! Each wide kernel against its scalar twin.
+
+mod kept;
+mod speed;
+
+use glam::{Vec3, Vec4};
+
+use super::super::item::{Local, Manner, project_constraint, project_distance};
+use super::{Laws, Which};
+use crate::constraints::checks::Random;
+use crate::constraints::{
+    Angle, Area, Bend, Bound, Cone, Constraint, Direction, Distance, Hinge, Law, Pace, Softness,
+    Tetrahedron,
+};
+use crate::lanes::{InstructionSet, Lanes, Work, with};
+use crate::particles::Places;
+
+const SETS: [InstructionSet; 3] =
+    [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2];
+const PACE: Pace = Pace { h: 1.0 / 120.0, sweeps: 6 };
+const SOFT: [Softness; 7] = [
+    Softness::Hard,
+    Softness::Compliant { compliance: 1e-4, damping: 0.0 },
+    Softness::Compliant { compliance: 3e-4, damping: 20.0 },
+    Softness::Compliant { compliance: 0.0, damping: 0.0 },
+    Softness::Frequency { hertz: 6.0, ratio: 0.7 },
+    Softness::Frequency { hertz: 30.0, ratio: 0.0 },
+    Softness::Share(0.4),
+];
+
+/// Particles, and what has been summed up.
+#[derive(Clone, Debug)]
+struct State {
+    now: Vec<Vec4>,
+    start: Vec<Vec4>,
+    sums: Vec<f32>,
+}
+
+impl State {
+    /// Particles there, which have come a little way; of many masses, some of them pinned.
+    fn at(places: &[Vec3], constraints: usize, random: &mut Random) -> Self {
+        let masses = random.masses(places.len());
+        let inverse = |i: usize| if i % 7 == 3 { 0.0 } else { 1.0 / masses[i] };
+        let now: Vec<_> = places.iter().enumerate().map(|(i, p)| p.extend(inverse(i))).collect();
+        let start = now.iter().map(|q| *q + (random.vector() * 0.01).extend(0.0)).collect();
+        Self { now, start, sums: vec![0.0; constraints] }
+    }
+
+    fn places(&mut self) -> Places<'_> {
+        let Self { now, start, .. } = self;
+        let (origin, radius) = (&[Vec3::ZERO; 512][..now.len()], &[0.0; 512][..now.len()]);
+        Places { first: 0, position: now, start, origin, radius, velocity: &mut [] }
+    }
+
+    fn bits(&self) -> Vec<u32> {
+        let places = self.now.iter().flat_map(Vec4::to_array);
+        places.chain(self.sums.iter().copied()).map(f32::to_bits).collect()
+    }
+
+    /// One sweep by the scalar kernels; the largest error.
+    fn one_by_one(&mut self, group: &Group, pace: Pace) -> f32 {
+        let mut sums = self.sums.clone();
+        let manner = Manner { pace, direction: Direction::Nearest };
+        let (places, mut local) = (&mut self.places(), Local::default());
+        let each = sums.iter_mut().enumerate().map(|(i, sum)| match group {
+            Group::Laws(laws) => project_constraint(places, &laws[i], manner, sum, &mut local),
+            Group::Distances(distances) => project_distance(places, &distances[i], pace, sum),
+        });
+        let worst = each.fold(0.0, f32::max);
+        self.sums = sums;
+        worst
+    }
+
+    /// One sweep by the wide ones.
+    fn wide(&mut self, set: InstructionSet, group: &Group, pace: Pace) -> f32 {
+        let (laws, which) = group.wide();
+        let mut sums = self.sums.clone();
+        let places = self.places();
+        let sums_of = &mut sums[..];
+        let worst = with(set, Sweep { laws: &laws, which: &which, places, sums: sums_of, pace });
+        self.sums = sums;
+        worst
+    }
+}
+
+/// Constraints of one colour.
+#[derive(Clone, Debug)]
+enum Group {
+    Laws(Vec<Constraint>),
+    Distances(Vec<Distance>),
+}
+
+impl Group {
+    fn wide(&self) -> (Laws, Which) {
+        let mut laws = Laws::default();
+        let which = match self {
+            Group::Laws(constraints) => laws.add(constraints, false).unwrap(),
+            Group::Distances(distances) => laws.add_distances(distances, false),
+        };
+        (laws, which)
+    }
+}
+
+struct Sweep<'a> {
+    laws: &'a Laws,
+    which: &'a Which,
+    places: Places<'a>,
+    sums: &'a mut [f32],
+    pace: Pace,
+}
+
+impl Work for Sweep<'_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) -> f32 {
+        self.laws.sweep::<L>(&mut self.places, self.which, self.sums, self.pace)
+    }
+}
+
+struct Measure<'a>(&'a Laws, &'a Which, Places<'a>);
+
+impl Work for Measure<'_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        self.0.measure::<L>(&self.2, self.1)
+    }
+}
+
+/// Sweeps of both kinds from the same state agree to `tolerance` of the positions and of the way that they went, and of the sums; and the sets to the bit.
+#[track_caller]
+fn assert_alike(name: &str, group: &Group, mut state: State, tolerance: f32) {
+    for sweep in 0..4 {
+        let before = state.clone();
+        let (mut scalar, mut wide) = (before.clone(), before.clone());
+        let truth = scalar.one_by_one(group, PACE);
+        let found = wide.wide(InstructionSet::Scalar, group, PACE);
+        for set in SETS {
+            let mut other = before.clone();
+            let error = other.wide(set, group, PACE);
+            assert_eq!(other.bits(), wide.bits(), "{name}: {set:?}");
+            assert_eq!(error.to_bits(), found.to_bits(), "{name}: {set:?}");
+        }
+        for (i, (a, b)) in scalar.now.iter().zip(&wide.now).enumerate() {
+            let way = (*a - before.now[i]).truncate().length();
+            let most = tolerance * (a.truncate().length() + way) + 1e-37;
+            let apart = (*a - *b).truncate().length();
+            assert!(apart <= most && a.w == b.w, "{name}, {sweep}, particle {i}: {a} {b}");
+        }
+        for (i, (a, b)) in scalar.sums.iter().zip(&wide.sums).enumerate() {
+            let most = 10.0 * tolerance * a.abs().max(before.sums[i].abs()) + 1e-7;
+            assert!((a - b).abs() <= most, "{name}, {sweep}, sum {i}: {a} {b}");
+        }
+        let size = before.now.iter().map(|q| q.truncate().length()).fold(0.0, f32::max);
+        let most = tolerance * (truth + size) + 1e-37;
+        assert!((truth - found).abs() <= most, "{name}, {sweep}: error {truth}, found {found}");
+        state = scalar;
+    }
+}
+
+/// Rows of `count` constraints of `n` particles each, no row twice, all over the place.
+fn rows(count: usize, n: usize) -> Vec<Vec<u32>> {
+    // 11 has no common factor with what is not a multiple of it, so all rows come once.
+    let all = (count * n) as u32;
+    assert!(!all.is_multiple_of(11));
+    (0..count as u32)
+        .map(|k| (0..n as u32).map(|i| ((k * n as u32 + i) * 11 + 2) % all).collect())
+        .collect()
+}
+
+/// Twenty-two constraints and a little: two full blocks and a part of one.
+fn laws(n: usize, law: &dyn Fn(usize) -> Law) -> Group {
+    let rows = rows(21, n).into_iter().enumerate();
+    Group::Laws(rows.map(|(k, rows)| Constraint::new(rows, law(k))).collect())
+}
+
+fn distances(of: &dyn Fn(usize) -> Distance) -> Group {
+    let rows = rows(21, 2).into_iter().enumerate();
+    Group::Distances(rows.map(|(k, rows)| Distance { a: rows[0], b: rows[1], ..of(k) }).collect())
+}
+
+const FOUR: [Vec3; 4] = [Vec3::ZERO, Vec3::X, Vec3::new(0.3, 0.8, 0.0), Vec3::new(0.6, -0.5, 0.2)];
+
+fn bend(k: usize, softness: Softness) -> Law {
+    let mut places = FOUR;
+    places[2].y += 0.01 * k as f32;
+    places[3].z *= if k.is_multiple_of(3) { 0.0 } else { 1.0 };
+    Law::Bend(Bend::of(places).unwrap().with_softness(softness))
+}
+
+fn hinge(k: usize, softness: Softness) -> Law {
+    let middle = k as f32 * 0.6 - 6.0;
+    let half = if k.is_multiple_of(2) { 0.0 } else { 0.2 };
+    Law::Hinge(
+        Hinge::between((middle - half).max(-6.2), (middle + half).min(6.2)).with_softness(softness),
+    )
+}
+
+fn area(k: usize, softness: Softness) -> Law {
+    Law::Area(Area { rest: 0.05 * k as f32, softness })
+}
+
+fn tetrahedron(k: usize, softness: Softness) -> Law {
+    Law::Tetrahedron(Tetrahedron { rest: 0.05 * (k as f32 - 7.0), softness })
+}
+
+fn angle(k: usize, softness: Softness) -> Law {
+    let min = k as f32 * 0.12;
+    let max = if k.is_multiple_of(2) { min } else { min + 0.5 };
+    Law::Angle(Angle::between(min, max).with_softness(softness))
+}
+
+fn cone(k: usize, softness: Softness) -> Law {
+    let axis = Vec3::new(1.0, 0.3 * k as f32 - 3.0, 0.5);
+    Law::Cone(Cone { axis, max: 0.03 * (k % 12) as f32, softness })
+}
+
+/// Every law that has a wide kernel, how many particles it has, and how near it comes to the scalar one.
+fn every() -> Vec<(&'static str, usize, fn(usize, Softness) -> Law, f32)> {
+    vec![
+        ("bend", 4, bend, 2e-6),
+        ("area", 3, area, 2e-6),
+        ("tetrahedron", 4, tetrahedron, 2e-6),
+        ("angle", 3, angle, 5e-6),
+        ("hinge", 4, hinge, 5e-6),
+        ("cone of four", 4, cone, 5e-6),
+        ("cone of five", 5, cone, 5e-6),
+    ]
+}
+
+#[test]
+fn every_law_does_what_its_scalar_twin_does_however_soft_it_is() {
+    for (name, n, law, tolerance) in every() {
+        let mut random = Random::new(71);
+        for round in 0..6 {
+            let places = random.positions(21 * n);
+            for soft in SOFT {
+                let group = laws(n, &|k| law(k, soft));
+                let state = State::at(&places, 21, &mut random);
+                assert_alike(&format!("{name} {soft:?} {round}"), &group, state, tolerance);
+            }
+            let mixed = laws(n, &|k| law(k, SOFT[k % SOFT.len()]));
+            let state = State::at(&places, 21, &mut random);
+            assert_alike(&format!("{name}, mixed, {round}"), &mixed, state, tolerance);
+        }
+    }
+}
+
+#[test]
+fn every_distance_does_what_its_scalar_twin_does_however_soft_and_whichever_way() {
+    let mut random = Random::new(72);
+    let bounds = [Bound::Equal, Bound::AtMost, Bound::AtLeast];
+    for round in 0..6 {
+        let places = random.positions(42);
+        for bound in bounds {
+            for soft in SOFT {
+                let one = |k: usize| Distance::new(0, 1, 0.1 * k as f32).with_softness(soft);
+                let group = distances(&|k| one(k).with_bound(bound));
+                let state = State::at(&places, 21, &mut random);
+                assert_alike(&format!("{soft:?} {bound:?} {round}"), &group, state, 2e-6);
+            }
+        }
+        let group = distances(&|k| {
+            let one = Distance::new(0, 1, 0.1 * k as f32).with_softness(SOFT[k % 7]);
+            one.with_bound(bounds[k % 3])
+        });
+        assert_alike("mixed", &group, State::at(&places, 21, &mut random), 2e-6);
+    }
+}
+
+/// Where one constraint of twenty-one is degenerate, in its first or its last place; the rest is in order.
+#[test]
+fn degenerate_sets_are_treated_as_the_scalar_laws_treat_them_and_spoil_no_neighbour() {
+    let spoil: [(&str, fn(usize, Vec3) -> Vec3); 8] = [
+        ("coincident", |_, _| Vec3::new(3.0, -7.0, 0.1)),
+        ("at the origin", |_, _| Vec3::ZERO),
+        ("collinear", |i, _| Vec3::Y * i as f32),
+        ("flat", |_, p| Vec3::new(p.x, p.y, 0.0)),
+        ("tiny", |_, p| p * 1e-9),
+        ("huge", |_, p| p * 1e9),
+        ("two in one place", |i, p| if i < 2 { Vec3::X } else { p }),
+        ("the last two in one place", |i, p| if i > 1 { Vec3::X } else { p }),
+    ];
+    for (name, n, law, tolerance) in every() {
+        let mut random = Random::new(73);
+        for (how, spoil) in spoil {
+            for soft in SOFT {
+                let group = laws(n, &|k| law(k, soft));
+                let Group::Laws(constraints) = &group else { return };
+                let mut places = random.positions(21 * n);
+                for k in [0, 5, 20] {
+                    for (i, &row) in constraints[k].rows.iter().enumerate() {
+                        places[row as usize] = spoil(i, places[row as usize]);
+                    }
+                }
+                let state = State::at(&places, 21, &mut random);
+                let title = format!("{name}, {how}, {soft:?}");
+                let mut wide = state.clone();
+                for _ in 0..4 {
+                    wide.wide(InstructionSet::best(), &group, PACE);
+                    assert!(wide.now.iter().all(|q| q.is_finite()), "{title}");
+                    assert!(wide.sums.iter().all(|sum| sum.is_finite()), "{title}");
+                }
+                // From a nanometre it is thrown far, and what is summed up cancels to few digits.
+                let times = if how == "tiny" { 5000.0 } else { 20.0 };
+                assert_alike(&title, &group, state, times * tolerance);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_particle_that_is_not_a_number_stops_its_own_constraint_and_no_other() {
+    for (name, n, law, _) in every() {
+        for bad in [f32::NAN, f32::INFINITY, 1e30] {
+            let mut random = Random::new(74);
+            for soft in SOFT {
+                let group = laws(n, &|k| law(k, soft));
+                let Group::Laws(constraints) = &group else { return };
+                let sound = State::at(&random.positions(21 * n), 21, &mut random);
+                let (mut spoilt, mut sound, hit) = (sound.clone(), sound, &constraints[9].rows);
+                spoilt.now[hit[n - 1] as usize].x = bad;
+                let before = spoilt.clone();
+                spoilt.wide(InstructionSet::best(), &group, PACE);
+                sound.wide(InstructionSet::best(), &group, PACE);
+                for row in 0..21 * n {
+                    let expected =
+                        if hit.contains(&(row as u32)) { before.now[row] } else { sound.now[row] };
+                    let same = expected.to_array().map(f32::to_bits)
+                        == spoilt.now[row].to_array().map(f32::to_bits);
+                    // What is only far away may be moved, but not out of what is finite.
+                    assert!(same || (bad == 1e30 && spoilt.now[row].is_finite()), "{name} {bad}");
+                }
+                assert!(spoilt.sums.iter().all(|sum| sum.is_finite()), "{name} {bad}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_measured_is_the_largest_error_of_the_hard_ones_alone() {
+    for (name, n, law, _) in every() {
+        let mut random = Random::new(75);
+        let mut state = State::at(&random.positions(21 * n), 21, &mut random);
+        let group = laws(n, &|k| law(k, SOFT[if k == 12 { 0 } else { 1 + k % 2 }]));
+        let Group::Laws(constraints) = &group else { return };
+        let (laws, which) = group.wide();
+        let found = with(InstructionSet::best(), Measure(&laws, &which, state.places()));
+        let (mut local, before) = (Local::default(), state.clone());
+        let expected =
+            super::super::item::constraint_error(&state.places(), &constraints[12], &mut local);
+        assert!((found - expected).abs() <= 1e-5 * expected, "{name}: {found} {expected}");
+        assert_eq!(before.bits(), state.bits());
+        assert!(expected > 0.0);
+    }
+}

@@ -1,0 +1,114 @@
+//! What every wide kernel keeps, whoever stands beside whom.
+
+use glam::DVec3;
+
+use super::*;
+
+/// The barycentre and the angular momentum of a displacement, by mass; what is pinned does not count.
+fn momenta(before: &State, after: &State) -> (DVec3, DVec3, f64) {
+    let (mut linear, mut angular, mut size) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+    for (q, p) in before.now.iter().zip(&after.now).filter(|(q, _)| q.w > 0.0) {
+        let way = (*p - *q).truncate().as_dvec3() / f64::from(q.w);
+        linear += way;
+        angular += q.truncate().as_dvec3().cross(way);
+        size += way.length();
+    }
+    (linear, angular, size)
+}
+
+#[test]
+fn both_momenta_are_kept_by_every_law_and_every_distance() {
+    let mut random = Random::new(76);
+    let mut groups: Vec<_> = every()
+        .into_iter()
+        .flat_map(|(name, n, law, _)| SOFT.map(|soft| (name, n, laws(n, &|k| law(k, soft)))))
+        .collect();
+    let rod = |k: usize| Distance::new(0, 1, 0.1 * k as f32);
+    groups.push(("distance", 2, distances(&|k| rod(k).with_softness(SOFT[k % 7]))));
+    for (name, n, group) in groups {
+        let mut state = State::at(&random.positions(21 * n), 21, &mut random);
+        // All free, or the pins take what they want.
+        state.now.iter_mut().filter(|q| q.w == 0.0).for_each(|q| q.w = 1.0);
+        let before = state.clone();
+        state.wide(InstructionSet::best(), &group, PACE);
+        let (linear, angular, size) = momenta(&before, &state);
+        assert!(size > 0.01, "{name}: nothing moved");
+        assert!(linear.length() < 1e-5 * size, "{name}: {linear} of {size}");
+        assert!(angular.length() < 2e-5 * size, "{name}: {angular} of {size}");
+    }
+}
+
+#[test]
+fn cones_of_four_and_of_five_particles_go_together() {
+    let mut random = Random::new(77);
+    let Group::Laws(mut mixed) = laws(5, &|k| cone(k, SOFT[k % 7])) else { return };
+    mixed.iter_mut().step_by(3).for_each(|c| {
+        c.rows.remove(3);
+    });
+    let state = State::at(&random.positions(105), 21, &mut random);
+    assert_alike("cones", &Group::Laws(mixed), state, 5e-6);
+}
+
+#[test]
+fn those_that_share_particles_go_one_after_the_other() {
+    let mut random = Random::new(78);
+    let chain = |k: u32| Constraint::new(k..k + 4, bend(k as usize, SOFT[k as usize % 7]));
+    let chain: Vec<_> = (0..12).map(chain).collect();
+    let mut laws = Laws::default();
+    let which = laws.add(&chain, true).unwrap();
+    let state = State::at(&random.positions(15), 12, &mut random);
+    let (mut scalar, mut wide) = (state.clone(), state);
+    let group = Group::Laws(chain);
+    for _ in 0..3 {
+        scalar.one_by_one(&group, PACE);
+        let mut sums = wide.sums.clone();
+        let (places, sums_of) = (wide.places(), &mut sums[..]);
+        let work = Sweep { laws: &laws, which: &which, places, sums: sums_of, pace: PACE };
+        with(InstructionSet::best(), work);
+        wide.sums = sums;
+    }
+    for (a, b) in scalar.now.iter().zip(&wide.now) {
+        assert!(a.abs_diff_eq(*b, 2e-5), "{a} {b}");
+    }
+}
+
+#[test]
+fn slices_that_begin_later_give_the_same_bits() {
+    for (name, n, law, _) in every() {
+        let mut random = Random::new(79);
+        let group = laws(n, &|k| law(k, SOFT[k % 7]));
+        let Group::Laws(mut later) = group.clone() else { return };
+        later.iter_mut().flat_map(|c| &mut c.rows).for_each(|row| *row += 1000);
+        let mut state = State::at(&random.positions(21 * n), 21, &mut random);
+        let mut shifted = state.clone();
+        state.wide(InstructionSet::best(), &group, PACE);
+        let mut all = Laws::default();
+        let which = all.add(&later, false).unwrap();
+        let mut sums = shifted.sums.clone();
+        let (mut places, sums_of) = (shifted.places(), &mut sums[..]);
+        places.first = 1000;
+        let work = Sweep { laws: &all, which: &which, places, sums: sums_of, pace: PACE };
+        with(InstructionSet::best(), work);
+        shifted.sums = sums;
+        assert_eq!(shifted.bits(), state.bits(), "{name}");
+    }
+}
+
+#[test]
+fn what_has_no_wide_kernel_or_not_the_same_is_refused_and_leaves_nothing() {
+    let mut laws = Laws::default();
+    let one = Constraint::new(0..4, bend(0, Softness::Hard));
+    let other = Constraint::new(4..8, hinge(0, Softness::Hard));
+    assert_eq!(laws.add(&[], false), None);
+    assert_eq!(laws.add(&[one.clone(), other], false), None);
+    let line = Law::Collinear(crate::constraints::Collinear::default());
+    assert_eq!(laws.add(&[Constraint::new(0..3, line)], false), None);
+    assert!(laws.bends.is_empty() && laws.hinges.is_empty());
+    let first = laws.add(core::slice::from_ref(&one), false).unwrap();
+    laws.clear();
+    assert_eq!(
+        laws.add(core::slice::from_ref(&one), false),
+        Some(first),
+        "cleared, it begins anew"
+    );
+}

@@ -1,0 +1,125 @@
+//! Threads: the little that a simulation asks of whoever has some.
+//!
+//! A simulation starts no threads. It is lent [`Workers`], an engine's task pool say, and cuts a step into tasks that share nothing to be written; who does which, and in what order,
+//! changes no bit of the result. There is no barrier within a task: a worker takes tasks until none is left, so that one worker alone, or one that comes late, is as good.
+
+use core::fmt::Debug;
+use core::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use smallvec::SmallVec;
+
+/// Threads that work for a simulation.
+///
+/// ```
+/// use sinew::{Simulation, Workers};
+///
+/// /// A thread more, started anew each time: a task pool does it in a tenth of the time.
+/// #[derive(Debug)]
+/// struct Two;
+///
+/// impl Workers for Two {
+///     fn run(&self, work: &(dyn Fn() + Sync)) {
+///         std::thread::scope(|scope| {
+///             scope.spawn(work);
+///             work();
+///         });
+///     }
+/// }
+///
+/// let mut world = Simulation::default();
+/// world.workers = Some(std::sync::Arc::new(Two));
+/// ```
+pub trait Workers: Send + Sync + Debug {
+    /// Calls `work` on this thread and, at the same time, on as many others as there are; returns when all have returned. `work` returns when nothing is left to
+    /// be done, so that calling it less often, even once, is right, too.
+    fn run(&self, work: &(dyn Fn() + Sync));
+}
+
+/// The most tasks that something is cut into: enough that a few threads end at nearly the same time, and few enough to be listed without a heap.
+pub(crate) const TASKS: usize = 64;
+
+/// Tasks that share nothing to be written.
+pub(crate) type Tasks<T> = SmallVec<[Mutex<Option<T>>; TASKS]>;
+
+/// Does all tasks, on all workers there are.
+pub(crate) fn each<T: Send>(
+    workers: Option<&dyn Workers>,
+    tasks: impl Iterator<Item = T>,
+    work: impl Fn(T) + Sync,
+) {
+    let Some(workers) = workers else {
+        tasks.for_each(work);
+        return;
+    };
+    let tasks: Tasks<T> = tasks.map(|task| Mutex::new(Some(task))).collect();
+    if tasks.len() < 2 {
+        tasks.into_iter().filter_map(|task| task.into_inner().ok().flatten()).for_each(work);
+        return;
+    }
+    let next = AtomicUsize::new(0);
+    workers.run(&|| {
+        while let Some(task) = tasks.get(next.fetch_add(1, Ordering::Relaxed)) {
+            // Each is taken once; a worker that panicked took its task with it, and its panic goes on where the workers are joined.
+            let task = task.lock().unwrap_or_else(PoisonError::into_inner).take();
+            if let Some(task) = task {
+                work(task);
+            }
+        }
+    });
+}
+
+/// Things that tasks need one of while they work, and that are kept for their memory.
+#[derive(Debug, Default)]
+pub(crate) struct Pool<T>(Mutex<Vec<T>>);
+
+impl<T: Default> Pool<T> {
+    /// Lends one out.
+    pub(crate) fn with<R>(&self, use_it: impl FnOnce(&mut T) -> R) -> R {
+        let free = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut one = free().pop().unwrap_or_default();
+        let result = use_it(&mut one);
+        free().push(one);
+        result
+    }
+}
+
+/// A copy has nothing to keep.
+impl<T> Clone for Pool<T> {
+    fn clone(&self) -> Self {
+        Self(Mutex::new(Vec::new()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug)]
+    struct Threads(usize);
+
+    impl Workers for Threads {
+        fn run(&self, work: &(dyn Fn() + Sync)) {
+            std::thread::scope(|scope| (0..self.0).for_each(|_| drop(scope.spawn(work))));
+        }
+    }
+
+    #[test]
+    fn every_task_is_done_once_by_any_number_of_workers() {
+        for workers in [1, 2, 3, 8] {
+            let mut numbers = vec![0_u32; 1000];
+            let chunks = numbers.chunks_mut(17).enumerate();
+            each(Some(&Threads(workers)), chunks, |(number, chunk)| {
+                chunk.iter_mut().for_each(|n| *n += number as u32 + 1);
+            });
+            assert!(numbers.iter().enumerate().all(|(i, &n)| n == i as u32 / 17 + 1), "{workers}");
+        }
+    }
+
+    #[test]
+    fn what_is_lent_out_comes_back() {
+        let pool = Pool::<Vec<u8>>::default();
+        pool.with(|list| list.push(7));
+        pool.with(|list| assert_eq!(list, &[7]));
+    }
+}
