@@ -96,7 +96,7 @@ fn a_loss_before_or_after_any_set_harms_nobody_else() {
                 [("before", strike.before(set)), ("after", strike.after(set))];
             for (when, place) in places {
                 let (said, others) = lose(Some(what), |app| {
-                    app.add_systems(FixedPostUpdate, place);
+                    app.add_systems(SinewTick, place);
                 });
                 assert_eq!(others, calm, "{what:?} {when} {set:?}");
                 let most = most_messages(what);

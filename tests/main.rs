@@ -2,11 +2,13 @@
 //!
 //! | file | the story |
 //! |---|---|
+//! | `allocations` | a warm tick asks for no memory |
 //! | `phases` | the phases run in their order, substeps times a tick, and a game's own systems fit in between |
 //! | `state` | all state lives in components: clone them, put them back, and everything happens again, bit for bit |
 //! | `bad_input` | what is wrong is set aside with one message that names it, and nothing else notices |
 //! | `bad_commands` | what cannot be done to a body is refused, and nothing changes |
 //! | `bad_recipes` | bodies that cannot be built say so once |
+//! | `columns` | the columns are what the components say, though little is copied in a warm tick |
 //! | `runtime_changes` | particles, springs, constraints and bodies come, change and go while time runs |
 //! | `constraints` | every law of the solver is a component that does what it says |
 //! | `own_constraints` | a game's own constraints: one door, one order, one state |
@@ -25,12 +27,15 @@
 //! | `models` | real meshes from outside become cloth |
 //! | `scenes` | the scenes of the gallery keep what their captions promise |
 //! | `schedules` | no two systems of ours race |
+//! | `threads` | neither does the number of threads |
 //!
 //! `support` holds what they share.
 
+mod allocations;
 mod bad_commands;
 mod bad_input;
 mod bad_recipes;
+mod columns;
 mod commands;
 mod constraints;
 mod controls;
@@ -52,4 +57,5 @@ mod snapshot;
 mod solver;
 mod state;
 mod support;
+mod threads;
 mod unrelated;

@@ -33,6 +33,7 @@ fn the_phases_run_in_their_order_as_often_as_there_are_substeps() {
         for (set, name) in PHASES.into_iter().rev() {
             app.add_systems(SubstepSchedule, note(name).in_set(set));
         }
+        app.world_mut().spawn(Particle::default());
         tick(&mut app, 2);
         let once: Vec<&str> = PHASES.iter().map(|(_, name)| *name).collect();
         let expected = once.repeat(2 * substeps as usize);
@@ -51,12 +52,32 @@ fn a_tick_builds_gathers_steps_scatters_and_extracts_in_this_order() {
         (SinewSystems::Build, "build"),
     ];
     for (set, name) in sets {
-        app.add_systems(FixedPostUpdate, note(name).in_set(set));
+        app.add_systems(SinewTick, note(name).in_set(set));
     }
     app.add_systems(SubstepSchedule, note("substep").in_set(PhaseSystems::Integrate));
+    // Where the tick is run, all of it is one system, in all of its sets.
+    app.add_systems(FixedPostUpdate, note("before").before(SinewSystems::Build))
+        .add_systems(FixedPostUpdate, note("after").after(SinewSystems::Extract));
+    app.world_mut().spawn(Particle::default());
     tick(&mut app, 1);
-    let expected = ["build", "gather", "substep", "substep", "scatter", "extract"];
+    let expected =
+        ["before", "build", "gather", "substep", "substep", "scatter", "extract", "after"];
     assert_eq!(app.world().resource::<Log>().0, expected);
+}
+
+#[test]
+fn a_world_without_particles_takes_no_substeps_and_time_passes_all_the_same() {
+    let mut app = bare_app();
+    app.init_resource::<Log>();
+    app.add_systems(SubstepSchedule, note("substep").in_set(PhaseSystems::Integrate));
+    tick(&mut app, 7);
+    assert!(app.world().resource::<Log>().0.is_empty());
+    let empty = *app.world().resource::<SinewClock>();
+    let mut app = bare_app();
+    app.world_mut().spawn(Particle::default());
+    tick(&mut app, 7);
+    assert_eq!(empty, *app.world().resource::<SinewClock>(), "to the last bit");
+    assert_eq!(empty.tick, 7);
 }
 
 /// What a particle's row shows at one point of the substep.

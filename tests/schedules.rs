@@ -28,8 +28,10 @@ fn assert_unambiguous(app: &mut App, label: impl ScheduleLabel + Clone) {
 
 #[test]
 fn the_tick_leaves_no_order_to_chance() {
-    assert_unambiguous(&mut app(), FixedPostUpdate);
-    assert_unambiguous(&mut bare_app(), FixedPostUpdate);
+    for label in [SinewTick.intern(), FixedPostUpdate.intern()] {
+        assert_unambiguous(&mut app(), label);
+        assert_unambiguous(&mut bare_app(), label);
+    }
 }
 
 #[test]

@@ -25,6 +25,8 @@ pub struct SolverConfig {
     pub statics: bool,
     /// Whether the time that each body takes is measured, for its [`BodyReport`](crate::BodyReport). Default not.
     pub timed: bool,
+    /// Whether the threads of [`SinewWorkers`](crate::SinewWorkers) help. They never change a result. Default so.
+    pub threads: bool,
 }
 
 /// What one body asks of the solver, where that differs from [`SolverConfig`]: put it onto the body. What is `None` is as in the world.
@@ -96,6 +98,7 @@ impl Default for SolverConfig {
             keep_spin: settings.keep_spin,
             statics: settings.statics,
             timed: settings.timed,
+            threads: true,
         }
     }
 }

@@ -42,14 +42,26 @@ impl Default for MouseDrag {
 impl Plugin for MouseDragPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<MouseDrag>()
-            .add_systems(PreUpdate, follow_pointer.after(bevy::input::InputSystems))
+            .add_systems(PreUpdate, follow_pointer.run_if(pointed).after(bevy::input::InputSystems))
             .add_systems(
                 SubstepSchedule,
-                pull.in_set(PhaseSystems::AccumulateForces)
+                pull.run_if(holding)
+                    .in_set(PhaseSystems::AccumulateForces)
                     // Forces add up; which of two comes first is the schedule's affair.
                     .ambiguous_with(PhaseSystems::AccumulateForces),
             );
     }
+}
+
+/// Whether the mouse has anything to say: its button is down, or was a moment ago.
+fn pointed(drag: Res<MouseDrag>, buttons: Option<Res<ButtonInput<MouseButton>>>) -> bool {
+    let told = drag.button.zip(buttons);
+    told.is_some_and(|(button, buttons)| buttons.pressed(button) || buttons.just_released(button))
+}
+
+/// Whether anything is held.
+fn holding(drag: Res<MouseDrag>) -> bool {
+    drag.grabbed.is_some()
 }
 
 /// Grabs the particle under the pointer when the button goes down, leads it while it is held, and lets go after.

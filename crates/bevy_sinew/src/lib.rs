@@ -39,19 +39,25 @@
 //!                                                                                                  \--> meshes, once a frame
 //! ```
 //!
-//! One tick runs in `FixedPostUpdate`, in the sets of [`SinewSystems`]:
+//! One tick is the schedule [`SinewTick`], which one system runs in `FixedPostUpdate`; its sets are [`SinewSystems`]:
 //!
 //! 1. **Build**: new or changed recipes become particles and constraints, in world coordinates, where their `Transform` is.
 //! 2. **Gather**: every particle is copied into its row of the solver's columns; bad ones are set aside, each with one message. Rows follow the
 //!    order of creation ([`CreationOrder`]). Constraints are compiled again only if something came, went or changed. A `Transform` that somebody
 //!    else moved teleports its body, here and nowhere else.
-//! 3. **Substeps**: [`SubstepSchedule`] runs [`SolverConfig::substeps`] times; each phase is a system in its own set of [`PhaseSystems`].
+//! 3. **Substeps**: [`SubstepSchedule`] runs [`SolverConfig::substeps`] times, if there are particles; each phase is a system in its own set of
+//!    [`PhaseSystems`].
 //! 4. **Scatter**: the columns go back into [`Particle`].
 //! 5. **Extract**: transforms and velocities are read off.
 //!
 //! The ECS is the state. What is not in a component, in [`SinewClock`] or in the configuration resources does not survive a tick: save and restore
 //! those, and the simulation goes on bit for bit. [`ExtractedTransform`] and [`CreationOrder`] are part of that; [`SinewWorld`] is not. A recipe may be put back with the
 //! rest: one that did not change builds nothing anew.
+//!
+//! # Threads
+//!
+//! A tick runs on one thread, the one that runs `FixedPostUpdate`; within it, the solver shares out what is worth it among the threads of [`SinewWorkers`]: by
+//! default those of Bevy's compute pool. They never change a bit of the result; [`SolverConfig::threads`] switches them off.
 //!
 //! # A force of one's own
 //!
@@ -88,6 +94,7 @@
 //! | `components` | what a game spawns, edits and reads: the state |
 //! | `recipes` | bodies that build themselves |
 //! | `schedule` | the sets, the phases and the driver of the substeps |
+//! | `threads` | who helps the solver: [`SinewWorkers`] |
 //! | `step` | layout, gather, links, representation, scatter, extract: components to columns and back |
 //! | `world` | the columns and tables, scratch of a tick |
 //! | `drag` | dragging particles with the mouse |
@@ -108,6 +115,7 @@ mod rows;
 mod schedule;
 mod show;
 mod step;
+mod threads;
 mod world;
 
 pub use commands::{BodyCommandsExt, BodyEdit, EditFault, PendingEdits};
@@ -141,12 +149,13 @@ pub use recipes::{
     SolidShape,
 };
 pub use schedule::{
-    PhaseSystems, SinewClock, SinewControl, SinewSystems, SubstepSchedule, TickTime,
+    PhaseSystems, SinewClock, SinewControl, SinewSystems, SinewTick, SubstepSchedule, TickTime,
 };
 #[cfg(feature = "gizmos")]
 pub use show::{SinewGizmoConfigGroup, SinewGizmoPlugin};
 pub use sinew;
 pub use step::RegisterParticleConstraint;
+pub use threads::{ComputePool, SinewWorkers};
 pub use world::SinewWorld;
 
 /// What most games want in scope. [`Drag`] is left out, because Bevy's prelude has another one.
@@ -158,8 +167,8 @@ pub mod prelude {
         Ground, GroundDrag, Integrator, Interpolate, LinearVelocity, Mass, Order, Particle,
         ParticleBody, ParticleBox, ParticleOf, ParticleRow, PhaseSystems, Pinned, PinnedTo, Radius,
         Ragdoll, Refused, Representation, RigidIntegrator, RigidPose, Rope, SinewClock,
-        SinewControl, SinewPlugins, SinewSystems, SinewWorld, SoftBody, SoftShape, Softness, Solid,
-        SolidParticles, SolidShape, SolverConfig, Spring, SubstepSchedule, Wind,
+        SinewControl, SinewPlugins, SinewSystems, SinewTick, SinewWorld, SoftBody, SoftShape,
+        Softness, Solid, SolidParticles, SolidShape, SolverConfig, Spring, SubstepSchedule, Wind,
     };
     pub use crate::{
         AirFlow, Attractor, ElectricField, Flatland, Floats, HullShape, Region, RegionShape,

@@ -13,6 +13,8 @@ pub(crate) struct Rows<T: Send + Sync + 'static> {
     rows: Vec<u32>,
     /// The tick that was last drawn from these rows, for those that draw; counted from 1.
     pub(crate) drawn: u64,
+    /// Whether all particles are there, and each once; `None` until somebody asked.
+    plain: Option<bool>,
     of: PhantomData<fn() -> T>,
 }
 
@@ -21,7 +23,7 @@ pub(crate) const GONE: u32 = u32::MAX;
 
 impl<T: Send + Sync + 'static> Default for Rows<T> {
     fn default() -> Self {
-        Self { layout: 0, rows: Vec::new(), drawn: 0, of: PhantomData }
+        Self { layout: 0, rows: Vec::new(), drawn: 0, plain: None, of: PhantomData }
     }
 }
 
@@ -35,9 +37,26 @@ impl<T: Send + Sync + 'static> Rows<T> {
     ) -> &[u32] {
         if changed || self.layout != tables.layout {
             self.layout = tables.layout;
+            self.plain = None;
             self.rows.clear();
             self.rows.extend(named.map(|entity| *tables.row_of.get(&entity).unwrap_or(&GONE)));
         }
         &self.rows
+    }
+
+    /// The rows as they were last resolved.
+    pub(crate) fn get(&self) -> &[u32] {
+        &self.rows
+    }
+
+    /// Whether all particles are there, and each is named once; found out once per layout.
+    pub(crate) fn are_plain(&mut self) -> bool {
+        let rows = &self.rows;
+        *self.plain.get_or_insert_with(|| {
+            let mut sorted = rows.clone();
+            sorted.sort_unstable();
+            let once = sorted.windows(2).all(|pair| pair[0] < pair[1]);
+            once && sorted.last() != Some(&GONE)
+        })
     }
 }

@@ -1,4 +1,4 @@
-//! When things happen: the system sets of a tick and of a substep, and the driver that runs the substeps.
+//! When things happen: the schedules and the system sets of a tick and of a substep, and what drives them.
 
 use bevy::ecs::message::signal_message_update_system;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel, SingleThreadedExecutor};
@@ -6,7 +6,11 @@ use bevy::prelude::*;
 
 use crate::world::SinewWorld;
 
-/// The parts of a tick, in this order, in `FixedPostUpdate` (or wherever [`SinewPlugin`](crate::SinewPlugin) was told to run).
+/// The parts of a tick, in this order, in [`SinewTick`]: a system of a game's own that belongs between two of them is added there.
+///
+/// In `FixedPostUpdate` (or wherever [`SinewPlugin`](crate::SinewPlugin) was told to run) one system runs the whole tick, and it is in all of these sets:
+/// `.before(SinewSystems::Build)` there is before the tick, `.after(SinewSystems::Extract)` after it, and a place between two of them is a cycle, which Bevy
+/// refuses.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SinewSystems {
     /// Recipes of new bodies become particles and constraints.
@@ -45,7 +49,12 @@ pub enum PhaseSystems {
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct TimePasses;
 
-/// One substep. Run by the driver; add systems to it, but do not run it.
+/// One tick, all of it on one thread: its systems take microseconds each and wait for each other, while spreading them over threads takes microseconds
+/// for each, too. (The solver has [threads](crate::SinewWorkers) of its own.) Run by the plugin; add systems to it, but do not run it.
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SinewTick;
+
+/// One substep, of a world that has particles. Run by the driver; add systems to it, but do not run it.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct SubstepSchedule;
 
@@ -83,30 +92,35 @@ pub struct TickTime {
     pub substeps: core::time::Duration,
 }
 
-/// Sets up the sets, their order and the phases.
-pub(crate) fn configure(app: &mut App, tick: InternedScheduleLabel) {
-    app.configure_sets(
-        tick,
-        (
-            SinewSystems::Build,
-            SinewSystems::Gather,
-            SinewSystems::Substeps,
-            SinewSystems::Scatter,
-            SinewSystems::Extract,
-        )
-            .chain()
-            // Bevy's own system in `FixedPostUpdate`; the order does not matter, but an ambiguity would be an error.
-            .before(signal_message_update_system),
-    );
-    // While time stands still, bodies are built, gathered and extracted all the same: what is spawned or moved meanwhile is seen. The
-    // condition stands on a set around the rest, so that it is asked once a tick and not once a part.
-    app.configure_sets(tick, (SinewSystems::Substeps, SinewSystems::Scatter).in_set(TimePasses));
-    app.configure_sets(tick, TimePasses.run_if(running));
-    app.add_systems(tick, run_substeps.in_set(SinewSystems::Substeps));
-    app.add_systems(
-        tick,
-        count_tick.in_set(TimePasses).after(SinewSystems::Scatter).before(SinewSystems::Extract),
-    );
+/// The parts of a tick in their order.
+const PARTS: [SinewSystems; 5] = [
+    SinewSystems::Build,
+    SinewSystems::Gather,
+    SinewSystems::Substeps,
+    SinewSystems::Scatter,
+    SinewSystems::Extract,
+];
+
+/// Sets up the sets, their order and the phases, and has a schedule run the tick.
+pub(crate) fn configure(app: &mut App, within: InternedScheduleLabel) {
+    let whole = PARTS.into_iter().fold(run_tick.into_configs(), |tick, part| tick.in_set(part));
+    // Bevy's own system in `FixedPostUpdate`; the order does not matter, but an ambiguity would be an error.
+    app.add_systems(within, whole.before(signal_message_update_system));
+
+    app.init_schedule(SinewTick);
+    app.edit_schedule(SinewTick, |schedule| {
+        schedule.set_executor(SingleThreadedExecutor::new());
+        let [build, gather, substeps, scatter, extract] = PARTS;
+        schedule.configure_sets((build, gather, substeps, scatter, extract).chain());
+        // While time stands still, bodies are built, gathered and extracted all the same: what is spawned or moved meanwhile is seen. The
+        // condition stands on a set around the rest, so that it is asked once a tick and not once a part.
+        schedule.configure_sets((substeps, scatter).in_set(TimePasses));
+        schedule.configure_sets(TimePasses.run_if(running));
+        schedule.add_systems((
+            run_substeps.in_set(substeps),
+            count_tick.in_set(TimePasses).after(scatter).before(extract),
+        ));
+    });
 
     app.init_schedule(SubstepSchedule);
     app.edit_schedule(SubstepSchedule, |schedule| {
@@ -143,6 +157,15 @@ fn running(control: Res<SinewControl>) -> bool {
     control.running()
 }
 
+/// Runs a tick.
+fn run_tick(world: &mut World) {
+    let ran = world.try_run_schedule(SinewTick);
+    debug_assert!(ran.is_ok(), "the schedule of a tick was taken out from under its driver");
+}
+
+/// The systems of ours in a substep.
+const PHASES: usize = 7;
+
 /// Runs the substeps of a tick. The schedule is taken out of the world once, not once a substep.
 fn run_substeps(world: &mut World) {
     let dt = world.resource::<Time>().delta_secs();
@@ -155,12 +178,23 @@ fn run_substeps(world: &mut World) {
             Err(_) => return,
         }
     };
-    let ran = world.try_schedule_scope(SubstepSchedule, |world, schedule| {
-        for _ in 0..substeps {
-            schedule.run(world);
-        }
-    });
-    debug_assert!(ran.is_ok(), "the substep schedule was taken out from under its driver");
+    let mut sinew = world.resource_mut::<SinewWorld>();
+    if sinew.simulation.particles.is_empty() {
+        // Nothing is there to be moved: time passes, by as many small sums as otherwise, so that it comes out the same.
+        let length = f64::from(sinew.simulation.substep().length);
+        (0..substeps).for_each(|_| sinew.simulation.time += length);
+    } else {
+        let ran = world.try_schedule_scope(SubstepSchedule, |world, schedule| {
+            // Where no system of a game works between the phases, and they do the same to all, nothing is lost by taking them at once.
+            if schedule.systems_len() == PHASES {
+                world.resource_mut::<SinewWorld>().simulation.take_substeps();
+            }
+            while world.resource::<SinewWorld>().substep().remaining > 0 {
+                schedule.run(world);
+            }
+        });
+        debug_assert!(ran.is_ok(), "the substep schedule was taken out from under its driver");
+    }
     world.resource_mut::<SinewWorld>().simulation.end_step();
     world.resource_mut::<TickTime>().substeps = began.elapsed();
 }

@@ -7,7 +7,9 @@ use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 use sinew::{ParticleFault, Particles, Simulation, SolverReport};
 
+use crate::components::ParticleRow;
 use crate::messages::Complaints;
+use crate::step::gather::Held;
 
 /// The columns that the phases work on, for the systems of a game that join in between [phases](crate::PhaseSystems).
 ///
@@ -60,6 +62,14 @@ pub(crate) struct Tables {
     pub(crate) row_of: EntityHashMap<u32>,
     /// Why a row is set aside, if it is.
     pub(crate) refused: Vec<Option<ParticleFault>>,
+    /// How many rows are set aside.
+    pub(crate) set_aside: usize,
+    /// Which properties of particles the columns hold.
+    pub(crate) held: Held,
+    /// How often properties in the columns had been changed when gathering was done. A game that does so, too, does it for a tick.
+    pub(crate) edits: u64,
+    /// Whether the properties of all particles were copied in this tick.
+    pub(crate) properties_gathered: bool,
     /// Mass of each row, kg, pinned or not: a pinned particle still counts where its body is.
     pub(crate) mass: Vec<f32>,
     /// Why a spring or a constraint is set aside: so that each is reported once.
@@ -76,6 +86,21 @@ impl Tables {
     /// Whether an entity is a particle that is set aside.
     pub(crate) fn is_set_aside(&self, entity: Entity) -> bool {
         self.row_of.get(&entity).is_some_and(|&row| self.refused[row as usize].is_some())
+    }
+
+    /// Whether a row is there, and not set aside.
+    pub(crate) fn is_sound(&self, row: usize) -> bool {
+        self.refused.get(row).is_some_and(Option::is_none)
+    }
+
+    /// How many of some particles stand in consecutive rows from the first one's on, none of them set aside. 0 if the first one is, or has no row.
+    pub(crate) fn sound_run(&self, rows: &[ParticleRow]) -> usize {
+        let Some(first) = rows.first().and_then(|row| row.get()) else { return 0 };
+        let sound = |row: usize| self.set_aside == 0 || self.is_sound(row);
+        let mut wanted = (first..self.refused.len()).zip(rows);
+        wanted
+            .position(|(wanted, row)| row.0 as usize != wanted || !sound(wanted))
+            .unwrap_or_else(|| rows.len().min(self.refused.len().saturating_sub(first)))
     }
 
     /// The row of a particle that takes part, or `None` if it is gone or set aside.

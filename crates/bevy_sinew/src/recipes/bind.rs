@@ -1,5 +1,6 @@
 //! What holds a body together: the distances and the constraints of its blueprint become entities.
 
+use bevy::ecs::relationship::{Relationship, RelationshipHookMode, RelationshipTarget};
 use bevy::prelude::*;
 use sinew::Law;
 use sinew::recipes::Blueprint;
@@ -10,6 +11,17 @@ use crate::components::{
     PatchConstraint, RigidConstraint, TetrahedronConstraint, VolumeConstraint,
 };
 
+/// A relationship whose other side is a plain list.
+pub(super) trait Joins:
+    Relationship<RelationshipTarget: RelationshipTarget<Collection = Vec<Entity>>>
+{
+}
+
+impl<R: Relationship<RelationshipTarget: RelationshipTarget<Collection = Vec<Entity>>>> Joins
+    for R
+{
+}
+
 /// Spawns the distances of a body, and then its other constraints. An observer may despawn the body at any of them: then it stops there.
 pub(super) fn bind(
     world: &mut World,
@@ -19,11 +31,10 @@ pub(super) fn bind(
 ) -> Vec<Entity> {
     // A number that no particle has names nobody: the constraint is refused at gather as any other whose particle is gone.
     let particle = |row: u32| particles.get(row as usize).copied().unwrap_or(Entity::PLACEHOLDER);
-    let mut bound = Vec::with_capacity(blueprint.distances.len() + blueprint.constraints.len());
-    for distance in &blueprint.distances {
-        if world.get_entity(body).is_err() {
-            return bound;
-        }
+    let Blueprint { distances, constraints, .. } = blueprint;
+    let mut bound = enlist::<ConstraintOf>(world, body, distances.len() + constraints.len());
+    for (done, distance) in distances.iter().enumerate() {
+        let Some(&entity) = bound.get(done) else { return bound };
         let constraint = DistanceConstraint {
             a: particle(distance.a),
             b: particle(distance.b),
@@ -31,57 +42,90 @@ pub(super) fn bind(
             softness: distance.softness.into(),
             bound: distance.bound.into(),
         };
-        bound.push(join(world, ConstraintOf(body), |mut entity| _ = entity.insert(constraint)));
-    }
-    for constraint in &blueprint.constraints {
-        if world.get_entity(body).is_err() {
+        if !fill(world, entity, ConstraintOf(body), constraint) {
+            bound.truncate(done);
             return bound;
         }
+    }
+    for (done, constraint) in (distances.len()..).zip(constraints) {
+        let Some(&entity) = bound.get(done) else { return bound };
         let particles = constraint.rows.iter().map(|&row| particle(row)).collect();
-        let of = ConstraintOf(body);
-        bound.push(join(world, of, |entity| insert_law(entity, particles, &constraint.law)));
+        if !fill_law(world, entity, ConstraintOf(body), particles, &constraint.law) {
+            bound.truncate(done);
+            return bound;
+        }
     }
     bound
 }
 
-/// Spawns what belongs to a body: first the relationship and then the rest, so that whoever despawns the body meanwhile takes it along. In one bundle the
-/// body would have to be there for longer: Bevy notes who joined it with a command of its own, behind those of observers.
-pub(super) fn join(
-    world: &mut World,
-    of: impl Bundle,
-    rest: impl FnOnce(EntityWorldMut),
-) -> Entity {
-    let joined = world.spawn(of).id();
-    if let Ok(entity) = world.get_entity_mut(joined) {
-        rest(entity);
+/// Spawns entities that are in the list of a body (none if that is gone), though they do not say so themselves until they are [filled](fill): all at once, because Bevy has a
+/// command for each that joins, to be carried out alone, which takes longer than everything else. So whoever despawns the body meanwhile takes them along.
+pub(super) fn enlist<R: Joins>(world: &mut World, body: Entity, count: usize) -> Vec<Entity> {
+    if count == 0 || world.get_entity(body).is_err() {
+        return Vec::new();
+    }
+    let joined: Vec<Entity> = world.spawn_batch(core::iter::repeat_n((), count)).collect();
+    let mut body = world.entity_mut(body);
+    if let Some(mut list) = body.get_mut::<R::RelationshipTarget>() {
+        list.collection_mut_risky().extend_from_slice(&joined);
+    } else {
+        body.insert(R::RelationshipTarget::from_collection_risky(joined.clone()));
     }
     joined
 }
 
-/// Inserts a law as the component that it is; a game's own stays what it is, and so does one that does not have the particles that it should.
-fn insert_law(mut entity: EntityWorldMut, particles: Vec<Entity>, law: &Law) {
+/// Makes something of an entity that was [enlisted](enlist). Whether the body is still there: if not, so is the entity not.
+pub(super) fn fill<R: Joins>(world: &mut World, entity: Entity, of: R, rest: impl Bundle) -> bool {
+    let Some(mode) = mode::<R>(world, of.get()) else { return false };
+    if let Ok(mut entity) = world.get_entity_mut(entity) {
+        entity.insert_with_relationship_hook_mode((of, rest), mode);
+    }
+    true
+}
+
+/// How an entity is to join a body: silently, for it is in the list; unless an observer took that away. `None` if the body is gone.
+fn mode<R: Joins>(world: &World, body: Entity) -> Option<RelationshipHookMode> {
+    let body = world.get_entity(body).ok()?;
+    Some(match body.contains::<R::RelationshipTarget>() {
+        true => RelationshipHookMode::Skip,
+        false => RelationshipHookMode::Run,
+    })
+}
+
+/// The same with a law as the component that it is; a game's own stays what it is, and so does one that does not have the particles that it should.
+fn fill_law(
+    world: &mut World,
+    entity: Entity,
+    of: ConstraintOf,
+    particles: Vec<Entity>,
+    law: &Law,
+) -> bool {
     let three = <[Entity; 3]>::try_from(particles.as_slice());
     let four = <[Entity; 4]>::try_from(particles.as_slice());
     match (law, three, four) {
-        (Law::Angle(law), Ok(p), _) => entity.insert(AngleConstraint::from_law(p, law)),
-        (Law::Hinge(law), _, Ok(p)) => entity.insert(HingeConstraint::from_law(p, law)),
-        (Law::Cone(law), ..) => entity.insert(ConeConstraint::from_law(particles, law)),
-        (Law::Area(law), Ok(p), _) => entity.insert(AreaConstraint::from_law(p, law)),
-        (Law::Patch(law), ..) => entity.insert(PatchConstraint::from_law(particles, law)),
-        (Law::Tetrahedron(law), _, Ok(p)) => entity.insert(TetrahedronConstraint::from_law(p, law)),
-        (Law::Volume(law), ..) => entity.insert(VolumeConstraint::from_law(particles, law)),
-        (Law::Bend(law), _, Ok(p)) => entity.insert(BendConstraint::from_law(p, law)),
+        (Law::Angle(law), Ok(p), _) => fill(world, entity, of, AngleConstraint::from_law(p, law)),
+        (Law::Hinge(law), _, Ok(p)) => fill(world, entity, of, HingeConstraint::from_law(p, law)),
+        (Law::Cone(law), ..) => fill(world, entity, of, ConeConstraint::from_law(particles, law)),
+        (Law::Area(law), Ok(p), _) => fill(world, entity, of, AreaConstraint::from_law(p, law)),
+        (Law::Patch(law), ..) => fill(world, entity, of, PatchConstraint::from_law(particles, law)),
+        (Law::Tetrahedron(law), _, Ok(p)) => {
+            fill(world, entity, of, TetrahedronConstraint::from_law(p, law))
+        }
+        (Law::Volume(law), ..) => {
+            fill(world, entity, of, VolumeConstraint::from_law(particles, law))
+        }
+        (Law::Bend(law), _, Ok(p)) => fill(world, entity, of, BendConstraint::from_law(p, law)),
         (Law::Coplanar(law), ..) => {
             let softness = law.softness.into();
-            entity.insert(CoplanarConstraint::new(particles).with_softness(softness))
+            fill(world, entity, of, CoplanarConstraint::new(particles).with_softness(softness))
         }
         (Law::Collinear(law), ..) => {
             let softness = law.softness.into();
-            entity.insert(CollinearConstraint::new(particles).with_softness(softness))
+            fill(world, entity, of, CollinearConstraint::new(particles).with_softness(softness))
         }
-        (Law::Rigid(law), ..) => entity.insert(RigidConstraint::from_law(particles, law)),
-        (law, ..) => entity.insert(LawConstraint::new(particles, law.clone())),
-    };
+        (Law::Rigid(law), ..) => fill(world, entity, of, RigidConstraint::from_law(particles, law)),
+        (law, ..) => fill(world, entity, of, LawConstraint::new(particles, law.clone())),
+    }
 }
 
 #[cfg(test)]

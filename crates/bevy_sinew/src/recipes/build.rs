@@ -4,17 +4,18 @@ use core::marker::PhantomData;
 
 use bevy::asset::LoadState;
 use bevy::ecs::component::Mutable;
+use bevy::ecs::relationship::RelationshipTarget;
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use sinew::recipes::Blueprint;
 
 use crate::components::{
-    BodyConstraints, BodyParticles, CreationOrder, Drag, ExtractedTransform, Interpolate, Mass,
+    BodyParticles, ConstraintOf, CreationOrder, Drag, ExtractedTransform, Interpolate, Mass,
     MeshFollow, Particle, ParticleOf, Pinned, Radius, WindSurface,
 };
 use crate::config::BodySolver;
 use crate::messages::{Refusal, Refused};
-use crate::recipes::bind::{bind, join};
+use crate::recipes::bind::{Joins, bind, enlist, fill};
 use crate::recipes::wear::source_mesh;
 use crate::recipes::{BodyPart, BodyParts, PartOf};
 
@@ -178,12 +179,19 @@ pub(crate) fn attach(world: &mut World, body: Entity, bundle: impl Bundle) {
 
 /// Despawns what an earlier build of this body made.
 fn tear_down(world: &mut World, body: Entity) {
+    dismiss::<ParticleOf>(world, body);
+    dismiss::<ConstraintOf>(world, body);
     let Ok(mut entity) = world.get_entity_mut(body) else { return };
-    entity
-        .despawn_related::<BodyParticles>()
-        .despawn_related::<BodyConstraints>()
-        .despawn_related::<BodyParts>()
-        .remove::<(WindSurface, MeshFollow)>();
+    entity.despawn_related::<BodyParts>().remove::<(WindSurface, MeshFollow)>();
+}
+
+/// Despawns all that belongs to a body in one way. The list is taken first: each would search it for itself, and move all behind it.
+fn dismiss<R: Joins>(world: &mut World, body: Entity) {
+    let Some(mut list) = world.get_mut::<R::RelationshipTarget>(body) else { return };
+    for entity in core::mem::take(list.collection_mut_risky()) {
+        // An observer of one before it may have despawned this one.
+        world.try_despawn(entity).ok();
+    }
 }
 
 /// The mesh of a body; `None` while it is loading.
@@ -216,11 +224,9 @@ fn read_mesh(world: &World, body: Entity) -> Result<Option<MeshShape>, Refusal> 
 
 /// Spawns the particles of a body. An observer may despawn the body at any of them: then it stops there, and so do the others below.
 fn spawn_particles(world: &mut World, body: Entity, blueprint: &Blueprint) -> Vec<Entity> {
-    let mut particles = Vec::with_capacity(blueprint.particles.len());
-    for seed in &blueprint.particles {
-        if world.get_entity(body).is_err() {
-            break;
-        }
+    let mut particles = enlist::<ParticleOf>(world, body, blueprint.particles.len());
+    for (done, seed) in blueprint.particles.iter().enumerate() {
+        let Some(&entity) = particles.get(done) else { break };
         let pinned = seed.mass.is_infinite();
         let particle = (
             Particle {
@@ -232,14 +238,18 @@ fn spawn_particles(world: &mut World, body: Entity, blueprint: &Blueprint) -> Ve
             Mass(if pinned { 1.0 } else { seed.mass }),
             Radius(seed.radius),
         );
-        let entity = join(world, ParticleOf(body), |mut entity| _ = entity.insert(particle));
-        if seed.drag > 0.0 {
-            attach(world, entity, Drag(seed.drag));
+        let (of, drag) = (ParticleOf(body), Drag(seed.drag));
+        // All that it has at once: an entity that is given more is moved to another table.
+        let there = match (pinned, seed.drag > 0.0) {
+            (false, false) => fill(world, entity, of, particle),
+            (false, true) => fill(world, entity, of, (particle, drag)),
+            (true, false) => fill(world, entity, of, (particle, Pinned::HERE)),
+            (true, true) => fill(world, entity, of, (particle, drag, Pinned::HERE)),
+        };
+        if !there {
+            particles.truncate(done);
+            break;
         }
-        if pinned {
-            attach(world, entity, Pinned::HERE);
-        }
-        particles.push(entity);
     }
     particles
 }

@@ -19,13 +19,12 @@ pub use rope::Rope;
 pub use soft::{SoftBody, SoftShape};
 pub use solid::{Bulk, Solid, SolidParticles, SolidShape};
 
-use bevy::ecs::schedule::InternedScheduleLabel;
 use bevy::prelude::*;
 
-use crate::schedule::SinewSystems;
+use crate::schedule::{SinewSystems, SinewTick};
 
 /// Adds the builders of all recipes.
-pub(crate) fn add(app: &mut App, tick: InternedScheduleLabel) {
+pub(crate) fn add(app: &mut App) {
     app.register_type::<ParticleBox>()
         .register_type::<Rope>()
         .register_type::<Cloth>()
@@ -38,7 +37,7 @@ pub(crate) fn add(app: &mut App, tick: InternedScheduleLabel) {
         .register_type::<BodyParts>();
     // One after the other: the order in which bodies of one tick are numbered must not depend on the executor.
     app.add_systems(
-        tick,
+        SinewTick,
         (
             build::build::<ParticleBox>,
             build::build::<Rope>,

@@ -31,8 +31,12 @@ impl Plugin for SinewGizmoPlugin {
             .config_mut::<SinewGizmoConfigGroup>();
         config.enabled = false;
         config.depth_bias = -0.5;
-        app.add_systems(PostUpdate, draw);
+        app.add_systems(PostUpdate, draw.run_if(switched_on));
     }
+}
+
+fn switched_on(store: Res<GizmoConfigStore>) -> bool {
+    store.config::<SinewGizmoConfigGroup>().0.enabled
 }
 
 fn draw(

@@ -1,15 +1,30 @@
 //! Meshes that follow particles: vertices where the particles are, and smooth normals to go with them.
+//!
+//! Both are found particle by particle and then copied to the vertices: a particle on a seam of the texture has several. Where each has one, as on a grid,
+//! they are found vertex by vertex, with the solver's wide kernel. In the mesh's own frame, so that normals stand on its faces whatever the frame stretches
+//! or mirrors.
 
+use bevy::math::{Vec3A, Vec4};
 use bevy::mesh::{Indices, VertexAttributeValues};
 use bevy::prelude::*;
 use bevy::transform::helper::TransformHelper;
+use sinew::InstructionSet;
 
-use super::{drawn_position, into_frame};
+use super::Frame;
 use crate::components::{Interpolate, MeshFollow};
 use crate::messages::{Refusal, Refused, refuse};
 use crate::rows::{GONE, Rows};
 use crate::schedule::{SinewClock, SinewControl};
 use crate::world::SinewWorld;
+
+/// A particle as a corner of triangles, in the frame of the mesh at hand.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Corner {
+    /// Where it is.
+    at: Vec3A,
+    /// The sum of the area vectors of the triangles around it: along its smooth normal, across the seams of the texture too.
+    normal: Vec3A,
+}
 
 /// Writes the vertices and normals of every mesh with a [`MeshFollow`], once a frame, if a tick passed or the body eases between ticks.
 pub(crate) fn deform_meshes(
@@ -27,10 +42,10 @@ pub(crate) fn deform_meshes(
         Has<Interpolate>,
     )>,
     transforms: TransformHelper,
-    mut normals: Local<Vec<Vec3>>,
+    mut corners: Local<Vec<Corner>>,
+    mut smooth: Local<Smooth>,
 ) {
     let Some(mut meshes) = meshes else { return };
-    normals.resize(world.simulation.particles.len(), Vec3::ZERO);
     for (entity, follow, mut rows, handle, eased) in &mut bodies {
         let changed = follow.is_changed() || handle.is_changed();
         if !changed && !eased && control.running() && rows.drawn == clock.tick {
@@ -39,9 +54,10 @@ pub(crate) fn deform_meshes(
         rows.drawn = clock.tick;
         // A world that stands still is drawn where it stands.
         let ease = (eased && control.running()).then(|| time.overstep_fraction());
-        let rows =
-            rows.resolve(&world.tables, follow.is_changed(), follow.vertices.iter().copied());
-        let Some(into) = into_frame(&transforms, entity) else { continue };
+        rows.resolve(&world.tables, follow.is_changed(), follow.vertices.iter().copied());
+        let plain = rows.are_plain();
+        let rows = rows.get();
+        let Some(frame) = Frame::of(&transforms, entity) else { continue };
         let Some(mut mesh) = meshes.get_mut(&handle.0) else { continue };
         if mesh.count_vertices() != rows.len() {
             if changed {
@@ -49,59 +65,66 @@ pub(crate) fn deform_meshes(
             }
             continue;
         }
-        sum_normals(&world, &mesh, rows, ease, &mut normals);
-        if let Ok(VertexAttributeValues::Float32x3(positions)) =
-            mesh.try_attribute_mut(Mesh::ATTRIBUTE_POSITION)
-        {
-            for (vertex, &row) in positions.iter_mut().zip(rows) {
-                if row != GONE {
-                    let place = drawn_position(&world, row, ease);
-                    *vertex = into.transform_point3(place).to_array();
-                }
+        if plain {
+            smooth.place(rows.iter().map(|&row| frame.place(&world, row, ease)));
+            if smooth.write(&mut mesh, world.simulation.instructions) {
+                continue;
             }
         }
-        let turn = normal_matrix(into);
-        if let Ok(VertexAttributeValues::Float32x3(list)) =
-            mesh.try_attribute_mut(Mesh::ATTRIBUTE_NORMAL)
-        {
-            for (vertex, &row) in list.iter_mut().zip(rows) {
-                if row != GONE {
-                    let normal = turn * normals[row as usize];
-                    *vertex = normal.normalize_or(Vec3::Z).to_array();
-                }
+        corners.resize(world.simulation.particles.len(), Corner::default());
+        for &row in rows {
+            if let Some(corner) = corners.get_mut(row as usize) {
+                *corner = Corner { at: frame.place(&world, row, ease), normal: Vec3A::ZERO };
             }
         }
+        sum_normals(&mesh, rows, &mut corners);
+        write(&mut mesh, Mesh::ATTRIBUTE_POSITION, rows, &corners, |corner| corner.at);
+        write(&mut mesh, Mesh::ATTRIBUTE_NORMAL, rows, &corners, |corner| {
+            corner.normal.normalize_or(Vec3A::Z)
+        });
     }
 }
 
-/// What `into` does to area vectors, up to their length: the transposed inverse of its linear part, turned around where it mirrors.
-///
-/// For edges `e`, `f` and a matrix `A`, `Ae × Af = det(A) A⁻ᵀ (e × f)`; of the determinant only the sign outlives normalising.
-fn normal_matrix(into: Mat4) -> Mat3 {
-    let linear = Mat3::from_mat4(into);
-    linear.inverse().transpose() * linear.determinant().signum()
+/// Vertices that are particles, with their normals. Kept from frame to frame for its memory alone.
+#[derive(Default)]
+pub(crate) struct Smooth {
+    points: Vec<Vec4>,
+    normals: Vec<Vec4>,
 }
 
-/// Sums up, per particle, the area vectors of the triangles around it: its smooth normal, across the seams of the texture too.
-fn sum_normals(
-    world: &SinewWorld,
-    mesh: &Mesh,
-    rows: &[u32],
-    ease: Option<f32>,
-    normals: &mut [Vec3],
-) {
-    for &row in rows {
-        if row != GONE {
-            normals[row as usize] = Vec3::ZERO;
-        }
+impl Smooth {
+    fn place(&mut self, points: impl Iterator<Item = Vec3A>) {
+        self.points.clear();
+        self.points.extend(points.map(|at| at.extend(0.0)));
     }
-    let mut add = |corners: [usize; 3]| {
-        // A mesh may name vertices that it does not have; such a triangle shows nowhere.
-        let Some([a, b, c]) = pick(rows, corners) else { return };
-        let [pa, pb, pc] = [a, b, c].map(|row| drawn_position(world, row, ease));
-        let area = (pb - pa).cross(pc - pa);
-        for row in [a, b, c] {
-            normals[row as usize] += area;
+
+    /// Writes both to a mesh; `false`, and nothing is written, if its triangles are not in the form that the kernel reads.
+    fn write(&mut self, mesh: &mut Mesh, instructions: InstructionSet) -> bool {
+        let Self { points, normals } = self;
+        let Ok(Indices::U32(list)) = mesh.try_indices() else { return false };
+        sinew::pose::normals(points, list.as_chunks().0, Vec3::Z, instructions, normals);
+        for (attribute, from) in
+            [(Mesh::ATTRIBUTE_POSITION, points), (Mesh::ATTRIBUTE_NORMAL, normals)]
+        {
+            if let Ok(VertexAttributeValues::Float32x3(list)) = mesh.try_attribute_mut(attribute) {
+                list.iter_mut().zip(from).for_each(|(to, from)| *to = from.truncate().to_array());
+            }
+        }
+        true
+    }
+}
+
+/// Adds the area vector of each triangle to its corners. The triangles are read off the mesh each time: a game may change them.
+fn sum_normals(mesh: &Mesh, rows: &[u32], corners: &mut [Corner]) {
+    // A mesh may name vertices that it does not have; such a triangle shows nowhere.
+    let row = |vertex: usize| rows.get(vertex).map_or(GONE as usize, |&row| row as usize);
+    let mut add = |vertices: [usize; 3]| {
+        let rows = vertices.map(row);
+        if let [Some(a), Some(b), Some(c)] = rows.map(|row| corners.get(row).map(|it| it.at)) {
+            let area = (b - a).cross(c - a);
+            for row in rows {
+                corners[row].normal += area;
+            }
         }
     };
     match mesh.try_indices() {
@@ -115,9 +138,19 @@ fn sum_normals(
     }
 }
 
-/// The rows of three vertices, if all three exist.
-fn pick(rows: &[u32], corners: [usize; 3]) -> Option<[u32; 3]> {
-    let row = |i: usize| rows.get(i).copied().filter(|&row| row != GONE);
-    let [a, b, c] = corners;
-    Some([row(a)?, row(b)?, row(c)?])
+/// Writes an attribute of all vertices whose particles are there.
+fn write(
+    mesh: &mut Mesh,
+    attribute: bevy::mesh::MeshVertexAttribute,
+    rows: &[u32],
+    corners: &[Corner],
+    value: impl Fn(&Corner) -> Vec3A,
+) {
+    if let Ok(VertexAttributeValues::Float32x3(list)) = mesh.try_attribute_mut(attribute) {
+        for (vertex, &row) in list.iter_mut().zip(rows) {
+            if let Some(corner) = corners.get(row as usize) {
+                *vertex = value(corner).to_array();
+            }
+        }
+    }
 }

@@ -3,11 +3,11 @@
 use core::f32::consts::TAU;
 
 use bevy::asset::RenderAssetUsages;
-use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use bevy::transform::helper::TransformHelper;
 
-use super::{drawn_position, into_frame};
+use super::Frame;
 use crate::components::{Interpolate, TubeMesh};
 use crate::rows::{GONE, Rows};
 use crate::schedule::{SinewClock, SinewControl};
@@ -30,6 +30,7 @@ pub(crate) fn draw_tubes(
     )>,
     transforms: TransformHelper,
     mut middle: Local<Vec<Vec3>>,
+    mut skin: Local<Skin>,
 ) {
     let Some(mut meshes) = meshes else { return };
     for (entity, tube, mut rows, handle, eased) in &mut tubes {
@@ -41,26 +42,28 @@ pub(crate) fn draw_tubes(
         // A world that stands still is drawn where it stands.
         let ease = (eased && control.running()).then(|| time.overstep_fraction());
         let rows = rows.resolve(&world.tables, tube.is_changed(), tube.particles.iter().copied());
-        let Some(into) = into_frame(&transforms, entity) else { continue };
+        let Some(frame) = Frame::of(&transforms, entity) else { continue };
         middle.clear();
         let there = rows.iter().filter(|&&row| row != GONE);
-        middle.extend(there.map(|&row| into.transform_point3(drawn_position(&world, row, ease))));
+        middle.extend(there.map(|&row| Vec3::from(frame.place(&world, row, ease))));
         let sides = tube.sides.clamp(3, 64) as usize;
-        let shape = Skin::around(&middle, tube.radius, sides);
+        skin.wrap(&middle, tube.radius, sides);
         if let Some(handle) = handle {
             if let Some(mut mesh) = meshes.get_mut(&handle.0) {
-                shape.write(&mut mesh);
+                skin.write(&mut mesh);
             }
             continue;
         }
         let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default());
-        shape.write(&mut mesh);
+        skin.write(&mut mesh);
         commands.entity(entity).try_insert(Mesh3d(meshes.add(mesh)));
     }
 }
 
-/// The skin of a tube, in rings of `sides + 1` vertices (the first stands again at the end, for the texture's seam).
-struct Skin {
+/// The skin of a tube, in rings of `sides + 1` vertices (the first stands again at the end, for the texture's seam). Kept from
+/// frame to frame for its memory alone.
+#[derive(Default)]
+pub(crate) struct Skin {
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
@@ -72,15 +75,14 @@ impl Skin {
     ///
     /// The rings are carried along without twist: each ring's direction is the last one's, turned by the shortest arc between the two
     /// pieces of the chain that it stands between (parallel transport).
-    fn around(middle: &[Vec3], radius: f32, sides: usize) -> Self {
-        let mut skin = Self {
-            positions: Vec::new(),
-            normals: Vec::new(),
-            uvs: Vec::new(),
-            indices: Vec::new(),
-        };
+    fn wrap(&mut self, middle: &[Vec3], radius: f32, sides: usize) {
+        let Self { positions, normals, uvs, indices } = self;
+        positions.clear();
+        normals.clear();
+        uvs.clear();
+        indices.clear();
         if middle.len() < 2 {
-            return skin;
+            return;
         }
         let last = middle.len() - 1;
         let direction = |i: usize| {
@@ -102,33 +104,46 @@ impl Skin {
                 let share = k as f32 / sides as f32;
                 let (sin, cos) = libm::sincosf(share * TAU);
                 let out = across * cos + side * sin;
-                skin.positions.push((*point + out * radius).to_array());
-                skin.normals.push(out.to_array());
+                positions.push((*point + out * radius).to_array());
+                normals.push(out.to_array());
                 // One turn of the texture is as long as it is around, so that a rope's strands keep their slant.
-                skin.uvs.push([share, run / (TAU * radius.max(1e-6))]);
+                uvs.push([share, run / (TAU * radius.max(1e-6))]);
             }
         }
         let ring = sides as u32 + 1;
         for i in 0..last as u32 {
             for k in 0..sides as u32 {
                 let (a, b) = (i * ring + k, i * ring + k + 1);
-                skin.indices.extend([a, b, a + ring, b, b + ring, a + ring]);
+                indices.extend([a, b, a + ring, b, b + ring, a + ring]);
             }
         }
         for (first, flip) in [(0, true), (last as u32 * ring, false)] {
             for k in 1..sides as u32 - 1 {
                 let (b, c) = if flip { (k + 1, k) } else { (k, k + 1) };
-                skin.indices.extend([first, first + b, first + c]);
+                indices.extend([first, first + b, first + c]);
             }
         }
-        skin
     }
 
-    fn write(self, mesh: &mut Mesh) {
-        mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, self.positions);
-        mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, self.normals);
-        mesh.insert_attribute(Mesh::ATTRIBUTE_UV_0, self.uvs);
-        mesh.insert_indices(Indices::U32(self.indices));
+    /// Copies it into a mesh, into the memory that the mesh has where it can.
+    fn write(&self, mesh: &mut Mesh) {
+        let Self { positions, normals, uvs, indices } = self;
+        for (attribute, new) in
+            [(Mesh::ATTRIBUTE_POSITION, positions), (Mesh::ATTRIBUTE_NORMAL, normals)]
+        {
+            match mesh.try_attribute_mut(attribute) {
+                Ok(VertexAttributeValues::Float32x3(list)) => list.clone_from(new),
+                _ => mesh.insert_attribute(attribute, new.clone()),
+            }
+        }
+        match mesh.try_attribute_mut(Mesh::ATTRIBUTE_UV_0) {
+            Ok(VertexAttributeValues::Float32x2(list)) => list.clone_from(uvs),
+            _ => mesh.insert_attribute(Mesh::ATTRIBUTE_UV_0, uvs.clone()),
+        }
+        match mesh.try_indices_mut() {
+            Ok(Indices::U32(list)) => list.clone_from(indices),
+            _ => mesh.insert_indices(Indices::U32(indices.clone())),
+        }
     }
 }
 
@@ -140,7 +155,8 @@ mod tests {
     fn a_tube_stays_at_its_radius_and_faces_outwards() {
         let middle: Vec<Vec3> =
             (0..20).map(|i| Vec3::new(i as f32 * 0.1, (i as f32 * 0.3).sin() * 0.2, 0.0)).collect();
-        let skin = Skin::around(&middle, 0.03, 8);
+        let mut skin = Skin::default();
+        skin.wrap(&middle, 0.03, 8);
         assert_eq!(skin.positions.len(), 20 * 9);
         for (i, position) in skin.positions.iter().enumerate() {
             let distance = Vec3::from(*position).distance(middle[i / 9]);
@@ -155,8 +171,10 @@ mod tests {
 
     #[test]
     fn points_on_top_of_each_other_leave_it_finite() {
-        let skin = Skin::around(&[Vec3::ZERO, Vec3::ZERO, Vec3::Y, Vec3::ZERO], 0.1, 5);
+        let mut skin = Skin::default();
+        skin.wrap(&[Vec3::ZERO, Vec3::ZERO, Vec3::Y, Vec3::ZERO], 0.1, 5);
         assert!(skin.positions.iter().flatten().all(|x| x.is_finite()));
-        assert!(Skin::around(&[Vec3::ZERO], 0.1, 5).indices.is_empty());
+        skin.wrap(&[Vec3::ZERO], 0.1, 5);
+        assert!(skin.indices.is_empty());
     }
 }

@@ -2,16 +2,58 @@
 
 use std::collections::BTreeSet;
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-use super::gather::sound;
+use super::pins::sound;
 use crate::components::{BodyParticles, GravityScale};
 use crate::config::BodySolver;
 use crate::messages::{Refusal, Refused};
 use crate::rows::{GONE, Rows};
 use crate::world::SinewWorld;
 
-/// Writes what bodies have to say to the rows of their particles. The rows were filled afresh, with what each particle says of itself.
+/// Those that have something to say.
+type Speaks = (With<BodyParticles>, Or<(With<BodySolver>, With<GravityScale>)>);
+
+/// Whether bodies have something new to say.
+#[derive(SystemParam)]
+pub(crate) struct Bodies<'w, 's> {
+    all: Query<
+        'w,
+        's,
+        (
+            Ref<'static, BodyParticles>,
+            Option<Ref<'static, BodySolver>>,
+            Option<Ref<'static, GravityScale>>,
+        ),
+        Speaks,
+    >,
+    /// How many said something of each kind: what came is a change, and fewer than before is all that is left to notice.
+    counts: Local<'s, [usize; 2]>,
+}
+
+impl Bodies<'_, '_> {
+    /// Whether any body says anything.
+    pub(crate) fn any(&self) -> bool {
+        !self.all.is_empty()
+    }
+
+    /// Whether one came, went or changed since the system that asks last ran.
+    pub(crate) fn changed(&mut self) -> bool {
+        let (mut now, mut changed) = ([0; 2], false);
+        for (members, solver, scale) in &self.all {
+            now[0] += usize::from(solver.is_some());
+            now[1] += usize::from(scale.is_some());
+            changed |= members.is_changed();
+            changed |= solver.is_some_and(|solver| solver.is_changed());
+            changed |= scale.is_some_and(|scale| scale.is_changed());
+        }
+        let went = core::mem::replace(&mut *self.counts, now) != now;
+        went || changed
+    }
+}
+
+/// Writes what bodies have to say to the rows of their particles, if the rows were filled afresh with what each particle says of itself.
 ///
 /// A scale of gravity that is not finite is none, and reported when that is news.
 pub(crate) fn gather_bodies(
@@ -25,11 +67,15 @@ pub(crate) fn gather_bodies(
             Option<&BodySolver>,
             Option<&GravityScale>,
         ),
-        Or<(With<BodySolver>, With<GravityScale>)>,
+        Speaks,
     >,
     mut broken: Local<BTreeSet<Entity>>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
+    if !tables.properties_gathered {
+        tables.edits = simulation.particles.edits();
+        return;
+    }
     simulation.bodies.clear();
     broken.retain(|&entity| bodies.contains(entity));
     for (entity, members, mut rows, solver, scale) in &mut bodies {
@@ -46,4 +92,5 @@ pub(crate) fn gather_bodies(
             simulation.particles.scale_gravity(row as usize, scale);
         }
     }
+    tables.edits = simulation.particles.edits();
 }

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use sinew::forces::Control;
 use sinew::pose::Pose;
 
-use super::gather::sound;
+use super::pins::sound;
 use crate::commands::EditFault;
 use crate::components::{
     BodyParticles, ControlForce, CreationOrder, Particle, ParticleBody, ResolvedTarget, RigidPose,
@@ -39,6 +39,7 @@ pub(crate) fn gather_controls(
     targets: Targets,
     frames: Query<&Transform, (Or<(With<ParticleBody>, With<RigidPose>)>, Without<Particle>)>,
     mut broken: Local<BTreeSet<Entity>>,
+    mut ordered: Local<Vec<(CreationOrder, Entity)>>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
     let list = &mut simulation.forces.controls;
@@ -52,10 +53,14 @@ pub(crate) fn gather_controls(
     let regrouped = ungrouped || !regrouped.is_empty();
     broken.retain(|&entity| controls.contains(entity));
 
-    let mut ordered: Vec<_> = controls.iter_mut().collect();
-    ordered.sort_unstable_by_key(|(_, order, ..)| **order);
+    ordered.clear();
+    ordered.extend(controls.iter().map(|(entity, order, ..)| (*order, entity)));
+    ordered.sort_unstable();
     let mut used = 0;
-    for (entity, _, control, name, mut rows, mut resolved) in ordered {
+    for &(_, entity) in &*ordered {
+        let Ok((_, _, control, name, mut rows, mut resolved)) = controls.get_mut(entity) else {
+            continue;
+        };
         let target = control.on.unwrap_or(entity);
         let changed = regrouped || resolved.0 != Some(target);
         resolved.0 = Some(target);

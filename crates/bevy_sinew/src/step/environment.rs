@@ -27,15 +27,18 @@ pub(crate) fn gather_environment(
     bounds: Bounds,
     frames: Frames,
     mut known: Local<BTreeSet<Broken>>,
+    mut scratch: Local<Scratch>,
 ) {
     let SinewWorld { simulation, .. } = &mut *world;
     simulation.settings = (*config).into();
     simulation.time = clock.seconds;
     let before = core::mem::take(&mut *known);
-    let mut judge = Judge { before, now: BTreeSet::new(), kind: 0, messages: &mut messages };
+    let Scratch { places, sheets } = &mut *scratch;
+    let mut judge =
+        Judge { before, now: BTreeSet::new(), kind: 0, messages: &mut messages, places };
     everywhere.tell(&mut simulation.forces, &mut judge);
     fields.tell(&mut simulation.forces, &frames, &mut judge);
-    bounds.tell(&mut simulation.boundaries, &frames, &mut judge);
+    bounds.tell(&mut simulation.boundaries, sheets, &frames, &mut judge);
     *known = judge.now;
 }
 
@@ -129,7 +132,13 @@ pub(crate) struct Bounds<'w, 's> {
 }
 
 impl Bounds<'_, '_> {
-    fn tell(&self, boundaries: &mut sinew::Boundaries, frames: &Frames, judge: &mut Judge) {
+    fn tell(
+        &self,
+        boundaries: &mut sinew::Boundaries,
+        sheets: &mut Vec<Plane>,
+        frames: &Frames,
+        judge: &mut Judge,
+    ) {
         let ground = |(entity, order, ground, drag): (_, &_, &Ground, Option<&GroundDrag>)| {
             let (normal, offset) = plane(&frames.of(entity), Vec3::Y);
             let drag = drag
@@ -149,8 +158,7 @@ impl Bounds<'_, '_> {
             let (normal, offset) = plane(&frames.of(entity), Vec3::Z);
             (*order, entity, Plane { normal, offset, friction: 0.0, ..Plane::ground(0.0) })
         };
-        let mut sheets = Vec::new();
-        judge.fill(&mut sheets, self.sheets.iter().map(sheet), Plane::is_valid);
+        judge.fill(sheets, self.sheets.iter().map(sheet), Plane::is_valid);
         boundaries.sheet = sheets.first().copied();
     }
 }
@@ -177,6 +185,13 @@ impl Frames<'_, '_> {
     }
 }
 
+/// What is kept from tick to tick for its memory alone.
+#[derive(Default)]
+pub(crate) struct Scratch {
+    places: Vec<(CreationOrder, Entity, usize)>,
+    sheets: Vec<Plane>,
+}
+
 /// An entity and the number of what is broken on it: it may be several things at once.
 type Broken = (Entity, u32);
 
@@ -187,6 +202,8 @@ struct Judge<'a, 'w> {
     /// Counts what was asked for.
     kind: u32,
     messages: &'a mut MessageWriter<'w, Refused>,
+    /// Who the entries of the list at hand are of, and where each was before it was put in order.
+    places: &'a mut Vec<(CreationOrder, Entity, usize)>,
 }
 
 impl Judge<'_, '_> {
@@ -197,14 +214,27 @@ impl Judge<'_, '_> {
         valid: impl Fn(&T) -> bool,
     ) {
         self.kind += 1;
-        let mut entries: Vec<_> = entries.collect();
-        entries.sort_by_key(|(order, entity, _)| (*order, *entity));
         list.clear();
-        for (_, entity, entry) in entries {
-            if self.sound(entity, valid(&entry), || Refusal::Surroundings) {
-                list.push(entry);
-            }
+        self.places.clear();
+        for (order, entity, entry) in entries {
+            self.places.push((order, entity, list.len()));
+            list.push(entry);
         }
+        self.places.sort_unstable();
+        for i in 0..list.len() {
+            // What belongs here was swapped away for each place before it that it stood in.
+            let mut from = self.places[i].2;
+            while from < i {
+                from = self.places[from].2;
+            }
+            list.swap(i, from);
+        }
+        let mut next = 0;
+        list.retain(|entry| {
+            let (_, entity, _) = self.places[next];
+            next += 1;
+            self.sound(entity, valid(entry), || Refusal::Surroundings)
+        });
     }
 
     /// Whether a resource is sound; its entity is the one that is named.

@@ -1,155 +1,200 @@
 //! Gather: the values of the particles' components into the columns, every tick.
+//!
+//! A warm tick copies what moves, the [`Particle`]s, table by table. What rarely changes (masses, radii, charges and so on) stands in the columns
+//! already, and is copied again for the tables in which Bevy saw a change; for all, where something was taken away, which leaves no mark behind. So what
+//! is written around Bevy's change detection is not seen, except in a [`Particle`].
 
-use std::collections::BTreeSet;
-
+use bevy::ecs::change_detection::ContiguousRef;
 use bevy::prelude::*;
-use bevy::transform::helper::TransformHelper;
-use sinew::{ParticleFault, ParticleSeed, Pin};
+use sinew::{ParticleFault, ParticleSeed, ParticleState};
 
+use super::bodies::Bodies;
+use super::changes::Ages;
 use crate::components::{
-    BodyParticles, Charge, Drag, ExternalForce, ExtractedTransform, GravityScale, Mass, Particle,
-    ParticleRow, Pinned, PinnedTo, Radius,
+    Charge, Drag, ExternalForce, GravityScale, Mass, Particle, ParticleRow, Pinned, PinnedTo,
+    Radius,
 };
 use crate::messages::{Refusal, Refused, refuse};
-use crate::step::carry::Carry;
 use crate::world::SinewWorld;
 
-/// Moves the particles of bodies whose `Transform` somebody else changed: the change is a teleport of the whole body.
-///
-/// Velocities turn with the body and otherwise stay, so that a portal carries a flying box through.
-pub(crate) fn follow_teleports(
-    mut bodies: Query<(&Transform, &mut ExtractedTransform, &BodyParticles), Changed<Transform>>,
-    mut particles: Query<&mut Particle>,
-) {
-    for (transform, mut known, members) in &mut bodies {
-        let Some(old) = known.0 else { continue };
-        if old == *transform {
-            continue;
-        }
-        let Some(carry) = Carry::between(&old, transform) else { continue };
-        let mut moved = particles.iter_many_mut(members.iter());
-        while let Some(mut particle) = moved.fetch_next() {
-            carry.take(&mut particle);
-        }
-        known.0 = Some(*transform);
-    }
+/// All that is said of a particle.
+type Told = (
+    Entity,
+    &'static Particle,
+    &'static ParticleRow,
+    Ref<'static, Mass>,
+    Option<Ref<'static, Pinned>>,
+    Option<Ref<'static, PinnedTo>>,
+    Option<Ref<'static, Radius>>,
+    Option<Ref<'static, Charge>>,
+    Option<Ref<'static, Drag>>,
+    Option<Ref<'static, ExternalForce>>,
+    Option<Ref<'static, GravityScale>>,
+);
+
+/// The same of a table: as many entries in each column as there are entities.
+type Table<'w> = (
+    &'w [Entity],
+    &'w [Particle],
+    &'w [ParticleRow],
+    ContiguousRef<'w, Mass>,
+    Option<ContiguousRef<'w, Pinned>>,
+    Option<ContiguousRef<'w, PinnedTo>>,
+    Option<ContiguousRef<'w, Radius>>,
+    Option<ContiguousRef<'w, Charge>>,
+    Option<ContiguousRef<'w, Drag>>,
+    Option<ContiguousRef<'w, ExternalForce>>,
+    Option<ContiguousRef<'w, GravityScale>>,
+);
+
+/// What properties the columns hold: of which rows, and of how many particles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Held {
+    layout: u64,
+    /// How many particles there are with each of the components that say them.
+    counts: [usize; 8],
 }
 
 /// Copies every particle into its row; a faulty one is set aside, and reported when that is news.
 pub(crate) fn gather_particles(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
-    particles: Query<(
-        Entity,
-        &Particle,
-        &Mass,
-        &ParticleRow,
-        Option<&Pinned>,
-        Has<PinnedTo>,
-        Option<&Radius>,
-        Option<&Charge>,
-        Option<&Drag>,
-        Option<&ExternalForce>,
-        Option<&GravityScale>,
-    )>,
+    particles: Query<Told>,
+    mut bodies: Bodies,
 ) {
-    let SinewWorld { simulation, tables } = &mut *world;
-    simulation.boundaries.pins.clear();
-    for found in &particles {
-        let (entity, particle, mass, row, pinned, pinned_to, radius, charge, drag, force, scale) =
-            found;
-        let Some(row) = row.get() else { continue };
-        let seed = ParticleSeed {
-            position: particle.position,
-            remainder: particle.remainder,
-            velocity: particle.velocity,
-            lag: particle.lag,
-            mass: mass.0,
-            radius: radius.map_or(0.0, |r| r.0),
-            charge: charge.map_or(0.0, |c| c.0),
-            drag: drag.map_or(0.0, |d| d.0),
-            gravity_scale: scale.map_or(1.0, |scale| scale.0),
-        };
-        let external = force.map_or(Vec3::ZERO, |f| f.0);
-        let fault =
-            seed.fault().or_else(|| (!external.is_finite()).then_some(ParticleFault::Force));
-        if fault != tables.refused[row] {
-            tables.refused[row] = fault;
-            tables.stale = true;
-            if let Some(fault) = fault {
-                refuse(&mut messages, entity, Refusal::Particle(fault));
-            }
-        }
-        if fault.is_some() {
-            // Last good position, infinite mass, no charge: nothing notices it.
-            let last = ParticleSeed::at(simulation.particles.position(row)).pinned();
-            let put = simulation.particles.set(row, last);
-            debug_assert!(put.is_ok(), "columns hold only finite positions");
-            continue;
-        }
-        let held = pinned.is_some() || pinned_to;
-        let seed = if held { seed.pinned() } else { seed };
-        let put = simulation.particles.set(row, seed);
-        debug_assert!(put.is_ok(), "the seed was checked above");
-        simulation.particles.set_external_force(row, external);
-        tables.mass[row] = mass.0;
-        if let Some(target) = pinned.and_then(|pin| pin.target) {
-            let reason = (!target.is_finite()).then_some(Refusal::PinPoint);
-            if sound(&mut tables.broken, &mut messages, entity, reason) {
-                simulation.boundaries.pins.push(Pin { particle: row as u32, target });
-            }
+    // All of these are kept in tables.
+    let Ok(tables) = particles.contiguous_iter() else { return };
+    let mut held = Held { layout: world.tables.layout, ..default() };
+    let (mut changed, mut added) = (false, false);
+    for table in tables {
+        let ages = ages(&table);
+        held.counts.iter_mut().zip(&ages).for_each(|(sum, ages)| {
+            *sum += ages.map_or(0, |ages| ages.len());
+        });
+        if properties_changed(&table) {
+            changed = true;
+            added |= ages.iter().flatten().any(Ages::any_added);
         }
     }
-    // A query's order is not the order of creation; each particle has one pin at most, so sorting makes it so.
-    simulation.boundaries.pins.sort_unstable_by_key(|pin| pin.particle);
-}
-
-/// Leads particles that are pinned to other entities; lets go of those whose entity is gone.
-pub(crate) fn gather_moving_pins(
-    mut commands: Commands,
-    mut world: ResMut<SinewWorld>,
-    mut messages: MessageWriter<Refused>,
-    pins: Query<(Entity, &PinnedTo, &ParticleRow), With<Particle>>,
-    transforms: TransformHelper,
-) {
-    let SinewWorld { simulation, tables } = &mut *world;
-    for (entity, pin, row) in &pins {
-        let Some(row) = row.get() else { continue };
-        if tables.refused[row].is_some() {
-            continue;
+    let mut all = core::mem::replace(&mut world.tables.held, held) != held;
+    // Of what was added, as many others may have been taken away.
+    all |= added | bodies.changed() | (world.tables.edits != world.simulation.particles.edits());
+    // What bodies say comes on top of what their particles say, for all of them or for none.
+    all |= changed && bodies.any();
+    loop {
+        let news = gather_tables(&mut world, &mut messages, &particles, all);
+        if all || !(news && bodies.any()) {
+            break;
         }
-        // Computed afresh: GlobalTransform is a frame old in the fixed schedule.
-        match transforms.compute_global_transform(pin.entity) {
-            Ok(transform) => {
-                let target = transform.transform_point(pin.offset);
-                if target.is_finite() {
-                    simulation.boundaries.pins.push(Pin { particle: row as u32, target });
-                }
-            }
-            Err(_) => {
-                refuse(&mut messages, entity, Refusal::PinTarget(pin.entity));
-                commands.entity(entity).try_remove::<PinnedTo>();
-            }
-        }
+        all = true;
     }
-    simulation.boundaries.pins.sort_by_key(|pin| pin.particle);
+    world.tables.properties_gathered = all;
 }
 
-/// Whether nothing is wrong; what is gets reported once, until it was mended.
-pub(crate) fn sound(
-    broken: &mut BTreeSet<Entity>,
+/// Whether it was news that one is set aside, or is not any more.
+fn gather_tables(
+    world: &mut SinewWorld,
     messages: &mut MessageWriter<Refused>,
-    entity: Entity,
-    reason: Option<Refusal>,
+    particles: &Query<Told>,
+    all: bool,
 ) -> bool {
-    let Some(reason) = reason else {
-        if !broken.is_empty() {
-            broken.remove(&entity);
+    let mut news = false;
+    for table in particles.contiguous_iter().into_iter().flatten() {
+        let (states, rows) = (table.1, table.2);
+        if all || properties_changed(&table) {
+            (0..rows.len()).for_each(|i| news |= gather_one(world, messages, &table, i));
+            continue;
         }
-        return true;
-    };
-    if broken.insert(entity) {
-        refuse(messages, entity, reason);
+        let mut i = 0;
+        while i < rows.len() {
+            let run = world.tables.sound_run(&rows[i..]);
+            let first = rows[i].0 as usize;
+            let some = states[i..i + run].iter().map(state);
+            let loaded = world.simulation.particles.load(first, some);
+            i += loaded;
+            // What stopped it is a particle that is or was set aside.
+            if loaded == 0 || loaded < run {
+                news |= gather_one(world, messages, &table, i);
+                i += 1;
+            }
+        }
     }
-    false
+    news
+}
+
+/// Copies all that is said of one particle. Whether it was news that it is set aside, or that it is not any more.
+fn gather_one(
+    world: &mut SinewWorld,
+    messages: &mut MessageWriter<Refused>,
+    table: &Table,
+    i: usize,
+) -> bool {
+    let (entities, states, rows, mass, pinned, pinned_to, radius, charge, drag, force, scale) =
+        table;
+    let SinewWorld { simulation, tables } = world;
+    let Some(row) = rows[i].get().filter(|&row| row < tables.refused.len()) else { return false };
+    let particle = states[i];
+    let seed = ParticleSeed {
+        position: particle.position,
+        remainder: particle.remainder,
+        velocity: particle.velocity,
+        lag: particle.lag,
+        mass: mass[i].0,
+        radius: radius.as_ref().map_or(0.0, |all| all[i].0),
+        charge: charge.as_ref().map_or(0.0, |all| all[i].0),
+        drag: drag.as_ref().map_or(0.0, |all| all[i].0),
+        gravity_scale: scale.as_ref().map_or(1.0, |all| all[i].0),
+    };
+    let external = force.as_ref().map_or(Vec3::ZERO, |all| all[i].0);
+    let fault = seed.fault().or_else(|| (!external.is_finite()).then_some(ParticleFault::Force));
+    let news = fault != tables.refused[row];
+    if news {
+        tables.set_aside += usize::from(fault.is_some());
+        tables.set_aside -= usize::from(tables.refused[row].is_some());
+        tables.refused[row] = fault;
+        tables.stale = true;
+        if let Some(fault) = fault {
+            refuse(messages, entities[i], Refusal::Particle(fault));
+        }
+    }
+    if fault.is_some() {
+        // Last good position, infinite mass, no charge: nothing notices it.
+        let last = ParticleSeed::at(simulation.particles.position(row)).pinned();
+        let put = simulation.particles.set(row, last);
+        debug_assert!(put.is_ok(), "columns hold only finite positions");
+        return news;
+    }
+    let held = pinned.is_some() || pinned_to.is_some();
+    let put = simulation.particles.set(row, if held { seed.pinned() } else { seed });
+    debug_assert!(put.is_ok(), "the seed was checked above");
+    simulation.particles.set_external_force(row, external);
+    tables.mass[row] = mass[i].0;
+    news
+}
+
+fn state(particle: &Particle) -> ParticleState {
+    let Particle { position, remainder, velocity, lag } = *particle;
+    ParticleState { position, remainder, velocity, lag }
+}
+
+/// Whether anything but positions and velocities changed in a table. That one is pinned counts, where to does not.
+fn properties_changed(table: &Table) -> bool {
+    let [pinned, pinned_to, rest @ ..] = ages(table);
+    [pinned, pinned_to].iter().flatten().any(Ages::any_added)
+        || rest.iter().flatten().any(Ages::any_changed)
+}
+
+/// The columns of a table that hold properties.
+fn ages<'w>(table: &Table<'w>) -> [Option<Ages<'w>>; 8] {
+    let (.., mass, pinned, pinned_to, radius, charge, drag, force, scale) = table;
+    [
+        pinned.as_ref().map(Ages::of),
+        pinned_to.as_ref().map(Ages::of),
+        Some(Ages::of(mass)),
+        radius.as_ref().map(Ages::of),
+        charge.as_ref().map(Ages::of),
+        drag.as_ref().map(Ages::of),
+        force.as_ref().map(Ages::of),
+        scale.as_ref().map(Ages::of),
+    ]
 }

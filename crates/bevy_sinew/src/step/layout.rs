@@ -60,6 +60,7 @@ fn carry_over(simulation: &mut Simulation, tables: &mut Tables, order: &[(Creati
     }
     simulation.particles = columns;
     simulation.forget_step_start();
+    tables.set_aside = refused.iter().flatten().count();
     tables.refused = refused;
     tables.mass.clear();
     tables.mass.resize(order.len(), 0.0);

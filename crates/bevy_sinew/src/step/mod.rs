@@ -2,6 +2,7 @@
 
 pub(crate) mod bodies;
 pub(crate) mod carry;
+pub(crate) mod changes;
 pub(crate) mod controls;
 pub(crate) mod environment;
 pub(crate) mod extract;
@@ -9,7 +10,9 @@ pub(crate) mod gather;
 pub(crate) mod hulls;
 pub(crate) mod layout;
 pub(crate) mod links;
+pub(crate) mod pins;
 pub(crate) mod representation;
 pub(crate) mod scatter;
+pub(crate) mod teleports;
 
 pub use links::RegisterParticleConstraint;

@@ -4,9 +4,10 @@
 //! it finite where a particle flies through; its potential is `-GM/√(r² + ε²)`. Either is an acceleration: mass does not matter, and the
 //! [gravity scale](crate::ParticleSeed::gravity_scale) of a particle multiplies both. Particles do not pull the point.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 
 use super::Forces;
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 use crate::particles::Particles;
 
 /// A point that attracts everything: a planet, a magnet in a game, a black hole.
@@ -34,17 +35,19 @@ impl Attractor {
             && self.softening >= 0.0
     }
 
-    /// The acceleration of a particle at `d` from the point, m/s². None at the point itself.
-    fn pull(&self, d: Vec3) -> Vec3 {
-        let squared = d.length_squared() + self.softening * self.softening;
-        let pull = d * (-self.strength / (squared * squared.sqrt()));
+    /// The acceleration of particles at `d` from the point, m/s². None at the point itself.
+    #[inline(always)]
+    fn pull<L: Lanes>(&self, d: Vector<L>) -> Vector<L> {
+        let squared = d.length_squared() + L::splat(self.softening * self.softening);
+        let pull = d * (L::splat(-self.strength) / (squared * squared.sqrt()));
         // Without softening, at the point: no direction.
-        if pull.is_finite() { pull } else { Vec3::ZERO }
+        let largest = pull.x.abs() + pull.y.abs() + pull.z.abs();
+        pull.or_else(largest.lt(L::splat(f32::INFINITY)), Vector::splat(Vec3::ZERO))
     }
 }
 
 /// Adds gravity, which needs no mass (`f = m g`, so `a = g`), and the game's own forces.
-pub(crate) fn apply(particles: &mut Particles, forces: &Forces) {
+pub(crate) fn apply(particles: &mut Particles, forces: &Forces, instructions: InstructionSet) {
     if particles.survey.plain {
         particles.accelerate_all(forces.gravity);
     } else {
@@ -57,11 +60,35 @@ pub(crate) fn apply(particles: &mut Particles, forces: &Forces) {
         }
     }
     for attractor in forces.attractors.iter().filter(|attractor| attractor.is_valid()) {
-        for i in 0..particles.len() {
-            if particles.position[i].w > 0.0 {
-                let pull = attractor.pull(particles.relative_to(i, attractor.position));
-                let scale = particles.gravity_scale[i];
-                particles.add_acceleration(i, pull * scale);
+        particles.pushed = true;
+        with(instructions, Attract { particles, attractor });
+    }
+}
+
+struct Attract<'a> {
+    particles: &'a mut Particles,
+    attractor: &'a Attractor,
+}
+
+impl Work for Attract<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { particles, attractor } = self;
+        let Particles { position, origin, gravity_scale, acceleration, .. } = particles;
+        let eights = position.chunks(LANES).zip(origin.chunks(LANES));
+        let eights = eights.zip(gravity_scale.chunks(LANES)).zip(acceleration.chunks_mut(LANES));
+        for (((position, origin), scale), acceleration) in eights {
+            let mut places = [Vec4::ZERO; LANES];
+            for (((place, p), o), scale) in places.iter_mut().zip(position).zip(origin).zip(scale) {
+                let d = (*o - attractor.position) + p.truncate();
+                *place = d.extend(if p.w > 0.0 { *scale } else { 0.0 });
+            }
+            let (d, scale) = Vector::<L>::of(L::run(&places, 0));
+            L::put_run(&mut places, 0, (attractor.pull(d) * scale).with(L::zero()));
+            for (acceleration, pull) in acceleration.iter_mut().zip(places) {
+                *acceleration += pull;
             }
         }
     }
@@ -156,10 +183,42 @@ mod tests {
             attractors: vec![attractor, broken, Attractor::new(Vec3::NAN, 1.0)],
             ..Forces::default()
         };
-        apply(&mut particles, &forces);
+        apply(&mut particles, &forces, InstructionSet::best());
         let found = [0, 1, 2].map(|i| particles.acceleration(i));
         assert_eq!(found, [Vec3::X * -2.0, -Vec3::X, Vec3::ZERO]);
         assert_eq!(energy(&particles, &forces, 1, 4.0), -4.0);
         assert!(energy(&particles, &forces, 2, 4.0).is_finite());
+    }
+
+    #[test]
+    fn an_attractor_pulls_with_the_same_bits_whatever_the_instructions() {
+        let mut particles = Particles::default();
+        for i in 0..29 {
+            let at = Vec3::new(i as f32 * 0.77, (i % 5) as f32 * 3.1, (i % 7) as f32 * -2.3);
+            let seed = ParticleSeed { gravity_scale: 0.5 + (i % 3) as f32, ..ParticleSeed::at(at) };
+            particles.push(if i % 6 == 5 { seed.pinned() } else { seed }).unwrap();
+        }
+        particles.set_position(3, Vec3::NAN);
+        let attractor = Attractor { position: Vec3::ZERO, strength: 7.0, softening: 0.0 };
+        let forces = Forces { attractors: vec![attractor], ..Forces::default() };
+        let mut pulled = |set| {
+            particles.clear_sums(0.0);
+            apply(&mut particles, &forces, set);
+            particles.acceleration.clone()
+        };
+        let found = pulled(InstructionSet::Scalar);
+        assert!(found == pulled(InstructionSet::Simd128) && found == pulled(InstructionSet::Avx2));
+        assert!(found.iter().all(|a| a.is_finite() && a.w == 0.0));
+        for i in (0..29).filter(|&i| i != 3) {
+            let d = particles.position(i);
+            let scale = if i % 6 == 5 { 0.0 } else { 0.5 + (i % 3) as f32 };
+            let pull = d * (-7.0 * scale / (d.length_squared() * d.length()).max(1e-30));
+            let rest = forces.gravity * scale;
+            let expected = if i == 0 { rest } else { rest + pull };
+            assert!(
+                (found[i].truncate() - expected).length() < 1e-5 * (1.0 + expected.length()),
+                "{i}"
+            );
+        }
     }
 }

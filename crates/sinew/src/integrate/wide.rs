@@ -7,20 +7,20 @@ use crate::particles::Particles;
 
 /// Some consecutive particles, to be predicted. All columns are of one length; `acceleration`, `damping` and `medium` may be empty for zeros, and `damping` may have
 /// one number for all.
-pub(super) struct Predict<'a> {
-    pub(super) position: &'a mut [Vec4],
-    pub(super) start: &'a mut [Vec4],
-    pub(super) velocity: &'a mut [Vec4],
-    pub(super) rounding: &'a mut [Vec4],
-    pub(super) acceleration: &'a [Vec4],
-    pub(super) damping: &'a [f32],
-    pub(super) medium: &'a [f32],
+pub(crate) struct Predict<'a> {
+    pub(crate) position: &'a mut [Vec4],
+    pub(crate) start: &'a mut [Vec4],
+    pub(crate) velocity: &'a mut [Vec4],
+    pub(crate) rounding: &'a mut [Vec4],
+    pub(crate) acceleration: &'a [Vec4],
+    pub(crate) damping: &'a [f32],
+    pub(crate) medium: &'a [f32],
     /// What all are accelerated by besides, m/s².
-    pub(super) common: Vec4,
+    pub(crate) common: Vec4,
     /// Damping that all have besides, 1/s.
-    pub(super) air: f32,
+    pub(crate) air: f32,
     /// Seconds.
-    pub(super) h: f32,
+    pub(crate) h: f32,
 }
 
 /// Some consecutive particles, whose velocities are to agree with the positions that the constraints left.

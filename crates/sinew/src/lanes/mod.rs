@@ -38,7 +38,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 use glam::Vec4;
 
 pub(crate) use angle::atan2;
-pub(crate) use columns::{Columns, Eights};
+pub(crate) use columns::Columns;
 pub(crate) use vector::Vector;
 
 /// How many lanes there are.

@@ -71,12 +71,6 @@ impl Particles {
         self.common += acceleration;
     }
 
-    /// The column of accelerations, m/s², to add to; its fourth lane stays zero.
-    pub(crate) fn accelerations_mut(&mut self) -> &mut [Vec4] {
-        self.pushed = true;
-        &mut self.acceleration
-    }
-
     /// Drags particle `i` towards `velocity` (m/s) in this substep, at the rate `rate` (1/s, finite): what a medium does that may be moving. Media
     /// add up.
     pub fn drag_towards(&mut self, i: usize, rate: f32, velocity: Vec3) {

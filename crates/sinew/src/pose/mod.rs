@@ -43,6 +43,7 @@ mod tests;
 
 pub(crate) use inertia::spin as pseudo_solve;
 pub use inertia::{Motion, motion};
+pub(crate) use normals::cross;
 pub use normals::normals;
 
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};

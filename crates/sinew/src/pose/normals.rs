@@ -72,7 +72,7 @@ impl Work for Normals<'_> {
 
 /// The cross product of the first three numbers; the fourth is nothing.
 #[inline(always)]
-fn cross(a: Vec4, b: Vec4) -> Vec4 {
+pub(crate) fn cross(a: Vec4, b: Vec4) -> Vec4 {
     (a * b.yzxw() - a.yzxw() * b).yzxw()
 }
 

@@ -1,5 +1,6 @@
 //! The simulation: particles, forces and constraints, and one method for each phase of a step.
 
+mod alone;
 mod prepare;
 mod statics;
 
@@ -63,7 +64,7 @@ struct Scratch {
     /// Pinned particles that were given another origin for this step.
     anchors: Vec<prepare::Anchor>,
     /// The pressure of each wind on each triangle, looked up when the step began.
-    pressures: Vec<Vec3>,
+    pressures: Vec<Vec4>,
     /// The air at each triangle and loose particle, looked up at the same time.
     air: forces::Air,
     /// Where the step began, with the inverse mass: what went non-finite took that with it.
@@ -93,7 +94,8 @@ impl Simulation {
     /// A `dt` that is not positive and finite is refused and nothing changes.
     pub fn step(&mut self, dt: f32) -> Result<&SolverReport, StepFault> {
         let substeps = self.begin_step(dt)?;
-        for _ in 0..substeps {
+        self.take_substeps();
+        for _ in 0..self.scratch.substep.remaining.min(substeps) {
             self.begin_substep();
             self.accumulate_forces();
             self.apply_wind();
@@ -149,16 +151,17 @@ impl Simulation {
 
     /// Phase 1: adds gravity, the game's own forces, controls and springs.
     pub fn accumulate_forces(&mut self) {
-        forces::apply_gravity_and_external(&mut self.particles, &self.forces);
+        forces::apply_gravity_and_external(&mut self.particles, &self.forces, self.instructions);
         forces::apply_controls(&mut self.particles, &self.forces.controls);
-        forces::apply_springs(&mut self.particles, &self.forces.springs);
+        forces::apply_springs(&mut self.particles, &self.forces.springs, self.instructions);
     }
 
     /// Phase 2: adds the pressure of the winds on the surfaces, and the drag and the lift of the air.
     pub fn apply_wind(&mut self) {
-        let Self { particles, forces, scratch: Scratch { pressures, air, substep, .. }, .. } = self;
+        let Self { particles, forces, instructions, scratch, .. } = self;
+        let Scratch { pressures, air, substep, .. } = scratch;
         forces::apply_wind(particles, &forces.surfaces, pressures);
-        forces::apply_air(particles, &forces.surfaces, air, substep.length);
+        forces::apply_air(particles, &forces.surfaces, air, substep.length, *instructions);
     }
 
     /// Phase 3: adds the buoyancy and the drag of the fluids.

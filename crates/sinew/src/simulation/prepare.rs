@@ -130,9 +130,16 @@ impl Simulation {
 
     /// Looks up the gusts on every triangle.
     pub(super) fn feel_winds(&mut self) {
-        let Self { particles, forces, scratch, .. } = self;
+        let Self { particles, forces, scratch, instructions, .. } = self;
         let flows = &forces.air_flows;
-        forces::sample_air(particles, &forces.surfaces, flows, self.time, &mut scratch.air);
+        forces::sample_air(
+            particles,
+            &forces.surfaces,
+            flows,
+            self.time,
+            &mut scratch.air,
+            *instructions,
+        );
         scratch.pressures.clear();
         for wind in &forces.winds {
             forces::sample_wind(
@@ -141,6 +148,7 @@ impl Simulation {
                 wind,
                 self.time,
                 &mut scratch.pressures,
+                *instructions,
             );
         }
     }

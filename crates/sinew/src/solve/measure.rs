@@ -50,17 +50,17 @@ impl Work for Measure<'_> {
                 }
                 for group in groups {
                     let range = group.range.clone();
+                    let laws = group.wide.as_ref().filter(|_| group.kind == Kind::Constraints);
+                    if let Some(which) = laws {
+                        error = error.max(plan.laws.measure::<L>(&places, which));
+                        continue;
+                    }
                     let (left, share) = match group.kind {
                         Kind::Rods => {
                             let (runs, blocks) = (group.runs.clone(), group.blocks.clone());
                             plan.rods.measure::<L>(places.position, runs, blocks)
                         }
                         Kind::Distances => distance_errors(&places, &plan.distances[range]),
-                        Kind::Constraints if group.wide.is_some() => {
-                            let laws = group.wide.iter();
-                            let errors = laws.map(|which| plan.laws.measure::<L>(&places, which));
-                            (errors.fold(0.0, f32::max), 0.0)
-                        }
                         Kind::Constraints => {
                             let each = plan.constraints[range].iter();
                             let errors =

@@ -1,7 +1,7 @@
 //! Solving: in which order the kernels of the [constraints](crate::constraints) run, and how often.
 //!
 //! - `plan` compiles the constraints into islands, and each island into groups of one kind and colour;
-//! - `world` deals islands out to threads; `island` solves one: until the largest error in it is small enough or the sweeps are spent;
+//! - `world` deals islands out to threads, `alone` for whole steps; `island` solves one: until the largest error in it is small enough or the sweeps are spent;
 //! - `rods` takes hard rods eight by eight;
 //! - `wide` takes most other constraints eight by eight;
 //! - `cascade`, `worst_first` and `jacobi` are the orders of a sweep;
@@ -10,6 +10,7 @@
 //! - `sums` are the multipliers of soft constraints; `measure` looks at what is left to correct;
 //! - `report` says how it went, `settings` how hard to try.
 
+mod alone;
 mod cascade;
 mod island;
 mod item;
@@ -28,6 +29,7 @@ mod worst_first;
 pub use report::{IslandReport, SolverReport};
 pub use settings::{BodySettings, Order, SolverSettings};
 
+pub(crate) use alone::advance_all;
 pub(crate) use island::Room;
 pub(crate) use item::soft_energy;
 pub(crate) use measure::measure;

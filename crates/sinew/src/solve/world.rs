@@ -1,5 +1,7 @@
 //! All islands: dealt out to the workers, and reported together.
 
+use core::sync::atomic::AtomicU32;
+
 use super::island::{Common, InOrder, Room, Sweeper, solve};
 use super::item::Manner;
 use super::plan::{Island, Plan, Task};
@@ -16,6 +18,24 @@ use crate::threads::{Pool, Workers, each};
 pub(crate) struct Scratch {
     multipliers: Multipliers,
     rooms: Pool<Room>,
+    /// The most sweeps in each substep of a whole step.
+    most: Most,
+}
+
+/// Counters; a copy has nothing to keep.
+#[derive(Debug, Default)]
+struct Most(Vec<AtomicU32>);
+
+impl Clone for Most {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl Scratch {
+    pub(super) fn parts(&mut self) -> (&mut Multipliers, &Pool<Room>, &mut Vec<AtomicU32>) {
+        (&mut self.multipliers, &self.rooms, &mut self.most.0)
+    }
 }
 
 /// What the machine lends.
@@ -36,7 +56,7 @@ pub(crate) fn solve_all(
     scratch: &mut Scratch,
     report: &mut SolverReport,
 ) {
-    let Scratch { multipliers, rooms } = scratch;
+    let Scratch { multipliers, rooms, .. } = scratch;
     multipliers.resize(plan.distances.len(), plan.constraints.len());
     let common = Common { plan, contacts, h };
     let mut left = Some((Places::all(particles), multipliers.all(), &mut report.islands[..]));

@@ -55,13 +55,15 @@ pub(crate) fn solver(ui: &mut Ui, panel: &mut PanelParams) {
     changed |= row(ui, "Keep spin", hint, |ui| ui.checkbox(&mut config.keep_spin, "").changed());
     let hint = "Forgets velocities, so that everything walks to rest.";
     changed |= row(ui, "Statics", hint, |ui| ui.checkbox(&mut config.statics, "").changed());
+    let hint = "Other threads help. They change how long it takes, and nothing else.";
+    changed |= row(ui, "Threads", hint, |ui| ui.checkbox(&mut config.threads, "").changed());
 
     let tuned = config != SolverConfig::default();
     let size = vec2(ui.available_width(), 22.0);
     let reset = ui.add_enabled_ui(tuned, |ui| ui.add_sized(size, Button::new("Reset to defaults")));
     let reset = reset.inner;
     if reset
-        .on_hover_text("10 substeps, 4 sweeps, 0.1 mm, Verlet, nearest point, cascade.")
+        .on_hover_text("10 substeps, 4 sweeps, 0.1 mm, Verlet, nearest point, cascade, threads.")
         .clicked()
     {
         config = SolverConfig::default();

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::super::order::{CreationOrder, mark_topology};
+use super::super::order::CreationOrder;
 use super::super::softness::Softness;
 
 /// Which way a distance is enforced.
@@ -22,7 +22,6 @@ pub enum Bound {
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]
-#[component(on_add = mark_topology, on_remove = mark_topology)]
 pub struct DistanceConstraint {
     /// One particle.
     #[entities]
@@ -64,7 +63,6 @@ impl DistanceConstraint {
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]
-#[component(on_add = mark_topology, on_remove = mark_topology)]
 pub struct Spring {
     /// One particle.
     #[entities]

@@ -4,6 +4,7 @@ use core::any::TypeId;
 
 use bevy::prelude::*;
 
+use super::super::changes::census;
 use super::entry::{Entry, Place};
 use crate::components::{
     AngleConstraint, AreaConstraint, BendConstraint, CollinearConstraint, ConeConstraint,
@@ -105,7 +106,7 @@ trait Kind: Send + Sync {
 
 struct Of<T: ParticleConstraint> {
     all: QueryState<(Entity, &'static CreationOrder, &'static T)>,
-    changed: QueryState<(), (Changed<T>, With<CreationOrder>)>,
+    present: QueryState<Ref<'static, T>, With<CreationOrder>>,
     unnumbered: QueryState<Entity, (With<T>, Without<CreationOrder>)>,
     /// How many there were. No hook and no observer, which are the game's; and Bevy's list of what was removed is kept for two frames, when
     /// a tick may be farther away. What came is changed, so that fewer than before is all that is left to notice.
@@ -114,8 +115,8 @@ struct Of<T: ParticleConstraint> {
 
 impl<T: ParticleConstraint> Of<T> {
     fn new(world: &mut World) -> Self {
-        let (all, changed) = (QueryState::new(world), QueryState::new(world));
-        Self { all, changed, unnumbered: QueryState::new(world), count: 0 }
+        let (all, present) = (QueryState::new(world), QueryState::new(world));
+        Self { all, present, unnumbered: QueryState::new(world), count: 0 }
     }
 }
 
@@ -125,6 +126,9 @@ impl<T: ParticleConstraint> Kind for Of<T> {
     }
 
     fn number(&mut self, world: &mut World) {
+        if self.unnumbered.query(world).is_empty() {
+            return;
+        }
         let mut unnumbered: Vec<Entity> = self.unnumbered.iter(world).collect();
         unnumbered.sort_unstable();
         for entity in unnumbered {
@@ -136,9 +140,9 @@ impl<T: ParticleConstraint> Kind for Of<T> {
     }
 
     fn notice(&mut self, world: &World) -> bool {
-        let now = self.all.iter(world).len();
+        let (now, changed) = census(&self.present.query(world));
         let went = core::mem::replace(&mut self.count, now) != now;
-        went || !self.changed.query(world).is_empty()
+        went || changed
     }
 
     fn collect(

@@ -8,22 +8,25 @@ pub(crate) use kinds::{Kinds, register_ours};
 
 use bevy::prelude::*;
 
+use super::changes::census;
 use crate::components::{CreationOrder, DistanceConstraint, Spring, WindSurface};
 use crate::messages::Refused;
 use crate::world::SinewWorld;
 use entry::{Entry, Judge, Place};
 
-/// Notes whether distances, springs or surfaces changed, or surfaces went. That a distance or a spring came or went is noted by their hooks.
+/// Notes whether distances, springs or surfaces came, went or changed. No hook does: a body comes and goes with tens of thousands of them.
 pub(crate) fn notice_links(
     mut world: ResMut<SinewWorld>,
-    changed: Query<(), Or<(Changed<DistanceConstraint>, Changed<Spring>, Changed<WindSurface>)>>,
-    surfaces: Query<(), With<WindSurface>>,
-    mut count: Local<usize>,
+    distances: Query<Ref<DistanceConstraint>>,
+    springs: Query<Ref<Spring>>,
+    surfaces: Query<Ref<WindSurface>>,
+    mut counts: Local<[usize; 3]>,
 ) {
-    // Of what was removed Bevy tells for two frames, and a tick may be farther away. Who replaces it has changed, so their number says it all.
-    let now = surfaces.iter().len();
-    let went = core::mem::replace(&mut *count, now) != now;
-    if went || !changed.is_empty() {
+    // Of what was removed Bevy tells for two frames, and a tick may be farther away. Who replaces it has changed, so their numbers say it all.
+    let found = [census(&distances), census(&springs), census(&surfaces)];
+    let now = found.map(|(count, _)| count);
+    let went = core::mem::replace(&mut *counts, now) != now;
+    if went || found.iter().any(|&(_, changed)| changed) {
         world.tables.stale = true;
     }
 }

@@ -51,7 +51,7 @@ use glam::{DVec3, Vec3, Vec4};
 
 use super::Electric;
 use super::columns::{Columns, Item, LEAF, Targets, add};
-use super::walk::{Group, Walk};
+use super::walk::{Group, Walk, make_room};
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 
 /// The charges in the order of the tree's leaves, and its nodes from the root on.
@@ -245,7 +245,7 @@ impl Work for AllLeaves<'_> {
             walk.walk::<L>(nodes, n, per_reach);
             let bunch = &nodes[n];
             let far = walk.far.iter().map(|&far| &nodes[far as usize]);
-            groups.clear();
+            make_room(groups, walk.far.len());
             groups.extend(far.map(|node| Group::of(node, bunch.middle, scale)));
             for (eighth, leaf) in (bunch.first..bunch.first + bunch.leaves).enumerate() {
                 let first = leaf as usize * LEAF;

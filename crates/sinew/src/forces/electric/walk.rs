@@ -36,9 +36,14 @@ impl Walk {
     /// `f32` from the middle of the eight: what is just so far may come out as either, the same on every machine.
     #[inline(always)]
     pub(super) fn walk<L: Lanes>(&mut self, nodes: &[Node], n: usize, per_reach: f64) {
-        self.far.clear();
-        self.takes.iter_mut().for_each(Vec::clear);
-        self.near.iter_mut().for_each(Vec::clear);
+        // At least as many as a leaf among 65 536 charges mostly has.
+        let longest = |most: usize, len: usize| most.max(len);
+        let takes = self.takes.iter().map(Vec::len).fold(512, longest);
+        let near = self.near.iter().map(Vec::len).fold(64, longest);
+        let far = self.far.len().max(1024);
+        make_room(&mut self.far, far);
+        self.takes.iter_mut().for_each(|list| make_room(list, takes));
+        self.near.iter_mut().for_each(|list| make_room(list, near));
         let bunch = &nodes[n];
         let middle = bunch.middle;
         let mut places = [Vec4::ZERO; LANES];
@@ -79,6 +84,14 @@ impl Walk {
             }
             n += 1;
         }
+    }
+}
+
+/// Clears a list with room for twice as many as there lately were: charges that move about must not make it grow by one, every now and then.
+pub(super) fn make_room<T>(list: &mut Vec<T>, lately: usize) {
+    list.clear();
+    if list.capacity() < 2 * lately {
+        list.reserve(4 * lately);
     }
 }
 

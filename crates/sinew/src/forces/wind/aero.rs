@@ -42,13 +42,11 @@
 //! for one that moves as a whole, `g` is exactly how much its triangles yield together, and `x = 1` takes it to the velocity of the air and not
 //! beyond. Neither does anything where the substep is short enough for the law itself, so the terminal speed is the law's to round-off.
 
-use core::f32::consts::PI;
-
 use glam::Vec3;
 
-use super::gusts::CurlNoise;
-use crate::forces::region::{Extent, Place, Region};
-use crate::particles::Particles;
+use super::air::Current;
+use super::gusts::at_one_place;
+use crate::forces::region::Region;
 
 /// Air that flows with a velocity, everywhere or in a region. Still air, velocity zero, slows things down.
 ///
@@ -115,7 +113,7 @@ impl AirFlow {
 
     /// The velocity that this flow adds at a place and time, m/s: a pure function of both, without divergence where the region is in full.
     pub fn at(&self, position: Vec3, time: f64) -> Vec3 {
-        Current::of(self, time).velocity(position) * self.region.share(position)
+        at_one_place(position, Current::of(self, time)) * self.region.share(position)
     }
 
     /// Whether every number is finite and in range. Invalid air is not there.
@@ -125,185 +123,5 @@ impl AirFlow {
             && [self.density, self.drag, self.lift, self.gusts].into_iter().all(not_negative)
             && [self.gust_length, self.gust_period].into_iter().all(|x| x.is_finite() && x > 0.0)
             && self.region.is_valid()
-    }
-}
-
-/// Drag coefficient of a ball between a few hundred and some 200 000 Reynolds: anything from a pea to a football in a breeze.
-const BALL: f32 = 0.47;
-
-const THIRD: f32 = 1.0 / 3.0;
-
-/// The air at each triangle and each loose particle, looked up once a step: gusts take a good part of a second to pass.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Air {
-    /// One for each triangle of the surfaces, or none if there is no air.
-    triangles: Vec<Felt>,
-    balls: Vec<(u32, Felt)>,
-    /// Number of triangles at each particle.
-    crowd: Vec<u32>,
-}
-
-/// The air at a place, and how what is there answers to it.
-#[derive(Clone, Copy, Debug, Default)]
-struct Felt {
-    velocity: Vec3,
-    /// `½ρ`, kg/m³; 0 where there is no air.
-    density: f32,
-    /// `C_D`; for a ball times its silhouette, m².
-    drag: f32,
-    /// `C_L`.
-    lift: f32,
-    /// How much it yields to a force, 1/kg: `g` of the derivation.
-    give: f32,
-}
-
-/// Looks up the air at the time `time`, seconds.
-pub(crate) fn sample(
-    particles: &Particles,
-    surfaces: &[[u32; 3]],
-    flows: &[AirFlow],
-    time: f64,
-    air: &mut Air,
-) {
-    let Air { triangles, balls, crowd } = air;
-    triangles.clear();
-    balls.clear();
-    if !flows.iter().any(AirFlow::is_valid) {
-        return;
-    }
-    let there = |corners: &[u32; 3]| corners.iter().all(|&i| (i as usize) < particles.len());
-    crowd.clear();
-    crowd.resize(particles.len(), 0);
-    for &i in surfaces.iter().filter(|corners| there(corners)).flatten() {
-        crowd[i as usize] += 1;
-    }
-    triangles.resize(surfaces.len(), Felt::default());
-    for (felt, corners) in triangles.iter_mut().zip(surfaces) {
-        // A triangle that names a row that is not there is left in the lee: it yields to nothing.
-        if there(corners) {
-            let yields = |&i: &u32| crowd[i as usize] as f32 * particles.inverse_mass(i as usize);
-            felt.give = corners.iter().map(yields).sum::<f32>() / 9.0;
-        }
-    }
-    let loose =
-        |&i: &usize| crowd[i] == 0 && particles.radius(i) > 0.0 && particles.inverse_mass(i) > 0.0;
-    if flows.iter().any(|flow| flow.is_valid() && flow.on_particles) {
-        balls.extend(
-            (0..particles.len())
-                .filter(loose)
-                .map(|i| (i as u32, Felt { give: particles.inverse_mass(i), ..Felt::default() })),
-        );
-    }
-    for flow in flows.iter().filter(|flow| flow.is_valid()) {
-        let current = Current::of(flow, time);
-        for (felt, corners) in triangles.iter_mut().zip(surfaces).filter(|(f, _)| f.give > 0.0) {
-            let place = Place::middle(particles, corners.map(|i| i as usize));
-            felt.blend(&current, place, [flow.drag, flow.lift]);
-        }
-        for (i, felt) in balls.iter_mut().filter(|_| flow.on_particles) {
-            let i = *i as usize;
-            let silhouette = PI * particles.radius(i) * particles.radius(i);
-            felt.blend(&current, Place::of(particles, i), [BALL * silhouette, 0.0]);
-        }
-    }
-}
-
-/// A flow at one instant.
-struct Current<'a> {
-    flow: &'a AirFlow,
-    /// Its gusts, if it has any.
-    noise: Option<CurlNoise>,
-}
-
-impl<'a> Current<'a> {
-    fn of(flow: &'a AirFlow, time: f64) -> Self {
-        let strength = flow.gusts * flow.velocity.length();
-        let noise = (strength > 0.0).then(|| {
-            CurlNoise::new(strength, flow.gust_length, flow.gust_period, flow.velocity, time)
-        });
-        Self { flow, noise }
-    }
-
-    #[inline]
-    fn velocity(&self, position: Vec3) -> Vec3 {
-        self.flow.velocity + self.noise.map_or(Vec3::ZERO, |noise| noise.at(position))
-    }
-}
-
-impl Felt {
-    /// Adds a flow's velocity, and takes over its density with the coefficients if that is denser than what is there.
-    #[inline]
-    fn blend(&mut self, current: &Current, place: Place, [drag, lift]: [f32; 2]) {
-        let everywhere = current.flow.region.extent == Extent::Everywhere;
-        let share = if everywhere { 1.0 } else { current.flow.region.share_at(place) };
-        if share > 0.0 {
-            self.velocity += current.velocity(place.relative_to(Vec3::ZERO)) * share;
-            let density = 0.5 * current.flow.density * share;
-            if density > self.density {
-                (self.density, self.drag, self.lift) = (density, drag, lift);
-            }
-        }
-    }
-
-    /// The force on a sheet of the given area vector (m²) from air that moves at `v` relative to it (m/s), held for `tau` seconds; N.
-    #[inline]
-    fn on_sheet(&self, area: Vec3, v: Vec3, tau: f32) -> Vec3 {
-        let (size, speed) = (area.length(), v.length());
-        if !(size > 0.0 && speed > 0.0) {
-            return Vec3::ZERO;
-        }
-        let facing = area.dot(v);
-        let slowing = self.density * self.drag * facing.abs();
-        let mut x = tau * self.give * slowing;
-        let mut force = v * slowing;
-        if x > 1.0 {
-            force *= 1.0 / x;
-            x = 1.0;
-        }
-        let across = (area * speed - v * (facing / speed)) * (facing / size);
-        let lift = across * (self.density * self.lift);
-        let y = lift * (tau * self.give / speed);
-        let (room, taken) = (0.5 * x * (2.0 - x), y.length_squared());
-        force + if taken > room { lift * (room / taken).sqrt() } else { lift }
-    }
-
-    /// The same on a ball.
-    #[inline]
-    fn on_ball(&self, v: Vec3, tau: f32) -> Vec3 {
-        let slowing = self.density * self.drag * v.length();
-        let x = tau * self.give * slowing;
-        v * if x > 1.0 { slowing / x } else { slowing }
-    }
-}
-
-/// Adds drag and lift for a substep of `h` seconds, from the air that was last [sampled](sample).
-pub(crate) fn apply(particles: &mut Particles, surfaces: &[[u32; 3]], air: &Air, h: f32) {
-    // A force acts from the middle of the last substep to that of this one; the longer of the two readings, as not every integrator does that.
-    let held = |lag: f32| 0.5 * (lag.max(h) + h);
-    for (corners, felt) in surfaces.iter().zip(&air.triangles) {
-        // The second for whoever exchanged particles since the air was sampled.
-        if felt.density == 0.0 || corners.iter().any(|&i| i as usize >= particles.len()) {
-            continue;
-        }
-        let [a, b, c] = corners.map(|i| i as usize);
-        let area = particles.separation(b, a).cross(particles.separation(c, a)) * 0.5;
-        let sum = particles.velocity[a] + particles.velocity[b] + particles.velocity[c];
-        let lag = particles.lag(a).max(particles.lag(b)).max(particles.lag(c));
-        let third = felt.on_sheet(area, felt.velocity - sum.truncate() * THIRD, held(lag)) * THIRD;
-        // Speeds beyond 1e19 m/s have no square: there the air gives up before the particles do.
-        if third.is_finite() {
-            for i in [a, b, c] {
-                particles.add_force(i, third);
-            }
-        }
-    }
-    for &(i, felt) in &air.balls {
-        let i = i as usize;
-        if felt.density > 0.0 && i < particles.len() {
-            let force = felt.on_ball(felt.velocity - particles.velocity(i), held(particles.lag(i)));
-            if force.is_finite() {
-                particles.add_force(i, force);
-            }
-        }
     }
 }

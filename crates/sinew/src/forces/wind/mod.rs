@@ -5,11 +5,13 @@
 mod aero;
 #[cfg(test)]
 mod aero_tests;
+mod air;
 mod gusts;
 mod pressure;
+mod sheet;
 
 pub use aero::AirFlow;
 pub use pressure::Wind;
 
-pub(crate) use aero::{Air, apply as apply_air, sample as sample_air};
+pub(crate) use air::{Air, apply as apply_air, sample as sample_air};
 pub(crate) use pressure::{apply as apply_wind, sample as sample_wind};

@@ -1,9 +1,11 @@
 //! Wind pressure on triangles, as the lectures give it (physics.md F5), with gusts that travel downwind.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
-use super::gusts::{arch, fraction};
+use super::gusts::{Field, arch, at_one_place, fraction};
+use super::sheet::Sheet;
 use crate::forces::region::{Extent, Place, Region};
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 use crate::particles::Particles;
 
 /// A wind that presses on surfaces, everywhere or in a region.
@@ -43,7 +45,7 @@ impl Wind {
 
     /// The pressure at a place and time, Pa: a pure function of both, so that nothing about gusts needs to be saved.
     pub fn at(&self, position: Vec3, time: f64) -> Vec3 {
-        Gusts::of(self, time).pressure(position) * self.region.share(position)
+        at_one_place(position, Gusts::of(self, time)) * self.region.share(position)
     }
 
     /// Whether every number is finite and the gusts have a length and a period. An invalid wind does not blow.
@@ -58,55 +60,92 @@ impl Wind {
     }
 }
 
-/// Appends the pressure of `wind` on each triangle at the time `time` (seconds), Pa. Nothing for a wind that does not blow.
+/// Appends what `wind` is at each triangle at the time `time` (seconds): `[x y z k]`, the pressure in Pa and `1/(6 ‖w‖)`, which [`apply`] needs. `k` is 0 where
+/// nothing blows. Nothing at all for a wind that does not blow.
 ///
-/// Gusts are looked up once a step, not once a substep: they take a good part of a second to pass, and cost four times the force itself.
+/// Gusts are looked up once a step, not once a substep: they take a good part of a second to pass.
 pub(crate) fn sample(
     particles: &Particles,
     surfaces: &[[u32; 3]],
     wind: &Wind,
     time: f64,
-    pressures: &mut Vec<Vec3>,
+    pressures: &mut Vec<Vec4>,
+    instructions: InstructionSet,
 ) {
     if !wind.is_valid() || wind.pressure == Vec3::ZERO {
         return;
     }
     let gusts = Gusts::of(wind, time);
-    let everywhere = wind.region.extent == Extent::Everywhere;
-    pressures.extend(surfaces.iter().map(|corners| {
-        // A triangle that names a row that is not there is left in the lee.
-        if corners.iter().any(|&i| i as usize >= particles.len()) {
-            return Vec3::ZERO;
-        }
-        let corners = corners.map(|i| i as usize);
-        let [p0, p1, p2] = corners.map(|i| particles.position(i));
-        let pressure = gusts.pressure((p0 + p1 + p2) * THIRD);
-        if everywhere {
-            return pressure;
-        }
-        pressure * wind.region.share_at(Place::middle(particles, corners))
-    }));
+    let region = (wind.region.extent != Extent::Everywhere).then_some(&wind.region);
+    if gusts.gusts == 0.0 && region.is_none() {
+        let strength = wind.pressure.length();
+        let k = if strength > 0.0 { 0.5 * THIRD / strength } else { 0.0 };
+        pressures.resize(pressures.len() + surfaces.len(), wind.pressure.extend(k));
+    } else {
+        with(instructions, Sample { particles, surfaces, gusts, region, pressures });
+    }
 }
 
 /// Adds the force of a wind on each triangle: `‖½ (p1-p0)×(p2-p0) · w‖ · w/‖w‖`, a third to each corner. `pressures` holds the
 /// [`sample`] of one wind after the other.
-pub(crate) fn apply(particles: &mut Particles, surfaces: &[[u32; 3]], pressures: &[Vec3]) {
-    if surfaces.is_empty() || !pressures.len().is_multiple_of(surfaces.len()) {
+///
+/// A triangle at a time: the rows of its corners are most of the work, and neighbours share them.
+pub(crate) fn apply(particles: &mut Particles, surfaces: &[[u32; 3]], pressures: &[Vec4]) {
+    if pressures.is_empty()
+        || surfaces.is_empty()
+        || !pressures.len().is_multiple_of(surfaces.len())
+    {
         return;
     }
+    particles.pushed = true;
+    let Particles { position, origin, acceleration, .. } = particles;
+    let sheet = Sheet { position, origin };
     for pressures in pressures.chunks_exact(surfaces.len()) {
-        for (corners, &w) in surfaces.iter().zip(pressures) {
-            let strength = w.length();
+        for (&corners, &w) in surfaces.iter().zip(pressures) {
             // The second for whoever exchanged triangles since the winds were sampled.
-            if strength == 0.0 || corners.iter().any(|&i| i as usize >= particles.len()) {
+            if w.w == 0.0 || !sheet.has(corners) {
                 continue;
             }
-            let [a, b, c] = corners.map(|i| i as usize);
-            let area = particles.separation(b, a).cross(particles.separation(c, a)) * 0.5;
-            let third = w * (area.dot(w).abs() / strength * THIRD);
-            for i in [a, b, c] {
-                particles.add_force(i, third);
+            let facing = sheet.twice_the_area(corners).truncate().dot(w.truncate());
+            sheet.add(acceleration, corners, (w * (facing.abs() * w.w)).with_w(0.0));
+        }
+    }
+}
+
+struct Sample<'a> {
+    particles: &'a Particles,
+    surfaces: &'a [[u32; 3]],
+    gusts: Gusts,
+    /// `None` for everywhere.
+    region: Option<&'a Region>,
+    pressures: &'a mut Vec<Vec4>,
+}
+
+impl Work for Sample<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { particles, surfaces, gusts, region, pressures } = self;
+        for eight in surfaces.chunks(LANES) {
+            // A triangle that names a row that is not there is left in the lee.
+            let mut middles = [Vec4::ZERO; LANES];
+            for (middle, corners) in middles.iter_mut().zip(eight) {
+                if corners.iter().all(|&i| (i as usize) < particles.len()) {
+                    let corners = corners.map(|i| i as usize);
+                    let share = region
+                        .map_or(1.0, |region| region.share_at(Place::middle(particles, corners)));
+                    let [p0, p1, p2] = corners.map(|i| particles.position(i));
+                    *middle = ((p0 + p1 + p2) * THIRD).extend(share);
+                }
             }
+            let (middle, share) = Vector::<L>::of(L::run(&middles, 0));
+            let pressure = gusts.at(middle) * share;
+            let strength = pressure.length();
+            let k = L::zero().lt(strength).and(L::splat(0.5 * THIRD) / strength);
+            let mut found = [Vec4::ZERO; LANES];
+            L::put_run(&mut found, 0, pressure.with(k));
+            pressures.extend_from_slice(&found[..eight.len()]);
         }
     }
 }
@@ -154,20 +193,29 @@ impl Gusts {
         }
     }
 
-    #[inline]
-    fn pressure(&self, position: Vec3) -> Vec3 {
+    /// One of the waves, at eight places that are so many turns along the wind and up.
+    #[inline(always)]
+    fn wave<L: Lanes>(&self, i: usize, place: L, height: L) -> L {
+        let [_, density, slant, strength] = WAVES[i];
+        let turn = L::splat(self.run[i]) - place * L::splat(density) + height * L::splat(slant);
+        L::splat(strength) * arch(turn)
+    }
+}
+
+impl Field for Gusts {
+    /// The pressure, Pa.
+    #[inline(always)]
+    fn at<L: Lanes>(&self, position: Vector<L>) -> Vector<L> {
+        let steady = Vector::splat(self.steady);
         if self.gusts == 0.0 {
-            return self.steady;
+            return steady;
         }
-        let place = position.dot(self.along);
-        let height = position.y * self.height;
-        let wave = |i: usize| {
-            let [_, density, slant, strength] = WAVES[i];
-            strength * arch(self.run[i] - place * density + height * slant)
-        };
-        let push = wave(0) + wave(1) + wave(2);
-        let sway = wave(3) + wave(4);
-        self.steady * (1.0 + self.gusts * push) + self.sway * sway
+        let place = position.dot(Vector::splat(self.along));
+        let height = position.y * L::splat(self.height);
+        let push =
+            self.wave(0, place, height) + self.wave(1, place, height) + self.wave(2, place, height);
+        let sway = self.wave(3, place, height) + self.wave(4, place, height);
+        steady * (L::splat(1.0) + L::splat(self.gusts) * push) + Vector::splat(self.sway) * sway
     }
 }
 
@@ -183,7 +231,7 @@ mod tests {
 
     fn pushed(particles: &mut Particles, surfaces: &[[u32; 3]], wind: &Wind) -> Vec3 {
         let mut pressures = Vec::new();
-        sample(particles, surfaces, wind, 0.0, &mut pressures);
+        sample(particles, surfaces, wind, 0.0, &mut pressures, InstructionSet::best());
         particles.clear_sums(0.0);
         apply(particles, surfaces, &pressures);
         (0..particles.len()).map(|i| particles.acceleration(i)).sum()

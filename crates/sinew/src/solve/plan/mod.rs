@@ -253,7 +253,7 @@ impl Plan {
         let strided = |key: &&Key| Fields::of(key.group).colour < colours::GREEDY;
         let running = keys.iter().filter(strided).count();
         let columns =
-            kind == Kind::Rods && running * 4 >= keys.len() * 3 && rows.len() <= keys.len();
+            kind == Kind::Rods && running * 4 >= keys.len() * 3 && rows.len() <= 2 * keys.len();
         if columns {
             // Strides are mostly even numbers: where the island's rows begin a line of the cache, most eights do.
             let origin = self.members[self.islands[found.island as usize].members.start];

@@ -21,12 +21,16 @@ pub(crate) struct Task {
 /// So many constraints keep a thread busy for ten times as long as it takes to tell it so.
 const LARGE: usize = 16_384;
 
+/// A task is worth telling a thread from about this much work on, in particles: some 30 µs.
+const LEAST: usize = 8192;
+
 /// Cuts a plan into tasks of about the same work. Islands whose rows lie among each other's go together.
 pub(super) fn cut(plan: &Plan) -> Vec<Task> {
     let mut tasks: Vec<Task> = Vec::new();
     let work =
         |task: &Task| task.rows.len() + 4 * (task.distances.len() + 4 * task.constraints.len());
-    let share = (plan.rows + 4 * (plan.distances.len() + 4 * plan.constraints.len())) / TASKS + 1;
+    let all = plan.rows + 4 * (plan.distances.len() + 4 * plan.constraints.len());
+    let share = (all / TASKS).max(LEAST);
     // Rows that begun islands reach to.
     let mut reach = 0;
     let (mut distance, mut constraint) = (0, 0);

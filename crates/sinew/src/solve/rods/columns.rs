@@ -3,18 +3,13 @@
 //! In columns, eight rods of a run are eight loads, the formula, and six stores; packed, half of the work is turning particles into lanes and back. So a cluster, which
 //! fits into a core's first cache, is turned once, swept, and turned back.
 //!
-//! The formula waits for a square root and then for a division, some 50 cycles in all, of which eight rods keep the machine busy for ten. So the loop runs ahead: it looks at
-//! eight rods and moves those that it looked at a few rounds ago ([`AHEAD`]). The rods of a colour share no particle, so that changes nothing.
 
 use core::ops::Range;
 
 use super::{Block, Eight, Rods, moved, stretch};
 use crate::constraints::project_rod;
-use crate::lanes::{Columns, Eights, LANES, Lanes};
+use crate::lanes::{Columns, LANES, Lanes};
 use crate::particles::Places;
-
-/// How many eights are looked at before the first of them is moved.
-const AHEAD: usize = 2;
 
 impl Rods {
     /// Projects groups of rods (their runs and blocks) once, in their order, on the particles of `rows`; returns the largest error found, metres.
@@ -77,20 +72,15 @@ fn sweep_eights<L: Lanes>(
 ) -> L {
     let mut view = columns.eights();
     let mut all_move = L::zero().same(L::zero());
-    let mut scales = [[0.0; LANES]; AHEAD];
-    for (number, eight) in eights.iter().enumerate() {
-        let slot = &mut scales[number % AHEAD];
-        if number >= AHEAD {
-            move_eight::<L>(&mut view, &eights[number - AHEAD], slot);
-        }
+    for eight in eights {
         let (one, other) = (view.load(eight.a), view.load(eight.b));
         let (scale, error, moves) = stretch(one, other, L::load(&eight.rest));
-        scale.store(slot);
+        let (one, other) = moved(one, other, scale);
+        // The lanes beyond the last rod stay as they are, but those of the first ends may be rows at the second ones, which therefore are written last.
+        view.put(eight.a, one);
+        view.put(eight.b, other);
         worst = error.max(worst);
         all_move = all_move.and(moves);
-    }
-    for number in eights.len().saturating_sub(AHEAD)..eights.len() {
-        move_eight::<L>(&mut view, &eights[number], &scales[number % AHEAD]);
     }
     if !all_move.all() {
         for eight in eights {
@@ -98,16 +88,6 @@ fn sweep_eights<L: Lanes>(
         }
     }
     worst
-}
-
-/// Moves eight rods. The lanes beyond the last rod stay where they are, but may be rows at the other ends of rods of this eight, which lie behind: they are
-/// loaded again before they are written.
-#[inline(always)]
-fn move_eight<L: Lanes>(view: &mut Eights, eight: &Eight, scale: &[f32; LANES]) {
-    let (one, other) = (view.load(eight.a), view.load(eight.b));
-    let (one, other) = moved(one, other, L::load(scale));
-    view.put(eight.a, one);
-    view.put(eight.b, other);
 }
 
 /// Eight rods of any rows.

@@ -1,0 +1,65 @@
+//! Whether anything in a column of components changed: asked of whole tables at once, because that is all that a warm tick asks of most components.
+
+use bevy::ecs::change_detection::{ContiguousRef, Tick};
+use bevy::ecs::query::ArchetypeFilter;
+use bevy::prelude::*;
+
+/// Ticks looked at in one go, so that the compiler compares several at once. They are few enough that what changed early ends the search early.
+const STRIDE: usize = 64;
+
+/// When each component of a table's column was added and changed, seen by a system.
+#[derive(Clone, Copy)]
+pub(crate) struct Ages<'w> {
+    added: &'w [Tick],
+    changed: &'w [Tick],
+    now: u32,
+    last: u32,
+}
+
+impl<'w> Ages<'w> {
+    pub(crate) fn of<T>(column: &ContiguousRef<'w, T>) -> Self {
+        Self {
+            added: column.added_ticks_slice(),
+            changed: column.changed_ticks_slice(),
+            now: column.this_run_tick().get(),
+            last: column.last_run_tick().get(),
+        }
+    }
+
+    /// How many components there are.
+    pub(crate) fn len(&self) -> usize {
+        self.changed.len()
+    }
+
+    /// Whether any changed (or was added) since the system last ran.
+    pub(crate) fn any_changed(&self) -> bool {
+        self.any_newer(self.changed)
+    }
+
+    /// Whether any was added since.
+    pub(crate) fn any_added(&self) -> bool {
+        self.any_newer(self.added)
+    }
+
+    fn any_newer(&self, ticks: &[Tick]) -> bool {
+        // Bevy keeps all ages far below the point where they would wrap around.
+        let age = self.now.wrapping_sub(self.last);
+        let newer = |tick: &Tick| self.now.wrapping_sub(tick.get()) < age;
+        ticks.chunks(STRIDE).any(|some| some.iter().fold(false, |any, tick| any | newer(tick)))
+    }
+}
+
+/// How many there are in all tables that a query matches, and whether any changed since the system that asks last ran.
+pub(crate) fn census<'a, T: Component, F: ArchetypeFilter>(
+    query: &Query<Ref<'a, T>, F>,
+) -> (usize, bool) {
+    match query.contiguous_iter() {
+        Ok(tables) => tables.fold((0, false), |(count, changed), column| {
+            (count + column.len(), changed || Ages::of(&column).any_changed())
+        }),
+        // A component that is kept in a sparse set has no column.
+        Err(_) => query.iter().fold((0, false), |(count, changed), component| {
+            (count + 1, changed || component.is_changed())
+        }),
+    }
+}

@@ -1,0 +1,304 @@
+//! The air at each triangle and each loose particle, and what it does to them: the kernels of [`aero`](super::aero), which derives them.
+
+use core::f32::consts::PI;
+
+use glam::{Vec3, Vec4};
+
+use super::aero::AirFlow;
+use super::gusts::{CurlNoise, Field, at_one_place};
+use super::sheet::Sheet;
+use crate::forces::region::{Extent, Place};
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
+use crate::particles::Particles;
+
+/// Drag coefficient of a ball between a few hundred and some 200 000 Reynolds: anything from a pea to a football in a breeze.
+const BALL: f32 = 0.47;
+
+const THIRD: f32 = 1.0 / 3.0;
+
+/// The air at each triangle and each loose particle, looked up once a step: gusts take a good part of a second to pass.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Air {
+    /// For each triangle of the surfaces, padded to a multiple of eight, or none if there is no air: its velocity, m/s, and `½ρ`, kg/m³, 0 where there is none.
+    triangles: Vec<Vec4>,
+    /// How what is there answers to it.
+    answers: Vec<Vec4>,
+    balls: Vec<(u32, Felt)>,
+    /// Number of triangles at each particle.
+    crowd: Vec<u32>,
+}
+
+/// The air at a ball, and how that answers to it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Felt {
+    velocity: Vec3,
+    /// `½ρ`, kg/m³; 0 where there is no air.
+    density: f32,
+    /// `C_D` times its silhouette, m².
+    drag: f32,
+    /// How much it yields to a force, 1/kg: `g` of the derivation.
+    give: f32,
+}
+
+/// How eight triangles answer to the air, in the order in which they are packed: `C_D`, `C_L`, and `g` of the derivation, 1/kg.
+#[derive(Clone, Copy)]
+struct Answer<L> {
+    drag: L,
+    lift: L,
+    give: L,
+}
+
+/// Looks up the air at the time `time`, seconds.
+pub(crate) fn sample(
+    particles: &Particles,
+    surfaces: &[[u32; 3]],
+    flows: &[AirFlow],
+    time: f64,
+    air: &mut Air,
+    instructions: InstructionSet,
+) {
+    let Air { triangles, answers, balls, crowd } = air;
+    triangles.clear();
+    answers.clear();
+    balls.clear();
+    if !flows.iter().any(AirFlow::is_valid) {
+        return;
+    }
+    let there = |corners: &[u32; 3]| corners.iter().all(|&i| (i as usize) < particles.len());
+    crowd.clear();
+    crowd.resize(particles.len(), 0);
+    for &i in surfaces.iter().filter(|corners| there(corners)).flatten() {
+        crowd[i as usize] += 1;
+    }
+    // A triangle that names a row that is not there is left in the lee: it yields to nothing.
+    let yields = |&i: &u32| crowd[i as usize] as f32 * particles.inverse_mass(i as usize);
+    let give = |corners: &[u32; 3]| corners.iter().map(yields).sum::<f32>() / 9.0;
+    answers.extend(
+        surfaces.iter().map(|corners| {
+            Vec4::new(0.0, 0.0, if there(corners) { give(corners) } else { 0.0 }, 0.0)
+        }),
+    );
+    answers.resize(surfaces.len().next_multiple_of(LANES), Vec4::ZERO);
+    triangles.resize(answers.len(), Vec4::ZERO);
+    let loose =
+        |&i: &usize| crowd[i] == 0 && particles.radius(i) > 0.0 && particles.inverse_mass(i) > 0.0;
+    if flows.iter().any(|flow| flow.is_valid() && flow.on_particles) {
+        balls.extend(
+            (0..particles.len())
+                .filter(loose)
+                .map(|i| (i as u32, Felt { give: particles.inverse_mass(i), ..Felt::default() })),
+        );
+    }
+    for flow in flows.iter().filter(|flow| flow.is_valid()) {
+        let current = Current::of(flow, time);
+        with(instructions, Blend { particles, surfaces, current, triangles, answers });
+        for (i, felt) in balls.iter_mut().filter(|_| flow.on_particles) {
+            felt.blend(&current, particles, *i as usize);
+        }
+    }
+}
+
+/// Adds drag and lift for a substep of `h` seconds, from the air that was last [sampled](sample).
+pub(crate) fn apply(
+    particles: &mut Particles,
+    surfaces: &[[u32; 3]],
+    air: &Air,
+    h: f32,
+    instructions: InstructionSet,
+) {
+    if !air.triangles.is_empty() && !surfaces.is_empty() {
+        particles.pushed = true;
+        with(instructions, Press { particles, surfaces, air, h });
+    }
+    for &(i, felt) in &air.balls {
+        let i = i as usize;
+        if felt.density > 0.0 && i < particles.len() {
+            let held = 0.5 * (particles.lag(i).max(h) + h);
+            let force = felt.on_ball(felt.velocity - particles.velocity(i), held);
+            if force.is_finite() {
+                particles.add_force(i, force);
+            }
+        }
+    }
+}
+
+/// A flow at one instant.
+#[derive(Clone, Copy)]
+pub(super) struct Current<'a> {
+    flow: &'a AirFlow,
+    /// Its gusts, if it has any.
+    noise: Option<CurlNoise>,
+}
+
+impl<'a> Current<'a> {
+    pub(super) fn of(flow: &'a AirFlow, time: f64) -> Self {
+        let strength = flow.gusts * flow.velocity.length();
+        let noise = (strength > 0.0).then(|| {
+            CurlNoise::new(strength, flow.gust_length, flow.gust_period, flow.velocity, time)
+        });
+        Self { flow, noise }
+    }
+
+    /// The share of the flow that is at a place.
+    #[inline]
+    fn share(&self, place: Place) -> f32 {
+        let everywhere = self.flow.region.extent == Extent::Everywhere;
+        if everywhere { 1.0 } else { self.flow.region.share_at(place) }
+    }
+}
+
+impl Field for Current<'_> {
+    /// The velocity, m/s.
+    #[inline(always)]
+    fn at<L: Lanes>(&self, position: Vector<L>) -> Vector<L> {
+        let steady = Vector::splat(self.flow.velocity);
+        match &self.noise {
+            Some(noise) => steady + noise.at(position),
+            None => steady,
+        }
+    }
+}
+
+/// Adds a flow's velocity at each triangle, and takes over its density with the coefficients if that is denser than what is there.
+struct Blend<'a> {
+    particles: &'a Particles,
+    surfaces: &'a [[u32; 3]],
+    current: Current<'a>,
+    triangles: &'a mut [Vec4],
+    answers: &'a mut [Vec4],
+}
+
+impl Work for Blend<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { particles, surfaces, current, triangles, answers } = self;
+        let flow = current.flow;
+        // Steady air that is everywhere is the same wherever that is.
+        let same = current.noise.is_none() && flow.region.extent == Extent::Everywhere;
+        let eights = triangles.chunks_exact_mut(LANES).zip(answers.chunks_exact_mut(LANES));
+        for (corners, (felt, answers)) in surfaces.chunks(LANES).zip(eights) {
+            let mut middles = [Vec4::ZERO; LANES];
+            for ((middle, corners), answer) in middles.iter_mut().zip(corners).zip(&*answers) {
+                if answer.z > 0.0 && same {
+                    *middle = Vec4::W;
+                } else if answer.z > 0.0 {
+                    let place = Place::middle(particles, corners.map(|i| i as usize));
+                    *middle = place.relative_to(Vec3::ZERO).extend(current.share(place));
+                }
+            }
+            let (middle, share) = Vector::<L>::of(L::run(&middles, 0));
+            let blows = L::zero().lt(share);
+            let (velocity, density) = Vector::of(L::run(felt, 0));
+            let faster = velocity + current.at(middle) * share;
+            let other = L::splat(0.5 * flow.density) * share;
+            let denser = density.lt(other).and(blows);
+            let [drag, lift, give, rest] = L::run(answers, 0);
+            let drag = denser.select(L::splat(flow.drag), drag);
+            let lift = denser.select(L::splat(flow.lift), lift);
+            let density = denser.select(other, density);
+            L::put_run(felt, 0, faster.or_else(blows, velocity).with(density));
+            L::put_run(answers, 0, [drag, lift, give, rest]);
+        }
+    }
+}
+
+/// The forces on the triangles.
+struct Press<'a> {
+    particles: &'a mut Particles,
+    surfaces: &'a [[u32; 3]],
+    air: &'a Air,
+    h: f32,
+}
+
+impl Work for Press<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { particles, surfaces, air, h } = self;
+        let Particles { position, origin, velocity, acceleration, .. } = particles;
+        let sheet = Sheet { position, origin };
+        let eights = air.triangles.chunks_exact(LANES).zip(air.answers.chunks_exact(LANES));
+        for (surfaces, (felt, answers)) in surfaces.chunks(LANES).zip(eights) {
+            let (mut areas, mut velocities) = ([Vec4::ZERO; LANES], [Vec4::ZERO; LANES]);
+            let columns = areas.iter_mut().zip(&mut velocities).zip(felt);
+            for (((area, sum), felt), &corners) in columns.zip(surfaces) {
+                // The second for whoever exchanged particles since the air was sampled.
+                if felt.w == 0.0 || !sheet.has(corners) {
+                    continue;
+                }
+                *area = sheet.twice_the_area(corners);
+                let [a, b, c] = corners.map(|i| velocity[i as usize]);
+                *sum = (a + b + c).with_w(a.w.max(b.w).max(c.w));
+            }
+            let (area, _) = Vector::<L>::of(L::run(&areas, 0));
+            let (sum, lag) = Vector::of(L::run(&velocities, 0));
+            let (velocity, density) = Vector::of(L::run(felt, 0));
+            let [drag, lift, give, _] = L::run(answers, 0);
+            // A force acts from the middle of the last substep to that of this one; the longer of the two readings, as not every integrator does that.
+            let held = L::splat(0.5) * (lag.max(L::splat(h)) + L::splat(h));
+            let relative = velocity - sum * L::splat(THIRD);
+            let answer = Answer { drag: density * drag, lift: density * lift, give: held * give };
+            let force = answer.on_sheet(area * L::splat(0.5), relative);
+            // Speeds beyond 1e19 m/s have no square: there the air gives up before the particles do. Nor has a triangle without an area a force.
+            let largest = force.x.abs() + force.y.abs() + force.z.abs();
+            let pushed = largest.lt(L::splat(f32::INFINITY)).bits();
+            let mut thirds = [Vec4::ZERO; LANES];
+            L::put_run(&mut thirds, 0, (force * L::splat(THIRD)).with(L::zero()));
+            for (lane, &corners) in surfaces.iter().enumerate() {
+                if pushed >> lane & 1 != 0 && felt[lane].w != 0.0 && sheet.has(corners) {
+                    sheet.add(acceleration, corners, thirds[lane]);
+                }
+            }
+        }
+    }
+}
+
+impl<L: Lanes> Answer<L> {
+    /// The force on sheets of the given area vectors (m²) from air that moves at `v` relative to them (m/s); N. Here the density is in `drag` and
+    /// `lift`, and the time for which the force is held in `give`.
+    #[inline(always)]
+    fn on_sheet(&self, area: Vector<L>, v: Vector<L>) -> Vector<L> {
+        let one = L::splat(1.0);
+        let (size, speed) = (area.length(), v.length());
+        let facing = area.dot(v);
+        let slowing = self.drag * facing.abs();
+        let x = self.give * slowing;
+        let overshoots = one.lt(x);
+        let force = v * (overshoots.select(slowing / x, slowing));
+        let x = overshoots.select(one, x);
+        let across = (area * speed - v * (facing / speed)) * (facing / size);
+        let lift = across * self.lift;
+        let y = lift * (self.give / speed);
+        let (room, taken) = (L::splat(0.5) * x * (L::splat(2.0) - x), y.length_squared());
+        let lift = lift * room.lt(taken).select((room / taken).sqrt(), one);
+        let exposed = L::zero().lt(size).and(L::zero().lt(speed));
+        (force + lift).or_else(exposed, Vector::splat(Vec3::ZERO))
+    }
+}
+
+impl Felt {
+    /// Adds a flow's velocity, and takes over its density with the coefficient if that is denser than what is there.
+    fn blend(&mut self, current: &Current, particles: &Particles, i: usize) {
+        let place = Place::of(particles, i);
+        let share = current.share(place);
+        if share > 0.0 {
+            self.velocity += at_one_place(place.relative_to(Vec3::ZERO), *current) * share;
+            let density = 0.5 * current.flow.density * share;
+            if density > self.density {
+                let silhouette = PI * particles.radius(i) * particles.radius(i);
+                (self.density, self.drag) = (density, BALL * silhouette);
+            }
+        }
+    }
+
+    /// The force on a ball from air that moves at `v` relative to it (m/s), held for `tau` seconds; N.
+    #[inline]
+    fn on_ball(&self, v: Vec3, tau: f32) -> Vec3 {
+        let slowing = self.density * self.drag * v.length();
+        let x = tau * self.give * slowing;
+        v * if x > 1.0 { slowing / x } else { slowing }
+    }
+}

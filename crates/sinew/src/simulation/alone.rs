@@ -1,0 +1,47 @@
+//! Steps in which nothing from outside but gravity acts: all substeps at once.
+
+use super::{Simulation, machine};
+use crate::constraints::PlanarDrag;
+use crate::integrate::Integrator;
+use crate::solve;
+
+impl Simulation {
+    /// Whether the phases before integration do the same to all particles in every substep of this step, and nobody else works in between: then
+    /// [`take_substeps`](Self::take_substeps) may be called once, between `begin_step` and `end_step`, instead of the phases.
+    pub fn is_undisturbed(&self) -> bool {
+        let Self { particles, forces, boundaries, settings, .. } = self;
+        let quiet = forces.attractors.is_empty()
+            && forces.controls.is_empty()
+            && forces.springs.is_empty()
+            && forces.winds.is_empty()
+            && forces.air_flows.is_empty()
+            && forces.fluids.is_empty();
+        // A large island is worth being shared by threads.
+        let large = self.workers.is_some() && self.scratch.plan.tasks.iter().any(|task| task.large);
+        quiet
+            && !large
+            && particles.survey.plain
+            && particles.survey.neutral
+            && settings.integrator == Integrator::Verlet
+            && !settings.statics
+            && self.compounds.is_empty()
+            && boundaries.pins.is_empty()
+            && boundaries.planes.iter().all(|plane| plane.drag == PlanarDrag::default())
+    }
+
+    /// All phases of all substeps that remain, to the same bits as one by one. To be called where [`is_undisturbed`](Self::is_undisturbed) says so; otherwise it does nothing.
+    pub fn take_substeps(&mut self) {
+        if !self.is_undisturbed() {
+            return;
+        }
+        self.begin_substep();
+        self.accumulate_forces();
+        let (h, remaining) = (self.scratch.substep.length, self.scratch.substep.remaining);
+        let Self { particles, instructions, workers, scratch, report, .. } = self;
+        let (machine, contacts) = (machine(*instructions, workers), &scratch.contacts);
+        let (plan, solving) = (&scratch.plan, &mut scratch.solving);
+        solve::advance_all(particles, contacts, plan, (h, remaining), machine, solving, report);
+        (0..remaining).for_each(|_| self.time += f64::from(h));
+        self.scratch.substep.remaining = 0;
+    }
+}

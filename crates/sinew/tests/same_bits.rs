@@ -1,0 +1,253 @@
+//! The same bits whatever computes them: each instruction set, any number of threads, debug or release.
+//!
+//! Six scenes run for 600 ticks, and a hash of all positions and velocities is taken after each. The last hash of each scene stands below: whoever changes what the
+//! solver computes has to change it there, on purpose, and a build that computes something else is found out. Run with `SINEW_HASHES=show` to see the new ones.
+
+use std::sync::Arc;
+
+use sinew::glam::{Quat, Vec3};
+use sinew::recipes::{
+    Blueprint, BoxSpec, ClothMaterial, ClothSpec, RagdollSpec, RopeSpec, box_3d, cloth_grid,
+    ragdoll, rope,
+};
+use sinew::{
+    AirFlow, Distance, Fluid, InstructionSet, ParticleSeed, Plane, Simulation, Softness, Spring,
+    Wind, Workers,
+};
+
+const TICKS: usize = 600;
+
+/// What each scene comes to.
+const HASHES: [(&str, fn() -> Simulation, u64); 6] = [
+    ("a flag in the wind over the ground", flag, 0x3f6c_6597_55fa_554d),
+    ("ropes, tethers and springs", ropes, 0x3ec5_45d5_8e06_2049),
+    ("bricks that tumble", bricks, 0x2a42_1822_b58e_2836),
+    ("ragdolls that fall", ragdolls, 0x7fcc_a6f0_88fa_877f),
+    ("charges and balls that float", charges, 0x9320_ef2c_54d0_1f6a),
+    ("a large cloth", large, 0xb4e4_5c07_a2c7_19bd),
+];
+
+#[test]
+fn every_instruction_set_gives_the_same_bits_in_six_scenes() {
+    for (name, scene, expected) in HASHES {
+        let best = run(scene, InstructionSet::Avx2, None);
+        for set in [InstructionSet::Scalar, InstructionSet::Simd128] {
+            same(name, &format!("{set:?}"), &run(scene, set, None), &best);
+        }
+        let last = best.last().copied().unwrap_or_default();
+        if std::env::var_os("SINEW_HASHES").is_some() {
+            println!("{name}: {last:#018x}");
+        } else {
+            assert_eq!(last, expected, "{name}: {last:#018x} is not what it was");
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits_in_six_scenes() {
+    for (name, scene, _) in HASHES {
+        let alone = run(scene, InstructionSet::best(), None);
+        for threads in [2, 3, 8] {
+            let together = run(scene, InstructionSet::best(), Some(threads));
+            same(name, &format!("{threads} threads"), &together, &alone);
+        }
+    }
+}
+
+#[test]
+fn a_step_taken_at_once_has_the_bits_of_its_phases_one_by_one() {
+    let mut at_once = 0;
+    for (name, scene, _) in HASHES {
+        let (mut whole, mut phases) = (scene(), scene());
+        for tick in 0..TICKS / 4 {
+            whole.step(1.0 / 60.0).unwrap();
+            let substeps = phases.begin_step(1.0 / 60.0).unwrap();
+            at_once += usize::from(tick == 0 && phases.is_undisturbed());
+            for _ in 0..substeps {
+                phases.begin_substep();
+                phases.accumulate_forces();
+                phases.apply_wind();
+                phases.apply_buoyancy();
+                phases.apply_electric();
+                phases.integrate();
+                phases.solve_constraints();
+            }
+            phases.end_step();
+            for i in 0..whole.particles.len() {
+                let of = |world: &Simulation| (world.particles.seed(i), world.velocity_now(i));
+                assert_eq!(of(&whole), of(&phases), "{name}, tick {tick}, particle {i}");
+            }
+            assert_eq!(whole.report(), phases.report(), "{name}, tick {tick}");
+            assert_eq!(whole.time, phases.time);
+        }
+    }
+    assert!(at_once >= 3, "only {at_once} scenes were taken at once");
+}
+
+fn same(name: &str, how: &str, found: &[u64], expected: &[u64]) {
+    let tick = found.iter().zip(expected).position(|(a, b)| a != b);
+    assert_eq!(tick, None, "{name} with {how}: other bits from this tick on");
+}
+
+/// The hash after each tick.
+fn run(scene: fn() -> Simulation, set: InstructionSet, threads: Option<usize>) -> Vec<u64> {
+    let mut world = scene();
+    world.instructions = set;
+    world.workers = threads.map(|count| Arc::new(Threads::new(count)) as Arc<dyn Workers>);
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut note = |number: f32| {
+        hash = (hash ^ u64::from(number.to_bits())).wrapping_mul(0x0100_0000_01b3);
+        hash
+    };
+    (0..TICKS)
+        .map(|_| {
+            world.step(1.0 / 60.0).unwrap();
+            let mut last = 0;
+            for i in 0..world.particles.len() {
+                let (p, v) = (world.particles.position(i), world.particles.velocity(i));
+                assert!(p.is_finite() && v.is_finite(), "particle {i}");
+                for number in p.to_array().into_iter().chain(v.to_array()) {
+                    last = note(number);
+                }
+            }
+            last
+        })
+        .collect()
+}
+
+fn flag() -> Simulation {
+    let mut world = Simulation::default();
+    let spec = ClothSpec { columns: 24, rows: 16, ..Default::default() };
+    let mut cloth = cloth_grid(&spec).unwrap();
+    let [left, _, below, _] = spec.corners();
+    cloth.pin(left).unwrap();
+    cloth.pin(below).unwrap();
+    cloth.build(&mut world).unwrap();
+    let level = world.particles.position(below as usize).y;
+    world.boundaries.planes.push(Plane::ground(level - 0.3));
+    world.forces.winds.push(Wind::steady(Vec3::new(20.0, 2.0, 9.0)).with_gusts(0.4));
+    world.forces.air_flows.push(AirFlow::steady(Vec3::new(4.0, 0.0, 1.0)).with_gusts(0.3));
+    world
+}
+
+fn ropes() -> Simulation {
+    let mut world = Simulation::default();
+    for i in 0..12 {
+        let from = Vec3::new(i as f32 * 0.3, 2.0, 0.0);
+        let spec = RopeSpec {
+            from,
+            to: from + Vec3::new(0.9, 0.2, 0.4),
+            segments: 20 + i,
+            ..Default::default()
+        };
+        let mut blueprint = rope(&RopeSpec { pin_start: true, ..spec }).unwrap();
+        if i % 3 == 0 {
+            blueprint.pin(20 + i).unwrap();
+        }
+        let rows = blueprint.build(&mut world).unwrap();
+        let (first, last) = (rows.start as u32, rows.end as u32 - 1);
+        let tether = Distance::new(first, last, 0.8).with_bound(sinew::Bound::AtMost);
+        world.distances_mut().push(tether);
+        let soft = Distance::new(first + 2, first + 9, 0.3);
+        world.distances_mut().push(soft.with_softness(Softness::frequency(3.0, 0.2)));
+        if i > 0 {
+            let spring = Spring { a: first - 1, b: last, rest: 0.2, stiffness: 3.0, damping: 0.05 };
+            world.forces.springs.push(spring);
+        }
+    }
+    world.forces.drag = 0.1;
+    world
+}
+
+fn bricks() -> Simulation {
+    let mut world = Simulation::default();
+    let brick = box_3d(&BoxSpec { size: Vec3::new(0.1, 0.2, 0.3), ..Default::default() }).unwrap();
+    scatter(&brick, 30, &mut world);
+    world.boundaries.planes.push(Plane::ground(0.0));
+    world
+}
+
+fn ragdolls() -> Simulation {
+    let mut world = Simulation::default();
+    scatter(&ragdoll(&RagdollSpec::default()).unwrap(), 6, &mut world);
+    world.boundaries.planes.push(Plane::ground(-1.0));
+    world.settings.substeps = 6;
+    world
+}
+
+fn charges() -> Simulation {
+    let mut world = Simulation::default();
+    let mut random = random();
+    for i in 0..400 {
+        let at = Vec3::new(random(), random(), random()) * 2.0;
+        let charge = if i % 2 == 0 { 4e-7 } else { -3e-7 };
+        let seed = ParticleSeed::at(at).with_charge(charge).with_radius(0.02).with_mass(0.03);
+        world.particles.push(seed.with_drag(0.3)).unwrap();
+    }
+    scatter(&box_3d(&BoxSpec::default()).unwrap(), 5, &mut world);
+    world.forces.electric.constant = 8.99e9;
+    world.forces.electric.softening = 0.05;
+    world.forces.fluids.push(Fluid::water(0.5));
+    world.settings.substeps = 3;
+    world.boundaries.planes.push(Plane::ground(-2.0));
+    world
+}
+
+/// Enough constraints for its clusters to be swept side by side.
+fn large() -> Simulation {
+    let mut world = Simulation::default();
+    let material = ClothMaterial { bend_compliance: None, ..Default::default() };
+    let spec = ClothSpec {
+        columns: 99,
+        rows: 89,
+        width: 10.0,
+        height: 9.0,
+        material,
+        ..Default::default()
+    };
+    let mut cloth = cloth_grid(&spec).unwrap();
+    for corner in spec.corners() {
+        cloth.pin(corner).unwrap();
+    }
+    cloth.build(&mut world).unwrap();
+    world.settings.substeps = 4;
+    world.settings.max_sweeps = 2;
+    world
+}
+
+/// Puts copies of a body here and there, turned and thrown.
+fn scatter(blueprint: &Blueprint, count: usize, world: &mut Simulation) {
+    let mut random = random();
+    for i in 0..count {
+        let turned = Quat::from_xyzw(random(), random(), random(), 1.0).normalize();
+        let at = Vec3::new(random() * 3.0, 1.0 + i as f32 * 0.2, random() * 3.0);
+        let rows = blueprint.transformed(turned, at).build(world).unwrap();
+        let thrown = Vec3::new(random(), random() * 2.0, random()) * 2.0;
+        rows.for_each(|row| world.particles.set_velocity(row, thrown));
+    }
+}
+
+/// Numbers from -0.5 to 0.5, the same ones each time.
+fn random() -> impl FnMut() -> f32 {
+    let mut state = 12_345_u32;
+    move || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / 16_777_216.0 - 0.5
+    }
+}
+
+/// Rayon's threads.
+#[derive(Debug)]
+struct Threads(rayon::ThreadPool);
+
+impl Threads {
+    fn new(count: usize) -> Self {
+        Self(rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap())
+    }
+}
+
+impl Workers for Threads {
+    fn run(&self, work: &(dyn Fn() + Sync)) {
+        self.0.broadcast(|_| work());
+    }
+}

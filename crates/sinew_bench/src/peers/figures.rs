@@ -1,0 +1,117 @@
+//! Boxes and ragdolls as rapier's rigid bodies and joints, with its default settings, except that nothing sleeps.
+
+use rapier3d::prelude::*;
+use sinew::glam::Vec3;
+use sinew::recipes::{Blueprint, Part, RagdollParticle as P, RagdollSpec, ragdoll};
+
+use crate::measure::World;
+use crate::row::Stretch;
+use crate::scenes::bodies::places;
+
+/// A world of rigid bodies.
+pub(super) struct Rigid(PhysicsWorld);
+
+/// Half the size of the slab that is the floor, m.
+const FLOOR: Vec3 = Vec3::new(200.0, 1.0, 200.0);
+
+/// Where a part of a ragdoll hangs on another, and whether it turns about one axis alone.
+const JOINTS: [(&str, &str, P, bool); 10] = [
+    ("torso", "head", P::Neck, false),
+    ("torso", "pelvis", P::Waist, false),
+    ("torso", "left upper arm", P::LeftShoulder, false),
+    ("torso", "right upper arm", P::RightShoulder, false),
+    ("pelvis", "left thigh", P::LeftHip, false),
+    ("pelvis", "right thigh", P::RightHip, false),
+    ("left upper arm", "left forearm", P::LeftElbow, true),
+    ("right upper arm", "right forearm", P::RightElbow, true),
+    ("left thigh", "left shin", P::LeftKnee, true),
+    ("right thigh", "right shin", P::RightKnee, true),
+];
+
+/// Limits about each axis of a joint that turns about all three, radians, and of one that turns about one.
+const LIMITS: ([f32; 2], [f32; 2]) = ([-1.0, 1.0], [-2.4, 2.4]);
+
+pub(super) fn boxes(side: u32) -> Rigid {
+    let mut world = floored();
+    for place in places(side) {
+        let place = vector(place + Vec3::Y * 0.5);
+        let body = RigidBodyBuilder::dynamic().translation(place).can_sleep(false);
+        world.insert(body, ColliderBuilder::cuboid(0.5, 0.5, 0.5));
+    }
+    Rigid(world)
+}
+
+pub(super) fn ragdolls(side: u32) -> Rigid {
+    let mut world = floored();
+    let doll = ragdoll(&RagdollSpec::default()).expect("the ragdoll is sound");
+    places(side).for_each(|place| insert(&mut world, &doll, place + Vec3::Y));
+    Rigid(world)
+}
+
+impl World for Rigid {
+    fn tick(&mut self) {
+        self.0.step();
+    }
+
+    fn stretch(&self) -> Option<Stretch> {
+        None
+    }
+}
+
+fn floored() -> PhysicsWorld {
+    let mut world = PhysicsWorld::new();
+    let slab = ColliderBuilder::cuboid(FLOOR.x, FLOOR.y, FLOOR.z);
+    world.insert_collider(slab.translation(vector(Vec3::NEG_Y * FLOOR.y)), None);
+    world
+}
+
+/// The parts of a ragdoll as capsules and boxes of the same sizes and masses, and a joint where two parts share a particle.
+fn insert(world: &mut PhysicsWorld, doll: &Blueprint, place: Vec3) {
+    let at = |i: u32| doll.particles[i as usize].position;
+    let mut handles = Vec::new();
+    for part in &doll.parts {
+        let (shape, centre) = shape(part, at);
+        let body = RigidBodyBuilder::dynamic().translation(vector(place + centre));
+        let (handle, _) = world.insert(body.can_sleep(false), shape.density(1000.0));
+        handles.push((part.name, handle, centre));
+    }
+    let find = |name: &str| handles.iter().find(|(part, ..)| *part == name);
+    for (first, second, joint, hinge) in JOINTS {
+        let (Some(&(_, first, one)), Some(&(_, second, other))) = (find(first), find(second))
+        else {
+            continue;
+        };
+        let point = at(joint.index());
+        let [one, other] = [point - one, point - other].map(vector);
+        if hinge {
+            let joint = RevoluteJointBuilder::new(Vector::X).limits(LIMITS.1);
+            let joint = joint.local_anchor1(one).local_anchor2(other).contacts_enabled(false);
+            world.insert_impulse_joint(first, second, joint);
+        } else {
+            let axes = [JointAxis::AngX, JointAxis::AngY, JointAxis::AngZ];
+            let joint = SphericalJointBuilder::new().local_anchor1(one).local_anchor2(other);
+            let joint = joint.contacts_enabled(false);
+            let joint = axes.into_iter().fold(joint, |joint, axis| joint.limits(axis, LIMITS.0));
+            world.insert_impulse_joint(first, second, joint);
+        }
+    }
+}
+
+/// A limb is a capsule from one joint to the next; what else there is, a box.
+fn shape(part: &Part, at: impl Fn(u32) -> Vec3) -> (ColliderBuilder, Vec3) {
+    let [from, to] = [part.particles[0], part.particles[1]].map(at);
+    let limb = ["arm", "thigh", "shin"].iter().any(|word| part.name.contains(word));
+    if limb {
+        let (centre, half) = (0.5 * (from + to), 0.5 * (to - from));
+        let radius = 0.5 * part.size.x;
+        (ColliderBuilder::capsule_from_endpoints(vector(-half), vector(half), radius), centre)
+    } else {
+        let half = 0.5 * part.size;
+        // A part of this kind is upright: a particle is as far from the centre as it says.
+        (ColliderBuilder::cuboid(half.x, half.y, half.z), from - part.rest[0])
+    }
+}
+
+fn vector(v: Vec3) -> Vector {
+    Vector::from(v.to_array())
+}

@@ -1,0 +1,213 @@
+//! What the plugin costs, P10 to P12: in an app with `MinimalPlugins`, frame by frame, each frame a tick unless said.
+
+use core::time::Duration;
+
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_sinew::{BodyConstraints, Cloth, ClothPins, Ground, Ragdoll, SinewPlugin, SolverConfig};
+
+use super::allocations;
+use crate::measure::{Effort, World as Contender, median, time};
+use crate::row::{Row, Stretch, Unit};
+
+/// One tick of the fixed schedule, as long as a frame: 60 Hz.
+const TICK: Duration = Duration::from_nanos(16_666_667);
+
+/// Vertices along a side of the cloth that comes and goes.
+const SIDE: u32 = 64;
+
+/// Vertices along a side of the cloth whose mesh is written.
+const DRAWN: u32 = 128;
+
+/// Frames in a portion: an empty one takes microseconds.
+const FRAMES: usize = 200;
+
+/// Frames before anything is timed.
+const WARM: usize = 20;
+
+/// P10.
+pub(super) fn come_and_go(effort: &Effort) -> Vec<Row> {
+    let mut app = plain();
+    app.add_plugins(SinewPlugin::default());
+    let mut app = ready(app);
+    // What is told is the difference to a frame where nothing came or went: let the rest of it be short.
+    app.insert_resource(SolverConfig { substeps: 1, max_sweeps: 1, ..default() });
+    let cut = app.world_mut().resource_mut::<Assets<Mesh>>().add(square(SIDE));
+    let [mut spawn, mut despawn, mut tear] = [const { Vec::new() }; 3];
+    let mut constraints = 0;
+    for _ in 0..effort.rounds.max(1) {
+        frames(&mut app, WARM);
+        let empty = frame(&mut app, |_| {});
+        let cloth = Cloth::from_mesh().pinned(ClothPins::TopCorners);
+        let recipe = (cloth, Mesh3d(cut.clone()));
+        let mut body = Entity::PLACEHOLDER;
+        let built = frame(&mut app, |world| body = world.spawn(recipe).id());
+        frames(&mut app, WARM);
+        let whole = frame(&mut app, |_| {});
+        let ties: Vec<Entity> = app
+            .world()
+            .get::<BodyConstraints>(body)
+            .into_iter()
+            .flat_map(|list| list.iter())
+            .collect();
+        constraints = ties.len();
+        let torn = frame(&mut app, |world| {
+            world.despawn(ties[constraints / 2]);
+        });
+        frames(&mut app, WARM);
+        let gone = frame(&mut app, |world| {
+            world.despawn(body);
+        });
+        spawn.push(built - whole);
+        tear.push(torn - whole);
+        despawn.push(gone - empty);
+    }
+    let row = |what: &str, times: Vec<f64>| {
+        let scene = format!("{what} a {SIDE}×{SIDE} cloth from a mesh");
+        let row = Row::new("P10", scene, Unit::Once).sized(constraints, 1, 1);
+        Row { ours: Some(1e9 * median(times)), ..row }
+    };
+    let note = "a frame with it less a frame without";
+    vec![
+        row("spawn", spawn).noted(note),
+        row("despawn", despawn).noted(note),
+        row("tear one constraint of", tear).noted(note),
+    ]
+}
+
+/// P11.
+pub(super) fn ticks(effort: &Effort) -> Vec<Row> {
+    let row = |what: &str, fill: fn(&mut World)| {
+        let mut app = plain();
+        app.add_plugins(SinewPlugin::default());
+        let mut with = ready(app);
+        fill(with.world_mut());
+        let mut without = ready(plain());
+        let [mut ours, mut bare] = [const { Vec::new() }; 2];
+        for app in [&mut with, &mut without] {
+            frames(app, WARM);
+        }
+        for _ in 0..effort.rounds.max(1) {
+            for (app, times) in [(&mut with, &mut ours), (&mut without, &mut bare)] {
+                times.push(1e9 * time(FRAMES, || frames(app, FRAMES)).cpu);
+            }
+        }
+        let (whole, bare) = (median(ours), median(bare));
+        let row = Row::new("P11", format!("a tick of {what}"), Unit::Tick);
+        let note =
+            format!("a frame takes {:.1} µs, without the plugin {:.1}", whole / 1e3, bare / 1e3);
+        Row { ours: Some(whole - bare), ..row }.noted(note)
+    };
+    let dolls = |world: &mut World| {
+        world.spawn(Ground::default());
+        for n in 0..10 {
+            let place = Transform::from_xyz(2.0 * n as f32, 0.5, 0.0);
+            world.spawn((Ragdoll::default(), place));
+        }
+    };
+    vec![row("an empty world", |_| {}), row("10 ragdolls, default settings", dolls)]
+}
+
+/// P12.
+pub(super) fn mesh_out(effort: &Effort) -> Vec<Row> {
+    let mut app = hung(DRAWN);
+    frames(&mut app, WARM);
+    // No time passes any more: all that is left to do is what is asked for, and it is asked by a mesh that seems to have been changed.
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+    frames(&mut app, WARM);
+    let [mut drawn, mut idle] = [const { Vec::new() }; 2];
+    for _ in 0..effort.rounds.max(1) {
+        drawn.push(
+            time(20, || {
+                (0..20).for_each(|_| {
+                    touch(app.world_mut());
+                    app.update();
+                })
+            })
+            .cpu,
+        );
+        idle.push(time(20, || frames(&mut app, 20)).cpu);
+    }
+    let count = f64::from(DRAWN * DRAWN);
+    let scene = format!("mesh out: {DRAWN}×{DRAWN} vertices and normals");
+    let ours = Some(1e9 * (median(drawn) - median(idle)) / count);
+    let row = Row { ours, ..Row::new("P12", scene, Unit::Vertex) };
+    vec![row.noted("a frame that draws less a frame that does not; no tick in either")]
+}
+
+/// P13, of an app.
+pub(super) fn allocations(_: &Effort) -> Vec<Row> {
+    let mut app = plain();
+    app.add_plugins(SinewPlugin::default());
+    let bare = allocations::row("an app without the plugin", &mut Frames(ready(plain())));
+    let empty = allocations::row("an app with an empty world", &mut Frames(ready(app)));
+    let cloth = allocations::row("an app with a cloth, mesh and all", &mut Frames(hung(32)));
+    vec![bare.noted("what Bevy itself allocates in a frame"), empty, cloth]
+}
+
+/// An app as a contender.
+struct Frames(App);
+
+impl Contender for Frames {
+    fn tick(&mut self) {
+        self.0.update();
+    }
+
+    fn stretch(&self) -> Option<Stretch> {
+        None
+    }
+}
+
+/// An app without ours, with meshes.
+fn plain() -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin));
+    app.init_asset::<Mesh>();
+    app
+}
+
+fn ready(mut app: App) -> App {
+    app.insert_resource(Time::<Fixed>::from_duration(TICK));
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(TICK));
+    app.finish();
+    app.cleanup();
+    app
+}
+
+/// An app with one cloth made from a mesh, hung by two corners.
+fn hung(side: u32) -> App {
+    let mut app = plain();
+    app.add_plugins(SinewPlugin::default());
+    let mut app = ready(app);
+    let cut = app.world_mut().resource_mut::<Assets<Mesh>>().add(square(side));
+    let cloth = Cloth::from_mesh().pinned(ClothPins::TopCorners);
+    app.world_mut().spawn((cloth, Mesh3d(cut)));
+    app
+}
+
+/// A square of 1 m with `side` vertices along each edge.
+fn square(side: u32) -> Mesh {
+    Plane3d::new(Vec3::Z, Vec2::splat(0.5)).mesh().subdivisions(side - 2).build()
+}
+
+fn frames(app: &mut App, count: usize) {
+    (0..count).for_each(|_| app.update());
+}
+
+/// Seconds of a frame that begins with that.
+fn frame(app: &mut App, first: impl FnOnce(&mut World)) -> f64 {
+    let mut first = Some(first);
+    time(1, || {
+        if let Some(first) = first.take() {
+            first(app.world_mut());
+        }
+        app.update();
+    })
+    .cpu
+}
+
+/// Makes every mesh seem changed.
+fn touch(world: &mut World) {
+    let mut meshes = world.query::<&mut Mesh3d>();
+    meshes.iter_mut(world).for_each(|mut mesh| mesh.set_changed());
+}

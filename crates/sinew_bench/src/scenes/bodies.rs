@@ -1,0 +1,77 @@
+//! P5: boxes, and P6: ragdolls, each with the default settings, as a game gets them; nothing sleeps.
+
+use sinew::glam::{Quat, Vec3};
+use sinew::recipes::{BoxSpec, RagdollSpec, box_3d, ragdoll};
+use sinew::{Plane, Simulation};
+
+use crate::measure::{Effort, Ours, Race};
+use crate::naive::Naive;
+use crate::peers;
+use crate::row::{Row, Unit};
+
+/// Boxes along a side of their square: about as many as P5's pile has.
+const BOXES: u32 = 32;
+
+/// Ragdolls along a side of their square.
+const DOLLS: u32 = 10;
+
+/// P5.
+pub fn side_by_side(effort: &Effort) -> Vec<Row> {
+    let world = boxes(BOXES);
+    let settings = world.settings;
+    let race = Race::between(Ours(world.clone()), Naive::of(&world));
+    let race = race.against(peers::boxes(effort, BOXES));
+    let scene = format!("{} boxes at rest side by side", BOXES * BOXES);
+    let sized = Row::new("P5", scene, Unit::Tick).sized(
+        world.distances().len(),
+        settings.substeps,
+        settings.max_sweeps,
+    );
+    let row = race.run(effort, 1, sized);
+    vec![row.noted(
+        "no contacts between bodies yet, so no pile; default settings of each: 10 substeps of at most 4 sweeps, rapier 4 substeps, sleeping off",
+    )]
+}
+
+/// P6.
+pub fn ragdolls(effort: &Effort) -> Vec<Row> {
+    let (world, sweeps) = dolls(DOLLS);
+    let constraints = world.distances().len() + world.constraints().len();
+    let substeps = world.settings.substeps;
+    let race = Race::alone(Ours(world)).against(peers::ragdolls(effort, DOLLS));
+    let scene = format!("{} ragdolls of 11 bones fall on a floor", DOLLS * DOLLS);
+    let row = Row::new("P6", scene, Unit::Tick).sized(constraints, substeps, sweeps);
+    vec![race.run(effort, 1, row).noted(
+        "default settings of each; a naive ragdoll would be all of the cones and hinges again; limbs of ours do not touch those of others",
+    )]
+}
+
+/// `side × side` cubes of 1 m and 1 kg at rest on the ground, 2 m apart.
+pub fn boxes(side: u32) -> Simulation {
+    let mut world = Simulation::default();
+    world.boundaries.planes.push(Plane::ground(0.0));
+    let cube = box_3d(&BoxSpec::default()).expect("the box is sound");
+    for place in places(side) {
+        let cube = cube.transformed(Quat::IDENTITY, place + Vec3::Y * 0.5);
+        cube.build(&mut world).expect("the recipe is sound");
+    }
+    world
+}
+
+/// `side × side` ragdolls that fall from 1 m, and the sweeps that they ask for.
+pub fn dolls(side: u32) -> (Simulation, u32) {
+    let mut world = Simulation::default();
+    world.boundaries.planes.push(Plane::ground(0.0));
+    let doll = ragdoll(&RagdollSpec::default()).expect("the ragdoll is sound");
+    for place in places(side) {
+        let doll = doll.transformed(Quat::IDENTITY, place + Vec3::Y);
+        doll.build(&mut world).expect("the recipe is sound");
+    }
+    let sweeps = doll.settings.max_sweeps.unwrap_or(world.settings.max_sweeps);
+    (world, sweeps)
+}
+
+/// Places on a square with 2 m between them.
+pub fn places(side: u32) -> impl Iterator<Item = Vec3> {
+    (0..side * side).map(move |n| Vec3::new((n % side) as f32, 0.0, (n / side) as f32) * 2.0)
+}

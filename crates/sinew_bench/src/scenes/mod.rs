@@ -1,0 +1,60 @@
+//! The scenes of the table of goals, each a function from how much is measured to rows; a file a family.
+
+mod allocations;
+#[cfg(feature = "plugin")]
+mod app;
+pub mod bending;
+pub mod bodies;
+pub mod charges;
+pub mod cloth;
+mod quality;
+pub mod ropes;
+mod threads;
+
+use sinew::{Simulation, SolverSettings};
+
+use crate::measure::Effort;
+use crate::row::Row;
+
+/// A line of the table of goals.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene {
+    /// Its number: "P1".
+    pub id: &'static str,
+    /// Measures it.
+    pub run: fn(&Effort) -> Vec<Row>,
+}
+
+const fn scene(id: &'static str, run: fn(&Effort) -> Vec<Row>) -> Scene {
+    Scene { id, run }
+}
+
+/// A world with nothing in it.
+pub fn empty(settings: SolverSettings) -> Simulation {
+    let mut world = Simulation::default();
+    world.settings = settings;
+    world
+}
+
+/// All of them, in the order of the table.
+pub const SCENES: &[Scene] = &[
+    scene("P1", cloth::grid),
+    scene("P2", cloth::mesh),
+    scene("P3", ropes::run),
+    scene("P4", bending::run),
+    scene("P5", bodies::side_by_side),
+    scene("P6", bodies::ragdolls),
+    scene("P7", threads::million),
+    scene("P8", threads::many),
+    scene("P9", charges::run),
+    #[cfg(feature = "plugin")]
+    scene("P10", app::come_and_go),
+    #[cfg(feature = "plugin")]
+    scene("P11", app::ticks),
+    #[cfg(feature = "plugin")]
+    scene("P12", app::mesh_out),
+    scene("P13", allocations::run),
+    #[cfg(feature = "plugin")]
+    scene("P13", app::allocations),
+    scene("P14", quality::run),
+];

@@ -1,0 +1,177 @@
+//! The page as text, and as JSON for programs.
+
+use crate::row::{Row, Stretch, Unit};
+
+/// The heads of the columns.
+const HEADS: [&str; 11] = [
+    "",
+    "scene",
+    "unit",
+    "ours",
+    "naive",
+    "peer",
+    "naive/ours",
+    "peer/ours",
+    "stretch, ours",
+    "naive",
+    "peer",
+];
+
+/// The rows as a table with aligned columns; the notes stand below it. A stretch is "mean / largest", per cent.
+pub fn table(rows: &[Row]) -> String {
+    let mut lines = vec![HEADS.map(String::from)];
+    lines.extend(rows.iter().map(cells));
+    let width = |column: usize| lines.iter().map(|l| l[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..HEADS.len()).map(width).collect();
+    let mut page = String::new();
+    for line in &lines {
+        let mut out = String::new();
+        for (column, (cell, &width)) in line.iter().zip(&widths).enumerate() {
+            let room = " ".repeat(width - cell.chars().count());
+            // Words to the left, numbers to the right.
+            let cell = if column < 3 { format!("{cell}{room}") } else { format!("{room}{cell}") };
+            out += &cell;
+            out += "  ";
+        }
+        page += out.trim_end();
+        page.push('\n');
+    }
+    for row in rows.iter().filter(|row| !row.note.is_empty()) {
+        page += &format!("{:4} {}: {}\n", row.id, row.scene, row.note);
+    }
+    page
+}
+
+/// The rows as an array of objects. What there is no figure for is `null`; so are `…_ns` of what is no time.
+pub fn json(rows: &[Row]) -> String {
+    let objects: Vec<String> = rows.iter().map(object).collect();
+    format!("[\n{}\n]\n", objects.join(",\n"))
+}
+
+fn cells(row: &Row) -> [String; 11] {
+    let (scale, unit) = shown(row);
+    let figure = |x: Option<f64>| x.map_or("–".into(), |x| number(x * scale));
+    let times = |x: Option<f64>| x.map_or("–".into(), |x| format!("{}×", number(x)));
+    [
+        row.id.into(),
+        row.scene.clone(),
+        unit.into(),
+        figure(row.ours),
+        figure(row.naive),
+        figure(row.peer),
+        times(row.ratio()),
+        times(row.peer_ratio()),
+        stretched(row.stretch),
+        stretched(row.naive_stretch),
+        stretched(row.peer_stretch),
+    ]
+}
+
+/// The unit in which a person reads it, and what to multiply with.
+fn shown(row: &Row) -> (f64, &'static str) {
+    let most = [row.ours, row.naive, row.peer].into_iter().flatten().fold(0.0, f64::max);
+    match row.unit {
+        Unit::Tick if most >= 1e5 => (1e-6, "ms/tick"),
+        Unit::Tick => (1e-3, "µs/tick"),
+        Unit::WallTick => (1e-6, "ms/tick (wall)"),
+        Unit::Once if most >= 1e5 => (1e-6, "ms"),
+        Unit::Once => (1e-3, "µs"),
+        unit => (1.0, unit.name()),
+    }
+}
+
+fn stretched(stretch: Option<Stretch>) -> String {
+    let percent = |x: f64| if x.is_finite() { number(100.0 * x) } else { "∞".into() };
+    stretch.map_or(String::new(), |s| format!("{} / {} %", percent(s.mean), percent(s.max)))
+}
+
+/// Three digits, and no more zeros than needed.
+fn number(x: f64) -> String {
+    let size = x.abs();
+    match size {
+        _ if !x.is_finite() => "∞".into(),
+        0.0 => "0".into(),
+        _ if size >= 1e6 => format!("{x:.1e}"),
+        _ if size >= 99.95 => format!("{x:.0}"),
+        _ if size >= 9.995 => format!("{x:.1}"),
+        _ if size >= 0.0995 => format!("{x:.2}"),
+        _ => format!("{x:.1e}"),
+    }
+}
+
+fn object(row: &Row) -> String {
+    let ns = |x: Option<f64>| numeral(x.filter(|_| row.unit.is_time()));
+    let part = |s: Option<Stretch>, of: fn(Stretch) -> f64| numeral(s.map(of));
+    let (mean, max) = (|s: Stretch| s.mean, |s: Stretch| s.max);
+    let fields: Vec<String> = [
+        ("id", quoted(row.id)),
+        ("scene", quoted(&row.scene)),
+        ("unit", quoted(row.unit.name())),
+        ("constraints", row.constraints.to_string()),
+        ("substeps", row.substeps.to_string()),
+        ("sweeps", row.sweeps.to_string()),
+        ("ours_ns", ns(row.ours)),
+        ("naive_ns", ns(row.naive)),
+        ("peer_ns", ns(row.peer)),
+        ("ours", numeral(row.ours)),
+        ("naive", numeral(row.naive)),
+        ("peer", numeral(row.peer)),
+        ("ratio", numeral(row.ratio())),
+        ("peer_ratio", numeral(row.peer_ratio())),
+        ("mean_stretch", part(row.stretch, mean)),
+        ("max_stretch", part(row.stretch, max)),
+        ("naive_mean_stretch", part(row.naive_stretch, mean)),
+        ("naive_max_stretch", part(row.naive_stretch, max)),
+        ("peer_mean_stretch", part(row.peer_stretch, mean)),
+        ("peer_max_stretch", part(row.peer_stretch, max)),
+        ("note", quoted(&row.note)),
+    ]
+    .map(|(name, value)| format!("\"{name}\": {value}"))
+    .into();
+    format!("  {{{}}}", fields.join(", "))
+}
+
+/// A number that JSON has; it has no infinity.
+fn numeral(x: Option<f64>) -> String {
+    x.filter(|x| x.is_finite()).map_or("null".into(), |x| format!("{x:.6e}"))
+}
+
+fn quoted(text: &str) -> String {
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            c if c < ' ' => out += &format!("\\u{:04x}", u32::from(c)),
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row() -> Row {
+        let stretch = Some(Stretch { mean: 0.0081, max: f64::INFINITY });
+        let (ours, naive) = (Some(2.0), Some(20.0));
+        Row { ours, naive, stretch, ..Row::new("P1", "a \"cloth\"", Unit::Projection) }
+    }
+
+    #[test]
+    fn a_row_is_read_by_people_and_by_programs() {
+        let page = table(&[row()]);
+        assert!(page.contains("10.0×") && page.contains("0.81 / ∞ %"), "{page}");
+        let text = json(&[row(), row()]);
+        assert!(text.contains(r#""scene": "a \"cloth\"""#), "{text}");
+        assert!(text.contains(r#""ours_ns": 2.000000e0"#) && text.contains(r#""peer_ns": null"#));
+        assert!(text.contains(r#""max_stretch": null"#) && text.contains(r#""ratio": 1.000000e1"#));
+    }
+
+    #[test]
+    fn what_is_no_time_has_no_nanoseconds() {
+        let text = json(&[Row { unit: Unit::Allocations, ..row() }]);
+        assert!(text.contains(r#""ours_ns": null"#) && text.contains(r#""ours": 2.0"#), "{text}");
+    }
+}

@@ -1,0 +1,133 @@
+//! A warm tick allocates nothing: memory that was asked for once is used again. Counted on the thread of the test alone, which is why everything
+//! runs on it.
+
+use bevy::ecs::schedule::{Schedules, SingleThreadedExecutor};
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_sinew::prelude::*;
+
+use crate::support::TICK;
+
+/// Ticks before counting begins: lists have grown, and what falls has come to lie.
+const WARM: u32 = 240;
+/// Ticks counted.
+const COUNTED: u32 = 30;
+
+/// With meshes, and with our plugins if they are asked for.
+fn app(ours: bool) -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default()));
+    app.init_asset::<Mesh>();
+    if ours {
+        app.add_plugins(SinewPlugins);
+        // A scope of Bevy's task pool allocates what it spawns.
+        app.insert_resource(SolverConfig { threads: false, ..default() });
+    }
+    app.insert_resource(Time::<Fixed>::from_duration(TICK))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(TICK));
+    app.finish();
+    app.cleanup();
+    for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
+        schedule.set_executor(SingleThreadedExecutor::new());
+    }
+    app
+}
+
+/// How often memory was asked for in some warm frames, beyond what Bevy asks for by itself.
+fn allocations(spawn: impl FnOnce(&mut World)) -> i64 {
+    let (mut with, mut without) = (app(true), app(false));
+    spawn(with.world_mut());
+    let (with_it, without_it) = (count(&mut with), count(&mut without));
+    assert!(with.world().resource::<SinewClock>().tick > u64::from(WARM), "it ticked");
+    with_it as i64 - without_it as i64
+}
+
+fn count(app: &mut App) -> u64 {
+    (0..WARM).for_each(|_| app.update());
+    allocation_counter::measure(|| (0..COUNTED).for_each(|_| app.update())).count_total
+}
+
+#[test]
+fn an_allocation_would_be_counted() {
+    let counted = allocation_counter::measure(|| drop(std::hint::black_box(Box::new(1_u32))));
+    assert_eq!(counted.count_total, 1);
+    let mut app = app(true);
+    app.add_systems(FixedUpdate, || drop(std::hint::black_box(vec![1; 100])));
+    assert!(count(&mut app) >= u64::from(COUNTED), "in a system too");
+}
+
+#[test]
+fn nothing_at_all_allocates_nothing() {
+    assert_eq!(allocations(|_| {}), 0);
+}
+
+#[test]
+fn cloth_in_the_wind_with_its_mesh_allocates_nothing() {
+    let spawn = |world: &mut World| {
+        world.spawn(Ground::default());
+        world.spawn(Wind { pressure: Vec3::new(2.0, 0.0, 1.0), gusts: 0.5, ..default() });
+        world.spawn(AirFlow { velocity: Vec3::X, ..default() });
+        let cloth = Cloth::grid(1.0, 1.0, 16, 16).pinned(ClothPins::TopCorners);
+        world.spawn((cloth, Transform::from_xyz(0.0, 3.0, 0.0)));
+        world.spawn((Cloth::grid(0.5, 0.5, 8, 8), Interpolate, Transform::from_xyz(3.0, 1.0, 0.0)));
+    };
+    assert_eq!(allocations(spawn), 0);
+}
+
+#[test]
+fn ropes_with_their_tubes_allocate_nothing() {
+    let spawn = |world: &mut World| {
+        let hand = world.spawn(Transform::from_xyz(0.0, 2.0, 0.0)).id();
+        let rope = Rope { pin_start: true, to: Vec3::X, ..default() };
+        world.spawn((rope, Transform::from_xyz(0.0, 2.0, 0.0)));
+        let end =
+            world.spawn((Particle::at(Vec3::Y), PinnedTo { entity: hand, offset: Vec3::ZERO }));
+        let end = end.id();
+        let other = world.spawn((Particle::at(Vec3::ZERO), Pinned::at(Vec3::X))).id();
+        world.spawn(Spring::new(end, other, 0.5, 10.0));
+    };
+    assert_eq!(allocations(spawn), 0);
+}
+
+#[test]
+fn ragdolls_and_boxes_that_are_pushed_allocate_nothing() {
+    let spawn = |world: &mut World| {
+        world.spawn(Ground::default());
+        world.spawn(BoundingBox { half_size: Vec3::splat(6.0), ..default() });
+        world.spawn((Ragdoll::default(), Transform::from_xyz(0.0, 1.5, 0.0)));
+        let push = ControlForce { force: Vec3::new(0.0, 1.0, 0.0), ..default() };
+        world.spawn((ParticleBox::default(), push, Transform::from_xyz(2.0, 1.0, 0.0)));
+        let spin = Representation::Rigid(RigidIntegrator::default());
+        world.spawn((ParticleBox::default(), spin, Transform::from_xyz(4.0, 1.0, 0.0)));
+    };
+    assert_eq!(allocations(spawn), 0);
+}
+
+#[test]
+fn charges_in_fields_allocate_nothing() {
+    let spawn = |world: &mut World| {
+        world.insert_resource(Electric { constant: 1.0, softening: 0.05, ..default() });
+        world.spawn(ElectricField { field: Vec3::X, ..default() });
+        world.spawn(Attractor::new(1.0));
+        for i in 0..200 {
+            let turn = i as f32 * 2.4;
+            let place = Vec3::new(turn.cos(), i as f32 * 0.01, turn.sin());
+            world.spawn((Particle::at(place), Charge(0.01), Radius(0.01)));
+        }
+    };
+    assert_eq!(allocations(spawn), 0);
+}
+
+#[test]
+fn what_floats_allocates_nothing() {
+    let spawn = |world: &mut World| {
+        world.spawn((Fluid::default(), Transform::from_xyz(0.0, 0.3, 0.0)));
+        world.spawn((
+            ParticleBox::default(),
+            Floats::default(),
+            Transform::from_xyz(0.0, 1.0, 0.0),
+        ));
+        world.spawn((Particle::at(Vec3::X * 3.0), Radius(0.1), Mass(2.0)));
+    };
+    assert_eq!(allocations(spawn), 0);
+}
