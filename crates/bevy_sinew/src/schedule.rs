@@ -189,7 +189,7 @@ fn run_substeps(world: &mut World) {
             if schedule.systems_len() == PHASES {
                 world.resource_mut::<SinewWorld>().simulation.take_substeps();
             }
-            while world.resource::<SinewWorld>().substep().remaining > 0 {
+            for _ in 0..world.resource::<SinewWorld>().substep().remaining {
                 schedule.run(world);
             }
         });

@@ -93,7 +93,7 @@ fn same(name: &str, how: &str, found: &[u64], expected: &[u64]) {
 fn run(scene: fn() -> Simulation, set: InstructionSet, threads: Option<usize>) -> Vec<u64> {
     let mut world = scene();
     world.instructions = set;
-    world.workers = threads.map(|count| Arc::new(Threads::new(count)) as Arc<dyn Workers>);
+    world.workers = threads.map(|count| Arc::new(Threads(count)) as Arc<dyn Workers>);
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     let mut note = |number: f32| {
         hash = (hash ^ u64::from(number.to_bits())).wrapping_mul(0x0100_0000_01b3);
@@ -236,18 +236,15 @@ fn random() -> impl FnMut() -> f32 {
     }
 }
 
-/// Rayon's threads.
+/// Threads that are started anew each time.
 #[derive(Debug)]
-struct Threads(rayon::ThreadPool);
-
-impl Threads {
-    fn new(count: usize) -> Self {
-        Self(rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap())
-    }
-}
+struct Threads(usize);
 
 impl Workers for Threads {
     fn run(&self, work: &(dyn Fn() + Sync)) {
-        self.0.broadcast(|_| work());
+        std::thread::scope(|scope| {
+            (1..self.0).for_each(|_| drop(scope.spawn(work)));
+            work();
+        });
     }
 }

@@ -1,0 +1,59 @@
+//! Keys: where each constraint goes in a plan, as one number to sort by.
+
+use super::Kind;
+
+/// Where a constraint goes, and which it is. They are compared from the first field to the last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Key {
+    /// Island, rank, phase, cluster and colour.
+    pub(super) group: u64,
+    /// Place of its first particle in the island, so that neighbours in memory are neighbours in a group.
+    pub(super) first: u32,
+    /// Which one, in the order given.
+    pub(super) number: u32,
+}
+
+/// The rank of distances: after the laws that precede them.
+pub(super) const DISTANCES: u32 = 32;
+/// The rank of rods, after the rest of their island.
+pub(super) const RODS: u32 = 33;
+/// The rank of rigid shapes.
+pub(super) const RIGID: u32 = 34;
+
+/// What the key of a group is made of, most significant first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Fields {
+    pub(super) island: u32,
+    pub(super) rank: u32,
+    pub(super) phase: u32,
+    pub(super) cluster: u32,
+    pub(super) colour: u32,
+}
+
+impl Fields {
+    /// 32 bits for the island, then 6, 2, 12 and 12.
+    pub(super) fn key(self) -> u64 {
+        let low = ((self.rank << 2 | self.phase) << 12 | self.cluster) << 12 | self.colour;
+        u64::from(self.island) << 32 | u64::from(low)
+    }
+
+    pub(super) fn of(key: u64) -> Self {
+        let low = key as u32;
+        let (rank, phase) = (low >> 26, low >> 24 & 3);
+        let (cluster, colour) = (low >> 12 & 0xFFF, low & 0xFFF);
+        Self { island: (key >> 32) as u32, rank, phase, cluster, colour }
+    }
+
+    /// What the keys of a bundle have in common: all but the colour.
+    pub(super) fn bundle(key: u64) -> u64 {
+        key >> 12
+    }
+
+    pub(super) fn kind(self) -> Kind {
+        match self.rank {
+            DISTANCES => Kind::Distances,
+            RODS => Kind::Rods,
+            _ => Kind::Constraints,
+        }
+    }
+}
