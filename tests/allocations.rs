@@ -107,7 +107,7 @@ fn ragdolls_and_boxes_that_are_pushed_allocate_nothing() {
 fn charges_in_fields_allocate_nothing() {
     let spawn = |world: &mut World| {
         world.insert_resource(Electric { constant: 1.0, softening: 0.05, ..default() });
-        world.spawn(ElectricField { field: Vec3::X, ..default() });
+        world.spawn(ElectricField { field: Vec3::X });
         world.spawn(Attractor::new(1.0));
         for i in 0..200 {
             let turn = i as f32 * 2.4;

@@ -48,7 +48,7 @@ pub(super) fn come_and_go(effort: &Effort) -> Vec<Row> {
             .world()
             .get::<BodyConstraints>(body)
             .into_iter()
-            .flat_map(|list| list.iter())
+            .flat_map(RelationshipTarget::iter)
             .collect();
         constraints = ties.len();
         let torn = frame(&mut app, |world| {
@@ -122,7 +122,7 @@ pub(super) fn mesh_out(effort: &Effort) -> Vec<Row> {
                 (0..20).for_each(|_| {
                     touch(app.world_mut());
                     app.update();
-                })
+                });
             })
             .cpu,
         );

@@ -100,6 +100,6 @@ impl Strides {
             return None;
         }
         *taken |= 1 << number;
-        Some(2 * number as u32 + (a / stride & 1))
+        Some(2 * number as u32 + (a / stride % 2))
     }
 }
