@@ -16,7 +16,6 @@ pub(crate) struct Columns {
     /// x, y, z, w one after the other; of each the even rows from 0 on, and the odd rows from `half` on.
     lines: Vec<Line>,
     half: usize,
-    rows: usize,
 }
 
 /// As the cache has them: an eight that lies across two of them costs twice as much.
@@ -71,9 +70,7 @@ impl Columns {
     #[inline(always)]
     pub(crate) fn turn_in<L: Lanes>(&mut self, packed: &[Vec4]) {
         self.half = Self::half(packed.len());
-        self.rows = packed.len();
         self.lines.resize(8 * self.half / LINE, Line([0.0; LINE]));
-        self.pad();
         let (eights, last) = packed.as_chunks::<LANES>();
         let half = self.half;
         let [x, y, z, w] = halves(self.numbers_mut(), half);
@@ -91,22 +88,6 @@ impl Columns {
             self.set(at, p);
             let at = 6 * self.half + at;
             self.numbers_mut()[at] = p.w;
-        }
-    }
-
-    /// Puts particles of 1 kg beyond the last rows, each elsewhere, so that nothing is odd about lanes that do not count.
-    #[inline(always)]
-    fn pad(&mut self) {
-        let rows = self.rows.div_ceil(2);
-        for (first, sign) in [(rows, 1.0), (self.half + rows, -1.0)] {
-            for lane in 0..LANES {
-                for (column, number) in
-                    [(lane + 1) as f32 * sign, 0.0, 0.0, 1.0].into_iter().enumerate()
-                {
-                    let at = 2 * self.half * column + first + lane;
-                    self.numbers_mut()[at] = number;
-                }
-            }
         }
     }
 

@@ -73,14 +73,19 @@ fn sweep_eights<L: Lanes>(
     let mut view = columns.eights();
     let mut all_move = L::zero().same(L::zero());
     for eight in eights {
-        let (one, other) = (view.load(eight.a), view.load(eight.b));
-        let (scale, error, moves) = stretch(one, other, L::load(&eight.rest));
-        let (one, other) = moved(one, other, scale);
-        // The lanes beyond the last rod stay as they are, but those of the first ends may be rows at the second ones, which therefore are written last.
-        view.put(eight.a, one);
-        view.put(eight.b, other);
+        let (one, other, rest) = (view.load(eight.a), view.load(eight.b), L::load(&eight.rest));
+        let (scale, error, moves) = stretch(one, other, rest);
+        let (mut one_, mut other_) = moved(one, other, scale);
+        let live = rest.le(rest);
+        if !live.all() {
+            // What lies beyond the last rod may be anything, NaN too, and belongs to others.
+            (one_, other_) = (only(live, one_, one), only(live, other_, other));
+        }
+        // The lanes beyond the first ends may be rows at the second ones, which therefore are written last.
+        view.put(eight.a, one_);
+        view.put(eight.b, other_);
         worst = error.max(worst);
-        all_move = all_move.and(moves);
+        all_move = all_move.and(live.select(moves, all_move));
     }
     if !all_move.all() {
         for eight in eights {
@@ -88,6 +93,12 @@ fn sweep_eights<L: Lanes>(
         }
     }
     worst
+}
+
+/// The new ones where a mask is set, and the old ones elsewhere.
+#[inline(always)]
+fn only<L: Lanes>(live: L, [x, y, z, w]: [L; 4], [ox, oy, oz, _]: [L; 4]) -> [L; 4] {
+    [live.select(x, ox), live.select(y, oy), live.select(z, oz), w]
 }
 
 /// Eight rods of any rows.
