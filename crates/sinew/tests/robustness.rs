@@ -219,7 +219,9 @@ fn a_poisoned_sheet_leaves_every_bit_of_the_sheets_solved_after_it() {
             (0..225).for_each(|row| world.particles.set_position(row, Vec3::NAN));
         }
         world.settings.tolerance = 0.0;
-        (0..5).for_each(|_| drop(world.step(1.0 / 60.0).unwrap()));
+        for _ in 0..5 {
+            world.step(1.0 / 60.0).unwrap();
+        }
         (225..world.particles.len()).map(|i| world.particles.seed(i)).collect::<Vec<_>>()
     };
     assert!(sheets(true) == sheets(false));
