@@ -6,6 +6,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use glam::Vec4;
 
+use super::avx2_doubles::Fours;
 use super::{LANES, Lanes, Work};
 
 /// Lanes 0 to 7.
@@ -102,6 +103,8 @@ fn check(rows: &[u32; LANES], len: usize) {
 }
 
 impl Lanes for Eight {
+    type Doubles = Fours;
+
     #[inline(always)]
     fn splat(x: f32) -> Self {
         // SAFETY: see `Eight`.
@@ -118,6 +121,21 @@ impl Lanes for Eight {
     fn store(self, to: &mut [f32; LANES]) {
         // SAFETY: see `Eight`; a register is eight floats.
         unsafe { _mm256_storeu_ps(to.as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    fn widen(self) -> Fours {
+        // SAFETY: see `Eight`.
+        unsafe {
+            let (low, high) = (_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
+            Fours(_mm256_cvtps_pd(low), _mm256_cvtps_pd(high))
+        }
+    }
+
+    #[inline(always)]
+    fn narrow(from: Fours) -> Self {
+        // SAFETY: see `Eight`.
+        Self(unsafe { _mm256_set_m128(_mm256_cvtpd_ps(from.1), _mm256_cvtpd_ps(from.0)) })
     }
 
     #[inline(always)]
@@ -342,9 +360,12 @@ impl Lanes for Eight {
                 core::array::from_fn(|i| _mm256_permute2f128_ps::<0x20>(ones[i].0, others[i].0));
             let high =
                 core::array::from_fn(|i| _mm256_permute2f128_ps::<0x31>(ones[i].0, others[i].0));
-            let pairs = transposed(low).into_iter().chain(transposed(high));
-            for (pair, value) in pairs.enumerate() {
+            // No chain of both: the compiler would keep them in memory and count.
+            for (pair, value) in transposed(low).into_iter().enumerate() {
                 _mm256_storeu_ps(to.add(2 * pair).cast(), value);
+            }
+            for (pair, value) in transposed(high).into_iter().enumerate() {
+                _mm256_storeu_ps(to.add(8 + 2 * pair).cast(), value);
             }
         }
     }

@@ -10,6 +10,7 @@
 //! | `quads` | two registers of four, by glam: SSE2 on x86-64, NEON on ARM |
 //! | `avx2` | one register of eight |
 //! | `angle` | the arc tangent, in lanes |
+//! | `doubles`, `avx2_doubles` | eight numbers of double precision, for sums |
 //! | `columns` | particles as columns of x, y, z and w |
 //! | `vector` | vectors of three lanes each |
 //! | `twins` | tests: each operation of each set against the scalar one |
@@ -26,7 +27,10 @@
 mod angle;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx2_doubles;
 mod columns;
+mod doubles;
 mod quads;
 mod scalar;
 #[cfg(test)]
@@ -39,6 +43,7 @@ use glam::Vec4;
 
 pub(crate) use angle::atan2;
 pub(crate) use columns::Columns;
+pub(crate) use doubles::Doubles;
 pub(crate) use vector::Vector;
 
 /// How many lanes there are.
@@ -111,12 +116,19 @@ pub(crate) trait Lanes:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
+    /// Eight numbers of double precision on the same machine.
+    type Doubles: Doubles;
+
     /// The same number in each.
     fn splat(x: f32) -> Self;
     /// Eight numbers.
     fn load(from: &[f32; LANES]) -> Self;
     /// Into an array.
     fn store(self, to: &mut [f32; LANES]);
+    /// The same numbers in double precision.
+    fn widen(self) -> Self::Doubles;
+    /// The nearest single ones.
+    fn narrow(from: Self::Doubles) -> Self;
 
     /// The correctly rounded square root.
     fn sqrt(self) -> Self;
@@ -176,6 +188,13 @@ pub(crate) trait Lanes:
     #[inline(always)]
     fn zero() -> Self {
         Self::splat(0.0)
+    }
+
+    /// The mask that [`bits`](Self::bits) makes these bits of.
+    #[inline(always)]
+    fn mask(bits: u32) -> Self {
+        let set = |lane: usize| if bits >> lane & 1 == 0 { 0 } else { u32::MAX };
+        Self::load(&core::array::from_fn(|lane| f32::from_bits(set(lane))))
     }
 
     /// The lesser of the two, `other` where either is NaN or both are zero.

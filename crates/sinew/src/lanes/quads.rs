@@ -4,6 +4,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use glam::{BVec4A, Mat4, Vec4};
 
+use super::doubles::Each;
 use super::{LANES, Lanes, PARITY};
 
 /// Lanes 0 to 3, and 4 to 7.
@@ -69,6 +70,8 @@ impl Quads {
 }
 
 impl Lanes for Quads {
+    type Doubles = Each;
+
     #[inline(always)]
     fn splat(x: f32) -> Self {
         Self(Vec4::splat(x), Vec4::splat(x))
@@ -84,6 +87,16 @@ impl Lanes for Quads {
     fn store(self, to: &mut [f32; LANES]) {
         self.0.write_to_slice(&mut to[..4]);
         self.1.write_to_slice(&mut to[4..]);
+    }
+
+    #[inline(always)]
+    fn widen(self) -> Each {
+        Each(self.array().map(f64::from))
+    }
+
+    #[inline(always)]
+    fn narrow(from: Each) -> Self {
+        Self::load(&from.0.map(|x| x as f32))
     }
 
     #[inline(always)]

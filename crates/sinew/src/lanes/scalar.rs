@@ -4,6 +4,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use glam::Vec4;
 
+use super::doubles::Each;
 use super::{LANES, Lanes, PARITY};
 
 /// Eight numbers, one after the other.
@@ -59,6 +60,8 @@ impl Array {
 }
 
 impl Lanes for Array {
+    type Doubles = Each;
+
     #[inline(always)]
     fn splat(x: f32) -> Self {
         Self([x; LANES])
@@ -72,6 +75,16 @@ impl Lanes for Array {
     #[inline(always)]
     fn store(self, to: &mut [f32; LANES]) {
         *to = self.0;
+    }
+
+    #[inline(always)]
+    fn widen(self) -> Each {
+        Each(self.0.map(f64::from))
+    }
+
+    #[inline(always)]
+    fn narrow(from: Each) -> Self {
+        Self(from.0.map(|x| x as f32))
     }
 
     #[inline(always)]

@@ -2,7 +2,7 @@
 
 use glam::Vec4;
 
-use super::{InstructionSet, LANES, Lanes, Work, with};
+use super::{Doubles, InstructionSet, LANES, Lanes, Work, with};
 
 const SETS: [InstructionSet; 2] = [InstructionSet::Simd128, InstructionSet::Avx2];
 
@@ -150,4 +150,49 @@ fn rows_that_do_not_exist_are_refused_by_every_set() {
             assert!(refused.is_err(), "{set:?} {row}");
         }
     }
+}
+
+/// All that can be done with two numbers of lanes in double precision.
+struct Doubled {
+    a: [f32; LANES],
+    b: [f32; LANES],
+}
+
+impl Work for Doubled {
+    type Output = Vec<u64>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        let (a, b) = (L::load(&self.a).widen(), L::load(&self.b).widen());
+        let sum = a + b * L::Doubles::splat(0.1);
+        let mut all = Vec::new();
+        let mut loaded = [0.0; LANES];
+        (a * b).store(&mut loaded);
+        for doubles in [sum, a - b, L::Doubles::load(&loaded), a / b, -sum] {
+            let number = |x: f64| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() };
+            all.extend(doubles.array().map(number));
+            let narrow = |x: f32| if x.is_nan() { f32::NAN.to_bits() } else { x.to_bits() };
+            all.extend(L::narrow(doubles).array().map(|x| u64::from(narrow(x))));
+            let bits = [doubles.lt(b), doubles.le(b), doubles.finite()];
+            all.extend(bits.map(u64::from));
+            all.extend(L::mask(bits[0]).and(L::splat(2.0)).array().map(|x| x as u64));
+        }
+        all
+    }
+}
+
+#[test]
+fn double_precision_has_the_bits_of_its_scalar_twin() {
+    for shift in 0..NUMBERS.len() {
+        for other in 0..NUMBERS.len() {
+            let pick = |from: usize| core::array::from_fn(|i| NUMBERS[(from + i) % NUMBERS.len()]);
+            let work = || Doubled { a: pick(shift), b: pick(other) };
+            let truth = with(InstructionSet::Scalar, work());
+            for set in SETS {
+                assert_eq!(with(set, work()), truth, "{set:?} {:?} {:?}", work().a, work().b);
+            }
+        }
+    }
+    let sums = with(InstructionSet::best(), Doubled { a: [1.0; LANES], b: [1e-9; LANES] });
+    assert_eq!(f64::from_bits(sums[0]), 1.0 + f64::from(1e-9_f32) * 0.1, "single would lose it");
 }

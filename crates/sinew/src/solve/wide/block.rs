@@ -1,5 +1,6 @@
 //! Eight constraints of one law, side by side: in which form they are kept, and how they are projected.
 
+use super::spots::{Packed, Seen, Spots};
 use super::temper::{Asks, Temper, yielding};
 use super::{each, less, load_sums, store_sums};
 use crate::constraints::{Constraint, Pace, Wide};
@@ -10,10 +11,16 @@ use crate::particles::Places;
 #[derive(Clone, Debug)]
 pub(super) struct Block<W, const N: usize> {
     rows: [[u32; LANES]; N],
+    pub(super) eight: Eight<W>,
+}
+
+/// Eight constraints but for their particles.
+#[derive(Clone, Debug)]
+pub(super) struct Eight<W> {
     law: W,
     yielding: [f32; LANES],
     /// Which temper they have.
-    temper: u32,
+    pub(super) temper: u32,
 }
 
 impl<W: Wide<N>, const N: usize> Block<W, N> {
@@ -21,16 +28,23 @@ impl<W: Wide<N>, const N: usize> Block<W, N> {
     pub(super) fn of(constraints: &[Constraint], tempers: &mut Vec<Temper>) -> Option<Self> {
         let eight: [&Constraint; LANES] =
             core::array::from_fn(|lane| constraints.get(lane).unwrap_or(&constraints[0]));
-        let law = W::of(eight)?;
         let rows = eight.map(W::rows);
+        let (eight, temper) = Eight::of(eight)?;
+        let eight = Eight { temper: super::number(tempers, temper), ..eight };
+        Some(Self { rows: core::array::from_fn(|i| rows.map(|rows| rows[i])), eight })
+    }
+}
+
+impl<W> Eight<W> {
+    /// Eight constraints, and their temper, which has no number yet.
+    pub(super) fn of<const N: usize>(eight: [&Constraint; LANES]) -> Option<(Self, Temper)>
+    where
+        W: Wide<N>,
+    {
         let softness = eight.map(|c| c.law.equation().softness());
         let bound = eight.map(|c| c.law.equation().bound());
-        Some(Self {
-            rows: core::array::from_fn(|i| rows.map(|rows| rows[i])),
-            law,
-            yielding: softness.map(yielding),
-            temper: super::number(tempers, Temper::of(softness, bound)),
-        })
+        let own = Self { law: W::of(eight)?, yielding: softness.map(yielding), temper: 0 };
+        Some((own, Temper::of(softness, bound)))
     }
 }
 
@@ -46,12 +60,17 @@ pub(super) fn sweep<L: Lanes, W: Wide<N>, const N: usize>(
     let (mut each, mut each_of) = ([1.0; LANES], u32::MAX);
     let mut worst = L::zero();
     for (block, sums) in blocks.iter().zip(sums) {
-        let temper = &tempers[block.temper as usize];
-        if block.temper != each_of {
+        let temper = &tempers[block.eight.temper as usize];
+        if block.eight.temper != each_of {
             each = if temper.shares { temper.each(pace.sweeps) } else { [1.0; LANES] };
-            each_of = block.temper;
+            each_of = block.eight.temper;
         }
-        worst = project::<L, W, N>(block, temper, &each, places, sums, pace.h).max(worst);
+        let mut room = [[0; LANES]; N];
+        let rows = less(&block.rows, places.first, &mut room);
+        let (position, start) = (&mut *places.position, places.start);
+        let mut spots = Packed { rows, position, start };
+        let how = (temper, &each, pace.h);
+        worst = project::<L, W, N>(&block.eight, how, &mut spots, sums).max(worst);
     }
     worst.largest(0.0)
 }
@@ -67,9 +86,10 @@ pub(super) fn measure<L: Lanes, W: Wide<N>, const N: usize>(
     for block in blocks {
         let mut room = [[0; LANES]; N];
         let rows = less(&block.rows, places.first, &mut room);
-        let (points, inverse) = load::<L, N>(rows, places);
-        let found = solve::<L, W, N>(&block.law, &points, &inverse);
-        let hard = tempers[block.temper as usize].hard::<L>();
+        let spots = Packed { rows, position: &*places.position, start: places.start };
+        let (points, inverse) = load::<L, N>(&spots);
+        let found = solve::<L, W, N>(&block.eight.law, &points, &inverse);
+        let hard = tempers[block.eight.temper as usize].hard::<L>();
         worst = hard.and(found.active).and(found.error).max(worst);
     }
     worst.largest(0.0)
@@ -124,32 +144,25 @@ fn solve<L: Lanes, W: Wide<N>, const N: usize>(
 
 /// Where the particles are, and their inverse masses.
 #[inline(always)]
-fn load<L: Lanes, const N: usize>(
-    rows: &[[u32; LANES]; N],
-    places: &Places,
-) -> ([Vector<L>; N], [L; N]) {
+fn load<L: Lanes, const N: usize>(spots: &impl Seen<N>) -> ([Vector<L>; N], [L; N]) {
     let mut points = [Vector::new(L::zero(), L::zero(), L::zero()); N];
     let mut inverse = [L::zero(); N];
     each!(i of N {
-        (points[i], inverse[i]) = Vector::of(L::rows(places.position, &rows[i]));
+        (points[i], inverse[i]) = Vector::of(spots.now::<L>(i));
     });
     (points, inverse)
 }
 
-/// One block once; the errors found.
+/// Eight constraints once, with their temper, what each share is, and the substep, seconds; the errors found.
 #[inline(always)]
-fn project<L: Lanes, W: Wide<N>, const N: usize>(
-    block: &Block<W, N>,
-    temper: &Temper,
-    each: &[f32; LANES],
-    places: &mut Places,
+pub(super) fn project<L: Lanes, W: Wide<N>, const N: usize>(
+    eight: &Eight<W>,
+    (temper, each, h): (&Temper, &[f32; LANES], f32),
+    spots: &mut impl Spots<N>,
     sums: &mut [f32],
-    h: f32,
 ) -> L {
-    let mut room = [[0; LANES]; N];
-    let rows = less(&block.rows, places.first, &mut room);
-    let (points, inverse) = load::<L, N>(rows, places);
-    let found = solve::<L, W, N>(&block.law, &points, &inverse);
+    let (points, inverse) = load::<L, N>(spots);
+    let found = solve::<L, W, N>(&eight.law, &points, &inverse);
     let Found { value, gradients, weights, error, active } = found;
     // Limits are kept more often than not.
     if !active.any() {
@@ -162,13 +175,13 @@ fn project<L: Lanes, W: Wide<N>, const N: usize>(
         let mut moved = zero;
         if temper.damped {
             each!(i of N {
-                let (start, _) = Vector::of(L::rows(places.start, &rows[i]));
+                let (start, _) = Vector::of(spots.start::<L>(i));
                 moved = moved + gradients[i].dot(points[i] - start);
             });
         }
         let sum = load_sums::<L>(sums);
         let asks = Asks { value, weights, moved, sum };
-        let (change, summed) = temper.change(&asks, &block.yielding, each, h);
+        let (change, summed) = temper.change(&asks, &eight.yielding, each, h);
         let sound = active.and(change.abs().le(L::splat(f32::MAX)));
         store_sums(sound.select(summed, sum), sums);
         change
@@ -178,7 +191,7 @@ fn project<L: Lanes, W: Wide<N>, const N: usize>(
     // Backwards: a row that stands twice moves at its first place alone, which has the last word.
     each!(i of N backwards {
         let step = gradients[i] * (inverse[i] * change);
-        L::put_rows(places.position, &rows[i], (points[i] - step).with(inverse[i]));
+        spots.put(i, (points[i] - step).with(inverse[i]));
         farthest = step.length_squared().max(farthest);
     });
     // A soft one is not meant to be kept. It asks for another sweep as long as sweeps still move it.

@@ -1,5 +1,6 @@
 //! Eight distances side by side: soft ones, ropes and struts. What is hard both ways is a rod, with kernels of its own.
 
+use super::spots::{Packed, Spots};
 use super::temper::{Asks, Temper, yielding};
 use super::{less, load_sums, store_sums};
 use crate::constraints::{Distance, Pace};
@@ -10,22 +11,33 @@ use crate::particles::Places;
 #[derive(Clone, Debug)]
 pub(super) struct Lengths {
     rows: [[u32; LANES]; 2],
+    pub(super) eight: EightLengths,
+}
+
+/// Eight distances but for their particles.
+#[derive(Clone, Debug)]
+pub(super) struct EightLengths {
     rest: [f32; LANES],
     yielding: [f32; LANES],
-    temper: u32,
+    pub(super) temper: u32,
 }
 
 impl Lengths {
     pub(super) fn of(distances: &[Distance], tempers: &mut Vec<Temper>) -> Self {
         let eight: [&Distance; LANES] =
             core::array::from_fn(|lane| distances.get(lane).unwrap_or(&distances[0]));
+        let rows = [eight.map(|d| d.a), eight.map(|d| d.b)];
+        let (eight, temper) = EightLengths::of(eight);
+        Self { rows, eight: EightLengths { temper: super::number(tempers, temper), ..eight } }
+    }
+}
+
+impl EightLengths {
+    /// Eight distances, and their temper, which has no number yet.
+    pub(super) fn of(eight: [&Distance; LANES]) -> (Self, Temper) {
         let temper = Temper::of(eight.map(|d| d.softness), eight.map(|d| d.bound));
-        Self {
-            rows: [eight.map(|d| d.a), eight.map(|d| d.b)],
-            rest: eight.map(|d| d.rest),
-            yielding: eight.map(|d| yielding(d.softness)),
-            temper: super::number(tempers, temper),
-        }
+        let (rest, yielding) = (eight.map(|d| d.rest), eight.map(|d| yielding(d.softness)));
+        (Self { rest, yielding, temper: 0 }, temper)
     }
 }
 
@@ -41,12 +53,17 @@ pub(super) fn sweep<L: Lanes>(
     let (mut each, mut each_of) = ([1.0; LANES], u32::MAX);
     let mut worst = L::zero();
     for (block, sums) in blocks.iter().zip(sums) {
-        let temper = &tempers[block.temper as usize];
-        if block.temper != each_of {
+        let temper = &tempers[block.eight.temper as usize];
+        if block.eight.temper != each_of {
             each = if temper.shares { temper.each(pace.sweeps) } else { [1.0; LANES] };
-            each_of = block.temper;
+            each_of = block.eight.temper;
         }
-        worst = project::<L>(block, temper, &each, places, sums, pace.h).max(worst);
+        let mut room = [[0; LANES]; 2];
+        let rows = less(&block.rows, places.first, &mut room);
+        let (position, start) = (&mut *places.position, places.start);
+        let mut spots = Packed { rows, position, start };
+        let how = (temper, &each, pace.h);
+        worst = project::<L>(&block.eight, how, &mut spots, sums).max(worst);
     }
     worst.largest(0.0)
 }
@@ -60,8 +77,8 @@ pub(super) fn measure<L: Lanes>(blocks: &[Lengths], tempers: &[Temper], places: 
         let rows = less(&block.rows, places.first, &mut room);
         let (a, wa) = Vector::of(L::rows(places.position, &rows[0]));
         let (b, wb) = Vector::of(L::rows(places.position, &rows[1]));
-        let temper = &tempers[block.temper as usize];
-        let value = (a - b).length() - L::load(&block.rest);
+        let temper = &tempers[block.eight.temper as usize];
+        let value = (a - b).length() - L::load(&block.eight.rest);
         let asked = temper.hard::<L>().and(L::zero().lt(wa + wb));
         let error = temper.holds(value).select(L::zero(), value.abs());
         worst = asked.and(error).max(worst);
@@ -69,25 +86,21 @@ pub(super) fn measure<L: Lanes>(blocks: &[Lengths], tempers: &[Temper], places: 
     worst.largest(0.0)
 }
 
-/// One block once; the errors found. As [`project`](crate::constraints::project): with `n = d/‖d‖`, `d = a - b`, the gradients are `±n`, so that
+/// Eight distances once, with their temper, what each share is, and the substep, seconds; the errors found. As [`project`](crate::constraints::project): with `n = d/‖d‖`, `d = a - b`, the gradients are `±n`, so that
 /// `Σ w‖∇C‖² = w_a + w_b`. Coincident ends are pushed apart along the x axis, `a` towards +x.
 #[inline(always)]
-fn project<L: Lanes>(
-    block: &Lengths,
-    temper: &Temper,
-    each: &[f32; LANES],
-    places: &mut Places,
+pub(super) fn project<L: Lanes>(
+    eight: &EightLengths,
+    (temper, each, h): (&Temper, &[f32; LANES], f32),
+    spots: &mut impl Spots<2>,
     sums: &mut [f32],
-    h: f32,
 ) -> L {
-    let mut room = [[0; LANES]; 2];
-    let rows = less(&block.rows, places.first, &mut room);
-    let (a, wa) = Vector::of(L::rows(places.position, &rows[0]));
-    let (b, wb) = Vector::of(L::rows(places.position, &rows[1]));
+    let (a, wa) = Vector::of(spots.now::<L>(0));
+    let (b, wb) = Vector::of(spots.now::<L>(1));
     let (zero, one, most) = (L::zero(), L::splat(1.0), L::splat(f32::MAX));
     let d = a - b;
     let length = d.length();
-    let value = length - L::load(&block.rest);
+    let value = length - L::load(&eight.rest);
     let weights = wa + wb;
     let sum = if temper.plain { zero } else { load_sums::<L>(sums) };
     let mut active = zero.lt(weights).and(weights.le(most)).and(value.abs().le(most));
@@ -108,12 +121,12 @@ fn project<L: Lanes>(
     } else {
         let mut moved = zero;
         if temper.damped {
-            let (from, _) = Vector::of(L::rows(places.start, &rows[0]));
-            let (to, _) = Vector::of(L::rows(places.start, &rows[1]));
+            let (from, _) = Vector::of(spots.start::<L>(0));
+            let (to, _) = Vector::of(spots.start::<L>(1));
             moved = n.dot(d - (from - to));
         }
         let asks = Asks { value, weights, moved, sum };
-        let (change, summed) = temper.change(&asks, &block.yielding, each, h);
+        let (change, summed) = temper.change(&asks, &eight.yielding, each, h);
         let sound = active.and(change.abs().le(most));
         store_sums(sound.select(summed, sum), sums);
         change
@@ -122,8 +135,8 @@ fn project<L: Lanes>(
     let (to_a, to_b) = (wa * change, wb * change);
     let moved_a = (a - n * to_a).or_else(active, a);
     let moved_b = (b + n * to_b).or_else(active, b);
-    L::put_rows(places.position, &rows[0], moved_a.with(wa));
-    L::put_rows(places.position, &rows[1], moved_b.with(wb));
+    spots.put(0, moved_a.with(wa));
+    spots.put(1, moved_b.with(wb));
     let hard = holds.select(zero, value.abs());
     let error = if temper.all_hard {
         hard

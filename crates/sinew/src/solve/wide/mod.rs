@@ -5,10 +5,13 @@
 //!
 //! - `temper` is the softness of eight constraints, whatever each one's is;
 //! - `block` projects eight constraints of one law, by their values and gradients ([`Wide`](crate::constraints::Wide));
-//! - `lengths` projects eight distances.
+//! - `lengths` projects eight distances;
+//! - `spots` is where the particles of eight are, in memory or in the lanes of a [flock](super::flock); `alike` are the constraints of those.
 
+mod alike;
 mod block;
 mod lengths;
+mod spots;
 mod temper;
 #[cfg(test)]
 mod tests;
@@ -20,6 +23,7 @@ use crate::constraints::{
 };
 use crate::lanes::{LANES, Lanes};
 use crate::particles::Places;
+pub(super) use alike::{Alike, Groups, Part};
 use block::Block;
 use lengths::Lengths;
 use temper::Temper;

@@ -102,6 +102,19 @@ impl Temper {
         }
     }
 
+    /// The same, asked by the formulas that another one asks for. What they ask for in vain changes a result by an ulp at most, but it may.
+    pub(super) fn asked_as(self, other: &Self) -> Self {
+        Self {
+            frequencies: other.frequencies,
+            plain: other.plain,
+            all_hard: other.all_hard,
+            damped: other.damped,
+            shares: other.shares,
+            limited: other.limited,
+            ..self
+        }
+    }
+
     /// `1 - (1-k)^(1/n)` of each.
     #[cold]
     pub(super) fn each(&self, sweeps: u32) -> [f32; LANES] {

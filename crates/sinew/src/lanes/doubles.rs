@@ -1,0 +1,106 @@
+//! Eight numbers of double precision side by side: for sums that must not lose what single ones round away. As few operations as they need.
+
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::LANES;
+
+/// Eight `f64` side by side, by `+ - × ÷` and comparisons alone, like [`Lanes`](super::Lanes).
+pub(crate) trait Doubles:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// The same number in each.
+    fn splat(x: f64) -> Self;
+    /// Eight numbers.
+    fn load(from: &[f64; LANES]) -> Self;
+    /// Into an array.
+    fn store(self, to: &mut [f64; LANES]);
+    /// A bit for each lane where `self < other`, lane 0 lowest; not for NaN.
+    fn lt(self, other: Self) -> u32;
+    /// The same for `self <= other`.
+    fn le(self, other: Self) -> u32;
+
+    /// The eight numbers.
+    #[inline(always)]
+    fn array(self) -> [f64; LANES] {
+        let mut array = [0.0; LANES];
+        self.store(&mut array);
+        array
+    }
+
+    /// A bit for each lane that is neither NaN nor infinite: what they leave of themselves is NaN.
+    #[inline(always)]
+    #[allow(clippy::eq_op, reason = "what a number leaves of itself is the question")]
+    fn finite(self) -> u32 {
+        (self - self).le(Self::splat(0.0))
+    }
+}
+
+/// One after the other: the truth for the others, and what runs where there is none.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Each(pub(super) [f64; LANES]);
+
+impl Each {
+    #[inline(always)]
+    fn zip(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
+        Self(core::array::from_fn(|i| of(self.0[i], other.0[i])))
+    }
+
+    #[inline(always)]
+    fn bits(self, other: Self, of: impl Fn(f64, f64) -> bool) -> u32 {
+        (0..LANES).map(|i| u32::from(of(self.0[i], other.0[i])) << i).sum()
+    }
+}
+
+macro_rules! each {
+    ($($of:ident $operation:ident $sign:tt),*) => {$(
+        impl $of for Each {
+            type Output = Self;
+            #[inline(always)]
+            fn $operation(self, other: Self) -> Self {
+                self.zip(other, |a, b| a $sign b)
+            }
+        }
+    )*};
+}
+
+each!(Add add +, Sub sub -, Mul mul *, Div div /);
+
+impl Neg for Each {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(self.0.map(|x| -x))
+    }
+}
+
+impl Doubles for Each {
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        Self([x; LANES])
+    }
+
+    #[inline(always)]
+    fn load(from: &[f64; LANES]) -> Self {
+        Self(*from)
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [f64; LANES]) {
+        *to = self.0;
+    }
+
+    #[inline(always)]
+    fn lt(self, other: Self) -> u32 {
+        self.bits(other, |a, b| a < b)
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> u32 {
+        self.bits(other, |a, b| a <= b)
+    }
+}

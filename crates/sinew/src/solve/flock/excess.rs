@@ -1,0 +1,207 @@
+//! The velocities of eight bodies, less what their corrections gave them and should not have: as [`Excess`](crate::solve::momentum) has it of one, operation by operation, and
+//! in one go with the velocities themselves.
+
+use core::ops::{Add, Mul, Sub};
+
+use glam::DVec3;
+
+use super::Pen;
+use crate::lanes::{Doubles, LANES, Lanes, Vector};
+use crate::pose::{WORST, pseudo_solve};
+
+/// Eight vectors of double precision.
+#[derive(Clone, Copy)]
+struct Double<D> {
+    x: D,
+    y: D,
+    z: D,
+}
+
+macro_rules! each {
+    ($($of:ident $operation:ident $sign:tt),*) => {$(
+        impl<D: Doubles> $of for Double<D> {
+            type Output = Self;
+            #[inline(always)]
+            fn $operation(self, other: Self) -> Self {
+                Self { x: self.x $sign other.x, y: self.y $sign other.y, z: self.z $sign other.z }
+            }
+        }
+    )*};
+}
+
+each!(Add add +, Sub sub -, Mul mul *);
+
+impl<D: Doubles> Double<D> {
+    #[inline(always)]
+    fn of<L: Lanes<Doubles = D>>(v: Vector<L>) -> Self {
+        Self { x: v.x.widen(), y: v.y.widen(), z: v.z.widen() }
+    }
+
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        Self { x: D::splat(x), y: D::splat(x), z: D::splat(x) }
+    }
+
+    #[inline(always)]
+    fn times(self, by: D) -> Self {
+        Self { x: self.x * by, y: self.y * by, z: self.z * by }
+    }
+
+    #[inline(always)]
+    fn over(self, by: D) -> Self {
+        Self { x: self.x / by, y: self.y / by, z: self.z / by }
+    }
+
+    #[inline(always)]
+    fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - other.y * self.z,
+            y: self.z * other.x - other.z * self.x,
+            z: self.x * other.y - other.x * self.y,
+        }
+    }
+
+    #[inline(always)]
+    fn finite(self) -> u32 {
+        self.x.finite() & self.y.finite() & self.z.finite()
+    }
+}
+
+impl Pen {
+    /// Derives the velocities at the end of a substep of `h` seconds. Of the bodies of the mask `free`, to which nothing was given, linear momentum, and of those of `keeps_angular`
+    /// angular momentum, too.
+    #[inline(always)]
+    pub(super) fn derive<L: Lanes>(&mut self, h: f32, free: L, keeps_angular: L) {
+        let per_second = L::splat(1.0 / h);
+        let h = L::splat(h);
+        let Self { now, start, velocity, mass, .. } = self;
+        if !free.any() {
+            for ((now, start), velocity) in now.iter().zip(start).zip(velocity) {
+                let ((q, _), (from, _)) = (Vector::of(now.load::<L>()), Vector::of(start.load()));
+                let u = Vector::of(velocity.load::<L>()).0;
+                velocity.put((u + (q - (from + u * h)) * per_second).with(h));
+            }
+            return;
+        }
+        let Some(first) = start.first() else { return };
+        let anchor = Double::of(Vector::of(first.load::<L>()).0);
+        let mut sums = Sums::<L::Doubles>::none();
+        for (((now, start), velocity), mass) in
+            now.iter().zip(&*start).zip(&mut *velocity).zip(mass)
+        {
+            let ((q, _), (from, _)) = (Vector::of(now.load::<L>()), Vector::of(start.load()));
+            let u = Vector::of(velocity.load::<L>()).0;
+            let v = u + (q - (from + u * h)) * per_second;
+            velocity.put(v.with(h));
+            let arm = Double::of(from) - anchor;
+            sums.add(L::Doubles::load(mass), arm, Double::of(v) - Double::of(u));
+        }
+        let (centre, shift, turn) = sums.answer(free.bits() & keeps_angular.bits());
+        let sound = centre.finite() & shift.finite() & turn.finite();
+        let taken = L::mask(free.bits() & sound);
+        for (start, velocity) in start.iter().zip(velocity) {
+            let arm = Double::of(Vector::of(start.load::<L>()).0) - anchor - centre;
+            let share = shift + turn.cross(arm);
+            let share = Vector::new(L::narrow(share.x), L::narrow(share.y), L::narrow(share.z));
+            let v = Vector::of(velocity.load::<L>()).0;
+            velocity.put((v - share).or_else(taken, v).with(h));
+        }
+    }
+}
+
+/// What is summed up over the bodies.
+struct Sums<D> {
+    mass: D,
+    first: Double<D>,
+    squares: Double<D>,
+    products: Double<D>,
+    momentum: Double<D>,
+    angular: Double<D>,
+}
+
+impl<D: Doubles> Sums<D> {
+    #[inline(always)]
+    fn none() -> Self {
+        let zero = Double::splat(0.0);
+        Self {
+            mass: zero.x,
+            first: zero,
+            squares: zero,
+            products: zero,
+            momentum: zero,
+            angular: zero,
+        }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, m: D, r: Double<D>, change: Double<D>) {
+        let (weighed, gained) = (r.times(m), change.times(m));
+        self.mass = self.mass + m;
+        self.first = self.first + weighed;
+        self.squares = self.squares + weighed * r;
+        self.products = self.products + weighed * Double { x: r.y, y: r.z, z: r.x };
+        self.momentum = self.momentum + gained;
+        self.angular = self.angular + r.cross(gained);
+    }
+
+    /// Barycentres, velocities and angular velocities; the last of those whose bits are set, zero of others.
+    #[inline(always)]
+    fn answer(&self, turning: u32) -> (Double<D>, Double<D>, Double<D>) {
+        let centre = self.first.over(self.mass);
+        let shift = self.momentum.over(self.mass);
+        if turning == 0 {
+            return (centre, shift, Double::splat(0.0));
+        }
+        let (c, m) = (centre, self.mass);
+        let s = self.squares - (c * c).times(m);
+        let p = self.products - (c * Double { x: c.y, y: c.z, z: c.x }).times(m);
+        let (xx, yy, zz) = (s.y + s.z, s.z + s.x, s.x + s.y);
+        let (xy, yz, xz) = (-p.x, -p.y, -p.z);
+        let b = self.angular - c.cross(self.momentum);
+        // As `pose::symmetric::solve`.
+        let (cxx, cyy, czz) = (yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy);
+        let (cxy, cxz, cyz) = (xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - xx * yz);
+        let determinant = xx * cxx + xy * cxy + xz * cxz;
+        let traces = (xx + yy + zz) * (cxx + cyy + czz);
+        let zero = D::splat(0.0);
+        let good = zero.lt(xx)
+            & zero.lt(czz)
+            & zero.lt(determinant)
+            & traces.le(D::splat(WORST) * determinant);
+        let x = Double {
+            x: cxx * b.x + cxy * b.y + cxz * b.z,
+            y: cxy * b.x + cyy * b.y + cyz * b.z,
+            z: cxz * b.x + cyz * b.y + czz * b.z,
+        };
+        let turn = x.times(D::splat(1.0) / determinant);
+        if good & turning == 0xFF {
+            return (centre, shift, turn);
+        }
+        let numbers = [xx, yy, zz, xy, yz, xz, b.x, b.y, b.z].map(Doubles::array);
+        let turn = [turn.x, turn.y, turn.z].map(Doubles::array);
+        let [x, y, z] = mend(turn, &numbers, turning, good);
+        (centre, shift, Double { x: D::load(&x), y: D::load(&y), z: D::load(&z) })
+    }
+}
+
+/// Solves again, one by one, where the matrix is as good as singular; zero where nothing is asked for.
+#[cold]
+fn mend(
+    mut turn: [[f64; LANES]; 3],
+    numbers: &[[f64; LANES]; 9],
+    turning: u32,
+    good: u32,
+) -> [[f64; LANES]; 3] {
+    for lane in (0..LANES).filter(|lane| (turning & good) >> lane & 1 == 0) {
+        let mut found = DVec3::ZERO;
+        if turning >> lane & 1 != 0 {
+            let [xx, yy, zz, xy, yz, xz, x, y, z] = numbers.map(|number| number[lane]);
+            let inertia = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+            found = pseudo_solve(inertia, DVec3::new(x, y, z));
+        }
+        for (column, number) in turn.iter_mut().zip(found.to_array()) {
+            column[lane] = number;
+        }
+    }
+    turn
+}

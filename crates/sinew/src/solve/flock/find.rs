@@ -1,0 +1,170 @@
+//! Finding flocks: consecutive islands that are built alike.
+
+use core::ops::Range;
+
+use super::{Flock, Flocks, Part, Rod};
+use crate::constraints::{Constraint, Distance};
+use crate::lanes::LANES;
+use crate::solve::plan::{Group, Island, Kind, Plan, Task};
+use crate::solve::rods::ends;
+use crate::solve::wide::Groups;
+
+/// Eight bodies of so many particles, with their velocities and all, fit into a core's first cache: 32 kB and a half. Larger ones have enough of each colour to fill the lanes.
+pub(crate) const MOST: usize = 64;
+
+/// A flock costs what two or three of its bodies cost alone.
+const LEAST: usize = 3;
+
+impl Flocks {
+    /// Finds those of a plan, task by task, and tells the tasks which are theirs.
+    pub(crate) fn find(&mut self, plan: &mut Plan) {
+        let Self { all, parts, rods, alike } = self;
+        all.clear();
+        parts.clear();
+        rods.clear();
+        alike.clear();
+        let mut tasks = core::mem::take(&mut plan.tasks);
+        for task in &mut tasks {
+            task.flocks = self.find_in(plan, task);
+        }
+        plan.tasks = tasks;
+    }
+
+    fn find_in(&mut self, plan: &Plan, task: &Task) -> Range<usize> {
+        let first = self.all.len();
+        let mut islands = task.islands.clone();
+        while let Some(leader) = islands.next() {
+            if !suits(plan, &plan.islands[leader]) {
+                continue;
+            }
+            let mut end = leader + 1;
+            while end < islands.end && follows(plan, end) && is_like(plan, leader, end) {
+                end += 1;
+            }
+            for begin in (leader..end).step_by(LANES) {
+                let some = begin..end.min(begin + LANES);
+                if some.len() >= LEAST {
+                    self.add(plan, some);
+                }
+            }
+            islands.start = end;
+        }
+        first..self.all.len()
+    }
+
+    /// Takes some islands that are alike.
+    fn add(&mut self, plan: &Plan, islands: Range<usize>) {
+        let lanes: [&Island; LANES] =
+            core::array::from_fn(|lane| &plan.islands[(islands.start + lane).min(islands.end - 1)]);
+        let first = lanes.map(|island| plan.members[island.members.start]);
+        let (begin, mut sums) = (self.parts.len(), 0);
+        for number in 0..lanes[0].groups.len() {
+            let groups = lanes.map(|island| &plan.groups[island.groups.start + number]);
+            let group = groups[0];
+            if group.kind == Kind::Rods {
+                let each = groups.map(|group| &plan.distances[group.range.clone()]);
+                self.add_rods(each, first, begin);
+                continue;
+            }
+            // All have been looked at: those without are not alike.
+            let Some(which) = &group.wide else { continue };
+            let laws = &plan.laws;
+            let part = if group.kind == Kind::Distances {
+                let each = groups.map(|group| &plan.distances[group.range.clone()]);
+                Some(self.alike.add_distances(&Groups { each, first, laws, which, sums }))
+            } else {
+                let each = groups.map(|group| &plan.constraints[group.range.clone()]);
+                self.alike.add(&Groups { each, first, laws, which, sums })
+            };
+            let Some(part) = part else {
+                self.parts.truncate(begin);
+                return;
+            };
+            sums += group.range.len();
+            self.parts.push(Part::Laws(part));
+        }
+        let members = lanes[0].members.len() as u32;
+        let parts = begin..self.parts.len();
+        self.all.push(Flock { islands, first: first[0], members, parts, sums });
+    }
+
+    fn add_rods(&mut self, each: [&[Distance]; LANES], first: [u32; LANES], begin: usize) {
+        let start = self.rods.len();
+        for place in 0..each[0].len() {
+            let (a, b) = ends(&each[0][place]);
+            let rest = each.map(|rods| rods[place].rest);
+            self.rods.push(Rod { a: a - first[0], b: b - first[0], rest });
+        }
+        match self.parts[begin..].last_mut() {
+            Some(Part::Rods(rods)) => rods.end = self.rods.len(),
+            _ => self.parts.push(Part::Rods(start..self.rods.len())),
+        }
+    }
+}
+
+/// Whether an island may be in a flock.
+fn suits(plan: &Plan, island: &Island) -> bool {
+    let members = &plan.members[island.members.clone()];
+    let (Some(&first), Some(&last)) = (members.first(), members.last()) else { return false };
+    let wide = |group: &Group| group.kind == Kind::Rods || group.wide.is_some();
+    !island.groups.is_empty()
+        && members.len() <= MOST
+        && (last - first) as usize + 1 == members.len()
+        && plan.groups[island.groups.clone()].iter().all(wide)
+        && plan.bundles[island.bundles.clone()].iter().all(|bundle| !bundle.columns)
+}
+
+/// Whether the rows of an island begin where those of the one before it end.
+fn follows(plan: &Plan, number: usize) -> bool {
+    let members = |number: usize| &plan.members[plan.islands[number].members.clone()];
+    match (members(number - 1).last(), members(number).first()) {
+        (Some(&last), Some(&first)) => last + 1 == first,
+        _ => false,
+    }
+}
+
+/// Whether two islands have the same constraints between the same of their particles, but for lengths and angles.
+fn is_like(plan: &Plan, one: usize, other: usize) -> bool {
+    let (one, other) = (&plan.islands[one], &plan.islands[other]);
+    if one.members.len() != other.members.len()
+        || one.groups.len() != other.groups.len()
+        || !suits(plan, other)
+    {
+        return false;
+    }
+    let first = |island: &Island| plan.members[island.members.start];
+    let shift = first(other) - first(one);
+    let groups = |island: &Island| &plan.groups[island.groups.clone()];
+    groups(one).iter().zip(groups(other)).all(|(one, other)| {
+        let cut = match (&one.wide, &other.wide) {
+            (Some(one), Some(other)) => one.is_like(other),
+            (None, None) => true,
+            _ => false,
+        };
+        if one.kind != other.kind || one.range.len() != other.range.len() || !cut {
+            return false;
+        }
+        let ranges = || (one.range.clone(), other.range.clone());
+        if one.kind == Kind::Constraints {
+            let (a, b) = ranges();
+            let pairs = plan.constraints[a].iter().zip(&plan.constraints[b]);
+            return pairs.into_iter().all(|(a, b)| are_constraints_alike(a, b, shift));
+        }
+        let (a, b) = ranges();
+        let mut pairs = plan.distances[a].iter().zip(&plan.distances[b]);
+        pairs.all(|(a, b)| {
+            (a.a + shift, a.b + shift) == (b.a, b.b)
+                && a.softness == b.softness
+                && a.bound == b.bound
+        })
+    })
+}
+
+fn are_constraints_alike(one: &Constraint, other: &Constraint, shift: u32) -> bool {
+    let (law, law_) = (one.law.equation(), other.law.equation());
+    one.rows.len() == other.rows.len()
+        && one.rows.iter().zip(&other.rows).all(|(&a, &b)| a + shift == b)
+        && core::mem::discriminant(&one.law) == core::mem::discriminant(&other.law)
+        && law.softness() == law_.softness()
+        && law.bound() == law_.bound()
+}

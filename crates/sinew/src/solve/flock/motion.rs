@@ -1,0 +1,62 @@
+//! Verlet's step for eight bodies: as [`Predict`](crate::integrate::Predict) and [`Derive`](crate::integrate::Derive) have it, operation by operation.
+
+use glam::Vec3;
+
+use super::Pen;
+use super::pen::Spot;
+use crate::integrate::loss;
+use crate::lanes::{LANES, Lanes, Vector};
+
+impl Pen {
+    /// Notes how much velocity is lost over a substep of `h` seconds by particles that had their last step as long ago as they say.
+    pub(super) fn note_losses(&mut self, h: f32) {
+        // Neighbours mostly share their damping.
+        let mut last = (0.0, 0.0);
+        let Self { velocity, rate, lost, .. } = self;
+        for ((velocity, rate), lost) in velocity.iter().zip(rate).zip(lost) {
+            let lags = velocity.fourths();
+            let exponents: [f32; LANES] =
+                core::array::from_fn(|lane| rate[lane] * ((lags[lane] + h) * 0.5));
+            if exponents == [last.0; LANES] {
+                *lost = [last.1; LANES];
+                continue;
+            }
+            for (lost, exponent) in lost.iter_mut().zip(exponents) {
+                if exponent != last.0 {
+                    last = (exponent, loss(exponent));
+                }
+                *lost = last.1;
+            }
+        }
+    }
+
+    /// Notes masses.
+    pub(super) fn note_masses(&mut self) {
+        let masses = |spot: &Spot| spot.fourths().map(|w| 1.0 / f64::from(w));
+        self.mass.clear();
+        self.mass.extend(self.now.iter().map(masses));
+    }
+
+    /// Predicts where all go in a substep of `h` seconds, accelerated by `a`, m/s².
+    #[inline(always)]
+    pub(super) fn predict<L: Lanes>(&mut self, a: Vec3, h: f32) {
+        let (a, h, zero) = (Vector::<L>::splat(a), L::splat(h), L::zero());
+        let Self { now, start, velocity, rounding, lost, .. } = self;
+        let columns = now.iter_mut().zip(start).zip(velocity).zip(rounding).zip(lost);
+        for ((((now, start), velocity), rounding), lost) in columns {
+            let ((p, w), (v, lag)) =
+                (Vector::of(now.load::<L>()), Vector::of(velocity.load::<L>()));
+            let before = Vector::of(rounding.load::<L>()).0;
+            let moves = zero.lt(w);
+            let tau = (lag + h) * L::splat(0.5);
+            let change = a * tau - v * L::load(lost) + before;
+            let u = v + change;
+            let rounded = change - (u - v);
+            start.set(p.with(w));
+            rounding.put(rounded.or_else(moves, before).with(zero));
+            let still = Vector::new(zero, zero, zero);
+            velocity.set(u.or_else(moves, still).with(h));
+            now.put((p + u * h).or_else(moves, p).with(w));
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! Where the particles of a flock are while it is driven: particle by particle, each of eight bodies in a lane.
+
+use glam::{Vec3, Vec4};
+
+use super::Flock;
+use crate::lanes::{LANES, Lanes};
+
+/// The particles of eight bodies. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Pen {
+    /// Positions and inverse masses.
+    pub(crate) now: Vec<Spot>,
+    /// Where the substep began.
+    pub(crate) start: Vec<Spot>,
+    /// Velocities and lags.
+    pub(super) velocity: Vec<Spot>,
+    pub(super) rounding: Vec<Spot>,
+    /// Bodies that have converged, as they were then.
+    pub(super) kept: Vec<Spot>,
+    /// Rates at which velocity is lost, 1/s, and the share that goes in a substep.
+    pub(super) rate: Vec<[f32; LANES]>,
+    pub(super) lost: Vec<[f32; LANES]>,
+    /// Metres.
+    pub(super) radius: Vec<[f32; LANES]>,
+    /// How high the origins of the bodies are above each plane, metres.
+    pub(super) ground: Vec<[f32; LANES]>,
+    /// Kilograms.
+    pub(super) mass: Vec<[f64; LANES]>,
+    /// Multipliers of soft constraints.
+    pub(crate) sums: Vec<[f32; LANES]>,
+}
+
+/// `x y z w` of one particle of each body; on lines of the cache of its own.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct Spot([[f32; LANES]; 4]);
+
+impl Spot {
+    const ZERO: Self = Self([[0.0; LANES]; 4]);
+
+    #[inline(always)]
+    pub(crate) fn load<L: Lanes>(&self) -> [L; 4] {
+        let [x, y, z, w] = &self.0;
+        [L::load(x), L::load(y), L::load(z), L::load(w)]
+    }
+
+    /// Writes `x y z`.
+    #[inline(always)]
+    pub(crate) fn put<L: Lanes>(&mut self, [a, b, c, _]: [L; 4]) {
+        let [x, y, z, _] = &mut self.0;
+        a.store(x);
+        b.store(y);
+        c.store(z);
+    }
+
+    /// Writes all four.
+    #[inline(always)]
+    pub(super) fn set<L: Lanes>(&mut self, [a, b, c, d]: [L; 4]) {
+        let [x, y, z, w] = &mut self.0;
+        a.store(x);
+        b.store(y);
+        c.store(z);
+        d.store(w);
+    }
+
+    /// What stands in the fourth places.
+    pub(super) fn fourths(&self) -> &[f32; LANES] {
+        &self.0[3]
+    }
+
+    /// Of one body.
+    pub(super) fn lane(&self, lane: usize) -> Vec4 {
+        let [x, y, z, w] = &self.0;
+        Vec4::new(x[lane], y[lane], z[lane], w[lane])
+    }
+
+    /// Writes `x y z` of one body.
+    pub(super) fn set_lane(&mut self, lane: usize, to: Vec3) {
+        for (column, number) in self.0.iter_mut().zip(to.to_array()) {
+            column[lane] = number;
+        }
+    }
+}
+
+impl Pen {
+    /// Takes positions and starts from slices that begin with the row `begin`.
+    #[inline(always)]
+    pub(super) fn load<L: Lanes>(
+        &mut self,
+        flock: &Flock,
+        begin: u32,
+        position: &[Vec4],
+        start: &[Vec4],
+    ) {
+        gather::<L>(&mut self.now, flock, begin, position);
+        gather::<L>(&mut self.start, flock, begin, start);
+        self.kept.resize(self.now.len(), Spot::ZERO);
+        self.sums.clear();
+        self.sums.resize(flock.sums, [0.0; LANES]);
+    }
+
+    /// Keeps the bodies of a mask as they are now.
+    #[inline(always)]
+    pub(super) fn keep<L: Lanes>(&mut self, which: L) {
+        for (kept, now) in self.kept.iter_mut().zip(&self.now) {
+            let [x, y, z, _] = now.load::<L>();
+            let [kx, ky, kz, w] = kept.load::<L>();
+            kept.put([which.select(x, kx), which.select(y, ky), which.select(z, kz), w]);
+        }
+    }
+
+    /// Puts the bodies of a mask back to how they were kept.
+    #[inline(always)]
+    pub(super) fn put_back<L: Lanes>(&mut self, which: L) {
+        for (kept, now) in self.kept.iter().zip(&mut self.now) {
+            let [x, y, z, w] = now.load::<L>();
+            let [kx, ky, kz, _] = kept.load::<L>();
+            now.put([which.select(kx, x), which.select(ky, y), which.select(kz, z), w]);
+        }
+    }
+}
+
+/// Takes the rows of a flock from a slice that begins with the row `begin`.
+#[inline(always)]
+pub(super) fn gather<L: Lanes>(to: &mut Vec<Spot>, flock: &Flock, begin: u32, from: &[Vec4]) {
+    to.resize(flock.members as usize, Spot::ZERO);
+    let mut places = flock.places(begin, 0);
+    for spot in to {
+        spot.set(L::rows(from, &places));
+        next(&mut places);
+    }
+}
+
+/// Gives them back.
+#[inline(always)]
+pub(super) fn scatter<L: Lanes>(from: &[Spot], flock: &Flock, begin: u32, to: &mut [Vec4]) {
+    let mut places = flock.places(begin, 0);
+    for spot in from {
+        L::put_rows(to, &places, spot.load());
+        next(&mut places);
+    }
+}
+
+/// The next particle of each body. Numbers made one by one would have to be waited for before they are read as one register.
+#[inline(always)]
+fn next(places: &mut [u32; LANES]) {
+    places.iter_mut().for_each(|place| *place += 1);
+}

@@ -1,0 +1,77 @@
+//! Hard rods of eight bodies.
+
+use glam::Vec4;
+
+use super::Rod;
+use super::pen::Spot;
+use crate::constraints::project_rod;
+use crate::lanes::{LANES, Lanes, Vector};
+use crate::solve::rods::{project, project_from_start};
+
+/// Projects rods once, one after the other; returns the largest error found in each body, metres, or what it was before. Bodies of the mask `may` are corrected along where the rods
+/// pointed when the substep began; if there are none, `START` need not be.
+#[inline(always)]
+pub(super) fn sweep<L: Lanes, const START: bool>(
+    rods: &[Rod],
+    (now, start): (&mut [Spot], &[Spot]),
+    may: L,
+    mut worst: L,
+) -> L {
+    for rod in rods {
+        let (a, b, rest) = (rod.a as usize, rod.b as usize, L::load(&rod.rest));
+        let (one, other) = (now[a].load::<L>(), now[b].load::<L>());
+        let (one, other, error, moves) = if START {
+            let start = (start[a].load::<L>(), start[b].load::<L>());
+            project_from_start(one, other, start, rest, may)
+        } else {
+            project(one, other, rest)
+        };
+        now[a].put(one);
+        now[b].put(other);
+        worst = error.max(worst);
+        if !moves.all() {
+            worst = L::load(&part(rod, now, !moves.bits())).max(worst);
+        }
+    }
+    worst
+}
+
+/// Those whose ends are in one place, or pinned, one after the other. Returns their errors.
+#[cold]
+fn part(rod: &Rod, now: &mut [Spot], stuck: u32) -> [f32; LANES] {
+    let mut found = [0.0; LANES];
+    let (a, b) = (rod.a as usize, rod.b as usize);
+    for lane in (0..LANES).filter(|lane| stuck >> lane & 1 != 0) {
+        let mut pair: [Vec4; 2] = [now[a].lane(lane), now[b].lane(lane)];
+        found[lane] = project_rod(&mut pair, 0, 1, rod.rest[lane]);
+        now[a].set_lane(lane, pair[0].truncate());
+        now[b].set_lane(lane, pair[1].truncate());
+    }
+    found
+}
+
+/// A mask of the bodies of which a rod turns so far in this substep that the direction that it had at the start says little about the one it needs: as `turns_too_fast` has it of
+/// an island, where `cos_squared` comes from.
+#[inline(always)]
+pub(super) fn turns_too_fast<L: Lanes>(
+    rods: &[Rod],
+    (now, start): (&[Spot], &[Spot]),
+    cos_squared: f32,
+) -> L {
+    let mut fast = L::zero();
+    for rod in rods {
+        let (now, start) = (between::<L>(now, rod), between::<L>(start, rod));
+        let along = now.dot(start);
+        let squares = now.length_squared() * start.length_squared();
+        let back = along.lt(L::zero());
+        fast = fast.or(back).or((along * along).lt(L::splat(cos_squared) * squares));
+    }
+    fast
+}
+
+/// From the first particle of a rod to the second.
+#[inline(always)]
+fn between<L: Lanes>(spots: &[Spot], rod: &Rod) -> Vector<L> {
+    let (one, other) = (&spots[rod.a as usize], &spots[rod.b as usize]);
+    Vector::of(other.load::<L>()).0 - Vector::of(one.load::<L>()).0
+}

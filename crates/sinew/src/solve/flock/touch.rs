@@ -1,0 +1,37 @@
+//! Planes against eight bodies, as [`bounds`](crate::collide) has it of one particle, operation by operation.
+
+use super::Pen;
+use crate::constraints::Plane;
+use crate::lanes::{Lanes, Vector};
+
+/// Puts all particles out of all planes once, with friction; returns the deepest of each body, metres.
+#[inline(always)]
+pub(super) fn touch<L: Lanes>(planes: &[Plane], pen: &mut Pen) -> L {
+    let mut deepest = L::zero();
+    let Pen { now, start, radius, ground, .. } = pen;
+    for ((now, start), radius) in now.iter_mut().zip(start).zip(radius) {
+        for (plane, ground) in planes.iter().zip(&*ground) {
+            let (p, w) = Vector::of(now.load::<L>());
+            let normal = Vector::<L>::splat(plane.normal);
+            let height = normal.dot(p) + L::load(ground) - L::load(radius);
+            let below = height.lt(L::zero()).and(L::zero().lt(w));
+            if !below.any() {
+                continue;
+            }
+            let out = normal * -height;
+            let depth = out.length();
+            // Of what is too little to be squared nothing comes.
+            let below = below.and(L::zero().lt(depth * depth));
+            let moved = p - Vector::of(start.load::<L>()).0 + out;
+            let slid = moved - out * (moved.dot(out) / (depth * depth));
+            let distance = slid.length();
+            let most = L::splat(plane.friction) * depth;
+            let slips = most.lt(distance);
+            let slowed = slid * (L::splat(-plane.friction) * depth / distance);
+            let back = slowed.or_else(slips, -slid);
+            now.put((p + (out + back)).or_else(below, p).with(w));
+            deepest = below.and(depth).max(deepest);
+        }
+    }
+    deepest
+}

@@ -1,0 +1,239 @@
+//! The constraints of [flocks](crate::solve::flock): each lane has that of another body, between particles of the same numbers there.
+
+use core::ops::Range;
+
+use super::block::{self, Eight};
+use super::lengths::{self, EightLengths};
+use super::spots::{Seen, Spots};
+use super::temper::Temper;
+use super::{Laws, List, Which, number};
+use crate::constraints::{
+    Angles, Areas, Bends, Cones, Constraint, Distance, Hinges, Pace, Tetrahedra, Wide,
+};
+use crate::lanes::{LANES, Lanes};
+use crate::solve::flock::{Pen, Spot};
+
+/// Constraints of flocks, kind by kind.
+#[derive(Clone, Debug, Default)]
+pub(in crate::solve) struct Alike {
+    tempers: Vec<Temper>,
+    lengths: Vec<Own<EightLengths, 2>>,
+    bends: Vec<Own<Eight<Bends>, 4>>,
+    areas: Vec<Own<Eight<Areas>, 3>>,
+    tetrahedra: Vec<Own<Eight<Tetrahedra>, 4>>,
+    angles: Vec<Own<Eight<Angles>, 3>>,
+    hinges: Vec<Own<Eight<Hinges>, 4>>,
+    cones: Vec<Own<Eight<Cones>, 5>>,
+}
+
+/// One constraint of each of eight bodies.
+#[derive(Clone, Debug)]
+struct Own<E, const N: usize> {
+    /// Numbers of its particles in the body.
+    at: [u32; N],
+    eight: E,
+}
+
+/// Which of them stand for a group.
+#[derive(Clone, Debug)]
+pub(in crate::solve) struct Part {
+    list: List,
+    range: Range<usize>,
+    /// Where their sums begin among the flock's.
+    sums: usize,
+}
+
+/// The same group in each of eight bodies, of which the first rows are given, and what it is solved by in the first of them alone.
+pub(in crate::solve) struct Groups<'a, T> {
+    pub(in crate::solve) each: [&'a [T]; LANES],
+    pub(in crate::solve) first: [u32; LANES],
+    pub(in crate::solve) laws: &'a Laws,
+    pub(in crate::solve) which: &'a Which,
+    /// Where the sums begin among the flock's.
+    pub(in crate::solve) sums: usize,
+}
+
+impl Alike {
+    /// Forgets all, and keeps the memory.
+    pub(in crate::solve) fn clear(&mut self) {
+        let Self { tempers, lengths, bends, areas, tetrahedra, angles, hinges, cones } = self;
+        tempers.clear();
+        lengths.clear();
+        bends.clear();
+        areas.clear();
+        tetrahedra.clear();
+        angles.clear();
+        hinges.clear();
+        cones.clear();
+    }
+
+    /// Takes distances.
+    pub(in crate::solve) fn add_distances(&mut self, groups: &Groups<Distance>) -> Part {
+        let Groups { each, first, laws, which, sums } = groups;
+        let begin = self.lengths.len();
+        for place in 0..each[0].len() {
+            let (mut eight, temper) = EightLengths::of(each.map(|group| &group[place]));
+            let temper = temper.asked_as(laws.temper(which, place));
+            eight.temper = number(&mut self.tempers, temper);
+            let Distance { a, b, .. } = each[0][place];
+            self.lengths.push(Own { at: [a - first[0], b - first[0]], eight });
+        }
+        Part { list: List::Lengths, range: begin..self.lengths.len(), sums: *sums }
+    }
+
+    /// Takes constraints; `None` if their laws are not the same after all.
+    pub(in crate::solve) fn add(&mut self, groups: &Groups<Constraint>) -> Option<Part> {
+        let Self { tempers, bends, areas, tetrahedra, angles, hinges, cones, .. } = self;
+        let range = match groups.which.list {
+            List::Lengths => return None,
+            List::Bends => take(bends, tempers, groups)?,
+            List::Areas => take(areas, tempers, groups)?,
+            List::Tetrahedra => take(tetrahedra, tempers, groups)?,
+            List::Angles => take(angles, tempers, groups)?,
+            List::Hinges => take(hinges, tempers, groups)?,
+            List::Cones => take(cones, tempers, groups)?,
+        };
+        Some(Part { list: groups.which.list, range, sums: groups.sums })
+    }
+
+    /// Projects a group once; returns the largest error found in each body, metres, or what it was before.
+    #[inline(always)]
+    pub(in crate::solve) fn sweep<L: Lanes>(
+        &self,
+        part: &Part,
+        pen: &mut Pen,
+        pace: Pace,
+        worst: L,
+    ) -> L {
+        let Self { tempers, lengths, bends, areas, tetrahedra, angles, hinges, cones } = self;
+        let range = part.range.clone();
+        match part.list {
+            List::Lengths => sweep_lengths(&lengths[range], tempers, pen, part.sums, pace, worst),
+            List::Bends => sweep(&bends[range], tempers, pen, part.sums, pace, worst),
+            List::Areas => sweep(&areas[range], tempers, pen, part.sums, pace, worst),
+            List::Tetrahedra => sweep(&tetrahedra[range], tempers, pen, part.sums, pace, worst),
+            List::Angles => sweep(&angles[range], tempers, pen, part.sums, pace, worst),
+            List::Hinges => sweep(&hinges[range], tempers, pen, part.sums, pace, worst),
+            List::Cones => sweep(&cones[range], tempers, pen, part.sums, pace, worst),
+        }
+    }
+}
+
+impl Laws {
+    /// How hard the block is that a constraint of a group is in.
+    fn temper(&self, which: &Which, place: usize) -> &Temper {
+        let block = which.blocks.start + place / which.each;
+        let temper = match which.list {
+            List::Lengths => self.lengths[block].eight.temper,
+            List::Bends => self.bends[block].eight.temper,
+            List::Areas => self.areas[block].eight.temper,
+            List::Tetrahedra => self.tetrahedra[block].eight.temper,
+            List::Angles => self.angles[block].eight.temper,
+            List::Hinges => self.hinges[block].eight.temper,
+            List::Cones => self.cones[block].eight.temper,
+        };
+        &self.tempers[temper as usize]
+    }
+}
+
+impl Which {
+    /// Whether another group is of the same law, and is cut in the same way.
+    pub(in crate::solve) fn is_like(&self, other: &Self) -> bool {
+        self.list == other.list && self.each == other.each
+    }
+}
+
+/// Appends them, or nothing.
+fn take<W: Wide<N>, const N: usize>(
+    list: &mut Vec<Own<Eight<W>, N>>,
+    tempers: &mut Vec<Temper>,
+    groups: &Groups<Constraint>,
+) -> Option<Range<usize>> {
+    let Groups { each, first, laws, which, .. } = groups;
+    let begin = list.len();
+    for place in 0..each[0].len() {
+        let Some((mut eight, temper)) = Eight::of(each.map(|group| &group[place])) else {
+            list.truncate(begin);
+            return None;
+        };
+        let temper = temper.asked_as(laws.temper(which, place));
+        eight.temper = number(tempers, temper);
+        let at = W::rows(&each[0][place]).map(|row| row - first[0]);
+        list.push(Own { at, eight });
+    }
+    Some(begin..list.len())
+}
+
+#[inline(always)]
+fn sweep<L: Lanes, W: Wide<N>, const N: usize>(
+    list: &[Own<Eight<W>, N>],
+    tempers: &[Temper],
+    pen: &mut Pen,
+    sums: usize,
+    pace: Pace,
+    mut worst: L,
+) -> L {
+    let (mut each, mut each_of) = ([1.0; LANES], u32::MAX);
+    let Pen { now, start, sums: all, .. } = pen;
+    for (own, sum) in list.iter().zip(&mut all[sums..]) {
+        let temper = &tempers[own.eight.temper as usize];
+        if own.eight.temper != each_of {
+            each = if temper.shares { temper.each(pace.sweeps) } else { [1.0; LANES] };
+            each_of = own.eight.temper;
+        }
+        let mut spots = InPen { at: &own.at, now, start };
+        let how = (temper, &each, pace.h);
+        worst = block::project::<L, W, N>(&own.eight, how, &mut spots, sum).max(worst);
+    }
+    worst
+}
+
+#[inline(always)]
+fn sweep_lengths<L: Lanes>(
+    list: &[Own<EightLengths, 2>],
+    tempers: &[Temper],
+    pen: &mut Pen,
+    sums: usize,
+    pace: Pace,
+    mut worst: L,
+) -> L {
+    let (mut each, mut each_of) = ([1.0; LANES], u32::MAX);
+    let Pen { now, start, sums: all, .. } = pen;
+    for (own, sum) in list.iter().zip(&mut all[sums..]) {
+        let temper = &tempers[own.eight.temper as usize];
+        if own.eight.temper != each_of {
+            each = if temper.shares { temper.each(pace.sweeps) } else { [1.0; LANES] };
+            each_of = own.eight.temper;
+        }
+        let mut spots = InPen { at: &own.at, now, start };
+        let how = (temper, &each, pace.h);
+        worst = lengths::project::<L>(&own.eight, how, &mut spots, sum).max(worst);
+    }
+    worst
+}
+
+/// The particles of one constraint of each of eight bodies.
+struct InPen<'a, const N: usize> {
+    at: &'a [u32; N],
+    now: &'a mut [Spot],
+    start: &'a [Spot],
+}
+
+impl<const N: usize> Seen<N> for InPen<'_, N> {
+    #[inline(always)]
+    fn now<L: Lanes>(&self, i: usize) -> [L; 4] {
+        self.now[self.at[i] as usize].load()
+    }
+}
+
+impl<const N: usize> Spots<N> for InPen<'_, N> {
+    #[inline(always)]
+    fn start<L: Lanes>(&self, i: usize) -> [L; 4] {
+        self.start[self.at[i] as usize].load()
+    }
+
+    #[inline(always)]
+    fn put<L: Lanes>(&mut self, i: usize, eight: [L; 4]) {
+        self.now[self.at[i] as usize].put(eight);
+    }
+}
