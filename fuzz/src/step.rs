@@ -209,7 +209,8 @@ fn surroundings(world: &mut Simulation, input: &mut Input) {
         }
         5 => {
             let (min, max) = (input.vector(), input.vector());
-            keep(&mut world.boundaries.boxes, InsideBox { min, max, friction }, MOST_OTHERS);
+            let room = InsideBox { friction, ..InsideBox::new(min, max) };
+            keep(&mut world.boundaries.boxes, room, MOST_OTHERS);
         }
         _ => world.time = f64::from(input.any()),
     }

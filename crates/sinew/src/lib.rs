@@ -46,6 +46,7 @@
 //! | [`integrate`] | Verlet, leapfrog and the Eulers: formulas, derivation, properties |
 //! | [`forces`] | gravity, controls, springs, wind and air, fluids and hulls, charges and fields: a room each |
 //! | [`constraints`] | distances, angles, areas, volumes, bending, shapes, bounds, a game's own: data, value, gradient, kernel, a file each |
+//! | [`collide`] | contacts: colliders, particles among each other, compounds as solids, friction and restitution |
 //! | [`solve`] | the plan (islands, clusters, colours), three orders of a sweep, two directions of a correction, kernels for eight at a time, the report |
 //! | `lanes` | eight numbers side by side, on whatever instructions there are, to the same bits; the only `unsafe` |
 //! | `threads` | tasks, and the [`Workers`] that a caller may lend |
@@ -63,6 +64,7 @@
 //! changes nothing; inside a step nothing panics and nothing divides by zero. Results depend on the input alone: no unordered iteration, no
 //! platform maths, no fused operations.
 
+pub mod collide;
 pub mod constraints;
 pub mod forces;
 pub mod integrate;
@@ -78,6 +80,10 @@ pub(crate) mod threads;
 
 pub use glam;
 
+pub use collide::{
+    BodyContacts, Collider, Combine, Frame, Grip, Impact, Layers, Material, Nearest, Party, RayHit,
+    Shape, ShapeFault, Solid, SolidFault,
+};
 pub use constraints::{
     Bound, Boundaries, Constraint, Direction, Distance, DistanceFault, Equation, InsideBox, Law,
     LawFault, Pin, PlanarDrag, Plane, Points, Softness,
@@ -91,6 +97,6 @@ pub use lanes::InstructionSet;
 pub use ledger::Ledger;
 pub use particles::{ParticleFault, ParticleSeed, ParticleState, Particles};
 pub use rigid::{Compound, RigidBody, RigidFault, RigidIntegrator};
-pub use simulation::{Relaxed, Simulation, StepFault, Substep};
+pub use simulation::{Filter, Hit, Relaxed, Simulation, Sleep, StepFault, Substep};
 pub use solve::{BodySettings, IslandReport, Order, SolverReport, SolverSettings};
 pub use threads::Workers;

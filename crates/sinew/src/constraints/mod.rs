@@ -59,13 +59,13 @@ pub use volume::Volume;
 pub(crate) use angle::Angles;
 pub(crate) use area::Areas;
 pub(crate) use bend::Bends;
-pub(crate) use boundaries::Contacts;
 pub(crate) use cone::Cones;
 pub(crate) use distance::{project, project_rod, project_rod_from_start};
 pub(crate) use equation::{
     energy as equation_energy, error as equation_error, project as project_equation,
 };
 pub(crate) use hinge::Hinges;
+pub(crate) use planar_drag::apply as slow_down;
 pub(crate) use softness::Pace;
 pub(crate) use tetrahedron::Tetrahedra;
 pub(crate) use wide::Wide;

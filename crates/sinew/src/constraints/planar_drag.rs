@@ -1,5 +1,5 @@
 //! The lectures' planar friction (physics.md F8): where a particle touches a plane, its velocity is split along the plane and across it, and a drag
-//! of its own takes its share of each. Coulomb's law, which needs no drag and knows sticking, is beside it in `boundaries`.
+//! of its own takes its share of each. Coulomb's law, which needs no drag and knows sticking, is in [`collide`](crate::collide).
 
 use glam::Vec3;
 

@@ -48,7 +48,7 @@ use crate::particles::Particles;
 use crate::solve::Machine;
 use crate::threads::{TASKS, each};
 
-pub(crate) use wide::{Derive, Predict};
+pub(crate) use wide::{Derive, Predict, loss};
 
 /// How a world steps through time. [`integrate`](crate::integrate) compares them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

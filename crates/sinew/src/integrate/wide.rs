@@ -236,6 +236,6 @@ impl Rates<'_> {
 }
 
 /// `1 - e^(-x)`.
-fn loss(exponent: f32) -> f32 {
+pub(crate) fn loss(exponent: f32) -> f32 {
     if exponent == 0.0 { 0.0 } else { -libm::expm1f(-exponent) }
 }

@@ -14,6 +14,18 @@ use super::whole::Whole;
 use super::{Particles, snap};
 
 impl Particles {
+    /// Says where particle `i` is in the rest shape of its body, metres, in any coordinates that are the same for all of the body: contacts of the body with itself let particles
+    /// come as near to each other as they are there. `None`, the default, for one that has no place: it keeps off by its radius.
+    pub fn set_rest(&mut self, i: usize, place: Option<Vec3>) {
+        self.edits = self.edits.wrapping_add(1);
+        if place.is_some() && self.rest.is_empty() {
+            self.rest.resize(self.len(), Vec3::NAN);
+        }
+        if let Some(rest) = self.rest.get_mut(i) {
+            *rest = place.filter(|place| place.is_finite()).unwrap_or(Vec3::NAN);
+        }
+    }
+
     /// Gives `rows` together an impulse at their barycentre, N·s: all change their velocity by the same, their momentum by exactly that.
     pub fn apply_impulse(&mut self, rows: &[u32], impulse: Vec3) {
         self.kick(rows, impulse, Vec3::ZERO, None);

@@ -15,6 +15,7 @@
 //! medium                     4 B   damping that fluids and balls in the air add this substep, 1/s
 //! drift         [x y z]     12 B   that damping times the velocity of the medium, m/s²: where it drags the particle to; empty while nothing flows
 //! body                       4 B   which of the simulation's bodies it belongs to
+//! rest        [x y z]       12 B   where it is in its body's rest shape, for contacts of the body with itself; empty while none has a place
 //! ```
 //!
 //! # Why positions are relative to an origin of their own
@@ -49,7 +50,7 @@ pub use bulk::ParticleState;
 pub use rate::{drag_of_rate, rate_of_drag};
 pub use seed::{ParticleFault, ParticleSeed};
 
-pub(crate) use places::Places;
+pub(crate) use places::{Places, ground};
 pub(crate) use sums::Survey;
 pub(crate) use whole::Whole;
 
@@ -83,6 +84,8 @@ pub struct Particles {
     pub(crate) air: f32,
     pub(crate) drift: Vec<Vec3>,
     pub(crate) body: Vec<u32>,
+    /// Where each particle is in its body's rest shape, metres; NaN for one that has no place there. Empty while none has.
+    pub(crate) rest: Vec<Vec3>,
     /// See `edits`.
     pub(crate) edits: u64,
     pub(crate) survey: Survey,
@@ -156,6 +159,9 @@ impl Particles {
         self.drift.clear();
         self.survey = Survey::default();
         self.body.resize(len, NO_BODY);
+        if !self.rest.is_empty() {
+            self.rest.resize(len, Vec3::NAN);
+        }
     }
 
     /// Position of particle `i`, metres, as near as `f32` comes to it.
@@ -315,6 +321,9 @@ impl Particles {
         self.gravity_scale[i] = seed.gravity_scale;
         self.survey = Survey::default();
         self.body[i] = NO_BODY;
+        if let Some(rest) = self.rest.get_mut(i) {
+            *rest = Vec3::NAN;
+        }
         // Most particles have none, and a logarithm each tick would be the dearest part of a row.
         self.damping[i] = if seed.drag > 0.0 { rate_of_drag(seed.drag) } else { 0.0 };
     }

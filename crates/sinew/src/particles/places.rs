@@ -82,6 +82,11 @@ impl<'a> Places<'a> {
 /// The height of a point over a plane of the world, metres; in two parts, so that far out too it has the point's own digits.
 #[inline]
 pub(super) fn height(origin: Vec3, position: Vec4, normal: Vec3, offset: f32) -> f32 {
-    let ground = normal.as_dvec3().dot(origin.as_dvec3()) - f64::from(offset);
-    normal.dot(position.truncate()) + ground as f32
+    normal.dot(position.truncate()) + ground(origin, normal, offset)
+}
+
+/// The height of an origin over a plane of the world, metres.
+#[inline]
+pub(crate) fn ground(origin: Vec3, normal: Vec3, offset: f32) -> f32 {
+    (normal.as_dvec3().dot(origin.as_dvec3()) - f64::from(offset)) as f32
 }

@@ -45,6 +45,7 @@ pub(crate) use inertia::spin as pseudo_solve;
 pub use inertia::{Motion, motion};
 pub(crate) use normals::cross;
 pub use normals::normals;
+pub(crate) use symmetric::WORST;
 
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 /// Worse conditioned than this, and [`solve`] declines: compounds longer than about 1000 times their width.
-const WORST: f64 = 1e6;
+pub(crate) const WORST: f64 = 1e6;
 
 /// `x = K⁻¹ b` and a bound on the condition of `K`, `tr(K) tr(K⁻¹)` (9 at best), if `K` is positive definite and well
 /// conditioned. By cofactors: the same ones show whether it is (Sylvester's criterion).

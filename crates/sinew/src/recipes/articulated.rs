@@ -10,6 +10,7 @@ use glam::{DVec3, Vec3};
 use self::joints::{Frame, Skeleton};
 use super::blueprint::{Blueprint, Part};
 use super::{LENGTHS, MASSES, is_drag};
+use crate::collide::Shape;
 use crate::constraints::{Constraint, Law, Rigid};
 use crate::particles::ParticleSeed;
 use crate::solve::BodySettings;
@@ -171,6 +172,7 @@ pub fn articulated(spec: &ArticulatedSpec) -> Result<Blueprint, ArticulatedFault
             particles: members.clone(),
             rest: members.iter().map(local).collect(),
             size: Vec3::new(bone.width, bone.head.distance(bone.tail) + bone.width, bone.width),
+            shape: Shape::capsule(0.5 * bone.width, 0.5 * bone.head.distance(bone.tail)).ok(),
         });
     }
     Ok(body)

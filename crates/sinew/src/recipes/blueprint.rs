@@ -3,6 +3,7 @@
 
 use glam::{Mat3, Quat, Vec3};
 
+use crate::collide::Shape;
 use crate::constraints::{Constraint, Distance, DistanceFault, LawFault};
 use crate::particles::{ParticleFault, ParticleSeed};
 use crate::solve::BodySettings;
@@ -41,6 +42,8 @@ pub struct Part {
     /// Size of the part along its own axes, metres, for whoever draws it centred on the origin of its frame. A capsule has
     /// the diameter `size.x` and the whole length `size.y`, caps included.
     pub size: Vec3,
+    /// What it collides as, in its own frame, where it takes part in contacts; `None` for one that collides by its particles alone.
+    pub shape: Option<Shape>,
 }
 
 /// What is wrong with a blueprint. Numbers count from 0.

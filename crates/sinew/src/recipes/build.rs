@@ -3,6 +3,7 @@
 use core::ops::Range;
 
 use super::{Blueprint, BlueprintFault};
+use crate::collide::{BodyContacts, Solid};
 use crate::constraints::{Constraint, Distance};
 use crate::simulation::Simulation;
 
@@ -21,6 +22,39 @@ impl Blueprint {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn build(&self, simulation: &mut Simulation) -> Result<Range<usize>, BlueprintFault> {
+        self.add(simulation, self.settings != Default::default())
+    }
+
+    /// The same as a body that takes part in contacts: its parts collide by their shapes, and its other particles as balls of their radius.
+    ///
+    /// # Errors
+    /// A blueprint that is not in [order](Self::validate) is refused and nothing changes.
+    pub fn build_colliding(
+        &self,
+        simulation: &mut Simulation,
+        contacts: BodyContacts,
+    ) -> Result<Range<usize>, BlueprintFault> {
+        let rows = self.add(simulation, true)?;
+        simulation.contacts.resize(simulation.bodies.len(), BodyContacts::default());
+        if let Some(own) = simulation.contacts.last_mut() {
+            *own = contacts;
+        }
+        if contacts.with_itself {
+            for (i, seed) in rows.clone().zip(&self.particles) {
+                simulation.particles.set_rest(i, Some(seed.position));
+            }
+        }
+        for part in &self.parts {
+            if let Some(shape) = &part.shape {
+                let own = part.particles.iter().map(|&i| rows.start as u32 + i).collect();
+                let rest = part.rest.as_slice().into();
+                simulation.solids_mut().push(Solid { rows: own, rest, shape: shape.clone() });
+            }
+        }
+        Ok(rows)
+    }
+
+    fn add(&self, simulation: &mut Simulation, body: bool) -> Result<Range<usize>, BlueprintFault> {
         self.validate()?;
         let first = simulation.particles.len();
         for (index, seed) in self.particles.iter().enumerate() {
@@ -33,7 +67,7 @@ impl Blueprint {
         let moved =
             |c: &Constraint| Constraint::new(c.rows.iter().map(|row| row + offset), c.law.clone());
         simulation.constraints_mut().extend(self.constraints.iter().map(moved));
-        if self.settings != Default::default() {
+        if body {
             let body = simulation.bodies.len() as u32;
             simulation.bodies.push(self.settings);
             let rows = first..simulation.particles.len();

@@ -11,6 +11,7 @@ use glam::{DVec3, Vec3};
 use self::anatomy::{APART, BONES, FIGURE, LIMITS, Limit, PARTS, Shape};
 use super::blueprint::{Blueprint, Part};
 use super::{LENGTHS, MASSES};
+use crate::collide::Shape as Solid;
 use crate::constraints::{Bound, Cone, Constraint, Distance, Hinge, Law};
 use crate::particles::ParticleSeed;
 use crate::solve::BodySettings;
@@ -182,10 +183,10 @@ fn limited(limit: &Limit, mirror: bool) -> Option<Constraint> {
 fn shaped(part: &anatomy::Segment, body: &Blueprint, height: f32) -> Part {
     let at = |particle: &RagdollParticle| body.particles[particle.index() as usize];
     let positions: Vec<Vec3> = part.particles.iter().map(|p| at(p).position).collect();
-    let (rest, size) = match part.shape {
+    let (rest, size, limb) = match part.shape {
         Shape::Box { centre, size } => {
             let centre = (centre * f64::from(height)).as_vec3();
-            (positions.iter().map(|&p| p - centre).collect(), size * f64::from(height))
+            (positions.iter().map(|&p| p - centre).collect(), size * f64::from(height), false)
         }
         Shape::Limb { thickness } => {
             let [near, far] = [positions[0], positions[1]].map(Vec3::as_dvec3);
@@ -198,7 +199,7 @@ fn shaped(part: &anatomy::Segment, body: &Blueprint, height: f32) -> Part {
             };
             let thickness = thickness * f64::from(height);
             let size = DVec3::new(thickness, near.distance(far) + thickness, thickness);
-            (positions.iter().map(local).collect(), size)
+            (positions.iter().map(local).collect(), size, true)
         }
     };
     Part {
@@ -206,6 +207,11 @@ fn shaped(part: &anatomy::Segment, body: &Blueprint, height: f32) -> Part {
         particles: part.particles.iter().map(|p| p.index()).collect(),
         rest,
         size: size.as_vec3(),
+        shape: if limb {
+            Solid::capsule(0.5 * size.x as f32, 0.5 * (size.y - size.x) as f32).ok()
+        } else {
+            Solid::cuboid(size.as_vec3() * 0.5).ok()
+        },
     }
 }
 

@@ -21,6 +21,7 @@ use super::hull::{HullFault, convex_hull};
 use super::mass::{MassFault, MassProperties};
 use super::nearest::bounds;
 use super::{LENGTHS, MASSES, is_drag, is_radius};
+use crate::collide::Shape;
 use crate::particles::ParticleSeed;
 
 /// A solid to build. The default is empty, and refused: it has no shape.
@@ -175,7 +176,9 @@ pub fn solid(spec: &SolidSpec) -> Result<Blueprint, SolidFault> {
             body.rod(a, b);
         }
     }
-    body.parts = vec![Part { name: "solid", particles: (0..count).collect(), rest, size }];
+    // Without dents: two hulls can be told apart quickly, whatever they look like.
+    let shape = Shape::hull(spec.shape.points()).ok();
+    body.parts = vec![Part { name: "solid", particles: (0..count).collect(), rest, size, shape }];
     Ok(body)
 }
 

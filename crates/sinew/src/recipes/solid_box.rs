@@ -5,6 +5,7 @@ use glam::{DVec3, Vec3};
 
 use super::blueprint::{Blueprint, Part};
 use super::{LENGTHS, MASSES, is_drag, is_radius};
+use crate::collide::Shape;
 use crate::constraints::Direction;
 use crate::particles::ParticleSeed;
 
@@ -127,7 +128,11 @@ fn tied(spec: &BoxSpec, count: u32, size: Vec3) -> Blueprint {
     // Rods bleed the spin of what they hold unless they act along where they were. Hitting the ground takes more sweeps that way.
     body.settings.direction = Some(Direction::StepStart);
     body.settings.max_sweeps = Some(8);
-    body.parts = vec![Part { name: "box", particles: (0..count).collect(), rest, size: spec.size }];
+    // A rectangle is as deep as its shorter edge for what it collides with, where it is not drawn deeper.
+    let flat = if size.z > 0.0 { 0.0 } else { size.x.min(size.y) };
+    let shape = Shape::cuboid(spec.size.with_z(spec.size.z.max(flat)) * 0.5).ok();
+    let particles = (0..count).collect();
+    body.parts = vec![Part { name: "box", particles, rest, size: spec.size, shape }];
     body
 }
 

@@ -1,6 +1,7 @@
 //! Steps in which nothing from outside but gravity acts: all substeps at once.
 
-use super::{Simulation, machine};
+use super::{Scratch, Simulation, machine};
+use crate::collide::Contacts;
 use crate::constraints::PlanarDrag;
 use crate::integrate::Integrator;
 use crate::solve;
@@ -20,6 +21,7 @@ impl Simulation {
         let large = self.workers.is_some() && self.scratch.plan.tasks.iter().any(|task| task.large);
         quiet
             && !large
+            && !self.scratch.contacts.is_active()
             && particles.survey.plain
             && particles.survey.neutral
             && settings.integrator == Integrator::Verlet
@@ -37,10 +39,13 @@ impl Simulation {
         self.begin_substep();
         self.accumulate_forces();
         let (h, remaining) = (self.scratch.substep.length, self.scratch.substep.remaining);
-        let Self { particles, instructions, workers, scratch, report, .. } = self;
-        let (machine, contacts) = (machine(*instructions, workers), &scratch.contacts);
-        let (plan, solving) = (&scratch.plan, &mut scratch.solving);
-        solve::advance_all(particles, contacts, plan, (h, remaining), machine, solving, report);
+        let Self { particles, forces, instructions, workers, scratch, report, .. } = self;
+        let Scratch { plan, contacts: Contacts { touch, presses, .. }, solving, .. } = scratch;
+        let substep = report.substeps.saturating_sub(remaining);
+        let gravity = forces.gravity.length();
+        let common = solve::Common { plan, contacts: touch, h, lag: h, gravity, substep };
+        let machine = machine(*instructions, workers);
+        solve::advance_all(particles, presses, common, remaining, machine, solving, report);
         (0..remaining).for_each(|_| self.time += f64::from(h));
         self.scratch.substep.remaining = 0;
     }

@@ -2,15 +2,20 @@
 
 mod alone;
 mod prepare;
+mod queries;
+mod sleep;
 mod statics;
 
+pub use queries::{Filter, Hit};
+pub use sleep::Sleep;
 pub use statics::Relaxed;
 
 use std::sync::Arc;
 
 use glam::{Vec3, Vec4};
 
-use crate::constraints::{Boundaries, Constraint, Contacts, Distance, Pin};
+use crate::collide::{BodyContacts, Collider, Contacts, Solid, World};
+use crate::constraints::{Boundaries, Constraint, Distance, Pin};
 use crate::forces::{self, Forces};
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
@@ -35,6 +40,12 @@ pub struct Simulation {
     pub boundaries: Boundaries,
     /// What single bodies ask of the solver. [`Particles::set_body`] says which particle belongs to which.
     pub bodies: Vec<BodySettings>,
+    /// Shapes that stand still or that the game moves. They may change at any step for free.
+    pub colliders: Vec<Collider>,
+    /// How single bodies take part in contacts, numbered as in `bodies`; what is missing is the default, which touches colliders alone.
+    pub contacts: Vec<BodyContacts>,
+    /// Which bodies may sleep, and for how long they have been still, numbered as in `bodies`; what is missing is always awake.
+    pub sleep: Vec<Sleep>,
     /// Which instructions the wide kernels use; the best that the machine has by default. It never changes a result.
     pub instructions: InstructionSet,
     /// Threads that may help; none by default. They never change a result.
@@ -44,6 +55,7 @@ pub struct Simulation {
     distances: Vec<Distance>,
     constraints: Vec<Constraint>,
     compounds: Vec<Compound>,
+    solids: Vec<Solid>,
     scratch: Scratch,
     report: SolverReport,
 }
@@ -61,6 +73,7 @@ struct Scratch {
     /// Of measuring what is left.
     room: solve::Room,
     moving: Moving,
+    bedroom: sleep::Bedroom,
     /// Pinned particles that were given another origin for this step.
     anchors: Vec<prepare::Anchor>,
     /// The pressure of each wind on each triangle, looked up when the step began.
@@ -127,8 +140,9 @@ impl Simulation {
         self.share_origins();
         self.settle_islands(settings);
         self.set_checkpoint();
+        self.lull(dt);
         self.with_moving(|moving, simulation| moving.read(simulation));
-        self.scratch.contacts.take(&self.boundaries);
+        self.begin_contacts();
         self.feel_winds();
         self.report.substeps = settings.substeps;
         self.report.sweeps = 0;
@@ -186,7 +200,7 @@ impl Simulation {
         if self.settings.statics {
             self.particles.velocity.fill(Vec4::ZERO);
         }
-        self.scratch.contacts.drag(&mut self.particles, length);
+        self.scratch.contacts.touch.drag(&mut self.particles, length);
         let machine = machine(self.instructions, &self.workers);
         integrate::predict(&mut self.particles, self.settings.integrator, length, machine);
         self.scratch.moving.predict(&mut self.particles, &self.compounds, length);
@@ -205,9 +219,27 @@ impl Simulation {
     pub fn solve_constraints(&mut self) {
         let h = self.scratch.substep.length;
         let Self { particles, settings, instructions, workers, scratch, report, .. } = self;
-        let Scratch { plan, contacts, solving, .. } = scratch;
-        let (machine, steps) = (machine(*instructions, workers), (h, settings.integrator.lag(h)));
-        solve::solve_all(particles, contacts, plan, steps, machine, solving, report);
+        let (forces, boundaries) = (&self.forces, &self.boundaries);
+        let (colliders, solids, bodies) = (&self.colliders, &self.solids, &self.contacts);
+        let Scratch { plan, contacts, solving, substep, .. } = scratch;
+        let machine = machine(*instructions, workers);
+        let (gravity, lag) = (forces.gravity.length(), settings.integrator.lag(h));
+        let substeps = report.substeps;
+        let number = substeps.saturating_sub(substep.remaining);
+        let open = contacts.is_active();
+        let Contacts { touch, presses, .. } = contacts;
+        let common = solve::Common { plan, contacts: touch, h, lag, gravity, substep: number };
+        solve::solve_all(particles, presses, common, open, machine, solving, report);
+        if open {
+            let dt = h * substeps as f32;
+            let world =
+                World { boundaries, colliders, solids, bodies, plan, dt, substeps, gravity };
+            contacts.project(particles, &world, h, number);
+            let Contacts { touch, presses, .. } = contacts;
+            let common = solve::Common { plan, contacts: touch, h, lag, gravity, substep: number };
+            solve::settle_all(particles, presses, common, machine, solving);
+            contacts.bounce(particles, h, gravity);
+        }
         integrate::finish(particles, settings.integrator, h);
         self.with_moving(|moving, simulation| moving.settle(simulation, h));
         self.time += f64::from(h);
@@ -216,6 +248,7 @@ impl Simulation {
 
     /// Ends a step: puts rows that turned non-finite back to where the step began, at rest, and measures the errors left.
     pub fn end_step(&mut self) {
+        self.rouse();
         for i in 0..self.particles.len() {
             if !self.particles.is_finite(i) {
                 let good = self.scratch.checkpoint.get(i).copied().unwrap_or_default();
@@ -225,9 +258,12 @@ impl Simulation {
                 self.report.frozen.push(i as u32);
             }
         }
-        let Scratch { plan, contacts, room, .. } = &mut self.scratch;
+        let Scratch { plan, contacts, room, substep, .. } = &mut self.scratch;
         let (instructions, report) = (self.instructions, &mut self.report);
-        solve::measure(&mut self.particles, contacts, plan, instructions, room, report);
+        solve::measure(&mut self.particles, &contacts.touch, plan, instructions, room, report);
+        let impacts = contacts.report(&self.particles, substep.length);
+        report.impacts.clear();
+        report.impacts.extend_from_slice(impacts);
         self.restore_anchors();
     }
 
@@ -282,6 +318,17 @@ impl Simulation {
     pub fn compounds_mut(&mut self) -> &mut Vec<Compound> {
         self.scratch.stale = true;
         &mut self.compounds
+    }
+
+    /// The compounds that collide by their shape.
+    pub fn solids(&self) -> &[Solid] {
+        &self.solids
+    }
+
+    /// The compounds that collide by their shape, to add to, change or remove from. Their particles then touch nothing by themselves.
+    pub fn solids_mut(&mut self) -> &mut Vec<Solid> {
+        self.scratch.stale = true;
+        &mut self.solids
     }
 
     /// The same, for who puts back what it took.

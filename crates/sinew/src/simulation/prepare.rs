@@ -2,7 +2,8 @@
 
 use glam::{Vec3, Vec4};
 
-use super::{Scratch, Simulation};
+use super::{Scratch, Simulation, Substep};
+use crate::collide::World;
 use crate::constraints::{Constraint, Distance};
 use crate::forces;
 use crate::particles::{Particles, snap};
@@ -28,6 +29,7 @@ impl Simulation {
                     }
                 }
             }
+            self.scratch.contacts.compile(&self.solids, &self.particles);
             self.scratch.stale = false;
         }
     }
@@ -126,6 +128,16 @@ impl Simulation {
             // A row that a caller set to no position at all goes back to the last one it had.
             *good = if q.is_finite() { *q } else { good.truncate().extend(q.w) };
         }
+    }
+
+    /// Finds what may come to touch what.
+    pub(super) fn begin_contacts(&mut self) {
+        let Self { particles, forces, boundaries, colliders, solids, contacts, scratch, .. } = self;
+        let Substep { length, remaining: substeps } = scratch.substep;
+        let (dt, gravity) = (length * substeps as f32, forces.gravity.length());
+        let (plan, bodies) = (&scratch.plan, contacts);
+        let world = World { boundaries, colliders, solids, bodies, plan, dt, substeps, gravity };
+        scratch.contacts.begin(particles, world);
     }
 
     /// Looks up the gusts on every triangle.

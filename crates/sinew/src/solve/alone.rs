@@ -1,16 +1,18 @@
 //! Whole steps in one go: where nothing but gravity acts from outside, no island needs to know of another between two substeps. So a task takes its islands through all
 //! substeps of a step, while their particles lie in a core's own cache, and threads meet once a step instead of thrice a substep. The bits are those of phase after phase.
 
+use core::ops::Range;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{Vec3, Vec4};
 
+use super::flock::{Drive, Motion, Whole};
 use super::island::{Common, InOrder, Room, solve};
 use super::plan::Task;
 use super::sums::Sums;
 use super::world::{Machine, Scratch};
-use super::{IslandReport, Plan, SolverReport};
-use crate::constraints::Contacts;
+use super::{IslandReport, SolverReport};
+use crate::collide::{Pressed, Presses};
 use crate::integrate::{Derive, Predict};
 use crate::lanes::{Lanes, Work, with};
 use crate::particles::{Particles, Places};
@@ -19,18 +21,18 @@ use crate::threads::each;
 /// Predicts, solves and derives, so many substeps of `h` seconds. Forces have been summed up, and are the same in all of them.
 pub(crate) fn advance_all(
     particles: &mut Particles,
-    contacts: &Contacts,
-    plan: &Plan,
-    (h, substeps): (f32, u32),
+    presses: &mut [Pressed],
+    common: Common,
+    substeps: u32,
     machine: Machine,
     scratch: &mut Scratch,
     report: &mut SolverReport,
 ) {
     let (multipliers, rooms, most) = scratch.parts();
+    let plan = common.plan;
     multipliers.resize(plan.distances.len(), plan.constraints.len());
     most.clear();
     most.resize_with(substeps as usize, AtomicU32::default);
-    let common = Common { plan, contacts, h };
     let outside = Outside { common: particles.common, air: particles.air };
     let damping = match &particles.survey.damping {
         Some(all) => core::slice::from_ref(all),
@@ -42,19 +44,21 @@ pub(crate) fn advance_all(
         particles.velocity.as_mut_slice(),
         particles.rounding.as_mut_slice(),
         multipliers.all(),
+        Presses::all(presses),
         &mut report.islands[..],
     ));
     let (origins, radii) = (&particles.origin, &particles.radius);
     let shares = plan.tasks.iter().filter_map(|task| {
-        let (position, start, velocity, rounding, sums, reports) = left.take()?;
+        let (position, start, velocity, rounding, sums, presses, reports) = left.take()?;
         let rows = task.rows.start as usize..task.rows.end as usize;
         let (position, positions) = position.split_at_mut(rows.len());
         let (start, starts) = start.split_at_mut(rows.len());
         let (velocity, velocities) = velocity.split_at_mut(rows.len());
         let (rounding, roundings) = rounding.split_at_mut(rows.len());
         let (own_sums, sums) = sums.split(Some(task.distances.end), Some(task.constraints.end));
+        let (own_presses, presses) = common.contacts.split(presses, task.rows.end);
         let (own_reports, reports) = reports.split_at_mut(task.islands.len());
-        left = Some((positions, starts, velocities, roundings, sums, reports));
+        left = Some((positions, starts, velocities, roundings, sums, presses, reports));
         Some(Alone {
             common,
             outside,
@@ -67,12 +71,21 @@ pub(crate) fn advance_all(
             origin: &origins[rows.clone()],
             radius: &radii[rows],
             sums: own_sums,
+            presses: own_presses,
             reports: own_reports,
         })
     });
     let most = &*most;
-    each(machine.workers, shares, |alone| {
-        rooms.with(|room| with(machine.instructions, Substeps { alone, room, most }));
+    each(machine.workers, shares, |mut alone| {
+        rooms.with(|room| {
+            room.begin(alone.task);
+            if !alone.task.flocks.is_empty() {
+                with(machine.instructions, alone.flocks(room, most));
+            }
+            if !room.rest.is_empty() {
+                with(machine.instructions, Substeps { alone, room, most });
+            }
+        });
     });
     for most in most {
         let most = most.load(Ordering::Relaxed);
@@ -104,7 +117,32 @@ struct Alone<'a> {
     origin: &'a [Vec3],
     radius: &'a [f32],
     sums: Sums<'a>,
+    presses: Presses<'a>,
     reports: &'a mut [IslandReport],
+}
+
+impl Alone<'_> {
+    /// The flocks in it.
+    fn flocks<'b>(&'b mut self, room: &'b mut Room, most: &'b [AtomicU32]) -> Drive<'b> {
+        Drive {
+            common: self.common,
+            task: self.task,
+            position: self.position,
+            origin: self.origin,
+            radius: self.radius,
+            reports: self.reports,
+            motion: Motion::Step(Whole {
+                start: self.start,
+                velocity: self.velocity,
+                rounding: self.rounding,
+                damping: self.damping,
+                air: self.outside.air,
+                common: self.outside.common,
+                most,
+            }),
+            room,
+        }
+    }
 }
 
 struct Substeps<'a, 'b> {
@@ -122,20 +160,30 @@ impl Work for Substeps<'_, '_> {
         let Self { alone, room, most } = self;
         let Alone { common, outside, task, position, start, velocity, rounding, .. } = alone;
         let (plan, h, mut sums, reports) = (common.plan, common.h, alone.sums, alone.reports);
-        for most in most {
-            let predict = Predict {
-                position,
-                start,
-                velocity,
-                rounding,
-                acceleration: &[],
-                damping: alone.damping,
-                medium: &[],
-                common: outside.common.extend(0.0),
-                air: outside.air,
-                h,
-            };
-            predict.run::<L>();
+        let mut presses = alone.presses;
+        let rest = core::mem::take(&mut room.rest);
+        let in_task = |rows: &Range<u32>| {
+            (rows.start - task.rows.start) as usize..(rows.end - task.rows.start) as usize
+        };
+        let islands = || rest.islands.iter().cloned().flatten();
+        for (number, most) in most.iter().enumerate() {
+            let common = Common { substep: common.substep + number as u32, ..common };
+            for rows in rest.rows.iter().map(in_task) {
+                let damping = alone.damping;
+                let predict = Predict {
+                    position: &mut position[rows.clone()],
+                    start: &mut start[rows.clone()],
+                    velocity: &mut velocity[rows.clone()],
+                    rounding: &mut rounding[rows.clone()],
+                    acceleration: &[],
+                    damping: if damping.len() < 2 { damping } else { &damping[rows] },
+                    medium: &[],
+                    common: outside.common.extend(0.0),
+                    air: outside.air,
+                    h,
+                };
+                predict.run::<L>();
+            }
             let mut places = Places {
                 first: task.rows.start,
                 position,
@@ -146,20 +194,34 @@ impl Work for Substeps<'_, '_> {
             };
             room.excesses.clear();
             let mut sweeps = 0;
-            for (number, report) in task.islands.clone().zip(reports.iter_mut()) {
+            for number in islands() {
+                let report = &mut reports[number - task.islands.start];
                 let island = &plan.islands[number];
+                if island.asleep {
+                    continue;
+                }
                 let sweeper = InOrder::<L>::new(plan, island, room);
-                let excess = solve(common, island, &mut places, &mut sums, report, sweeper);
+                let excess =
+                    solve(common, island, &mut places, &mut sums, &mut presses, report, sweeper);
                 room.excesses.extend(excess.map(|excess| (number as u32, excess)));
                 sweeps = sweeps.max(report.last_sweeps);
             }
             most.fetch_max(sweeps, Ordering::Relaxed);
-            let Places { position, start, velocity, .. } = &mut places;
-            Derive { position, start, velocity, h, lag: h }.run::<L>();
+            for rows in rest.rows.iter().map(in_task) {
+                let (position, start) =
+                    (&places.position[rows.clone()], &places.start[rows.clone()]);
+                let velocity = &mut places.velocity[rows];
+                Derive { position, start, velocity, h, lag: h }.run::<L>();
+            }
             for (number, excess) in room.excesses.drain(..) {
                 let members = plan.islands[number as usize].members.clone();
                 excess.take_off(&mut places, &plan.members[members]);
             }
+            if common.contacts.bounces() {
+                let moment = (h, common.gravity);
+                common.contacts.bounce(&mut places, &mut presses, task.rows.clone(), moment);
+            }
         }
+        room.rest = rest;
     }
 }

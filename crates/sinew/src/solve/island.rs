@@ -3,12 +3,14 @@
 use core::marker::PhantomData;
 use std::time::Instant;
 
+use super::flock::{Pen, Rest};
 use super::item::{Item, Local, Manner};
 use super::momentum::Excess;
-use super::plan::{Island, Kind, Plan};
+use super::plan::{Island, Kind, Plan, Task};
 use super::sums::Sums;
 use super::{IslandReport, Order, cascade, jacobi, worst_first};
-use crate::constraints::{Contacts, Direction, Pace};
+use crate::collide::{Presses, Touch};
+use crate::constraints::{Direction, Pace};
 use crate::lanes::{Columns, Lanes};
 use crate::particles::Places;
 
@@ -20,17 +22,34 @@ pub(crate) struct Room {
     items: Vec<Item>,
     asked: jacobi::Asked,
     queue: worst_first::Queue,
+    pub(super) pen: Pen,
+    /// What is left of a task beside its flocks.
+    pub(super) rest: Rest,
     /// Islands whose corrections gave them what has to be taken off again.
     pub(super) excesses: Vec<(u32, Excess)>,
 }
 
+impl Room {
+    /// Begins with a task.
+    pub(super) fn begin(&mut self, task: &Task) {
+        self.rest.reset(task);
+        self.excesses.clear();
+    }
+}
+
 /// What solving needs to know, the same for all islands.
 #[derive(Clone, Copy)]
-pub(super) struct Common<'a> {
-    pub(super) plan: &'a Plan,
-    pub(super) contacts: &'a Contacts,
+pub(crate) struct Common<'a> {
+    pub(crate) plan: &'a Plan,
+    pub(crate) contacts: &'a Touch,
     /// Length of the substep, seconds.
-    pub(super) h: f32,
+    pub(crate) h: f32,
+    /// How much of it a derived velocity is the mean of, seconds.
+    pub(crate) lag: f32,
+    /// Magnitude of gravity, m/s².
+    pub(crate) gravity: f32,
+    /// Which substep of the step it is, counted from 0.
+    pub(crate) substep: u32,
 }
 
 /// What makes one sweep over an island, and returns the largest error that it found, metres. A trait and no closure: those cannot be made to be inlined, and
@@ -83,10 +102,11 @@ pub(super) fn solve(
     island: &Island,
     places: &mut Places,
     sums: &mut Sums,
+    presses: &mut Presses,
     report: &mut IslandReport,
     mut sweeper: impl Sweeper,
 ) -> Option<Excess> {
-    let Common { plan, contacts, h } = common;
+    let Common { plan, h, .. } = common;
     let (settings, rows) = (&island.settings, &plan.members[island.members.clone()]);
     let began = settings.timed.then(Instant::now);
     let mut direction = settings.direction;
@@ -100,7 +120,7 @@ pub(super) fn solve(
     while sweeps < settings.max_sweeps && !converged {
         let found =
             if island.groups.is_empty() { 0.0 } else { sweeper.sweep(places, sums, manner) };
-        let depth = touch(places, contacts, rows);
+        let depth = touch(common, places, presses, rows);
         touched |= depth > 0.0;
         sweeps += 1;
         converged = found.max(depth) <= settings.tolerance;
@@ -136,13 +156,14 @@ fn list_items(plan: &Plan, island: &Island, items: &mut Vec<Item>) {
     }
 }
 
+/// cos² of 0.35 rad.
+pub(super) const COS_SQUARED: f32 = 0.882_43;
+
 /// Whether a rod of the island turns so far in this substep that the direction that it had at the start says little about the one it needs.
 ///
 /// A bond that turns by θ is corrected along a line that is off by θ, with a gain of 1/cos θ: harmless at 20°, without bound at 90°. And where one
 /// bond of an island goes wrong its neighbours follow, so all of it goes back.
 fn turns_too_fast(places: &Places, plan: &Plan, island: &Island) -> bool {
-    /// cos² of 0.35 rad.
-    const COS_SQUARED: f32 = 0.882_43;
     let mut rods = plan.groups[island.groups.clone()]
         .iter()
         .filter(|group| group.kind == Kind::Rods)
@@ -157,10 +178,12 @@ fn turns_too_fast(places: &Places, plan: &Plan, island: &Island) -> bool {
     })
 }
 
-/// Projects some particles out of every plane and into every box once; returns the deepest it found, metres.
-fn touch(places: &mut Places, contacts: &Contacts, rows: &[u32]) -> f32 {
+/// Projects some particles out of whatever stands in the world once; returns the deepest it found, metres.
+fn touch(common: Common, places: &mut Places, presses: &mut Presses, rows: &[u32]) -> f32 {
+    let Common { contacts, substep, .. } = common;
     if contacts.is_empty() {
         return 0.0;
     }
-    rows.iter().map(|&row| contacts.project(places, row)).fold(0.0, f32::max)
+    let depths = rows.iter().map(|&row| contacts.project(places, presses, row, substep));
+    depths.fold(0.0, f32::max)
 }

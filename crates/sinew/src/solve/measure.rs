@@ -4,14 +4,15 @@ use super::SolverReport;
 use super::island::Room;
 use super::item::{constraint_error, distance_error};
 use super::plan::{Kind, Plan};
-use crate::constraints::{Contacts, Distance};
+use crate::collide::Touch;
+use crate::constraints::Distance;
 use crate::lanes::{InstructionSet, Lanes, Work, with};
 use crate::particles::{Particles, Places};
 
 /// Measures what is left, moving nothing: largest error of the hard constraints in metres, and largest strain of the hard distances.
 pub(crate) fn measure(
     particles: &mut Particles,
-    contacts: &Contacts,
+    contacts: &Touch,
     plan: &Plan,
     instructions: InstructionSet,
     room: &mut Room,
@@ -24,7 +25,7 @@ pub(crate) fn measure(
 
 struct Measure<'a> {
     places: Places<'a>,
-    contacts: &'a Contacts,
+    contacts: &'a Touch,
     plan: &'a Plan,
     room: &'a mut Room,
     report: &'a mut SolverReport,

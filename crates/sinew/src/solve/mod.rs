@@ -2,6 +2,7 @@
 //!
 //! - `plan` compiles the constraints into islands, and each island into groups of one kind and colour;
 //! - `world` deals islands out to threads, `alone` for whole steps; `island` solves one: until the largest error in it is small enough or the sweeps are spent;
+//! - `flock` takes islands that are built alike side by side;
 //! - `rods` takes hard rods eight by eight;
 //! - `wide` takes most other constraints eight by eight;
 //! - `cascade`, `worst_first` and `jacobi` are the orders of a sweep;
@@ -12,6 +13,7 @@
 
 mod alone;
 mod cascade;
+mod flock;
 mod island;
 mod item;
 mod jacobi;
@@ -30,9 +32,9 @@ pub use report::{IslandReport, SolverReport};
 pub use settings::{BodySettings, Order, SolverSettings};
 
 pub(crate) use alone::advance_all;
-pub(crate) use island::Room;
+pub(crate) use island::{Common, Room};
 pub(crate) use item::soft_energy;
 pub(crate) use measure::measure;
 pub(crate) use momentum::is_free;
 pub(crate) use plan::Plan;
-pub(crate) use world::{Machine, Scratch, solve_all};
+pub(crate) use world::{Machine, Scratch, settle_all, solve_all};

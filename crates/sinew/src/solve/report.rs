@@ -1,5 +1,7 @@
 //! What the solver says of its own work.
 
+use crate::collide::Impact;
+
 /// How the last step went.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SolverReport {
@@ -17,6 +19,8 @@ pub struct SolverReport {
     pub strain: f32,
     /// Rows that turned non-finite and were put back to where the step began, at rest.
     pub frozen: Vec<u32>,
+    /// What has touched what, where a body or a collider asked for it: a line for each two, sorted by who they are.
+    pub impacts: Vec<Impact>,
     /// The islands one by one, in the order of their first particles.
     pub islands: Vec<IslandReport>,
 }

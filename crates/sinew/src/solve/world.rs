@@ -2,12 +2,14 @@
 
 use core::sync::atomic::AtomicU32;
 
+use super::flock::{Drive, Motion};
 use super::island::{Common, InOrder, Room, Sweeper, solve};
 use super::item::Manner;
+use super::momentum::Excess;
 use super::plan::{Island, Plan, Task};
 use super::sums::{Multipliers, Sums};
 use super::{IslandReport, Order, SolverReport, cascade};
-use crate::constraints::Contacts;
+use crate::collide::{Pressed, Presses};
 use crate::integrate::{Derive, derive};
 use crate::lanes::{InstructionSet, Lanes, Work, with};
 use crate::particles::{Particles, Places};
@@ -18,6 +20,8 @@ use crate::threads::{Pool, Workers, each};
 pub(crate) struct Scratch {
     multipliers: Multipliers,
     rooms: Pool<Room>,
+    /// What islands have to have taken off when the velocities are derived, where that is done later; one for each island then.
+    excesses: Vec<Option<Excess>>,
     /// The most sweeps in each substep of a whole step.
     most: Most,
 }
@@ -45,28 +49,47 @@ pub(crate) struct Machine<'a> {
     pub(crate) workers: Option<&'a dyn Workers>,
 }
 
-/// Sweeps each island until the largest error met in it is within its tolerance, at most `max_sweeps` times; then derives the velocities, which are to be
-/// means over `lag` seconds. Adds to the report.
+/// Sweeps each island until the largest error met in it is within its tolerance, at most `max_sweeps` times; then derives the velocities, unless that is `open`: contacts between
+/// islands come first, and [`settle_all`] after them. Adds to the report.
 pub(crate) fn solve_all(
     particles: &mut Particles,
-    contacts: &Contacts,
-    plan: &Plan,
-    (h, lag): (f32, f32),
+    presses: &mut [Pressed],
+    common: Common,
+    open: bool,
     machine: Machine,
     scratch: &mut Scratch,
     report: &mut SolverReport,
 ) {
-    let Scratch { multipliers, rooms, .. } = scratch;
+    let Scratch { multipliers, rooms, excesses, .. } = scratch;
+    let plan = common.plan;
     multipliers.resize(plan.distances.len(), plan.constraints.len());
-    let common = Common { plan, contacts, h };
-    let mut left = Some((Places::all(particles), multipliers.all(), &mut report.islands[..]));
+    excesses.clear();
+    excesses.resize(if open { plan.islands.len() } else { 0 }, None);
+    let mut left = Some((
+        Places::all(particles),
+        multipliers.all(),
+        Presses::all(presses),
+        &mut report.islands[..],
+        &mut excesses[..],
+    ));
     let shares = plan.tasks.iter().filter_map(|task| {
-        let (places, sums, reports) = left.take()?;
+        let (places, sums, presses, reports, excesses) = left.take()?;
         let (own, places) = places.split_at(task.rows.end);
         let (own_sums, sums) = sums.split(Some(task.distances.end), Some(task.constraints.end));
+        let (own_presses, presses) = common.contacts.split(presses, task.rows.end);
         let (own_reports, reports) = reports.split_at_mut(task.islands.len());
-        left = Some((places, sums, reports));
-        Some(Share { common, lag, task, places: own, sums: own_sums, reports: own_reports })
+        let kept = task.islands.len().min(excesses.len());
+        let (own_excesses, excesses) = excesses.split_at_mut(kept);
+        left = Some((places, sums, presses, reports, excesses));
+        Some(Share {
+            common,
+            task,
+            places: own,
+            sums: own_sums,
+            presses: own_presses,
+            reports: own_reports,
+            excesses: own_excesses,
+        })
     });
     let splits = |share: &Share| {
         let order = plan.islands[share.task.islands.start].settings.order;
@@ -80,8 +103,14 @@ pub(crate) fn solve_all(
         }
         Some(share)
     });
-    each(machine.workers, small, |share| {
-        rooms.with(|room| with(machine.instructions, InLanes { share, room }));
+    each(machine.workers, small, |mut share| {
+        rooms.with(|room| {
+            room.begin(share.task);
+            if !share.task.flocks.is_empty() {
+                with(machine.instructions, share.flocks(room));
+            }
+            with(machine.instructions, InLanes { share, room });
+        });
     });
     for share in large {
         share.by_all(machine, rooms);
@@ -92,14 +121,39 @@ pub(crate) fn solve_all(
     report.converged &= report.islands.iter().all(|island| island.converged);
 }
 
+/// Derives the velocities after an `open` [`solve_all`].
+pub(crate) fn settle_all(
+    particles: &mut Particles,
+    presses: &mut [Pressed],
+    common: Common,
+    machine: Machine,
+    scratch: &mut Scratch,
+) {
+    let rows = 0..particles.len() as u32;
+    let mut places = Places::all(particles);
+    let Places { position, start, velocity, .. } = &mut places;
+    derive(Derive { position, start, velocity, h: common.h, lag: common.lag }, machine);
+    for (island, excess) in common.plan.islands.iter().zip(&scratch.excesses) {
+        if let Some(excess) = excess {
+            excess.take_off(&mut places, &common.plan.members[island.members.clone()]);
+        }
+    }
+    if common.contacts.bounces() {
+        let mut presses = Presses::all(presses);
+        common.contacts.bounce(&mut places, &mut presses, rows, (common.h, common.gravity));
+    }
+}
+
 /// A task, and what is its alone.
 struct Share<'a> {
     common: Common<'a>,
-    lag: f32,
     task: &'a Task,
     places: Places<'a>,
     sums: Sums<'a>,
+    presses: Presses<'a>,
     reports: &'a mut [IslandReport],
+    /// A place for what each island has to have taken off, if velocities are derived later; none otherwise.
+    excesses: &'a mut [Option<Excess>],
 }
 
 /// One by one, by one worker.
@@ -113,37 +167,90 @@ impl Work for InLanes<'_, '_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { share: Share { common, lag, task, mut places, mut sums, reports }, room } = self;
+        let Self { share, room } = self;
+        let Share { common, task, mut places, mut sums, mut presses, reports, excesses } = share;
         let plan = common.plan;
-        room.excesses.clear();
-        for (number, report) in task.islands.clone().zip(reports) {
+        if !excesses.is_empty() {
+            for (number, excess) in room.excesses.drain(..) {
+                excesses[number as usize - task.islands.start] = Some(excess);
+            }
+        }
+        let rest = core::mem::take(&mut room.rest);
+        for number in rest.islands.iter().cloned().flatten() {
+            let report = &mut reports[number - task.islands.start];
             let island = &plan.islands[number];
+            if island.asleep {
+                continue;
+            }
             let sweeper = InOrder::<L>::new(plan, island, room);
-            let excess = solve(common, island, &mut places, &mut sums, report, sweeper);
-            room.excesses.extend(excess.map(|excess| (number as u32, excess)));
+            let (places, sums, presses) = (&mut places, &mut sums, &mut presses);
+            let excess = solve(common, island, places, sums, presses, report, sweeper);
+            match excesses.get_mut(number - task.islands.start) {
+                Some(kept) => *kept = excess,
+                None => room.excesses.extend(excess.map(|excess| (number as u32, excess))),
+            }
+        }
+        room.rest = rest;
+        if !excesses.is_empty() {
+            return;
         }
         let Places { position, start, velocity, .. } = &mut places;
-        Derive { position, start, velocity, h: common.h, lag }.run::<L>();
+        Derive { position, start, velocity, h: common.h, lag: common.lag }.run::<L>();
         for (number, excess) in room.excesses.drain(..) {
             let members = plan.islands[number as usize].members.clone();
             excess.take_off(&mut places, &plan.members[members]);
+        }
+        common.bounce(&mut places, &mut presses, task);
+    }
+}
+
+impl Common<'_> {
+    fn bounce(&self, places: &mut Places, presses: &mut Presses, task: &Task) {
+        if self.contacts.bounces() {
+            self.contacts.bounce(places, presses, task.rows.clone(), (self.h, self.gravity));
         }
     }
 }
 
 impl Share<'_> {
+    /// The flocks in it.
+    fn flocks<'b>(&'b mut self, room: &'b mut Room) -> Drive<'b> {
+        let Places { position, start, velocity, origin, radius, .. } = &mut self.places;
+        Drive {
+            common: self.common,
+            task: self.task,
+            position,
+            motion: Motion::Substep { start, velocity },
+            origin,
+            radius,
+            reports: self.reports,
+            room,
+        }
+    }
+
     /// A single large island, by all workers.
     fn by_all(self, machine: Machine, rooms: &Pool<Room>) {
-        let Self { common, lag, task, mut places, mut sums, reports } = self;
+        let Self { common, task, mut places, mut sums, mut presses, reports, excesses } = self;
         let (plan, Some(report)) = (common.plan, reports.first_mut()) else { return };
         let island = &plan.islands[task.islands.start];
+        if island.asleep {
+            return;
+        }
         let sweeper = Shared { plan, island, machine, rooms };
-        let excess = solve(common, island, &mut places, &mut sums, report, sweeper);
+        let excess = {
+            let (places, sums, presses) = (&mut places, &mut sums, &mut presses);
+            solve(common, island, places, sums, presses, report, sweeper)
+        };
+        if let Some(kept) = excesses.first_mut() {
+            *kept = excess;
+            return;
+        }
         let Places { position, start, velocity, .. } = &mut places;
-        derive(Derive { position, start, velocity, h: common.h, lag }, machine);
+        derive(Derive { position, start, velocity, h: common.h, lag: common.lag }, machine);
         if let Some(excess) = excess {
             excess.take_off(&mut places, &plan.members[island.members.clone()]);
         }
+        common.bounce(&mut places, &mut presses, task);
     }
 }
 

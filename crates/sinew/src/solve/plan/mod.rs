@@ -24,6 +24,7 @@ mod tests;
 
 use core::ops::Range;
 
+use super::flock::Flocks;
 use super::rods::Rods;
 use super::wide::{Laws, Which};
 use crate::constraints::{Bound, Constraint, Distance, Law};
@@ -60,6 +61,8 @@ pub(crate) struct Plan {
     pub(crate) island_of: Vec<u32>,
     /// How many rows it was compiled for.
     pub(crate) rows: usize,
+    /// Islands that are built alike, to be solved side by side.
+    pub(crate) flocks: Flocks,
     compiling: Compiling,
 }
 
@@ -114,6 +117,8 @@ pub(crate) struct Island {
     pub(crate) rigid: bool,
     /// Whether nothing outside holds it in this step: its constraints are among its own particles, of which none is pinned.
     pub(crate) free: bool,
+    /// Whether it sleeps through this step.
+    pub(crate) asleep: bool,
     /// How it is solved in this step: the world's settings, and those of the bodies in it.
     pub(crate) settings: SolverSettings,
 }
@@ -174,6 +179,9 @@ impl Plan {
         }
         compiling.keys.sort_unstable();
         self.take_in_order(distances, constraints, &compiling.keys);
+        let mut flocks = core::mem::take(&mut self.flocks);
+        flocks.find(self);
+        self.flocks = flocks;
         self.compiling = compiling;
     }
 

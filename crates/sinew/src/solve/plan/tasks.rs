@@ -3,6 +3,8 @@
 use core::ops::Range;
 
 use super::Plan;
+use crate::lanes::LANES;
+use crate::solve::flock;
 use crate::threads::TASKS;
 
 /// Consecutive islands, which are solved one after the other.
@@ -14,6 +16,8 @@ pub(crate) struct Task {
     /// The same among the plan's distances and constraints.
     pub(crate) distances: Range<usize>,
     pub(crate) constraints: Range<usize>,
+    /// Where its flocks are among the plan's.
+    pub(crate) flocks: Range<usize>,
     /// Whether it is one island that is worth being cut into clusters.
     pub(crate) large: bool,
 }
@@ -46,7 +50,10 @@ pub(super) fn cut(plan: &Plan) -> Vec<Task> {
         }
         let large = distance - distances + constraint - constraints >= LARGE
             && members.len() == (last - first) as usize + 1;
-        let full = |task: &Task| task.large || large || work(task) >= share;
+        // Small islands go by eights, which are what a flock takes.
+        let whole =
+            |task: &Task| task.islands.len().is_multiple_of(LANES) || members.len() > flock::MOST;
+        let full = |task: &Task| task.large || large || (work(task) >= share && whole(task));
         let begin = match tasks.last() {
             None => true,
             Some(task) => first >= reach && full(task) && tasks.len() < TASKS,
@@ -57,6 +64,7 @@ pub(super) fn cut(plan: &Plan) -> Vec<Task> {
                 rows: first..first,
                 distances: distances..distances,
                 constraints: constraints..constraints,
+                flocks: 0..0,
                 large: false,
             });
         }

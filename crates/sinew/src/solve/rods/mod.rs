@@ -150,8 +150,16 @@ impl Block {
     }
 }
 
+/// Both ends moved to the nearest point, the errors, and which of the rods could be projected.
+#[inline(always)]
+pub(super) fn project<L: Lanes>(one: [L; 4], other: [L; 4], rest: L) -> ([L; 4], [L; 4], L, L) {
+    let (scale, error, moves) = stretch(one, other, rest);
+    let (one, other) = moved(one, other, scale);
+    (one, other, error, moves)
+}
+
 /// The particles of a rod, lower row first: nothing in the formula knows them apart.
-fn ends(rod: &Distance) -> (u32, u32) {
+pub(super) fn ends(rod: &Distance) -> (u32, u32) {
     (rod.a.min(rod.b), rod.a.max(rod.b))
 }
 
@@ -191,22 +199,26 @@ fn moved<L: Lanes>(one: [L; 4], other: [L; 4], scale: L) -> ([L; 4], [L; 4]) {
 }
 
 /// Both, along where the rods pointed when the substep began, as [`project_rod_from_start`](crate::constraints::project_rod_from_start) does where that can be,
-/// and to the nearest point elsewhere.
+/// and to the nearest point elsewhere, as where `may`, a mask, is not set.
 #[inline(always)]
-fn project_from_start<L: Lanes>(
+pub(super) fn project_from_start<L: Lanes>(
     one: [L; 4],
     other: [L; 4],
     (from, to): ([L; 4], [L; 4]),
     rest: L,
+    may: L,
 ) -> ([L; 4], [L; 4], L, L) {
     let (nearest, error, moves) = stretch(one, other, rest);
     let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));
     let (d, bond) = (a - b, Vector::of(from).0 - Vector::of(to).0);
     let (weights, along, short) = (wa + wb, d.dot(bond), rest * rest);
-    let usable = (short * L::splat(1.0 / 3.0)).lt(along).and(L::zero().lt(weights));
-    let newton = (d.length_squared() - short) / (L::splat(2.0) * weights * along);
-    let scale = usable.select(newton, nearest);
-    let way = bond.or_else(usable, d);
+    let usable = (short * L::splat(1.0 / 3.0)).lt(along).and(L::zero().lt(weights)).and(may);
+    let (mut scale, mut way) =
+        ((d.length_squared() - short) / (L::splat(2.0) * weights * along), bond);
+    // A division less, nearly always.
+    if !usable.all() {
+        (scale, way) = (usable.select(scale, nearest), bond.or_else(usable, d));
+    }
     let (a, b) = (a - way * (wa * scale), b + way * (wb * scale));
     (a.with(wa), b.with(wb), error, moves.or(usable))
 }

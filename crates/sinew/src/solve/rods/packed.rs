@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use glam::Vec4;
 
-use super::{Rods, Run, moved, project_from_start, stretch};
+use super::{Rods, Run, project, project_from_start};
 use crate::constraints::{Direction, project_rod};
 use crate::lanes::{Columns, LANES, Lanes, Vector};
 use crate::particles::Places;
@@ -51,7 +51,8 @@ impl Rods {
                 let (one, other) = load::<L>(places.position, way, a, b);
                 let rests = L::load(rest);
                 let (one, other, error, moves) = if START {
-                    project_from_start(one, other, load::<L>(places.start, way, a, b), rests)
+                    let start = load::<L>(places.start, way, a, b);
+                    project_from_start(one, other, start, rests, L::zero().same(L::zero()))
                 } else {
                     project(one, other, rests)
                 };
@@ -151,7 +152,7 @@ fn eight_rods<L: Lanes, const START: bool>(
     let (one, other) = (L::rows(places.position, &a), L::rows(places.position, &b));
     let (one, other, error, moves) = if START {
         let start = (L::rows(places.start, &a), L::rows(places.start, &b));
-        project_from_start(one, other, start, L::load(rest))
+        project_from_start(one, other, start, L::load(rest), L::zero().same(L::zero()))
     } else {
         project(one, other, L::load(rest))
     };
@@ -159,14 +160,6 @@ fn eight_rods<L: Lanes, const START: bool>(
     L::put_rows(places.position, &b, other);
     let all = moves.all();
     (error, if all { 0.0 } else { part(places.position, !moves.bits(), [a, b], rest) })
-}
-
-/// Both ends moved to the nearest point, the errors, and which of the rods could be projected.
-#[inline(always)]
-fn project<L: Lanes>(one: [L; 4], other: [L; 4], rest: L) -> ([L; 4], [L; 4], L, L) {
-    let (scale, error, moves) = stretch(one, other, rest);
-    let (one, other) = moved(one, other, scale);
-    (one, other, error, moves)
 }
 
 /// How eight rods of a run are loaded.
@@ -231,7 +224,9 @@ fn less(rows: &[u32; LANES], first: u32) -> [u32; LANES] {
 #[cold]
 fn part(positions: &mut [Vec4], stuck: u32, rows: [[u32; LANES]; 2], rest: &[f32; LANES]) -> f32 {
     let mut worst = 0.0_f32;
-    for lane in (0..LANES).filter(|lane| stuck >> lane & 1 != 0) {
+    // What stands there again to fill the lanes is one rod.
+    let again = |lane: usize| lane > 0 && rows.iter().all(|rows| rows[lane] == rows[0]);
+    for lane in (0..LANES).filter(|&lane| stuck >> lane & 1 != 0 && !again(lane)) {
         worst = worst.max(project_rod(positions, rows[0][lane], rows[1][lane], rest[lane]));
     }
     worst

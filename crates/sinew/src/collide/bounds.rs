@@ -1,0 +1,122 @@
+//! Planes and boxes that hold every particle (physics.md C4), and the sheet that a world in 2D lies in: enforced row by row.
+
+use super::friction::push;
+use crate::constraints::{Boundaries, InsideBox, PlanarDrag, Plane, slow_down};
+use crate::particles::{Particles, Places};
+
+/// The valid ones among the planes and boxes that bound every particle, and the sheet: scratch of a step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Bounds {
+    pub(super) planes: Vec<Plane>,
+    pub(super) boxes: Vec<InsideBox>,
+    sheet: Option<Plane>,
+    /// Planes with a drag, others among them that are no plain bounds.
+    drags: Vec<Plane>,
+}
+
+impl Bounds {
+    /// Takes what is valid, and keeps its memory.
+    pub(super) fn take(&mut self, boundaries: &Boundaries) {
+        self.planes.clear();
+        self.planes.extend(boundaries.planes.iter().filter(|plane| plane.is_valid()));
+        self.drags.clear();
+        let drags = |plane: &&Plane| plane.drag != PlanarDrag::default();
+        self.drags.extend(self.planes.iter().filter(drags));
+        self.boxes.clear();
+        self.boxes.extend(boundaries.boxes.iter().filter(|room| room.is_valid()));
+        self.sheet = boundaries.sheet.filter(Plane::is_valid);
+    }
+
+    /// Whether there is nothing to touch.
+    pub(super) fn is_empty(&self) -> bool {
+        self.planes.is_empty() && self.boxes.is_empty() && self.sheet.is_none()
+    }
+
+    /// Whether the world is a sheet.
+    pub(super) fn has_sheet(&self) -> bool {
+        self.sheet.is_some()
+    }
+
+    /// The planes, if there is nothing else.
+    pub(super) fn planes_alone(&self) -> Option<&[Plane]> {
+        (self.boxes.is_empty() && self.sheet.is_none()).then_some(&self.planes)
+    }
+
+    /// Slows down what touches a plane with a drag, before a substep of `h` seconds is predicted.
+    pub(super) fn drag(&self, particles: &mut Particles, h: f32) {
+        slow_down(particles, &self.drags, h);
+    }
+
+    /// Puts a row on the right side of every plane and box, once, with friction; returns how far out it was, metres.
+    #[inline]
+    pub(super) fn project(&self, places: &mut Places, row: u32) -> f32 {
+        let mut worst = 0.0_f32;
+        for plane in &self.planes {
+            let out = plane.correction(places, row);
+            worst = worst.max(push(places, row, out, plane.friction));
+        }
+        for room in &self.boxes {
+            let out = room.correction(places, row);
+            worst = worst.max(push(places, row, out, room.friction));
+        }
+        worst
+    }
+
+    /// Puts a row into the sheet of a world in 2D; returns how far off it was, metres.
+    #[inline]
+    pub(super) fn hold(&self, places: &mut Places, row: u32) -> f32 {
+        let Some(sheet) = &self.sheet else { return 0.0 };
+        let out = places.height(row, sheet.normal, sheet.offset);
+        places.displace(row, sheet.normal * -out);
+        out.abs()
+    }
+
+    /// How far out a row is, metres, moving nothing.
+    pub(super) fn error(&self, places: &Places, row: u32) -> f32 {
+        let planes = self.planes.iter().map(|plane| plane.correction(places, row).length());
+        let boxes = self.boxes.iter().map(|room| room.correction(places, row).length());
+        let sheet = self.sheet.iter().map(|s| places.height(row, s.normal, s.offset).abs());
+        planes.chain(boxes).chain(sheet).fold(0.0, f32::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::particles::ParticleSeed;
+
+    fn one(at: Vec3, moved_from: Vec3, radius: f32) -> Particles {
+        let mut particles = Particles::default();
+        particles.push(ParticleSeed::at(moved_from).with_radius(radius)).unwrap();
+        particles.set_position(0, at);
+        particles
+    }
+
+    fn touch(plane: Plane, particles: &mut Particles) -> f32 {
+        Bounds { planes: vec![plane], ..Default::default() }.project(&mut Places::all(particles), 0)
+    }
+
+    #[test]
+    fn a_sunken_particle_is_put_on_the_ground_and_a_flying_one_left_alone() {
+        let ground = Plane::ground(1.0).with_friction(0.0);
+        let mut low = one(Vec3::new(3.0, 0.2, 4.0), Vec3::new(3.0, 1.2, 4.0), 0.1);
+        assert!((touch(ground, &mut low) - 0.9).abs() < 1e-6);
+        assert!(low.position(0).abs_diff_eq(Vec3::new(3.0, 1.1, 4.0), 1e-6));
+        let mut high = one(Vec3::Y * 1.2, Vec3::Y * 1.3, 0.1);
+        assert_eq!(touch(ground, &mut high), 0.0);
+        assert_eq!(high.position(0), Vec3::Y * 1.2);
+    }
+
+    #[test]
+    fn the_box_clamps_each_coordinate_and_centres_what_does_not_fit() {
+        let room = InsideBox::new(Vec3::ZERO, Vec3::new(100.0, 1.0, 100.0));
+        let mut out = one(Vec3::new(-5.0, 0.5, 120.0), Vec3::new(-5.0, 0.5, 120.0), 0.25);
+        Bounds { boxes: vec![room], ..Default::default() }.project(&mut Places::all(&mut out), 0);
+        assert!(out.position(0).abs_diff_eq(Vec3::new(0.25, 0.5, 99.75), 1e-4));
+        let mut fat = one(Vec3::new(50.0, 0.9, 50.0), Vec3::new(50.0, 0.9, 50.0), 2.0);
+        Bounds { boxes: vec![room], ..Default::default() }.project(&mut Places::all(&mut fat), 0);
+        assert_eq!(fat.position(0).y, 0.5);
+    }
+}

@@ -1,0 +1,112 @@
+//! Colliders: shapes that stand still or are moved by the game, and that particles and solids cannot enter.
+
+use glam::{Mat3, Vec3};
+
+use super::{Frame, Layers, Material, Shape};
+
+/// A shape in the world. Nothing moves it but the game: what touches it is pushed, and it is not.
+#[derive(Clone, Debug)]
+pub struct Collider {
+    /// Its shape, in coordinates of its own.
+    pub shape: Shape,
+    /// Where it is when the step begins.
+    pub start: Frame,
+    /// Where it is when the step ends; the same for one that stands still. In between it goes evenly, and carries what lies on it.
+    pub end: Frame,
+    /// What it is made of.
+    pub material: Material,
+    /// What it may touch.
+    pub layers: Layers,
+    /// Whether it only notices what touches it, and lets it through. Default not.
+    pub sensor: bool,
+    /// Whether its contacts are listed in the report. Default not.
+    pub events: bool,
+}
+
+impl Collider {
+    /// One that stands still.
+    pub fn fixed(shape: Shape, frame: Frame) -> Self {
+        Self {
+            shape,
+            start: frame,
+            end: frame,
+            material: Material::default(),
+            layers: Layers::default(),
+            sensor: false,
+            events: false,
+        }
+    }
+
+    /// The same that goes to another place during the step.
+    pub fn moving_to(self, end: Frame) -> Self {
+        Self { end, ..self }
+    }
+
+    /// The same made of something else.
+    pub fn with_material(self, material: Material) -> Self {
+        Self { material, ..self }
+    }
+
+    /// The same in other layers.
+    pub fn with_layers(self, layers: Layers) -> Self {
+        Self { layers, ..self }
+    }
+
+    /// Whether its frames and its material are valid; what is not is skipped.
+    pub fn is_valid(&self) -> bool {
+        self.start.is_valid() && self.end.is_valid() && self.material.is_valid()
+    }
+
+    /// Where it is after a share of the step, 0 to 1: translation evenly, rotation evenly about one axis.
+    pub fn frame_at(&self, share: f32) -> Frame {
+        on_the_way(&self.start, &self.end, share)
+    }
+}
+
+/// Where something that goes evenly from one frame to another is after a share of the way.
+pub(super) fn on_the_way(start: &Frame, end: &Frame, share: f32) -> Frame {
+    if start == end || share >= 1.0 {
+        return *end;
+    }
+    let translation = start.translation + (end.translation - start.translation) * share;
+    Frame { translation, rotation: between(&start.rotation, &end.rotation, share) }
+}
+
+/// The rotation a share of the way from one to another.
+///
+/// `E Sᵀ` turns by `θ` about `n`, where `sinθ n` is half of its antisymmetric part and `1 + 2 cosθ` its trace. A turn of π has no such axis, and jumps at the end.
+fn between(start: &Mat3, end: &Mat3, share: f32) -> Mat3 {
+    let turn = *end * start.transpose();
+    let (x, y, z) = (turn.x_axis, turn.y_axis, turn.z_axis);
+    let sine = Vec3::new(y.z - z.y, z.x - x.z, x.y - y.x) * 0.5;
+    let (length, cosine) = (sine.length(), 0.5 * (x.x + y.y + z.z - 1.0));
+    if length <= 1e-7 {
+        return *start;
+    }
+    let angle = libm::atan2f(length, cosine) * share;
+    let (s, c, n) = (libm::sinf(angle), libm::cosf(angle), sine / length);
+    let column = |v: Vec3| v * c + n.cross(v) * s + n * (n.dot(v) * (1.0 - c));
+    Mat3::from_cols(column(start.x_axis), column(start.y_axis), column(start.z_axis))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Quat;
+
+    use super::*;
+
+    #[test]
+    fn it_goes_and_turns_evenly() {
+        let end = Frame::new(Vec3::X * 4.0, Quat::from_xyzw(0.0, 1.0, 0.0, 1.0));
+        let shape = Shape::sphere(1.0).unwrap();
+        let collider = Collider::fixed(shape, Frame::IDENTITY).moving_to(end);
+        let half = collider.frame_at(0.5);
+        assert!((half.translation - Vec3::X * 2.0).length() < 1e-6);
+        let eighth = core::f32::consts::FRAC_PI_8;
+        let expected = Vec3::new(libm::cosf(2.0 * eighth), 0.0, -libm::sinf(2.0 * eighth));
+        assert!((half.turn(Vec3::X) - expected).length() < 1e-6, "{}", half.turn(Vec3::X));
+        assert!(half.is_valid());
+        assert_eq!(collider.frame_at(1.0), end);
+        assert_eq!(collider.frame_at(0.0), Frame::IDENTITY);
+    }
+}

@@ -1,0 +1,115 @@
+//! Where something rigid is and how it is turned: an orthonormal frame, in plain numbers that are the same bits on every machine.
+
+use glam::{Mat3, Quat, Vec3};
+
+/// A rotation, then a translation: from coordinates of a shape's own to those of the world, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Where its zero is, metres.
+    pub translation: Vec3,
+    /// A rotation: orthonormal columns, which are its axes, and no mirror.
+    pub rotation: Mat3,
+}
+
+impl Frame {
+    /// At zero, not turned.
+    pub const IDENTITY: Self = Self { translation: Vec3::ZERO, rotation: Mat3::IDENTITY };
+
+    /// A frame at a place, not turned.
+    pub const fn at(translation: Vec3) -> Self {
+        Self { translation, ..Self::IDENTITY }
+    }
+
+    /// A frame at a place, turned. The quaternion is made unit here, term by term, because glam's own order of terms differs from one processor to the next;
+    /// one that cannot be gives a frame that is not [valid](Self::is_valid).
+    pub fn new(translation: Vec3, q: Quat) -> Self {
+        let length = (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w).sqrt();
+        let unit = Quat::from_xyzw(q.x / length, q.y / length, q.z / length, q.w / length);
+        let rotation = if length.is_finite() && length > 0.0 {
+            Mat3::from_quat(unit)
+        } else {
+            Mat3::from_diagonal(Vec3::NAN)
+        };
+        Self { translation, rotation }
+    }
+
+    /// A point from own coordinates into the world's.
+    #[inline(always)]
+    pub fn point(&self, local: Vec3) -> Vec3 {
+        self.rotation * local + self.translation
+    }
+
+    /// A direction from own coordinates into the world's.
+    #[inline(always)]
+    pub fn turn(&self, local: Vec3) -> Vec3 {
+        self.rotation * local
+    }
+
+    /// A point of the world in own coordinates.
+    #[inline(always)]
+    pub fn local(&self, point: Vec3) -> Vec3 {
+        self.turn_back(point - self.translation)
+    }
+
+    /// A direction of the world in own coordinates.
+    #[inline(always)]
+    pub fn turn_back(&self, direction: Vec3) -> Vec3 {
+        let Self { rotation: r, .. } = self;
+        Vec3::new(r.x_axis.dot(direction), r.y_axis.dot(direction), r.z_axis.dot(direction))
+    }
+
+    /// The same place seen from an origin, metres.
+    #[inline(always)]
+    pub fn seen_from(&self, origin: Vec3) -> Self {
+        Self { translation: self.translation - origin, ..*self }
+    }
+
+    /// This one as seen from another: `other ∘ result = self`.
+    pub fn from_within(&self, other: &Self) -> Self {
+        let columns = [self.rotation.x_axis, self.rotation.y_axis, self.rotation.z_axis];
+        let [x, y, z] = columns.map(|axis| other.turn_back(axis));
+        Self { translation: other.local(self.translation), rotation: Mat3::from_cols(x, y, z) }
+    }
+
+    /// Whether it is finite and its axes are orthonormal and right-handed, to 1e-3.
+    pub fn is_valid(&self) -> bool {
+        let Self { translation, rotation: r } = self;
+        let near = |x: f32, y: f32| (x - y).abs() < 1e-3;
+        translation.is_finite()
+            && near(r.x_axis.length_squared(), 1.0)
+            && near(r.y_axis.length_squared(), 1.0)
+            && (r.x_axis.cross(r.y_axis) - r.z_axis).length_squared() < 1e-6
+            && near(r.x_axis.dot(r.y_axis), 0.0)
+    }
+}
+
+impl Default for Frame {
+    fn default() -> Self {
+        Self::IDENTITY
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn there_and_back_is_where_it_was() {
+        let frame = Frame::new(Vec3::new(3.0, -4.0, 5.0), Quat::from_xyzw(1.0, -2.0, 0.5, 3.0));
+        assert!(frame.is_valid());
+        let point = Vec3::new(0.3, 0.2, -0.7);
+        assert!((frame.local(frame.point(point)) - point).length() < 1e-5);
+        let other = Frame::new(Vec3::ONE, Quat::from_xyzw(0.3, 0.1, -0.4, 1.0));
+        let seen = frame.from_within(&other);
+        assert!((other.point(seen.point(point)) - frame.point(point)).length() < 1e-5);
+    }
+
+    #[test]
+    fn a_rotation_that_is_none_and_a_place_that_is_none_are_told() {
+        assert!(!Frame::new(Vec3::ZERO, Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)).is_valid());
+        assert!(!Frame::new(Vec3::NAN, Quat::IDENTITY).is_valid());
+        let mirrored =
+            Frame { rotation: Mat3::from_diagonal(Vec3::new(1.0, 1.0, -1.0)), ..Frame::IDENTITY };
+        assert!(!mirrored.is_valid());
+    }
+}

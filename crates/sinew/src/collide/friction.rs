@@ -1,0 +1,56 @@
+//! Coulomb's law of friction in positions (physics.md F8).
+
+use glam::Vec3;
+
+use crate::particles::Places;
+
+/// Moves a row by the normal correction and by the friction that goes with it; returns how far out it was, metres.
+#[inline]
+pub(super) fn push(places: &mut Places, row: u32, normal_part: Vec3, coefficient: f32) -> f32 {
+    let depth = normal_part.length();
+    // Of what is too little to be squared nothing comes.
+    if depth * depth == 0.0 {
+        return 0.0;
+    }
+    let i = places.at(row);
+    let moved = (places.position[i] - places.start[i]).truncate() + normal_part;
+    let slid = moved - normal_part * (moved.dot(normal_part) / (depth * depth));
+    places.displace(row, normal_part + friction(slid, depth, coefficient));
+    depth
+}
+
+/// The tangential correction of Coulomb's law in positions: `Δt = -t · min(μ Δn/‖t‖, 1)`.
+///
+/// `t` is the sliding of this substep and `Δn` the normal correction. A normal force N acts for a substep h on the mass m as
+/// the displacement `Δn = N h²/m`; friction of at most μN moves it back by at most `μ Δn`, and never past standing still.
+#[inline]
+pub(super) fn friction(slid: Vec3, normal_correction: f32, coefficient: f32) -> Vec3 {
+    let distance = slid.length();
+    if distance > coefficient * normal_correction {
+        slid * (-coefficient * normal_correction / distance)
+    } else {
+        -slid
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn friction_takes_at_most_mu_times_the_normal_correction() {
+        let slid = Vec3::new(0.3, 0.0, 0.4);
+        assert!(friction(slid, 0.1, 0.5).abs_diff_eq(slid * -0.1, 1e-7));
+        assert_eq!(friction(slid, 10.0, 0.5), -slid);
+        assert_eq!(friction(Vec3::ZERO, 0.0, 0.5), Vec3::ZERO);
+    }
+
+    #[test]
+    fn a_depth_whose_square_is_nothing_moves_nothing_and_is_no_nan() {
+        let mut particles = crate::particles::Particles::default();
+        let seed = crate::particles::ParticleSeed::at(Vec3::ZERO).with_velocity(Vec3::X);
+        particles.push(seed).unwrap();
+        let depth = push(&mut Places::all(&mut particles), 0, Vec3::Y * 1e-30, 0.5);
+        assert_eq!((depth, particles.position(0)), (0.0, Vec3::ZERO));
+    }
+}

@@ -1,0 +1,281 @@
+//! Box and box, the pair that a pile of boxes asks for most.
+//!
+//! Two convex bodies are apart by the greatest of their separations along any direction; for boxes that overlap, the greatest is one of 15: along
+//! the 3 normals of `b`, the 3 of `a`, and the 9 products of an edge of each. With `a`'s axes `Rⱼ` and centre `t` in the coordinates of `b`, and
+//! `cᵢⱼ = eᵢ·Rⱼ`:
+//!
+//! ```text
+//! face i of b:  |tᵢ| - hbᵢ - Σⱼ haⱼ |cᵢⱼ|
+//! face j of a:  |t·Rⱼ| - haⱼ - Σᵢ hbᵢ |cᵢⱼ|
+//! edges i, j:   (|t·(eᵢ×Rⱼ)| - Σₖ hbₖ |eₖ·(eᵢ×Rⱼ)| - Σₖ haₖ |Rₖ·(eᵢ×Rⱼ)|) / √(1 - cᵢⱼ²)
+//! ```
+//!
+//! A separation beyond reach ends the search. Otherwise the body with the face clips the other's most opposite face; two edges have one point.
+//! Boxes that are apart may be nearest at a corner, along none of the 15: that is `corners`' matter.
+
+use glam::Vec3;
+
+use super::clip::Polygon;
+use super::corners::corners;
+use super::reduce::choose;
+use super::{Frame, Manifold, Point};
+
+/// Two boxes of half sizes `ha` and `hb`, metres.
+pub(super) fn collide(ha: Vec3, hb: Vec3, a_in_b: &Frame, reach: f32) -> Manifold {
+    let pair = Pair::new(ha, hb, a_in_b);
+    let Some(axes) = pair.separate(reach) else { return Manifold::default() };
+    let most = axes.face_separation.max(axes.edge_separation);
+    let mut faces = Manifold::default();
+    if !axes.edge_wins {
+        if !axes.past {
+            faces = pair.faces(axes.face, reach);
+        }
+        if faces.len > 0 && (most <= 0.0 || faces.nearest() <= most + axes.bias) {
+            return faces;
+        }
+    } else if let Some(manifold) = pair.edges(axes.edge, most > 0.0) {
+        return manifold;
+    }
+    if most > 0.0 {
+        // What is nearest is a corner or two edges past the rim of that face; or the face saw it after all.
+        let edges =
+            if axes.edge_separation > 0.0 { pair.nearest_of_edges(axes.edge) } else { None };
+        let past = corners(&pair, reach, edges);
+        return if past.nearest() < faces.nearest() - axes.bias { past } else { faces };
+    }
+    if faces.len == 0 && axes.edge_separation > f32::NEG_INFINITY {
+        // They overlap by so little that the bias took an axis along which nothing is found.
+        return pair.edges(axes.edge, false).unwrap_or_default();
+    }
+    faces
+}
+
+/// What is worth knowing about two boxes: everything in the coordinates of `b`.
+pub(super) struct Pair<'a> {
+    pub(super) ha: [f32; 3],
+    pub(super) hb: [f32; 3],
+    pub(super) frame: &'a Frame,
+    /// Axes of `a`.
+    axes: [Vec3; 3],
+    /// `c[i][j]`: axis `i` of `b` times axis `j` of `a`.
+    c: [[f32; 3]; 3],
+    t: [f32; 3],
+}
+
+/// The axes of least overlap, or greatest distance.
+struct Axes {
+    /// Of the faces: 0, 1, 2 of `b`; 3, 4, 5 of `a`.
+    face: usize,
+    face_separation: f32,
+    /// Of the edges: an axis of `b` and one of `a`.
+    edge: (usize, usize),
+    edge_separation: f32,
+    /// What an axis must be better by, metres.
+    bias: f32,
+    /// Whether the edges' is.
+    edge_wins: bool,
+    /// Whether the one with the face has the other past its rim.
+    past: bool,
+}
+
+/// Edges closer to parallel than this (squared sine) have no product worth the name; a face's normal is as good there.
+const PARALLEL: f32 = 1e-6;
+
+/// What an axis must be better by, as a share of the overlap and of the smallest half size, to be taken instead of one that comes before it (faces of `b`,
+/// then of `a`, then edges): a box at rest, whose overlaps are noise, keeps its face and its four points.
+const BIAS: (f32, f32) = (0.03, 2e-3);
+
+/// What rounding leaves in a separation, as a share of the numbers that it is a difference of: a few units in the last place.
+const ROUNDING: f32 = 5e-7;
+
+/// The axes after an axis.
+const NEXT: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
+
+impl<'a> Pair<'a> {
+    #[inline(always)]
+    fn new(ha: Vec3, hb: Vec3, frame: &'a Frame) -> Self {
+        let r = &frame.rotation;
+        let axes = [r.x_axis, r.y_axis, r.z_axis];
+        let [x, y, z] = axes;
+        let c = [[x.x, y.x, z.x], [x.y, y.y, z.y], [x.z, y.z, z.z]];
+        Self { ha: ha.into(), hb: hb.into(), frame, axes, c, t: frame.translation.into() }
+    }
+
+    /// The best axes; nothing if the boxes are further apart than `reach`, or not anywhere.
+    #[inline(always)]
+    fn separate(&self, reach: f32) -> Option<Axes> {
+        let Self { ha, hb, c, t, .. } = self;
+        let size = |h: &[f32; 3]| h[0].min(h[1]).min(h[2]);
+        let small = BIAS.1 * size(ha).min(size(hb));
+        let bias = |separation: f32| small + BIAS.0 * separation.abs();
+        let s = c.map(|row| row.map(f32::abs));
+        let (mut face, mut most) = (0, f32::NEG_INFINITY);
+        // How far apart they are at least, squared, and along how many axes: of each box, because its axes are across each other.
+        let (mut squared, mut beyond) = ([0.0; 2], [0; 2]);
+        let mut note = |of: usize, apart: f32| {
+            squared[of] += apart.max(0.0) * apart.max(0.0);
+            beyond[of] += usize::from(apart > 0.0);
+        };
+        for i in 0..3 {
+            let apart = t[i].abs() - hb[i] - (ha[0] * s[i][0] + ha[1] * s[i][1] + ha[2] * s[i][2]);
+            if apart > reach {
+                return None;
+            }
+            note(0, apart);
+            if apart > most {
+                (face, most) = (i, apart);
+            }
+        }
+        let threshold = most + bias(most);
+        let mut of_a = threshold;
+        for j in 0..3 {
+            let along = t[0] * c[0][j] + t[1] * c[1][j] + t[2] * c[2][j];
+            let apart = along.abs() - ha[j] - (hb[0] * s[0][j] + hb[1] * s[1][j] + hb[2] * s[2][j]);
+            if apart > reach {
+                return None;
+            }
+            note(1, apart);
+            if apart > of_a {
+                (face, of_a, most) = (3 + j, apart, apart);
+            }
+        }
+        if squared[0].max(squared[1]) > reach * reach {
+            return None;
+        }
+        let (mut edge, mut edge_separation) = ((0, 0), f32::NEG_INFINITY);
+        let unlikely = most.min(0.0);
+        for i in 0..3 {
+            let (i1, i2) = NEXT[i];
+            for j in 0..3 {
+                let (j1, j2) = NEXT[j];
+                let along = (t[i2] * c[i1][j] - t[i1] * c[i2][j]).abs();
+                let extent =
+                    hb[i1] * s[i2][j] + hb[i2] * s[i1][j] + ha[j1] * s[i][j2] + ha[j2] * s[i][j1];
+                // Where the edges are near parallel, the quotient is of two small numbers: what rounding may have added to it is taken off.
+                let apart = along - extent - ROUNDING * (along + extent);
+                // The divisor is no more than 1: what is negative becomes more so.
+                if apart > unlikely {
+                    let square = 1.0 - c[i][j] * c[i][j];
+                    let apart = apart / square.max(PARALLEL).sqrt();
+                    if square > PARALLEL && apart > edge_separation {
+                        (edge, edge_separation) = ((i, j), apart);
+                    }
+                }
+            }
+        }
+        if edge_separation > reach || most.is_nan() || !t.iter().all(|x| x.is_finite()) {
+            return None;
+        }
+        let bias = bias(most);
+        let edge_wins = edge_separation > most + bias;
+        Some(Axes {
+            face,
+            face_separation: most,
+            edge,
+            edge_separation,
+            bias,
+            edge_wins,
+            past: beyond[face / 3] > 1,
+        })
+    }
+
+    /// The faces along a normal (0, 1, 2 of `b`; 3, 4, 5 of `a`), clipped.
+    #[inline(always)]
+    fn faces(&self, face: usize, reach: f32) -> Manifold {
+        let Self { ha, hb, frame, c, t, .. } = self;
+        if face < 3 {
+            return clipped(hb, face, ha, c, t, reach, None);
+        }
+        let [x, y, z] = *c;
+        let turned = [[x[0], y[0], z[0]], [x[1], y[1], z[1]], [x[2], y[2], z[2]]];
+        let back = turned.map(|row| -(row[0] * t[0] + row[1] * t[1] + row[2] * t[2]));
+        clipped(ha, face - 3, hb, &turned, &back, reach, Some(frame))
+    }
+
+    /// The point of two edges, if it is on both of them; or the nearest to it that is, unless it `must` be.
+    fn edges(&self, edge: (usize, usize), must: bool) -> Option<Manifold> {
+        let (p, q, normal, over) = self.meet(edge);
+        // A thousandth of an edge over its end is on it.
+        if must && over > 1.001 {
+            return None;
+        }
+        Some(Manifold::single(normal, self.frame.local(p), q, (p - q).dot(normal)))
+    }
+
+    /// The nearest points of two edges, on `a` and on `b`, if they are on both of them; their ends are corners.
+    fn nearest_of_edges(&self, edge: (usize, usize)) -> Option<[Vec3; 2]> {
+        let (p, q, _, over) = self.meet(edge);
+        (over < 0.9999).then_some([p, q])
+    }
+
+    /// Nearest points of the two edges (on `a`, on `b`) that face each other along the product of their directions, that product towards `a`, and how far
+    /// along an edge the lines' nearest points are, 1 at its end.
+    ///
+    /// With `d` between their midpoints, `u` along `a`'s and `s` along `b`'s: `d + u Rⱼ - s eᵢ` is across both, which is two linear equations.
+    fn meet(&self, (i, j): (usize, usize)) -> (Vec3, Vec3, Vec3, f32) {
+        let Self { ha, hb, axes, c, frame, .. } = self;
+        let along_b = Vec3::AXES[i];
+        let product = along_b.cross(axes[j]);
+        let product = if product.dot(frame.translation) < 0.0 { -product } else { product };
+        let normal = product / (1.0 - c[i][j] * c[i][j]).max(PARALLEL).sqrt();
+        let (mut q, mut p) = (Vec3::ZERO, frame.translation);
+        for k in [NEXT[i].0, NEXT[i].1] {
+            q[k] = hb[k].copysign(normal[k]);
+        }
+        for k in [NEXT[j].0, NEXT[j].1] {
+            p -= axes[k] * ha[k].copysign(axes[k].dot(normal));
+        }
+        let d = p - q;
+        let (db, da, cosine) = (d[i], d.dot(axes[j]), c[i][j]);
+        let square = (1.0 - cosine * cosine).max(PARALLEL);
+        let (s, u) = ((db - cosine * da) / square, (cosine * db - da) / square);
+        let over = (s.abs() / hb[i]).max(u.abs() / ha[j]);
+        let (s, u) = (s.max(-hb[i]).min(hb[i]), u.max(-ha[j]).min(ha[j]));
+        (p + axes[j] * u, q + along_b * s, normal, over)
+    }
+}
+
+/// Face `i` of a box of half sizes `h`, and the most opposite face of one with half sizes `k`, axes `c` (by rows) and centre `t`: `b` and `a` of the manifold,
+/// or `a` and `b` if the frame of `a` is given.
+fn clipped(
+    h: &[f32; 3],
+    i: usize,
+    k: &[f32; 3],
+    c: &[[f32; 3]; 3],
+    t: &[f32; 3],
+    reach: f32,
+    swap: Option<&Frame>,
+) -> Manifold {
+    let (i1, i2) = NEXT[i];
+    let side = 1.0_f32.copysign(t[i]);
+    let mut j = 0;
+    for other in 1..3 {
+        if c[i][other].abs() > c[i][j].abs() {
+            j = other;
+        }
+    }
+    let (j1, j2) = NEXT[j];
+    // Across and above the face: the other box's centre, and its axes.
+    let centre = Vec3::new(t[i1], t[i2], side * t[i] - h[i]);
+    let axis = |j: usize, k: f32| Vec3::new(c[i1][j] * k, c[i2][j] * k, side * c[i][j] * k);
+    let middle = centre - axis(j, k[j].copysign(c[i][j] * side));
+    let (e1, e2) = (axis(j1, k[j1]), axis(j2, k[j2]));
+    let corners = [middle + e1 + e2, middle - e1 + e2, middle - e1 - e2, middle + e1 - e2];
+    let polygon = Polygon::cut(corners, h[i1], h[i2]);
+    let corners = polygon.corners();
+    let chosen = choose(corners.len(), reach, Vec3::Z, |n| corners[n].z, |n| corners[n]);
+    // Back from there: to the face's own coordinates, and to those of the other. Not component by component, whose numbers vary.
+    let [x, y, z] = [Vec3::AXES[i1], Vec3::AXES[i2], Vec3::AXES[i] * side];
+    let [own_x, own_y, own_z] = [Vec3::from(c[i1]), Vec3::from(c[i2]), Vec3::from(c[i]) * side];
+    let base = z * h[i];
+    let mut manifold = Manifold::new(swap.map_or(z, |frame| frame.turn(-z)));
+    for &n in chosen.as_slice() {
+        let p = corners[n];
+        let from = p - centre;
+        let on_face = base + x * p.x + y * p.y;
+        let on_other = own_x * from.x + own_y * from.y + own_z * from.z;
+        let (on_a, on_b) = if swap.is_some() { (on_face, on_other) } else { (on_other, on_face) };
+        manifold.push(Point { on_a, on_b, distance: p.z });
+    }
+    manifold
+}

@@ -1,0 +1,175 @@
+//! One grid of boxes of like size.
+
+use glam::{IVec3, Vec3, Vec3A};
+
+/// A box in a grid: its least and greatest corner, each in one register, for the comparisons.
+#[derive(Clone, Copy)]
+struct Entry {
+    least: Vec3A,
+    most: Vec3A,
+    number: u32,
+}
+
+/// Boxes, sorted by the cell of their lower corner.
+#[derive(Default)]
+pub(super) struct Grid {
+    entries: Vec<Entry>,
+    /// Where a cell's entries begin; one more than there are cells.
+    starts: Vec<u32>,
+    /// Cells in a metre.
+    density: f32,
+    /// The largest extent of a box in it, and a little more, metres.
+    size: f32,
+    /// How many cells along each axis: powers of two.
+    cells: IVec3,
+}
+
+/// Cells in a grid for each box: more are fewer comparisons, but more memory to go through.
+const CELLS_PER_BOX: usize = 4;
+
+impl Grid {
+    /// Puts boxes in; `largest` is the greatest extent of any of them.
+    pub(super) fn fill(&mut self, largest: f32, these: &[u32], bounds: &[(Vec3, Vec3)]) {
+        // Boxes without extent need cells all the same; and a cell's inverse must be finite.
+        let cell = largest.max(1e-6);
+        (self.density, self.size) = (1.0 / cell, cell * 1.0001);
+        let (mut least, mut most) = (IVec3::MAX, IVec3::MIN);
+        for i in these {
+            let at = self.cell(bounds[*i as usize].0);
+            (least, most) = (least.min(at), most.max(at));
+        }
+        self.lay_out(least, most, these.len());
+        self.starts.clear();
+        self.starts.resize((self.cells.x * self.cells.y * self.cells.z) as usize + 1, 0);
+        self.entries.clear();
+        self.entries
+            .resize(these.len(), Entry { least: Vec3A::ZERO, most: Vec3A::ZERO, number: 0 });
+        for i in these {
+            let cell = self.place(self.cell(bounds[*i as usize].0));
+            self.starts[cell + 1] += 1;
+        }
+        for i in 1..self.starts.len() {
+            self.starts[i] += self.starts[i - 1];
+        }
+        for &number in these {
+            let (least, most) = bounds[number as usize];
+            let cell = self.place(self.cell(least));
+            let next = &mut self.starts[cell];
+            self.entries[*next as usize] = Entry { least: least.into(), most: most.into(), number };
+            *next += 1;
+        }
+        // Each start has gone on to the next one's.
+        self.starts.rotate_right(1);
+        self.starts[0] = 0;
+    }
+
+    /// As many cells along each axis as it takes, but no more in all than some per box: then the longest axis is folded.
+    fn lay_out(&mut self, least: IVec3, most: IVec3, count: usize) {
+        let limit = (count * CELLS_PER_BOX).next_power_of_two().max(64) as i64;
+        let mut cells = [0, 1, 2].map(|i| {
+            let range = i64::from(most[i]) - i64::from(least[i]) + 1;
+            // A search looks at three in a row, which must not be the same one twice.
+            (range.max(4) as u64).next_power_of_two() as i64
+        });
+        let all =
+            |cells: &[i64; 3]| cells.iter().fold(1_i64, |product, n| product.saturating_mul(*n));
+        while all(&cells) > limit {
+            let longest = if cells[0] >= cells[1] && cells[0] >= cells[2] {
+                0
+            } else if cells[1] >= cells[2] {
+                1
+            } else {
+                2
+            };
+            cells[longest] /= 2;
+        }
+        self.cells = IVec3::new(cells[0] as i32, cells[1] as i32, cells[2] as i32);
+    }
+
+    /// The cell of a point; one beyond two thousand million cells is in the last.
+    #[inline(always)]
+    fn cell(&self, point: Vec3) -> IVec3 {
+        let at = point * self.density;
+        IVec3::new(floor(at.x), floor(at.y), floor(at.z))
+    }
+
+    /// Where a cell is in memory.
+    #[inline(always)]
+    fn place(&self, cell: IVec3) -> usize {
+        let IVec3 { x, y, z } = cell & (self.cells - 1);
+        ((z * self.cells.y + y) * self.cells.x + x) as usize
+    }
+
+    /// Each box in it.
+    pub(super) fn each(&self, mut then: impl FnMut(u32, (Vec3, Vec3))) {
+        for entry in &self.entries {
+            then(entry.number, (entry.least.into(), entry.most.into()));
+        }
+    }
+
+    /// Pairs of its own boxes. Each is found from the one that is first in memory.
+    pub(super) fn within(&self, found: &mut Vec<[u32; 2]>) {
+        for (i, entry) in self.entries.iter().enumerate() {
+            self.look(entry, i + 1, found);
+        }
+    }
+
+    /// Pairs of its boxes and those of a grid of larger ones.
+    pub(super) fn among(&self, larger: &Self, found: &mut Vec<[u32; 2]>) {
+        for entry in &self.entries {
+            larger.look(entry, 0, found);
+        }
+    }
+
+    /// Pairs of a box and those in this grid, from a place in memory on.
+    #[inline(always)]
+    fn look(&self, entry: &Entry, first: usize, found: &mut Vec<[u32; 2]>) {
+        let (least, most) = (Vec3::from(entry.least), Vec3::from(entry.most));
+        // A little more, for what rounding has taken off an extent.
+        let from = self.cell(least - Vec3::splat(self.size) - least.abs() * 3e-7);
+        let to = self.cell(most);
+        // Cells from there to here; all of a row, once, if they are more.
+        let span =
+            |i: usize| (to[i].wrapping_sub(from[i]) as u32).min(self.cells[i] as u32 - 1) as i32;
+        let [nx, ny, nz] = [span(0), span(1), span(2)];
+        let mask = self.cells - 1;
+        let x = from.x & mask.x;
+        // Past the fold, the row goes on at its beginning.
+        let over = x + nx - mask.x;
+        let end = if over > 0 { mask.x } else { x + nx };
+        for z in 0..=nz {
+            let z = from.z.wrapping_add(z) & mask.z;
+            for y in 0..=ny {
+                let y = from.y.wrapping_add(y) & mask.y;
+                let row = (z * self.cells.y + y) * self.cells.x;
+                self.compare(entry, first, row + x, row + end, found);
+                if over > 0 {
+                    self.compare(entry, first, row, row + over - 1, found);
+                }
+            }
+        }
+    }
+
+    /// Compares a box with those of some cells in a row.
+    #[inline(always)]
+    fn compare(&self, entry: &Entry, first: usize, from: i32, to: i32, found: &mut Vec<[u32; 2]>) {
+        let start = (self.starts[from as usize] as usize).max(first);
+        let end = self.starts[to as usize + 1] as usize;
+        if start >= end {
+            return;
+        }
+        for other in &self.entries[start..end] {
+            if (entry.least.cmple(other.most) & other.least.cmple(entry.most)).all() {
+                let (a, b) = (entry.number, other.number);
+                found.push([a.min(b), a.max(b)]);
+            }
+        }
+    }
+}
+
+/// The whole number below, or the last one that there is. The library's own rounding is a call on processors without an instruction for it.
+#[inline(always)]
+fn floor(x: f32) -> i32 {
+    let whole = x as i32;
+    if whole as f32 > x { whole.saturating_sub(1) } else { whole }
+}

@@ -1,0 +1,189 @@
+//! Which boxes overlap at all: so that shapes that are far from each other are never compared.
+//!
+//! Boxes of like size go into one grid, whose cells are as large as the largest of them: by its lower corner a box is in one cell, and
+//! whatever overlaps it has its own lower corner in that cell or in one of those around it. The grid is folded over (a cell's place is its coordinates
+//! modulo powers of two), so that it stays small however far apart they lie, and along x neighbours stay neighbours in memory. Boxes of half the size
+//! get a grid of their own; those of a grid look into the larger ones, too. A few, or endless ones (floors, half-spaces), are no grid, but are compared
+//! with everything.
+//!
+//! Sweeping along one axis would compare more: in a pile of 1000 each box has some 150 others beside it there, and 14 to compare here.
+
+mod grid;
+
+use glam::Vec3;
+
+use grid::Grid;
+
+/// A search for boxes that overlap. What it keeps between calls is memory alone.
+#[derive(Default)]
+pub(crate) struct Broad {
+    /// Class of size, and number, of each box that is one.
+    sizes: Vec<(u16, u32)>,
+    /// How many boxes there are of a class; then, which of the levels it belongs to.
+    classes: Vec<u32>,
+    /// Boxes by level, and in each by number.
+    levels: Vec<Level>,
+    /// Grids, from the largest cells down; only the first ones of this call.
+    grids: Vec<Grid>,
+    /// Compared with everything.
+    apart: Vec<u32>,
+    /// Pairs in the order in which they were found; then by their second number.
+    found: Vec<[u32; 2]>,
+    sorted: Vec<[u32; 2]>,
+    counts: Vec<u32>,
+}
+
+/// Boxes of like size.
+#[derive(Default)]
+struct Level {
+    largest: f32,
+    boxes: Vec<u32>,
+}
+
+/// A class of sizes is what numbers have in common but for the last 20 bits: an eighth of an octave.
+const CLASS_SHIFT: u32 = 4;
+const CLASSES_PER_OCTAVE: usize = 8;
+
+/// Boxes of a size that are no more than this are compared with everything: 27 cells cost as much.
+const FEW: usize = 8;
+
+impl Broad {
+    /// All pairs `[a, b]`, `a < b`, of boxes (least and greatest corner) that overlap or touch; sorted. One with NaN, or with less than no extent,
+    /// overlaps nothing.
+    pub(crate) fn pairs(&mut self, bounds: &[(Vec3, Vec3)], out: &mut Vec<[u32; 2]>) {
+        self.found.clear();
+        let grids = self.sort_out(bounds);
+        let Self { grids: kept, apart, found, .. } = self;
+        let grids = &kept[..grids];
+        for (i, a) in apart.iter().enumerate() {
+            let bounds_a = bounds[*a as usize];
+            let mut compare = |b: u32, bounds_b: (Vec3, Vec3)| {
+                if overlap(&bounds_a, &bounds_b) {
+                    found.push([(*a).min(b), (*a).max(b)]);
+                }
+            };
+            apart[i + 1..].iter().for_each(|&b| compare(b, bounds[b as usize]));
+            for grid in grids {
+                grid.each(&mut compare);
+            }
+        }
+        for (i, grid) in grids.iter().enumerate() {
+            grid.within(found);
+            for larger in &grids[..i] {
+                grid.among(larger, found);
+            }
+        }
+        self.sort(bounds.len(), out);
+    }
+
+    /// Makes the grids, and says how many.
+    fn sort_out(&mut self, bounds: &[(Vec3, Vec3)]) -> usize {
+        let Self { sizes, classes, levels, grids, apart, .. } = self;
+        sizes.clear();
+        apart.clear();
+        classes.clear();
+        classes.resize(usize::from(u16::MAX >> CLASS_SHIFT) + 1, 0);
+        for (i, (least, most)) in bounds.iter().enumerate() {
+            // False where one is NaN.
+            if least.cmple(*most).all() {
+                let size = (*most - *least).max_element();
+                // Infinity less itself is NaN, which `max_element` may pass over.
+                if size < 1e9 && least.is_finite() && most.is_finite() {
+                    let class = (size.to_bits() >> (16 + CLASS_SHIFT)) as u16;
+                    classes[usize::from(class)] += 1;
+                    sizes.push((class, i as u32));
+                } else {
+                    apart.push(i as u32);
+                }
+            }
+        }
+        let count = group(classes, levels);
+        for &(class, i) in &*sizes {
+            let (least, most) = bounds[i as usize];
+            let level = &mut levels[classes[usize::from(class)] as usize];
+            level.largest = level.largest.max((most - least).max_element());
+            level.boxes.push(i);
+        }
+        let mut made = 0;
+        for level in &levels[..count] {
+            if level.boxes.len() <= FEW {
+                apart.extend_from_slice(&level.boxes);
+                continue;
+            }
+            if made == grids.len() {
+                grids.push(Grid::default());
+            }
+            grids[made].fill(level.largest, &level.boxes, bounds);
+            made += 1;
+        }
+        made
+    }
+
+    /// The pairs found, by their second number and then, keeping that order, by their first: two passes, however they lie.
+    fn sort(&mut self, boxes: usize, out: &mut Vec<[u32; 2]>) {
+        let Self { found, sorted, counts, .. } = self;
+        out.clear();
+        out.resize(found.len(), [0; 2]);
+        sorted.resize(found.len(), [0; 2]);
+        by_number(found, sorted, 1, boxes, counts);
+        by_number(sorted, out, 0, boxes, counts);
+    }
+}
+
+/// Makes levels of classes of sizes, from the largest down, each of no more than an octave; says how many, and writes each class's into its place.
+fn group(classes: &mut [u32], levels: &mut Vec<Level>) -> usize {
+    let (mut count, mut top) = (0, usize::MAX);
+    for class in (0..classes.len()).rev() {
+        if classes[class] == 0 {
+            continue;
+        }
+        if count == 0 || top - class >= CLASSES_PER_OCTAVE {
+            top = class;
+            count += 1;
+            if levels.len() < count {
+                levels.push(Level::default());
+            }
+            levels[count - 1].boxes.clear();
+            levels[count - 1].largest = 0.0;
+        }
+        classes[class] = count as u32 - 1;
+    }
+    count
+}
+
+/// Sorts by one of the two numbers, keeping the order of equals.
+fn by_number(
+    from: &[[u32; 2]],
+    to: &mut [[u32; 2]],
+    place: usize,
+    boxes: usize,
+    counts: &mut Vec<u32>,
+) {
+    counts.clear();
+    counts.resize(boxes + 1, 0);
+    for pair in from {
+        counts[pair[place] as usize + 1] += 1;
+    }
+    for i in 0..boxes {
+        counts[i + 1] += counts[i];
+    }
+    for pair in from {
+        let next = &mut counts[pair[place] as usize];
+        to[*next as usize] = *pair;
+        *next += 1;
+    }
+}
+
+/// Whether two boxes overlap or touch.
+#[inline(always)]
+fn overlap(a: &(Vec3, Vec3), b: &(Vec3, Vec3)) -> bool {
+    (a.0.x <= b.1.x)
+        & (b.0.x <= a.1.x)
+        & (a.0.y <= b.1.y)
+        & (b.0.y <= a.1.y)
+        & (a.0.z <= b.1.z)
+        & (b.0.z <= a.1.z)
+}
+
+#[cfg(test)]
+mod tests;

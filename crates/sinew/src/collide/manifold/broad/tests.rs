@@ -1,0 +1,125 @@
+//! That it finds what comparing all with all finds, and how long it takes.
+
+use std::time::Instant;
+
+use super::*;
+use crate::collide::manifold::tests::Dice;
+
+fn naive(bounds: &[(Vec3, Vec3)]) -> Vec<[u32; 2]> {
+    let mut pairs = Vec::new();
+    for a in 0..bounds.len() {
+        for b in a + 1..bounds.len() {
+            let good = |i: usize| bounds[i].0.cmple(bounds[i].1).all();
+            if good(a) && good(b) && overlap(&bounds[a], &bounds[b]) {
+                pairs.push([a as u32, b as u32]);
+            }
+        }
+    }
+    pairs
+}
+
+fn around(centre: Vec3, half: Vec3) -> (Vec3, Vec3) {
+    (centre - half, centre + half)
+}
+
+/// Unit boxes that touch, with a margin and a little noise.
+fn pile(n: usize, dice: &mut Dice) -> Vec<(Vec3, Vec3)> {
+    let at = |i: usize| Vec3::new((i % n) as f32, (i / n % n) as f32, (i / n / n) as f32);
+    (0..n * n * n).map(|i| around(at(i) + dice.vector() * 1e-3, Vec3::splat(0.51))).collect()
+}
+
+#[test]
+fn pairs_are_those_of_comparing_all_with_all() {
+    let mut dice = Dice(11);
+    let mut broad = Broad::default();
+    let mut out = Vec::new();
+    for round in 0..60 {
+        let spread = [1.0, 10.0, 1e3, 1e6][round % 4];
+        let sizes = [0.0, 1.0, 3.0][round % 3];
+        let count = [5, 40, 400][round / 20];
+        let mut bounds: Vec<_> = (0..count)
+            .map(|_| {
+                let scale = libm::exp2f(sizes * dice.roll());
+                around(dice.vector() * spread, dice.vector().abs() * scale)
+            })
+            .collect();
+        bounds.push((Vec3::NAN, Vec3::NAN));
+        bounds.push((Vec3::new(-1.0, f32::NAN, 0.0), Vec3::ONE));
+        bounds.push((Vec3::ONE, -Vec3::ONE));
+        bounds.push((Vec3::splat(f32::NEG_INFINITY), Vec3::new(f32::INFINITY, 0.0, f32::INFINITY)));
+        bounds.push(around(Vec3::ZERO, Vec3::new(1e4, 0.1, 1e4)));
+        bounds.push((Vec3::splat(f32::INFINITY), Vec3::splat(f32::INFINITY)));
+        broad.pairs(&bounds, &mut out);
+        assert_eq!(out, naive(&bounds), "{round}");
+    }
+    broad.pairs(&[], &mut out);
+    assert!(out.is_empty());
+}
+
+#[test]
+fn far_from_zero_and_all_in_one_place_none_is_missed() {
+    let mut dice = Dice(12);
+    let mut broad = Broad::default();
+    let (mut out, mut some) = (Vec::new(), 0);
+    // 0.01 m at 1e6 m, where neighbouring numbers are 0.06 m apart; the same place for all; and no extent.
+    for (at, spread, half) in
+        [(1e6, 0.1, 0.01), (0.0, 0.0, 1.0), (5.0, 0.0, 0.0), (1e12, 1e5, 1e-3)]
+    {
+        let bounds: Vec<_> = (0..100)
+            .map(|_| around(Vec3::splat(at) + dice.vector() * spread, Vec3::splat(half)))
+            .collect();
+        broad.pairs(&bounds, &mut out);
+        assert_eq!(out, naive(&bounds), "{at} {spread} {half}");
+        some += usize::from(!out.is_empty());
+    }
+    assert_eq!(some, 4);
+}
+
+#[test]
+fn a_pile_has_the_pairs_that_it_has() {
+    let mut dice = Dice(13);
+    let bounds = pile(10, &mut dice);
+    let (mut broad, mut out) = (Broad::default(), Vec::new());
+    broad.pairs(&bounds, &mut out);
+    // 2700 by faces, 4860 by edges, 2916 by corners.
+    assert_eq!(out.len(), 10476);
+    assert_eq!(out, naive(&bounds));
+}
+
+#[test]
+fn how_long_it_takes() {
+    let mut dice = Dice(14);
+    let floor = around(-Vec3::Y, Vec3::new(1e3, 0.5, 1e3));
+    let endless = (Vec3::splat(f32::NEG_INFINITY), Vec3::new(f32::INFINITY, 0.0, f32::INFINITY));
+    let mut shuffled = pile(10, &mut dice);
+    for i in 0..shuffled.len() {
+        let j = (dice.roll().abs() * i as f32) as usize;
+        shuffled.swap(i, j);
+    }
+    let scattered = |n: usize, dice: &mut Dice, spread: f32, sizes: f32| -> Vec<_> {
+        (0..n)
+            .map(|_| {
+                let half = Vec3::splat(0.5 * libm::exp2f(sizes * dice.roll()));
+                around(dice.vector() * spread, half)
+            })
+            .collect()
+    };
+    let cases = [
+        ("pile of 1000", pile(10, &mut dice)),
+        ("the same shuffled", shuffled),
+        ("and a floor, and a half-space", [pile(10, &mut dice), vec![floor, endless]].concat()),
+        ("pile of 10648", pile(22, &mut dice)),
+        ("10000 far apart", scattered(10_000, &mut dice, 1e3, 0.0)),
+        ("10000 of sizes 1 to 64", scattered(10_000, &mut dice, 60.0, 3.0)),
+    ];
+    let (mut broad, mut out) = (Broad::default(), Vec::new());
+    for (name, bounds) in cases {
+        let mut best = f64::INFINITY;
+        for _ in 0..20 {
+            let start = Instant::now();
+            broad.pairs(&bounds, &mut out);
+            best = best.min(start.elapsed().as_secs_f64());
+        }
+        println!("{name}: {:.1} µs, {} pairs", best * 1e6, out.len());
+    }
+}

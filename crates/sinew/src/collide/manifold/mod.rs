@@ -1,0 +1,179 @@
+//! Where two shapes touch: a normal and up to four points, found afresh at each call, so that nothing has to be saved for a rollback.
+//!
+//! | file | which pairs |
+//! |---|---|
+//! | `boxes` | box and box: separating axes; `clip` their faces, `corners` where no face looks at another |
+//! | `half_space` | anything convex and what is infinite |
+//! | `round` | spheres; capsule and capsule |
+//! | `rod` | capsule and box |
+//! | `convex` | cylinders and hulls, and whatever lies on a mesh or a heightfield: `parry3d` finds those |
+//! | `reduce` | of many points the four that hold as well |
+//! | `broad` | which pairs are near at all |
+
+mod boxes;
+mod broad;
+mod clip;
+mod convex;
+mod corners;
+mod half_space;
+mod reduce;
+mod rod;
+mod round;
+#[cfg(test)]
+mod tests;
+
+use glam::Vec3;
+
+use super::shape::Kind;
+use super::{Frame, Shape};
+
+pub(crate) use broad::Broad;
+pub(crate) use convex::Scratch;
+
+/// Where two surfaces are near each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Point {
+    /// On the first one's surface, in its coordinates, metres.
+    pub(crate) on_a: Vec3,
+    /// On the second one's surface, in its coordinates, metres.
+    pub(crate) on_b: Vec3,
+    /// From there to here along the normal, metres; negative where they overlap.
+    pub(crate) distance: f32,
+}
+
+/// Up to four points with a normal in common.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Manifold {
+    /// Unit vector in the second one's coordinates, from it towards the first.
+    pub(crate) normal: Vec3,
+    points: [Point; 4],
+    len: u32,
+}
+
+impl Manifold {
+    /// One without points.
+    fn new(normal: Vec3) -> Self {
+        Self { normal, ..Self::default() }
+    }
+
+    /// One with a single point.
+    fn single(normal: Vec3, on_a: Vec3, on_b: Vec3, distance: f32) -> Self {
+        let mut manifold = Self::new(normal);
+        manifold.push(Point { on_a, on_b, distance });
+        manifold
+    }
+
+    /// Adds a point; the fifth is left out.
+    fn push(&mut self, point: Point) {
+        if let Some(place) = self.points.get_mut(self.len as usize) {
+            *place = point;
+            self.len += 1;
+        }
+    }
+
+    /// Its points, at least one of those that are handed out.
+    pub(crate) fn points(&self) -> &[Point] {
+        &self.points[..self.len as usize]
+    }
+
+    /// The least distance of its points, metres; infinite without any.
+    fn nearest(&self) -> f32 {
+        self.points().iter().fold(f32::INFINITY, |least, point| least.min(point.distance))
+    }
+
+    /// The same seen from the other one, whose place in this one's coordinates is given.
+    fn swapped(&self, b_in_a: &Frame) -> Self {
+        let mut manifold = Self { normal: b_in_a.turn(-self.normal), ..*self };
+        for point in &mut manifold.points[..self.len as usize] {
+            (point.on_a, point.on_b) = (point.on_b, point.on_a);
+        }
+        manifold
+    }
+
+    /// Whether it has points, and nothing in it is NaN or infinite: any such number times zero is NaN, and so is a sum with it.
+    #[inline(always)]
+    fn is_sound(&self) -> bool {
+        let mut sum = self.normal;
+        for point in self.points() {
+            sum += point.on_a + point.on_b + point.distance;
+        }
+        self.len > 0 && sum.dot(Vec3::ZERO) == 0.0
+    }
+}
+
+/// Hands out where `a` and `b` are no further apart than `reach` metres (0 or more), given where `a` is in the coordinates of `b`.
+///
+/// One manifold for two convex shapes, one for each triangle of a mesh or heightfield; none for two of those that cannot move (half-spaces,
+/// meshes, heightfields), and none where the frame is not finite.
+pub(crate) fn collide(
+    a: &Shape,
+    b: &Shape,
+    a_in_b: &Frame,
+    reach: f32,
+    scratch: &mut Scratch,
+    out: &mut impl FnMut(&Manifold),
+) {
+    if rank(a.kind()) <= rank(b.kind()) {
+        return in_order(a, b, a_in_b, reach, scratch, out);
+    }
+    let b_in_a = inverse(a_in_b);
+    in_order(b, a, &b_in_a, reach, scratch, &mut |manifold| out(&manifold.swapped(a_in_b)));
+}
+
+/// The same for the two in the order of their rank, so that each pair of kinds is written once.
+#[inline(always)]
+fn in_order(
+    a: &Shape,
+    b: &Shape,
+    a_in_b: &Frame,
+    reach: f32,
+    scratch: &mut Scratch,
+    out: &mut impl FnMut(&Manifold),
+) {
+    let found = match (a.kind(), b.kind()) {
+        (Kind::HalfSpace | Kind::Mesh | Kind::HeightField, _) => return,
+        (kind, Kind::HalfSpace) => half_space::collide(kind, a_in_b, reach),
+        (_, Kind::Mesh | Kind::HeightField) => {
+            return convex::on_triangles(a, b, a_in_b, reach, scratch, out);
+        }
+        // A hull whose faces the library finds wanting is a mesh to it.
+        (_, Kind::Hull(_)) if b.parry().as_trimesh().is_some() => {
+            return convex::on_triangles(a, b, a_in_b, reach, scratch, out);
+        }
+        (Kind::Box { half_size: a }, Kind::Box { half_size: b }) => {
+            boxes::collide(a, b, a_in_b, reach)
+        }
+        (Kind::Sphere { radius }, _) => round::sphere(radius, b, a_in_b, reach).unwrap_or_default(),
+        (
+            Kind::Capsule { radius, half_height },
+            Kind::Capsule { radius: other, half_height: other_half },
+        ) => round::capsules([radius, half_height], [other, other_half], a_in_b, reach)
+            .unwrap_or_default(),
+        (Kind::Capsule { radius, half_height }, Kind::Box { half_size }) => {
+            rod::collide([radius, half_height], half_size, a_in_b, reach).unwrap_or_default()
+        }
+        _ => convex::collide(a, b, a_in_b, reach, scratch).unwrap_or_default(),
+    };
+    if found.is_sound() {
+        out(&found);
+    }
+}
+
+/// Which of two is the first: what is simpler, and what can move before what cannot.
+fn rank(kind: Kind) -> u8 {
+    match kind {
+        Kind::Sphere { .. } => 0,
+        Kind::Capsule { .. } => 1,
+        Kind::Box { .. } => 2,
+        Kind::Cylinder { .. } => 3,
+        Kind::Hull(..) => 4,
+        Kind::HalfSpace => 5,
+        Kind::Mesh => 6,
+        Kind::HeightField => 7,
+    }
+}
+
+/// Where the second is, seen from the first.
+fn inverse(frame: &Frame) -> Frame {
+    Frame { translation: -frame.turn_back(frame.translation), rotation: frame.rotation.transpose() }
+}

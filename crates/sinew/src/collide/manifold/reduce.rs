@@ -1,0 +1,99 @@
+//! Of many points of contact, the four that hold as well: a solver's work is proportional to their number.
+
+use glam::Vec3;
+
+use super::{Manifold, Point};
+
+/// Numbers of points, four at most.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Chosen {
+    list: [usize; 4],
+    len: usize,
+}
+
+impl Chosen {
+    fn push(&mut self, i: usize) {
+        self.list[self.len] = i;
+        self.len += 1;
+    }
+
+    pub(super) fn as_slice(&self) -> &[usize] {
+        &self.list[..self.len]
+    }
+}
+
+/// Chooses among `count` points those within reach; of more than four: the deepest, the one farthest from it, and on both sides of the line between them
+/// the one that spans the largest triangle with it. Of equals the first.
+#[inline(always)]
+pub(super) fn choose(
+    count: usize,
+    reach: f32,
+    normal: Vec3,
+    distance: impl Fn(usize) -> f32,
+    place: impl Fn(usize) -> Vec3,
+) -> Chosen {
+    let (mut chosen, mut within) = (Chosen::default(), 0);
+    let (mut least, mut deepest) = (f32::INFINITY, 0);
+    for i in 0..count {
+        let d = distance(i);
+        if d > reach {
+            continue;
+        }
+        if within < 4 {
+            chosen.push(i);
+        }
+        within += 1;
+        if d < least {
+            (least, deepest) = (d, i);
+        }
+    }
+    if within <= 4 {
+        return chosen;
+    }
+    let origin = place(deepest);
+    let (mut most, mut farthest) = (0.0, deepest);
+    for i in 0..count {
+        let squared = (place(i) - origin).length_squared();
+        if squared > most && distance(i) <= reach {
+            (most, farthest) = (squared, i);
+        }
+    }
+    chosen = Chosen::default();
+    chosen.push(deepest);
+    if farthest == deepest {
+        return chosen;
+    }
+    chosen.push(farthest);
+    let across = normal.cross(place(farthest) - origin);
+    // What spans less than a millionth of a square with the line adds nothing to it.
+    let flat = 1e-6 * most;
+    let (mut sides, mut ends) = ([-flat, flat], [deepest; 2]);
+    for i in 0..count {
+        let area = across.dot(place(i) - origin);
+        if distance(i) > reach {
+            continue;
+        }
+        if area < sides[0] {
+            (sides[0], ends[0]) = (area, i);
+        }
+        if area > sides[1] {
+            (sides[1], ends[1]) = (area, i);
+        }
+    }
+    for end in ends {
+        if end != deepest {
+            chosen.push(end);
+        }
+    }
+    chosen
+}
+
+/// A manifold of those of some points that [`choose`] chooses.
+pub(super) fn reduced(normal: Vec3, reach: f32, points: &[Point]) -> Manifold {
+    let chosen = choose(points.len(), reach, normal, |i| points[i].distance, |i| points[i].on_b);
+    let mut manifold = Manifold::new(normal);
+    for &i in chosen.as_slice() {
+        manifold.push(points[i]);
+    }
+    manifold
+}

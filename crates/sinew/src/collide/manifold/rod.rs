@@ -1,0 +1,181 @@
+//! Capsule and box: the capsule's axis is a box without width, so what may separate them is along the box's normals and the products of its edges
+//! with that axis.
+
+use glam::Vec3;
+use smallvec::SmallVec;
+
+use super::reduce::reduced;
+use super::round::{limit, rim};
+use super::{Frame, Manifold, Point};
+
+/// A capsule `[radius, half height]` and a box, metres. Two points where the capsule lies along a face or an edge.
+pub(super) fn collide(
+    [radius, half_height]: [f32; 2],
+    half_size: Vec3,
+    a_in_b: &Frame,
+    reach: f32,
+) -> Option<Manifold> {
+    let rod = Rod {
+        centre: a_in_b.translation,
+        axis: a_in_b.rotation.y_axis,
+        half: half_height,
+        size: half_size,
+    };
+    let (mut normal, apart) = rod.separate(radius + reach)?;
+    let (mut along, mut on_box) = (0.0, Vec3::ZERO);
+    // A separation that is not above rounding says nothing about where the nearest points are.
+    let outside = apart > 1e-5 * (half_size.max_element() + half_height);
+    if outside {
+        (along, on_box) = rod.nearest();
+        let between = rod.at(along) - on_box;
+        let length = between.length();
+        if length > radius + reach {
+            return None;
+        }
+        normal = between / length.max(f32::MIN_POSITIVE);
+    }
+    let point = |along: f32, q: Vec3| {
+        let p = rod.at(along) + rim(rod.axis, along, half_height, -normal) * radius;
+        Point { on_a: a_in_b.local(p), on_b: q, distance: (p - q).dot(normal) }
+    };
+    let mut points: SmallVec<[Point; 4]> = SmallVec::new();
+    // Within 8° of along the surface, one point would let it roll; and the second is not far off.
+    if rod.axis.dot(normal).abs() < 0.14 {
+        for (along, q) in rod.line(normal) {
+            points.push(point(along, q));
+        }
+    }
+    if outside && points.is_empty() {
+        points.push(point(along, on_box));
+    } else if points.iter().all(|point| point.distance > reach) {
+        let (along, q) = if outside { (along, on_box) } else { rod.deepest(normal) };
+        points.clear();
+        points.push(point(along, q));
+    }
+    Some(reduced(normal, reach, &points)).filter(|manifold| manifold.len > 0)
+}
+
+/// A capsule's axis beside a box, in the coordinates of the box.
+struct Rod {
+    centre: Vec3,
+    axis: Vec3,
+    half: f32,
+    /// Half size of the box.
+    size: Vec3,
+}
+
+impl Rod {
+    /// A point of the axis.
+    fn at(&self, along: f32) -> Vec3 {
+        self.centre + self.axis * along
+    }
+
+    /// The direction in which axis and box are farthest apart, or overlap least, from the box outwards, and by how much; nothing beyond `reach`.
+    fn separate(&self, reach: f32) -> Option<(Vec3, f32)> {
+        let Self { centre, axis, half, size } = self;
+        let (mut best, mut most) = (Vec3::Y, f32::NEG_INFINITY);
+        for i in 0..3 {
+            let apart = centre[i].abs() - size[i] - half * axis[i].abs();
+            if apart > most {
+                (best, most) = (Vec3::AXES[i] * 1.0_f32.copysign(centre[i]), apart);
+            }
+        }
+        // As between boxes, a face comes first.
+        let mut needed = most + 2e-3 * size.min_element() + 0.03 * most.abs();
+        for edge in Vec3::AXES {
+            let product = edge.cross(*axis);
+            let length = product.length();
+            if length < 1e-3 {
+                continue;
+            }
+            let product = product / length;
+            let along = centre.dot(product);
+            let apart = along.abs() - size.dot(product.abs());
+            if apart > needed {
+                (best, most) = (if along < 0.0 { -product } else { product }, apart);
+                needed = apart;
+            }
+        }
+        (most <= reach && centre.is_finite()).then_some((best, most))
+    }
+
+    /// The nearest points of axis and box, which are apart: a place along the axis, and a point of the box.
+    ///
+    /// Either an end of the axis is one, or a corner of the box, or it is between the axis and one of the twelve edges.
+    fn nearest(&self) -> (f32, Vec3) {
+        let Self { centre, axis, half, size } = self;
+        let (mut least, mut best) = (f32::INFINITY, (0.0, Vec3::ZERO));
+        let mut take = |along: f32, q: Vec3| {
+            let squared = (self.at(along) - q).length_squared();
+            if squared < least {
+                (least, best) = (squared, (along, q));
+            }
+        };
+        for along in [-half, *half] {
+            take(along, self.at(along).clamp(-*size, *size));
+        }
+        for i in 0..3 {
+            let square = 1.0 - axis[i] * axis[i];
+            for (first, second) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
+                let mut q = Vec3::ZERO;
+                (q[(i + 1) % 3], q[(i + 2) % 3]) =
+                    (first * size[(i + 1) % 3], second * size[(i + 2) % 3]);
+                let d = centre - q;
+                let along = d.dot(*axis);
+                // Where they are parallel, any place will do: the ends and the corners are looked at too.
+                let s = if square > 1e-6 { (d[i] - axis[i] * along) / square } else { 0.0 };
+                let u = limit(axis[i] * limit(s, size[i]) - along, *half);
+                q[i] = limit(d[i] + u * axis[i], size[i]);
+                take(u, q);
+            }
+        }
+        (best.0, best.1)
+    }
+
+    /// The axis along the box's surface: where it comes above the face or edge that looks along `normal`, and where it leaves it.
+    fn line(&self, normal: Vec3) -> SmallVec<[(f32, Vec3); 2]> {
+        let Self { centre, axis, half, size } = self;
+        let (mut from, mut to) = (-half, *half);
+        for i in 0..3 {
+            // Across the surface there is nothing to be above of.
+            if normal[i].abs() > 0.1 {
+                continue;
+            }
+            if axis[i].abs() > 1e-6 {
+                let ends = [-size[i], size[i]].map(|side| (side - centre[i]) / axis[i]);
+                from = from.max(ends[0].min(ends[1]));
+                to = to.min(ends[0].max(ends[1]));
+            } else if centre[i].abs() > size[i] {
+                return SmallVec::new();
+            }
+        }
+        // Less than a hundredth of the axis is a point.
+        if to - from < 0.01 * half {
+            return SmallVec::new();
+        }
+        // Pushed out onto the sides that look along the normal.
+        [from, to]
+            .into_iter()
+            .map(|along| {
+                let mut q = self.at(along).clamp(-*size, *size);
+                for i in 0..3 {
+                    if normal[i].abs() > 0.1 {
+                        q[i] = size[i].copysign(normal[i]);
+                    }
+                }
+                (along, q)
+            })
+            .collect()
+    }
+
+    /// The lowest place of an axis that is in the box, along a direction out of it, and the point of the surface there.
+    fn deepest(&self, normal: Vec3) -> (f32, Vec3) {
+        let Self { axis, half, size, .. } = self;
+        let slope = axis.dot(normal);
+        let along = if slope.abs() > 1e-3 { -half.copysign(slope) } else { 0.0 };
+        let p = self.at(along);
+        // On the plane of the face or edge that looks that way.
+        let out = size.dot(normal.abs()) - p.dot(normal);
+        (along, p + normal * out)
+    }
+}

@@ -1,0 +1,43 @@
+//! Contacts (physics.md C10): what may not pass through what, with friction and restitution.
+//!
+//! | file | what it is |
+//! |---|---|
+//! | `shape` | plane, sphere, capsule, box, cylinder, hull, mesh, heightfield: made and measured with `parry3d` |
+//! | `frame` | where something rigid is |
+//! | `material` | friction, restitution, layers; what a body asks for |
+//! | `collider` | shapes that stand still or that the game moves |
+//! | `bounds` | planes and boxes that hold every particle |
+//! | `touch` | single particles against colliders |
+//! | `pairs` | particles against particles: a grid, and what is near enough in it |
+//! | `manifold` | where two shapes touch |
+//! | `solids` | compounds that collide by their shape |
+//! | `friction` | Coulomb's law in positions |
+//! | `stage` | all of it in its order |
+//! | `impact` | what has touched what, for the report |
+
+mod bounds;
+mod collider;
+mod frame;
+mod friction;
+mod impact;
+mod manifold;
+mod material;
+mod pairs;
+mod shape;
+mod solids;
+mod stage;
+mod touch;
+
+pub use collider::Collider;
+pub use frame::Frame;
+pub use impact::{Impact, Party};
+pub use material::{BodyContacts, Combine, Grip, Layers, Material};
+pub use shape::{Nearest, RayHit, Shape, ShapeFault};
+pub use solids::{Solid, SolidFault};
+
+pub(crate) use impact::Impacts;
+pub(crate) use manifold::{Broad, Scratch as ManifoldScratch, collide};
+pub(crate) use pairs::Pairs;
+pub(crate) use solids::Solids;
+pub(crate) use stage::{Contacts, World};
+pub(crate) use touch::{Pressed, Presses, Touch};

@@ -1,0 +1,173 @@
+//! Particles against particles: ropes, cloth and soft bodies against each other and against themselves.
+//!
+//! | file | what it is |
+//! |---|---|
+//! | `members` | who takes part, where each was when it was looked at, and how far it may go before it must be looked at again |
+//! | `outrun` | whether somebody went further |
+//! | `grid` | which two are near each other: cells, by counting sort |
+//! | `near` | those that may come to touch, in colours, eight to a block |
+//! | `solve` | the blocks, eight pairs at a time |
+//! | `swept` | the pairs that eight at a time are not for: coincident ones, and fast ones |
+//! | `bounce` | restitution, and what is told |
+//!
+//! # How it goes
+//!
+//! [`find`](Pairs::find) runs once a step. It lists every two particles that are nearer than their radii and two margins; a margin is a share of the radius. In each
+//! substep [`project`](Pairs::project) first asks whether any particle has gone further than its margin, after taking off what all (or all of its body) did alike,
+//! and if so looks again. Then each pair that overlaps is pushed apart once, as a constraint is (physics.md C10), with Coulomb friction.
+//!
+//! # The order, and what it depends on
+//!
+//! Pairs are sorted by their rows and coloured in that order, so that no two of a colour share a particle; colours follow each other. That makes the result a
+//! function of positions and of the order of the rows alone, not of the grid, the threads or the instructions.
+//! Particles that touch nothing of a heap change no bit of it as long as they do not make it look again.
+//!
+//! # What cannot happen, and what can
+//!
+//! Two particles that were apart when a substep began do not pass through each other in it, however fast they are: where one moves by more than a quarter of its
+//! radius in a substep (beside what all do), the pair is stopped where it first touches, against the direction in which it does. A pair stopped so is
+//! looked at twice more when all others have been solved.
+//!
+//! A layer of cloth lets no particle through as long as the gaps between its particles are narrower than they are: in a square lattice of spacing `s` that is a
+//! radius above `s/√8 = 0.354 s`, in one of equal triangles above `s/√12 = 0.289 s`. A crossing is then a way through some pair of particles, and is
+//! stopped with that. What is *not* known from particles is on which side a particle belongs: one that starts on the wrong side, or that is pressed
+//! so hard that the overlap at the start of a substep is more than the gap leaves (a quarter of the distance in a square lattice), stays where it got to. Wider meshes
+//! need their triangles.
+
+mod bounce;
+mod grid;
+mod members;
+mod near;
+mod outrun;
+mod solve;
+mod swept;
+#[cfg(test)]
+mod tests;
+
+use glam::Vec3;
+
+use super::{BodyContacts, Impacts};
+use crate::lanes::{InstructionSet, with};
+use crate::particles::Particles;
+
+use bounce::{Bounce, Hit, Touched};
+use grid::{Grid, Search};
+use members::Members;
+use near::Near;
+use outrun::Outrun;
+use solve::Sweep;
+use swept::Stop;
+
+/// Contacts between particles: scratch of a step, and nothing of it outlives the next [`find`](Self::find).
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Pairs {
+    /// Which instructions are used; all give the same bits.
+    pub(crate) instructions: InstructionSet,
+    members: Members,
+    outrun: Outrun,
+    grid: Grid,
+    near: Near,
+    /// Of this substep: blocks in which some touched.
+    touched: Vec<Touched>,
+    /// The same: those that were treated one by one, and those that are told.
+    hits: Vec<Hit>,
+    /// Of this substep: fast pairs, and where they were stopped.
+    stops: Vec<Stop>,
+    /// Of this step: what is told.
+    told: Vec<Hit>,
+    /// How often it looked in this step.
+    looks: u32,
+}
+
+impl Pairs {
+    /// Lists what may come to touch in a step of `dt` seconds.
+    ///
+    /// `contacts` says for each body how it takes part; a body beyond its end, and a particle of none, does not. `rest` has where each particle is in the rest
+    /// shape of its body, metres; it may be empty, and NaN says that it has no such place. Rows that are marked in `solid` take no part; it may be empty,
+    /// too. Neither do particles without a radius, nor any that is not finite or is more than 1e15 m away from the first.
+    pub(crate) fn find(
+        &mut self,
+        particles: &Particles,
+        contacts: &[BodyContacts],
+        rest: &[Vec3],
+        solid: &[bool],
+        dt: f32,
+    ) {
+        self.told.clear();
+        self.hits.clear();
+        self.touched.clear();
+        self.looks = 0;
+        self.members.take(particles, contacts, rest, solid, dt);
+        if self.is_empty() {
+            self.near.clear();
+            return;
+        }
+        self.look(particles, false);
+    }
+
+    /// Whether nobody takes part.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.members.rows.len() < 2
+    }
+
+    /// Pushes apart what overlaps or would have passed through each other, in a substep of `h` seconds whose start is in the particles. Returns the greatest overlap that it
+    /// met, metres.
+    pub(crate) fn project(&mut self, particles: &mut Particles, h: f32) -> f32 {
+        self.hits.clear();
+        self.touched.clear();
+        self.stops.clear();
+        // Rows that came or went since would make the lists name others.
+        if self.is_empty() || self.members.last() >= particles.len() {
+            return 0.0;
+        }
+        if self.members.expired || self.outrun.is_outrun(&self.members, particles) {
+            self.look(particles, true);
+        }
+        let swift = self.outrun.is_swift(&self.members, particles);
+        let Self { near, members, touched, hits, stops, .. } = self;
+        let bodies = &members.bodies[..];
+        let sweep = Sweep { near, bodies, particles, swift, h, touched, hits, stops };
+        let worst = with(self.instructions, sweep);
+        for _ in 0..AGAIN {
+            for stop in &self.stops {
+                stop.hold(particles);
+            }
+        }
+        worst
+    }
+
+    /// Gives those that met in the substep of `h` seconds the velocity that they bounce off with, where their materials ask for it. To be called when velocities have
+    /// been derived; `gravity` is its size, m/s².
+    pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
+        let least = 2.0 * gravity * h;
+        let (touched, blocks) = (&mut self.touched[..], &self.near.blocks[..]);
+        let velocity = &mut particles.velocity[..];
+        with(self.instructions, Bounce { touched, blocks, velocity, least, h });
+        for hit in &mut self.hits {
+            hit.bounce(particles, &self.touched, least);
+        }
+        self.told.extend(self.hits.iter().filter(|hit| hit.told));
+    }
+
+    /// Tells what has touched what in the step, where a body asked for it.
+    pub(crate) fn report(&self, impacts: &mut Impacts) {
+        for hit in &self.told {
+            hit.tell(impacts);
+        }
+    }
+
+    /// Looks where everybody is, and who is near whom; at the beginning of a step, or within a substep that has been predicted.
+    fn look(&mut self, particles: &Particles, within: bool) {
+        let Self { members, outrun, grid, near, .. } = self;
+        members.place(particles, within);
+        outrun.begin(members);
+        grid.fill(members);
+        near.clear();
+        with(self.instructions, Search { grid, members, near });
+        near.colour(members);
+        self.looks += 1;
+    }
+}
+
+/// How often pairs that were stopped are looked at again: what pushed one of the two back meanwhile is mostly its neighbour, and that one's neighbour.
+const AGAIN: usize = 2;

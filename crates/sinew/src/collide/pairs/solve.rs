@@ -1,0 +1,207 @@
+//! The blocks, eight pairs at a time: each pair that overlaps is pushed apart, and held back from sliding.
+//!
+//! With `d = p_a - p_b`, `n = d/‖d‖`, the least distance `r` and inverse masses `w`, the overlap `δ = r - ‖d‖` is taken away as any distance is (physics.md C1, C10):
+//!
+//! ```text
+//! p_a += w_a/(w_a + w_b) δ n        p_b -= w_b/(w_a + w_b) δ n
+//! ```
+//!
+//! which moves neither the barycentre nor turns anything about it. Since the substep began the two have slid past each other by `t = D - (D·n) n`, where `D` is the change of `d`;
+//! where that is no more than friction holds, `‖t‖ ≤ μ δ` (F8), all of it is taken back by the same weights, and nothing slides. Otherwise it slides, and `bounce` takes from its
+//! velocity what friction may.
+
+use glam::{Vec3, Vec4};
+
+use super::super::BodyContacts;
+use super::bounce::{Hit, Touched};
+use super::near::{Block, NO_OFFSET, Near};
+use super::swept::{Pair, Stop};
+use crate::lanes::{LANES, Lanes, Vector, Work};
+use crate::particles::Particles;
+
+/// One sweep over all blocks; what comes of it is the greatest overlap that it met, metres.
+pub(super) struct Sweep<'a> {
+    pub(super) near: &'a Near,
+    pub(super) bodies: &'a [BodyContacts],
+    pub(super) particles: &'a mut Particles,
+    /// Whether somebody is so fast that pairs must be asked for the way that they came.
+    pub(super) swift: bool,
+    /// Length of the substep, seconds.
+    pub(super) h: f32,
+    pub(super) touched: &'a mut Vec<Touched>,
+    pub(super) hits: &'a mut Vec<Hit>,
+    pub(super) stops: &'a mut Vec<Stop>,
+}
+
+/// The share of the least distance that a pair may move by, each against the other, before the way that it came counts.
+const HALF: f32 = 0.5;
+
+/// A pair this near, as a share of its least distance, has no direction worth the name.
+const COINCIDENT: f32 = 1e-6;
+
+impl Work for Sweep<'_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) -> f32 {
+        let near = self.near;
+        let mut worst = L::zero();
+        let mut rest = 0.0_f32;
+        for (number, block) in near.blocks.iter().enumerate() {
+            let Met { overlap, hit, rare, normal } = self.take::<L>(block, number as u32);
+            if hit | rare == 0 {
+                continue;
+            }
+            worst = overlap.max(worst);
+            if hit & block.told != 0 {
+                self.note(block, hit & block.told, overlap, normal);
+            }
+            if rare != 0 {
+                rest = rest.max(self.treat(block, rare));
+            }
+        }
+        worst.largest(rest)
+    }
+}
+
+/// What a block came to.
+struct Met<L> {
+    /// Metres; zero where there is none.
+    overlap: L,
+    /// Which overlapped, and are done.
+    hit: u32,
+    /// Which are to be treated one by one.
+    rare: u32,
+    normal: Vector<L>,
+}
+
+impl Sweep<'_> {
+    #[inline(always)]
+    fn take<L: Lanes>(&mut self, block: &Block, number: u32) -> Met<L> {
+        let [rows_a, rows_b] = &block.rows;
+        let (a, w_a) = Vector::of(L::rows(&self.particles.position, rows_a));
+        let (b, w_b) = Vector::of(L::rows(&self.particles.position, rows_b));
+        let zero = L::zero();
+        let mut offset = Vector::new(zero, zero, zero);
+        if block.offset != NO_OFFSET {
+            let [x, y, z] = &self.near.offsets[block.offset as usize];
+            offset = Vector::new(L::load(x), L::load(y), L::load(z));
+        }
+        let d = (a - b) + offset;
+        let reach = L::load(&block.reach);
+        let (squared, reach_squared) = (d.length_squared(), reach * reach);
+        let mut hit = squared.lt(reach_squared);
+        let mut rare = 0;
+        if self.swift {
+            let moved = d - self.began(block, offset);
+            let fast = (reach_squared * L::splat(HALF * HALF)).lt(moved.length_squared());
+            rare = fast.bits();
+            hit = fast.select(zero, hit);
+        }
+        let none = Met { overlap: zero, hit: 0, rare, normal: d };
+        if !hit.any() {
+            return none;
+        }
+        let coincident = squared.le(reach_squared * L::splat(COINCIDENT * COINCIDENT)).and(hit);
+        rare |= coincident.bits();
+        hit = coincident.select(zero, hit);
+        let distance = squared.sqrt();
+        if !hit.any() {
+            return Met { rare, ..none };
+        }
+        let n = d * (L::splat(1.0) / distance);
+        let overlap = reach - distance;
+        let moved = d - self.began(block, offset);
+        let slid = moved - n * n.dot(moved);
+        let length = slid.length();
+        let most = L::load(&block.friction) * overlap;
+        let held = length.le(most).and(L::splat(1.0));
+        let apart = (n * overlap - slid * held) * (L::splat(1.0) / (w_a + w_b));
+        let (a, b) = ((a + apart * w_a).or_else(hit, a), (b - apart * w_b).or_else(hit, b));
+        L::put_rows(&mut self.particles.position, rows_a, a.with(w_a));
+        L::put_rows(&mut self.particles.position, rows_b, b.with(w_b));
+        self.touched.push(Touched {
+            block: number,
+            normal: [n.x, n.y, n.z].map(|x| hit.and(x).array()),
+            parting: n.dot(self.velocity(block)).array(),
+            weights: [w_a.array(), w_b.array()],
+            impulse: most.array(),
+        });
+        Met { overlap: hit.and(overlap), hit: hit.bits(), rare, normal: n }
+    }
+
+    /// What `d` was when the substep began.
+    #[inline(always)]
+    fn began<L: Lanes>(&self, block: &Block, offset: Vector<L>) -> Vector<L> {
+        let (a, _) = Vector::of(L::rows(&self.particles.start, &block.rows[0]));
+        let (b, _) = Vector::of(L::rows(&self.particles.start, &block.rows[1]));
+        (a - b) + offset
+    }
+
+    /// The relative velocity that led here.
+    #[inline(always)]
+    fn velocity<L: Lanes>(&self, block: &Block) -> Vector<L> {
+        let (a, _) = Vector::of(L::rows(&self.particles.velocity, &block.rows[0]));
+        let (b, _) = Vector::of(L::rows(&self.particles.velocity, &block.rows[1]));
+        a - b
+    }
+
+    /// Notes those that are to be told.
+    #[inline(always)]
+    fn note<L: Lanes>(&mut self, block: &Block, which: u32, overlap: L, normal: Vector<L>) {
+        let overlaps = overlap.array();
+        let (x, y, z) = (normal.x.array(), normal.y.array(), normal.z.array());
+        for lane in 0..block.count as usize {
+            if which & (1 << lane) != 0 {
+                let rows = [block.rows[0][lane], block.rows[1][lane]];
+                let place = Some((self.touched.len() - 1, lane));
+                self.hit(rows, (Vec3::new(x[lane], y[lane], z[lane]), overlaps[lane]), place);
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn hit(&mut self, rows: [u32; 2], how: (Vec3, f32), place: Option<(usize, usize)>) {
+        let hit = Hit::new(self.particles, self.bodies, rows, how, place, self.h);
+        self.hits.push(hit);
+    }
+
+    /// One by one, and returns the greatest overlap, metres.
+    #[inline(never)]
+    fn treat(&mut self, block: &Block, which: u32) -> f32 {
+        let mut worst = 0.0_f32;
+        for lane in 0..block.count as usize {
+            if which & (1 << lane) == 0 {
+                continue;
+            }
+            let pair = pair_of(block, lane, &self.near.offsets);
+            let Some((normal, overlap, stopped)) = pair.treat(self.particles) else { continue };
+            worst = worst.max(overlap);
+            if stopped {
+                self.stops.push(Stop { pair, normal });
+            }
+            self.hit(pair.rows, (normal, overlap), None);
+        }
+        worst
+    }
+}
+
+fn pair_of(block: &Block, lane: usize, offsets: &[[[f32; LANES]; 3]]) -> Pair {
+    let offset = offsets.get(block.offset as usize);
+    Pair {
+        rows: [block.rows[0][lane], block.rows[1][lane]],
+        offset: offset.map_or(Vec3::ZERO, |[x, y, z]| Vec3::new(x[lane], y[lane], z[lane])),
+        reach: block.reach[lane],
+        friction: block.friction[lane],
+    }
+}
+
+/// The places of two, to be changed: `[x y z w]`.
+pub(super) fn shift(position: &mut [Vec4], rows: [u32; 2], apart: Vec3) {
+    let [a, b] = rows.map(|row| row as usize);
+    let (w_a, w_b) = (position[a].w, position[b].w);
+    // Two that nothing moves are no pair.
+    let each = apart / (w_a + w_b);
+    position[a] += (each * w_a).extend(0.0);
+    position[b] -= (each * w_b).extend(0.0);
+}

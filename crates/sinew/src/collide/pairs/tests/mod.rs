@@ -1,0 +1,162 @@
+//! A small world with nothing in it but particles, rods and a box, and what pairs do in it.
+
+mod cloth;
+mod found;
+mod heap;
+mod order;
+mod speed;
+mod two;
+
+use glam::{Vec3, Vec4};
+
+use super::Pairs;
+use crate::collide::{BodyContacts, Material};
+use crate::integrate::{Derive, Integrator, derive, predict};
+use crate::lanes::InstructionSet;
+use crate::particles::{ParticleSeed, Particles};
+use crate::solve::Machine;
+
+/// Particles, and what is done with them in a step.
+#[derive(Clone, Default)]
+struct World {
+    particles: Particles,
+    contacts: Vec<BodyContacts>,
+    rest: Vec<Vec3>,
+    pairs: Pairs,
+    gravity: Vec3,
+    /// Rows, and their distance, metres.
+    rods: Vec<(u32, u32, f32)>,
+    /// Corners of a box that holds all, with a coefficient of friction.
+    room: Option<(Vec3, Vec3, f32)>,
+    /// How often it looked.
+    looks: u32,
+    /// Seconds that pairs took.
+    spent: f64,
+}
+
+/// Substeps of a step.
+const SUBSTEPS: u32 = 10;
+
+impl World {
+    /// Adds a particle of a body.
+    fn push(&mut self, seed: ParticleSeed, body: u32) -> usize {
+        let row = self.particles.push(seed).unwrap() as usize;
+        self.particles.set_body(row, Some(body));
+        row
+    }
+
+    fn find(&mut self, dt: f32) {
+        let Self { particles, contacts, rest, pairs, .. } = self;
+        pairs.find(particles, contacts, rest, &[], dt);
+    }
+
+    /// A step of `dt` seconds; returns the greatest overlap that was met, metres.
+    fn step(&mut self, dt: f32) -> f32 {
+        self.find(dt);
+        let h = dt / SUBSTEPS as f32;
+        let mut worst = 0.0_f32;
+        for _ in 0..SUBSTEPS {
+            worst = worst.max(self.substep(h));
+        }
+        self.looks += self.pairs.looks;
+        worst
+    }
+
+    fn substep(&mut self, h: f32) -> f32 {
+        let machine = Machine { instructions: InstructionSet::best(), workers: None };
+        let Self { particles, pairs, .. } = self;
+        particles.clear_sums(0.0);
+        particles.accelerate_all(self.gravity);
+        predict(particles, Integrator::Verlet, h, machine);
+        for &(a, b, length) in &self.rods {
+            pull(particles, a as usize, b as usize, length);
+        }
+        if let Some(room) = self.room {
+            (0..particles.len()).for_each(|i| hold(particles, i, room));
+        }
+        let began = std::time::Instant::now();
+        let worst = pairs.project(particles, h);
+        self.spent += began.elapsed().as_secs_f64();
+        let Particles { position, start, velocity, .. } = particles;
+        derive(Derive { position, start, velocity, h, lag: h }, machine);
+        pairs.bounce(particles, h, self.gravity.length());
+        worst
+    }
+
+    /// Kinetic energy, J.
+    fn energy(&self) -> f64 {
+        self.sum(|m, _, v| 0.5 * m * v.as_dvec3().length_squared())
+    }
+
+    fn momentum(&self) -> [f64; 3] {
+        [0, 1, 2].map(|k| self.sum(|m, _, v| m * f64::from(v[k])))
+    }
+
+    fn angular_momentum(&self) -> [f64; 3] {
+        let turn = |p: Vec3, v: Vec3| p.as_dvec3().cross(v.as_dvec3());
+        [0, 1, 2].map(|k| self.sum(|m, p, v| m * turn(p, v)[k]))
+    }
+
+    fn sum(&self, of: impl Fn(f64, Vec3, Vec3) -> f64) -> f64 {
+        let loose = (0..self.particles.len()).filter(|&i| self.particles.inverse_mass(i) > 0.0);
+        loose
+            .map(|i| {
+                let mass = f64::from(self.particles.mass(i));
+                of(mass, self.particles.position(i), self.particles.velocity(i))
+            })
+            .sum()
+    }
+}
+
+/// A body that touches itself and others.
+fn sociable(friction: f32, restitution: f32) -> BodyContacts {
+    let material = Material { friction, restitution, ..Default::default() };
+    BodyContacts { material, with_bodies: true, with_itself: true, ..Default::default() }
+}
+
+fn pull(particles: &mut Particles, a: usize, b: usize, length: f32) {
+    let d = particles.separation(a, b);
+    let weights = particles.inverse_mass(a) + particles.inverse_mass(b);
+    let now = d.length();
+    if now > 0.0 && weights > 0.0 {
+        let each = d * ((length - now) / now / weights);
+        let (w_a, w_b) = (particles.inverse_mass(a), particles.inverse_mass(b));
+        particles.displace(a, each * w_a);
+        particles.displace(b, -each * w_b);
+    }
+}
+
+/// Puts a particle into a box, with friction on its walls.
+fn hold(particles: &mut Particles, i: usize, (low, high, friction): (Vec3, Vec3, f32)) {
+    let (at, r) = (particles.position(i), particles.radius(i));
+    let out = at.clamp(low + r, high - r) - at;
+    let depth = out.length();
+    if particles.inverse_mass(i) == 0.0 || depth == 0.0 {
+        return;
+    }
+    let n = out / depth;
+    let moved = (particles.position[i] - particles.start[i]).truncate() + out;
+    let slid = moved - n * n.dot(moved);
+    let back = super::super::friction::friction(slid, depth, friction);
+    particles.position[i] += (out + back).extend(0.0);
+}
+
+/// Numbers that are the same in every run.
+struct Random(u64);
+
+impl Random {
+    /// From -1 to 1.
+    fn next(&mut self) -> f32 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 40) as f32 / (1_u64 << 23) as f32 - 1.0
+    }
+
+    fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.next(), self.next(), self.next())
+    }
+}
+
+fn bits(columns: &[Vec4]) -> Vec<[u32; 4]> {
+    columns.iter().map(|v| v.to_array().map(f32::to_bits)).collect()
+}

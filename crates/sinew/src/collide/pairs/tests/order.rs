@@ -1,0 +1,104 @@
+//! What the result depends on: positions and the order of rows, and neither instructions, nor where in the world it is, nor who else is there.
+
+use glam::Vec3;
+
+use super::heap::heap;
+use super::{World, bits, sociable};
+use crate::lanes::InstructionSet;
+use crate::particles::ParticleSeed;
+
+const DT: f32 = 1.0 / 60.0;
+
+/// A cluster of balls that fall together, with everything: friction, bounces, fast ones.
+fn cluster(world: &mut World, at: Vec3, body: u32, row: impl Fn(usize) -> bool) -> Vec<usize> {
+    let heap = heap(150, 5, 0.5);
+    let mut rows = Vec::new();
+    for i in 0..heap.particles.len() {
+        let mut seed = heap.particles.seed(i);
+        seed.velocity = -seed.position * 3.0;
+        if i % 29 == 0 {
+            seed.velocity *= 40.0;
+        }
+        seed.position += at;
+        seed.radius = 0.0235;
+        if row(i) {
+            // Somebody unrelated comes in between.
+            world.push(
+                ParticleSeed::at(at * 3.0 + Vec3::X * (world.particles.len() - rows.len()) as f32)
+                    .with_radius(0.02),
+                body,
+            );
+        }
+        rows.push(world.push(seed, body));
+    }
+    rows
+}
+
+fn places(world: &World, rows: &[usize]) -> Vec<[[u32; 4]; 2]> {
+    let (p, v) = (bits(&world.particles.position), bits(&world.particles.velocity));
+    rows.iter().map(|&row| [p[row], v[row]]).collect()
+}
+
+fn run(world: &mut World, steps: u32) {
+    for _ in 0..steps {
+        world.step(DT);
+    }
+}
+
+fn contacts() -> World {
+    World { contacts: vec![sociable(0.4, 0.3); 2], ..Default::default() }
+}
+
+#[test]
+fn all_instructions_give_the_same_bits() {
+    let results =
+        [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2].map(|set| {
+            let mut world = contacts();
+            let rows = cluster(&mut world, Vec3::ONE, 0, |_| false);
+            world.pairs.instructions = set;
+            run(&mut world, 20);
+            assert!(world.looks > 40, "there are fast ones: {}", world.looks);
+            places(&world, &rows)
+        });
+    assert_eq!(results[0], results[1]);
+    assert_eq!(results[0], results[2]);
+}
+
+#[test]
+fn unrelated_ones_change_no_bit_wherever_their_rows_are() {
+    // The same ten of them, between, before and after the others.
+    let [one, two, three] =
+        [|i: usize| i % 15 == 3, |i: usize| i < 10, |i: usize| i > 139].map(|which| {
+            let mut world = contacts();
+            let rows = cluster(&mut world, Vec3::ONE * 0.25, 0, which);
+            assert_eq!(world.particles.len(), rows.len() + 10);
+            run(&mut world, 15);
+            places(&world, &rows)
+        });
+    assert!(one == two && one == three, "a bit has changed");
+}
+
+#[test]
+fn five_kilometres_away_it_is_the_same_to_the_bit() {
+    let run_at = |offset: Vec3| {
+        let mut world = contacts();
+        let rows = cluster(&mut world, Vec3::ZERO, 0, |_| false);
+        for origin in &mut world.particles.origin {
+            *origin += offset;
+        }
+        run(&mut world, 15);
+        places(&world, &rows)
+    };
+    assert!(run_at(Vec3::ZERO) == run_at(Vec3::new(5000.0, -3000.0, 4000.0)));
+}
+
+#[test]
+fn neither_what_was_before_nor_a_copy_makes_a_difference() {
+    let mut world = contacts();
+    let rows = cluster(&mut world, Vec3::ZERO, 0, |_| false);
+    run(&mut world, 7);
+    let mut fresh = World { pairs: Default::default(), ..world.clone() };
+    run(&mut world, 7);
+    run(&mut fresh, 7);
+    assert!(places(&world, &rows) == places(&fresh, &rows));
+}

@@ -1,0 +1,186 @@
+//! What two particles do to each other, against what mechanics says.
+
+use glam::Vec3;
+
+use super::{World, sociable};
+use crate::particles::ParticleSeed;
+
+const DT: f32 = 1.0 / 60.0;
+
+fn ball(at: Vec3, velocity: Vec3) -> ParticleSeed {
+    ParticleSeed::at(at).with_radius(0.01).with_velocity(velocity)
+}
+
+fn world(friction: f32, restitution: f32) -> World {
+    World { contacts: vec![sociable(friction, restitution); 2], ..Default::default() }
+}
+
+#[test]
+fn two_at_a_hundred_metres_a_second_do_not_pass_through_each_other() {
+    // Each goes 17 cm a substep, and is 2 cm wide. They start at all shares of that apart.
+    for phase in 0..97 {
+        let mut world = world(0.5, 0.0);
+        let gap = 0.4 + phase as f32 * 0.0041;
+        world.push(ball(Vec3::X * -gap, Vec3::X * 100.0), 0);
+        world.push(ball(Vec3::X * gap, Vec3::X * -100.0), 1);
+        for _ in 0..3 {
+            world.step(DT);
+            let d = world.particles.separation(1, 0);
+            assert!(d.x >= 0.02 * 0.999, "phase {phase}: {d}");
+        }
+        assert!(world.particles.velocity(0).length() < 1e-2, "{}", world.particles.velocity(0));
+    }
+}
+
+#[test]
+fn a_fast_one_is_stopped_by_one_that_is_pinned_also_where_it_grazes_it() {
+    for side in [0.0, 0.005, 0.01, 0.015, 0.0195] {
+        let mut world = world(0.0, 0.0);
+        world.push(ball(Vec3::ZERO, Vec3::ZERO).pinned(), 0);
+        world.push(ball(Vec3::new(-0.9, side, 0.0), Vec3::X * 120.0), 1);
+        let speed = 120.0 * side / 0.02;
+        world.step(DT);
+        let v = world.particles.velocity(1);
+        // What is left is the way along the wall where it touched, of which the last bit is curved.
+        assert!((v.length() - speed).abs() < 1.0 + 0.02 * speed, "{side}: {v} of {speed}");
+        assert_eq!(world.particles.position(0), Vec3::ZERO);
+        assert!(side > 0.0 || world.particles.position(1).x < -0.0199);
+    }
+}
+
+#[test]
+fn momentum_and_angular_momentum_are_kept_by_oblique_hits_of_unequal_masses() {
+    for (friction, restitution) in [(0.0, 0.0), (0.0, 1.0), (0.7, 0.0), (0.7, 0.8)] {
+        let mut world = world(friction, restitution);
+        world.push(ball(Vec3::new(-0.05, 0.004, 0.0), Vec3::new(1.0, 0.3, -0.2)).with_mass(0.3), 0);
+        world.push(ball(Vec3::new(0.05, 0.0, 0.003), Vec3::new(-1.0, 0.2, 0.0)).with_mass(2.0), 1);
+        let (p, l, e) = (world.momentum(), world.angular_momentum(), world.energy());
+        for _ in 0..12 {
+            world.step(DT);
+        }
+        assert!(world.energy() < e * 0.999 || (friction, restitution) == (0.0, 1.0), "they met");
+        assert!(world.energy() <= e * 1.000_01, "{} J of {e} J", world.energy());
+        let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let (now, then) = (world.momentum(), world.angular_momentum());
+        let (dp, dl) = ([0, 1, 2].map(|k| now[k] - p[k]), [0, 1, 2].map(|k| then[k] - l[k]));
+        println!(
+            "μ {friction} e {restitution}: {:.1e} N·s, {:.2e} of {:.2e} N·m·s",
+            size(dp),
+            size(dl),
+            size(l)
+        );
+        assert!(size(dp) < 1e-6 * size(p), "{dp:?} N·s");
+        // The normal is that at the substep's end, a little askew to that where they touched. Friction acts between the centres, not where the surfaces are,
+        // and takes as much turning as there is between the two: a particle has no spin to put it in.
+        let most = if friction > 0.0 { 0.2 } else { 0.1 };
+        assert!(size(dl) < most * size(l), "{dl:?} N·m·s of {l:?}");
+    }
+}
+
+#[test]
+fn equal_masses_exchange_their_velocities_head_on() {
+    for speed in [0.5, 3.0, 40.0] {
+        let mut world = world(0.5, 1.0);
+        world.push(ball(Vec3::X * -0.1, Vec3::X * speed), 0);
+        world.push(ball(Vec3::X * 0.1, Vec3::ZERO), 1);
+        let steps = (0.3 / speed / DT) as u32 + 2;
+        for _ in 0..steps {
+            world.step(DT);
+        }
+        assert!(world.particles.velocity(0).length() < 1e-4 * speed);
+        assert!((world.particles.velocity(1).x - speed).abs() < 1e-4 * speed);
+    }
+}
+
+#[test]
+fn a_ball_dropped_on_a_pinned_one_rises_to_its_share_of_the_height() {
+    for restitution in [0.0_f32, 0.5, 0.8, 1.0] {
+        let mut world = world(0.0, restitution);
+        world.gravity = Vec3::Y * -9.81;
+        world.push(ball(Vec3::ZERO, Vec3::ZERO).pinned(), 0);
+        world.push(ball(Vec3::Y * 0.52, Vec3::ZERO), 1);
+        // It falls 0.319 s, and rises for that times e.
+        let mut highest = 0.0_f32;
+        for step in 0..60 {
+            world.step(DT);
+            let y = world.particles.position(1).y;
+            assert!(y > 0.0199, "{y}");
+            if step > 20 {
+                highest = highest.max(y);
+            }
+        }
+        let expected = 0.02 + 0.5 * restitution * restitution;
+        assert!((highest - expected).abs() < 0.012, "e {restitution}: {highest} of {expected}");
+        assert!(highest < 0.52001, "it gained: {highest}");
+    }
+}
+
+#[test]
+fn friction_stops_what_slides_over_a_row_of_pinned_ones() {
+    let slide = |friction: f32| {
+        let mut world = world(friction, 0.0);
+        world.gravity = Vec3::Y * -9.81;
+        for i in 0..200 {
+            world.push(ball(Vec3::X * (i as f32 * 0.002 - 0.05), Vec3::ZERO).pinned(), 0);
+        }
+        let row = world.push(ball(Vec3::Y * 0.02, Vec3::X * 0.5), 1);
+        for _ in 0..30 {
+            world.step(DT);
+        }
+        world.particles.velocity(row)
+    };
+    let (smooth, rough) = (slide(0.0), slide(0.8));
+    // The row is bumpy, and each bump takes what is across it: (2/40)² of the energy.
+    assert!(smooth.x > 0.2, "{smooth}");
+    assert!(rough.length() < 1e-3, "{rough}");
+}
+
+#[test]
+fn coincident_ones_part_along_an_axis_that_their_rows_say() {
+    for (before, axis) in [(0, Vec3::Y), (1, Vec3::X), (2, Vec3::Z)] {
+        let mut world = world(0.5, 0.0);
+        for i in 0..before {
+            world.push(ball(Vec3::X * (10.0 + i as f32), Vec3::ZERO), 0);
+        }
+        let a = world.push(ball(Vec3::ONE, Vec3::ZERO), 0);
+        let b = world.push(ball(Vec3::ONE, Vec3::ZERO), 1);
+        world.find(DT);
+        world.substep(DT / 10.0);
+        let d = world.particles.separation(a, b);
+        assert!((d - axis * 0.02).length() < 1e-6, "{d}");
+    }
+}
+
+#[test]
+fn what_nothing_moves_stays_and_what_is_no_number_harms_nobody() {
+    let mut world = world(0.5, 0.5);
+    let a = world.push(ball(Vec3::ZERO, Vec3::ZERO).pinned(), 0);
+    let b = world.push(ball(Vec3::X * 0.001, Vec3::ZERO).pinned(), 1);
+    let c = world.push(ball(Vec3::X * 0.01, Vec3::ZERO), 1);
+    let d = world.push(ball(Vec3::X * 0.012, Vec3::ZERO), 0);
+    world.particles.position[d].x = f32::NAN;
+    for _ in 0..5 {
+        world.step(DT);
+    }
+    assert_eq!(world.particles.position(a), Vec3::ZERO);
+    assert_eq!(world.particles.position(b), Vec3::X * 0.001);
+    assert!(world.particles.position(c).is_finite());
+    assert!(world.particles.separation(c, b).length() > 0.0199);
+}
+
+#[test]
+fn contacts_are_told_where_a_body_asks_for_it() {
+    let mut world = world(0.5, 0.0);
+    world.contacts[1].events = true;
+    world.push(ball(Vec3::X * -0.03, Vec3::X).with_mass(2.0), 0);
+    world.push(ball(Vec3::ZERO, Vec3::ZERO).with_mass(2.0), 1);
+    world.step(DT);
+    let mut impacts = crate::collide::Impacts::default();
+    world.pairs.report(&mut impacts);
+    let merged = impacts.merge();
+    assert_eq!(merged.len(), 1);
+    // Together they go on at half the speed: 1 N·s changed hands.
+    assert!((merged[0].impulse - 1.0).abs() < 1e-3, "{merged:?}");
+    assert!((merged[0].normal + Vec3::X).length() < 1e-4, "it pushes the first one back");
+    assert!((merged[0].point.x + 0.01).abs() < 0.01, "{}", merged[0].point);
+}

@@ -1,0 +1,84 @@
+//! The same shapes as `parry3d` has them, for the manifolds of two solids. Nothing of that library is seen outside of the crate; its vectors
+//! are those of another version of `glam`.
+
+use glam::Vec3;
+use parry3d::math::Vector;
+use parry3d::shape as parry;
+use parry3d::utils::Array2;
+
+use super::height::Heights;
+use super::hull::Hull;
+use super::mesh::Mesh;
+use super::{Form, Shape};
+
+/// A shape of that library.
+pub(super) struct Twin(Box<dyn parry::Shape>);
+
+impl Shape {
+    /// The same shape as that library has it. A mesh and a landscape take their time when they are asked first.
+    pub(crate) fn parry(&self) -> &dyn parry::Shape {
+        &*self.twin.get_or_init(|| Twin(twin(&self.form))).0
+    }
+}
+
+fn twin(form: &Form) -> Box<dyn parry::Shape> {
+    match form {
+        Form::HalfSpace => Box::new(parry::HalfSpace::new(Vector::Y)),
+        Form::Ball(ball) => Box::new(parry::Ball::new(ball.radius)),
+        Form::Capsule(c) => Box::new(parry::Capsule::new_y(c.half_height, c.radius)),
+        Form::Cuboid(cuboid) => Box::new(parry::Cuboid::new(vector(cuboid.half_size))),
+        Form::Cylinder(c) => Box::new(parry::Cylinder::new(c.half_height, c.radius)),
+        Form::Hull(hull) => of_hull(hull),
+        Form::Mesh(mesh) => of_mesh(mesh),
+        Form::Heights(heights) => of_heights(heights),
+    }
+}
+
+/// The faces that there are; where the library finds them wanting, its own hull of the corners, and where that fails, the triangles.
+fn of_hull(hull: &Hull) -> Box<dyn parry::Shape> {
+    let points = vectors(&hull.points);
+    if let Some(body) = parry::ConvexPolyhedron::from_convex_mesh(points.clone(), &hull.triangles) {
+        return Box::new(body);
+    }
+    of_triangles(points, hull.triangles.clone(), true)
+}
+
+fn of_mesh(mesh: &Mesh) -> Box<dyn parry::Shape> {
+    of_triangles(vectors(&mesh.vertices), mesh.triangles.clone(), mesh.is_solid())
+}
+
+/// Its pseudo-normals keep what slides over a mesh from stumbling over edges within it.
+fn of_triangles(
+    points: Vec<Vector>,
+    triangles: Vec<[u32; 3]>,
+    solid: bool,
+) -> Box<dyn parry::Shape> {
+    let flags = if solid {
+        parry::TriMeshFlags::FIX_INTERNAL_EDGES | parry::TriMeshFlags::ORIENTED
+    } else {
+        parry::TriMeshFlags::FIX_INTERNAL_EDGES_TWO_SIDED
+    };
+    match parry::TriMesh::with_flags(points, triangles, flags) {
+        Ok(mesh) => Box::new(mesh),
+        // Only without a triangle, which no shape of ours is.
+        Err(_) => Box::new(parry::Ball::new(0.0)),
+    }
+}
+
+/// That library stores a grid by columns, and cuts a cell as we do.
+fn of_heights(heights: &Heights) -> Box<dyn parry::Shape> {
+    let (columns, rows) = heights.grid();
+    let by_columns = (0..columns * rows).map(|i| heights.height(i / rows, i % rows)).collect();
+    let grid = Array2::new(rows, columns, by_columns);
+    let flags = parry::HeightFieldFlags::FIX_INTERNAL_EDGES;
+    let size = heights.size();
+    Box::new(parry::HeightField::with_flags(grid, Vector::new(size.x, 1.0, size.z), flags))
+}
+
+fn vectors(points: &[Vec3]) -> Vec<Vector> {
+    points.iter().map(|&p| vector(p)).collect()
+}
+
+fn vector(v: Vec3) -> Vector {
+    Vector::new(v.x, v.y, v.z)
+}

@@ -1,0 +1,289 @@
+//! A landscape: heights over a grid, and the ground beneath them.
+//!
+//! The cells under a way are found by counting, not by searching. Below the surface it is solid, so a point's own height tells whether it is inside.
+
+use glam::Vec3;
+
+use super::convex::Convex as _;
+use super::fault::{is_coordinate, is_length, is_size};
+use super::flat::Cuboid;
+use super::surface::{Slide, Surface, Sweep, first_crossing, skin, slide};
+use super::triangle::{Close, Feature, Triangle};
+use super::{Nearest, RayHit, ShapeFault, Touch};
+
+/// Heights over a grid about the origin.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Heights {
+    columns: usize,
+    rows: usize,
+    /// Row by row, metres.
+    heights: Vec<f32>,
+    /// Of the rectangle, metres; y is 1, for it is in the heights.
+    size: Vec3,
+    bounds: (Vec3, Vec3),
+    skin: f32,
+}
+
+/// How far the ground goes on below the lowest point, as a share of the width: enough that nothing is pressed through by an impatient solver.
+const GROUND: f32 = 0.05;
+
+/// Pushes in a row for what began below the surface; the last of them is straight up.
+const ROUNDS: usize = 4;
+
+impl Heights {
+    /// Checks the numbers.
+    pub(super) fn new(
+        columns: usize,
+        rows: usize,
+        heights: &[f32],
+        size: Vec3,
+    ) -> Result<Self, ShapeFault> {
+        if columns < 2 || rows < 2 {
+            return Err(ShapeFault::Grid);
+        }
+        // Triangles are numbered, two a cell.
+        if columns.checked_mul(rows) != Some(heights.len()) || heights.len() > (1 << 30) {
+            return Err(ShapeFault::Heights);
+        }
+        if !is_size(size) {
+            return Err(ShapeFault::Size);
+        }
+        let cell = Vec3::new(size.x / (columns - 1) as f32, 1.0, size.z / (rows - 1) as f32);
+        if !(is_length(cell.x) && is_length(cell.z)) {
+            return Err(ShapeFault::Size);
+        }
+        let heights: Vec<f32> = heights.iter().map(|height| height * size.y).collect();
+        if let Some(height) = heights.iter().position(|height| !is_coordinate(*height)) {
+            return Err(ShapeFault::Altitude(height));
+        }
+        let least = heights.iter().copied().fold(f32::INFINITY, f32::min);
+        let most = heights.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        let (half, floor) = (size * 0.5, least - GROUND * size.x.max(size.z));
+        let bounds = (Vec3::new(-half.x, floor, -half.z), Vec3::new(half.x, most, half.z));
+        let size = size.with_y(1.0);
+        Ok(Self { columns, rows, heights, size, bounds, skin: skin(bounds) })
+    }
+
+    /// The same in another size.
+    pub(super) fn scaled(&self, factor: Vec3) -> Result<Self, ShapeFault> {
+        Self::new(self.columns, self.rows, &self.heights, self.size * factor)
+    }
+
+    /// Columns and rows.
+    pub(super) fn grid(&self) -> (usize, usize) {
+        (self.columns, self.rows)
+    }
+
+    /// Of a point of the grid, metres.
+    pub(super) fn height(&self, column: usize, row: usize) -> f32 {
+        self.heights[row * self.columns + column]
+    }
+
+    /// Of the rectangle along x and z, metres.
+    pub(super) fn size(&self) -> Vec3 {
+        self.size
+    }
+
+    /// The box around it, ground and all.
+    pub(super) fn bounds(&self) -> (Vec3, Vec3) {
+        self.bounds
+    }
+
+    /// A sphere against it; see [`Shape::touch`](super::Shape::touch).
+    pub(super) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<Touch> {
+        let reach = radius.max(self.skin);
+        let (low, high) = (from.min(to) - Vec3::splat(reach), from.max(to) + Vec3::splat(reach));
+        let meets = low.cmple(self.bounds.1).all() && high.cmpge(self.bounds.0).all();
+        if !(meets && from.is_finite() && to.is_finite() && radius.is_finite()) {
+            return None;
+        }
+        if let Some(touch) = self.wall(from, to, reach) {
+            return Some(touch);
+        }
+        match slide(self, from, to, reach) {
+            Slide::Clear => None,
+            Slide::Moved(touch) => self.above(from, to, reach, touch?),
+            Slide::Inside => self.lift(to, reach),
+        }
+    }
+
+    /// What a slope has pushed sideways into the ground, through a side that is no triangle, goes up; if it then is beyond another slope, to its start.
+    fn above(&self, from: Vec3, to: Vec3, reach: f32, touch: Touch) -> Option<Touch> {
+        let shift = touch.normal * touch.depth;
+        let sunk =
+            |place: Vec3| self.is_inside(place, None) || self.wall(from, place, reach).is_some();
+        if !sunk(to + shift) {
+            return Some(touch);
+        }
+        let up = self.lift(to + shift, reach).map_or(Vec3::ZERO, |up| up.normal * up.depth);
+        let place = to + shift + up;
+        let free = !sunk(place) && first_crossing(self, from, place).is_none();
+        Touch::between(Vec3::ZERO, if free { shift + up } else { from - to })
+    }
+
+    /// See [`Shape::cast_ray`](super::Shape::cast_ray).
+    pub(super) fn cast(&self, origin: Vec3, direction: Vec3, max: f32) -> Option<RayHit> {
+        let (low, high) = self.bounds;
+        let far = (origin - (low + high) * 0.5).length() + (high - low).length();
+        let length = max.min(far);
+        let (crossing, triangle) = first_crossing(self, origin, origin + direction * length)?;
+        Some(RayHit { distance: crossing.share as f32 * length, normal: triangle.normal })
+    }
+
+    /// See [`Shape::nearest`](super::Shape::nearest); sides and bottom do not count.
+    pub(super) fn nearest(&self, p: Vec3) -> Nearest {
+        let (low, high) = self.bounds;
+        let over = p.max(low).min(high).with_y(p.y);
+        // Straight below is a point of the surface; the nearest is no farther.
+        let level = self.ground(over).map_or(high.y, |(triangle, _)| level(&triangle, over));
+        let reach = ((p - over.with_y(level)).length() + self.skin) * 1.001;
+        let mut best: Option<(u32, Close, Triangle)> = None;
+        self.visit(&Sweep::new(p, p, reach), &mut |i, triangle| {
+            let close = triangle.closest(p);
+            let nearer = best.as_ref().is_none_or(|(other, best, _)| {
+                close.square < best.square || (close.square == best.square && i < *other)
+            });
+            if nearer {
+                best = Some((i, close, *triangle));
+            }
+        });
+        // None only if the point is not finite.
+        let Some((_, close, triangle)) = best else {
+            return Nearest { point: p, normal: Vec3::Y, distance: f32::INFINITY };
+        };
+        let inside = self.is_inside(p, None);
+        let (distance, sign) = (close.square.sqrt(), if inside { -1.0 } else { 1.0 });
+        let normal = if close.feature == Feature::Face || distance <= self.skin {
+            triangle.normal
+        } else {
+            (p - close.point) / (sign * distance)
+        };
+        Nearest { point: close.point, normal, distance: sign * distance }
+    }
+
+    /// What came through a side or the bottom goes back out there.
+    fn wall(&self, from: Vec3, to: Vec3, reach: f32) -> Option<Touch> {
+        let (low, high) = self.bounds;
+        let inside = from.cmpgt(low).all() && from.with_y(low.y).cmplt(high).all();
+        if inside {
+            return None;
+        }
+        let middle = (low + high) * 0.5;
+        let block = Cuboid { half_size: ((high - low) * 0.5).max(Vec3::splat(self.skin)) };
+        let entry = block.enter(from - middle, to - from, 1.0)?;
+        let place = from + (to - from) * entry.share;
+        let below =
+            self.ground(place).is_some_and(|(triangle, _)| place.y < level(&triangle, place));
+        let side = entry.normal.y <= 0.0 && below;
+        let depth = reach + entry.offset - entry.normal.dot(to - middle);
+        if side { Touch::new(entry.normal, depth) } else { None }
+    }
+
+    /// What is below the surface goes up, by the planes of what is above it.
+    fn lift(&self, to: Vec3, reach: f32) -> Option<Touch> {
+        let (mut shift, mut single) = (Vec3::ZERO, None);
+        for round in 0..ROUNDS {
+            let place = to + shift;
+            let Some((triangle, _)) = self.ground(place) else { break };
+            let normal = triangle.normal;
+            let depth = reach - normal.dot(place - triangle.corners[0]);
+            if depth <= reach * 1e-5 {
+                break;
+            }
+            single = if round == 0 { Touch::new(normal, depth) } else { None };
+            // A steep triangle is not worth the way over it.
+            let up = Vec3::Y * (depth / normal.y.max(0.1));
+            shift += if round == ROUNDS - 1 { up } else { normal * depth };
+        }
+        single.or_else(|| Touch::between(Vec3::ZERO, shift))
+    }
+
+    /// The triangle above or below a place, and its number; `None` beyond the rectangle.
+    fn ground(&self, p: Vec3) -> Option<(Triangle, u32)> {
+        let [u, v] = [self.along(p.x, 0), self.along(p.z, 2)];
+        // The last point of a row is not to be lost to rounding.
+        let over = |x: f32, size: f32| x.abs() <= 0.5 * size * (1.0 + 1e-6);
+        if !(over(p.x, self.size.x) && over(p.z, self.size.z)) {
+            return None;
+        }
+        let (column, row) = ((u as usize).min(self.columns - 2), (v as usize).min(self.rows - 2));
+        let half = usize::from(u - column as f32 + v - row as f32 > 1.0);
+        let number = 2 * (row * (self.columns - 1) + column) + half;
+        Some((self.cell(column, row)[half], number as u32))
+    }
+
+    /// A coordinate in cells.
+    fn along(&self, x: f32, axis: usize) -> f32 {
+        let cells = if axis == 0 { self.columns - 1 } else { self.rows - 1 };
+        (x / self.size[axis] + 0.5) * cells as f32
+    }
+
+    /// The two triangles of a cell: the one at its lowest x and z, and the other one.
+    fn cell(&self, column: usize, row: usize) -> [Triangle; 2] {
+        let at = |i: usize, j: usize| self.point(column + i, row + j);
+        let [a, b, c, d] = [at(0, 0), at(0, 1), at(1, 0), at(1, 1)];
+        [Triangle::new([a, b, c]), Triangle::new([b, d, c])]
+    }
+
+    /// A point of the grid, by the same numbers for all cells around it.
+    fn point(&self, column: usize, row: usize) -> Vec3 {
+        let across =
+            |i: usize, count: usize, size: f32| (i as f32 / (count - 1) as f32 - 0.5) * size;
+        let x = across(column, self.columns, self.size.x);
+        Vec3::new(x, self.height(column, row), across(row, self.rows, self.size.z))
+    }
+}
+
+impl Surface for Heights {
+    fn visit(&self, sweep: &Sweep, call: &mut impl FnMut(u32, &Triangle)) {
+        let margin = sweep.margin;
+        let cells = |low: f32, high: f32, axis: usize| {
+            let count = if axis == 0 { self.columns - 1 } else { self.rows - 1 };
+            // One more on either side, for rounding.
+            let first = (self.along(low - margin, axis) - 0.01).max(0.0) as usize;
+            let end = (self.along(high + margin, axis) + 1.01).max(0.0) as usize;
+            first.min(count)..end.min(count)
+        };
+        let (from, to) = (sweep.from, sweep.to);
+        for column in cells(from.x.min(to.x), from.x.max(to.x), 0) {
+            // The piece of the way that is within reach of this column.
+            let (low, high) =
+                (self.point(column, 0).x - margin, self.point(column + 1, 0).x + margin);
+            let way = to - from;
+            let share = |x: f32| ((x - from.x) / way.x).clamp(0.0, 1.0);
+            let slow = way.x.abs() <= margin;
+            let (s, t) = if slow { (0.0, 1.0) } else { (share(low), share(high)) };
+            let (z, w) = (from.z + way.z * s, from.z + way.z * t);
+            for row in cells(z.min(w), z.max(w), 2) {
+                let corners = [(0, 0), (0, 1), (1, 0), (1, 1)];
+                let heights = corners.map(|(i, j)| self.height(column + i, row + j));
+                let least = heights.into_iter().fold(f32::INFINITY, f32::min);
+                let most = heights.into_iter().fold(f32::NEG_INFINITY, f32::max);
+                let low = self.point(column, row).with_y(least);
+                let high = self.point(column + 1, row + 1).with_y(most);
+                if sweep.meets(low, high) {
+                    let number = 2 * (row * (self.columns - 1) + column) as u32;
+                    let [first, second] = self.cell(column, row);
+                    call(number, &first);
+                    call(number + 1, &second);
+                }
+            }
+        }
+    }
+
+    fn front_only(&self) -> bool {
+        true
+    }
+
+    fn is_inside(&self, p: Vec3, _near: Option<&(u32, Close, Triangle)>) -> bool {
+        p.y > self.bounds.0.y
+            && self.ground(p).is_some_and(|(triangle, _)| p.y < level(&triangle, p))
+    }
+}
+
+/// The height of a triangle's plane at a place, metres. Its normal never lies: the triangle has a width along x and z.
+fn level(triangle: &Triangle, p: Vec3) -> f32 {
+    let (n, a) = (triangle.normal, triangle.corners[0]);
+    let down = n.x * (p.x - a.x) + n.z * (p.z - a.z);
+    a.y - down / n.y.max(f32::MIN_POSITIVE)
+}

@@ -1,0 +1,205 @@
+//! A body without dents, given by its corners, against points and ways: by the planes of its faces, and exactly at its edges and corners.
+//!
+//! Inside, the nearest face is the one whose plane is least far in front. Outside, the nearest point is on one of the faces that are seen from there, and
+//! no nearer than their planes; so most of them are never looked at. A sphere that stays in front of a plane is told by that plane alone.
+
+use glam::{DVec3, Vec3};
+
+use super::convex::{Convex, Entry};
+use super::fault::{is_length, stray};
+use super::triangle::{Feature, Triangle};
+use super::{Nearest, ShapeFault, Touch};
+use crate::recipes::{HullFault, convex_hull};
+
+/// Corners and faces.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Hull {
+    /// Corners, metres.
+    pub(super) points: Vec<Vec3>,
+    /// As numbers of corners, counter-clockwise from outside; those of a face one after the other.
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// The same in place.
+    pieces: Vec<Triangle>,
+    faces: Vec<Face>,
+    /// A distance that is rounding of coordinates, metres.
+    grain: f32,
+}
+
+/// A plane that has all corners behind it, and the triangles in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Face {
+    /// Outward unit vector.
+    normal: Vec3,
+    /// How far the hull reaches along it, metres from the origin.
+    offset: f32,
+    /// Its triangles.
+    first: u32,
+    end: u32,
+}
+
+/// Two triangles are in one face if each corner is this near to the other's plane, as a share of the extent: rounding of coordinates, and some.
+const IN_PLANE: f64 = 1e-6;
+
+/// More triangles than this are not put together to faces, which takes the square of their number.
+const MOST_TO_MERGE: usize = 4096;
+
+impl Hull {
+    /// Checks the points and makes the faces.
+    pub(super) fn new(points: &[Vec3]) -> Result<Self, ShapeFault> {
+        if let Some(point) = stray(points) {
+            return Err(ShapeFault::Point(point));
+        }
+        let triangles = convex_hull(points)?;
+        let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
+        used.sort_unstable();
+        used.dedup();
+        let corners: Vec<Vec3> = used.iter().map(|&i| points[i as usize]).collect();
+        let number = |i: u32| used.partition_point(|&other| other < i) as u32;
+        let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(number)).collect();
+        let (low, high) = super::extent::around(&corners);
+        let extent = (high - low).max_element();
+        if !is_length(extent) {
+            return Err(ShapeFault::Size);
+        }
+        let hull = Self::merged(corners, &triangles, f64::from(extent) * IN_PLANE);
+        // A body thinner than rounding has no inside.
+        let depth = |face: &Face| {
+            let least =
+                hull.points.iter().map(|p| face.normal.dot(*p)).fold(f32::INFINITY, f32::min);
+            f64::from(face.offset - least)
+        };
+        if hull.faces.is_empty()
+            || hull.faces.iter().any(|face| depth(face) <= f64::from(extent) * IN_PLANE)
+        {
+            return Err(HullFault::Flat.into());
+        }
+        Ok(hull)
+    }
+
+    /// Puts triangles in a plane together. The largest come first, because theirs is the plane that is known best.
+    fn merged(points: Vec<Vec3>, triangles: &[[u32; 3]], near: f64) -> Self {
+        let wide = |t: [u32; 3]| t.map(|i| points[i as usize].as_dvec3());
+        let normal = |t: [u32; 3]| {
+            let [a, b, c] = wide(t);
+            (b - a).cross(c - a)
+        };
+        let mut order: Vec<usize> = (0..triangles.len()).collect();
+        let area = |i: usize| normal(triangles[i]).length_squared();
+        order.sort_by(|&i, &j| area(j).total_cmp(&area(i)).then(i.cmp(&j)));
+        let mut planes: Vec<(DVec3, f64, Vec<usize>)> = Vec::new();
+        for i in order {
+            let mine = normal(triangles[i]);
+            let corners = wide(triangles[i]);
+            let same = |(n, offset, _): &&mut (DVec3, f64, Vec<usize>)| {
+                n.dot(mine) >= 0.0 && corners.iter().all(|c| (n.dot(*c) - *offset).abs() <= near)
+            };
+            let merge = triangles.len() <= MOST_TO_MERGE;
+            if let Some(plane) = planes.iter_mut().find(|plane| merge && same(plane)) {
+                plane.2.push(i);
+                continue;
+            }
+            // A sliver without an area belongs to no plane of its own; its edges are those of its neighbours.
+            if let Some(unit) = mine.try_normalize() {
+                planes.push((unit, unit.dot(corners[0]), vec![i]));
+            }
+        }
+        let (mut sorted, mut faces) = (Vec::new(), Vec::new());
+        for (unit, _, members) in planes {
+            let first = sorted.len() as u32;
+            sorted.extend(members.iter().map(|&i| triangles[i]));
+            let normal = unit.as_vec3();
+            let offset = points.iter().map(|p| normal.dot(*p)).fold(f32::NEG_INFINITY, f32::max);
+            faces.push(Face { normal, offset, first, end: sorted.len() as u32 });
+        }
+        let piece = |t: &[u32; 3]| Triangle::new(t.map(|i| points[i as usize]));
+        let pieces = sorted.iter().map(piece).collect();
+        Self { points, triangles: sorted, pieces, faces, grain: near as f32 }
+    }
+
+    /// A sphere against it; see [`Shape::touch`](super::Shape::touch).
+    pub(super) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<Touch> {
+        let (mut front, mut best) = (0, f32::NEG_INFINITY);
+        for (i, face) in self.faces.iter().enumerate() {
+            let distance = face.normal.dot(to) - face.offset;
+            if distance >= radius && face.normal.dot(from) >= face.offset {
+                return None;
+            }
+            if distance > best {
+                (front, best) = (i, distance);
+            }
+        }
+        self.touch_near(self.nearest_from(to, front, best), from, to, radius)
+    }
+
+    /// The nearest point, given the face whose plane is farthest behind `p`, and how far.
+    fn nearest_from(&self, p: Vec3, front: usize, best: f32) -> Nearest {
+        let face = &self.faces[front];
+        let mut nearest =
+            Nearest { point: p - face.normal * best, normal: face.normal, distance: best };
+        if best <= 0.0 {
+            return nearest;
+        }
+        // Above that face it is the nearest of all. If not, first its triangles count, then those of whatever could be nearer.
+        let mut least = f32::INFINITY;
+        for i in std::iter::once(front).chain((0..self.faces.len()).filter(|&i| i != front)) {
+            let face = &self.faces[i];
+            let distance = face.normal.dot(p) - face.offset;
+            if distance <= 0.0 || distance * distance >= least {
+                continue;
+            }
+            for piece in &self.pieces[face.first as usize..face.end as usize] {
+                let close = piece.closest(p);
+                if close.square >= least {
+                    continue;
+                }
+                least = close.square;
+                let (point, away) = (close.point, least.sqrt());
+                // Near an edge the way there says where to go; above a face, or all but on it, its plane does with more digits.
+                if close.feature == Feature::Face || away <= self.grain {
+                    let (normal, point) = (face.normal, p - face.normal * distance);
+                    nearest = Nearest { point, normal, distance };
+                } else {
+                    nearest = Nearest { point, normal: (p - point) / away, distance: away };
+                }
+                if i == front && close.feature == Feature::Face {
+                    return nearest;
+                }
+            }
+        }
+        nearest
+    }
+}
+
+impl Convex for Hull {
+    fn nearest(&self, p: Vec3) -> Nearest {
+        let (mut front, mut best) = (0, f32::NEG_INFINITY);
+        for (i, face) in self.faces.iter().enumerate() {
+            let distance = face.normal.dot(p) - face.offset;
+            if distance > best {
+                (front, best) = (i, distance);
+            }
+        }
+        self.nearest_from(p, front, best)
+    }
+
+    fn enter(&self, from: Vec3, way: Vec3, most: f32) -> Option<Entry> {
+        let mut entry: Option<Entry> = None;
+        let mut exit = most;
+        for face in &self.faces {
+            let (height, rise) = (face.normal.dot(from) - face.offset, face.normal.dot(way));
+            if height >= 0.0 {
+                let sinks = rise < 0.0;
+                if !sinks {
+                    return None;
+                }
+                let share = -height / rise;
+                if entry.is_none_or(|entry| share > entry.share) {
+                    entry = Some(Entry { share, normal: face.normal, offset: face.offset });
+                }
+            } else if rise > 0.0 {
+                exit = exit.min(-height / rise);
+            }
+        }
+        entry.filter(|entry| entry.share <= exit)
+    }
+}

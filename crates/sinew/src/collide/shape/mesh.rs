@@ -1,0 +1,281 @@
+//! Triangles in any order: a sheet, or the skin of a solid with as many dents as it likes.
+//!
+//! # Inside and outside
+//!
+//! At a face its normal tells on which side a point is, at an edge the sum of the two faces', at a corner the sum of all faces' weighted by their angles
+//! there: the *pseudo-normals* of which Bærentzen and Aanæs (2005) proved it for every closed surface.
+
+use glam::Vec3;
+
+use super::coarse::Coarse;
+use super::convex::BEND;
+use super::extent::around;
+use super::fault::{is_length, stray};
+use super::surface::{Slide, Surface, Sweep, first_crossing, skin, slide};
+use super::tree::Tree;
+use super::triangle::{Close, Feature, Triangle};
+use super::{Nearest, RayHit, ShapeFault, Touch};
+
+/// Triangles, and what it takes to find them.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Mesh {
+    /// Places of corners, each but once, metres.
+    pub(super) vertices: Vec<Vec3>,
+    /// Those that have an area, in the order of the tree.
+    pub(super) triangles: Vec<[u32; 3]>,
+    pieces: Vec<Triangle>,
+    tree: Tree,
+    coarse: Coarse,
+    bounds: (Vec3, Vec3),
+    skin: f32,
+    /// Empty for a sheet.
+    pseudo: Vec<Pseudo>,
+}
+
+/// What tells inside from outside at the edges and corners of a triangle; any length.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Pseudo {
+    edges: [Vec3; 3],
+    corners: [Vec3; 3],
+}
+
+/// So many triangles can be numbered with room for the boxes around them.
+const MOST: usize = 1_000_000_000;
+
+impl Mesh {
+    /// Checks the numbers, leaves out what has no area, and finds out whether the rest is closed.
+    pub(super) fn new(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<Self, ShapeFault> {
+        if triangles.len() > MOST || vertices.len() > MOST {
+            return Err(ShapeFault::TooMany);
+        }
+        if let Some(point) = stray(vertices) {
+            return Err(ShapeFault::Point(point));
+        }
+        let lacks = |t: &[u32; 3]| t.iter().any(|&i| i as usize >= vertices.len());
+        if let Some(triangle) = triangles.iter().position(lacks) {
+            return Err(ShapeFault::Corner(triangle));
+        }
+        let (vertices, triangles) = welded(vertices, triangles);
+        let piece = |t: &[u32; 3]| Triangle::new(t.map(|i| vertices[i as usize]));
+        let (triangles, pieces): (Vec<_>, Vec<_>) = triangles
+            .into_iter()
+            .map(|t| (t, piece(&t)))
+            .filter(|(_, piece)| piece.normal != Vec3::ZERO)
+            .unzip();
+        let used: Vec<Vec3> = pieces.iter().flat_map(|piece| piece.corners).collect();
+        let bounds = around(&used);
+        if pieces.is_empty() {
+            return Err(ShapeFault::NoArea);
+        }
+        if !is_length((bounds.1 - bounds.0).max_element()) {
+            return Err(ShapeFault::Size);
+        }
+        let (tree, order) = Tree::new(&pieces);
+        let triangles: Vec<[u32; 3]> = order.iter().map(|&i| triangles[i as usize]).collect();
+        let pieces: Vec<Triangle> = order.iter().map(|&i| pieces[i as usize]).collect();
+        let pseudo = pseudo(vertices.len(), &triangles, &pieces);
+        // The mesh has to be there to be measured.
+        let unmeasured = Coarse::new(bounds, 1, |_, _| 0.0);
+        let count = pieces.len();
+        let skin = skin(bounds);
+        let mut mesh =
+            Self { vertices, triangles, pieces, tree, coarse: unmeasured, bounds, skin, pseudo };
+        mesh.coarse = Coarse::new(bounds, count, |p, most| mesh.signed(p, most).distance);
+        Ok(mesh)
+    }
+
+    /// The box around it.
+    pub(super) fn bounds(&self) -> (Vec3, Vec3) {
+        self.bounds
+    }
+
+    /// Whether it is closed.
+    pub(super) fn is_solid(&self) -> bool {
+        !self.pseudo.is_empty()
+    }
+
+    /// A sphere against it; see [`Shape::touch`](super::Shape::touch).
+    pub(super) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<Touch> {
+        let reach = radius.max(self.skin);
+        let (low, high) = (from.min(to) - Vec3::splat(reach), from.max(to) + Vec3::splat(reach));
+        let meets = low.cmple(self.bounds.1).all() && high.cmpge(self.bounds.0).all();
+        if !(meets && from.is_finite() && to.is_finite() && radius.is_finite()) {
+            return None;
+        }
+        let (distance, off) = self.coarse.near(to);
+        let distance = if self.is_solid() { distance } else { distance.abs() };
+        if distance - off > reach + (to - from).length() {
+            return None;
+        }
+        match slide(self, from, to, reach) {
+            Slide::Clear => None,
+            Slide::Moved(touch) => touch,
+            Slide::Inside => {
+                let (near, home) = (self.nearest(to), self.nearest(from));
+                if near.normal.dot(home.normal) >= BEND {
+                    return near.out(reach);
+                }
+                Touch::new(home.normal, reach + home.normal.dot(home.point - to))
+            }
+        }
+    }
+
+    /// See [`Shape::cast_ray`](super::Shape::cast_ray).
+    pub(super) fn cast(&self, origin: Vec3, direction: Vec3, max: f32) -> Option<RayHit> {
+        // No farther than the mesh is, so that the end of the way has as many digits as there are.
+        let (low, high) = self.bounds;
+        let far = (origin - (low + high) * 0.5).length() + (high - low).length();
+        let length = max.min(far);
+        let (crossing, triangle) = first_crossing(self, origin, origin + direction * length)?;
+        let normal = if crossing.front { triangle.normal } else { -triangle.normal };
+        Some(RayHit { distance: crossing.share as f32 * length, normal })
+    }
+
+    /// See [`Shape::nearest`](super::Shape::nearest).
+    pub(super) fn nearest(&self, p: Vec3) -> Nearest {
+        let (distance, off) = self.coarse.near(p);
+        self.signed(p, (distance.abs() + off) * 1.001)
+    }
+
+    /// The nearest place, given what the distance is not above.
+    fn signed(&self, p: Vec3, at_most: f32) -> Nearest {
+        let mut best: Option<(usize, Close)> = None;
+        // A little more, so that a distance of exactly that much is found.
+        let mut least = at_most * at_most * 1.001 + f32::MIN_POSITIVE;
+        let mut cursor = 0;
+        let away = |low: Vec3, high: Vec3| (p - p.min(high).max(low)).length_squared();
+        while let Some(range) = self.tree.next(&mut cursor, |low, high| away(low, high) <= least) {
+            for i in range {
+                let close = self.pieces[i].closest(p);
+                let nearer = best.is_none_or(|(other, best)| {
+                    close.square < best.square || (close.square == best.square && i < other)
+                });
+                if nearer && close.square <= least {
+                    (least, best) = (close.square, Some((i, close)));
+                }
+            }
+        }
+        // None only if the point is not finite.
+        let Some((i, close)) = best else {
+            return Nearest { point: p, normal: Vec3::Y, distance: f32::INFINITY };
+        };
+        let (distance, toward) = (close.square.sqrt(), p - close.point);
+        let outside = self.outside(i, &close, p);
+        let normal = if close.feature == Feature::Face || distance <= 0.25 * self.skin {
+            let up = self.is_solid() || outside;
+            if up { self.pieces[i].normal } else { -self.pieces[i].normal }
+        } else {
+            let sign = if outside || !self.is_solid() { 1.0 } else { -1.0 };
+            toward / (sign * distance)
+        };
+        let inside = self.is_solid() && !outside;
+        Nearest { point: close.point, normal, distance: if inside { -distance } else { distance } }
+    }
+
+    /// Whether a point is on the front side of the nearest triangle.
+    fn outside(&self, i: usize, close: &Close, p: Vec3) -> bool {
+        let pseudo = self.pseudo.get(i).copied().unwrap_or_default();
+        let normal = match close.feature {
+            Feature::Edge(k) if self.is_solid() => pseudo.edges[usize::from(k)],
+            Feature::Corner(k) if self.is_solid() => pseudo.corners[usize::from(k)],
+            Feature::Face | Feature::Edge(_) | Feature::Corner(_) => {
+                let triangle = &self.pieces[i];
+                return triangle.normal.dot(p - triangle.corners[0]) >= 0.0;
+            }
+        };
+        normal.dot(p - close.point) >= 0.0
+    }
+}
+
+impl Surface for Mesh {
+    #[inline(always)]
+    fn visit(&self, sweep: &Sweep, call: &mut impl FnMut(u32, &Triangle)) {
+        let mut cursor = 0;
+        while let Some(range) = self.tree.next(&mut cursor, |low, high| sweep.meets(low, high)) {
+            for i in range {
+                call(i as u32, &self.pieces[i]);
+            }
+        }
+    }
+
+    fn front_only(&self) -> bool {
+        self.is_solid()
+    }
+
+    fn is_inside(&self, p: Vec3, near: Option<&(u32, Close, Triangle)>) -> bool {
+        if !self.is_solid() {
+            return false;
+        }
+        if let Some((i, close, _)) = near {
+            return !self.outside(*i as usize, close, p);
+        }
+        let (distance, off) = self.coarse.near(p);
+        // Where the grid is too coarse to tell, the triangles do.
+        if distance.abs() > off { distance < 0.0 } else { self.nearest(p).distance < 0.0 }
+    }
+}
+
+/// The same with each place once, in the order of the places' first appearance; and without triangles that have a place twice.
+fn welded(vertices: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    // Adding zero makes one of the two zeros.
+    let key = |i: u32| (vertices[i as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
+    let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
+    order.sort_by_key(|&i| (key(i), i));
+    let mut first: Vec<u32> = (0..vertices.len() as u32).collect();
+    for pair in order.windows(2) {
+        if key(pair[0]) == key(pair[1]) {
+            first[pair[1] as usize] = first[pair[0] as usize];
+        }
+    }
+    let mut number = vec![u32::MAX; vertices.len()];
+    let mut places = Vec::new();
+    for i in 0..vertices.len() {
+        if first[i] == i as u32 {
+            number[i] = places.len() as u32;
+            places.push(vertices[i] + Vec3::ZERO);
+        }
+    }
+    let corner = |i: u32| number[first[i as usize] as usize];
+    let distinct = |&[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
+    (places, triangles.iter().map(|t| t.map(corner)).filter(distinct).collect())
+}
+
+/// What tells inside from outside, if every edge is that of two triangles that go along it in opposite directions and the volume is positive; else nothing.
+fn pseudo(vertices: usize, triangles: &[[u32; 3]], pieces: &[Triangle]) -> Vec<Pseudo> {
+    let side = |t: &[u32; 3], k: usize| (t[k], t[(k + 1) % 3]);
+    let mut sides: Vec<((u32, u32), u32)> =
+        (0..).zip(triangles).flat_map(|(i, t)| [0, 1, 2].map(|k| (side(t, k), i))).collect();
+    sides.sort_unstable();
+    let opposite = |(a, b): (u32, u32)| {
+        let at = sides.partition_point(|(other, _)| *other < (b, a));
+        sides.get(at).filter(|(other, _)| *other == (b, a)).map(|(_, i)| *i as usize)
+    };
+    let twice = sides.windows(2).any(|pair| pair[0].0 == pair[1].0);
+    // About a corner of its own, so that a small mesh far from the origin keeps its digits.
+    let origin = pieces[0].corners[0].as_dvec3();
+    let volume = |piece: &Triangle| {
+        let [a, b, c] = piece.corners.map(|corner| corner.as_dvec3() - origin);
+        a.dot(b.cross(c))
+    };
+    let closed = !twice && sides.iter().all(|(side, _)| opposite(*side).is_some());
+    if !closed || pieces.iter().map(volume).sum::<f64>() <= 0.0 {
+        return Vec::new();
+    }
+    let mut corners = vec![Vec3::ZERO; vertices];
+    for (t, piece) in triangles.iter().zip(pieces) {
+        for k in 0..3 {
+            let at = |j: usize| piece.corners[(k + j) % 3].as_dvec3();
+            let (a, b) = ((at(1) - at(0)).normalize(), (at(2) - at(0)).normalize());
+            let angle = libm::atan2(a.cross(b).length(), a.dot(b));
+            corners[t[k] as usize] += piece.normal * angle as f32;
+        }
+    }
+    let own = |(t, piece): (&[u32; 3], &Triangle)| {
+        let other = |k| opposite(side(t, k)).map_or(Vec3::ZERO, |i| pieces[i].normal);
+        Pseudo {
+            edges: [0, 1, 2].map(|k| piece.normal + other(k)),
+            corners: t.map(|i| corners[i as usize]),
+        }
+    };
+    triangles.iter().zip(pieces).map(own).collect()
+}

@@ -1,0 +1,74 @@
+//! The same shape in another size.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::{Form, Shape, ShapeFault};
+use crate::collide::shape::height::Heights;
+
+/// Sides of the prism that stands for a cylinder that is no longer round, and of the rings of what is no longer a sphere: the true
+/// surface is at most 1 % of the width farther out.
+const SIDES: usize = 24;
+
+impl Shape {
+    /// The same shape in another size, by a positive factor along each of its own axes. A box, a hull, a mesh and a landscape take any; a half space stays
+    /// what it is. A sphere needs the same factor thrice, and so does a capsule; a cylinder needs the same along x and z. With other factors they
+    /// become a hull of 24 sides, whose corners are on the true surface.
+    ///
+    /// # Errors
+    /// [`ShapeFault::Scale`] if a factor is NaN, infinite, zero or negative, and what the shape's constructor says of the result.
+    pub fn scaled(&self, factor: Vec3) -> Result<Self, ShapeFault> {
+        let positive = factor.is_finite() && factor.min_element() > 0.0;
+        positive.then_some(()).ok_or(ShapeFault::Scale)?;
+        let across = factor.x == factor.z;
+        let even = across && factor.x == factor.y;
+        let stretch = |points: &[Vec3]| points.iter().map(|&p| p * factor).collect::<Vec<_>>();
+        match &self.form {
+            Form::HalfSpace => Ok(self.clone()),
+            Form::Ball(ball) if even => Self::sphere(ball.radius * factor.x),
+            Form::Ball(ball) => Self::hull(&stretch(&rings(ball.radius, 0.0))),
+            Form::Capsule(c) if even => {
+                Self::capsule(c.radius * factor.x, c.half_height * factor.x)
+            }
+            Form::Capsule(c) => Self::hull(&stretch(&rings(c.radius, c.half_height))),
+            Form::Cuboid(cuboid) => Self::cuboid(cuboid.half_size * factor),
+            Form::Cylinder(c) if across => {
+                Self::cylinder(c.radius * factor.x, c.half_height * factor.y)
+            }
+            Form::Cylinder(c) => {
+                let up = Vec3::Y * c.half_height;
+                let ring = ring(c.radius);
+                let ends: Vec<Vec3> = ring.iter().flat_map(|&p| [p + up, p - up]).collect();
+                Self::hull(&stretch(&ends))
+            }
+            Form::Hull(hull) => Self::hull(&stretch(&hull.points)),
+            Form::Mesh(mesh) => Self::mesh(stretch(&mesh.vertices), mesh.triangles.clone()),
+            Form::Heights(heights) => {
+                let scaled: Heights = heights.scaled(factor)?;
+                Ok(Self::of(Form::Heights(Arc::new(scaled))))
+            }
+        }
+    }
+}
+
+/// Points around the y axis.
+fn ring(radius: f32) -> [Vec3; SIDES] {
+    std::array::from_fn(|i| {
+        let angle = std::f64::consts::TAU * i as f64 / SIDES as f64;
+        Vec3::new(radius * libm::cos(angle) as f32, 0.0, radius * libm::sin(angle) as f32)
+    })
+}
+
+/// Points of a sphere, or of the caps of a capsule, in rings and at its poles.
+fn rings(radius: f32, half_height: f32) -> Vec<Vec3> {
+    let mut points = vec![Vec3::Y * (radius + half_height), Vec3::NEG_Y * (radius + half_height)];
+    for latitude in 0..SIDES / 4 {
+        let angle = std::f64::consts::TAU * latitude as f64 / SIDES as f64;
+        let up = radius * libm::sin(angle) as f32 + half_height;
+        for p in ring(radius * libm::cos(angle) as f32) {
+            points.extend([p.with_y(up), p.with_y(-up)]);
+        }
+    }
+    points
+}

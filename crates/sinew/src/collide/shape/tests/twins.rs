@@ -1,0 +1,132 @@
+//! Twins: the nearest point and the ray of each kind against those of `parry3d`.
+
+use glam::Vec3;
+use parry3d::math::Vector;
+use parry3d::query::{PointQuery as _, Ray};
+use parry3d::shape::TriMesh;
+
+use super::{Dice, convex, hills, torus, waves};
+use crate::collide::shape::{Form, Kind, Shape};
+
+fn vector(v: Vec3) -> Vector {
+    Vector::new(v.x, v.y, v.z)
+}
+
+/// The greatest difference of distances over random points, and how many disagree about the inside.
+fn distances(shape: &Shape, signed: bool) -> (f32, usize) {
+    let mut dice = Dice(11);
+    let (mut worst, mut sides) = (0.0_f32, 0);
+    for _ in 0..5000 {
+        let p = dice.place(Vec3::splat(1.6));
+        let mine = shape.nearest(p);
+        let twin = shape.parry().project_local_point(vector(p), false);
+        let away = (twin.point - vector(p)).length();
+        worst = worst.max((mine.distance.abs() - away).abs());
+        // On the surface either answer is right.
+        sides += usize::from(signed && away > 1e-5 && (mine.distance < 0.0) != twin.is_inside);
+        assert!((mine.normal.length() - 1.0).abs() < 1e-5, "{} at {p}", mine.normal);
+        let back = p - mine.normal * mine.distance;
+        assert!((back - mine.point).length() < 2e-5, "{shape:?} {p}: {back} is not {}", mine.point);
+    }
+    (worst, sides)
+}
+
+/// The greatest difference between a hull and the library's mesh of its triangles.
+fn hull_as_triangles(shape: &Shape) -> f32 {
+    let Form::Hull(hull) = &shape.form else { return 0.0 };
+    let points = hull.points.iter().map(|p| vector(*p)).collect();
+    let mesh = TriMesh::new(points, hull.triangles.clone()).unwrap();
+    let mut dice = Dice(13);
+    let mut worst = 0.0_f32;
+    for _ in 0..5000 {
+        let p = dice.place(Vec3::splat(1.6));
+        let twin = (mesh.project_local_point(vector(p), false).point - vector(p)).length();
+        worst = worst.max((shape.nearest(p).distance.abs() - twin).abs());
+    }
+    worst
+}
+
+#[test]
+fn the_nearest_point_is_the_one_that_parry_finds() {
+    for (name, shape) in convex() {
+        let (worst, sides) = distances(&shape, true);
+        println!("{name}: distances differ by {worst:.1e} m");
+        // The library finds its way to a hull by steps, and stops early; that of triangles does not.
+        let (most, exact) = if let Kind::Hull(_) = shape.kind() {
+            (2e-3, hull_as_triangles(&shape))
+        } else {
+            (1e-5, 0.0)
+        };
+        println!("{name}: and from its triangles by {exact:.1e} m");
+        assert!(worst < most && exact < 1e-5 && sides == 0, "{name}: {worst}, {exact}, {sides}");
+    }
+    let (worst, sides) = distances(&torus(24, 12), true);
+    println!("torus: distances differ by {worst:.1e} m");
+    assert!(worst < 1e-5 && sides == 0, "torus: {worst}, {sides}");
+    let (worst, _) = distances(&waves(20), false);
+    println!("sheet: distances differ by {worst:.1e} m");
+    assert!(worst < 1e-5, "sheet: {worst}");
+}
+
+#[test]
+fn rays_hit_where_those_of_parry_do() {
+    let mut shapes = convex();
+    shapes.push(("half space", Shape::half_space()));
+    shapes.push(("torus", torus(24, 12)));
+    shapes.push(("sheet", waves(20)));
+    for (name, shape) in shapes {
+        let mut dice = Dice(7);
+        let (mut worst, mut differ, mut hits) = (0.0_f32, 0, 0);
+        for _ in 0..5000 {
+            let (from, to) = (dice.place(Vec3::splat(2.0)), dice.place(Vec3::splat(0.7)));
+            if shape.contains(from) {
+                assert!(shape.cast_ray(from, Vec3::X, 10.0).is_none() || name == "torus");
+                continue;
+            }
+            let direction = (to - from).normalize();
+            let mine = shape.cast_ray(from, direction, 10.0);
+            if let Some(hit) = mine {
+                let off = shape.nearest(from + direction * hit.distance).distance;
+                assert!(off.abs() < 1e-5, "{name}: {off} off the surface");
+            }
+            let ray = Ray::new(vector(from), vector(direction));
+            let twin = shape.parry().cast_local_ray(&ray, 10.0, true);
+            if let (Some(mine), Some(twin)) = (mine, twin) {
+                hits += 1;
+                // Along the surface a ray tells its distance badly.
+                worst = worst.max((mine.distance - twin).abs() * -mine.normal.dot(direction));
+                assert!(mine.normal.dot(direction) <= 1e-3, "{name}: out of the surface");
+            }
+            differ += usize::from(mine.is_some() != twin.is_some());
+        }
+        println!(
+            "{name}: {hits} hits, distances differ by {worst:.1e} m, {differ} hit or miss by a hair"
+        );
+        // By steps, again.
+        let stepped = ["cylinder", "disc", "wire", "hull", "flat hull", "tetrahedron"];
+        let most = if stepped.contains(&name) { 5e-3 } else { 1e-5 };
+        assert!(
+            worst < most && differ <= 20 && hits > 10,
+            "{name}: {worst}, {differ} differ, {hits} hits"
+        );
+    }
+}
+
+#[test]
+fn the_landscape_is_as_high_as_parrys() {
+    let shape = hills();
+    let mut dice = Dice(3);
+    let mut worst = 0.0_f32;
+    for _ in 0..3000 {
+        let p = dice.place(Vec3::new(1.99, 0.0, 0.99)).with_y(1.0);
+        let ray = Ray::new(vector(p), Vector::new(0.0, -1.0, 0.0));
+        let twin = shape.parry().cast_local_ray(&ray, 5.0, true).unwrap();
+        let mine = shape.cast_ray(p, Vec3::NEG_Y, 5.0).unwrap();
+        worst = worst.max((mine.distance - twin).abs());
+        let q = dice.place(Vec3::new(2.5, 0.6, 1.5));
+        let near = shape.nearest(q);
+        let away = (shape.parry().project_local_point(vector(q), false).point - vector(q)).length();
+        assert!(near.distance.abs() <= away + 1e-5, "{q}: {} and {away}", near.distance);
+    }
+    assert!(worst < 1e-5, "{worst}");
+}

@@ -1,0 +1,101 @@
+//! What changes while a step goes on: pairs that turn and slide on each other are compared again, moving stands are followed, and what went further
+//! than contacts were looked for is noticed.
+
+use glam::Vec3;
+
+use super::super::manifold::collide;
+use super::super::{Frame, World};
+use super::Solids;
+use super::bodies::rotation;
+use super::find::carried;
+use super::found::put_manifold;
+use crate::lanes::LANES;
+
+impl Solids {
+    /// Compares those again that have turned against each other, or slid on each other, by more than their points are good for; at the places where
+    /// this substep began, after a share of the step.
+    pub(super) fn compare_again(&mut self, world: &World, share: f32) {
+        let Self { groups, seen, stands, found, packs, bodies, scratch, .. } = self;
+        let frame = |number: usize| {
+            let (centre, r) = (bodies.centre[number].truncate(), rotation(bodies.rotation[number]));
+            Frame { translation: centre - r * groups.parts[number].centre, rotation: r }
+        };
+        for pack in packs {
+            for lane in 0..LANES {
+                if pack.strain[lane] < 1.0 {
+                    continue;
+                }
+                let Some(one) = found.get_mut(pack.number[lane] as usize) else { continue };
+                if one.stiff == 0.0 {
+                    continue;
+                }
+                let (a, b) = (one.a as usize, one.b as usize);
+                let (shape, own, mut reach) = (&world.solids[a].shape, frame(a), seen[a].margin);
+                let (other, theirs, centre) = match one.stand.map(|number| &stands[number as usize])
+                {
+                    Some(stand) => {
+                        let theirs = stand.frame_at(world, share);
+                        let end = stand.frame_at(world, 1.0);
+                        reach += carried(&theirs, &end, seen[a].centre + seen[a].origin);
+                        let theirs = stand.seen_from(&theirs, seen[a].origin);
+                        one.offset = theirs.translation;
+                        (&stand.shape, theirs, Vec3::ZERO)
+                    }
+                    None => {
+                        reach += seen[b].margin;
+                        let theirs = frame(b);
+                        let translation = theirs.translation + one.offset;
+                        (
+                            &world.solids[b].shape,
+                            Frame { translation, ..theirs },
+                            groups.parts[b].centre,
+                        )
+                    }
+                };
+                let seen_from = own.from_within(&theirs);
+                one.manifold = Default::default();
+                collide(shape, other, &seen_from, reach, &mut scratch.0, &mut |manifold| {
+                    one.manifold = *manifold;
+                });
+                put_manifold(pack, lane, one, [groups.parts[a].centre, centre]);
+            }
+        }
+    }
+
+    /// Whether a solid has gone further than contacts were looked for.
+    pub(super) fn has_strayed(&self) -> bool {
+        let Self { seen, groups, bodies, .. } = self;
+        let rows = seen.iter().zip(&groups.parts).enumerate();
+        rows.filter(|(_, (seen, _))| seen.sound).any(|(i, (seen, part))| {
+            let gone = (bodies.centre[i] + bodies.step[i]).truncate() - seen.centre;
+            let (p, q) = (seen.rotation, bodies.rotation[i]);
+            // Twice the sine of half the angle.
+            let (v, u) = (p.truncate(), q.truncate());
+            let turned = (u * p.w - v * q.w - v.cross(u)).length() * 2.0;
+            gone.length() + turned * part.reach > seen.margin
+        })
+    }
+
+    /// Where moving stands are when a substep begins, as seen from what may touch them.
+    pub(super) fn follow_stands(&mut self, world: &World, from: f32) {
+        let Self { found, packs, stands, seen, .. } = self;
+        if stands.iter().all(|stand| stand.moving.is_none()) {
+            return;
+        }
+        for pack in packs {
+            for lane in 0..LANES {
+                let Some(one) = found.get(pack.number[lane] as usize) else { continue };
+                let Some(stand) = one.stand.map(|number| &stands[number as usize]) else {
+                    continue;
+                };
+                if stand.moving.is_some() {
+                    let frame = stand.frame_at(world, from);
+                    let here = stand.seen_from(&frame, seen[one.a as usize].origin).translation;
+                    for (to, from) in pack.offset.iter_mut().zip(here.to_array()) {
+                        to[lane] = from;
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,260 @@
+//! Manifolds between solids, and between solids and what stands: eight of one colour at a time.
+//!
+//! # The method
+//!
+//! Müller, Macklin, Chentanez, Jeschke, Kim, *Detailed Rigid Body Simulation with Extended Position Based Dynamics*, 2020: in each of many substeps
+//! each contact is corrected once, in positions; an impulse `P` (kg·m) at an arm `r` from a centre moves that by `P/M` and turns it by `I⁻¹ (r × P)`,
+//! so along a normal `n` two solids give way by
+//!
+//! ```text
+//! w = 1/M_a + 1/M_b + (r_a × n)ᵀ I_a⁻¹ (r_a × n) + (r_b × n)ᵀ I_b⁻¹ (r_b × n)
+//! ```
+//!
+//! Here the points of a manifold are solved together, and so is its friction (`block`), and what contacts did to a solid is summed up as one shift
+//! and one turn, which the particles get in the end (`write`). A turn within a substep is small: points are moved by it to first order, and what that
+//! leaves is corrected in the next substep.
+//!
+//! # Overlap
+//!
+//! What is inside when a substep begins, because a sweep over a heap leaves something or because a new corner was found too late, must come out; but
+//! what is moved out by a length in a substep leaves with that length by `h`. A tower stands on that: each box is in the one below by as much as its
+//! load is to push it out again. What is much deeper is recovered over some substeps, and marked, with all that it pushes on: `bounce` then takes off
+//! the speed that it came out with.
+//!
+//! # Where impulses act
+//!
+//! Verlet keeps `Σ m p × (q - p)`: angular momentum is conserved if the two impulses of a contact have the same moment about where the *substep
+//! began*. So arms go from the centres at the start to one point between the two anchors, as seen from there. What stands takes any moment; there the
+//! arm goes to the solid's own anchor.
+
+use super::block::press;
+use super::bodies::{Bodies, Eight as Rows};
+use super::hold::tangents;
+use super::turn::{Eight, load, store};
+use crate::lanes::{LANES, Lanes, Work};
+
+/// As good as infinitely far out, metres: what a missing point is.
+pub(super) const FAR: f32 = 1e9;
+
+/// The angle that two may turn against each other before they are compared again, rad.
+const TURNED: f32 = 0.02;
+/// The same for how far they may slide on each other, as a share of their size.
+pub(super) const SLID: f32 = 0.03;
+
+/// Eight manifolds that have no solid in common.
+#[derive(Clone, Debug)]
+pub(super) struct Pack {
+    /// Rows of the bodies that are pushed along the normal, and of those that are pushed back.
+    pub(super) a: [u32; LANES],
+    pub(super) b: [u32; LANES],
+    /// Which of the manifolds that were found it is.
+    pub(super) number: [u32; LANES],
+    /// In the second one's axes.
+    pub(super) normal: [Eight; 3],
+    /// Anchors from the centres, in their own axes, metres.
+    pub(super) on_a: [[Eight; 3]; 4],
+    pub(super) on_b: [[Eight; 3]; 4],
+    /// Added to the distance of each point, metres: none for one that is there.
+    pub(super) missing: [Eight; 4],
+    /// From the first one's origin to the second one's, metres.
+    pub(super) offset: [Eight; 3],
+    pub(super) friction: Eight,
+    /// One by the length that the two may slide on each other before they are compared again, 1/m.
+    pub(super) stiff: Eight,
+    /// How much they have turned and slid since they were compared: 1 is as much as they may.
+    pub(super) strain: Eight,
+    /// How much of the arm is the first one's anchor: 1 if the second one stands, else a half.
+    pub(super) own: Eight,
+    /// Whether approach and place are to be kept: something bounces, or somebody listens.
+    pub(super) kept: bool,
+    /// Whether more overlap was recovered here in this substep than may turn into speed, or one of the solids comes from where that was.
+    pub(super) popped: bool,
+    /// Of the substep: impulses of the points, kg·m.
+    pub(super) force: [Eight; 4],
+    /// Their speeds before contacts, m/s; negative when approaching.
+    pub(super) approach: [Eight; 4],
+    /// Normal in the world, and the centre of pressure from the first one's centre, metres.
+    pub(super) up: [Eight; 3],
+    pub(super) arm: [Eight; 3],
+    /// How far the points are from there; and the sum of their impulses, kg·m.
+    pub(super) radius: Eight,
+    pub(super) sum: Eight,
+    /// Against how much of such a sum friction has acted in this substep; and may act in the next before its sum is known.
+    pub(super) used: Eight,
+    pub(super) allowed: Eight,
+    /// How far what sticks has slid all the same since contacts were found, metres, and turned about the normal, rad: pressing moved it after it was
+    /// held.
+    pub(super) late: [Eight; 4],
+    /// Of the step: sum of the impulses, kg·m.
+    pub(super) total: Eight,
+}
+
+impl Pack {
+    /// One without manifolds; `nothing` is the row of nothing.
+    pub(super) fn empty(nothing: u32) -> Self {
+        let (none, vector) = ([0.0; LANES], [[0.0; LANES]; 3]);
+        Self {
+            a: [nothing; LANES],
+            b: [nothing; LANES],
+            number: [u32::MAX; LANES],
+            normal: vector,
+            on_a: [vector; 4],
+            on_b: [vector; 4],
+            missing: [[FAR; LANES]; 4],
+            offset: vector,
+            friction: none,
+            stiff: none,
+            strain: none,
+            own: none,
+            kept: false,
+            popped: false,
+            force: [none; 4],
+            approach: [none; 4],
+            up: vector,
+            arm: vector,
+            radius: none,
+            sum: none,
+            used: none,
+            allowed: none,
+            late: [none; 4],
+            total: none,
+        }
+    }
+}
+
+/// Presses packs apart one after the other, over a substep of `h` seconds.
+pub(super) struct Press<'a> {
+    pub(super) packs: &'a mut [Pack],
+    pub(super) bodies: &'a mut Bodies,
+    pub(super) h: f32,
+    /// How far out of an overlap that a substep began with two may be moved in it, metres.
+    pub(super) recover: f32,
+    /// Beyond which the speed that comes of it is to be taken off, metres.
+    pub(super) pop: f32,
+}
+
+impl Work for Press<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { packs, bodies, h, recover, pop } = self;
+        for pack in packs {
+            press_pack::<L>(pack, bodies, h, [recover, pop]);
+        }
+    }
+}
+
+#[inline(always)]
+fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, pop]: [f32; 2]) {
+    let (none, one) = (L::zero(), L::splat(1.0));
+    let (mut a, mut b) = (Rows::<L>::load(bodies, &pack.a), Rows::<L>::load(bodies, &pack.b));
+    // From the first one's centre to the second one's, at the start; and how much that has grown.
+    let apart = b.centre + load::<L>(&pack.offset) - a.centre;
+    let drift = b.step - a.step;
+    let n = b.rotation.times(load(&pack.normal));
+    let before = n.dot(drift);
+    let between = n.dot(a.shift - b.shift);
+    let own = L::load(&pack.own);
+    let (t, u) = tangents(n);
+    let weight = a.inverse_mass + b.inverse_mass;
+    let (recover, pop) = (L::splat(recover), L::splat(pop));
+    let mut popped = [none; 4];
+
+    let across = (drift - n * before).length() * L::load(&pack.stiff);
+    let strain = (a.spin - b.spin).length() * L::splat(1.0 / TURNED) + across;
+    (L::load(&pack.strain) + strain).store(&mut pack.strain);
+
+    let mut arms = [n; 4];
+    let mut c = [none; 4];
+    let mut at = [(none, none); 4];
+    let (mut ja, mut jb, mut ia, mut ib) = ([n; 4], [n; 4], [n; 4], [n; 4]);
+    for i in 0..4 {
+        let on_a = a.rotation.times(load(&pack.on_a[i]));
+        let on_b = b.rotation.times(load(&pack.on_b[i])) + apart;
+        let gap = on_a - on_b;
+        let arm = on_b + gap * own;
+        arms[i] = arm;
+        at[i] = (arm.dot(t), arm.dot(u));
+        ja[i] = arm.cross(n);
+        jb[i] = (arm - apart).cross(n);
+        ia[i] = a.inverse_inertia.times(ja[i]);
+        ib[i] = b.inverse_inertia.times(jb[i]);
+        let turned = ja[i].dot(a.turn) - jb[i].dot(b.turn);
+        let spun = ja[i].dot(a.spin) - jb[i].dot(b.spin);
+        let nearer = before - spun - between - turned;
+        let inside = before - n.dot(gap) - L::load(&pack.missing[i]) - between - turned;
+        c[i] = inside.min(nearer + recover);
+        popped[i] = pop.lt(inside - nearer);
+    }
+    let mut k = [[none; 4]; 4];
+    for i in 0..4 {
+        for j in 0..=i {
+            k[i][j] = weight + ja[i].dot(ia[j]) + jb[i].dot(ib[j]);
+            k[j][i] = k[i][j];
+        }
+    }
+    let force = press(&k, c, at);
+    let sum = force[0] + force[1] + force[2] + force[3];
+
+    // Nothing that is not a number may get to the other side.
+    let good = sum.lt(L::splat(1e30)).and(none.lt(sum));
+    let (old_a, old_b) = ((a.shift, a.turn), (b.shift, b.turn));
+    a.shift += n * (sum * a.inverse_mass);
+    b.shift -= n * (sum * b.inverse_mass);
+    for i in 0..4 {
+        a.turn += ia[i] * force[i];
+        b.turn -= ib[i] * force[i];
+    }
+    let size = a.shift.length_squared() + a.turn.length_squared();
+    let size = size + b.shift.length_squared() + b.turn.length_squared();
+    let good = good.and(size.lt(L::splat(1e30)));
+    good.and(sum).store(&mut pack.sum);
+    let hit = none.lt(a.mark).or(none.lt(b.mark));
+    let hit = good.and(hit.or(pressed(&popped, &force)));
+    pack.popped = hit.any();
+    if pack.kept || pack.popped {
+        for i in 0..4 {
+            good.and(force[i]).store(&mut pack.force[i]);
+            let spun = ja[i].dot(a.spin) - jb[i].dot(b.spin);
+            ((spun - before) * L::splat(1.0 / h)).store(&mut pack.approach[i]);
+        }
+        (L::load(&pack.total) + good.and(sum)).store(&mut pack.total);
+    }
+    if !good.any() {
+        return;
+    }
+    let mark = hit.and(one);
+    let shift = (a.shift.or_else(good, old_a.0), b.shift.or_else(good, old_b.0));
+    let turn = (a.turn.or_else(good, old_a.1), b.turn.or_else(good, old_b.1));
+    L::put_rows(&mut bodies.shift, &pack.a, shift.0.with(a.inverse_mass));
+    L::put_rows(&mut bodies.turn, &pack.a, turn.0.with(a.mark.max(mark)));
+    L::put_rows(&mut bodies.shift, &pack.b, shift.1.with(b.inverse_mass));
+    let mark = none.lt(b.inverse_mass).and(b.mark.max(mark));
+    L::put_rows(&mut bodies.turn, &pack.b, turn.1.with(mark));
+
+    // Where friction is to act.
+    let share = good.and(one / sum);
+    let mut arm = arms[0] * force[0];
+    for i in 1..4 {
+        arm += arms[i] * force[i];
+    }
+    let arm = arm * share;
+    let mut spread = none;
+    for i in 0..4 {
+        spread = spread + (arms[i] - arm).length_squared() * force[i];
+    }
+    good.and((spread * share).sqrt()).store(&mut pack.radius);
+    store(n, &mut pack.up);
+    store(arm, &mut pack.arm);
+}
+
+/// Where a point that popped out presses.
+#[inline(always)]
+fn pressed<L: Lanes>(popped: &[L; 4], force: &[L; 4]) -> L {
+    let mut any = L::zero();
+    for i in 0..4 {
+        any = any.or(popped[i].and(L::zero().lt(force[i])));
+    }
+    any
+}

@@ -1,0 +1,273 @@
+//! Looks for what may come to touch what in a step: bounds with a margin of how far a solid may get, pairs of those, and manifolds of the pairs.
+
+use glam::{Vec3, Vec4};
+
+use super::super::manifold::collide;
+use super::super::shape::Kind;
+use super::super::{BodyContacts, Frame, Party, World};
+use super::bodies::rotation;
+use super::contact::SLID;
+use super::found::{Found, Sensed, colour, pack};
+use super::read::{Read, certain, guess};
+use super::{Seen, Solids};
+use crate::lanes::{LANES, with};
+use crate::particles::{NO_BODY, Particles};
+
+impl Solids {
+    /// At the start of a step: finds everything that may come to touch in it.
+    pub(crate) fn find(&mut self, particles: &Particles, world: &World) {
+        if self.is_empty() {
+            return;
+        }
+        self.sensed.clear();
+        self.groups.weigh(world.solids, particles);
+        self.lifts.take(&self.groups, particles);
+        super::stands::list(world, &mut self.floor, &mut self.stands);
+        let rows = self.groups.padded() + self.stands.len() + 1;
+        self.bodies.resize(rows);
+        self.sums.resize(self.groups.groups.len(), Default::default());
+        for (number, part) in self.groups.parts.iter().enumerate().filter(|(_, part)| part.sound) {
+            let rest = &world.solids[number].rest;
+            self.bodies.rotation[number] = guess(&self.groups, part, rest, particles);
+        }
+        self.look(&particles.position, particles, world, 0.0);
+    }
+
+    /// Finds it from where the particles were after a share of the step. Not from where they were predicted: what is fast is on the other side there.
+    pub(super) fn look(
+        &mut self,
+        places: &[Vec4],
+        particles: &Particles,
+        world: &World,
+        share: f32,
+    ) {
+        self.read_fresh(places, particles, world);
+        self.note(particles, world);
+        self.place_stands(world, share, share);
+        let mut pairs = core::mem::take(&mut self.pairs);
+        self.near(world, share, &mut pairs);
+        self.found.clear();
+        for &[a, b] in &pairs {
+            self.compare(a as usize, b as usize, world, share);
+        }
+        self.pairs = pairs;
+        self.loose.find(&self.seen, &self.groups, particles, world);
+        self.fresh = true;
+        let Self { found, used, packs, order, groups, bodies, .. } = self;
+        colour(found, groups.parts.len(), used);
+        let nothing = (bodies.shift.len() - 1) as u32;
+        let centre =
+            |row: u32| groups.parts.get(row as usize).map_or(Vec3::ZERO, |part| part.centre);
+        pack(found, nothing, order, packs, centre);
+    }
+
+    /// Poses and velocities.
+    fn read_fresh(&mut self, places: &[Vec4], particles: &Particles, world: &World) {
+        let Self { groups, lifts, bodies, sums, instructions, .. } = self;
+        for (number, group) in groups.groups.iter().enumerate() {
+            for _ in 0..2 {
+                let read = Read {
+                    group,
+                    slots: &groups.slots[group.slots.clone()],
+                    lifts: lifts.of(group),
+                    position: places,
+                    other: &particles.velocity,
+                    fresh: true,
+                    bodies,
+                    first: number * LANES,
+                    sums: &mut sums[number],
+                };
+                let lost = with(*instructions, read);
+                if lost == 0 {
+                    break;
+                }
+                for lane in (0..LANES).filter(|lane| lost >> lane & 1 == 1) {
+                    let number = number * LANES + lane;
+                    if groups.parts.get(number).is_some_and(|part| part.sound) {
+                        let rest = &world.solids[number].rest;
+                        let near = bodies.rotation[number];
+                        bodies.rotation[number] = certain(groups, number, rest, particles, near);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Where each solid is, and how far it may get.
+    fn note(&mut self, particles: &Particles, world: &World) {
+        let Self { groups, bodies, seen, .. } = self;
+        seen.clear();
+        for (number, part) in groups.parts.iter().enumerate() {
+            let Some(&row) = groups.rows.get(part.entries.start).filter(|_| part.sound) else {
+                seen.push(Seen::default());
+                continue;
+            };
+            let (row, vector) = (row as usize, |v: Vec4| v.truncate());
+            let (centre, q) = (vector(bodies.centre[number]), bodies.rotation[number]);
+            let speed = vector(bodies.step[number]).length()
+                + vector(bodies.spin[number]).length() * part.reach;
+            let margin = speed * world.dt + world.gravity * world.dt * world.dt;
+            let origin = particles.origin[row];
+            let r = rotation(q);
+            let frame = Frame { translation: centre - r * part.centre, rotation: r };
+            let sound = centre.is_finite() && margin.is_finite() && q.is_finite();
+            let (low, high) = world.solids[number].shape.bounds_in(&frame);
+            // Far out the sum with the origin is rounded.
+            let wide = margin + 1e-6 * (origin.abs().max_element() + 1.0);
+            let bounds = (low + origin - wide, high + origin + wide);
+            let body = particles.body[row];
+            let bounds = if sound { bounds } else { (Vec3::NAN, Vec3::NAN) };
+            seen.push(Seen { centre, rotation: q, frame, margin, origin, body, bounds, sound });
+        }
+    }
+
+    /// Pairs of solids, and of solids with what stands, that are near each other; sorted.
+    fn near(&mut self, world: &World, share: f32, pairs: &mut Vec<[u32; 2]>) {
+        let Self { seen, stands, broad, bounds, groups, nearby, .. } = self;
+        bounds.clear();
+        bounds.extend(seen.iter().map(|seen| seen.bounds));
+        for stand in stands.iter() {
+            let nothing = (Vec3::NAN, Vec3::NAN);
+            bounds.push(if stand.endless {
+                nothing
+            } else if stand.moving.is_some() {
+                let (low, high) = stand.shape.bounds_in(&stand.frame_at(world, share));
+                let (low_end, high_end) = stand.shape.bounds_in(&stand.frame_at(world, 1.0));
+                (low.min(low_end), high.max(high_end))
+            } else {
+                stand.shape.bounds_in(&stand.start)
+            });
+        }
+        broad.0.pairs(bounds, nearby);
+        pairs.clear();
+        pairs.extend(nearby.iter().filter(|pair| (pair[0] as usize) < seen.len()));
+        // What has no end is looked at by everyone.
+        for (number, stand) in stands.iter().enumerate().filter(|(_, stand)| stand.endless) {
+            let frame = stand.frame_at(world, share);
+            let end = stand.frame_at(world, 1.0);
+            for (a, one) in seen.iter().enumerate().filter(|(_, one)| one.sound) {
+                let here = stand.seen_from(&frame, one.origin);
+                let height = here.rotation.y_axis.dot(one.centre - here.translation);
+                let moved = carried(&frame, &end, one.centre + one.origin);
+                if height <= groups.parts[a].reach + one.margin + moved {
+                    pairs.push([a as u32, (seen.len() + number) as u32]);
+                }
+            }
+        }
+        if stands.iter().any(|stand| stand.endless) {
+            pairs.sort_unstable();
+        }
+    }
+
+    /// Finds the manifolds of a pair.
+    fn compare(&mut self, a: usize, b: usize, world: &World, share: f32) {
+        let Self { groups, seen, stands, found, sensed, scratch, .. } = self;
+        let contacts = |body: u32| world.bodies.get(body as usize).copied().unwrap_or_default();
+        let one = &seen[a];
+        let own: BodyContacts = contacts(one.body);
+        let party = |number: usize| party(groups, number, seen[number].body);
+        if let Some(other) = seen.get(b) {
+            let theirs = contacts(other.body);
+            let same = one.body == other.body && one.body != NO_BODY;
+            let stiff = groups.parts[a].immovable && groups.parts[b].immovable;
+            if stiff || !own.layers.meets(theirs.layers) {
+                return;
+            }
+            if same && (!own.with_itself || groups.share_a_row(a, b)) {
+                return;
+            }
+            let offset = other.origin - one.origin;
+            let frame = Frame { translation: other.frame.translation + offset, ..other.frame };
+            let seen_from = one.frame.from_within(&frame);
+            let found_here = Found {
+                a: a as u32,
+                b: b as u32,
+                stand: None,
+                manifold: Default::default(),
+                offset,
+                grip: own.material.against(&theirs.material),
+                listened: own.events || theirs.events,
+                parties: [party(a), party(b)],
+                colour: 0,
+                stiff: 1.0 / (SLID * groups.parts[a].reach.min(groups.parts[b].reach)),
+            };
+            let (shape, theirs) = (&world.solids[a].shape, &world.solids[b].shape);
+            let reach = one.margin + other.margin;
+            collide(shape, theirs, &seen_from, reach, &mut scratch.0, &mut |manifold| {
+                found.push(Found { manifold: *manifold, ..found_here });
+            });
+            return;
+        }
+        let number = b - seen.len();
+        let stand = &stands[number];
+        if !own.layers.meets(stand.layers) || groups.parts[a].immovable && !stand.sensor {
+            return;
+        }
+        let frame = stand.frame_at(world, share);
+        let here = stand.seen_from(&frame, one.origin);
+        let seen_from = one.frame.from_within(&here);
+        let listened = own.events || stand.events;
+        let parties = [party(a), stand.party];
+        let shape = &world.solids[a].shape;
+        if stand.sensor {
+            if listened {
+                collide(shape, &stand.shape, &seen_from, 0.0, &mut scratch.0, &mut |manifold| {
+                    if let Some(point) = manifold.points().first() {
+                        let normal = frame.turn(manifold.normal);
+                        let point = one.origin + one.frame.point(point.on_a);
+                        sensed.push(Sensed { parties, point, normal });
+                    }
+                });
+            }
+            return;
+        }
+        let moved = match stand.moving {
+            Some(_) => carried(&frame, &stand.frame_at(world, 1.0), one.centre + one.origin),
+            None => 0.0,
+        };
+        let found_here = Found {
+            a: a as u32,
+            b: (groups.padded() + number) as u32,
+            stand: Some(number as u32),
+            manifold: Default::default(),
+            offset: here.translation,
+            grip: stand.grip(&own.material),
+            listened,
+            parties,
+            colour: 0,
+            stiff: match stand.shape.kind() {
+                // Several manifolds for one pair: those are found once a step.
+                Kind::Mesh | Kind::HeightField => 0.0,
+                _ => 1.0 / (SLID * groups.parts[a].reach),
+            },
+        };
+        let reach = one.margin + moved;
+        collide(shape, &stand.shape, &seen_from, reach, &mut scratch.0, &mut |manifold| {
+            found.push(Found { manifold: *manifold, ..found_here });
+        });
+    }
+
+    /// Puts what stands where it is from one share of the step to another.
+    pub(super) fn place_stands(&mut self, world: &World, from: f32, to: f32) {
+        let first = self.groups.padded();
+        for (number, stand) in self.stands.iter().enumerate() {
+            let (start, end) = (stand.frame_at(world, from), stand.frame_at(world, to));
+            self.bodies.place(first + number, &start, &end);
+        }
+    }
+}
+
+/// Who a solid is, for the report.
+pub(super) fn party(groups: &super::groups::Groups, number: usize, body: u32) -> Party {
+    if body == NO_BODY {
+        let first = groups.parts[number].entries.start;
+        Party::Particle(groups.rows.get(first).copied().unwrap_or_default())
+    } else {
+        Party::Body(body)
+    }
+}
+
+/// How far what goes from one frame to another takes a point of the world, metres.
+pub(super) fn carried(from: &Frame, to: &Frame, point: Vec3) -> f32 {
+    if from == to { 0.0 } else { (to.point(from.local(point)) - point).length() }
+}

@@ -1,0 +1,126 @@
+//! Contacts that were found for a step: manifolds coloured and packed by eights, and loose particles near solids.
+
+use glam::Vec3;
+
+use super::super::manifold::Manifold;
+use super::super::{Grip, Party};
+use super::contact::{FAR, Pack};
+use super::turn::Eight;
+use crate::lanes::LANES;
+
+/// A manifold that may come to press in this step, as it was found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    /// Rows of the bodies.
+    pub(super) a: u32,
+    pub(super) b: u32,
+    /// Number of the stand, if the second one is one.
+    pub(super) stand: Option<u32>,
+    pub(super) manifold: Manifold,
+    /// The second one's origin, or where it is, from the first one's origin, metres.
+    pub(super) offset: Vec3,
+    pub(super) grip: Grip,
+    pub(super) listened: bool,
+    pub(super) parties: [Party; 2],
+    pub(super) colour: u32,
+    /// See `Pack`.
+    pub(super) stiff: f32,
+}
+
+/// A stand that is only noticed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sensed {
+    pub(super) parties: [Party; 2],
+    pub(super) point: Vec3,
+    pub(super) normal: Vec3,
+}
+
+/// Gives manifolds colours: of one colour no two have a solid in common, so that eight of them can be corrected at once. By their order, the first
+/// colour that is free.
+pub(super) fn colour(found: &mut [Found], solids: usize, used: &mut Vec<u64>) -> u32 {
+    used.clear();
+    used.resize(solids, 0);
+    let mut most = 0;
+    // What has more manifolds than there are bits gets a colour for each.
+    let mut beyond = u64::BITS;
+    for one in found {
+        let (a, b) = (one.a as usize, one.b as usize);
+        let taken = used[a] | used.get(b).copied().unwrap_or(0);
+        let free = (!taken).trailing_zeros();
+        if free >= u64::BITS {
+            one.colour = beyond;
+            beyond += 1;
+        } else {
+            one.colour = free;
+            used[a] |= 1 << free;
+            if let Some(used) = used.get_mut(b) {
+                *used |= 1 << free;
+            }
+        }
+        most = most.max(one.colour + 1);
+    }
+    most
+}
+
+/// Packs manifolds of one colour by eights. `order` is scratch; `centres` of the solids in their own frames.
+pub(super) fn pack(
+    found: &[Found],
+    nothing: u32,
+    order: &mut Vec<u32>,
+    packs: &mut Vec<Pack>,
+    centre: impl Fn(u32) -> Vec3,
+) {
+    packs.clear();
+    order.clear();
+    order.extend(0..found.len() as u32);
+    order.sort_unstable_by_key(|&i| (found[i as usize].colour, i));
+    let (mut colour, mut lane) = (u32::MAX, LANES);
+    for &number in order.iter() {
+        let one = &found[number as usize];
+        if lane == LANES || one.colour != colour {
+            packs.push(Pack::empty(nothing));
+            (colour, lane) = (one.colour, 0);
+        }
+        if let Some(pack) = packs.last_mut() {
+            put(pack, lane, number, one, [centre(one.a), centre(one.b)]);
+        }
+        lane += 1;
+    }
+}
+
+fn put(pack: &mut Pack, lane: usize, number: u32, one: &Found, [centre_a, centre_b]: [Vec3; 2]) {
+    (pack.a[lane], pack.b[lane], pack.number[lane]) = (one.a, one.b, number);
+    put_manifold(pack, lane, one, [centre_a, centre_b]);
+    pack.friction[lane] = one.grip.friction;
+    pack.stiff[lane] = one.stiff;
+    pack.own[lane] = if one.stand.is_some() { 1.0 } else { 0.5 };
+    pack.kept |= one.listened || one.grip.restitution > 0.0;
+}
+
+/// Writes what two shapes are to each other into a lane.
+pub(super) fn put_manifold(
+    pack: &mut Pack,
+    lane: usize,
+    one: &Found,
+    [centre_a, centre_b]: [Vec3; 2],
+) {
+    set(&mut pack.normal, lane, one.manifold.normal);
+    set(&mut pack.offset, lane, one.offset);
+    pack.strain[lane] = 0.0;
+    let points = one.manifold.points();
+    if points.is_empty() {
+        pack.allowed[lane] = 0.0;
+    }
+    for i in 0..pack.missing.len() {
+        let point = points.get(i);
+        set(&mut pack.on_a[i], lane, point.map_or(Vec3::ZERO, |point| point.on_a - centre_a));
+        set(&mut pack.on_b[i], lane, point.map_or(Vec3::ZERO, |point| point.on_b - centre_b));
+        pack.missing[i][lane] = if point.is_some() { 0.0 } else { FAR };
+    }
+}
+
+fn set(to: &mut [Eight; 3], lane: usize, from: Vec3) {
+    for (to, from) in to.iter_mut().zip(from.to_array()) {
+        to[lane] = from;
+    }
+}

@@ -1,0 +1,265 @@
+//! What contacts need to know of each solid that does not change while it moves: masses, centre, inertia; laid out for eight solids at a time.
+//!
+//! # Particles that belong to several solids
+//!
+//! A particle that `k` solids share counts in each of them with a `k`-th of its mass, and is displaced by the `k`-th part of what each of them asks.
+//! A solid whose particles have the shares `m/k` and are to be displaced by `d` brings the momentum `Σ (m/k) d`; what the particles really get is `Σ
+//! m (d/k)`, which is the same. So an elbow goes with the upper arm and the forearm by halves, and nothing is made of nothing.
+
+use core::ops::Range;
+
+use glam::Vec3;
+
+use super::turn::Eight;
+use super::weights::{LINE, Weights};
+use super::{Solid, SolidFault};
+use crate::lanes::LANES;
+use crate::particles::Particles;
+
+/// One particle of each of eight solids.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slot {
+    pub(super) rows: [u32; LANES],
+    /// The mass that counts there, kg; 0 beyond the last particle of a solid.
+    pub(super) pull: Eight,
+    /// Which part of the displacement it gets.
+    pub(super) share: Eight,
+    /// Where it rests, from the solid's centre, metres.
+    pub(super) rest: [Eight; 3],
+}
+
+/// Eight solids.
+#[derive(Clone, Debug)]
+pub(super) struct Group {
+    pub(super) slots: Range<usize>,
+    /// Whether rows occur twice in it, or lanes are empty: then displacements are written one by one.
+    pub(super) scattered: bool,
+    /// Whether one of them has a pinned particle.
+    pub(super) pinned: bool,
+    pub(super) mass: Mass,
+}
+
+/// What eight solids weigh.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Mass {
+    /// One by the sum of what decides where the centre is.
+    pub(super) middle: Eight,
+    /// 1 where that are the pinned particles alone.
+    pub(super) held: Eight,
+    pub(super) inverse_mass: Eight,
+    /// xx, yy, zz, xy, xz, yz in the solid's own axes about its centre, kg·m².
+    pub(super) inertia: [Eight; 6],
+    pub(super) inverse_inertia: [Eight; 6],
+    /// The same of all particles, pinned ones too: how it is led.
+    pub(super) led: [Eight; 6],
+    pub(super) brace: [Eight; 6],
+    /// 1 where momentum is to be kept to the last bit: nothing is pinned.
+    pub(super) free: Eight,
+}
+
+/// A solid as it was compiled.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Part {
+    /// Where its rows are in the list of all.
+    pub(super) entries: Range<usize>,
+    /// Whether it takes part at all.
+    pub(super) sound: bool,
+    /// Its centre in its own frame, metres.
+    pub(super) centre: Vec3,
+    /// How far its surface is from there at most, metres.
+    pub(super) reach: f32,
+    /// Two of its particles that say how it is turned: far out, and far from being in line.
+    pub(super) far: usize,
+    pub(super) side: Option<usize>,
+    /// Nothing can move it.
+    pub(super) immovable: bool,
+}
+
+/// All solids as they were compiled.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Groups {
+    pub(super) groups: Vec<Group>,
+    pub(super) slots: Vec<Slot>,
+    pub(super) parts: Vec<Part>,
+    /// Rows of each solid, one after the other.
+    pub(super) rows: Vec<u32>,
+    /// How many solids share each of those.
+    pub(super) sharers: Vec<u32>,
+    /// For each row of the simulation whether it belongs to a solid.
+    pub(super) solid: Vec<bool>,
+    /// The inverse masses with which it was weighed.
+    weighed: Vec<f32>,
+}
+
+impl Groups {
+    /// Lays out solids. Faulty ones keep their number and take no part.
+    pub(super) fn compile(&mut self, solids: &[Solid], particles: &Particles) {
+        let Self { groups, slots, parts, rows, sharers, solid, weighed } = self;
+        groups.clear();
+        slots.clear();
+        parts.clear();
+        rows.clear();
+        weighed.clear();
+        solid.clear();
+        solid.resize(particles.len(), false);
+        let mut count = vec![0_u32; particles.len()];
+        for one in solids {
+            let (first, sound) = (rows.len(), one.fault(particles.len()).is_none());
+            if sound {
+                rows.extend_from_slice(&one.rows);
+                for &row in &one.rows {
+                    solid[row as usize] = true;
+                    count[row as usize] += 1;
+                }
+            }
+            parts.push(Part { entries: first..rows.len(), sound, ..Part::default() });
+        }
+        sharers.clear();
+        sharers.extend(rows.iter().map(|&row| count[row as usize]));
+        weighed.resize(rows.len(), f32::NAN);
+        for (number, eight) in parts.chunks(LANES).enumerate() {
+            let most = eight.iter().map(|part| part.entries.len()).max().unwrap_or(0);
+            let first = slots.len();
+            let spare = rows.first().copied().unwrap_or(0);
+            for place in 0..most {
+                let entry = |lane: usize| {
+                    let entries = eight.get(lane).map_or(0..0, |part| part.entries.clone());
+                    entries
+                        .clone()
+                        .nth(place)
+                        .map(|i| (i, true))
+                        .or(entries.clone().next().map(|i| (i, false)))
+                };
+                let mut slot = Slot {
+                    rows: [spare; LANES],
+                    pull: [0.0; LANES],
+                    share: [0.0; LANES],
+                    rest: [[0.0; LANES]; 3],
+                };
+                for lane in 0..LANES {
+                    if let Some((i, real)) = entry(lane) {
+                        slot.rows[lane] = rows[i];
+                        slot.share[lane] = if real { 1.0 / sharers[i] as f32 } else { 0.0 };
+                    }
+                }
+                slots.push(slot);
+            }
+            let whole = eight.len() == LANES && eight.iter().all(|part| part.sound);
+            let entries = eight.iter().flat_map(|part| part.entries.clone());
+            let alone = entries.into_iter().all(|i| sharers[i] == 1);
+            groups.push(Group {
+                slots: first..slots.len(),
+                scattered: !(whole && alone),
+                pinned: false,
+                mass: Mass::default(),
+            });
+            debug_assert_eq!(groups.len(), number + 1);
+        }
+        for (part, solid) in parts.iter_mut().zip(solids).filter(|(part, _)| part.sound) {
+            (part.far, part.side) = apart(&solid.rest);
+        }
+    }
+
+    /// Weighs those solids again whose particles have other masses than they had. A function of the present masses alone.
+    pub(super) fn weigh(&mut self, solids: &[Solid], particles: &Particles) {
+        for (number, solid) in solids.iter().enumerate() {
+            let Some(part) = self.parts.get(number).filter(|part| part.sound) else { continue };
+            let entries = part.entries.clone();
+            let now = |i: usize| particles.position[self.rows[i] as usize].w;
+            if entries.clone().any(|i| self.weighed[i].to_bits() != now(i).to_bits()) {
+                for i in entries {
+                    self.weighed[i] = particles.position[self.rows[i] as usize].w;
+                }
+                self.weigh_one(number, solid);
+            }
+        }
+    }
+
+    fn weigh_one(&mut self, number: usize, solid: &Solid) {
+        let part = &mut self.parts[number];
+        let inverses = &self.weighed[part.entries.clone()];
+        let sharers = &self.sharers[part.entries.clone()];
+        let weights = Weights::of(&solid.rest, inverses, sharers);
+        part.centre = weights.centre.as_vec3();
+        let (low, high) = solid.shape.bounds();
+        part.reach = (low - part.centre).abs().max((high - part.centre).abs()).length();
+        part.immovable = weights.inverse_mass == 0.0 && weights.inverse == [[0.0; 3]; 3];
+        let (group, lane) = (&mut self.groups[number / LANES], number % LANES);
+        group.pinned |= weights.pins > 0;
+        let mass = &mut group.mass;
+        mass.middle[lane] = weights.middle as f32;
+        mass.held[lane] = if weights.pins > 0 { 1.0 } else { 0.0 };
+        mass.free[lane] = if weights.pins > 0 { 0.0 } else { 1.0 };
+        mass.inverse_mass[lane] = weights.inverse_mass as f32;
+        let put = |to: &mut [Eight; 6], from: [[f64; 3]; 3]| {
+            let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = from;
+            for (to, from) in to.iter_mut().zip([xx, yy, zz, xy, xz, yz]) {
+                to[lane] = from as f32;
+            }
+        };
+        put(&mut mass.inertia, weights.inertia);
+        put(&mut mass.inverse_inertia, weights.inverse);
+        put(&mut mass.led, weights.led);
+        put(&mut mass.brace, weights.brace);
+        for (slot, i) in self.slots[group.slots.clone()].iter_mut().zip(0..solid.rest.len()) {
+            slot.pull[lane] = weights.pull(inverses[i], sharers[i]) as f32;
+            let rest = (solid.rest[i].as_dvec3() - weights.centre).as_vec3();
+            for (to, from) in slot.rest.iter_mut().zip(rest.to_array()) {
+                to[lane] = from;
+            }
+        }
+    }
+
+    /// Whether two solids have a particle in common.
+    pub(super) fn share_a_row(&self, a: usize, b: usize) -> bool {
+        let (a, b) = (self.parts[a].entries.clone(), self.parts[b].entries.clone());
+        let shared = a.filter(|&i| self.sharers[i] > 1);
+        shared.into_iter().any(|i| self.rows[b.clone()].contains(&self.rows[i]))
+    }
+
+    /// How many rows bodies need for the solids.
+    pub(super) fn padded(&self) -> usize {
+        self.groups.len() * LANES
+    }
+}
+
+impl Solid {
+    /// Why it cannot collide among so many particles, or `None` if it can.
+    pub fn fault(&self, particles: usize) -> Option<SolidFault> {
+        use super::super::shape::Kind;
+        if self.rows.is_empty() || self.rows.len() != self.rest.len() {
+            Some(SolidFault::Count)
+        } else if self.rows.iter().any(|&row| row as usize >= particles) {
+            Some(SolidFault::MissingParticle)
+        } else if self.rows.iter().enumerate().any(|(i, row)| self.rows[..i].contains(row)) {
+            Some(SolidFault::SameParticle)
+        } else if self.rest.iter().any(|r| !r.is_finite()) {
+            Some(SolidFault::Number)
+        } else if matches!(self.shape.kind(), Kind::HalfSpace | Kind::Mesh | Kind::HeightField) {
+            Some(SolidFault::Shape)
+        } else {
+            None
+        }
+    }
+}
+
+/// The particle that is farthest from the first one, and the one that is farthest from the line through the two.
+fn apart(rest: &[Vec3]) -> (usize, Option<usize>) {
+    let arm = |i: usize| rest[i].as_dvec3() - rest[0].as_dvec3();
+    let mut far = (0, 0.0);
+    for i in 1..rest.len() {
+        let square = arm(i).length_squared();
+        if square > far.1 {
+            far = (i, square);
+        }
+    }
+    let along = arm(far.0);
+    let mut side = (None, LINE * far.1 * far.1);
+    for i in 1..rest.len() {
+        let square = along.cross(arm(i)).length_squared();
+        if square > side.1 {
+            side = (Some(i), square);
+        }
+    }
+    (far.0, side.0)
+}

@@ -1,0 +1,289 @@
+//! Compounds as solids: boxes of eight particles, hulls of four, bones of two or three, that collide by a shape instead of particle by particle.
+//!
+//! A solid is a set of particles and a shape in their common frame. Nothing of it moves by itself: in each substep its pose is extracted from where
+//! the particles were predicted, contacts correct that pose, and the particles are displaced as the pose was. What is between (what the particles do
+//! to each other) is the business of constraints.
+//!
+//! | file | what it is |
+//! |---|---|
+//! | `groups` | eight solids at a time, and particles that several share; `weights`: what one weighs, pinned particles, rods |
+//! | `read` | poses out of particles |
+//! | `write` | and back, with momentum |
+//! | `bodies` | what contacts know of a solid, or of what stands: columns |
+//! | `stands` | colliders, planes and boxes |
+//! | `find` | what may come to touch what in a step |
+//! | `again` | the same for a pair that has turned, and for what has gone too far |
+//! | `found` | colours and packs of manifolds |
+//! | `contact` | pressing eight manifolds apart at a time; `hold`: their friction; `block` solves the few unknowns of one |
+//! | `bounce` | restitution |
+//! | `loose` | solids and single particles |
+//! | `told` | for the report |
+//! | `turn` | rotations and symmetric matrices of eight solids |
+
+mod again;
+mod block;
+mod bodies;
+mod bounce;
+mod contact;
+mod find;
+mod found;
+mod groups;
+mod hold;
+mod loose;
+mod read;
+mod stands;
+#[cfg(test)]
+mod tests;
+mod told;
+mod turn;
+mod weights;
+mod write;
+
+use std::sync::Arc;
+
+use glam::{Vec3, Vec4};
+
+use super::manifold::{Broad, Scratch};
+use super::{Frame, Shape, World};
+use crate::lanes::{InstructionSet, LANES, with};
+use crate::particles::{NO_BODY, Particles};
+use bodies::Bodies;
+use contact::{Pack, Press};
+use found::{Found, Sensed};
+use groups::Groups;
+use hold::Hold;
+use loose::Loose;
+use read::{Lifts, Read, Sums};
+use stands::Stand;
+use told::Told;
+use write::{Shared, Write};
+
+/// How much overlap is recovered in a substep: so many times what gravity adds to it, and what this speed is, m/s. A tower of so many boxes needs
+/// that much, since a sweep hands a push on by one; more at once would be seen as a jump.
+const RECOVERED: (f32, f32) = (200.0, 2.0);
+/// How much of that may turn into speed.
+const POPS: (f32, f32) = (20.0, 0.1);
+
+/// Particles that collide as one, by a shape.
+///
+/// Where it is and how it is turned follows from where its particles are; they must be held together by constraints. Two particles do not say how it
+/// is turned about their line; give such a solid a shape that is round about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solid {
+    /// Rows of its particles. Several solids may share some; those never touch each other if they are of one body.
+    pub rows: Vec<u32>,
+    /// Where each of them is in the solid's own frame, metres; as many as `rows`. Shared by solids of the same shape.
+    pub rest: Arc<[Vec3]>,
+    /// Its shape, in its own frame: anything without dents.
+    pub shape: Shape,
+}
+
+/// Why a solid takes part in no contacts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SolidFault {
+    /// It has no rows, or another number of rest positions.
+    #[error("it has no particles, or not as many rest positions")]
+    Count,
+    /// One of its rows is no particle.
+    #[error("one of its particles does not exist")]
+    MissingParticle,
+    /// One of its rows is there twice.
+    #[error("one of its particles is there twice")]
+    SameParticle,
+    /// A rest position is not finite.
+    #[error("a rest position is not finite")]
+    Number,
+    /// A half-space, a mesh or a heightfield: those are for what stands still.
+    #[error("a half-space, a mesh or a heightfield cannot move")]
+    Shape,
+}
+
+/// Contacts of solids in a step. Scratch: nothing of it lasts from one step to the next but what follows from solids and masses alone.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Solids {
+    /// Which instructions its kernels use. It never changes a result.
+    pub(crate) instructions: InstructionSet,
+    groups: Groups,
+    lifts: Lifts,
+    bodies: Bodies,
+    sums: Vec<Sums>,
+    stands: Vec<Stand>,
+    floor: Option<Shape>,
+    seen: Vec<Seen>,
+    broad: Kept<Broad>,
+    scratch: Kept<Scratch>,
+    bounds: Vec<(Vec3, Vec3)>,
+    nearby: Vec<[u32; 2]>,
+    pairs: Vec<[u32; 2]>,
+    found: Vec<Found>,
+    sensed: Vec<Sensed>,
+    packs: Vec<Pack>,
+    loose: Loose,
+    shared: Shared,
+    told: Vec<Told>,
+    used: Vec<u64>,
+    order: Vec<u32>,
+    /// Groups and packs that bounce in this substep.
+    bouncing: Vec<bool>,
+    bounced: Vec<bool>,
+    /// Whether contacts were found for this substep, and nothing is known of how they press.
+    fresh: bool,
+    /// Length of the last substep, seconds.
+    h: f32,
+}
+
+/// Where a solid was when contacts were looked for.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    /// Its centre, from its origin, metres.
+    centre: Vec3,
+    rotation: Vec4,
+    /// Its own frame, from its origin.
+    frame: Frame,
+    /// How far it may get in the step, metres.
+    margin: f32,
+    origin: Vec3,
+    body: u32,
+    /// In the world, with the margin.
+    bounds: (Vec3, Vec3),
+    sound: bool,
+}
+
+impl Default for Seen {
+    fn default() -> Self {
+        Self {
+            centre: Vec3::ZERO,
+            rotation: Vec4::W,
+            frame: Frame::IDENTITY,
+            margin: 0.0,
+            origin: Vec3::ZERO,
+            body: NO_BODY,
+            bounds: (Vec3::NAN, Vec3::NAN),
+            sound: false,
+        }
+    }
+}
+
+/// Memory of somebody else; a copy has nothing to keep.
+#[derive(Default)]
+struct Kept<T>(T);
+
+impl<T: Default> Clone for Kept<T> {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl<T> core::fmt::Debug for Kept<T> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("Kept")
+    }
+}
+
+impl Solids {
+    /// Notes which rows belong to which solids. Faulty ones are left out.
+    pub(crate) fn compile(&mut self, solids: &[Solid], particles: &Particles) {
+        self.groups.compile(solids, particles);
+        self.packs.clear();
+        self.found.clear();
+        self.loose.clear();
+    }
+
+    /// For each row whether it belongs to a solid.
+    pub(crate) fn rows(&self) -> &[bool] {
+        &self.groups.solid
+    }
+
+    /// Whether there are no solids.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.groups.parts.is_empty()
+    }
+
+    /// Between the constraints of a substep of `h` seconds and its velocities: moves solids out of what they ran into.
+    pub(crate) fn project(
+        &mut self,
+        particles: &mut Particles,
+        world: &World,
+        h: f32,
+        substep: u32,
+    ) {
+        if self.is_empty() || self.seen.len() != self.groups.parts.len() {
+            return;
+        }
+        self.h = h;
+        let share = |number: u32| number as f32 / world.substeps.max(1) as f32;
+        let (from, to) = (share(substep), share(substep + 1));
+        self.read(particles);
+        if self.has_strayed() {
+            self.tell();
+            self.look(&particles.start, particles, world, from);
+            self.read(particles);
+        }
+        if self.packs.is_empty() && self.loose.is_empty() {
+            return;
+        }
+        self.place_stands(world, from, to);
+        self.compare_again(world, from);
+        self.follow_stands(world, from);
+        let most = |(falls, speed): (f32, f32)| falls * world.gravity * h * h + speed * h;
+        let (recover, pop) = (most(RECOVERED), most(POPS));
+        let Self { packs, bodies, instructions, .. } = self;
+        // In the first substep nothing is known of how things press and stick: that is tried twice, and taken back.
+        let trials = if core::mem::take(&mut self.fresh) { 2 } else { 0 };
+        for trial in 0..=trials {
+            with(*instructions, Hold { packs, after: false, most: pop, bodies });
+            with(*instructions, Press { packs, bodies, h, recover, pop });
+            with(*instructions, Hold { packs, after: true, most: pop, bodies });
+            if trial < trials {
+                bodies.take_back();
+                for pack in packs.iter_mut() {
+                    (pack.allowed, pack.total) = (pack.sum, [0.0; LANES]);
+                }
+            }
+        }
+        self.loose.project(particles, &self.groups, &mut self.bodies, world, h);
+        self.write(particles);
+    }
+
+    /// Poses as predicted, and how they got there.
+    fn read(&mut self, particles: &Particles) {
+        let Self { groups, lifts, bodies, sums, instructions, .. } = self;
+        for (number, group) in groups.groups.iter().enumerate() {
+            let read = Read {
+                group,
+                slots: &groups.slots[group.slots.clone()],
+                lifts: lifts.of(group),
+                position: &particles.position,
+                other: &particles.start,
+                fresh: false,
+                bodies,
+                first: number * LANES,
+                sums: &mut sums[number],
+            };
+            with(*instructions, read);
+        }
+    }
+
+    /// Displaces the particles as their solids were.
+    fn write(&mut self, particles: &mut Particles) {
+        let Self { groups, lifts, bodies, sums, instructions, shared, .. } = self;
+        shared.clear();
+        for (number, group) in groups.groups.iter().enumerate() {
+            let write = Write {
+                group,
+                slots: &groups.slots[group.slots.clone()],
+                lifts: lifts.of(group),
+                position: &mut particles.position,
+                velocity: None,
+                bodies,
+                first: number * LANES,
+                sums: &sums[number],
+                shared,
+            };
+            with(*instructions, write);
+        }
+        for &(row, by) in shared.iter() {
+            particles.position[row as usize] += by;
+        }
+    }
+}

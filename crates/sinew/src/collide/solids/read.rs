@@ -1,0 +1,262 @@
+//! The poses of solids out of their particles, eight solids at a time: once afresh when contacts are looked for, and once a substep from there on.
+//!
+//! # What is read
+//!
+//! With `q` the predicted positions, `p` those at the substep's start and `m` the masses: the centres of both; the rotation nearest to
+//! `Σ m (q - q̄) rᵀ` by one or two of Newton's steps from the last substep's (derived in `pose/rotation.rs`, here in `f32`); and how it has turned
+//! since the start, which needs no second rotation:
+//!
+//! ```text
+//! φ = I⁻¹ Σ m r × (δ - δ̄)        r = q - q̄,  δ = q - p
+//! ```
+//!
+//! is the turn whose displacements `φ × r` are nearest to those of the particles. `Σ m (q - q̄)(p - p̄)ᵀ` is kept for the way back (`write`).
+
+use glam::{DMat3, DQuat, Mat3, Vec3, Vec4};
+
+use super::bodies::{Bodies, quaternion};
+use super::groups::{Group, Groups, Mass, Part, Slot};
+use super::turn::{Eight, Matrix, Symmetric, load, store, turn_further, zero};
+use crate::lanes::{Lanes, Vector, Work};
+use crate::particles::Particles;
+use crate::pose::rotation;
+
+/// A Newton step of this angle, squared, leaves an error of its cube, which is below the round-off.
+const DONE: f32 = 1e-5;
+/// The most steps, within a step and from nowhere.
+const STEPS: u32 = 3;
+const FRESH: u32 = 8;
+
+/// What a group keeps from reading for writing.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sums {
+    /// Centres as predicted, metres from the origin.
+    pub(super) centre: [Eight; 3],
+    /// `Σ m (q - q̄)(p - p̄)ᵀ` by columns, kg·m².
+    pub(super) pairs: [[Eight; 3]; 3],
+}
+
+/// Where the particles are relative to the origin of their solid's first one.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Lifts {
+    /// One for each slot; empty where all particles of each solid have one origin, as those of an island do.
+    lifts: Vec<[Eight; 3]>,
+}
+
+/// Reads a group.
+pub(super) struct Read<'a> {
+    pub(super) group: &'a Group,
+    pub(super) slots: &'a [Slot],
+    pub(super) lifts: Option<&'a [[Eight; 3]]>,
+    pub(super) position: &'a [Vec4],
+    /// Positions at the start; or, afresh, velocities.
+    pub(super) other: &'a [Vec4],
+    pub(super) fresh: bool,
+    pub(super) bodies: &'a mut Bodies,
+    /// The first row of the group among the bodies.
+    pub(super) first: usize,
+    pub(super) sums: &'a mut Sums,
+}
+
+impl Work for Read<'_> {
+    /// A bit for each lane whose rotation could not be found.
+    type Output = u32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> u32 {
+        let Self { group, slots, lifts, position, other, fresh, bodies, first, sums } = self;
+        let mass = &group.mass;
+        if slots.is_empty() {
+            return 0;
+        }
+        let source = Source { slots, lifts, position, other, fresh };
+        let held = L::zero().lt(L::load(&mass.held));
+        let (near, _, _) = source.gather::<L>(0);
+        let (mut sum, mut step) = (zero::<L>(), zero::<L>());
+        for (number, slot) in slots.iter().enumerate() {
+            let (q, moved, w) = source.gather::<L>(number);
+            let (pull, free) = (L::load(&slot.pull), L::zero().lt(w));
+            let decides = held.select(free.select(L::zero(), pull), pull);
+            sum += (q - near) * decides;
+            step += moved * decides;
+        }
+        let middle = L::load(&mass.middle);
+        let (centre, step) = (near + sum * middle, step * middle);
+        let (mut pairs, mut moments, mut momentum) =
+            (Matrix::<L>::zero(), Matrix::<L>::zero(), zero::<L>());
+        for (number, slot) in slots.iter().enumerate() {
+            let (q, moved, w) = source.gather::<L>(number);
+            let pull = L::load(&slot.pull);
+            let own = L::zero().lt(w).and(pull);
+            let (arm, moved) = (q - centre, moved - step);
+            moments.add_outer(arm * pull, load(&slot.rest));
+            momentum += arm.cross(moved) * pull;
+            let start = if fresh { arm } else { arm - moved };
+            pairs.add_outer(arm * own, start);
+        }
+        let (q, lost) = nearest(mass, &moments, L::run(&bodies.rotation, first), fresh);
+        let r = Matrix::of(q);
+        let inverse = Symmetric::load(&mass.inverse_inertia).turned(&r);
+        let led = if group.pinned { Symmetric::load(&mass.led).turned(&r) } else { inverse };
+        let spin = led.times(momentum);
+        let none = L::zero();
+        L::put_run(&mut bodies.rotation, first, q);
+        L::put_run(&mut bodies.shift, first, zero::<L>().with(L::load(&mass.inverse_mass)));
+        L::put_run(&mut bodies.turn, first, zero::<L>().with(none));
+        L::put_run(&mut bodies.along, first, inverse.along.with(none));
+        L::put_run(&mut bodies.across, first, inverse.across.with(none));
+        let start = if fresh { centre } else { centre - step };
+        L::put_run(&mut bodies.centre, first, start.with(none));
+        L::put_run(&mut bodies.step, first, step.with(none));
+        L::put_run(&mut bodies.spin, first, spin.with(none));
+        store(centre, &mut sums.centre);
+        for (column, to) in [pairs.x, pairs.y, pairs.z].into_iter().zip(&mut sums.pairs) {
+            store(column, to);
+        }
+        lost
+    }
+}
+
+/// Where particles are, and where they come from.
+struct Source<'a> {
+    slots: &'a [Slot],
+    lifts: Option<&'a [[Eight; 3]]>,
+    position: &'a [Vec4],
+    other: &'a [Vec4],
+    fresh: bool,
+}
+
+impl Source<'_> {
+    /// Position, displacement or velocity, and inverse mass of one particle of each solid.
+    #[inline(always)]
+    fn gather<L: Lanes>(&self, number: usize) -> (Vector<L>, Vector<L>, L) {
+        let slot = &self.slots[number];
+        let (mut q, w) = Vector::of(L::rows(self.position, &slot.rows));
+        let (other, _) = Vector::of(L::rows(self.other, &slot.rows));
+        let moved = if self.fresh { other } else { q - other };
+        if let Some(lifts) = self.lifts {
+            q += load(&lifts[number]);
+        }
+        (q, moved, w)
+    }
+}
+
+/// The rotation nearest to the moments, from one that is near.
+#[inline(always)]
+fn nearest<L: Lanes>(mass: &Mass, moments: &Matrix<L>, from: [L; 4], fresh: bool) -> ([L; 4], u32) {
+    let brace = Symmetric::<L>::load(&mass.brace);
+    let (mut q, mut lost) = (from, 0);
+    for _ in 0..if fresh { FRESH } else { STEPS } {
+        let s = Matrix::of(q).transposed_times(moments);
+        let half = L::splat(-0.5);
+        let along = Vector::new(s.y.y + s.z.z, s.x.x + s.z.z, s.x.x + s.y.y);
+        let across =
+            Vector::new((s.x.y + s.y.x) * half, (s.x.z + s.z.x) * half, (s.y.z + s.z.y) * half);
+        let k = Symmetric { along: along + brace.along, across: across + brace.across };
+        let gradient = Vector::new(s.y.z - s.z.y, s.z.x - s.x.z, s.x.y - s.y.x);
+        let (w, pivot) = k.solve(gradient);
+        let square = w.length_squared();
+        // Where that is no maximum, the last one stays.
+        let good = L::zero().lt(pivot).and(square.le(L::splat(1e6)));
+        let one = L::splat(1.0);
+        let next = turn_further(q, w, one + (one + square).sqrt());
+        for (old, new) in q.iter_mut().zip(next) {
+            *old = good.select(new, *old);
+        }
+        let done = good.and(square.lt(L::splat(DONE)));
+        lost = !done.bits() & 0xFF;
+        if done.all() {
+            break;
+        }
+    }
+    (q, lost)
+}
+
+impl Lifts {
+    /// Notes the origins of particles where they differ within a solid.
+    pub(super) fn take(&mut self, groups: &Groups, particles: &Particles) {
+        self.lifts.clear();
+        let origin = |row: u32| particles.origin[row as usize];
+        let even = |part: &Part| {
+            let rows = &groups.rows[part.entries.clone()];
+            rows.windows(2).all(|two| origin(two[0]) == origin(two[1]))
+        };
+        if groups.parts.iter().all(even) {
+            return;
+        }
+        for group in &groups.groups {
+            let slots = &groups.slots[group.slots.clone()];
+            for slot in slots {
+                let mut lift = [Eight::default(); 3];
+                for lane in 0..slot.rows.len() {
+                    let by = origin(slot.rows[lane]) - origin(slots[0].rows[lane]);
+                    for (to, from) in lift.iter_mut().zip(by.to_array()) {
+                        to[lane] = from;
+                    }
+                }
+                self.lifts.push(lift);
+            }
+        }
+    }
+
+    /// Those of some slots.
+    pub(super) fn of(&self, group: &Group) -> Option<&[[Eight; 3]]> {
+        self.lifts.get(group.slots.clone())
+    }
+}
+
+/// A rotation near that of a solid, from two of its particles: a function of where they are.
+pub(super) fn guess(groups: &Groups, part: &Part, rest: &[Vec3], particles: &Particles) -> Vec4 {
+    let rows = &groups.rows[part.entries.clone()];
+    let here = |i: usize| particles.separation(rows[i] as usize, rows[0] as usize);
+    let there = |i: usize| rest[i] - rest[0];
+    if let Some(side) = part.side {
+        let frames = (frame(there(part.far), there(side)), frame(here(part.far), here(side)));
+        if let (Some(from), Some(to)) = frames {
+            return quaternion(&(to * from.transpose()));
+        }
+    }
+    let ends = (there(part.far).try_normalize(), here(part.far).try_normalize());
+    let (Some(from), Some(to)) = ends else { return Vec4::W };
+    // The shortest arc; of a half turn any.
+    let (axis, real) = (from.cross(to), 1.0 + from.dot(to));
+    let q = if real > 1e-6 { axis.extend(real) } else { from.any_orthonormal_vector().extend(0.0) };
+    let length = (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w).sqrt();
+    q / length
+}
+
+/// The rotation of a solid the slow and certain way.
+pub(super) fn certain(
+    groups: &Groups,
+    number: usize,
+    rest: &[Vec3],
+    particles: &Particles,
+    near: Vec4,
+) -> Vec4 {
+    let part = &groups.parts[number];
+    let rows = &groups.rows[part.entries.clone()];
+    let slots = &groups.slots[groups.groups[number / 8].slots.clone()];
+    let points = || {
+        rows.iter().zip(rest).zip(slots).map(|((&row, rest), slot)| {
+            let here = particles.separation(row as usize, rows[0] as usize).as_dvec3();
+            (here, (*rest - part.centre).as_dvec3(), f64::from(slot.pull[number % 8]))
+        })
+    };
+    let sum: f64 = points().map(|(_, _, m)| m).sum();
+    let middle = points().map(|(q, _, m)| q * (m / sum)).sum::<glam::DVec3>();
+    let mut moments = DMat3::ZERO;
+    for (q, r, m) in points() {
+        let a = (q - middle) * m;
+        moments += DMat3::from_cols(a * r.x, a * r.y, a * r.z);
+    }
+    let near = DQuat::from_xyzw(near.x.into(), near.y.into(), near.z.into(), near.w.into());
+    let q = rotation::nearest(moments, near.normalize());
+    let q = Vec4::new(q.x as f32, q.y as f32, q.z as f32, q.w as f32);
+    if q.is_finite() { q } else { Vec4::W }
+}
+
+/// A right-handed frame with its first axis along `a` and `b` in the plane of the first two.
+fn frame(a: Vec3, b: Vec3) -> Option<Mat3> {
+    let (x, z) = (a.try_normalize()?, a.cross(b).try_normalize()?);
+    Some(Mat3::from_cols(x, z.cross(x), z))
+}

@@ -1,0 +1,132 @@
+//! What solids lie on and run into that nothing moves but the game: colliders, and the planes and boxes that hold everything, as half-spaces.
+
+use glam::{Mat3, Vec3};
+
+use super::super::shape::Kind;
+use super::super::{Collider, Frame, Grip, Layers, Material, Party, Shape, World};
+use crate::constraints::{InsideBox, Plane};
+
+/// One of them.
+#[derive(Clone, Debug)]
+pub(super) struct Stand {
+    pub(super) shape: Shape,
+    pub(super) start: Frame,
+    /// Its number among the colliders, if it goes somewhere during the step.
+    pub(super) moving: Option<usize>,
+    material: Material,
+    /// Whether its own coefficients count alone, whatever touches it: so it is of planes and boxes.
+    alone: bool,
+    pub(super) layers: Layers,
+    pub(super) sensor: bool,
+    pub(super) events: bool,
+    pub(super) party: Party,
+    /// Solid below its plane, without end.
+    pub(super) endless: bool,
+}
+
+/// Lists the valid ones.
+pub(super) fn list(world: &World, floor: &mut Option<Shape>, stands: &mut Vec<Stand>) {
+    // Made once: a clone allocates nothing.
+    let floor = floor.get_or_insert_with(Shape::half_space);
+    stands.clear();
+    for (number, collider) in world.colliders.iter().enumerate() {
+        if collider.is_valid() {
+            stands.push(Stand::of(collider, number));
+        }
+    }
+    for (number, plane) in world.boundaries.planes.iter().enumerate() {
+        if plane.is_valid() {
+            stands.push(Stand::wall(plane, floor, Party::Plane(number as u32)));
+        }
+    }
+    for (number, room) in world.boundaries.boxes.iter().enumerate() {
+        if room.is_valid() {
+            let party = Party::Box(number as u32);
+            stands.extend(walls(room).map(|plane| Stand::wall(&plane, floor, party)));
+        }
+    }
+}
+
+impl Stand {
+    fn of(collider: &Collider, number: usize) -> Self {
+        let Collider { shape, start, end, material, layers, sensor, events } = collider;
+        Self {
+            shape: shape.clone(),
+            start: *start,
+            moving: (start != end).then_some(number),
+            material: *material,
+            alone: false,
+            layers: *layers,
+            sensor: *sensor,
+            events: *events,
+            party: Party::Collider(number as u32),
+            endless: matches!(shape.kind(), Kind::HalfSpace),
+        }
+    }
+
+    fn wall(plane: &Plane, floor: &Shape, party: Party) -> Self {
+        let n = plane.normal.normalize_or(Vec3::Y);
+        let x = n.any_orthonormal_vector();
+        let material =
+            Material::default().with_friction(plane.friction).with_restitution(plane.restitution);
+        Self {
+            shape: floor.clone(),
+            start: Frame {
+                translation: n * plane.offset,
+                rotation: Mat3::from_cols(x, n, x.cross(n)),
+            },
+            moving: None,
+            material: Material { drag: plane.drag, ..material },
+            alone: true,
+            layers: Layers::new(u32::MAX, u32::MAX),
+            sensor: false,
+            events: false,
+            party,
+            endless: true,
+        }
+    }
+
+    /// Where it is after a share of the step.
+    pub(super) fn frame_at(&self, world: &World, share: f32) -> Frame {
+        match self.moving.and_then(|number| world.colliders.get(number)) {
+            Some(collider) if share > 0.0 => collider.frame_at(share),
+            _ => self.start,
+        }
+    }
+
+    /// The same frame as seen from an origin, metres. Far out the numbers of the world have no digits, so that of an endless one is moved along its
+    /// plane to where it is nearest.
+    pub(super) fn seen_from(&self, frame: &Frame, origin: Vec3) -> Frame {
+        if !self.endless {
+            return Frame { translation: frame.translation - origin, ..*frame };
+        }
+        let n = frame.rotation.y_axis;
+        let height = n.as_dvec3().dot(frame.translation.as_dvec3() - origin.as_dvec3());
+        Frame { translation: n * height as f32, ..*frame }
+    }
+
+    /// What becomes of its surface and another one.
+    pub(super) fn grip(&self, other: &Material) -> Grip {
+        if self.alone {
+            let Material { friction, restitution, drag, .. } = self.material;
+            Grip { friction, restitution, drag }
+        } else {
+            other.against(&self.material)
+        }
+    }
+}
+
+/// The six planes of a box, which face inward.
+fn walls(room: &InsideBox) -> impl Iterator<Item = Plane> {
+    let InsideBox { min, max, .. } = *room;
+    let wall = move |normal: Vec3, offset: f32| Plane {
+        normal,
+        offset,
+        friction: room.friction,
+        restitution: room.restitution,
+        ..Plane::ground(0.0)
+    };
+    Vec3::AXES
+        .into_iter()
+        .flat_map(move |axis| [wall(axis, axis.dot(min)), wall(-axis, -axis.dot(max))])
+}

@@ -1,0 +1,77 @@
+//! What lies still.
+
+use super::*;
+
+#[test]
+fn a_box_on_the_floor_does_not_move() {
+    let mut world = world();
+    floor(&mut world, rough(0.5));
+    let first = add_box(&mut world, Vec3::ONE, 1.0, Vec3::Y * 0.5, Quat::IDENTITY);
+    let (mut worst, before) = (0.0_f32, centre(&world, first));
+    for _ in 0..600 {
+        world.step(1.0 / 60.0).unwrap();
+        worst = worst.max(speed(&world));
+    }
+    let moved = centre(&world, first) - before;
+    assert!(worst < 1e-3, "{worst}");
+    assert!(moved.length() < 1e-3, "{moved}");
+}
+
+#[test]
+fn a_tower_of_ten_boxes_stands() {
+    let mut world = world();
+    floor(&mut world, rough(0.5));
+    let firsts: Vec<_> = (0..10)
+        .map(|i| add_box(&mut world, Vec3::ONE, 1.0, Vec3::Y * (0.5 + i as f32), Quat::IDENTITY))
+        .collect();
+    step(&mut world, 60.0);
+    let top = centre(&world, firsts[9]);
+    assert!(top.with_y(0.0).length() < 0.01 && (top.y - 9.5).abs() < 0.01, "{top}");
+    assert!(speed(&world) < 1e-3);
+}
+
+#[test]
+fn a_crooked_tower_of_turned_boxes_stands_too() {
+    let mut world = world();
+    floor(&mut world, rough(0.5));
+    let mut dice = Dice(5);
+    let firsts: Vec<_> = (0..10)
+        .map(|i| {
+            let off = (dice.vector() - 0.5) * Vec3::new(0.2, 0.0, 0.2);
+            let at = off + Vec3::Y * (0.505 + 1.01 * i as f32);
+            add_box(&mut world, Vec3::ONE, 1.0, at, turn(Vec3::Y, dice.next()))
+        })
+        .collect();
+    step(&mut world, 2.0);
+    let before: Vec<_> = firsts.iter().map(|&first| centre(&world, first)).collect();
+    step(&mut world, 60.0);
+    let drifts = firsts
+        .iter()
+        .zip(&before)
+        .map(|(&first, before)| (centre(&world, first) - *before).length());
+    let drift = drifts.fold(0.0, f32::max);
+    assert!(drift < 0.01, "{drift}");
+}
+
+#[test]
+fn a_heavy_box_lies_on_a_light_one() {
+    let mut world = world();
+    floor(&mut world, rough(0.5));
+    add_box(&mut world, Vec3::ONE, 1.0, Vec3::Y * 0.5, Quat::IDENTITY);
+    let heavy = add_box(&mut world, Vec3::ONE, 100.0, Vec3::Y * 1.5, Quat::IDENTITY);
+    step(&mut world, 10.0);
+    assert!((centre(&world, heavy).y - 1.5).abs() < 0.02);
+    assert!(speed(&world) < 1e-2);
+}
+
+#[test]
+fn far_from_the_origin_it_lies_as_still() {
+    let mut world = world();
+    let far = Vec3::new(5000.0, 0.0, -3000.0);
+    floor(&mut world, rough(0.5));
+    let first = add_box(&mut world, Vec3::ONE, 1.0, far + Vec3::Y * 0.5, Quat::IDENTITY);
+    let before = centre(&world, first);
+    step(&mut world, 10.0);
+    let moved = centre(&world, first) - before;
+    assert!(moved.length() < 1e-3 && speed(&world) < 1e-3);
+}

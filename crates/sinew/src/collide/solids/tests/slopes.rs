@@ -1,0 +1,58 @@
+//! Coulomb's friction (physics.md F8).
+
+use super::*;
+
+/// A box on a slope: how far it slid down in two seconds, and how far it would without friction but for Coulomb's.
+fn slide(friction: f32, tangent: f32) -> (f32, f32) {
+    let mut world = world();
+    let angle = libm::atanf(tangent);
+    let turned = turn(Vec3::Z, -angle);
+    let floor = Collider::fixed(Shape::half_space(), Frame::new(Vec3::ZERO, turned));
+    world.colliders.push(floor.with_material(rough(friction)));
+    contacts(&mut world, rough(friction));
+    let frame = Frame::new(Vec3::ZERO, turned);
+    let first =
+        add_box(&mut world, Vec3::new(1.0, 0.5, 1.0), 2.0, frame.point(Vec3::Y * 0.25), turned);
+    let before = centre(&world, first);
+    step(&mut world, 2.0);
+    let slid = frame.turn_back(centre(&world, first) - before);
+    assert!(slid.z.abs() < 1e-3 && slid.y.abs() < 2e-3, "{slid}");
+    let acceleration = 9.81 * (libm::sinf(angle) - friction * libm::cosf(angle));
+    (slid.x, 0.5 * acceleration.max(0.0) * 4.0)
+}
+
+#[test]
+fn a_box_slides_where_the_slope_is_steeper_than_its_friction_and_not_before() {
+    for friction in [0.2, 0.5, 0.8] {
+        let (still, _) = slide(friction, friction * 0.98);
+        let (slid, exact) = slide(friction, friction * 1.1);
+        // So near to sliding it creeps, by less than a millimetre a second.
+        assert!(still.abs() < 2e-3, "{still}");
+        assert!((slid / exact - 1.0).abs() < 0.02, "{slid} {exact}");
+    }
+}
+
+#[test]
+fn a_box_that_slides_stops_after_v2_by_2_mu_g() {
+    for (friction, v) in [(0.5, 4.0), (0.25, 2.0), (0.8, 10.0)] {
+        let mut world = world();
+        floor(&mut world, rough(friction));
+        let size = Vec3::new(1.0, 0.4, 1.0);
+        let first = add_box(&mut world, size, 1.0, Vec3::Y * 0.2, Quat::IDENTITY);
+        throw(&mut world, first, Vec3::X * v, Vec3::ZERO);
+        step(&mut world, 4.0);
+        let (slid, exact) = (centre(&world, first), v * v / (2.0 * friction * 9.81));
+        assert!((slid.x / exact - 1.0).abs() < 0.02, "{slid} {exact}");
+        assert!(slid.z.abs() < 0.01 && speed(&world) < 1e-3);
+    }
+}
+
+#[test]
+fn a_box_that_spins_on_the_floor_stops_where_it_is() {
+    let mut world = world();
+    floor(&mut world, rough(0.5));
+    let first = add_box(&mut world, Vec3::new(1.0, 0.4, 1.0), 1.0, Vec3::Y * 0.2, Quat::IDENTITY);
+    throw(&mut world, first, Vec3::ZERO, Vec3::Y * 5.0);
+    step(&mut world, 3.0);
+    assert!(centre(&world, first).with_y(0.0).length() < 0.01 && speed(&world) < 1e-3);
+}

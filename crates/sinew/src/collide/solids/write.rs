@@ -1,0 +1,143 @@
+//! Back to the particles: each is displaced by what its solid was shifted and turned, so that rods inside stay as they are and what is soft keeps its
+//! own deformation.
+//!
+//! # Momentum
+//!
+//! The turn is a rotation `ΔR`, and `(ΔR - 1) r` with the arms `r = q - q̄` as the particles really are keeps momentum, because `Σ m r = 0`. Angular
+//! momentum, as Verlet keeps it, changes by `Σ m (p - p̄) × d`, and is to change by `T = I φ`, the moment of the impulses. What is missing comes of
+//! the rotation from `p` to `q`, of second order in the turn, and of particles that are not quite where the solid has them; a further infinitesimal
+//! turn `ψ` makes up for it:
+//!
+//! ```text
+//! J ψ = T - Σ m (p - p̄) × (ΔR - 1)(q - q̄)        J = Σ m ((p - p̄)·(q - q̄) 1 - (q - q̄)(p - p̄)ᵀ)
+//! ```
+//!
+//! All of it follows from `Σ m (q - q̄)(p - p̄)ᵀ`, which was summed up when the solid was read. So `d = shift + D (q - q̄)` with one matrix `D` a
+//! solid. Velocities change in the same way, with `ψ × r` alone.
+
+use glam::Vec4;
+
+use super::bodies::Bodies;
+use super::groups::{Group, Slot};
+use super::read::Sums;
+use super::turn::{Eight, Matrix, Symmetric, load, store};
+use crate::lanes::{LANES, Lanes, Vector, Work};
+
+/// Changes of rows that several solids share, or that are alone in their eight: to be added when all are known.
+pub(super) type Shared = Vec<(u32, Vec4)>;
+
+/// Changes the particles of a group.
+pub(super) struct Write<'a> {
+    pub(super) group: &'a Group,
+    pub(super) slots: &'a [Slot],
+    pub(super) lifts: Option<&'a [[Eight; 3]]>,
+    pub(super) position: &'a mut [Vec4],
+    /// What is changed instead of the positions.
+    pub(super) velocity: Option<&'a mut [Vec4]>,
+    pub(super) bodies: &'a Bodies,
+    pub(super) first: usize,
+    pub(super) sums: &'a Sums,
+    pub(super) shared: &'a mut Shared,
+}
+
+impl Work for Write<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { group, slots, lifts, position, mut velocity, bodies, first, sums, shared } =
+            self;
+        let (shift, _) = Vector::of(L::run(&bodies.shift, first));
+        let (turn, _) = Vector::of(L::run(&bodies.turn, first));
+        let much = shift.length_squared() + turn.length_squared();
+        if !L::zero().lt(much).any() {
+            return;
+        }
+        let field = field::<L>(group, turn, bodies, first, sums, velocity.is_none());
+        let centre = load(&sums.centre);
+        for (number, slot) in slots.iter().enumerate() {
+            let (q, w) = Vector::of(L::rows(position, &slot.rows));
+            let arm = match lifts {
+                Some(lifts) => q + load(&lifts[number]) - centre,
+                None => q - centre,
+            };
+            // Of a pinned one nothing.
+            let share = L::zero().lt(w).and(L::load(&slot.share));
+            let moved = (shift + field.times(arm)) * share;
+            if group.scattered {
+                let mut by = [Eight::default(); 3];
+                store(moved, &mut by);
+                for lane in 0..LANES {
+                    let by = Vec4::new(by[0][lane], by[1][lane], by[2][lane], 0.0);
+                    if by != Vec4::ZERO {
+                        shared.push((slot.rows[lane], by));
+                    }
+                }
+            } else if let Some(velocity) = &mut velocity {
+                let (v, lag) = Vector::of(L::rows(velocity, &slot.rows));
+                L::put_rows(velocity, &slot.rows, (v + moved).with(lag));
+            } else {
+                L::put_rows(position, &slot.rows, (q + moved).with(w));
+            }
+        }
+    }
+}
+
+/// `D`, which takes arms to displacements.
+#[inline(always)]
+fn field<L: Lanes>(
+    group: &Group,
+    turn: Vector<L>,
+    bodies: &Bodies,
+    first: usize,
+    sums: &Sums,
+    rotates: bool,
+) -> Matrix<L> {
+    let (none, one) = (L::zero(), L::splat(1.0));
+    let mass = &group.mass;
+    let mut field = Matrix::zero();
+    if rotates {
+        // ΔR - 1 = 2 ([v] + [v]²) / (1 + v²) of the quaternion (v, 1), and [v]² = v vᵀ - v² 1.
+        let half = turn * L::splat(0.5);
+        let square = half.length_squared();
+        let factor = L::splat(2.0) / (one + square);
+        field.add_outer(half, half);
+        field.x.x = field.x.x - square;
+        field.y.y = field.y.y - square;
+        field.z.z = field.z.z - square;
+        add_cross(&mut field, half);
+        field = Matrix { x: field.x * factor, y: field.y * factor, z: field.z * factor };
+    }
+    let r = Matrix::of(L::run(&bodies.rotation, first));
+    let [x, y, z] = &sums.pairs;
+    let pairs = Matrix { x: load(x), y: load(y), z: load(z) };
+    let wanted = Symmetric::load(&mass.inertia).turned(&r).times(turn);
+    let missing = wanted - field.times_matrix(&pairs).twice_axial();
+    let brace = Symmetric::load(&mass.brace).turned(&r);
+    let trace = pairs.x.x + pairs.y.y + pairs.z.z;
+    let j = Matrix {
+        x: Vector::new(trace, none, none) - pairs.x
+            + Vector::new(brace.along.x, brace.across.x, brace.across.y),
+        y: Vector::new(none, trace, none) - pairs.y
+            + Vector::new(brace.across.x, brace.along.y, brace.across.z),
+        z: Vector::new(none, none, trace) - pairs.z
+            + Vector::new(brace.across.y, brace.across.z, brace.along.z),
+    };
+    let further = j.solve(missing);
+    // A part of the turn, or all of it; what is more is none.
+    let most = turn.length_squared() * L::splat(4.0);
+    let free = L::zero().lt(L::load(&mass.free));
+    let sound = free.and(further.length_squared().le(most));
+    let otherwise = if rotates { Vector::new(none, none, none) } else { turn };
+    add_cross(&mut field, further.or_else(sound, otherwise));
+    field
+}
+
+/// Adds `[v]`.
+#[inline(always)]
+fn add_cross<L: Lanes>(to: &mut Matrix<L>, v: Vector<L>) {
+    let none = L::zero();
+    to.x += Vector::new(none, v.z, none - v.y);
+    to.y += Vector::new(none - v.z, none, v.x);
+    to.z += Vector::new(v.y, none - v.x, none);
+}

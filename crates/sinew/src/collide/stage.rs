@@ -1,0 +1,86 @@
+//! All that a step needs to know of contacts and nobody saves, and in which order its parts are asked.
+
+use super::{BodyContacts, Collider, Impact, Impacts, Pairs, Pressed, Solid, Solids, Touch};
+use crate::constraints::Boundaries;
+use crate::particles::Particles;
+use crate::solve::Plan;
+
+/// Contacts of a step. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Contacts {
+    pub(crate) touch: Touch,
+    pub(crate) presses: Vec<Pressed>,
+    pairs: Pairs,
+    solids: Solids,
+    impacts: Impacts,
+}
+
+/// What a world has that contacts depend on.
+#[derive(Clone, Copy)]
+pub(crate) struct World<'a> {
+    pub(crate) boundaries: &'a Boundaries,
+    pub(crate) colliders: &'a [Collider],
+    pub(crate) solids: &'a [Solid],
+    pub(crate) bodies: &'a [BodyContacts],
+    pub(crate) plan: &'a Plan,
+    /// Length of the step, seconds, and its substeps.
+    pub(crate) dt: f32,
+    pub(crate) substeps: u32,
+    /// Magnitude of gravity, m/s².
+    pub(crate) gravity: f32,
+}
+
+impl Contacts {
+    /// Notes which rows belong to which solids, when those or the particles have changed.
+    pub(crate) fn compile(&mut self, solids: &[Solid], particles: &Particles) {
+        self.solids.compile(solids, particles);
+    }
+
+    /// Whether a row belongs to a solid, which collides in its place.
+    pub(crate) fn is_in_solid(&self, row: u32) -> bool {
+        self.solids.rows().get(row as usize).is_some_and(|&solid| solid)
+    }
+
+    /// Begins a step: finds what may come to touch what.
+    pub(crate) fn begin(&mut self, particles: &Particles, world: World) {
+        let World { boundaries, colliders, bodies, substeps, dt, gravity, .. } = world;
+        self.impacts.clear();
+        self.touch.take(boundaries, colliders, bodies, substeps);
+        self.touch.set_solid(self.solids.rows());
+        self.touch.find(particles, world.plan, (dt, gravity), &mut self.presses);
+        self.solids.find(particles, &world);
+        self.pairs.find(particles, bodies, &particles.rest, self.solids.rows(), dt);
+    }
+
+    /// Whether something may come to touch something else that moves, so that islands cannot go their ways alone.
+    pub(crate) fn is_active(&self) -> bool {
+        !self.solids.is_empty() || !self.pairs.is_empty()
+    }
+
+    /// Between the constraints of a substep of `h` seconds and its velocities.
+    pub(crate) fn project(
+        &mut self,
+        particles: &mut Particles,
+        world: &World,
+        h: f32,
+        substep: u32,
+    ) {
+        self.solids.project(particles, world, h, substep);
+        self.pairs.project(particles, h);
+    }
+
+    /// After the velocities.
+    pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
+        self.solids.bounce(particles, h, gravity);
+        self.pairs.bounce(particles, h, gravity);
+    }
+
+    /// What has touched what in a step with substeps of `h` seconds.
+    pub(crate) fn report(&mut self, particles: &Particles, h: f32) -> &[Impact] {
+        let mut presses = super::Presses::all(&mut self.presses);
+        self.touch.report(particles, &mut presses, h, &mut self.impacts);
+        self.solids.report(&mut self.impacts);
+        self.pairs.report(&mut self.impacts);
+        self.impacts.merge()
+    }
+}

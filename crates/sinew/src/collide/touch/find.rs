@@ -1,0 +1,126 @@
+//! Which rows may touch which surfaces in a step.
+
+use glam::Vec3;
+
+use super::surface::Form;
+use super::{Candidate, Pressed, Touch};
+use crate::particles::Particles;
+use crate::solve::Plan;
+
+/// Memory of sorting candidates by row.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sort {
+    /// Row and candidate, surface by surface.
+    found: Vec<(u32, Candidate)>,
+    /// Island by island, its box and its margin.
+    islands: Vec<(Vec3, Vec3)>,
+}
+
+/// How much further than its fastest particle would go alone, an island may go: what is flung by its neighbours is faster than all of them were.
+const HASTE: f32 = 1.5;
+
+impl Touch {
+    /// Finds them for a step of `dt` seconds under gravity of `g` m/s², and starts a press for each.
+    pub(crate) fn find(
+        &mut self,
+        particles: &Particles,
+        plan: &Plan,
+        (dt, g): (f32, f32),
+        presses: &mut Vec<Pressed>,
+    ) {
+        self.first.clear();
+        self.candidates.clear();
+        presses.clear();
+        if self.surfaces.is_empty() {
+            return;
+        }
+        self.see(particles, plan, dt, g);
+        self.sort.found.clear();
+        let steps = self.frames.len() / self.surfaces.len();
+        for (number, surface) in self.surfaces.iter().enumerate() {
+            let (mut low, mut high) = (Vec3::NEG_INFINITY, Vec3::INFINITY);
+            if let Form::Shape(shape) = &surface.form {
+                // A box around all places that it has in the step. Between two of them it is as good as straight.
+                (low, high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+                let instants = if surface.moves() { steps } else { 1 };
+                for frame in
+                    self.frames.iter().skip(number).step_by(self.surfaces.len()).take(instants)
+                {
+                    let (least, most) = shape.bounds_in(frame);
+                    (low, high) = (low.min(least), high.max(most));
+                }
+            }
+            for (island, &(least, most)) in plan.islands.iter().zip(&self.sort.islands) {
+                if least.cmpgt(high).any() || most.cmplt(low).any() {
+                    continue;
+                }
+                for &row in &plan.members[island.members.clone()] {
+                    let i = row as usize;
+                    let reach = self.seen[i].w.sqrt() + particles.radius[i];
+                    let at = particles.origin[i] + particles.position[i].truncate();
+                    let near = (at + reach).cmpge(low).all() && (at - reach).cmple(high).all();
+                    let solid = self.solid.get(i).is_some_and(|&solid| solid);
+                    let pinned = particles.position[i].w == 0.0;
+                    let body =
+                        self.bodies.get(particles.body[i] as usize).copied().unwrap_or_default();
+                    if !near || solid || pinned || !surface.layers.meets(body.layers) {
+                        continue;
+                    }
+                    let grip = surface.grip(&body.material);
+                    let candidate = Candidate {
+                        surface: number as u32,
+                        friction: grip.friction,
+                        restitution: grip.restitution,
+                        drag: grip.drag,
+                    };
+                    self.sort.found.push((row, candidate));
+                }
+            }
+        }
+        self.sort_by_row(particles.len());
+        presses.resize(self.candidates.len(), Pressed::default());
+    }
+
+    /// Notes where each row is and how far it may go, and the box of each island.
+    fn see(&mut self, particles: &Particles, plan: &Plan, dt: f32, g: f32) {
+        self.seen.resize(particles.len(), glam::Vec4::ZERO);
+        self.sort.islands.clear();
+        for island in &plan.islands {
+            let rows = || plan.members[island.members.clone()].iter().map(|&row| row as usize);
+            let fastest = rows()
+                .map(|i| particles.velocity[i].truncate().length_squared())
+                .fold(0.0, f32::max)
+                .sqrt();
+            let reach = HASTE * (fastest + g * dt) * dt;
+            let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+            for i in rows() {
+                self.seen[i] = particles.position[i].truncate().extend(reach * reach);
+                let at = particles.origin[i] + particles.position[i].truncate();
+                let around = reach + particles.radius[i];
+                (low, high) = (low.min(at - around), high.max(at + around));
+            }
+            self.sort.islands.push((low, high));
+        }
+    }
+
+    /// Puts the candidates in order of their rows, and of surfaces within a row: counted, then dealt out.
+    fn sort_by_row(&mut self, rows: usize) {
+        let Self { first, candidates, sort: Sort { found, .. }, .. } = self;
+        first.resize(rows + 1, 0);
+        for &(row, _) in found.iter() {
+            first[row as usize + 1] += 1;
+        }
+        for row in 0..rows {
+            first[row + 1] += first[row];
+        }
+        candidates.resize(found.len(), Candidate::default());
+        // Each row's place moves on as it fills, and ends where the next one's began.
+        for &(row, candidate) in found.iter() {
+            let place = &mut first[row as usize];
+            candidates[*place as usize] = candidate;
+            *place += 1;
+        }
+        first.rotate_right(1);
+        first[0] = 0;
+    }
+}

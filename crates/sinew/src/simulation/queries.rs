@@ -1,0 +1,345 @@
+//! Questions about where things are: what a ray meets, what a shape overlaps, which particle is nearest.
+//!
+//! They look at the world as the last step left it, one thing after the other, in the order of their numbers: a question costs some nanoseconds for each particle and collider.
+
+use glam::Vec3;
+
+use super::Simulation;
+use crate::collide::{Frame, Layers, ManifoldScratch, Party, Shape, Solid, collide};
+use crate::particles::NO_BODY;
+use crate::pose::pose;
+
+/// What a question is about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Filter {
+    /// What it minds, and what minds it. Default everything.
+    pub layers: Layers,
+    /// Whether colliders count. Default yes.
+    pub colliders: bool,
+    /// Whether sensors count among them. Default not.
+    pub sensors: bool,
+    /// Whether bodies and loose particles count. Default yes.
+    pub bodies: bool,
+    /// One that does not count: who asks. Default none.
+    pub except: Option<Party>,
+}
+
+/// What a ray met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Whom.
+    pub party: Party,
+    /// The particle: that which was met, or the nearest corner of what was; none of a collider.
+    pub row: Option<u32>,
+    /// How far from where the ray began, metres.
+    pub distance: f32,
+    /// Where, metres.
+    pub point: Vec3,
+    /// Unit vector out of what was met.
+    pub normal: Vec3,
+}
+
+impl Default for Filter {
+    fn default() -> Self {
+        Self {
+            layers: Layers::new(u32::MAX, u32::MAX),
+            colliders: true,
+            sensors: false,
+            bodies: true,
+            except: None,
+        }
+    }
+}
+
+impl Simulation {
+    /// What a ray meets first within `max` metres: a collider, a solid, a triangle of a surface from either side, or a particle's ball. A direction that has no length meets
+    /// nothing; it need not be a unit vector.
+    pub fn cast_ray(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        max: f32,
+        filter: &Filter,
+    ) -> Option<Hit> {
+        let direction = direction.try_normalize()?;
+        let mut ray = Ray { origin, direction, max, first: None };
+        for (number, collider) in self.colliders.iter().enumerate() {
+            let party = Party::Collider(number as u32);
+            if self.counts_collider(number, filter) {
+                ray.shape(&collider.shape, &collider.end, party, None);
+            }
+        }
+        if !filter.bodies {
+            return ray.first;
+        }
+        for solid in self.solids.iter() {
+            let Some((party, row)) = self.counts_solid(solid, filter) else { continue };
+            if let Some(frame) = self.frame_of(solid) {
+                ray.shape(&solid.shape, &frame, party, Some(row));
+            }
+        }
+        for corners in &self.forces.surfaces {
+            let Some(party) = self.counts_row(corners[0], filter) else { continue };
+            let [a, b, c] = corners.map(|row| self.particles.position(row as usize));
+            ray.triangle([a, b, c], party, corners[0]);
+        }
+        for row in 0..self.particles.len() as u32 {
+            let radius = self.particles.radius[row as usize];
+            if radius > 0.0
+                && !self.is_in_solid(row)
+                && let Some(party) = self.counts_row(row, filter)
+            {
+                ray.ball(self.particles.position(row as usize), radius, party, row);
+            }
+        }
+        ray.first
+    }
+
+    /// Calls `found` with everyone who overlaps a shape, once each for colliders and solids, with the row for each particle. Particles are balls of their radii.
+    pub fn overlaps(
+        &self,
+        shape: &Shape,
+        frame: &Frame,
+        filter: &Filter,
+        mut found: impl FnMut(Party, Option<u32>),
+    ) {
+        if !frame.is_valid() {
+            return;
+        }
+        for (number, collider) in self.colliders.iter().enumerate() {
+            if self.counts_collider(number, filter)
+                && overlap(shape, &collider.shape, &frame.from_within(&collider.end))
+            {
+                found(Party::Collider(number as u32), None);
+            }
+        }
+        if !filter.bodies {
+            return;
+        }
+        for solid in &self.solids {
+            let Some((party, row)) = self.counts_solid(solid, filter) else { continue };
+            let theirs = self.frame_of(solid);
+            if theirs
+                .is_some_and(|theirs| overlap(shape, &solid.shape, &frame.from_within(&theirs)))
+            {
+                found(party, Some(row));
+            }
+        }
+        for row in 0..self.particles.len() as u32 {
+            let i = row as usize;
+            let Some(party) = self.counts_row(row, filter) else { continue };
+            let at = frame.local(self.particles.position(i));
+            if !self.is_in_solid(row) && shape.nearest(at).distance <= self.particles.radius[i] {
+                found(party, Some(row));
+            }
+        }
+    }
+
+    /// The particle whose centre is nearest to a point, within `max` metres, and how far away it is; of equals the first.
+    pub fn nearest_particle(&self, point: Vec3, max: f32, filter: &Filter) -> Option<(u32, f32)> {
+        let mut nearest = None;
+        let mut least = max;
+        for row in 0..self.particles.len() as u32 {
+            let distance = self.particles.relative_to(row as usize, point).length();
+            // Also for NaN.
+            let nearer = distance < least || (nearest.is_none() && distance <= least);
+            if nearer && self.counts_row(row, filter).is_some() {
+                (nearest, least) = (Some(row), distance);
+            }
+        }
+        nearest.map(|row| (row, least))
+    }
+
+    fn counts_collider(&self, number: usize, filter: &Filter) -> bool {
+        let collider = &self.colliders[number];
+        filter.colliders
+            && collider.is_valid()
+            && (filter.sensors || !collider.sensor)
+            && collider.layers.meets(filter.layers)
+            && filter.except != Some(Party::Collider(number as u32))
+    }
+
+    /// Who a row is, if that counts.
+    fn counts_row(&self, row: u32, filter: &Filter) -> Option<Party> {
+        let body = *self.particles.body.get(row as usize)?;
+        let party = if body == NO_BODY { Party::Particle(row) } else { Party::Body(body) };
+        let layers = self.contacts.get(body as usize).map_or(Layers::default(), |own| own.layers);
+        let counts = filter.bodies && layers.meets(filter.layers) && filter.except != Some(party);
+        counts.then_some(party)
+    }
+
+    /// The same of a solid, with its first row.
+    fn counts_solid(&self, solid: &Solid, filter: &Filter) -> Option<(Party, u32)> {
+        let row = *solid.rows.first()?;
+        self.counts_row(row, filter).map(|party| (party, row))
+    }
+
+    /// Where a solid is.
+    fn frame_of(&self, solid: &Solid) -> Option<Frame> {
+        let points = solid.rows.iter().zip(&*solid.rest).filter_map(|(&row, &rest)| {
+            let i = row as usize;
+            (i < self.particles.len())
+                .then(|| (self.particles.position(i), rest, self.particles.mass(i)))
+        });
+        let found = pose(points, glam::Quat::IDENTITY)?;
+        Some(Frame::new(found.translation, found.rotation))
+    }
+
+    /// Whether a row is part of a solid, which is met in its place.
+    fn is_in_solid(&self, row: u32) -> bool {
+        self.scratch.contacts.is_in_solid(row)
+    }
+}
+
+/// Whether two shapes overlap, given where the first is in the coordinates of the second.
+fn overlap(a: &Shape, b: &Shape, a_in_b: &Frame) -> bool {
+    let mut overlaps = false;
+    collide(a, b, a_in_b, 0.0, &mut ManifoldScratch::default(), &mut |_| overlaps = true);
+    overlaps
+}
+
+/// A ray, and what it has met.
+struct Ray {
+    origin: Vec3,
+    direction: Vec3,
+    /// How far it goes still, metres.
+    max: f32,
+    first: Option<Hit>,
+}
+
+impl Ray {
+    fn meet(&mut self, distance: f32, normal: Vec3, party: Party, row: Option<u32>) {
+        if (0.0..=self.max).contains(&distance) && (self.first.is_none() || distance < self.max) {
+            let point = self.origin + self.direction * distance;
+            self.max = distance;
+            self.first = Some(Hit { party, row, distance, point, normal });
+        }
+    }
+
+    fn shape(&mut self, shape: &Shape, frame: &Frame, party: Party, row: Option<u32>) {
+        let (origin, direction) = (frame.local(self.origin), frame.turn_back(self.direction));
+        if let Some(hit) = shape.cast_ray(origin, direction, self.max) {
+            self.meet(hit.distance, frame.turn(hit.normal), party, row);
+        }
+    }
+
+    /// `|o + t d - c|² = r²`; from within it is met at once.
+    fn ball(&mut self, centre: Vec3, radius: f32, party: Party, row: u32) {
+        let from = self.origin - centre;
+        let along = from.dot(self.direction);
+        let outside = from.length_squared() - radius * radius;
+        if outside <= 0.0 {
+            let normal = from.try_normalize().unwrap_or(-self.direction);
+            self.meet(0.0, normal, party, Some(row));
+            return;
+        }
+        let beneath = along * along - outside;
+        if beneath >= 0.0 && along < 0.0 {
+            let distance = -along - beneath.sqrt();
+            let normal = (from + self.direction * distance) / radius;
+            self.meet(distance, normal, party, Some(row));
+        }
+    }
+
+    /// Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection*, 1997: Cramer's rule for `o + t d = a + u (b - a) + v (c - a)`.
+    fn triangle(&mut self, [a, b, c]: [Vec3; 3], party: Party, row: u32) {
+        let (ab, ac, from) = (b - a, c - a, self.origin - a);
+        let across = self.direction.cross(ac);
+        let volume = ab.dot(across);
+        if volume == 0.0 {
+            return;
+        }
+        let u = from.dot(across) / volume;
+        let other = from.cross(ab);
+        let (v, distance) = (self.direction.dot(other) / volume, ac.dot(other) / volume);
+        if u >= 0.0 && v >= 0.0 && u + v <= 1.0 {
+            let normal = ab.cross(ac).normalize_or_zero();
+            // Out of the side that it came to.
+            let normal = if normal.dot(self.direction) > 0.0 { -normal } else { normal };
+            self.meet(distance, normal, party, Some(row));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collide::Collider;
+    use crate::particles::ParticleSeed;
+    use crate::recipes::{BoxSpec, ClothSpec, box_3d, cloth_grid};
+
+    /// A ground, a box of 1 m at 5 m along x, a cloth at 10 m, and a ball at 3 m along z.
+    fn world() -> Simulation {
+        let mut world = Simulation::default();
+        world.colliders.push(Collider::fixed(Shape::half_space(), Frame::at(Vec3::NEG_Y)));
+        let cube = box_3d(&BoxSpec::default()).unwrap();
+        let cube = cube.transformed(glam::Quat::IDENTITY, Vec3::X * 5.0);
+        cube.build_colliding(&mut world, Default::default()).unwrap();
+        let turned = glam::Quat::from_xyzw(0.0, 1.0, 0.0, 1.0);
+        let cloth = cloth_grid(&ClothSpec::default()).unwrap().transformed(turned, Vec3::X * 10.0);
+        cloth.build_colliding(&mut world, Default::default()).unwrap();
+        world.particles.push(ParticleSeed::at(Vec3::Z * 3.0).with_radius(0.5)).unwrap();
+        world.forces.gravity = Vec3::ZERO;
+        world.step(1e-3).unwrap();
+        world
+    }
+
+    #[test]
+    fn a_ray_meets_the_first_thing_in_its_way_and_what_does_not_count_is_passed() {
+        let world = world();
+        let all = Filter::default();
+        let hit = world.cast_ray(Vec3::ZERO, Vec3::X * 7.0, 100.0, &all).unwrap();
+        assert_eq!(hit.party, Party::Body(0));
+        assert!(
+            (hit.distance - 4.5).abs() < 1e-4 && (hit.normal + Vec3::X).length() < 1e-4,
+            "{hit:?}"
+        );
+        let past = Filter { except: Some(Party::Body(0)), ..all };
+        let hit = world.cast_ray(Vec3::ZERO, Vec3::X, 100.0, &past).unwrap();
+        assert_eq!(hit.party, Party::Body(1));
+        assert!(
+            (hit.distance - 10.0).abs() < 0.01 && (hit.normal + Vec3::X).length() < 1e-4,
+            "{hit:?}"
+        );
+        let hit = world.cast_ray(Vec3::ZERO, Vec3::Z, 100.0, &all).unwrap();
+        assert!(
+            (hit.distance - 2.5).abs() < 1e-4 && matches!(hit.party, Party::Particle(_)),
+            "{hit:?}"
+        );
+        let hit = world.cast_ray(Vec3::ZERO, Vec3::NEG_Y, 100.0, &all).unwrap();
+        assert_eq!((hit.party, hit.row), (Party::Collider(0), None));
+        assert!((hit.point + Vec3::Y).length() < 1e-5);
+        assert_eq!(world.cast_ray(Vec3::ZERO, Vec3::NEG_Y, 0.9, &all), None, "too short");
+        assert_eq!(world.cast_ray(Vec3::ZERO, Vec3::ZERO, 9.0, &all), None, "no direction");
+        let bodies = Filter { colliders: false, ..all };
+        assert_eq!(world.cast_ray(Vec3::ZERO, Vec3::NEG_Y, 100.0, &bodies), None);
+        assert_eq!(world.cast_ray(Vec3::NAN, Vec3::NEG_Y, 100.0, &all), None);
+    }
+
+    #[test]
+    fn a_shape_finds_what_it_overlaps() {
+        let world = world();
+        let probe = Shape::sphere(1.0).unwrap();
+        let found = |at: Vec3| {
+            let mut found = Vec::new();
+            let all = Filter::default();
+            world.overlaps(&probe, &Frame::at(at), &all, |party, _| found.push(party));
+            found.dedup();
+            found
+        };
+        assert_eq!(found(Vec3::new(5.0, 1.2, 0.0)), [Party::Body(0)]);
+        assert_eq!(found(Vec3::new(5.0, -0.5, 0.0)), [Party::Collider(0), Party::Body(0)]);
+        assert_eq!(found(Vec3::new(10.2, 0.5, 0.0)), [Party::Body(1)]);
+        assert_eq!(found(Vec3::Y * 20.0), []);
+    }
+
+    #[test]
+    fn the_nearest_particle_is_found_within_reach() {
+        let world = world();
+        let all = Filter::default();
+        let (row, distance) = world.nearest_particle(Vec3::Z * 3.25, 1.0, &all).unwrap();
+        assert!((distance - 0.25).abs() < 1e-5 && row as usize == world.particles.len() - 1);
+        assert_eq!(world.nearest_particle(Vec3::Y * 50.0, 1.0, &all), None);
+        assert_eq!(world.nearest_particle(Vec3::NAN, 1.0, &all), None);
+    }
+}

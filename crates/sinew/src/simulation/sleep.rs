@@ -1,0 +1,248 @@
+//! Sleep: what lies still, with everything that it touches, is left out of the steps until something wakes it.
+//!
+//! Bodies sleep and wake in groups: islands whose boxes touch, and all islands of a body. When all of a group have been still for [`SECONDS`], it falls asleep:
+//! its particles stop and count as pinned, so that what comes near finds them in its way, and its constraints are not asked. A group wakes when one of its particles was given a velocity or
+//! a force, when something that moves comes near, or when a collider near it moves. Nothing else is remembered: what is to survive a step is in [`Sleep`], a body's own.
+
+use glam::{Vec3, Vec4};
+
+use super::Simulation;
+use crate::collide::Broad;
+use crate::particles::NO_BODY;
+
+/// Whether a body may sleep, and for how long it has been still: configuration and live state, to be saved and restored with its particles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sleep {
+    /// Whether it may. Default not.
+    pub allowed: bool,
+    /// A particle slower than this is still, m/s, 0 and up. Default 0.02.
+    pub speed: f32,
+    /// For how long all of it have been still, seconds. Default 0.
+    pub still: f32,
+    /// Whether it sleeps. Default not. To wake a body, clear this and `still`.
+    pub asleep: bool,
+}
+
+/// How long a group has to be still before it falls asleep, seconds: longer than anything thrown up is slow at its height.
+const SECONDS: f32 = 0.5;
+
+/// How near boxes have to be to count as touching, metres, beside what their particles may cover in a step.
+const NEAR: f32 = 0.01;
+
+impl Default for Sleep {
+    fn default() -> Self {
+        Self { allowed: false, speed: 0.02, still: 0.0, asleep: false }
+    }
+}
+
+impl Sleep {
+    /// May sleep, and is awake.
+    pub fn allowed() -> Self {
+        Self { allowed: true, ..Self::default() }
+    }
+}
+
+/// What falling asleep needs and nobody saves.
+#[derive(Default)]
+pub(super) struct Bedroom {
+    bounds: Vec<(Vec3, Vec3)>,
+    rests: Vec<Rest>,
+    pairs: Vec<[u32; 2]>,
+    broad: Broad,
+    /// Towards the first island of a group.
+    parent: Vec<u32>,
+    /// The first island of each body.
+    first_of: Vec<u32>,
+    /// How far the shape of a solid reaches beyond its particles, metres, for each row.
+    girth: Vec<f32>,
+    /// Rows that sleep, and their inverse masses.
+    masses: Vec<(u32, f32)>,
+}
+
+/// A copy has nothing to keep: between steps nothing is in it.
+impl Clone for Bedroom {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl core::fmt::Debug for Bedroom {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Bedroom").finish_non_exhaustive()
+    }
+}
+
+/// How an island, and then a group, lies.
+#[derive(Clone, Copy, Debug)]
+struct Rest {
+    /// Whether something of it moves, or keeps it from sleeping.
+    lively: bool,
+    /// Whether all of it may sleep.
+    allowed: bool,
+    /// For how long all of it have been still, seconds.
+    still: f32,
+}
+
+impl Simulation {
+    /// Finds out who sleeps in a step of `dt` seconds, and lets them.
+    pub(super) fn lull(&mut self, dt: f32) {
+        self.scratch.plan.islands.iter_mut().for_each(|island| island.asleep = false);
+        if !self.sleep.iter().any(|body| body.allowed) {
+            return;
+        }
+        let mut room = core::mem::take(&mut self.scratch.bedroom);
+        self.look_around(&mut room, dt);
+        self.group(&mut room);
+        self.decide(&mut room, dt);
+        self.scratch.bedroom = room;
+    }
+
+    /// Gives sleepers their masses back, at the end of a step.
+    pub(super) fn rouse(&mut self) {
+        let Self { particles, scratch, .. } = self;
+        for (row, w) in scratch.bedroom.masses.drain(..) {
+            particles.position[row as usize].w = w;
+        }
+    }
+
+    /// Looks at each island: how it lies, and the box that it may reach in the step.
+    fn look_around(&self, room: &mut Bedroom, dt: f32) {
+        let Self { particles, scratch, forces, .. } = self;
+        room.girth.clear();
+        room.girth.resize(particles.len(), 0.0);
+        for solid in &self.solids {
+            let (low, high) = solid.shape.bounds();
+            let reach = low.abs().max(high.abs()).length();
+            for (&row, rest) in solid.rows.iter().zip(&*solid.rest) {
+                if let Some(girth) = room.girth.get_mut(row as usize) {
+                    *girth = girth.max(reach - rest.length());
+                }
+            }
+        }
+        room.bounds.clear();
+        room.rests.clear();
+        let plan = &scratch.plan;
+        for island in &plan.islands {
+            let mut rest = Rest { lively: false, allowed: true, still: f32::INFINITY };
+            let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+            for &row in &plan.members[island.members.clone()] {
+                let i = row as usize;
+                if particles.position[i].w == 0.0 {
+                    continue;
+                }
+                let body = match particles.body[i] {
+                    NO_BODY => Sleep::default(),
+                    body => self.sleep.get(body as usize).copied().unwrap_or_default(),
+                };
+                let speed = particles.velocity[i].truncate().length();
+                let pushed = particles.external[i] != Vec3::ZERO;
+                // Also for NaN.
+                let quiet = if body.asleep { speed == 0.0 } else { speed <= body.speed };
+                rest.lively |= !quiet || pushed;
+                rest.allowed &= body.allowed;
+                rest.still = rest.still.min(body.still);
+                let reach = (speed + forces.gravity.length() * dt) * dt;
+                let around = particles.radius[i] + room.girth[i] + NEAR + reach;
+                let at = particles.origin[i] + particles.position[i].truncate();
+                (low, high) = (low.min(at - around), high.max(at + around));
+            }
+            if !rest.allowed {
+                // It keeps nobody awake who lies still beside it.
+                rest.still = f32::INFINITY;
+            }
+            room.bounds.push((low, high));
+            room.rests.push(rest);
+        }
+        for pin in &self.boundaries.pins {
+            let i = pin.particle as usize;
+            let Some(&island) = plan.island_of.get(i) else { continue };
+            room.rests[island as usize].lively |=
+                particles.relative_to(i, pin.target).length() > 1e-6;
+        }
+        for collider in self.colliders.iter().filter(|one| one.start != one.end && one.is_valid()) {
+            let (start, end) = (
+                collider.shape.bounds_in(&collider.start),
+                collider.shape.bounds_in(&collider.end),
+            );
+            let (low, high) = (start.0.min(end.0), start.1.max(end.1));
+            for (bounds, rest) in room.bounds.iter().zip(&mut room.rests) {
+                rest.lively |= bounds.0.cmple(high).all() && bounds.1.cmpge(low).all();
+            }
+        }
+    }
+
+    /// Joins islands that touch, and those of a body.
+    fn group(&self, room: &mut Bedroom) {
+        let Self { particles, scratch, .. } = self;
+        let Bedroom { bounds, pairs, broad, parent, first_of, .. } = room;
+        broad.pairs(bounds, pairs);
+        parent.clear();
+        parent.extend(0..bounds.len() as u32);
+        for &[a, b] in pairs.iter() {
+            unite(parent, a, b);
+        }
+        first_of.clear();
+        first_of.resize(self.sleep.len(), u32::MAX);
+        for (row, &island) in scratch.plan.island_of.iter().enumerate() {
+            if let Some(first) = first_of.get_mut(particles.body[row] as usize) {
+                if *first == u32::MAX {
+                    *first = island;
+                }
+                unite(parent, *first, island);
+            }
+        }
+    }
+
+    /// Sums up each group, and lets it sleep, or lets its time go on.
+    fn decide(&mut self, room: &mut Bedroom, dt: f32) {
+        let Bedroom { rests, parent, masses, .. } = room;
+        for island in 0..rests.len() {
+            let root = root(parent, island as u32) as usize;
+            let own = rests[island];
+            let group = &mut rests[root];
+            group.lively |= own.lively;
+            group.still = group.still.min(own.still);
+        }
+        let Self { particles, sleep, scratch, .. } = self;
+        let plan = &mut scratch.plan;
+        for number in 0..plan.islands.len() {
+            let group = rests[root(parent, number as u32) as usize];
+            let island = &mut plan.islands[number];
+            let free = room.bounds[number].0.is_finite();
+            let may = rests[number].allowed && free;
+            island.asleep = may && !group.lively && group.still >= SECONDS;
+            for &row in &plan.members[island.members.clone()] {
+                let i = row as usize;
+                let Some(body) = sleep.get_mut(particles.body[i] as usize) else { continue };
+                // Of many particles of a body the first tells.
+                if room.first_of[particles.body[i] as usize] == number as u32 {
+                    room.first_of[particles.body[i] as usize] = u32::MAX;
+                    body.still =
+                        if group.lively { 0.0 } else { (body.still + dt).min(2.0 * SECONDS) };
+                    body.asleep = island.asleep;
+                }
+                if island.asleep && particles.position[i].w > 0.0 {
+                    masses.push((row, particles.position[i].w));
+                    particles.position[i].w = 0.0;
+                    particles.velocity[i] = Vec4::ZERO;
+                    particles.rounding[i] = Vec4::ZERO;
+                }
+            }
+        }
+    }
+}
+
+fn unite(parent: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (root(parent, a), root(parent, b));
+    parent[a.max(b) as usize] = a.min(b);
+}
+
+/// The first island of a group, shortening the way for the next time.
+fn root(parent: &mut [u32], mut island: u32) -> u32 {
+    while parent[island as usize] != island {
+        let up = parent[parent[island as usize] as usize];
+        parent[island as usize] = up;
+        island = up;
+    }
+    island
+}

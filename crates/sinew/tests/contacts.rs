@@ -1,0 +1,370 @@
+//! What contacts must show, by its number (physics.md F8, C10): slopes, bounces, and cloth on whatever there is.
+
+use sinew::glam::{Quat, Vec3};
+use sinew::recipes::{BoxSpec, ClothMaterial, ClothSpec, box_3d, cloth_grid};
+use sinew::{
+    BodyContacts, Collider, Frame, Layers, Material, ParticleSeed, Party, Shape, Simulation, Sleep,
+};
+
+const DT: f32 = 1.0 / 60.0;
+
+fn run(world: &mut Simulation, seconds: f32, dt: f32) {
+    for _ in 0..(seconds / dt).round() as u32 {
+        world.step(dt).unwrap();
+    }
+}
+
+/// A half-space that rises by `degrees` towards +x, made of something.
+fn slope(degrees: f32, friction: f32) -> Collider {
+    let half = 0.5 * degrees.to_radians();
+    let turned = Quat::from_xyzw(0.0, 0.0, libm::sinf(half), libm::cosf(half));
+    let material = Material::default().with_friction(friction);
+    Collider::fixed(Shape::half_space(), Frame::new(Vec3::ZERO, turned)).with_material(material)
+}
+
+/// A ball of a body that is made of something.
+fn ball(world: &mut Simulation, at: Vec3, velocity: Vec3, radius: f32, material: Material) {
+    let row = world.particles.len();
+    world.particles.push(ParticleSeed::at(at).with_velocity(velocity).with_radius(radius)).unwrap();
+    world.particles.set_body(row, Some(world.contacts.len() as u32));
+    world.bodies.push(Default::default());
+    world.contacts.push(BodyContacts { material, events: true, ..Default::default() });
+}
+
+#[test]
+fn a_thing_on_a_slope_slides_if_and_only_if_the_slope_is_steeper_than_its_friction() {
+    for (degrees, slides) in [(10.0_f32, false), (26.0, false), (27.2, true), (40.0, true)] {
+        // tan 26.565° is 0.5.
+        let mut world = Simulation::default();
+        world.colliders.push(slope(degrees, 0.5));
+        let angle = degrees.to_radians();
+        let normal = Vec3::new(-libm::sinf(angle), libm::cosf(angle), 0.0);
+        let rough = Material::default().with_friction(0.5);
+        ball(&mut world, normal * 0.1, Vec3::ZERO, 0.1, rough);
+        run(&mut world, 2.0, DT);
+        let slid = (world.particles.position(0) - normal * 0.1).length();
+        let expected = 0.5 * 9.81 * (libm::sinf(angle) - 0.5 * libm::cosf(angle)) * 4.0;
+        println!("{degrees}°: {slid} m, expected {expected}");
+        if slides {
+            assert!((slid / expected - 1.0).abs() < 0.02, "{degrees}°: {slid} is not {expected}");
+        } else {
+            assert!(slid < 1e-4, "{degrees}°: {slid}");
+        }
+    }
+}
+
+#[test]
+fn a_thing_that_slides_on_the_level_stops_after_the_square_of_its_speed_over_two_mu_g() {
+    for speed in [1.0_f32, 3.0, 8.0] {
+        let mut world = Simulation::default();
+        world.colliders.push(slope(0.0, 0.4));
+        let wood = Material::default().with_friction(0.4);
+        ball(&mut world, Vec3::Y * 0.1, Vec3::X * speed, 0.1, wood);
+        run(&mut world, 4.0, DT);
+        let (slid, expected) = (world.particles.position(0).x, speed * speed / (2.0 * 0.4 * 9.81));
+        println!("{speed} m/s: {slid} m, expected {expected}");
+        assert!((slid / expected - 1.0).abs() < 0.02, "{slid} is not {expected}");
+    }
+}
+
+#[test]
+fn a_ball_bounces_to_the_square_of_its_restitution_and_never_higher_than_before() {
+    for restitution in [0.3_f32, 0.5, 0.8, 1.0] {
+        let mut world = Simulation::default();
+        let rubber = Material::default().with_restitution(restitution);
+        world.colliders.push(slope(0.0, 0.5).with_material(rubber));
+        ball(&mut world, Vec3::Y * 1.1, Vec3::ZERO, 0.1, rubber);
+        let (mut peaks, mut last, mut rising) = (Vec::new(), 1.1_f32, false);
+        for _ in 0..240 {
+            world.step(DT).unwrap();
+            let height = world.particles.position(0).y;
+            if rising && height < last {
+                // The apex lies within a tick of the highest one seen: less than g/8f², 0.3 mm.
+                peaks.push(last - 0.1);
+            }
+            (rising, last) = (height > last, height);
+        }
+        println!("e = {restitution}: {peaks:?}");
+        let e2 = restitution * restitution;
+        assert!((peaks[0] / e2 - 1.0).abs() < 0.02, "{} is not {e2}", peaks[0]);
+        let mut before = 1.0;
+        for peak in peaks {
+            assert!(peak <= before + 1e-5, "{peak} is higher than {before}");
+            before = peak;
+        }
+    }
+}
+
+#[test]
+fn what_lies_on_something_that_moves_is_carried() {
+    let rise = |t: f32| Frame::at(Vec3::new(1.5 * t, 0.5 * t, 0.0));
+    let mut world = Simulation::default();
+    let table = Shape::cuboid(Vec3::new(2.0, 0.5, 2.0)).unwrap();
+    world.colliders.push(Collider::fixed(table, rise(0.0)));
+    ball(&mut world, Vec3::Y * 0.6, Vec3::ZERO, 0.1, Material::default());
+    for tick in 0..120 {
+        let now = tick as f32 * DT;
+        world.colliders[0].start = rise(now);
+        world.colliders[0].end = rise(now + DT);
+        world.step(DT).unwrap();
+    }
+    let (at, wanted) = (world.particles.position(0), rise(2.0).translation + Vec3::Y * 0.6);
+    // The table starts at once: the impulse that lifts the ball by 0.5 m/s has a friction of half of that. Then it slides until it is as fast as the table: v²/2μg.
+    let slides = 1.5 - 0.5 * 0.5;
+    let lag = slides * slides / (2.0 * 0.5 * 9.81);
+    assert!((at.y - wanted.y).abs() < 1e-3, "{at} {wanted}");
+    assert!((wanted.x - at.x - lag).abs() < 0.02 * wanted.x, "{at} {wanted} {lag}");
+}
+
+#[test]
+fn layers_that_do_not_mind_each_other_and_sensors_let_through_and_a_sensor_tells() {
+    let floor = |layers, sensor| Collider { layers, sensor, events: true, ..slope(0.0, 0.5) };
+    for (layers, sensor, passes) in [
+        (Layers::default(), false, false),
+        (Layers::new(2, 2), false, true),
+        (Layers::default(), true, true),
+    ] {
+        let mut world = Simulation::default();
+        world.colliders.push(floor(layers, sensor));
+        ball(&mut world, Vec3::Y * 0.5, Vec3::ZERO, 0.1, Material::default());
+        let mut told = 0;
+        for _ in 0..60 {
+            let report = world.step(DT).unwrap();
+            told += report.impacts.len();
+            for impact in &report.impacts {
+                assert_eq!((impact.first, impact.second), (Party::Body(0), Party::Collider(0)));
+                assert_eq!((impact.sensor, impact.impulse == 0.0), (sensor, sensor));
+                assert!((impact.normal - Vec3::Y).length() < 1e-5);
+            }
+        }
+        assert_eq!(world.particles.position(0).y < 0.0, passes);
+        assert_eq!(told > 0, layers == Layers::default(), "{told}");
+    }
+}
+
+#[test]
+fn the_impulse_that_is_told_of_a_thing_at_rest_is_its_weight() {
+    let mut world = Simulation::default();
+    world.colliders.push(slope(0.0, 0.5));
+    ball(&mut world, Vec3::Y * 0.1, Vec3::ZERO, 0.1, Material::default());
+    run(&mut world, 1.0, DT);
+    let impact = world.report().impacts[0];
+    assert!((impact.impulse / (9.81 * DT) - 1.0).abs() < 0.01, "{impact:?}");
+    assert!((impact.point).length() < 1e-4, "{impact:?}");
+}
+
+/// A cloth of 1 m and 64 × 64 cells, lying flat at a height, with the drag of a room's air.
+fn sheet(world: &mut Simulation, height: f32, contacts: BodyContacts) -> f32 {
+    let material = ClothMaterial { radius: 0.005, drag: 0.8, ..Default::default() };
+    let spec = ClothSpec { columns: 64, rows: 64, material, ..Default::default() };
+    let level = Quat::from_xyzw(1.0, 0.0, 0.0, -1.0);
+    let cloth = cloth_grid(&spec).unwrap().transformed(level, Vec3::Y * height);
+    cloth.build_colliding(world, contacts).unwrap();
+    material.radius
+}
+
+/// How far the deepest vertex is beyond where its radius lets it be, metres.
+fn deepest(world: &Simulation, radius: f32) -> f32 {
+    let mut deepest = f32::NEG_INFINITY;
+    for collider in &world.colliders {
+        for i in 0..world.particles.len() {
+            let at = collider.end.local(world.particles.position(i));
+            deepest = deepest.max(radius - collider.shape.nearest(at).distance);
+        }
+    }
+    deepest
+}
+
+/// Root mean square of the speeds, m/s.
+fn rms_speed(world: &Simulation) -> f32 {
+    let n = world.particles.len();
+    let sum = (0..n).map(|i| f64::from(world.particles.velocity(i).length_squared())).sum::<f64>();
+    (sum / n as f64).sqrt() as f32
+}
+
+#[test]
+fn cloth_that_falls_on_a_ball_or_a_table_never_goes_in_and_comes_to_rest() {
+    let ball = || Collider::fixed(Shape::sphere(0.3).unwrap(), Frame::IDENTITY);
+    let table = || {
+        let shape = Shape::cuboid(Vec3::new(0.3, 0.3, 0.3)).unwrap();
+        Collider::fixed(shape, Frame::IDENTITY)
+    };
+    for (name, collider, seconds) in [("ball", ball(), 10.0), ("table", table(), 10.0)] {
+        for dt in [1.0 / 60.0, 1.0 / 240.0] {
+            let mut world = Simulation::default();
+            world.colliders.push(collider.clone());
+            let radius = sheet(&mut world, 0.6, BodyContacts::default());
+            let mut worst = f32::NEG_INFINITY;
+            for _ in 0..(seconds / dt) as u32 {
+                world.step(dt).unwrap();
+                worst = worst.max(deepest(&world, radius));
+            }
+            let rms = rms_speed(&world);
+            println!("{name} at {} Hz: {:.2e} m in, {rms:.2e} m/s", (1.0 / dt).round(), worst);
+            assert!(worst < 0.1 * 2.0 * radius, "{name}: {worst}");
+            let lowest = (0..world.particles.len())
+                .map(|i| world.particles.position(i).y)
+                .fold(f32::INFINITY, f32::min);
+            assert!(lowest > -1.0, "it hangs on the {name}, and did not slip off: {lowest}");
+            assert!(rms < 1e-3, "{name}: {rms}");
+        }
+    }
+}
+
+#[test]
+fn cloth_pulled_over_a_corner_at_ten_metres_a_second_does_not_go_in() {
+    for dt in [1.0 / 60.0, 1.0 / 240.0] {
+        let mut world = Simulation::default();
+        let shape = Shape::cuboid(Vec3::splat(0.5)).unwrap();
+        world.colliders.push(Collider::fixed(shape, Frame::at(Vec3::NEG_Y * 0.5)));
+        let radius = sheet(&mut world, 0.05, BodyContacts::default());
+        let mut worst = f32::NEG_INFINITY;
+        for _ in 0..(0.5 / dt) as u32 {
+            // One edge is pulled along and down, over the table's.
+            for i in 0..65 {
+                world.particles.set_velocity(i, Vec3::new(0.0, -7.07, -7.07));
+            }
+            world.step(dt).unwrap();
+            worst = worst.max(deepest(&world, radius));
+        }
+        println!("{} Hz: {worst:.2e} m in", (1.0 / dt).round());
+        assert!(worst < 0.1 * 2.0 * radius, "{worst}");
+    }
+}
+
+/// Adds a box of a size, in one piece with its body.
+fn brick(
+    world: &mut Simulation,
+    size: Vec3,
+    mass: f32,
+    at: Vec3,
+    turn: Quat,
+) -> std::ops::Range<usize> {
+    let spec = BoxSpec { size, mass, ..BoxSpec::default() };
+    let brick = box_3d(&spec).unwrap().transformed(turn, at);
+    brick.build_colliding(world, BodyContacts { with_bodies: true, ..Default::default() }).unwrap()
+}
+
+#[test]
+fn a_tower_of_ten_stands_for_a_minute() {
+    let mut world = Simulation::default();
+    world.colliders.push(slope(0.0, 0.5));
+    let mut rows = Vec::new();
+    for n in 0..10 {
+        rows.push(brick(&mut world, Vec3::ONE, 1.0, Vec3::Y * (n as f32 + 0.5), Quat::IDENTITY));
+    }
+    run(&mut world, 60.0, DT);
+    let (mut drift, mut sunk) = (0.0_f32, 0.0_f32);
+    for (n, rows) in rows.into_iter().enumerate() {
+        let middle = rows.map(|i| world.particles.position(i)).sum::<Vec3>() / 8.0;
+        drift = drift.max(middle.with_y(0.0).length());
+        sunk = sunk.max((middle.y - n as f32 - 0.5).abs());
+    }
+    println!("drift {drift}, sunk {sunk}, {} m/s", rms_speed(&world));
+    assert!(drift < 0.01 && sunk < 0.02, "{drift} {sunk}");
+    assert!(rms_speed(&world) < 1e-3);
+}
+
+#[test]
+fn a_box_on_a_slope_slides_if_and_only_if_the_slope_is_steeper_than_its_friction() {
+    for (degrees, slides) in [(20.0_f32, false), (26.0, false), (27.2, true), (40.0, true)] {
+        let mut world = Simulation::default();
+        world.colliders.push(slope(degrees, 0.5));
+        let half = 0.5 * degrees.to_radians();
+        let turn = Quat::from_xyzw(0.0, 0.0, libm::sinf(half), libm::cosf(half));
+        let angle = degrees.to_radians();
+        let normal = Vec3::new(-libm::sinf(angle), libm::cosf(angle), 0.0);
+        let rows = brick(&mut world, Vec3::new(1.0, 0.2, 1.0), 3.0, normal * 0.1, turn);
+        let middle = |world: &Simulation| {
+            rows.clone().map(|i| world.particles.position(i)).sum::<Vec3>() / 8.0
+        };
+        run(&mut world, 2.0, DT);
+        let slid = (middle(&world) - normal * 0.1).length();
+        let expected = 0.5 * 9.81 * (libm::sinf(angle) - 0.5 * libm::cosf(angle)) * 4.0;
+        println!("{degrees}°: {slid} m, expected {expected}");
+        if slides {
+            assert!((slid / expected - 1.0).abs() < 0.03, "{degrees}°: {slid} is not {expected}");
+        } else {
+            assert!(slid < 1e-3, "{degrees}°: {slid}");
+        }
+    }
+}
+
+#[test]
+fn boxes_poured_into_a_heap_come_to_rest_and_none_is_below_the_floor() {
+    let mut world = Simulation::default();
+    world.colliders.push(slope(0.0, 0.6));
+    let mut all = Vec::new();
+    for n in 0..120_u32 {
+        let (layer, place) = (n / 9, n % 9);
+        let [x, z] = [place % 3, place / 3].map(|i| (i as f32 - 1.0) * 0.62);
+        let at = Vec3::new(x + 0.1 * (layer % 3) as f32, 0.8 + 0.75 * layer as f32, z);
+        let turn = Quat::from_xyzw(0.2 * n as f32, 0.1, 0.3, 1.0);
+        all.push(brick(&mut world, Vec3::splat(0.5), 5.0, at, turn));
+    }
+    world.sleep.resize(120, Sleep::allowed());
+    run(&mut world, 20.0, DT);
+    let lowest = (0..world.particles.len())
+        .map(|i| world.particles.position(i).y)
+        .fold(f32::INFINITY, f32::min);
+    println!("lowest {lowest}, {} m/s", rms_speed(&world));
+    assert!(lowest > -0.005, "{lowest}");
+    assert!(rms_speed(&world) < 1e-3, "{}", rms_speed(&world));
+}
+
+#[test]
+fn a_box_falls_into_a_sheet_held_at_four_corners_and_is_caught() {
+    let mut world = Simulation::default();
+    world.settings.substeps = 20;
+    world.forces.drag = 0.3;
+    let material = ClothMaterial { radius: 0.03, density: 0.8, drag: 0.97, ..Default::default() };
+    let spec = ClothSpec {
+        width: 2.0,
+        height: 2.0,
+        columns: 40,
+        rows: 40,
+        material,
+        ..Default::default()
+    };
+    let level = Quat::from_xyzw(1.0, 0.0, 0.0, -1.0);
+    let mut cloth = cloth_grid(&spec).unwrap().transformed(level, Vec3::Y * 1.4);
+    for corner in [0, 40, 41 * 40, 41 * 41 - 1] {
+        cloth.pin(corner).unwrap();
+    }
+    let contacts = BodyContacts { with_bodies: true, ..Default::default() };
+    let sheet = cloth.build_colliding(&mut world, contacts).unwrap();
+    let turn = Quat::from_xyzw(0.1, 0.05, 0.075, 1.0);
+    let rows = brick(&mut world, Vec3::splat(0.5), 4.0, Vec3::new(0.1, 2.4, -0.05), turn);
+    run(&mut world, 6.0, DT);
+    let middle = rows.map(|i| world.particles.position(i)).sum::<Vec3>() / 8.0;
+    let lowest = sheet.map(|i| world.particles.position(i).y).fold(f32::INFINITY, f32::min);
+    println!("the box is at {middle}, the sheet hangs down to {lowest}");
+    assert!(middle.y > lowest && lowest > 0.3, "{middle} {lowest}");
+    assert!(middle.with_y(0.0).length() < 0.5);
+}
+
+#[test]
+fn what_lies_still_falls_asleep_and_wakes_when_it_is_hit() {
+    let mut world = Simulation::default();
+    world.colliders.push(slope(0.0, 0.5));
+    for n in 0..3 {
+        brick(&mut world, Vec3::ONE, 1.0, Vec3::Y * (n as f32 + 0.5), Quat::IDENTITY);
+    }
+    brick(&mut world, Vec3::ONE, 1.0, Vec3::X * 20.0 + Vec3::Y * 0.5, Quat::IDENTITY);
+    world.sleep.resize(4, Sleep::allowed());
+    run(&mut world, 2.0, DT);
+    assert!(world.sleep.iter().all(|body| body.asleep), "{:?}", world.sleep);
+    let before: Vec<_> = (0..32).map(|i| world.particles.seed(i)).collect();
+    run(&mut world, 2.0, DT);
+    assert!((0..32).all(|i| world.particles.seed(i) == before[i]), "asleep, nothing changes");
+    // A box thrown at the tower wakes all of it, and not the one far off.
+    let rows = brick(&mut world, Vec3::splat(0.5), 1.0, Vec3::new(-3.0, 2.5, 0.0), Quat::IDENTITY);
+    rows.for_each(|i| world.particles.set_velocity(i, Vec3::X * 8.0));
+    world.sleep.push(Sleep::allowed());
+    run(&mut world, 0.5, DT);
+    assert!(world.sleep[..3].iter().all(|body| !body.asleep), "{:?}", world.sleep);
+    assert!(world.sleep[3].asleep);
+    run(&mut world, 12.0, DT);
+    println!("{:?}", world.sleep);
+    assert!(world.sleep.iter().all(|body| body.asleep), "{:?}", world.sleep);
+}
