@@ -131,3 +131,87 @@ fn what_floats_allocates_nothing() {
     };
     assert_eq!(allocations(spawn), 0);
 }
+
+/// What goes up and down.
+#[derive(Component)]
+struct Lift;
+
+fn ride(mut lifts: Query<&mut Transform, With<Lift>>, clock: Res<SinewClock>) {
+    for mut lift in &mut lifts {
+        lift.translation.y = 0.1 * (clock.tick as f32 * 0.05).sin();
+    }
+}
+
+#[test]
+fn colliders_and_what_lies_on_them_allocate_nothing() {
+    let spawn = |world: &mut World| {
+        let around = world.spawn(Transform::from_xyz(0.0, -1.0, 0.0)).id();
+        let floor = Transform::from_xyz(0.0, -0.5, 0.0);
+        world.spawn((Collider::cuboid(Vec3::new(9.0, 0.5, 9.0)), floor, ChildOf(around)));
+        world.spawn((Collider::sphere(0.5), Transform::from_xyz(4.0, 0.0, 0.0)));
+        world.spawn((Collider::sphere(f32::NAN), SurfaceMaterial::default()));
+        world.spawn((ParticleBox::new(Vec3::splat(0.5)), Transform::default()));
+        world.spawn((Particle::at(Vec3::new(2.0, 0.0, 0.0)), Radius(0.1)));
+        let cloth = Cloth { radius: 0.02, ..Cloth::grid(0.5, 0.5, 8, 8) };
+        world.spawn((cloth, Transform::from_xyz(4.0, 1.0, 0.0)));
+    };
+    assert_eq!(allocations(spawn), 0);
+}
+
+#[test]
+fn colliders_that_move_allocate_nothing() {
+    let spawn = |world: &mut World| {
+        world.resource_mut::<Schedules>().add_systems(FixedUpdate, ride);
+        let floor = (Collider::cuboid(Vec3::new(9.0, 0.5, 9.0)), Transform::default());
+        world.spawn((floor, Lift));
+        world.spawn((Collider::sphere(0.5), Lift, Transform::from_xyz(4.0, 0.0, 0.0)));
+        world.spawn((ParticleBox::new(Vec3::splat(0.5)), Transform::from_xyz(0.0, 1.0, 0.0)));
+    };
+    assert_eq!(allocations(spawn), 0);
+}
+
+#[test]
+fn bodies_that_lie_on_each_other_allocate_nothing() {
+    let spawn = |world: &mut World| {
+        world.spawn((Collider::cuboid(Vec3::new(9.0, 0.5, 9.0)), Transform::default()));
+        for i in 0..3 {
+            let at = Transform::from_xyz(0.0, 1.0 + 0.6 * i as f32, 0.0);
+            world.spawn((ParticleBox::new(Vec3::splat(0.5)), BodyContacts::default(), at));
+        }
+    };
+    assert_eq!(allocations(spawn), 0);
+}
+
+#[test]
+fn particles_that_lie_on_each_other_allocate_nothing() {
+    let spawn = |world: &mut World| {
+        world.spawn((Collider::cuboid(Vec3::new(9.0, 0.5, 9.0)), Transform::default()));
+        for i in 0..3 {
+            let ball = Particle::at(Vec3::new(2.0, 1.0 + 0.3 * i as f32, 0.0));
+            world.spawn((ball, Radius(0.1), BodyContacts::default()));
+        }
+        let cloth = Cloth { radius: 0.02, ..Cloth::grid(0.5, 0.5, 8, 8) };
+        world.spawn((cloth, BodyContacts::ALL, Transform::from_xyz(4.0, 1.0, 0.0)));
+    };
+    assert_eq!(allocations(spawn), 0);
+}
+
+#[test]
+fn xx_1() {
+    let spawn = |world: &mut World| {
+        world.resource_mut::<Schedules>().add_systems(FixedUpdate, ride);
+        world.spawn((Lift, Transform::from_xyz(4.0, 0.0, 0.0)));
+        world.spawn((ParticleBox::new(Vec3::splat(0.5)), Transform::from_xyz(0.0, 1.0, 0.0)));
+    };
+    assert_eq!(allocations(spawn), 0);
+}
+
+#[test]
+fn xx_2() {
+    let spawn = |world: &mut World| {
+        world.resource_mut::<Schedules>().add_systems(FixedUpdate, ride);
+        world.spawn((Collider::sphere(0.5), Lift, Transform::from_xyz(4.0, 0.0, 0.0)));
+        world.spawn((ParticleBox::new(Vec3::splat(0.5)), Transform::from_xyz(0.0, 1.0, 0.0)));
+    };
+    assert_eq!(allocations(spawn), 0);
+}

@@ -282,7 +282,7 @@ fn a_drag_along_the_ground_takes_its_share_of_a_sliding_block_each_second() {
     let mut app = bare_app();
     app.insert_resource(AirDrag(0.0));
     let drag = GroundDrag { along: 0.6, ..default() };
-    app.world_mut().spawn((Ground { friction: 0.0 }, drag));
+    app.world_mut().spawn((Ground { friction: 0.0, ..default() }, drag));
     let block = Particle::at(Vec3::ZERO).with_velocity(Vec3::X * 3.0);
     let block = app.world_mut().spawn(block).id();
     tick(&mut app, 120);

@@ -10,6 +10,8 @@
 //! | `bad_recipes` | bodies that cannot be built say so once |
 //! | `columns` | the columns are what the components say, though little is copied in a warm tick |
 //! | `runtime_changes` | particles, springs, constraints and bodies come, change and go while time runs |
+//! | `colliders` | colliders hold, carry and let through; bodies collide by their shape or their particles |
+//! | `colliders_live` | colliders come, go, move, break and are rolled back while they are in use |
 //! | `constraints` | every law of the solver is a component that does what it says |
 //! | `own_constraints` | a game's own constraints: one door, one order, one state |
 //! | `commands` | impulses, velocities, teleports and reversal of bodies do what they say, or nothing |
@@ -35,9 +37,12 @@ mod allocations;
 mod bad_commands;
 mod bad_input;
 mod bad_recipes;
+mod colliders;
+mod colliders_live;
 mod columns;
 mod commands;
 mod constraints;
+mod contact_events;
 mod controls;
 mod forces;
 mod forces_live;

@@ -4,8 +4,8 @@ use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    BodyPart, CreationOrder, Drag, ExtractedTransform, MeshFollow, PartOf, PendingEdits, TubeMesh,
-    WindSurface,
+    BodyPart, CreationOrder, Drag, ExtractedTransform, MeshFollow, PartOf, PendingEdits, RestPlace,
+    TubeMesh, WindSurface,
 };
 
 /// What the documentation calls the state: which components it is in.
@@ -64,6 +64,13 @@ macro_rules! for_each_state_component {
             Flatland,
             Ground,
             BoundingBox,
+            Collider,
+            ColliderMotion,
+            SurfaceMaterial,
+            CollisionLayers,
+            Sensor,
+            BodyContacts,
+            RestPlace,
             Interpolate,
             ParticleOf,
             ConstraintOf,
@@ -106,10 +113,7 @@ impl Snapshot {
             entities.push((*order, entity));
         }
         entities.sort();
-        let mut entities: Vec<Entity> = entities.into_iter().map(|(_, entity)| entity).collect();
-        let parts: Vec<Entity> =
-            world.query_filtered::<Entity, With<PartOf>>().iter(world).collect();
-        entities.extend(parts);
+        let entities: Vec<Entity> = entities.into_iter().map(|(_, entity)| entity).collect();
         let (mut anew, mut in_place): (Vec<Put>, Vec<PutBack>) = (Vec::new(), Vec::new());
         macro_rules! clone_all {
             ($($component:ty),*) => { $(
@@ -156,11 +160,10 @@ impl Snapshot {
 
     /// Despawns everything that is part of the simulation now.
     pub(crate) fn clear(world: &mut World) {
-        let mut all: Vec<Entity> =
+        let all: Vec<Entity> =
             world.query_filtered::<Entity, With<CreationOrder>>().iter(world).collect();
-        all.extend(world.query_filtered::<Entity, With<PartOf>>().iter(world));
         for entity in all {
-            world.despawn(entity);
+            world.try_despawn(entity).ok();
         }
     }
 }

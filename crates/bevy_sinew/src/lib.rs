@@ -27,6 +27,8 @@
 //! - What **moves a body** is a [`ControlForce`], steered while time runs, or a command ([`BodyCommandsExt`]): an impulse, a velocity, a teleport.
 //! - The **surroundings** are [`Gravity`], [`AirDrag`], [`Electric`] (resources), [`Wind`], [`AirFlow`], [`Fluid`], [`ElectricField`] (entities,
 //!   everywhere or in a [`Region`]), [`Attractor`], [`Ground`], [`BoundingBox`] and, for a world in 2D, [`Flatland`]. A body [`Floats`] by its shape.
+//! - A **collider** is an entity with a shape, [`Collider`], that stands still or that the game moves by its `Transform`; [`SurfaceMaterial`], [`CollisionLayers`]
+//!   and [`Sensor`] say more. Bodies that have [`BodyContacts`] collide with each other too: rigid ones by their shape, all others by their particles.
 //! - **Read back** are `Transform` ([`RigidPose`]), meshes ([`MeshFollow`], [`TubeMesh`]), [`LinearVelocity`], [`AngularVelocity`], [`Barycenter`], [`Inertia`];
 //!   [`SinewWorld::report`] says how the solver fared, and [`Refused`] messages what it set aside.
 //!
@@ -51,7 +53,7 @@
 //! 5. **Extract**: transforms and velocities are read off.
 //!
 //! The ECS is the state. What is not in a component, in [`SinewClock`] or in the configuration resources does not survive a tick: save and restore
-//! those, and the simulation goes on bit for bit. [`ExtractedTransform`] and [`CreationOrder`] are part of that; [`SinewWorld`] is not. A recipe may be put back with the
+//! those, and the simulation goes on bit for bit. [`ExtractedTransform`], [`ColliderMotion`] and [`CreationOrder`] are part of that; [`SinewWorld`] is not. A recipe may be put back with the
 //! rest: one that did not change builds nothing anew.
 //!
 //! # Threads
@@ -110,6 +112,7 @@ mod config;
 mod drag;
 mod messages;
 mod plugin;
+mod query;
 mod recipes;
 mod rows;
 mod schedule;
@@ -135,6 +138,11 @@ pub use components::{
     CoplanarConstraint, HingeConstraint, LawConstraint, ParticleConstraint, PatchConstraint,
     RigidConstraint, TetrahedronConstraint, VolumeConstraint, Way,
 };
+pub use components::{
+    BodyContacts, Collider, ColliderFault, ColliderMotion, ColliderShape, CollisionLayers, Combine,
+    ContactEnded, ContactEvents, ContactShape, ContactStarted, RestPlace, Sensor, Sleep,
+    SurfaceMaterial, Touching,
+};
 pub use components::{ControlForce, Inertia};
 pub use config::{BodySolver, Direction, Integrator, Order, SolverConfig};
 #[cfg(feature = "drag")]
@@ -143,6 +151,7 @@ pub use messages::{Refusal, Refused};
 #[cfg(feature = "interpolation")]
 pub use plugin::EasePlugin;
 pub use plugin::{SinewPlugin, SinewPlugins};
+pub use query::{QueryFilter, RayHit};
 pub use recipes::{
     Articulated, BodyPart, BodyParts, Bone, BoneJoint, BoxParticles, Bulk, Cloth, ClothPins,
     ClothShape, PartOf, ParticleBox, Ragdoll, Rope, SoftBody, SoftShape, Solid, SolidParticles,
@@ -179,4 +188,9 @@ pub mod prelude {
         RegisterParticleConstraint, RigidConstraint, TetrahedronConstraint, VolumeConstraint, Way,
     };
     pub use crate::{BodyCommandsExt, ControlForce, Inertia};
+    pub use crate::{
+        BodyContacts, Collider, ColliderMotion, CollisionLayers, Combine, ContactEnded,
+        ContactEvents, ContactShape, ContactStarted, QueryFilter, Sensor, Sleep, SurfaceMaterial,
+        Touching,
+    };
 }

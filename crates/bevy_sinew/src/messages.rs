@@ -9,6 +9,7 @@ use sinew::recipes::{
 use sinew::{DistanceFault, HullFault, LawFault, ParticleFault, SpringFault};
 
 use crate::commands::EditFault;
+use crate::components::ColliderFault;
 
 /// Something was set aside, or put back. The rest of the simulation goes on as if it were not there.
 ///
@@ -59,6 +60,18 @@ pub enum Refusal {
     /// A body that is to be rigid but has no [`RigidPose`](crate::RigidPose), such as cloth; it goes on as particles.
     #[error("goes on as particles: only a body with a RigidPose can be rigid")]
     Representation,
+    /// A collider with a broken number, or of no shape; it is left out until it is mended.
+    #[error("is set aside: {0}")]
+    Collider(ColliderFault),
+    /// A body or a particle whose [`SurfaceMaterial`](crate::SurfaceMaterial) has a number that is not finite or out of range; it is as without one until that is mended.
+    #[error("is as without a SurfaceMaterial: a number of that is not finite or out of range")]
+    Material,
+    /// A rigid part that cannot collide by its [`Collider`](crate::Collider), such as one that is a mesh; it collides by its particles.
+    #[error("collides by its particles: {0}")]
+    Part(sinew::SolidFault),
+    /// A body that is to collide as a solid but has no rigid part with a [`Collider`](crate::Collider); it collides by its particles.
+    #[error("collides by its particles: it has no rigid part with a Collider")]
+    NotSolid,
     /// A command on a body or a particle that cannot be done; nothing changed.
     #[error("is left as it is: {0}")]
     Edit(EditFault),

@@ -6,15 +6,15 @@ use bevy::prelude::*;
 
 use crate::commands;
 use crate::components::{self, AirDrag, CreationCounter, Electric, Gravity, TopologyChanged};
-use crate::components::{MeshFollow, TubeMesh};
+use crate::components::{ContactEnded, ContactStarted, MeshFollow, TubeMesh};
 use crate::config::{BodySolver, SolverConfig};
 use crate::messages::Refused;
 use crate::recipes;
 use crate::schedule::{self, SinewClock, SinewControl, SinewSystems, SinewTick, TickTime};
 use crate::show::{mesh, tube};
 use crate::step::{
-    bodies, controls, environment, extract, gather, hulls, layout, links, pins, representation,
-    scatter, teleports,
+    bodies, colliders, controls, environment, extract, gather, hulls, layout, links, pins,
+    representation, scatter, sleep, solids, teleports, touching,
 };
 use crate::threads::{self, SinewWorkers};
 use crate::world::SinewWorld;
@@ -111,7 +111,9 @@ impl Plugin for SinewPlugin {
             .init_resource::<Gravity>()
             .init_resource::<AirDrag>()
             .init_resource::<Electric>()
-            .add_message::<Refused>();
+            .add_message::<Refused>()
+            .add_message::<ContactStarted>()
+            .add_message::<ContactEnded>();
         links::register_ours(app);
         schedule::configure(app, self.tick);
         recipes::add(app);
@@ -124,11 +126,14 @@ impl Plugin for SinewPlugin {
                 threads::lend,
                 gather::gather_particles,
                 bodies::gather_bodies,
+                sleep::gather_sleep,
                 pins::gather_pins,
                 environment::gather_environment,
+                colliders::gather_colliders,
                 controls::gather_controls,
                 links::notice_links,
                 representation::compile_compounds,
+                solids::compile_solids,
                 hulls::compile_hulls,
                 links::collect_laws,
                 links::compile_links,
@@ -136,7 +141,12 @@ impl Plugin for SinewPlugin {
                 .chain()
                 .in_set(SinewSystems::Gather),
         );
-        app.add_systems(SinewTick, scatter::scatter.in_set(SinewSystems::Scatter));
+        app.add_systems(
+            SinewTick,
+            (scatter::scatter, colliders::keep_places, sleep::keep_sleep, touching::tell_contacts)
+                .chain()
+                .in_set(SinewSystems::Scatter),
+        );
         app.add_systems(
             SinewTick,
             (

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
-use sinew::{ParticleFault, Particles, Simulation, SolverReport};
+use sinew::{ParticleFault, Particles, Party, Simulation, SolverReport};
 
 use crate::components::ParticleRow;
 use crate::messages::Complaints;
@@ -47,6 +47,19 @@ impl SinewWorld {
         self.simulation.report()
     }
 
+    /// Who takes part in a contact of the [report](Self::report) of the last tick: a body, a loose particle, a collider, a ground or a room. It may have been
+    /// despawned since.
+    pub fn entity_of(&self, party: Party) -> Option<Entity> {
+        let (list, number) = match party {
+            Party::Body(number) => (&self.tables.bodies, number),
+            Party::Particle(row) => (&self.tables.entities, row),
+            Party::Collider(number) => (&self.tables.colliders, number),
+            Party::Plane(number) => (&self.tables.planes, number),
+            Party::Box(number) => (&self.tables.boxes, number),
+        };
+        list.get(number as usize).copied()
+    }
+
     /// Energies and momenta of everything, J, kg·m/s and kg·m²/s, as of the end of the last tick.
     pub fn ledger(&mut self) -> sinew::Ledger {
         self.simulation.ledger()
@@ -72,6 +85,14 @@ pub(crate) struct Tables {
     pub(crate) properties_gathered: bool,
     /// Mass of each row, kg, pinned or not: a pinned particle still counts where its body is.
     pub(crate) mass: Vec<f32>,
+    /// The body (or the loose particle) of each number in `Simulation::bodies` and `Simulation::contacts`.
+    pub(crate) bodies: Vec<Entity>,
+    /// The collider of each number in `Simulation::colliders`, in the order of creation.
+    pub(crate) colliders: Vec<Entity>,
+    /// The ground of each number in `Boundaries::planes`, in the order of creation.
+    pub(crate) planes: Vec<Entity>,
+    /// The room of each number in `Boundaries::boxes`, in the order of creation.
+    pub(crate) boxes: Vec<Entity>,
     /// Why a spring or a constraint is set aside: so that each is reported once.
     pub(crate) complaints: Complaints,
     /// Pins with a broken number: so that each is reported once.

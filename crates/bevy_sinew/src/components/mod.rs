@@ -1,17 +1,24 @@
 //! What a game spawns, edits and reads: plain data, the whole state of the simulation.
 
 mod body;
+mod collide;
 mod constraint;
 mod control;
 mod environment;
 mod order;
 mod particle;
+mod sleep;
 mod softness;
 
 pub use body::{
     AngularVelocity, Barycenter, BodyConstraints, BodyParticles, BodyReport, ConstraintOf,
     ExtractedTransform, GravityScale, Inertia, Interpolate, LinearVelocity, MeshFollow,
     ParticleBody, ParticleOf, Representation, RigidIntegrator, RigidPose, TubeMesh, WindSurface,
+};
+pub use collide::{
+    BodyContacts, Collider, ColliderFault, ColliderMotion, ColliderShape, CollisionLayers, Combine,
+    ContactEnded, ContactEvents, ContactShape, ContactStarted, RestPlace, Sensor, SurfaceMaterial,
+    Touching,
 };
 pub use constraint::{
     AngleConstraint, AreaConstraint, BendConstraint, Bound, CollinearConstraint, ConeConstraint,
@@ -28,8 +35,10 @@ pub use particle::{
     Charge, Drag, ExternalForce, Mass, Particle, ParticleRow, Pinned, PinnedTo, Radius,
 };
 
+pub use sleep::Sleep;
 pub use softness::Softness;
 
+pub(crate) use collide::PlacedCollider;
 pub(crate) use control::ResolvedTarget;
 pub(crate) use order::{CreationCounter, TopologyChanged};
 
@@ -37,6 +46,7 @@ use bevy::prelude::*;
 
 /// Registers every component for reflection, for apps that do not register types by themselves.
 pub(crate) fn register(app: &mut App) {
+    collide::register(app);
     constraint::register(app);
     environment::register(app);
     app.register_type::<Particle>()
@@ -67,5 +77,6 @@ pub(crate) fn register(app: &mut App) {
         .register_type::<BodyReport>()
         .register_type::<Representation>()
         .register_type::<GravityScale>()
+        .register_type::<Sleep>()
         .register_type::<Softness>();
 }

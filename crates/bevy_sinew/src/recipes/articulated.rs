@@ -3,7 +3,8 @@
 use bevy::prelude::*;
 use sinew::recipes::{self, ArticulatedSpec, Blueprint, articulated};
 
-use super::build::{MeshShape, Recipe, spawn_parts};
+use super::build::{MeshShape, Recipe};
+use super::rigid::spawn_parts;
 use crate::components::{CreationOrder, ParticleBody};
 use crate::messages::Refusal;
 

@@ -10,14 +10,14 @@ use bevy::prelude::*;
 use sinew::recipes::Blueprint;
 
 use crate::components::{
-    BodyParticles, ConstraintOf, CreationOrder, Drag, ExtractedTransform, Interpolate, Mass,
-    MeshFollow, Particle, ParticleOf, Pinned, Radius, WindSurface,
+    BodyParticles, Collider, ConstraintOf, CreationOrder, Drag, ExtractedTransform, Interpolate,
+    Mass, MeshFollow, Particle, ParticleOf, Pinned, Radius, RestPlace, WindSurface,
 };
 use crate::config::BodySolver;
 use crate::messages::{Refusal, Refused};
+use crate::recipes::BodyParts;
 use crate::recipes::bind::{Joins, bind, enlist, fill};
 use crate::recipes::wear::source_mesh;
-use crate::recipes::{BodyPart, BodyParts, PartOf};
 
 /// A component that describes a body and can build it.
 pub(crate) trait Recipe: Component<Mutability = Mutable> + Clone + PartialEq {
@@ -27,6 +27,12 @@ pub(crate) trait Recipe: Component<Mutability = Mutable> + Clone + PartialEq {
     /// Whether the body is made from the entity's mesh.
     fn wants_mesh(&self) -> bool {
         false
+    }
+
+    /// By which shape the body collides where it does so as a solid, if it is one rigid part: in its own frame, metres.
+    fn collider(&self, blueprint: &Blueprint) -> Option<Collider> {
+        let _ = blueprint;
+        None
     }
 
     /// Puts onto the body what is special to this recipe, once its particles are there.
@@ -57,11 +63,14 @@ pub(crate) struct AwaitsMesh<R: Send + Sync + 'static>(PhantomData<fn() -> R>);
 pub(crate) struct Built<R: Send + Sync + 'static> {
     recipe: R,
     mesh: Option<AssetId<Mesh>>,
+    /// The collider that it was given: whatever else it has is the game's.
+    collider: Option<Collider>,
 }
 
 /// How building went, where nothing was wrong.
 enum Outcome {
-    Built,
+    /// It stands, and this is its collider, if it is not the game's.
+    Built(Option<Collider>),
     /// The mesh is not there yet.
     Waits,
     /// An observer despawned the body while it was being built.
@@ -90,14 +99,17 @@ pub(crate) fn build<R: Recipe>(
         let outcome = build_one(world, body, &recipe);
         let Ok(mut entity) = world.get_entity_mut(body) else { continue };
         match outcome {
-            Ok(Outcome::Built) => {
-                entity.insert(Built { recipe, mesh }).remove::<AwaitsMesh<R>>();
+            Ok(Outcome::Built(collider)) => {
+                entity.insert(Built { recipe, mesh, collider }).remove::<AwaitsMesh<R>>();
             }
             Ok(Outcome::Waits) => {
                 entity.insert_if_new(AwaitsMesh::<R>(PhantomData));
             }
             Ok(Outcome::Gone) => {}
             Err(reason) => {
+                if entity.get::<Collider>() == given::<R>(&entity) {
+                    entity.remove::<Collider>();
+                }
                 entity.remove::<(AwaitsMesh<R>, Built<R>)>();
                 tear_down(world, body);
                 warn!("sinew: entity {body} {reason}");
@@ -119,6 +131,26 @@ fn wanted_mesh<R: Recipe>(world: &World, body: Entity, recipe: &R) -> Option<Ass
     source_mesh(world, body).filter(|_| recipe.wants_mesh()).map(Handle::id)
 }
 
+/// The collider that the last build of a body gave to it.
+fn given<'a, R: Recipe>(body: &'a EntityWorldMut) -> Option<&'a Collider> {
+    body.get::<Built<R>>().and_then(|built| built.collider.as_ref())
+}
+
+/// Gives a body the collider of its recipe, unless it has one of the game's; returns what it was given.
+fn shape<R: Recipe>(world: &mut World, body: Entity, own: Option<Collider>) -> Option<Collider> {
+    let mut entity = world.get_entity_mut(body).ok()?;
+    let has = entity.get::<Collider>();
+    // One that is as the recipe would have it may have been restored.
+    if has.is_some() && has != given::<R>(&entity) && has != own.as_ref() {
+        return None;
+    }
+    match &own {
+        Some(collider) => entity.insert(collider.clone()),
+        None => entity.remove::<Collider>(),
+    };
+    own
+}
+
 /// Builds one body. A refused one is left without particles.
 fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<Outcome, Refusal> {
     let transform = *world.get::<Transform>(body).ok_or(Refusal::Transform)?;
@@ -136,7 +168,7 @@ fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<O
     tear_down(world, body);
     let blueprint = recipe.blueprint(mesh.as_ref(), transform.scale)?;
     let placed = blueprint.transformed(transform.rotation, transform.translation);
-    let particles = spawn_particles(world, body, &placed);
+    let particles = spawn_particles(world, body, &blueprint, &placed);
     let bound = bind(world, body, &placed, &particles);
 
     attach(world, body, ExtractedTransform(Some(transform)));
@@ -160,8 +192,9 @@ fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<O
         recipe.finish(world, body, &placed, &particles);
         ease_transforms(world, body);
     }
+    let collider = shape::<R>(world, body, recipe.collider(&blueprint));
     if world.get_entity(body).is_ok() {
-        return Ok(Outcome::Built);
+        return Ok(Outcome::Built(collider));
     }
     // What joined the body went with it; what came after it was gone would be left behind.
     for entity in particles.into_iter().chain(bound) {
@@ -223,9 +256,14 @@ fn read_mesh(world: &World, body: Entity) -> Result<Option<MeshShape>, Refusal> 
 }
 
 /// Spawns the particles of a body. An observer may despawn the body at any of them: then it stops there, and so do the others below.
-fn spawn_particles(world: &mut World, body: Entity, blueprint: &Blueprint) -> Vec<Entity> {
-    let mut particles = enlist::<ParticleOf>(world, body, blueprint.particles.len());
-    for (done, seed) in blueprint.particles.iter().enumerate() {
+fn spawn_particles(
+    world: &mut World,
+    body: Entity,
+    blueprint: &Blueprint,
+    placed: &Blueprint,
+) -> Vec<Entity> {
+    let mut particles = enlist::<ParticleOf>(world, body, placed.particles.len());
+    for (done, (own, seed)) in blueprint.particles.iter().zip(&placed.particles).enumerate() {
         let Some(&entity) = particles.get(done) else { break };
         let pinned = seed.mass.is_infinite();
         let particle = (
@@ -237,6 +275,7 @@ fn spawn_particles(world: &mut World, body: Entity, blueprint: &Blueprint) -> Ve
             },
             Mass(if pinned { 1.0 } else { seed.mass }),
             Radius(seed.radius),
+            RestPlace(own.position),
         );
         let (of, drag) = (ParticleOf(body), Drag(seed.drag));
         // All that it has at once: an entity that is given more is moved to another table.
@@ -252,27 +291,6 @@ fn spawn_particles(world: &mut World, body: Entity, blueprint: &Blueprint) -> Ve
         }
     }
     particles
-}
-
-/// Spawns an entity for each rigid part of a body, with the pose that follows it.
-pub(crate) fn spawn_parts(
-    world: &mut World,
-    body: Entity,
-    blueprint: &Blueprint,
-    particles: &[Entity],
-    names: impl Iterator<Item = Name>,
-) {
-    for (part, name) in blueprint.parts.iter().zip(names) {
-        if world.get_entity(body).is_err() {
-            return;
-        }
-        world.spawn((
-            name,
-            BodyPart { size: part.size },
-            PartOf(body),
-            super::rigid::pose_of(part, particles),
-        ));
-    }
 }
 
 /// Opts the transforms of a body and its parts into easing, where the body asks for it.

@@ -1,12 +1,12 @@
-//! Boxes: rigid bodies that nobody integrates as such.
+//! Boxes: rigid bodies that nobody integrates as such; and the parts of bodies that have several.
 
 use bevy::prelude::*;
 use sinew::recipes::{Blueprint, BoxLayout, BoxSpec, Part, box_2d, box_3d};
 
 use super::build::{MeshShape, Recipe, attach};
-use crate::components::{CreationOrder, ParticleBody, RigidPose};
+use crate::components::{Collider, CreationOrder, ParticleBody, RigidPose};
 use crate::messages::Refusal;
-use crate::recipes::BodyPart;
+use crate::recipes::{BodyPart, PartOf};
 
 /// A box of particles held by distances: 8 particles and 28 distances, or 4 and 6 when it is flat.
 ///
@@ -64,6 +64,13 @@ impl Recipe for ParticleBox {
         Ok(if self.flat { box_2d(&spec)? } else { box_3d(&spec)? })
     }
 
+    fn collider(&self, _: &Blueprint) -> Option<Collider> {
+        // As the solver has it: one without a thickness is as thick as its shorter edge.
+        let Vec3 { x, y, z } = self.size;
+        let z = if self.flat && z == 0.0 { x.min(y) } else { z };
+        Some(Collider::cuboid(Vec3::new(x, y, z) * 0.5))
+    }
+
     fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, particles: &[Entity]) {
         if let Some(part) = blueprint.parts.first() {
             attach(world, body, (pose_of(part, particles), BodyPart { size: part.size }));
@@ -77,4 +84,32 @@ pub(crate) fn pose_of(part: &Part, particles: &[Entity]) -> RigidPose {
         particles: part.particles.iter().map(|&i| particles[i as usize]).collect(),
         rest: part.rest.clone(),
     }
+}
+
+/// Spawns an entity for each rigid part of a body, with the pose that follows it.
+pub(super) fn spawn_parts(
+    world: &mut World,
+    body: Entity,
+    blueprint: &Blueprint,
+    particles: &[Entity],
+    names: impl Iterator<Item = Name>,
+) {
+    for (part, name) in blueprint.parts.iter().zip(names) {
+        if world.get_entity(body).is_err() {
+            return;
+        }
+        let pose = pose_of(part, particles);
+        let spawned = world.spawn((name, BodyPart { size: part.size }, PartOf(body), pose)).id();
+        if let Some(collider) = part.shape.as_ref().map(|_| limb(part.size)) {
+            attach(world, spawned, collider);
+        }
+    }
+}
+
+/// By which shape a part collides, as the solver has it: a limb along y, or a box.
+fn limb(size: Vec3) -> Collider {
+    if size.x == size.z && size.y >= size.x {
+        return Collider::capsule(size.x * 0.5, (size.y - size.x) * 0.5);
+    }
+    Collider::cuboid(size * 0.5)
 }

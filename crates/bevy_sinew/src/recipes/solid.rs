@@ -5,12 +5,13 @@ use sinew::recipes::{Blueprint, SolidLayout, SolidSpec, solid};
 
 use super::build::{MeshShape, Recipe, attach};
 use super::rigid::pose_of;
-use crate::components::{CreationOrder, ParticleBody};
+use crate::components::{Collider, CreationOrder, ParticleBody};
 use crate::messages::Refusal;
 
 /// A rigid body in the shape of its mesh. Its mass, barycentre and inertia are those of the shape filled evenly ([`sinew::recipes::solid`]).
 ///
-/// Its particles are inside, about half way out: it meets the ground with these (see `radius`), and wind does not press on it. Its `Transform` says
+/// Its particles are inside, about half way out: it meets the ground with these (see `radius`), unless it collides by its hull
+/// ([`BodyContacts`](crate::BodyContacts)), and wind does not press on it. Its `Transform` says
 /// where it is built, and then follows it; the scale is that of the shape. The mesh is drawn as it is, and others may share it. To have it float by
 /// its shape, give it [`Floats::mesh`](crate::Floats::mesh).
 ///
@@ -141,6 +142,10 @@ impl Recipe for Solid {
         // As a box: rods bleed the spin of what they hold unless they act along where they were.
         blueprint.settings.direction.get_or_insert(sinew::Direction::StepStart);
         Ok(blueprint)
+    }
+
+    fn collider(&self, blueprint: &Blueprint) -> Option<Collider> {
+        blueprint.parts.first()?.shape.clone().map(Collider::from)
     }
 
     fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, particles: &[Entity]) {

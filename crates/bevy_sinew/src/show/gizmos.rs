@@ -1,8 +1,9 @@
-//! Lines for whoever debugs: particles, constraints coloured by strain, springs.
+//! Lines for whoever debugs: particles, constraints coloured by strain, springs; colliders are in `wires`.
 
 use bevy::gizmos::config::{GizmoConfigGroup, GizmoConfigStore};
 use bevy::prelude::*;
 
+use super::wires::draw_colliders;
 use crate::components::{ParticleRow, Pinned, Spring};
 use crate::world::SinewWorld;
 
@@ -10,7 +11,7 @@ use crate::world::SinewWorld;
 #[derive(Default, Reflect, GizmoConfigGroup)]
 pub struct SinewGizmoConfigGroup;
 
-/// Draws particles and what connects them. Does nothing in an app without gizmos.
+/// Draws particles and what connects them, and colliders. Does nothing in an app without gizmos.
 #[derive(Default)]
 pub struct SinewGizmoPlugin;
 
@@ -31,7 +32,7 @@ impl Plugin for SinewGizmoPlugin {
             .config_mut::<SinewGizmoConfigGroup>();
         config.enabled = false;
         config.depth_bias = -0.5;
-        app.add_systems(PostUpdate, draw.run_if(switched_on));
+        app.add_systems(PostUpdate, (draw, draw_colliders).run_if(switched_on));
     }
 }
 

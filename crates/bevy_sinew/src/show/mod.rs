@@ -4,6 +4,8 @@
 pub(crate) mod gizmos;
 pub(crate) mod mesh;
 pub(crate) mod tube;
+#[cfg(feature = "gizmos")]
+mod wires;
 
 #[cfg(feature = "gizmos")]
 pub use gizmos::{SinewGizmoConfigGroup, SinewGizmoPlugin};

@@ -1,19 +1,60 @@
-//! Bodies at gather: what a body asks of the solver, and how gravity pulls on it, is written to the rows of its particles.
+//! Bodies at gather: what a body asks of the solver, how gravity pulls on it and how it takes part in contacts, is written to the rows of its particles.
 
 use std::collections::BTreeSet;
 
+use bevy::ecs::change_detection::ContiguousRef;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
+use sinew::{BodySettings, Material};
 
+use super::changes::{Ages, census};
 use super::pins::sound;
-use crate::components::{BodyParticles, GravityScale};
+use crate::components::{
+    BodyContacts, BodyParticles, CollisionLayers, ContactEvents, CreationOrder, GravityScale,
+    Particle, ParticleOf, ParticleRow, RestPlace, Sleep, SurfaceMaterial,
+};
 use crate::config::BodySolver;
 use crate::messages::{Refusal, Refused};
 use crate::rows::{GONE, Rows};
-use crate::world::SinewWorld;
+use crate::world::{SinewWorld, Tables};
 
-/// Those that have something to say.
-type Speaks = (With<BodyParticles>, Or<(With<BodySolver>, With<GravityScale>)>);
+/// What says something of contacts.
+type Touches = Or<(
+    With<BodyContacts>,
+    With<SurfaceMaterial>,
+    With<CollisionLayers>,
+    With<ContactEvents>,
+    With<Sleep>,
+)>;
+
+/// Bodies that have something to say.
+type Speaks = (With<BodyParticles>, Or<(With<BodySolver>, With<GravityScale>, Touches)>);
+
+/// Loose particles that have: each is a body of its own.
+type Loose = (With<Particle>, Without<ParticleOf>, Touches);
+
+/// What is said of contacts.
+type Told = (
+    Option<&'static BodyContacts>,
+    Option<&'static SurfaceMaterial>,
+    Option<&'static CollisionLayers>,
+    Has<ContactEvents>,
+    Has<Sleep>,
+);
+
+/// The same in one table.
+type ToldTable<'w> = (
+    Option<ContiguousRef<'w, BodyContacts>>,
+    Option<ContiguousRef<'w, SurfaceMaterial>>,
+    Option<ContiguousRef<'w, CollisionLayers>>,
+);
+
+/// The same, with when it changed.
+type ToldRefs = (
+    Option<Ref<'static, BodyContacts>>,
+    Option<Ref<'static, SurfaceMaterial>>,
+    Option<Ref<'static, CollisionLayers>>,
+);
 
 /// Whether bodies have something new to say.
 #[derive(SystemParam)]
@@ -25,72 +66,190 @@ pub(crate) struct Bodies<'w, 's> {
             Ref<'static, BodyParticles>,
             Option<Ref<'static, BodySolver>>,
             Option<Ref<'static, GravityScale>>,
+            ToldRefs,
         ),
         Speaks,
     >,
+    loose: Query<'w, 's, ToldRefs, Loose>,
+    places: Query<'w, 's, Ref<'static, RestPlace>>,
     /// How many said something of each kind: what came is a change, and fewer than before is all that is left to notice.
-    counts: Local<'s, [usize; 2]>,
+    events: Query<'w, 's, Ref<'static, ContactEvents>>,
+    sleepers: Query<'w, 's, (), With<Sleep>>,
+    counts: Local<'s, [usize; 11]>,
 }
 
 impl Bodies<'_, '_> {
     /// Whether any body says anything.
     pub(crate) fn any(&self) -> bool {
-        !self.all.is_empty()
+        !self.all.is_empty() || !self.loose.is_empty()
     }
 
     /// Whether one came, went or changed since the system that asks last ran.
     pub(crate) fn changed(&mut self) -> bool {
-        let (mut now, mut changed) = ([0; 2], false);
-        for (members, solver, scale) in &self.all {
+        let (mut now, mut changed, mut with_itself) = ([0; 11], false, false);
+        for (members, solver, scale, (contacts, material, layers)) in &self.all {
             now[0] += usize::from(solver.is_some());
             now[1] += usize::from(scale.is_some());
+            now[2] += usize::from(contacts.is_some());
+            now[3] += usize::from(material.is_some());
+            now[4] += usize::from(layers.is_some());
             changed |= members.is_changed();
             changed |= solver.is_some_and(|solver| solver.is_changed());
             changed |= scale.is_some_and(|scale| scale.is_changed());
+            changed |= material.is_some_and(|material| material.is_changed());
+            changed |= layers.is_some_and(|layers| layers.is_changed());
+            if let Some(contacts) = contacts {
+                changed |= contacts.is_changed();
+                with_itself |= contacts.with_itself;
+            }
         }
+        // There may be very many of these: table by table. All are kept in tables.
+        for table in self.loose.contiguous_iter().into_iter().flatten() {
+            let ages = ages(&table);
+            now[5..8].iter_mut().zip(ages).for_each(|(sum, ages)| {
+                *sum += ages.map_or(0, |ages| ages.len());
+            });
+            changed |= ages.iter().flatten().any(Ages::any_changed);
+        }
+        if with_itself {
+            let (count, moved) = census(&self.places);
+            now[8] = count;
+            changed |= moved;
+        }
+        let (count, came) = census(&self.events);
+        now[9] = count;
+        changed |= came;
+        now[10] = self.sleepers.iter().len();
         let went = core::mem::replace(&mut *self.counts, now) != now;
         went || changed
     }
 }
 
+fn ages<'w>((contacts, material, layers): &ToldTable<'w>) -> [Option<Ages<'w>>; 3] {
+    [
+        contacts.as_ref().map(Ages::of),
+        material.as_ref().map(Ages::of),
+        layers.as_ref().map(Ages::of),
+    ]
+}
+
+/// What bodies said that is broken, so that each is reported once; and memory.
+#[derive(Default)]
+pub(crate) struct Known {
+    scales: BTreeSet<Entity>,
+    materials: BTreeSet<Entity>,
+    ordered: Vec<(Option<CreationOrder>, Entity)>,
+}
+
 /// Writes what bodies have to say to the rows of their particles, if the rows were filled afresh with what each particle says of itself.
 ///
-/// A scale of gravity that is not finite is none, and reported when that is news.
+/// A scale of gravity that is not finite is none, a material with a broken number is the default one, and both are reported when that is news.
 pub(crate) fn gather_bodies(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
     mut bodies: Query<
         (
-            Entity,
+            Option<&CreationOrder>,
             Ref<BodyParticles>,
             &mut Rows<BodyParticles>,
             Option<&BodySolver>,
             Option<&GravityScale>,
+            Told,
         ),
         Speaks,
     >,
-    mut broken: Local<BTreeSet<Entity>>,
+    entities: Query<(Entity, Option<&CreationOrder>), Or<(Speaks, Loose)>>,
+    loose: Query<(&ParticleRow, Told), Loose>,
+    places: Query<&RestPlace>,
+    mut known: Local<Known>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
     if !tables.properties_gathered {
         tables.edits = simulation.particles.edits();
         return;
     }
+    let Known { scales, materials, ordered } = &mut *known;
+    scales.retain(|&entity| entities.contains(entity));
+    materials.retain(|&entity| entities.contains(entity));
     simulation.bodies.clear();
-    broken.retain(|&entity| bodies.contains(entity));
-    for (entity, members, mut rows, solver, scale) in &mut bodies {
-        let rows = rows.resolve(tables, members.is_changed(), members.iter());
-        // The number is a place in a list and no more: nothing is ordered by it.
-        let body = solver.map(|_| simulation.bodies.len() as u32);
-        simulation.bodies.extend(solver.map(|&solver| sinew::BodySettings::from(solver)));
-        let scale = scale.map_or(1.0, |scale| scale.0);
-        let reason = (!scale.is_finite()).then_some(Refusal::GravityScale);
-        let sound = sound(&mut broken, &mut messages, entity, reason);
-        let scale = if sound { scale } else { 1.0 };
-        for &row in rows.iter().filter(|&&row| row != GONE) {
-            simulation.particles.set_body(row as usize, body);
-            simulation.particles.scale_gravity(row as usize, scale);
+    simulation.contacts.clear();
+    tables.bodies.clear();
+    // Nothing is solved in the order of their numbers, but what is reported of contacts is sorted by them.
+    ordered.clear();
+    ordered.extend(entities.iter().map(|(entity, order)| (order.copied(), entity)));
+    ordered.sort_unstable();
+    for &(_, entity) in &*ordered {
+        if let Ok((_, members, mut rows, solver, scale, told)) = bodies.get_mut(entity) {
+            let rows = rows.resolve(tables, members.is_changed(), members.iter());
+            let contacts = contacts(materials, &mut messages, entity, told);
+            let number = (solver.is_some() || contacts.is_some()).then(|| {
+                number(simulation, tables, entity, solver.copied(), contacts.unwrap_or_default())
+            });
+            let scale = scale.map_or(1.0, |scale| scale.0);
+            let reason = (!scale.is_finite()).then_some(Refusal::GravityScale);
+            let sound = sound(scales, &mut messages, entity, reason);
+            let scale = if sound { scale } else { 1.0 };
+            for &row in rows.iter().filter(|&&row| row != GONE) {
+                simulation.particles.set_body(row as usize, number);
+                simulation.particles.scale_gravity(row as usize, scale);
+            }
+            if contacts.is_some_and(|contacts| contacts.with_itself) {
+                for (&row, member) in rows.iter().zip(members.iter()) {
+                    if let (Ok(&RestPlace(place)), true) = (places.get(member), row != GONE) {
+                        simulation.particles.set_rest(row as usize, Some(place));
+                    }
+                }
+            }
+        } else if let Ok((row, told)) = loose.get(entity)
+            && let Some(row) = row.get().filter(|&row| row < simulation.particles.len())
+            && let Some(contacts) = contacts(materials, &mut messages, entity, told)
+        {
+            let number = number(simulation, tables, entity, None, contacts);
+            simulation.particles.set_body(row, Some(number));
         }
     }
     tables.edits = simulation.particles.edits();
+}
+
+/// Gives a body a place in the solver's lists.
+fn number(
+    simulation: &mut sinew::Simulation,
+    tables: &mut Tables,
+    entity: Entity,
+    solver: Option<BodySolver>,
+    contacts: sinew::BodyContacts,
+) -> u32 {
+    let number = simulation.bodies.len() as u32;
+    simulation.bodies.push(solver.map_or(default(), BodySettings::from));
+    simulation.contacts.push(contacts);
+    tables.bodies.push(entity);
+    number
+}
+
+/// How a body takes part in contacts; `None` if it says nothing of them.
+fn contacts(
+    broken: &mut BTreeSet<Entity>,
+    messages: &mut MessageWriter<Refused>,
+    entity: Entity,
+    (contacts, material, layers, events, sleeps): (
+        Option<&BodyContacts>,
+        Option<&SurfaceMaterial>,
+        Option<&CollisionLayers>,
+        bool,
+        bool,
+    ),
+) -> Option<sinew::BodyContacts> {
+    let its_material = material.map_or(Material::default(), |&material| material.into());
+    let reason = (!its_material.is_valid()).then_some(Refusal::Material);
+    let sound = sound(broken, messages, entity, reason);
+    if contacts.is_none() && material.is_none() && layers.is_none() && !events && !sleeps {
+        return None;
+    }
+    Some(sinew::BodyContacts {
+        material: if sound { its_material } else { Material::default() },
+        layers: layers.copied().unwrap_or_default().layers(),
+        with_bodies: contacts.is_some_and(|contacts| contacts.with_bodies),
+        with_itself: contacts.is_some_and(|contacts| contacts.with_itself),
+        events,
+    })
 }

@@ -7,6 +7,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use sinew::{InsideBox, PlanarDrag, Plane};
 
+use super::frames::Frames;
 use crate::components::{
     AirDrag, AirFlow, Attractor, BoundingBox, CreationOrder, Electric, ElectricField, Flatland,
     Fluid, Gravity, Ground, GroundDrag, Region, Wind,
@@ -14,7 +15,7 @@ use crate::components::{
 use crate::config::SolverConfig;
 use crate::messages::{Refusal, Refused, refuse};
 use crate::schedule::SinewClock;
-use crate::world::SinewWorld;
+use crate::world::{SinewWorld, Tables};
 
 /// Copies the configuration and the surroundings; what has a broken number is left out, and reported when that is news.
 pub(crate) fn gather_environment(
@@ -29,7 +30,7 @@ pub(crate) fn gather_environment(
     mut known: Local<BTreeSet<Broken>>,
     mut scratch: Local<Scratch>,
 ) {
-    let SinewWorld { simulation, .. } = &mut *world;
+    let SinewWorld { simulation, tables } = &mut *world;
     simulation.settings = (*config).into();
     simulation.time = clock.seconds;
     let before = core::mem::take(&mut *known);
@@ -38,7 +39,7 @@ pub(crate) fn gather_environment(
         Judge { before, now: BTreeSet::new(), kind: 0, messages: &mut messages, places };
     everywhere.tell(&mut simulation.forces, &mut judge);
     fields.tell(&mut simulation.forces, &frames, &mut judge);
-    bounds.tell(&mut simulation.boundaries, sheets, &frames, &mut judge);
+    bounds.tell(&mut simulation.boundaries, sheets, &frames, &mut judge, tables);
     *known = judge.now;
 }
 
@@ -138,21 +139,26 @@ impl Bounds<'_, '_> {
         sheets: &mut Vec<Plane>,
         frames: &Frames,
         judge: &mut Judge,
+        tables: &mut Tables,
     ) {
         let ground = |(entity, order, ground, drag): (_, &_, &Ground, Option<&GroundDrag>)| {
             let (normal, offset) = plane(&frames.of(entity), Vec3::Y);
             let drag = drag
                 .map_or(default(), |drag| PlanarDrag { along: drag.along, across: drag.across });
-            (*order, entity, Plane { normal, offset, friction: ground.friction, drag })
+            let Ground { friction, restitution } = *ground;
+            (*order, entity, Plane { normal, offset, friction, restitution, drag })
         };
         judge.fill(&mut boundaries.planes, self.grounds.iter().map(ground), Plane::is_valid);
+        judge.name(&mut tables.planes);
 
         let room = |(entity, order, room): (_, &_, &BoundingBox)| {
             let (centre, half) = (frames.of(entity).translation, room.half_size);
             let (min, max) = (centre - half, centre + half);
-            (*order, entity, InsideBox { min, max, friction: room.friction })
+            let BoundingBox { friction, restitution, .. } = *room;
+            (*order, entity, InsideBox { min, max, friction, restitution })
         };
         judge.fill(&mut boundaries.boxes, self.rooms.iter().map(room), InsideBox::is_valid);
+        judge.name(&mut tables.boxes);
 
         let sheet = |(entity, order): (_, &_)| {
             let (normal, offset) = plane(&frames.of(entity), Vec3::Z);
@@ -168,21 +174,6 @@ fn plane(frame: &Transform, axis: Vec3) -> (Vec3, f32) {
     // Not `Transform::up`, which asserts that a rotation is one: a broken one is to be refused, not to end the game.
     let normal = (frame.rotation * axis).normalize_or_zero();
     (normal, normal.dot(frame.translation))
-}
-
-/// Where entities are: computed afresh, as `GlobalTransform` is a frame old in the fixed schedule.
-#[derive(SystemParam)]
-pub(crate) struct Frames<'w, 's> {
-    transforms: Query<'w, 's, &'static Transform>,
-    parents: Query<'w, 's, &'static ChildOf>,
-}
-
-impl Frames<'_, '_> {
-    fn of(&self, entity: Entity) -> Transform {
-        let own = |entity| self.transforms.get(entity).copied().unwrap_or_default();
-        let parents = self.parents.iter_ancestors(entity);
-        parents.fold(own(entity), |inner, parent| own(parent).mul_transform(inner))
-    }
 }
 
 /// What is kept from tick to tick for its memory alone.
@@ -202,7 +193,7 @@ struct Judge<'a, 'w> {
     /// Counts what was asked for.
     kind: u32,
     messages: &'a mut MessageWriter<'w, Refused>,
-    /// Who the entries of the list at hand are of, and where each was before it was put in order.
+    /// Who the entries of the list at hand are of, and where each was before it was put in order; those of the sound ones first, once it is filled.
     places: &'a mut Vec<(CreationOrder, Entity, usize)>,
 }
 
@@ -229,12 +220,24 @@ impl Judge<'_, '_> {
             }
             list.swap(i, from);
         }
-        let mut next = 0;
+        let (mut next, mut kept) = (0, 0);
         list.retain(|entry| {
-            let (_, entity, _) = self.places[next];
+            let place = self.places[next];
             next += 1;
-            self.sound(entity, valid(entry), || Refusal::Surroundings)
+            let sound = self.sound(place.1, valid(entry), || Refusal::Surroundings);
+            if sound {
+                self.places[kept] = place;
+                kept += 1;
+            }
+            sound
         });
+        self.places.truncate(kept);
+    }
+
+    /// Notes the entities of the list that was filled last.
+    fn name(&self, entities: &mut Vec<Entity>) {
+        entities.clear();
+        entities.extend(self.places.iter().map(|&(_, entity, _)| entity));
     }
 
     /// Whether a resource is sound; its entity is the one that is named.

@@ -3,9 +3,11 @@
 pub(crate) mod bodies;
 pub(crate) mod carry;
 pub(crate) mod changes;
+pub(crate) mod colliders;
 pub(crate) mod controls;
 pub(crate) mod environment;
 pub(crate) mod extract;
+pub(crate) mod frames;
 pub(crate) mod gather;
 pub(crate) mod hulls;
 pub(crate) mod layout;
@@ -13,6 +15,9 @@ pub(crate) mod links;
 pub(crate) mod pins;
 pub(crate) mod representation;
 pub(crate) mod scatter;
+pub(crate) mod sleep;
+pub(crate) mod solids;
 pub(crate) mod teleports;
+pub(crate) mod touching;
 
 pub use links::RegisterParticleConstraint;

@@ -3,16 +3,19 @@
 use bevy::prelude::*;
 
 use super::carry::Carry;
-use crate::components::{BodyParticles, ExtractedTransform, Particle};
+use crate::components::{BodyParticles, ExtractedTransform, Particle, Sleep};
 
 /// Moves the particles of bodies whose `Transform` somebody else changed: the change is a teleport of the whole body.
 ///
 /// Velocities turn with the body and otherwise stay, so that a portal carries a flying box through.
 pub(crate) fn follow_teleports(
-    mut bodies: Query<(&Transform, &mut ExtractedTransform, &BodyParticles), Changed<Transform>>,
+    mut bodies: Query<
+        (&Transform, &mut ExtractedTransform, &BodyParticles, Option<&mut Sleep>),
+        Changed<Transform>,
+    >,
     mut particles: Query<&mut Particle>,
 ) {
-    for (transform, mut known, members) in &mut bodies {
+    for (transform, mut known, members, sleep) in &mut bodies {
         let Some(old) = known.0 else { continue };
         if old == *transform {
             continue;
@@ -23,5 +26,8 @@ pub(crate) fn follow_teleports(
             carry.take(&mut particle);
         }
         known.0 = Some(*transform);
+        if let Some(mut sleep) = sleep {
+            sleep.wake();
+        }
     }
 }

@@ -11,11 +11,13 @@ use crate::components::CreationOrder;
 pub struct Ground {
     /// Coulomb's coefficient of friction μ, 0 and up. Default 0.5.
     pub friction: f32,
+    /// Which part of its speed of approach a thing bounces back with, 0 to 1. Default 0.
+    pub restitution: f32,
 }
 
 impl Default for Ground {
     fn default() -> Self {
-        Self { friction: 0.5 }
+        Self { friction: 0.5, restitution: 0.0 }
     }
 }
 
@@ -40,11 +42,13 @@ pub struct BoundingBox {
     pub half_size: Vec3,
     /// Coulomb's coefficient of friction μ on its walls, 0 and up. Default 0.5.
     pub friction: f32,
+    /// Which part of its speed of approach a thing bounces back from a wall with, 0 to 1. Default 0.
+    pub restitution: f32,
 }
 
 impl Default for BoundingBox {
     fn default() -> Self {
-        Self { half_size: Vec3::splat(5.0), friction: 0.5 }
+        Self { half_size: Vec3::splat(5.0), friction: 0.5, restitution: 0.0 }
     }
 }
 

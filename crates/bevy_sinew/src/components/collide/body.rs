@@ -1,0 +1,62 @@
+//! How bodies take part in contacts.
+
+use bevy::prelude::*;
+
+/// Has a body collide with other bodies, and perhaps with itself; on a loose particle, has that collide with the particles of others. Both bodies of two must ask for it.
+///
+/// Without it, the particles of a body touch [`Ground`](crate::Ground)s, [`BoundingBox`](crate::BoundingBox)es and [`Collider`](super::Collider)s, and nothing else.
+/// [`SurfaceMaterial`](super::SurfaceMaterial) and [`CollisionLayers`](super::CollisionLayers) on the body say what it is made of and what it may touch, with this or without.
+///
+/// Particles collide as balls of their [`Radius`](crate::Radius); those without one do not.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct BodyContacts {
+    /// Whether it touches other bodies that ask for the same. Default so.
+    pub with_bodies: bool,
+    /// Whether its particles touch each other, so that cloth does not pass through itself: they keep as far apart as their radii ask for, or as they are in the rest shape
+    /// ([`RestPlace`]) if that is less. Default not.
+    pub with_itself: bool,
+    /// What of it touches others. Default [`ContactShape::Auto`].
+    pub shape: ContactShape,
+}
+
+/// What of a body touches others.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum ContactShape {
+    /// Its rigid parts if it has any with a [`Collider`](super::Collider) (a box, a solid, the limbs of a ragdoll), and otherwise its particles. The default.
+    #[default]
+    Auto,
+    /// Its particles, each a ball of its [`Radius`](crate::Radius).
+    Particles,
+    /// Its rigid parts, by their [`Collider`](super::Collider)s; the particles of those touch nothing by themselves. A body that has none is refused
+    /// ([`Refusal::NotSolid`](crate::Refusal::NotSolid)) and collides by its particles.
+    Solid,
+}
+
+impl Default for BodyContacts {
+    fn default() -> Self {
+        Self { with_bodies: true, with_itself: false, shape: ContactShape::Auto }
+    }
+}
+
+impl BodyContacts {
+    /// With other bodies and with itself: for cloth and ropes.
+    pub const ALL: Self = Self { with_bodies: true, with_itself: true, shape: ContactShape::Auto };
+
+    /// The same touching itself, too.
+    pub fn and_itself(self) -> Self {
+        Self { with_itself: true, ..self }
+    }
+
+    /// The same touching by another shape.
+    pub fn shaped(self, shape: ContactShape) -> Self {
+        Self { shape, ..self }
+    }
+}
+
+/// Where a particle is in the rest shape of its body, metres, in any coordinates that are the same for all of the body: particles of one body that touch each other
+/// ([`BodyContacts::with_itself`]) may come as near as they are there. Recipes put it on every particle; without it a particle keeps off by its radius.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct RestPlace(pub Vec3);

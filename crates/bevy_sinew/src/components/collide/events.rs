@@ -1,0 +1,42 @@
+//! What a game hears of contacts: who touches whom, and when that began and ended.
+
+use bevy::prelude::*;
+
+/// Asks for the contacts of this body or collider to be told: as [`ContactStarted`] and [`ContactEnded`], which are messages to be read and events to be observed
+/// on this very entity, and as a list, [`Touching`]. Grounds and rooms take part as the other one.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(Touching)]
+pub struct ContactEvents;
+
+/// Whom it touches, as of the last tick, in the order of their entities: kept by the plugin on whatever has [`ContactEvents`]. Part of the state: save and restore it
+/// with the rest, or contacts that go on begin anew.
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct Touching(#[entities] pub Vec<Entity>);
+
+/// A contact that began in this tick, of an entity with [`ContactEvents`].
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
+pub struct ContactStarted {
+    /// Who asked.
+    pub entity: Entity,
+    /// Whom it touches: a body, a loose particle, a collider, a ground or a room.
+    pub other: Entity,
+    /// Where, metres; of several places the one with the greatest impulse.
+    pub point: Vec3,
+    /// Unit vector there, from the other one to the one who asked.
+    pub normal: Vec3,
+    /// What the one who asked got along the normals in this tick, N·s; zero where one of them is a [`Sensor`](super::Sensor).
+    pub impulse: f32,
+    /// Whether one of them is a sensor.
+    pub sensor: bool,
+}
+
+/// A contact that was there in the last tick and is not any more, of an entity with [`ContactEvents`]. The other one may be gone.
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ContactEnded {
+    /// Who asked.
+    pub entity: Entity,
+    /// Whom it touched.
+    pub other: Entity,
+}

@@ -1,0 +1,42 @@
+//! What may not pass through what: colliders, what surfaces are made of, and how bodies take part in contacts.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `collider` | [`Collider`]: a shape that stands still or that the game moves; on a rigid part, the shape by which it collides |
+//! | `mesh` | colliders from meshes |
+//! | `motion` | [`ColliderMotion`]: where a collider was a tick ago |
+//! | `surface` | [`SurfaceMaterial`], [`CollisionLayers`], [`Sensor`]: on colliders and on bodies |
+//! | `events` | [`ContactEvents`]: what a game hears of contacts |
+//! | `body` | [`BodyContacts`]: what of a body touches what; [`RestPlace`] |
+//!
+//! All of it may be added, edited and removed at any time, and acts from the next tick on.
+
+mod body;
+mod collider;
+mod events;
+mod mesh;
+mod motion;
+mod surface;
+
+pub use body::{BodyContacts, ContactShape, RestPlace};
+pub use collider::{Collider, ColliderFault, ColliderShape};
+pub use events::{ContactEnded, ContactEvents, ContactStarted, Touching};
+pub use motion::ColliderMotion;
+pub use surface::{CollisionLayers, Combine, Sensor, SurfaceMaterial};
+
+pub(crate) use motion::PlacedCollider;
+
+use bevy::prelude::*;
+
+/// Registers what collides for reflection, for apps that do not register types by themselves.
+pub(super) fn register(app: &mut App) {
+    app.register_type::<Collider>()
+        .register_type::<ColliderMotion>()
+        .register_type::<SurfaceMaterial>()
+        .register_type::<CollisionLayers>()
+        .register_type::<Sensor>()
+        .register_type::<ContactEvents>()
+        .register_type::<Touching>()
+        .register_type::<BodyContacts>()
+        .register_type::<RestPlace>();
+}

@@ -1,0 +1,171 @@
+//! What surfaces are made of and which of them may touch: the same components on colliders, on bodies and on loose particles.
+
+use bevy::prelude::*;
+use sinew::{Layers, Material, PlanarDrag};
+
+use crate::components::GroundDrag;
+
+/// What the surface of a [`Collider`](super::Collider), a body or a loose particle is made of. Without it, the default.
+///
+/// A body with a broken number is as one without it, a collider is set aside; either is reported once.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct SurfaceMaterial {
+    /// Coulomb's coefficient of friction μ, 0 (ice) and up. Default 0.5.
+    pub friction: f32,
+    /// Which part of its speed of approach it bounces back with, 0 (not at all) to 1 (all of it). Default 0.
+    pub restitution: f32,
+    /// How the friction of two surfaces is made of each one's. Default their average.
+    pub friction_rule: Combine,
+    /// How the restitution of two surfaces is made of each one's. Default their average.
+    pub restitution_rule: Combine,
+    /// The lectures' friction: shares of the velocity that what touches it loses per second. Of two surfaces the greater counts. Default none.
+    pub drag: GroundDrag,
+}
+
+/// How a coefficient of two surfaces is made of each one's. Where the two ask for different rules, the one later in this list counts.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum Combine {
+    /// Half of their sum. The default.
+    #[default]
+    Average,
+    /// The smaller of the two: ice is slippery for everyone.
+    Min,
+    /// Their product.
+    Multiply,
+    /// The greater of the two.
+    Max,
+}
+
+/// Which things may touch: two of them do if each is a member of a layer that the other minds. 32 layers, a bit each. Without it, a member of layer 0 that minds all.
+///
+/// ```
+/// # use bevy_sinew::CollisionLayers;
+/// const WALLS: u32 = 0;
+/// const PLAYERS: u32 = 1;
+/// const GHOST: CollisionLayers = CollisionLayers::of(&[2], &[PLAYERS]);
+/// const PLAYER: CollisionLayers = CollisionLayers::of(&[PLAYERS], &[WALLS, 2]);
+/// assert!(GHOST.meets(PLAYER) && !GHOST.meets(CollisionLayers::default()));
+/// ```
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct CollisionLayers {
+    /// Layers that it is in, a bit each. Default the first one, layer 0.
+    pub memberships: u32,
+    /// Layers that it minds, a bit each. Default all.
+    pub mask: u32,
+}
+
+/// A [`Collider`](super::Collider) that only notices what touches it, and lets it through.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct Sensor;
+
+impl Default for SurfaceMaterial {
+    fn default() -> Self {
+        let Material { friction, restitution, .. } = Material::default();
+        Self {
+            friction,
+            restitution,
+            friction_rule: Combine::default(),
+            restitution_rule: Combine::default(),
+            drag: GroundDrag::default(),
+        }
+    }
+}
+
+impl SurfaceMaterial {
+    /// A surface with a coefficient of friction.
+    pub fn new(friction: f32) -> Self {
+        Self { friction, ..default() }
+    }
+
+    /// The same with another coefficient of friction.
+    pub fn with_friction(self, friction: f32) -> Self {
+        Self { friction, ..self }
+    }
+
+    /// The same with another coefficient of restitution.
+    pub fn with_restitution(self, restitution: f32) -> Self {
+        Self { restitution, ..self }
+    }
+
+    /// The same with other rules for what comes of two surfaces: of friction, and of restitution.
+    pub fn with_rules(self, friction_rule: Combine, restitution_rule: Combine) -> Self {
+        Self { friction_rule, restitution_rule, ..self }
+    }
+}
+
+impl From<SurfaceMaterial> for Material {
+    fn from(material: SurfaceMaterial) -> Self {
+        let SurfaceMaterial { friction, restitution, friction_rule, restitution_rule, drag } =
+            material;
+        Self {
+            friction,
+            restitution,
+            friction_rule: friction_rule.into(),
+            restitution_rule: restitution_rule.into(),
+            drag: PlanarDrag { along: drag.along, across: drag.across },
+        }
+    }
+}
+
+impl From<Combine> for sinew::Combine {
+    fn from(rule: Combine) -> Self {
+        match rule {
+            Combine::Average => Self::Average,
+            Combine::Min => Self::Min,
+            Combine::Multiply => Self::Multiply,
+            Combine::Max => Self::Max,
+        }
+    }
+}
+
+impl Default for CollisionLayers {
+    fn default() -> Self {
+        let Layers { memberships, mask } = Layers::default();
+        Self { memberships, mask }
+    }
+}
+
+impl CollisionLayers {
+    /// Touches nothing.
+    pub const NONE: Self = Self { memberships: 0, mask: 0 };
+
+    /// A member of the first of these layers that minds the second of them, a bit each.
+    pub const fn new(memberships: u32, mask: u32) -> Self {
+        Self { memberships, mask }
+    }
+
+    /// The same from the numbers of the layers, 0 to 31; others are no layers.
+    pub const fn of(memberships: &[u32], mask: &[u32]) -> Self {
+        Self { memberships: bits(memberships), mask: bits(mask) }
+    }
+
+    /// A member of these layers, by their numbers, that minds all.
+    pub const fn in_layers(memberships: &[u32]) -> Self {
+        Self { memberships: bits(memberships), mask: u32::MAX }
+    }
+
+    /// Whether the two may touch.
+    pub const fn meets(self, other: Self) -> bool {
+        self.layers().meets(other.layers())
+    }
+
+    /// The same for the solver.
+    pub(crate) const fn layers(self) -> Layers {
+        Layers::new(self.memberships, self.mask)
+    }
+}
+
+const fn bits(layers: &[u32]) -> u32 {
+    let (mut bits, mut i) = (0, 0);
+    while i < layers.len() {
+        if layers[i] < u32::BITS {
+            bits |= 1 << layers[i];
+        }
+        i += 1;
+    }
+    bits
+}

@@ -1,0 +1,30 @@
+//! Bodies that rest.
+
+use bevy::prelude::*;
+
+/// Lets a body sleep: once it and all that touches it have been still for half a second, it is left out of the simulation, until something that moves comes near, it is pushed, or
+/// what surrounds it changes. Part of the state: save and restore it with the rest.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct Sleep {
+    /// What is slower than this is still, m/s, 0 and up. Default 0.02.
+    pub speed: f32,
+    /// For how long it has been still, seconds.
+    pub still: f32,
+    /// Whether it sleeps. To wake it by hand, take [`Sleep::default`].
+    pub asleep: bool,
+}
+
+impl Default for Sleep {
+    fn default() -> Self {
+        let sinew::Sleep { speed, still, asleep, .. } = sinew::Sleep::default();
+        Self { speed, still, asleep }
+    }
+}
+
+impl Sleep {
+    /// Wakes it.
+    pub fn wake(&mut self) {
+        (self.still, self.asleep) = (0.0, false);
+    }
+}

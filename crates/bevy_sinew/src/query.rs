@@ -1,0 +1,113 @@
+//! Questions to the world, for a game's systems: what a ray meets, what a shape overlaps, which particle is nearest.
+
+use bevy::prelude::*;
+use sinew::{Filter, Frame, Party, Shape};
+
+use crate::components::{Collider, CollisionLayers};
+use crate::world::SinewWorld;
+
+/// What a [question](SinewWorld::cast_ray) is about. The default is everything but sensors.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct QueryFilter {
+    /// What it minds, and what minds it; everything if `None`.
+    pub layers: Option<CollisionLayers>,
+    /// Whether colliders are left out.
+    pub no_colliders: bool,
+    /// Whether bodies and loose particles are left out.
+    pub no_bodies: bool,
+    /// Whether sensors count, too.
+    pub sensors: bool,
+    /// One that does not count: who asks.
+    pub except: Option<Entity>,
+}
+
+/// What a ray met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayHit {
+    /// Whom: a body, a loose particle or a collider.
+    pub entity: Entity,
+    /// The particle that was met, or that is nearest of what was; none of a collider.
+    pub particle: Option<Entity>,
+    /// How far from where the ray began, metres.
+    pub distance: f32,
+    /// Where, metres.
+    pub point: Vec3,
+    /// Unit vector out of what was met.
+    pub normal: Vec3,
+}
+
+/// They look at the world as the last tick left it, one thing after the other: some nanoseconds for each particle and collider.
+impl SinewWorld {
+    /// What a ray meets first within `max` metres: a collider, a rigid body by its shape, a surface from either side, or a particle's ball.
+    pub fn cast_ray(&self, ray: Ray3d, max: f32, filter: &QueryFilter) -> Option<RayHit> {
+        let filter = self.filter(filter);
+        let hit = self.simulation.cast_ray(ray.origin, *ray.direction, max, &filter)?;
+        Some(RayHit {
+            entity: self.entity_of(hit.party)?,
+            particle: hit.row.and_then(|row| self.entity_of(Party::Particle(row))),
+            distance: hit.distance,
+            point: hit.point,
+            normal: hit.normal,
+        })
+    }
+
+    /// Everyone who overlaps a shape at a place, once each, in the order in which they are found: colliders, rigid bodies, others. A shape with a broken number overlaps nothing.
+    pub fn overlapping(
+        &self,
+        shape: &Collider,
+        place: Isometry3d,
+        filter: &QueryFilter,
+    ) -> Vec<Entity> {
+        let mut found = Vec::new();
+        let Ok(shape) = shape.shape() else { return found };
+        let frame = Frame::new(place.translation.into(), place.rotation);
+        self.overlapping_shape(&shape, &frame, filter, &mut found);
+        found
+    }
+
+    /// The particle whose centre is nearest to a point, within `max` metres, and how far away it is.
+    pub fn nearest_particle(
+        &self,
+        point: Vec3,
+        max: f32,
+        filter: &QueryFilter,
+    ) -> Option<(Entity, f32)> {
+        let filter = self.filter(filter);
+        let (row, distance) = self.simulation.nearest_particle(point, max, &filter)?;
+        Some((self.entity_of(Party::Particle(row))?, distance))
+    }
+
+    fn overlapping_shape(
+        &self,
+        shape: &Shape,
+        frame: &Frame,
+        filter: &QueryFilter,
+        found: &mut Vec<Entity>,
+    ) {
+        self.simulation.overlaps(shape, frame, &self.filter(filter), |party, _| {
+            if let Some(entity) = self.entity_of(party).filter(|entity| !found.contains(entity)) {
+                found.push(entity);
+            }
+        });
+    }
+
+    fn filter(&self, filter: &QueryFilter) -> Filter {
+        let all = Filter::default();
+        Filter {
+            layers: filter.layers.map_or(all.layers, CollisionLayers::layers),
+            colliders: !filter.no_colliders,
+            bodies: !filter.no_bodies,
+            sensors: filter.sensors,
+            except: filter.except.and_then(|entity| self.party_of(entity)),
+        }
+    }
+
+    /// Who an entity is in contacts.
+    fn party_of(&self, entity: Entity) -> Option<Party> {
+        let tables = &self.tables;
+        let among = |list: &[Entity]| list.iter().position(|&other| other == entity);
+        let body = among(&tables.bodies).map(|number| Party::Body(number as u32));
+        body.or_else(|| among(&tables.colliders).map(|number| Party::Collider(number as u32)))
+            .or_else(|| tables.row_of.get(&entity).map(|&row| Party::Particle(row)))
+    }
+}

@@ -1,0 +1,91 @@
+//! The outlines of colliders as lines, for whoever debugs.
+
+use core::f32::consts::TAU;
+
+use bevy::prelude::*;
+
+use super::gizmos::SinewGizmoConfigGroup;
+use crate::components::{Collider, PlacedCollider, RigidPose, Sensor};
+
+/// Segments of a circle.
+const ROUND: u32 = 24;
+/// Half of what is drawn of an endless plane, metres.
+const PLANE: f32 = 5.0;
+
+/// Draws the colliders that stand by themselves where the last tick had them, grey, or green if they are sensors, red if they are set aside; and those of rigid parts, blue.
+pub(super) fn draw_colliders(
+    mut gizmos: Gizmos<SinewGizmoConfigGroup>,
+    colliders: Query<(&Collider, &PlacedCollider, &Transform, Has<Sensor>, Has<RigidPose>)>,
+) {
+    for (collider, placed, transform, sensor, part) in &colliders {
+        let (at, color) = if part {
+            (transform.with_scale(Vec3::ONE), Color::srgb(0.4, 0.5, 1.0))
+        } else if placed.fault.is_some() {
+            (placed.at, Color::srgb(1.0, 0.2, 0.2))
+        } else if sensor {
+            (placed.at, Color::srgb(0.3, 0.9, 0.5))
+        } else {
+            (placed.at, Color::srgb(0.7, 0.7, 0.7))
+        };
+        if at.is_finite() {
+            outline(&mut gizmos, collider, at, color);
+        }
+    }
+}
+
+fn outline(
+    gizmos: &mut Gizmos<SinewGizmoConfigGroup>,
+    collider: &Collider,
+    at: Transform,
+    color: Color,
+) {
+    let point = |p: Vec3| at.transform_point(p);
+    let boxed = |centre: Vec3, size: Vec3| Transform {
+        translation: point(centre),
+        scale: at.scale * size,
+        ..at
+    };
+    let mut ring =
+        |centre: Vec3, u: Vec3, v: Vec3| gizmos.lineloop(round(centre, u, v).map(point), color);
+    let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
+    match *collider {
+        Collider::HalfSpace => {
+            gizmos.cube(boxed(Vec3::ZERO, Vec3::new(2.0 * PLANE, 0.0, 2.0 * PLANE)), color);
+            gizmos.line(point(Vec3::ZERO), point(y), color);
+        }
+        Collider::Sphere { radius: r } => {
+            ring(Vec3::ZERO, x * r, y * r);
+            ring(Vec3::ZERO, y * r, z * r);
+            ring(Vec3::ZERO, z * r, x * r);
+        }
+        Collider::Cylinder { radius: r, half_height: h } => {
+            ring(y * h, x * r, z * r);
+            ring(y * -h, x * r, z * r);
+            for side in [x, -x, z, -z] {
+                gizmos.line(point(side * r + y * h), point(side * r - y * h), color);
+            }
+        }
+        Collider::Capsule { radius: r, half_height: h } => {
+            ring(y * h, x * r, z * r);
+            ring(y * -h, x * r, z * r);
+            for side in [x, z] {
+                // A circle whose upper half is lifted and whose lower half is lowered.
+                let apart = move |p: Vec3| p + y * if p.y >= 0.0 { h } else { -h };
+                gizmos.lineloop(round(Vec3::ZERO, side * r, y * r).map(apart).map(point), color);
+            }
+        }
+        Collider::Box { half_size } => gizmos.cube(boxed(Vec3::ZERO, half_size * 2.0), color),
+        Collider::Shape(ref shape) => {
+            let (low, high) = shape.0.bounds();
+            gizmos.cube(boxed((low + high) * 0.5, high - low), color);
+        }
+    }
+}
+
+/// Points around an ellipse, from the centre and two half axes.
+fn round(centre: Vec3, u: Vec3, v: Vec3) -> impl Iterator<Item = Vec3> {
+    (0..ROUND).map(move |i| {
+        let turn = TAU * i as f32 / ROUND as f32;
+        centre + u * libm::cosf(turn) + v * libm::sinf(turn)
+    })
+}

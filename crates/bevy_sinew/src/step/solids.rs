@@ -1,0 +1,111 @@
+//! Solids: rigid parts that collide by their shape, told to the solver when that changed.
+
+use std::collections::BTreeSet;
+
+use bevy::prelude::*;
+use sinew::Solid;
+
+use super::changes::census;
+use super::pins::sound;
+use crate::components::{
+    BodyContacts, BodyParticles, Collider, ContactShape, CreationOrder, ParticleBody, RigidPose,
+};
+use crate::messages::{Refusal, Refused};
+use crate::recipes::PartOf;
+use crate::rows::{GONE, Rows};
+use crate::world::{SinewWorld, Tables};
+
+/// What changes the shape of a part, or whose part it is.
+type Reshaped =
+    (With<RigidPose>, With<Collider>, Or<(Changed<Collider>, Changed<RigidPose>, Changed<PartOf>)>);
+
+/// What was wrong, so that each is reported once; and how many there were.
+#[derive(Default)]
+pub(crate) struct Known {
+    shapes: BTreeSet<Entity>,
+    bodies: BTreeSet<Entity>,
+    counts: [usize; 2],
+}
+
+/// Lists the solids afresh if particles came or went or were set aside, or a body asks for something else, or a part has another shape.
+///
+/// A part with a broken shape, or one of a kind that cannot move, is left out and reported, one with a particle that is gone or set aside is left out; their particles collide for themselves.
+pub(crate) fn compile_solids(
+    mut world: ResMut<SinewWorld>,
+    mut messages: MessageWriter<Refused>,
+    contacts: Query<Ref<BodyContacts>>,
+    asking: Query<(Entity, &BodyContacts, Has<ParticleBody>, Has<BodyParticles>)>,
+    reshaped: Query<(), Reshaped>,
+    mut parts: Query<(
+        Entity,
+        &CreationOrder,
+        &Collider,
+        Ref<RigidPose>,
+        Option<&PartOf>,
+        &mut Rows<RigidPose>,
+    )>,
+    mut known: Local<Known>,
+) {
+    let SinewWorld { simulation, tables } = &mut *world;
+    let Known { shapes, bodies, counts } = &mut *known;
+    let (asked, changed) = census(&contacts);
+    // What went is not told as a change; what came is one, so that their number says the rest.
+    let now = [asked, parts.iter().len()];
+    let went = core::mem::replace(counts, now) != now;
+    if asked == 0 && simulation.solids().is_empty() {
+        return;
+    }
+    if !(tables.stale || went || changed || !reshaped.is_empty()) {
+        return;
+    }
+    shapes.retain(|&entity| parts.contains(entity));
+    bodies.retain(|&entity| contacts.contains(entity));
+
+    let mut solids: Vec<(CreationOrder, Entity, Solid)> = Vec::new();
+    let mut owners: Vec<Entity> = Vec::new();
+    for (part, order, collider, pose, of, mut rows) in &mut parts {
+        let owner = of.map_or(part, |of| of.0);
+        let asks = contacts.get(owner).is_ok_and(|own| own.shape != ContactShape::Particles);
+        if !asks {
+            continue;
+        }
+        let rows = rows.resolve(tables, pose.is_changed(), pose.particles.iter().copied());
+        let (solid, reason) = match solid(tables, collider, &pose, rows) {
+            Ok(solid) => (solid, None),
+            Err(reason) => (None, Some(reason)),
+        };
+        owners.push(owner);
+        sound(shapes, &mut messages, part, reason);
+        solids.extend(solid.map(|solid| (*order, part, solid)));
+    }
+    solids.sort_unstable_by_key(|&(order, part, _)| (order, part));
+    owners.sort_unstable();
+    for (body, own, is_body, is_built) in &asking {
+        // One that is yet to be built waits.
+        let waits = is_body && !is_built;
+        let lacks = own.shape == ContactShape::Solid && owners.binary_search(&body).is_err();
+        let reason = (lacks && !waits).then_some(Refusal::NotSolid);
+        sound(bodies, &mut messages, body, reason);
+    }
+    let list = simulation.solids_mut();
+    list.clear();
+    list.extend(solids.into_iter().map(|(_, _, solid)| solid));
+}
+
+/// The solid of a part; `None` while one of its particles is gone or set aside.
+fn solid(
+    tables: &Tables,
+    collider: &Collider,
+    pose: &RigidPose,
+    rows: &[u32],
+) -> Result<Option<Solid>, Refusal> {
+    let shape = collider.shape().map_err(|fault| Refusal::Collider(fault.into()))?;
+    let solid = Solid { rows: rows.to_vec(), rest: pose.rest.as_slice().into(), shape };
+    if !rows.iter().all(|&row| row != GONE && tables.is_sound(row as usize)) {
+        return Ok(None);
+    }
+    match solid.fault(tables.entities.len()) {
+        None => Ok(Some(solid)),
+        Some(fault) => Err(Refusal::Part(fault)),
+    }
+}

@@ -1,0 +1,374 @@
+//! Colliders hold what falls on them, carry it when they move, and let through what they should; bodies collide by their shape or by their particles.
+
+use bevy::prelude::*;
+use bevy_sinew::prelude::*;
+use bevy_sinew::sinew::Party;
+use bevy_sinew::{BodyParts, Refusal, RestPlace};
+
+use crate::support::{app, assert_finite, heard, particles_of, position, tick};
+
+/// A floor with its surface at y = 0.
+fn floor() -> (Collider, Transform) {
+    (Collider::cuboid(Vec3::new(5.0, 0.5, 5.0)), Transform::from_xyz(0.0, -0.5, 0.0))
+}
+
+/// A box of 0.4 m, whose height above the floor at rest is half of that.
+fn crate_at(x: f32, y: f32) -> (ParticleBox, Transform) {
+    (ParticleBox::new(Vec3::splat(0.4)), Transform::from_xyz(x, y, 0.0))
+}
+
+fn height(app: &App, entity: Entity) -> f32 {
+    app.world().get::<Transform>(entity).unwrap().translation.y
+}
+
+/// Moves what has it by so many metres a second.
+#[derive(Component, Clone, Copy)]
+struct Drive(Vec3);
+
+fn drive(app: &mut App) {
+    app.add_systems(FixedUpdate, |mut driven: Query<(&Drive, &mut Transform)>, time: Res<Time>| {
+        for (drive, mut transform) in &mut driven {
+            transform.translation += drive.0 * time.delta_secs();
+        }
+    });
+}
+
+#[test]
+fn a_ball_and_boxes_come_to_rest_on_a_box() {
+    let mut app = app();
+    let world = app.world_mut();
+    world.spawn(floor());
+    let ball = world.spawn((Particle::at(Vec3::new(-2.0, 1.0, 0.0)), Radius(0.1))).id();
+    let by_corners = world.spawn(crate_at(0.0, 1.0)).id();
+    let by_shape = world.spawn((crate_at(2.0, 1.0), BodyContacts::default())).id();
+    tick(&mut app, 180);
+    assert!((position(&app, ball).y - 0.1).abs() < 2e-3, "{}", position(&app, ball));
+    for body in [by_corners, by_shape] {
+        assert!((height(&app, body) - 0.2).abs() < 5e-3, "{}", height(&app, body));
+        let speed = app.world().get::<LinearVelocity>(body).unwrap().0.length();
+        assert!(speed < 0.02, "it lies still: {speed}");
+    }
+    assert_eq!(heard(&app), []);
+}
+
+#[test]
+fn every_shape_holds_a_ball_up_as_high_as_it_is() {
+    // Each with the height of its top above its middle.
+    let octahedron: Vec<Vec3> =
+        [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|v| [v * 0.5, v * -0.5]).collect();
+    let hill =
+        Collider::height_field(3, 3, &[0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0], Vec3::ONE);
+    let shapes = [
+        (Collider::plane(), 0.0),
+        (Collider::sphere(0.5), 0.5),
+        (Collider::capsule(0.2, 0.3), 0.5),
+        (Collider::cuboid(Vec3::splat(0.5)), 0.5),
+        (Collider::cylinder(0.3, 0.5), 0.5),
+        (Collider::hull(&octahedron).unwrap(), 0.5),
+        (hill.unwrap(), 0.5),
+        (Collider::from_mesh(&Cuboid::new(1.0, 1.0, 1.0).into()).unwrap(), 0.5),
+        (Collider::hull_from_mesh(&Cuboid::new(1.0, 1.0, 1.0).into()).unwrap(), 0.5),
+    ];
+    let mut app = app();
+    let mut balls = Vec::new();
+    for (i, (shape, top)) in shapes.into_iter().enumerate() {
+        // Scaled in height alone, far enough apart, and under a parent that is not at the origin.
+        let x = 1e3 * i as f32;
+        let scale = if matches!(shape, Collider::Sphere { .. } | Collider::Capsule { .. }) {
+            Vec3::splat(2.0)
+        } else {
+            Vec3::new(1.0, 2.0, 1.0)
+        };
+        let parent = app.world_mut().spawn(Transform::from_xyz(x, 10.0, 0.0)).id();
+        let own = Transform::from_xyz(0.0, -10.0, 0.0).with_scale(scale);
+        // It is a world of its own: an endless plane would be everywhere.
+        let layers = CollisionLayers::of(&[i as u32], &[i as u32]);
+        app.world_mut().spawn((shape, own, layers, ChildOf(parent)));
+        let at = Particle::at(Vec3::new(x, 2.0, 0.0));
+        balls.push((app.world_mut().spawn((at, Radius(0.1), layers)).id(), 2.0 * top + 0.1));
+    }
+    for _ in 0..40 {
+        tick(&mut app, 1);
+        for &(ball, least) in &balls {
+            // On a round one it may roll off, but not before it has touched it.
+            let at = position(&app, ball);
+            let within = (at.x - (at.x / 1e3).round() * 1e3).abs() < 1e-3 && at.z.abs() < 1e-3;
+            assert!(!within || at.y > least - 3e-3, "{ball}: {at} under {least}");
+        }
+    }
+    let held = balls.iter().filter(|(ball, least)| (position(&app, *ball).y - least).abs() < 0.02);
+    assert_eq!(held.count(), balls.len(), "{:?}", balls.map_positions(&app));
+    assert_eq!(heard(&app), []);
+}
+
+trait Positions {
+    fn map_positions(&self, app: &App) -> Vec<Vec3>;
+}
+
+impl Positions for Vec<(Entity, f32)> {
+    fn map_positions(&self, app: &App) -> Vec<Vec3> {
+        self.iter().map(|(ball, _)| position(app, *ball)).collect()
+    }
+}
+
+#[test]
+fn a_lift_lifts_and_a_conveyor_carries_what_lies_on_it() {
+    for by_shape in [false, true] {
+        let mut app = app();
+        drive(&mut app);
+        let lift = app.world_mut().spawn(floor()).id();
+        let body = app.world_mut().spawn(crate_at(0.0, 0.25)).id();
+        if by_shape {
+            app.world_mut().entity_mut(body).insert(BodyContacts::default());
+        }
+        tick(&mut app, 60);
+        app.world_mut().entity_mut(lift).insert(Drive(Vec3::Y));
+        tick(&mut app, 60);
+        let above = height(&app, body) - height(&app, lift);
+        assert!((above - 0.7).abs() < 0.01, "{above} above the middle of the lift");
+        app.world_mut().entity_mut(lift).insert(Drive(Vec3::X));
+        tick(&mut app, 120);
+        let place = app.world().get::<Transform>(body).unwrap().translation;
+        // It flew up a little when the lift stopped, and slid until it was as fast.
+        assert!((1.7..2.05).contains(&place.x), "carried along, by shape: {by_shape}: {place}");
+        let speed = app.world().get::<LinearVelocity>(body).unwrap().0;
+        assert!((speed - Vec3::X).length() < 0.05, "as fast as what it lies on: {speed}");
+        assert_eq!(heard(&app), []);
+    }
+}
+
+#[test]
+fn a_collider_that_is_told_to_jump_takes_nothing_along() {
+    let run = |jumps: bool| {
+        let mut app = app();
+        let lift = app.world_mut().spawn((floor(), SurfaceMaterial::new(1.0))).id();
+        let ball = app.world_mut().spawn((Particle::at(Vec3::Y * 0.1), Radius(0.1))).id();
+        tick(&mut app, 30);
+        app.world_mut().get_mut::<Transform>(lift).unwrap().translation.x += 0.5;
+        if jumps {
+            app.world_mut().entity_mut(lift).remove::<ColliderMotion>();
+        }
+        tick(&mut app, 1);
+        assert!(app.world().get::<ColliderMotion>(lift).unwrap().0.is_some(), "it is kept again");
+        position(&app, ball).x
+    };
+    // Friction for a tick: at most μ g dt², 2 mm.
+    assert!(run(false) > 5e-4, "moved, it takes along: {}", run(false));
+    assert_eq!(run(true), 0.0);
+}
+
+#[test]
+fn layers_and_sensors_let_through() {
+    let mut app = app();
+    let world = app.world_mut();
+    let (floor, at) = floor();
+    world.spawn((floor, at, CollisionLayers::of(&[3], &[0, 1])));
+    let sieve = Transform::from_xyz(0.0, 1.0, 0.0);
+    let sieve = world.spawn((Collider::cuboid(Vec3::new(5.0, 0.1, 5.0)), sieve, Sensor)).id();
+    let ball = |x: f32| (Particle::at(Vec3::new(x, 2.0, 0.0)), Radius(0.1));
+    let held = world.spawn(ball(-3.0)).id();
+    let minded = world.spawn((ball(-2.0), CollisionLayers::of(&[1], &[3]))).id();
+    let unminded = world.spawn((ball(-1.0), CollisionLayers::of(&[2], &[3]))).id();
+    let blind = world.spawn((ball(1.0), CollisionLayers::of(&[1], &[2]))).id();
+    let nothing = world.spawn((crate_at(3.0, 2.0), CollisionLayers::NONE)).id();
+    let boxed = world.spawn((crate_at(2.0, 2.0), CollisionLayers::of(&[1], &[3]))).id();
+    tick(&mut app, 120);
+    for ball in [held, minded] {
+        assert!((position(&app, ball).y - 0.1).abs() < 5e-3, "{}", position(&app, ball));
+    }
+    for ball in [unminded, blind] {
+        assert!(position(&app, ball).y < -5.0, "{}", position(&app, ball));
+    }
+    assert!(height(&app, nothing) < -5.0 && (height(&app, boxed) - 0.2).abs() < 0.01);
+    // No sensor any more: what falls on it now, stays.
+    app.world_mut().entity_mut(sieve).remove::<Sensor>();
+    let late = app.world_mut().spawn(ball(0.0)).id();
+    tick(&mut app, 90);
+    assert!((position(&app, late).y - 1.2).abs() < 5e-3, "{}", position(&app, late));
+}
+
+#[test]
+fn ice_is_slippery_and_rubber_bounces() {
+    let mut app = app();
+    let world = app.world_mut();
+    let tilt = Quat::from_rotation_z(0.2);
+    let slope = |z: f32| {
+        let at = Transform::from_xyz(0.0, 0.0, z).with_rotation(tilt);
+        (Collider::cuboid(Vec3::new(5.0, 0.5, 0.5)), at)
+    };
+    let ice = SurfaceMaterial::new(0.0).with_rules(Combine::Min, Combine::Average);
+    world.spawn((slope(0.0), ice));
+    world.spawn(slope(2.0));
+    let up = tilt * Vec3::Y * 0.6;
+    let ball = |z: f32| (Particle::at(up + Vec3::Z * z), Radius(0.1));
+    let (slides, stays) = (world.spawn(ball(0.0)).id(), world.spawn(ball(2.0)).id());
+    let rubber = SurfaceMaterial::default().with_restitution(1.0);
+    let rubber = rubber.with_rules(Combine::Average, Combine::Max);
+    world.spawn((Collider::plane(), rubber, Transform::from_xyz(0.0, -5.0, 0.0)));
+    let drop = Particle::at(Vec3::new(20.0, -3.9, 0.0));
+    let bounces = world.spawn((drop, Radius(0.1))).id();
+    tick(&mut app, 27);
+    assert!((position(&app, bounces).y + 4.9).abs() < 0.03, "{}", position(&app, bounces));
+    tick(&mut app, 27);
+    assert!(position(&app, bounces).y > -4.05, "{}", position(&app, bounces));
+    tick(&mut app, 6);
+    // s = ½ g sin α t², along the slope.
+    let slid = (position(&app, slides) - up).length();
+    let expected = 0.5 * 9.81 * 0.2_f32.sin();
+    assert!((slid / expected - 1.0).abs() < 0.05, "{slid} instead of {expected}");
+    let stuck = (position(&app, stays) - up - Vec3::Z * 2.0).length();
+    assert!(stuck < 0.01, "{stuck}");
+}
+
+#[test]
+fn a_heightfield_and_a_mesh_hold_a_cloth() {
+    let heights: Vec<f32> = (0..81)
+        .map(|i| ((i % 9) as f32 * 0.7).sin() * 0.1 + ((i / 9) as f32 * 0.5).cos() * 0.1)
+        .collect();
+    let hills = Collider::height_field(9, 9, &heights, Vec3::new(3.0, 1.0, 3.0)).unwrap();
+    let ball = Collider::from_mesh(&Sphere::new(0.4).mesh().ico(4).unwrap()).unwrap();
+    for (ground, lowest) in [(hills, -0.25), (ball, -0.65)] {
+        let mut app = app();
+        app.world_mut().spawn(ground);
+        let flat = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
+        let cloth = Cloth { radius: 0.02, ..Cloth::grid(1.0, 1.0, 16, 16) };
+        let at = Transform::from_xyz(0.0, 0.7, 0.0).with_rotation(flat);
+        let cloth = app.world_mut().spawn((cloth, at)).id();
+        tick(&mut app, 120);
+        for particle in particles_of(&app, cloth) {
+            let at = position(&app, particle);
+            assert!(at.y > lowest, "it fell through: {at}");
+        }
+        assert_eq!(heard(&app), []);
+        assert_finite(&mut app);
+    }
+}
+
+#[test]
+fn bodies_that_ask_for_it_collide_and_others_pass_through_each_other() {
+    let run = |contacts: Option<BodyContacts>| {
+        let mut app = app();
+        app.world_mut().spawn(floor());
+        let low = app.world_mut().spawn(crate_at(0.0, 0.3)).id();
+        let high = app.world_mut().spawn(crate_at(0.05, 0.9)).id();
+        let ball = (Particle::at(Vec3::new(0.0, 2.0, 0.0)), Radius(0.1), Mass(0.1));
+        let ball = app.world_mut().spawn(ball).id();
+        if let Some(contacts) = contacts {
+            for entity in [low, high, ball] {
+                app.world_mut().entity_mut(entity).insert(contacts);
+            }
+        }
+        tick(&mut app, 150);
+        assert_eq!(heard(&app), []);
+        [height(&app, low), height(&app, high), position(&app, ball).y]
+    };
+    let near = |found: [f32; 3], expected: [f32; 3]| {
+        found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.02)
+    };
+    let (with, without) = (run(Some(BodyContacts::default())), run(None));
+    assert!(near(with, [0.2, 0.6, 0.9]), "a tower: {with:?}");
+    assert!(near(without, [0.2, 0.2, 0.1]), "one in the other: {without:?}");
+}
+
+#[test]
+fn rigid_parts_have_the_shape_that_they_are_drawn_with_unless_the_game_gives_another() {
+    let mut app = app();
+    let world = app.world_mut();
+    let boxed = world.spawn(crate_at(0.0, 1.0)).id();
+    let own = world.spawn((crate_at(2.0, 1.0), Collider::sphere(0.2))).id();
+    let points = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+    let solid = Solid::default().shaped(SolidShape::Points(points.clone()));
+    let solid = world.spawn((solid, Transform::from_xyz(4.0, 1.0, 0.0))).id();
+    let doll = world.spawn((Ragdoll::default(), Transform::from_xyz(6.0, 1.0, 0.0))).id();
+    tick(&mut app, 2);
+    let shape = |app: &App, entity| app.world().get::<Collider>(entity).cloned();
+    assert_eq!(shape(&app, boxed), Some(Collider::cuboid(Vec3::splat(0.2))));
+    assert_eq!(shape(&app, own), Some(Collider::sphere(0.2)));
+    assert_eq!(shape(&app, solid), Some(Collider::hull(&points).unwrap()));
+    let parts: Vec<Entity> = app.world().get::<BodyParts>(doll).unwrap().iter().collect();
+    let limbs =
+        parts.iter().filter(|&&part| matches!(shape(&app, part), Some(Collider::Capsule { .. })));
+    assert_eq!(limbs.count(), 8);
+    // Built anew it has its new shape; what the game gave stays.
+    for body in [boxed, own] {
+        app.world_mut().get_mut::<ParticleBox>(body).unwrap().size = Vec3::ONE;
+    }
+    let contacts = BodyContacts::default();
+    for body in [boxed, own, solid, doll] {
+        app.world_mut().entity_mut(body).insert(contacts);
+    }
+    tick(&mut app, 1);
+    assert_eq!(shape(&app, boxed), Some(Collider::cuboid(Vec3::splat(0.5))));
+    assert_eq!(shape(&app, own), Some(Collider::sphere(0.2)));
+    let solids = |app: &App| app.world().resource::<SinewWorld>().simulation().solids().len();
+    assert_eq!(solids(&app), 3 + parts.len());
+    // As particles they are none, and a body that is gone takes its own along.
+    app.world_mut().entity_mut(boxed).insert(contacts.shaped(ContactShape::Particles));
+    app.world_mut().despawn(doll);
+    tick(&mut app, 1);
+    assert_eq!(solids(&app), 2);
+    app.world_mut().entity_mut(own).remove::<BodyContacts>();
+    tick(&mut app, 1);
+    assert_eq!(solids(&app), 1);
+    assert_eq!(heard(&app), []);
+}
+
+#[test]
+fn a_cloth_that_is_to_be_solid_says_once_that_it_is_not() {
+    let mut app = app();
+    let solid = BodyContacts::default().shaped(ContactShape::Solid);
+    let cloth = app.world_mut().spawn((Cloth::grid(1.0, 1.0, 4, 4), solid)).id();
+    let late = app.world_mut().spawn((ParticleBody, solid)).id();
+    tick(&mut app, 5);
+    assert_eq!(
+        heard(&app),
+        [(cloth, Refusal::NotSolid)],
+        "one that is not built yet waits: {late}"
+    );
+}
+
+#[test]
+fn the_particles_of_a_body_know_their_places_and_those_that_take_part_in_contacts_have_names() {
+    let mut app = app();
+    let world = app.world_mut();
+    let ground = world.spawn(Ground::default()).id();
+    let room = world.spawn(BoundingBox::default()).id();
+    let broken = world.spawn((Collider::sphere(f32::NAN), Transform::default())).id();
+    let collider = world.spawn((Collider::sphere(0.1), Transform::from_xyz(0.0, -9.0, 0.0))).id();
+    let far = Transform::from_xyz(7.0, 3.0, 0.0).with_rotation(Quat::from_rotation_z(1.0));
+    let cloth = world.spawn((Cloth::grid(1.0, 1.0, 2, 2), far, BodyContacts::ALL)).id();
+    let ball = world.spawn((Particle::at(Vec3::Y), Radius(0.1), BodyContacts::default())).id();
+    let plain = world.spawn(Particle::at(Vec3::Y * 2.0)).id();
+    tick(&mut app, 2);
+    let places = particles_of(&app, cloth);
+    let place = |i: usize| app.world().get::<RestPlace>(places[i]).unwrap().0;
+    assert!((place(0).distance(place(1)) - 0.5).abs() < 1e-6);
+    assert!(place(0).length() < 0.8, "in its own frame: {}", place(0));
+    let sinew = app.world().resource::<SinewWorld>();
+    assert_eq!(sinew.entity_of(Party::Plane(0)), Some(ground));
+    assert_eq!(sinew.entity_of(Party::Box(0)), Some(room));
+    assert_eq!(sinew.entity_of(Party::Collider(0)), Some(collider), "{broken} has no number");
+    assert_eq!(sinew.entity_of(Party::Collider(1)), None);
+    assert_eq!(sinew.entity_of(Party::Body(0)), Some(cloth));
+    assert_eq!(sinew.entity_of(Party::Body(1)), Some(ball));
+    let row = app.world().get::<ParticleRow>(plain).unwrap().get().unwrap();
+    assert_eq!(sinew.entity_of(Party::Particle(row as u32)), Some(plain));
+    let contacts = &sinew.simulation().contacts;
+    assert!(contacts[0].with_itself && contacts[0].with_bodies && !contacts[1].with_itself);
+}
+
+#[test]
+fn a_part_whose_collider_is_none_for_what_moves_says_so_once_and_collides_by_its_particles() {
+    let mut app = app();
+    app.world_mut().spawn(floor());
+    for (collider, refusals) in [(Collider::plane(), 1), (Collider::sphere(f32::NAN), 1)] {
+        let body = (crate_at(0.0, 0.5), collider, BodyContacts::default());
+        let body = app.world_mut().spawn(body).id();
+        tick(&mut app, 60);
+        assert!((height(&app, body) - 0.2).abs() < 5e-3, "{}", height(&app, body));
+        let said = heard(&app);
+        assert_eq!(said.iter().filter(|(entity, _)| *entity == body).count(), refusals, "{said:?}");
+        app.world_mut().despawn(body);
+    }
+    assert_eq!(heard(&app).len(), 2);
+}

@@ -1,0 +1,298 @@
+//! Colliders come, go, move, break and are mended in any tick: one message each, and nothing else notices. Cloned and put back, all happens again, bit for bit.
+
+use bevy::prelude::*;
+use bevy_sinew::prelude::*;
+use bevy_sinew::{ColliderFault, Refusal};
+
+use crate::bad_input::refused;
+use crate::snapshot::Snapshot;
+use crate::support::{
+    app, assert_finite, busy_scene, forget, hash, hash_of, heard, position, tick,
+};
+
+const BAD: f32 = f32::NAN;
+
+/// A piece of a mesh: a triangle.
+fn triangle() -> Collider {
+    Collider::mesh([Vec3::ZERO, Vec3::X, Vec3::Z], [[0, 2, 1]]).unwrap()
+}
+
+/// What goes round, as a game's platform would.
+#[derive(Component)]
+struct Carousel;
+
+fn turn(mut driven: Query<&mut Transform, With<Carousel>>, clock: Res<SinewClock>) {
+    for mut transform in &mut driven {
+        let t = clock.tick as f32 * 0.03;
+        let to = Vec3::new(t.sin() * 0.5, 0.3 + t.cos() * 0.1, 0.0);
+        *transform = transform.with_rotation(Quat::from_rotation_y(t)).with_translation(to);
+    }
+}
+
+#[test]
+fn a_collider_with_something_wrong_is_named_once() {
+    let cases: [(fn(&mut EntityWorldMut), ColliderFault); 4] = [
+        (|e| _ = e.insert(Transform::from_xyz(0.0, BAD, 0.0)), ColliderFault::Transform),
+        (
+            |e| _ = e.insert(Transform::from_rotation(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0))),
+            ColliderFault::Transform,
+        ),
+        (|e| _ = e.insert(SurfaceMaterial::new(BAD)), ColliderFault::Material),
+        (
+            |e| _ = e.insert(SurfaceMaterial::default().with_restitution(1.5)),
+            ColliderFault::Material,
+        ),
+    ];
+    for (spoil, fault) in cases {
+        refused(Refusal::Collider(fault), |world| {
+            // In the middle of everything.
+            let mut entity = world.spawn(Collider::cuboid(Vec3::splat(3.0)));
+            spoil(&mut entity);
+            entity.id()
+        });
+    }
+    for broken in [
+        Collider::sphere(BAD),
+        Collider::sphere(0.0),
+        Collider::capsule(-1.0, 1.0),
+        Collider::capsule(1.0, BAD),
+        Collider::cuboid(Vec3::new(1.0, 0.0, BAD)),
+        Collider::cylinder(f32::INFINITY, 1.0),
+    ] {
+        let fault = ColliderFault::from(broken.shape().unwrap_err());
+        refused(Refusal::Collider(fault), |world| world.spawn(broken.clone()).id());
+    }
+    for scale in [Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0), Vec3::splat(BAD)] {
+        for shape in
+            [triangle(), Collider::cuboid(Vec3::ONE), Collider::sphere(1.0), Collider::plane()]
+        {
+            let scaled = Transform::from_scale(scale);
+            let mut app = app();
+            let bodies = busy_scene(&mut app);
+            let culprit = app.world_mut().spawn((shape.clone(), scaled)).id();
+            tick(&mut app, 10);
+            let said = heard(&app);
+            assert_eq!(said.len(), 1, "{shape:?} {scale}: {said:?}");
+            assert!(matches!(&said[0], (e, Refusal::Collider(_)) if *e == culprit), "{said:?}");
+            let mut alone = crate::support::app();
+            let controls = busy_scene(&mut alone);
+            tick(&mut alone, 10);
+            assert_eq!(hash_of(&app, &bodies), hash_of(&alone, &controls), "{shape:?} {scale}");
+        }
+    }
+}
+
+#[test]
+fn meshes_that_are_none_are_refused_where_they_are_made() {
+    assert!(Collider::mesh([Vec3::ZERO], [[0, 1, 2]]).is_err());
+    assert!(Collider::mesh([Vec3::splat(BAD); 3], [[0, 1, 2]]).is_err());
+    assert!(Collider::mesh(Vec::<Vec3>::new(), Vec::<[u32; 3]>::new()).is_err());
+    assert!(Collider::hull(&[Vec3::ZERO; 8]).is_err());
+    assert!(Collider::hull(&[Vec3::X, Vec3::Y, Vec3::splat(BAD), Vec3::ZERO]).is_err());
+    assert!(Collider::height_field(1, 9, &[0.0; 9], Vec3::ONE).is_err());
+    assert!(Collider::height_field(3, 3, &[0.0; 8], Vec3::ONE).is_err());
+    assert!(Collider::height_field(2, 2, &[0.0, BAD, 0.0, 0.0], Vec3::ONE).is_err());
+}
+
+#[test]
+fn a_collider_that_is_mended_acts_again_and_is_named_again_when_it_breaks_anew() {
+    let mut app = app();
+    let floor = (Collider::cuboid(Vec3::splat(BAD)), Transform::from_xyz(0.0, -1.0, 0.0));
+    let floor = app.world_mut().spawn(floor).id();
+    let ball = app.world_mut().spawn((Particle::at(Vec3::Y), Radius(0.1))).id();
+    let broken = |app: &App| heard(app).iter().filter(|(e, _)| *e == floor).count();
+    tick(&mut app, 5);
+    assert_eq!(broken(&app), 1);
+    *app.world_mut().get_mut::<Collider>(floor).unwrap() = Collider::cuboid(Vec3::ONE);
+    tick(&mut app, 90);
+    assert!((position(&app, ball).y - 0.1).abs() < 2e-3, "{}", position(&app, ball));
+    forget(&mut app);
+    app.world_mut().get_mut::<Transform>(floor).unwrap().scale.y = BAD;
+    tick(&mut app, 3);
+    assert_eq!((broken(&app), heard(&app).len()), (1, 1));
+    app.world_mut().get_mut::<Transform>(floor).unwrap().scale.y = 1.0;
+    tick(&mut app, 90);
+    // It begins where it is mended: nothing is swept along.
+    assert_eq!(position(&app, ball).x, 0.0);
+    assert_eq!(heard(&app).len(), 1);
+    assert_finite(&mut app);
+}
+
+#[test]
+fn colliders_far_away_come_move_scale_and_go_without_changing_a_bit() {
+    let run = |meddle: bool| {
+        let mut app = app();
+        let bodies = busy_scene(&mut app);
+        let mut guests: Vec<Entity> = Vec::new();
+        let mut hashes = Vec::new();
+        for now in 0..80_u32 {
+            if meddle {
+                let far = Transform::from_xyz(200.0, 30.0 * (now % 5) as f32, 0.0);
+                let shapes = [
+                    Collider::default(),
+                    Collider::sphere(1.0),
+                    Collider::cylinder(1.0, 1.0),
+                    triangle(),
+                ];
+                let shape = shapes[now as usize % 4].clone();
+                let world = app.world_mut();
+                match now % 8 {
+                    // Gone in the tick in which it came.
+                    0 => {
+                        let gone = world.spawn((shape, far)).id();
+                        world.despawn(gone);
+                    }
+                    1 | 2 => guests.push(world.spawn((shape, far)).id()),
+                    3 => {
+                        let parent = world.spawn(far).id();
+                        guests.push(world.spawn((shape, ChildOf(parent))).id());
+                    }
+                    4 => world.get_mut::<Transform>(guests[0]).unwrap().translation.y += 1.0,
+                    5 => world.get_mut::<Transform>(guests[0]).unwrap().scale = Vec3::splat(2.0),
+                    6 => drop(
+                        world.entity_mut(guests[0]).insert((Sensor, SurfaceMaterial::new(0.1))),
+                    ),
+                    _ => drop(world.despawn(guests.remove(0))),
+                }
+            }
+            tick(&mut app, 1);
+            hashes.push(hash_of(&app, &bodies));
+        }
+        assert_eq!(heard(&app), []);
+        hashes
+    };
+    let (with, without) = (run(true), run(false));
+    let first = with.iter().zip(&without).position(|(a, b)| a != b);
+    assert_eq!(first, None, "the first tick that differs");
+}
+
+#[test]
+fn neither_the_order_of_archetypes_nor_that_of_queries_changes_a_bit() {
+    let run = |turned: bool| {
+        let mut app = app();
+        if turned {
+            // The archetypes come to be the other way round.
+            let early = app
+                .world_mut()
+                .spawn((Collider::default(), Sensor, SurfaceMaterial::default()))
+                .id();
+            let other = app.world_mut().spawn((Collider::default(), CollisionLayers::NONE)).id();
+            app.world_mut().despawn(early);
+            app.world_mut().despawn(other);
+        }
+        let at = |x: f32| Transform::from_xyz(x, 0.0, 0.0);
+        let world = app.world_mut();
+        world.spawn((Collider::sphere(0.5), at(0.0)));
+        world.spawn((Collider::sphere(0.6), CollisionLayers::default(), at(0.3)));
+        world.spawn((Collider::sphere(0.4), SurfaceMaterial::new(0.1), at(-0.3)));
+        let cloth = Cloth { radius: 0.02, ..Cloth::grid(1.0, 1.0, 12, 12) };
+        let flat = Quat::from_rotation_x(1.5);
+        let cloth =
+            world.spawn((cloth, Transform::from_xyz(0.1, 0.8, 0.0).with_rotation(flat))).id();
+        tick(&mut app, 60);
+        hash_of(&app, &[cloth])
+    };
+    assert_eq!(run(false), run(true));
+}
+
+/// A carousel with things on it, and things that collide beside it.
+fn fair(app: &mut App) {
+    app.add_systems(FixedUpdate, turn);
+    let world = app.world_mut();
+    world.spawn((Collider::cylinder(1.5, 0.2), SurfaceMaterial::new(0.8), Carousel));
+    world.spawn((Collider::plane(), Transform::from_xyz(0.0, -0.5, 0.0)));
+    for i in 0..3 {
+        let at = Transform::from_xyz(0.3 * i as f32 - 0.3, 0.9 + 0.45 * i as f32, 0.0);
+        world.spawn((ParticleBox::new(Vec3::splat(0.3)), at, BodyContacts::default()));
+    }
+    for i in 0..10 {
+        let place = Vec3::new(0.1 * i as f32 - 0.5, 1.2, 0.6);
+        world.spawn((Particle::at(place), Radius(0.08), Mass(0.1), BodyContacts::default()));
+    }
+    let cloth = Cloth { radius: 0.02, ..Cloth::grid(0.8, 0.8, 10, 10) };
+    let flat = Quat::from_rotation_x(1.5);
+    let at = Transform::from_xyz(0.0, 1.8, -0.2).with_rotation(flat);
+    world.spawn((cloth, at, BodyContacts::ALL));
+}
+
+fn hashes(app: &mut App, count: u64) -> Vec<u64> {
+    let mut hashes = Vec::new();
+    for _ in 0..count {
+        tick(app, 1);
+        hashes.push(hash(app));
+    }
+    hashes
+}
+
+#[test]
+fn cloned_and_put_back_with_a_moving_collider_all_happens_again() {
+    let mut app = app();
+    fair(&mut app);
+    tick(&mut app, 40);
+    let saved = Snapshot::take(app.world_mut());
+    let first = hashes(&mut app, 60);
+    saved.put_back(app.world_mut());
+    assert_eq!(hashes(&mut app, 60), first);
+    assert_eq!(heard(&app), []);
+    assert_finite(&mut app);
+}
+
+#[test]
+fn a_fresh_app_that_is_given_the_colliders_goes_on_as_the_old_one_did() {
+    let mut old = app();
+    fair(&mut old);
+    tick(&mut old, 40);
+    let saved = Snapshot::take(old.world_mut());
+    let expected = hashes(&mut old, 60);
+    let mut new = app();
+    new.add_systems(FixedUpdate, turn);
+    let map = saved.spawn(new.world_mut());
+    let world = old.world_mut();
+    for entity in world.query_filtered::<Entity, With<Carousel>>().iter(world) {
+        new.world_mut().entity_mut(map[&entity]).insert(Carousel);
+    }
+    assert_eq!(hashes(&mut new, 60), expected);
+}
+
+#[test]
+fn a_rollback_every_tick_changes_nothing() {
+    let mut app = app();
+    fair(&mut app);
+    let mut ring: Vec<(Snapshot, u64)> = Vec::new();
+    for _ in 0..50 {
+        // In the first tick there is nothing to hash yet.
+        let now = if ring.is_empty() { 0 } else { hash(&mut app) };
+        ring.push((Snapshot::take(app.world_mut()), now));
+        tick(&mut app, 1);
+        if ring.len() > 8 {
+            let back = ring.len() - 7;
+            ring[back].0.put_back(app.world_mut());
+            for (_, expected) in &ring[back..] {
+                assert_eq!(hash(&mut app), *expected);
+                tick(&mut app, 1);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_pause_moves_nothing_and_what_was_moved_meanwhile_goes_there_in_one_tick() {
+    let mut app = app();
+    let wall =
+        app.world_mut().spawn((Collider::cuboid(Vec3::splat(0.5)), Transform::default())).id();
+    app.insert_resource(Gravity(Vec3::ZERO));
+    let ball = app.world_mut().spawn((Particle::at(Vec3::X), Radius(0.1))).id();
+    tick(&mut app, 5);
+    let motion = |app: &App| *app.world().get::<ColliderMotion>(wall).unwrap();
+    let before = motion(&app);
+    app.world_mut().resource_mut::<SinewControl>().paused = true;
+    for _ in 0..5 {
+        app.world_mut().get_mut::<Transform>(wall).unwrap().translation.x += 0.1;
+        tick(&mut app, 1);
+    }
+    assert_eq!((motion(&app), position(&app, ball)), (before, Vec3::X));
+    app.world_mut().resource_mut::<SinewControl>().paused = false;
+    tick(&mut app, 1);
+    assert_ne!(motion(&app), before);
+    assert!(position(&app, ball).x >= 1.1 - 1e-3, "pushed: {}", position(&app, ball));
+}

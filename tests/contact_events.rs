@@ -1,0 +1,114 @@
+//! What a game hears of contacts, what it may ask, and bodies that sleep.
+
+use bevy::prelude::*;
+use bevy_sinew::SinewWorld;
+use bevy_sinew::prelude::*;
+
+use crate::support::{app, heard, tick};
+
+fn floor() -> (Collider, Transform) {
+    (Collider::cuboid(Vec3::new(5.0, 0.5, 5.0)), Transform::from_xyz(0.0, -0.5, 0.0))
+}
+
+fn crate_at(x: f32, y: f32) -> (ParticleBox, BodyContacts, Transform) {
+    let place = Transform::from_xyz(x, y, 0.0);
+    (ParticleBox::new(Vec3::splat(0.4)), BodyContacts::default(), place)
+}
+
+/// What observers have seen.
+#[derive(Resource, Default)]
+struct Seen(Vec<(Entity, Entity, bool)>);
+
+#[test]
+fn a_contact_is_told_once_when_it_begins_and_once_when_it_ends() {
+    let mut app = app();
+    app.init_resource::<Seen>();
+    let world = app.world_mut();
+    let ground = world.spawn(floor()).id();
+    let body = world.spawn((crate_at(0.0, 0.6), ContactEvents)).id();
+    let quiet = world.spawn(crate_at(2.0, 0.6)).id();
+    world.entity_mut(body).observe(|on: On<ContactStarted>, mut seen: ResMut<Seen>| {
+        assert!(on.impulse > 0.0 && !on.sensor);
+        assert!((on.normal - Vec3::Y).length() < 1e-3, "{}", on.normal);
+        seen.0.push((on.entity, on.other, true));
+    });
+    world.entity_mut(body).observe(|on: On<ContactEnded>, mut seen: ResMut<Seen>| {
+        seen.0.push((on.entity, on.other, false));
+    });
+    tick(&mut app, 60);
+    assert_eq!(app.world().resource::<Seen>().0, [(body, ground, true)]);
+    assert_eq!(app.world().get::<Touching>(body).unwrap().0, [ground]);
+    assert!(app.world().get::<Touching>(quiet).is_none());
+    app.world_mut().commands().entity(body).set_linear_velocity(Vec3::Y * 4.0);
+    tick(&mut app, 10);
+    assert_eq!(app.world().resource::<Seen>().0[1..], [(body, ground, false)]);
+    assert_eq!(app.world().get::<Touching>(body).unwrap().0, []);
+    assert_eq!(heard(&app), []);
+}
+
+#[test]
+fn a_sensor_tells_who_passes_through() {
+    let mut app = app();
+    app.init_resource::<Seen>();
+    let world = app.world_mut();
+    let gate = (Collider::cuboid(Vec3::new(1.0, 0.05, 1.0)), Sensor, ContactEvents);
+    let gate = world.spawn((gate, Transform::from_xyz(0.0, 1.0, 0.0))).id();
+    world.add_observer(|on: On<ContactStarted>, mut seen: ResMut<Seen>| {
+        seen.0.push((on.entity, on.other, on.sensor));
+    });
+    let ball =
+        world.spawn((Particle::at(Vec3::Y * 2.0), Radius(0.1), SurfaceMaterial::default())).id();
+    tick(&mut app, 60);
+    assert_eq!(app.world().resource::<Seen>().0, [(gate, ball, true)]);
+    assert!(app.world().get::<Particle>(ball).unwrap().position.y < 0.5, "it went through");
+    assert_eq!(app.world().get::<Touching>(gate).unwrap().0, [], "it has left");
+}
+
+#[test]
+fn rays_overlaps_and_the_nearest_particle_name_entities() {
+    let mut app = app();
+    let world = app.world_mut();
+    let ground = world.spawn(floor()).id();
+    let body = world.spawn(crate_at(0.0, 0.2)).id();
+    tick(&mut app, 2);
+    let sinew = app.world().resource::<SinewWorld>();
+    let all = QueryFilter::default();
+    let down = |x: f32| Ray3d::new(Vec3::new(x, 3.0, 0.05), Dir3::NEG_Y);
+    let hit = sinew.cast_ray(down(0.0), 10.0, &all).unwrap();
+    assert_eq!(hit.entity, body);
+    assert!((hit.distance - 2.6).abs() < 0.01 && (hit.normal - Vec3::Y).length() < 0.01, "{hit:?}");
+    assert_eq!(sinew.cast_ray(down(1.0), 10.0, &all).unwrap().entity, ground);
+    let past = QueryFilter { except: Some(body), ..all };
+    assert_eq!(sinew.cast_ray(down(0.0), 10.0, &past).unwrap().entity, ground);
+    assert_eq!(sinew.cast_ray(down(0.0), 1.0, &all), None);
+    let probe = Collider::sphere(0.3);
+    let at = |y: f32| Isometry3d::from_translation(Vec3::Y * y);
+    assert_eq!(sinew.overlapping(&probe, at(0.5), &all), [body]);
+    assert_eq!(sinew.overlapping(&probe, at(0.2), &all), [ground, body]);
+    assert_eq!(sinew.overlapping(&probe, at(5.0), &all), []);
+    let (particle, distance) = sinew.nearest_particle(Vec3::splat(0.2), 1.0, &all).unwrap();
+    assert!(app.world().get::<ParticleOf>(particle).is_some_and(|of| of.0 == body));
+    assert!(distance < 0.25, "{distance}");
+}
+
+#[test]
+fn bodies_that_lie_still_sleep_and_wake_when_they_are_pushed_or_the_floor_goes() {
+    let mut app = app();
+    let world = app.world_mut();
+    let ground = world.spawn(floor()).id();
+    let body = world.spawn((crate_at(0.0, 0.2), Sleep::default())).id();
+    let other = world.spawn((crate_at(3.0, 0.2), Sleep::default())).id();
+    let asleep = |app: &App, entity| app.world().get::<Sleep>(entity).unwrap().asleep;
+    tick(&mut app, 120);
+    assert!(asleep(&app, body) && asleep(&app, other));
+    app.world_mut().commands().entity(body).apply_impulse(Vec3::X * 2.0);
+    tick(&mut app, 2);
+    assert!(!asleep(&app, body) && asleep(&app, other), "only who was pushed");
+    tick(&mut app, 200);
+    assert!(asleep(&app, body));
+    app.world_mut().despawn(ground);
+    tick(&mut app, 30);
+    let height = |app: &App, entity| app.world().get::<Transform>(entity).unwrap().translation.y;
+    assert!(height(&app, body) < 0.0 && height(&app, other) < 0.0, "they fall");
+    assert_eq!(heard(&app), []);
+}
