@@ -23,6 +23,14 @@
 //! | `feathers` | drag by area and speed: sheets at their terminal speed, and a fan |
 //! | `orbits` | an attractor and Kepler's ellipses |
 //! | `flatland` | a world in 2D |
+//! | `pile` | crates that collide by their shape: a heap and a tower |
+//! | `drape` | cloth over a ball and a table, folds on folds |
+//! | `stairs` | ragdolls that fall down a flight of stairs |
+//! | `catch` | a crate caught by a sheet |
+//! | `curtain` | a soft ball thrown against a curtain |
+//! | `bin` | 200 cubes of jelly in a bin |
+//! | `chain` | loops of rope that hang in each other by contact |
+//! | `belt` | what lies on something that moves is carried; bounces |
 
 mod look;
 mod scenes;
@@ -45,7 +53,10 @@ pub struct ScenesPlugin;
 impl Plugin for ScenesPlugin {
     fn build(&self, app: &mut App) {
         app.register_type::<Look>().add_observer(dress_part).add_observer(scenes::ropes::tie_ends);
-        app.add_systems(FixedUpdate, (scenes::ropes::wave_hand, scenes::swap::swap_bodies));
+        app.add_systems(
+            FixedUpdate,
+            (scenes::ropes::wave_hand, scenes::swap::swap_bodies, scenes::belt::lead_trays),
+        );
     }
 }
 

@@ -6,7 +6,7 @@ use sinew::recipes::{Blueprint, Part, RagdollParticle as P, RagdollSpec, ragdoll
 
 use crate::measure::World;
 use crate::row::Stretch;
-use crate::scenes::bodies::places;
+use crate::scenes::bodies::{places, stacked};
 
 /// A world of rigid bodies.
 pub(super) struct Rigid(PhysicsWorld);
@@ -36,6 +36,15 @@ pub(super) fn boxes(side: u32) -> Rigid {
     for place in places(side) {
         let place = vector(place + Vec3::Y * 0.5);
         let body = RigidBodyBuilder::dynamic().translation(place).can_sleep(false);
+        world.insert(body, ColliderBuilder::cuboid(0.5, 0.5, 0.5));
+    }
+    Rigid(world)
+}
+
+pub(super) fn heap(edge: u32) -> Rigid {
+    let mut world = floored();
+    for place in stacked(edge) {
+        let body = RigidBodyBuilder::dynamic().translation(vector(place)).can_sleep(false);
         world.insert(body, ColliderBuilder::cuboid(0.5, 0.5, 0.5));
     }
     Rigid(world)

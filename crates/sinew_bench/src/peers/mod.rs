@@ -31,6 +31,14 @@ pub fn boxes(effort: &Effort, side: u32) -> Option<Box<dyn World>> {
     none(effort, side)
 }
 
+/// `edge³` boxes that fall into a heap.
+pub fn heap(effort: &Effort, edge: u32) -> Option<Box<dyn World>> {
+    #[cfg(feature = "peers")]
+    return effort.peers.then(|| Box::new(figures::heap(edge)) as _);
+    #[cfg(not(feature = "peers"))]
+    none(effort, edge)
+}
+
 /// `side × side` ragdolls that fall on a floor.
 pub fn ragdolls(effort: &Effort, side: u32) -> Option<Box<dyn World>> {
     #[cfg(feature = "peers")]

@@ -2,7 +2,7 @@
 
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{BoxSpec, RagdollSpec, box_3d, ragdoll};
-use sinew::{Plane, Simulation};
+use sinew::{BodyContacts, Collider, Frame, Plane, Shape, Simulation};
 
 use crate::measure::{Effort, Ours, Race};
 use crate::naive::Naive;
@@ -11,6 +11,9 @@ use crate::row::{Row, Unit};
 
 /// Boxes along a side of their square: about as many as P5's pile has.
 const BOXES: u32 = 32;
+
+/// Boxes along an edge of their heap: P5's thousand.
+const HEAP: u32 = 10;
 
 /// Ragdolls along a side of their square.
 const DOLLS: u32 = 10;
@@ -28,9 +31,16 @@ pub fn side_by_side(effort: &Effort) -> Vec<Row> {
         settings.max_sweeps,
     );
     let row = race.run(effort, 1, sized);
-    vec![row.noted(
-        "no contacts between bodies yet, so no pile; default settings of each: 10 substeps of at most 4 sweeps, rapier 4 substeps, sleeping off",
-    )]
+    let world = heap(HEAP);
+    let scene = format!("{} boxes fall into a heap and collide", HEAP * HEAP * HEAP);
+    let sized = Row::new("P5", scene, Unit::Tick).sized(
+        world.distances().len(),
+        settings.substeps,
+        settings.max_sweeps,
+    );
+    let race = Race::alone(Ours(world)).against(peers::heap(effort, HEAP));
+    let note = "default settings of each: 10 substeps of at most 8 sweeps, rapier 4 substeps, sleeping off";
+    vec![row.noted(note), race.run(effort, 1, sized).noted(note)]
 }
 
 /// P6.
@@ -42,7 +52,7 @@ pub fn ragdolls(effort: &Effort) -> Vec<Row> {
     let scene = format!("{} ragdolls of 11 bones fall on a floor", DOLLS * DOLLS);
     let row = Row::new("P6", scene, Unit::Tick).sized(constraints, substeps, sweeps);
     vec![race.run(effort, 1, row).noted(
-        "default settings of each; a naive ragdoll would be all of the cones and hinges again; limbs of ours do not touch those of others",
+        "default settings of each; a naive ragdoll would be all of the cones and hinges again; limbs touch the floor by their joints",
     )]
 }
 
@@ -56,6 +66,29 @@ pub fn boxes(side: u32) -> Simulation {
         cube.build(&mut world).expect("the recipe is sound");
     }
     world
+}
+
+/// `edge³` cubes of 1 m and 1 kg, a little apart and out of line, above the ground.
+pub fn heap(edge: u32) -> Simulation {
+    let mut world = Simulation::default();
+    world.colliders.push(Collider::fixed(Shape::half_space(), Frame::IDENTITY));
+    let cube = box_3d(&BoxSpec::default()).expect("the box is sound");
+    let contacts = BodyContacts { with_bodies: true, ..Default::default() };
+    for place in stacked(edge) {
+        let cube = cube.transformed(Quat::IDENTITY, place);
+        cube.build_colliding(&mut world, contacts).expect("the recipe is sound");
+    }
+    world
+}
+
+/// Where the boxes of a heap begin, metres.
+pub fn stacked(edge: u32) -> impl Iterator<Item = Vec3> {
+    (0..edge * edge * edge).map(move |n| {
+        let (x, y, z) = (n % edge, n / (edge * edge), n / edge % edge);
+        // Every second layer is moved by a quarter of a box, so that they do not stay columns.
+        let aside = 0.25 * (y % 2) as f32;
+        Vec3::new(1.05 * x as f32 + aside, 0.6 + 1.1 * y as f32, 1.05 * z as f32 + aside)
+    })
 }
 
 /// `side × side` ragdolls that fall from 1 m, and the sweeps that they ask for.

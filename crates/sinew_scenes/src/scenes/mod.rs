@@ -1,11 +1,17 @@
 //! The list of scenes.
 
 mod banner;
+pub(crate) mod belt;
+mod bin;
 mod boats;
 mod bricks;
 mod buoys;
+mod catch;
+mod chain;
 mod charges;
 mod crates;
+mod curtain;
+mod drape;
 mod feathers;
 mod flag;
 mod flatland;
@@ -13,10 +19,12 @@ mod hinges;
 mod jelly;
 mod orbits;
 mod pendulums;
+mod pile;
 mod ragdoll;
 pub(crate) mod ropes;
 mod soft;
 mod square;
+mod stairs;
 pub(crate) mod swap;
 
 use bevy::prelude::*;
@@ -62,6 +70,14 @@ pub const ALL: &[Scene] = &[
     feathers::SCENE,
     orbits::SCENE,
     flatland::SCENE,
+    pile::SCENE,
+    drape::SCENE,
+    stairs::SCENE,
+    catch::SCENE,
+    curtain::SCENE,
+    bin::SCENE,
+    chain::SCENE,
+    belt::SCENE,
 ];
 
 /// The scene of that name.

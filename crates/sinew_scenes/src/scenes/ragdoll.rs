@@ -20,7 +20,7 @@ pub(super) const SCENE: Scene = Scene {
 fn spawn(world: &mut World) {
     world.insert_resource(AirDrag(0.2));
     world.insert_resource(SolverConfig { substeps: 20, max_sweeps: 8, ..default() });
-    world.spawn((InScene, Ground { friction: 0.6 }));
+    world.spawn((InScene, Ground { friction: 0.6, ..default() }));
     // Apart, because figures do not meet yet.
     let figures = [
         (Vec3::new(0.0, 0.02, 0.0), 0.0, 0.0, 0xd9622b),

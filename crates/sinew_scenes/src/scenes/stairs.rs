@@ -1,0 +1,54 @@
+//! Ragdolls that fall down a flight of stairs.
+
+use bevy::prelude::*;
+use bevy_sinew::prelude::*;
+
+use super::{Scene, mesh};
+use crate::{InScene, Look, rounded_box};
+
+pub(super) const SCENE: Scene = Scene {
+    name: "stairs",
+    title: "Down the stairs",
+    about: "ragdolls whose bones collide with the steps and with each other",
+    eye: Vec3::new(4.4, 3.0, 6.4),
+    target: Vec3::new(0.4, 1.0, 0.0),
+    seconds: 5.0,
+    moment: 1.5,
+    spawn,
+};
+
+/// Steps, their height and their depth, metres.
+const STEPS: u32 = 7;
+const RISE: f32 = 0.24;
+const GOING: f32 = 0.42;
+
+fn spawn(world: &mut World) {
+    world.insert_resource(AirDrag(0.2));
+    world.insert_resource(SolverConfig { substeps: 16, max_sweeps: 8, ..default() });
+    world.spawn((InScene, Ground { friction: 0.6, ..default() }));
+    for n in 0..STEPS {
+        let high = RISE * (STEPS - n) as f32;
+        let size = Vec3::new(GOING, high, 3.4);
+        let place = Vec3::new(GOING * n as f32 - 1.6, 0.5 * high, 0.0);
+        let step = mesh(world, rounded_box(size, 0.012, 2));
+        let stone = Look::color(if n % 2 == 0 { 0x9a938a } else { 0xaaa39a }).roughness(0.8);
+        let collider = Collider::cuboid(size * 0.5);
+        world.spawn((InScene, collider, step, stone, Transform::from_translation(place)));
+    }
+    for (n, color) in [0xd9622b, 0x2f8f83, 0xe0b040, 0x8e6bb0].into_iter().enumerate() {
+        let along = n as f32;
+        let place =
+            Vec3::new(-1.5 + 0.5 * (n % 2) as f32, 2.1 + 1.2 * (n / 2) as f32, 1.1 - 0.75 * along);
+        let rotation =
+            Quat::from_rotation_y(0.5 * along) * Quat::from_rotation_z(-0.7 - 0.3 * along);
+        world.spawn((
+            InScene,
+            Name::new("ragdoll"),
+            Ragdoll::default(),
+            BodyContacts::ALL,
+            Look::color(color).roughness(0.55),
+            Interpolate,
+            Transform::from_translation(place).with_rotation(rotation),
+        ));
+    }
+}
