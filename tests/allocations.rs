@@ -195,23 +195,3 @@ fn particles_that_lie_on_each_other_allocate_nothing() {
     };
     assert_eq!(allocations(spawn), 0);
 }
-
-#[test]
-fn xx_1() {
-    let spawn = |world: &mut World| {
-        world.resource_mut::<Schedules>().add_systems(FixedUpdate, ride);
-        world.spawn((Lift, Transform::from_xyz(4.0, 0.0, 0.0)));
-        world.spawn((ParticleBox::new(Vec3::splat(0.5)), Transform::from_xyz(0.0, 1.0, 0.0)));
-    };
-    assert_eq!(allocations(spawn), 0);
-}
-
-#[test]
-fn xx_2() {
-    let spawn = |world: &mut World| {
-        world.resource_mut::<Schedules>().add_systems(FixedUpdate, ride);
-        world.spawn((Collider::sphere(0.5), Lift, Transform::from_xyz(4.0, 0.0, 0.0)));
-        world.spawn((ParticleBox::new(Vec3::splat(0.5)), Transform::from_xyz(0.0, 1.0, 0.0)));
-    };
-    assert_eq!(allocations(spawn), 0);
-}

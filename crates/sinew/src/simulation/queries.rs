@@ -236,7 +236,9 @@ impl Ray {
         let beneath = along * along - outside;
         if beneath >= 0.0 && along < 0.0 {
             let distance = -along - beneath.sqrt();
-            let normal = (from + self.direction * distance) / radius;
+            // Made unit, because of a small ball far off the difference has few digits.
+            let normal = (from + self.direction * distance).try_normalize();
+            let normal = normal.unwrap_or(-self.direction);
             self.meet(distance, normal, party, Some(row));
         }
     }
