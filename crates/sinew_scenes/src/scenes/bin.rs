@@ -10,8 +10,8 @@ pub(super) const SCENE: Scene = Scene {
     name: "bin",
     title: "A bin of jelly",
     about: "200 soft cubes, each of tetrahedra, that press against each other and against the walls",
-    eye: Vec3::new(2.6, 3.0, 4.4),
-    target: Vec3::new(0.0, 0.7, 0.0),
+    eye: Vec3::new(3.0, 4.2, 5.4),
+    target: Vec3::new(0.0, 0.8, 0.0),
     seconds: 5.0,
     moment: 3.0,
     spawn,
@@ -21,13 +21,13 @@ pub(super) const SCENE: Scene = Scene {
 const EDGE: f32 = 0.26;
 
 /// Inside of the bin from wall to wall, metres.
-const ROOM: f32 = 1.7;
+const ROOM: f32 = 2.1;
 
 fn spawn(world: &mut World) {
     world.insert_resource(SolverConfig { substeps: 8, max_sweeps: 2, ..default() });
     world.insert_resource(AirDrag(0.2));
     world.spawn((InScene, Ground { friction: 0.5, ..default() }));
-    let (high, thick) = (0.9, 0.06);
+    let (high, thick) = (1.5, 0.06);
     let reach = 0.5 * (ROOM + thick);
     for (x, z) in [(reach, 0.0), (-reach, 0.0), (0.0, reach), (0.0, -reach)] {
         let along = ROOM + 2.0 * thick;
@@ -36,7 +36,6 @@ fn spawn(world: &mut World) {
         let wall = mesh(world, rounded_box(size, 0.01, 2));
         let tin = Look::color(0x6d7780).metal();
         let place = Transform::from_xyz(x, 0.5 * high, z);
-        // Thicker than it is drawn, outwards: what is pressed against it stays in.
         world.spawn((InScene, Collider::cuboid(size * 0.5), wall, tin, place));
     }
     let colors = [0xd1495b, 0x66a182, 0xe9b44c, 0x8e6bb0, 0x2f8f83];

@@ -11,8 +11,8 @@ pub(super) const SCENE: Scene = Scene {
     name: "chain",
     title: "A chain of loops",
     about: "loops of rope hang in each other by contact alone; the lowest carries a ball of two kilograms",
-    eye: Vec3::new(1.5, 1.6, 3.2),
-    target: Vec3::new(0.0, 1.25, 0.0),
+    eye: Vec3::new(1.9, 2.0, 4.4),
+    target: Vec3::new(0.0, 1.8, 0.0),
     seconds: 5.0,
     moment: 1.6,
     spawn,
@@ -32,7 +32,7 @@ fn spawn(world: &mut World) {
     let colors = [0xc9a66b, 0xb8434e, 0x3f6f9f];
     for n in 0..LOOPS {
         // Each hangs in the one above, a quarter turned, with some slack.
-        let centre = Vec3::Y * (2.3 - n as f32 * (2.0 * RING - 2.6 * ROPE));
+        let centre = Vec3::Y * (3.4 - n as f32 * (2.0 * RING - 2.6 * ROPE));
         let look = Look::color(colors[n % colors.len()]).roughness(0.9);
         link(world, centre, n % 2 == 1, n == 0, n == LOOPS - 1, look);
     }
