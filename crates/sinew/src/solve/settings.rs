@@ -19,6 +19,10 @@ pub enum Order {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolverSettings {
     /// Substeps in a step, 1 to 256, default 10. At equal work many substeps with few sweeps beat one step with many.
+    ///
+    /// What counts is how many there are in a second: the default is meant for ticks of 1/60 s, and at 240 ticks a second 3 do as well. Positions
+    /// are rounded to some 3e-8 of their distance from the body's origin, and what they are rounded by in a substep is a speed: a cloth of 1 m
+    /// that hangs at rest has 0.1 mm/s of that at 600 substeps a second, and 2 mm/s at 2400.
     pub substeps: u32,
     /// The most sweeps over all constraints in a substep (the lectures' `N_MAX`), 1 to 1000, default 4.
     pub max_sweeps: u32,
