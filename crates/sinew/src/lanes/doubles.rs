@@ -60,7 +60,7 @@ macro_rules! each {
     ($($of:ident $operation:ident $sign:tt),*) => {$(
         impl $of for Each {
             type Output = Self;
-            #[inline(always)]
+            #[inline(never)]
             fn $operation(self, other: Self) -> Self {
                 self.zip(other, |a, b| a $sign b)
             }
@@ -72,7 +72,7 @@ each!(Add add +, Sub sub -, Mul mul *, Div div /);
 
 impl Neg for Each {
     type Output = Self;
-    #[inline(always)]
+    #[inline(never)]
     fn neg(self) -> Self {
         Self(self.0.map(|x| -x))
     }
@@ -94,12 +94,12 @@ impl Doubles for Each {
         *to = self.0;
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn lt(self, other: Self) -> u32 {
         self.bits(other, |a, b| a < b)
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn le(self, other: Self) -> u32 {
         self.bits(other, |a, b| a <= b)
     }

@@ -1,4 +1,7 @@
 //! Arrays of eight: what every other implementation must agree with to the bit, and what runs where there is none.
+//!
+//! Operations are functions that are called: written out eight times each in every kernel they would be most of what the crate takes to compile, and nobody is in
+//! a hurry for the truth.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -18,7 +21,7 @@ macro_rules! each {
     ($($of:ident $operation:ident $sign:tt),*) => {$(
         impl $of for Array {
             type Output = Self;
-            #[inline(always)]
+            #[inline(never)]
             fn $operation(self, other: Self) -> Self {
                 self.zip(other, |a, b| a $sign b)
             }
@@ -30,7 +33,7 @@ each!(Add add +, Sub sub -, Mul mul *, Div div /);
 
 impl Neg for Array {
     type Output = Self;
-    #[inline(always)]
+    #[inline(never)]
     fn neg(self) -> Self {
         Self(self.0.map(|x| -x))
     }
@@ -77,126 +80,126 @@ impl Lanes for Array {
         *to = self.0;
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn widen(self) -> Each {
         Each(self.0.map(f64::from))
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn narrow(from: Each) -> Self {
         Self(from.0.map(|x| x as f32))
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn sqrt(self) -> Self {
         Self(self.0.map(f32::sqrt))
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn abs(self) -> Self {
         Self(self.0.map(f32::abs))
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn lt(self, other: Self) -> Self {
         self.mask(other, |a, b| a < b)
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn le(self, other: Self) -> Self {
         self.mask(other, |a, b| a <= b)
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn same(self, other: Self) -> Self {
         self.mask(other, |a, b| a == b)
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn and(self, other: Self) -> Self {
         self.zip(other, |a, b| f32::from_bits(a.to_bits() & b.to_bits()))
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn or(self, other: Self) -> Self {
         self.zip(other, |a, b| f32::from_bits(a.to_bits() | b.to_bits()))
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn select(self, yes: Self, no: Self) -> Self {
         Self(core::array::from_fn(|i| if self.0[i].to_bits() == 0 { no.0[i] } else { yes.0[i] }))
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn bits(self) -> u32 {
         (0..LANES).map(|i| u32::from(self.0[i].to_bits() != 0) << i).sum()
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn rows(packed: &[Vec4], rows: &[u32; LANES]) -> [Self; 4] {
         Self::columns(|i| packed[rows[i] as usize])
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn put_rows(packed: &mut [Vec4], rows: &[u32; LANES], columns: [Self; 4]) {
         for (lane, &row) in rows.iter().enumerate() {
             packed[row as usize] = Self::row(columns, lane);
         }
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn run_by_parity(packed: &[Vec4], first: usize) -> [Self; 4] {
         Self::columns(|i| packed[first + PARITY[i]])
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn put_run_by_parity(packed: &mut [Vec4], first: usize, columns: [Self; 4]) {
         for lane in 0..LANES {
             packed[first + PARITY[lane]] = Self::row(columns, lane);
         }
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn load_halves(low: &[f32; LANES / 2], high: &[f32; LANES / 2]) -> Self {
         Self(core::array::from_fn(|i| if i < LANES / 2 { low[i] } else { high[i - LANES / 2] }))
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn store_halves(self, low: &mut [f32; LANES / 2], high: &mut [f32; LANES / 2]) {
         low.copy_from_slice(&self.0[..LANES / 2]);
         high.copy_from_slice(&self.0[LANES / 2..]);
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn run(packed: &[Vec4], first: usize) -> [Self; 4] {
         Self::columns(|i| packed[first + i])
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn put_run(packed: &mut [Vec4], first: usize, columns: [Self; 4]) {
         for lane in 0..LANES {
             packed[first + lane] = Self::row(columns, lane);
         }
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn two(packed: &[Vec4], first: usize) -> Self {
         let [a, b] = [packed[first].to_array(), packed[first + 1].to_array()];
         Self([a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]])
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn put_two(self, packed: &mut [Vec4], first: usize) {
         packed[first] = Vec4::from_slice(&self.0[..4]);
         packed[first + 1] = Vec4::from_slice(&self.0[4..]);
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn fourths(self) -> Self {
         Self(core::array::from_fn(|i| self.0[i | 3]))
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn with_fourths(self, other: Self) -> Self {
         Self(core::array::from_fn(|i| if i % 4 == 3 { other.0[i] } else { self.0[i] }))
     }
