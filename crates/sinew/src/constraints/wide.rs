@@ -19,6 +19,16 @@ pub(crate) trait Wide<const N: usize>: Sized {
         core::array::from_fn(|i| constraint.rows[i])
     }
 
+    /// Whether [`is_kept`](Self::is_kept) has anything to tell.
+    const IS_LIMIT: bool = false;
+
+    /// A mask of those that are kept for certain, so that their value is zero, where that can be told for less than what `evaluate` costs. Most limits are kept
+    /// most of the time. To be inlined always.
+    #[inline(always)]
+    fn is_kept<L: Lanes>(&self, _points: &[Vector<L>; N]) -> L {
+        L::zero()
+    }
+
     /// Values, and gradients by each particle. To be inlined always.
     fn evaluate<L: Lanes>(&self, points: &[Vector<L>; N]) -> (L, [Vector<L>; N]);
 }
@@ -31,6 +41,16 @@ pub(super) fn eight<'a, T>(
     let found = constraints.map(pick);
     let first = found[0]?;
     found.iter().all(Option::is_some).then(|| found.map(|law| law.unwrap_or(first)))
+}
+
+/// How far the cosine of an angle must be above that of a limit for the angle to be below the limit whatever was rounded on the way.
+pub(super) const CLEAR: f32 = 1e-4;
+
+/// A mask of where `x = cos φ · √square` with a cosine above `least`.
+#[inline(always)]
+pub(super) fn is_below<L: Lanes>(x: L, square: L, least: L) -> L {
+    let sound = L::zero().lt(square).and(square.le(L::splat(f32::MAX)));
+    sound.and((least * square.sqrt()).lt(x))
 }
 
 /// How far a number is above a range, or (negative) below.

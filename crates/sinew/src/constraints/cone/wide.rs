@@ -2,7 +2,7 @@
 
 use super::Cone;
 use crate::constraints::angle::{Turns, between_wide};
-use crate::constraints::wide::{Wide, eight};
+use crate::constraints::wide::{CLEAR, Wide, eight, is_below};
 use crate::constraints::{Constraint, Law};
 use crate::lanes::{LANES, Lanes, Vector};
 
@@ -11,11 +11,15 @@ use crate::lanes::{LANES, Lanes, Vector};
 pub(crate) struct Cones {
     axis: [[f32; LANES]; 3],
     max: [f32; LANES],
+    /// A cosine that is safely above that of `max`.
+    clear: [f32; LANES],
     /// 1 where the segment begins at the frame's own `o`: four particles, which stand in the form of five, `o` twice.
     own: [f32; LANES],
 }
 
 impl Wide<5> for Cones {
+    const IS_LIMIT: bool = true;
+
     fn of(constraints: [&Constraint; LANES]) -> Option<Self> {
         let cones: [&Cone; LANES] = eight(constraints, |c| match &c.law {
             Law::Cone(law) => Some(law),
@@ -24,6 +28,7 @@ impl Wide<5> for Cones {
         Some(Self {
             axis: core::array::from_fn(|i| cones.map(|cone| cone.axis[i])),
             max: cones.map(|cone| cone.max),
+            clear: cones.map(|cone| libm::cosf(cone.max) + CLEAR),
             own: constraints.map(|c| f32::from(u8::from(c.rows.len() == 4))),
         })
     }
@@ -36,12 +41,20 @@ impl Wide<5> for Cones {
     }
 
     #[inline(always)]
+    fn is_kept<L: Lanes>(&self, points: &[Vector<L>; 5]) -> L {
+        let [o, x, y, c, d] = *points;
+        let (axis, out) = (self.axis(x - o, y - o), d - c);
+        let square = axis.length_squared() * out.length_squared();
+        is_below(axis.dot(out), square, L::load(&self.clear))
+    }
+
+    #[inline(always)]
     fn evaluate<L: Lanes>(&self, points: &[Vector<L>; 5]) -> (L, [Vector<L>; 5]) {
         let [o, x, y, c, d] = *points;
         let (u, v) = (x - o, y - o);
         let [along_u, along_v, up] = &self.axis;
         let (along_u, along_v, up) = (L::load(along_u), L::load(along_v), L::load(up));
-        let axis = u * along_u + v * along_v + u.cross(v) * up;
+        let axis = self.axis(u, v);
         let Turns { angle, by_u: turn, by_v: by_d } = between_wide(axis, d - c);
         let max = L::load(&self.max);
         let value = max.lt(angle).and(angle - max);
@@ -53,5 +66,13 @@ impl Wide<5> for Cones {
         let nothing = Vector::new(L::zero(), L::zero(), L::zero());
         let by_o = (by_o - by_d).or_else(own, by_o);
         (value, [by_o, by_x, by_y, nothing.or_else(own, -by_d), by_d])
+    }
+}
+
+impl Cones {
+    #[inline(always)]
+    fn axis<L: Lanes>(&self, u: Vector<L>, v: Vector<L>) -> Vector<L> {
+        let [along_u, along_v, up] = &self.axis;
+        u * L::load(along_u) + v * L::load(along_v) + u.cross(v) * L::load(up)
     }
 }

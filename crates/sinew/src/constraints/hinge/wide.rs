@@ -3,7 +3,7 @@
 use core::f32::consts::TAU;
 
 use super::Hinge;
-use crate::constraints::wide::{Wide, beyond, eight, is_size};
+use crate::constraints::wide::{CLEAR, Wide, beyond, eight, is_below, is_size};
 use crate::constraints::{Constraint, Law};
 use crate::lanes::{LANES, Lanes, Vector, atan2};
 
@@ -14,9 +14,16 @@ pub(crate) struct Hinges {
     middle: [f32; LANES],
     /// Half its width, radians.
     half: [f32; LANES],
+    /// Cosine and sine of the middle; and a cosine that is safely above that of half the width.
+    towards: [[f32; LANES]; 2],
+    clear: [f32; LANES],
+    /// Whether one of them has a range, and not one angle.
+    is_limit: bool,
 }
 
 impl Wide<4> for Hinges {
+    const IS_LIMIT: bool = true;
+
     fn of(constraints: [&Constraint; LANES]) -> Option<Self> {
         let hinges: [&Hinge; LANES] = eight(constraints, |c| match &c.law {
             Law::Hinge(law) => Some(law),
@@ -24,7 +31,34 @@ impl Wide<4> for Hinges {
         })?;
         let middle = |hinge: &Hinge| super::around(0.5 * (hinge.min + hinge.max));
         let half = |hinge: &Hinge| 0.5 * (hinge.max - hinge.min);
-        Some(Self { middle: hinges.map(middle), half: hinges.map(half) })
+        Some(Self {
+            middle: hinges.map(middle),
+            half: hinges.map(half),
+            towards: [libm::cosf, libm::sinf].map(|of| hinges.map(|hinge| of(middle(hinge)))),
+            clear: hinges.map(|hinge| libm::cosf(half(hinge)) + CLEAR),
+            is_limit: hinges.iter().any(|hinge| half(hinge) > 0.0),
+        })
+    }
+
+    /// By the cosine of how far it is from the middle. Lines through the edge that are nearly along it are left to `evaluate`: the angle between those is round-off.
+    #[inline(always)]
+    fn is_kept<L: Lanes>(&self, points: &[Vector<L>; 4]) -> L {
+        if !self.is_limit {
+            return L::zero();
+        }
+        let [a, h0, h1, c] = *points;
+        let (edge, to_a, to_c) = (h1 - h0, a - h0, c - h0);
+        let (n, m) = (edge.cross(to_a), edge.cross(to_c));
+        let square = edge.length_squared();
+        let (n_square, m_square) = (n.length_squared(), m.length_squared());
+        let least = L::splat(1e-4) * square;
+        let apart = (least * to_a.length_squared())
+            .lt(n_square)
+            .and((least * to_c.length_squared()).lt(m_square));
+        let [cosine, sine] = &self.towards;
+        let along = edge.dot(n.cross(m)) / square.sqrt();
+        let near = n.dot(m) * L::load(cosine) + along * L::load(sine);
+        apart.and(is_below(near, n_square * m_square, L::load(&self.clear)))
     }
 
     /// See `dihedral`. The middle of the range has been brought to -π..π beforehand, so that one turn at most is to be taken off.

@@ -88,6 +88,9 @@ pub(super) fn measure<L: Lanes, W: Wide<N>, const N: usize>(
         let rows = less(&block.rows, places.first, &mut room);
         let spots = Packed { rows, position: &*places.position, start: places.start };
         let (points, inverse) = load::<L, N>(&spots);
+        if W::IS_LIMIT && block.eight.law.is_kept(&points).all() {
+            continue;
+        }
         let found = solve::<L, W, N>(&block.eight.law, &points, &inverse);
         let hard = tempers[block.eight.temper as usize].hard::<L>();
         worst = hard.and(found.active).and(found.error).max(worst);
@@ -162,6 +165,9 @@ pub(super) fn project<L: Lanes, W: Wide<N>, const N: usize>(
     sums: &mut [f32],
 ) -> L {
     let (points, inverse) = load::<L, N>(spots);
+    if W::IS_LIMIT && eight.law.is_kept(&points).all() {
+        return L::zero();
+    }
     let found = solve::<L, W, N>(&eight.law, &points, &inverse);
     let Found { value, gradients, weights, error, active } = found;
     // Limits are kept more often than not.

@@ -1,6 +1,7 @@
 //! Each wide kernel against its scalar twin.
 
 mod kept;
+mod limits;
 mod speed;
 
 use glam::{Vec3, Vec4};

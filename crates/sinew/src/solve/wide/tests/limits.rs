@@ -1,0 +1,68 @@
+//! Limits that are kept for certain are told without their angle: never where there is something to be done, and nearly always where there is not.
+
+use super::*;
+use crate::constraints::checks::evaluate;
+use crate::constraints::{Cones, Equation, Hinges, Wide};
+use crate::lanes::{LANES, Lanes, Vector, Work, with};
+
+/// Whether a wide law is told to be kept at places, in all lanes.
+struct Told<'a, W, const N: usize>(&'a W, &'a [Vec3; N]);
+
+impl<W: Wide<N>, const N: usize> Work for Told<'_, W, N> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> bool {
+        let mut points = [Vector::<L>::splat(Vec3::ZERO); N];
+        for (point, place) in points.iter_mut().zip(self.1) {
+            *point = Vector::splat(*place);
+        }
+        self.0.is_kept(&points).all()
+    }
+}
+
+/// Whether a limit is told to be kept, and whether it is by the scalar law.
+fn told<W: Wide<N>, const N: usize>(constraint: &Constraint, places: &[Vec3; N]) -> (bool, bool) {
+    let wide = W::of([constraint; LANES]).unwrap();
+    let law: &dyn Equation = match &constraint.law {
+        Law::Cone(law) => law,
+        Law::Hinge(law) => law,
+        _ => unreachable!("a limit"),
+    };
+    (with(InstructionSet::best(), Told(&wide, places)), evaluate(law, places).0 == 0.0)
+}
+
+#[test]
+fn a_limit_that_is_told_to_be_kept_is_kept_and_few_that_are_kept_are_not_told() {
+    let mut random = Random::new(5);
+    let (mut kept, mut told_of) = ([0, 0], [0, 0]);
+    for k in 0..20_000 {
+        // Some of them far too small or too large for squares, some nearly flat.
+        let size = [1.0, 1.0, 1.0, 1e-3, 1e-13, 1e11][k % 6];
+        let flat = if k % 5 == 0 { 1e-4 } else { 1.0 };
+        let places: [Vec3; 5] = core::array::from_fn(|_| {
+            let v = random.vector() * size;
+            Vec3::new(v.x, v.y, v.z * flat)
+        });
+        let (wide, low) = (3.1 * random.number().abs(), 3.0 * random.number());
+        let rows = |n: u32| (0..n).collect();
+        let cone = Cone { axis: random.vector(), max: wide, softness: Softness::Hard };
+        let cone = Constraint { rows: rows(5), law: Law::Cone(cone) };
+        let hinge = Hinge::between(low, low + wide);
+        let hinge = Constraint { rows: rows(4), law: Law::Hinge(hinge) };
+        let [a, b, c, d, _] = places;
+        let each = [told::<Cones, 5>(&cone, &places), told::<Hinges, 4>(&hinge, &[a, b, c, d])];
+        for (which, (is_told, is_kept)) in each.into_iter().enumerate() {
+            assert!(is_kept || !is_told, "{which} at {places:?}, {cone:?} {hinge:?}");
+            let counts = size == 1.0 && flat == 1.0;
+            kept[which] += u32::from(counts && is_kept);
+            told_of[which] += u32::from(counts && is_told);
+        }
+    }
+    for which in 0..2 {
+        assert!(
+            kept[which] > 2000 && told_of[which] > kept[which] * 99 / 100,
+            "{kept:?} {told_of:?}"
+        );
+    }
+}
