@@ -22,11 +22,11 @@ use crate::pose::pseudo_solve;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Excess {
     /// Where the substep began at the first of its rows, which the barycentre is measured from, metres.
-    anchor: DVec3,
-    centre: DVec3,
+    pub(super) anchor: DVec3,
+    pub(super) centre: DVec3,
     /// Velocity of the barycentre, m/s, and angular velocity, rad/s.
-    shift: DVec3,
-    turn: DVec3,
+    pub(super) shift: DVec3,
+    pub(super) turn: DVec3,
 }
 
 impl Excess {

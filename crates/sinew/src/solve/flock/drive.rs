@@ -10,9 +10,8 @@ use super::solve::solve;
 use super::{Flock, Pen};
 use crate::constraints::Plane;
 use crate::lanes::{LANES, Lanes, Work};
-use crate::particles::{Places, ground};
+use crate::particles::ground;
 use crate::solve::island::{Common, Room};
-use crate::solve::momentum::Excess;
 use crate::solve::plan::Task;
 use crate::solve::{IslandReport, Order};
 
@@ -32,7 +31,7 @@ pub(crate) struct Drive<'a> {
 /// How far they are driven.
 pub(crate) enum Motion<'a> {
     /// Through the solving of a substep that has been predicted; velocities are not derived, and excesses noted in the room.
-    Substep { start: &'a [Vec4], velocity: &'a mut [Vec4] },
+    Substep { start: &'a [Vec4], velocity: &'a [Vec4] },
     /// Through all substeps of a step.
     Step(Whole<'a>),
 }
@@ -153,9 +152,9 @@ impl Drive<'_> {
             gather::<L>(&mut pen.velocity, flock, begin, whole.velocity);
             gather::<L>(&mut pen.rounding, flock, begin, whole.rounding);
             note_rates(flock, begin, whole, pen);
-            if free.any() {
-                pen.note_masses();
-            }
+        }
+        if free.any() {
+            pen.note_masses();
         }
         for substep in 0..substeps {
             if let Motion::Step(whole) = &self.motion {
@@ -178,7 +177,18 @@ impl Drive<'_> {
         }
         scatter::<L>(&pen.now, flock, begin, self.position);
         match &mut self.motion {
-            Motion::Substep { .. } => self.note_excesses(flock, free.bits(), keeps.bits()),
+            Motion::Substep { velocity, .. } => {
+                if !free.any() {
+                    return;
+                }
+                gather::<L>(&mut pen.velocity, flock, begin, velocity);
+                let excesses = pen.excesses::<L>(h, free.bits() & keeps.bits());
+                // No more of them than there are bodies.
+                let bodies = free.bits() & ((1 << islands.len()) - 1);
+                let own = excesses.each(bodies);
+                let own = own.map(|(lane, one)| ((flock.islands.start + lane) as u32, one));
+                self.room.excesses.extend(own);
+            }
             Motion::Step(whole) => {
                 scatter::<L>(&pen.start, flock, begin, whole.start);
                 scatter::<L>(&pen.velocity, flock, begin, whole.velocity);
@@ -201,27 +211,6 @@ impl Drive<'_> {
         pen.ground.extend(planes.iter().map(heights));
         let radii = |i: u32| places(i).map(|place| self.radius[place]);
         pen.radius.extend((0..flock.members).map(radii));
-    }
-
-    /// Notes what has to be taken off the velocities of the bodies with a bit in `free`, which are not derived yet.
-    fn note_excesses(&mut self, flock: &Flock, free: u32, keeps_angular: u32) {
-        let Common { plan, h, .. } = self.common;
-        let Motion::Substep { start, velocity } = &mut self.motion else { return };
-        let places = Places {
-            first: self.task.rows.start,
-            position: self.position,
-            start,
-            origin: self.origin,
-            radius: self.radius,
-            velocity,
-        };
-        for (number, lane) in flock.islands.clone().zip(0..) {
-            if free >> lane & 1 != 0 {
-                let rows = &plan.members[plan.islands[number].members.clone()];
-                let excess = Excess::of(&places, rows, h, keeps_angular >> lane & 1 != 0);
-                self.room.excesses.extend(excess.map(|excess| (number as u32, excess)));
-            }
-        }
     }
 }
 

@@ -8,6 +8,7 @@ use glam::DVec3;
 use super::Pen;
 use crate::lanes::{Doubles, LANES, Lanes, Vector};
 use crate::pose::{WORST, pseudo_solve};
+use crate::solve::momentum::Excess;
 
 /// Eight vectors of double precision.
 #[derive(Clone, Copy)]
@@ -62,8 +63,42 @@ impl<D: Doubles> Double<D> {
     }
 
     #[inline(always)]
+    fn arrays(self) -> [[f64; LANES]; 3] {
+        [self.x.array(), self.y.array(), self.z.array()]
+    }
+
+    #[inline(always)]
     fn finite(self) -> u32 {
         self.x.finite() & self.y.finite() & self.z.finite()
+    }
+}
+
+/// What eight bodies have to have taken off.
+pub(super) struct Excesses<D> {
+    anchor: Double<D>,
+    centre: Double<D>,
+    shift: Double<D>,
+    turn: Double<D>,
+}
+
+impl<D: Doubles> Excesses<D> {
+    /// A bit for each body of which that is a number.
+    #[inline(always)]
+    fn sound(&self) -> u32 {
+        self.centre.finite() & self.shift.finite() & self.turn.finite()
+    }
+
+    /// One by one, of the bodies with a bit.
+    #[inline(always)]
+    pub(super) fn each(&self, which: u32) -> impl Iterator<Item = (usize, Excess)> {
+        let Self { anchor, centre, shift, turn } = self;
+        let vectors = [anchor.arrays(), centre.arrays(), shift.arrays(), turn.arrays()];
+        let which = which & self.sound();
+        (0..LANES).filter(move |lane| which >> lane & 1 != 0).map(move |lane| {
+            let [anchor, centre, shift, turn] =
+                vectors.map(|[x, y, z]| DVec3::new(x[lane], y[lane], z[lane]));
+            (lane, Excess { anchor, centre, shift, turn })
+        })
     }
 }
 
@@ -72,40 +107,48 @@ impl Pen {
     /// angular momentum, too.
     #[inline(always)]
     pub(super) fn derive<L: Lanes>(&mut self, h: f32, free: L, keeps_angular: L) {
+        let excesses = if free.any() {
+            Some(self.excesses::<L>(h, free.bits() & keeps_angular.bits()))
+        } else {
+            None
+        };
+        let per_second = L::splat(1.0 / h);
+        let h = L::splat(h);
+        let Self { now, start, velocity, .. } = self;
+        for ((now, start), velocity) in now.iter().zip(start).zip(velocity) {
+            let ((q, _), (from, _)) = (Vector::of(now.load::<L>()), Vector::of(start.load()));
+            let u = Vector::of(velocity.load::<L>()).0;
+            let mut v = u + (q - (from + u * h)) * per_second;
+            if let Some(excesses) = &excesses {
+                let Excesses { anchor, centre, shift, turn } = excesses;
+                let arm = Double::of(from) - *anchor - *centre;
+                let share = *shift + turn.cross(arm);
+                let share = Vector::new(L::narrow(share.x), L::narrow(share.y), L::narrow(share.z));
+                v = (v - share).or_else(L::mask(free.bits() & excesses.sound()), v);
+            }
+            velocity.put(v.with(h));
+        }
+    }
+
+    /// What bodies have to have taken off before their velocities are derived; of those with a bit in `turning`, angular momentum, too.
+    #[inline(always)]
+    pub(super) fn excesses<L: Lanes>(&self, h: f32, turning: u32) -> Excesses<L::Doubles> {
         let per_second = L::splat(1.0 / h);
         let h = L::splat(h);
         let Self { now, start, velocity, mass, .. } = self;
-        if !free.any() {
-            for ((now, start), velocity) in now.iter().zip(start).zip(velocity) {
-                let ((q, _), (from, _)) = (Vector::of(now.load::<L>()), Vector::of(start.load()));
-                let u = Vector::of(velocity.load::<L>()).0;
-                velocity.put((u + (q - (from + u * h)) * per_second).with(h));
-            }
-            return;
-        }
-        let Some(first) = start.first() else { return };
-        let anchor = Double::of(Vector::of(first.load::<L>()).0);
+        let zero = Double::splat(0.0);
+        let anchor =
+            start.first().map_or(zero, |first| Double::of(Vector::of(first.load::<L>()).0));
         let mut sums = Sums::<L::Doubles>::none();
-        for (((now, start), velocity), mass) in
-            now.iter().zip(&*start).zip(&mut *velocity).zip(mass)
-        {
+        for (((now, start), velocity), mass) in now.iter().zip(start).zip(velocity).zip(mass) {
             let ((q, _), (from, _)) = (Vector::of(now.load::<L>()), Vector::of(start.load()));
             let u = Vector::of(velocity.load::<L>()).0;
             let v = u + (q - (from + u * h)) * per_second;
-            velocity.put(v.with(h));
             let arm = Double::of(from) - anchor;
             sums.add(L::Doubles::load(mass), arm, Double::of(v) - Double::of(u));
         }
-        let (centre, shift, turn) = sums.answer(free.bits() & keeps_angular.bits());
-        let sound = centre.finite() & shift.finite() & turn.finite();
-        let taken = L::mask(free.bits() & sound);
-        for (start, velocity) in start.iter().zip(velocity) {
-            let arm = Double::of(Vector::of(start.load::<L>()).0) - anchor - centre;
-            let share = shift + turn.cross(arm);
-            let share = Vector::new(L::narrow(share.x), L::narrow(share.y), L::narrow(share.z));
-            let v = Vector::of(velocity.load::<L>()).0;
-            velocity.put((v - share).or_else(taken, v).with(h));
-        }
+        let (centre, shift, turn) = sums.answer(turning);
+        Excesses { anchor, centre, shift, turn }
     }
 }
 
