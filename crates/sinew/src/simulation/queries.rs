@@ -80,6 +80,10 @@ impl Simulation {
         }
         for corners in &self.forces.surfaces {
             let Some(party) = self.counts_row(corners[0], filter) else { continue };
+            // A triangle whose particle is gone is none.
+            if corners.iter().any(|&row| row as usize >= self.particles.len()) {
+                continue;
+            }
             let [a, b, c] = corners.map(|row| self.particles.position(row as usize));
             ray.triangle([a, b, c], party, corners[0]);
         }
@@ -316,6 +320,15 @@ mod tests {
         let bodies = Filter { colliders: false, ..all };
         assert_eq!(world.cast_ray(Vec3::ZERO, Vec3::NEG_Y, 100.0, &bodies), None);
         assert_eq!(world.cast_ray(Vec3::NAN, Vec3::NEG_Y, 100.0, &all), None);
+    }
+
+    /// Found by fuzzing: the triangle's first particle was there, and another was not.
+    #[test]
+    fn a_ray_passes_a_triangle_whose_particle_is_gone() {
+        let mut world = world();
+        world.forces.surfaces.insert(0, [0, 1, 1_000_000]);
+        let hit = world.cast_ray(Vec3::ZERO, Vec3::X, 100.0, &Filter::default()).unwrap();
+        assert_eq!(hit.party, Party::Body(0));
     }
 
     #[test]
