@@ -17,6 +17,7 @@
 //!
 //! A finding becomes a test in the crate that it concerns, named after what went wrong; inputs are not kept.
 
+mod contacts;
 mod input;
 mod laws;
 mod recipes;

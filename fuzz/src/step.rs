@@ -4,6 +4,7 @@ use sinew::glam::Vec3;
 use sinew::{Bound, Distance, Electric, Fluid, InsideBox, ParticleSeed, Pin, Plane};
 use sinew::{Simulation, SolverSettings, Spring, Wind};
 
+use crate::contacts;
 use crate::input::Input;
 use crate::laws;
 
@@ -45,7 +46,8 @@ fn settings(input: &mut Input) -> SolverSettings {
 /// One operation of a game.
 fn operate(world: &mut Simulation, input: &mut Input) {
     let count = world.particles.len();
-    match input.below(26) {
+    match input.below(31) {
+        26..=30 => contacts::operate(world, input, MOST_PARTICLES),
         20..=25 => laws::operate(world, input, row),
         0..=4 => push(world, input),
         5 if count > 0 => {
