@@ -269,6 +269,28 @@ fn a_tower_of_ten_stands_for_a_minute() {
     assert!(rms_speed(&world) < 1e-3);
 }
 
+/// Friction finds what holds a tower afresh in each step, over some tries; what is missing then is how far it creeps.
+#[test]
+fn plates_on_a_slope_creep_by_less_than_a_millimetre_a_second() {
+    for (plates, most) in [(1, 1e-4), (3, 1e-3)] {
+        let mut world = Simulation::default();
+        world.colliders.push(slope(10.0, 0.5));
+        let half = 5.0_f32.to_radians();
+        let turn = Quat::from_xyzw(0.0, 0.0, libm::sinf(half), libm::cosf(half));
+        let size = Vec3::new(1.0, 0.2, 1.0);
+        for n in 0..plates {
+            let at = turn * Vec3::Y * (0.1 + 0.2 * n as f32);
+            brick(&mut world, size, 3.0, at, turn);
+        }
+        run(&mut world, 1.0, DT);
+        let before = world.particles.position(8 * plates - 1);
+        run(&mut world, 4.0, DT);
+        let creep = (world.particles.position(8 * plates - 1) - before).length() / 4.0;
+        println!("{plates} plates: {creep} m/s");
+        assert!(creep < most, "{plates}: {creep} m/s");
+    }
+}
+
 #[test]
 fn a_box_on_a_slope_slides_if_and_only_if_the_slope_is_steeper_than_its_friction() {
     for (degrees, slides) in [(20.0_f32, false), (26.0, false), (29.0, true), (40.0, true)] {

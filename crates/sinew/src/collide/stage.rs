@@ -2,6 +2,7 @@
 
 use super::{BodyContacts, Collider, Impact, Impacts, Pairs, Pressed, Solid, Solids, Touch};
 use crate::constraints::Boundaries;
+use crate::lanes::InstructionSet;
 use crate::particles::Particles;
 use crate::solve::Plan;
 
@@ -31,6 +32,12 @@ pub(crate) struct World<'a> {
 }
 
 impl Contacts {
+    /// Chooses the instructions of the wide kernels. They never change a result.
+    pub(crate) fn use_instructions(&mut self, instructions: InstructionSet) {
+        self.solids.instructions = instructions;
+        self.pairs.instructions = instructions;
+    }
+
     /// Notes which rows belong to which solids, when those or the particles have changed.
     pub(crate) fn compile(&mut self, solids: &[Solid], particles: &Particles) {
         self.solids.compile(solids, particles);
@@ -50,6 +57,11 @@ impl Contacts {
         self.touch.find(particles, world.plan, (dt, gravity), &mut self.presses);
         self.solids.find(particles, &world);
         self.pairs.find(particles, bodies, &particles.rest, self.solids.rows(), dt);
+    }
+
+    /// A row of each solid that may come to touch something in this step, some of them more than once.
+    pub(crate) fn solids_in_reach(&self) -> impl Iterator<Item = u32> {
+        self.solids.in_reach()
     }
 
     /// Whether something may come to touch something else that moves, so that islands cannot go their ways alone.

@@ -7,9 +7,13 @@
 //! points are, wanted is
 //! `λ ≥ 0` with `K λ ≥ c`, where one of the two is an equality. Four points in a plane move as a rigid plane does, so `K` has rank 3, and if one
 //! point were solved after the other, a box at rest would rock from corner to corner. So the points that are in are solved at once, for a pressure
-//! that is linear over the patch, `λ = G μ` with rows `(1, x, y)` of
+//! that is linear over the patch, `λ = G μ` with rows `g = (1, x, y)` of
 //! `G`: `Gᵀ K G μ = Gᵀ c`. That is exact for up to three points and symmetric for four. Where it would pull, the points are solved one after the
 //! other after all, a few times over, with the sum of each kept from pulling.
+//!
+//! `K` is never written out. An impulse along the normal at `(x, y)` has the moment `y t - x u` about a centre, with `t` and `u` across the normal:
+//! it is linear in `g`. So `K = G Q Gᵀ` with one 3×3 matrix `Q` of the pair ([`Patch::about`]), and with the points measured from the middle of those
+//! that are in, `S = Gᵀ G` is a number and a 2×2 block: `Gᵀ K G = S Q S`.
 
 use super::turn::Symmetric;
 use crate::lanes::{Lanes, Vector};
@@ -19,10 +23,72 @@ const ROUNDS: usize = 6;
 /// Share of the stiffness that patches have added, so that a small one, whose tilt is round-off, does not answer that.
 const BLUNT: f32 = 1e-3;
 
-/// The impulses that put four points outside. `x` and `y` are where they are in the patch, in any unit.
+/// How two bodies give way to impulses along the normal of a patch.
+pub(super) struct Patch<L> {
+    /// Sum of their inverse masses, 1/kg.
+    pub(super) weight: L,
+    pub(super) a: Side<L>,
+    pub(super) b: Side<L>,
+    /// Where the second one's centre is from the first one's, along `t` and `u`, metres.
+    pub(super) apart: (L, L),
+}
+
+/// One of the bodies: its inverse inertia `J` as seen in the patch.
+pub(super) struct Side<L> {
+    /// `J t` and `J u`.
+    t: Vector<L>,
+    u: Vector<L>,
+    /// `t·J t`, `u·J u`, `t·J u`, 1/(kg·m²).
+    tt: L,
+    uu: L,
+    tu: L,
+}
+
+impl<L: Lanes> Side<L> {
+    #[inline(always)]
+    pub(super) fn of(inverse_inertia: &Symmetric<L>, t: Vector<L>, u: Vector<L>) -> Self {
+        let (jt, ju) = (inverse_inertia.times(t), inverse_inertia.times(u));
+        Self { t: jt, u: ju, tt: t.dot(jt), uu: u.dot(ju), tu: t.dot(ju) }
+    }
+
+    /// The turn that an impulse of so much along the normal gives, whose moments along `x` and `y` from this centre are those.
+    #[inline(always)]
+    pub(super) fn turned(&self, x: L, y: L) -> Vector<L> {
+        self.t * y - self.u * x
+    }
+
+    /// Adds its share to `Q` about a point at `(x, y)` from its centre.
+    #[inline(always)]
+    fn add_to(&self, q: &mut Symmetric<L>, x: L, y: L) {
+        let along = (x * self.uu - y * self.tu, y * self.tt - x * self.tu);
+        q.along.x = q.along.x + (x * along.0 + y * along.1);
+        q.along.y = q.along.y + self.uu;
+        q.along.z = q.along.z + self.tt;
+        q.across.x = q.across.x + along.0;
+        q.across.y = q.across.y + along.1;
+        q.across.z = q.across.z - self.tu;
+    }
+}
+
+impl<L: Lanes> Patch<L> {
+    /// `Q` about the point at `(x, y)` from the first one's centre: how far impulses with sum and moments `Gᵀ λ` move such planes.
+    #[inline(always)]
+    pub(super) fn about(&self, x: L, y: L) -> Symmetric<L> {
+        let none = L::zero();
+        let mut q = Symmetric {
+            along: Vector::new(self.weight, none, none),
+            across: Vector::new(none, none, none),
+        };
+        self.a.add_to(&mut q, x, y);
+        self.b.add_to(&mut q, x - self.apart.0, y - self.apart.1);
+        q
+    }
+}
+
+/// The impulses that put four points outside, which are at such places `(x, y)` from the first one's centre, metres.
 #[inline(always)]
-#[allow(clippy::needless_range_loop, reason = "rows and columns of the same four points")]
-pub(super) fn press<L: Lanes>(k: &[[L; 4]; 4], c: [L; 4], at: [(L, L); 4]) -> [L; 4] {
+#[allow(clippy::needless_range_loop, reason = "four points in several arrays")]
+pub(super) fn press<L: Lanes>(patch: &Patch<L>, c: &[L; 4], at: &[(L, L); 4]) -> [L; 4] {
     let (none, one) = (L::zero(), L::splat(1.0));
     let mut inside = [none; 4];
     let (mut x, mut y, mut count) = (none, none, none);
@@ -34,80 +100,93 @@ pub(super) fn press<L: Lanes>(k: &[[L; 4]; 4], c: [L; 4], at: [(L, L); 4]) -> [L
     }
     let share = none.lt(count).select(one / count, none);
     let (x, y) = (x * share, y * share);
-    let mut size = none;
-    let mut g = [[none; 3]; 4];
+    let q = patch.about(x, y);
+    // S, and Gᵀ c.
+    let (mut xx, mut yy, mut xy) = (none, none, none);
+    let mut b = Vector::new(none, none, none);
+    let mut g = [(none, none); 4];
     for i in 0..4 {
         let (dx, dy) = (at[i].0 - x, at[i].1 - y);
-        g[i] = [inside[i].and(one), inside[i].and(dx), inside[i].and(dy)];
-        size = size + g[i][1] * g[i][1] + g[i][2] * g[i][2];
+        g[i] = (dx, dy);
+        let (ix, iy) = (inside[i].and(dx), inside[i].and(dy));
+        xx = xx + ix * ix;
+        yy = yy + iy * iy;
+        xy = xy + ix * iy;
+        b.x = b.x + inside[i].and(c[i]);
+        b.y = b.y + ix * c[i];
+        b.z = b.z + iy * c[i];
     }
-    let unit = none.lt(size).select((count / size).sqrt(), none);
-    let mut h = [[none; 3]; 4];
-    for i in 0..4 {
-        g[i][1] = g[i][1] * unit;
-        g[i][2] = g[i][2] * unit;
-    }
-    for i in 0..4 {
-        for m in 0..3 {
-            h[i][m] = k[i][0] * g[0][m] + k[i][1] * g[1][m] + k[i][2] * g[2][m] + k[i][3] * g[3][m];
-        }
-    }
-    let mut a = [[none; 3]; 3];
-    let mut b = [none; 3];
-    for m in 0..3 {
-        for l in 0..=m {
-            a[m][l] = g[0][m] * h[0][l] + g[1][m] * h[1][l] + g[2][m] * h[2][l] + g[3][m] * h[3][l];
-        }
-        b[m] = g[0][m] * c[0] + g[1][m] * c[1] + g[2][m] * c[2] + g[3][m] * c[3];
-    }
+    let (qx, qy) = (q.across.x, q.across.y);
+    let (ax, ay) = (xx * q.along.y + xy * q.across.z, xx * q.across.z + xy * q.along.z);
+    let (bx, by) = (xy * q.along.y + yy * q.across.z, xy * q.across.z + yy * q.along.z);
     // Without points, or where nothing can move, there must be something to divide by.
-    let blunt = a[0][0] * L::splat(BLUNT);
-    let first = none.lt(a[0][0]).select(a[0][0], one);
-    let blunt = none.lt(a[0][0]).select(blunt, one);
+    let pressing = count * count * q.along.x;
+    let pressing = none.lt(pressing).select(pressing, one);
+    let size = (xx + yy) * share;
+    let blunt = none.lt(size).select(pressing * L::splat(BLUNT) * size, one);
     let mass = Symmetric {
-        along: Vector::new(first, a[1][1] + blunt, a[2][2] + blunt),
-        across: Vector::new(a[1][0], a[2][0], a[2][1]),
+        along: Vector::new(pressing, ax * xx + ay * xy + blunt, bx * xy + by * yy + blunt),
+        across: Vector::new(
+            count * (qx * xx + qy * xy),
+            count * (qx * xy + qy * yy),
+            ax * xy + ay * yy,
+        ),
     };
-    let (mu, _) = mass.solve(Vector::new(b[0], b[1], b[2]));
+    let (mu, _) = mass.solve(b);
     let mut force = [none; 4];
     let mut pulls = none;
+    let mut sums = Vector::new(none, none, none);
     for i in 0..4 {
-        let f = g[i][0] * mu.x + g[i][1] * mu.y + g[i][2] * mu.z;
+        let f = inside[i].and(mu.x + g[i].0 * mu.y + g[i].1 * mu.z);
         pulls = pulls.or(f.lt(none));
         force[i] = f.max(none);
+        sums.x = sums.x + force[i];
+        sums.y = sums.y + force[i] * g[i].0;
+        sums.z = sums.z + force[i] * g[i].1;
     }
     // A point that was outside may have been pressed in.
+    let moved = q.times(sums);
     for i in 0..4 {
-        let left = c[i] - moved(k, i, &force);
+        let left = c[i] - (moved.x + g[i].0 * moved.y + g[i].1 * moved.z);
         let outside = c[i].le(none);
         pulls = pulls.or(outside.and(none.lt(left)));
     }
     if pulls.any() {
-        one_by_one(k, c, pulls, &mut force);
+        one_by_one(&q, &g, c, pulls, &mut force);
     }
     force
 }
 
 /// Gauss and Seidel's way, where a mask is set.
 #[inline(always)]
-fn one_by_one<L: Lanes>(k: &[[L; 4]; 4], c: [L; 4], mask: L, force: &mut [L; 4]) {
+#[allow(clippy::needless_range_loop, reason = "rows and columns of the same four points")]
+fn one_by_one<L: Lanes>(
+    q: &Symmetric<L>,
+    g: &[(L, L); 4],
+    c: &[L; 4],
+    mask: L,
+    force: &mut [L; 4],
+) {
     let (none, one) = (L::zero(), L::splat(1.0));
+    let mut k = [[none; 4]; 4];
     let mut inverse = [none; 4];
     for i in 0..4 {
+        let far = q.times(Vector::new(one, g[i].0, g[i].1));
+        for j in 0..=i {
+            k[i][j] = far.x + far.y * g[j].0 + far.z * g[j].1;
+            k[j][i] = k[i][j];
+        }
         inverse[i] = mask.and(none.lt(k[i][i])).and(one / k[i][i]);
     }
     for _ in 0..ROUNDS {
         for i in 0..4 {
-            let left = c[i] - moved(k, i, force);
+            // What was changed last is added last: the others are there already.
+            let (j, l, m) = ((i + 1) % 4, (i + 2) % 4, (i + 3) % 4);
+            let others = k[i][i] * force[i] + k[i][j] * force[j] + k[i][l] * force[l];
+            let left = (c[i] - others) - k[i][m] * force[m];
             force[i] = (force[i] + left * inverse[i]).max(none);
         }
     }
-}
-
-/// How far the forces move a point.
-#[inline(always)]
-fn moved<L: Lanes>(k: &[[L; 4]; 4], i: usize, force: &[L; 4]) -> L {
-    k[i][0] * force[0] + k[i][1] * force[1] + k[i][2] * force[2] + k[i][3] * force[3]
 }
 
 /// What stops sliding `(x, y)` and twisting `z` at once, as far as Coulomb lets it: `limit` along the patch, `limit · radius` about its normal, and

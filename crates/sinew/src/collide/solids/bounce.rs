@@ -7,14 +7,15 @@
 //! less than at the surface: `e = 1` gains nothing.
 
 use super::Solids;
-use super::block::press;
+use super::block::{Patch, Side, press};
 use super::bodies::{Bodies, Eight as Rows};
 use super::contact::Pack;
 use super::found::Found;
+use super::hold::tangents;
 use super::read::Read;
 use super::turn::load;
 use super::write::Write;
-use crate::lanes::{LANES, Lanes, Work, with};
+use crate::lanes::{LANES, Lanes, Vector, Work, with};
 use crate::particles::Particles;
 
 impl Solids {
@@ -114,61 +115,56 @@ impl Work for Bounce<'_> {
         let apart = b.centre + load::<L>(&pack.offset) - a.centre;
         let n = load::<L>(&pack.up);
         let restitution = L::load(&restitution);
+        let (t, u) = tangents(n);
+        let (apart_t, apart_u) = (apart.dot(t), apart.dot(u));
+        let patch = Patch {
+            weight: a.inverse_mass + b.inverse_mass,
+            a: Side::of(&a.inverse_inertia, t, u),
+            b: Side::of(&b.inverse_inertia, t, u),
+            apart: (apart_t, apart_u),
+        };
+        let stiff = patch.about(none, none);
         let (mut c, mut force) = ([none; 4], [none; 4]);
         let mut at = [(none, none); 4];
-        let (mut ja, mut jb, mut ia, mut ib) = ([n; 4], [n; 4], [n; 4], [n; 4]);
-        let mut arms = [n; 4];
-        let weight = a.inverse_mass + b.inverse_mass;
         let along = n.dot(a.step + a.shift - b_velocity - b.shift);
+        let (turn_a, turn_b) = (a.spin + a.turn, b_spin + b.turn);
+        let (turn_a, turn_b) = ((turn_a.dot(t), turn_a.dot(u)), (turn_b.dot(t), turn_b.dot(u)));
+        let mut had = Vector::new(none, none, none);
         for i in 0..4 {
             let on_a = a.rotation.times(load(&pack.on_a[i]));
             let on_b = b.rotation.times(load(&pack.on_b[i])) + apart;
             let arm = on_a.or_else(L::splat(0.75).lt(own), (on_a + on_b) * L::splat(0.5));
-            arms[i] = arm;
-            ja[i] = arm.cross(n);
-            jb[i] = (arm - apart).cross(n);
-            ia[i] = a.inverse_inertia.times(ja[i]);
-            ib[i] = b.inverse_inertia.times(jb[i]);
-            let speed = along + ja[i].dot(a.spin + a.turn) - jb[i].dot(b_spin + b.turn);
+            let (x, y) = (arm.dot(t), arm.dot(u));
+            at[i] = (x, y);
+            let speed = along + (y * turn_a.0 - x * turn_a.1)
+                - ((y - apart_u) * turn_b.0 - (x - apart_t) * turn_b.1);
             let approach = L::load(&pack.approach[i]);
             let presses = none.lt(L::load(&pack.force[i]));
             let bounces = none.lt(restitution).and(approach.lt(L::splat(-least)));
             let wanted = bounces.and(none - restitution * approach);
             force[i] = L::load(&pack.force[i]) * L::splat(1.0 / h);
+            had += Vector::new(force[i], force[i] * x, force[i] * y);
             c[i] = presses.select(wanted - speed, L::splat(-1e9));
         }
-        // Any two axes across each other in the patch do to say where its points are.
-        let first = arms[1] - arms[0];
-        let second = n.cross(first);
-        for i in 0..4 {
-            at[i] = ((arms[i] - arms[0]).dot(first), (arms[i] - arms[0]).dot(second));
-        }
-        let mut k = [[none; 4]; 4];
-        for i in 0..4 {
-            for j in 0..=i {
-                k[i][j] = weight + ja[i].dot(ia[j]) + jb[i].dot(ib[j]);
-                k[j][i] = k[i][j];
-            }
-        }
         // What pressed may press less, but not pull.
+        let had = stiff.times(had);
         for i in 0..4 {
-            let had =
-                k[i][0] * force[0] + k[i][1] * force[1] + k[i][2] * force[2] + k[i][3] * force[3];
-            c[i] = c[i] + had;
+            c[i] = c[i] + (had.x + at[i].0 * had.y + at[i].1 * had.z);
         }
-        let all = press(&k, c, at);
+        let all = press(&patch, &c, &at);
+        let (mut sum, mut x, mut y) = (none, none, none);
         for i in 0..4 {
-            force[i] = all[i] - force[i];
+            let more = all[i] - force[i];
+            sum = sum + more;
+            x = x + more * at[i].0;
+            y = y + more * at[i].1;
         }
-        let sum = force[0] + force[1] + force[2] + force[3];
         let good = sum.abs().lt(L::splat(1e30));
-        a.shift += n * good.and(sum * a.inverse_mass);
-        b.shift -= n * good.and(sum * b.inverse_mass);
-        for i in 0..4 {
-            let force = good.and(force[i]);
-            a.turn += ia[i] * force;
-            b.turn -= ib[i] * force;
-        }
+        let (sum, x, y) = (good.and(sum), good.and(x), good.and(y));
+        a.shift += n * (sum * a.inverse_mass);
+        b.shift -= n * (sum * b.inverse_mass);
+        a.turn += patch.a.turned(x, y);
+        b.turn -= patch.b.turned(x - apart_t * sum, y - apart_u * sum);
         L::put_rows(&mut bodies.shift, &pack.a, a.shift.with(a.inverse_mass));
         L::put_rows(&mut bodies.turn, &pack.a, a.turn.with(none));
         L::put_rows(&mut bodies.shift, &pack.b, b.shift.with(b.inverse_mass));

@@ -27,11 +27,11 @@
 //! began*. So arms go from the centres at the start to one point between the two anchors, as seen from there. What stands takes any moment; there the
 //! arm goes to the solid's own anchor.
 
-use super::block::press;
+use super::block::{Patch, Side, press};
 use super::bodies::{Bodies, Eight as Rows};
 use super::hold::tangents;
 use super::turn::{Eight, load, store};
-use crate::lanes::{LANES, Lanes, Work};
+use crate::lanes::{LANES, Lanes, Vector, Work};
 
 /// As good as infinitely far out, metres: what a missing point is.
 pub(super) const FAR: f32 = 1e9;
@@ -157,7 +157,6 @@ fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, 
     let between = n.dot(a.shift - b.shift);
     let own = L::load(&pack.own);
     let (t, u) = tangents(n);
-    let weight = a.inverse_mass + b.inverse_mass;
     let (recover, pop) = (L::splat(recover), L::splat(pop));
     let mut popped = [none; 4];
 
@@ -165,47 +164,57 @@ fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, 
     let strain = (a.spin - b.spin).length() * L::splat(1.0 / TURNED) + across;
     (L::load(&pack.strain) + strain).store(&mut pack.strain);
 
-    let mut arms = [n; 4];
+    let plane = Plane { t, u, apart: (apart.dot(t), apart.dot(u)) };
+    let (turning, spinning) = (plane.tilt(a.turn, b.turn), plane.tilt(a.spin, b.spin));
     let mut c = [none; 4];
     let mut at = [(none, none); 4];
-    let (mut ja, mut jb, mut ia, mut ib) = ([n; 4], [n; 4], [n; 4], [n; 4]);
+    let mut spun = [none; 4];
+    let mut height = [none; 4];
     for i in 0..4 {
         let on_a = a.rotation.times(load(&pack.on_a[i]));
         let on_b = b.rotation.times(load(&pack.on_b[i])) + apart;
         let gap = on_a - on_b;
         let arm = on_b + gap * own;
-        arms[i] = arm;
         at[i] = (arm.dot(t), arm.dot(u));
-        ja[i] = arm.cross(n);
-        jb[i] = (arm - apart).cross(n);
-        ia[i] = a.inverse_inertia.times(ja[i]);
-        ib[i] = b.inverse_inertia.times(jb[i]);
-        let turned = ja[i].dot(a.turn) - jb[i].dot(b.turn);
-        let spun = ja[i].dot(a.spin) - jb[i].dot(b.spin);
-        let nearer = before - spun - between - turned;
+        height[i] = arm.dot(n);
+        spun[i] = spinning.at(at[i]);
+        let turned = turning.at(at[i]);
+        let nearer = before - spun[i] - between - turned;
         let inside = before - n.dot(gap) - L::load(&pack.missing[i]) - between - turned;
         c[i] = inside.min(nearer + recover);
         popped[i] = pop.lt(inside - nearer);
     }
-    let mut k = [[none; 4]; 4];
-    for i in 0..4 {
-        for j in 0..=i {
-            k[i][j] = weight + ja[i].dot(ia[j]) + jb[i].dot(ib[j]);
-            k[j][i] = k[i][j];
-        }
+    let inside = none.lt(c[0]).or(none.lt(c[1])).or(none.lt(c[2])).or(none.lt(c[3]));
+    if !inside.any() {
+        // Nothing touches: nor did it press in this substep.
+        pack.sum = [0.0; LANES];
+        pack.popped = false;
+        pack.force = [[0.0; LANES]; 4];
+        return;
     }
-    let force = press(&k, c, at);
+    let (apart_t, apart_u) = plane.apart;
+    let patch = Patch {
+        weight: a.inverse_mass + b.inverse_mass,
+        a: Side::of(&a.inverse_inertia, t, u),
+        b: Side::of(&b.inverse_inertia, t, u),
+        apart: plane.apart,
+    };
+    let force = press(&patch, &c, &at);
     let sum = force[0] + force[1] + force[2] + force[3];
+    let (mut x, mut y, mut z) = (none, none, none);
+    for i in 0..4 {
+        x = x + force[i] * at[i].0;
+        y = y + force[i] * at[i].1;
+        z = z + force[i] * height[i];
+    }
 
     // Nothing that is not a number may get to the other side.
     let good = sum.lt(L::splat(1e30)).and(none.lt(sum));
     let (old_a, old_b) = ((a.shift, a.turn), (b.shift, b.turn));
     a.shift += n * (sum * a.inverse_mass);
     b.shift -= n * (sum * b.inverse_mass);
-    for i in 0..4 {
-        a.turn += ia[i] * force[i];
-        b.turn -= ib[i] * force[i];
-    }
+    a.turn += patch.a.turned(x, y);
+    b.turn -= patch.b.turned(x - apart_t * sum, y - apart_u * sum);
     let size = a.shift.length_squared() + a.turn.length_squared();
     let size = size + b.shift.length_squared() + b.turn.length_squared();
     let good = good.and(size.lt(L::splat(1e30)));
@@ -216,8 +225,7 @@ fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, 
     if pack.kept || pack.popped {
         for i in 0..4 {
             good.and(force[i]).store(&mut pack.force[i]);
-            let spun = ja[i].dot(a.spin) - jb[i].dot(b.spin);
-            ((spun - before) * L::splat(1.0 / h)).store(&mut pack.approach[i]);
+            ((spun[i] - before) * L::splat(1.0 / h)).store(&mut pack.approach[i]);
         }
         (L::load(&pack.total) + good.and(sum)).store(&mut pack.total);
     }
@@ -233,20 +241,50 @@ fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, 
     let mark = none.lt(b.inverse_mass).and(b.mark.max(mark));
     L::put_rows(&mut bodies.turn, &pack.b, turn.1.with(mark));
 
-    // Where friction is to act.
+    // Where friction is to act: at the centre of the pressure, and how far it reaches from there.
     let share = good.and(one / sum);
-    let mut arm = arms[0] * force[0];
-    for i in 1..4 {
-        arm += arms[i] * force[i];
-    }
-    let arm = arm * share;
+    let (x, y, z) = (x * share, y * share, z * share);
     let mut spread = none;
     for i in 0..4 {
-        spread = spread + (arms[i] - arm).length_squared() * force[i];
+        let (dx, dy, dz) = (at[i].0 - x, at[i].1 - y, height[i] - z);
+        spread = spread + (dx * dx + dy * dy + dz * dz) * force[i];
     }
     good.and((spread * share).sqrt()).store(&mut pack.radius);
     store(n, &mut pack.up);
-    store(arm, &mut pack.arm);
+    store(t * x + u * y + n * z, &mut pack.arm);
+}
+
+/// The plane of a patch, and where the second one's centre is in it, from the first one's, metres.
+struct Plane<L> {
+    t: Vector<L>,
+    u: Vector<L>,
+    apart: (L, L),
+}
+
+/// What two turns do to each other along the normal: `(r_a × n)·φ_a - (r_b × n)·φ_b`, linear in where that is in the patch.
+struct Tilt<L> {
+    t: L,
+    u: L,
+    at_centre: L,
+}
+
+impl<L: Lanes> Plane<L> {
+    #[inline(always)]
+    fn tilt(&self, a: Vector<L>, b: Vector<L>) -> Tilt<L> {
+        let (bt, bu) = (b.dot(self.t), b.dot(self.u));
+        Tilt {
+            t: a.dot(self.t) - bt,
+            u: a.dot(self.u) - bu,
+            at_centre: self.apart.1 * bt - self.apart.0 * bu,
+        }
+    }
+}
+
+impl<L: Lanes> Tilt<L> {
+    #[inline(always)]
+    fn at(&self, (x, y): (L, L)) -> L {
+        y * self.t - x * self.u + self.at_centre
+    }
 }
 
 /// Where a point that popped out presses.

@@ -51,7 +51,7 @@ use bodies::Bodies;
 use contact::{Pack, Press};
 use found::{Found, Sensed};
 use groups::Groups;
-use hold::Hold;
+use hold::{AHEAD, Hold};
 use loose::Loose;
 use read::{Lifts, Read, Sums};
 use stands::Stand;
@@ -194,6 +194,15 @@ impl Solids {
         &self.groups.solid
     }
 
+    /// A row of each solid that may come to touch something in this step, some of them more than once.
+    pub(crate) fn in_reach(&self) -> impl Iterator<Item = u32> {
+        let first = |solid: u32| {
+            let part = self.groups.parts.get(solid as usize)?;
+            self.groups.rows.get(part.entries.start).copied()
+        };
+        self.found.iter().flat_map(move |one| [first(one.a), first(one.b)]).flatten()
+    }
+
     /// Whether there are no solids.
     pub(crate) fn is_empty(&self) -> bool {
         self.groups.parts.is_empty()
@@ -227,22 +236,27 @@ impl Solids {
         self.follow_stands(world, from);
         let most = |(falls, speed): (f32, f32)| falls * world.gravity * h * h + speed * h;
         let (recover, pop) = (most(RECOVERED), most(POPS));
-        let Self { packs, bodies, instructions, .. } = self;
-        // In the first substep nothing is known of how things press and stick: that is tried twice, and taken back.
-        let trials = if core::mem::take(&mut self.fresh) { 2 } else { 0 };
-        for trial in 0..=trials {
-            with(*instructions, Hold { packs, after: false, most: pop, bodies });
-            with(*instructions, Press { packs, bodies, h, recover, pop });
-            with(*instructions, Hold { packs, after: true, most: pop, bodies });
-            if trial < trials {
-                bodies.take_back();
-                for pack in packs.iter_mut() {
+        if core::mem::take(&mut self.fresh) {
+            // Nothing is known of how things press and stick: that is tried, and taken back.
+            for ahead in AHEAD {
+                self.press_and_hold(h, ahead, [recover, pop]);
+                self.bodies.take_back();
+                for pack in &mut self.packs {
                     (pack.allowed, pack.total) = (pack.sum, [0.0; LANES]);
                 }
             }
         }
+        self.press_and_hold(h, 1.0, [recover, pop]);
         self.loose.project(particles, &self.groups, &mut self.bodies, world, h);
         self.write(particles);
+    }
+
+    /// Presses all apart, and holds them before and after.
+    fn press_and_hold(&mut self, h: f32, ahead: f32, [recover, pop]: [f32; 2]) {
+        let Self { packs, bodies, instructions, .. } = self;
+        with(*instructions, Hold { packs, after: false, ahead, most: pop, bodies });
+        with(*instructions, Press { packs, bodies, h, recover, pop });
+        with(*instructions, Hold { packs, after: true, ahead, most: pop, bodies });
     }
 
     /// Poses as predicted, and how they got there.
