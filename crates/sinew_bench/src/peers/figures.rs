@@ -6,7 +6,7 @@ use sinew::recipes::{Blueprint, Part, RagdollParticle as P, RagdollSpec, ragdoll
 
 use crate::measure::World;
 use crate::row::Stretch;
-use crate::scenes::bodies::{places, stacked};
+use crate::scenes::bodies::{places, stacked, stairs};
 
 /// A world of rigid bodies.
 pub(super) struct Rigid(PhysicsWorld);
@@ -52,6 +52,17 @@ pub(super) fn heap(edge: u32) -> Rigid {
 
 pub(super) fn ragdolls(side: u32) -> Rigid {
     let mut world = floored();
+    let doll = ragdoll(&RagdollSpec::default()).expect("the ragdoll is sound");
+    places(side).for_each(|place| insert(&mut world, &doll, place + Vec3::Y));
+    Rigid(world)
+}
+
+pub(super) fn on_stairs(side: u32) -> Rigid {
+    let mut world = PhysicsWorld::new();
+    for (half, place) in stairs(side) {
+        let stair = ColliderBuilder::cuboid(half.x, half.y, half.z).translation(vector(place));
+        world.insert_collider(stair, None);
+    }
     let doll = ragdoll(&RagdollSpec::default()).expect("the ragdoll is sound");
     places(side).for_each(|place| insert(&mut world, &doll, place + Vec3::Y));
     Rigid(world)

@@ -47,6 +47,14 @@ pub fn ragdolls(effort: &Effort, side: u32) -> Option<Box<dyn World>> {
     none(effort, side)
 }
 
+/// The same on stairs.
+pub fn on_stairs(effort: &Effort, side: u32) -> Option<Box<dyn World>> {
+    #[cfg(feature = "peers")]
+    return effort.peers.then(|| Box::new(figures::on_stairs(side)) as _);
+    #[cfg(not(feature = "peers"))]
+    none(effort, side)
+}
+
 #[cfg(not(feature = "peers"))]
 fn none<T>(_: &Effort, _: T) -> Option<Box<dyn World>> {
     None

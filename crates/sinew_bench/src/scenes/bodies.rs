@@ -4,7 +4,7 @@ use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{BoxSpec, RagdollSpec, box_3d, ragdoll};
 use sinew::{BodyContacts, Collider, Frame, Plane, Shape, Simulation};
 
-use crate::measure::{Effort, Ours, Race};
+use crate::measure::{Effort, Ours, Race, World};
 use crate::naive::Naive;
 use crate::peers;
 use crate::row::{Row, Unit};
@@ -31,29 +31,44 @@ pub fn side_by_side(effort: &Effort) -> Vec<Row> {
         settings.max_sweeps,
     );
     let row = race.run(effort, 1, sized);
-    let world = heap(HEAP);
-    let scene = format!("{} boxes fall into a heap and collide", HEAP * HEAP * HEAP);
-    let sized = Row::new("P5", scene, Unit::Tick).sized(
-        world.distances().len(),
-        settings.substeps,
-        settings.max_sweeps,
-    );
-    let race = Race::alone(Ours(world)).against(peers::heap(effort, HEAP));
     let note = "default settings of each: 10 substeps of at most 8 sweeps, rapier 4 substeps, sleeping off";
-    vec![row.noted(note), race.run(effort, 1, sized).noted(note)]
+    let equal = "4 substeps, as rapier takes by default; sleeping off";
+    vec![row.noted(note), heaped(effort, 10, note), heaped(effort, 4, equal)]
+}
+
+/// The heap with so many substeps.
+fn heaped(effort: &Effort, substeps: u32, note: &str) -> Row {
+    let mut world = heap(HEAP);
+    world.settings.substeps = substeps;
+    let boxes = HEAP * HEAP * HEAP;
+    let scene = format!("{boxes} boxes fall into a heap and collide, {substeps} substeps");
+    let (count, sweeps) = (world.distances().len(), world.settings.max_sweeps);
+    let race = Race::alone(Ours(world)).against(peers::heap(effort, HEAP));
+    race.run(effort, 1, Row::new("P5", scene, Unit::Tick).sized(count, substeps, sweeps))
+        .noted(note)
 }
 
 /// P6.
 pub fn ragdolls(effort: &Effort) -> Vec<Row> {
-    let (world, sweeps) = dolls(DOLLS);
+    let floor = "default settings of each; a naive ragdoll would be all of the cones and hinges again; limbs touch the floor by their joints";
+    let stairs = "default settings of each; bones collide with the stairs, with other ragdolls, and with bones that no joint ties them to";
+    let on_stairs = peers::on_stairs(effort, DOLLS);
+    vec![
+        falling(effort, "a floor", dolls(DOLLS), peers::ragdolls(effort, DOLLS)).noted(floor),
+        falling(effort, "stairs", dolls_on_stairs(DOLLS), on_stairs).noted(stairs),
+    ]
+}
+
+fn falling(
+    effort: &Effort,
+    onto: &str,
+    (world, sweeps): (Simulation, u32),
+    peer: Option<Box<dyn World>>,
+) -> Row {
     let constraints = world.distances().len() + world.constraints().len();
-    let substeps = world.settings.substeps;
-    let race = Race::alone(Ours(world)).against(peers::ragdolls(effort, DOLLS));
-    let scene = format!("{} ragdolls of 11 bones fall on a floor", DOLLS * DOLLS);
-    let row = Row::new("P6", scene, Unit::Tick).sized(constraints, substeps, sweeps);
-    vec![race.run(effort, 1, row).noted(
-        "default settings of each; a naive ragdoll would be all of the cones and hinges again; limbs touch the floor by their joints",
-    )]
+    let scene = format!("{} ragdolls of 11 bones fall on {onto}", DOLLS * DOLLS);
+    let row = Row::new("P6", scene, Unit::Tick).sized(constraints, world.settings.substeps, sweeps);
+    Race::alone(Ours(world)).against(peer).run(effort, 1, row)
 }
 
 /// `side × side` cubes of 1 m and 1 kg at rest on the ground, 2 m apart.
@@ -102,6 +117,32 @@ pub fn dolls(side: u32) -> (Simulation, u32) {
     }
     let sweeps = doll.settings.max_sweeps.unwrap_or(world.settings.max_sweeps);
     (world, sweeps)
+}
+
+/// The same over stairs that collide, as the bones do.
+pub fn dolls_on_stairs(side: u32) -> (Simulation, u32) {
+    let mut world = Simulation::default();
+    for (half, place) in stairs(side) {
+        let stair = Shape::cuboid(half).expect("a stair is a box");
+        world.colliders.push(Collider::fixed(stair, Frame::at(place)));
+    }
+    let doll = ragdoll(&RagdollSpec::default()).expect("the ragdoll is sound");
+    let contacts = BodyContacts { with_bodies: true, with_itself: true, ..BodyContacts::default() };
+    for place in places(side) {
+        let doll = doll.transformed(Quat::IDENTITY, place + Vec3::Y);
+        doll.build_colliding(&mut world, contacts).expect("the recipe is sound");
+    }
+    let sweeps = doll.settings.max_sweeps.unwrap_or(world.settings.max_sweeps);
+    (world, sweeps)
+}
+
+/// Half the sizes and the places of stairs that go down below the [`places`], metres: two for each row of ragdolls.
+pub fn stairs(side: u32) -> impl Iterator<Item = (Vec3, Vec3)> {
+    let half = Vec3::new(0.5, 5.0, side as f32 + 10.0);
+    (0..2 * side + 20).map(move |n| {
+        let down = Vec3::new(n as f32 - 0.5, -0.2 * n as f32, side as f32 - 1.0);
+        (half, down - Vec3::Y * half.y)
+    })
 }
 
 /// Places on a square with 2 m between them.
