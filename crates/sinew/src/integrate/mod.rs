@@ -40,6 +40,7 @@
 //! They move the particles from `q` to `q'`, and the velocity follows: `v = u + (q' - q)/h`. Written this way, and not as `(q' - p)/h`, a
 //! particle that no constraint touched keeps every bit of `u`, however far from its origin it is.
 
+mod columns;
 mod kicks;
 mod wide;
 
@@ -48,6 +49,7 @@ use crate::particles::Particles;
 use crate::solve::Machine;
 use crate::threads::{TASKS, each};
 
+pub(crate) use columns::{Course, Moving};
 pub(crate) use wide::{Derive, Predict, loss};
 
 /// How a world steps through time. [`integrate`](crate::integrate) compares them.

@@ -27,25 +27,25 @@ const LINE: usize = 16;
 
 impl Columns {
     /// Where the odd rows begin in a column of so many rows. Up to seven lanes beyond the last row are loaded, and stored as they were.
+    ///
+    /// The eight halves of columns begin far apart in a cache's ways of 4096 bytes: they are used side by side, and what was just written to one may not look like what is
+    /// about to be read from another, of which a core compares the last twelve bits.
     pub(crate) fn half(rows: usize) -> usize {
-        (rows.div_ceil(2) + LANES).next_multiple_of(LINE)
+        const WAY: usize = 64 * LINE;
+        const OFF: usize = 9 * LINE;
+        let least = rows.div_ceil(2) + LANES;
+        least.saturating_sub(OFF).next_multiple_of(WAY) + OFF
     }
 
     /// Where a row is in a column whose odd rows begin at `half`.
     #[inline(always)]
-    pub(crate) fn place(row: u32, half: usize) -> usize {
+    fn place(row: u32, half: usize) -> usize {
         (row / 2) as usize + (row % 2) as usize * half
     }
 
-    /// The reverse.
+    /// Where a row is.
     #[inline(always)]
-    pub(crate) fn row(place: usize, half: usize) -> u32 {
-        let (pair, odd) = if place < half { (place, 0) } else { (place - half, 1) };
-        2 * pair as u32 + odd
-    }
-
-    #[inline(always)]
-    fn at(&self, row: u32) -> usize {
+    pub(crate) fn at(&self, row: u32) -> usize {
         Self::place(row, self.half)
     }
 
@@ -66,14 +66,34 @@ impl Columns {
         }
     }
 
-    /// Takes particles.
-    #[inline(always)]
-    pub(crate) fn turn_in<L: Lanes>(&mut self, packed: &[Vec4]) {
-        self.half = Self::half(packed.len());
+    /// Makes room for columns whose odd rows begin at `half`, a multiple of sixteen. What is in them may be anything.
+    pub(crate) fn reset(&mut self, half: usize) {
+        self.half = half.next_multiple_of(LINE);
         self.lines.resize(8 * self.half / LINE, Line([0.0; LINE]));
+    }
+
+    /// Some rows, of which the first is even, become the first ones.
+    pub(crate) fn keep(&mut self, rows: core::ops::Range<usize>) {
+        let (half, lanes) = (self.half, rows.start / 2..rows.end.div_ceil(2));
+        self.numbers_mut().chunks_mut(half).for_each(|of| of.copy_within(lanes.clone(), 0));
+    }
+
+    /// Zeros in the sixteen rows from one on, as far as there is room.
+    pub(crate) fn blank(&mut self, row: usize) {
+        let half = self.half;
+        for row in row..row + 2 * LANES {
+            let (lane, odd) = (row / 2, row % 2);
+            let lines = self.numbers_mut().chunks_mut(half).skip(odd).step_by(2);
+            lines.filter_map(|line| line.get_mut(lane)).for_each(|number| *number = 0.0);
+        }
+    }
+
+    /// Takes particles, into the rows from `row` on, an even number.
+    #[inline(always)]
+    pub(crate) fn turn_in<L: Lanes>(&mut self, row: usize, packed: &[Vec4]) {
         let (eights, last) = packed.as_chunks::<LANES>();
         let half = self.half;
-        let [x, y, z, w] = halves(self.numbers_mut(), half);
+        let [x, y, z, w] = halves(self.numbers_mut(), half, row / 2);
         let columns = x.0.iter_mut().zip(x.1).zip(y.0.iter_mut().zip(y.1));
         let others = z.0.iter_mut().zip(z.1).zip(w.0.iter_mut().zip(w.1));
         for ((eight, (x, y)), (z, w)) in eights.iter().zip(columns).zip(others) {
@@ -83,7 +103,7 @@ impl Columns {
             c.store_halves(z.0, z.1);
             d.store_halves(w.0, w.1);
         }
-        for (row, &p) in (packed.len() - last.len()..).zip(last) {
+        for (row, &p) in (row + packed.len() - last.len()..).zip(last) {
             let at = self.at(row as u32);
             self.set(at, p);
             let at = 6 * self.half + at;
@@ -93,11 +113,11 @@ impl Columns {
 
     /// Gives them back.
     #[inline(always)]
-    pub(crate) fn turn_out<L: Lanes>(&mut self, packed: &mut [Vec4]) {
-        let count = packed.len();
+    pub(crate) fn turn_out<L: Lanes>(&mut self, row: usize, packed: &mut [Vec4]) {
+        let count = row + packed.len();
         let (eights, last) = packed.as_chunks_mut::<LANES>();
         let half = self.half;
-        let [x, y, z, w] = halves(self.numbers_mut(), half);
+        let [x, y, z, w] = halves(self.numbers_mut(), half, row / 2);
         let columns = x.0.iter().zip(x.1).zip(y.0.iter().zip(y.1));
         let others = z.0.iter().zip(z.1).zip(w.0.iter().zip(w.1));
         for ((eight, (x, y)), (z, w)) in eights.iter_mut().zip(columns).zip(others) {
@@ -135,18 +155,18 @@ impl Columns {
 
 type Fours<'a> = &'a mut [[f32; LANES / 2]];
 
-/// The even and the odd rows of each column, four by four.
+/// The even and the odd rows of each column, four by four, from a lane on.
 #[inline(always)]
-fn halves(numbers: &mut [f32], half: usize) -> [(Fours<'_>, Fours<'_>); 4] {
+fn halves(numbers: &mut [f32], half: usize, from: usize) -> [(Fours<'_>, Fours<'_>); 4] {
     let (xy, zw) = numbers.split_at_mut(4 * half);
     let ((x, y), (z, w)) = (xy.split_at_mut(2 * half), zw.split_at_mut(2 * half));
-    [fours(x, half), fours(y, half), fours(z, half), fours(w, half)]
+    [fours(x, half, from), fours(y, half, from), fours(z, half, from), fours(w, half, from)]
 }
 
 #[inline(always)]
-fn fours(column: &mut [f32], half: usize) -> (Fours<'_>, Fours<'_>) {
+fn fours(column: &mut [f32], half: usize, from: usize) -> (Fours<'_>, Fours<'_>) {
     let (even, odd) = column.split_at_mut(half);
-    (even.as_chunks_mut().0, odd.as_chunks_mut().0)
+    (even[from..].as_chunks_mut().0, odd[from..].as_chunks_mut().0)
 }
 
 /// Columns, eight by eight from any place on.
@@ -157,26 +177,189 @@ pub(crate) struct Eights<'a> {
     columns: PhantomData<&'a mut [f32]>,
 }
 
+/// Two eights of neighbours in a column, and a number for each lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pair {
+    /// Where they begin.
+    a: u32,
+    b: u32,
+    pub(crate) numbers: [f32; LANES],
+}
+
+impl Pair {
+    /// Eights that begin with these rows, each row two behind the one before, in columns whose odd rows begin at `half`.
+    pub(crate) fn new(a: u32, b: u32, numbers: [f32; LANES], half: usize) -> Self {
+        let place = |row: u32| Columns::place(row, half) as u32;
+        Self { a: place(a), b: place(b), numbers }
+    }
+
+    /// The same in columns whose odd rows begin elsewhere.
+    pub(crate) fn moved(&self, half: usize, to: usize) -> Self {
+        let (a, b) = self.rows(0, half);
+        Self::new(a, b, self.numbers, to)
+    }
+
+    /// The rows of one lane.
+    pub(crate) fn rows(&self, lane: usize, half: usize) -> (u32, u32) {
+        let row = |first: u32| {
+            let odd = first as usize >= half;
+            (2 * (first as usize - if odd { half } else { 0 } + lane)) as u32 + u32::from(odd)
+        };
+        (row(self.a), row(self.b))
+    }
+}
+
+/// A pair that exists.
+#[derive(Clone, Copy)]
+struct Found<'a> {
+    a: usize,
+    b: usize,
+    numbers: &'a [f32; LANES],
+}
+
+impl<'a> Found<'a> {
+    #[inline(always)]
+    fn of(eights: &Eights, pair: &'a Pair, from: usize) -> Self {
+        let (a, b) = eights.find(pair, from);
+        Self { a, b, numbers: &pair.numbers }
+    }
+}
+
+/// What is done with pairs, in three steps that overlap: while one pair waits for its root, the one before waits for its quotient and the one before that is
+/// moved. A trait and no closures: those cannot be made to be inlined.
+pub(crate) trait OnPairs<L> {
+    /// How long they are.
+    fn length(&self, one: [L; 3], other: [L; 3]) -> L;
+    /// How far to move them, by the fourth of each, the numbers and how long they are.
+    fn scale(&mut self, weights: [L; 2], numbers: L, length: L) -> L;
+    /// Moved so far.
+    fn moved(&self, one: [L; 4], other: [L; 4], numbers: L, scale: L) -> ([L; 4], [L; 4]);
+}
+
 impl Eights<'_> {
     /// `x y z w` of the eight from a place on. Panics if they are not there.
     #[inline(always)]
-    pub(crate) fn load<L: Lanes>(&self, at: u32) -> [L; 4] {
-        assert!(at as usize + LANES <= self.column, "an eight that does not exist");
-        // SAFETY: they are within the first of four columns, as just checked, and the other columns are as long; the borrow of the columns is ours.
+    pub(crate) fn load<L: Lanes>(&self, at: usize) -> [L; 4] {
+        assert!(at + LANES <= self.column, "an eight that does not exist");
+        // SAFETY: they are within a column, as just checked.
+        unsafe { self.get(at) }
+    }
+
+    /// Writes `x y z` of them. Panics if they are not there.
+    #[inline(always)]
+    pub(crate) fn put<L: Lanes>(&mut self, at: usize, eight: [L; 4]) {
+        assert!(at + LANES <= self.column, "an eight that does not exist");
+        // SAFETY: they are within a column, as just checked.
+        unsafe { self.set(at, eight) }
+    }
+
+    /// Writes `w` of them. Panics if they are not there.
+    #[inline(always)]
+    pub(crate) fn put_fourth<L: Lanes>(&mut self, at: usize, fourth: L) {
+        assert!(at + LANES <= self.column, "an eight that does not exist");
+        // SAFETY: they are within the last of four columns, as just checked; the borrow of the columns is ours.
+        unsafe { fourth.store(&mut *self.numbers.add(3 * self.column + at).cast()) }
+    }
+
+    /// Where the eights of a pair are, whose first row is `from` lanes behind the first of the columns. Panics if they are not there.
+    #[inline(always)]
+    pub(crate) fn find(&self, pair: &Pair, from: usize) -> (usize, usize) {
+        let (a, b) = (from + pair.a as usize, from + pair.b as usize);
+        assert!(a.max(b) + LANES <= self.column, "an eight that does not exist");
+        (a, b)
+    }
+
+    /// Takes some pairs, of which no two have a lane that counts in common. `from` as in [`find`](Self::find).
+    #[inline(always)]
+    pub(crate) fn each<L: Lanes>(
+        &mut self,
+        pairs: &[Pair],
+        from: usize,
+        work: &mut impl OnPairs<L>,
+    ) {
+        let [first, pairs @ ..] = pairs else { return };
+        let mut old = Found::of(self, first, from);
+        // SAFETY: what is found exists.
+        let mut scale = unsafe {
+            let length = self.length(old, work);
+            self.scale(old, length, work)
+        };
+        if let [second, pairs @ ..] = pairs {
+            let mut now = Found::of(self, second, from);
+            // SAFETY: what is found exists.
+            let mut length = unsafe { self.length(now, work) };
+            for pair in pairs {
+                let next = Found::of(self, pair, from);
+                // SAFETY: what is found exists.
+                unsafe {
+                    let following = self.length(next, work);
+                    let after = self.scale(now, length, work);
+                    self.apply(old, scale, work);
+                    (length, scale) = (following, after);
+                }
+                (old, now) = (now, next);
+            }
+            // SAFETY: what is found exists.
+            unsafe {
+                let after = self.scale(now, length, work);
+                self.apply(old, scale, work);
+                (old, scale) = (now, after);
+            }
+        }
+        // SAFETY: what is found exists.
+        unsafe { self.apply(old, scale, work) }
+    }
+
+    /// # Safety
+    /// The pair was found in these columns. So in the next two.
+    #[inline(always)]
+    unsafe fn length<L: Lanes>(&self, at: Found, work: &impl OnPairs<L>) -> L {
+        // SAFETY: as promised.
         unsafe {
-            let x = self.numbers.add(at as usize);
+            let ([x, y, z, _], [p, q, r, _]) = (self.get(at.a), self.get(at.b));
+            work.length([x, y, z], [p, q, r])
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn scale<L: Lanes>(&self, at: Found, length: L, work: &mut impl OnPairs<L>) -> L {
+        // SAFETY: as promised.
+        unsafe {
+            let ([_, _, _, one], [_, _, _, other]) = (self.get(at.a), self.get(at.b));
+            work.scale([one, other], L::load(at.numbers), length)
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn apply<L: Lanes>(&mut self, at: Found, scale: L, work: &impl OnPairs<L>) {
+        // SAFETY: as promised.
+        unsafe {
+            let numbers = L::load(at.numbers);
+            let (one, other) = work.moved(self.get(at.a), self.get(at.b), numbers, scale);
+            self.set(at.a, one);
+            self.set(at.b, other);
+        }
+    }
+
+    /// # Safety
+    /// `at + LANES` is not beyond the length of a column.
+    #[inline(always)]
+    unsafe fn get<L: Lanes>(&self, at: usize) -> [L; 4] {
+        // SAFETY: they are within the first of four columns, as promised, and the other columns are as long; the borrow of the columns is ours.
+        unsafe {
+            let x = self.numbers.add(at);
             let (y, z, w) = (x.add(self.column), x.add(2 * self.column), x.add(3 * self.column));
             [L::load(&*x.cast()), L::load(&*y.cast()), L::load(&*z.cast()), L::load(&*w.cast())]
         }
     }
 
-    /// Writes `x y z` of them. Panics if they are not there.
+    /// # Safety
+    /// `at + LANES` is not beyond the length of a column.
     #[inline(always)]
-    pub(crate) fn put<L: Lanes>(&mut self, at: u32, [a, b, c, _]: [L; 4]) {
-        assert!(at as usize + LANES <= self.column, "an eight that does not exist");
-        // SAFETY: as in `load`; one reference at a time.
+    unsafe fn set<L: Lanes>(&mut self, at: usize, [a, b, c, _]: [L; 4]) {
+        // SAFETY: as in `get`; one reference at a time.
         unsafe {
-            let x = self.numbers.add(at as usize);
+            let x = self.numbers.add(at);
             let (y, z) = (x.add(self.column), x.add(2 * self.column));
             a.store(&mut *x.cast());
             b.store(&mut *y.cast());

@@ -42,7 +42,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 use glam::Vec4;
 
 pub(crate) use angle::atan2;
-pub(crate) use columns::Columns;
+pub(crate) use columns::{Columns, OnPairs, Pair};
 pub(crate) use doubles::Doubles;
 pub(crate) use vector::Vector;
 

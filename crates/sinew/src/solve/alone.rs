@@ -10,6 +10,7 @@ use super::flock::{Drive, Motion, Whole};
 use super::island::{Common, InOrder, Room, solve};
 use super::plan::Task;
 use super::sums::Sums;
+use super::wave::Waves;
 use super::world::{Machine, Scratch};
 use super::{IslandReport, SolverReport};
 use crate::collide::{Pressed, Presses};
@@ -82,6 +83,7 @@ pub(crate) fn advance_all(
             if !alone.task.flocks.is_empty() {
                 with(machine.instructions, alone.flocks(room, most));
             }
+            with(machine.instructions, Waves { alone: &mut alone, room, most });
             if !room.rest.is_empty() {
                 with(machine.instructions, Substeps { alone, room, most });
             }
@@ -97,31 +99,50 @@ pub(crate) fn advance_all(
 
 /// What acts on all particles alike.
 #[derive(Clone, Copy)]
-struct Outside {
+pub(super) struct Outside {
     /// Acceleration, m/s².
-    common: Vec3,
+    pub(super) common: Vec3,
     /// Damping, 1/s.
-    air: f32,
+    pub(super) air: f32,
 }
 
 /// A task, and what is its alone.
-struct Alone<'a> {
-    common: Common<'a>,
-    outside: Outside,
-    task: &'a Task,
+pub(super) struct Alone<'a> {
+    pub(super) common: Common<'a>,
+    pub(super) outside: Outside,
+    pub(super) task: &'a Task,
     position: &'a mut [Vec4],
     start: &'a mut [Vec4],
     velocity: &'a mut [Vec4],
     rounding: &'a mut [Vec4],
-    damping: &'a [f32],
+    /// One number for all, or one for each.
+    pub(super) damping: &'a [f32],
     origin: &'a [Vec3],
     radius: &'a [f32],
     sums: Sums<'a>,
     presses: Presses<'a>,
-    reports: &'a mut [IslandReport],
+    pub(super) reports: &'a mut [IslandReport],
 }
 
 impl Alone<'_> {
+    /// Some of its particles, to be predicted; counted from its first row on.
+    #[inline(always)]
+    pub(super) fn predict(&mut self, rows: Range<usize>) -> Predict<'_> {
+        let damping = self.damping;
+        Predict {
+            position: &mut self.position[rows.clone()],
+            start: &mut self.start[rows.clone()],
+            velocity: &mut self.velocity[rows.clone()],
+            rounding: &mut self.rounding[rows.clone()],
+            acceleration: &[],
+            damping: if damping.len() < 2 { damping } else { &damping[rows] },
+            medium: &[],
+            common: self.outside.common.extend(0.0),
+            air: self.outside.air,
+            h: self.common.h,
+        }
+    }
+
     /// The flocks in it.
     fn flocks<'b>(&'b mut self, room: &'b mut Room, most: &'b [AtomicU32]) -> Drive<'b> {
         Drive {

@@ -53,8 +53,8 @@ fn sweep_bundle<L: Lanes>(
             Kind::Rods => {
                 let (mut runs, blocks) = (group.runs.clone(), group.blocks.clone());
                 if bundle.columns {
-                    let eights = core::mem::replace(&mut runs, 0..0);
-                    let found = rods.sweep_eights_from_start::<L>(places, eights, &bundle.rows);
+                    let strips = core::mem::replace(&mut runs, 0..0);
+                    let found = rods.sweep_strips_from_start::<L>(places, strips, &bundle.rows);
                     worst = worst.max(found);
                 }
                 rods.sweep::<L>(places, runs, blocks, manner.direction)

@@ -8,6 +8,7 @@ use super::item::{Item, Local, Manner};
 use super::momentum::Excess;
 use super::plan::{Island, Kind, Plan, Task};
 use super::sums::Sums;
+use super::wave::Wave;
 use super::{IslandReport, Order, cascade, jacobi, worst_first};
 use crate::collide::{Presses, Touch};
 use crate::constraints::{Direction, Pace};
@@ -25,6 +26,8 @@ pub(crate) struct Room {
     pub(super) pen: Pen,
     /// What is left of a task beside its flocks.
     pub(super) rest: Rest,
+    /// Where a large island is meanwhile.
+    pub(super) wave: Wave,
     /// Islands whose corrections gave them what has to be taken off again.
     pub(super) excesses: Vec<(u32, Excess)>,
 }

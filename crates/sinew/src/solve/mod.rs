@@ -3,6 +3,7 @@
 //! - `plan` compiles the constraints into islands, and each island into groups of one kind and colour;
 //! - `world` deals islands out to threads, `alone` for whole steps; `island` solves one: until the largest error in it is small enough or the sweeps are spent;
 //! - `flock` takes islands that are built alike side by side;
+//! - `wave` takes the substeps of a step through a large island of rods one behind the other;
 //! - `rods` takes hard rods eight by eight;
 //! - `wide` takes most other constraints eight by eight;
 //! - `cascade`, `worst_first` and `jacobi` are the orders of a sweep;
@@ -24,6 +25,7 @@ mod report;
 mod rods;
 mod settings;
 mod sums;
+mod wave;
 mod wide;
 mod world;
 mod worst_first;

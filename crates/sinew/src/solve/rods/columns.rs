@@ -1,18 +1,18 @@
 //! Rods on particles as columns of x, y, z and w: what a grid is swept in.
 //!
-//! In columns, eight rods of a run are eight loads, the formula, and six stores; packed, half of the work is turning particles into lanes and back. So a cluster, which
-//! fits into a core's first cache, is turned once, swept, and turned back.
-//!
+//! In columns, eight rods of a strip are eight loads, the formula, and six stores; packed, half of the work is turning particles into lanes and back. So a cluster, which
+//! fits into a core's first cache, is turned once, swept, and turned back; and where nothing else wants to see its particles meanwhile, it stays
+//! in columns for all substeps of a step ([`wave`](crate::solve)).
 
 use core::ops::Range;
 
-use super::{Block, Eight, Rods, moved, stretch};
+use super::{Block, Rods, Strips, moved, stretch, stretch_of};
 use crate::constraints::project_rod;
-use crate::lanes::{Columns, LANES, Lanes};
+use crate::lanes::{Columns, LANES, Lanes, OnPairs, Vector};
 use crate::particles::Places;
 
 impl Rods {
-    /// Projects groups of rods (their runs and blocks) once, in their order, on the particles of `rows`; returns the largest error found, metres.
+    /// Projects groups of rods (their strips and blocks) once, in their order, on the particles of `rows`; returns the largest error found, metres.
     #[inline(always)]
     pub(crate) fn sweep_columns<'a, L: Lanes>(
         &self,
@@ -22,16 +22,31 @@ impl Rods {
         columns: &mut Columns,
     ) -> f32 {
         let span = places.at(rows.start)..places.at(rows.end);
-        columns.turn_in::<L>(&places.position[span.clone()]);
+        columns.reset(self.half);
+        columns.turn_in::<L>(0, &places.position[span.clone()]);
+        let worst = self.sweep_turned::<L>(columns, groups, (rows.start, rows.start));
+        columns.turn_out::<L>(0, &mut places.position[span]);
+        worst
+    }
+
+    /// The same on particles that are in columns, in which `rows` are the first of the bundle and that of the columns.
+    #[inline(always)]
+    pub(crate) fn sweep_turned<'a, L: Lanes>(
+        &self,
+        columns: &mut Columns,
+        groups: impl Iterator<Item = (&'a Range<usize>, &'a Range<usize>)>,
+        rows: (u32, u32),
+    ) -> f32 {
         let (mut worst, mut parted) = (L::zero(), 0.0_f32);
-        for (runs, blocks) in groups {
-            let eights = &self.eights[runs.clone()];
-            worst = sweep_eights::<L>(columns, eights, worst, &mut parted);
+        for (strips, blocks) in groups {
+            for strips in &self.strips[strips.clone()] {
+                let from = (rows.0 - rows.1) as usize / 2;
+                worst = self.sweep_strips::<L>(columns, strips, from, worst, &mut parted);
+            }
             for block in &self.blocks[blocks.clone()] {
-                worst = sweep_block::<L>(columns, block, &rows, worst, &mut parted);
+                worst = sweep_block::<L>(columns, block, rows.1, worst, &mut parted);
             }
         }
-        columns.turn_out::<L>(&mut places.position[span]);
         worst.largest(parted)
     }
 
@@ -44,16 +59,21 @@ impl Rods {
         rows: Range<u32>,
         columns: &mut Columns,
     ) -> (f32, f32) {
-        columns.turn_in::<L>(&places.position[places.at(rows.start)..places.at(rows.end)]);
+        let span = places.at(rows.start)..places.at(rows.end);
+        columns.reset(self.half);
+        columns.turn_in::<L>(0, &places.position[span]);
         let (mut error, mut strain) = (L::zero(), L::zero());
         let mut loose = (0.0_f32, 0.0_f32);
-        for (runs, blocks) in groups {
-            let view = columns.eights();
-            for eight in &self.eights[runs.clone()] {
-                let rest = L::load(&eight.rest);
-                let (_, left, _) = stretch(view.load(eight.a), view.load(eight.b), rest);
-                let share = L::zero().lt(rest).and(left / rest);
-                (error, strain) = (left.max(error), share.max(strain));
+        for (strips, blocks) in groups {
+            for strips in &self.strips[strips.clone()] {
+                let view = columns.eights();
+                for pair in &self.pairs[strips.full.start..strips.tails.end] {
+                    let ((a, b), rest) = (view.find(pair, 0), L::load(&pair.numbers));
+                    let (_, left, _) = stretch(view.load(a), view.load(b), rest);
+                    let left = rest.le(rest).and(left);
+                    let share = L::zero().lt(rest).and(left / rest);
+                    (error, strain) = (left.max(error), share.max(strain));
+                }
             }
             let (left, share) = self.measure::<L>(places.position, 0..0, blocks.clone());
             loose = (loose.0.max(left), loose.1.max(share));
@@ -62,60 +82,100 @@ impl Rods {
     }
 }
 
-/// The eights of a colour.
-#[inline(always)]
-fn sweep_eights<L: Lanes>(
-    columns: &mut Columns,
-    eights: &[Eight],
-    mut worst: L,
-    parted: &mut f32,
-) -> L {
-    let mut view = columns.eights();
-    let mut all_move = L::zero().same(L::zero());
-    for eight in eights {
-        let (one, other, rest) = (view.load(eight.a), view.load(eight.b), L::load(&eight.rest));
-        let (scale, error, moves) = stretch(one, other, rest);
-        let (mut one_, mut other_) = moved(one, other, scale);
+impl Rods {
+    /// The strips of a colour, of which the first row of their bundle is `from` lanes behind that of the columns.
+    #[inline(always)]
+    fn sweep_strips<L: Lanes>(
+        &self,
+        columns: &mut Columns,
+        strips: &Strips,
+        from: usize,
+        worst: L,
+        parted: &mut f32,
+    ) -> L {
+        let mut pull = Pull { worst, all_move: L::zero().same(L::zero()) };
+        columns.eights().each(&self.pairs[strips.full.clone()], from, &mut pull);
+        let mut tail = Tail(pull);
+        columns.eights().each(&self.pairs[strips.tails.clone()], from, &mut tail);
+        let Tail(Pull { worst, all_move }) = tail;
+        if !all_move.all() {
+            for pair in &self.pairs[strips.full.start..strips.tails.end] {
+                let (a, b) = columns.eights().find(pair, from);
+                *parted = parted.max(part(columns, a, b, &pair.numbers));
+            }
+        }
+        worst
+    }
+}
+
+/// Eights, and what they come to: the largest errors, and which lanes could always be projected.
+struct Pull<L> {
+    worst: L,
+    all_move: L,
+}
+
+impl<L: Lanes> OnPairs<L> for Pull<L> {
+    #[inline(always)]
+    fn length(&self, [x, y, z]: [L; 3], [p, q, r]: [L; 3]) -> L {
+        (Vector::new(x, y, z) - Vector::new(p, q, r)).length()
+    }
+
+    #[inline(always)]
+    fn scale(&mut self, weights: [L; 2], rest: L, length: L) -> L {
+        let (scale, error, moves) = stretch_of(length, weights, rest);
+        self.worst = error.max(self.worst);
+        self.all_move = self.all_move.and(moves);
+        scale
+    }
+
+    #[inline(always)]
+    fn moved(&self, one: [L; 4], other: [L; 4], _: L, scale: L) -> ([L; 4], [L; 4]) {
+        moved(one, other, scale)
+    }
+}
+
+/// The same of fewer than eight. What lies beyond the last rod may be anything, NaN too, and belongs to others.
+struct Tail<L>(Pull<L>);
+
+impl<L: Lanes> OnPairs<L> for Tail<L> {
+    #[inline(always)]
+    fn length(&self, one: [L; 3], other: [L; 3]) -> L {
+        self.0.length(one, other)
+    }
+
+    #[inline(always)]
+    fn scale(&mut self, weights: [L; 2], rest: L, length: L) -> L {
         let live = rest.le(rest);
-        if !live.all() {
-            // What lies beyond the last rod may be anything, NaN too, and belongs to others.
-            (one_, other_) = (only(live, one_, one), only(live, other_, other));
-        }
-        // The lanes beyond the first ends may be rows at the second ones, which therefore are written last.
-        view.put(eight.a, one_);
-        view.put(eight.b, other_);
-        worst = error.max(worst);
-        all_move = all_move.and(live.select(moves, all_move));
+        let (scale, error, moves) = stretch_of(length, weights, rest);
+        self.0.worst = live.and(error).max(self.0.worst);
+        self.0.all_move = self.0.all_move.and(live.select(moves, self.0.all_move));
+        live.and(scale)
     }
-    if !all_move.all() {
-        for eight in eights {
-            *parted = parted.max(part(columns, eight.a as usize, eight.b as usize, &eight.rest));
-        }
+
+    /// Less nothing where there is no rod, which changes no bit: no blend, of which the compiler makes stores with a mask, which take as long as all the rest.
+    #[inline(always)]
+    fn moved(&self, one: [L; 4], other: [L; 4], rest: L, scale: L) -> ([L; 4], [L; 4]) {
+        let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));
+        let (live, d) = (rest.le(rest), a - b);
+        let only = |v: Vector<L>| Vector::new(live.and(v.x), live.and(v.y), live.and(v.z));
+        ((a - only(d) * (wa * scale)).with(wa), (b - only(-d) * (wb * scale)).with(wb))
     }
-    worst
 }
 
-/// The new ones where a mask is set, and the old ones elsewhere.
-#[inline(always)]
-fn only<L: Lanes>(live: L, [x, y, z, w]: [L; 4], [ox, oy, oz, _]: [L; 4]) -> [L; 4] {
-    [live.select(x, ox), live.select(y, oy), live.select(z, oz), w]
-}
-
-/// Eight rods of any rows.
+/// Eight rods of any rows; the columns begin with row `first`.
 #[inline(always)]
 fn sweep_block<L: Lanes>(
     columns: &mut Columns,
     block: &Block,
-    rows: &Range<u32>,
+    first: u32,
     worst: L,
     parted: &mut f32,
 ) -> L {
     let (mut a, mut b) = ([0; LANES], [0; LANES]);
-    let half = Columns::half(rows.len());
     let mut packed = [glam::Vec4::ZERO; 2 * LANES];
     for lane in 0..LANES {
-        a[lane] = Columns::place(block.a[lane] - rows.start, half);
-        b[lane] = Columns::place(block.b[lane] - rows.start, half);
+        a[lane] = columns.at(block.a[lane] - first);
+        b[lane] = columns.at(block.b[lane] - first);
         (packed[lane], packed[LANES + lane]) = (columns.get(a[lane]), columns.get(b[lane]));
     }
     let (one, other) = (L::run(&packed, 0), L::run(&packed, LANES));

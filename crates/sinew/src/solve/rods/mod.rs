@@ -12,7 +12,7 @@ mod packed;
 use core::ops::Range;
 
 use crate::constraints::Distance;
-use crate::lanes::{Columns, LANES, Lanes, Vector};
+use crate::lanes::{Columns, LANES, Lanes, Pair, Vector};
 
 /// The rods of a plan.
 #[derive(Clone, Debug, Default)]
@@ -20,19 +20,23 @@ pub(crate) struct Rods {
     runs: Vec<Run>,
     /// Rest lengths of the runs, metres.
     rests: Vec<f32>,
-    /// What is swept in columns: runs, eight rods at a time.
-    eights: Vec<Eight>,
+    /// What is swept in columns: by colour.
+    strips: Vec<Strips>,
+    /// Their rods, with their rest lengths, NaN for lanes beyond the last rod.
+    pairs: Vec<Pair>,
+    /// Where odd rows begin in their columns.
+    half: usize,
     blocks: Vec<Block>,
 }
 
-/// Eight rods between neighbours in a column and neighbours in a column.
-#[derive(Clone, Copy, Debug)]
-struct Eight {
-    /// Where their ends begin in the columns of their bundle.
-    a: u32,
-    b: u32,
-    /// NaN for lanes beyond the last rod.
-    rest: [f32; LANES],
+/// Rods of one colour in step by two rows, so that both their first and their second ends are neighbours in a column. Their rows count from the first one of
+/// their bundle.
+#[derive(Clone, Debug)]
+struct Strips {
+    /// Eights.
+    full: Range<usize>,
+    /// The last ones of each run, fewer than eight.
+    tails: Range<usize>,
 }
 
 /// Rods in step: `(a, b), (a + s, b + s), (a + 2s, b + 2s), …`
@@ -47,6 +51,9 @@ struct Run {
     count: u32,
 }
 
+/// Columns have room for so many bundles of the longest kind: for as many substeps, nearly.
+const BUNDLES: usize = 16;
+
 /// Any eight rods of one colour. Where there are fewer, one stands there again: it computes the same and writes the same.
 #[derive(Clone, Copy, Debug)]
 struct Block {
@@ -60,7 +67,9 @@ impl Rods {
     pub(crate) fn clear(&mut self) {
         self.runs.clear();
         self.rests.clear();
-        self.eights.clear();
+        self.strips.clear();
+        self.pairs.clear();
+        self.half = 0;
         self.blocks.clear();
     }
 
@@ -72,51 +81,76 @@ impl Rods {
         if alone {
             rods.chunks(1).for_each(|rod| self.blocks.push(Block::of(rod)));
         } else {
-            self.find_runs(rods, &[1, 2], &mut loose);
+            self.find_runs(rods, &[1, 2], LANES / 2, &mut loose);
         }
         loose.chunks(LANES).for_each(|rods| self.blocks.push(Block::of(rods)));
         (runs..self.runs.len(), blocks..self.blocks.len())
     }
 
-    /// The same for a bundle of so many rows that is swept in columns: returns which eights, and which blocks.
+    /// The same for a bundle of so many rows that is swept in columns: returns which strips, and which blocks.
     pub(crate) fn add_to_columns(
         &mut self,
         rods: &[Distance],
         alone: bool,
         rows: &Range<u32>,
     ) -> (Range<usize>, Range<usize>) {
-        let (eights, runs, rests) = (self.eights.len(), self.runs.len(), self.rests.len());
+        let (strips, runs, rests) = (self.strips.len(), self.runs.len(), self.rests.len());
         let (_, blocks) = if alone { self.add(rods, true) } else { (0..0, 0..0) };
         let mut loose = Vec::new();
         for parity in if alone { 0..0 } else { 0..2 } {
             let of_parity = rods.iter().filter(|rod| ends(rod).0 % 2 == parity);
-            self.find_runs(&of_parity.copied().collect::<Vec<_>>(), &[2], &mut loose);
+            self.find_runs(&of_parity.copied().collect::<Vec<_>>(), &[2], 2, &mut loose);
         }
-        for run in self.runs.split_off(runs) {
-            let half = Columns::half(rows.len());
-            let at = |row: u32| Columns::place(row - rows.start, half) as u32;
-            let of_run = &self.rests[run.rests as usize..][..run.count as usize];
-            for (number, some) in of_run.chunks(LANES).enumerate() {
-                let mut rest = [f32::NAN; LANES];
-                rest[..some.len()].copy_from_slice(some);
-                let along = (number * LANES) as u32;
-                self.eights.push(Eight { a: at(run.a) + along, b: at(run.b) + along, rest });
+        self.widen(rows.len());
+        let (begin, mut tails) = (self.pairs.len(), Vec::new());
+        for Run { a, b, rests, count, .. } in self.runs.split_off(runs) {
+            let lengths = &self.rests[rests as usize..][..count as usize];
+            for (some, along) in lengths.chunks(LANES).zip((0..).step_by(2 * LANES)) {
+                let mut eight = [f32::NAN; LANES];
+                eight[..some.len()].copy_from_slice(some);
+                let (a, b) = (a - rows.start + along, b - rows.start + along);
+                let pair = Pair::new(a, b, eight, self.half);
+                if some.len() == LANES { &mut self.pairs } else { &mut tails }.push(pair);
             }
         }
+        let full = begin..self.pairs.len();
+        self.pairs.extend(tails);
+        self.strips.push(Strips { tails: full.end..self.pairs.len(), full });
         self.rests.truncate(rests);
         let first = if alone { blocks.start } else { self.blocks.len() };
         loose.chunks(LANES).for_each(|rods| self.blocks.push(Block::of(rods)));
-        (eights..self.eights.len(), first..self.blocks.len())
+        (strips..self.strips.len(), first..self.blocks.len())
+    }
+
+    /// Lets columns have room for some bundles of so many rows, which a [wave](super::wave) is on its way through.
+    fn widen(&mut self, rows: usize) {
+        let half = Columns::half(BUNDLES * rows.next_power_of_two());
+        if half > self.half {
+            let old = self.half;
+            self.pairs.iter_mut().for_each(|pair| *pair = pair.moved(old, half));
+            self.half = half;
+        }
+    }
+
+    /// Where odd rows begin in the columns that rods are swept in.
+    pub(super) fn half(&self) -> usize {
+        self.half
     }
 
     /// Takes the runs of these steps out of some rods; what is left is loose.
-    fn find_runs(&mut self, rods: &[Distance], steps: &[u32], loose: &mut Vec<Distance>) {
+    fn find_runs(
+        &mut self,
+        rods: &[Distance],
+        steps: &[u32],
+        worth: usize,
+        loose: &mut Vec<Distance>,
+    ) {
         let mut rest = rods;
         while let Some(first) = rest.first() {
             let (step, length) = run(rest, steps);
-            // A few more than eights are worth lanes of their own if half of those are used.
+            // A few more than eights may be worth lanes of their own.
             let over = length % LANES;
-            let count = if over >= LANES / 2 { length } else { length - over };
+            let count = if over >= worth { length } else { length - over };
             if count > 0 {
                 let ((a, b), rests) = (ends(first), self.rests.len() as u32);
                 self.runs.push(Run { a, b, step, rests, count: count as u32 });
@@ -176,18 +210,22 @@ fn run(rods: &[Distance], steps: &[u32]) -> (u32, usize) {
 }
 
 /// How far eight rods are to be moved: the multiplier `s` of their direction, the error, metres, and a mask of those that have a direction and something that
-/// can move. One whose rest length is NaN does not count.
-///
-/// As [`project_rod`](crate::constraints::project_rod): with `d = a - b`, `s = (‖d‖ - L)/(‖d‖ (w_a + w_b))`.
+/// can move.
 #[inline(always)]
 fn stretch<L: Lanes>(one: [L; 4], other: [L; 4], rest: L) -> (L, L, L) {
     let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));
-    let length = (a - b).length();
+    stretch_of((a - b).length(), [wa, wb], rest)
+}
+
+/// The same of rods of some length.
+///
+/// As [`project_rod`](crate::constraints::project_rod): with `d = a - b`, `s = (‖d‖ - L)/(‖d‖ (w_a + w_b))`.
+#[inline(always)]
+fn stretch_of<L: Lanes>(length: L, [wa, wb]: [L; 2], rest: L) -> (L, L, L) {
     let value = length - rest;
     let divisor = length * (wa + wb);
     let moves = L::zero().lt(divisor);
-    let counts = moves.and(rest.le(rest));
-    (counts.and(value / divisor), counts.and(value.abs()), moves)
+    (moves.and(value / divisor), moves.and(value.abs()), moves)
 }
 
 /// Moves them: `a -= w_a s d`, `b += w_b s d`.

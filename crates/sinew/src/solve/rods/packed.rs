@@ -6,7 +6,7 @@ use glam::Vec4;
 
 use super::{Rods, Run, project, project_from_start};
 use crate::constraints::{Direction, project_rod};
-use crate::lanes::{Columns, LANES, Lanes, Vector};
+use crate::lanes::{LANES, Lanes, Vector};
 use crate::particles::Places;
 
 impl Rods {
@@ -115,28 +115,29 @@ fn worse<L: Lanes>((error, strain): (L, L), one: [L; 4], other: [L; 4], rest: L)
 }
 
 impl Rods {
-    /// Eights of a bundle in columns, on particles as they lie: along where rods pointed when the substep began, which columns do not know.
+    /// Strips of a bundle in columns, on particles as they lie: along where rods pointed when the substep began, which columns do not know.
     #[inline(always)]
-    pub(crate) fn sweep_eights_from_start<L: Lanes>(
+    pub(crate) fn sweep_strips_from_start<L: Lanes>(
         &self,
         places: &mut Places,
-        eights: Range<usize>,
+        strips: Range<usize>,
         rows: &Range<u32>,
     ) -> f32 {
         let (mut worst, mut parted) = (L::zero(), 0.0_f32);
-        let half = Columns::half(rows.len());
         let first = places.at(rows.start) as u32;
-        for eight in &self.eights[eights] {
-            let (mut ends, mut rest) = ([[0; LANES]; 2], eight.rest);
-            for lane in 0..LANES {
-                let own = if rest[lane].is_nan() { 0 } else { lane };
-                rest[lane] = eight.rest[own];
-                for (end, begin) in ends.iter_mut().zip([eight.a, eight.b]) {
-                    end[lane] = first + Columns::row(begin as usize + own, half);
+        for strips in &self.strips[strips] {
+            for pair in &self.pairs[strips.full.start..strips.tails.end] {
+                let (mut ends, mut rest) = ([[0; LANES]; 2], pair.numbers);
+                for lane in 0..LANES {
+                    // What stands there again to fill the lanes is the first.
+                    let own = if rest[lane].is_nan() { 0 } else { lane };
+                    rest[lane] = rest[own];
+                    let (a, b) = pair.rows(own, self.half);
+                    (ends[0][lane], ends[1][lane]) = (first + a, first + b);
                 }
+                let (found, together) = eight_rods::<L, true>(places, ends, &rest);
+                (worst, parted) = (found.max(worst), parted.max(together));
             }
-            let (found, together) = eight_rods::<L, true>(places, ends, &rest);
-            (worst, parted) = (found.max(worst), parted.max(together));
         }
         worst.largest(parted)
     }

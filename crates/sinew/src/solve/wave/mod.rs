@@ -1,0 +1,241 @@
+//! Waves: all substeps of a step rolling through an island one behind the other, while its particles are in columns.
+//!
+//! One sweep over a large island reads all of it from memory, and the next one again. But what a substep does with a particle depends only on what its neighbours did: the
+//! second may begin at one end while the first is still on its way to the other. So the passes of a step, `predict`, each stage of the sweep, `derive` with the next
+//! `predict` and so on, follow each other at the distance of a cluster or two, and the particles between the first and the last are a few clusters, which a cache holds.
+//!
+//! **The bits are those of pass after pass.** A pass takes its pieces in the order of their rows, and a piece waits until all earlier passes are beyond its last row; so
+//! whatever touches a particle does so in the same order. What has to know the largest error of a whole sweep, whether another follows, cannot be overtaken; there the
+//! passes follow each other, and what is gained is that particles stay in columns.
+
+mod passes;
+mod window;
+
+use core::ops::Range;
+use core::sync::atomic::{AtomicU32, Ordering};
+use std::time::Instant;
+
+use super::alone::Alone;
+use super::flock::Rest;
+use super::island::Room;
+use super::plan::Bundle;
+use super::{IslandReport, Order};
+use crate::constraints::Direction;
+use crate::integrate::Course;
+use crate::lanes::{Lanes, Work};
+use passes::{Passes, Piece, What};
+use window::Window;
+
+/// What a wave needs. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Wave {
+    window: Window,
+    passes: Passes,
+    /// The largest error that each substep found, metres.
+    worst: Vec<f32>,
+}
+
+/// The islands of a task that can go through a step as waves. Those that do are taken out of what is left of the task.
+pub(super) struct Waves<'a, 'b> {
+    pub(super) alone: &'b mut Alone<'a>,
+    pub(super) room: &'b mut Room,
+    /// The most sweeps in each substep.
+    pub(super) most: &'b [AtomicU32],
+}
+
+impl Waves<'_, '_> {
+    /// How an island would go, if it can: clusters of rods in columns alone, which nothing but each other holds back.
+    fn course(&self, number: usize, passes: &mut Passes) -> Option<Course> {
+        let Alone { common, outside, damping, .. } = &*self.alone;
+        let plan = common.plan;
+        let island = &plan.islands[number];
+        let members = &plan.members[island.members.clone()];
+        let (first, last) = (*members.first()?, *members.last()?);
+        let fits = |bundle: &Bundle| {
+            let from = bundle.rows.start.checked_sub(first);
+            bundle.columns && from.is_some_and(|from| from.is_multiple_of(2))
+        };
+        let bundles = island.bundles.clone();
+        let held = island.asleep || island.rigid || island.free || island.groups.is_empty();
+        let touches = !common.contacts.is_empty() || common.contacts.bounces();
+        let fit = !held
+            && !touches
+            && island.settings.order == Order::Cascade
+            && island.settings.direction == Direction::Nearest
+            && members.len() == (last - first) as usize + 1
+            && plan.bundles[bundles.clone()].iter().all(fits);
+        let rate = match damping {
+            [] => 0.0,
+            [all] => *all,
+            _ => return None,
+        };
+        let rate = rate + (outside.air + 0.0);
+        if !fit {
+            return None;
+        }
+        passes.begin(&plan.bundles[bundles.clone()], bundles.start);
+        // All of a small island has room. Of a large one, what is on its way has, unless it is whole sweeps.
+        let (rows, room) = (members.len(), Window::room(plan.rods.half()));
+        let rolls = island.settings.max_sweeps == 1;
+        if rows > room && !(rolls && passes.span(self.most.len(), plan, first, rows) <= room) {
+            return None;
+        }
+        Course::new(outside.common, rate, common.h)
+    }
+}
+
+impl Work for Waves<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let mut rest = core::mem::take(&mut self.room.rest);
+        let mut wave = core::mem::take(&mut self.room.wave);
+        let begin = self.alone.task.islands.start;
+        for number in self.alone.task.islands.clone() {
+            if !rest.islands.iter().any(|islands| islands.contains(&number)) {
+                continue;
+            }
+            let Some(course) = self.course(number, &mut wave.passes) else { continue };
+            let mut report = self.alone.reports[number - begin];
+            drive::<L>(self.alone, number, course, &mut wave, &mut report, self.most);
+            self.alone.reports[number - begin] = report;
+            let plan = self.alone.common.plan;
+            leave(&mut rest, number, &plan.members[plan.islands[number].members.clone()]);
+        }
+        (self.room.rest, self.room.wave) = (rest, wave);
+    }
+}
+
+/// Takes an island and its rows out of what is left.
+fn leave(rest: &mut Rest, number: usize, members: &[u32]) {
+    cut(&mut rest.islands, number..number + 1);
+    cut(&mut rest.rows, members[0]..members[0] + members.len() as u32);
+}
+
+/// Cuts a range out of the one that it is in.
+fn cut<T: Copy + PartialOrd>(ranges: &mut Vec<Range<T>>, out: Range<T>) {
+    let all_in = |range: &Range<T>| range.start <= out.start && out.end <= range.end;
+    if let Some(i) = ranges.iter().rposition(all_in) {
+        let after = out.end..core::mem::replace(&mut ranges[i].end, out.start);
+        if ranges[i].start >= ranges[i].end {
+            ranges[i] = after;
+        } else if after.start < after.end {
+            ranges.insert(i + 1, after);
+        }
+    }
+}
+
+/// Takes an island through all substeps: rolling if each has one sweep, or else sweep by sweep.
+#[inline(always)]
+fn drive<L: Lanes>(
+    alone: &mut Alone,
+    number: usize,
+    course: Course,
+    wave: &mut Wave,
+    report: &mut IslandReport,
+    most: &[AtomicU32],
+) {
+    let plan = alone.common.plan;
+    let settings = &plan.islands[number].settings;
+    let began = settings.timed.then(Instant::now);
+    let rolls = settings.max_sweeps == 1;
+    wave.window.begin(plan.rods.half());
+    wave.worst.clear();
+    wave.worst.resize(most.len(), 0.0);
+    wave.passes.clear();
+    let (mut substep, mut sweeps) = (0, 0);
+    if rolls {
+        wave.passes.push_all(most.len());
+    } else {
+        wave.passes.push(What::Begin);
+        wave.passes.push_sweep(0);
+    }
+    loop {
+        wave.roll::<L>(alone, number, course, most.len());
+        if rolls {
+            for (worst, most) in wave.worst.iter().zip(most) {
+                report.note(1, *worst <= settings.tolerance);
+                most.fetch_max(1, Ordering::Relaxed);
+            }
+            break;
+        }
+        if substep == most.len() {
+            break;
+        }
+        sweeps += 1;
+        let converged = wave.worst[substep] <= settings.tolerance;
+        wave.passes.clear();
+        if sweeps < settings.max_sweeps && !converged {
+            wave.worst[substep] = 0.0;
+            wave.passes.push_sweep(substep);
+            continue;
+        }
+        report.note(sweeps, converged);
+        most[substep].fetch_max(sweeps, Ordering::Relaxed);
+        (substep, sweeps) = (substep + 1, 0);
+        if substep < most.len() {
+            wave.passes.push(What::GoOn(substep));
+            wave.passes.push_sweep(substep);
+        } else {
+            wave.passes.push(What::Settle);
+        }
+    }
+    report.seconds += began.map_or(0.0, |began| began.elapsed().as_secs_f64());
+}
+
+impl IslandReport {
+    /// Notes how a substep went.
+    fn note(&mut self, sweeps: u32, converged: bool) {
+        self.sweeps += sweeps;
+        self.most_sweeps = self.most_sweeps.max(sweeps);
+        self.last_sweeps = sweeps;
+        self.converged &= converged;
+    }
+}
+
+impl Wave {
+    /// Does all passes.
+    #[inline(always)]
+    fn roll<L: Lanes>(
+        &mut self,
+        alone: &mut Alone,
+        number: usize,
+        course: Course,
+        substeps: usize,
+    ) {
+        let plan = alone.common.plan;
+        let members = plan.islands[number].members.clone();
+        let (first, all) = (plan.members[members.start], members.len());
+        let Self { window, passes, worst } = self;
+        let in_task = (first - alone.task.rows.start) as usize;
+        passes.start(all);
+        while let Some(Piece { what, rows, bundle, settled }) = passes.next(plan, first, all) {
+            let packed = in_task + rows.start..in_task + rows.end;
+            match what {
+                What::Begin => {
+                    window.admit(rows.end, settled);
+                    window.turn_in::<L>(rows.start, &alone.predict(packed));
+                    window.moving.begin::<L>(window.lanes(rows), course, substeps == 1);
+                }
+                What::GoOn(substep) => {
+                    let last = substep + 1 == substeps;
+                    window.moving.go_on::<L>(window.lanes(rows), course, last);
+                }
+                What::Sweep { substep, .. } => {
+                    let bundle = &plan.bundles[bundle];
+                    let groups = plan.groups[bundle.groups.clone()].iter();
+                    let groups = groups.map(|group| (&group.runs, &group.blocks));
+                    let rows = (bundle.rows.start, first + window.rows.start as u32);
+                    let columns = &mut window.moving.position;
+                    let found = plan.rods.sweep_turned::<L>(columns, groups, rows);
+                    worst[substep] = worst[substep].max(found);
+                }
+                What::Settle => {
+                    window.moving.settle::<L>(window.lanes(rows.clone()), course);
+                    window.turn_out::<L>(rows.start, alone.predict(packed));
+                }
+            }
+        }
+    }
+}

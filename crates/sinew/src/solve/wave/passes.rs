@@ -1,0 +1,148 @@
+//! The passes of a wave, and in which order their pieces go.
+
+use core::ops::Range;
+
+use crate::solve::plan::{Bundle, Plan};
+
+/// Passes over all rows of an island, one after the other, each in pieces in the order of their rows.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Passes {
+    all: Vec<Pass>,
+    /// The stages of a sweep: which of the plan's bundles.
+    stages: Vec<Range<usize>>,
+    /// Which pass is looked at.
+    at: usize,
+}
+
+/// What a pass does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum What {
+    /// Takes particles in, and predicts the first substep.
+    Begin,
+    /// Derives the velocities of a substep and predicts the next, whose number this is.
+    GoOn(usize),
+    /// Sweeps the bundles before one, in a substep.
+    Sweep { end: usize, substep: usize },
+    /// Derives the last velocities, and gives particles back.
+    Settle,
+}
+
+/// A piece of a pass: its rows, counted from the first of the island, and its bundle, if it is one.
+pub(super) struct Piece {
+    pub(super) what: What,
+    pub(super) rows: Range<usize>,
+    pub(super) bundle: usize,
+    /// Before which row all is settled.
+    pub(super) settled: usize,
+}
+
+#[derive(Clone, Debug)]
+struct Pass {
+    what: What,
+    /// The piece to come: its first row, or its number among the plan's bundles.
+    next: usize,
+    /// Before which row this pass and all before it are done, and are to be now.
+    done: usize,
+    wanted: usize,
+}
+
+/// So many rows are a piece where rows do not depend on each other; a multiple of 32.
+const PIECE: usize = 1024;
+
+impl Passes {
+    /// Begins with an island of some bundles.
+    pub(super) fn begin(&mut self, bundles: &[Bundle], mut first: usize) {
+        self.all.clear();
+        self.stages.clear();
+        for stage in bundles.chunk_by(|one, other| one.stage == other.stage) {
+            self.stages.push(first..first + stage.len());
+            first += stage.len();
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.all.clear();
+    }
+
+    pub(super) fn push(&mut self, what: What) {
+        self.all.push(Pass { what, next: 0, done: 0, wanted: 0 });
+    }
+
+    /// A sweep in a substep.
+    pub(super) fn push_sweep(&mut self, substep: usize) {
+        let stages = self.stages.iter();
+        self.all.extend(stages.map(|stage| {
+            let what = What::Sweep { end: stage.end, substep };
+            Pass { what, next: stage.start, done: 0, wanted: 0 }
+        }));
+    }
+
+    /// All passes of some substeps, of one sweep each.
+    pub(super) fn push_all(&mut self, substeps: usize) {
+        for substep in 0..substeps {
+            self.push(if substep == 0 { What::Begin } else { What::GoOn(substep) });
+            self.push_sweep(substep);
+        }
+        self.push(What::Settle);
+    }
+
+    /// So many rows are to go through all of them.
+    pub(super) fn start(&mut self, rows: usize) {
+        self.at = self.all.len() - 1;
+        self.all[self.at].wanted = rows;
+    }
+
+    /// The next piece: the last pass has its own as early as it can, so that few particles are on their way. `rows` and `first` are those of the island.
+    pub(super) fn next(&mut self, plan: &Plan, first: u32, rows: usize) -> Option<Piece> {
+        const NONE: Range<usize> = usize::MAX..usize::MAX;
+        loop {
+            let at = self.at;
+            let before = if at > 0 { self.all[at - 1].done } else { usize::MAX };
+            let Pass { what, next, wanted, done } = &mut self.all[at];
+            let piece = match *what {
+                What::Sweep { end, .. } if *next < end => {
+                    let rows = &plan.bundles[*next].rows;
+                    (rows.start - first) as usize..(rows.end - first) as usize
+                }
+                What::Sweep { .. } => NONE,
+                _ if *next < rows => *next..(*next + PIECE).min(rows),
+                _ => NONE,
+            };
+            let goes = piece.start < *wanted;
+            let needed = if goes { piece.end } else { *wanted };
+            if before < needed {
+                self.all[at - 1].wanted = needed;
+                self.at -= 1;
+            } else if goes {
+                let (what, bundle) = (*what, *next);
+                *next = if matches!(what, What::Sweep { .. }) { bundle + 1 } else { piece.end };
+                let last = &self.all[self.all.len() - 1];
+                let settled =
+                    if last.what == What::Settle { last.next.min(piece.start) } else { 0 };
+                return Some(Piece { what, rows: piece, bundle, settled });
+            } else {
+                *done = piece.start.min(before);
+                if at + 1 == self.all.len() {
+                    return None;
+                }
+                self.at += 1;
+            }
+        }
+    }
+
+    /// How many rows are on their way at a time, at most, when so many substeps roll.
+    pub(super) fn span(&mut self, substeps: usize, plan: &Plan, first: u32, rows: usize) -> usize {
+        self.clear();
+        self.push_all(substeps);
+        self.start(rows);
+        let mut span = 0;
+        while let Some(piece) = self.next(plan, first, rows) {
+            if piece.what == What::Begin {
+                // A window begins with a line of its columns.
+                span = span.max(piece.rows.end - piece.settled / 32 * 32);
+            }
+        }
+        self.clear();
+        span
+    }
+}
