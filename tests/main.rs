@@ -43,6 +43,7 @@ mod columns;
 mod commands;
 mod constraints;
 mod contact_events;
+mod contacts_state;
 mod controls;
 mod forces;
 mod forces_live;

@@ -71,6 +71,7 @@ macro_rules! for_each_state_component {
             Sensor,
             BodyContacts,
             RestPlace,
+            Sleep,
             Interpolate,
             ParticleOf,
             ConstraintOf,

@@ -13,12 +13,15 @@ pub struct Sleep {
     pub still: f32,
     /// Whether it sleeps. To wake it by hand, take [`Sleep::default`].
     pub asleep: bool,
+    /// What surrounded it when that was last looked at: a number made of gravity and of all colliders, grounds, winds and fluids, which wake it when they change.
+    /// Default 0, when it has not been looked at.
+    pub around: u64,
 }
 
 impl Default for Sleep {
     fn default() -> Self {
         let sinew::Sleep { speed, still, asleep, .. } = sinew::Sleep::default();
-        Self { speed, still, asleep }
+        Self { speed, still, asleep, around: 0 }
     }
 }
 

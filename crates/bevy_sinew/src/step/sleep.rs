@@ -1,41 +1,102 @@
 //! Sleep: what bodies keep of it goes to the solver before a tick and comes back after it.
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use crate::components::{BodyParticles, Collider, Gravity, Sleep};
 use crate::rows::{GONE, Rows};
 use crate::world::SinewWorld;
+use crate::{Fluid, Ground, Wind};
 
-/// What surrounds bodies: where something of it changed, all wake.
-type Surroundings =
-    Or<(Changed<Collider>, Changed<crate::Ground>, Changed<crate::Wind>, Changed<crate::Fluid>)>;
+/// What surrounds bodies: where something of it changes, all wake.
+#[derive(SystemParam)]
+pub(crate) struct Surroundings<'w, 's> {
+    gravity: Res<'w, Gravity>,
+    colliders: Query<'w, 's, &'static Collider>,
+    grounds: Query<'w, 's, &'static Ground>,
+    winds: Query<'w, 's, &'static Wind>,
+    fluids: Query<'w, 's, &'static Fluid>,
+    changed: Query<'w, 's, (), Touched>,
+    known: Local<'s, Known>,
+}
+
+type Touched = Or<(Changed<Collider>, Changed<Ground>, Changed<Wind>, Changed<Fluid>)>;
+
+/// The number of surroundings that nobody has touched since, and how many there were. It saves work and changes nothing: bodies keep the number that they know.
+#[derive(Default)]
+pub(crate) struct Known {
+    number: u64,
+    counts: [usize; 4],
+}
+
+impl Surroundings<'_, '_> {
+    /// One number for all that surrounds bodies, of its values alone: put back as it was, it is the same.
+    fn number(&mut self) -> u64 {
+        let counts = [
+            self.colliders.iter().len(),
+            self.grounds.iter().len(),
+            self.winds.iter().len(),
+            self.fluids.iter().len(),
+        ];
+        let known = self.known.number != 0 && self.known.counts == counts;
+        if !known || self.gravity.is_changed() || !self.changed.is_empty() {
+            *self.known = Known { number: self.summed_up().max(1), counts };
+        }
+        self.known.number
+    }
+
+    /// A sum, because queries have no order.
+    fn summed_up(&self) -> u64 {
+        let mut sum = mixed(1, self.gravity.0.to_array());
+        let mut add = |number: u64| sum = sum.wrapping_add(number);
+        for collider in &self.colliders {
+            let bounds = collider.shape().map(|shape| shape.bounds()).unwrap_or_default();
+            add(mixed(2, [bounds.0, bounds.1].into_iter().flat_map(|v| v.to_array())));
+        }
+        for ground in &self.grounds {
+            add(mixed(3, [ground.friction, ground.restitution]));
+        }
+        for Wind { pressure: p, gusts, gust_length, gust_period } in &self.winds {
+            add(mixed(4, [p.x, p.y, p.z, *gusts, *gust_length, *gust_period]));
+        }
+        for Fluid { density, drag, current: c, .. } in &self.fluids {
+            add(mixed(5, [*density, *drag, c.x, c.y, c.z]));
+        }
+        sum
+    }
+}
+
+/// Fowler, Noll and Vo's hash of some numbers.
+fn mixed(kind: u64, numbers: impl IntoIterator<Item = f32>) -> u64 {
+    let mix = |hash: u64, word: u64| (hash ^ word).wrapping_mul(0x0100_0000_01b3);
+    let begin = mix(0xcbf2_9ce4_8422_2325, kind);
+    numbers.into_iter().fold(begin, |hash, number| mix(hash, u64::from(number.to_bits())))
+}
 
 /// Tells the solver who may sleep and who does.
 pub(crate) fn gather_sleep(
     mut world: ResMut<SinewWorld>,
-    gravity: Res<Gravity>,
-    changed: Query<(), Surroundings>,
-    colliders: Query<(), With<Collider>>,
+    mut surroundings: Surroundings,
     mut bodies: Query<(&Rows<BodyParticles>, &mut Sleep)>,
-    mut count: Local<usize>,
 ) {
     let simulation = &mut world.simulation;
     simulation.sleep.clear();
-    let number = colliders.iter().len();
-    let went = core::mem::replace(&mut *count, number) != number;
     if bodies.is_empty() {
         return;
     }
     simulation.sleep.resize(simulation.bodies.len(), sinew::Sleep::default());
-    let wakes = went || gravity.is_changed() || !changed.is_empty();
+    let now = surroundings.number();
     for (rows, mut sleep) in &mut bodies {
-        if wakes && sleep.asleep {
-            sleep.wake();
+        if sleep.around != now {
+            if sleep.around != 0 && sleep.asleep {
+                sleep.wake();
+            }
+            sleep.around = now;
         }
         let row = rows.get().iter().find(|&&row| row != GONE);
         let body = row.and_then(|&row| simulation.particles.body(row as usize));
         if let Some(own) = body.and_then(|body| simulation.sleep.get_mut(body as usize)) {
-            let Sleep { speed, still, asleep } = *sleep;
+            let Sleep { speed, still, asleep, .. } = *sleep;
             *own = sinew::Sleep { allowed: true, speed, still, asleep };
         }
     }
@@ -51,7 +112,7 @@ pub(crate) fn keep_sleep(
         let row = rows.get().iter().find(|&&row| row != GONE);
         let body = row.and_then(|&row| simulation.particles.body(row as usize));
         let Some(own) = body.and_then(|body| simulation.sleep.get(body as usize)) else { continue };
-        let kept = Sleep { speed: sleep.speed, still: own.still, asleep: own.asleep };
+        let kept = Sleep { still: own.still, asleep: own.asleep, ..*sleep };
         sleep.set_if_neq(kept);
     }
 }

@@ -59,11 +59,6 @@ impl Contacts {
         self.pairs.find(particles, bodies, &particles.rest, self.solids.rows(), dt);
     }
 
-    /// A row of each solid that may come to touch something in this step, some of them more than once.
-    pub(crate) fn solids_in_reach(&self) -> impl Iterator<Item = u32> {
-        self.solids.in_reach()
-    }
-
     /// Whether something may come to touch something else that moves, so that islands cannot go their ways alone.
     pub(crate) fn is_active(&self) -> bool {
         !self.solids.is_empty() || !self.pairs.is_empty()

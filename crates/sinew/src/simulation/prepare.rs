@@ -139,13 +139,6 @@ impl Simulation {
         let world = World { boundaries, colliders, solids, bodies, plan, dt, substeps, gravity };
         scratch.contacts.use_instructions(self.instructions);
         scratch.contacts.begin(particles, world);
-        // What may be pushed has more to answer for than what its own constraints are rounded by, and nothing of that needs putting back.
-        let Scratch { plan, contacts, .. } = scratch;
-        for row in contacts.solids_in_reach() {
-            if let Some(&island) = plan.island_of.get(row as usize) {
-                plan.islands[island as usize].free = false;
-            }
-        }
     }
 
     /// Looks up the gusts on every triangle.

@@ -194,15 +194,6 @@ impl Solids {
         &self.groups.solid
     }
 
-    /// A row of each solid that may come to touch something in this step, some of them more than once.
-    pub(crate) fn in_reach(&self) -> impl Iterator<Item = u32> {
-        let first = |solid: u32| {
-            let part = self.groups.parts.get(solid as usize)?;
-            self.groups.rows.get(part.entries.start).copied()
-        };
-        self.found.iter().flat_map(move |one| [first(one.a), first(one.b)]).flatten()
-    }
-
     /// Whether there are no solids.
     pub(crate) fn is_empty(&self) -> bool {
         self.groups.parts.is_empty()
