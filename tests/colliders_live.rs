@@ -5,10 +5,8 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{ColliderFault, Refusal};
 
 use crate::bad_input::refused;
-use crate::snapshot::Snapshot;
-use crate::support::{
-    app, assert_finite, busy_scene, forget, hash, hash_of, heard, position, tick,
-};
+use crate::snapshot::{Snapshot, hashes, roll_back_in_every_tick};
+use crate::support::{app, assert_finite, busy_scene, forget, hash_of, heard, position, tick};
 
 const BAD: f32 = f32::NAN;
 
@@ -215,15 +213,6 @@ fn fair(app: &mut App) {
     world.spawn((cloth, at, BodyContacts::ALL));
 }
 
-fn hashes(app: &mut App, count: u64) -> Vec<u64> {
-    let mut hashes = Vec::new();
-    for _ in 0..count {
-        tick(app, 1);
-        hashes.push(hash(app));
-    }
-    hashes
-}
-
 #[test]
 fn cloned_and_put_back_with_a_moving_collider_all_happens_again() {
     let mut app = app();
@@ -258,21 +247,7 @@ fn a_fresh_app_that_is_given_the_colliders_goes_on_as_the_old_one_did() {
 fn a_rollback_every_tick_changes_nothing() {
     let mut app = app();
     fair(&mut app);
-    let mut ring: Vec<(Snapshot, u64)> = Vec::new();
-    for _ in 0..50 {
-        // In the first tick there is nothing to hash yet.
-        let now = if ring.is_empty() { 0 } else { hash(&mut app) };
-        ring.push((Snapshot::take(app.world_mut()), now));
-        tick(&mut app, 1);
-        if ring.len() > 8 {
-            let back = ring.len() - 7;
-            ring[back].0.put_back(app.world_mut());
-            for (_, expected) in &ring[back..] {
-                assert_eq!(hash(&mut app), *expected);
-                tick(&mut app, 1);
-            }
-        }
-    }
+    roll_back_in_every_tick(&mut app, 50);
 }
 
 #[test]

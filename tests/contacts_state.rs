@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use crate::snapshot::Snapshot;
+use crate::snapshot::{Snapshot, hashes, roll_back_in_every_tick};
 use crate::support::{app, hash, heard, tick};
 
 /// A ramp over a floor, boxes that tumble down it onto each other, a figure beside them, a sheet that folds up on a ball; all may sleep.
@@ -26,15 +26,6 @@ fn colliding_scene(app: &mut App) {
         .with_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
     let sheet = Cloth { radius: 0.02, ..Cloth::grid(1.0, 1.0, 14, 14) };
     world.spawn((sheet, folds, Sleep::default(), flat));
-}
-
-fn hashes(app: &mut App, count: u64) -> Vec<u64> {
-    (0..count)
-        .map(|_| {
-            tick(app, 1);
-            hash(app)
-        })
-        .collect()
 }
 
 fn asleep(app: &mut App) -> usize {
@@ -67,20 +58,7 @@ fn a_rollback_by_seven_ticks_in_every_tick_changes_nothing_about_contacts() {
     let mut app = app();
     colliding_scene(&mut app);
     tick(&mut app, 30);
-    let mut ring: Vec<(Snapshot, u64)> = Vec::new();
-    for _ in 0..30 {
-        let now = hash(&mut app);
-        ring.push((Snapshot::take(app.world_mut()), now));
-        tick(&mut app, 1);
-        if ring.len() > 8 {
-            let back = ring.len() - 7;
-            ring[back].0.put_back(app.world_mut());
-            for (_, expected) in &ring[back..] {
-                assert_eq!(hash(&mut app), *expected);
-                tick(&mut app, 1);
-            }
-        }
-    }
+    roll_back_in_every_tick(&mut app, 30);
 }
 
 #[test]

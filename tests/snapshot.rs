@@ -8,6 +8,8 @@ use bevy_sinew::{
     TubeMesh, WindSurface,
 };
 
+use crate::support::{hash, tick};
+
 /// What the documentation calls the state: which components it is in.
 macro_rules! for_each_state_component {
     ($apply:ident) => {
@@ -180,6 +182,36 @@ fn put_back<C: Component + Clone>(world: &mut World, saved: &[(Entity, C)]) {
     for (entity, component) in saved {
         if let Ok(mut entity) = world.get_entity_mut(*entity) {
             entity.insert(component.clone());
+        }
+    }
+}
+
+/// Hash after each of the next `count` ticks.
+pub(crate) fn hashes(app: &mut App, count: u64) -> Vec<u64> {
+    (0..count)
+        .map(|_| {
+            tick(app, 1);
+            hash(app)
+        })
+        .collect()
+}
+
+/// What a sync test of a rollback plugin does: in each of so many ticks back by seven, forward again, compare.
+pub(crate) fn roll_back_in_every_tick(app: &mut App, ticks: usize) {
+    let mut ring: Vec<(Snapshot, u64)> = Vec::new();
+    // In the first tick there may be nothing to hash yet.
+    tick(app, 1);
+    for _ in 0..ticks {
+        let now = hash(app);
+        ring.push((Snapshot::take(app.world_mut()), now));
+        tick(app, 1);
+        if ring.len() > 8 {
+            let back = ring.len() - 7;
+            ring[back].0.put_back(app.world_mut());
+            for (_, expected) in &ring[back..] {
+                assert_eq!(hash(app), *expected);
+                tick(app, 1);
+            }
         }
     }
 }

@@ -5,18 +5,8 @@ use bevy::prelude::*;
 use bevy_sinew::CreationOrder;
 use bevy_sinew::prelude::*;
 
-use crate::snapshot::Snapshot;
+use crate::snapshot::{Snapshot, hashes, roll_back_in_every_tick};
 use crate::support::{app, busy_scene, hash, heard, particles_of, tick};
-
-/// Hash after each of the next `count` ticks.
-fn hashes(app: &mut App, count: u64) -> Vec<u64> {
-    (0..count)
-        .map(|_| {
-            tick(app, 1);
-            hash(app)
-        })
-        .collect()
-}
 
 /// Asserts that two histories are equal, and says in which tick they part if not.
 fn assert_same(left: &[u64], right: &[u64]) {
@@ -119,23 +109,9 @@ fn restoring_a_body_does_not_build_it_again() {
 
 #[test]
 fn a_rollback_every_tick_changes_nothing() {
-    // What a sync test of a rollback plugin does: back by seven ticks, forward again, compare.
     let mut app = app();
     busy_scene(&mut app);
-    let mut ring: Vec<(Snapshot, u64)> = Vec::new();
-    for _ in 0..60 {
-        let now = hash(&mut app);
-        ring.push((Snapshot::take(app.world_mut()), now));
-        tick(&mut app, 1);
-        if ring.len() > 8 {
-            let back = ring.len() - 7;
-            ring[back].0.put_back(app.world_mut());
-            for (_, expected) in &ring[back..] {
-                assert_eq!(hash(&mut app), *expected);
-                tick(&mut app, 1);
-            }
-        }
-    }
+    roll_back_in_every_tick(&mut app, 60);
 }
 
 #[test]

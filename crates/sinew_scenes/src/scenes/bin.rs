@@ -21,13 +21,13 @@ pub(super) const SCENE: Scene = Scene {
 const EDGE: f32 = 0.26;
 
 /// Inside of the bin from wall to wall, metres.
-const ROOM: f32 = 2.1;
+const ROOM: f32 = 2.9;
 
 fn spawn(world: &mut World) {
     world.insert_resource(SolverConfig { substeps: 8, max_sweeps: 2, ..default() });
     world.insert_resource(AirDrag(0.2));
     world.spawn((InScene, Ground { friction: 0.5, ..default() }));
-    let (high, thick) = (1.5, 0.06);
+    let (high, thick) = (1.8, 0.06);
     let reach = 0.5 * (ROOM + thick);
     for (x, z) in [(reach, 0.0), (-reach, 0.0), (0.0, reach), (0.0, -reach)] {
         let along = ROOM + 2.0 * thick;
