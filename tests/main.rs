@@ -30,6 +30,7 @@
 //! | `scenes` | the scenes of the gallery keep what their captions promise |
 //! | `schedules` | no two systems of ours race |
 //! | `threads` | neither does the number of threads |
+//! | `torn` | what comes, goes or changes one by one among thousands is mended into them |
 //!
 //! `support` holds what they share.
 
@@ -64,4 +65,5 @@ mod solver;
 mod state;
 mod support;
 mod threads;
+mod torn;
 mod unrelated;

@@ -10,6 +10,7 @@ use sinew::{ParticleFault, Particles, Party, Simulation, SolverReport};
 use crate::components::ParticleRow;
 use crate::messages::Complaints;
 use crate::step::gather::Held;
+use crate::step::links::Links;
 
 /// The columns that the phases work on, for the systems of a game that join in between [phases](crate::PhaseSystems).
 ///
@@ -97,6 +98,8 @@ pub(crate) struct Tables {
     pub(crate) complaints: Complaints,
     /// Pins with a broken number: so that each is reported once.
     pub(crate) broken: BTreeSet<Entity>,
+    /// Which links the solver's lists hold.
+    pub(crate) links: Links,
     /// Distances, springs or surfaces must be compiled afresh.
     pub(crate) stale: bool,
     /// Counts the layouts, so that whoever resolved entities into rows knows when to do so again.

@@ -41,6 +41,12 @@ impl<'w> Ages<'w> {
         self.any_newer(self.added)
     }
 
+    /// The places of those that did.
+    pub(crate) fn changed(&self) -> impl Iterator<Item = usize> + use<'w> {
+        let (changed, now, age) = (self.changed, self.now, self.now.wrapping_sub(self.last));
+        (0..changed.len()).filter(move |&place| now.wrapping_sub(changed[place].get()) < age)
+    }
+
     fn any_newer(&self, ticks: &[Tick]) -> bool {
         // Bevy keeps all ages far below the point where they would wrap around.
         let age = self.now.wrapping_sub(self.last);

@@ -1,6 +1,7 @@
 //! The simulation: particles, forces and constraints, and one method for each phase of a step.
 
 mod alone;
+mod lists;
 mod prepare;
 mod queries;
 mod sleep;
@@ -20,7 +21,7 @@ use crate::forces::{self, Forces};
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
 use crate::rigid::{Compound, Moving};
-use crate::solve::{self, BodySettings, IslandReport, Plan, SolverReport, SolverSettings};
+use crate::solve::{self, BodySettings, Changes, IslandReport, Plan, SolverReport, SolverSettings};
 use crate::threads::Workers;
 use crate::{integrate, ledger};
 
@@ -64,7 +65,8 @@ pub struct Simulation {
 #[derive(Clone, Debug, Default)]
 struct Scratch {
     plan: Plan,
-    stale: bool,
+    /// What the plan does not know of yet.
+    changes: Changes,
     substep: Substep,
     electric: forces::ElectricScratch,
     fluids: forces::FluidScratch,
@@ -283,57 +285,6 @@ impl Simulation {
     /// How the last step went.
     pub fn report(&self) -> &SolverReport {
         &self.report
-    }
-
-    /// The distances, in the order in which they were added.
-    pub fn distances(&self) -> &[Distance] {
-        &self.distances
-    }
-
-    /// The distances, to add to, change or remove from. The plan is compiled afresh at the next step; a faulty distance is left out of it.
-    pub fn distances_mut(&mut self) -> &mut Vec<Distance> {
-        self.scratch.stale = true;
-        &mut self.distances
-    }
-
-    /// The constraints other than distances, in the order in which they were added.
-    pub fn constraints(&self) -> &[Constraint] {
-        &self.constraints
-    }
-
-    /// The constraints other than distances, to add to, change or remove from. The plan is compiled afresh at the next step; a faulty constraint is
-    /// left out of it.
-    pub fn constraints_mut(&mut self) -> &mut Vec<Constraint> {
-        self.scratch.stale = true;
-        &mut self.constraints
-    }
-
-    /// The compounds that move as explicit rigid bodies.
-    pub fn compounds(&self) -> &[Compound] {
-        &self.compounds
-    }
-
-    /// The compounds that move as explicit rigid bodies, to add to, change or remove from: that swaps their representation, and nothing jumps.
-    /// Distances and constraints among the particles of one compound alone rest meanwhile.
-    pub fn compounds_mut(&mut self) -> &mut Vec<Compound> {
-        self.scratch.stale = true;
-        &mut self.compounds
-    }
-
-    /// The compounds that collide by their shape.
-    pub fn solids(&self) -> &[Solid] {
-        &self.solids
-    }
-
-    /// The compounds that collide by their shape, to add to, change or remove from. Their particles then touch nothing by themselves.
-    pub fn solids_mut(&mut self) -> &mut Vec<Solid> {
-        self.scratch.stale = true;
-        &mut self.solids
-    }
-
-    /// The same, for who puts back what it took.
-    pub(crate) fn compounds_unmarked(&mut self) -> &mut Vec<Compound> {
-        &mut self.compounds
     }
 
     /// How the last step of the island of particle `i` went: of everything that constraints connect it with.

@@ -8,29 +8,42 @@ use crate::constraints::{Constraint, Distance};
 use crate::forces;
 use crate::particles::{Particles, snap};
 use crate::rigid::{Compound, Moving};
-use crate::solve::{BodySettings, SolverSettings, is_free};
+use crate::solve::{BodySettings, Given, SolverSettings, is_free};
 
 impl Simulation {
-    /// Compiles the plan afresh if what it was compiled from has changed.
+    /// Brings the plan up to date with the lists.
     pub(super) fn compile(&mut self) {
-        if self.scratch.stale || self.scratch.plan.rows != self.particles.len() {
-            if self.compounds.is_empty() {
-                let (distances, constraints) = (&self.distances, &self.constraints);
-                self.scratch.plan.compile(distances, constraints, self.particles.len());
-            } else {
-                let (distances, constraints) = self.beside_compounds();
-                let plan = &mut self.scratch.plan;
-                plan.compile(&distances, &constraints, self.particles.len());
-                for compound in &self.compounds {
-                    for &row in &compound.rows {
-                        if let Some(&island) = plan.island_of.get(row) {
-                            plan.islands[island as usize].rigid = true;
-                        }
-                    }
-                }
+        let Self { particles, distances, constraints, compounds, scratch, .. } = self;
+        let Scratch { plan, changes, .. } = scratch;
+        let particles_came_or_went = plan.rows != particles.len();
+        if changes.is_empty() && !particles_came_or_went {
+            return;
+        }
+        let given = Given { distances, constraints, particles: particles.len() };
+        if !compounds.is_empty() {
+            self.compile_beside_compounds();
+        } else if changes.are_few() && !particles_came_or_went {
+            plan.keep_up(given, changes);
+        } else {
+            plan.compile(given);
+        }
+        let Self { particles, solids, scratch: Scratch { changes, contacts, .. }, .. } = self;
+        if !changes.are_few() || particles_came_or_went {
+            contacts.compile(solids, particles);
+        }
+        changes.clear();
+    }
+
+    /// Compiles it with rigid bodies, each of which is one shape.
+    fn compile_beside_compounds(&mut self) {
+        let (distances, constraints) = self.beside_compounds();
+        let particles = self.particles.len();
+        let plan = &mut self.scratch.plan;
+        plan.compile(Given { distances: &distances, constraints: &constraints, particles });
+        for &row in self.compounds.iter().flat_map(|compound| &compound.rows) {
+            if let Some(&island) = plan.island_of.get(row) {
+                plan.islands[island as usize].rigid = true;
             }
-            self.scratch.contacts.compile(&self.solids, &self.particles);
-            self.scratch.stale = false;
         }
     }
 

@@ -38,5 +38,5 @@ pub(crate) use island::{Common, Room};
 pub(crate) use item::soft_energy;
 pub(crate) use measure::measure;
 pub(crate) use momentum::is_free;
-pub(crate) use plan::Plan;
+pub(crate) use plan::{Change, Changes, Given, List, Plan};
 pub(crate) use world::{Machine, Scratch, settle_all, solve_all};

@@ -2,8 +2,9 @@
 
 use bevy::prelude::*;
 use sinew::constraints::Rows;
-use sinew::{DistanceFault, LawFault, SpringFault};
+use sinew::{DistanceFault, LawFault, Simulation, SpringFault};
 
+use super::news::Watch;
 use crate::components::CreationOrder;
 use crate::messages::{Complaints, Refusal, Refused, refuse};
 use crate::world::Tables;
@@ -41,9 +42,35 @@ impl Link for sinew::Constraint {
     }
 }
 
+/// A link that can come and go by itself: the solver's plan keeps up with it.
+pub(super) trait Mend: Link {
+    fn insert(self, simulation: &mut Simulation, at: usize);
+    fn remove(simulation: &mut Simulation, at: usize);
+}
+
+impl Mend for sinew::Distance {
+    fn insert(self, simulation: &mut Simulation, at: usize) {
+        simulation.insert_distance(at, self);
+    }
+
+    fn remove(simulation: &mut Simulation, at: usize) {
+        simulation.remove_distance(at);
+    }
+}
+
+impl Mend for sinew::Constraint {
+    fn insert(self, simulation: &mut Simulation, at: usize) {
+        simulation.insert_constraint(at, self);
+    }
+
+    fn remove(simulation: &mut Simulation, at: usize) {
+        simulation.remove_constraint(at);
+    }
+}
+
 /// Whose link it is, and where it stands in its list: by creation, and for several on one entity by their kind.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Place {
+pub(crate) struct Place {
     pub(super) order: CreationOrder,
     pub(super) entity: Entity,
     pub(super) kind: usize,
@@ -87,25 +114,73 @@ impl<L: Link> Entry<L> {
     }
 }
 
+/// Brings a list of the solver, in which links stand in these places, up to date with what came, changed or went of one kind. Whether that adds up to what there is: if it does
+/// not, or one of the new ones cannot act, the lists have to be filled afresh.
+pub(super) fn mend<L: Mend>(
+    simulation: &mut Simulation,
+    places: &mut Vec<Place>,
+    entries: impl IntoIterator<Item = Entry<L>>,
+    (kind, watch): (usize, &Watch),
+) -> bool {
+    let mut grown = 0;
+    for &entity in &watch.gone {
+        let own = |place: &Place| place.entity == entity && place.kind == kind;
+        if let Some(at) = places.iter().position(own) {
+            places.remove(at);
+            L::remove(simulation, at);
+            grown -= 1;
+        }
+    }
+    for Entry { place, outcome } in entries {
+        let Outcome::Sound(link) = outcome else { return false };
+        let at = match places.binary_search(&place) {
+            Ok(at) => {
+                L::remove(simulation, at);
+                at
+            }
+            Err(at) => {
+                places.insert(at, place);
+                grown += 1;
+                at
+            }
+        };
+        link.insert(simulation, at);
+    }
+    grown == watch.grown
+}
+
 /// Lets the sound ones pass, and complains about the others, once for each time that one broke.
 pub(super) struct Judge<'a, 'w> {
     before: Complaints,
     now: Complaints,
+    /// Whether all passed so far.
+    all: bool,
     messages: &'a mut MessageWriter<'w, Refused>,
 }
 
 impl<'a, 'w> Judge<'a, 'w> {
     pub(super) fn new(before: Complaints, messages: &'a mut MessageWriter<'w, Refused>) -> Self {
-        Self { before, now: Complaints::new(), messages }
+        Self { before, now: Complaints::new(), all: true, messages }
     }
 
-    /// Fills a list of the solver with the sound links, in their order, whatever the order of the entries.
-    pub(super) fn fill<L>(&mut self, list: &mut Vec<L>, mut entries: Vec<Entry<L>>) {
+    /// Fills a list of the solver with the sound links, in their order, whatever the order of the entries, and notes their places.
+    pub(super) fn fill<L>(
+        &mut self,
+        list: &mut Vec<L>,
+        places: &mut Vec<Place>,
+        mut entries: Vec<Entry<L>>,
+    ) {
         entries.sort_unstable_by_key(|entry| entry.place);
         list.clear();
-        for Entry { place: Place { entity, kind, .. }, outcome } in entries {
+        places.clear();
+        for Entry { place, outcome } in entries {
+            let Place { entity, kind, .. } = place;
+            self.all &= matches!(outcome, Outcome::Sound(_));
             match outcome {
-                Outcome::Sound(link) => list.push(link),
+                Outcome::Sound(link) => {
+                    list.push(link);
+                    places.push(place);
+                }
                 Outcome::Faulty(reason) => {
                     if self.before.get(&(entity, kind)) != Some(&reason) {
                         refuse(self.messages, entity, reason.clone());
@@ -119,6 +194,11 @@ impl<'a, 'w> Judge<'a, 'w> {
                 }
             }
         }
+    }
+
+    /// Whether all links could pass.
+    pub(super) fn passed_all(&self) -> bool {
+        self.all
     }
 
     /// The complaints that stand. Those about links that are gone, or that are in order now, are forgotten: they may be raised again.

@@ -2,17 +2,20 @@
 
 use core::any::TypeId;
 
+use bevy::ecs::component::ComponentId;
+use bevy::ecs::lifecycle::RemovedComponentEntity;
+use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
 
-use super::super::changes::census;
-use super::entry::{Entry, Place};
+use super::entry::{Entry, Place, mend};
+use super::news::Watch;
 use crate::components::{
     AngleConstraint, AreaConstraint, BendConstraint, CollinearConstraint, ConeConstraint,
     CoplanarConstraint, CreationOrder, HingeConstraint, LawConstraint, ParticleConstraint,
     PatchConstraint, RigidConstraint, TetrahedronConstraint, VolumeConstraint,
 };
 use crate::messages::Refusal;
-use crate::world::Tables;
+use crate::world::{SinewWorld, Tables};
 
 /// Numbers of the kinds that have lists of their own; registered ones follow.
 pub(super) const DISTANCES: usize = 0;
@@ -66,11 +69,23 @@ pub(crate) struct Kinds {
 }
 
 impl Kinds {
-    /// Marks the tables stale if one came, went or changed, and collects all if they are.
-    pub(super) fn collect(&mut self, world: &mut World, tables: &mut Tables) {
+    /// Mends the list if few came, went or changed. Otherwise marks the tables stale; and if they are, collects all.
+    pub(super) fn collect(&mut self, world: &mut World, sinew: &mut SinewWorld) {
+        let SinewWorld { simulation, tables } = sinew;
+        let mut any = false;
         for kind in &mut self.kinds {
             kind.number(world);
-            tables.stale |= kind.notice(world);
+            kind.look(world);
+            any |= kind.watch().is_any();
+            tables.stale |= !kind.watch().is_few();
+        }
+        tables.stale |= any && !tables.links.sound;
+        for (number, kind) in (FIRST..).zip(&mut self.kinds) {
+            if !tables.stale && kind.watch().is_any() {
+                kind.collect_few(world, tables, number, &mut self.entries);
+                let (places, entries) = (&mut tables.links.constraints, self.entries.drain(..));
+                tables.stale = !mend(simulation, places, entries, (number, kind.watch()));
+            }
         }
         if tables.stale {
             for (number, kind) in (FIRST..).zip(&mut self.kinds) {
@@ -92,9 +107,22 @@ trait Kind: Send + Sync {
     /// Numbers those that came without a number.
     fn number(&mut self, world: &mut World);
 
-    /// Whether one came, went or changed since the system that asks last ran.
-    fn notice(&mut self, world: &World) -> bool;
+    /// Looks for what came, went or changed since the system that asks last ran.
+    fn look(&mut self, world: &World);
 
+    /// What there was.
+    fn watch(&self) -> &Watch;
+
+    /// Collects what came or changed.
+    fn collect_few(
+        &mut self,
+        world: &World,
+        tables: &Tables,
+        number: usize,
+        entries: &mut Vec<Entry<sinew::Constraint>>,
+    );
+
+    /// Collects all.
     fn collect(
         &mut self,
         world: &World,
@@ -106,17 +134,35 @@ trait Kind: Send + Sync {
 
 struct Of<T: ParticleConstraint> {
     all: QueryState<(Entity, &'static CreationOrder, &'static T)>,
-    present: QueryState<Ref<'static, T>, With<CreationOrder>>,
+    present: QueryState<(Entity, Ref<'static, T>), With<CreationOrder>>,
     unnumbered: QueryState<Entity, (With<T>, Without<CreationOrder>)>,
-    /// How many there were. No hook and no observer, which are the game's; and Bevy's list of what was removed is kept for two frames, when
-    /// a tick may be farther away. What came is changed, so that fewer than before is all that is left to notice.
-    count: usize,
+    id: ComponentId,
+    gone: MessageCursor<RemovedComponentEntity>,
+    watch: Watch,
 }
 
 impl<T: ParticleConstraint> Of<T> {
     fn new(world: &mut World) -> Self {
-        let (all, present) = (QueryState::new(world), QueryState::new(world));
-        Self { all, present, unnumbered: QueryState::new(world), count: 0 }
+        Self {
+            all: QueryState::new(world),
+            present: QueryState::new(world),
+            unnumbered: QueryState::new(world),
+            id: world.register_component::<T>(),
+            gone: MessageCursor::default(),
+            watch: Watch::default(),
+        }
+    }
+
+    fn entry(
+        tables: &Tables,
+        number: usize,
+        (entity, &order, component): (Entity, &CreationOrder, &T),
+    ) -> Entry<sinew::Constraint> {
+        let place = Place { order, entity, kind: number };
+        Entry::new(tables, place, component.particles(), |rows| match component.fault() {
+            None => Ok(sinew::Constraint { rows, law: component.law() }),
+            Some(fault) => Err(Refusal::Constraint(fault)),
+        })
     }
 }
 
@@ -139,10 +185,27 @@ impl<T: ParticleConstraint> Kind for Of<T> {
         }
     }
 
-    fn notice(&mut self, world: &World) -> bool {
-        let (now, changed) = census(&self.present.query(world));
-        let went = core::mem::replace(&mut self.count, now) != now;
-        went || changed
+    fn look(&mut self, world: &World) {
+        let Self { present, id, gone, watch, .. } = self;
+        let removed = world.removed_components().get(*id);
+        let gone = removed.map(|removed| gone.read(removed)).into_iter().flatten();
+        watch.look(&present.query(world), gone.cloned().map(Entity::from));
+    }
+
+    fn watch(&self) -> &Watch {
+        &self.watch
+    }
+
+    fn collect_few(
+        &mut self,
+        world: &World,
+        tables: &Tables,
+        number: usize,
+        entries: &mut Vec<Entry<sinew::Constraint>>,
+    ) {
+        let all = self.all.query(world);
+        let came = self.watch.came.iter().filter_map(|&entity| all.get(entity).ok());
+        entries.extend(came.map(|one| Self::entry(tables, number, one)));
     }
 
     fn collect(
@@ -152,12 +215,6 @@ impl<T: ParticleConstraint> Kind for Of<T> {
         number: usize,
         entries: &mut Vec<Entry<sinew::Constraint>>,
     ) {
-        entries.extend(self.all.iter(world).map(|(entity, &order, component)| {
-            let place = Place { order, entity, kind: number };
-            Entry::new(tables, place, component.particles(), |rows| match component.fault() {
-                None => Ok(sinew::Constraint { rows, law: component.law() }),
-                Some(fault) => Err(Refusal::Constraint(fault)),
-            })
-        }));
+        entries.extend(self.all.iter(world).map(|one| Self::entry(tables, number, one)));
     }
 }

@@ -6,6 +6,7 @@ use glam::{Quat, Vec3};
 
 use crate::constraints::{Angle, Bend};
 use crate::recipes::{Blueprint, BoxSpec, RagdollSpec, RopeSpec, box_3d, ragdoll, rope};
+use crate::solve::Given;
 use crate::{
     Bound, Constraint, Distance, InstructionSet, IslandReport, Law, ParticleSeed, Plane,
     Simulation, Softness, Workers,
@@ -244,7 +245,8 @@ fn eight_of_a_kind_make_a_flock_and_what_is_different_does_not() {
     let flocks = |build: Build, count: usize| {
         let world = world(build, 0..count);
         let mut plan = crate::solve::Plan::default();
-        plan.compile(world.distances(), world.constraints(), world.particles.len());
+        let (distances, constraints) = (world.distances(), world.constraints());
+        plan.compile(Given { distances, constraints, particles: world.particles.len() });
         let sizes = plan.flocks.all.iter().map(|flock| flock.islands.len());
         sizes.collect::<Vec<_>>()
     };

@@ -16,7 +16,15 @@ const STRIDES: usize = 32;
 /// So many rods of a stride are worth colours of their own: an eighth of them is lost to runs that do not fill the lanes.
 const LEAST: usize = 64;
 
-/// Which colours each particle's constraints have used, by phase: rods, other distances, laws.
+/// What has colours of its own: a rod and a law may have the same one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Class {
+    Rods,
+    Distances,
+    Laws,
+}
+
+/// Which colours each particle's constraints have used, by class and phase.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Colours {
     used: [Vec<[u64; 3]>; 3],
@@ -35,71 +43,55 @@ impl Colours {
         self.strided.resize(particles, [0; 3]);
     }
 
-    pub(super) fn rod(&mut self, phase: u32, rows: &[u32]) -> u32 {
-        greedy(&mut self.used[0], phase, rows)
+    /// The lowest colour that none of the particles has used, which they now have; [`OVERFLOW`] if there is none.
+    pub(super) fn greedy(&mut self, class: Class, phase: u32, rows: &[u32]) -> u32 {
+        let (used, phase) = (&mut self.used[class as usize], phase as usize);
+        let taken = rows.iter().fold(0, |taken, &row| taken | used[row as usize][phase]);
+        let colour = lowest(taken);
+        if colour < OVERFLOW {
+            let bit = 1 << (colour - GREEDY);
+            rows.iter().for_each(|&row| used[row as usize][phase] |= bit);
+        }
+        colour
     }
 
-    pub(super) fn distance(&mut self, phase: u32, rows: &[u32]) -> u32 {
-        greedy(&mut self.used[1], phase, rows)
-    }
-
-    pub(super) fn law(&mut self, phase: u32, rows: &[u32]) -> u32 {
-        greedy(&mut self.used[2], phase, rows)
+    /// Whether `row` is the first of a rod of that stride for the first time: of two rods between the same particles, the second has to go elsewhere.
+    pub(super) fn take_stride(&mut self, number: usize, phase: u32, row: u32) -> bool {
+        let taken = &mut self.strided[row as usize][phase as usize];
+        let first = *taken & 1 << number == 0;
+        *taken |= 1 << number;
+        first
     }
 }
 
-/// The lowest colour that none of the particles has used, which they now have; [`OVERFLOW`] if there is none.
-fn greedy(used: &mut [[u64; 3]], phase: u32, rows: &[u32]) -> u32 {
-    let phase = phase as usize;
-    let taken = rows.iter().fold(0, |taken, &row| taken | used[row as usize][phase]);
-    let colour = (!taken).trailing_zeros();
-    if colour < 64 {
-        rows.iter().for_each(|&row| used[row as usize][phase] |= 1 << colour);
-    }
-    GREEDY + colour
+/// The lowest greedy colour whose bit is not set; [`OVERFLOW`] if all are.
+pub(super) fn lowest(taken: u64) -> u32 {
+    GREEDY + (!taken).trailing_zeros()
 }
 
 /// The strides that many rods of an island have, ascending.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Strides {
-    found: Vec<u32>,
-    all: Vec<u32>,
-}
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Strides(Vec<u32>);
 
 impl Strides {
-    /// Looks at the rods of an island (first and last place in it).
-    pub(super) fn find(&mut self, ends: impl Iterator<Item = (u32, u32)>) {
-        let Self { found, all } = self;
-        found.clear();
-        all.clear();
-        all.extend(ends.map(|(a, b)| b - a));
-        // A thirty-second each: no more than there is room for.
-        let least = LEAST.max(all.len() / STRIDES + 1);
-        if all.len() < LEAST {
-            return;
+    /// Those of an island with these rods (first and last place in it). `room` is scratch.
+    pub(super) fn of(ends: impl Iterator<Item = (u32, u32)>, room: &mut Vec<u32>) -> Self {
+        room.clear();
+        room.extend(ends.map(|(a, b)| b - a));
+        if room.len() < LEAST {
+            return Self::default();
         }
-        all.sort_unstable();
-        found
-            .extend(all.chunk_by(|a, b| a == b).filter(|run| run.len() >= least).map(|run| run[0]));
+        // A thirty-second each: no more than there is room for.
+        let least = LEAST.max(room.len() / STRIDES + 1);
+        room.sort_unstable();
+        let runs = room.chunk_by(|a, b| a == b);
+        Self(runs.filter(|run| run.len() >= least).map(|run| run[0]).collect())
     }
 
-    /// The colour of a rod by its stride, or `None` if it has to look for another. `row` is that of its first particle.
-    pub(super) fn colour(
-        &self,
-        a: u32,
-        b: u32,
-        phase: u32,
-        row: u32,
-        colours: &mut Colours,
-    ) -> Option<u32> {
+    /// The number of the stride between two places, and the colour that it gives to a rod between them; `None` if it is no stride of many.
+    pub(super) fn colour(&self, a: u32, b: u32) -> Option<(usize, u32)> {
         let stride = b - a;
-        let number = self.found.binary_search(&stride).ok()?;
-        // Two rods between the same particles: the second has to go elsewhere.
-        let taken = &mut colours.strided[row as usize][phase as usize];
-        if *taken & 1 << number != 0 {
-            return None;
-        }
-        *taken |= 1 << number;
-        Some(2 * number as u32 + (a / stride % 2))
+        let number = self.0.binary_search(&stride).ok()?;
+        Some((number, 2 * number as u32 + (a / stride % 2)))
     }
 }

@@ -1,0 +1,130 @@
+//! Changes: what came into the lists and went from them since a plan was compiled, and what numbers that leaves to the rest.
+
+use super::Given;
+use super::keys::{DISTANCES, Fields, Key, RODS};
+use super::place::{rank_of, rank_of_law};
+use crate::constraints::Rows;
+
+/// With more changes than these it is hardly worth it: each is looked for among all.
+pub(super) const MOST: usize = 16;
+
+/// The lists that constraints are given in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum List {
+    Distances,
+    Constraints,
+}
+
+/// Something that came into a list or went from it. Numbers are those at that moment: what came moved all behind it one up, what went one down.
+#[derive(Clone, Debug)]
+pub(crate) enum Change {
+    Came(List, usize),
+    /// With the particles that it bound.
+    Went(List, usize, Rows),
+}
+
+/// What changed in the lists since the plan was compiled.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Changes {
+    everything: bool,
+    few: Vec<Change>,
+}
+
+impl Changes {
+    /// Anything may have changed.
+    pub(crate) fn note_all(&mut self) {
+        self.everything = true;
+    }
+
+    pub(crate) fn note(&mut self, change: Change) {
+        self.everything |= self.few.len() == MOST;
+        if !self.everything {
+            self.few.push(change);
+        }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        !self.everything && self.few.is_empty()
+    }
+
+    /// Whether there are only few of them.
+    pub(crate) fn are_few(&self) -> bool {
+        !self.everything
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.everything = false;
+        self.few.clear();
+    }
+
+    /// Takes out the keys of what went, and lets the others have their new numbers. Returns what was taken out, and what in order has come.
+    pub(super) fn renumber(&self, keys: &mut Vec<Key>, given: &Given) -> (Vec<Went>, Vec<Came>) {
+        let (mut went, mut came) = (Vec::new(), Vec::<Came>::new());
+        for change in &self.few {
+            let (&Change::Came(list, number) | &Change::Went(list, number, _)) = change;
+            let number = number as u32;
+            let numbers =
+                keys.iter_mut().filter(|key| list_of(key) == list).map(|key| &mut key.number);
+            let new = came.iter_mut().filter(|(of, _)| *of == list).map(|(_, number)| number);
+            match change {
+                Change::Came(..) => {
+                    numbers.chain(new).filter(|n| **n >= number).for_each(|n| *n += 1);
+                    came.push((list, number));
+                }
+                Change::Went(.., rows) => {
+                    let own = |key: &Key| list_of(key) == list && key.number == number;
+                    if let Some(place) = keys.iter().position(own) {
+                        went.push((keys.remove(place), rows.clone()));
+                    }
+                    came.retain(|&one| one != (list, number));
+                    let numbers = keys
+                        .iter_mut()
+                        .filter(|key| list_of(key) == list)
+                        .map(|key| &mut key.number);
+                    let new =
+                        came.iter_mut().filter(|(of, _)| *of == list).map(|(_, number)| number);
+                    numbers.chain(new).filter(|n| **n > number).for_each(|n| *n -= 1);
+                }
+            }
+        }
+        came.retain(|&(list, number)| given.is_sound(list, number as usize));
+        (went, came)
+    }
+}
+
+/// A constraint that went: its key, and what it bound.
+pub(super) type Went = (Key, Rows);
+
+/// One that came: where it is listed.
+pub(super) type Came = (List, u32);
+
+/// Which list the constraint of a key is in.
+pub(super) fn list_of(key: &Key) -> List {
+    match Fields::of(key.group).rank {
+        RODS | DISTANCES => List::Distances,
+        _ => List::Constraints,
+    }
+}
+
+impl Given<'_> {
+    pub(super) fn is_sound(&self, list: List, number: usize) -> bool {
+        match list {
+            List::Distances => self.distances[number].fault(self.particles).is_none(),
+            List::Constraints => self.constraints[number].fault(self.particles).is_none(),
+        }
+    }
+
+    /// The particles of a constraint, and where its kind stands in a sweep.
+    pub(super) fn rows_and_rank(&self, list: List, number: usize) -> (Rows, u32) {
+        match list {
+            List::Distances => {
+                let d = &self.distances[number];
+                (Rows::from_slice(&[d.a, d.b]), rank_of(d))
+            }
+            List::Constraints => {
+                let c = &self.constraints[number];
+                (c.rows.clone(), rank_of_law(&c.law))
+            }
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! Placing: each constraint gets the key that says where it goes.
+
+use super::clusters::{Clusters, Place};
+use super::colours::{Class, Colours, Strides};
+use super::islands::Connected;
+use super::keys::{DISTANCES, Fields, Key, RIGID, RODS};
+use super::{Given, Plan};
+use crate::constraints::{Bound, Constraint, Distance, Law};
+
+/// What compiling needs; kept for its memory, and for the next [mending](super::mend).
+#[derive(Clone, Debug, Default)]
+pub(super) struct Compiling {
+    pub(super) connected: Connected,
+    /// The place of each particle among the members of its island.
+    pub(super) slots: Vec<u32>,
+    /// The sound distances of each island, island after island, in the order given.
+    of_island: Vec<u32>,
+    /// Where those of each island begin, and where the last end.
+    begins: Vec<u32>,
+    pub(super) colours: Colours,
+    /// The strides of each island, and room to find them in.
+    pub(super) strides: Vec<Strides>,
+    pub(super) room: Vec<u32>,
+    /// The clusters of each island.
+    pub(super) clusters: Vec<Clusters>,
+    /// No constraint of an island reaches farther, counted in places.
+    pub(super) reaches: Vec<u32>,
+    /// All that is sound, ascending.
+    pub(super) keys: Vec<Key>,
+}
+
+impl Compiling {
+    /// Gives every constraint of the plan's islands its key.
+    pub(super) fn place_all(&mut self, plan: &Plan, given: &Given, sound: &[bool]) {
+        self.number_slots(plan);
+        self.sort_by_island(plan, given);
+        self.keys.clear();
+        self.colours.reset(plan.rows);
+        self.clusters.clear();
+        self.reaches.clear();
+        self.reaches.resize(plan.islands.len(), 0);
+        self.strides.clear();
+        for island in 0..plan.islands.len() {
+            self.place_distances(plan, given.distances, island);
+        }
+        for ((constraint, number), _) in
+            given.constraints.iter().zip(0..).zip(sound).filter(|(_, sound)| **sound)
+        {
+            self.place_constraint(plan, constraint, number);
+        }
+        self.keys.sort_unstable();
+    }
+
+    /// Where a constraint among these particles goes, but for its colour, and its first and last place in its island.
+    pub(super) fn fields(&self, plan: &Plan, rows: &[u32], rank: u32) -> (Fields, (u32, u32)) {
+        let island = plan.island_of[rows[0] as usize];
+        let ends = self.ends(rows);
+        let Place { phase, cluster } = self.clusters[island as usize].place(ends.0, ends.1);
+        (Fields { island, rank, phase, cluster, colour: 0 }, ends)
+    }
+
+    /// The first and the last place of some particles in their island.
+    pub(super) fn ends(&self, rows: &[u32]) -> (u32, u32) {
+        let slots = || rows.iter().map(|&row| self.slots[row as usize]);
+        (slots().min().unwrap_or(0), slots().max().unwrap_or(0))
+    }
+
+    fn number_slots(&mut self, plan: &Plan) {
+        self.slots.resize(plan.rows, 0);
+        for island in &plan.islands {
+            for (slot, &row) in (0..).zip(&plan.members[island.members.clone()]) {
+                self.slots[row as usize] = slot;
+            }
+        }
+    }
+
+    /// Lists the sound distances island by island, in the order given: a counting sort.
+    fn sort_by_island(&mut self, plan: &Plan, given: &Given) {
+        let Self { begins, of_island, .. } = self;
+        begins.clear();
+        begins.resize(plan.islands.len() + 1, 0);
+        let island = |d: &Distance| plan.island_of[d.a as usize] as usize;
+        for (d, _) in given.sound_distances() {
+            begins[island(d)] += 1;
+        }
+        let mut sum = 0;
+        for begin in begins.iter_mut() {
+            sum += core::mem::replace(begin, sum);
+        }
+        of_island.clear();
+        of_island.resize(given.distances.len(), 0);
+        for (d, number) in given.sound_distances() {
+            let begin = &mut begins[island(d)];
+            of_island[*begin as usize] = number;
+            *begin += 1;
+        }
+        // Each begin has moved on to where the next one was.
+        begins.rotate_right(1);
+        begins[0] = 0;
+    }
+
+    /// Gives each distance of an island its key.
+    fn place_distances(&mut self, plan: &Plan, distances: &[Distance], island: usize) {
+        let mut room = core::mem::take(&mut self.room);
+        let places = self.begins[island] as usize..self.begins[island + 1] as usize;
+        let numbers = self.of_island[places.clone()].iter();
+        let all = numbers.map(|&number| &distances[number as usize]);
+        let (clusters, strides) = self.survey(plan, island, all, &mut room);
+        self.room = room;
+        self.clusters.push(clusters);
+        for place in places {
+            let number = self.of_island[place];
+            let d = &distances[number as usize];
+            let rows = [d.a, d.b];
+            let (fields, ends) = self.fields(plan, &rows, rank_of(d));
+            self.reaches[island] = self.reaches[island].max(ends.1 - ends.0);
+            let phase = fields.phase;
+            let class = if is_rod(d) { Class::Rods } else { Class::Distances };
+            let strided = if is_rod(d) { strides.colour(ends.0, ends.1) } else { None };
+            let colour = match strided {
+                Some((number, colour)) if self.colours.take_stride(number, phase, d.a.min(d.b)) => {
+                    colour
+                }
+                _ => self.colours.greedy(class, phase, &rows),
+            };
+            let group = Fields { colour, ..fields }.key();
+            self.keys.push(Key { group, first: ends.0, number });
+        }
+        self.strides.push(strides);
+    }
+
+    /// How the island of these distances is cut, and which strides it has.
+    pub(super) fn survey<'a>(
+        &self,
+        plan: &Plan,
+        island: usize,
+        distances: impl Iterator<Item = &'a Distance> + Clone,
+        room: &mut Vec<u32>,
+    ) -> (Clusters, Strides) {
+        let members = plan.islands[island].members.len();
+        let ends = |d: &Distance| self.ends(&[d.a, d.b]);
+        let clusters = Clusters::of(members, distances.clone().map(ends));
+        (clusters, Strides::of(distances.filter(|d| is_rod(d)).map(ends), room))
+    }
+
+    /// Gives a constraint its key.
+    fn place_constraint(&mut self, plan: &Plan, constraint: &Constraint, number: u32) {
+        let (fields, ends) = self.fields(plan, &constraint.rows, rank_of_law(&constraint.law));
+        let reach = &mut self.reaches[fields.island as usize];
+        *reach = (*reach).max(ends.1 - ends.0);
+        let colour = self.colours.greedy(Class::Laws, fields.phase, &constraint.rows);
+        let group = Fields { colour, ..fields }.key();
+        self.keys.push(Key { group, first: ends.0, number });
+    }
+}
+
+/// Whether a distance is a hard one of equality, which the shortest kernels take.
+pub(super) fn is_rod(d: &Distance) -> bool {
+    d.softness.is_hard() && d.bound == Bound::Equal
+}
+
+/// Where distances stand in a sweep.
+pub(super) fn rank_of(d: &Distance) -> u32 {
+    if is_rod(d) { RODS } else { DISTANCES }
+}
+
+/// And laws.
+pub(super) fn rank_of_law(law: &Law) -> u32 {
+    if matches!(law, Law::Rigid(_)) { RIGID } else { law.rank() }
+}
