@@ -35,6 +35,11 @@ impl Workers for ComputePool {
             work();
         });
     }
+
+    fn threads(&self) -> usize {
+        let there = ComputeTaskPool::try_get().map_or(0, |pool| pool.thread_num());
+        (there + 1).min(available_parallelism())
+    }
 }
 
 /// Lends the solver its helpers, or takes them back.

@@ -25,4 +25,8 @@ impl Workers for Threads {
             work();
         });
     }
+
+    fn threads(&self) -> usize {
+        self.0
+    }
 }

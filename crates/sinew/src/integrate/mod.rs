@@ -83,12 +83,16 @@ impl Integrator {
 pub(crate) fn predict(particles: &mut Particles, integrator: Integrator, h: f32, machine: Machine) {
     // Media that move are rare, and so are the other integrators.
     if integrator == Integrator::Verlet && particles.drift.is_empty() {
-        let all = wide::Predict::all(particles, h);
-        let share = share(all.position.len());
-        each(machine.workers, all.chunks(share), |chunk| with(machine.instructions, chunk));
+        predict_all(Predict::all(particles, h), machine);
     } else {
         kicks::predict(particles, integrator, h);
     }
+}
+
+/// Verlet's, of some particles.
+pub(crate) fn predict_all(all: Predict, machine: Machine) {
+    let share = share(all.position.len());
+    each(machine.workers, all.chunks(share), |chunk| with(machine.instructions, chunk));
 }
 
 /// Makes the velocities agree with the positions that the constraints left, at the end of a substep.

@@ -1,5 +1,7 @@
 //! Verlet's step, two particles at a time as they lie in memory: what every substep of every world does, and waits for memory in.
 
+use core::ops::Range;
+
 use glam::Vec4;
 
 use crate::lanes::{Lanes, Work};
@@ -57,8 +59,23 @@ impl<'a> Predict<'a> {
 }
 
 impl<'a> Predict<'a> {
+    /// Some of them.
+    pub(crate) fn lend(&mut self, rows: Range<usize>) -> Predict<'_> {
+        let Self { acceleration, damping, medium, .. } = *self;
+        Predict {
+            position: &mut self.position[rows.clone()],
+            start: &mut self.start[rows.clone()],
+            velocity: &mut self.velocity[rows.clone()],
+            rounding: &mut self.rounding[rows.clone()],
+            acceleration: acceleration.get(rows.clone()).unwrap_or_default(),
+            damping: if damping.len() < 2 { damping } else { &damping[rows.clone()] },
+            medium: medium.get(rows).unwrap_or_default(),
+            ..*self
+        }
+    }
+
     /// In chunks of so many particles, an even number.
-    pub(super) fn chunks(self, of: usize) -> impl Iterator<Item = Self> {
+    pub(crate) fn chunks(self, of: usize) -> impl Iterator<Item = Self> {
         let Self { position, start, velocity, rounding, acceleration, damping, medium, .. } = self;
         let columns = position.chunks_mut(of).zip(start.chunks_mut(of));
         let columns = columns.zip(velocity.chunks_mut(of)).zip(rounding.chunks_mut(of));

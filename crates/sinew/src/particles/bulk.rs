@@ -104,6 +104,20 @@ impl Particles {
             }
         })
     }
+
+    /// The first rows from `row` on, sixty-four at most, that are not all [finite](Self::is_finite): each number times zero is zero where it is, and their sum is.
+    pub(crate) fn next_broken(&self, row: usize) -> Option<Range<usize>> {
+        const SOME: usize = 64;
+        let mut rows = (row..self.len()).step_by(SOME).map(|row| row..self.len().min(row + SOME));
+        rows.find(|rows| {
+            let (position, origin) = (&self.position[rows.clone()], &self.origin[rows.clone()]);
+            let all = position.iter().zip(origin).zip(&self.velocity[rows.clone()]);
+            let sum = all.fold(Vec4::ZERO, |sum, ((p, origin), v)| {
+                sum + ((*p + origin.extend(0.0)) * 0.0 + *p * 0.0) + *v * 0.0
+            });
+            sum != Vec4::ZERO
+        })
+    }
 }
 
 /// The same for a state that is out of the ordinary; `None` if it is none. It gets copies: what has an address is read and written number by number.

@@ -16,11 +16,16 @@ pub(crate) struct Survey {
     pub(crate) neutral: bool,
     /// The damping that all have, 1/s, if it is one.
     pub(crate) damping: Option<f32>,
+    /// How often properties had been [changed](Particles::edits) when somebody looked.
+    seen: Option<u64>,
 }
 
 impl Particles {
-    /// Looks at the columns that seldom differ. To be called when a step begins; whoever writes to them later takes it back.
+    /// Looks at the columns that seldom differ, if one was written to since. To be called when a step begins; whoever writes to them later takes it back.
     pub(crate) fn look(&mut self) {
+        if self.survey.seen == Some(self.edits) {
+            return;
+        }
         // Without a way out in the middle the compiler takes eight at a time.
         let first = self.damping.first().copied().unwrap_or(0.0);
         let even = self.damping.iter().fold(true, |even, &rate| even & (rate == first));
@@ -28,7 +33,8 @@ impl Particles {
         let free = self.external.iter().fold(true, |free, &force| free & (force == Vec3::ZERO));
         let plain = plain && free;
         let neutral = self.charge.iter().fold(true, |neutral, &charge| neutral & (charge == 0.0));
-        self.survey = Survey { plain, neutral, damping: even.then_some(first) };
+        let (damping, seen) = (even.then_some(first), Some(self.edits));
+        self.survey = Survey { plain, neutral, damping, seen };
     }
 
     /// Starts the sums afresh: no acceleration, and the damping `air` (1/s) alone.

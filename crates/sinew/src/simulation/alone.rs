@@ -17,10 +17,7 @@ impl Simulation {
             && forces.winds.is_empty()
             && forces.air_flows.is_empty()
             && forces.fluids.is_empty();
-        // A large island is worth being shared by threads.
-        let large = self.workers.is_some() && self.scratch.plan.tasks.iter().any(|task| task.large);
         quiet
-            && !large
             && !self.scratch.contacts.is_active()
             && particles.survey.plain
             && particles.survey.neutral

@@ -251,8 +251,13 @@ impl Simulation {
     /// Ends a step: puts rows that turned non-finite back to where the step began, at rest, and measures the errors left.
     pub fn end_step(&mut self) {
         self.rouse();
-        for i in 0..self.particles.len() {
-            if !self.particles.is_finite(i) {
+        let mut row = 0;
+        while let Some(rows) = self.particles.next_broken(row) {
+            row = rows.end;
+            for i in rows {
+                if self.particles.is_finite(i) {
+                    continue;
+                }
                 let good = self.scratch.checkpoint.get(i).copied().unwrap_or_default();
                 self.particles.position[i] = good;
                 self.particles.start[i] = good;

@@ -5,19 +5,20 @@ use core::ops::Range;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{Vec3, Vec4};
+use smallvec::SmallVec;
 
 use super::flock::{Drive, Motion, Whole};
 use super::island::{Common, InOrder, Room, solve};
 use super::plan::Task;
 use super::sums::Sums;
-use super::wave::Waves;
-use super::world::{Machine, Scratch};
+use super::wave::{Waves, relay};
+use super::world::{Machine, Scratch, Share};
 use super::{IslandReport, SolverReport};
 use crate::collide::{Pressed, Presses};
-use crate::integrate::{Derive, Predict};
+use crate::integrate::{Derive, Predict, predict_all};
 use crate::lanes::{Lanes, Work, with};
 use crate::particles::{Particles, Places};
-use crate::threads::each;
+use crate::threads::{Pool, each};
 
 /// Predicts, solves and derives, so many substeps of `h` seconds. Forces have been summed up, and are the same in all of them.
 pub(crate) fn advance_all(
@@ -77,7 +78,15 @@ pub(crate) fn advance_all(
         })
     });
     let most = &*most;
-    each(machine.workers, shares, |mut alone| {
+    let mut large = SmallVec::<[Alone; 4]>::new();
+    let small = shares.filter_map(|alone| {
+        if alone.task.large && machine.workers.is_some() {
+            large.push(alone);
+            return None;
+        }
+        Some(alone)
+    });
+    each(machine.workers, small, |mut alone| {
         rooms.with(|room| {
             room.begin(alone.task);
             if !alone.task.flocks.is_empty() {
@@ -89,6 +98,11 @@ pub(crate) fn advance_all(
             }
         });
     });
+    for mut alone in large {
+        if !relay(&mut alone, machine, rooms, most) {
+            alone.by_all(machine, rooms, most);
+        }
+    }
     for most in most {
         let most = most.load(Ordering::Relaxed);
         report.sweeps += most;
@@ -162,6 +176,34 @@ impl Alone<'_> {
                 most,
             }),
             room,
+        }
+    }
+}
+
+impl Alone<'_> {
+    /// A single large island, by all workers, who meet after each stage of each sweep.
+    fn by_all(mut self, machine: Machine, rooms: &Pool<Room>, most: &[AtomicU32]) {
+        let rows = self.task.rows.len();
+        for (number, most) in most.iter().enumerate() {
+            predict_all(self.predict(0..rows), machine);
+            let share = Share {
+                common: Common { substep: self.common.substep + number as u32, ..self.common },
+                task: self.task,
+                places: Places {
+                    first: self.task.rows.start,
+                    position: self.position,
+                    start: self.start,
+                    origin: self.origin,
+                    radius: self.radius,
+                    velocity: self.velocity,
+                },
+                sums: self.sums.lend(),
+                presses: self.presses.lend(),
+                reports: self.reports,
+                excesses: &mut [],
+            };
+            share.by_all(machine, rooms);
+            most.fetch_max(self.reports[0].last_sweeps, Ordering::Relaxed);
         }
     }
 }

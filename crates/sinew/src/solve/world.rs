@@ -145,15 +145,15 @@ pub(crate) fn settle_all(
 }
 
 /// A task, and what is its alone.
-struct Share<'a> {
-    common: Common<'a>,
-    task: &'a Task,
-    places: Places<'a>,
-    sums: Sums<'a>,
-    presses: Presses<'a>,
-    reports: &'a mut [IslandReport],
+pub(super) struct Share<'a> {
+    pub(super) common: Common<'a>,
+    pub(super) task: &'a Task,
+    pub(super) places: Places<'a>,
+    pub(super) sums: Sums<'a>,
+    pub(super) presses: Presses<'a>,
+    pub(super) reports: &'a mut [IslandReport],
     /// A place for what each island has to have taken off, if velocities are derived later; none otherwise.
-    excesses: &'a mut [Option<Excess>],
+    pub(super) excesses: &'a mut [Option<Excess>],
 }
 
 /// One by one, by one worker.
@@ -229,7 +229,7 @@ impl Share<'_> {
     }
 
     /// A single large island, by all workers.
-    fn by_all(self, machine: Machine, rooms: &Pool<Room>) {
+    pub(super) fn by_all(self, machine: Machine, rooms: &Pool<Room>) {
         let Self { common, task, mut places, mut sums, mut presses, reports, excesses } = self;
         let (plan, Some(report)) = (common.plan, reports.first_mut()) else { return };
         let island = &plan.islands[task.islands.start];

@@ -42,6 +42,11 @@ impl<'a> Presses<'a> {
         )
     }
 
+    /// The same, lent on.
+    pub(crate) fn lend(&mut self) -> Presses<'_> {
+        Presses { first: self.first, all: self.all }
+    }
+
     /// That of a candidate.
     #[inline]
     pub(super) fn at(&mut self, number: u32) -> &mut Pressed {

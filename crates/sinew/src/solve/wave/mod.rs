@@ -7,8 +7,11 @@
 //! **The bits are those of pass after pass.** A pass takes its pieces in the order of their rows, and a piece waits until all earlier passes are beyond its last row; so
 //! whatever touches a particle does so in the same order. What has to know the largest error of a whole sweep, whether another follows, cannot be overtaken; there the
 //! passes follow each other, and what is gained is that particles stay in columns.
+//!
+//! Several threads take a large island through a step as a [relay].
 
 mod passes;
+mod relay;
 mod window;
 
 use core::ops::Range;
@@ -18,12 +21,13 @@ use std::time::Instant;
 use super::alone::Alone;
 use super::flock::Rest;
 use super::island::Room;
-use super::plan::Bundle;
+use super::plan::{Bundle, Plan};
 use super::{IslandReport, Order};
 use crate::constraints::Direction;
-use crate::integrate::Course;
+use crate::integrate::{Course, Predict};
 use crate::lanes::{Lanes, Work};
 use passes::{Passes, Piece, What};
+pub(super) use relay::relay;
 use window::Window;
 
 /// What a wave needs. Scratch.
@@ -43,10 +47,37 @@ pub(super) struct Waves<'a, 'b> {
     pub(super) most: &'b [AtomicU32],
 }
 
-impl Waves<'_, '_> {
-    /// How an island would go, if it can: clusters of rods in columns alone, which nothing but each other holds back.
-    fn course(&self, number: usize, passes: &mut Passes) -> Option<Course> {
-        let Alone { common, outside, damping, .. } = &*self.alone;
+impl Work for Waves<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let mut rest = core::mem::take(&mut self.room.rest);
+        let mut wave = core::mem::take(&mut self.room.wave);
+        let begin = self.alone.task.islands.start;
+        for number in self.alone.task.islands.clone() {
+            if !rest.islands.iter().any(|islands| islands.contains(&number)) {
+                continue;
+            }
+            let (alone, most) = (&mut *self.alone, self.most);
+            let course = alone.course(number, most.len(), &mut wave.passes);
+            let Some(course) = course else { continue };
+            let (plan, mut report) = (alone.common.plan, alone.reports[number - begin]);
+            let members = &plan.members[plan.islands[number].members.clone()];
+            let first = (members[0] - alone.task.rows.start) as usize;
+            let mut own = Own { alone, first };
+            drive::<L>(&mut own, (plan, number), course, &mut wave, &mut report, most);
+            self.alone.reports[number - begin] = report;
+            leave(&mut rest, number, members);
+        }
+        (self.room.rest, self.room.wave) = (rest, wave);
+    }
+}
+
+impl Alone<'_> {
+    /// How an island would go through so many substeps, if it can: clusters of rods in columns alone, which nothing but each other holds back.
+    fn course(&self, number: usize, substeps: usize, passes: &mut Passes) -> Option<Course> {
+        let Self { common, outside, damping, .. } = self;
         let plan = common.plan;
         let island = &plan.islands[number];
         let members = &plan.members[island.members.clone()];
@@ -77,33 +108,10 @@ impl Waves<'_, '_> {
         // All of a small island has room. Of a large one, what is on its way has, unless it is whole sweeps.
         let (rows, room) = (members.len(), Window::room(plan.rods.half()));
         let rolls = island.settings.max_sweeps == 1;
-        if rows > room && !(rolls && passes.span(self.most.len(), plan, first, rows) <= room) {
+        if rows > room && !(rolls && passes.span(substeps, plan, first, rows) <= room) {
             return None;
         }
         Course::new(outside.common, rate, common.h)
-    }
-}
-
-impl Work for Waves<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let mut rest = core::mem::take(&mut self.room.rest);
-        let mut wave = core::mem::take(&mut self.room.wave);
-        let begin = self.alone.task.islands.start;
-        for number in self.alone.task.islands.clone() {
-            if !rest.islands.iter().any(|islands| islands.contains(&number)) {
-                continue;
-            }
-            let Some(course) = self.course(number, &mut wave.passes) else { continue };
-            let mut report = self.alone.reports[number - begin];
-            drive::<L>(self.alone, number, course, &mut wave, &mut report, self.most);
-            self.alone.reports[number - begin] = report;
-            let plan = self.alone.common.plan;
-            leave(&mut rest, number, &plan.members[plan.islands[number].members.clone()]);
-        }
-        (self.room.rest, self.room.wave) = (rest, wave);
     }
 }
 
@@ -126,17 +134,48 @@ fn cut<T: Copy + PartialOrd>(ranges: &mut Vec<Range<T>>, out: Range<T>) {
     }
 }
 
+/// Where the particles of an island are kept. Rows count from the first of the island.
+trait Store {
+    /// Returns when all rows before one may be taken up.
+    fn wait(&mut self, end: usize);
+
+    /// Some rows, to be read or to be written.
+    fn lend(&mut self, rows: Range<usize>) -> Predict<'_>;
+
+    /// They are not needed any more; all rows before `settled` not at all.
+    fn put_back(&mut self, settled: Option<usize>);
+}
+
+/// In the columns of a task, which nobody else has.
+struct Own<'a, 'b> {
+    alone: &'a mut Alone<'b>,
+    /// The first row of the island in those.
+    first: usize,
+}
+
+impl Store for Own<'_, '_> {
+    #[inline(always)]
+    fn wait(&mut self, _: usize) {}
+
+    #[inline(always)]
+    fn lend(&mut self, rows: Range<usize>) -> Predict<'_> {
+        self.alone.predict(self.first + rows.start..self.first + rows.end)
+    }
+
+    #[inline(always)]
+    fn put_back(&mut self, _: Option<usize>) {}
+}
+
 /// Takes an island through all substeps: rolling if each has one sweep, or else sweep by sweep.
 #[inline(always)]
 fn drive<L: Lanes>(
-    alone: &mut Alone,
-    number: usize,
+    store: &mut impl Store,
+    (plan, number): (&Plan, usize),
     course: Course,
     wave: &mut Wave,
     report: &mut IslandReport,
     most: &[AtomicU32],
 ) {
-    let plan = alone.common.plan;
     let settings = &plan.islands[number].settings;
     let began = settings.timed.then(Instant::now);
     let rolls = settings.max_sweeps == 1;
@@ -152,7 +191,7 @@ fn drive<L: Lanes>(
         wave.passes.push_sweep(0);
     }
     loop {
-        wave.roll::<L>(alone, number, course, most.len());
+        wave.roll::<L>(store, (plan, number), course, most.len());
         if rolls {
             for (worst, most) in wave.worst.iter().zip(most) {
                 report.note(1, *worst <= settings.tolerance);
@@ -199,23 +238,22 @@ impl Wave {
     #[inline(always)]
     fn roll<L: Lanes>(
         &mut self,
-        alone: &mut Alone,
-        number: usize,
+        store: &mut impl Store,
+        (plan, number): (&Plan, usize),
         course: Course,
         substeps: usize,
     ) {
-        let plan = alone.common.plan;
         let members = plan.islands[number].members.clone();
         let (first, all) = (plan.members[members.start], members.len());
         let Self { window, passes, worst } = self;
-        let in_task = (first - alone.task.rows.start) as usize;
         passes.start(all);
         while let Some(Piece { what, rows, bundle, settled }) = passes.next(plan, first, all) {
-            let packed = in_task + rows.start..in_task + rows.end;
             match what {
                 What::Begin => {
                     window.admit(rows.end, settled);
-                    window.turn_in::<L>(rows.start, &alone.predict(packed));
+                    store.wait(rows.end);
+                    window.turn_in::<L>(rows.start, &store.lend(rows.clone()));
+                    store.put_back(None);
                     window.moving.begin::<L>(window.lanes(rows), course, substeps == 1);
                 }
                 What::GoOn(substep) => {
@@ -233,7 +271,8 @@ impl Wave {
                 }
                 What::Settle => {
                     window.moving.settle::<L>(window.lanes(rows.clone()), course);
-                    window.turn_out::<L>(rows.start, alone.predict(packed));
+                    window.turn_out::<L>(rows.start, store.lend(rows.clone()));
+                    store.put_back(Some(rows.end));
                 }
             }
         }

@@ -47,7 +47,7 @@ struct Pass {
 }
 
 /// So many rows are a piece where rows do not depend on each other; a multiple of 32.
-const PIECE: usize = 1024;
+pub(super) const PIECE: usize = 1024;
 
 impl Passes {
     /// Begins with an island of some bundles.
