@@ -151,14 +151,14 @@ impl<'a> Drive<'a> {
         let Common { plan, h, .. } = self.common;
         let settings = &plan.islands[flocks[0].islands.start].settings;
         let how = How { flocks: &plan.flocks, flock: &flocks[0], settings, planes, h };
-        herd.pens.resize_with(flocks.len(), Pen::default);
-        for (flock, pen) in flocks.iter().zip(&mut herd.pens) {
+        herd.make_room(flocks.len());
+        for (flock, pen) in flocks.iter().zip(herd.pens()) {
             self.load::<L>(flock, planes, pen);
         }
         let substeps = if let Motion::Step(whole) = &self.motion { whole.most.len() } else { 1 };
         for substep in 0..substeps {
             if let Motion::Step(whole) = &self.motion {
-                for pen in &mut herd.pens {
+                for pen in herd.pens() {
                     // The last step may have been of another length, or none, but this one's substeps are alike.
                     if substep < 2 {
                         pen.note_losses(h);
@@ -167,18 +167,18 @@ impl<'a> Drive<'a> {
                 }
             }
             herd.solve::<L>(&how);
-            for (flock, pen) in flocks.iter().zip(&mut herd.pens) {
+            for (flock, pen) in flocks.iter().zip(herd.pens()) {
                 let from = flock.islands.start - self.task.islands.start;
                 let reports = &mut self.reports[from..from + flock.islands.len()];
                 let sweeps = pen.course.report(reports);
                 if let Motion::Step(whole) = &self.motion {
                     whole.most[substep].fetch_max(sweeps, Ordering::Relaxed);
-                    let [left, keeps] = [pen.left(), how.keeps_spin(pen)].map(L::mask);
+                    let (left, keeps) = (L::mask(pen.left()), L::mask(how.keeps_spin(pen)));
                     pen.derive::<L>(h, left, keeps);
                 }
             }
         }
-        for (flock, pen) in flocks.iter().zip(&mut herd.pens) {
+        for (flock, pen) in flocks.iter().zip(herd.pens()) {
             self.give_back::<L>(&how, flock, pen);
         }
     }

@@ -10,7 +10,9 @@ use crate::lanes::{LANES, Lanes};
 /// Pens of flocks that are driven together. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Herd {
-    pub(super) pens: Vec<Pen>,
+    /// One for each flock, and more, which are kept for their memory.
+    pens: Vec<Pen>,
+    flocks: usize,
     /// Those that wait for a lane of the ward.
     waiting: Vec<Place>,
     ward: Pen,
@@ -26,10 +28,23 @@ struct Place {
 }
 
 impl Herd {
+    /// Makes room for so many flocks.
+    pub(super) fn make_room(&mut self, flocks: usize) {
+        self.flocks = flocks;
+        if self.pens.len() < flocks {
+            self.pens.resize_with(flocks, Pen::default);
+        }
+    }
+
+    /// The pens of its flocks.
+    pub(super) fn pens(&mut self) -> &mut [Pen] {
+        &mut self.pens[..self.flocks]
+    }
+
     /// Solves all pens, which have been predicted.
     #[inline(always)]
     pub(super) fn solve<L: Lanes>(&mut self, how: &How) {
-        for pen in &mut self.pens {
+        for pen in self.pens() {
             how.begin::<L>(pen);
         }
         self.ward.clear_as(&self.pens[0]);
@@ -44,7 +59,8 @@ impl Herd {
 
     /// The pen to be swept next, and whether a lane that gets free in it is of use: one flock after the other, then the ward until nobody waits.
     fn take_turn(&mut self, turn: usize) -> Option<(&mut Pen, bool)> {
-        let Self { pens, waiting, ward, beds } = self;
+        let Self { pens, flocks, waiting, ward, beds } = self;
+        let pens = &mut pens[..*flocks];
         if let Some(pen) = turn.checked_sub(1).filter(|&pen| pen < pens.len()) {
             let left = (0..pens[pen].bodies).filter(|&lane| pens[pen].course.is_going(lane));
             waiting.extend(left.map(|lane| Place { pen, lane }));

@@ -59,8 +59,8 @@ impl How<'_> {
         let tolerance = L::splat(settings.tolerance);
         let from_start = L::mask(self.from_start(pen));
         let any_from_start = from_start.any();
-        let Course { going, converged, touched, .. } = pen.course;
-        let [mut going, mut converged, mut touched] = [going, converged, touched].map(L::mask);
+        let (mut going, mut converged) = (L::mask(pen.course.going), L::mask(pen.course.converged));
+        let mut touched = L::mask(pen.course.touched);
         let (mut sweeps, mut kept) = (L::load(&pen.course.sweeps), none);
         let mut over = none;
         while (going.bits() & pen.mask()).count_ones() > few {
@@ -74,10 +74,11 @@ impl How<'_> {
                     Part::Rods(range) => {
                         let rods = &flocks.rods[range.clone()];
                         let spots = (&mut pen.now[..], &pen.start[..]);
+                        let masks = (from_start, aside);
                         if any_from_start {
-                            rods::sweep::<L, true>(rods, spots, from_start, worst)
+                            rods::sweep::<L, true>(rods, spots, masks, worst)
                         } else {
-                            rods::sweep::<L, false>(rods, spots, from_start, worst)
+                            rods::sweep::<L, false>(rods, spots, masks, worst)
                         }
                     }
                     Part::Laws(part) => flocks.alike.sweep::<L>(part, pen, pace, (aside, worst)),
@@ -96,8 +97,9 @@ impl How<'_> {
         if kept.any() {
             pen.put_back(kept);
         }
-        let [going, converged, touched] = [going, converged, touched].map(L::bits);
-        pen.course = Course { going, converged, touched, ..pen.course };
+        let course = &mut pen.course;
+        (course.going, course.converged) = (going.bits(), converged.bits());
+        course.touched = touched.bits();
         sweeps.store(&mut pen.course.sweeps);
     }
 }
