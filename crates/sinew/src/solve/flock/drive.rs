@@ -81,11 +81,15 @@ impl Rest {
     }
 }
 
-/// Cuts a range out of the last of some ranges.
-fn cut<T: Copy>(ranges: &mut Vec<Range<T>>, out: Range<T>) {
+/// Cuts a range out of the last of some ranges. Nothing of it is no range: there may be many flocks, and what is left is looked through for each island.
+fn cut<T: Copy + PartialEq>(ranges: &mut Vec<Range<T>>, out: Range<T>) {
     if let Some(last) = ranges.last_mut() {
         let after = out.end..core::mem::replace(&mut last.end, out.start);
-        ranges.push(after);
+        if last.start == last.end {
+            *last = after;
+        } else {
+            ranges.push(after);
+        }
     }
 }
 
