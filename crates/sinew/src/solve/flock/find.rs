@@ -44,7 +44,8 @@ impl Flocks {
             for begin in (leader..end).step_by(LANES) {
                 let some = begin..end.min(begin + LANES);
                 let joins = |last: &Flock| {
-                    last.islands.end == begin && is_twin(plan, last.islands.start, begin)
+                    let are_twins = || is_twin(plan, last.islands.start, begin);
+                    last.kin.is_some() && last.islands.end == begin && are_twins()
                 };
                 if some.len() >= LEAST || self.all.last().is_some_and(joins) {
                     self.add(plan, some);
