@@ -40,11 +40,11 @@ impl How<'_> {
 
     /// A bit for each body of a pen whose corrections keep its angular momentum, or have to.
     pub(super) fn keeps_spin(&self, pen: &Pen) -> u32 {
-        if self.settings.keep_spin { u32::MAX } else { self.from_start(pen) }
+        if self.settings.keep_spin { u32::MAX } else { self.along_start(pen) }
     }
 
     /// A bit for each body of a pen that is corrected along the start of the substep.
-    fn from_start(&self, pen: &Pen) -> u32 {
+    fn along_start(&self, pen: &Pen) -> u32 {
         if self.settings.direction == Direction::StepStart { !pen.course.fell_back } else { 0 }
     }
 
@@ -57,7 +57,7 @@ impl How<'_> {
         let pace = Pace { h, sweeps: settings.max_sweeps };
         let most = L::splat(settings.max_sweeps as f32);
         let tolerance = L::splat(settings.tolerance);
-        let from_start = L::mask(self.from_start(pen));
+        let from_start = L::mask(self.along_start(pen));
         let any_from_start = from_start.any();
         let (mut going, mut converged) = (L::mask(pen.course.going), L::mask(pen.course.converged));
         let mut touched = L::mask(pen.course.touched);

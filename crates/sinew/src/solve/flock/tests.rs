@@ -160,9 +160,9 @@ fn so_they_have_where_those_that_take_longer_change_lanes() {
 fn twins_of_other_settings_are_solved_by_their_own() {
     let mut together = world(ragdolls, 0..20);
     let mut alone: Vec<_> = (0..20).map(|number| world(ragdolls, [number])).collect();
-    for number in 8..16 {
-        together.bodies[number].max_sweeps = Some(3);
-        alone[number].bodies[0].max_sweeps = Some(3);
+    for (together, alone) in together.bodies.iter_mut().zip(&mut alone).skip(8).take(8) {
+        together.max_sweeps = Some(3);
+        alone.bodies[0].max_sweeps = Some(3);
     }
     for tick in 0..30 {
         together.step(1.0 / 60.0).unwrap();
