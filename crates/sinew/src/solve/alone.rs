@@ -50,7 +50,7 @@ pub(crate) fn advance_all(
         &mut report.islands[..],
     ));
     let (origins, radii) = (&particles.origin, &particles.radius);
-    let shares = plan.tasks.iter().filter_map(|task| {
+    let shares = plan.tasks(machine.workers.is_none()).filter_map(|task| {
         let (position, start, velocity, rounding, sums, presses, reports) = left.take()?;
         let rows = task.rows.start as usize..task.rows.end as usize;
         let (position, positions) = position.split_at_mut(rows.len());
@@ -88,7 +88,7 @@ pub(crate) fn advance_all(
     });
     each(machine.workers, small, |mut alone| {
         rooms.with(|room| {
-            room.begin(alone.task);
+            room.begin(&alone.task);
             if !alone.task.flocks.is_empty() {
                 with(machine.instructions, alone.flocks(room, most));
             }
@@ -124,7 +124,7 @@ pub(super) struct Outside {
 pub(super) struct Alone<'a> {
     pub(super) common: Common<'a>,
     pub(super) outside: Outside,
-    pub(super) task: &'a Task,
+    pub(super) task: Task,
     position: &'a mut [Vec4],
     start: &'a mut [Vec4],
     velocity: &'a mut [Vec4],
@@ -161,7 +161,7 @@ impl Alone<'_> {
     fn flocks<'b>(&'b mut self, room: &'b mut Room, most: &'b [AtomicU32]) -> Drive<'b> {
         Drive {
             common: self.common,
-            task: self.task,
+            task: &self.task,
             position: self.position,
             origin: self.origin,
             radius: self.radius,
@@ -188,7 +188,7 @@ impl Alone<'_> {
             predict_all(self.predict(0..rows), machine);
             let share = Share {
                 common: Common { substep: self.common.substep + number as u32, ..self.common },
-                task: self.task,
+                task: self.task.clone(),
                 places: Places {
                     first: self.task.rows.start,
                     position: self.position,

@@ -3,7 +3,7 @@
 use core::marker::PhantomData;
 use std::time::Instant;
 
-use super::flock::{Pen, Rest};
+use super::flock::{Herd, Rest};
 use super::item::{Item, Local, Manner};
 use super::momentum::Excess;
 use super::plan::{Island, Kind, Plan, Task};
@@ -23,7 +23,7 @@ pub(crate) struct Room {
     items: Vec<Item>,
     asked: jacobi::Asked,
     queue: worst_first::Queue,
-    pub(super) pen: Pen,
+    pub(super) herd: Herd,
     /// What is left of a task beside its flocks.
     pub(super) rest: Rest,
     /// Where a large island is meanwhile.

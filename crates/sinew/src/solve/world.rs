@@ -72,7 +72,7 @@ pub(crate) fn solve_all(
         &mut report.islands[..],
         &mut excesses[..],
     ));
-    let shares = plan.tasks.iter().filter_map(|task| {
+    let shares = plan.tasks(machine.workers.is_none()).filter_map(|task| {
         let (places, sums, presses, reports, excesses) = left.take()?;
         let (own, places) = places.split_at(task.rows.end);
         let (own_sums, sums) = sums.split(Some(task.distances.end), Some(task.constraints.end));
@@ -105,7 +105,7 @@ pub(crate) fn solve_all(
     });
     each(machine.workers, small, |mut share| {
         rooms.with(|room| {
-            room.begin(share.task);
+            room.begin(&share.task);
             if !share.task.flocks.is_empty() {
                 with(machine.instructions, share.flocks(room));
             }
@@ -147,7 +147,7 @@ pub(crate) fn settle_all(
 /// A task, and what is its alone.
 pub(super) struct Share<'a> {
     pub(super) common: Common<'a>,
-    pub(super) task: &'a Task,
+    pub(super) task: Task,
     pub(super) places: Places<'a>,
     pub(super) sums: Sums<'a>,
     pub(super) presses: Presses<'a>,
@@ -200,7 +200,7 @@ impl Work for InLanes<'_, '_> {
             let members = plan.islands[number as usize].members.clone();
             excess.take_off(&mut places, &plan.members[members]);
         }
-        common.bounce(&mut places, &mut presses, task);
+        common.bounce(&mut places, &mut presses, &task);
     }
 }
 
@@ -218,7 +218,7 @@ impl Share<'_> {
         let Places { position, start, velocity, origin, radius, .. } = &mut self.places;
         Drive {
             common: self.common,
-            task: self.task,
+            task: &self.task,
             position,
             motion: Motion::Substep { start, velocity },
             origin,
@@ -250,7 +250,7 @@ impl Share<'_> {
         if let Some(excess) = excess {
             excess.take_off(&mut places, &plan.members[island.members.clone()]);
         }
-        common.bounce(&mut places, &mut presses, task);
+        common.bounce(&mut places, &mut presses, &task);
     }
 }
 

@@ -114,9 +114,15 @@ impl Rod {
         for along in [-half, *half] {
             take(along, self.at(along).clamp(-*size, *size));
         }
+        // An edge is nearest only to what comes beyond both of the sides that meet there; most have to be looked at no further.
+        let (farthest, slack) = (axis.abs() * *half, 1e-3 * (size.max_element() + half));
+        let comes_beyond = |i: usize, side: f32| side * centre[i] + farthest[i] >= size[i] - slack;
         for i in 0..3 {
             let square = 1.0 - axis[i] * axis[i];
             for (first, second) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
+                if !(comes_beyond((i + 1) % 3, first) && comes_beyond((i + 2) % 3, second)) {
+                    continue;
+                }
                 let mut q = Vec3::ZERO;
                 (q[(i + 1) % 3], q[(i + 2) % 3]) =
                     (first * size[(i + 1) % 3], second * size[(i + 2) % 3]);

@@ -6,14 +6,16 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use glam::{Vec3, Vec4};
 
 use super::pen::{gather, scatter};
-use super::solve::solve;
-use super::{Flock, Pen};
+use super::{Flock, Herd, How, Pen};
 use crate::constraints::Plane;
 use crate::lanes::{LANES, Lanes, Work};
 use crate::particles::ground;
 use crate::solve::island::{Common, Room};
 use crate::solve::plan::Task;
 use crate::solve::{IslandReport, Order};
+
+/// Particles of the bodies side by side in the pens of a herd, at most: with all that belongs to them they fit into a core's second cache.
+const HERD: usize = 512;
 
 /// The flocks of a task, to be driven. What cannot be in lanes in this step is left to others, and noted in the room's [`Rest`].
 pub(crate) struct Drive<'a> {
@@ -79,11 +81,15 @@ impl Rest {
     }
 }
 
-/// Cuts a range out of the last of some ranges.
-fn cut<T: Copy>(ranges: &mut Vec<Range<T>>, out: Range<T>) {
+/// Cuts a range out of the last of some ranges. Nothing of it is no range: there may be many flocks, and what is left is looked through for each island.
+fn cut<T: Copy + PartialEq>(ranges: &mut Vec<Range<T>>, out: Range<T>) {
     if let Some(last) = ranges.last_mut() {
         let after = out.end..core::mem::replace(&mut last.end, out.start);
-        ranges.push(after);
+        if last.start == last.end {
+            *last = after;
+        } else {
+            ranges.push(after);
+        }
     }
 }
 
@@ -93,99 +99,133 @@ impl Work for Drive<'_> {
     #[inline(always)]
     fn run<L: Lanes>(mut self) {
         let plan = self.common.plan;
-        let contacts = self.common.contacts;
-        let mut pen = core::mem::take(&mut self.room.pen);
-        for flock in &plan.flocks.all[self.task.flocks.clone()] {
-            let Some(planes) = contacts.planes_alone(flock.rows()) else { continue };
-            if self.is_ready(flock, planes) {
-                self.room.rest.leave(flock);
-                self.drive::<L>(flock, planes, &mut pen);
+        let flocks = &plan.flocks.all[self.task.flocks.clone()];
+        let mut herd = core::mem::take(&mut self.room.herd);
+        let (mut begin, mut found) = (0, flocks.first().and_then(|first| self.planes(first)));
+        while begin < flocks.len() {
+            let (first, planes) = (&flocks[begin], found);
+            let most = HERD / first.members as usize;
+            let mut end = begin + 1;
+            while let Some(flock) = flocks.get(end) {
+                found = self.planes(flock);
+                if found != planes || end - begin >= most || !self.is_kin(first, flock) {
+                    break;
+                }
+                end += 1;
             }
+            if let Some(planes) = planes {
+                flocks[begin..end].iter().for_each(|flock| self.room.rest.leave(flock));
+                self.drive::<L>(&flocks[begin..end], planes, &mut herd);
+            }
+            begin = end;
         }
-        self.room.pen = pen;
+        self.room.herd = herd;
     }
 }
 
-impl Drive<'_> {
-    /// Whether the bodies of a flock can go through this step together.
-    fn is_ready(&self, flock: &Flock, planes: &[Plane]) -> bool {
+impl<'a> Drive<'a> {
+    /// The planes that a flock touches, if its bodies can go through this step together.
+    fn planes(&self, flock: &Flock) -> Option<&'a [Plane]> {
         let islands = &self.common.plan.islands[flock.islands.clone()];
         let settings = &islands[0].settings;
+        let planes = self.common.contacts.planes_alone(flock.rows())?;
         let apart = || {
             let place = |row: u32| (row - self.task.rows.start) as usize;
             let rows = place(flock.rows().start)..place(flock.rows().end);
             let mut bodies = self.origin[rows].chunks(flock.members as usize);
             bodies.any(|origins| origins.iter().any(|origin| *origin != origins[0]))
         };
-        settings.order == Order::Cascade
+        let ready = settings.order == Order::Cascade
             && !settings.timed
             && islands.iter().all(|island| island.settings == *settings)
             && !islands.iter().any(|island| island.rigid || island.asleep)
             // A body whose particles have more than one origin has more than one height above a plane.
-            && (planes.is_empty() || !apart())
+            && (planes.is_empty() || !apart());
+        ready.then_some(planes)
+    }
+
+    /// Whether two flocks are of the same bodies, which are to be solved in the same way.
+    fn is_kin(&self, one: &Flock, other: &Flock) -> bool {
+        let settings = |flock: &Flock| self.common.plan.islands[flock.islands.start].settings;
+        one.is_kin(other) && settings(one) == settings(other)
     }
 
     #[inline(always)]
-    fn drive<L: Lanes>(&mut self, flock: &Flock, planes: &[Plane], pen: &mut Pen) {
+    fn drive<L: Lanes>(&mut self, flocks: &[Flock], planes: &[Plane], herd: &mut Herd) {
         let Common { plan, h, .. } = self.common;
-        let (flocks, begin) = (&plan.flocks, self.task.rows.start);
-        let settings = &plan.islands[flock.islands.start].settings;
-        let from = flock.islands.start - self.task.islands.start;
+        let settings = &plan.islands[flocks[0].islands.start].settings;
+        let how = How { flocks: &plan.flocks, flock: &flocks[0], settings, planes, h };
+        herd.make_room(flocks.len());
+        for (flock, pen) in flocks.iter().zip(herd.pens()) {
+            self.load::<L>(flock, planes, pen);
+        }
+        let substeps = if let Motion::Step(whole) = &self.motion { whole.most.len() } else { 1 };
+        for substep in 0..substeps {
+            if let Motion::Step(whole) = &self.motion {
+                for pen in herd.pens() {
+                    // The last step may have been of another length, or none, but this one's substeps are alike.
+                    if substep < 2 {
+                        pen.note_losses(h);
+                    }
+                    pen.predict::<L>(whole.common, h);
+                }
+            }
+            herd.solve::<L>(&how);
+            for (flock, pen) in flocks.iter().zip(herd.pens()) {
+                let from = flock.islands.start - self.task.islands.start;
+                let reports = &mut self.reports[from..from + flock.islands.len()];
+                let sweeps = pen.course.report(reports);
+                if let Motion::Step(whole) = &self.motion {
+                    whole.most[substep].fetch_max(sweeps, Ordering::Relaxed);
+                    let (left, keeps) = (L::mask(pen.left()), L::mask(how.keeps_spin(pen)));
+                    pen.derive::<L>(h, left, keeps);
+                }
+            }
+        }
+        for (flock, pen) in flocks.iter().zip(herd.pens()) {
+            self.give_back::<L>(&how, flock, pen);
+        }
+    }
+
+    /// Takes a flock into a pen.
+    #[inline(always)]
+    fn load<L: Lanes>(&self, flock: &Flock, planes: &[Plane], pen: &mut Pen) {
+        let (begin, islands) = (self.task.rows.start, &self.common.plan.islands);
+        let islands = &islands[flock.islands.clone()];
         self.note_heights(flock, planes, pen);
-        let (none, all) = (L::zero(), L::zero().same(L::zero()));
-        let keeps_all = if settings.keep_spin { all } else { none };
-        let mut keeps = none;
-        let islands = &plan.islands[flock.islands.clone()];
         // In the lanes that are left, too, the last body is what it is: they write the same as its own.
         let is_free = |lane: usize| islands[lane.min(islands.len() - 1)].free;
-        let free = (0..LANES).fold(0, |free, lane| free | u32::from(is_free(lane)) << lane);
-        let reports = &mut self.reports[from..from + flock.islands.len()];
-        let begun = match &self.motion {
+        pen.free = (0..LANES).fold(0, |free, lane| free | u32::from(is_free(lane)) << lane);
+        let start = match &self.motion {
             Motion::Substep { start, .. } => *start,
             Motion::Step(whole) => &*whole.start,
         };
-        pen.load::<L>(flock, begin, self.position, begun);
-        let mut free = L::mask(free);
-        let mut substeps = 1;
+        pen.load::<L>(flock, begin, self.position, start);
         if let Motion::Step(whole) = &self.motion {
-            substeps = whole.most.len();
             gather::<L>(&mut pen.velocity, flock, begin, whole.velocity);
             gather::<L>(&mut pen.rounding, flock, begin, whole.rounding);
             note_rates(flock, begin, whole, pen);
         }
-        if free.any() {
+        if pen.free != 0 {
             pen.note_masses();
         }
-        for substep in 0..substeps {
-            if let Motion::Step(whole) = &self.motion {
-                // The last step may have been of another length, or none, but this one's substeps are alike.
-                if substep < 2 {
-                    pen.note_losses(h);
-                }
-                pen.predict::<L>(whole.common, h);
-            }
-            let solved = solve::<L>(flocks, flock, settings, planes, h, pen);
-            let sweeps = solved.report(reports);
-            let left = solved.touched.select(none, free);
-            keeps = keeps_all.or(solved.from_start);
-            if let Motion::Step(whole) = &self.motion {
-                whole.most[substep].fetch_max(sweeps, Ordering::Relaxed);
-                pen.derive::<L>(h, left, keeps);
-            } else {
-                free = left;
-            }
-        }
+    }
+
+    /// Writes what has become of a flock.
+    #[inline(always)]
+    fn give_back<L: Lanes>(&mut self, how: &How, flock: &Flock, pen: &mut Pen) {
+        let begin = self.task.rows.start;
         scatter::<L>(&pen.now, flock, begin, self.position);
         match &mut self.motion {
             Motion::Substep { velocity, .. } => {
-                if !free.any() {
+                let left = pen.left();
+                if left == 0 {
                     return;
                 }
                 gather::<L>(&mut pen.velocity, flock, begin, velocity);
-                let excesses = pen.excesses::<L>(h, free.bits() & keeps.bits());
+                let excesses = pen.excesses::<L>(how.h, left & how.keeps_spin(pen));
                 // No more of them than there are bodies.
-                let bodies = free.bits() & ((1 << islands.len()) - 1);
-                let own = excesses.each(bodies);
+                let own = excesses.each(left & pen.mask());
                 let own = own.map(|(lane, one)| ((flock.islands.start + lane) as u32, one));
                 self.room.excesses.extend(own);
             }

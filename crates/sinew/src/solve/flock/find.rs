@@ -12,7 +12,7 @@ use crate::solve::wide::Groups;
 /// Eight bodies of so many particles, with their velocities and all, fit into a core's first cache: 32 kB and a half. Larger ones have enough of each colour to fill the lanes.
 pub(crate) const MOST: usize = 64;
 
-/// A flock costs what two or three of its bodies cost alone.
+/// A flock costs what two or three of its bodies cost alone; less, where they join a herd.
 const LEAST: usize = 3;
 
 impl Flocks {
@@ -43,7 +43,11 @@ impl Flocks {
             }
             for begin in (leader..end).step_by(LANES) {
                 let some = begin..end.min(begin + LANES);
-                if some.len() >= LEAST {
+                let joins = |last: &Flock| {
+                    let are_twins = || is_twin(plan, last.islands.start, begin);
+                    last.kin.is_some() && last.islands.end == begin && are_twins()
+                };
+                if some.len() >= LEAST || self.all.last().is_some_and(joins) {
                     self.add(plan, some);
                 }
             }
@@ -85,7 +89,16 @@ impl Flocks {
         }
         let members = lanes[0].members.len() as u32;
         let parts = begin..self.parts.len();
-        self.all.push(Flock { islands, first: first[0], members, parts, sums });
+        let kin = self.kin(plan, &islands);
+        self.all.push(Flock { islands, first: first[0], members, parts, sums, kin });
+    }
+
+    /// That of the last flock, if these are twins of its bodies; `None` if they are none of each other.
+    fn kin(&self, plan: &Plan, islands: &Range<usize>) -> Option<usize> {
+        let leader = islands.start;
+        let last = self.all.last().filter(|last| is_twin(plan, last.islands.start, leader));
+        let twins = islands.clone().skip(1).all(|other| is_twin(plan, leader, other));
+        twins.then(|| last.and_then(|last| last.kin).unwrap_or(self.all.len()))
     }
 
     fn add_rods(&mut self, each: [&[Distance]; LANES], first: [u32; LANES], begin: usize) {
@@ -158,6 +171,18 @@ fn is_like(plan: &Plan, one: usize, other: usize) -> bool {
                 && a.bound == b.bound
         })
     })
+}
+
+/// Whether two islands are alike in lengths and angles, too.
+fn is_twin(plan: &Plan, one: usize, other: usize) -> bool {
+    let groups = |number: usize| &plan.groups[plan.islands[number].groups.clone()];
+    let lengths = |group: &Group| plan.distances[group.range.clone()].iter().map(|d| d.rest);
+    let laws = |group: &Group| plan.constraints[group.range.clone()].iter().map(|c| &c.law);
+    is_like(plan, one, other)
+        && groups(one).iter().zip(groups(other)).all(|(one, other)| match one.kind {
+            Kind::Constraints => laws(one).eq(laws(other)),
+            Kind::Distances | Kind::Rods => lengths(one).eq(lengths(other)),
+        })
 }
 
 fn are_constraints_alike(one: &Constraint, other: &Constraint, shift: u32) -> bool {

@@ -10,13 +10,16 @@
 //!
 //! - `find` finds them when a plan is compiled;
 //! - `pen` is where their particles are meanwhile;
-//! - `solve` sweeps them until each holds, `rods` and the plan's [laws](super::wide) are what it does, `touch` puts them out of planes;
+//! - `solve` sweeps them until each holds, `rods` and the plan's [laws](super::wide) are what it does, `touch` puts them out of planes, `course` is how it goes;
+//! - `herd` lets those that take longer than the others of their flock go on together;
 //! - `motion` predicts and derives, `excess` keeps round-off out of their momenta;
 //! - `drive` does all that, flock by flock.
 
+mod course;
 mod drive;
 mod excess;
 mod find;
+mod herd;
 mod motion;
 mod pen;
 mod rods;
@@ -30,9 +33,12 @@ use core::ops::Range;
 use super::wide::{Alike, Part as LawPart};
 use crate::lanes::LANES;
 
+use course::Course;
 pub(crate) use drive::{Drive, Motion, Rest, Whole};
 pub(crate) use find::MOST;
+pub(crate) use herd::Herd;
 pub(crate) use pen::{Pen, Spot};
+use solve::How;
 
 /// The flocks of a plan.
 #[derive(Clone, Debug, Default)]
@@ -54,6 +60,8 @@ struct Flock {
     parts: Range<usize>,
     /// How many constraints may have sums.
     sums: usize,
+    /// All bodies of flocks of the same kin are the same in every number. `None` if those of this one are not.
+    kin: Option<usize>,
 }
 
 /// Constraints of one kind that a sweep takes one after the other.
@@ -72,10 +80,25 @@ struct Rod {
     rest: [f32; LANES],
 }
 
+impl Flocks {
+    /// Whether the last of some flocks and the first of others are of the same bodies.
+    pub(crate) fn are_kin(&self, some: Range<usize>, others: Range<usize>) -> bool {
+        match (self.all[some].last(), self.all[others].first()) {
+            (Some(last), Some(first)) => last.is_kin(first),
+            _ => false,
+        }
+    }
+}
+
 impl Flock {
     /// All rows of its bodies.
     fn rows(&self) -> Range<u32> {
         self.first..self.first + self.islands.len() as u32 * self.members
+    }
+
+    /// Whether the bodies of both are the same in every number.
+    fn is_kin(&self, other: &Self) -> bool {
+        self.kin.is_some() && self.kin == other.kin
     }
 
     /// In which place, from that of row `begin` on, particle `i` of each body is. Lanes that are left have the last body again: it computes the same and writes the same.

@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::Flock;
+use super::{Course, Flock};
 use crate::lanes::{LANES, Lanes};
 
 /// The particles of eight bodies. Scratch.
@@ -28,6 +28,11 @@ pub(crate) struct Pen {
     pub(super) mass: Vec<[f64; LANES]>,
     /// Multipliers of soft constraints.
     pub(crate) sums: Vec<[f32; LANES]>,
+    /// How many bodies there are. The lanes that are left have the last one again.
+    pub(super) bodies: usize,
+    /// A bit for each body to which nothing outside gives momentum.
+    pub(super) free: u32,
+    pub(super) course: Course,
 }
 
 /// `x y z w` of one particle of each body; on lines of the cache of its own.
@@ -68,6 +73,13 @@ impl Spot {
         &self.0[3]
     }
 
+    /// Takes one of other bodies.
+    fn take(&mut self, lane: usize, other: &Self, from: usize) {
+        for (column, other) in self.0.iter_mut().zip(&other.0) {
+            column[lane % LANES] = other[from % LANES];
+        }
+    }
+
     /// Of one body.
     pub(super) fn lane(&self, lane: usize) -> Vec4 {
         let [x, y, z, w] = &self.0;
@@ -94,9 +106,63 @@ impl Pen {
     ) {
         gather::<L>(&mut self.now, flock, begin, position);
         gather::<L>(&mut self.start, flock, begin, start);
+        self.bodies = flock.islands.len();
         self.kept.resize(self.now.len(), Spot::ZERO);
         self.sums.clear();
         self.sums.resize(flock.sums, [0.0; LANES]);
+    }
+
+    /// A bit for each body.
+    pub(super) fn mask(&self) -> u32 {
+        (1 << self.bodies) - 1
+    }
+
+    /// A bit for each body to which nothing has given momentum in this substep.
+    pub(super) fn left(&self) -> u32 {
+        self.free & !self.course.touched
+    }
+
+    /// Makes room for eight bodies that are built as those of another pen, and has none.
+    pub(super) fn clear_as(&mut self, other: &Self) {
+        self.bodies = LANES;
+        self.course = Course { going: 0, ..Course::default() };
+        self.now.resize(other.now.len(), Spot::ZERO);
+        self.start.resize(other.start.len(), Spot::ZERO);
+        self.kept.resize(other.now.len(), Spot::ZERO);
+        self.radius.resize(other.radius.len(), [0.0; LANES]);
+        self.ground.resize(other.ground.len(), [0.0; LANES]);
+        self.sums.resize(other.sums.len(), [0.0; LANES]);
+    }
+
+    /// Takes a body of another pen, with all that it is solved by.
+    pub(super) fn admit(&mut self, lane: usize, other: &Self, from: usize) {
+        for (spot, other) in self.start.iter_mut().zip(&other.start) {
+            spot.take(lane, other, from);
+        }
+        let columns = self.radius.iter_mut().zip(&other.radius);
+        for (column, other) in columns.chain(self.ground.iter_mut().zip(&other.ground)) {
+            column[lane] = other[from];
+        }
+        self.take(lane, other, from);
+    }
+
+    /// Takes a body back that has been solved elsewhere.
+    pub(super) fn take_back(&mut self, lane: usize, other: &Self, from: usize) {
+        let end = if lane + 1 == self.bodies { LANES } else { lane + 1 };
+        for lane in lane..end {
+            self.take(lane, other, from);
+        }
+    }
+
+    /// Takes what solving changes.
+    fn take(&mut self, lane: usize, other: &Self, from: usize) {
+        for (spot, other) in self.now.iter_mut().zip(&other.now) {
+            spot.take(lane, other, from);
+        }
+        for (sum, other) in self.sums.iter_mut().zip(&other.sums) {
+            sum[lane] = other[from];
+        }
+        self.course.take(lane, &other.course, from);
     }
 
     /// Keeps the bodies of a mask as they are now.

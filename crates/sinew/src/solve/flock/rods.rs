@@ -9,12 +9,12 @@ use crate::lanes::{LANES, Lanes, Vector};
 use crate::solve::rods::{project, project_from_start};
 
 /// Projects rods once, one after the other; returns the largest error found in each body, metres, or what it was before. Bodies of the mask `may` are corrected along where the rods
-/// pointed when the substep began; if there are none, `START` need not be.
+/// pointed when the substep began; if there are none, `START` need not be. What becomes of those of the mask `aside` does not matter.
 #[inline(always)]
 pub(super) fn sweep<L: Lanes, const START: bool>(
     rods: &[Rod],
     (now, start): (&mut [Spot], &[Spot]),
-    may: L,
+    (may, aside): (L, L),
     mut worst: L,
 ) -> L {
     for rod in rods {
@@ -29,6 +29,7 @@ pub(super) fn sweep<L: Lanes, const START: bool>(
         now[a].put(one);
         now[b].put(other);
         worst = error.max(worst);
+        let moves = moves.or(aside);
         if !moves.all() {
             worst = L::load(&part(rod, now, !moves.bits())).max(worst);
         }

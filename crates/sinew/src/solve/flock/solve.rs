@@ -1,107 +1,105 @@
 //! Eight bodies, swept until each holds or its sweeps are spent: as [`solve`](crate::solve::island) does with one.
 
-use super::{Flock, Flocks, Part, Pen, rods, touch};
+use super::{Course, Flock, Flocks, Part, Pen, rods, touch};
 use crate::constraints::{Direction, Pace, Plane};
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::Lanes;
+use crate::solve::SolverSettings;
 use crate::solve::island::COS_SQUARED;
-use crate::solve::{IslandReport, SolverSettings};
 
-/// How it went with each body: masks, and numbers of sweeps.
-pub(super) struct Solved<L> {
-    sweeps: [u32; LANES],
-    converged: u32,
-    /// Went back to the nearest point.
-    fell_back: u32,
-    /// Corrected along the start of the substep.
-    pub(super) from_start: L,
-    /// Touched a plane.
-    pub(super) touched: L,
+/// What solving needs to know beside the pen.
+#[derive(Clone, Copy)]
+pub(super) struct How<'a> {
+    pub(super) flocks: &'a Flocks,
+    /// One whose constraints those in the pen have.
+    pub(super) flock: &'a Flock,
+    pub(super) settings: &'a SolverSettings,
+    pub(super) planes: &'a [Plane],
+    /// Length of the substep, seconds.
+    pub(super) h: f32,
 }
 
-/// Solves a flock.
-#[inline(always)]
-pub(super) fn solve<L: Lanes>(
-    flocks: &Flocks,
-    flock: &Flock,
-    settings: &SolverSettings,
-    planes: &[Plane],
-    h: f32,
-    pen: &mut Pen,
-) -> Solved<L> {
-    let parts = &flocks.parts[flock.parts.clone()];
-    let (none, all) = (L::zero(), L::zero().same(L::zero()));
-    let (mut from_start, mut fell_back) = (none, none);
-    if settings.direction == Direction::StepStart {
-        for part in parts {
-            if let Part::Rods(range) = part {
-                let rods = &flocks.rods[range.clone()];
-                fell_back = fell_back.or(rods::turns_too_fast::<L>(
-                    rods,
-                    (&pen.now, &pen.start),
-                    COS_SQUARED,
-                ));
-            }
-        }
-        from_start = fell_back.select(none, all);
-    }
-    pen.sums.fill([0.0; LANES]);
-    let pace = Pace { h, sweeps: settings.max_sweeps };
-    let (mut done, mut converged, mut touched, mut kept) = (none, none, none, none);
-    let mut sweeps = none;
-    let any_from_start = from_start.any();
-    for sweep in 1..=settings.max_sweeps {
-        let mut worst = none;
-        for part in parts {
-            worst = match part {
-                Part::Rods(range) => {
-                    let rods = &flocks.rods[range.clone()];
-                    let spots = (&mut pen.now[..], &pen.start[..]);
-                    if any_from_start {
-                        rods::sweep::<L, true>(rods, spots, from_start, worst)
-                    } else {
-                        rods::sweep::<L, false>(rods, spots, from_start, worst)
-                    }
+impl How<'_> {
+    /// Begins a substep: none has been swept.
+    #[inline(always)]
+    pub(super) fn begin<L: Lanes>(&self, pen: &mut Pen) {
+        pen.course = Course::default();
+        pen.sums.fill([0.0; _]);
+        if self.settings.direction == Direction::StepStart {
+            let mut fell_back = L::zero();
+            for part in &self.flocks.parts[self.flock.parts.clone()] {
+                if let Part::Rods(range) = part {
+                    let rods = &self.flocks.rods[range.clone()];
+                    let spots = (&pen.now[..], &pen.start[..]);
+                    let fast = rods::turns_too_fast::<L>(rods, spots, COS_SQUARED);
+                    fell_back = fell_back.or(fast);
                 }
-                Part::Laws(part) => flocks.alike.sweep::<L>(part, pen, pace, worst),
-            };
-        }
-        if !planes.is_empty() {
-            let depth = touch::touch::<L>(planes, pen);
-            touched = touched.or(done.select(none, none.lt(depth)));
-            worst = depth.max(worst);
-        }
-        let good = done.select(none, worst.le(L::splat(settings.tolerance)));
-        sweeps = done.select(sweeps, L::splat(sweep as f32));
-        (done, converged) = (done.or(good), converged.or(good));
-        if done.all() || sweep == settings.max_sweeps {
-            break;
-        }
-        if good.any() {
-            pen.keep(good);
-            kept = kept.or(good);
+            }
+            pen.course.fell_back = fell_back.bits();
         }
     }
-    if kept.any() {
-        pen.put_back(kept);
-    }
-    let (converged, fell_back) = (converged.bits(), fell_back.bits());
-    let sweeps = sweeps.array().map(|sweeps| sweeps as u32);
-    Solved { sweeps, converged, fell_back, from_start, touched }
-}
 
-impl<L> Solved<L> {
-    /// Tells it the reports of the islands; returns the most sweeps.
-    pub(super) fn report(&self, reports: &mut [IslandReport]) -> u32 {
-        let mut most = 0;
-        for (lane, report) in reports.iter_mut().enumerate() {
-            let sweeps = self.sweeps[lane];
-            report.sweeps += sweeps;
-            report.most_sweeps = report.most_sweeps.max(sweeps);
-            report.last_sweeps = sweeps;
-            report.converged &= self.converged >> lane & 1 != 0;
-            report.fallbacks += self.fell_back >> lane & 1;
-            most = most.max(sweeps);
+    /// A bit for each body of a pen whose corrections keep its angular momentum, or have to.
+    pub(super) fn keeps_spin(&self, pen: &Pen) -> u32 {
+        if self.settings.keep_spin { u32::MAX } else { self.along_start(pen) }
+    }
+
+    /// A bit for each body of a pen that is corrected along the start of the substep.
+    fn along_start(&self, pen: &Pen) -> u32 {
+        if self.settings.direction == Direction::StepStart { !pen.course.fell_back } else { 0 }
+    }
+
+    /// Sweeps until no more bodies than `few` go on.
+    #[inline(always)]
+    pub(super) fn sweep<L: Lanes>(&self, pen: &mut Pen, few: u32) {
+        let Self { flocks, flock, settings, planes, h } = *self;
+        let (none, one) = (L::zero(), L::splat(1.0));
+        let all = none.same(none);
+        let pace = Pace { h, sweeps: settings.max_sweeps };
+        let most = L::splat(settings.max_sweeps as f32);
+        let tolerance = L::splat(settings.tolerance);
+        let from_start = L::mask(self.along_start(pen));
+        let any_from_start = from_start.any();
+        let (mut going, mut converged) = (L::mask(pen.course.going), L::mask(pen.course.converged));
+        let mut touched = L::mask(pen.course.touched);
+        let (mut sweeps, mut kept) = (L::load(&pen.course.sweeps), none);
+        let mut over = none;
+        while (going.bits() & pen.mask()).count_ones() > few {
+            if over.any() {
+                pen.keep(over);
+                kept = kept.or(over);
+            }
+            let (mut worst, aside) = (none, going.select(none, all));
+            for part in &flocks.parts[flock.parts.clone()] {
+                worst = match part {
+                    Part::Rods(range) => {
+                        let rods = &flocks.rods[range.clone()];
+                        let spots = (&mut pen.now[..], &pen.start[..]);
+                        let masks = (from_start, aside);
+                        if any_from_start {
+                            rods::sweep::<L, true>(rods, spots, masks, worst)
+                        } else {
+                            rods::sweep::<L, false>(rods, spots, masks, worst)
+                        }
+                    }
+                    Part::Laws(part) => flocks.alike.sweep::<L>(part, pen, pace, (aside, worst)),
+                };
+            }
+            if !planes.is_empty() {
+                let depth = touch::touch::<L>(planes, pen, going);
+                touched = touched.or(going.and(none.lt(depth)));
+                worst = depth.max(worst);
+            }
+            let good = going.and(worst.le(tolerance));
+            sweeps = going.select(sweeps + one, sweeps);
+            over = good.or(going.and(most.le(sweeps)));
+            (converged, going) = (converged.or(good), over.select(none, going));
         }
-        most
+        if kept.any() {
+            pen.put_back(kept);
+        }
+        let course = &mut pen.course;
+        (course.going, course.converged) = (going.bits(), converged.bits());
+        course.touched = touched.bits();
+        sweeps.store(&mut pen.course.sweeps);
     }
 }

@@ -4,9 +4,9 @@ use super::Pen;
 use crate::constraints::Plane;
 use crate::lanes::{Lanes, Vector};
 
-/// Puts all particles out of all planes once, with friction; returns the deepest of each body, metres.
+/// Puts all particles of the bodies that are still `going` out of all planes once, with friction; returns the deepest of each body, metres.
 #[inline(always)]
-pub(super) fn touch<L: Lanes>(planes: &[Plane], pen: &mut Pen) -> L {
+pub(super) fn touch<L: Lanes>(planes: &[Plane], pen: &mut Pen, going: L) -> L {
     let mut deepest = L::zero();
     let Pen { now, start, radius, ground, .. } = pen;
     for ((now, start), radius) in now.iter_mut().zip(start).zip(radius) {
@@ -14,7 +14,7 @@ pub(super) fn touch<L: Lanes>(planes: &[Plane], pen: &mut Pen) -> L {
             let (p, w) = Vector::of(now.load::<L>());
             let normal = Vector::<L>::splat(plane.normal);
             let height = normal.dot(p) + L::load(ground) - L::load(radius);
-            let below = height.lt(L::zero()).and(L::zero().lt(w));
+            let below = height.lt(L::zero()).and(L::zero().lt(w)).and(going);
             if !below.any() {
                 continue;
             }

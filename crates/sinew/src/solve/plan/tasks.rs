@@ -22,6 +22,31 @@ pub(crate) struct Task {
     pub(crate) large: bool,
 }
 
+impl Plan {
+    /// The tasks for one worker alone, or for several. One has nothing of many tasks: where one ends amid bodies that are all the same, it goes on with the next, so that they make larger
+    /// [herds](flock).
+    pub(crate) fn tasks(&self, alone: bool) -> impl Iterator<Item = Task> {
+        let joins = move |one: &Task, next: &Task| {
+            alone && self.flocks.are_kin(one.flocks.clone(), next.flocks.clone())
+        };
+        self.tasks.chunk_by(joins).filter_map(|tasks| Some(tasks.first()?.to(tasks.last()?)))
+    }
+}
+
+impl Task {
+    /// This one and those that follow up to another.
+    fn to(&self, last: &Self) -> Self {
+        Self {
+            islands: self.islands.start..last.islands.end,
+            rows: self.rows.start..last.rows.end,
+            distances: self.distances.start..last.distances.end,
+            constraints: self.constraints.start..last.constraints.end,
+            flocks: self.flocks.start..last.flocks.end,
+            large: self.large,
+        }
+    }
+}
+
 /// So many constraints keep a thread busy for ten times as long as it takes to tell it so.
 const LARGE: usize = 16_384;
 

@@ -96,25 +96,27 @@ impl Alike {
         Some(Part { list: groups.which.list, range, sums: groups.sums })
     }
 
-    /// Projects a group once; returns the largest error found in each body, metres, or what it was before.
+    /// Projects a group once; returns the largest error found in each body, metres, or what it was before. Nothing is asked of bodies of the mask `aside`: what becomes of them does not
+    /// matter.
     #[inline(always)]
     pub(in crate::solve) fn sweep<L: Lanes>(
         &self,
         part: &Part,
         pen: &mut Pen,
         pace: Pace,
-        worst: L,
+        (aside, worst): (L, L),
     ) -> L {
+        let found = (aside, worst);
         let Self { tempers, lengths, bends, areas, tetrahedra, angles, hinges, cones } = self;
         let range = part.range.clone();
         match part.list {
-            List::Lengths => sweep_lengths(&lengths[range], tempers, pen, part.sums, pace, worst),
-            List::Bends => sweep(&bends[range], tempers, pen, part.sums, pace, worst),
-            List::Areas => sweep(&areas[range], tempers, pen, part.sums, pace, worst),
-            List::Tetrahedra => sweep(&tetrahedra[range], tempers, pen, part.sums, pace, worst),
-            List::Angles => sweep(&angles[range], tempers, pen, part.sums, pace, worst),
-            List::Hinges => sweep(&hinges[range], tempers, pen, part.sums, pace, worst),
-            List::Cones => sweep(&cones[range], tempers, pen, part.sums, pace, worst),
+            List::Lengths => sweep_lengths(&lengths[range], tempers, pen, part.sums, pace, found),
+            List::Bends => sweep(&bends[range], tempers, pen, part.sums, pace, found),
+            List::Areas => sweep(&areas[range], tempers, pen, part.sums, pace, found),
+            List::Tetrahedra => sweep(&tetrahedra[range], tempers, pen, part.sums, pace, found),
+            List::Angles => sweep(&angles[range], tempers, pen, part.sums, pace, found),
+            List::Hinges => sweep(&hinges[range], tempers, pen, part.sums, pace, found),
+            List::Cones => sweep(&cones[range], tempers, pen, part.sums, pace, found),
         }
     }
 }
@@ -171,7 +173,7 @@ fn sweep<L: Lanes, W: Wide<N>, const N: usize>(
     pen: &mut Pen,
     sums: usize,
     pace: Pace,
-    mut worst: L,
+    (aside, mut worst): (L, L),
 ) -> L {
     let (mut each, mut each_of) = ([1.0; LANES], u32::MAX);
     let Pen { now, start, sums: all, .. } = pen;
@@ -182,7 +184,7 @@ fn sweep<L: Lanes, W: Wide<N>, const N: usize>(
             each_of = own.eight.temper;
         }
         let mut spots = InPen { at: &own.at, now, start };
-        let how = (temper, &each, pace.h);
+        let how = (temper, &each, pace.h, aside);
         worst = block::project::<L, W, N>(&own.eight, how, &mut spots, sum).max(worst);
     }
     worst
@@ -195,7 +197,7 @@ fn sweep_lengths<L: Lanes>(
     pen: &mut Pen,
     sums: usize,
     pace: Pace,
-    mut worst: L,
+    (aside, mut worst): (L, L),
 ) -> L {
     let (mut each, mut each_of) = ([1.0; LANES], u32::MAX);
     let Pen { now, start, sums: all, .. } = pen;
@@ -206,7 +208,7 @@ fn sweep_lengths<L: Lanes>(
             each_of = own.eight.temper;
         }
         let mut spots = InPen { at: &own.at, now, start };
-        let how = (temper, &each, pace.h);
+        let how = (temper, &each, pace.h, aside);
         worst = lengths::project::<L>(&own.eight, how, &mut spots, sum).max(worst);
     }
     worst

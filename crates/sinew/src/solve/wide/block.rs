@@ -69,7 +69,7 @@ pub(super) fn sweep<L: Lanes, W: Wide<N>, const N: usize>(
         let rows = less(&block.rows, places.first, &mut room);
         let (position, start) = (&mut *places.position, places.start);
         let mut spots = Packed { rows, position, start };
-        let how = (temper, &each, pace.h);
+        let how = (temper, &each, pace.h, L::zero());
         worst = project::<L, W, N>(&block.eight, how, &mut spots, sums).max(worst);
     }
     worst.largest(0.0)
@@ -156,22 +156,23 @@ fn load<L: Lanes, const N: usize>(spots: &impl Seen<N>) -> ([Vector<L>; N], [L; 
     (points, inverse)
 }
 
-/// Eight constraints once, with their temper, what each share is, and the substep, seconds; the errors found.
+/// Eight constraints once, with their temper, what each share is, the substep, seconds, and a mask of those of which nothing is asked: what becomes of them does not matter. Returns the
+/// errors found.
 #[inline(always)]
 pub(super) fn project<L: Lanes, W: Wide<N>, const N: usize>(
     eight: &Eight<W>,
-    (temper, each, h): (&Temper, &[f32; LANES], f32),
+    (temper, each, h, aside): (&Temper, &[f32; LANES], f32, L),
     spots: &mut impl Spots<N>,
     sums: &mut [f32],
 ) -> L {
     let (points, inverse) = load::<L, N>(spots);
-    if W::IS_LIMIT && eight.law.is_kept(&points).all() {
+    if W::IS_LIMIT && eight.law.is_kept(&points).or(aside).all() {
         return L::zero();
     }
     let found = solve::<L, W, N>(&eight.law, &points, &inverse);
     let Found { value, gradients, weights, error, active } = found;
     // Limits are kept more often than not.
-    if !active.any() {
+    if !aside.select(L::zero(), active).any() {
         return L::zero();
     }
     let zero = L::zero();

@@ -3,7 +3,7 @@
 use super::spots::{Packed, Spots};
 use super::temper::{Asks, Temper, yielding};
 use super::{less, load_sums, store_sums};
-use crate::constraints::{Distance, Pace};
+use crate::constraints::{Bound, Distance, Pace};
 use crate::lanes::{LANES, Lanes, Vector};
 use crate::particles::Places;
 
@@ -19,6 +19,8 @@ pub(super) struct Lengths {
 pub(super) struct EightLengths {
     rest: [f32; LANES],
     yielding: [f32; LANES],
+    /// Of struts: the square of a length that is safely above the rest length, m². Infinite of others.
+    clear: [f32; LANES],
     pub(super) temper: u32,
 }
 
@@ -37,7 +39,15 @@ impl EightLengths {
     pub(super) fn of(eight: [&Distance; LANES]) -> (Self, Temper) {
         let temper = Temper::of(eight.map(|d| d.softness), eight.map(|d| d.bound));
         let (rest, yielding) = (eight.map(|d| d.rest), eight.map(|d| yielding(d.softness)));
-        (Self { rest, yielding, temper: 0 }, temper)
+        (Self { rest, yielding, clear: eight.map(clear), temper: 0 }, temper)
+    }
+}
+
+/// Above this, a strut is longer than it has to be whatever was rounded on the way, m²: squares that are too small to have all their digits are not.
+fn clear(distance: &Distance) -> f32 {
+    match distance.bound {
+        Bound::AtLeast => (distance.rest * distance.rest * (1.0 + 1e-5)).max(1e-30),
+        _ => f32::INFINITY,
     }
 }
 
@@ -62,7 +72,7 @@ pub(super) fn sweep<L: Lanes>(
         let rows = less(&block.rows, places.first, &mut room);
         let (position, start) = (&mut *places.position, places.start);
         let mut spots = Packed { rows, position, start };
-        let how = (temper, &each, pace.h);
+        let how = (temper, &each, pace.h, L::zero());
         worst = project::<L>(&block.eight, how, &mut spots, sums).max(worst);
     }
     worst.largest(0.0)
@@ -86,12 +96,12 @@ pub(super) fn measure<L: Lanes>(blocks: &[Lengths], tempers: &[Temper], places: 
     worst.largest(0.0)
 }
 
-/// Eight distances once, with their temper, what each share is, and the substep, seconds; the errors found. As [`project`](crate::constraints::project): with `n = d/‖d‖`, `d = a - b`, the gradients are `±n`, so that
+/// Eight distances once, with their temper, what each share is, the substep, seconds, and a mask of those of which nothing is asked; the errors found. As [`project`](crate::constraints::project): with `n = d/‖d‖`, `d = a - b`, the gradients are `±n`, so that
 /// `Σ w‖∇C‖² = w_a + w_b`. Coincident ends are pushed apart along the x axis, `a` towards +x.
 #[inline(always)]
 pub(super) fn project<L: Lanes>(
     eight: &EightLengths,
-    (temper, each, h): (&Temper, &[f32; LANES], f32),
+    (temper, each, h, aside): (&Temper, &[f32; LANES], f32, L),
     spots: &mut impl Spots<2>,
     sums: &mut [f32],
 ) -> L {
@@ -99,14 +109,19 @@ pub(super) fn project<L: Lanes>(
     let (b, wb) = Vector::of(spots.now::<L>(1));
     let (zero, one, most) = (L::zero(), L::splat(1.0), L::splat(f32::MAX));
     let d = a - b;
-    let length = d.length();
+    // Limbs are apart more often than not, and that can be told without a root.
+    let square = d.length_squared();
+    if temper.plain && L::load(&eight.clear).lt(square).or(aside).all() {
+        return zero;
+    }
+    let length = square.sqrt();
     let value = length - L::load(&eight.rest);
     let weights = wa + wb;
     let sum = if temper.plain { zero } else { load_sums::<L>(sums) };
     let mut active = zero.lt(weights).and(weights.le(most)).and(value.abs().le(most));
     let holds = temper.holds(value);
     active = sum.same(zero).and(holds).select(zero, active);
-    if !active.any() {
+    if !aside.select(zero, active).any() {
         return zero;
     }
     let parted = zero.lt(length);
