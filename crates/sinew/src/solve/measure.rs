@@ -9,7 +9,7 @@ use crate::constraints::Distance;
 use crate::lanes::{InstructionSet, Lanes, Work, with};
 use crate::particles::{Particles, Places};
 
-/// Measures what is left, moving nothing: largest error of the hard constraints in metres, and largest strain of the hard distances.
+/// Measures what is left, moving nothing: largest error of the hard constraints in metres, and largest strain of the hard distances. Islands that went as a wave have been measured on the way.
 pub(crate) fn measure(
     particles: &mut Particles,
     contacts: &Touch,
@@ -39,7 +39,13 @@ impl Work for Measure<'_> {
         let Self { places, contacts, plan, room, report } = self;
         for (island, own) in plan.islands.iter().zip(&mut report.islands) {
             let (mut error, mut strain) = (0.0_f32, 0.0_f32);
-            for bundle in &plan.bundles[island.bundles.clone()] {
+            // What broke was put back after it was measured.
+            let measured = core::mem::take(&mut own.measured) && report.frozen.is_empty();
+            if measured {
+                (error, strain) = (own.error, own.strain);
+            }
+            let bundles = if measured { 0..0 } else { island.bundles.clone() };
+            for bundle in &plan.bundles[bundles] {
                 let groups = &plan.groups[bundle.groups.clone()];
                 if bundle.columns {
                     let each = groups.iter().map(|group| (&group.runs, &group.blocks));

@@ -44,6 +44,8 @@ pub struct IslandReport {
     pub strain: f32,
     /// Time that solving it took, seconds; zero unless [`SolverSettings::timed`](super::SolverSettings::timed). Not part of any state.
     pub seconds: f64,
+    /// Whether what is left has been measured on the way. Taken back when the step ends.
+    pub(crate) measured: bool,
 }
 
 impl Default for IslandReport {
@@ -57,6 +59,7 @@ impl Default for IslandReport {
             error: 0.0,
             strain: 0.0,
             seconds: 0.0,
+            measured: false,
         }
     }
 }

@@ -6,6 +6,7 @@
 
 use core::ops::Range;
 
+use super::packed::worse;
 use super::{Block, Rods, Strips, moved, stretch, stretch_of};
 use crate::constraints::project_rod;
 use crate::lanes::{Columns, LANES, Lanes, OnPairs, Vector};
@@ -62,23 +63,38 @@ impl Rods {
         let span = places.at(rows.start)..places.at(rows.end);
         columns.reset(self.half);
         columns.turn_in::<L>(0, &places.position[span]);
-        let (mut error, mut strain) = (L::zero(), L::zero());
-        let mut loose = (0.0_f32, 0.0_f32);
+        self.measure_turned::<L>(columns, groups, (rows.start, rows.start))
+    }
+
+    /// The same on particles that are in columns. `rows` as in [`sweep_turned`](Self::sweep_turned).
+    #[inline(always)]
+    pub(crate) fn measure_turned<'a, L: Lanes>(
+        &self,
+        columns: &mut Columns,
+        groups: impl Iterator<Item = (&'a Range<usize>, &'a Range<usize>)>,
+        rows: (u32, u32),
+    ) -> (f32, f32) {
+        let from = (rows.0 - rows.1) as usize / 2;
+        let mut worst = (L::zero(), L::zero());
         for (strips, blocks) in groups {
             for strips in &self.strips[strips.clone()] {
                 let view = columns.eights();
                 for pair in &self.pairs[strips.full.start..strips.tails.end] {
-                    let ((a, b), rest) = (view.find(pair, 0), L::load(&pair.numbers));
+                    let ((a, b), rest) = (view.find(pair, from), L::load(&pair.numbers));
                     let (_, left, _) = stretch(view.load(a), view.load(b), rest);
                     let left = rest.le(rest).and(left);
                     let share = L::zero().lt(rest).and(left / rest);
-                    (error, strain) = (left.max(error), share.max(strain));
+                    worst = (left.max(worst.0), share.max(worst.1));
                 }
             }
-            let (left, share) = self.measure::<L>(places.position, 0..0, blocks.clone());
-            loose = (loose.0.max(left), loose.1.max(share));
+            for block in &self.blocks[blocks.clone()] {
+                let [one, other] = [&block.a, &block.b]
+                    .map(|rows_of| rows_of.map(|row| columns.get(columns.at(row - rows.1))));
+                let rest = L::load(&block.rest);
+                worst = worse(worst, L::run(&one, 0), L::run(&other, 0), rest);
+            }
         }
-        (error.largest(loose.0), strain.largest(loose.1))
+        (worst.0.largest(0.0), worst.1.largest(0.0))
     }
 }
 

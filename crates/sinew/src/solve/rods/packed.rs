@@ -107,7 +107,12 @@ impl Rods {
 
 /// The larger of errors and strains, and of those of eight more rods. One that nothing can move has none.
 #[inline(always)]
-fn worse<L: Lanes>((error, strain): (L, L), one: [L; 4], other: [L; 4], rest: L) -> (L, L) {
+pub(super) fn worse<L: Lanes>(
+    (error, strain): (L, L),
+    one: [L; 4],
+    other: [L; 4],
+    rest: L,
+) -> (L, L) {
     let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));
     let left = L::zero().lt(wa + wb).and(((a - b).length() - rest).abs());
     let share = L::zero().lt(rest).and(left / rest);

@@ -37,6 +37,8 @@ pub(super) struct Wave {
     passes: Passes,
     /// The largest error that each substep found, metres.
     worst: Vec<f32>,
+    /// What is left at the end of the step: the largest error, metres, and the largest share of a rest length.
+    left: (f32, f32),
 }
 
 /// The islands of a task that can go through a step as waves. Those that do are taken out of what is left of the task.
@@ -66,7 +68,7 @@ impl Work for Waves<'_, '_> {
             let members = &plan.members[plan.islands[number].members.clone()];
             let first = (members[0] - alone.task.rows.start) as usize;
             let mut own = Own { alone, first };
-            drive::<L>(&mut own, (plan, number), course, &mut wave, &mut report, most);
+            drive::<L>(&mut own, (plan, number), course, &mut wave, &mut report, (most, true));
             self.alone.reports[number - begin] = report;
             leave(&mut rest, number, members);
         }
@@ -166,7 +168,7 @@ impl Store for Own<'_, '_> {
     fn put_back(&mut self, _: Option<usize>) {}
 }
 
-/// Takes an island through all substeps: rolling if each has one sweep, or else sweep by sweep.
+/// Takes an island through some substeps: rolling if each has one sweep, or else sweep by sweep. Measures what is left then if those are the last of a step.
 #[inline(always)]
 fn drive<L: Lanes>(
     store: &mut impl Store,
@@ -174,18 +176,19 @@ fn drive<L: Lanes>(
     course: Course,
     wave: &mut Wave,
     report: &mut IslandReport,
-    most: &[AtomicU32],
+    (most, measures): (&[AtomicU32], bool),
 ) {
     let settings = &plan.islands[number].settings;
     let began = settings.timed.then(Instant::now);
     let rolls = settings.max_sweeps == 1;
     wave.window.begin(plan.rods.half());
+    wave.left = (0.0, 0.0);
     wave.worst.clear();
     wave.worst.resize(most.len(), 0.0);
     wave.passes.clear();
     let (mut substep, mut sweeps) = (0, 0);
     if rolls {
-        wave.passes.push_all(most.len());
+        wave.passes.push_all(most.len(), measures);
     } else {
         wave.passes.push(What::Begin);
         wave.passes.push_sweep(0);
@@ -217,8 +220,11 @@ fn drive<L: Lanes>(
             wave.passes.push(What::GoOn(substep));
             wave.passes.push_sweep(substep);
         } else {
-            wave.passes.push(What::Settle);
+            wave.passes.push_end(measures);
         }
+    }
+    if measures {
+        report.note_left(wave.left);
     }
     report.seconds += began.map_or(0.0, |began| began.elapsed().as_secs_f64());
 }
@@ -230,6 +236,11 @@ impl IslandReport {
         self.most_sweeps = self.most_sweeps.max(sweeps);
         self.last_sweeps = sweeps;
         self.converged &= converged;
+    }
+
+    /// Notes what is left of it at the end of a step.
+    fn note_left(&mut self, (error, strain): (f32, f32)) {
+        (self.error, self.strain, self.measured) = (error, strain, true);
     }
 }
 
@@ -245,7 +256,7 @@ impl Wave {
     ) {
         let members = plan.islands[number].members.clone();
         let (first, all) = (plan.members[members.start], members.len());
-        let Self { window, passes, worst } = self;
+        let Self { window, passes, worst, left } = self;
         passes.start(all);
         while let Some(Piece { what, rows, bundle, settled }) = passes.next(plan, first, all) {
             match what {
@@ -268,6 +279,15 @@ impl Wave {
                     let columns = &mut window.moving.position;
                     let found = plan.rods.sweep_turned::<L>(columns, groups, rows);
                     worst[substep] = worst[substep].max(found);
+                }
+                What::Measure { .. } => {
+                    let bundle = &plan.bundles[bundle];
+                    let groups = plan.groups[bundle.groups.clone()].iter();
+                    let groups = groups.map(|group| (&group.runs, &group.blocks));
+                    let rows = (bundle.rows.start, first + window.rows.start as u32);
+                    let columns = &mut window.moving.position;
+                    let (error, strain) = plan.rods.measure_turned::<L>(columns, groups, rows);
+                    *left = (left.0.max(error), left.1.max(strain));
                 }
                 What::Settle => {
                     window.moving.settle::<L>(window.lanes(rows.clone()), course);

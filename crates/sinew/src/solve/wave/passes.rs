@@ -23,8 +23,20 @@ pub(super) enum What {
     GoOn(usize),
     /// Sweeps the bundles before one, in a substep.
     Sweep { end: usize, substep: usize },
+    /// Measures what the bundles before one have left to correct.
+    Measure { end: usize },
     /// Derives the last velocities, and gives particles back.
     Settle,
+}
+
+impl What {
+    /// Before which bundle a pass over bundles ends; `None` for one over rows.
+    fn end(self) -> Option<usize> {
+        match self {
+            Self::Sweep { end, .. } | Self::Measure { end } => Some(end),
+            _ => None,
+        }
+    }
 }
 
 /// A piece of a pass: its rows, counted from the first of the island, and its bundle, if it is one.
@@ -77,13 +89,23 @@ impl Passes {
         }));
     }
 
+    /// The end of a step.
+    pub(super) fn push_end(&mut self, measures: bool) {
+        let stages = self.stages.iter().filter(|_| measures);
+        self.all.extend(stages.map(|stage| {
+            let what = What::Measure { end: stage.end };
+            Pass { what, next: stage.start, done: 0, wanted: 0 }
+        }));
+        self.push(What::Settle);
+    }
+
     /// All passes of some substeps, of one sweep each.
-    pub(super) fn push_all(&mut self, substeps: usize) {
+    pub(super) fn push_all(&mut self, substeps: usize, measures: bool) {
         for substep in 0..substeps {
             self.push(if substep == 0 { What::Begin } else { What::GoOn(substep) });
             self.push_sweep(substep);
         }
-        self.push(What::Settle);
+        self.push_end(measures);
     }
 
     /// So many rows are to go through all of them.
@@ -99,13 +121,12 @@ impl Passes {
             let at = self.at;
             let before = if at > 0 { self.all[at - 1].done } else { usize::MAX };
             let Pass { what, next, wanted, done } = &mut self.all[at];
-            let piece = match *what {
-                What::Sweep { end, .. } if *next < end => {
+            let piece = match what.end() {
+                Some(end) if *next < end => {
                     let rows = &plan.bundles[*next].rows;
                     (rows.start - first) as usize..(rows.end - first) as usize
                 }
-                What::Sweep { .. } => NONE,
-                _ if *next < rows => *next..(*next + PIECE).min(rows),
+                None if *next < rows => *next..(*next + PIECE).min(rows),
                 _ => NONE,
             };
             let goes = piece.start < *wanted;
@@ -115,7 +136,7 @@ impl Passes {
                 self.at -= 1;
             } else if goes {
                 let (what, bundle) = (*what, *next);
-                *next = if matches!(what, What::Sweep { .. }) { bundle + 1 } else { piece.end };
+                *next = if what.end().is_some() { bundle + 1 } else { piece.end };
                 let last = &self.all[self.all.len() - 1];
                 let settled =
                     if last.what == What::Settle { last.next.min(piece.start) } else { 0 };
@@ -133,7 +154,7 @@ impl Passes {
     /// How many rows are on their way at a time, at most, when so many substeps roll.
     pub(super) fn span(&mut self, substeps: usize, plan: &Plan, first: u32, rows: usize) -> usize {
         self.clear();
-        self.push_all(substeps);
+        self.push_all(substeps, true);
         self.start(rows);
         let mut span = 0;
         while let Some(piece) = self.next(plan, first, rows) {

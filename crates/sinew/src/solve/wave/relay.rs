@@ -59,6 +59,7 @@ pub(in crate::solve) fn relay(
         let runner = Runner { lots: &lots, lot, held: None, before, own: &settled[leg] };
         rooms.with(|room| {
             let wave = &mut room.wave;
+            let most = (most, leg + 1 == settled.len());
             with(machine.instructions, Leg { plan, number, runner, course, wave, report, most });
         });
     });
@@ -69,6 +70,8 @@ pub(in crate::solve) fn relay(
         whole.most_sweeps = whole.most_sweeps.max(report.most_sweeps);
         whole.last_sweeps = report.last_sweeps;
         whole.converged &= report.converged;
+        (whole.error, whole.strain) = (report.error, report.strain);
+        whole.measured = report.measured;
     }
     whole.seconds += began.map_or(0.0, |began| began.elapsed().as_secs_f64());
     true
@@ -101,7 +104,8 @@ struct Leg<'a, 'b> {
     course: Course,
     wave: &'a mut Wave,
     report: &'a mut IslandReport,
-    most: &'a [AtomicU32],
+    /// The most sweeps in each of its substeps, and whether those are the last.
+    most: (&'a [AtomicU32], bool),
 }
 
 impl Work for Leg<'_, '_> {
