@@ -35,7 +35,8 @@
 //! Constraints are compiled into a plan when they change. Within an island no two of a **colour** share a particle, so eight of them are solved at once
 //! ([`InstructionSet`] says by which instructions; the bits are the same). Rods between rows that are a constant **stride** apart, as in a cloth numbered row
 //! by row, need no gathering. Large islands are swept **cluster** by cluster, each as much as a core's first cache holds, and several [`Workers`] may each
-//! take some. A column that nothing wrote to is not read. A warm step allocates nothing.
+//! take some clusters, or some of the substeps. Where a few constraints come or go, the plan is mended to what compiling it would give. A column that nothing wrote
+//! to is not read. A warm step allocates nothing.
 //!
 //! # The map
 //!

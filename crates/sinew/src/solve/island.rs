@@ -3,10 +3,11 @@
 use core::marker::PhantomData;
 use std::time::Instant;
 
-use super::flock::{Herd, Rest};
+use super::flock::Herd;
 use super::item::{Item, Local, Manner};
 use super::momentum::Excess;
 use super::plan::{Island, Kind, Plan, Task};
+use super::rest::Rest;
 use super::sums::Sums;
 use super::wave::Wave;
 use super::{IslandReport, Order, cascade, jacobi, worst_first};

@@ -1,13 +1,14 @@
 //! Solving: in which order the kernels of the [constraints](crate::constraints) run, and how often.
 //!
-//! - `plan` compiles the constraints into islands, and each island into groups of one kind and colour;
+//! - `plan` compiles the constraints into islands, and each island into groups of one kind and colour, and mends them where few constraints came or went;
 //! - `world` deals islands out to threads, `alone` for whole steps; `island` solves one: until the largest error in it is small enough or the sweeps are spent;
 //! - `flock` takes islands that are built alike side by side;
-//! - `wave` takes the substeps of a step through a large island of rods one behind the other;
+//! - `wave` takes the substeps of a step through a large island of rods one behind the other, and several threads one behind the other, too;
 //! - `rods` takes hard rods eight by eight;
 //! - `wide` takes most other constraints eight by eight;
 //! - `cascade`, `worst_first` and `jacobi` are the orders of a sweep;
 //! - `item` is one constraint of the plan, whatever its kind;
+//! - `rest` is what flocks and waves leave of a task;
 //! - `momentum` keeps round-off out of what constraints cannot change;
 //! - `sums` are the multipliers of soft constraints; `measure` looks at what is left to correct;
 //! - `report` says how it went, `settings` how hard to try.
@@ -22,6 +23,7 @@ mod measure;
 mod momentum;
 mod plan;
 mod report;
+mod rest;
 mod rods;
 mod settings;
 mod sums;

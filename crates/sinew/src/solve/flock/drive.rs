@@ -1,6 +1,5 @@
 //! Driving flocks: through the solving of one substep, or through all substeps of a step.
 
-use core::ops::Range;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{Vec3, Vec4};
@@ -17,7 +16,7 @@ use crate::solve::{IslandReport, Order};
 /// Particles of the bodies side by side in the pens of a herd, at most: with all that belongs to them they fit into a core's second cache.
 const HERD: usize = 512;
 
-/// The flocks of a task, to be driven. What cannot be in lanes in this step is left to others, and noted in the room's [`Rest`].
+/// The flocks of a task, to be driven. What cannot be in lanes in this step is left to others, and noted in the room's [`Rest`](crate::solve::rest::Rest).
 pub(crate) struct Drive<'a> {
     pub(crate) common: Common<'a>,
     pub(crate) task: &'a Task,
@@ -53,46 +52,6 @@ pub(crate) struct Whole<'a> {
     pub(crate) most: &'a [AtomicU32],
 }
 
-/// What is left of a task beside the flocks that were driven.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Rest {
-    pub(crate) islands: Vec<Range<usize>>,
-    pub(crate) rows: Vec<Range<u32>>,
-}
-
-impl Rest {
-    /// All of a task.
-    pub(crate) fn reset(&mut self, task: &Task) {
-        self.islands.clear();
-        self.rows.clear();
-        self.islands.push(task.islands.clone());
-        self.rows.push(task.rows.clone());
-    }
-
-    /// Whether nothing is left.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.islands.iter().all(Range::is_empty) && self.rows.iter().all(Range::is_empty)
-    }
-
-    /// Less a flock, which lies behind all that went before.
-    fn leave(&mut self, flock: &Flock) {
-        cut(&mut self.islands, flock.islands.clone());
-        cut(&mut self.rows, flock.rows());
-    }
-}
-
-/// Cuts a range out of the last of some ranges. Nothing of it is no range: there may be many flocks, and what is left is looked through for each island.
-fn cut<T: Copy + PartialEq>(ranges: &mut Vec<Range<T>>, out: Range<T>) {
-    if let Some(last) = ranges.last_mut() {
-        let after = out.end..core::mem::replace(&mut last.end, out.start);
-        if last.start == last.end {
-            *last = after;
-        } else {
-            ranges.push(after);
-        }
-    }
-}
-
 impl Work for Drive<'_> {
     type Output = ();
 
@@ -114,7 +73,9 @@ impl Work for Drive<'_> {
                 end += 1;
             }
             if let Some(planes) = planes {
-                flocks[begin..end].iter().for_each(|flock| self.room.rest.leave(flock));
+                flocks[begin..end]
+                    .iter()
+                    .for_each(|flock| self.room.rest.leave(flock.islands.clone(), flock.rows()));
                 self.drive::<L>(&flocks[begin..end], planes, &mut herd);
             }
             begin = end;

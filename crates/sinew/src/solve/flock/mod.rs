@@ -34,7 +34,7 @@ use super::wide::{Alike, Part as LawPart};
 use crate::lanes::LANES;
 
 use course::Course;
-pub(crate) use drive::{Drive, Motion, Rest, Whole};
+pub(crate) use drive::{Drive, Motion, Whole};
 pub(crate) use find::MOST;
 pub(crate) use herd::Herd;
 pub(crate) use pen::{Pen, Spot};

@@ -62,29 +62,22 @@ impl Changes {
         let (mut went, mut came) = (Vec::new(), Vec::<Came>::new());
         for change in &self.few {
             let (&Change::Came(list, number) | &Change::Went(list, number, _)) = change;
-            let number = number as u32;
-            let numbers =
-                keys.iter_mut().filter(|key| list_of(key) == list).map(|key| &mut key.number);
+            let (number, mut step) = (number as u32, 1);
+            if let Change::Went(.., rows) = change {
+                let own = |key: &Key| list_of(key) == list && key.number == number;
+                if let Some(place) = keys.iter().position(own) {
+                    went.push((keys.remove(place), rows.clone()));
+                }
+                came.retain(|&one| one != (list, number));
+                step = -1;
+            }
+            let old = keys.iter_mut().filter(|key| list_of(key) == list).map(|key| &mut key.number);
             let new = came.iter_mut().filter(|(of, _)| *of == list).map(|(_, number)| number);
-            match change {
-                Change::Came(..) => {
-                    numbers.chain(new).filter(|n| **n >= number).for_each(|n| *n += 1);
-                    came.push((list, number));
-                }
-                Change::Went(.., rows) => {
-                    let own = |key: &Key| list_of(key) == list && key.number == number;
-                    if let Some(place) = keys.iter().position(own) {
-                        went.push((keys.remove(place), rows.clone()));
-                    }
-                    came.retain(|&one| one != (list, number));
-                    let numbers = keys
-                        .iter_mut()
-                        .filter(|key| list_of(key) == list)
-                        .map(|key| &mut key.number);
-                    let new =
-                        came.iter_mut().filter(|(of, _)| *of == list).map(|(_, number)| number);
-                    numbers.chain(new).filter(|n| **n > number).for_each(|n| *n -= 1);
-                }
+            for later in old.chain(new).filter(|later| **later >= number) {
+                *later = later.wrapping_add_signed(step);
+            }
+            if let Change::Came(..) = change {
+                came.push((list, number));
             }
         }
         came.retain(|&(list, number)| given.is_sound(list, number as usize));

@@ -19,7 +19,6 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
 use super::alone::Alone;
-use super::flock::Rest;
 use super::island::Room;
 use super::plan::{Bundle, Plan};
 use super::{IslandReport, Order};
@@ -58,7 +57,7 @@ impl Work for Waves<'_, '_> {
         let mut wave = core::mem::take(&mut self.room.wave);
         let begin = self.alone.task.islands.start;
         for number in self.alone.task.islands.clone() {
-            if !rest.islands.iter().any(|islands| islands.contains(&number)) {
+            if !rest.holds(number) {
                 continue;
             }
             let (alone, most) = (&mut *self.alone, self.most);
@@ -70,7 +69,7 @@ impl Work for Waves<'_, '_> {
             let mut own = Own { alone, first };
             drive::<L>(&mut own, (plan, number), course, &mut wave, &mut report, (most, true));
             self.alone.reports[number - begin] = report;
-            leave(&mut rest, number, members);
+            rest.leave(number..number + 1, members[0]..members[0] + members.len() as u32);
         }
         (self.room.rest, self.room.wave) = (rest, wave);
     }
@@ -114,25 +113,6 @@ impl Alone<'_> {
             return None;
         }
         Course::new(outside.common, rate, common.h)
-    }
-}
-
-/// Takes an island and its rows out of what is left.
-fn leave(rest: &mut Rest, number: usize, members: &[u32]) {
-    cut(&mut rest.islands, number..number + 1);
-    cut(&mut rest.rows, members[0]..members[0] + members.len() as u32);
-}
-
-/// Cuts a range out of the one that it is in.
-fn cut<T: Copy + PartialOrd>(ranges: &mut Vec<Range<T>>, out: Range<T>) {
-    let all_in = |range: &Range<T>| range.start <= out.start && out.end <= range.end;
-    if let Some(i) = ranges.iter().rposition(all_in) {
-        let after = out.end..core::mem::replace(&mut ranges[i].end, out.start);
-        if ranges[i].start >= ranges[i].end {
-            ranges[i] = after;
-        } else if after.start < after.end {
-            ranges.insert(i + 1, after);
-        }
     }
 }
 
