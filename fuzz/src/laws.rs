@@ -45,9 +45,12 @@ pub(crate) fn operate(
         0..=3 => {
             let n = input.below(7);
             let constraint = Constraint::new(rows(input, n), law(input, n as usize));
-            let list = world.constraints_mut();
-            list.truncate(MOST - 1);
-            list.push(constraint);
+            let k = input.below(world.constraints().len() as u32 + 1) as usize;
+            match world.constraints().len() {
+                MOST if k == MOST => drop(world.remove_constraint(k - 1)),
+                MOST => drop(world.replace_constraint(k, constraint)),
+                _ => world.insert_constraint(k, constraint),
+            }
         }
         4 => {
             let n = input.below(6);

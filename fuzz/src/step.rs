@@ -59,18 +59,19 @@ fn operate(world: &mut Simulation, input: &mut Input) {
         }
         6..=8 => {
             let distance = distance(input, count);
-            let distances = world.distances_mut();
-            if distances.len() < MOST_LINKS {
-                distances.push(distance);
+            if world.distances().len() < MOST_LINKS {
+                let k = input.below(world.distances().len() as u32 + 1) as usize;
+                world.insert_distance(k, distance);
             }
         }
         9 if !world.distances().is_empty() => {
             let k = input.below(world.distances().len() as u32) as usize;
-            if input.flag() {
-                world.distances_mut().swap_remove(k);
-            } else {
-                world.distances_mut()[k] = distance(input, count);
-            }
+            match input.below(4) {
+                0 => world.remove_distance(k),
+                1 => world.replace_distance(k, distance(input, count)),
+                2 => world.distances_mut().swap_remove(k),
+                _ => core::mem::replace(&mut world.distances_mut()[k], distance(input, count)),
+            };
         }
         10 => keep(&mut world.forces.springs, spring(input, count), MOST_LINKS),
         11 => keep(&mut world.forces.surfaces, [0; 3].map(|_| row(input, count)), MOST_LINKS),
@@ -244,6 +245,8 @@ fn take_step(world: &mut Simulation, dt: f32) {
             assert_eq!(world.particles.position(i), was, "a pinned particle moved");
         }
     }
+    // It compiles everything afresh, where the other may have mended its plan.
+    twin.distances_mut();
     twin.step(dt).expect("a step was taken once and refused once");
     assert_eq!(state(&twin), state(world), "two runs differ");
 }
