@@ -7,7 +7,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 use glam::Vec4;
 
 use super::avx2_doubles::Fours;
-use super::{LANES, Lanes, Work};
+use super::{FIELDS, LANES, Lanes, Record, Work};
 
 /// Lanes 0 to 7.
 ///
@@ -49,6 +49,14 @@ impl Neg for Eight {
         // SAFETY: see `Eight`.
         Self(unsafe { _mm256_xor_ps(self.0, _mm256_set1_ps(-0.0)) })
     }
+}
+
+/// Where records begin, counted in quadruples.
+#[inline(always)]
+fn places(rows: &[u32; LANES]) -> [usize; LANES] {
+    let [a, b, c, d, e, f, g, h] = *core::hint::black_box(rows);
+    let place = |row: u32| row as usize * FIELDS;
+    [place(a), place(b), place(c), place(d), place(e), place(f), place(g), place(h)]
 }
 
 /// Row `a` in the lower half of a register, row `b` in the upper one.
@@ -235,6 +243,52 @@ impl Lanes for Eight {
             put_halves(to, b as usize, f as usize, q);
             put_halves(to, c as usize, g as usize, r);
             put_halves(to, d as usize, h as usize, s);
+        }
+    }
+
+    #[inline(always)]
+    fn records<const N: usize>(from: &[Record], rows: &[u32; LANES]) -> [[Self; 4]; N] {
+        const { assert!(N <= FIELDS) };
+        check(rows, from.len());
+        let mut from = from.as_ptr().cast::<Vec4>();
+        let [a, b, c, d, e, f, g, h] = places(rows);
+        let mut fields = [[Self::zero(); 4]; N];
+        for field in &mut fields {
+            // SAFETY: all records exist, as just checked, and have such a field; see `Eight`.
+            let [x, y, z, w] = unsafe {
+                transposed([
+                    halves(from, a, e),
+                    halves(from, b, f),
+                    halves(from, c, g),
+                    halves(from, d, h),
+                ])
+            };
+            *field = [Self(x), Self(y), Self(z), Self(w)];
+            from = from.wrapping_add(1);
+        }
+        fields
+    }
+
+    #[inline(always)]
+    fn put_records<const N: usize>(
+        to: &mut [Record],
+        rows: &[u32; LANES],
+        columns: [[Self; 4]; N],
+    ) {
+        const { assert!(N <= FIELDS) };
+        check(rows, to.len());
+        let mut to = to.as_mut_ptr().cast::<Vec4>();
+        let [a, b, c, d, e, f, g, h] = places(rows);
+        for [x, y, z, w] in columns {
+            let [p, q, r, s] = transposed([x.0, y.0, z.0, w.0]);
+            // SAFETY: all records exist, as just checked, and have such a field; see `Eight`.
+            unsafe {
+                put_halves(to, a, e, p);
+                put_halves(to, b, f, q);
+                put_halves(to, c, g, r);
+                put_halves(to, d, h, s);
+            }
+            to = to.wrapping_add(1);
         }
     }
 

@@ -105,6 +105,14 @@ fn has_avx2() -> bool {
     false
 }
 
+/// What is asked for together of one thing: as many quadruples as there are lanes, on lines of the cache of its own.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct Record(pub(crate) [Vec4; FIELDS]);
+
+/// How many quadruples a [`Record`] has.
+pub(crate) const FIELDS: usize = 8;
+
 /// Eight `f32` side by side.
 ///
 /// Loads and stores panic where a slice is too short, as indexing does.
@@ -155,6 +163,10 @@ pub(crate) trait Lanes:
     fn rows(packed: &[Vec4], rows: &[u32; LANES]) -> [Self; 4];
     /// Writes them back. Of rows that occur twice the last lane stays.
     fn put_rows(packed: &mut [Vec4], rows: &[u32; LANES], columns: [Self; 4]);
+    /// The first fields of eight records, each as its `x y z w`: where they are is asked once for all fields.
+    fn records<const N: usize>(from: &[Record], rows: &[u32; LANES]) -> [[Self; 4]; N];
+    /// Writes the first fields back. Of records that occur twice the last lane stays.
+    fn put_records<const N: usize>(to: &mut [Record], rows: &[u32; LANES], columns: [[Self; 4]; N]);
     /// `x y z w` of the eight rows from `first` on.
     fn run(packed: &[Vec4], first: usize) -> [Self; 4];
     /// Writes them back.

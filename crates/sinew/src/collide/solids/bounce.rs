@@ -165,9 +165,15 @@ impl Work for Bounce<'_> {
         b.shift -= n * (sum * b.inverse_mass);
         a.turn += patch.a.turned(x, y);
         b.turn -= patch.b.turned(x - apart_t * sum, y - apart_u * sum);
-        L::put_rows(&mut bodies.shift, &pack.a, a.shift.with(a.inverse_mass));
-        L::put_rows(&mut bodies.turn, &pack.a, a.turn.with(none));
-        L::put_rows(&mut bodies.shift, &pack.b, b.shift.with(b.inverse_mass));
-        L::put_rows(&mut bodies.turn, &pack.b, b.turn.with(none));
+        L::put_records(
+            &mut bodies.rows,
+            &pack.a,
+            [a.shift.with(a.inverse_mass), a.turn.with(none)],
+        );
+        L::put_records(
+            &mut bodies.rows,
+            &pack.b,
+            [b.shift.with(b.inverse_mass), b.turn.with(none)],
+        );
     }
 }

@@ -5,7 +5,7 @@ use glam::{Vec3, Vec4};
 use super::super::manifold::collide;
 use super::super::shape::Kind;
 use super::super::{BodyContacts, Frame, Party, World};
-use super::bodies::rotation;
+use super::bodies::{CENTRE, ROTATION, SPIN, STEP, rotation};
 use super::contact::SLID;
 use super::found::{Found, Sensed, colour, pack};
 use super::read::{Read, certain, guess};
@@ -28,7 +28,7 @@ impl Solids {
         self.sums.resize(self.groups.groups.len(), Default::default());
         for (number, part) in self.groups.parts.iter().enumerate().filter(|(_, part)| part.sound) {
             let rest = &world.solids[number].rest;
-            self.bodies.rotation[number] = guess(&self.groups, part, rest, particles);
+            self.bodies[number][ROTATION] = guess(&self.groups, part, rest, particles);
         }
         self.look(&particles.position, particles, world, 0.0);
     }
@@ -55,7 +55,7 @@ impl Solids {
         self.fresh = true;
         let Self { found, used, packs, order, groups, bodies, .. } = self;
         colour(found, groups.parts.len(), used);
-        let nothing = (bodies.shift.len() - 1) as u32;
+        let nothing = (bodies.rows.len() - 1) as u32;
         let centre =
             |row: u32| groups.parts.get(row as usize).map_or(Vec3::ZERO, |part| part.centre);
         pack(found, nothing, order, packs, centre);
@@ -85,8 +85,8 @@ impl Solids {
                     let number = number * LANES + lane;
                     if groups.parts.get(number).is_some_and(|part| part.sound) {
                         let rest = &world.solids[number].rest;
-                        let near = bodies.rotation[number];
-                        bodies.rotation[number] = certain(groups, number, rest, particles, near);
+                        let near = bodies[number][ROTATION];
+                        bodies[number][ROTATION] = certain(groups, number, rest, particles, near);
                     }
                 }
             }
@@ -103,9 +103,9 @@ impl Solids {
                 continue;
             };
             let (row, vector) = (row as usize, |v: Vec4| v.truncate());
-            let (centre, q) = (vector(bodies.centre[number]), bodies.rotation[number]);
-            let speed = vector(bodies.step[number]).length()
-                + vector(bodies.spin[number]).length() * part.reach;
+            let (centre, q) = (vector(bodies[number][CENTRE]), bodies[number][ROTATION]);
+            let speed = vector(bodies[number][STEP]).length()
+                + vector(bodies[number][SPIN]).length() * part.reach;
             let margin = speed * world.dt + world.gravity * world.dt * world.dt;
             let origin = particles.origin[row];
             let r = rotation(q);

@@ -14,10 +14,10 @@
 
 use glam::{DMat3, DQuat, Mat3, Vec3, Vec4};
 
-use super::bodies::{Bodies, quaternion};
+use super::bodies::{Bodies, from_row, quaternion};
 use super::groups::{Group, Groups, Mass, Part, Slot};
 use super::turn::{Eight, Matrix, Symmetric, load, store, turn_further, zero};
-use crate::lanes::{Lanes, Vector, Work};
+use crate::lanes::{FIELDS, Lanes, Vector, Work};
 use crate::particles::Particles;
 use crate::pose::rotation;
 
@@ -94,21 +94,26 @@ impl Work for Read<'_> {
             let start = if fresh { arm } else { arm - moved };
             pairs.add_outer(arm * own, start);
         }
-        let (q, lost) = nearest(mass, &moments, L::run(&bodies.rotation, first), fresh);
+        let rows = from_row(first);
+        let [.., rotation] = L::records::<FIELDS>(&bodies.rows, &rows);
+        let (q, lost) = nearest(mass, &moments, rotation, fresh);
         let r = Matrix::of(q);
         let inverse = Symmetric::load(&mass.inverse_inertia).turned(&r);
         let led = if group.pinned { Symmetric::load(&mass.led).turned(&r) } else { inverse };
         let spin = led.times(momentum);
         let none = L::zero();
-        L::put_run(&mut bodies.rotation, first, q);
-        L::put_run(&mut bodies.shift, first, zero::<L>().with(L::load(&mass.inverse_mass)));
-        L::put_run(&mut bodies.turn, first, zero::<L>().with(none));
-        L::put_run(&mut bodies.along, first, inverse.along.with(none));
-        L::put_run(&mut bodies.across, first, inverse.across.with(none));
         let start = if fresh { centre } else { centre - step };
-        L::put_run(&mut bodies.centre, first, start.with(none));
-        L::put_run(&mut bodies.step, first, step.with(none));
-        L::put_run(&mut bodies.spin, first, spin.with(none));
+        let fields = [
+            zero::<L>().with(L::load(&mass.inverse_mass)),
+            zero::<L>().with(none),
+            inverse.along.with(none),
+            inverse.across.with(none),
+            start.with(none),
+            step.with(none),
+            spin.with(none),
+            q,
+        ];
+        L::put_records(&mut bodies.rows, &rows, fields);
         store(centre, &mut sums.centre);
         for (column, to) in [pairs.x, pairs.y, pairs.z].into_iter().zip(&mut sums.pairs) {
             store(column, to);
