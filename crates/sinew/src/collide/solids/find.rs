@@ -53,12 +53,12 @@ impl Solids {
         self.pairs = pairs;
         self.loose.find(&self.seen, &self.groups, particles, world);
         self.fresh = true;
-        let Self { found, used, packs, order, groups, bodies, .. } = self;
-        colour(found, groups.parts.len(), used);
+        let Self { found, used, packs, order, begins, groups, bodies, .. } = self;
+        let colours = colour(found, groups.parts.len(), used);
         let nothing = (bodies.rows.len() - 1) as u32;
         let centre =
             |row: u32| groups.parts.get(row as usize).map_or(Vec3::ZERO, |part| part.centre);
-        pack(found, nothing, order, packs, centre);
+        pack(found, (nothing, colours), [order, begins], packs, centre);
     }
 
     /// Poses and velocities.
@@ -140,23 +140,26 @@ impl Solids {
         }
         broad.0.pairs(bounds, nearby);
         pairs.clear();
-        pairs.extend(nearby.iter().filter(|pair| (pair[0] as usize) < seen.len()));
-        // What has no end is looked at by everyone.
-        for (number, stand) in stands.iter().enumerate().filter(|(_, stand)| stand.endless) {
-            let frame = stand.frame_at(world, share);
-            let end = stand.frame_at(world, 1.0);
-            for (a, one) in seen.iter().enumerate().filter(|(_, one)| one.sound) {
+        let mut nearby =
+            nearby.iter().copied().filter(|pair| (pair[0] as usize) < seen.len()).peekable();
+        // What has no end is looked at by everyone; both lists are sorted.
+        for (a, one) in seen.iter().enumerate().filter(|(_, one)| one.sound) {
+            for (number, stand) in stands.iter().enumerate().filter(|(_, stand)| stand.endless) {
+                let frame = stand.frame_at(world, share);
                 let here = stand.seen_from(&frame, one.origin);
                 let height = here.rotation.y_axis.dot(one.centre - here.translation);
+                let end = stand.frame_at(world, 1.0);
                 let moved = carried(&frame, &end, one.centre + one.origin);
                 if height <= groups.parts[a].reach + one.margin + moved {
-                    pairs.push([a as u32, (seen.len() + number) as u32]);
+                    let pair = [a as u32, (seen.len() + number) as u32];
+                    while let Some(before) = nearby.next_if(|before| *before < pair) {
+                        pairs.push(before);
+                    }
+                    pairs.push(pair);
                 }
             }
         }
-        if stands.iter().any(|stand| stand.endless) {
-            pairs.sort_unstable();
-        }
+        pairs.extend(nearby);
     }
 
     /// Finds the manifolds of a pair.

@@ -123,6 +123,7 @@ pub(crate) struct Solids {
     told: Vec<Told>,
     used: Vec<u64>,
     order: Vec<u32>,
+    begins: Vec<u32>,
     /// Groups and packs that bounce in this substep.
     bouncing: Vec<bool>,
     bounced: Vec<bool>,
