@@ -8,7 +8,7 @@
 //! |---|---|
 //! | `scalar` | arrays of eight: the truth that the others are tested against, and the fallback everywhere |
 //! | `quads` | two registers of four, by glam: SSE2 on x86-64, NEON on ARM |
-//! | `avx2` | one register of eight |
+//! | `avx2`, `avx2_rows` | one register of eight; how particles get into it |
 //! | `angle` | the arc tangent, in lanes |
 //! | `doubles`, `avx2_doubles` | eight numbers of double precision, for sums |
 //! | `columns` | particles as columns of x, y, z and w |
@@ -29,6 +29,8 @@ mod angle;
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx2_doubles;
+#[cfg(target_arch = "x86_64")]
+mod avx2_rows;
 mod columns;
 mod doubles;
 mod quads;

@@ -24,7 +24,7 @@ impl Solids {
         let least = 2.0 * gravity * h;
         self.loose.bounce(particles, &self.groups, &self.bodies, least);
         let Self { groups, lifts, bodies, sums, instructions, shared, packs, found, .. } = self;
-        let Self { bouncing, bounced, .. } = self;
+        let Self { bouncing, bounced, gathered, .. } = self;
         bouncing.clear();
         bouncing.resize(groups.groups.len(), false);
         bounced.clear();
@@ -51,6 +51,7 @@ impl Solids {
                 bodies,
                 first: number * LANES,
                 sums: &mut sums[number],
+                gathered,
             };
             with(*instructions, read);
         }

@@ -63,7 +63,7 @@ impl Solids {
 
     /// Poses and velocities.
     fn read_fresh(&mut self, places: &[Vec4], particles: &Particles, world: &World) {
-        let Self { groups, lifts, bodies, sums, instructions, .. } = self;
+        let Self { groups, lifts, bodies, sums, gathered, instructions, .. } = self;
         for (number, group) in groups.groups.iter().enumerate() {
             for _ in 0..2 {
                 let read = Read {
@@ -76,6 +76,7 @@ impl Solids {
                     bodies,
                     first: number * LANES,
                     sums: &mut sums[number],
+                    gathered,
                 };
                 let lost = with(*instructions, read);
                 if lost == 0 {
