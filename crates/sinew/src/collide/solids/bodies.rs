@@ -13,10 +13,7 @@ use crate::lanes::{FIELDS, LANES, Lanes, Record, Vector};
 pub(super) const SHIFT: usize = 0;
 /// `[x y z m]`: how far they have turned it, rad about each axis; 1 if some of that came of a deep overlap.
 pub(super) const TURN: usize = 1;
-/// Inverse inertia in world axes, 1/(kg·m²): xx, yy, zz.
-pub(super) const ALONG: usize = 2;
-/// xy, xz, yz.
-pub(super) const ACROSS: usize = 3;
+// Two fields that only lanes and `loose` ask for: the inverse inertia in world axes, 1/(kg·m²), first xx, yy, zz, then xy, xz, yz.
 /// Its centre when the substep began, from its origin, metres.
 pub(super) const CENTRE: usize = 4;
 /// How far that has gone since, without contacts, metres.
