@@ -118,7 +118,7 @@ impl<D: Doubles> Excesses<D> {
         let which = which & self.sound();
         (0..LANES).filter(move |lane| which >> lane & 1 != 0).map(move |lane| {
             let [anchor, centre, shift, turn] =
-                vectors.map(|[x, y, z]| DVec3::new(x[lane], y[lane], z[lane]));
+                vectors.each_ref().map(|[x, y, z]| DVec3::new(x[lane], y[lane], z[lane]));
             (lane, Excess { anchor, centre, shift, turn })
         })
     }
