@@ -3,7 +3,6 @@
 //! Eight scenes run for 600 ticks, and a hash of all positions and velocities is taken after each. The last hash of each scene stands below: whoever changes what the
 //! solver computes has to change it there, on purpose, and a build that computes something else is found out. Run with `SINEW_HASHES=show` to see the new ones.
 
-use core::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Arc;
 
 use sinew::glam::{Quat, Vec3};
@@ -85,88 +84,6 @@ fn a_step_taken_at_once_has_the_bits_of_its_phases_one_by_one() {
         }
     }
     assert!(at_once >= 3, "only {at_once} scenes were taken at once");
-}
-
-/// Rods alone, held by two pins: what rolls through such a cloth as a wave, more of it than is in columns at a time, has the bits of one phase after the other; after a
-/// start at once, a step of another length, and with drag.
-#[test]
-fn a_wave_through_a_cloth_has_the_bits_of_its_phases_one_by_one() {
-    for (side, substeps, sweeps) in [(131, 5, 1), (40, 1, 1), (40, 3, 1), (40, 3, 3)] {
-        let mut world = sheet(side, side, side as f32 * 0.1);
-        world.settings.substeps = substeps;
-        world.settings.max_sweeps = sweeps;
-        world.settings.tolerance = 2e-3;
-        world.forces.drag = 0.3;
-        for i in 0..world.particles.len() {
-            world.particles.set_velocity(i, Vec3::new(0.1, 0.0, 0.2 * (i % 7) as f32));
-        }
-        let mut phases = world.clone();
-        for dt in [1.0 / 60.0, 1.0 / 50.0, 1.0 / 60.0, 1.0 / 60.0] {
-            world.step(dt).unwrap();
-            let substeps = phases.begin_step(dt).unwrap();
-            assert!(phases.is_undisturbed());
-            for _ in 0..substeps {
-                phases.begin_substep();
-                phases.accumulate_forces();
-                phases.integrate();
-                phases.solve_constraints();
-            }
-            phases.end_step();
-            for i in 0..world.particles.len() {
-                let of = |world: &Simulation| (world.particles.seed(i), world.velocity_now(i));
-                assert_eq!(of(&world), of(&phases), "side {side}, particle {i}");
-            }
-            assert_eq!(world.report(), phases.report());
-        }
-    }
-}
-
-/// A cloth of seventy thousand rods goes from thread to thread, each of which takes it through some substeps; to the bits of one thread, and with no more meetings than one a step.
-#[test]
-fn a_relay_of_threads_through_a_large_cloth_has_the_bits_of_one_thread() {
-    for (substeps, threads) in [(6, 2), (6, 3), (5, 2), (1, 3), (4, 8)] {
-        let mut one = sheet(131, 131, 13.1);
-        one.settings.substeps = substeps;
-        one.settings.max_sweeps = 1;
-        one.forces.drag = 0.3;
-        let (mut many, meetings) = (one.clone(), Arc::new(AtomicUsize::new(0)));
-        many.workers = Some(Arc::new(Counting(Threads(threads), meetings.clone())));
-        for tick in 0..4 {
-            one.step(1.0 / 60.0).unwrap();
-            many.step(1.0 / 60.0).unwrap();
-            for i in 0..one.particles.len() {
-                let of = |world: &Simulation| (world.particles.seed(i), world.velocity_now(i));
-                assert_eq!(of(&one), of(&many), "{threads} threads, tick {tick}, particle {i}");
-            }
-            assert_eq!(one.report(), many.report());
-        }
-        assert!(
-            meetings.load(Ordering::Relaxed) <= 4,
-            "{substeps} substeps: {meetings:?} meetings"
-        );
-    }
-}
-
-/// The same where sweeps wait for each other: a cloth that one thread is faster with, and one for which threads meet after each stage.
-#[test]
-fn threads_that_share_the_sweeps_of_a_large_cloth_have_the_bits_of_one_thread() {
-    for side in [127, 190] {
-        let mut one = sheet(side, side, 0.1 * side as f32);
-        one.settings.substeps = 2;
-        one.settings.max_sweeps = 3;
-        let (mut many, meetings) = (one.clone(), Arc::new(AtomicUsize::new(0)));
-        many.workers = Some(Arc::new(Counting(Threads(3), meetings.clone())));
-        for _ in 0..4 {
-            one.step(1.0 / 60.0).unwrap();
-            many.step(1.0 / 60.0).unwrap();
-            for i in 0..one.particles.len() {
-                assert_eq!(one.particles.seed(i), many.particles.seed(i), "particle {i}");
-            }
-            assert_eq!(one.report(), many.report());
-        }
-        let met = meetings.load(Ordering::Relaxed);
-        assert_eq!(met > 0, side == 190, "{met} meetings");
-    }
 }
 
 fn same(name: &str, how: &str, found: &[u64], expected: &[u64]) {
@@ -388,20 +305,5 @@ impl Workers for Threads {
 
     fn threads(&self) -> usize {
         self.0
-    }
-}
-
-/// The same, and how often they were called together.
-#[derive(Debug)]
-struct Counting(Threads, Arc<AtomicUsize>);
-
-impl Workers for Counting {
-    fn run(&self, work: &(dyn Fn() + Sync)) {
-        self.1.fetch_add(1, Ordering::Relaxed);
-        self.0.run(work);
-    }
-
-    fn threads(&self) -> usize {
-        self.0.threads()
     }
 }

@@ -7,7 +7,8 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 use glam::Vec4;
 
 use super::avx2_doubles::Fours;
-use super::{LANES, Lanes, Work};
+use super::avx2_rows::{check, halves, places, put_halves, transposed};
+use super::{FIELDS, LANES, Lanes, Record, Work};
 
 /// Lanes 0 to 7.
 ///
@@ -49,57 +50,6 @@ impl Neg for Eight {
         // SAFETY: see `Eight`.
         Self(unsafe { _mm256_xor_ps(self.0, _mm256_set1_ps(-0.0)) })
     }
-}
-
-/// Row `a` in the lower half of a register, row `b` in the upper one.
-///
-/// # Safety
-/// Both rows exist, and the machine has AVX2.
-#[inline(always)]
-unsafe fn halves(packed: *const Vec4, a: usize, b: usize) -> __m256 {
-    // SAFETY: as promised; a `Vec4` is four floats.
-    unsafe { _mm256_loadu2_m128(packed.add(b).cast(), packed.add(a).cast()) }
-}
-
-/// The reverse.
-///
-/// # Safety
-/// Both rows exist, and the machine has AVX2.
-#[inline(always)]
-unsafe fn put_halves(packed: *mut Vec4, a: usize, b: usize, value: __m256) {
-    // SAFETY: as promised; a `Vec4` is four floats.
-    unsafe { _mm256_storeu2_m128(packed.add(b).cast(), packed.add(a).cast(), value) }
-}
-
-/// Four by four numbers turned about their diagonal, in each half of the registers: rows 0 to 3 and 4 to 7 become columns, or the reverse.
-#[inline(always)]
-fn transposed([a, b, c, d]: [__m256; 4]) -> [__m256; 4] {
-    // SAFETY: see `Eight`.
-    unsafe {
-        let (low, high) = (_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
-        let (low2, high2) = (_mm256_unpacklo_ps(c, d), _mm256_unpackhi_ps(c, d));
-        [
-            _mm256_shuffle_ps::<0x44>(low, low2),
-            _mm256_shuffle_ps::<0xEE>(low, low2),
-            _mm256_shuffle_ps::<0x44>(high, high2),
-            _mm256_shuffle_ps::<0xEE>(high, high2),
-        ]
-    }
-}
-
-/// Panics unless all rows are less than `len`: one check for eight loads.
-#[inline(always)]
-fn check(rows: &[u32; LANES], len: usize) {
-    // Beyond, rows would be negative to the instruction below.
-    assert!(len <= i32::MAX as usize, "too many rows");
-    // SAFETY: see `Eight`; eight `u32` are a register.
-    let inside = unsafe {
-        let rows = _mm256_loadu_si256(rows.as_ptr().cast());
-        let below = _mm256_cmpgt_epi32(_mm256_set1_epi32(len as i32), rows);
-        let from_zero = _mm256_cmpgt_epi32(rows, _mm256_set1_epi32(-1));
-        _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_and_si256(below, from_zero)))
-    };
-    assert!(inside == 0xFF, "a row that does not exist");
 }
 
 impl Lanes for Eight {
@@ -235,6 +185,52 @@ impl Lanes for Eight {
             put_halves(to, b as usize, f as usize, q);
             put_halves(to, c as usize, g as usize, r);
             put_halves(to, d as usize, h as usize, s);
+        }
+    }
+
+    #[inline(always)]
+    fn records<const N: usize>(from: &[Record], rows: &[u32; LANES]) -> [[Self; 4]; N] {
+        const { assert!(N <= FIELDS) };
+        check(rows, from.len());
+        let mut from = from.as_ptr().cast::<Vec4>();
+        let [a, b, c, d, e, f, g, h] = places(rows);
+        let mut fields = [[Self::zero(); 4]; N];
+        for field in &mut fields {
+            // SAFETY: all records exist, as just checked, and have such a field; see `Eight`.
+            let [x, y, z, w] = unsafe {
+                transposed([
+                    halves(from, a, e),
+                    halves(from, b, f),
+                    halves(from, c, g),
+                    halves(from, d, h),
+                ])
+            };
+            *field = [Self(x), Self(y), Self(z), Self(w)];
+            from = from.wrapping_add(1);
+        }
+        fields
+    }
+
+    #[inline(always)]
+    fn put_records<const N: usize>(
+        to: &mut [Record],
+        rows: &[u32; LANES],
+        columns: [[Self; 4]; N],
+    ) {
+        const { assert!(N <= FIELDS) };
+        check(rows, to.len());
+        let mut to = to.as_mut_ptr().cast::<Vec4>();
+        let [a, b, c, d, e, f, g, h] = places(rows);
+        for [x, y, z, w] in columns {
+            let [p, q, r, s] = transposed([x.0, y.0, z.0, w.0]);
+            // SAFETY: all records exist, as just checked, and have such a field; see `Eight`.
+            unsafe {
+                put_halves(to, a, e, p);
+                put_halves(to, b, f, q);
+                put_halves(to, c, g, r);
+                put_halves(to, d, h, s);
+            }
+            to = to.wrapping_add(1);
         }
     }
 

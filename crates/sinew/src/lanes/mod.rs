@@ -8,7 +8,7 @@
 //! |---|---|
 //! | `scalar` | arrays of eight: the truth that the others are tested against, and the fallback everywhere |
 //! | `quads` | two registers of four, by glam: SSE2 on x86-64, NEON on ARM |
-//! | `avx2` | one register of eight |
+//! | `avx2`, `avx2_rows` | one register of eight; how particles get into it |
 //! | `angle` | the arc tangent, in lanes |
 //! | `doubles`, `avx2_doubles` | eight numbers of double precision, for sums |
 //! | `columns` | particles as columns of x, y, z and w |
@@ -29,6 +29,8 @@ mod angle;
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx2_doubles;
+#[cfg(target_arch = "x86_64")]
+mod avx2_rows;
 mod columns;
 mod doubles;
 mod quads;
@@ -105,6 +107,14 @@ fn has_avx2() -> bool {
     false
 }
 
+/// What is asked for together of one thing: as many quadruples as there are lanes, on lines of the cache of its own.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct Record(pub(crate) [Vec4; FIELDS]);
+
+/// How many quadruples a [`Record`] has.
+pub(crate) const FIELDS: usize = 8;
+
 /// Eight `f32` side by side.
 ///
 /// Loads and stores panic where a slice is too short, as indexing does.
@@ -155,6 +165,10 @@ pub(crate) trait Lanes:
     fn rows(packed: &[Vec4], rows: &[u32; LANES]) -> [Self; 4];
     /// Writes them back. Of rows that occur twice the last lane stays.
     fn put_rows(packed: &mut [Vec4], rows: &[u32; LANES], columns: [Self; 4]);
+    /// The first fields of eight records, each as its `x y z w`: where they are is asked once for all fields.
+    fn records<const N: usize>(from: &[Record], rows: &[u32; LANES]) -> [[Self; 4]; N];
+    /// Writes the first fields back. Of records that occur twice the last lane stays.
+    fn put_records<const N: usize>(to: &mut [Record], rows: &[u32; LANES], columns: [[Self; 4]; N]);
     /// `x y z w` of the eight rows from `first` on.
     fn run(packed: &[Vec4], first: usize) -> [Self; 4];
     /// Writes them back.

@@ -5,7 +5,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 use glam::{BVec4A, Mat4, Vec4};
 
 use super::doubles::Each;
-use super::{LANES, Lanes, PARITY};
+use super::{LANES, Lanes, PARITY, Record};
 
 /// Lanes 0 to 3, and 4 to 7.
 #[derive(Clone, Copy, Debug)]
@@ -154,6 +154,24 @@ impl Lanes for Quads {
     fn put_rows(packed: &mut [Vec4], rows: &[u32; LANES], columns: [Self; 4]) {
         for (value, &row) in Self::eight_rows(columns).into_iter().zip(rows) {
             packed[row as usize] = value;
+        }
+    }
+
+    #[inline(always)]
+    fn records<const N: usize>(from: &[Record], rows: &[u32; LANES]) -> [[Self; 4]; N] {
+        core::array::from_fn(|field| Self::columns(|i| from[rows[i] as usize].0[field]))
+    }
+
+    #[inline(always)]
+    fn put_records<const N: usize>(
+        to: &mut [Record],
+        rows: &[u32; LANES],
+        columns: [[Self; 4]; N],
+    ) {
+        for (field, columns) in columns.into_iter().enumerate() {
+            for (value, &row) in Self::eight_rows(columns).into_iter().zip(rows) {
+                to[row as usize].0[field] = value;
+            }
         }
     }
 

@@ -8,7 +8,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 use glam::Vec4;
 
 use super::doubles::Each;
-use super::{LANES, Lanes, PARITY};
+use super::{LANES, Lanes, PARITY, Record};
 
 /// Eight numbers, one after the other.
 #[derive(Clone, Copy, Debug)]
@@ -144,6 +144,24 @@ impl Lanes for Array {
     fn put_rows(packed: &mut [Vec4], rows: &[u32; LANES], columns: [Self; 4]) {
         for (lane, &row) in rows.iter().enumerate() {
             packed[row as usize] = Self::row(columns, lane);
+        }
+    }
+
+    #[inline(never)]
+    fn records<const N: usize>(from: &[Record], rows: &[u32; LANES]) -> [[Self; 4]; N] {
+        core::array::from_fn(|field| Self::columns(|i| from[rows[i] as usize].0[field]))
+    }
+
+    #[inline(never)]
+    fn put_records<const N: usize>(
+        to: &mut [Record],
+        rows: &[u32; LANES],
+        columns: [[Self; 4]; N],
+    ) {
+        for (field, columns) in columns.into_iter().enumerate() {
+            for (lane, &row) in rows.iter().enumerate() {
+                to[row as usize].0[field] = Self::row(columns, lane);
+            }
         }
     }
 

@@ -2,7 +2,7 @@
 
 use glam::Vec4;
 
-use super::{Doubles, InstructionSet, LANES, Lanes, Work, with};
+use super::{Doubles, FIELDS, InstructionSet, LANES, Lanes, Record, Work, with};
 
 const SETS: [InstructionSet; 2] = [InstructionSet::Simd128, InstructionSet::Avx2];
 
@@ -89,9 +89,10 @@ fn every_operation_gives_the_bits_of_its_scalar_twin() {
     }
 }
 
-/// Loads particles every way, changes them, and stores them every way.
+/// Loads particles and records every way, changes them, and stores them every way.
 struct Moves<'a> {
     packed: &'a mut [Vec4],
+    records: &'a mut [Record],
     rows: [u32; LANES],
 }
 
@@ -100,7 +101,10 @@ impl Work for Moves<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { packed, rows } = self;
+        let Self { packed, records, rows } = self;
+        let [a, .., b] = L::records::<FIELDS>(records, &rows);
+        let [c, d] = L::records(records, &rows);
+        L::put_records(records, &rows, [b, [a[0] - a[3], d[3], c[1], c[2]]]);
         let [x, y, z, w] = L::rows(packed, &rows);
         L::put_rows(packed, &rows, [y, z + w, x, w]);
         let [x, y, z, w] = L::run(packed, 5);
@@ -118,6 +122,11 @@ impl Work for Moves<'_> {
     }
 }
 
+/// Records of eight consecutive particles, round and round.
+fn records_of(packed: &[Vec4]) -> [Record; 40] {
+    core::array::from_fn(|i| Record(core::array::from_fn(|j| packed[(i + j) % packed.len()])))
+}
+
 #[test]
 fn particles_go_in_and_out_of_lanes_the_same_way() {
     let start: Vec<Vec4> = (0..40)
@@ -127,13 +136,17 @@ fn particles_go_in_and_out_of_lanes_the_same_way() {
         })
         .collect();
     let moved = |set| {
-        let mut packed = start.clone();
-        with(set, Moves { packed: &mut packed, rows: [3, 17, 0, 39, 8, 25, 12, 31] });
-        packed
+        let (mut packed, mut records) = (start.clone(), records_of(&start));
+        let rows = [3, 17, 0, 39, 8, 25, 12, 31];
+        with(set, Moves { packed: &mut packed, records: &mut records, rows });
+        (packed, records.map(|record| record.0))
     };
     let truth = moved(InstructionSet::Scalar);
-    assert_eq!(truth[3], Vec4::new(103.0, 3.0, 506.0 - 303.0, 303.0));
-    assert_eq!(truth[37].x, start[37].x);
+    assert_eq!(truth.0[3], Vec4::new(103.0, 3.0, 506.0 - 303.0, 303.0));
+    assert_eq!(truth.0[37].x, start[37].x);
+    // The last field became the first, and the third stayed.
+    assert_eq!([truth.1[17][0], truth.1[17][2]], [start[24], start[19]]);
+    assert_eq!(truth.1[17][1], Vec4::new(17.0 - 317.0, 318.0, 117.0, 217.0));
     for set in SETS {
         assert_eq!(moved(set), truth, "{set:?}");
     }
@@ -145,7 +158,9 @@ fn rows_that_do_not_exist_are_refused_by_every_set() {
         for row in [40, u32::MAX] {
             let refused = std::panic::catch_unwind(|| {
                 let mut packed = vec![Vec4::ZERO; 40];
-                with(set, Moves { packed: &mut packed, rows: [0, 1, 2, row, 4, 5, 6, 7] });
+                let records = &mut records_of(&packed);
+                let rows = [0, 1, 2, row, 4, 5, 6, 7];
+                with(set, Moves { packed: &mut packed, records, rows });
             });
             assert!(refused.is_err(), "{set:?} {row}");
         }

@@ -133,14 +133,32 @@ pub(crate) fn settle_all(
     let mut places = Places::all(particles);
     let Places { position, start, velocity, .. } = &mut places;
     derive(Derive { position, start, velocity, h: common.h, lag: common.lag }, machine);
-    for (island, excess) in common.plan.islands.iter().zip(&scratch.excesses) {
-        if let Some(excess) = excess {
-            excess.take_off(&mut places, &common.plan.members[island.members.clone()]);
-        }
-    }
+    let (plan, excesses) = (common.plan, &scratch.excesses);
+    with(machine.instructions, TakeOff { plan, excesses, places: &mut places });
     if common.contacts.bounces() {
         let mut presses = Presses::all(presses);
         common.contacts.bounce(&mut places, &mut presses, rows, (common.h, common.gravity));
+    }
+}
+
+/// What islands have to have taken off, if anything.
+struct TakeOff<'a, 'b> {
+    plan: &'a Plan,
+    excesses: &'a [Option<Excess>],
+    places: &'a mut Places<'b>,
+}
+
+impl Work for TakeOff<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { plan, excesses, places } = self;
+        for (island, excess) in plan.islands.iter().zip(excesses) {
+            if let Some(excess) = excess {
+                excess.take_off_wide::<L>(places, &plan.members[island.members.clone()]);
+            }
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use glam::Vec3;
 use super::super::manifold::collide;
 use super::super::{Frame, World};
 use super::Solids;
-use super::bodies::rotation;
+use super::bodies::{CENTRE, ROTATION, STEP, rotation};
 use super::find::carried;
 use super::found::put_manifold;
 use crate::lanes::LANES;
@@ -17,10 +17,15 @@ impl Solids {
     pub(super) fn compare_again(&mut self, world: &World, share: f32) {
         let Self { groups, seen, stands, found, packs, bodies, scratch, .. } = self;
         let frame = |number: usize| {
-            let (centre, r) = (bodies.centre[number].truncate(), rotation(bodies.rotation[number]));
+            let (centre, r) =
+                (bodies[number][CENTRE].truncate(), rotation(bodies[number][ROTATION]));
             Frame { translation: centre - r * groups.parts[number].centre, rotation: r }
         };
         for pack in packs {
+            // Nearly all are as they were: that is one question.
+            if pack.strain.iter().fold(true, |good, strain| good & (*strain < 1.0)) {
+                continue;
+            }
             for lane in 0..LANES {
                 if pack.strain[lane] < 1.0 {
                     continue;
@@ -67,8 +72,8 @@ impl Solids {
         let Self { seen, groups, bodies, .. } = self;
         let rows = seen.iter().zip(&groups.parts).enumerate();
         rows.filter(|(_, (seen, _))| seen.sound).any(|(i, (seen, part))| {
-            let gone = (bodies.centre[i] + bodies.step[i]).truncate() - seen.centre;
-            let (p, q) = (seen.rotation, bodies.rotation[i]);
+            let gone = (bodies[i][CENTRE] + bodies[i][STEP]).truncate() - seen.centre;
+            let (p, q) = (seen.rotation, bodies[i][ROTATION]);
             // Twice the sine of half the angle.
             let (v, u) = (p.truncate(), q.truncate());
             let turned = (u * p.w - v * q.w - v.cross(u)).length() * 2.0;

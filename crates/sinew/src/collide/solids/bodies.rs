@@ -1,64 +1,86 @@
-//! Everything that contacts know of what takes part in them, in columns: solids first, eight by eight, then colliders and planes, which nothing
+//! Everything that contacts know of what takes part in them: solids first, eight by eight, then colliders and planes, which nothing
 //! moves.
+
+use core::ops::{Index, IndexMut};
 
 use glam::{Mat3, Vec3, Vec4};
 
 use super::super::Frame;
 use super::turn::{Matrix, Symmetric};
-use crate::lanes::{Lanes, Vector};
+use crate::lanes::{FIELDS, LANES, Lanes, Record, Vector};
 
-/// Columns; a row for each solid, up to a multiple of eight; then for each collider and each plane; and one for nothing.
+/// The fields of a row. `[x y z w]`: how far contacts have moved it in this substep, metres, and its inverse mass, 1/kg.
+pub(super) const SHIFT: usize = 0;
+/// `[x y z m]`: how far they have turned it, rad about each axis; 1 if some of that came of a deep overlap.
+pub(super) const TURN: usize = 1;
+// Two fields that only lanes and `loose` ask for: the inverse inertia in world axes, 1/(kg·m²), first xx, yy, zz, then xy, xz, yz.
+/// Its centre when the substep began, from its origin, metres.
+pub(super) const CENTRE: usize = 4;
+/// How far that has gone since, without contacts, metres.
+pub(super) const STEP: usize = 5;
+/// How far it has turned since, without contacts: `2 tan(φ/2)` about the axis.
+pub(super) const SPIN: usize = 6;
+/// As predicted: a unit quaternion. The last one, because friction does not ask for it.
+pub(super) const ROTATION: usize = 7;
+
+/// A row for each solid, up to a multiple of eight; then for each collider and each plane; and one for nothing. A contact asks for nearly all that there is of two bodies
+/// that may lie anywhere: so that is in one place, and not in columns.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bodies {
-    /// `[x y z w]`: how far contacts have moved it in this substep, metres, and its inverse mass, 1/kg.
-    pub(super) shift: Vec<Vec4>,
-    /// `[x y z m]`: how far they have turned it, rad about each axis; 1 if some of that came of a deep overlap.
-    pub(super) turn: Vec<Vec4>,
-    /// Inverse inertia in world axes, 1/(kg·m²): xx, yy, zz.
-    pub(super) along: Vec<Vec4>,
-    /// xy, xz, yz.
-    pub(super) across: Vec<Vec4>,
-    /// As predicted: a unit quaternion.
-    pub(super) rotation: Vec<Vec4>,
-    /// Its centre when the substep began, from its origin, metres.
-    pub(super) centre: Vec<Vec4>,
-    /// How far that has gone since, without contacts, metres.
-    pub(super) step: Vec<Vec4>,
-    /// How far it has turned since, without contacts: `2 tan(φ/2)` about the axis.
-    pub(super) spin: Vec<Vec4>,
+    pub(super) rows: Vec<Record>,
+}
+
+impl Index<usize> for Bodies {
+    type Output = [Vec4; FIELDS];
+
+    #[inline(always)]
+    fn index(&self, row: usize) -> &[Vec4; FIELDS] {
+        &self.rows[row].0
+    }
+}
+
+impl IndexMut<usize> for Bodies {
+    #[inline(always)]
+    fn index_mut(&mut self, row: usize) -> &mut [Vec4; FIELDS] {
+        &mut self.rows[row].0
+    }
 }
 
 impl Bodies {
     /// Makes room for so many, none of which moves.
     pub(super) fn resize(&mut self, len: usize) {
-        let Self { shift, turn, along, across, rotation, centre, step, spin } = self;
-        for column in [shift, turn, along, across, centre, step, spin] {
-            column.clear();
-            column.resize(len, Vec4::ZERO);
-        }
-        rotation.clear();
-        rotation.resize(len, Vec4::W);
+        let mut still = Record([Vec4::ZERO; FIELDS]);
+        still.0[ROTATION] = Vec4::W;
+        self.rows.clear();
+        self.rows.resize(len, still);
     }
 
     /// Takes back what contacts have done in this substep.
     pub(super) fn take_back(&mut self) {
-        for shift in &mut self.shift {
-            *shift = Vec4::new(0.0, 0.0, 0.0, shift.w);
+        for Record(row) in &mut self.rows {
+            row[SHIFT] = Vec4::new(0.0, 0.0, 0.0, row[SHIFT].w);
+            row[TURN] = Vec4::ZERO;
         }
-        self.turn.fill(Vec4::ZERO);
     }
 
     /// Places a row that nothing moves: its frame at the end of a substep, and what it was at its start.
     pub(super) fn place(&mut self, row: usize, start: &Frame, end: &Frame) {
-        self.rotation[row] = quaternion(&end.rotation);
-        self.step[row] = (end.translation - start.translation).extend(0.0);
+        let row = &mut self[row];
+        row[ROTATION] = quaternion(&end.rotation);
+        row[STEP] = (end.translation - start.translation).extend(0.0);
         let (x, y, z) = columns_of(&(end.rotation * start.rotation.transpose()));
         let sine = Vec3::new(y.z - z.y, z.x - x.z, x.y - y.x) * 0.5;
         // tan ½φ = sinφ / (1 + cosφ); half a turn in a substep is none that anything could follow.
         let below = (0.5 * (x.x + y.y + z.z + 1.0)).max(1e-3);
         let spin = if start.rotation == end.rotation { Vec3::ZERO } else { sine * (2.0 / below) };
-        self.spin[row] = spin.extend(0.0);
+        row[SPIN] = spin.extend(0.0);
     }
+}
+
+/// Eight rows from one on.
+#[inline(always)]
+pub(super) fn from_row(first: usize) -> [u32; LANES] {
+    core::array::from_fn(|lane| (first + lane) as u32)
 }
 
 /// The columns of eight of them.
@@ -77,21 +99,19 @@ pub(super) struct Eight<L> {
 impl<L: Lanes> Eight<L> {
     #[inline(always)]
     pub(super) fn load(bodies: &Bodies, rows: &[u32; 8]) -> Self {
-        let (shift, inverse_mass) = Vector::of(L::rows(&bodies.shift, rows));
-        let (turn, mark) = Vector::of(L::rows(&bodies.turn, rows));
+        let [shift, turn, along, across, centre, step, spin, rotation] =
+            L::records(&bodies.rows, rows);
+        let ((shift, inverse_mass), (turn, mark)) = (Vector::of(shift), Vector::of(turn));
         Self {
             shift,
             inverse_mass,
             turn,
             mark,
-            inverse_inertia: Symmetric {
-                along: Vector::of(L::rows(&bodies.along, rows)).0,
-                across: Vector::of(L::rows(&bodies.across, rows)).0,
-            },
-            rotation: Matrix::of(L::rows(&bodies.rotation, rows)),
-            centre: Vector::of(L::rows(&bodies.centre, rows)).0,
-            step: Vector::of(L::rows(&bodies.step, rows)).0,
-            spin: Vector::of(L::rows(&bodies.spin, rows)).0,
+            inverse_inertia: Symmetric { along: Vector::of(along).0, across: Vector::of(across).0 },
+            rotation: Matrix::of(rotation),
+            centre: Vector::of(centre).0,
+            step: Vector::of(step).0,
+            spin: Vector::of(spin).0,
         }
     }
 }
@@ -111,20 +131,17 @@ pub(super) struct Sliding<L> {
 impl<L: Lanes> Sliding<L> {
     #[inline(always)]
     pub(super) fn load(bodies: &Bodies, rows: &[u32; 8]) -> Self {
-        let (shift, inverse_mass) = Vector::of(L::rows(&bodies.shift, rows));
-        let (turn, mark) = Vector::of(L::rows(&bodies.turn, rows));
+        let [shift, turn, along, across, centre, step, spin] = L::records(&bodies.rows, rows);
+        let ((shift, inverse_mass), (turn, mark)) = (Vector::of(shift), Vector::of(turn));
         Self {
             shift,
             turn,
             inverse_mass,
             mark,
-            inverse_inertia: Symmetric {
-                along: Vector::of(L::rows(&bodies.along, rows)).0,
-                across: Vector::of(L::rows(&bodies.across, rows)).0,
-            },
-            centre: Vector::of(L::rows(&bodies.centre, rows)).0,
-            step: Vector::of(L::rows(&bodies.step, rows)).0,
-            spin: Vector::of(L::rows(&bodies.spin, rows)).0,
+            inverse_inertia: Symmetric { along: Vector::of(along).0, across: Vector::of(across).0 },
+            centre: Vector::of(centre).0,
+            step: Vector::of(step).0,
+            spin: Vector::of(spin).0,
         }
     }
 

@@ -24,7 +24,7 @@ impl Solids {
         let least = 2.0 * gravity * h;
         self.loose.bounce(particles, &self.groups, &self.bodies, least);
         let Self { groups, lifts, bodies, sums, instructions, shared, packs, found, .. } = self;
-        let Self { bouncing, bounced, .. } = self;
+        let Self { bouncing, bounced, gathered, .. } = self;
         bouncing.clear();
         bouncing.resize(groups.groups.len(), false);
         bounced.clear();
@@ -51,6 +51,7 @@ impl Solids {
                 bodies,
                 first: number * LANES,
                 sums: &mut sums[number],
+                gathered,
             };
             with(*instructions, read);
         }
@@ -165,9 +166,15 @@ impl Work for Bounce<'_> {
         b.shift -= n * (sum * b.inverse_mass);
         a.turn += patch.a.turned(x, y);
         b.turn -= patch.b.turned(x - apart_t * sum, y - apart_u * sum);
-        L::put_rows(&mut bodies.shift, &pack.a, a.shift.with(a.inverse_mass));
-        L::put_rows(&mut bodies.turn, &pack.a, a.turn.with(none));
-        L::put_rows(&mut bodies.shift, &pack.b, b.shift.with(b.inverse_mass));
-        L::put_rows(&mut bodies.turn, &pack.b, b.turn.with(none));
+        L::put_records(
+            &mut bodies.rows,
+            &pack.a,
+            [a.shift.with(a.inverse_mass), a.turn.with(none)],
+        );
+        L::put_records(
+            &mut bodies.rows,
+            &pack.b,
+            [b.shift.with(b.inverse_mass), b.turn.with(none)],
+        );
     }
 }

@@ -5,7 +5,7 @@ use glam::{Vec3, Vec4};
 use super::super::manifold::collide;
 use super::super::shape::Kind;
 use super::super::{BodyContacts, Frame, Party, World};
-use super::bodies::rotation;
+use super::bodies::{CENTRE, ROTATION, SPIN, STEP, rotation};
 use super::contact::SLID;
 use super::found::{Found, Sensed, colour, pack};
 use super::read::{Read, certain, guess};
@@ -28,7 +28,7 @@ impl Solids {
         self.sums.resize(self.groups.groups.len(), Default::default());
         for (number, part) in self.groups.parts.iter().enumerate().filter(|(_, part)| part.sound) {
             let rest = &world.solids[number].rest;
-            self.bodies.rotation[number] = guess(&self.groups, part, rest, particles);
+            self.bodies[number][ROTATION] = guess(&self.groups, part, rest, particles);
         }
         self.look(&particles.position, particles, world, 0.0);
     }
@@ -53,17 +53,17 @@ impl Solids {
         self.pairs = pairs;
         self.loose.find(&self.seen, &self.groups, particles, world);
         self.fresh = true;
-        let Self { found, used, packs, order, groups, bodies, .. } = self;
-        colour(found, groups.parts.len(), used);
-        let nothing = (bodies.shift.len() - 1) as u32;
+        let Self { found, used, packs, order, begins, groups, bodies, .. } = self;
+        let colours = colour(found, groups.parts.len(), used);
+        let nothing = (bodies.rows.len() - 1) as u32;
         let centre =
             |row: u32| groups.parts.get(row as usize).map_or(Vec3::ZERO, |part| part.centre);
-        pack(found, nothing, order, packs, centre);
+        pack(found, (nothing, colours), [order, begins], packs, centre);
     }
 
     /// Poses and velocities.
     fn read_fresh(&mut self, places: &[Vec4], particles: &Particles, world: &World) {
-        let Self { groups, lifts, bodies, sums, instructions, .. } = self;
+        let Self { groups, lifts, bodies, sums, gathered, instructions, .. } = self;
         for (number, group) in groups.groups.iter().enumerate() {
             for _ in 0..2 {
                 let read = Read {
@@ -76,6 +76,7 @@ impl Solids {
                     bodies,
                     first: number * LANES,
                     sums: &mut sums[number],
+                    gathered,
                 };
                 let lost = with(*instructions, read);
                 if lost == 0 {
@@ -85,8 +86,8 @@ impl Solids {
                     let number = number * LANES + lane;
                     if groups.parts.get(number).is_some_and(|part| part.sound) {
                         let rest = &world.solids[number].rest;
-                        let near = bodies.rotation[number];
-                        bodies.rotation[number] = certain(groups, number, rest, particles, near);
+                        let near = bodies[number][ROTATION];
+                        bodies[number][ROTATION] = certain(groups, number, rest, particles, near);
                     }
                 }
             }
@@ -103,9 +104,9 @@ impl Solids {
                 continue;
             };
             let (row, vector) = (row as usize, |v: Vec4| v.truncate());
-            let (centre, q) = (vector(bodies.centre[number]), bodies.rotation[number]);
-            let speed = vector(bodies.step[number]).length()
-                + vector(bodies.spin[number]).length() * part.reach;
+            let (centre, q) = (vector(bodies[number][CENTRE]), bodies[number][ROTATION]);
+            let speed = vector(bodies[number][STEP]).length()
+                + vector(bodies[number][SPIN]).length() * part.reach;
             let margin = speed * world.dt + world.gravity * world.dt * world.dt;
             let origin = particles.origin[row];
             let r = rotation(q);
@@ -140,23 +141,26 @@ impl Solids {
         }
         broad.0.pairs(bounds, nearby);
         pairs.clear();
-        pairs.extend(nearby.iter().filter(|pair| (pair[0] as usize) < seen.len()));
-        // What has no end is looked at by everyone.
-        for (number, stand) in stands.iter().enumerate().filter(|(_, stand)| stand.endless) {
-            let frame = stand.frame_at(world, share);
-            let end = stand.frame_at(world, 1.0);
-            for (a, one) in seen.iter().enumerate().filter(|(_, one)| one.sound) {
+        let mut nearby =
+            nearby.iter().copied().filter(|pair| (pair[0] as usize) < seen.len()).peekable();
+        // What has no end is looked at by everyone; both lists are sorted.
+        for (a, one) in seen.iter().enumerate().filter(|(_, one)| one.sound) {
+            for (number, stand) in stands.iter().enumerate().filter(|(_, stand)| stand.endless) {
+                let frame = stand.frame_at(world, share);
                 let here = stand.seen_from(&frame, one.origin);
                 let height = here.rotation.y_axis.dot(one.centre - here.translation);
+                let end = stand.frame_at(world, 1.0);
                 let moved = carried(&frame, &end, one.centre + one.origin);
                 if height <= groups.parts[a].reach + one.margin + moved {
-                    pairs.push([a as u32, (seen.len() + number) as u32]);
+                    let pair = [a as u32, (seen.len() + number) as u32];
+                    while let Some(before) = nearby.next_if(|before| *before < pair) {
+                        pairs.push(before);
+                    }
+                    pairs.push(pair);
                 }
             }
         }
-        if stands.iter().any(|stand| stand.endless) {
-            pairs.sort_unstable();
-        }
+        pairs.extend(nearby);
     }
 
     /// Finds the manifolds of a pair.

@@ -62,18 +62,35 @@ pub(super) fn colour(found: &mut [Found], solids: usize, used: &mut Vec<u64>) ->
     most
 }
 
-/// Packs manifolds of one colour by eights. `order` is scratch; `centres` of the solids in their own frames.
+/// Numbers of manifolds by colour, and then as they are; `begins` is scratch.
+fn by_colour(found: &[Found], colours: u32, order: &mut Vec<u32>, begins: &mut Vec<u32>) {
+    begins.clear();
+    begins.resize(colours as usize + 1, 0);
+    for one in found {
+        begins[one.colour as usize + 1] += 1;
+    }
+    for colour in 0..colours as usize {
+        begins[colour + 1] += begins[colour];
+    }
+    order.clear();
+    order.resize(found.len(), 0);
+    for (number, one) in found.iter().enumerate() {
+        let place = &mut begins[one.colour as usize];
+        order[*place as usize] = number as u32;
+        *place += 1;
+    }
+}
+
+/// Packs manifolds of one of so many colours by eights. `order` and `begins` are scratch; `centre` of the solids in their own frames.
 pub(super) fn pack(
     found: &[Found],
-    nothing: u32,
-    order: &mut Vec<u32>,
+    (nothing, colours): (u32, u32),
+    [order, begins]: [&mut Vec<u32>; 2],
     packs: &mut Vec<Pack>,
     centre: impl Fn(u32) -> Vec3,
 ) {
     packs.clear();
-    order.clear();
-    order.extend(0..found.len() as u32);
-    order.sort_unstable_by_key(|&i| (found[i as usize].colour, i));
+    by_colour(found, colours, order, begins);
     let (mut colour, mut lane) = (u32::MAX, LANES);
     for &number in order.iter() {
         let one = &found[number as usize];

@@ -126,10 +126,8 @@ fn hold_pack<L: Lanes>(
     b.shift -= along * b.inverse_mass;
     a.turn += ita * f.x + iua * f.y + ina * f.z;
     b.turn -= itb * f.x + iub * f.y + inb * f.z;
-    L::put_rows(&mut bodies.shift, &pack.a, a.shift.with(a.inverse_mass));
-    L::put_rows(&mut bodies.turn, &pack.a, a.turn.with(a.mark));
-    L::put_rows(&mut bodies.shift, &pack.b, b.shift.with(b.inverse_mass));
-    L::put_rows(&mut bodies.turn, &pack.b, b.turn.with(b.mark));
+    L::put_records(&mut bodies.rows, &pack.a, [a.shift.with(a.inverse_mass), a.turn.with(a.mark)]);
+    L::put_records(&mut bodies.rows, &pack.b, [b.shift.with(b.inverse_mass), b.turn.with(b.mark)]);
     good.and(against * much)
 }
 

@@ -1,9 +1,9 @@
 //! Solids and single particles that belong to none: a sphere of its radius against the shape, two-way.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::super::{BodyContacts, Grip, Party, World};
-use super::bodies::{Bodies, rotation};
+use super::bodies::{Bodies, ROTATION, SHIFT, TURN, rotation};
 use super::find::party;
 use super::groups::Groups;
 use super::{Seen, Told};
@@ -139,12 +139,12 @@ impl Loose {
             let Some(&home) = groups.rows.get(part.entries.start) else { continue };
             let lift = particles.origin[i] - particles.origin[home as usize];
             let (q, p) = (particles.position[i], particles.start[i]);
-            let (w, inverse_mass) = (q.w, bodies.shift[s].w);
+            let (w, inverse_mass) = (q.w, bodies[s][SHIFT].w);
             let body = One::of(bodies, s);
             let arm = q.truncate() + lift - (body.centre + body.step + body.shift);
             let way = (q - p).truncate() - body.moved(arm);
             // As seen from the solid, which has turned a little further.
-            let r = rotation(bodies.rotation[s]);
+            let r = rotation(bodies[s][ROTATION]);
             let local = |v: Vec3| {
                 let v = v - body.turn.cross(v);
                 Vec3::new(r.x_axis.dot(v), r.y_axis.dot(v), r.z_axis.dot(v))
@@ -180,8 +180,8 @@ impl Loose {
                 continue;
             }
             particles.position[i] += (impulse * w).extend(0.0);
-            bodies.shift[s] -= (impulse * inverse_mass).extend(0.0);
-            bodies.turn[s] -= body.spun(lever.cross(impulse)).extend(0.0);
+            bodies[s][SHIFT] -= (impulse * inverse_mass).extend(0.0);
+            bodies[s][TURN] -= body.spun(lever.cross(impulse)).extend(0.0);
             near.force = force;
             near.normal = n;
             near.arm = lever;
@@ -228,7 +228,7 @@ impl Loose {
                 .sum::<Vec3>();
             let spin = body.spun(spin);
             let lever = particles.position[i].truncate() + lift - centre;
-            let (n, w, inverse_mass) = (near.normal, particles.position[i].w, bodies.shift[s].w);
+            let (n, w, inverse_mass) = (near.normal, particles.position[i].w, bodies[s][SHIFT].w);
             let moment = lever.cross(n);
             let stiff = w + inverse_mass + moment.dot(body.spun(moment));
             let speed = n.dot(particles.velocity(i) - velocity - spin.cross(lever));
@@ -270,15 +270,8 @@ struct One {
 
 impl One {
     fn of(bodies: &Bodies, row: usize) -> Self {
-        Self {
-            centre: bodies.centre[row].truncate(),
-            step: bodies.step[row].truncate(),
-            shift: bodies.shift[row].truncate(),
-            spin: bodies.spin[row].truncate(),
-            turn: bodies.turn[row].truncate(),
-            along: bodies.along[row].truncate(),
-            across: bodies.across[row].truncate(),
-        }
+        let [shift, turn, along, across, centre, step, spin, _] = bodies[row].map(Vec4::truncate);
+        Self { centre, step, shift, spin, turn, along, across }
     }
 
     /// Displacement since the substep began of what is at `arm` from the centre, metres.

@@ -53,7 +53,7 @@ use found::{Found, Sensed};
 use groups::Groups;
 use hold::{AHEAD, Hold};
 use loose::Loose;
-use read::{Lifts, Read, Sums};
+use read::{Gathered, Lifts, Read, Sums};
 use stands::Stand;
 use told::Told;
 use write::{Shared, Write};
@@ -107,6 +107,7 @@ pub(crate) struct Solids {
     lifts: Lifts,
     bodies: Bodies,
     sums: Vec<Sums>,
+    gathered: Vec<Gathered>,
     stands: Vec<Stand>,
     floor: Option<Shape>,
     seen: Vec<Seen>,
@@ -123,6 +124,7 @@ pub(crate) struct Solids {
     told: Vec<Told>,
     used: Vec<u64>,
     order: Vec<u32>,
+    begins: Vec<u32>,
     /// Groups and packs that bounce in this substep.
     bouncing: Vec<bool>,
     bounced: Vec<bool>,
@@ -252,7 +254,7 @@ impl Solids {
 
     /// Poses as predicted, and how they got there.
     fn read(&mut self, particles: &Particles) {
-        let Self { groups, lifts, bodies, sums, instructions, .. } = self;
+        let Self { groups, lifts, bodies, sums, gathered, instructions, .. } = self;
         for (number, group) in groups.groups.iter().enumerate() {
             let read = Read {
                 group,
@@ -264,6 +266,7 @@ impl Solids {
                 bodies,
                 first: number * LANES,
                 sums: &mut sums[number],
+                gathered,
             };
             with(*instructions, read);
         }

@@ -14,10 +14,10 @@
 
 use glam::{DMat3, DQuat, Mat3, Vec3, Vec4};
 
-use super::bodies::{Bodies, quaternion};
+use super::bodies::{Bodies, from_row, quaternion};
 use super::groups::{Group, Groups, Mass, Part, Slot};
 use super::turn::{Eight, Matrix, Symmetric, load, store, turn_further, zero};
-use crate::lanes::{Lanes, Vector, Work};
+use crate::lanes::{FIELDS, Lanes, Vector, Work};
 use crate::particles::Particles;
 use crate::pose::rotation;
 
@@ -56,6 +56,17 @@ pub(super) struct Read<'a> {
     /// The first row of the group among the bodies.
     pub(super) first: usize,
     pub(super) sums: &'a mut Sums,
+    /// Scratch.
+    pub(super) gathered: &'a mut Vec<Gathered>,
+}
+
+/// One particle of each of eight solids, gathered once for two passes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Gathered {
+    position: [Eight; 3],
+    /// Displacement or velocity.
+    moved: [Eight; 3],
+    inverse_mass: Eight,
 }
 
 impl Work for Read<'_> {
@@ -64,17 +75,24 @@ impl Work for Read<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> u32 {
-        let Self { group, slots, lifts, position, other, fresh, bodies, first, sums } = self;
+        let Self { group, slots, lifts, position, other, fresh, bodies, first, sums, gathered } =
+            self;
         let mass = &group.mass;
         if slots.is_empty() {
             return 0;
         }
         let source = Source { slots, lifts, position, other, fresh };
         let held = L::zero().lt(L::load(&mass.held));
-        let (near, _, _) = source.gather::<L>(0);
-        let (mut sum, mut step) = (zero::<L>(), zero::<L>());
-        for (number, slot) in slots.iter().enumerate() {
+        gathered.resize(slots.len(), Gathered::default());
+        let (mut near, mut sum, mut step) = (zero::<L>(), zero::<L>(), zero::<L>());
+        for (number, (slot, kept)) in slots.iter().zip(&mut *gathered).enumerate() {
             let (q, moved, w) = source.gather::<L>(number);
+            if number == 0 {
+                near = q;
+            }
+            store(q, &mut kept.position);
+            store(moved, &mut kept.moved);
+            w.store(&mut kept.inverse_mass);
             let (pull, free) = (L::load(&slot.pull), L::zero().lt(w));
             let decides = held.select(free.select(L::zero(), pull), pull);
             sum += (q - near) * decides;
@@ -84,9 +102,9 @@ impl Work for Read<'_> {
         let (centre, step) = (near + sum * middle, step * middle);
         let (mut pairs, mut moments, mut momentum) =
             (Matrix::<L>::zero(), Matrix::<L>::zero(), zero::<L>());
-        for (number, slot) in slots.iter().enumerate() {
-            let (q, moved, w) = source.gather::<L>(number);
-            let pull = L::load(&slot.pull);
+        for (slot, kept) in slots.iter().zip(gathered) {
+            let (q, moved) = (load(&kept.position), load(&kept.moved));
+            let (w, pull) = (L::load(&kept.inverse_mass), L::load(&slot.pull));
             let own = L::zero().lt(w).and(pull);
             let (arm, moved) = (q - centre, moved - step);
             moments.add_outer(arm * pull, load(&slot.rest));
@@ -94,21 +112,26 @@ impl Work for Read<'_> {
             let start = if fresh { arm } else { arm - moved };
             pairs.add_outer(arm * own, start);
         }
-        let (q, lost) = nearest(mass, &moments, L::run(&bodies.rotation, first), fresh);
+        let rows = from_row(first);
+        let [.., rotation] = L::records::<FIELDS>(&bodies.rows, &rows);
+        let (q, lost) = nearest(mass, &moments, rotation, fresh);
         let r = Matrix::of(q);
         let inverse = Symmetric::load(&mass.inverse_inertia).turned(&r);
         let led = if group.pinned { Symmetric::load(&mass.led).turned(&r) } else { inverse };
         let spin = led.times(momentum);
         let none = L::zero();
-        L::put_run(&mut bodies.rotation, first, q);
-        L::put_run(&mut bodies.shift, first, zero::<L>().with(L::load(&mass.inverse_mass)));
-        L::put_run(&mut bodies.turn, first, zero::<L>().with(none));
-        L::put_run(&mut bodies.along, first, inverse.along.with(none));
-        L::put_run(&mut bodies.across, first, inverse.across.with(none));
         let start = if fresh { centre } else { centre - step };
-        L::put_run(&mut bodies.centre, first, start.with(none));
-        L::put_run(&mut bodies.step, first, step.with(none));
-        L::put_run(&mut bodies.spin, first, spin.with(none));
+        let fields = [
+            zero::<L>().with(L::load(&mass.inverse_mass)),
+            zero::<L>().with(none),
+            inverse.along.with(none),
+            inverse.across.with(none),
+            start.with(none),
+            step.with(none),
+            spin.with(none),
+            q,
+        ];
+        L::put_records(&mut bodies.rows, &rows, fields);
         store(centre, &mut sums.centre);
         for (column, to) in [pairs.x, pairs.y, pairs.z].into_iter().zip(&mut sums.pairs) {
             store(column, to);

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::super::{Impacts, Party};
+use super::bodies::CENTRE;
 use super::{Solids, turn};
 use crate::lanes::LANES;
 
@@ -39,7 +40,7 @@ impl Solids {
                 }
                 let vector = |v: &[turn::Eight; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
                 let a = one.a as usize;
-                let point = seen[a].origin + (bodies.centre[a].truncate() + vector(&pack.arm));
+                let point = seen[a].origin + (bodies[a][CENTRE].truncate() + vector(&pack.arm));
                 let (normal, impulse) = (vector(&pack.up), pack.total[lane] / *h);
                 told.push(Told { parties: one.parties, point, normal, impulse });
             }

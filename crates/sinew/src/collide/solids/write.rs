@@ -17,11 +17,11 @@
 
 use glam::Vec4;
 
-use super::bodies::Bodies;
+use super::bodies::{Bodies, from_row};
 use super::groups::{Group, Slot};
 use super::read::Sums;
 use super::turn::{Eight, Matrix, Symmetric, load, store};
-use crate::lanes::{LANES, Lanes, Vector, Work};
+use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work};
 
 /// Changes of rows that several solids share, or that are alone in their eight: to be added when all are known.
 pub(super) type Shared = Vec<(u32, Vec4)>;
@@ -47,13 +47,14 @@ impl Work for Write<'_> {
     fn run<L: Lanes>(self) {
         let Self { group, slots, lifts, position, mut velocity, bodies, first, sums, shared } =
             self;
-        let (shift, _) = Vector::of(L::run(&bodies.shift, first));
-        let (turn, _) = Vector::of(L::run(&bodies.turn, first));
+        let [shift, turn, .., rotation] = L::records::<FIELDS>(&bodies.rows, &from_row(first));
+        let (shift, turn) = (Vector::of(shift).0, Vector::of(turn).0);
         let much = shift.length_squared() + turn.length_squared();
         if !L::zero().lt(much).any() {
             return;
         }
-        let field = field::<L>(group, turn, bodies, first, sums, velocity.is_none());
+        let r = Matrix::of(rotation);
+        let field = field::<L>(group, turn, &r, sums, velocity.is_none());
         let centre = load(&sums.centre);
         for (number, slot) in slots.iter().enumerate() {
             let (q, w) = Vector::of(L::rows(position, &slot.rows));
@@ -83,13 +84,12 @@ impl Work for Write<'_> {
     }
 }
 
-/// `D`, which takes arms to displacements.
+/// `D`, which takes arms to displacements, of solids with the rotations `r`.
 #[inline(always)]
 fn field<L: Lanes>(
     group: &Group,
     turn: Vector<L>,
-    bodies: &Bodies,
-    first: usize,
+    r: &Matrix<L>,
     sums: &Sums,
     rotates: bool,
 ) -> Matrix<L> {
@@ -108,12 +108,11 @@ fn field<L: Lanes>(
         add_cross(&mut field, half);
         field = Matrix { x: field.x * factor, y: field.y * factor, z: field.z * factor };
     }
-    let r = Matrix::of(L::run(&bodies.rotation, first));
     let [x, y, z] = &sums.pairs;
     let pairs = Matrix { x: load(x), y: load(y), z: load(z) };
-    let wanted = Symmetric::load(&mass.inertia).turned(&r).times(turn);
+    let wanted = Symmetric::load(&mass.inertia).turned(r).times(turn);
     let missing = wanted - field.times_matrix(&pairs).twice_axial();
-    let brace = Symmetric::load(&mass.brace).turned(&r);
+    let brace = Symmetric::load(&mass.brace).turned(r);
     let trace = pairs.x.x + pairs.y.y + pairs.z.z;
     let j = Matrix {
         x: Vector::new(trace, none, none) - pairs.x

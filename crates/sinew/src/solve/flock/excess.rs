@@ -43,6 +43,12 @@ impl<D: Doubles> Double<D> {
         Self { x: D::splat(x), y: D::splat(x), z: D::splat(x) }
     }
 
+    /// The same vector in each.
+    #[inline(always)]
+    fn all(v: DVec3) -> Self {
+        Self { x: D::splat(v.x), y: D::splat(v.y), z: D::splat(v.z) }
+    }
+
     #[inline(always)]
     fn times(self, by: D) -> Self {
         Self { x: self.x * by, y: self.y * by, z: self.z * by }
@@ -74,7 +80,7 @@ impl<D: Doubles> Double<D> {
 }
 
 /// What eight bodies have to have taken off.
-pub(super) struct Excesses<D> {
+pub(in crate::solve) struct Excesses<D> {
     anchor: Double<D>,
     centre: Double<D>,
     shift: Double<D>,
@@ -82,6 +88,22 @@ pub(super) struct Excesses<D> {
 }
 
 impl<D: Doubles> Excesses<D> {
+    /// Eight times that of one body.
+    #[inline(always)]
+    pub(in crate::solve) fn all(one: &Excess) -> Self {
+        let Excess { anchor, centre, shift, turn } = *one;
+        let all = Double::all;
+        Self { anchor: all(anchor), centre: all(centre), shift: all(shift), turn: all(turn) }
+    }
+
+    /// What particles have to have taken off their velocities that were there when the substep began, m/s.
+    #[inline(always)]
+    pub(in crate::solve) fn share<L: Lanes<Doubles = D>>(&self, from: Vector<L>) -> Vector<L> {
+        let arm = Double::of(from) - self.anchor - self.centre;
+        let share = self.shift + self.turn.cross(arm);
+        Vector::new(L::narrow(share.x), L::narrow(share.y), L::narrow(share.z))
+    }
+
     /// A bit for each body of which that is a number.
     #[inline(always)]
     fn sound(&self) -> u32 {
@@ -96,7 +118,7 @@ impl<D: Doubles> Excesses<D> {
         let which = which & self.sound();
         (0..LANES).filter(move |lane| which >> lane & 1 != 0).map(move |lane| {
             let [anchor, centre, shift, turn] =
-                vectors.map(|[x, y, z]| DVec3::new(x[lane], y[lane], z[lane]));
+                vectors.each_ref().map(|[x, y, z]| DVec3::new(x[lane], y[lane], z[lane]));
             (lane, Excess { anchor, centre, shift, turn })
         })
     }
@@ -120,10 +142,7 @@ impl Pen {
             let u = Vector::of(velocity.load::<L>()).0;
             let mut v = u + (q - (from + u * h)) * per_second;
             if let Some(excesses) = &excesses {
-                let Excesses { anchor, centre, shift, turn } = excesses;
-                let arm = Double::of(from) - *anchor - *centre;
-                let share = *shift + turn.cross(arm);
-                let share = Vector::new(L::narrow(share.x), L::narrow(share.y), L::narrow(share.z));
+                let share = excesses.share(from);
                 v = (v - share).or_else(L::mask(free.bits() & excesses.sound()), v);
             }
             velocity.put(v.with(h));

@@ -35,6 +35,7 @@ use crate::lanes::LANES;
 
 use course::Course;
 pub(crate) use drive::{Drive, Motion, Whole};
+pub(super) use excess::Excesses;
 pub(crate) use find::MOST;
 pub(crate) use herd::Herd;
 pub(crate) use pen::{Pen, Spot};

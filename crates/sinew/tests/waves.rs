@@ -1,0 +1,143 @@
+//! Waves and relays: a large cloth that goes through a step in columns, on one thread or from thread to thread, has the bits of phase after phase.
+
+use core::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::Arc;
+
+use sinew::glam::Vec3;
+use sinew::recipes::{ClothMaterial, ClothSpec, cloth_grid};
+use sinew::{Simulation, Workers};
+
+/// Rods alone, held by two pins: what rolls through such a cloth as a wave, more of it than is in columns at a time, has the bits of one phase after the other; after a
+/// start at once, a step of another length, and with drag.
+#[test]
+fn a_wave_through_a_cloth_has_the_bits_of_its_phases_one_by_one() {
+    for (side, substeps, sweeps) in [(131, 5, 1), (40, 1, 1), (40, 3, 1), (40, 3, 3)] {
+        let mut world = sheet(side);
+        world.settings.substeps = substeps;
+        world.settings.max_sweeps = sweeps;
+        world.settings.tolerance = 2e-3;
+        world.forces.drag = 0.3;
+        for i in 0..world.particles.len() {
+            world.particles.set_velocity(i, Vec3::new(0.1, 0.0, 0.2 * (i % 7) as f32));
+        }
+        let mut phases = world.clone();
+        for dt in [1.0 / 60.0, 1.0 / 50.0, 1.0 / 60.0, 1.0 / 60.0] {
+            world.step(dt).unwrap();
+            let substeps = phases.begin_step(dt).unwrap();
+            assert!(phases.is_undisturbed());
+            for _ in 0..substeps {
+                phases.begin_substep();
+                phases.accumulate_forces();
+                phases.integrate();
+                phases.solve_constraints();
+            }
+            phases.end_step();
+            for i in 0..world.particles.len() {
+                let of = |world: &Simulation| (world.particles.seed(i), world.velocity_now(i));
+                assert_eq!(of(&world), of(&phases), "side {side}, particle {i}");
+            }
+            assert_eq!(world.report(), phases.report());
+        }
+    }
+}
+
+/// A cloth of seventy thousand rods goes from thread to thread, each of which takes it through some substeps; to the bits of one thread, and with no more meetings than one a step.
+#[test]
+fn a_relay_of_threads_through_a_large_cloth_has_the_bits_of_one_thread() {
+    for (substeps, threads) in [(6, 2), (6, 3), (5, 2), (1, 3), (4, 8)] {
+        let mut one = sheet(131);
+        one.settings.substeps = substeps;
+        one.settings.max_sweeps = 1;
+        one.forces.drag = 0.3;
+        let (mut many, meetings) = (one.clone(), Arc::new(AtomicUsize::new(0)));
+        many.workers = Some(Arc::new(Counting(Threads(threads), meetings.clone())));
+        for tick in 0..4 {
+            one.step(1.0 / 60.0).unwrap();
+            many.step(1.0 / 60.0).unwrap();
+            for i in 0..one.particles.len() {
+                let of = |world: &Simulation| (world.particles.seed(i), world.velocity_now(i));
+                assert_eq!(of(&one), of(&many), "{threads} threads, tick {tick}, particle {i}");
+            }
+            assert_eq!(one.report(), many.report());
+        }
+        assert!(
+            meetings.load(Ordering::Relaxed) <= 4,
+            "{substeps} substeps: {meetings:?} meetings"
+        );
+    }
+}
+
+/// The same where sweeps wait for each other: a cloth that one thread is faster with, and one for which threads meet after each stage.
+#[test]
+fn threads_that_share_the_sweeps_of_a_large_cloth_have_the_bits_of_one_thread() {
+    for side in [127, 190] {
+        let mut one = sheet(side);
+        one.settings.substeps = 2;
+        one.settings.max_sweeps = 3;
+        let (mut many, meetings) = (one.clone(), Arc::new(AtomicUsize::new(0)));
+        many.workers = Some(Arc::new(Counting(Threads(3), meetings.clone())));
+        for _ in 0..4 {
+            one.step(1.0 / 60.0).unwrap();
+            many.step(1.0 / 60.0).unwrap();
+            for i in 0..one.particles.len() {
+                assert_eq!(one.particles.seed(i), many.particles.seed(i), "particle {i}");
+            }
+            assert_eq!(one.report(), many.report());
+        }
+        let met = meetings.load(Ordering::Relaxed);
+        assert_eq!(met > 0, side == 190, "{met} meetings");
+    }
+}
+
+/// A square cloth of so many particles along a side, 0.1 m apart, held by its corners.
+fn sheet(side: u32) -> Simulation {
+    let mut world = Simulation::default();
+    let material = ClothMaterial { bend_compliance: None, ..Default::default() };
+    let (cells, width) = (side - 1, 0.1 * side as f32);
+    let spec = ClothSpec {
+        columns: cells,
+        rows: cells,
+        width,
+        height: width,
+        material,
+        ..Default::default()
+    };
+    let mut cloth = cloth_grid(&spec).unwrap();
+    for corner in spec.corners() {
+        cloth.pin(corner).unwrap();
+    }
+    cloth.build(&mut world).unwrap();
+    world
+}
+
+/// Threads that are started anew each time.
+#[derive(Debug)]
+struct Threads(usize);
+
+impl Workers for Threads {
+    fn run(&self, work: &(dyn Fn() + Sync)) {
+        std::thread::scope(|scope| {
+            (1..self.0).for_each(|_| drop(scope.spawn(work)));
+            work();
+        });
+    }
+
+    fn threads(&self) -> usize {
+        self.0
+    }
+}
+
+/// The same, and how often they were called together.
+#[derive(Debug)]
+struct Counting(Threads, Arc<AtomicUsize>);
+
+impl Workers for Counting {
+    fn run(&self, work: &(dyn Fn() + Sync)) {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        self.0.run(work);
+    }
+
+    fn threads(&self) -> usize {
+        self.0.threads()
+    }
+}
