@@ -63,7 +63,9 @@ impl Work for Drive<'_> {
         let (mut begin, mut found) = (0, flocks.first().and_then(|first| self.planes(first)));
         while begin < flocks.len() {
             let (first, planes) = (&flocks[begin], found);
-            let most = HERD / first.members as usize;
+            // Where each has but one sweep nobody waits for anybody.
+            let sweeps = plan.islands[first.islands.start].settings.max_sweeps;
+            let most = if sweeps > 1 { HERD / first.members as usize } else { 1 };
             let mut end = begin + 1;
             while let Some(flock) = flocks.get(end) {
                 found = self.planes(flock);
