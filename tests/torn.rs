@@ -19,7 +19,11 @@ fn hung() -> (App, Entity) {
 
 /// The constraints of a body, in the order in which they came.
 fn ties(app: &App, body: Entity) -> Vec<Entity> {
-    app.world().get::<BodyConstraints>(body).into_iter().flat_map(|all| all.iter()).collect()
+    app.world()
+        .get::<BodyConstraints>(body)
+        .into_iter()
+        .flat_map(RelationshipTarget::iter)
+        .collect()
 }
 
 /// What is done to the cloth before tick number `n`: a tear or two, a new rod, another length.
@@ -27,7 +31,7 @@ fn fray(app: &mut App, cloth: Entity, n: usize) {
     let (ties, particles) = (ties(app, cloth), particles_of(app, cloth));
     let world = app.world_mut();
     world.despawn(ties[n * 7919 % ties.len()]);
-    if n % 3 == 0 {
+    if n.is_multiple_of(3) {
         world.despawn(ties[(n * 104_729 + 1) % ties.len()]);
     }
     if n % 4 == 1 {
