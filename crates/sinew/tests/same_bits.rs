@@ -3,6 +3,8 @@
 //! Eight scenes run for 600 ticks, and a hash of all positions and velocities is taken after each. The last hash of each scene stands below: whoever changes what the
 //! solver computes has to change it there, on purpose, and a build that computes something else is found out. Run with `SINEW_HASHES=show` to see the new ones.
 
+mod threads;
+
 use std::sync::Arc;
 
 use sinew::glam::{Quat, Vec3};
@@ -14,6 +16,7 @@ use sinew::{
     AirFlow, BodyContacts, BodySettings, Collider, Distance, Fluid, Frame, InstructionSet,
     Material, ParticleSeed, Plane, Shape, Simulation, Sleep, Softness, Spring, Wind, Workers,
 };
+use threads::Threads;
 
 const TICKS: usize = 600;
 
@@ -288,22 +291,5 @@ fn random() -> impl FnMut() -> f32 {
     move || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (state >> 8) as f32 / 16_777_216.0 - 0.5
-    }
-}
-
-/// Threads that are started anew each time.
-#[derive(Debug)]
-struct Threads(usize);
-
-impl Workers for Threads {
-    fn run(&self, work: &(dyn Fn() + Sync)) {
-        std::thread::scope(|scope| {
-            (1..self.0).for_each(|_| drop(scope.spawn(work)));
-            work();
-        });
-    }
-
-    fn threads(&self) -> usize {
-        self.0
     }
 }

@@ -1,11 +1,14 @@
 //! Waves and relays: a large cloth that goes through a step in columns, on one thread or from thread to thread, has the bits of phase after phase.
 
+mod threads;
+
 use core::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Arc;
 
 use sinew::glam::Vec3;
 use sinew::recipes::{ClothMaterial, ClothSpec, cloth_grid};
 use sinew::{Simulation, Workers};
+use threads::Threads;
 
 /// Rods alone, held by two pins: what rolls through such a cloth as a wave, more of it than is in columns at a time, has the bits of one phase after the other; after a
 /// start at once, a step of another length, and with drag.
@@ -110,24 +113,7 @@ fn sheet(side: u32) -> Simulation {
     world
 }
 
-/// Threads that are started anew each time.
-#[derive(Debug)]
-struct Threads(usize);
-
-impl Workers for Threads {
-    fn run(&self, work: &(dyn Fn() + Sync)) {
-        std::thread::scope(|scope| {
-            (1..self.0).for_each(|_| drop(scope.spawn(work)));
-            work();
-        });
-    }
-
-    fn threads(&self) -> usize {
-        self.0
-    }
-}
-
-/// The same, and how often they were called together.
+/// Threads, and how often they were called together.
 #[derive(Debug)]
 struct Counting(Threads, Arc<AtomicUsize>);
 
