@@ -74,7 +74,8 @@ pub(crate) fn operate(world: &mut Simulation, input: &mut Input, most: usize) {
             if let Some(shape) = shape(input) {
                 let solids = world.solids_mut();
                 solids.truncate(MOST_SOLIDS - 1);
-                solids.push(Solid { rows, rest: rest.into(), shape });
+                let id = solids.len() as u64;
+                solids.push(Solid { rows, rest: rest.into(), shape, id });
             }
         }
         7 => {

@@ -82,8 +82,8 @@ pub(crate) mod threads;
 pub use glam;
 
 pub use collide::{
-    BodyContacts, Collider, Combine, Frame, Grip, Impact, Layers, Material, Nearest, Party, RayHit,
-    Shape, ShapeFault, Solid, SolidFault,
+    BodyContacts, Collider, Combine, ContactMemory, Frame, Grip, Impact, Layers, Material, Nearest,
+    Party, RayHit, Remembered, Shape, ShapeFault, Solid, SolidFault,
 };
 pub use constraints::{
     Bound, Boundaries, Constraint, Direction, Distance, DistanceFault, Equation, InsideBox, Law,

@@ -21,6 +21,9 @@ pub struct Collider {
     pub sensor: bool,
     /// Whether its contacts are listed in the report. Default not.
     pub events: bool,
+    /// What names it where contacts are remembered ([`ContactMemory`](super::ContactMemory)): ascending in the list of colliders, whatever comes and goes. Default 0, which
+    /// stands for its place in that list.
+    pub id: u64,
 }
 
 impl Collider {
@@ -34,6 +37,7 @@ impl Collider {
             layers: Layers::default(),
             sensor: false,
             events: false,
+            id: 0,
         }
     }
 

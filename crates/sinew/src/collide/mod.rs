@@ -33,7 +33,7 @@ pub use frame::Frame;
 pub use impact::{Impact, Party};
 pub use material::{BodyContacts, Combine, Grip, Layers, Material};
 pub use shape::{Nearest, RayHit, Shape, ShapeFault};
-pub use solids::{Solid, SolidFault};
+pub use solids::{ContactMemory, Remembered, Solid, SolidFault};
 
 pub(crate) use impact::Impacts;
 pub(crate) use manifold::{Broad, Scratch as ManifoldScratch, collide};

@@ -1,6 +1,8 @@
 //! All that a step needs to know of contacts and nobody saves, and in which order its parts are asked.
 
-use super::{BodyContacts, Collider, Impact, Impacts, Pairs, Pressed, Solid, Solids, Touch};
+use super::{
+    BodyContacts, Collider, ContactMemory, Impact, Impacts, Pairs, Pressed, Solid, Solids, Touch,
+};
 use crate::constraints::Boundaries;
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
@@ -48,14 +50,19 @@ impl Contacts {
         self.solids.rows().get(row as usize).is_some_and(|&solid| solid)
     }
 
-    /// Begins a step: finds what may come to touch what.
-    pub(crate) fn begin(&mut self, particles: &Particles, world: World) {
+    /// Begins a step: finds what may come to touch what, and borrows what is remembered of it until the step [ends](Self::keep).
+    pub(crate) fn begin(
+        &mut self,
+        particles: &Particles,
+        world: World,
+        memory: &mut ContactMemory,
+    ) {
         let World { boundaries, colliders, bodies, substeps, dt, gravity, .. } = world;
         self.impacts.clear();
         self.touch.take(boundaries, colliders, bodies, substeps);
         self.touch.set_solid(self.solids.rows());
         self.touch.find(particles, world.plan, (dt, gravity), &mut self.presses);
-        self.solids.find(particles, &world);
+        self.solids.find(particles, &world, memory);
         self.pairs.find(particles, bodies, &particles.rest, self.solids.rows(), dt);
     }
 
@@ -80,6 +87,11 @@ impl Contacts {
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
         self.solids.bounce(particles, h, gravity);
         self.pairs.bounce(particles, h, gravity);
+    }
+
+    /// Gives back what is remembered.
+    pub(crate) fn keep(&mut self, memory: &mut ContactMemory) {
+        self.solids.keep(memory);
     }
 
     /// What has touched what in a step with substeps of `h` seconds.

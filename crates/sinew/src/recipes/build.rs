@@ -48,7 +48,9 @@ impl Blueprint {
             if let Some(shape) = &part.shape {
                 let own = part.particles.iter().map(|&i| rows.start as u32 + i).collect();
                 let rest = part.rest.as_slice().into();
-                simulation.solids_mut().push(Solid { rows: own, rest, shape: shape.clone() });
+                let solids = simulation.solids_mut();
+                let id = solids.last().map_or(0, |last| last.id + 1);
+                solids.push(Solid { rows: own, rest, shape: shape.clone(), id });
             }
         }
         Ok(rows)

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use glam::{Vec3, Vec4};
 
-use crate::collide::{BodyContacts, Collider, Contacts, Solid, World};
+use crate::collide::{BodyContacts, Collider, ContactMemory, Contacts, Solid, World};
 use crate::constraints::{Boundaries, Constraint, Distance, Pin};
 use crate::forces::{self, Forces};
 use crate::lanes::InstructionSet;
@@ -45,6 +45,8 @@ pub struct Simulation {
     pub colliders: Vec<Collider>,
     /// How single bodies take part in contacts, numbered as in `bodies`; what is missing is the default, which touches colliders alone.
     pub contacts: Vec<BodyContacts>,
+    /// What solids that touch remember of each other: live state, to be saved and restored with the particles. During a step it is elsewhere.
+    pub memory: ContactMemory,
     /// Which bodies may sleep, and for how long they have been still, numbered as in `bodies`; what is missing is always awake.
     pub sleep: Vec<Sleep>,
     /// Which instructions the wide kernels use; the best that the machine has by default. It never changes a result.
@@ -268,6 +270,7 @@ impl Simulation {
         let Scratch { plan, contacts, room, substep, .. } = &mut self.scratch;
         let (instructions, report) = (self.instructions, &mut self.report);
         solve::measure(&mut self.particles, &contacts.touch, plan, instructions, room, report);
+        contacts.keep(&mut self.memory);
         let impacts = contacts.report(&self.particles, substep.length);
         report.impacts.clear();
         report.impacts.extend_from_slice(impacts);

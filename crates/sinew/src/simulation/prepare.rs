@@ -145,13 +145,14 @@ impl Simulation {
 
     /// Finds what may come to touch what.
     pub(super) fn begin_contacts(&mut self) {
-        let Self { particles, forces, boundaries, colliders, solids, contacts, scratch, .. } = self;
+        let Self { particles, forces, boundaries, colliders, solids, contacts, memory, .. } = self;
+        let scratch = &mut self.scratch;
         let Substep { length, remaining: substeps } = scratch.substep;
         let (dt, gravity) = (length * substeps as f32, forces.gravity.length());
         let (plan, bodies) = (&scratch.plan, contacts);
         let world = World { boundaries, colliders, solids, bodies, plan, dt, substeps, gravity };
         scratch.contacts.use_instructions(self.instructions);
-        scratch.contacts.begin(particles, world);
+        scratch.contacts.begin(particles, world, memory);
     }
 
     /// Looks up the gusts on every triangle.

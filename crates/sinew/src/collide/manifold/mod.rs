@@ -1,4 +1,4 @@
-//! Where two shapes touch: a normal and up to four points, found afresh at each call, so that nothing has to be saved for a rollback.
+//! Where two shapes touch: a normal and up to four points, a function of the two and of nothing else, so that nothing is hidden in here. Solids remember what it said (`solids::memory`).
 //!
 //! | file | which pairs |
 //! |---|---|

@@ -10,6 +10,7 @@
 //! | `tree`, `coarse` | which triangles are near; whether any are |
 //! | `mesh`, `height` | triangles in any order; triangles over a grid |
 //! | `extent`, `scale` | the box around a shape; the same shape in another size |
+//! | `mark` | a number made of what a shape is |
 //! | `convert` | the shapes that `parry3d` knows, for what two solids do to each other |
 
 mod coarse;
@@ -20,6 +21,7 @@ mod fault;
 mod flat;
 mod height;
 mod hull;
+mod mark;
 mod mesh;
 mod round;
 mod scale;
@@ -47,6 +49,8 @@ use round::{Ball, Capsule, Cylinder};
 #[derive(Clone)]
 pub struct Shape {
     form: Form,
+    /// A number made of what it is: see [`mark`](Self::mark).
+    mark: u64,
     /// The same as `parry3d` has it; made when it is asked for first.
     twin: Arc<OnceLock<convert::Twin>>,
 }
@@ -265,7 +269,14 @@ impl Shape {
     }
 
     fn of(form: Form) -> Self {
-        Self { form, twin: Arc::default() }
+        Self { mark: mark::of(&form), form, twin: Arc::default() }
+    }
+
+    /// A number made of what it is, by which what is remembered of one shape is not taken for what is of another. All meshes have one number, and all heightfields:
+    /// of those nothing of the kind is remembered.
+    #[inline]
+    pub(crate) fn mark(&self) -> u64 {
+        self.mark
     }
 }
 

@@ -15,7 +15,7 @@ impl Solids {
     /// Compares those again that have turned against each other, or slid on each other, by more than their points are good for; at the places where
     /// this substep began, after a share of the step.
     pub(super) fn compare_again(&mut self, world: &World, share: f32) {
-        let Self { groups, seen, stands, found, packs, bodies, scratch, .. } = self;
+        let Self { groups, seen, stands, found, packs, bodies, scratch, memory, .. } = self;
         let frame = |number: usize| {
             let (centre, r) =
                 (bodies[number][CENTRE].truncate(), rotation(bodies[number][ROTATION]));
@@ -31,7 +31,9 @@ impl Solids {
                     continue;
                 }
                 let Some(one) = found.get_mut(pack.number[lane] as usize) else { continue };
-                if one.stiff == 0.0 {
+                let known = &mut memory.now[one.memory as usize];
+                // Those of several are found once a step.
+                if known.reach < 0.0 {
                     continue;
                 }
                 let (a, b) = (one.a as usize, one.b as usize);
@@ -58,11 +60,12 @@ impl Solids {
                     }
                 };
                 let seen_from = own.from_within(&theirs);
-                one.manifold = Default::default();
+                known.manifold = Default::default();
+                (known.seen_from, known.reach) = (seen_from, reach);
                 collide(shape, other, &seen_from, reach, &mut scratch.0, &mut |manifold| {
-                    one.manifold = *manifold;
+                    known.manifold = *manifold;
                 });
-                put_manifold(pack, lane, one, [groups.parts[a].centre, centre]);
+                put_manifold(pack, lane, (one, known), [groups.parts[a].centre, centre]);
             }
         }
     }

@@ -55,14 +55,6 @@ impl Bodies {
         self.rows.resize(len, still);
     }
 
-    /// Takes back what contacts have done in this substep.
-    pub(super) fn take_back(&mut self) {
-        for Record(row) in &mut self.rows {
-            row[SHIFT] = Vec4::new(0.0, 0.0, 0.0, row[SHIFT].w);
-            row[TURN] = Vec4::ZERO;
-        }
-    }
-
     /// Places a row that nothing moves: its frame at the end of a substep, and what it was at its start.
     pub(super) fn place(&mut self, row: usize, start: &Frame, end: &Frame) {
         let row = &mut self[row];

@@ -37,7 +37,7 @@ use crate::lanes::{LANES, Lanes, Vector, Work};
 pub(super) const FAR: f32 = 1e9;
 
 /// The angle that two may turn against each other before they are compared again, rad.
-const TURNED: f32 = 0.02;
+pub(super) const TURNED: f32 = 0.02;
 /// The same for how far they may slide on each other, as a share of their size.
 pub(super) const SLID: f32 = 0.03;
 
@@ -83,8 +83,7 @@ pub(super) struct Pack {
     /// Against how much of such a sum friction has acted in this substep; and may act in the next before its sum is known.
     pub(super) used: Eight,
     pub(super) allowed: Eight,
-    /// How far what sticks has slid all the same since contacts were found, metres, and turned about the normal, rad: pressing moved it after it was
-    /// held.
+    /// How far what sticks is from where it stuck, metres, and has turned about the normal, rad: pressing moved it after it was held.
     pub(super) late: [Eight; 4],
     /// Of the step: sum of the impulses, kg·m.
     pub(super) total: Eight,

@@ -3,11 +3,11 @@
 use glam::{Vec3, Vec4};
 
 use super::super::manifold::collide;
-use super::super::shape::Kind;
-use super::super::{BodyContacts, Frame, Party, World};
+use super::super::{BodyContacts, Frame, Grip, Party, World};
 use super::bodies::{CENTRE, ROTATION, SPIN, STEP, rotation};
-use super::contact::SLID;
 use super::found::{Found, Sensed, colour, pack};
+use super::meet::Meet;
+use super::memory::{ContactMemory, Key, Other, stiffness};
 use super::read::{Read, certain, guess};
 use super::{Seen, Solids};
 use crate::lanes::{LANES, with};
@@ -15,11 +15,19 @@ use crate::particles::{NO_BODY, Particles};
 
 impl Solids {
     /// At the start of a step: finds everything that may come to touch in it.
-    pub(crate) fn find(&mut self, particles: &Particles, world: &World) {
+    pub(crate) fn find(
+        &mut self,
+        particles: &Particles,
+        world: &World,
+        memory: &mut ContactMemory,
+    ) {
+        self.memory.take(memory);
         if self.is_empty() {
+            self.memory.now.clear();
             return;
         }
         self.sensed.clear();
+        self.h = world.dt / world.substeps.max(1) as f32;
         self.groups.weigh(world.solids, particles);
         self.lifts.take(&self.groups, particles);
         super::stands::list(world, &mut self.floor, &mut self.stands);
@@ -47,17 +55,18 @@ impl Solids {
         let mut pairs = core::mem::take(&mut self.pairs);
         self.near(world, share, &mut pairs);
         self.found.clear();
+        self.memory.begin();
         for &[a, b] in &pairs {
             self.compare(a as usize, b as usize, world, share);
         }
         self.pairs = pairs;
         self.loose.find(&self.seen, &self.groups, particles, world);
-        self.fresh = true;
-        let Self { found, used, packs, order, begins, groups, bodies, .. } = self;
+        let Self { found, used, packs, order, begins, groups, bodies, memory, h, .. } = self;
         let colours = colour(found, groups.parts.len(), used);
         let nothing = (bodies.rows.len() - 1) as u32;
         let centre =
             |row: u32| groups.parts.get(row as usize).map_or(Vec3::ZERO, |part| part.centre);
+        let found = (&found[..], &memory.now[..], *h);
         pack(found, (nothing, colours), [order, begins], packs, centre);
     }
 
@@ -163,59 +172,70 @@ impl Solids {
         pairs.extend(nearby);
     }
 
-    /// Finds the manifolds of a pair.
+    /// Finds the manifolds of a pair, or remembers them.
     fn compare(&mut self, a: usize, b: usize, world: &World, share: f32) {
-        let Self { groups, seen, stands, found, sensed, scratch, .. } = self;
+        let Self { groups, seen, stands, found, memory, sensed, scratch, .. } = self;
         let contacts = |body: u32| world.bodies.get(body as usize).copied().unwrap_or_default();
-        let one = &seen[a];
+        let (one, size) = (&seen[a], groups.parts[a].reach);
         let own: BodyContacts = contacts(one.body);
         let party = |number: usize| party(groups, number, seen[number].body);
+        let solid = &world.solids[a];
+        let key = |other| Key { a: solid.id, other, nth: 0 };
+        let meeting = |b: usize| Found {
+            a: a as u32,
+            b: b as u32,
+            stand: None,
+            memory: 0,
+            offset: Vec3::ZERO,
+            grip: Grip::default(),
+            listened: own.events,
+            parties: [party(a); 2],
+            colour: 0,
+            stiff: 0.0,
+            strain: 0.0,
+        };
         if let Some(other) = seen.get(b) {
             let theirs = contacts(other.body);
             let same = one.body == other.body && one.body != NO_BODY;
-            let stiff = groups.parts[a].immovable && groups.parts[b].immovable;
-            if stiff || !own.layers.meets(theirs.layers) {
+            if !own.layers.meets(theirs.layers)
+                || same && (!own.with_itself || groups.share_a_row(a, b))
+            {
                 return;
             }
-            if same && (!own.with_itself || groups.share_a_row(a, b)) {
-                return;
+            let key = key(Other::Solid(world.solids[b].id));
+            if groups.parts[a].immovable && groups.parts[b].immovable {
+                return memory.carry(&key);
             }
             let offset = other.origin - one.origin;
             let frame = Frame { translation: other.frame.translation + offset, ..other.frame };
-            let seen_from = one.frame.from_within(&frame);
-            let found_here = Found {
-                a: a as u32,
-                b: b as u32,
-                stand: None,
-                manifold: Default::default(),
+            let size = (size, size.min(groups.parts[b].reach));
+            let meeting = Found {
                 offset,
                 grip: own.material.against(&theirs.material),
                 listened: own.events || theirs.events,
                 parties: [party(a), party(b)],
-                colour: 0,
-                stiff: 1.0 / (SLID * groups.parts[a].reach.min(groups.parts[b].reach)),
+                stiff: stiffness(size.1),
+                ..meeting(b)
             };
-            let (shape, theirs) = (&world.solids[a].shape, &world.solids[b].shape);
             let reach = one.margin + other.margin;
-            collide(shape, theirs, &seen_from, reach, &mut scratch.0, &mut |manifold| {
-                found.push(Found { manifold: *manifold, ..found_here });
-            });
+            let meet = Meet { key, shapes: [&solid.shape, &world.solids[b].shape], size, reach };
+            meet.find([&one.frame, &frame], meeting, memory, found, &mut scratch.0);
             return;
         }
         let number = b - seen.len();
         let stand = &stands[number];
-        if !own.layers.meets(stand.layers) || groups.parts[a].immovable && !stand.sensor {
+        if !own.layers.meets(stand.layers) {
             return;
         }
         let frame = stand.frame_at(world, share);
         let here = stand.seen_from(&frame, one.origin);
-        let seen_from = one.frame.from_within(&here);
         let listened = own.events || stand.events;
         let parties = [party(a), stand.party];
-        let shape = &world.solids[a].shape;
         if stand.sensor {
             if listened {
-                collide(shape, &stand.shape, &seen_from, 0.0, &mut scratch.0, &mut |manifold| {
+                let seen_from = one.frame.from_within(&here);
+                let (shape, scratch) = (&solid.shape, &mut scratch.0);
+                collide(shape, &stand.shape, &seen_from, 0.0, scratch, &mut |manifold| {
                     if let Some(point) = manifold.points().first() {
                         let normal = frame.turn(manifold.normal);
                         let point = one.origin + one.frame.point(point.on_a);
@@ -225,30 +245,26 @@ impl Solids {
             }
             return;
         }
+        let key = key(stand.other);
+        if groups.parts[a].immovable {
+            return memory.carry(&key);
+        }
         let moved = match stand.moving {
             Some(_) => carried(&frame, &stand.frame_at(world, 1.0), one.centre + one.origin),
             None => 0.0,
         };
-        let found_here = Found {
-            a: a as u32,
-            b: (groups.padded() + number) as u32,
+        let meeting = Found {
             stand: Some(number as u32),
-            manifold: Default::default(),
             offset: here.translation,
             grip: stand.grip(&own.material),
             listened,
             parties,
-            colour: 0,
-            stiff: match stand.shape.kind() {
-                // Several manifolds for one pair: those are found once a step.
-                Kind::Mesh | Kind::HeightField => 0.0,
-                _ => 1.0 / (SLID * groups.parts[a].reach),
-            },
+            stiff: stiffness(size),
+            ..meeting(groups.padded() + number)
         };
-        let reach = one.margin + moved;
-        collide(shape, &stand.shape, &seen_from, reach, &mut scratch.0, &mut |manifold| {
-            found.push(Found { manifold: *manifold, ..found_here });
-        });
+        let (size, reach) = ((size, size), one.margin + moved);
+        let meet = Meet { key, shapes: [&solid.shape, &stand.shape], size, reach };
+        meet.find([&one.frame, &here], meeting, memory, found, &mut scratch.0);
     }
 
     /// Puts what stands where it is from one share of the step to another.

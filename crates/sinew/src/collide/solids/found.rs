@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use super::super::manifold::Manifold;
 use super::super::{Grip, Party};
 use super::contact::{FAR, Pack};
+use super::memory::Remembered;
 use super::turn::Eight;
 use crate::lanes::LANES;
 
@@ -16,7 +16,8 @@ pub(super) struct Found {
     pub(super) b: u32,
     /// Number of the stand, if the second one is one.
     pub(super) stand: Option<u32>,
-    pub(super) manifold: Manifold,
+    /// Its place in the memory, where the manifold is.
+    pub(super) memory: u32,
     /// The second one's origin, or where it is, from the first one's origin, metres.
     pub(super) offset: Vec3,
     pub(super) grip: Grip,
@@ -25,6 +26,7 @@ pub(super) struct Found {
     pub(super) colour: u32,
     /// See `Pack`.
     pub(super) stiff: f32,
+    pub(super) strain: f32,
 }
 
 /// A stand that is only noticed.
@@ -81,9 +83,9 @@ fn by_colour(found: &[Found], colours: u32, order: &mut Vec<u32>, begins: &mut V
     }
 }
 
-/// Packs manifolds of one of so many colours by eights. `order` and `begins` are scratch; `centre` of the solids in their own frames.
+/// Packs manifolds of one of so many colours by eights, for substeps of `h` seconds. `order` and `begins` are scratch; `centre` of the solids in their own frames.
 pub(super) fn pack(
-    found: &[Found],
+    (found, memory, h): (&[Found], &[Remembered], f32),
     (nothing, colours): (u32, u32),
     [order, begins]: [&mut Vec<u32>; 2],
     packs: &mut Vec<Pack>,
@@ -99,15 +101,24 @@ pub(super) fn pack(
             (colour, lane) = (one.colour, 0);
         }
         if let Some(pack) = packs.last_mut() {
-            put(pack, lane, number, one, [centre(one.a), centre(one.b)]);
+            let known = &memory[one.memory as usize];
+            put(pack, lane, number, (one, known), [centre(one.a), centre(one.b)]);
+            known.grasp.put(pack, lane, h);
         }
         lane += 1;
     }
 }
 
-fn put(pack: &mut Pack, lane: usize, number: u32, one: &Found, [centre_a, centre_b]: [Vec3; 2]) {
+fn put(
+    pack: &mut Pack,
+    lane: usize,
+    number: u32,
+    (one, known): (&Found, &Remembered),
+    centres: [Vec3; 2],
+) {
     (pack.a[lane], pack.b[lane], pack.number[lane]) = (one.a, one.b, number);
-    put_manifold(pack, lane, one, [centre_a, centre_b]);
+    put_manifold(pack, lane, (one, known), centres);
+    pack.strain[lane] = one.strain;
     pack.friction[lane] = one.grip.friction;
     pack.stiff[lane] = one.stiff;
     pack.own[lane] = if one.stand.is_some() { 1.0 } else { 0.5 };
@@ -118,13 +129,13 @@ fn put(pack: &mut Pack, lane: usize, number: u32, one: &Found, [centre_a, centre
 pub(super) fn put_manifold(
     pack: &mut Pack,
     lane: usize,
-    one: &Found,
+    (one, known): (&Found, &Remembered),
     [centre_a, centre_b]: [Vec3; 2],
 ) {
-    set(&mut pack.normal, lane, one.manifold.normal);
+    set(&mut pack.normal, lane, known.manifold.normal);
     set(&mut pack.offset, lane, one.offset);
     pack.strain[lane] = 0.0;
-    let points = one.manifold.points();
+    let points = known.manifold.points();
     if points.is_empty() {
         pack.allowed[lane] = 0.0;
     }
@@ -136,7 +147,7 @@ pub(super) fn put_manifold(
     }
 }
 
-fn set(to: &mut [Eight; 3], lane: usize, from: Vec3) {
+pub(super) fn set(to: &mut [Eight; 3], lane: usize, from: Vec3) {
     for (to, from) in to.iter_mut().zip(from.to_array()) {
         to[lane] = from;
     }

@@ -7,15 +7,12 @@
 //! pressure; and against the turn of one on the other. The impulse is at most `μ Σ λ`, its moment about the normal at most that times the radius of
 //! the patch.
 //!
-//! Pressing moves things after they were held, in a heap again and again. What sticks remembers how far it is from where it was (`late`), and is held
-//! against that, too.
+//! # Where it stuck
 //!
-//! What lies on a slope and does not slide is `late` by as much as it takes for all of a stack to be held, and gets there over some substeps: by so
-//! much it would creep in each step, since nothing is remembered from one step to the next. The substep that is tried before the first one brings it
-//! there beforehand, tried a few times over. Each trial takes a share `λ` of what is missing over to the next, ¾ for three plates on each other, so what
-//! it changes is prolonged ([`AHEAD`]), as much as a heap bears: there are `λ` below zero, too. What is still missing is the creep of a tower on a
-//! slope: three plates at 10° go 0.5 mm in a second, six go 2 mm, until they are put to sleep. A memory from step to step would end it, and would
-//! have to be saved and restored with the particles.
+//! Pressing moves things after they were held, in a heap again and again, and what carries others on a slope is held before they are. What sticks remembers
+//! how far it is from where it stuck (`late`), and is held against that, too: so that it stays there, however small the part that each substep leaves. What lies
+//! still on a slope is late by as much as it takes for all of a stack to be held. A part of that is taken back in a substep ([`BACK`]), because what is moved back leaves
+//! with speed. What slides forgets ([`FADES`]), or friction would go on pulling to where it once stuck. All of it goes from step to step (`memory`).
 
 use super::block::hold;
 use super::bodies::{Bodies, Sliding};
@@ -23,17 +20,19 @@ use super::contact::Pack;
 use super::turn::{Symmetric, load};
 use crate::lanes::{LANES, Lanes, Vector, Work};
 
-/// By how much each trial prolongs what it changes of what is late.
-pub(super) const AHEAD: [f32; 3] = [1.5; 3];
+/// Which part of what is late is taken back in a substep. With all of it a heap of a thousand boxes never rests (7 mm/s), with half of it at 1 to 3 mm/s, with a fifth at 0.1; with a
+/// twentieth a stack slips on a slope that is nearly too steep, before it is held.
+const BACK: f32 = 0.2;
+/// What is left of it in a substep in which it slides. A stack on a slope that is nearly too steep slides for a few substeps in the one or other contact, and
+/// must not forget by that (with 0.9 it goes on for ever); what really slides has forgotten after some fifty substeps.
+const FADES: f32 = 0.97;
 
 /// Holds what slides in packs: before they are pressed, against what pressed them in the substep before; and after that against what presses them
 /// more.
 pub(super) struct Hold<'a> {
     pub(super) packs: &'a mut [Pack],
     pub(super) after: bool,
-    /// By how much that prolongs what it changes of what is `late`: 1 but in a trial.
-    pub(super) ahead: f32,
-    /// How far what sticks may be from where it was, metres.
+    /// How far what sticks may be taken back in a substep, metres.
     pub(super) most: f32,
     pub(super) bodies: &'a mut Bodies,
 }
@@ -43,14 +42,14 @@ impl Work for Hold<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { packs, after, ahead, most, bodies } = self;
+        let Self { packs, after, most, bodies } = self;
         let none = L::zero();
         for pack in packs {
             let (sum, used) = (L::load(&pack.sum), L::load(&pack.used));
             let allowed = L::load(&pack.allowed);
             let against = if after { (sum - allowed).max(none) } else { allowed };
             let against = none.lt(L::load(&pack.friction)).and(against);
-            let now = hold_pack(pack, against, after.then_some(ahead), most, bodies);
+            let now = hold_pack(pack, against, after, most, bodies);
             if after {
                 // What was too much is taken off next time.
                 let used = used + now;
@@ -67,7 +66,7 @@ impl Work for Hold<'_> {
 fn hold_pack<L: Lanes>(
     pack: &mut Pack,
     against: L,
-    ahead: Option<f32>,
+    after: bool,
     most: f32,
     bodies: &mut Bodies,
 ) -> L {
@@ -87,7 +86,7 @@ fn hold_pack<L: Lanes>(
     let slid = Vector::new(slid.dot(t), slid.dot(u), twist);
     let late = Vector::new(L::load(&pack.late[0]), L::load(&pack.late[1]), L::load(&pack.late[2]));
     let late = Vector::new(late.dot(t), late.dot(u), L::load(&pack.late[3]));
-    let slid = if ahead.is_some() { slid } else { slid + late };
+    let slid = if after { slid } else { slid + late * L::splat(BACK) };
     let (ta, tb) = (arm.cross(t), other.cross(t));
     let (ua, ub) = (arm.cross(u), other.cross(u));
     let (ita, itb) = (a.inverse_inertia.times(ta), b.inverse_inertia.times(tb));
@@ -108,13 +107,14 @@ fn hold_pack<L: Lanes>(
     let limit = against * L::load(&pack.friction);
     let (f, much) = hold(&stiff, slid, limit, L::load(&pack.radius));
     let good = f.length_squared().lt(L::splat(1e30));
-    if let Some(ahead) = ahead {
-        // What is left is remembered where it sticks; where it slides, no more than was before.
-        let left = late + (slid + stiff.times(f)) * L::splat(ahead);
+    if after {
+        // What is left is remembered where it sticks; where it slides, what was before fades.
+        let left = late + (slid + stiff.times(f));
         let size = (left.x * left.x + left.y * left.y).sqrt();
         let size = size.max(left.z.abs() * L::load(&pack.radius));
         let sticks = L::load(&pack.used).lt(L::load(&pack.allowed));
-        let left = left.or_else(sticks.and(size.le(L::splat(most))), late);
+        let bound = sticks.and(size.le(L::splat(most / BACK)));
+        let left = left.or_else(bound, late * L::splat(FADES));
         let along = t * left.x + u * left.y;
         for (to, from) in pack.late.iter_mut().zip([along.x, along.y, along.z, left.z]) {
             from.store(to);

@@ -12,8 +12,10 @@
 //! | `bodies` | what contacts know of a solid, or of what stands: columns |
 //! | `stands` | colliders, planes and boxes |
 //! | `find` | what may come to touch what in a step |
+//! | `meet` | where two of those touch: remembered, or found afresh |
 //! | `again` | the same for a pair that has turned, and for what has gone too far |
 //! | `found` | colours and packs of manifolds |
+//! | `memory` | what is remembered from one step to the next |
 //! | `contact` | pressing eight manifolds apart at a time; `hold`: their friction; `block` solves the few unknowns of one |
 //! | `bounce` | restitution |
 //! | `loose` | solids and single particles |
@@ -30,6 +32,8 @@ mod found;
 mod groups;
 mod hold;
 mod loose;
+mod meet;
+mod memory;
 mod read;
 mod stands;
 #[cfg(test)]
@@ -51,12 +55,15 @@ use bodies::Bodies;
 use contact::{Pack, Press};
 use found::{Found, Sensed};
 use groups::Groups;
-use hold::{AHEAD, Hold};
+use hold::Hold;
 use loose::Loose;
+use memory::{Grasp, Memory};
 use read::{Gathered, Lifts, Read, Sums};
 use stands::Stand;
 use told::Told;
 use write::{Shared, Write};
+
+pub use memory::{ContactMemory, Remembered};
 
 /// How much overlap is recovered in a substep: so many times what gravity adds to it, and what this speed is, m/s. A tower of so many boxes needs
 /// that much, since a sweep hands a push on by one; more at once would be seen as a jump.
@@ -76,6 +83,8 @@ pub struct Solid {
     pub rest: Arc<[Vec3]>,
     /// Its shape, in its own frame: anything without dents.
     pub shape: Shape,
+    /// What names it where contacts are remembered ([`ContactMemory`]): ascending in the list of solids, whatever comes and goes.
+    pub id: u64,
 }
 
 /// Why a solid takes part in no contacts.
@@ -98,7 +107,8 @@ pub enum SolidFault {
     Shape,
 }
 
-/// Contacts of solids in a step. Scratch: nothing of it lasts from one step to the next but what follows from solids and masses alone.
+/// Contacts of solids in a step. Scratch: nothing of it lasts from one step to the next but what follows from solids and masses alone, and the memory, which is
+/// lent for a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Solids {
     /// Which instructions its kernels use. It never changes a result.
@@ -119,6 +129,7 @@ pub(crate) struct Solids {
     found: Vec<Found>,
     sensed: Vec<Sensed>,
     packs: Vec<Pack>,
+    memory: Memory,
     loose: Loose,
     shared: Shared,
     told: Vec<Told>,
@@ -128,8 +139,6 @@ pub(crate) struct Solids {
     /// Groups and packs that bounce in this substep.
     bouncing: Vec<bool>,
     bounced: Vec<bool>,
-    /// Whether contacts were found for this substep, and nothing is known of how they press.
-    fresh: bool,
     /// Length of the last substep, seconds.
     h: f32,
 }
@@ -218,6 +227,7 @@ impl Solids {
         self.read(particles);
         if self.has_strayed() {
             self.tell();
+            self.note_grasps(h);
             self.look(&particles.start, particles, world, from);
             self.read(particles);
         }
@@ -229,27 +239,30 @@ impl Solids {
         self.follow_stands(world, from);
         let most = |(falls, speed): (f32, f32)| falls * world.gravity * h * h + speed * h;
         let (recover, pop) = (most(RECOVERED), most(POPS));
-        if core::mem::take(&mut self.fresh) {
-            // Nothing is known of how things press and stick: that is tried, and taken back.
-            for ahead in AHEAD {
-                self.press_and_hold(h, ahead, [recover, pop]);
-                self.bodies.take_back();
-                for pack in &mut self.packs {
-                    (pack.allowed, pack.total) = (pack.sum, [0.0; LANES]);
-                }
-            }
-        }
-        self.press_and_hold(h, 1.0, [recover, pop]);
+        let Self { packs, bodies, instructions, .. } = self;
+        with(*instructions, Hold { packs, after: false, most: pop, bodies });
+        with(*instructions, Press { packs, bodies, h, recover, pop });
+        with(*instructions, Hold { packs, after: true, most: pop, bodies });
         self.loose.project(particles, &self.groups, &mut self.bodies, world, h);
         self.write(particles);
     }
 
-    /// Presses all apart, and holds them before and after.
-    fn press_and_hold(&mut self, h: f32, ahead: f32, [recover, pop]: [f32; 2]) {
-        let Self { packs, bodies, instructions, .. } = self;
-        with(*instructions, Hold { packs, after: false, ahead, most: pop, bodies });
-        with(*instructions, Press { packs, bodies, h, recover, pop });
-        with(*instructions, Hold { packs, after: true, ahead, most: pop, bodies });
+    /// At the end of a step: what is to be remembered of it.
+    pub(crate) fn keep(&mut self, memory: &mut ContactMemory) {
+        self.note_grasps(self.h);
+        self.memory.give(memory);
+    }
+
+    /// Notes what friction holds, after a substep of `h` seconds.
+    fn note_grasps(&mut self, h: f32) {
+        let Self { packs, found, memory, .. } = self;
+        for pack in &*packs {
+            for (lane, number) in pack.number.iter().enumerate() {
+                if let Some(one) = found.get(*number as usize) {
+                    memory.now[one.memory as usize].grasp = Grasp::of(pack, lane, h);
+                }
+            }
+        }
     }
 
     /// Poses as predicted, and how they got there.

@@ -4,6 +4,7 @@ use glam::{Mat3, Vec3};
 
 use super::super::shape::Kind;
 use super::super::{Collider, Frame, Grip, Layers, Material, Party, Shape, World};
+use super::memory::Other;
 use crate::constraints::{InsideBox, Plane};
 
 /// One of them.
@@ -20,6 +21,8 @@ pub(super) struct Stand {
     pub(super) sensor: bool,
     pub(super) events: bool,
     pub(super) party: Party,
+    /// How it is named where contacts are remembered.
+    pub(super) other: Other,
     /// Solid below its plane, without end.
     pub(super) endless: bool,
 }
@@ -36,20 +39,25 @@ pub(super) fn list(world: &World, floor: &mut Option<Shape>, stands: &mut Vec<St
     }
     for (number, plane) in world.boundaries.planes.iter().enumerate() {
         if plane.is_valid() {
-            stands.push(Stand::wall(plane, floor, Party::Plane(number as u32)));
+            let number = number as u32;
+            let other = Other::Plane(u64::from(number));
+            stands.push(Stand::wall(plane, floor, (Party::Plane(number), other)));
         }
     }
     for (number, room) in world.boundaries.boxes.iter().enumerate() {
         if room.is_valid() {
-            let party = Party::Box(number as u32);
-            stands.extend(walls(room).map(|plane| Stand::wall(&plane, floor, party)));
+            let number = number as u32;
+            stands.extend(walls(room).zip(0..).map(|(plane, wall)| {
+                let other = Other::Wall(u64::from(number), wall);
+                Stand::wall(&plane, floor, (Party::Box(number), other))
+            }));
         }
     }
 }
 
 impl Stand {
     fn of(collider: &Collider, number: usize) -> Self {
-        let Collider { shape, start, end, material, layers, sensor, events } = collider;
+        let Collider { shape, start, end, material, layers, sensor, events, id } = collider;
         Self {
             shape: shape.clone(),
             start: *start,
@@ -60,11 +68,12 @@ impl Stand {
             sensor: *sensor,
             events: *events,
             party: Party::Collider(number as u32),
+            other: Other::Collider(if *id > 0 { *id } else { number as u64 }),
             endless: matches!(shape.kind(), Kind::HalfSpace),
         }
     }
 
-    fn wall(plane: &Plane, floor: &Shape, party: Party) -> Self {
+    fn wall(plane: &Plane, floor: &Shape, (party, other): (Party, Other)) -> Self {
         let n = plane.normal.normalize_or(Vec3::Y);
         let x = n.any_orthonormal_vector();
         let material =
@@ -82,6 +91,7 @@ impl Stand {
             sensor: false,
             events: false,
             party,
+            other,
             endless: true,
         }
     }

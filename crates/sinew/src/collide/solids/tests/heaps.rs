@@ -85,6 +85,7 @@ fn a_ragdoll_lies_down_on_the_floor_and_rests() {
             rows: part.particles.iter().map(|&p| first + p).collect(),
             rest: part.rest.clone().into(),
             shape: shape.unwrap(),
+            id: u64::from(first + part.particles[0]),
         });
     }
     step(&mut world, 12.0);

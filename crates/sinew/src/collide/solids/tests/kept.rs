@@ -54,7 +54,8 @@ fn two_bodies_of_solids_that_share_particles_keep_it_too() {
     for two in rows.windows(2) {
         world.distances_mut().push(crate::Distance::new(two[0], two[1], 1.0));
         let shape = Shape::capsule(0.1, 0.5).unwrap();
-        world.solids_mut().push(Solid { rows: two.to_vec(), rest: rest.clone(), shape });
+        let (rows, rest, id) = (two.to_vec(), rest.clone(), u64::from(two[0]));
+        world.solids_mut().push(Solid { rows, rest, shape, id });
     }
     for i in 0..3 {
         world.particles.set_body(i, Some(0));

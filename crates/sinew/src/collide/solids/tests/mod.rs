@@ -4,6 +4,7 @@ mod bounce;
 mod heaps;
 mod kept;
 mod loose;
+mod memory;
 mod moved;
 mod rest;
 mod slopes;
@@ -36,7 +37,8 @@ fn add(world: &mut Simulation, body: &Blueprint, shape: Shape, at: Vec3, turned:
     let rest = part.rest.clone().into();
     let first = rows.start;
     let rows = part.particles.iter().map(|&p| first as u32 + p).collect();
-    world.solids_mut().push(Solid { rows, rest, shape });
+    let id = world.solids().len() as u64;
+    world.solids_mut().push(Solid { rows, rest, shape, id });
     first
 }
 

@@ -35,7 +35,7 @@ fn substeps(
         work();
         spent[which] += now.elapsed().as_secs_f64();
     };
-    clock(0, &mut || solids.find(particles, &seen));
+    clock(0, &mut || solids.find(particles, &seen, &mut Default::default()));
     for number in 0..count {
         for i in 0..particles.len() {
             particles.start[i] = particles.position[i];
@@ -98,7 +98,8 @@ fn how_long_a_pile_of_a_thousand_boxes_takes() {
             let now = substeps(&world, &mut solids, &mut particles, 10);
             spent = [spent[0].min(now[0]), spent[1].min(now[1])];
         }
-        let points: usize = solids.found.iter().map(|found| found.manifold.points().len()).sum();
+        let points: usize =
+            solids.memory.now.iter().map(|known| known.manifold.points().len()).sum();
         println!(
             "{instructions:?}: {:.3} ms to look and {:.3} ms to solve a step, {} manifolds in {} packs, {points} points",
             spent[0] * 1e3,
