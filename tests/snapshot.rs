@@ -68,6 +68,7 @@ macro_rules! for_each_state_component {
             BoundingBox,
             Collider,
             ColliderMotion,
+            ContactMemory,
             SurfaceMaterial,
             CollisionLayers,
             Sensor,

@@ -53,7 +53,7 @@
 //! 5. **Extract**: transforms and velocities are read off.
 //!
 //! The ECS is the state. What is not in a component, in [`SinewClock`] or in the configuration resources does not survive a tick: save and restore
-//! those, and the simulation goes on bit for bit. [`ExtractedTransform`], [`ColliderMotion`] and [`CreationOrder`] are part of that; [`SinewWorld`] is not. A recipe may be put back with the
+//! those, and the simulation goes on bit for bit. [`ExtractedTransform`], [`ColliderMotion`], [`ContactMemory`] and [`CreationOrder`] are part of that; [`SinewWorld`] is not. A recipe may be put back with the
 //! rest: one that did not change builds nothing anew.
 //!
 //! # Threads
@@ -140,8 +140,8 @@ pub use components::{
 };
 pub use components::{
     BodyContacts, Collider, ColliderFault, ColliderMotion, ColliderShape, CollisionLayers, Combine,
-    ContactEnded, ContactEvents, ContactShape, ContactStarted, RestPlace, Sensor, Sleep,
-    SurfaceMaterial, Touching,
+    ContactEnded, ContactEvents, ContactMemory, ContactShape, ContactStarted, RestPlace, Sensor,
+    Sleep, SurfaceMaterial, Touching,
 };
 pub use components::{ControlForce, Inertia};
 pub use config::{BodySolver, Direction, Integrator, Order, SolverConfig};
@@ -190,7 +190,7 @@ pub mod prelude {
     pub use crate::{BodyCommandsExt, ControlForce, Inertia};
     pub use crate::{
         BodyContacts, Collider, ColliderMotion, CollisionLayers, Combine, ContactEnded,
-        ContactEvents, ContactShape, ContactStarted, QueryFilter, Sensor, Sleep, SurfaceMaterial,
-        Touching,
+        ContactEvents, ContactMemory, ContactShape, ContactStarted, QueryFilter, Sensor, Sleep,
+        SurfaceMaterial, Touching,
     };
 }

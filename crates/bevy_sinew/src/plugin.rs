@@ -13,7 +13,7 @@ use crate::recipes;
 use crate::schedule::{self, SinewClock, SinewControl, SinewSystems, SinewTick, TickTime};
 use crate::show::{mesh, tube};
 use crate::step::{
-    bodies, colliders, controls, environment, extract, gather, hulls, layout, links, pins,
+    bodies, colliders, controls, environment, extract, gather, hulls, layout, links, memory, pins,
     representation, scatter, sleep, solids, teleports, touching,
 };
 use crate::threads::{self, SinewWorkers};
@@ -134,6 +134,7 @@ impl Plugin for SinewPlugin {
                 links::notice_links,
                 representation::compile_compounds,
                 solids::compile_solids,
+                memory::gather_memory,
                 hulls::compile_hulls,
                 links::collect_laws,
                 links::compile_links,
@@ -143,7 +144,13 @@ impl Plugin for SinewPlugin {
         );
         app.add_systems(
             SinewTick,
-            (scatter::scatter, colliders::keep_places, sleep::keep_sleep, touching::tell_contacts)
+            (
+                scatter::scatter,
+                colliders::keep_places,
+                sleep::keep_sleep,
+                memory::keep_memory,
+                touching::tell_contacts,
+            )
                 .chain()
                 .in_set(SinewSystems::Scatter),
         );

@@ -90,6 +90,8 @@ pub(crate) struct Tables {
     pub(crate) bodies: Vec<Entity>,
     /// The collider of each number in `Simulation::colliders`, in the order of creation.
     pub(crate) colliders: Vec<Entity>,
+    /// The part of each of `Simulation::solids`.
+    pub(crate) parts: Vec<Entity>,
     /// The ground of each number in `Boundaries::planes`, in the order of creation.
     pub(crate) planes: Vec<Entity>,
     /// The room of each number in `Boundaries::boxes`, in the order of creation.

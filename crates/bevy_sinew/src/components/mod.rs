@@ -17,8 +17,8 @@ pub use body::{
 };
 pub use collide::{
     BodyContacts, Collider, ColliderFault, ColliderMotion, ColliderShape, CollisionLayers, Combine,
-    ContactEnded, ContactEvents, ContactShape, ContactStarted, RestPlace, Sensor, SurfaceMaterial,
-    Touching,
+    ContactEnded, ContactEvents, ContactMemory, ContactShape, ContactStarted, RestPlace, Sensor,
+    SurfaceMaterial, Touching,
 };
 pub use constraint::{
     AngleConstraint, AreaConstraint, BendConstraint, Bound, CollinearConstraint, ConeConstraint,

@@ -83,7 +83,7 @@ pub(crate) fn gather_colliders(
             made.start = motion.map_or(made.end, |motion| began(motion, &at, made.end));
             made.material = material.map_or(default(), |&material| Material::from(material));
             made.layers = layers.copied().unwrap_or_default().layers();
-            (made.sensor, made.events) = (sensor, events);
+            (made.sensor, made.events, made.id) = (sensor, events, order.0);
             placed.fault = fault(made);
         }
         let reason = placed.fault.clone().map(Refusal::Collider);

@@ -12,6 +12,7 @@ pub(crate) mod gather;
 pub(crate) mod hulls;
 pub(crate) mod layout;
 pub(crate) mod links;
+pub(crate) mod memory;
 pub(crate) mod pins;
 pub(crate) mod representation;
 pub(crate) mod scatter;

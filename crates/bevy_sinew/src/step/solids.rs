@@ -70,7 +70,7 @@ pub(crate) fn compile_solids(
             continue;
         }
         let rows = rows.resolve(tables, pose.is_changed(), pose.particles.iter().copied());
-        let (solid, reason) = match solid(tables, collider, &pose, rows) {
+        let (solid, reason) = match solid(tables, collider, (&pose, *order), rows) {
             Ok(solid) => (solid, None),
             Err(reason) => (None, Some(reason)),
         };
@@ -87,6 +87,8 @@ pub(crate) fn compile_solids(
         let reason = (lacks && !waits).then_some(Refusal::NotSolid);
         sound(bodies, &mut messages, body, reason);
     }
+    tables.parts.clear();
+    tables.parts.extend(solids.iter().map(|&(_, part, _)| part));
     let list = simulation.solids_mut();
     list.clear();
     list.extend(solids.into_iter().map(|(_, _, solid)| solid));
@@ -96,11 +98,12 @@ pub(crate) fn compile_solids(
 fn solid(
     tables: &Tables,
     collider: &Collider,
-    pose: &RigidPose,
+    (pose, order): (&RigidPose, CreationOrder),
     rows: &[u32],
 ) -> Result<Option<Solid>, Refusal> {
     let shape = collider.shape().map_err(|fault| Refusal::Collider(fault.into()))?;
-    let solid = Solid { rows: rows.to_vec(), rest: pose.rest.as_slice().into(), shape };
+    let rest = pose.rest.as_slice().into();
+    let solid = Solid { rows: rows.to_vec(), rest, shape, id: order.0 };
     if !rows.iter().all(|&row| row != GONE && tables.is_sound(row as usize)) {
         return Ok(None);
     }

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use sinew::{Shape, ShapeFault};
 
-use super::{ColliderMotion, PlacedCollider};
+use super::{ColliderMotion, ContactMemory, PlacedCollider};
 use crate::components::CreationOrder;
 
 /// A shape that particles and bodies cannot enter: a floor, a wall, a hill, a lift.
@@ -32,7 +32,7 @@ use crate::components::CreationOrder;
 /// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(Transform, CreationOrder, ColliderMotion, PlacedCollider)]
+#[require(Transform, CreationOrder, ColliderMotion, ContactMemory, PlacedCollider)]
 pub enum Collider {
     /// All that is below the entity's local xz plane.
     HalfSpace,

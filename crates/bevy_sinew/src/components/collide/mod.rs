@@ -5,6 +5,7 @@
 //! | `collider` | [`Collider`]: a shape that stands still or that the game moves; on a rigid part, the shape by which it collides |
 //! | `mesh` | colliders from meshes |
 //! | `motion` | [`ColliderMotion`]: where a collider was a tick ago |
+//! | `memory` | [`ContactMemory`]: what a rigid part remembers of what it touches |
 //! | `surface` | [`SurfaceMaterial`], [`CollisionLayers`], [`Sensor`]: on colliders and on bodies |
 //! | `events` | [`ContactEvents`]: what a game hears of contacts |
 //! | `body` | [`BodyContacts`]: what of a body touches what; [`RestPlace`] |
@@ -14,6 +15,7 @@
 mod body;
 mod collider;
 mod events;
+mod memory;
 mod mesh;
 mod motion;
 mod surface;
@@ -21,6 +23,7 @@ mod surface;
 pub use body::{BodyContacts, ContactShape, RestPlace};
 pub use collider::{Collider, ColliderFault, ColliderShape};
 pub use events::{ContactEnded, ContactEvents, ContactStarted, Touching};
+pub use memory::ContactMemory;
 pub use motion::ColliderMotion;
 pub use surface::{CollisionLayers, Combine, Sensor, SurfaceMaterial};
 
@@ -32,6 +35,7 @@ use bevy::prelude::*;
 pub(super) fn register(app: &mut App) {
     app.register_type::<Collider>()
         .register_type::<ColliderMotion>()
+        .register_type::<ContactMemory>()
         .register_type::<SurfaceMaterial>()
         .register_type::<CollisionLayers>()
         .register_type::<Sensor>()
