@@ -3,7 +3,7 @@
 use core::marker::PhantomData;
 use std::time::Instant;
 
-use super::flock::Herd;
+use super::flock::{Herd, Spot};
 use super::item::{Item, Local, Manner};
 use super::momentum::Excess;
 use super::plan::{Island, Kind, Plan, Task};
@@ -25,6 +25,8 @@ pub(crate) struct Room {
     asked: jacobi::Asked,
     queue: worst_first::Queue,
     pub(super) herd: Herd,
+    /// Of measuring them.
+    pub(super) spots: Vec<Spot>,
     /// What is left of a task beside its flocks.
     pub(super) rest: Rest,
     /// Where a large island is meanwhile.

@@ -37,6 +37,7 @@ impl Work for Measure<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Self { places, contacts, plan, room, report } = self;
+        plan.flocks.measure::<L>(places.position, &mut room.spots, &mut report.islands);
         for (island, own) in plan.islands.iter().zip(&mut report.islands) {
             let (mut error, mut strain) = (0.0_f32, 0.0_f32);
             // What broke was put back after it was measured.

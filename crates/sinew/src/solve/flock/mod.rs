@@ -13,13 +13,15 @@
 //! - `solve` sweeps them until each holds, `rods` and the plan's [laws](super::wide) are what it does, `touch` puts them out of planes, `course` is how it goes;
 //! - `herd` lets those that take longer than the others of their flock go on together;
 //! - `motion` predicts and derives, `excess` keeps round-off out of their momenta;
-//! - `drive` does all that, flock by flock.
+//! - `drive` does all that, flock by flock;
+//! - `measure` looks at what is left in the end.
 
 mod course;
 mod drive;
 mod excess;
 mod find;
 mod herd;
+mod measure;
 mod motion;
 mod pen;
 mod rods;

@@ -6,7 +6,7 @@
 
 use core::ops::Range;
 
-use super::packed::worse;
+use super::worse;
 use super::{Block, Rods, Strips, moved, stretch, stretch_of};
 use crate::constraints::project_rod;
 use crate::lanes::{Columns, LANES, Lanes, OnPairs, Vector};

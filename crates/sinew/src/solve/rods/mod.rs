@@ -9,6 +9,8 @@
 mod columns;
 mod packed;
 
+pub(super) use packed::worse;
+
 use core::ops::Range;
 
 use crate::constraints::Distance;

@@ -107,7 +107,7 @@ impl Rods {
 
 /// The larger of errors and strains, and of those of eight more rods. One that nothing can move has none.
 #[inline(always)]
-pub(super) fn worse<L: Lanes>(
+pub(in crate::solve) fn worse<L: Lanes>(
     (error, strain): (L, L),
     one: [L; 4],
     other: [L; 4],

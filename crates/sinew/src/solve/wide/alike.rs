@@ -119,6 +119,33 @@ impl Alike {
             List::Cones => sweep(&cones[range], tempers, pen, part.sums, pace, found),
         }
     }
+
+    /// How far the hard ones of a group are from being kept in each body: the largest error, metres, and of distances the largest share of a rest length. Moves
+    /// nothing.
+    #[inline(always)]
+    pub(in crate::solve) fn measure<L: Lanes>(&self, part: &Part, now: &[Spot]) -> (L, L) {
+        let Self { tempers, lengths, bends, areas, tetrahedra, angles, hinges, cones } = self;
+        let range = part.range.clone();
+        let none = L::zero();
+        let error = match part.list {
+            List::Lengths => {
+                let mut worst = (none, none);
+                for own in &lengths[range] {
+                    let spots = Still { at: &own.at, now };
+                    let (left, share) = lengths::left::<L>(&own.eight, tempers, &spots);
+                    worst = (left.max(worst.0), share.max(worst.1));
+                }
+                return worst;
+            }
+            List::Bends => measure(&bends[range], tempers, now),
+            List::Areas => measure(&areas[range], tempers, now),
+            List::Tetrahedra => measure(&tetrahedra[range], tempers, now),
+            List::Angles => measure(&angles[range], tempers, now),
+            List::Hinges => measure(&hinges[range], tempers, now),
+            List::Cones => measure(&cones[range], tempers, now),
+        };
+        (error, none)
+    }
 }
 
 impl Laws {
@@ -214,7 +241,34 @@ fn sweep_lengths<L: Lanes>(
     worst
 }
 
-/// The particles of one constraint of each of eight bodies.
+#[inline(always)]
+fn measure<L: Lanes, W: Wide<N>, const N: usize>(
+    list: &[Own<Eight<W>, N>],
+    tempers: &[Temper],
+    now: &[Spot],
+) -> L {
+    let mut worst = L::zero();
+    for own in list {
+        let spots = Still { at: &own.at, now };
+        worst = block::left::<L, W, N>(&own.eight, tempers, &spots).max(worst);
+    }
+    worst
+}
+
+/// The particles of one constraint of each of eight bodies, to be looked at.
+struct Still<'a, const N: usize> {
+    at: &'a [u32; N],
+    now: &'a [Spot],
+}
+
+impl<const N: usize> Seen<N> for Still<'_, N> {
+    #[inline(always)]
+    fn now<L: Lanes>(&self, i: usize) -> [L; 4] {
+        self.now[self.at[i] as usize].load()
+    }
+}
+
+/// The same, to be moved.
 struct InPen<'a, const N: usize> {
     at: &'a [u32; N],
     now: &'a mut [Spot],

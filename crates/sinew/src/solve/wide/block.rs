@@ -87,15 +87,25 @@ pub(super) fn measure<L: Lanes, W: Wide<N>, const N: usize>(
         let mut room = [[0; LANES]; N];
         let rows = less(&block.rows, places.first, &mut room);
         let spots = Packed { rows, position: &*places.position, start: places.start };
-        let (points, inverse) = load::<L, N>(&spots);
-        if W::IS_LIMIT && block.eight.law.is_kept(&points).all() {
-            continue;
-        }
-        let found = solve::<L, W, N>(&block.eight.law, &points, &inverse);
-        let hard = tempers[block.eight.temper as usize].hard::<L>();
-        worst = hard.and(found.active).and(found.error).max(worst);
+        worst = left::<L, W, N>(&block.eight, tempers, &spots).max(worst);
     }
     worst.largest(0.0)
+}
+
+/// The errors of the hard ones of eight, metres.
+#[inline(always)]
+pub(super) fn left<L: Lanes, W: Wide<N>, const N: usize>(
+    eight: &Eight<W>,
+    tempers: &[Temper],
+    spots: &impl Seen<N>,
+) -> L {
+    let (points, inverse) = load::<L, N>(spots);
+    if W::IS_LIMIT && eight.law.is_kept(&points).all() {
+        return L::zero();
+    }
+    let found = solve::<L, W, N>(&eight.law, &points, &inverse);
+    let hard = tempers[eight.temper as usize].hard::<L>();
+    hard.and(found.active).and(found.error)
 }
 
 /// What a law says of eight constraints.

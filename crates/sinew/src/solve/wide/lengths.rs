@@ -1,6 +1,6 @@
 //! Eight distances side by side: soft ones, ropes and struts. What is hard both ways is a rod, with kernels of its own.
 
-use super::spots::{Packed, Spots};
+use super::spots::{Packed, Seen, Spots};
 use super::temper::{Asks, Temper, yielding};
 use super::{less, load_sums, store_sums};
 use crate::constraints::{Bound, Distance, Pace};
@@ -85,15 +85,27 @@ pub(super) fn measure<L: Lanes>(blocks: &[Lengths], tempers: &[Temper], places: 
     for block in blocks {
         let mut room = [[0; LANES]; 2];
         let rows = less(&block.rows, places.first, &mut room);
-        let (a, wa) = Vector::of(L::rows(places.position, &rows[0]));
-        let (b, wb) = Vector::of(L::rows(places.position, &rows[1]));
-        let temper = &tempers[block.eight.temper as usize];
-        let value = (a - b).length() - L::load(&block.eight.rest);
-        let asked = temper.hard::<L>().and(L::zero().lt(wa + wb));
-        let error = temper.holds(value).select(L::zero(), value.abs());
-        worst = asked.and(error).max(worst);
+        let spots = Packed { rows, position: &*places.position, start: places.start };
+        worst = left::<L>(&block.eight, tempers, &spots).0.max(worst);
     }
     worst.largest(0.0)
+}
+
+/// The errors of the hard ones of eight, metres, and as shares of their rest lengths.
+#[inline(always)]
+pub(super) fn left<L: Lanes>(
+    eight: &EightLengths,
+    tempers: &[Temper],
+    spots: &impl Seen<2>,
+) -> (L, L) {
+    let (a, wa) = Vector::of(spots.now::<L>(0));
+    let (b, wb) = Vector::of(spots.now::<L>(1));
+    let (temper, rest) = (&tempers[eight.temper as usize], L::load(&eight.rest));
+    let value = (a - b).length() - rest;
+    let asked = temper.hard::<L>().and(L::zero().lt(wa + wb));
+    let error = temper.holds(value).select(L::zero(), value.abs());
+    let left = asked.and(error);
+    (left, L::zero().lt(rest).and(left / rest))
 }
 
 /// Eight distances once, with their temper, what each share is, the substep, seconds, and a mask of those of which nothing is asked; the errors found. As [`project`](crate::constraints::project): with `n = d/‖d‖`, `d = a - b`, the gradients are `±n`, so that
