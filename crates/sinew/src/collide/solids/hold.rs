@@ -27,6 +27,9 @@ const BACK: f32 = 0.2;
 /// must not forget by that (with 0.9 it goes on for ever); what really slides has forgotten after some fifty substeps.
 const FADES: f32 = 0.97;
 
+/// Which part of what pressed in the substep before they must be pressed more for friction to act on that at once; less than that it makes up for in the next substep.
+const MORE: f32 = 0.25;
+
 /// Holds what slides in packs: before they are pressed, against what pressed them in the substep before; and after that against what presses them
 /// more.
 pub(super) struct Hold<'a> {
@@ -45,90 +48,135 @@ impl Work for Hold<'_> {
         let Self { packs, after, most, bodies } = self;
         let none = L::zero();
         for pack in packs {
-            let (sum, used) = (L::load(&pack.sum), L::load(&pack.used));
-            let allowed = L::load(&pack.allowed);
-            let against = if after { (sum - allowed).max(none) } else { allowed };
-            let against = none.lt(L::load(&pack.friction)).and(against);
-            let now = hold_pack(pack, against, after, most, bodies);
-            if after {
-                // What was too much is taken off next time.
-                let used = used + now;
-                (sum - (used - sum).max(none)).max(none).store(&mut pack.allowed);
-            } else {
-                now.store(&mut pack.used);
+            let allowed = none.lt(L::load(&pack.friction)).and(L::load(&pack.allowed));
+            if !after {
+                let used = if none.lt(allowed).any() {
+                    let slip = Slip::of(pack, bodies);
+                    let slid = slip.slid + slip.late * L::splat(BACK);
+                    slip.hold(pack, slid, allowed, bodies).0
+                } else {
+                    none
+                };
+                used.store(&mut pack.used);
+                continue;
             }
+            let (sum, mut used) = (L::load(&pack.sum), L::load(&pack.used));
+            let more = none.lt(L::load(&pack.friction)).and((sum - allowed).max(none));
+            if !none.lt(more.max(allowed)).any() {
+                pack.late = [[0.0; LANES]; 4];
+                sum.store(&mut pack.allowed);
+                continue;
+            }
+            let slip = Slip::of(pack, bodies);
+            let sticks = used.lt(allowed);
+            let mut left = slip.slid;
+            let mut owed = none;
+            if (allowed * L::splat(MORE)).lt(more).any() {
+                let (now, back) = slip.hold(pack, slip.slid, more, bodies);
+                used = used + now;
+                left += back;
+            } else {
+                owed = sticks.select(none, more);
+            }
+            slip.keep(pack, left, sticks, most);
+            // What was too much is taken off next time, and what was too little is added.
+            let allowed = sum + owed - (used - sum).max(none);
+            allowed.max(none).store(&mut pack.allowed);
         }
     }
 }
 
-/// Returns against how much of the sum it had to act.
-#[inline(always)]
-fn hold_pack<L: Lanes>(
-    pack: &mut Pack,
-    against: L,
-    after: bool,
-    most: f32,
-    bodies: &mut Bodies,
-) -> L {
-    let none = L::zero();
-    if !none.lt(against.max(L::load(&pack.allowed))).any() {
-        pack.late = [[0.0; LANES]; 4];
-        return none;
+/// How eight have slid on each other.
+struct Slip<L> {
+    a: Sliding<L>,
+    b: Sliding<L>,
+    n: Vector<L>,
+    t: Vector<L>,
+    u: Vector<L>,
+    /// Where friction acts, from the centres of both.
+    arm: Vector<L>,
+    other: Vector<L>,
+    /// Along `t` and `u`, metres, and about `n`, rad: in this substep, and before.
+    slid: Vector<L>,
+    late: Vector<L>,
+}
+
+impl<L: Lanes> Slip<L> {
+    #[inline(always)]
+    fn of(pack: &Pack, bodies: &Bodies) -> Self {
+        let (a, b) = (Sliding::<L>::load(bodies, &pack.a), Sliding::<L>::load(bodies, &pack.b));
+        let (n, arm) = (load::<L>(&pack.up), load::<L>(&pack.arm));
+        let other = arm - (b.centre + load::<L>(&pack.offset) - a.centre);
+        let (t, u) = tangents(n);
+        let slid = a.moved(arm) - b.moved(other);
+        let twist = n.dot(a.spin + a.turn - b.spin - b.turn);
+        let slid = Vector::new(slid.dot(t), slid.dot(u), twist);
+        let [x, y, z, turned] = &pack.late;
+        let late = Vector::new(L::load(x), L::load(y), L::load(z));
+        let late = Vector::new(late.dot(t), late.dot(u), L::load(turned));
+        Self { a, b, n, t, u, arm, other, slid, late }
     }
-    let (mut a, mut b) = (Sliding::<L>::load(bodies, &pack.a), Sliding::<L>::load(bodies, &pack.b));
-    let (n, arm) = (load::<L>(&pack.up), load::<L>(&pack.arm));
-    // The same point from the other one's centre.
-    let other = arm - (b.centre + load::<L>(&pack.offset) - a.centre);
-    let (t, u) = tangents(n);
-    let weight = a.inverse_mass + b.inverse_mass;
-    let slid = a.moved(arm) - b.moved(other);
-    let twist = n.dot(a.spin + a.turn - b.spin - b.turn);
-    let slid = Vector::new(slid.dot(t), slid.dot(u), twist);
-    let late = Vector::new(L::load(&pack.late[0]), L::load(&pack.late[1]), L::load(&pack.late[2]));
-    let late = Vector::new(late.dot(t), late.dot(u), L::load(&pack.late[3]));
-    let slid = if after { slid } else { slid + late * L::splat(BACK) };
-    let (ta, tb) = (arm.cross(t), other.cross(t));
-    let (ua, ub) = (arm.cross(u), other.cross(u));
-    let (ita, itb) = (a.inverse_inertia.times(ta), b.inverse_inertia.times(tb));
-    let (iua, iub) = (a.inverse_inertia.times(ua), b.inverse_inertia.times(ub));
-    let (ina, inb) = (a.inverse_inertia.times(n), b.inverse_inertia.times(n));
-    let stiff = Symmetric {
-        along: Vector::new(
-            weight + ta.dot(ita) + tb.dot(itb),
-            weight + ua.dot(iua) + ub.dot(iub),
-            n.dot(ina) + n.dot(inb),
-        ),
-        across: Vector::new(
-            ta.dot(iua) + tb.dot(iub),
-            ta.dot(ina) + tb.dot(inb),
-            ua.dot(ina) + ub.dot(inb),
-        ),
-    };
-    let limit = against * L::load(&pack.friction);
-    let (f, much) = hold(&stiff, slid, limit, L::load(&pack.radius));
-    let good = f.length_squared().lt(L::splat(1e30));
-    if after {
-        // What is left is remembered where it sticks; where it slides, what was before fades.
-        let left = late + (slid + stiff.times(f));
+
+    /// Holds them against so much slip, as far as a sum `against` of the pressure lets it. Returns against how much of that it had to act, and how far that took them back.
+    #[inline(always)]
+    fn hold(
+        &self,
+        pack: &Pack,
+        slid: Vector<L>,
+        against: L,
+        bodies: &mut Bodies,
+    ) -> (L, Vector<L>) {
+        let Self { a, b, n, t, u, arm, other, .. } = self;
+        let (n, t, u) = (*n, *t, *u);
+        let weight = a.inverse_mass + b.inverse_mass;
+        let (ta, tb) = (arm.cross(t), other.cross(t));
+        let (ua, ub) = (arm.cross(u), other.cross(u));
+        let (ita, itb) = (a.inverse_inertia.times(ta), b.inverse_inertia.times(tb));
+        let (iua, iub) = (a.inverse_inertia.times(ua), b.inverse_inertia.times(ub));
+        let (ina, inb) = (a.inverse_inertia.times(n), b.inverse_inertia.times(n));
+        let stiff = Symmetric {
+            along: Vector::new(
+                weight + ta.dot(ita) + tb.dot(itb),
+                weight + ua.dot(iua) + ub.dot(iub),
+                n.dot(ina) + n.dot(inb),
+            ),
+            across: Vector::new(
+                ta.dot(iua) + tb.dot(iub),
+                ta.dot(ina) + tb.dot(inb),
+                ua.dot(ina) + ub.dot(inb),
+            ),
+        };
+        let limit = against * L::load(&pack.friction);
+        let (f, much) = hold(&stiff, slid, limit, L::load(&pack.radius));
+        let good = f.length_squared().lt(L::splat(1e30));
+        let f = Vector::new(good.and(f.x), good.and(f.y), good.and(f.z));
+        let along = t * f.x + u * f.y;
+        let shift = (a.shift + along * a.inverse_mass, b.shift - along * b.inverse_mass);
+        let turn = (
+            a.turn + (ita * f.x + iua * f.y + ina * f.z),
+            b.turn - (itb * f.x + iub * f.y + inb * f.z),
+        );
+        let first = [shift.0.with(a.inverse_mass), turn.0.with(a.mark)];
+        L::put_records(&mut bodies.rows, &pack.a, first);
+        let second = [shift.1.with(b.inverse_mass), turn.1.with(b.mark)];
+        L::put_records(&mut bodies.rows, &pack.b, second);
+        (good.and(against * much), stiff.times(f))
+    }
+
+    /// Remembers what is left of their slip where they stick; where they slide, what was before fades.
+    #[inline(always)]
+    fn keep(&self, pack: &mut Pack, left: Vector<L>, sticks: L, most: f32) {
+        let Self { late, t, u, .. } = self;
+        let left = *late + left;
         let size = (left.x * left.x + left.y * left.y).sqrt();
         let size = size.max(left.z.abs() * L::load(&pack.radius));
-        let sticks = L::load(&pack.used).lt(L::load(&pack.allowed));
-        let bound = sticks.and(size.le(L::splat(most / BACK)));
-        let left = left.or_else(bound, late * L::splat(FADES));
-        let along = t * left.x + u * left.y;
+        let sticks = sticks.and(size.le(L::splat(most / BACK)));
+        let left = left.or_else(sticks, *late * L::splat(FADES));
+        let along = *t * left.x + *u * left.y;
         for (to, from) in pack.late.iter_mut().zip([along.x, along.y, along.z, left.z]) {
             from.store(to);
         }
     }
-    let f = Vector::new(good.and(f.x), good.and(f.y), good.and(f.z));
-    let along = t * f.x + u * f.y;
-    a.shift += along * a.inverse_mass;
-    b.shift -= along * b.inverse_mass;
-    a.turn += ita * f.x + iua * f.y + ina * f.z;
-    b.turn -= itb * f.x + iub * f.y + inb * f.z;
-    L::put_records(&mut bodies.rows, &pack.a, [a.shift.with(a.inverse_mass), a.turn.with(a.mark)]);
-    L::put_records(&mut bodies.rows, &pack.b, [b.shift.with(b.inverse_mass), b.turn.with(b.mark)]);
-    good.and(against * much)
 }
 
 /// Two unit vectors across a third and each other (Duff et al., *Building an Orthonormal Basis, Revisited*, 2017).
