@@ -80,7 +80,7 @@ pub(super) struct Pack {
     /// How far the points are from there; and the sum of their impulses, kg·m.
     pub(super) radius: Eight,
     pub(super) sum: Eight,
-    /// Against how much of such a sum friction has acted in this substep; and may act in the next before its sum is known.
+    /// Against how much of such a sum friction has acted in this substep, before it was pressed; and may act in the next: a mean of the last ones.
     pub(super) used: Eight,
     pub(super) allowed: Eight,
     /// How far what sticks is from where it stuck, metres, and has turned about the normal, rad: pressing moved it after it was held.

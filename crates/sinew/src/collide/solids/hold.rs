@@ -2,8 +2,8 @@
 //!
 //! In a heap, pressing tilts a box one way at one contact and back at the next; friction that saw it in between would drag what lies on it, a little
 //! in each substep, for ever. And friction tilts boxes, which must not be the last that is done to them. So all of a heap is held before all of it is
-//! pressed, against what pressed it in the substep before (in the first one, in a trial); and once more afterwards, against what it is pressed more
-//! than that. Positions are held against `s`, how far the two surfaces have slid on each other since the substep began, at the centre of the
+//! pressed, against what pressed it in the substeps before; and only what has just met, or slides although it is pressed more than that, once more
+//! afterwards. Positions are held against `s`, how far the two surfaces have slid on each other since the substep began, at the centre of the
 //! pressure; and against the turn of one on the other. The impulse is at most `μ Σ λ`, its moment about the normal at most that times the radius of
 //! the patch.
 //!
@@ -18,7 +18,7 @@ use super::block::hold;
 use super::bodies::{Bodies, Sliding};
 use super::contact::Pack;
 use super::turn::{Symmetric, load};
-use crate::lanes::{LANES, Lanes, Vector, Work};
+use crate::lanes::{Lanes, Vector, Work};
 
 /// Which part of what is late is taken back in a substep. With all of it a heap of a thousand boxes never rests (7 mm/s), with half of it at 1 to 3 mm/s, with a fifth at 0.1; with a
 /// twentieth a stack slips on a slope that is nearly too steep, before it is held.
@@ -27,11 +27,17 @@ const BACK: f32 = 0.2;
 /// must not forget by that (with 0.9 it goes on for ever); what really slides has forgotten after some fifty substeps.
 const FADES: f32 = 0.97;
 
-/// Which part of what pressed in the substep before they must be pressed more for friction to act on that at once; less than that it makes up for in the next substep.
-const MORE: f32 = 0.25;
+/// What presses is a mean over some substeps, of which this is the share of the newest one. In a heap contacts press twice as hard in one substep and not at all in the next; friction that
+/// did as they do would let go each time: a thousand boxes poured in any pose then go on at 2 mm/s for ever, and with a mean they come to rest. Over time that is as
+/// much friction as there was pressure.
+const NEWS: f32 = 0.25;
+/// What moves neither body by more than this in a substep, metres, is none.
+const NOTHING: f32 = 1e-10;
+/// By which part of the mean what slides must be pressed more for friction to act on that at once. What sticks needs no more.
+const MORE: f32 = 0.1;
 
-/// Holds what slides in packs: before they are pressed, against what pressed them in the substep before; and after that against what presses them
-/// more.
+/// Holds what slides in packs: before they are pressed, against what pressed them in the substeps before; and after that, where it is needed, against what presses
+/// them more.
 pub(super) struct Hold<'a> {
     pub(super) packs: &'a mut [Pack],
     pub(super) after: bool,
@@ -63,25 +69,28 @@ impl Work for Hold<'_> {
             let (sum, mut used) = (L::load(&pack.sum), L::load(&pack.used));
             let more = none.lt(L::load(&pack.friction)).and((sum - allowed).max(none));
             if !none.lt(more.max(allowed)).any() {
-                pack.late = [[0.0; LANES]; 4];
+                // What has let go for a substep takes hold again where it was.
+                for late in &mut pack.late {
+                    (L::load(late) * L::splat(FADES)).store(late);
+                }
                 sum.store(&mut pack.allowed);
                 continue;
             }
             let slip = Slip::of(pack, bodies);
-            let sticks = used.lt(allowed);
-            let mut left = slip.slid;
-            let mut owed = none;
-            if (allowed * L::splat(MORE)).lt(more).any() {
-                let (now, back) = slip.hold(pack, slip.slid, more, bodies);
-                used = used + now;
+            let (mut left, mut granted) = (slip.slid, allowed);
+            let needs = used.lt(allowed).select(none, more);
+            if (allowed * L::splat(MORE)).lt(needs).any() {
+                // Who was not held before is held against what is late here.
+                let fresh = allowed.le(none).and(L::splat(BACK));
+                let (now, back) = slip.hold(pack, slip.slid + slip.late * fresh, needs, bodies);
+                (used, granted) = (used + now, granted + needs);
                 left += back;
-            } else {
-                owed = sticks.select(none, more);
             }
-            slip.keep(pack, left, sticks, most);
-            // What was too much is taken off next time, and what was too little is added.
-            let allowed = sum + owed - (used - sum).max(none);
-            allowed.max(none).store(&mut pack.allowed);
+            slip.keep(pack, left, used.lt(granted), most);
+            let old = L::load(&pack.allowed);
+            let mean = old + (sum - old) * L::splat(NEWS);
+            let light = (mean * slip.weight()).le(L::splat(NOTHING));
+            light.select(none, mean).store(&mut pack.allowed);
         }
     }
 }
@@ -117,6 +126,12 @@ impl<L: Lanes> Slip<L> {
         Self { a, b, n, t, u, arm, other, slid, late }
     }
 
+    /// How far an impulse moves them apart, 1/kg.
+    #[inline(always)]
+    fn weight(&self) -> L {
+        self.a.inverse_mass + self.b.inverse_mass
+    }
+
     /// Holds them against so much slip, as far as a sum `against` of the pressure lets it. Returns against how much of that it had to act, and how far that took them back.
     #[inline(always)]
     fn hold(
@@ -128,7 +143,7 @@ impl<L: Lanes> Slip<L> {
     ) -> (L, Vector<L>) {
         let Self { a, b, n, t, u, arm, other, .. } = self;
         let (n, t, u) = (*n, *t, *u);
-        let weight = a.inverse_mass + b.inverse_mass;
+        let weight = self.weight();
         let (ta, tb) = (arm.cross(t), other.cross(t));
         let (ua, ub) = (arm.cross(u), other.cross(u));
         let (ita, itb) = (a.inverse_inertia.times(ta), b.inverse_inertia.times(tb));
