@@ -1,6 +1,8 @@
 //! All that a step needs to know of contacts and nobody saves, and in which order its parts are asked.
 
-use super::{BodyContacts, Collider, Impact, Impacts, Pairs, Pressed, Solid, Solids, Touch};
+use super::{
+    BodyContacts, Collider, Impact, Impacts, Pairs, Pressed, Solid, Solids, Touch, Triangles,
+};
 use crate::constraints::Boundaries;
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
@@ -12,6 +14,7 @@ pub(crate) struct Contacts {
     pub(crate) touch: Touch,
     pub(crate) presses: Vec<Pressed>,
     pairs: Pairs,
+    triangles: Triangles,
     solids: Solids,
     impacts: Impacts,
 }
@@ -48,20 +51,22 @@ impl Contacts {
         self.solids.rows().get(row as usize).is_some_and(|&solid| solid)
     }
 
-    /// Begins a step: finds what may come to touch what.
-    pub(crate) fn begin(&mut self, particles: &Particles, world: World) {
+    /// Begins a step: finds what may come to touch what. Bodies that ask for it collide by the triangles of `surfaces`.
+    pub(crate) fn begin(&mut self, particles: &Particles, surfaces: &[[u32; 3]], world: World) {
         let World { boundaries, colliders, bodies, substeps, dt, gravity, .. } = world;
         self.impacts.clear();
         self.touch.take(boundaries, colliders, bodies, substeps);
         self.touch.set_solid(self.solids.rows());
         self.touch.find(particles, world.plan, (dt, gravity), &mut self.presses);
         self.solids.find(particles, &world);
-        self.pairs.find(particles, bodies, &particles.rest, self.solids.rows(), dt);
+        let solid = self.solids.rows();
+        self.pairs.find(particles, bodies, &particles.rest, solid, dt);
+        self.triangles.find(particles, surfaces, bodies, solid, dt);
     }
 
     /// Whether something may come to touch something else that moves, so that islands cannot go their ways alone.
     pub(crate) fn is_active(&self) -> bool {
-        !self.solids.is_empty() || !self.pairs.is_empty()
+        !self.solids.is_empty() || !self.pairs.is_empty() || !self.triangles.is_empty()
     }
 
     /// Between the constraints of a substep of `h` seconds and its velocities.
@@ -74,12 +79,15 @@ impl Contacts {
     ) {
         self.solids.project(particles, world, h, substep);
         self.pairs.project(particles, h);
+        // Last, so that what it says of sides holds when the next substep begins.
+        self.triangles.project(particles);
     }
 
     /// After the velocities.
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
         self.solids.bounce(particles, h, gravity);
         self.pairs.bounce(particles, h, gravity);
+        self.triangles.bounce(particles, h, gravity);
     }
 
     /// What has touched what in a step with substeps of `h` seconds.
@@ -88,6 +96,7 @@ impl Contacts {
         self.touch.report(particles, &mut presses, h, &mut self.impacts);
         self.solids.report(&mut self.impacts);
         self.pairs.report(&mut self.impacts);
+        self.triangles.report(&mut self.impacts);
         self.impacts.merge()
     }
 }

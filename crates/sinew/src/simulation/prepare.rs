@@ -151,7 +151,7 @@ impl Simulation {
         let (plan, bodies) = (&scratch.plan, contacts);
         let world = World { boundaries, colliders, solids, bodies, plan, dt, substeps, gravity };
         scratch.contacts.use_instructions(self.instructions);
-        scratch.contacts.begin(particles, world);
+        scratch.contacts.begin(particles, &forces.surfaces, world);
     }
 
     /// Looks up the gusts on every triangle.
