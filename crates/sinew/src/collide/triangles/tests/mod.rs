@@ -4,6 +4,7 @@
 
 mod bare;
 mod bits;
+mod chaos;
 mod cloths;
 mod marbles;
 mod speed;
