@@ -11,7 +11,7 @@ pub(super) const SCENE: Scene = Scene {
     title: "Caught in coarse sheets",
     about: "the left sheet collides by its particles, and marbles fall between them; the right one by its triangles, and keeps them all",
     eye: Vec3::new(0.7, 2.7, 4.3),
-    target: Vec3::new(0.0, 0.9, 0.0),
+    target: Vec3::new(0.0, 1.05, 0.0),
     seconds: 4.0,
     moment: 2.2,
     spawn,
