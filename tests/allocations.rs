@@ -196,3 +196,18 @@ fn particles_that_lie_on_each_other_allocate_nothing() {
     };
     assert_eq!(allocations(spawn), 0);
 }
+
+#[test]
+fn particles_that_lie_on_triangles_allocate_nothing() {
+    let spawn = |world: &mut World| {
+        let cloth =
+            Cloth { radius: 0.01, ..Cloth::grid(1.0, 1.0, 5, 5) }.pinned(ClothPins::Corners);
+        let flat = Transform::from_rotation(Quat::from_rotation_x(-1.5));
+        world.spawn((cloth, BodyContacts::ALL.shaped(ContactShape::Triangles), flat));
+        for i in 0..5 {
+            let ball = Particle::at(Vec3::new(0.1 * i as f32 - 0.2, 0.05, 0.05));
+            world.spawn((ball, Mass(0.01), Radius(0.03), BodyContacts::default()));
+        }
+    };
+    assert_eq!(allocations(spawn), 0);
+}

@@ -6,7 +6,7 @@ use bevy_sinew::prelude::*;
 use crate::snapshot::{Snapshot, hashes, roll_back_in_every_tick};
 use crate::support::{app, hash, heard, tick};
 
-/// A ramp over a floor, boxes that tumble down it onto each other, a figure beside them, a sheet that folds up on a ball; all may sleep.
+/// A ramp over a floor, boxes that tumble down it onto each other, a figure beside them, a sheet that folds up on a ball, marbles in a net; all may sleep.
 fn colliding_scene(app: &mut App) {
     let world = app.world_mut();
     world.spawn((Collider::plane(), SurfaceMaterial::new(0.6).with_restitution(0.3)));
@@ -26,6 +26,15 @@ fn colliding_scene(app: &mut App) {
         .with_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2));
     let sheet = Cloth { radius: 0.02, ..Cloth::grid(1.0, 1.0, 14, 14) };
     world.spawn((sheet, folds, Sleep::default(), flat));
+    // A coarse one that catches marbles by its triangles.
+    let net = Cloth { radius: 0.01, ..Cloth::grid(0.8, 0.8, 4, 4) }.pinned(ClothPins::Corners);
+    let place = Transform { translation: Vec3::new(6.0, 0.8, 0.0), ..flat };
+    world.spawn((net, folds.shaped(ContactShape::Triangles), Sleep::default(), place));
+    for i in 0..4 {
+        let at = Vec3::new(5.85 + 0.1 * i as f32, 1.1 + 0.2 * i as f32, 0.07);
+        let marble = (Particle::at(at), Mass(0.02), Radius(0.02), Sleep::default());
+        world.spawn((marble, BodyContacts::default()));
+    }
 }
 
 fn asleep(app: &mut App) -> usize {

@@ -31,6 +31,7 @@
 //! | `schedules` | no two systems of ours race |
 //! | `threads` | neither does the number of threads |
 //! | `torn` | what comes, goes or changes one by one among thousands is mended into them |
+//! | `triangles` | bodies collide by their triangles where they ask for it |
 //!
 //! `support` holds what they share.
 
@@ -66,4 +67,5 @@ mod state;
 mod support;
 mod threads;
 mod torn;
+mod triangles;
 mod unrelated;

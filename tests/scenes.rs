@@ -343,3 +343,18 @@ fn nothing_leaves_flatland_and_squares_turn_in_its_plane_alone() {
     assert!(turned > 1.0, "they tumble: {turned} rad/s");
     assert_finite(&mut app);
 }
+
+#[test]
+fn the_sheet_of_triangles_keeps_all_marbles_and_the_one_of_particles_next_to_none() {
+    let mut app = playing("net");
+    tick(&mut app, 240);
+    let marbles = named(&mut app, "marble");
+    assert_eq!(marbles.len(), 72);
+    let below = |app: &App, side: f32| {
+        let of_side = marbles.iter().map(|&marble| position(app, marble));
+        of_side.filter(|at| at.x * side > 0.0 && at.y < 0.3).count()
+    };
+    assert_eq!(below(&app, 1.0), 0, "through triangles");
+    assert!(below(&app, -1.0) > 24, "through the gaps: {}", below(&app, -1.0));
+    assert_finite(&mut app);
+}

@@ -43,6 +43,7 @@ pub(crate) fn operate(world: &mut Simulation, input: &mut Input, most: usize) {
                 layers: layers(input),
                 with_bodies: input.flag(),
                 with_itself: input.flag(),
+                surface: input.flag(),
                 events: input.flag(),
             };
             world.contacts.truncate(MOST_BODIES - 1);

@@ -72,6 +72,9 @@ pub enum Refusal {
     /// A body that is to collide as a solid but has no rigid part with a [`Collider`](crate::Collider); it collides by its particles.
     #[error("collides by its particles: it has no rigid part with a Collider")]
     NotSolid,
+    /// A body that is to collide by its triangles but has no [`WindSurface`](crate::WindSurface) that lists any; it collides by its particles.
+    #[error("collides by its particles: it has no WindSurface with triangles")]
+    NoTriangles,
     /// A command on a body or a particle that cannot be done; nothing changed.
     #[error("is left as it is: {0}")]
     Edit(EditFault),

@@ -47,7 +47,7 @@
 //! | [`integrate`] | Verlet, leapfrog and the Eulers: formulas, derivation, properties |
 //! | [`forces`] | gravity, controls, springs, wind and air, fluids and hulls, charges and fields: a room each |
 //! | [`constraints`] | distances, angles, areas, volumes, bending, shapes, bounds, a game's own: data, value, gradient, kernel, a file each |
-//! | [`collide`] | contacts: colliders, particles among each other, compounds as solids, friction and restitution |
+//! | [`collide`] | contacts: colliders, particles among each other and against triangles, compounds as solids, friction and restitution |
 //! | [`solve`] | the plan (islands, clusters, colours), three orders of a sweep, two directions of a correction, kernels for eight at a time, the report |
 //! | `lanes` | eight numbers side by side, on whatever instructions there are, to the same bits; the only `unsafe` |
 //! | `threads` | tasks, and the [`Workers`] that a caller may lend |

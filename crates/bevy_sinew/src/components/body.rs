@@ -53,7 +53,7 @@ pub struct RigidPose {
     pub rest: Vec<Vec3>,
 }
 
-/// Triangles of particles on which [`Wind`](super::Wind) presses.
+/// Triangles of particles on which [`Wind`](super::Wind) presses, and by which the body that it is on collides if it asks for that ([`ContactShape::Triangles`](super::ContactShape)).
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default, Clone)]
 pub struct WindSurface {

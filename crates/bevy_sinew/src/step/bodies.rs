@@ -10,8 +10,8 @@ use sinew::{BodySettings, Material};
 use super::changes::{Ages, census};
 use super::pins::sound;
 use crate::components::{
-    BodyContacts, BodyParticles, CollisionLayers, ContactEvents, CreationOrder, GravityScale,
-    Particle, ParticleOf, ParticleRow, RestPlace, Sleep, SurfaceMaterial,
+    BodyContacts, BodyParticles, CollisionLayers, ContactEvents, ContactShape, CreationOrder,
+    GravityScale, Particle, ParticleOf, ParticleRow, RestPlace, Sleep, SurfaceMaterial,
 };
 use crate::config::BodySolver;
 use crate::messages::{Refusal, Refused};
@@ -250,6 +250,7 @@ fn contacts(
         layers: layers.copied().unwrap_or_default().layers(),
         with_bodies: contacts.is_some_and(|contacts| contacts.with_bodies),
         with_itself: contacts.is_some_and(|contacts| contacts.with_itself),
+        surface: contacts.is_some_and(|contacts| contacts.shape == ContactShape::Triangles),
         events,
     })
 }

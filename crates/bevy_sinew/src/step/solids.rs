@@ -9,6 +9,7 @@ use super::changes::census;
 use super::pins::sound;
 use crate::components::{
     BodyContacts, BodyParticles, Collider, ContactShape, CreationOrder, ParticleBody, RigidPose,
+    WindSurface,
 };
 use crate::messages::{Refusal, Refused};
 use crate::recipes::PartOf;
@@ -18,6 +19,15 @@ use crate::world::{SinewWorld, Tables};
 /// What changes the shape of a part, or whose part it is.
 type Reshaped =
     (With<RigidPose>, With<Collider>, Or<(Changed<Collider>, Changed<RigidPose>, Changed<PartOf>)>);
+
+/// Who says how it takes part in contacts, whether it is a body and built, and what triangles it has.
+type Asking = (
+    Entity,
+    &'static BodyContacts,
+    Has<ParticleBody>,
+    Has<BodyParticles>,
+    Option<&'static WindSurface>,
+);
 
 /// What was wrong, so that each is reported once; and how many there were.
 #[derive(Default)]
@@ -34,7 +44,7 @@ pub(crate) fn compile_solids(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
     contacts: Query<Ref<BodyContacts>>,
-    asking: Query<(Entity, &BodyContacts, Has<ParticleBody>, Has<BodyParticles>)>,
+    asking: Query<Asking>,
     reshaped: Query<(), Reshaped>,
     mut parts: Query<(
         Entity,
@@ -65,8 +75,8 @@ pub(crate) fn compile_solids(
     let mut owners: Vec<Entity> = Vec::new();
     for (part, order, collider, pose, of, mut rows) in &mut parts {
         let owner = of.map_or(part, |of| of.0);
-        let asks = contacts.get(owner).is_ok_and(|own| own.shape != ContactShape::Particles);
-        if !asks {
+        let shape = contacts.get(owner).ok().map(|own| own.shape);
+        if !matches!(shape, Some(ContactShape::Auto | ContactShape::Solid)) {
             continue;
         }
         let rows = rows.resolve(tables, pose.is_changed(), pose.particles.iter().copied());
@@ -80,11 +90,19 @@ pub(crate) fn compile_solids(
     }
     solids.sort_unstable_by_key(|&(order, part, _)| (order, part));
     owners.sort_unstable();
-    for (body, own, is_body, is_built) in &asking {
+    for (body, own, is_body, is_built, surface) in &asking {
         // One that is yet to be built waits.
         let waits = is_body && !is_built;
-        let lacks = own.shape == ContactShape::Solid && owners.binary_search(&body).is_err();
-        let reason = (lacks && !waits).then_some(Refusal::NotSolid);
+        let lacks = match own.shape {
+            ContactShape::Solid => owners.binary_search(&body).is_err(),
+            ContactShape::Triangles => surface.is_none_or(|own| own.triangles.is_empty()),
+            ContactShape::Auto | ContactShape::Particles => false,
+        };
+        let what = match own.shape {
+            ContactShape::Triangles => Refusal::NoTriangles,
+            _ => Refusal::NotSolid,
+        };
+        let reason = (lacks && !waits).then_some(what);
         sound(bodies, &mut messages, body, reason);
     }
     tables.parts.clear();

@@ -143,6 +143,9 @@ pub struct BodyContacts {
     pub with_bodies: bool,
     /// Whether its particles touch each other where they are further apart in the rest shape. Default not.
     pub with_itself: bool,
+    /// Whether it touches those by the triangles of its surface, too ([`Forces::surfaces`](crate::Forces::surfaces)), and not by its particles alone: nothing passes through its mesh then, however coarse
+    /// that is. It costs some ten times what its particles do. Default not.
+    pub surface: bool,
     /// Whether its contacts are listed in the report. Default not.
     pub events: bool,
 }

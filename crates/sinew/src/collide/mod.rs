@@ -9,6 +9,7 @@
 //! | `bounds` | planes and boxes that hold every particle |
 //! | `touch` | single particles against colliders |
 //! | `pairs` | particles against particles: a grid, and what is near enough in it |
+//! | `triangles` | particles against triangles, and edges against edges, where a body asks for it: the finer tier |
 //! | `manifold` | where two shapes touch |
 //! | `solids` | compounds that collide by their shape |
 //! | `friction` | Coulomb's law in positions |
@@ -27,6 +28,7 @@ mod shape;
 mod solids;
 mod stage;
 mod touch;
+mod triangles;
 
 pub use collider::Collider;
 pub use frame::Frame;
@@ -41,3 +43,4 @@ pub(crate) use pairs::Pairs;
 pub(crate) use solids::Solids;
 pub(crate) use stage::{Contacts, World};
 pub(crate) use touch::{Pressed, Presses, Touch};
+pub(crate) use triangles::Triangles;

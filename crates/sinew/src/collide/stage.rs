@@ -2,6 +2,7 @@
 
 use super::{
     BodyContacts, Collider, ContactMemory, Impact, Impacts, Pairs, Pressed, Solid, Solids, Touch,
+    Triangles,
 };
 use crate::constraints::Boundaries;
 use crate::lanes::InstructionSet;
@@ -14,6 +15,7 @@ pub(crate) struct Contacts {
     pub(crate) touch: Touch,
     pub(crate) presses: Vec<Pressed>,
     pairs: Pairs,
+    triangles: Triangles,
     solids: Solids,
     impacts: Impacts,
 }
@@ -50,10 +52,11 @@ impl Contacts {
         self.solids.rows().get(row as usize).is_some_and(|&solid| solid)
     }
 
-    /// Begins a step: finds what may come to touch what, and borrows what is remembered of it until the step [ends](Self::keep).
+    /// Begins a step: finds what may come to touch what, and borrows what is remembered of it until the step [ends](Self::keep). Bodies that ask for it collide by
+    /// the triangles of `surfaces`.
     pub(crate) fn begin(
         &mut self,
-        particles: &Particles,
+        (particles, surfaces): (&Particles, &[[u32; 3]]),
         world: World,
         memory: &mut ContactMemory,
     ) {
@@ -63,12 +66,14 @@ impl Contacts {
         self.touch.set_solid(self.solids.rows());
         self.touch.find(particles, world.plan, (dt, gravity), &mut self.presses);
         self.solids.find(particles, &world, memory);
-        self.pairs.find(particles, bodies, &particles.rest, self.solids.rows(), dt);
+        let solid = self.solids.rows();
+        self.pairs.find(particles, bodies, &particles.rest, solid, dt);
+        self.triangles.find(particles, surfaces, bodies, solid, dt);
     }
 
     /// Whether something may come to touch something else that moves, so that islands cannot go their ways alone.
     pub(crate) fn is_active(&self) -> bool {
-        !self.solids.is_empty() || !self.pairs.is_empty()
+        !self.solids.is_empty() || !self.pairs.is_empty() || !self.triangles.is_empty()
     }
 
     /// Between the constraints of a substep of `h` seconds and its velocities.
@@ -81,12 +86,15 @@ impl Contacts {
     ) {
         self.solids.project(particles, world, h, substep);
         self.pairs.project(particles, h);
+        // Last, so that what it says of sides holds when the next substep begins.
+        self.triangles.project(particles);
     }
 
     /// After the velocities.
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
         self.solids.bounce(particles, h, gravity);
         self.pairs.bounce(particles, h, gravity);
+        self.triangles.bounce(particles, h, gravity);
     }
 
     /// Gives back what is remembered.
@@ -100,6 +108,7 @@ impl Contacts {
         self.touch.report(particles, &mut presses, h, &mut self.impacts);
         self.solids.report(&mut self.impacts);
         self.pairs.report(&mut self.impacts);
+        self.triangles.report(&mut self.impacts);
         self.impacts.merge()
     }
 }

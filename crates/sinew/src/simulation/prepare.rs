@@ -152,7 +152,7 @@ impl Simulation {
         let (plan, bodies) = (&scratch.plan, contacts);
         let world = World { boundaries, colliders, solids, bodies, plan, dt, substeps, gravity };
         scratch.contacts.use_instructions(self.instructions);
-        scratch.contacts.begin(particles, world, memory);
+        scratch.contacts.begin((particles, &forces.surfaces), world, memory);
     }
 
     /// Looks up the gusts on every triangle.

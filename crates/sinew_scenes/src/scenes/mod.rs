@@ -17,6 +17,7 @@ mod flag;
 mod flatland;
 mod hinges;
 mod jelly;
+mod net;
 mod orbits;
 mod pendulums;
 mod pile;
@@ -75,6 +76,7 @@ pub const ALL: &[Scene] = &[
     stairs::SCENE,
     catch::SCENE,
     curtain::SCENE,
+    net::SCENE,
     bin::SCENE,
     chain::SCENE,
     belt::SCENE,

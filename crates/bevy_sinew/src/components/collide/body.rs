@@ -7,7 +7,7 @@ use bevy::prelude::*;
 /// Without it, the particles of a body touch [`Ground`](crate::Ground)s, [`BoundingBox`](crate::BoundingBox)es and [`Collider`](super::Collider)s, and nothing else.
 /// [`SurfaceMaterial`](super::SurfaceMaterial) and [`CollisionLayers`](super::CollisionLayers) on the body say what it is made of and what it may touch, with this or without.
 ///
-/// Particles collide as balls of their [`Radius`](crate::Radius); those without one do not.
+/// Particles collide as balls of their [`Radius`](crate::Radius); those without one do not. Where a mesh is wider than they are, [`ContactShape::Triangles`] closes it.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct BodyContacts {
@@ -32,6 +32,11 @@ pub enum ContactShape {
     /// Its rigid parts, by their [`Collider`](super::Collider)s; the particles of those touch nothing by themselves. A body that has none is refused
     /// ([`Refusal::NotSolid`](crate::Refusal::NotSolid)) and collides by its particles.
     Solid,
+    /// The triangles of its [`WindSurface`](crate::WindSurface) (which `Cloth` and `SoftBody` bring along) besides its particles: nothing passes through its mesh, from either side, however coarse
+    /// that is and however fast it comes. Particles of others touch them, and its own if it touches itself; edges touch the edges of bodies that ask for the same. They are as thick as
+    /// the particles' [`Radius`](crate::Radius), and may be without. It is the finer tier, and some ten times as dear. [`Collider`](super::Collider)s and solids touch the particles alone.
+    /// A body that has none is refused ([`Refusal::NoTriangles`](crate::Refusal::NoTriangles)) and collides by its particles.
+    Triangles,
 }
 
 impl Default for BodyContacts {

@@ -32,7 +32,7 @@
 //! radius above `s/√8 = 0.354 s`, in one of equal triangles above `s/√12 = 0.289 s`. A crossing is then a way through some pair of particles, and is
 //! stopped with that. What is *not* known from particles is on which side a particle belongs: one that starts on the wrong side, or that is pressed
 //! so hard that the overlap at the start of a substep is more than the gap leaves (a quarter of the distance in a square lattice), stays where it got to. Wider meshes
-//! need their triangles.
+//! need their [`triangles`](super::triangles).
 
 mod bounce;
 mod grid;

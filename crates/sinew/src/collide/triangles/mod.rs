@@ -1,0 +1,218 @@
+//! Triangles against particles, and against each other: the finer tier of contacts, for meshes whose particles are further apart than they are thick.
+//!
+//! | file | what it is |
+//! |---|---|
+//! | `members` | who takes part: triangles, their corners and edges, particles |
+//! | `near` | who may come to touch whom, and whether somebody went further than was looked |
+//! | `distance` | the nearest points of a particle and a triangle, and of two edges |
+//! | `crossing` | whether they passed through each other |
+//! | `solve` | the kernel: four points that keep a distance, and friction |
+//! | `zone` | what is done where contacts do not agree |
+//! | `bounce` | restitution, and what is told |
+//!
+//! # Who touches whom
+//!
+//! The triangles are those of [`Forces::surfaces`](crate::forces::Forces::surfaces) whose three particles are of one body that asks for them ([`BodyContacts::surface`]). Every particle with a radius that touches
+//! the body as [`pairs`](super::pairs) have it (another body's, or its own if it touches itself) touches its triangles, with its radius and theirs ([`solve`]), from either side; and where both
+//! bodies ask, edges touch edges: two meshes can pass through each other without a corner ever passing a triangle. A particle touches neither the triangles that it is a corner of,
+//! nor an edge one that it shares an end with. Particles go on to touch particles: a triangle comes on top of that, and decides last.
+//!
+//! # How it goes
+//!
+//! [`find`](Triangles::find) runs once a step, and lists who may come to touch whom. In each substep [`project`](Triangles::project) looks again if somebody has gone further than was
+//! reckoned with, and then sweeps over the list, up to [`SWEEPS`] times: whoever overlaps or has passed is put back, at once. A later sweep asks only those of whom somebody has moved since. Who
+//! still passes through somebody after that goes with it for the rest of the substep (`zone`). All is done in double precision, and one after the other: a tier for tens of thousands of
+//! triangles, not for millions.
+//!
+//! # The order, and what it depends on
+//!
+//! What is listed is in the order of the rows, and who does not touch changes nothing. That makes the result a function of positions and of the order of the rows alone: not of the order of the
+//! triangles or of their corners, nor of margins, threads or instructions. Those that touch nothing of a heap change no bit of it as long as they do not make it look again within a substep.
+//!
+//! # What cannot happen, and what can
+//!
+//! Nothing passes through a triangle, nor an edge through an edge, however fast it is and however coarse the mesh: who was on one side when a substep began is there when it ends. That
+//! is the last word on positions in a substep, and what the next one begins with. It is not known, though, on which side somebody *belongs*: who is put into or through a surface by the
+//! game, or is built there, stays where it is. And it does not hold where pinned particles are led through each other; through particles of an explicit rigid body
+//! ([`Compound`](crate::Compound)), which are put back into its shape afterwards; nor for solids, which touch the particles of a surface and not its triangles, as colliders do.
+//!
+//! The thickness is softer than that: in a squeeze it may be less for a while, never nothing.
+
+mod bounce;
+mod crossing;
+mod distance;
+mod members;
+mod near;
+mod solve;
+#[cfg(test)]
+mod tests;
+mod zone;
+
+use super::{BodyContacts, Impacts};
+use crate::particles::Particles;
+
+use bounce::Hit;
+use members::Members;
+use near::Near;
+use solve::State;
+use zone::Zones;
+
+/// Contacts of triangles: scratch of a step, and nothing of it outlives the next [`find`](Self::find).
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Triangles {
+    members: Members,
+    near: Near,
+    state: State,
+    zones: Zones,
+    /// Of this substep: who touched.
+    hits: Vec<Hit>,
+    /// Of each candidate its place among those, or [`NONE`].
+    hit_of: Vec<u32>,
+    /// Of this step: what is told.
+    told: Vec<Hit>,
+    /// Length of the step, seconds.
+    dt: f32,
+    /// How often it looked in this step, and how many rounds of zones there were.
+    looks: u32,
+    rounds: u32,
+}
+
+/// How often all are asked at most in a substep, whose neighbours have moved. A heap on a sheet calls for two or three.
+const SWEEPS: u32 = 4;
+
+/// After the first sweep, what is missing of a distance is left to the next substep if it is less than this share of it.
+const NEGLIGIBLE: f64 = 0.01;
+
+/// How often it looks again within a substep because somebody was put further than was reckoned with.
+const LOOKS: u32 = 2;
+
+/// A candidate that did not touch.
+const NONE: u32 = u32::MAX;
+
+impl Triangles {
+    /// Lists what may come to touch in a step of `dt` seconds.
+    ///
+    /// `contacts` says for each body how it takes part. Triangles of rows that are not there, that are of several bodies or of none, or that are marked in `solid` take no part; it may be empty.
+    /// Neither does anything that is not finite, or is more than 1e15 m away from the first.
+    pub(crate) fn find(
+        &mut self,
+        particles: &Particles,
+        surfaces: &[[u32; 3]],
+        contacts: &[BodyContacts],
+        solid: &[bool],
+        dt: f32,
+    ) {
+        self.told.clear();
+        self.hits.clear();
+        (self.looks, self.rounds, self.dt) = (0, 0, dt);
+        self.members.take(particles, surfaces, contacts, solid);
+        if self.is_empty() {
+            self.near.clear();
+            return;
+        }
+        self.look(particles, false);
+    }
+
+    /// Whether nobody takes part.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.members.rows.len() < 4
+    }
+
+    /// Puts back what overlaps or has passed through each other in a substep of which the start is in the particles. Returns the greatest overlap that it met, metres.
+    pub(crate) fn project(&mut self, particles: &mut Particles) -> f64 {
+        self.hits.clear();
+        // Rows that came or went since would make the lists name others.
+        let last = self.members.rows.last().map_or(0, |&row| row as usize);
+        if self.is_empty() || last >= particles.len() {
+            return 0.0;
+        }
+        if self.near.is_outrun(&self.members, particles) {
+            self.look(particles, true);
+        }
+        if self.near.candidates.is_empty() {
+            return 0.0;
+        }
+        self.state.load(&self.members, particles);
+        let (mut worst, mut sweep) = (0.0_f64, 0);
+        for look in 0..=LOOKS {
+            self.hit_of.clear();
+            self.hit_of.resize(self.near.candidates.len(), NONE);
+            self.near.stray(&self.members, particles, &mut self.state.strayed);
+            let before = sweep;
+            for number in 0..SWEEPS {
+                sweep += 1;
+                // Those of whom one has moved in the last sweep or in this one.
+                let since = if number == 0 { 0 } else { sweep - 1 };
+                worst = worst.max(self.sweep(particles, sweep, since));
+                if !self.state.moved.contains(&sweep) {
+                    break;
+                }
+            }
+            let rounds = self.zones.settle(&self.near.candidates, &mut self.state, sweep + 1);
+            (sweep, self.rounds) = (sweep + rounds, self.rounds + rounds);
+            let moved = self.state.moved.iter().any(|&moved| moved > before);
+            if !moved || !self.state.store(&self.members, particles) || look == LOOKS {
+                break;
+            }
+            if !self.near.is_outrun(&self.members, particles) {
+                break;
+            }
+            self.look(particles, true);
+        }
+        worst
+    }
+
+    /// Gives those that met in the substep of `h` seconds the velocity that they part with. To be called when velocities have been derived; `gravity` is its size, m/s².
+    pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
+        for hit in &mut self.hits {
+            hit.bounce(particles, h, 2.0 * gravity * h);
+        }
+        self.told.extend(self.hits.iter().filter(|hit| hit.told));
+    }
+
+    /// Tells what has touched what in the step, where a body asked for it.
+    pub(crate) fn report(&self, impacts: &mut Impacts) {
+        for hit in &self.told {
+            hit.tell(impacts);
+        }
+    }
+
+    /// Asks all candidates of whom one has moved since a sweep; returns the greatest overlap, metres.
+    fn sweep(&mut self, particles: &Particles, sweep: u32, since: u32) -> f64 {
+        let Self { members, near, state, hits, hit_of, .. } = self;
+        let mut worst = 0.0_f64;
+        for (candidate, place) in near.candidates.iter().zip(hit_of) {
+            if !state.may_touch(candidate) || !state.moved_since(candidate.four, since) {
+                continue;
+            }
+            let Some(contact) = state.contact(members, candidate) else { continue };
+            let least =
+                if since == 0 || contact.crossed { 0.0 } else { NEGLIGIBLE * contact.reach };
+            let inverse = state.inverse(candidate.four, contact.way.shares);
+            // What nothing moves is no contact.
+            if contact.overlap <= least || inverse <= 0.0 {
+                continue;
+            }
+            worst = worst.max(contact.overlap);
+            if *place == NONE {
+                *place = hits.len() as u32;
+                hits.push(Hit::new(members, &members.bodies, candidate));
+            }
+            let hit = &mut hits[*place as usize];
+            hit.note(particles, state, candidate.four, &contact, inverse);
+            let (four, shares, normal) = (candidate.four, contact.way.shares, contact.way.normal);
+            state.part(four, shares, normal * contact.overlap, inverse, sweep);
+            let moved = state.moved(four, shares);
+            let slid = moved - normal * normal.dot(moved);
+            if slid.length() <= f64::from(hit.friction) * hit.overlap {
+                state.part(four, shares, -slid, inverse, sweep);
+            }
+        }
+        worst
+    }
+
+    fn look(&mut self, particles: &Particles, within: bool) {
+        self.near.look(&self.members, particles, self.dt, within);
+        self.looks += 1;
+    }
+}

@@ -1,0 +1,224 @@
+//! The contacts of a substep, one after the other: who touches or has passed is put back, and held back from sliding.
+//!
+//! # The kernel
+//!
+//! A particle at `x₀` touches a triangle at the point of it that has the weights `b₁ b₂ b₃` of its corners; an edge touches another at `s` and `t` along them. Either way a contact
+//! is four points with shares `kᵢ` that add up to zero, `(1, -b₁, -b₂, -b₃)` or `(1-s, s, t-1, -t)`, a unit vector `n` from the second to the first, and a distance `r` that they keep:
+//!
+//! ```text
+//! C = n · Σ kᵢ xᵢ - r ≥ 0        ∇ᵢC = kᵢ n
+//! ```
+//!
+//! With inverse masses `w` the least correction that makes it hold (physics.md C10) is, for `δ = -C > 0`,
+//!
+//! ```text
+//! xᵢ += wᵢ kᵢ λ n        λ = δ / Σ wⱼ kⱼ²
+//! ```
+//!
+//! The shares add up to zero, and so do the changes of momentum `kᵢ λ n`; they turn nothing where `n` is along the line between the two points, as where they touch by their thickness.
+//!
+//! The distance is the sum of the two thicknesses there: the particle's radius, and what the corners' radii come to by their weights. So a triangle is as thick as its particles
+//! are, and nothing happens where it leaves off and they alone begin. Two of one body may be as near as they are in its rest shape.
+//!
+//! `n` is the direction between the nearest points as the substep ends, unless they passed through each other: then it is that of [`crossing`](super::crossing), to the side
+//! that they came from.
+//!
+//! # Friction
+//!
+//! Since the substep began the two points have slid by `t = D - (D·n) n`, with `D = Σ kᵢ (xᵢ - startᵢ)`. Where that is no more than friction holds, `‖t‖ ≤ μ δ` (F8), it is taken
+//! back with the same shares, and nothing slides. Otherwise `bounce` takes from its velocity what friction may.
+
+use glam::{DVec3, Vec3};
+
+use super::crossing::{Four, Way, gap};
+use super::distance::{of_lines, to_triangle};
+use super::members::Members;
+use super::near::Candidate;
+use crate::particles::Particles;
+
+/// Where members are in this substep, in double precision: scratch of it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct State {
+    /// Metres from their own origins.
+    pub(super) at: Vec<DVec3>,
+    /// The same when the substep began.
+    pub(super) from: Vec<DVec3>,
+    /// What both are relative to, metres.
+    origin: Vec<DVec3>,
+    /// 1/kg.
+    pub(super) weight: Vec<f64>,
+    /// In which sweep each was last moved; zero if in none.
+    pub(super) moved: Vec<u32>,
+    /// How far each has been at most from where it was looked at, metres, beside what all do in the mean.
+    pub(super) strayed: Vec<f32>,
+}
+
+/// A contact that holds.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contact {
+    pub(super) way: Way,
+    /// What is missing of the distance, metres.
+    pub(super) overlap: f64,
+    /// The distance, metres.
+    pub(super) reach: f64,
+    /// Whether they passed through each other.
+    pub(super) crossed: bool,
+}
+
+/// What is nearer than this share of the distance that is to be kept has no direction.
+const COINCIDENT: f64 = 1e-6;
+
+impl State {
+    /// Takes where members are in a substep.
+    pub(super) fn load(&mut self, members: &Members, particles: &Particles) {
+        let Self { at, from, origin, weight, moved, .. } = self;
+        at.clear();
+        from.clear();
+        origin.clear();
+        weight.clear();
+        moved.clear();
+        moved.resize(members.rows.len(), 0);
+        for &row in &members.rows {
+            let i = row as usize;
+            let place = particles.position[i];
+            at.push(place.truncate().as_dvec3());
+            from.push(particles.start[i].truncate().as_dvec3());
+            origin.push(particles.origin[i].as_dvec3());
+            weight.push(f64::from(place.w));
+        }
+    }
+
+    /// Puts those that were moved there. Returns whether any was.
+    pub(super) fn store(&self, members: &Members, particles: &mut Particles) -> bool {
+        let mut any = false;
+        for ((&row, at), &moved) in members.rows.iter().zip(&self.at).zip(&self.moved) {
+            if moved > 0 {
+                let place = &mut particles.position[row as usize];
+                *place = at.as_vec3().extend(place.w);
+                any = true;
+            }
+        }
+        any
+    }
+
+    /// Whether the four of a candidate have gone so far since it was looked that they may touch: a question that costs little, and is mostly answered by no.
+    #[inline(always)]
+    pub(super) fn may_touch(&self, candidate: &Candidate) -> bool {
+        let of = |k: usize| self.strayed[candidate.four[k] as usize];
+        let (a, b, c, d) = (of(0), of(1), of(2), of(3));
+        let gone = if candidate.edges { a.max(b) + c.max(d) } else { a + b.max(c).max(d) };
+        // Also for what is no number.
+        gone.partial_cmp(&candidate.spare) != Some(core::cmp::Ordering::Less)
+    }
+
+    /// Whether one of four was moved in the sweep of that number or a later one.
+    pub(super) fn moved_since(&self, four: [u32; 4], sweep: u32) -> bool {
+        let of = |k: usize| self.moved[four[k] as usize] >= sweep;
+        of(0) | of(1) | of(2) | of(3)
+    }
+
+    /// The four of a candidate, in the coordinates of the first.
+    #[inline]
+    pub(super) fn four(&self, candidate: &Candidate) -> Four {
+        let [i, j, k, l] = candidate.four;
+        let zero = self.origin[i as usize];
+        let at = |i: u32| self.at[i as usize] + (self.origin[i as usize] - zero);
+        let from = |i: u32| self.from[i as usize] + (self.origin[i as usize] - zero);
+        Four {
+            from: [from(i), from(j), from(k), from(l)],
+            to: [at(i), at(j), at(k), at(l)],
+            edges: candidate.edges,
+        }
+    }
+
+    /// The contact of a candidate, if it needs one.
+    pub(super) fn contact(&self, members: &Members, candidate: &Candidate) -> Option<Contact> {
+        let four = self.four(candidate);
+        let radius = |k: usize| f64::from(members.radius[candidate.four[k] as usize]);
+        let reach_at = |shares: [f64; 4]| {
+            let of = |k: usize| shares[k].abs() * radius(k);
+            (of(0) + of(1) + of(2) + of(3)).min(f64::from(candidate.most))
+        };
+        let shares = nearest(&four);
+        let apart = shares.map_or(DVec3::ZERO, |shares| gap(shares, four.to));
+        let square = apart.length_squared();
+        // Who is further off now than it has come has passed through nobody.
+        if square <= four.longest_way()
+            && let Some(way) = four.crossing()
+        {
+            let reach = reach_at(way.shares);
+            let overlap = reach - way.normal.dot(gap(way.shares, four.to));
+            return (overlap > 0.0).then_some(Contact { way, overlap, reach, crossed: true });
+        }
+        let shares = shares?;
+        let reach = reach_at(shares);
+        // Also for what is no number.
+        if square.partial_cmp(&(reach * reach)) != Some(core::cmp::Ordering::Less) {
+            return None;
+        }
+        let distance = square.sqrt();
+        let coincident = distance <= COINCIDENT * reach;
+        let normal = if coincident { four.side(shares)? } else { apart / distance };
+        let overlap = reach - normal.dot(apart);
+        Some(Contact { way: Way { shares, normal }, overlap, reach, crossed: false })
+    }
+
+    /// Moves four along a direction: each by its share, so that the points between which it is part by `apart`, metres. `inverse` is their [`Self::inverse`].
+    pub(super) fn part(
+        &mut self,
+        four: [u32; 4],
+        shares: [f64; 4],
+        apart: DVec3,
+        inverse: f64,
+        sweep: u32,
+    ) {
+        let each = apart / inverse;
+        for (&i, share) in four.iter().zip(shares) {
+            let i = i as usize;
+            let by = self.weight[i] * share;
+            if by != 0.0 {
+                self.put(i, self.at[i] + each * by, sweep);
+            }
+        }
+    }
+
+    /// Puts a member somewhere.
+    pub(super) fn put(&mut self, i: usize, at: DVec3, sweep: u32) {
+        self.strayed[i] += (at - self.at[i]).length() as f32;
+        self.at[i] = at;
+        self.moved[i] = sweep;
+    }
+
+    /// By how much the two points part for an impulse of one, 1/kg: `Σ w k²`.
+    pub(super) fn inverse(&self, four: [u32; 4], shares: [f64; 4]) -> f64 {
+        {
+            let of = |k: usize| self.weight[four[k] as usize] * shares[k] * shares[k];
+            of(0) + of(1) + of(2) + of(3)
+        }
+    }
+
+    /// How far the two points have gone from each other since the substep began, metres.
+    pub(super) fn moved(&self, four: [u32; 4], shares: [f64; 4]) -> DVec3 {
+        let way = |k: usize| self.at[four[k] as usize] - self.from[four[k] as usize];
+        gap(shares, [way(0), way(1), way(2), way(3)])
+    }
+
+    /// The middle between the two points, metres in the world.
+    pub(super) fn point(&self, four: [u32; 4], way: &Way) -> Vec3 {
+        let at = four.map(|i| self.at[i as usize] + self.origin[i as usize]);
+        // The share of each in its own point is what it is without the sign.
+        gap(way.shares.map(|share| 0.5 * share.abs()), at).as_vec3()
+    }
+}
+
+/// The shares of the nearest points where the substep ends. Edges are near each other where both points are within: at their ends they are corners, which triangles see to.
+#[inline]
+fn nearest(four: &Four) -> Option<[f64; 4]> {
+    let [p, a, b, c] = four.to;
+    if four.edges {
+        let [s, t] = of_lines([p, a], [b, c], 0.0)?;
+        return Some([1.0 - s, s, t - 1.0, -t]);
+    }
+    let [i, j, k] = to_triangle(p, [a, b, c]);
+    Some([1.0, -i, -j, -k])
+}

@@ -1,0 +1,126 @@
+//! Triangles of which each is thrown somewhere else in one substep: far more than contacts one after the other can sort out.
+
+use glam::{DVec3, Vec3};
+
+use super::super::Triangles;
+use super::super::crossing::Four;
+use super::super::members::EDGES;
+use super::asks;
+use crate::particles::{ParticleSeed, Particles};
+
+/// Numbers from -1 to 1, the same in every run.
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self) -> f32 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 40) as f32 / (1_u64 << 23) as f32 - 1.0
+    }
+
+    fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.roll(), self.roll(), self.roll())
+    }
+}
+
+/// So many a side of a lattice of 1 m, each of one body, and then moved by up to `way` metres and torn by up to a quarter of that.
+fn thrown(side: usize, way: f32, dice: &mut Dice) -> (Particles, Vec<[u32; 3]>) {
+    let (mut particles, mut surfaces) = (Particles::default(), Vec::new());
+    for k in 0..side * side * side {
+        let cell = [k % side, k / side % side, k / side / side].map(|i| i as f32);
+        let first = particles.len() as u32;
+        for _ in 0..3 {
+            // Half a metre across at most, so that none begins in another.
+            let at = Vec3::from(cell) + dice.vector() * 0.28;
+            let mass = libm::exp2f(3.0 * dice.roll());
+            let seed = ParticleSeed::at(at).with_mass(mass).with_radius(0.02);
+            let row = particles.push(seed).unwrap() as usize;
+            particles.set_body(row, Some(k as u32));
+        }
+        surfaces.push([first, first + 1, first + 2]);
+    }
+    for corners in &surfaces {
+        let far = dice.vector() * way;
+        for &row in corners {
+            let own = dice.vector() * (0.25 * way);
+            particles.displace(row as usize, far + own);
+        }
+    }
+    (particles, surfaces)
+}
+
+fn four(particles: &Particles, rows: [u32; 4], edges: bool) -> Four {
+    let zero = particles.origin[rows[0] as usize];
+    let at = |row: u32, local: glam::Vec4| {
+        (particles.origin[row as usize] - zero).as_dvec3() + local.truncate().as_dvec3()
+    };
+    Four {
+        from: rows.map(|row| at(row, particles.start[row as usize])),
+        to: rows.map(|row| at(row, particles.position[row as usize])),
+        edges,
+    }
+}
+
+/// How many pass through others, all against all.
+fn passing(particles: &Particles, surfaces: &[[u32; 3]]) -> usize {
+    let mut count = 0;
+    for (i, one) in surfaces.iter().enumerate() {
+        for (j, other) in surfaces.iter().enumerate() {
+            if i == j {
+                continue;
+            }
+            for &corner in one {
+                let [a, b, c] = *other;
+                let four = four(particles, [corner, a, b, c], false);
+                count += usize::from(four.crossing().is_some());
+            }
+            for [a, b] in EDGES.iter().filter(|_| i < j) {
+                for [c, d] in EDGES {
+                    let four = four(particles, [one[*a], one[*b], other[c], other[d]], true);
+                    count += usize::from(four.crossing().is_some());
+                }
+            }
+        }
+    }
+    count
+}
+
+#[test]
+fn whatever_is_thrown_through_each_other_in_a_substep_has_not_passed_when_it_ends() {
+    let mut dice = Dice(3);
+    let (mut rounds, mut sorted_out) = (0, 0);
+    for round in 0..24 {
+        let way = [0.6, 1.0, 3.0, 30.0][round % 4];
+        let (mut particles, surfaces) = thrown(4, way, &mut dice);
+        let contacts = vec![asks(false); surfaces.len()];
+        let moment = |particles: &Particles| -> DVec3 {
+            (0..particles.len())
+                .map(|i| {
+                    let way = (particles.position[i] - particles.start[i]).truncate();
+                    way.as_dvec3() * f64::from(particles.mass(i))
+                })
+                .sum()
+        };
+        let (before, began) = (passing(&particles, &surfaces), moment(&particles));
+        let mut triangles = Triangles::default();
+        // What is found where all began is outrun by all.
+        let (ends, start) = (particles.position.clone(), particles.start.clone());
+        particles.position = start;
+        triangles.find(&particles, &surfaces, &contacts, &[], 1.0 / 60.0);
+        particles.position = ends;
+        triangles.project(&mut particles);
+        let after = passing(&particles, &surfaces);
+        println!(
+            "{way} m: {before} passing, {after} after {} looks, {} rounds",
+            triangles.looks, triangles.rounds
+        );
+        assert_eq!(after, 0, "{way} m, {before} before");
+        let off = (moment(&particles) - began).length();
+        assert!(off < 1e-5 * f64::from(way) * surfaces.len() as f64, "{off} kg·m");
+        rounds += triangles.rounds;
+        sorted_out += before;
+    }
+    assert!(sorted_out > 1000);
+    println!("{sorted_out} in all, {rounds} rounds of zones");
+    assert!(rounds > 0, "there was something for zones to do");
+}

@@ -1,0 +1,116 @@
+//! What is done where contacts one after the other do not agree: those that would pass through each other go together for the rest of the substep.
+//!
+//! A particle between two triangles that both press on it can be put back by each through the other, for ever. So when the sweeps are over, all that still pass through each other are put
+//! into one zone (after Provot 1997, and Bridson and others 2002), and all of a zone make the way that its centre of mass makes: none has moved against another, and none can
+//! have passed through another. The momentum is what it was; what is lost is how they moved against each other, for this substep.
+//!
+//! A zone may now pass through others; then they become one. In the end nothing passes through anything, unless different ways are forced on pinned ones.
+
+use glam::DVec3;
+
+use super::near::Candidate;
+use super::solve::State;
+
+/// Zones of a substep. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Zones {
+    /// Of each member the first one of its zone, or one on the way there; empty as long as there is no zone.
+    parent: Vec<u32>,
+    /// Of each first one what the zone has in mass and in way, kg and kg·m, and how many pinned ones with what way.
+    sums: Vec<Sum>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    mass: f64,
+    moment: DVec3,
+    pinned: f64,
+    way: DVec3,
+    members: u32,
+}
+
+/// How often zones grow. Each time takes some contacts further; where it is not enough, the world is so full that nothing is.
+const ROUNDS: u32 = 16;
+
+impl Zones {
+    /// Finds who still passes through whom among those that were moved, and has them go together. Returns how many rounds that took; zero where nobody does.
+    pub(super) fn settle(
+        &mut self,
+        candidates: &[Candidate],
+        state: &mut State,
+        sweep: u32,
+    ) -> u32 {
+        self.parent.clear();
+        let mut since = 1;
+        for round in 0..ROUNDS {
+            let sweep = sweep + round;
+            if !self.join(candidates, state, since) {
+                return round;
+            }
+            self.lead(state, sweep);
+            since = sweep;
+        }
+        ROUNDS
+    }
+
+    /// Joins who passes through whom. Returns whether anybody does.
+    fn join(&mut self, candidates: &[Candidate], state: &State, since: u32) -> bool {
+        let mut any = false;
+        let asked = |one: &&Candidate| state.may_touch(one) && state.moved_since(one.four, since);
+        for candidate in candidates.iter().filter(asked) {
+            if state.four(candidate).crossing().is_none() {
+                continue;
+            }
+            if self.parent.is_empty() {
+                self.parent.extend(0..state.at.len() as u32);
+            }
+            any = true;
+            for &other in &candidate.four[1..] {
+                unite(&mut self.parent, candidate.four[0], other);
+            }
+        }
+        any
+    }
+
+    /// Moves each zone as one.
+    fn lead(&mut self, state: &mut State, sweep: u32) {
+        let Self { parent, sums } = self;
+        sums.clear();
+        sums.resize(parent.len(), Sum::default());
+        for i in 0..parent.len() {
+            let sum = &mut sums[root(parent, i as u32) as usize];
+            let (way, weight) = (state.at[i] - state.from[i], state.weight[i]);
+            sum.members += 1;
+            if weight > 0.0 {
+                sum.mass += 1.0 / weight;
+                sum.moment += way / weight;
+            } else {
+                sum.pinned += 1.0;
+                sum.way += way;
+            }
+        }
+        for i in 0..parent.len() {
+            let sum = &sums[root(parent, i as u32) as usize];
+            if sum.members < 2 || state.weight[i] == 0.0 {
+                continue;
+            }
+            let way = if sum.pinned > 0.0 { sum.way / sum.pinned } else { sum.moment / sum.mass };
+            state.put(i, state.from[i] + way, sweep);
+        }
+    }
+}
+
+fn unite(parent: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (root(parent, a), root(parent, b));
+    parent[a.max(b) as usize] = a.min(b);
+}
+
+/// The first one of a zone, shortening the way for the next time.
+fn root(parent: &mut [u32], mut member: u32) -> u32 {
+    while parent[member as usize] != member {
+        let up = parent[parent[member as usize] as usize];
+        parent[member as usize] = up;
+        member = up;
+    }
+    member
+}

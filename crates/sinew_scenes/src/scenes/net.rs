@@ -1,0 +1,80 @@
+//! Marbles that fall into two coarse sheets, of which one collides by its triangles.
+
+use bevy::prelude::*;
+use bevy_sinew::prelude::*;
+
+use super::{Scene, mesh};
+use crate::{InScene, Look, cylinder};
+
+pub(super) const SCENE: Scene = Scene {
+    name: "net",
+    title: "Caught in coarse sheets",
+    about: "the left sheet collides by its particles, and marbles fall between them; the right one by its triangles, and keeps them all",
+    eye: Vec3::new(0.7, 2.7, 4.3),
+    target: Vec3::new(0.0, 1.05, 0.0),
+    seconds: 4.0,
+    moment: 2.2,
+    spawn,
+};
+
+/// Side of a sheet, metres, and its cells along it: 20 cm each, for marbles of 7 to 10 cm.
+const SIDE: f32 = 1.6;
+const CELLS: u32 = 8;
+
+fn spawn(world: &mut World) {
+    world.insert_resource(SolverConfig { substeps: 12, ..default() });
+    world.insert_resource(AirDrag(0.4));
+    world.spawn((InScene, Ground { friction: 0.5, ..default() }));
+    let by = [(-1.0, ContactShape::Particles, 0xd9c9a8), (1.0, ContactShape::Triangles, 0x9fc2d8)];
+    for (x, shape, color) in by {
+        let middle = Vec3::new(x, 1.2, 0.0);
+        for (i, j) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
+            let post = mesh(world, cylinder(0.025, middle.y));
+            let foot = middle + Vec3::new(i, 0.0, j) * (0.5 * SIDE) - Vec3::Y * (0.5 * middle.y);
+            let wood = Look::color(0x8a6a4b);
+            world.spawn((InScene, post, wood, Transform::from_translation(foot)));
+        }
+        let flat = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
+        world.spawn((
+            InScene,
+            Name::new("sheet"),
+            Cloth { radius: 0.01, density: 0.6, ..Cloth::grid(SIDE, SIDE, CELLS, CELLS) }
+                .pinned(ClothPins::Corners),
+            BodyContacts::default().shaped(shape),
+            Look::color(color).double_sided().roughness(0.95),
+            Interpolate,
+            Transform::from_translation(middle).with_rotation(flat),
+        ));
+        marbles(world, middle);
+    }
+}
+
+/// Three layers of marbles over a place, none of them over another.
+fn marbles(world: &mut World, middle: Vec3) {
+    let colors = [0xd1495b, 0x66a182, 0xe9b44c, 0x8e6bb0, 0x2f8f83];
+    let sizes = [0.035, 0.042, 0.05].map(|radius| {
+        let skin = mesh(world, Sphere::new(radius).mesh().uv(20, 12));
+        (radius, skin)
+    });
+    for n in 0..36_u32 {
+        let (layer, place) = (n / 12, n % 12);
+        let [i, j] = [place % 4, place / 4].map(|i| i as f32);
+        let shift = 0.07 * layer as f32;
+        let across =
+            Vec3::new(0.26 * (i - 1.5) + shift - 0.05, 0.0, 0.3 * (j - 1.0) - shift + 0.06);
+        let at = middle + across + Vec3::Y * (0.5 + 0.35 * layer as f32 + 0.03 * i);
+        let (radius, skin) = &sizes[n as usize % 3];
+        world.spawn((
+            InScene,
+            Name::new("marble"),
+            Particle::at(at),
+            // Glass, 2500 kg/m³, would be three times as heavy: these are of wood.
+            Mass(800.0 * 4.18879 * radius * radius * radius),
+            Radius(*radius),
+            BodyContacts::default(),
+            skin.clone(),
+            Look::color(colors[n as usize % colors.len()]).roughness(0.25),
+            Transform::from_translation(at),
+        ));
+    }
+}

@@ -1,0 +1,59 @@
+//! Bodies that collide by the triangles of their surface: what asks for it gets it, what has none is told, and nothing of it is kept beside the components.
+
+use bevy::prelude::*;
+use bevy_sinew::Refusal;
+use bevy_sinew::prelude::*;
+
+use crate::support::{app, heard, particles_of, position, tick};
+
+#[test]
+fn a_coarse_cloth_holds_a_marble_by_its_triangles_and_what_has_none_says_so_once() {
+    let run = |shape: ContactShape| {
+        let mut app = app();
+        let flat = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
+        let cloth =
+            Cloth { radius: 0.01, ..Cloth::grid(0.8, 0.8, 4, 4) }.pinned(ClothPins::Corners);
+        let contacts = BodyContacts::default().shaped(shape);
+        app.world_mut().spawn((cloth, contacts, Transform::from_rotation(flat)));
+        let marble = (Particle::at(Vec3::new(0.07, 0.3, 0.11)), Mass(0.01), Radius(0.02));
+        let marble = app.world_mut().spawn((marble, BodyContacts::default())).id();
+        tick(&mut app, 90);
+        assert_eq!(heard(&app), []);
+        position(&app, marble).y
+    };
+    assert!(run(ContactShape::Triangles) > -0.4);
+    assert!(run(ContactShape::Particles) < -2.0);
+    assert!(run(ContactShape::Auto) < -2.0, "it is not what they do by themselves");
+
+    let mut app = app();
+    let shaped = BodyContacts::default().shaped(ContactShape::Triangles);
+    let rope = app.world_mut().spawn((Rope::default(), shaped)).id();
+    let late = app.world_mut().spawn((ParticleBody, shaped)).id();
+    tick(&mut app, 5);
+    assert_eq!(heard(&app), [(rope, Refusal::NoTriangles)], "one that is not built waits: {late}");
+}
+
+#[test]
+fn triangles_that_come_and_go_while_it_runs_hold_and_let_go() {
+    let mut app = app();
+    let flat = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
+    let cloth = Cloth { radius: 0.01, ..Cloth::grid(0.8, 0.8, 4, 4) }.pinned(ClothPins::Corners);
+    let cloth = (cloth, BodyContacts::default(), Transform::from_rotation(flat));
+    let cloth = app.world_mut().spawn(cloth).id();
+    let marble = (Particle::at(Vec3::new(0.07, 0.3, 0.11)), Mass(0.01), Radius(0.02));
+    let marble = app.world_mut().spawn((marble, BodyContacts::default())).id();
+    tick(&mut app, 5);
+    app.world_mut().get_mut::<BodyContacts>(cloth).unwrap().shape = ContactShape::Triangles;
+    tick(&mut app, 120);
+    assert!(position(&app, marble).y > -0.4, "it was caught");
+    // The particle nearest to it is torn out, and its triangles go with it.
+    let at = position(&app, marble);
+    let of = |app: &App, particle: Entity| position(app, particle).distance(at);
+    let nearest = particles_of(&app, cloth)
+        .into_iter()
+        .min_by(|&a, &b| of(&app, a).total_cmp(&of(&app, b)))
+        .unwrap();
+    app.world_mut().despawn(nearest);
+    tick(&mut app, 120);
+    assert!(position(&app, marble).y < -1.0, "it fell through the hole");
+}
