@@ -80,3 +80,56 @@ fn a_fresh_app_that_is_given_bodies_in_contact_goes_on_as_the_old_one_did() {
     saved.spawn(new.world_mut());
     assert_eq!(hashes(&mut new, 60), hashes(&mut old, 60));
 }
+
+/// Three plates on a slope that holds them.
+fn stack(app: &mut App) -> Vec<Entity> {
+    let turned = Quat::from_rotation_z(-0.35);
+    let slope = Transform::from_rotation(turned);
+    app.world_mut().spawn((Collider::plane(), SurfaceMaterial::new(0.5), slope));
+    let plate = |n: u32| {
+        let at = turned * Vec3::Y * (0.1 + 0.2 * n as f32);
+        let place = Transform::from_translation(at).with_rotation(turned);
+        let size = Vec3::new(1.0, 0.2, 1.0);
+        (ParticleBox::new(size), BodyContacts::default(), SurfaceMaterial::new(0.5), place)
+    };
+    (0..3).map(|n| app.world_mut().spawn(plate(n)).id()).collect()
+}
+
+#[test]
+fn a_stack_on_a_slope_stays_and_its_memory_goes_with_those_who_have_it() {
+    let mut app = app();
+    let plates = stack(&mut app);
+    tick(&mut app, 120);
+    let place = |app: &App, n: usize| app.world().get::<Transform>(plates[n]).unwrap().translation;
+    let held = |app: &App, n: usize| app.world().get::<ContactMemory>(plates[n]).unwrap().len();
+    let before = [0, 1, 2].map(|n| place(&app, n));
+    tick(&mut app, 360);
+    for (n, before) in before.into_iter().enumerate() {
+        assert!(before.distance(place(&app, n)) < 1e-4, "plate {n} creeps");
+    }
+    // The older of two remembers, and what stands remembers nothing.
+    assert_eq!([0, 1, 2].map(|n| held(&app, n)), [2, 1, 0]);
+    app.world_mut().despawn(plates[1]);
+    tick(&mut app, 60);
+    assert_eq!(held(&app, 0), 2, "the slope, and the plate that fell onto it");
+    let fallen = before[2].distance(place(&app, 2));
+    assert!((fallen - 0.2).abs() < 0.02, "{fallen}");
+    assert_eq!(heard(&app), []);
+}
+
+#[test]
+fn what_a_stack_remembers_is_part_of_a_rollback_and_of_nobody_else() {
+    let (mut alone, mut among) = (app(), app());
+    stack(&mut alone);
+    stack(&mut among);
+    // Something far away that comes and goes: the others must not forget by that.
+    let far =
+        among.world_mut().spawn((Collider::cuboid(Vec3::ONE), Transform::from_xyz(90.0, 0.0, 0.0)));
+    let far = far.id();
+    tick(&mut alone, 90);
+    tick(&mut among, 60);
+    among.world_mut().despawn(far);
+    tick(&mut among, 30);
+    assert_eq!(hash(&mut alone), hash(&mut among));
+    roll_back_in_every_tick(&mut alone, 30);
+}

@@ -358,3 +358,28 @@ fn the_sheet_of_triangles_keeps_all_marbles_and_the_one_of_particles_next_to_non
     assert!(below(&app, -1.0) > 24, "through the gaps: {}", below(&app, -1.0));
     assert_finite(&mut app);
 }
+
+#[test]
+fn stacks_on_slopes_stay_to_a_tenth_of_a_millimetre_where_friction_holds_them_and_slide_where_not()
+{
+    let mut app = playing("slopes");
+    tick(&mut app, 150);
+    let plates = named(&mut app, "plate");
+    assert_eq!(plates.len(), 18);
+    let places = |app: &App| -> Vec<Vec3> {
+        plates
+            .iter()
+            .map(|&plate| app.world().get::<Transform>(plate).unwrap().translation)
+            .collect()
+    };
+    let before = places(&app);
+    tick(&mut app, 600);
+    for (n, (was, now)) in before.iter().zip(places(&app)).enumerate() {
+        let gone = was.distance(now);
+        assert!(n >= 12 || gone < 1e-4, "plate {n} went {gone} m in 10 s");
+    }
+    // The third slope begins at 1.35 m.
+    let slid = places(&app)[12..].iter().filter(|at| at.x > 2.6 && at.y < 0.6).count();
+    assert!(slid >= 5, "{:?}", &places(&app)[12..]);
+    assert_finite(&mut app);
+}

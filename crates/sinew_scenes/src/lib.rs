@@ -29,6 +29,7 @@
 //! | `catch` | a crate caught by a sheet |
 //! | `curtain` | a soft ball thrown against a curtain |
 //! | `net` | marbles in two coarse sheets, of which one collides by its triangles |
+//! | `slopes` | stacks on slopes: held where friction holds them |
 //! | `bin` | 200 cubes of jelly in a bin |
 //! | `chain` | loops of rope that hang in each other by contact |
 //! | `belt` | what lies on something that moves is carried; bounces |

@@ -23,6 +23,7 @@ mod pendulums;
 mod pile;
 mod ragdoll;
 pub(crate) mod ropes;
+mod slopes;
 mod soft;
 mod square;
 mod stairs;
@@ -77,6 +78,7 @@ pub const ALL: &[Scene] = &[
     catch::SCENE,
     curtain::SCENE,
     net::SCENE,
+    slopes::SCENE,
     bin::SCENE,
     chain::SCENE,
     belt::SCENE,
