@@ -4,14 +4,14 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{InScene, Look, rounded_box};
+use crate::{InScene, Look, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "slopes",
     title: "Held and slid",
     about: "stacks on slopes of 10°, 20° and 30°: with a friction of 0.5 what is less steep than 26.6° stays for ever, and does not creep by a tenth of a millimetre",
-    eye: Vec3::new(0.6, 2.5, 6.6),
-    target: Vec3::new(0.1, 0.75, 0.0),
+    eye: Vec3::new(0.9, 2.2, 7.2),
+    target: Vec3::new(0.5, 0.7, 0.0),
     seconds: 5.0,
     moment: 1.1,
     spawn,
@@ -34,6 +34,7 @@ fn spawn(world: &mut World) {
         let slope = (Collider::cuboid(SLOPE * 0.5), SurfaceMaterial::new(0.5));
         let wood = Look::color(0x8a6a4b).roughness(0.9);
         world.spawn((InScene, Name::new("slope"), slope, board.clone(), wood, place));
+        posts(world, place);
         for n in 0..PLATES {
             let up = 0.5 * (SLOPE.y + PLATE.y) + PLATE.y * n as f32;
             let at = middle + turned * Vec3::new(-0.35, up, 0.0);
@@ -49,5 +50,16 @@ fn spawn(world: &mut World) {
                 Transform::from_translation(at).with_rotation(turned),
             ));
         }
+    }
+}
+
+/// Four posts beneath a board.
+fn posts(world: &mut World, board: Transform) {
+    for (i, j) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
+        let corner = Vec3::new(0.42 * i * SLOPE.x, -0.45 * SLOPE.y, 0.4 * j * SLOPE.z);
+        let top = board.transform_point(corner);
+        let post = mesh(world, cylinder(0.03, top.y));
+        let middle = Transform::from_translation(top.with_y(0.5 * top.y));
+        world.spawn((InScene, post, Look::color(0x6d5138).roughness(0.9), middle));
     }
 }

@@ -17,7 +17,7 @@
 //!
 //! All of it is live state, to be saved and restored with the particles. Contacts are named by those who touch ([`Solid::id`](super::Solid),
 //! [`Collider::id`](super::super::Collider)) and not by their places in lists, so that what comes and goes elsewhere changes nothing. A memory that is lost, or
-//! is of something else, is none: friction then begins anew.
+//! is of something else, is none: friction then begins anew. Vectors are in the axes of the world, as they are from substep to substep (`hold`).
 
 use glam::Vec3;
 
@@ -26,7 +26,8 @@ use super::super::manifold::Manifold;
 use super::contact::{Pack, SLID, TURNED};
 use super::found::set;
 
-/// How much farther than needed manifolds are looked for, as a share of the size of what touches; what is slower than turns by that in a step finds them again next time.
+/// How much farther than needed manifolds are looked for, as a share of the smaller one's size: two that have moved against each other by less than that keep theirs. More would list pairs
+/// that never touch.
 pub(super) const SLACK: f32 = 0.03;
 /// Which part of what a manifold may be strained in a step it may be when a step begins.
 const STRAINED: f32 = 0.5;
