@@ -28,7 +28,7 @@ const BACK: f32 = 0.2;
 const FADES: f32 = 0.97;
 
 /// What presses is a mean over some substeps, of which this is the share of the newest one. In a heap contacts press twice as hard in one substep and not at all in the next; friction that
-/// did as they do would let go each time: a thousand boxes poured in any pose then go on at 2 mm/s for ever, and with a mean they come to rest. Over time that is as
+/// did as they do would let go each time: a thousand boxes poured in any pose then go on at 1 to 8 mm/s for ever, and with a mean they come to rest. Over time that is as
 /// much friction as there was pressure.
 const NEWS: f32 = 0.25;
 /// What moves neither body by more than this in a substep, metres, is none.
