@@ -120,6 +120,16 @@ pub(crate) fn collide(
     in_order(b, a, &b_in_a, reach, scratch, &mut |manifold| out(&manifold.swapped(a_in_b)));
 }
 
+/// Whether a shape has a manifold for each triangle that another one is near.
+pub(crate) fn is_of_triangles(shape: &Shape) -> bool {
+    match shape.kind() {
+        Kind::Mesh | Kind::HeightField => true,
+        // One whose faces the library finds wanting is a mesh to it.
+        Kind::Hull(_) => shape.parry().as_trimesh().is_some(),
+        _ => false,
+    }
+}
+
 /// The same for the two in the order of their rank, so that each pair of kinds is written once.
 #[inline(always)]
 fn in_order(
@@ -136,8 +146,7 @@ fn in_order(
         (_, Kind::Mesh | Kind::HeightField) => {
             return convex::on_triangles(a, b, a_in_b, reach, scratch, out);
         }
-        // A hull whose faces the library finds wanting is a mesh to it.
-        (_, Kind::Hull(_)) if b.parry().as_trimesh().is_some() => {
+        (_, Kind::Hull(_)) if is_of_triangles(b) => {
             return convex::on_triangles(a, b, a_in_b, reach, scratch, out);
         }
         (Kind::Box { half_size: a }, Kind::Box { half_size: b }) => {

@@ -1,6 +1,6 @@
 //! Two that may come to touch: what is remembered of where they do, as long as that holds, and otherwise what is found afresh.
 
-use super::super::manifold::{Scratch, collide};
+use super::super::manifold::{Scratch, collide, is_of_triangles};
 use super::super::{Frame, Shape};
 use super::found::Found;
 use super::memory::{Grasp, Key, Memory, Remembered, SLACK};
@@ -50,7 +50,8 @@ impl Meet<'_> {
             }
             memory.learn(one, b.turn(manifold.normal));
         });
-        if memory.now.len() > first + 1 {
+        // Also where it is one triangle today.
+        if memory.now.len() > first && shapes.into_iter().any(is_of_triangles) {
             memory.now[first..].iter_mut().for_each(|one| one.reach = -1.0);
         }
     }

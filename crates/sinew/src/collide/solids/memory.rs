@@ -50,7 +50,7 @@ pub struct Remembered {
     pub(super) manifold: Manifold,
     /// Where the first one was in the coordinates of the second one when that was found.
     pub(super) seen_from: Frame,
-    /// How far apart what was looked for then; negative where the two have several manifolds, which are found in each step.
+    /// How far apart what was looked for then; negative where one of the two is made of triangles, each with a manifold, which are found in each step.
     pub(super) reach: f32,
     pub(super) grasp: Grasp,
 }

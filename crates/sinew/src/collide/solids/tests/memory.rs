@@ -135,3 +135,24 @@ fn a_slope_with_a_mesh_for_its_surface_is_as_good() {
     let gone = creep(&mut world, 6.0);
     assert!(gone < 1e-4, "{gone}");
 }
+
+#[test]
+fn a_box_falls_when_the_one_triangle_beneath_it_is_lowered() {
+    // All meshes have one mark, and two meshes may well give one manifold each: nothing of it may be taken for the other's.
+    let triangle = |y: f32| {
+        let corners = [[-9.0, -9.0], [0.0, 9.0], [9.0, -9.0]].map(|[x, z]| Vec3::new(x, y, z));
+        // Another one far off, so that the box is within the bounds of both meshes.
+        let far = [Vec3::new(20.0, 0.0, 0.0), Vec3::new(20.0, 1.0, 0.0), Vec3::new(20.0, 0.0, 1.0)];
+        Shape::mesh([corners, far].concat(), vec![[0, 1, 2], [3, 4, 5]]).unwrap()
+    };
+    let mut world = world();
+    contacts(&mut world, rough(0.5));
+    world.colliders.push(Collider::fixed(triangle(0.0), Frame::IDENTITY));
+    let first = add_box(&mut world, Vec3::ONE, 1.0, Vec3::Y * 0.5, Quat::IDENTITY);
+    step(&mut world, 1.0);
+    assert!((centre(&world, first).y - 0.5).abs() < 2e-3);
+    world.colliders[0].shape = triangle(-0.1);
+    step(&mut world, 2.0);
+    let y = centre(&world, first).y;
+    assert!((y - 0.4).abs() < 2e-3, "{y}");
+}
