@@ -51,6 +51,7 @@
 //! | [`solve`] | the plan (islands, clusters, colours), three orders of a sweep, two directions of a correction, kernels for eight at a time, the report |
 //! | `lanes` | eight numbers side by side, on whatever instructions there are, to the same bits; the only `unsafe` |
 //! | `threads` | tasks, and the [`Workers`] that a caller may lend |
+//! | `union_find` | which of many belong together: islands, sleepers, zones, pieces of a mesh |
 //! | [`pose`] | transform, velocity, spin and inertia out of particles |
 //! | [`rigid`] | explicit rigid bodies, and the swap to particles and back |
 //! | [`recipes`] | box, rope, cloth, ragdoll: shape in, particles and constraints out |
@@ -78,6 +79,7 @@ pub mod rigid;
 pub mod simulation;
 pub mod solve;
 pub(crate) mod threads;
+pub(crate) mod union_find;
 
 pub use glam;
 

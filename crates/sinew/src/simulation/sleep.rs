@@ -9,6 +9,7 @@ use glam::{Vec3, Vec4};
 use super::Simulation;
 use crate::collide::Broad;
 use crate::particles::NO_BODY;
+use crate::union_find::{root, unite};
 
 /// Whether a body may sleep, and for how long it has been still: configuration and live state, to be saved and restored with its particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -230,19 +231,4 @@ impl Simulation {
             }
         }
     }
-}
-
-fn unite(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(parent, a), root(parent, b));
-    parent[a.max(b) as usize] = a.min(b);
-}
-
-/// The first island of a group, shortening the way for the next time.
-fn root(parent: &mut [u32], mut island: u32) -> u32 {
-    while parent[island as usize] != island {
-        let up = parent[parent[island as usize] as usize];
-        parent[island as usize] = up;
-        island = up;
-    }
-    island
 }

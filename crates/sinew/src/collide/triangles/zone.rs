@@ -10,6 +10,7 @@ use glam::DVec3;
 
 use super::near::Candidate;
 use super::solve::State;
+use crate::union_find::{root, unite};
 
 /// Zones of a substep. Scratch.
 #[derive(Clone, Debug, Default)]
@@ -98,19 +99,4 @@ impl Zones {
             state.put(i, state.from[i] + way, sweep);
         }
     }
-}
-
-fn unite(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(parent, a), root(parent, b));
-    parent[a.max(b) as usize] = a.min(b);
-}
-
-/// The first one of a zone, shortening the way for the next time.
-fn root(parent: &mut [u32], mut member: u32) -> u32 {
-    while parent[member as usize] != member {
-        let up = parent[parent[member as usize] as usize];
-        parent[member as usize] = up;
-        member = up;
-    }
-    member
 }

@@ -1,6 +1,7 @@
 //! Which triangles meet at which edge: what bends, what is a border, and who is whose neighbour.
 
 use super::{Bend, NONE};
+use crate::union_find::{root, unite};
 
 /// All edges of some triangles, sorted.
 pub(in crate::recipes) struct Edges {
@@ -105,8 +106,7 @@ impl Edges {
             let [a, b] = edge.ends;
             // Mostly it is known already.
             if parents[a as usize] != parents[b as usize] {
-                let (a, b) = (root(&mut parents, a), root(&mut parents, b));
-                parents[a.max(b) as usize] = a.min(b);
+                unite(&mut parents, a, b);
             }
         }
         let mut pieces: Vec<Vec<u32>> = Vec::new();
@@ -189,16 +189,6 @@ pub(in crate::recipes) fn sort<T: Copy + Default>(
         sorted[span[0] as usize..span[1] as usize].sort_by_key(&key);
     }
     *items = sorted;
-}
-
-/// The first particle of a piece, by way of parents, which it brings nearer.
-fn root(parents: &mut [u32], mut particle: u32) -> u32 {
-    while parents[particle as usize] != particle {
-        let next = parents[parents[particle as usize] as usize];
-        parents[particle as usize] = next;
-        particle = next;
-    }
-    particle
 }
 
 /// Two numbers as one, the first one above.

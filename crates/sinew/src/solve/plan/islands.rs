@@ -1,6 +1,7 @@
 //! Islands: particles that constraints connect, found by union-find.
 
 use super::Island;
+use crate::union_find::{root, unite};
 
 /// The islands of a world, in the order of their first particles. Every particle is in one.
 #[derive(Clone, Debug, Default)]
@@ -18,19 +19,7 @@ impl Connected {
 
     /// Joins the islands of two particles, towards the smaller row, so that the root of an island is its first particle.
     pub(super) fn unite(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parent[a.max(b) as usize] = a.min(b);
-    }
-
-    /// The first particle of the island of `row`, shortening the way for the next time (path halving).
-    fn root(&mut self, mut row: u32) -> u32 {
-        let parent = &mut self.parent;
-        while parent[row as usize] != row {
-            let up = parent[parent[row as usize] as usize];
-            parent[row as usize] = up;
-            row = up;
-        }
-        row
+        unite(&mut self.parent, a, b);
     }
 
     /// Numbers the islands by their first particles, and lists the members of each, ascending.
@@ -44,7 +33,7 @@ impl Connected {
         islands.clear();
         island_of.clear();
         for row in 0..particles as u32 {
-            let first = self.root(row);
+            let first = root(&mut self.parent, row);
             let number = if first == row {
                 islands.push(Island::default());
                 islands.len() as u32 - 1
