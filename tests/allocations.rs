@@ -211,3 +211,13 @@ fn particles_that_lie_on_triangles_allocate_nothing() {
     };
     assert_eq!(allocations(spawn), 0);
 }
+
+#[test]
+fn segments_of_a_rope_that_lies_still_allocate_nothing() {
+    let spawn = |world: &mut World| {
+        world.spawn((Collider::plane(), Transform::from_xyz(0.0, -0.05, 0.0)));
+        let rope = Rope { segments: 9, pin_start: false, ..Rope::between(Vec3::ZERO, Vec3::X) };
+        world.spawn((rope, BodyContacts::ALL.shaped(ContactShape::Segments)));
+    };
+    assert_eq!(allocations(spawn), 0);
+}

@@ -6,7 +6,7 @@ use bevy_sinew::prelude::*;
 use crate::snapshot::{Snapshot, hashes, roll_back_in_every_tick};
 use crate::support::{app, hash, heard, tick};
 
-/// A ramp over a floor, boxes that tumble down it onto each other, a figure beside them, a sheet that folds up on a ball, marbles in a net; all may sleep.
+/// A ramp over a floor, boxes that tumble down it onto each other, a figure beside them, a sheet that folds up on a ball, marbles in a net, a rope across a thin post; all may sleep.
 fn colliding_scene(app: &mut App) {
     let world = app.world_mut();
     world.spawn((Collider::plane(), SurfaceMaterial::new(0.6).with_restitution(0.3)));
@@ -35,6 +35,13 @@ fn colliding_scene(app: &mut App) {
         let marble = (Particle::at(at), Mass(0.02), Radius(0.02), Sleep::default());
         world.spawn((marble, BodyContacts::default()));
     }
+    // A coarse one that hangs by its segments.
+    let across = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
+    let post = Transform::from_xyz(-4.0, 0.6, 0.0).with_rotation(across);
+    world.spawn((Collider::capsule(0.005, 0.5), post));
+    let ends = [-4.4, -3.5].map(|x| Vec3::new(x, 0.8, 0.0));
+    let rope = Rope { segments: 9, pin_start: false, ..Rope::between(ends[0], ends[1]) };
+    world.spawn((rope, folds.shaped(ContactShape::Segments), Sleep::default()));
 }
 
 fn asleep(app: &mut App) -> usize {

@@ -29,6 +29,7 @@
 //! | `models` | real meshes from outside become cloth |
 //! | `scenes` | the scenes of the gallery keep what their captions promise |
 //! | `schedules` | no two systems of ours race |
+//! | `segments` | ropes collide by their segments where they ask for it |
 //! | `threads` | neither does the number of threads |
 //! | `torn` | what comes, goes or changes one by one among thousands is mended into them |
 //! | `triangles` | bodies collide by their triangles where they ask for it |
@@ -61,6 +62,7 @@ mod representation;
 mod runtime_changes;
 mod scenes;
 mod schedules;
+mod segments;
 mod snapshot;
 mod solver;
 mod state;

@@ -29,7 +29,7 @@
 //!   everywhere or in a [`Region`]), [`Attractor`], [`Ground`], [`BoundingBox`] and, for a world in 2D, [`Flatland`]. A body [`Floats`] by its shape.
 //! - A **collider** is an entity with a shape, [`Collider`], that stands still or that the game moves by its `Transform`; [`SurfaceMaterial`], [`CollisionLayers`]
 //!   and [`Sensor`] say more. Bodies that have [`BodyContacts`] collide with each other too: rigid ones by their shape, all others by their particles
-//!   or, if they ask for it ([`ContactShape`]), by their triangles.
+//!   or, if they ask for it ([`ContactShape`]), by their triangles or their segments.
 //! - **Read back** are `Transform` ([`RigidPose`]), meshes ([`MeshFollow`], [`TubeMesh`]), [`LinearVelocity`], [`AngularVelocity`], [`Barycenter`], [`Inertia`];
 //!   [`SinewWorld::report`] says how the solver fared, and [`Refused`] messages what it set aside.
 //!

@@ -75,6 +75,10 @@ pub enum Refusal {
     /// A body that is to collide by its triangles but has no [`WindSurface`](crate::WindSurface) that lists any; it collides by its particles.
     #[error("collides by its particles: it has no WindSurface with triangles")]
     NoTriangles,
+    /// A body that is to collide by its segments but has no [`DistanceConstraint`](crate::DistanceConstraint) between two of its particles that have a [`Radius`](crate::Radius); it collides by
+    /// its particles.
+    #[error("collides by its particles: it has no rod between two that have a radius")]
+    NoSegments,
     /// A command on a body or a particle that cannot be done; nothing changed.
     #[error("is left as it is: {0}")]
     Edit(EditFault),

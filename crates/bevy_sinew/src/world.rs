@@ -90,7 +90,7 @@ pub(crate) struct Tables {
     pub(crate) bodies: Vec<Entity>,
     /// The collider of each number in `Simulation::colliders`, in the order of creation.
     pub(crate) colliders: Vec<Entity>,
-    /// The part of each of `Simulation::solids`.
+    /// The part, or the rod, of each of `Simulation::solids`.
     pub(crate) parts: Vec<Entity>,
     /// The ground of each number in `Boundaries::planes`, in the order of creation.
     pub(crate) planes: Vec<Entity>,
@@ -104,6 +104,8 @@ pub(crate) struct Tables {
     pub(crate) links: Links,
     /// Distances, springs or surfaces must be compiled afresh.
     pub(crate) stale: bool,
+    /// Whether distances came, went or changed before this tick.
+    pub(crate) retied: bool,
     /// Counts the layouts, so that whoever resolved entities into rows knows when to do so again.
     pub(crate) layout: u64,
 }

@@ -32,6 +32,7 @@
 //! | `slopes` | stacks on slopes: held where friction holds them |
 //! | `bin` | 200 cubes of jelly in a bin |
 //! | `chain` | loops of rope that hang in each other by contact |
+//! | `rails` | coarse ropes across rails and each other, by particles and by segments |
 //! | `belt` | what lies on something that moves is carried; bounces |
 
 mod look;

@@ -16,6 +16,7 @@ pub(crate) mod memory;
 pub(crate) mod pins;
 pub(crate) mod representation;
 pub(crate) mod scatter;
+pub(crate) mod segments;
 pub(crate) mod sleep;
 pub(crate) mod solids;
 pub(crate) mod teleports;

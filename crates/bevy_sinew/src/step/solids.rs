@@ -1,4 +1,4 @@
-//! Solids: rigid parts that collide by their shape, told to the solver when that changed.
+//! Solids: rigid parts that collide by their shape, and the segments of ropes, told to the solver when those changed.
 
 use std::collections::BTreeSet;
 
@@ -7,6 +7,7 @@ use sinew::Solid;
 
 use super::changes::census;
 use super::pins::sound;
+use super::segments::Segments;
 use crate::components::{
     BodyContacts, BodyParticles, Collider, ContactShape, CreationOrder, ParticleBody, RigidPose,
     WindSurface,
@@ -37,7 +38,8 @@ pub(crate) struct Known {
     counts: [usize; 2],
 }
 
-/// Lists the solids afresh if particles came or went or were set aside, or a body asks for something else, or a part has another shape.
+/// Lists the solids afresh if particles came or went or were set aside, or a body asks for something else, or a part has another shape, or, where a body collides by its segments, a
+/// rod or a particle is not what it was.
 ///
 /// A part with a broken shape, or one of a kind that cannot move, is left out and reported, one with a particle that is gone or set aside is left out; their particles collide for themselves.
 pub(crate) fn compile_solids(
@@ -54,6 +56,7 @@ pub(crate) fn compile_solids(
         Option<&PartOf>,
         &mut Rows<RigidPose>,
     )>,
+    mut segments: Segments,
     mut known: Local<Known>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
@@ -65,7 +68,10 @@ pub(crate) fn compile_solids(
     if asked == 0 && simulation.solids().is_empty() {
         return;
     }
-    if !(tables.stale || went || changed || !reshaped.is_empty()) {
+    let bends = |own: &BodyContacts| own.shape == ContactShape::Segments;
+    let retied = || tables.retied || tables.properties_gathered || segments.are_off();
+    let anew = tables.stale || went || changed || !reshaped.is_empty();
+    if !(anew || contacts.iter().any(|own| bends(&own)) && retied()) {
         return;
     }
     shapes.retain(|&entity| parts.contains(entity));
@@ -88,18 +94,21 @@ pub(crate) fn compile_solids(
         sound(shapes, &mut messages, part, reason);
         solids.extend(solid.map(|solid| (*order, part, solid)));
     }
+    let asks = |body: Entity| contacts.get(body).is_ok_and(|own| bends(&own));
+    segments.list((&simulation.particles, tables), asks, &mut owners, &mut solids);
     solids.sort_unstable_by_key(|&(order, part, _)| (order, part));
     owners.sort_unstable();
     for (body, own, is_body, is_built, surface) in &asking {
         // One that is yet to be built waits.
         let waits = is_body && !is_built;
         let lacks = match own.shape {
-            ContactShape::Solid => owners.binary_search(&body).is_err(),
+            ContactShape::Solid | ContactShape::Segments => owners.binary_search(&body).is_err(),
             ContactShape::Triangles => surface.is_none_or(|own| own.triangles.is_empty()),
             ContactShape::Auto | ContactShape::Particles => false,
         };
         let what = match own.shape {
             ContactShape::Triangles => Refusal::NoTriangles,
+            ContactShape::Segments => Refusal::NoSegments,
             _ => Refusal::NotSolid,
         };
         let reason = (lacks && !waits).then_some(what);
@@ -107,9 +116,13 @@ pub(crate) fn compile_solids(
     }
     tables.parts.clear();
     tables.parts.extend(solids.iter().map(|&(_, part, _)| part));
-    let list = simulation.solids_mut();
-    list.clear();
-    list.extend(solids.into_iter().map(|(_, _, solid)| solid));
+    // Where rods may have changed, but none did, the solver need not be told.
+    let same = || simulation.solids().iter().eq(solids.iter().map(|(_, _, solid)| solid));
+    if anew || !same() {
+        let list = simulation.solids_mut();
+        list.clear();
+        list.extend(solids.into_iter().map(|(_, _, solid)| solid));
+    }
 }
 
 /// The solid of a part; `None` while one of its particles is gone or set aside.

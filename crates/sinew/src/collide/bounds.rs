@@ -43,8 +43,8 @@ impl Bounds {
     }
 
     /// Slows down what touches a plane with a drag, before a substep of `h` seconds is predicted.
-    pub(super) fn drag(&self, particles: &mut Particles, h: f32) {
-        slow_down(particles, &self.drags, h);
+    pub(super) fn drag(&self, particles: &mut Particles, solid: &[bool], h: f32) {
+        slow_down(particles, &self.drags, solid, h);
     }
 
     /// Puts a row on the right side of every plane and box, once, with friction; returns how far out it was, metres.

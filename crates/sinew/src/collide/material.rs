@@ -13,7 +13,7 @@ pub struct Material {
     pub friction_rule: Combine,
     /// The same of restitution.
     pub restitution_rule: Combine,
-    /// The lectures' friction: a drag along the surface and one across it, for what touches it. Of two surfaces the greater counts. Default none.
+    /// The lectures' friction: a drag along the surface and one across it, for what touches it: single particles on what stands, and solids. Of two surfaces the greater counts. Default none.
     pub drag: PlanarDrag,
 }
 

@@ -11,7 +11,7 @@
 //! | `pairs` | particles against particles: a grid, and what is near enough in it |
 //! | `triangles` | particles against triangles, and edges against edges, where a body asks for it: the finer tier |
 //! | `manifold` | where two shapes touch |
-//! | `solids` | compounds that collide by their shape |
+//! | `solids` | compounds that collide by their shape, ropes by their segments |
 //! | `friction` | Coulomb's law in positions |
 //! | `stage` | all of it in its order |
 //! | `impact` | what has touched what, for the report |

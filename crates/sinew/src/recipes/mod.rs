@@ -20,6 +20,7 @@ mod mesh;
 mod nearest;
 mod ragdoll;
 mod rope;
+mod segments;
 mod soft;
 mod solid;
 mod solid_box;

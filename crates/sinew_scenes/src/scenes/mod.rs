@@ -22,6 +22,7 @@ mod orbits;
 mod pendulums;
 mod pile;
 mod ragdoll;
+mod rails;
 pub(crate) mod ropes;
 mod slopes;
 mod soft;
@@ -81,6 +82,7 @@ pub const ALL: &[Scene] = &[
     slopes::SCENE,
     bin::SCENE,
     chain::SCENE,
+    rails::SCENE,
     belt::SCENE,
 ];
 

@@ -7,7 +7,8 @@ use bevy::prelude::*;
 /// Without it, the particles of a body touch [`Ground`](crate::Ground)s, [`BoundingBox`](crate::BoundingBox)es and [`Collider`](super::Collider)s, and nothing else.
 /// [`SurfaceMaterial`](super::SurfaceMaterial) and [`CollisionLayers`](super::CollisionLayers) on the body say what it is made of and what it may touch, with this or without.
 ///
-/// Particles collide as balls of their [`Radius`](crate::Radius); those without one do not. Where a mesh is wider than they are, [`ContactShape::Triangles`] closes it.
+/// Particles collide as balls of their [`Radius`](crate::Radius); those without one do not. Where a mesh is wider than they are, [`ContactShape::Triangles`] closes it, and where a rope
+/// is longer from one to the next, [`ContactShape::Segments`] does.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct BodyContacts {
@@ -37,6 +38,14 @@ pub enum ContactShape {
     /// the particles' [`Radius`](crate::Radius), and may be without. It is the finer tier, and some ten times as dear. [`Collider`](super::Collider)s and solids touch the particles alone.
     /// A body that has none is refused ([`Refusal::NoTriangles`](crate::Refusal::NoTriangles)) and collides by its particles.
     Triangles,
+    /// Its segments: each [`DistanceConstraint`](crate::DistanceConstraint) between two of its particles that is a rod or a tether ([`Bound::Equal`](crate::Bound), [`Bound::AtMost`](crate::Bound))
+    /// is a capsule from one to the other, as thick as the [`Radius`](crate::Radius) of the thinner end, and the particles at its ends touch nothing by themselves. For ropes whose
+    /// particles are further apart than they are thick, where posts, rails, edges of boxes or other ropes would pass between two of them. It costs half as much again as particles do for ropes
+    /// side by side, and some five times as much in a tangle, touches all that solids touch, and friction holds without creeping. A constraint that is despawned takes its capsule along. Where
+    /// the body touches itself, those do not touch that overlap in its rest shape ([`RestPlace`]), so that a rope may be thicker than its segments are long. What hangs on an end is to be tied
+    /// by more than both are thick there, or kept from touching the rope by [`CollisionLayers`](super::CollisionLayers); how much a light rope bears is a matter of substeps
+    /// ([`sinew::recipes::Blueprint::with_segments`]). A body without any segment is refused ([`Refusal::NoSegments`](crate::Refusal::NoSegments)) and collides by its particles.
+    Segments,
 }
 
 impl Default for BodyContacts {

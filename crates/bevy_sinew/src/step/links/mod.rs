@@ -43,6 +43,7 @@ pub(crate) fn notice_links(
     let went = core::mem::replace(&mut *counts, now) != now;
     watch.look(&distances, removed.read());
     let SinewWorld { simulation, tables } = &mut *world;
+    tables.retied = watch.is_any();
     tables.stale |= went || found.iter().any(|&(_, changed)| changed);
     if !watch.is_any() || tables.stale {
         return;

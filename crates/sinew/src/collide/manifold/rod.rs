@@ -74,11 +74,17 @@ impl Rod {
     fn separate(&self, reach: f32) -> Option<(Vec3, f32)> {
         let Self { centre, axis, half, size } = self;
         let (mut best, mut most) = (Vec3::Y, f32::NEG_INFINITY);
-        for i in 0..3 {
-            let apart = centre[i].abs() - size[i] - half * axis[i].abs();
+        let beyond = (centre.abs() - size - axis.abs() * *half).to_array();
+        for (apart, (side, axis)) in
+            beyond.into_iter().zip(centre.to_array().into_iter().zip(Vec3::AXES))
+        {
             if apart > most {
-                (best, most) = (Vec3::AXES[i] * 1.0_f32.copysign(centre[i]), apart);
+                (best, most) = (axis * 1.0_f32.copysign(side), apart);
             }
+        }
+        // Far from everything is far along a face, mostly.
+        if most > reach {
+            return None;
         }
         // As between boxes, a face comes first.
         let mut needed = most + 2e-3 * size.min_element() + 0.03 * most.abs();
@@ -115,24 +121,29 @@ impl Rod {
             take(along, self.at(along).clamp(-*size, *size));
         }
         // An edge is nearest only to what comes beyond both of the sides that meet there; most have to be looked at no further.
-        let (farthest, slack) = (axis.abs() * *half, 1e-3 * (size.max_element() + half));
-        let comes_beyond = |i: usize, side: f32| side * centre[i] + farthest[i] >= size[i] - slack;
+        let slack = 1e-3 * (size.max_element() + half);
+        let farthest = axis.abs() * *half;
+        let below = (farthest - centre).cmpge(size - slack);
+        let above = (farthest + centre).cmpge(size - slack);
+        let comes_beyond = [below, above].map(|side| [side.test(0), side.test(1), side.test(2)]);
+        // Numbers in a row: coordinates of a vector cannot be asked for by number at this price.
+        let ([middle, size], slopes) = ([*centre, *size].map(|v| v.to_array()), axis.to_array());
         for i in 0..3 {
-            let square = 1.0 - axis[i] * axis[i];
-            for (first, second) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
-                if !(comes_beyond((i + 1) % 3, first) && comes_beyond((i + 2) % 3, second)) {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            let square = 1.0 - slopes[i] * slopes[i];
+            for (first, second) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                if !(comes_beyond[first][j] && comes_beyond[second][k]) {
                     continue;
                 }
-                let mut q = Vec3::ZERO;
-                (q[(i + 1) % 3], q[(i + 2) % 3]) =
-                    (first * size[(i + 1) % 3], second * size[(i + 2) % 3]);
-                let d = centre - q;
-                let along = d.dot(*axis);
+                let side = |which: usize, of: f32| if which == 0 { -of } else { of };
+                let mut q = [0.0; 3];
+                (q[j], q[k]) = (side(first, size[j]), side(second, size[k]));
+                let along = (*centre - Vec3::from(q)).dot(*axis);
                 // Where they are parallel, any place will do: the ends and the corners are looked at too.
-                let s = if square > 1e-6 { (d[i] - axis[i] * along) / square } else { 0.0 };
-                let u = limit(axis[i] * limit(s, size[i]) - along, *half);
-                q[i] = limit(d[i] + u * axis[i], size[i]);
-                take(u, q);
+                let s = if square > 1e-6 { (middle[i] - slopes[i] * along) / square } else { 0.0 };
+                let u = limit(slopes[i] * limit(s, size[i]) - along, *half);
+                q[i] = limit(middle[i] + u * slopes[i], size[i]);
+                take(u, q.into());
             }
         }
         (best.0, best.1)
@@ -140,8 +151,10 @@ impl Rod {
 
     /// The axis along the box's surface: where it comes above the face or edge that looks along `normal`, and where it leaves it.
     fn line(&self, normal: Vec3) -> SmallVec<[(f32, Vec3); 2]> {
-        let Self { centre, axis, half, size } = self;
-        let (mut from, mut to) = (-half, *half);
+        let half = self.half;
+        let [centre, axis, size, normal] =
+            [self.centre, self.axis, self.size, normal].map(|v| v.to_array());
+        let (mut from, mut to) = (-half, half);
         for i in 0..3 {
             // Across the surface there is nothing to be above of.
             if normal[i].abs() > 0.1 {
@@ -163,13 +176,13 @@ impl Rod {
         [from, to]
             .into_iter()
             .map(|along| {
-                let mut q = self.at(along).clamp(-*size, *size);
+                let mut q = self.at(along).clamp(-self.size, self.size).to_array();
                 for i in 0..3 {
                     if normal[i].abs() > 0.1 {
                         q[i] = size[i].copysign(normal[i]);
                     }
                 }
-                (along, q)
+                (along, q.into())
             })
             .collect()
     }

@@ -1,12 +1,13 @@
-//! What changes while a step goes on: pairs that turn and slide on each other are compared again, moving stands are followed, and what went further
-//! than contacts were looked for is noticed.
+//! What changes while a step goes on: pairs that turn and slide on each other are compared again, and moving stands are
+//! followed.
 
 use glam::Vec3;
 
 use super::super::manifold::collide;
 use super::super::{Frame, World};
 use super::Solids;
-use super::bodies::{CENTRE, ROTATION, STEP, rotation};
+use super::bodies::{CENTRE, ROTATION, rotation};
+use super::contact::{ELSEWHERE, Pack};
 use super::find::carried;
 use super::found::put_manifold;
 use crate::lanes::LANES;
@@ -14,20 +15,23 @@ use crate::lanes::LANES;
 impl Solids {
     /// Compares those again that have turned against each other, or slid on each other, by more than their points are good for; at the places where
     /// this substep began, after a share of the step.
+    ///
+    /// Where the points of a manifold are farther apart than others may have come nearer than those meanwhile ([`ELSEWHERE`]), nothing touches, and nothing is compared: so most that fly
+    /// past each other never are.
     pub(super) fn compare_again(&mut self, world: &World, share: f32) {
         let Self { groups, seen, stands, found, packs, bodies, scratch, memory, .. } = self;
         let frame = |number: usize| {
-            let (centre, r) =
-                (bodies[number][CENTRE].truncate(), rotation(bodies[number][ROTATION]));
+            let body = &bodies[groups.place(number)];
+            let (centre, r) = (body[CENTRE].truncate(), rotation(body[ROTATION]));
             Frame { translation: centre - r * groups.parts[number].centre, rotation: r }
         };
         for pack in packs {
             // Nearly all are as they were: that is one question.
-            if pack.strain.iter().fold(true, |good, strain| good & (*strain < 1.0)) {
+            if (0..LANES).fold(true, |good, lane| good & holds(pack, lane)) {
                 continue;
             }
             for lane in 0..LANES {
-                if pack.strain[lane] < 1.0 {
+                if holds(pack, lane) {
                     continue;
                 }
                 let Some(one) = found.get_mut(pack.number[lane] as usize) else { continue };
@@ -70,20 +74,6 @@ impl Solids {
         }
     }
 
-    /// Whether a solid has gone further than contacts were looked for.
-    pub(super) fn has_strayed(&self) -> bool {
-        let Self { seen, groups, bodies, .. } = self;
-        let rows = seen.iter().zip(&groups.parts).enumerate();
-        rows.filter(|(_, (seen, _))| seen.sound).any(|(i, (seen, part))| {
-            let gone = (bodies[i][CENTRE] + bodies[i][STEP]).truncate() - seen.centre;
-            let (p, q) = (seen.rotation, bodies[i][ROTATION]);
-            // Twice the sine of half the angle.
-            let (v, u) = (p.truncate(), q.truncate());
-            let turned = (u * p.w - v * q.w - v.cross(u)).length() * 2.0;
-            gone.length() + turned * part.reach > seen.margin
-        })
-    }
-
     /// Where moving stands are when a substep begins, as seen from what may touch them.
     pub(super) fn follow_stands(&mut self, world: &World, from: f32) {
         let Self { found, packs, stands, seen, .. } = self;
@@ -106,4 +96,11 @@ impl Solids {
             }
         }
     }
+}
+
+/// Whether a manifold is still good for what it is needed for.
+#[inline(always)]
+fn holds(pack: &Pack, lane: usize) -> bool {
+    let strain = pack.strain[lane];
+    (strain < 1.0) | (ELSEWHERE * strain < pack.gap[lane])
 }

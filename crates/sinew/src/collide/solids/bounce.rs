@@ -1,4 +1,4 @@
-//! What is left to do after the velocities are derived: restitution, and to take off speed that is none of anybody's.
+//! What is left to do after the velocities are derived: restitution, drags (`drag`), and to take off speed that is none of anybody's.
 //!
 //! Positions know nothing of elasticity: what is put on a surface leaves it with the speed that it lacked to get there. So where a point pressed in
 //! this substep and its speed of approach before was above `2gh`, which gravity alone gives to what lies still, the speed along the normal becomes
@@ -10,6 +10,7 @@ use super::Solids;
 use super::block::{Patch, Side, press};
 use super::bodies::{Bodies, Eight as Rows};
 use super::contact::Pack;
+use super::drag::{drag, dragged};
 use super::found::Found;
 use super::hold::tangents;
 use super::read::Read;
@@ -24,23 +25,32 @@ impl Solids {
         let least = 2.0 * gravity * h;
         self.loose.bounce(particles, &self.groups, &self.bodies, least);
         let Self { groups, lifts, bodies, sums, instructions, shared, packs, found, .. } = self;
-        let Self { bouncing, bounced, gathered, .. } = self;
+        let Self { bouncing, bounced, kept, gathered, .. } = self;
         bouncing.clear();
-        bouncing.resize(groups.groups.len(), false);
+        bouncing.resize(groups.groups.len(), 0);
         bounced.clear();
+        kept.clear();
         for pack in packs.iter() {
-            let any = pack.popped || pack.kept && is_fast(pack, found, least);
-            bounced.push(any);
-            for row in pack.a.iter().chain(&pack.b).filter(|_| any) {
-                if let Some(bouncing) = bouncing.get_mut(*row as usize / LANES) {
-                    *bouncing = true;
+            let fast = if pack.kept { fast(pack, found, least) } else { 0 };
+            let (lanes, slow) =
+                (pack.popped | fast, if pack.kept { dragged(pack, found) } else { 0 });
+            bounced.push([lanes, slow]);
+            for lane in (0..LANES).filter(|lane| (lanes | slow) >> lane & 1 == 1) {
+                for row in [pack.a[lane], pack.b[lane]] {
+                    if let Some(bouncing) = bouncing.get_mut(row as usize / LANES) {
+                        *bouncing |= 1 << (row as usize % LANES);
+                    }
                 }
             }
         }
-        if !bouncing.contains(&true) {
+        if bouncing.iter().all(|&lanes| lanes == 0) {
             return;
         }
-        for (number, group) in groups.groups.iter().enumerate().filter(|(i, _)| bouncing[*i]) {
+        for (number, group) in groups.groups.iter().enumerate() {
+            if bouncing[number] == 0 {
+                continue;
+            }
+            kept.extend_from_slice(&bodies.rows[number * LANES..(number + 1) * LANES]);
             let read = Read {
                 group,
                 slots: &groups.slots[group.slots.clone()],
@@ -51,19 +61,32 @@ impl Solids {
                 bodies,
                 first: number * LANES,
                 sums: &mut sums[number],
+                home: None,
                 gathered,
             };
             with(*instructions, read);
         }
-        for (pack, _) in packs.iter().zip(bounced).filter(|(_, bounced)| **bounced) {
+        for (pack, &mut [lanes, _]) in
+            packs.iter().zip(&mut *bounced).filter(|(_, [lanes, _])| *lanes != 0)
+        {
             let restitution = core::array::from_fn(|lane| {
                 found.get(pack.number[lane] as usize).map_or(0.0, |one| one.grip.restitution)
             });
-            with(*instructions, Bounce { pack, bodies, restitution, least, h });
+            with(*instructions, Bounce { pack, lanes, bodies, restitution, least, h });
+        }
+        for (pack, [_, slow]) in packs.iter().zip(bounced) {
+            for lane in (0..LANES).filter(|lane| *slow >> lane & 1 == 1) {
+                if let Some(one) = found.get(pack.number[lane] as usize) {
+                    drag(pack, lane, one, bodies, h);
+                }
+            }
         }
         shared.clear();
         let Particles { position, velocity, .. } = particles;
-        for (number, group) in groups.groups.iter().enumerate().filter(|(i, _)| bouncing[*i]) {
+        for (number, group) in groups.groups.iter().enumerate() {
+            if bouncing[number] == 0 {
+                continue;
+            }
             let write = Write {
                 group,
                 slots: &groups.slots[group.slots.clone()],
@@ -80,21 +103,33 @@ impl Solids {
         for &(row, by) in shared.iter() {
             velocity[row as usize] += by;
         }
+        // Those that do not bounce are left as they were read in the substep: it must not matter to them who is beside them.
+        let mut kept = kept.chunks(LANES);
+        for (number, lanes) in bouncing.iter().enumerate().filter(|(_, lanes)| **lanes != 0) {
+            for (lane, row) in kept.next().unwrap_or_default().iter().enumerate() {
+                if lanes >> lane & 1 == 0 {
+                    bodies.rows[number * LANES + lane] = *row;
+                }
+            }
+        }
     }
 }
 
-/// Whether something in a pack bounces.
-fn is_fast(pack: &Pack, found: &[Found], least: f32) -> bool {
-    (0..LANES).any(|lane| {
+/// A bit for each manifold of a pack that bounces.
+fn fast(pack: &Pack, found: &[Found], least: f32) -> u32 {
+    let is_fast = |lane: usize| {
         let pressed = |i: usize| pack.force[i][lane] > 0.0 && pack.approach[i][lane] < -least;
         let one = found.get(pack.number[lane] as usize);
         one.is_some_and(|one| one.grip.restitution > 0.0) && (0..4).any(pressed)
-    })
+    };
+    (0..LANES).fold(0, |bits, lane| bits | u32::from(is_fast(lane)) << lane)
 }
 
 /// A pack whose solids have been read with their velocities.
 struct Bounce<'a> {
     pack: &'a Pack,
+    /// A bit for each manifold that it is about; those beside it are left alone.
+    lanes: u32,
     bodies: &'a mut Bodies,
     restitution: [f32; LANES],
     least: f32,
@@ -106,8 +141,8 @@ impl Work for Bounce<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { pack, bodies, restitution, least, h } = self;
-        let none = L::zero();
+        let Self { pack, lanes, bodies, restitution, least, h } = self;
+        let (none, lanes) = (L::zero(), L::mask(lanes));
         let (mut a, mut b) = (Rows::<L>::load(bodies, &pack.a), Rows::<L>::load(bodies, &pack.b));
         let own = L::load(&pack.own);
         // What stands was noted with its displacement.
@@ -140,10 +175,11 @@ impl Work for Bounce<'_> {
             let speed = along + (y * turn_a.0 - x * turn_a.1)
                 - ((y - apart_u) * turn_b.0 - (x - apart_t) * turn_b.1);
             let approach = L::load(&pack.approach[i]);
-            let presses = none.lt(L::load(&pack.force[i]));
+            let had_force = lanes.and(L::load(&pack.force[i]));
+            let presses = none.lt(had_force);
             let bounces = none.lt(restitution).and(approach.lt(L::splat(-least)));
             let wanted = bounces.and(none - restitution * approach);
-            force[i] = L::load(&pack.force[i]) * L::splat(1.0 / h);
+            force[i] = had_force * L::splat(1.0 / h);
             had += Vector::new(force[i], force[i] * x, force[i] * y);
             c[i] = presses.select(wanted - speed, L::splat(-1e9));
         }

@@ -40,6 +40,9 @@ pub(super) const FAR: f32 = 1e9;
 pub(super) const TURNED: f32 = 0.02;
 /// The same for how far they may slide on each other, as a share of their size.
 pub(super) const SLID: f32 = 0.03;
+/// By how much more than the strain says, times what they may slide, other points of them may have come nearer than those of their manifold: a turn of `φ` takes those away by up to `r φ`
+/// and others there by as much, and counts `r φ SLID / TURNED`.
+pub(super) const ELSEWHERE: f32 = 2.0 * TURNED / SLID;
 
 /// Eight manifolds that have no solid in common; on lines of the cache of its own, because an eight that lies across two of them costs twice as much.
 #[derive(Clone, Debug)]
@@ -62,14 +65,16 @@ pub(super) struct Pack {
     pub(super) friction: Eight,
     /// One by the length that the two may slide on each other before they are compared again, 1/m.
     pub(super) stiff: Eight,
-    /// How much they have turned and slid since they were compared: 1 is as much as they may.
+    /// How much they have turned and slid since they were compared: 1 is as much as they may, where they touch.
     pub(super) strain: Eight,
+    /// How far apart the nearest of their points will be if they go on as in the last substep, by how far they may slide; 0 where that is not known.
+    pub(super) gap: Eight,
     /// How much of the arm is the first one's anchor: 1 if the second one stands, else a half.
     pub(super) own: Eight,
     /// Whether approach and place are to be kept: something bounces, or somebody listens.
     pub(super) kept: bool,
-    /// Whether more overlap was recovered here in this substep than may turn into speed, or one of the solids comes from where that was.
-    pub(super) popped: bool,
+    /// A bit for each manifold where more overlap was recovered in this substep than may turn into speed, or one of whose solids comes from where that was.
+    pub(super) popped: u32,
     /// Of the substep: impulses of the points, kg·m.
     pub(super) force: [Eight; 4],
     /// Their speeds before contacts, m/s; negative when approaching.
@@ -105,9 +110,10 @@ impl Pack {
             friction: none,
             stiff: none,
             strain: none,
+            gap: none,
             own: none,
             kept: false,
-            popped: false,
+            popped: 0,
             force: [none; 4],
             approach: [none; 4],
             up: vector,
@@ -119,6 +125,16 @@ impl Pack {
             late: [none; 4],
             total: none,
         }
+    }
+}
+
+impl Pack {
+    /// What lets go for a substep is held at its centre meanwhile: friction at an edge that has lifted would rock it, and it rocks on for minutes.
+    #[inline(always)]
+    fn let_go<L: Lanes>(&mut self, normal: Vector<L>) {
+        self.radius = [0.0; LANES];
+        self.arm = [[0.0; LANES]; 3];
+        store(normal, &mut self.up);
     }
 }
 
@@ -160,7 +176,8 @@ fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, 
     let (recover, pop) = (L::splat(recover), L::splat(pop));
     let mut popped = [none; 4];
 
-    let across = (drift - n * before).length() * L::load(&pack.stiff);
+    let stiff = L::load(&pack.stiff);
+    let across = (drift - n * before).length() * stiff;
     let strain = (a.spin - b.spin).length() * L::splat(1.0 / TURNED) + across;
     (L::load(&pack.strain) + strain).store(&mut pack.strain);
 
@@ -184,12 +201,15 @@ fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, 
         c[i] = inside.min(nearer + recover);
         popped[i] = pop.lt(inside - nearer);
     }
-    let inside = none.lt(c[0]).or(none.lt(c[1])).or(none.lt(c[2])).or(none.lt(c[3]));
-    if !inside.any() {
+    let most = c[0].max(c[1]).max(c[2].max(c[3]));
+    let gap = none - (most + before.max(none)) * stiff - strain * L::splat(ELSEWHERE);
+    L::splat(-0.5 * FAR).lt(most).and(gap).store(&mut pack.gap);
+    if !none.lt(most).any() {
         // Nothing touches: nor did it press in this substep.
         pack.sum = [0.0; LANES];
-        pack.popped = false;
+        pack.popped = 0;
         pack.force = [[0.0; LANES]; 4];
+        pack.let_go(n);
         return;
     }
     let (apart_t, apart_u) = plane.apart;
@@ -221,8 +241,8 @@ fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, 
     good.and(sum).store(&mut pack.sum);
     let hit = none.lt(a.mark).or(none.lt(b.mark));
     let hit = good.and(hit.or(pressed(&popped, &force)));
-    pack.popped = hit.any();
-    if pack.kept || pack.popped {
+    pack.popped = hit.bits();
+    if pack.kept || hit.any() {
         for i in 0..4 {
             good.and(force[i]).store(&mut pack.force[i]);
             ((spun[i] - before) * L::splat(1.0 / h)).store(&mut pack.approach[i]);
@@ -230,6 +250,7 @@ fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, 
         (L::load(&pack.total) + good.and(sum)).store(&mut pack.total);
     }
     if !good.any() {
+        pack.let_go(n);
         return;
     }
     let mark = hit.and(one);
@@ -251,6 +272,7 @@ fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, 
         let (dx, dy, dz) = (at[i].0 - x, at[i].1 - y, height[i] - z);
         spread = spread + (dx * dx + dy * dy + dz * dz) * force[i];
     }
+    // Where nothing presses in this substep, at the centre.
     good.and((spread * share).sqrt()).store(&mut pack.radius);
     store(n, &mut pack.up);
     store(t * x + u * y + n * z, &mut pack.arm);

@@ -6,12 +6,13 @@ use super::super::{Grip, Party};
 use super::contact::{FAR, Pack};
 use super::memory::Remembered;
 use super::turn::Eight;
+use crate::constraints::PlanarDrag;
 use crate::lanes::LANES;
 
 /// A manifold that may come to press in this step, as it was found.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
-    /// Rows of the bodies.
+    /// Numbers of the solids; where the second one stands, its row among the bodies.
     pub(super) a: u32,
     pub(super) b: u32,
     /// Number of the stand, if the second one is one.
@@ -64,35 +65,45 @@ pub(super) fn colour(found: &mut [Found], solids: usize, used: &mut Vec<u64>) ->
     most
 }
 
-/// Numbers of manifolds by colour, and then as they are; `begins` is scratch.
-fn by_colour(found: &[Found], colours: u32, order: &mut Vec<u32>, begins: &mut Vec<u32>) {
+/// Numbers of manifolds by colour, and of one colour first those that pressed before, then as they are; `begins` is scratch. Those of a colour may come in any order, and a pack in which
+/// nothing presses is soon done with.
+fn by_colour(
+    (found, memory): (&[Found], &[Remembered]),
+    colours: u32,
+    order: &mut Vec<u32>,
+    begins: &mut Vec<u32>,
+) {
+    let class = |one: &Found| {
+        2 * one.colour as usize + usize::from(!memory[one.memory as usize].grasp.presses())
+    };
     begins.clear();
-    begins.resize(colours as usize + 1, 0);
+    begins.resize(2 * colours as usize + 1, 0);
     for one in found {
-        begins[one.colour as usize + 1] += 1;
+        begins[class(one) + 1] += 1;
     }
-    for colour in 0..colours as usize {
-        begins[colour + 1] += begins[colour];
+    for class in 0..2 * colours as usize {
+        begins[class + 1] += begins[class];
     }
     order.clear();
     order.resize(found.len(), 0);
     for (number, one) in found.iter().enumerate() {
-        let place = &mut begins[one.colour as usize];
+        let place = &mut begins[class(one)];
         order[*place as usize] = number as u32;
         *place += 1;
     }
 }
 
-/// Packs manifolds of one of so many colours by eights, for substeps of `h` seconds. `order` and `begins` are scratch; `centre` of the solids in their own frames.
+/// Packs manifolds of one of so many colours by eights, for substeps of `h` seconds. `order` and `begins` are scratch; `row` is where a solid or a stand is among the bodies, `centre` that of
+/// a solid in its own frame.
 pub(super) fn pack(
     (found, memory, h): (&[Found], &[Remembered], f32),
     (nothing, colours): (u32, u32),
     [order, begins]: [&mut Vec<u32>; 2],
     packs: &mut Vec<Pack>,
-    centre: impl Fn(u32) -> Vec3,
+    (row, centre): (impl Fn(u32) -> u32, impl Fn(u32) -> Vec3),
 ) {
     packs.clear();
-    by_colour(found, colours, order, begins);
+    by_colour((found, memory), colours, order, begins);
     let (mut colour, mut lane) = (u32::MAX, LANES);
     for &number in order.iter() {
         let one = &found[number as usize];
@@ -102,6 +113,7 @@ pub(super) fn pack(
         }
         if let Some(pack) = packs.last_mut() {
             let known = &memory[one.memory as usize];
+            (pack.a[lane], pack.b[lane]) = (row(one.a), row(one.b));
             put(pack, lane, number, (one, known), [centre(one.a), centre(one.b)]);
             known.grasp.put(pack, lane, h);
         }
@@ -116,13 +128,14 @@ fn put(
     (one, known): (&Found, &Remembered),
     centres: [Vec3; 2],
 ) {
-    (pack.a[lane], pack.b[lane], pack.number[lane]) = (one.a, one.b, number);
+    pack.number[lane] = number;
     put_manifold(pack, lane, (one, known), centres);
     pack.strain[lane] = one.strain;
     pack.friction[lane] = one.grip.friction;
     pack.stiff[lane] = one.stiff;
     pack.own[lane] = if one.stand.is_some() { 1.0 } else { 0.5 };
-    pack.kept |= one.listened || one.grip.restitution > 0.0;
+    let drags = one.grip.drag != PlanarDrag::default();
+    pack.kept |= one.listened || one.grip.restitution > 0.0 || drags;
 }
 
 /// Writes what two shapes are to each other into a lane.
@@ -134,7 +147,7 @@ pub(super) fn put_manifold(
 ) {
     set(&mut pack.normal, lane, known.manifold.normal);
     set(&mut pack.offset, lane, one.offset);
-    pack.strain[lane] = 0.0;
+    (pack.strain[lane], pack.gap[lane]) = (0.0, 0.0);
     let points = known.manifold.points();
     if points.is_empty() {
         pack.allowed[lane] = 0.0;

@@ -81,6 +81,10 @@ pub(super) struct Groups {
     pub(super) groups: Vec<Group>,
     pub(super) slots: Vec<Slot>,
     pub(super) parts: Vec<Part>,
+    /// The row of each solid among the bodies: those of as many particles are side by side, so that nobody waits for a torso of five among limbs of three.
+    places: Vec<u32>,
+    /// The solid of each of those rows.
+    order: Vec<u32>,
     /// Rows of each solid, one after the other.
     pub(super) rows: Vec<u32>,
     /// How many solids share each of those.
@@ -94,7 +98,7 @@ pub(super) struct Groups {
 impl Groups {
     /// Lays out solids. Faulty ones keep their number and take no part.
     pub(super) fn compile(&mut self, solids: &[Solid], particles: &Particles) {
-        let Self { groups, slots, parts, rows, sharers, solid, weighed } = self;
+        let Self { groups, slots, parts, places, order, rows, sharers, solid, weighed } = self;
         groups.clear();
         slots.clear();
         parts.clear();
@@ -117,13 +121,23 @@ impl Groups {
         sharers.clear();
         sharers.extend(rows.iter().map(|&row| count[row as usize]));
         weighed.resize(rows.len(), f32::NAN);
-        for (number, eight) in parts.chunks(LANES).enumerate() {
-            let most = eight.iter().map(|part| part.entries.len()).max().unwrap_or(0);
+        order.clear();
+        order.extend(0..parts.len() as u32);
+        order.sort_by_key(|&number| parts[number as usize].entries.len());
+        places.clear();
+        places.resize(parts.len(), 0);
+        for (place, &number) in order.iter().enumerate() {
+            places[number as usize] = place as u32;
+        }
+        for eight in order.chunks(LANES) {
+            let of = |lane: usize| eight.get(lane).map(|&number| &parts[number as usize]);
+            let each = || (0..LANES).filter_map(of);
+            let most = each().map(|part| part.entries.len()).max().unwrap_or(0);
             let first = slots.len();
             let spare = rows.first().copied().unwrap_or(0);
             for place in 0..most {
                 let entry = |lane: usize| {
-                    let entries = eight.get(lane).map_or(0..0, |part| part.entries.clone());
+                    let entries = of(lane).map_or(0..0, |part| part.entries.clone());
                     entries
                         .clone()
                         .nth(place)
@@ -144,8 +158,8 @@ impl Groups {
                 }
                 slots.push(slot);
             }
-            let whole = eight.len() == LANES && eight.iter().all(|part| part.sound);
-            let entries = eight.iter().flat_map(|part| part.entries.clone());
+            let whole = eight.len() == LANES && each().all(|part| part.sound);
+            let entries = each().flat_map(|part| part.entries.clone());
             let alone = entries.into_iter().all(|i| sharers[i] == 1);
             groups.push(Group {
                 slots: first..slots.len(),
@@ -153,7 +167,6 @@ impl Groups {
                 pinned: false,
                 mass: Mass::default(),
             });
-            debug_assert_eq!(groups.len(), number + 1);
         }
         for (part, solid) in parts.iter_mut().zip(solids).filter(|(part, _)| part.sound) {
             (part.far, part.side) = apart(&solid.rest);
@@ -176,6 +189,7 @@ impl Groups {
     }
 
     fn weigh_one(&mut self, number: usize, solid: &Solid) {
+        let place = self.place(number);
         let part = &mut self.parts[number];
         let inverses = &self.weighed[part.entries.clone()];
         let sharers = &self.sharers[part.entries.clone()];
@@ -184,7 +198,7 @@ impl Groups {
         let (low, high) = solid.shape.bounds();
         part.reach = (low - part.centre).abs().max((high - part.centre).abs()).length();
         part.immovable = weights.inverse_mass == 0.0 && weights.inverse == [[0.0; 3]; 3];
-        let (group, lane) = (&mut self.groups[number / LANES], number % LANES);
+        let (group, lane) = (&mut self.groups[place / LANES], place % LANES);
         group.pinned |= weights.pins > 0;
         let mass = &mut group.mass;
         mass.middle[lane] = weights.middle as f32;
@@ -215,6 +229,18 @@ impl Groups {
         let (a, b) = (self.parts[a].entries.clone(), self.parts[b].entries.clone());
         let shared = a.filter(|&i| self.sharers[i] > 1);
         shared.into_iter().any(|i| self.rows[b.clone()].contains(&self.rows[i]))
+    }
+
+    /// The row of a solid among the bodies: its lane of its group.
+    #[inline(always)]
+    pub(super) fn place(&self, number: usize) -> usize {
+        self.places[number] as usize
+    }
+
+    /// The solid in a lane of a group, if it is sound.
+    pub(super) fn sound_in(&self, group: usize, lane: usize) -> Option<usize> {
+        let number = *self.order.get(group * LANES + lane)? as usize;
+        self.parts[number].sound.then_some(number)
     }
 
     /// How many rows bodies need for the solids.

@@ -17,7 +17,7 @@
 use super::block::hold;
 use super::bodies::{Bodies, Sliding};
 use super::contact::Pack;
-use super::turn::{Symmetric, load};
+use super::turn::{Eight, Symmetric, load};
 use crate::lanes::{Lanes, Vector, Work};
 
 /// Which part of what is late is taken back in a substep. With all of it a heap of a thousand boxes never rests (7 mm/s), with half of it at 1 to 3 mm/s, with a fifth at 0.1; with a
@@ -73,13 +73,14 @@ impl Work for Hold<'_> {
                 for late in &mut pack.late {
                     (L::load(late) * L::splat(FADES)).store(late);
                 }
-                sum.store(&mut pack.allowed);
+                pack.allowed = Eight::default();
                 continue;
             }
             let slip = Slip::of(pack, bodies);
             let (mut left, mut granted) = (slip.slid, allowed);
             let needs = used.lt(allowed).select(none, more);
-            if (allowed * L::splat(MORE)).lt(needs).any() {
+            let needs = (allowed * L::splat(MORE)).lt(needs).and(needs);
+            if none.lt(needs).any() {
                 // Who was not held before is held against what is late here.
                 let fresh = allowed.le(none).and(L::splat(BACK));
                 let (now, back) = slip.hold(pack, slip.slid + slip.late * fresh, needs, bodies);
@@ -90,7 +91,8 @@ impl Work for Hold<'_> {
             let old = L::load(&pack.allowed);
             let mean = old + (sum - old) * L::splat(NEWS);
             let light = (mean * slip.weight()).le(L::splat(NOTHING));
-            light.select(none, mean).store(&mut pack.allowed);
+            let rough = none.lt(L::load(&pack.friction));
+            rough.and(light.select(none, mean)).store(&mut pack.allowed);
         }
     }
 }

@@ -76,6 +76,9 @@ impl Loose {
                 }
             }
         }
+        if rows.is_empty() {
+            return;
+        }
         let sound = seen.iter().enumerate().filter(|(_, seen)| seen.sound);
         solids.extend(sound.map(|(number, seen)| (seen.bounds.0.x, number as u32)));
         let order = |a: &(f32, u32), b: &(f32, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
@@ -139,12 +142,13 @@ impl Loose {
             let Some(&home) = groups.rows.get(part.entries.start) else { continue };
             let lift = particles.origin[i] - particles.origin[home as usize];
             let (q, p) = (particles.position[i], particles.start[i]);
-            let (w, inverse_mass) = (q.w, bodies[s][SHIFT].w);
-            let body = One::of(bodies, s);
+            let at = groups.place(s);
+            let (w, inverse_mass) = (q.w, bodies[at][SHIFT].w);
+            let body = One::of(bodies, at);
             let arm = q.truncate() + lift - (body.centre + body.step + body.shift);
             let way = (q - p).truncate() - body.moved(arm);
             // As seen from the solid, which has turned a little further.
-            let r = rotation(bodies[s][ROTATION]);
+            let r = rotation(bodies[at][ROTATION]);
             let local = |v: Vec3| {
                 let v = v - body.turn.cross(v);
                 Vec3::new(r.x_axis.dot(v), r.y_axis.dot(v), r.z_axis.dot(v))
@@ -180,8 +184,8 @@ impl Loose {
                 continue;
             }
             particles.position[i] += (impulse * w).extend(0.0);
-            bodies[s][SHIFT] -= (impulse * inverse_mass).extend(0.0);
-            bodies[s][TURN] -= body.spun(lever.cross(impulse)).extend(0.0);
+            bodies[at][SHIFT] -= (impulse * inverse_mass).extend(0.0);
+            bodies[at][TURN] -= body.spun(lever.cross(impulse)).extend(0.0);
             near.force = force;
             near.normal = n;
             near.arm = lever;
@@ -205,8 +209,9 @@ impl Loose {
             }
             let (s, i) = (near.solid as usize, near.row as usize);
             let part = &groups.parts[s];
-            let body = One::of(bodies, s);
-            let (slots, lane) = (&groups.slots[groups.groups[s / 8].slots.clone()], s % 8);
+            let at = groups.place(s);
+            let body = One::of(bodies, at);
+            let (slots, lane) = (&groups.slots[groups.groups[at / 8].slots.clone()], at % 8);
             let rows = || {
                 let rows = groups.rows[part.entries.clone()].iter().zip(slots);
                 rows.map(|(&row, slot)| (row as usize, slot.pull[lane], slot.share[lane]))
@@ -228,7 +233,7 @@ impl Loose {
                 .sum::<Vec3>();
             let spin = body.spun(spin);
             let lever = particles.position[i].truncate() + lift - centre;
-            let (n, w, inverse_mass) = (near.normal, particles.position[i].w, bodies[s][SHIFT].w);
+            let (n, w, inverse_mass) = (near.normal, particles.position[i].w, bodies[at][SHIFT].w);
             let moment = lever.cross(n);
             let stiff = w + inverse_mass + moment.dot(body.spun(moment));
             let speed = n.dot(particles.velocity(i) - velocity - spin.cross(lever));
@@ -258,18 +263,18 @@ impl Loose {
 }
 
 /// A solid by itself.
-struct One {
-    centre: Vec3,
-    step: Vec3,
+pub(super) struct One {
+    pub(super) centre: Vec3,
+    pub(super) step: Vec3,
     shift: Vec3,
-    spin: Vec3,
-    turn: Vec3,
+    pub(super) spin: Vec3,
+    pub(super) turn: Vec3,
     along: Vec3,
     across: Vec3,
 }
 
 impl One {
-    fn of(bodies: &Bodies, row: usize) -> Self {
+    pub(super) fn of(bodies: &Bodies, row: usize) -> Self {
         let [shift, turn, along, across, centre, step, spin, _] = bodies[row].map(Vec4::truncate);
         Self { centre, step, shift, spin, turn, along, across }
     }
@@ -280,8 +285,13 @@ impl One {
         self.step + self.shift + self.spin.cross(middle) + self.turn.cross(arm)
     }
 
+    /// The velocity of what is there, m/s, if it was read with velocities.
+    pub(super) fn velocity_at(&self, arm: Vec3) -> Vec3 {
+        self.step + self.shift + (self.spin + self.turn).cross(arm)
+    }
+
     /// The turn that a moment gives.
-    fn spun(&self, v: Vec3) -> Vec3 {
+    pub(super) fn spun(&self, v: Vec3) -> Vec3 {
         let (a, c) = (self.along, self.across);
         Vec3::new(
             a.x * v.x + c.x * v.y + c.y * v.z,

@@ -159,6 +159,11 @@ impl Grasp {
         if sound { grasp } else { Self::default() }
     }
 
+    /// Whether anything is pressed.
+    pub(super) fn presses(&self) -> bool {
+        self.force > 0.0
+    }
+
     /// Into a lane.
     pub(super) fn put(&self, pack: &mut Pack, lane: usize, h: f32) {
         let Self { force, late, twist, up, arm, radius } = *self;

@@ -17,8 +17,9 @@
 //! | `found` | colours and packs of manifolds |
 //! | `memory` | what is remembered from one step to the next |
 //! | `contact` | pressing eight manifolds apart at a time; `hold`: their friction; `block` solves the few unknowns of one |
-//! | `bounce` | restitution |
+//! | `bounce` | restitution; `drag`: the lectures' friction |
 //! | `loose` | solids and single particles |
+//! | `segment` | ropes by their segments |
 //! | `told` | for the report |
 //! | `turn` | rotations and symmetric matrices of eight solids |
 
@@ -27,6 +28,7 @@ mod block;
 mod bodies;
 mod bounce;
 mod contact;
+mod drag;
 mod find;
 mod found;
 mod groups;
@@ -35,6 +37,7 @@ mod loose;
 mod meet;
 mod memory;
 mod read;
+mod segment;
 mod stands;
 #[cfg(test)]
 mod tests;
@@ -45,11 +48,11 @@ mod write;
 
 use std::sync::Arc;
 
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 
 use super::manifold::{Broad, Scratch};
 use super::{Frame, Shape, World};
-use crate::lanes::{InstructionSet, LANES, with};
+use crate::lanes::{InstructionSet, LANES, Record, with};
 use crate::particles::{NO_BODY, Particles};
 use bodies::Bodies;
 use contact::{Pack, Press};
@@ -58,7 +61,7 @@ use groups::Groups;
 use hold::Hold;
 use loose::Loose;
 use memory::{Grasp, Memory};
-use read::{Gathered, Lifts, Read, Sums};
+use read::{Gathered, Home, Lifts, Read, Sums};
 use stands::Stand;
 use told::Told;
 use write::{Shared, Write};
@@ -117,6 +120,7 @@ pub(crate) struct Solids {
     lifts: Lifts,
     bodies: Bodies,
     sums: Vec<Sums>,
+    homes: Vec<Home>,
     gathered: Vec<Gathered>,
     stands: Vec<Stand>,
     floor: Option<Shape>,
@@ -136,9 +140,10 @@ pub(crate) struct Solids {
     used: Vec<u64>,
     order: Vec<u32>,
     begins: Vec<u32>,
-    /// Groups and packs that bounce in this substep.
-    bouncing: Vec<bool>,
-    bounced: Vec<bool>,
+    /// A bit for each solid of each group that bounces or is dragged in this substep; for each manifold of each pack that bounces, and that is dragged; and the rows of those groups as they were before.
+    bouncing: Vec<u32>,
+    bounced: Vec<[u32; 2]>,
+    kept: Vec<Record>,
     /// Length of the last substep, seconds.
     h: f32,
 }
@@ -148,7 +153,6 @@ pub(crate) struct Solids {
 struct Seen {
     /// Its centre, from its origin, metres.
     centre: Vec3,
-    rotation: Vec4,
     /// Its own frame, from its origin.
     frame: Frame,
     /// How far it may get in the step, metres.
@@ -164,7 +168,6 @@ impl Default for Seen {
     fn default() -> Self {
         Self {
             centre: Vec3::ZERO,
-            rotation: Vec4::W,
             frame: Frame::IDENTITY,
             margin: 0.0,
             origin: Vec3::ZERO,
@@ -224,8 +227,7 @@ impl Solids {
         self.h = h;
         let share = |number: u32| number as f32 / world.substeps.max(1) as f32;
         let (from, to) = (share(substep), share(substep + 1));
-        self.read(particles);
-        if self.has_strayed() {
+        if self.read(particles) {
             self.tell();
             self.note_grasps(h);
             self.look(&particles.start, particles, world, from);
@@ -265,9 +267,10 @@ impl Solids {
         }
     }
 
-    /// Poses as predicted, and how they got there.
-    fn read(&mut self, particles: &Particles) {
-        let Self { groups, lifts, bodies, sums, gathered, instructions, .. } = self;
+    /// Poses as predicted, and how they got there. Says whether a solid has gone further than contacts were looked for.
+    fn read(&mut self, particles: &Particles) -> bool {
+        let Self { groups, lifts, bodies, sums, homes, gathered, instructions, .. } = self;
+        let mut strayed = 0;
         for (number, group) in groups.groups.iter().enumerate() {
             let read = Read {
                 group,
@@ -279,10 +282,12 @@ impl Solids {
                 bodies,
                 first: number * LANES,
                 sums: &mut sums[number],
+                home: Some(&homes[number]),
                 gathered,
             };
-            with(*instructions, read);
+            strayed |= with(*instructions, read);
         }
+        strayed != 0
     }
 
     /// Displaces the particles as their solids were.

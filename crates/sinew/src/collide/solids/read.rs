@@ -17,7 +17,7 @@ use glam::{DMat3, DQuat, Mat3, Vec3, Vec4};
 use super::bodies::{Bodies, from_row, quaternion};
 use super::groups::{Group, Groups, Mass, Part, Slot};
 use super::turn::{Eight, Matrix, Symmetric, load, store, turn_further, zero};
-use crate::lanes::{FIELDS, Lanes, Vector, Work};
+use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work};
 use crate::particles::Particles;
 use crate::pose::rotation;
 
@@ -56,6 +56,8 @@ pub(super) struct Read<'a> {
     /// The first row of the group among the bodies.
     pub(super) first: usize,
     pub(super) sums: &'a mut Sums,
+    /// Where they were when contacts were looked for; `None` afresh.
+    pub(super) home: Option<&'a Home>,
     /// Scratch.
     pub(super) gathered: &'a mut Vec<Gathered>,
 }
@@ -70,13 +72,24 @@ pub(super) struct Gathered {
 }
 
 impl Work for Read<'_> {
-    /// A bit for each lane whose rotation could not be found.
+    /// A bit for each lane: afresh, where the rotation could not be found; otherwise, where a solid has strayed from its home.
     type Output = u32;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> u32 {
-        let Self { group, slots, lifts, position, other, fresh, bodies, first, sums, gathered } =
-            self;
+        let Self {
+            group,
+            slots,
+            lifts,
+            position,
+            other,
+            fresh,
+            bodies,
+            first,
+            sums,
+            home,
+            gathered,
+        } = self;
         let mass = &group.mass;
         if slots.is_empty() {
             return 0;
@@ -136,7 +149,50 @@ impl Work for Read<'_> {
         for (column, to) in [pairs.x, pairs.y, pairs.z].into_iter().zip(&mut sums.pairs) {
             store(column, to);
         }
-        lost
+        home.map_or(lost, |home| home.strayed::<L>(centre, q))
+    }
+}
+
+/// Where eight solids were when contacts were looked for, and how far from there they were expected to get.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Home {
+    /// Metres from their origins.
+    centre: [Eight; 3],
+    rotation: [Eight; 4],
+    /// Metres; infinite for none.
+    margin: Eight,
+    /// How far out they reach, metres.
+    reach: Eight,
+}
+
+impl Default for Home {
+    fn default() -> Self {
+        let none = Eight::default();
+        Self { centre: [none; 3], rotation: [none; 4], margin: [f32::INFINITY; LANES], reach: none }
+    }
+}
+
+impl Home {
+    /// Notes a solid.
+    pub(super) fn put(&mut self, lane: usize, centre: Vec3, q: Vec4, [margin, reach]: [f32; 2]) {
+        let coordinates = centre.to_array().into_iter().chain(q.to_array());
+        for (to, from) in self.centre.iter_mut().chain(&mut self.rotation).zip(coordinates) {
+            to[lane] = from;
+        }
+        (self.margin[lane], self.reach[lane]) = (margin, reach);
+    }
+
+    /// A bit for each that has gone further.
+    #[inline(always)]
+    fn strayed<L: Lanes>(&self, centre: Vector<L>, [x, y, z, w]: [L; 4]) -> u32 {
+        let [was_x, was_y, was_z, was_w] = &self.rotation;
+        let was = Vector::new(L::load(was_x), L::load(was_y), L::load(was_z));
+        let now = Vector::new(x, y, z);
+        // Half of it is the sine of half the angle.
+        let turned = now * L::load(was_w) - was * w - was.cross(now);
+        let turned = turned.length() * L::splat(2.0);
+        let gone = (centre - load(&self.centre)).length() + turned * L::load(&self.reach);
+        L::load(&self.margin).lt(gone).bits() & 0xFF
     }
 }
 
@@ -168,7 +224,8 @@ impl Source<'_> {
 #[inline(always)]
 fn nearest<L: Lanes>(mass: &Mass, moments: &Matrix<L>, from: [L; 4], fresh: bool) -> ([L; 4], u32) {
     let brace = Symmetric::<L>::load(&mass.brace);
-    let (mut q, mut lost) = (from, 0);
+    // Who is done waits for the others as it is: who is beside it must not matter.
+    let (mut q, mut going) = (from, L::zero().same(L::zero()));
     for _ in 0..if fresh { FRESH } else { STEPS } {
         let s = Matrix::of(q).transposed_times(moments);
         let half = L::splat(-0.5);
@@ -181,18 +238,18 @@ fn nearest<L: Lanes>(mass: &Mass, moments: &Matrix<L>, from: [L; 4], fresh: bool
         let square = w.length_squared();
         // Where that is no maximum, the last one stays.
         let good = L::zero().lt(pivot).and(square.le(L::splat(1e6)));
+        let good = going.and(good);
         let one = L::splat(1.0);
         let next = turn_further(q, w, one + (one + square).sqrt());
         for (old, new) in q.iter_mut().zip(next) {
             *old = good.select(new, *old);
         }
-        let done = good.and(square.lt(L::splat(DONE)));
-        lost = !done.bits() & 0xFF;
-        if done.all() {
+        going = good.and(square.lt(L::splat(DONE))).select(L::zero(), going);
+        if !going.any() {
             break;
         }
     }
-    (q, lost)
+    (q, going.bits() & 0xFF)
 }
 
 impl Lifts {
@@ -258,11 +315,12 @@ pub(super) fn certain(
 ) -> Vec4 {
     let part = &groups.parts[number];
     let rows = &groups.rows[part.entries.clone()];
-    let slots = &groups.slots[groups.groups[number / 8].slots.clone()];
+    let place = groups.place(number);
+    let slots = &groups.slots[groups.groups[place / LANES].slots.clone()];
     let points = || {
         rows.iter().zip(rest).zip(slots).map(|((&row, rest), slot)| {
             let here = particles.separation(row as usize, rows[0] as usize).as_dvec3();
-            (here, (*rest - part.centre).as_dvec3(), f64::from(slot.pull[number % 8]))
+            (here, (*rest - part.centre).as_dvec3(), f64::from(slot.pull[place % LANES]))
         })
     };
     let sum: f64 = points().map(|(_, _, m)| m).sum();

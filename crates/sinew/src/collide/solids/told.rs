@@ -31,7 +31,7 @@ impl Solids {
 
     /// Notes what packs have done so far.
     pub(super) fn tell(&mut self) {
-        let Self { found, packs, seen, bodies, told, h, .. } = self;
+        let Self { found, packs, seen, bodies, groups, told, h, .. } = self;
         for pack in packs.iter_mut().filter(|pack| pack.kept) {
             for lane in 0..LANES {
                 let Some(one) = found.get(pack.number[lane] as usize) else { continue };
@@ -40,7 +40,8 @@ impl Solids {
                 }
                 let vector = |v: &[turn::Eight; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
                 let a = one.a as usize;
-                let point = seen[a].origin + (bodies[a][CENTRE].truncate() + vector(&pack.arm));
+                let centre = bodies[groups.place(a)][CENTRE].truncate();
+                let point = seen[a].origin + (centre + vector(&pack.arm));
                 let (normal, impulse) = (vector(&pack.up), pack.total[lane] / *h);
                 told.push(Told { parties: one.parties, point, normal, impulse });
             }

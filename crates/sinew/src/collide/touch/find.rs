@@ -87,6 +87,11 @@ impl Touch {
         self.sort.islands.clear();
         for island in &plan.islands {
             let rows = || plan.members[island.members.clone()].iter().map(|&row| row as usize);
+            // What is solid all over is nowhere.
+            if rows().all(|row| self.solid.get(row).is_some_and(|&solid| solid)) {
+                self.sort.islands.push((Vec3::INFINITY, Vec3::NEG_INFINITY));
+                continue;
+            }
             let fastest = rows()
                 .map(|i| particles.velocity[i].truncate().length_squared())
                 .fold(0.0, f32::max)

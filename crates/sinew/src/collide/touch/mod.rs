@@ -102,7 +102,7 @@ impl Touch {
 
     /// Slows down what touches a plane with a drag, before a substep of `h` seconds is predicted.
     pub(crate) fn drag(&self, particles: &mut Particles, h: f32) {
-        self.bounds.drag(particles, h);
+        self.bounds.drag(particles, &self.solid, h);
     }
 
     /// Puts a row on the right side of everything, once, with friction, in substep number `substep`; returns how far out it was, metres.

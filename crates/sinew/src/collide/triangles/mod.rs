@@ -48,6 +48,8 @@ mod solve;
 mod tests;
 mod zone;
 
+pub(super) use distance::of_segments;
+
 use super::{BodyContacts, Impacts};
 use crate::particles::Particles;
 

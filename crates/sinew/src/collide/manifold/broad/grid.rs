@@ -16,10 +16,10 @@ pub(super) struct Grid {
     entries: Vec<Entry>,
     /// Where a cell's entries begin; one more than there are cells.
     starts: Vec<u32>,
-    /// Cells in a metre.
-    density: f32,
-    /// The largest extent of a box in it, and a little more, metres.
-    size: f32,
+    /// Cells in a metre along each axis.
+    density: Vec3,
+    /// The largest extents of a box in it, and a little more, metres.
+    size: Vec3,
     /// How many cells along each axis: powers of two.
     cells: IVec3,
 }
@@ -28,11 +28,17 @@ pub(super) struct Grid {
 const CELLS_PER_BOX: usize = 4;
 
 impl Grid {
-    /// Puts boxes in; `largest` is the greatest extent of any of them.
-    pub(super) fn fill(&mut self, largest: f32, these: &[u32], bounds: &[(Vec3, Vec3)]) {
+    /// Puts boxes in; `largest` are the greatest extents of any of them, and no cell is to be smaller than `least`, metres. Along each axis cells are as large as
+    /// the boxes: stairs of 40 m by 10 by 1 are not all in one.
+    pub(super) fn fill(
+        &mut self,
+        (largest, least): (Vec3, f32),
+        these: &[u32],
+        bounds: &[(Vec3, Vec3)],
+    ) {
         // Boxes without extent need cells all the same; and a cell's inverse must be finite.
-        let cell = largest.max(1e-6);
-        (self.density, self.size) = (1.0 / cell, cell * 1.0001);
+        let cell = largest.max(Vec3::splat(least.max(1e-6)));
+        (self.density, self.size) = (cell.recip(), cell * 1.0001);
         let (mut least, mut most) = (IVec3::MAX, IVec3::MIN);
         for i in these {
             let at = self.cell(bounds[*i as usize].0);
@@ -126,7 +132,7 @@ impl Grid {
     fn look(&self, entry: &Entry, first: usize, found: &mut Vec<[u32; 2]>) {
         let (least, most) = (Vec3::from(entry.least), Vec3::from(entry.most));
         // A little more, for what rounding has taken off an extent.
-        let from = self.cell(least - Vec3::splat(self.size) - least.abs() * 3e-7);
+        let from = self.cell(least - self.size - least.abs() * 3e-7);
         let to = self.cell(most);
         // Cells from there to here; all of a row, once, if they are more.
         let span =

@@ -1,6 +1,6 @@
 //! Which boxes overlap at all: so that shapes that are far from each other are never compared.
 //!
-//! Boxes of like size go into one grid, whose cells are as large as the largest of them: by its lower corner a box is in one cell, and
+//! Boxes of like size go into one grid, whose cells are as large as the largest of them along each axis: by its lower corner a box is in one cell, and
 //! whatever overlaps it has its own lower corner in that cell or in one of those around it. The grid is folded over (a cell's place is its coordinates
 //! modulo powers of two), so that it stays small however far apart they lie, and along x neighbours stay neighbours in memory. Boxes of half the size
 //! get a grid of their own; those of a grid look into the larger ones, too. A few, or endless ones (floors, half-spaces), are no grid, but are compared
@@ -36,7 +36,8 @@ pub(crate) struct Broad {
 /// Boxes of like size.
 #[derive(Default)]
 struct Level {
-    largest: f32,
+    /// Their largest extents along each axis, metres.
+    largest: Vec3,
     boxes: Vec<u32>,
 }
 
@@ -101,9 +102,11 @@ impl Broad {
         for &(class, i) in &*sizes {
             let (least, most) = bounds[i as usize];
             let level = &mut levels[classes[usize::from(class)] as usize];
-            level.largest = level.largest.max((most - least).max_element());
+            level.largest = level.largest.max(most - least);
             level.boxes.push(i);
         }
+        // Nobody who looks is much smaller than the smallest of all, or finds more by smaller cells.
+        let smallest = levels[..count].last().map_or(0.0, |level| level.largest.max_element());
         let mut made = 0;
         for level in &levels[..count] {
             if level.boxes.len() <= FEW {
@@ -113,7 +116,7 @@ impl Broad {
             if made == grids.len() {
                 grids.push(Grid::default());
             }
-            grids[made].fill(level.largest, &level.boxes, bounds);
+            grids[made].fill((level.largest, smallest), &level.boxes, bounds);
             made += 1;
         }
         made
@@ -144,7 +147,7 @@ fn group(classes: &mut [u32], levels: &mut Vec<Level>) -> usize {
                 levels.push(Level::default());
             }
             levels[count - 1].boxes.clear();
-            levels[count - 1].largest = 0.0;
+            levels[count - 1].largest = Vec3::ZERO;
         }
         classes[class] = count as u32 - 1;
     }

@@ -1,6 +1,8 @@
 //! What a world of solids does: rest, towers, slopes, conveyors, bounces, conservation, heaps, ragdolls.
 
+mod beside;
 mod bounce;
+mod drag;
 mod heaps;
 mod kept;
 mod loose;

@@ -1,0 +1,133 @@
+//! Coarse ropes that fall across a thin rail and across each other; one half of the scene collides by particles, the other by segments.
+
+use bevy::prelude::*;
+use bevy_sinew::TubeMesh;
+use bevy_sinew::prelude::*;
+
+use super::{Scene, mesh};
+use crate::{InScene, Look, ball, cylinder};
+
+pub(super) const SCENE: Scene = Scene {
+    name: "rails",
+    title: "Over rails and ropes",
+    about: "on the left ropes collide by their particles, and rail and line pass between those; on the right by their segments, and hang",
+    eye: Vec3::new(1.0, 1.95, 4.5),
+    target: Vec3::new(0.05, 0.98, 0.0),
+    seconds: 5.0,
+    moment: 3.2,
+    spawn,
+};
+
+/// Half of the width of a frame and of its depth, and how high its rail is and its line, metres.
+const WIDE: f32 = 0.85;
+const DEEP: f32 = 0.55;
+const RAIL: f32 = 1.75;
+const LINE: f32 = 1.3;
+/// Length of a segment, and radius of ropes and rails, metres: six radii from one particle to the next.
+const PIECE: f32 = 0.11;
+const THICK: f32 = 0.018;
+/// Radius of a weight, and how far from the end of its rope it is tied: so that the two do not touch, metres.
+const BALL: f32 = 0.06;
+const TIE: f32 = BALL + 2.0 * THICK;
+
+fn spawn(world: &mut World) {
+    world.insert_resource(SolverConfig { substeps: 20, max_sweeps: 8, ..default() });
+    world.insert_resource(AirDrag(0.2));
+    world.spawn((InScene, Ground { friction: 0.5, ..default() }));
+    for (x, shape) in [(-1.15, ContactShape::Particles), (1.15, ContactShape::Segments)] {
+        let contacts = BodyContacts::default().shaped(shape);
+        frame(world, x);
+        over_the_rail(world, x, contacts);
+        over_a_line(world, x, contacts);
+    }
+}
+
+/// Posts, and a rail between the two at the back.
+fn frame(world: &mut World, x: f32) {
+    let wood = Look::color(0x8a6a4b).roughness(0.9);
+    for (side, z, height) in
+        [(-WIDE, -DEEP, RAIL), (WIDE, -DEEP, RAIL), (-WIDE, DEEP, LINE), (WIDE, DEEP, LINE)]
+    {
+        let post = mesh(world, cylinder(0.03, height + 0.04));
+        let foot = Vec3::new(x + side, 0.5 * height + 0.02, z);
+        world.spawn((InScene, post, wood.clone(), Transform::from_translation(foot)));
+    }
+    let rod = mesh(world, cylinder(THICK, 2.0 * WIDE));
+    let along = Transform::from_xyz(x, RAIL, -DEEP)
+        .with_rotation(Quat::from_rotation_z(core::f32::consts::FRAC_PI_2));
+    let steel = Look::color(0xb9bec4).metal();
+    world.spawn((InScene, Name::new("rail"), Collider::capsule(THICK, WIDE), rod, steel, along));
+}
+
+/// Ropes of several lengths that fall across the rail.
+fn over_the_rail(world: &mut World, x: f32, contacts: BodyContacts) {
+    let colors = [0xd1495b, 0xe9b44c, 0x66a182, 0x2f8f83, 0x8e6bb0];
+    for (n, color) in colors.into_iter().enumerate() {
+        // An odd number, so that the rail meets the middle of a segment.
+        let (i, pieces) = (n as f32 - 2.0, 9 + 2 * (n * 2 % 3));
+        let middle = Vec3::new(x + 0.27 * i, RAIL + 0.08 + 0.03 * n as f32, -DEEP);
+        let along = Vec3::new(0.1 * i, 0.0, 1.0).normalize();
+        let from = middle - along * (0.5 * PIECE * pieces as f32);
+        rope(world, (from, along), pieces, contacts, color);
+    }
+}
+
+/// A slack line between the posts at the front, and ropes across it with a weight at each end.
+fn over_a_line(world: &mut World, x: f32, contacts: BodyContacts) {
+    let ends = [-WIDE, WIDE].map(|side| Vec3::new(x + side, LINE, DEEP));
+    let line = Rope { segments: 17, mass: 0.4, radius: THICK, slack: 0.1, ..default() };
+    let line = Rope { from: ends[0], to: ends[1], pin_end: true, ..line };
+    let hemp = Look::color(0xc9a66b).roughness(0.9);
+    world.spawn((InScene, Name::new("line"), line, contacts, hemp, Interpolate));
+    let iron = mesh(world, ball(BALL));
+    for (place, color) in [(-0.3, 0xb8434e), (0.32, 0x3f6f9f)] {
+        let middle = Vec3::new(x + place, LINE + 0.2 + 0.2 * place, DEEP);
+        let from = middle - Vec3::Z * (2.5 * PIECE);
+        let particles = rope(world, (from, Vec3::Z), 5, contacts, color);
+        for (end, way) in [(particles[0], -1.0), (particles[5], 1.0)] {
+            let at = middle + Vec3::Z * (way * (2.5 * PIECE + TIE));
+            weight(world, (end, at), iron.clone(), contacts);
+        }
+    }
+}
+
+/// A coarse rope from a place along a direction, and its particles.
+fn rope(
+    world: &mut World,
+    (from, along): (Vec3, Vec3),
+    pieces: usize,
+    contacts: BodyContacts,
+    color: u32,
+) -> Vec<Entity> {
+    let name = Name::new("rope");
+    let look = Look::color(color).roughness(0.9);
+    let body = world.spawn((InScene, name, ParticleBody, contacts, look, Interpolate)).id();
+    let particle = |i: usize| {
+        let at = from + along * (PIECE * i as f32);
+        (Particle::at(at), Mass(0.02), Radius(THICK), ParticleOf(body))
+    };
+    let particles: Vec<Entity> = (0..=pieces).map(|i| world.spawn(particle(i)).id()).collect();
+    for pair in particles.windows(2) {
+        world.spawn((DistanceConstraint::new(pair[0], pair[1], PIECE), ConstraintOf(body)));
+    }
+    let tube = TubeMesh { particles: particles.clone(), radius: THICK, ..default() };
+    world.entity_mut(body).insert(tube);
+    particles
+}
+
+/// A ball tied to the end of a rope.
+fn weight(world: &mut World, (end, at): (Entity, Vec3), skin: Mesh3d, contacts: BodyContacts) {
+    let weight = (
+        InScene,
+        Name::new("weight"),
+        Particle::at(at),
+        Mass(0.4),
+        Radius(BALL),
+        BodyContacts { shape: ContactShape::Auto, ..contacts },
+        skin,
+        Look::color(0x555b61).metal(),
+        Transform::from_translation(at),
+    );
+    let ball = world.spawn(weight).id();
+    world.spawn((InScene, DistanceConstraint::new(end, ball, TIE)));
+}
