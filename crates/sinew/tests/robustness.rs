@@ -37,21 +37,27 @@ fn a_box_lands_tumbles_and_keeps_its_distances_within_half_a_percent() {
     assert!((centre.y - 0.5).abs() < 0.01, "it lies on a face: {centre}");
 }
 
+/// Pushed into twelve directions, because only some of them end on the head, which has the whole body above it then: in two of these the neck gave way
+/// by 2.5 % while a ragdoll asked for 12 sweeps at most.
 #[test]
 fn a_ragdoll_collapses_and_its_bones_keep_their_lengths_within_one_percent() {
-    let mut world = on_the_ground();
     let body = ragdoll(&RagdollSpec::default()).unwrap();
-    body.transformed(sinew::glam::Quat::IDENTITY, Vec3::Y * 0.5).build(&mut world).unwrap();
-    world.particles.add_impulse(0, Vec3::new(8.0, 0.0, -12.0));
-    let mut worst = 0.0_f32;
-    for _ in 0..360 {
-        world.step(1.0 / 60.0).unwrap();
-        worst = worst.max(longest_error_of_bones(&world));
+    let body = body.transformed(sinew::glam::Quat::IDENTITY, Vec3::Y * 0.5);
+    for direction in 0..12 {
+        let mut world = on_the_ground();
+        body.build(&mut world).unwrap();
+        let (sin, cos) = libm::sincosf(0.4 * direction as f32);
+        world.particles.add_impulse(0, Vec3::new(14.0 * cos, 0.0, 14.0 * sin));
+        let mut worst = 0.0_f32;
+        for _ in 0..360 {
+            world.step(1.0 / 60.0).unwrap();
+            worst = worst.max(longest_error_of_bones(&world));
+        }
+        assert!(worst < 0.01, "direction {direction}: {worst}");
+        let highest =
+            (0..world.particles.len()).map(|i| world.particles.position(i).y).fold(0.0, f32::max);
+        assert!(highest < 0.9, "direction {direction}, it has collapsed: {highest}");
     }
-    assert!(worst < 0.01, "{worst}");
-    let highest =
-        (0..world.particles.len()).map(|i| world.particles.position(i).y).fold(0.0, f32::max);
-    assert!(highest < 0.9, "it has collapsed: {highest}");
 }
 
 #[test]
