@@ -1,4 +1,5 @@
-//! Colliders come, go, move, break and are mended in any tick: one message each, and nothing else notices. Cloned and put back, all happens again, bit for bit.
+//! Colliders come, go, move, break and are mended in any tick: one message each, and nothing else notices. Cloned and put back, all happens again,
+//! bit for bit.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;

@@ -1,4 +1,5 @@
-//! Things that collide, bounce, slide and fall asleep are rolled back like everything else: their state is in components, and contacts are found again.
+//! Things that collide, bounce, slide and fall asleep are rolled back like everything else: their state is in components, and contacts are found
+//! again.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -6,7 +7,8 @@ use bevy_sinew::prelude::*;
 use crate::snapshot::{Snapshot, hashes, roll_back_in_every_tick};
 use crate::support::{app, hash, heard, tick};
 
-/// A ramp over a floor, boxes that tumble down it onto each other, a figure beside them, a sheet that folds up on a ball, marbles in a net, a rope across a thin post; all may sleep.
+/// A ramp over a floor, boxes that tumble down it onto each other, a figure beside them, a sheet that folds up on a ball, marbles in a net, a rope
+/// across a thin post; all may sleep.
 fn colliding_scene(app: &mut App) {
     let world = app.world_mut();
     world.spawn((Collider::plane(), SurfaceMaterial::new(0.6).with_restitution(0.3)));

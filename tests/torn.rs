@@ -1,4 +1,5 @@
-//! A constraint that comes, goes or changes among thousands is mended into what is there: nothing tells the result from that of compiling everything again.
+//! A constraint that comes, goes or changes among thousands is mended into what is there: nothing tells the result from that of compiling everything
+//! again.
 
 use core::time::Duration;
 

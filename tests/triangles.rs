@@ -1,4 +1,5 @@
-//! Bodies that collide by the triangles of their surface: what asks for it gets it, what has none is told, and nothing of it is kept beside the components.
+//! Bodies that collide by the triangles of their surface: what asks for it gets it, what has none is told, and nothing of it is kept beside the
+//! components.
 
 use bevy::prelude::*;
 use bevy_sinew::Refusal;

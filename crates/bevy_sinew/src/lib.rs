@@ -20,18 +20,20 @@
 //!
 //! # What a game touches
 //!
-//! - A **particle** is an entity with [`Particle`] and [`Mass`]; [`Pinned`], [`PinnedTo`], [`Radius`], [`Charge`], [`Drag`] and [`ExternalForce`] say more.
+//! - A **particle** is an entity with [`Particle`] and [`Mass`]; [`Pinned`], [`PinnedTo`], [`Radius`], [`Charge`], [`Drag`] and [`ExternalForce`] say
+//!   more.
 //! - A **spring** or a **constraint** is an entity: [`Spring`], [`DistanceConstraint`], [`AngleConstraint`], [`VolumeConstraint`], … and those of a
 //!   game's own ([`ParticleConstraint`]). Add, change or despawn one and the next tick knows.
-//! - A **body** is an entity with a recipe: [`ParticleBox`], [`Solid`], [`Rope`], [`Cloth`], [`SoftBody`], [`Articulated`], [`Ragdoll`]. It builds its particles, and takes them with it.
+//! - A **body** is an entity with a recipe: [`ParticleBox`], [`Solid`], [`Rope`], [`Cloth`], [`SoftBody`], [`Articulated`], [`Ragdoll`]. It builds
+//!   its particles, and takes them with it.
 //! - What **moves a body** is a [`ControlForce`], steered while time runs, or a command ([`BodyCommandsExt`]): an impulse, a velocity, a teleport.
 //! - The **surroundings** are [`Gravity`], [`AirDrag`], [`Electric`] (resources), [`Wind`], [`AirFlow`], [`Fluid`], [`ElectricField`] (entities,
 //!   everywhere or in a [`Region`]), [`Attractor`], [`Ground`], [`BoundingBox`] and, for a world in 2D, [`Flatland`]. A body [`Floats`] by its shape.
-//! - A **collider** is an entity with a shape, [`Collider`], that stands still or that the game moves by its `Transform`; [`SurfaceMaterial`], [`CollisionLayers`]
-//!   and [`Sensor`] say more. Bodies that have [`BodyContacts`] collide with each other too: rigid ones by their shape, all others by their particles
-//!   or, if they ask for it ([`ContactShape`]), by their triangles or their segments.
-//! - **Read back** are `Transform` ([`RigidPose`]), meshes ([`MeshFollow`], [`TubeMesh`]), [`LinearVelocity`], [`AngularVelocity`], [`Barycenter`], [`Inertia`];
-//!   [`SinewWorld::report`] says how the solver fared, and [`Refused`] messages what it set aside.
+//! - A **collider** is an entity with a shape, [`Collider`], that stands still or that the game moves by its `Transform`; [`SurfaceMaterial`],
+//!   [`CollisionLayers`] and [`Sensor`] say more. Bodies that have [`BodyContacts`] collide with each other too: rigid ones by their shape, all
+//!   others by their particles or, if they ask for it ([`ContactShape`]), by their triangles or their segments.
+//! - **Read back** are `Transform` ([`RigidPose`]), meshes ([`MeshFollow`], [`TubeMesh`]), [`LinearVelocity`], [`AngularVelocity`], [`Barycenter`],
+//!   [`Inertia`]; [`SinewWorld::report`] says how the solver fared, and [`Refused`] messages what it set aside.
 //!
 //! SI units throughout: metres, seconds, kilograms, newtons.
 //!
@@ -54,13 +56,13 @@
 //! 5. **Extract**: transforms and velocities are read off.
 //!
 //! The ECS is the state. What is not in a component, in [`SinewClock`] or in the configuration resources does not survive a tick: save and restore
-//! those, and the simulation goes on bit for bit. [`ExtractedTransform`], [`ColliderMotion`], [`ContactMemory`] and [`CreationOrder`] are part of that; [`SinewWorld`] is not. A recipe may be put back with the
-//! rest: one that did not change builds nothing anew.
+//! those, and the simulation goes on bit for bit. [`ExtractedTransform`], [`ColliderMotion`], [`ContactMemory`] and [`CreationOrder`] are part of
+//! that; [`SinewWorld`] is not. A recipe may be put back with the rest: one that did not change builds nothing anew.
 //!
 //! # Threads
 //!
-//! A tick runs on one thread, the one that runs `FixedPostUpdate`; within it, the solver shares out what is worth it among the threads of [`SinewWorkers`]: by
-//! default those of Bevy's compute pool. They never change a bit of the result; [`SolverConfig::threads`] switches them off.
+//! A tick runs on one thread, the one that runs `FixedPostUpdate`; within it, the solver shares out what is worth it among the threads of
+//! [`SinewWorkers`]: by default those of Bevy's compute pool. They never change a bit of the result; [`SolverConfig::threads`] switches them off.
 //!
 //! # A force of one's own
 //!

@@ -47,8 +47,8 @@ pub enum Refusal {
     /// of range; it does nothing until that is mended.
     #[error("does nothing: a number of it or of its transform is not finite or out of range")]
     Surroundings,
-    /// A resource of the surroundings ([`Gravity`](crate::Gravity), [`AirDrag`](crate::AirDrag), [`Electric`](crate::Electric)) with a number that is none,
-    /// or out of range; it does nothing until that is mended. The entity is the one that Bevy keeps the resource on.
+    /// A resource of the surroundings ([`Gravity`](crate::Gravity), [`AirDrag`](crate::AirDrag), [`Electric`](crate::Electric)) with a number that is
+    /// none, or out of range; it does nothing until that is mended. The entity is the one that Bevy keeps the resource on.
     #[error("is the resource {0}, and does nothing: a number of it is not finite or out of range")]
     Resource(&'static str),
     /// A body with [`Floats`](crate::Floats) but without a shape to float by; its particles float as balls until that is mended.
@@ -63,7 +63,8 @@ pub enum Refusal {
     /// A collider with a broken number, or of no shape; it is left out until it is mended.
     #[error("is set aside: {0}")]
     Collider(ColliderFault),
-    /// A body or a particle whose [`SurfaceMaterial`](crate::SurfaceMaterial) has a number that is not finite or out of range; it is as without one until that is mended.
+    /// A body or a particle whose [`SurfaceMaterial`](crate::SurfaceMaterial) has a number that is not finite or out of range; it is as without one
+    /// until that is mended.
     #[error("is as without a SurfaceMaterial: a number of that is not finite or out of range")]
     Material,
     /// A rigid part that cannot collide by its [`Collider`](crate::Collider), such as one that is a mesh; it collides by its particles.
@@ -75,8 +76,8 @@ pub enum Refusal {
     /// A body that is to collide by its triangles but has no [`WindSurface`](crate::WindSurface) that lists any; it collides by its particles.
     #[error("collides by its particles: it has no WindSurface with triangles")]
     NoTriangles,
-    /// A body that is to collide by its segments but has no [`DistanceConstraint`](crate::DistanceConstraint) between two of its particles that have a [`Radius`](crate::Radius); it collides by
-    /// its particles.
+    /// A body that is to collide by its segments but has no [`DistanceConstraint`](crate::DistanceConstraint) between two of its particles that have
+    /// a [`Radius`](crate::Radius); it collides by its particles.
     #[error("collides by its particles: it has no rod between two that have a radius")]
     NoSegments,
     /// A command on a body or a particle that cannot be done; nothing changed.

@@ -51,7 +51,8 @@ impl SinewWorld {
         })
     }
 
-    /// Everyone who overlaps a shape at a place, once each, in the order in which they are found: colliders, rigid bodies, others. A shape with a broken number overlaps nothing.
+    /// Everyone who overlaps a shape at a place, once each, in the order in which they are found: colliders, rigid bodies, others. A shape with a
+    /// broken number overlaps nothing.
     pub fn overlapping(
         &self,
         shape: &Collider,

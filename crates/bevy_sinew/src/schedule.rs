@@ -8,9 +8,9 @@ use crate::world::SinewWorld;
 
 /// The parts of a tick, in this order, in [`SinewTick`]: a system of a game's own that belongs between two of them is added there.
 ///
-/// In `FixedPostUpdate` (or wherever [`SinewPlugin`](crate::SinewPlugin) was told to run) one system runs the whole tick, and it is in all of these sets:
-/// `.before(SinewSystems::Build)` there is before the tick, `.after(SinewSystems::Extract)` after it, and a place between two of them is a cycle, which Bevy
-/// refuses.
+/// In `FixedPostUpdate` (or wherever [`SinewPlugin`](crate::SinewPlugin) was told to run) one system runs the whole tick, and it is in all of these
+/// sets: `.before(SinewSystems::Build)` there is before the tick, `.after(SinewSystems::Extract)` after it, and a place between two of them is a
+/// cycle, which Bevy refuses.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SinewSystems {
     /// Recipes of new bodies become particles and constraints.
@@ -49,8 +49,8 @@ pub enum PhaseSystems {
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct TimePasses;
 
-/// One tick, all of it on one thread: its systems take microseconds each and wait for each other, while spreading them over threads takes microseconds
-/// for each, too. (The solver has [threads](crate::SinewWorkers) of its own.) Run by the plugin; add systems to it, but do not run it.
+/// One tick, all of it on one thread: its systems take microseconds each and wait for each other, while spreading them over threads takes
+/// microseconds for each, too. (The solver has [threads](crate::SinewWorkers) of its own.) Run by the plugin; add systems to it, but do not run it.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct SinewTick;
 

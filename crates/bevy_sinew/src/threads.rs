@@ -11,7 +11,8 @@ use crate::world::SinewWorld;
 
 /// Who helps the solver, while [`SolverConfig::threads`] says so. Not part of the state: any number of threads gives the same bits.
 ///
-/// By default [`ComputePool`], or nobody on a machine with one processor. Put anything else that is [`Workers`] here, such as a pool of the game's own.
+/// By default [`ComputePool`], or nobody on a machine with one processor. Put anything else that is [`Workers`] here, such as a pool of the game's
+/// own.
 #[derive(Resource, Clone, Debug)]
 pub struct SinewWorkers(pub Option<Arc<dyn Workers>>);
 

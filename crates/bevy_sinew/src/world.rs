@@ -48,8 +48,8 @@ impl SinewWorld {
         self.simulation.report()
     }
 
-    /// Who takes part in a contact of the [report](Self::report) of the last tick: a body, a loose particle, a collider, a ground or a room. It may have been
-    /// despawned since.
+    /// Who takes part in a contact of the [report](Self::report) of the last tick: a body, a loose particle, a collider, a ground or a room. It may
+    /// have been despawned since.
     pub fn entity_of(&self, party: Party) -> Option<Entity> {
         let (list, number) = match party {
             Party::Body(number) => (&self.tables.bodies, number),

@@ -19,8 +19,8 @@
 //!
 //! # The story of one step
 //!
-//! The method is that of a series of game-physics lectures (M. Tarini: Verlet integration and *Position Based Dynamics*), corrected where they are loose.
-//! A step of `dt` seconds is cut into substeps of `h`; each runs six phases, which are methods of [`Simulation`] with these names:
+//! The method is that of a series of game-physics lectures (M. Tarini: Verlet integration and *Position Based Dynamics*), corrected where they are
+//! loose. A step of `dt` seconds is cut into substeps of `h`; each runs six phases, which are methods of [`Simulation`] with these names:
 //!
 //! 1. **`accumulate_forces`**: gravity, the game's own forces, controls and springs are summed up into an acceleration per particle.
 //! 2. **`apply_wind`**, 3. **`apply_buoyancy`**, 4. **`apply_electric`** add theirs.
@@ -28,15 +28,16 @@
 //! 6. **`solve_constraints`**: what must hold, holds: rods keep their length, nothing sinks into the ground. The solver moves the
 //!    *positions* ([`constraints`], [`solve`]); the velocities follow from them, and so do spin, collision and friction, which nobody wrote down.
 //!
-//! Where nothing but gravity acts from outside, [`step`](Simulation::step) takes all substeps of an island at once, while its particles are in a core's cache.
+//! Where nothing but gravity acts from outside, [`step`](Simulation::step) takes all substeps of an island at once, while its particles are in a
+//! core's cache.
 //!
 //! # How it is fast
 //!
-//! Constraints are compiled into a plan when they change. Within an island no two of a **colour** share a particle, so eight of them are solved at once
-//! ([`InstructionSet`] says by which instructions; the bits are the same). Rods between rows that are a constant **stride** apart, as in a cloth numbered row
-//! by row, need no gathering. Large islands are swept **cluster** by cluster, each as much as a core's first cache holds, and several [`Workers`] may each
-//! take some clusters, or some of the substeps. Where a few constraints come or go, the plan is mended to what compiling it would give. A column that nothing wrote
-//! to is not read. A warm step allocates nothing.
+//! Constraints are compiled into a plan when they change. Within an island no two of a **colour** share a particle, so eight of them are solved at
+//! once ([`InstructionSet`] says by which instructions; the bits are the same). Rods between rows that are a constant **stride** apart, as in a cloth
+//! numbered row by row, need no gathering. Large islands are swept **cluster** by cluster, each as much as a core's first cache holds, and several
+//! [`Workers`] may each take some clusters, or some of the substeps. Where a few constraints come or go, the plan is mended to what compiling it
+//! would give. A column that nothing wrote to is not read. A warm step allocates nothing.
 //!
 //! # The map
 //!
@@ -57,8 +58,8 @@
 //! | [`recipes`] | box, rope, cloth, ragdoll: shape in, particles and constraints out |
 //! | [`ledger`] | energy and momentum |
 //!
-//! Arrows point one way: `recipes` and `simulation` know `solve`, `rigid` and `forces`, which know `constraints`, which know `particles`; nothing points back.
-//! (`rigid` reads a whole simulation when a compound becomes a body; `particles` and `solve` use the sums of `pose`.)
+//! Arrows point one way: `recipes` and `simulation` know `solve`, `rigid` and `forces`, which know `constraints`, which know `particles`; nothing
+//! points back. (`rigid` reads a whole simulation when a compound becomes a body; `particles` and `solve` use the sums of `pose`.)
 //!
 //! # Units and rules
 //!

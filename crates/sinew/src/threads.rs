@@ -1,8 +1,8 @@
 //! Threads: the little that a simulation asks of whoever has some.
 //!
-//! A simulation starts no threads. It is lent [`Workers`], an engine's task pool say, and cuts a step into tasks that share nothing to be written; who does which, and in what order,
-//! changes no bit of the result. There is no barrier within a task: a worker takes tasks until none is left, so that one worker alone, or one that comes late, is as good. A task may wait
-//! for one that was taken before it, and for no other.
+//! A simulation starts no threads. It is lent [`Workers`], an engine's task pool say, and cuts a step into tasks that share nothing to be written;
+//! who does which, and in what order, changes no bit of the result. There is no barrier within a task: a worker takes tasks until none is left, so
+//! that one worker alone, or one that comes late, is as good. A task may wait for one that was taken before it, and for no other.
 
 use core::fmt::Debug;
 use core::sync::atomic::{AtomicUsize, Ordering};
@@ -32,11 +32,12 @@ use smallvec::SmallVec;
 /// world.workers = Some(std::sync::Arc::new(Two));
 /// ```
 pub trait Workers: Send + Sync + Debug {
-    /// Calls `work` on this thread and, at the same time, on as many others as there are; returns when all have returned. `work` returns when nothing is left to
-    /// be done, so that calling it less often, even once, is right, too.
+    /// Calls `work` on this thread and, at the same time, on as many others as there are; returns when all have returned. `work` returns when nothing
+    /// is left to be done, so that calling it less often, even once, is right, too.
     fn run(&self, work: &(dyn Fn() + Sync));
 
-    /// About how many threads that makes, this one included: into so many parts a single large body is cut. Another number changes no bit of the result. Default 2.
+    /// About how many threads that makes, this one included: into so many parts a single large body is cut. Another number changes no bit of the
+    /// result. Default 2.
     fn threads(&self) -> usize {
         2
     }

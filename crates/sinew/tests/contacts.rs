@@ -109,7 +109,8 @@ fn what_lies_on_something_that_moves_is_carried() {
         world.step(DT).unwrap();
     }
     let (at, wanted) = (world.particles.position(0), rise(2.0).translation + Vec3::Y * 0.6);
-    // The table starts at once: the impulse that lifts the ball by 0.5 m/s has a friction of half of that. Then it slides until it is as fast as the table: v²/2μg.
+    // The table starts at once: the impulse that lifts the ball by 0.5 m/s has a friction of half of that. Then it slides until it is as fast as the
+    // table: v²/2μg.
     let slides = 1.5 - 0.5 * 0.5;
     let lag = slides * slides / (2.0 * 0.5 * 9.81);
     assert!((at.y - wanted.y).abs() < 1e-3, "{at} {wanted}");

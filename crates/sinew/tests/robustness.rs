@@ -37,8 +37,8 @@ fn a_box_lands_tumbles_and_keeps_its_distances_within_half_a_percent() {
     assert!((centre.y - 0.5).abs() < 0.01, "it lies on a face: {centre}");
 }
 
-/// Pushed into twelve directions, because only some of them end on the head, which has the whole body above it then: in two of these the neck gave way
-/// by 2.5 % while a ragdoll asked for 12 sweeps at most.
+/// Pushed into twelve directions, because only some of them end on the head, which has the whole body above it then: in two of these the neck gave
+/// way by 2.5 % while a ragdoll asked for 12 sweeps at most.
 #[test]
 fn a_ragdoll_collapses_and_its_bones_keep_their_lengths_within_one_percent() {
     let body = ragdoll(&RagdollSpec::default()).unwrap();
@@ -214,7 +214,8 @@ fn a_rod_to_a_particle_that_turns_non_finite_leaves_both_their_masses() {
 
 #[test]
 fn a_poisoned_sheet_leaves_every_bit_of_the_sheets_solved_after_it() {
-    // Sheets of an odd number of particles, whose last eights are not full: what the poisoned one left in the solver's scratch lies beyond their last rows.
+    // Sheets of an odd number of particles, whose last eights are not full: what the poisoned one left in the solver's scratch lies beyond their last
+    // rows.
     let sheets = |poison: bool| {
         let mut world = Simulation::default();
         for (columns, rows) in [(14, 14), (12, 14), (12, 12), (10, 12), (8, 10)] {

@@ -1,7 +1,8 @@
 //! The same bits whatever computes them: each instruction set, any number of threads, debug or release.
 //!
-//! Eight scenes run for 600 ticks, and a hash of all positions and velocities is taken after each. The last hash of each scene stands below: whoever changes what the
-//! solver computes has to change it there, on purpose, and a build that computes something else is found out. Run with `SINEW_HASHES=show` to see the new ones.
+//! Eight scenes run for 600 ticks, and a hash of all positions and velocities is taken after each. The last hash of each scene stands below: whoever
+//! changes what the solver computes has to change it there, on purpose, and a build that computes something else is found out. Run with
+//! `SINEW_HASHES=show` to see the new ones.
 
 mod threads;
 

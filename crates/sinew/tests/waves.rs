@@ -10,8 +10,8 @@ use sinew::recipes::{ClothMaterial, ClothSpec, cloth_grid};
 use sinew::{Simulation, Workers};
 use threads::Threads;
 
-/// Rods alone, held by two pins: what rolls through such a cloth as a wave, more of it than is in columns at a time, has the bits of one phase after the other; after a
-/// start at once, a step of another length, and with drag.
+/// Rods alone, held by two pins: what rolls through such a cloth as a wave, more of it than is in columns at a time, has the bits of one phase after
+/// the other; after a start at once, a step of another length, and with drag.
 #[test]
 fn a_wave_through_a_cloth_has_the_bits_of_its_phases_one_by_one() {
     for (side, substeps, sweeps) in [(131, 5, 1), (40, 1, 1), (40, 3, 1), (40, 3, 3)] {
@@ -44,7 +44,8 @@ fn a_wave_through_a_cloth_has_the_bits_of_its_phases_one_by_one() {
     }
 }
 
-/// A cloth of seventy thousand rods goes from thread to thread, each of which takes it through some substeps; to the bits of one thread, and with no more meetings than one a step.
+/// A cloth of seventy thousand rods goes from thread to thread, each of which takes it through some substeps; to the bits of one thread, and with no
+/// more meetings than one a step.
 #[test]
 fn a_relay_of_threads_through_a_large_cloth_has_the_bits_of_one_thread() {
     for (substeps, threads) in [(6, 2), (6, 3), (5, 2), (1, 3), (4, 8)] {

@@ -177,8 +177,8 @@ fn a_compound_that_moves_as_a_rigid_body_flips_too() -> Vec<Row> {
     rows
 }
 
-/// 1e-5 is the figure. A particle that steps by Verlet has the velocity of half a substep ago, so the first swap turns the velocities by `ωh/2` =
-/// 0.0019 rad, to where the particles are; the second finds them of one instant.
+/// 1e-5 is the figure. A particle that steps by Verlet has the velocity of half a substep ago, so the first swap turns the velocities by
+/// `ωh/2` = 0.0019 rad, to where the particles are; the second finds them of one instant.
 fn a_swap_there_and_back_changes_nothing() -> Vec<Row> {
     let body = plan();
     let rows: Vec<usize> = (0..8).collect();

@@ -25,8 +25,8 @@ fn cloud() -> Vec<(Vec3, f32)> {
     (0..6).map(|n| (vector(&mut dice).as_vec3(), 0.5 + n as f32)).collect()
 }
 
-/// Eigenvalues of `Σ m r rᵀ` about the barycentre, from the greatest to the least: the roots of the characteristic polynomial by the cosine of a third
-/// of an angle (Viète), which no line of the solver does.
+/// Eigenvalues of `Σ m r rᵀ` about the barycentre, from the greatest to the least: the roots of the characteristic polynomial by the cosine of a
+/// third of an angle (Viète), which no line of the solver does.
 fn eigenvalues(points: &[(Vec3, f32)]) -> [f64; 3] {
     let mass: f64 = points.iter().map(|p| f64::from(p.1)).sum();
     let centre = points.iter().map(|p| p.0.as_dvec3() * f64::from(p.1)).sum::<DVec3>() / mass;

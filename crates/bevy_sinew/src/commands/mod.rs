@@ -94,8 +94,8 @@ pub trait BodyCommandsExt {
         self.edit_body(BodyEdit::Turn(by))
     }
 
-    /// Sends it back the way it came: what is neither damped nor corrected returns to its start within round-off. It goes back by one substep at once:
-    /// after N substeps, N - 1 more lead back. (Twice in a row is not nothing: the second goes on by that substep.)
+    /// Sends it back the way it came: what is neither damped nor corrected returns to its start within round-off. It goes back by one substep at
+    /// once: after N substeps, N - 1 more lead back. (Twice in a row is not nothing: the second goes on by that substep.)
     fn reverse(&mut self) -> &mut Self {
         self.edit_body(BodyEdit::Reverse)
     }

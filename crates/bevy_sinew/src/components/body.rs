@@ -53,7 +53,8 @@ pub struct RigidPose {
     pub rest: Vec<Vec3>,
 }
 
-/// Triangles of particles on which [`Wind`](super::Wind) presses, and by which the body that it is on collides if it asks for that ([`ContactShape::Triangles`](super::ContactShape)).
+/// Triangles of particles on which [`Wind`](super::Wind) presses, and by which the body that it is on collides if it asks for that
+/// ([`ContactShape::Triangles`](super::ContactShape)).
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default, Clone)]
 pub struct WindSurface {
@@ -157,7 +158,8 @@ pub struct BodyReport {
     pub seconds: f64,
 }
 
-/// How strongly gravity pulls on a body or a particle, as a multiple of [`Gravity`](super::Gravity). Without it, 1; a body's and its particles' multiply.
+/// How strongly gravity pulls on a body or a particle, as a multiple of [`Gravity`](super::Gravity). Without it, 1; a body's and its particles'
+/// multiply.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, PartialOrd)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct GravityScale(pub f32);

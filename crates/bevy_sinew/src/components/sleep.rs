@@ -2,8 +2,8 @@
 
 use bevy::prelude::*;
 
-/// Lets a body sleep: once it and all that touches it have been still for half a second, it is left out of the simulation, until something that moves comes near, it is pushed, or
-/// what surrounds it changes. Part of the state: save and restore it with the rest.
+/// Lets a body sleep: once it and all that touches it have been still for half a second, it is left out of the simulation, until something that moves
+/// comes near, it is pushed, or what surrounds it changes. Part of the state: save and restore it with the rest.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Sleep {
@@ -13,8 +13,8 @@ pub struct Sleep {
     pub still: f32,
     /// Whether it sleeps. To wake it by hand, take [`Sleep::default`].
     pub asleep: bool,
-    /// What surrounded it when that was last looked at: a number made of gravity and of all colliders, grounds, winds and fluids, which wake it when they change.
-    /// Default 0, when it has not been looked at.
+    /// What surrounded it when that was last looked at: a number made of gravity and of all colliders, grounds, winds and fluids, which wake it when
+    /// they change. Default 0, when it has not been looked at.
     pub around: u64,
 }
 

@@ -58,8 +58,9 @@ pub(super) fn bind(
     bound
 }
 
-/// Spawns entities that are in the list of a body (none if that is gone), though they do not say so themselves until they are [filled](fill): all at once, because Bevy has a
-/// command for each that joins, to be carried out alone, which takes longer than everything else. So whoever despawns the body meanwhile takes them along.
+/// Spawns entities that are in the list of a body (none if that is gone), though they do not say so themselves until they are [filled](fill): all at
+/// once, because Bevy has a command for each that joins, to be carried out alone, which takes longer than everything else. So whoever despawns the
+/// body meanwhile takes them along.
 pub(super) fn enlist<R: Joins>(world: &mut World, body: Entity, count: usize) -> Vec<Entity> {
     if count == 0 || world.get_entity(body).is_err() {
         return Vec::new();

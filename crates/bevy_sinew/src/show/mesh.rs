@@ -1,8 +1,8 @@
 //! Meshes that follow particles: vertices where the particles are, and smooth normals to go with them.
 //!
-//! Both are found particle by particle and then copied to the vertices: a particle on a seam of the texture has several. Where each has one, as on a grid,
-//! they are found vertex by vertex, with the solver's wide kernel. In the mesh's own frame, so that normals stand on its faces whatever the frame stretches
-//! or mirrors.
+//! Both are found particle by particle and then copied to the vertices: a particle on a seam of the texture has several. Where each has one, as on a
+//! grid, they are found vertex by vertex, with the solver's wide kernel. In the mesh's own frame, so that normals stand on its faces whatever the
+//! frame stretches or mirrors.
 
 use bevy::math::{Vec3A, Vec4};
 use bevy::mesh::{Indices, VertexAttributeValues};

@@ -12,7 +12,8 @@ const ROUND: u32 = 24;
 /// Half of what is drawn of an endless plane, metres.
 const PLANE: f32 = 5.0;
 
-/// Draws the colliders that stand by themselves where the last tick had them, grey, or green if they are sensors, red if they are set aside; and those of rigid parts, blue.
+/// Draws the colliders that stand by themselves where the last tick had them, grey, or green if they are sensors, red if they are set aside; and
+/// those of rigid parts, blue.
 pub(super) fn draw_colliders(
     mut gizmos: Gizmos<SinewGizmoConfigGroup>,
     colliders: Query<(&Collider, &PlacedCollider, &Transform, Has<Sensor>, Has<RigidPose>)>,

@@ -1,4 +1,5 @@
-//! Bodies at gather: what a body asks of the solver, how gravity pulls on it and how it takes part in contacts, is written to the rows of its particles.
+//! Bodies at gather: what a body asks of the solver, how gravity pulls on it and how it takes part in contacts, is written to the rows of its
+//! particles.
 
 use std::collections::BTreeSet;
 

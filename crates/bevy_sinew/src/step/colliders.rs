@@ -1,5 +1,5 @@
-//! Colliders at gather: what the game says of each becomes one of the solver's, in the order of creation. A warm tick compares where each is with where it was, and writes
-//! that down: shapes are made when they or their scale changed, and the list is put in order when one came, went or broke.
+//! Colliders at gather: what the game says of each becomes one of the solver's, in the order of creation. A warm tick compares where each is with
+//! where it was, and writes that down: shapes are made when they or their scale changed, and the list is put in order when one came, went or broke.
 
 use std::collections::BTreeSet;
 

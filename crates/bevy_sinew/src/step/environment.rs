@@ -186,7 +186,8 @@ pub(crate) struct Scratch {
 /// An entity and the number of what is broken on it: it may be several things at once.
 type Broken = (Entity, u32);
 
-/// Lets the sound ones pass, in the order of creation, whatever the order of the query; and complains of the others, once for each time that one broke.
+/// Lets the sound ones pass, in the order of creation, whatever the order of the query; and complains of the others, once for each time that one
+/// broke.
 struct Judge<'a, 'w> {
     before: BTreeSet<Broken>,
     now: BTreeSet<Broken>,

@@ -1,8 +1,8 @@
 //! Gather: the values of the particles' components into the columns, every tick.
 //!
 //! A warm tick copies what moves, the [`Particle`]s, table by table. What rarely changes (masses, radii, charges and so on) stands in the columns
-//! already, and is copied again for the tables in which Bevy saw a change; for all, where something was taken away, which leaves no mark behind. So what
-//! is written around Bevy's change detection is not seen, except in a [`Particle`].
+//! already, and is copied again for the tables in which Bevy saw a change; for all, where something was taken away, which leaves no mark behind. So
+//! what is written around Bevy's change detection is not seen, except in a [`Particle`].
 
 use bevy::ecs::change_detection::ContiguousRef;
 use bevy::prelude::*;

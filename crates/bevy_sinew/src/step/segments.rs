@@ -34,7 +34,8 @@ impl Segments<'_, '_> {
         self.remembering.iter().len() != *self.listed
     }
 
-    /// Lists the segments of bodies that ask for them, and who has any. What becomes one is given a memory of what it touches, and loses that when it ceases to be one.
+    /// Lists the segments of bodies that ask for them, and who has any. What becomes one is given a memory of what it touches, and loses that when it
+    /// ceases to be one.
     pub(crate) fn list(
         &mut self,
         (particles, tables): (&Particles, &Tables),
@@ -68,7 +69,8 @@ fn owner(rod: &DistanceConstraint, members: &Query<&ParticleOf>) -> Option<Entit
     one.filter(|_| one == other && rod.bound != Bound::AtLeast)
 }
 
-/// The capsule of a rod, as thick as its thinner end; `None` if it has no thickness, or an end is gone or set aside. Rods of a rope are much alike: `last` is what the one before became.
+/// The capsule of a rod, as thick as its thinner end; `None` if it has no thickness, or an end is gone or set aside. Rods of a rope are much alike:
+/// `last` is what the one before became.
 fn segment(
     rod: &DistanceConstraint,
     particles: &Particles,

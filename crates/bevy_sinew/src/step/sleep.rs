@@ -22,7 +22,8 @@ pub(crate) struct Surroundings<'w, 's> {
 
 type Touched = Or<(Changed<Collider>, Changed<Ground>, Changed<Wind>, Changed<Fluid>)>;
 
-/// The number of surroundings that nobody has touched since, and how many there were. It saves work and changes nothing: bodies keep the number that they know.
+/// The number of surroundings that nobody has touched since, and how many there were. It saves work and changes nothing: bodies keep the number that
+/// they know.
 #[derive(Default)]
 pub(crate) struct Known {
     number: u64,

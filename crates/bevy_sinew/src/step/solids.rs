@@ -38,10 +38,11 @@ pub(crate) struct Known {
     counts: [usize; 2],
 }
 
-/// Lists the solids afresh if particles came or went or were set aside, or a body asks for something else, or a part has another shape, or, where a body collides by its segments, a
-/// rod or a particle is not what it was.
+/// Lists the solids afresh if particles came or went or were set aside, or a body asks for something else, or a part has another shape, or, where a
+/// body collides by its segments, a rod or a particle is not what it was.
 ///
-/// A part with a broken shape, or one of a kind that cannot move, is left out and reported, one with a particle that is gone or set aside is left out; their particles collide for themselves.
+/// A part with a broken shape, or one of a kind that cannot move, is left out and reported, one with a particle that is gone or set aside is left
+/// out; their particles collide for themselves.
 pub(crate) fn compile_solids(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,

@@ -21,8 +21,8 @@ pub struct Collider {
     pub sensor: bool,
     /// Whether its contacts are listed in the report. Default not.
     pub events: bool,
-    /// What names it where contacts are remembered ([`ContactMemory`](super::ContactMemory)): ascending in the list of colliders, whatever comes and goes. Default 0, which
-    /// stands for its place in that list.
+    /// What names it where contacts are remembered ([`ContactMemory`](super::ContactMemory)): ascending in the list of colliders, whatever comes and
+    /// goes. Default 0, which stands for its place in that list.
     pub id: u64,
 }
 
@@ -78,7 +78,8 @@ pub(super) fn on_the_way(start: &Frame, end: &Frame, share: f32) -> Frame {
 
 /// The rotation a share of the way from one to another.
 ///
-/// `E Sᵀ` turns by `θ` about `n`, where `sinθ n` is half of its antisymmetric part and `1 + 2 cosθ` its trace. A turn of π has no such axis, and jumps at the end.
+/// `E Sᵀ` turns by `θ` about `n`, where `sinθ n` is half of its antisymmetric part and `1 + 2 cosθ` its trace. A turn of π has no such axis, and
+/// jumps at the end.
 fn between(start: &Mat3, end: &Mat3, share: f32) -> Mat3 {
     let turn = *end * start.transpose();
     let (x, y, z) = (turn.x_axis, turn.y_axis, turn.z_axis);

@@ -20,8 +20,8 @@ impl Frame {
         Self { translation, ..Self::IDENTITY }
     }
 
-    /// A frame at a place, turned. The quaternion is made unit here, term by term, because glam's own order of terms differs from one processor to the next;
-    /// one that cannot be gives a frame that is not [valid](Self::is_valid).
+    /// A frame at a place, turned. The quaternion is made unit here, term by term, because glam's own order of terms differs from one processor to
+    /// the next; one that cannot be gives a frame that is not [valid](Self::is_valid).
     pub fn new(translation: Vec3, q: Quat) -> Self {
         let length = (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w).sqrt();
         let unit = Quat::from_xyzw(q.x / length, q.y / length, q.z / length, q.w / length);

@@ -13,7 +13,8 @@ pub struct Material {
     pub friction_rule: Combine,
     /// The same of restitution.
     pub restitution_rule: Combine,
-    /// The lectures' friction: a drag along the surface and one across it, for what touches it: single particles on what stands, and solids. Of two surfaces the greater counts. Default none.
+    /// The lectures' friction: a drag along the surface and one across it, for what touches it: single particles on what stands, and solids. Of two
+    /// surfaces the greater counts. Default none.
     pub drag: PlanarDrag,
 }
 
@@ -143,8 +144,8 @@ pub struct BodyContacts {
     pub with_bodies: bool,
     /// Whether its particles touch each other where they are further apart in the rest shape. Default not.
     pub with_itself: bool,
-    /// Whether it touches those by the triangles of its surface, too ([`Forces::surfaces`](crate::Forces::surfaces)), and not by its particles alone: nothing passes through its mesh then, however coarse
-    /// that is. It costs some ten times what its particles do. Default not.
+    /// Whether it touches those by the triangles of its surface, too ([`Forces::surfaces`](crate::Forces::surfaces)), and not by its particles alone:
+    /// nothing passes through its mesh then, however coarse that is. It costs some ten times what its particles do. Default not.
     pub surface: bool,
     /// Whether its contacts are listed in the report. Default not.
     pub events: bool,

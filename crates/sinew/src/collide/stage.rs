@@ -52,8 +52,8 @@ impl Contacts {
         self.solids.rows().get(row as usize).is_some_and(|&solid| solid)
     }
 
-    /// Begins a step: finds what may come to touch what, and borrows what is remembered of it until the step [ends](Self::keep). Bodies that ask for it collide by
-    /// the triangles of `surfaces`.
+    /// Begins a step: finds what may come to touch what, and borrows what is remembered of it until the step [ends](Self::keep). Bodies that ask for
+    /// it collide by the triangles of `surfaces`.
     pub(crate) fn begin(
         &mut self,
         (particles, surfaces): (&Particles, &[[u32; 3]]),

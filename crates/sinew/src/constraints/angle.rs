@@ -104,9 +104,9 @@ pub(super) struct Turn {
 /// ∂θ/∂u = -(n×û)/‖u‖        ∂θ/∂v = (n×v̂)/‖v‖
 /// ```
 ///
-/// and nothing along `u`, nor along `n`. Where `u` and `v` lie on one line (θ is 0 or π) every way across opens or bends the joint, and the angle has no
-/// gradient but a rim of them. One is chosen: `n` is `u` × the coordinate axis that it is least along. So a straight joint that is asked to bend does bend,
-/// always the same way.
+/// and nothing along `u`, nor along `n`. Where `u` and `v` lie on one line (θ is 0 or π) every way across opens or bends the joint, and the angle has
+/// no gradient but a rim of them. One is chosen: `n` is `u` × the coordinate axis that it is least along. So a straight joint that is asked to bend
+/// does bend, always the same way.
 #[inline]
 pub(super) fn between(u: Vec3, v: Vec3) -> Option<Turn> {
     let (u_length, v_length) = (u.length(), v.length());

@@ -60,15 +60,15 @@ impl Equation for Area {
 
 /// The area of a triangle, m², and how it changes with its corners, m.
 ///
-/// With `u = b - a`, `v = c - a` and the unit normal `n = u×v/‖u×v‖`, `A = ½‖u×v‖` changes by `½ n·(du×v + u×dv)`: a turn of the normal itself changes
-/// nothing to first order. Hence
+/// With `u = b - a`, `v = c - a` and the unit normal `n = u×v/‖u×v‖`, `A = ½‖u×v‖` changes by `½ n·(du×v + u×dv)`: a turn of the normal itself
+/// changes nothing to first order. Hence
 ///
 /// ```text
 /// ∂A/∂b = ½ v×n        ∂A/∂c = ½ n×u        ∂A/∂a = -∂A/∂b - ∂A/∂c
 /// ```
 ///
-/// each as long as half the side opposite, and across it. A flat triangle has no normal, and its area grows whichever way it opens; it is given one across
-/// its longer side. The normal comes of a cross product without its size, whose square would be lost in a triangle of a micrometre.
+/// each as long as half the side opposite, and across it. A flat triangle has no normal, and its area grows whichever way it opens; it is given one
+/// across its longer side. The normal comes of a cross product without its size, whose square would be lost in a triangle of a micrometre.
 #[inline]
 pub(super) fn area([a, b, c]: [Vec3; 3]) -> (f32, [Vec3; 3]) {
     let (u, v) = (b - a, c - a);
@@ -87,10 +87,10 @@ pub(super) fn area([a, b, c]: [Vec3; 3]) -> (f32, [Vec3; 3]) {
 
 /// Makes the gradients of an area or a volume so steep that one step takes the particles no farther than `reach` metres (root of the mean square).
 ///
-/// A step is `‖d‖ = |C|/‖∇C‖` with equal masses. Of what has collapsed to a point the gradient is all but zero, and the step would throw the particles
-/// thousands of shapes far. Such a gradient keeps its direction, and gets the steepness with which the step is the reach: that is about the one that the
-/// shape will have when it is in order, so the multipliers of a soft one keep their size, too. `reach` is the size that the shape has or shall have;
-/// what is not collapsed never meets this bound.
+/// A step is `‖d‖ = |C|/‖∇C‖` with equal masses. Of what has collapsed to a point the gradient is all but zero, and the step would throw the
+/// particles thousands of shapes far. Such a gradient keeps its direction, and gets the steepness with which the step is the reach: that is about the
+/// one that the shape will have when it is in order, so the multipliers of a soft one keep their size, too. `reach` is the size that the shape has or
+/// shall have; what is not collapsed never meets this bound.
 pub(super) fn keep_within_reach(value: f32, reach: f32, gradients: &mut [Vec3]) {
     let square: f32 = gradients.iter().map(|g| g.length_squared()).sum();
     let most = (square * gradients.len() as f32).sqrt() * reach;

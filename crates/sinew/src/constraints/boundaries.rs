@@ -1,5 +1,5 @@
-//! What holds particles by themselves, as a world has it: planes and boxes (physics.md C4), pins (C3), and the sheet that a world in 2D lies in. How particles touch
-//! them is in [`collide`](crate::collide).
+//! What holds particles by themselves, as a world has it: planes and boxes (physics.md C4), pins (C3), and the sheet that a world in 2D lies in. How
+//! particles touch them is in [`collide`](crate::collide).
 
 use glam::Vec3;
 

@@ -182,8 +182,8 @@ pub(crate) fn assert_least(law: &dyn Equation, positions: &[Vec3], masses: &[f32
     }
 }
 
-/// Whatever the places are, projecting leaves finite ones: coincident, collinear, coplanar, mirrored, huge, tiny, two in one place; with all free, one
-/// pinned, or all; and masses far apart.
+/// Whatever the places are, projecting leaves finite ones: coincident, collinear, coplanar, mirrored, huge, tiny, two in one place; with all free,
+/// one pinned, or all; and masses far apart.
 #[track_caller]
 pub(crate) fn assert_survives(law: &dyn Equation, positions: &[Vec3]) {
     let count = positions.len();
@@ -243,8 +243,8 @@ pub(crate) fn assert_survives(law: &dyn Equation, positions: &[Vec3]) {
     }
 }
 
-/// An equation that is never kept and moves nothing that f32 could tell, so that an island with the tolerance 0 is swept as often as it may be. A soft law
-/// has no error of its own to be swept for.
+/// An equation that is never kept and moves nothing that f32 could tell, so that an island with the tolerance 0 is swept as often as it may be. A
+/// soft law has no error of its own to be swept for.
 #[derive(Debug)]
 pub(crate) struct Restless;
 

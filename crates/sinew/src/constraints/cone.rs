@@ -12,8 +12,8 @@ pub(crate) use wide::Cones;
 
 /// The segment `c → d` stays within the angle `max` of an axis that is fixed in the frame of three particles: the shoulder or the hip of a ragdoll.
 ///
-/// The particles are `[o, x, y, c, d]`, or `[o, x, y, d]` for a segment that begins at `o`. Which axis it is follows from where `o`, `x` and `y` are, so it
-/// turns with them. A cone says nothing about twist; a [`Hinge`](super::Hinge) does.
+/// The particles are `[o, x, y, c, d]`, or `[o, x, y, d]` for a segment that begins at `o`. Which axis it is follows from where `o`, `x` and `y` are,
+/// so it turns with them. A cone says nothing about twist; a [`Hinge`](super::Hinge) does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cone {
     /// The axis is `axis.x (x - o) + axis.y (y - o) + axis.z (x - o)×(y - o)`; its length does not matter, but it must have one.

@@ -10,15 +10,16 @@ use super::angle::beyond;
 use super::{Equation, LawFault, Points, Softness};
 pub(crate) use wide::Hinges;
 
-/// The signed angle about the axis `h0 → h1` from the half-plane of `a` to the half-plane of `c`, of the particles `[a, h0, h1, c]`, between two limits.
+/// The signed angle about the axis `h0 → h1` from the half-plane of `a` to the half-plane of `c`, of the particles `[a, h0, h1, c]`, between two
+/// limits.
 ///
 /// The angle is -π to π, positive where the thumb of a right hand that turns `a` towards `c` points from `h0` to `h1`. What it is good for:
 ///
-/// - **A hinge**, an elbow or a knee: `h0` and `h1` are the pin of the hinge, `a` and `c` lie on the two bones. A straight joint has the angle π, so an
-///   elbow that closes by 150° and never bends backward is [`between`](Self::between)(30°, 180°), or (180°, 330°) if it closes the other way.
+/// - **A hinge**, an elbow or a knee: `h0` and `h1` are the pin of the hinge, `a` and `c` lie on the two bones. A straight joint has the angle π, so
+///   an elbow that closes by 150° and never bends backward is [`between`](Self::between)(30°, 180°), or (180°, 330°) if it closes the other way.
 /// - **Bending** of two triangles with the common edge `h0 h1`: [`rest`](Self::rest) keeps the dihedral angle; flat is π.
-/// - **A limit of twist**: the particles are [a reference in the parent, the joint, the child's far end, a reference in the child], so that the axis is the
-///   bone itself.
+/// - **A limit of twist**: the particles are [a reference in the parent, the joint, the child's far end, a reference in the child], so that the axis
+///   is the bone itself.
 ///
 /// On a circle every number is above and below every range. Which it is goes by the shorter way: -179° is 1° above a range of 170° to 180°.
 /// Where `a` or `c` lies on the axis there is no angle, and nothing is done.
@@ -96,23 +97,23 @@ struct Dihedral {
 
 /// The dihedral angle and its gradients, rad/m; `None` where there is no axis or one of the outer particles lies on it.
 ///
-/// With the unit axis `ê` along `e = h1 - h0`, `n = ê×(a - h0)` is as long as `a` is far from the axis, and points where `a` goes if it turns about `ê`;
-/// `m = ê×(c - h0)` likewise. The angle from one half-plane to the other is the angle from `n` to `m`: `φ = atan2(ê·(n×m), n·m)`, all its digits
+/// With the unit axis `ê` along `e = h1 - h0`, `n = ê×(a - h0)` is as long as `a` is far from the axis, and points where `a` goes if it turns about
+/// `ê`; `m = ê×(c - h0)` likewise. The angle from one half-plane to the other is the angle from `n` to `m`: `φ = atan2(ê·(n×m), n·m)`, all its digits
 /// everywhere, with its sign. If `a` moves by `δ`, its half-plane turns by `δ·n/‖n‖²`, so
 ///
 /// ```text
 /// ∂φ/∂a = -n/‖n‖²        ∂φ/∂c = m/‖m‖²
 /// ```
 ///
-/// Along the edge, `a` stands at `s = (a - h0)·e/‖e‖²` (0 at `h0`, 1 at `h1`), and `c` at `t`. If `h1` moves by `δ`, the place of the axis beside `a` moves
-/// by `s δ`, which turns the half-plane as if `a` had moved by `-s δ`; if `h0` moves, `1 - s` stands in the place of `s`:
+/// Along the edge, `a` stands at `s = (a - h0)·e/‖e‖²` (0 at `h0`, 1 at `h1`), and `c` at `t`. If `h1` moves by `δ`, the place of the axis beside `a`
+/// moves by `s δ`, which turns the half-plane as if `a` had moved by `-s δ`; if `h0` moves, `1 - s` stands in the place of `s`:
 ///
 /// ```text
 /// ∂φ/∂h0 = -(1 - s) ∂φ/∂a - (1 - t) ∂φ/∂c        ∂φ/∂h1 = -s ∂φ/∂a - t ∂φ/∂c
 /// ```
 ///
-/// (Bridson et al., *Simulation of Clothing with Folds and Wrinkles*, 2003, in other letters.) Unlike an angle without a sign, this one has a gradient
-/// where the joint is straight or folded flat, too.
+/// (Bridson et al., *Simulation of Clothing with Folds and Wrinkles*, 2003, in other letters.) Unlike an angle without a sign, this one has a
+/// gradient where the joint is straight or folded flat, too.
 fn dihedral([a, h0, h1, c]: [Vec3; 4]) -> Option<Dihedral> {
     let edge = h1 - h0;
     let length = edge.length();
@@ -214,8 +215,8 @@ mod tests {
         }
     }
 
-    /// An elbow: the upper arm and the pin of the hinge are held, the forearm is straight at first, and `gravity` pulls at the hand. How far it has bent,
-    /// radians: the least, the most and the last.
+    /// An elbow: the upper arm and the pin of the hinge are held, the forearm is straight at first, and `gravity` pulls at the hand. How far it has
+    /// bent, radians: the least, the most and the last.
     fn bent(gravity: f32, law: Option<Hinge>, start: f32) -> (f32, f32, f32) {
         let mut world = Simulation::default();
         world.forces.gravity = Vec3::new(0.0, gravity, 0.0);

@@ -24,8 +24,8 @@ pub struct Patch {
 }
 
 impl Patch {
-    /// The area that a patch has there, kept hard along the gradient. `positions` are those of the constraint's particles, in its order; a triangle that
-    /// names none of them does not count, and is a fault.
+    /// The area that a patch has there, kept hard along the gradient. `positions` are those of the constraint's particles, in its order; a triangle
+    /// that names none of them does not count, and is a fault.
     pub fn of(triangles: impl Into<Arc<[[u32; 3]]>>, positions: &[Vec3]) -> Self {
         let triangles = triangles.into();
         let corner = |i: u32| positions.get(i as usize).copied();
@@ -57,8 +57,8 @@ impl Patch {
 }
 
 /// Along the gradient `C = ΣA - A₀`, m², the gradient of each triangle from `area`, steep enough (`keep_within_reach`). By scaling, see `scale`:
-/// lengths go as the root of the area, so the factor is `√(A₀/A)`. What has no area to scale, or less than a quarter of what it should, goes along the
-/// gradient in either case. The solver takes the value's error through the gradient, which gives the same length for both units.
+/// lengths go as the root of the area, so the factor is `√(A₀/A)`. What has no area to scale, or less than a quarter of what it should, goes along
+/// the gradient in either case. The solver takes the value's error through the gradient, which gives the same length for both units.
 impl Equation for Patch {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
         // The same bits with any instructions, so the best.
@@ -87,12 +87,12 @@ impl Equation for Patch {
 /// C = (1 - s) R        ∇ᵢC = mᵢ (qᵢ - B)/(M R)        so that Σ wⱼ‖∇ⱼC‖² = Σ mⱼ‖qⱼ - B‖²/(M R)² = 1/M
 /// ```
 ///
-/// The projection `dᵢ = -wᵢ ∇ᵢC · C/(1/M)` gives `-(qᵢ - B)/(M R) · (1 - s) R · M = (s - 1)(qᵢ - B)`. `|C|` is the root of the mean square of how far the
-/// particles go, a length. The gradient is that of `R` with the factor held, not of the factor: this is the lectures' way, and not the least.
+/// The projection `dᵢ = -wᵢ ∇ᵢC · C/(1/M)` gives `-(qᵢ - B)/(M R) · (1 - s) R · M = (s - 1)(qᵢ - B)`. `|C|` is the root of the mean square of how far
+/// the particles go, a length. The gradient is that of `R` with the factor held, not of the factor: this is the lectures' way, and not the least.
 ///
-/// `B` is the barycentre of the *masses*: `Σ mᵢ(qᵢ - B) = 0` is the momentum that it does not give, and `Σ mᵢ (qᵢ - B)×(qᵢ - B) = 0` the angular momentum.
-/// A pinned particle weighs more than all others together, so where there are some, `B` is the mean of those; they do not move, and with one of them the
-/// size is right at once as well.
+/// `B` is the barycentre of the *masses*: `Σ mᵢ(qᵢ - B) = 0` is the momentum that it does not give, and `Σ mᵢ (qᵢ - B)×(qᵢ - B) = 0` the angular
+/// momentum. A pinned particle weighs more than all others together, so where there are some, `B` is the mean of those; they do not move, and with
+/// one of them the size is right at once as well.
 pub(super) fn scale(points: &Points, factor: f32, gradients: &mut [Vec3]) -> f32 {
     gradients.fill(Vec3::ZERO);
     let all = || (0..points.len()).map(|i| (points.at(i).as_dvec3(), mass(points.inverse_mass(i))));

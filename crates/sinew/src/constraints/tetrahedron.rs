@@ -10,8 +10,8 @@ pub(crate) use wide::Tetrahedra;
 
 /// The signed volume of the tetrahedron `[a, b, c, d]`: `⅙ (b - a)×(c - a)·(d - a)`.
 ///
-/// It is positive where `d` sees `a`, `b`, `c` in counter-clockwise order. That agrees with a [`Volume`](super::Volume) of its outward triangles, which are
-/// `[a, c, b]`, `[a, b, d]`, `[a, d, c]` and `[b, c, d]`. Having a sign, it comes back right side out when it has been turned inside out.
+/// It is positive where `d` sees `a`, `b`, `c` in counter-clockwise order. That agrees with a [`Volume`](super::Volume) of its outward triangles,
+/// which are `[a, c, b]`, `[a, b, d]`, `[a, d, c]` and `[b, c, d]`. Having a sign, it comes back right side out when it has been turned inside out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tetrahedron {
     /// Volume to keep, m³; negative for one whose particles are named in the other order.

@@ -11,8 +11,8 @@ use super::{Equation, LawFault, Points, Softness, Way};
 /// The volume inside a closed mesh of triangles: what keeps a balloon or a soft body full.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Volume {
-    /// The triangles, as numbers of the constraint's particles, counter-clockwise as seen from outside. The other way round the volume is negative, which
-    /// works as well. A mesh with a hole counts as if the hole were closed by a fan around the constraint's first particle.
+    /// The triangles, as numbers of the constraint's particles, counter-clockwise as seen from outside. The other way round the volume is negative,
+    /// which works as well. A mesh with a hole counts as if the hole were closed by a fan around the constraint's first particle.
     pub triangles: Arc<[[u32; 3]]>,
     /// Volume to keep, m³.
     pub rest: f32,
@@ -23,8 +23,8 @@ pub struct Volume {
 }
 
 impl Volume {
-    /// The volume that a mesh has there, kept hard along the gradient. `positions` are those of the constraint's particles, in its order; a triangle that
-    /// names none of them does not count, and is a fault.
+    /// The volume that a mesh has there, kept hard along the gradient. `positions` are those of the constraint's particles, in its order; a triangle
+    /// that names none of them does not count, and is a fault.
     pub fn of(triangles: impl Into<Arc<[[u32; 3]]>>, positions: &[Vec3]) -> Self {
         let triangles = triangles.into();
         let first = positions.first().copied().unwrap_or_default();
@@ -61,8 +61,8 @@ impl Volume {
     }
 }
 
-/// `V = ⅙ Σ xᵢ·(xⱼ×x_k)` over the triangles: each is the base of a tetrahedron with its top at the origin, and in a closed mesh what lies outside cancels. The
-/// sum is linear in each corner, and the same with the three turned round, so a triangle adds
+/// `V = ⅙ Σ xᵢ·(xⱼ×x_k)` over the triangles: each is the base of a tetrahedron with its top at the origin, and in a closed mesh what lies outside
+/// cancels. The sum is linear in each corner, and the same with the three turned round, so a triangle adds
 ///
 /// ```text
 /// ⅙ xⱼ×x_k to ∇ᵢV,   ⅙ x_k×xᵢ to ∇ⱼV,   ⅙ xᵢ×xⱼ to ∇_kV
@@ -71,8 +71,9 @@ impl Volume {
 /// The origin does not matter to a closed mesh, but to its digits: it is the first particle, `x₀ = 0`, and sums are in f64. The first particle's own
 /// gradient is what makes the sum of all zero, so a mesh with a hole keeps momentum, too.
 ///
-/// Along the gradient `C = V - V₀`, m³, its gradient steep enough (`keep_within_reach`). By scaling, see `scale`: lengths go as the third root of the volume, so
-/// the factor is `∛(V₀/V)`. What has no volume to scale, less than an eighth of what it should, or is inside out, goes along the gradient in either case.
+/// Along the gradient `C = V - V₀`, m³, its gradient steep enough (`keep_within_reach`). By scaling, see `scale`: lengths go as the third root of the
+/// volume, so the factor is `∛(V₀/V)`. What has no volume to scale, less than an eighth of what it should, or is inside out, goes along the gradient
+/// in either case.
 impl Equation for Volume {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
         let Some(first) = (!points.is_empty()).then(|| points.at(0)) else { return 0.0 };

@@ -5,8 +5,8 @@ use crate::lanes::{LANES, Lanes, Vector};
 
 /// Eight constraints of one law and of `N` particles each.
 ///
-/// `evaluate` is the law's own formula; where it takes another way for round-off or for speed, it says so. What has no value or no gradient may come out as
-/// zero, infinite or NaN: the projector leaves such lanes alone, as the scalar one does.
+/// `evaluate` is the law's own formula; where it takes another way for round-off or for speed, it says so. What has no value or no gradient may come
+/// out as zero, infinite or NaN: the projector leaves such lanes alone, as the scalar one does.
 pub(crate) trait Wide<const N: usize>: Sized {
     /// Whether the value is a length in metres, as [`Equation::is_length`](super::Equation::is_length) has it.
     const IS_LENGTH: bool = false;
@@ -22,8 +22,8 @@ pub(crate) trait Wide<const N: usize>: Sized {
     /// Whether [`is_kept`](Self::is_kept) has anything to tell.
     const IS_LIMIT: bool = false;
 
-    /// A mask of those that are kept for certain, so that their value is zero, where that can be told for less than what `evaluate` costs. Most limits are kept
-    /// most of the time. To be inlined always.
+    /// A mask of those that are kept for certain, so that their value is zero, where that can be told for less than what `evaluate` costs. Most
+    /// limits are kept most of the time. To be inlined always.
     #[inline(always)]
     fn is_kept<L: Lanes>(&self, _points: &[Vector<L>; N]) -> L {
         L::zero()

@@ -45,7 +45,8 @@ pub struct Forces {
     pub controls: Vec<Control>,
     /// Springs between pairs of particles.
     pub springs: Vec<Spring>,
-    /// Triangles of particles: wind presses on them and air drags, rays meet them, and bodies collide by them that ask for it ([`BodyContacts::surface`](crate::BodyContacts::surface)).
+    /// Triangles of particles: wind presses on them and air drags, rays meet them, and bodies collide by them that ask for it
+    /// ([`BodyContacts::surface`](crate::BodyContacts::surface)).
     pub surfaces: Vec<[u32; 3]>,
     /// Winds that press on them.
     pub winds: Vec<Wind>,

@@ -1,5 +1,5 @@
-//! Verlet's step of particles in columns: what one substep derives and what the next one predicts, in one go over each of them. Operation by operation it is
-//! what [`Derive`](super::Derive) and [`Predict`](super::Predict) do.
+//! Verlet's step of particles in columns: what one substep derives and what the next one predicts, in one go over each of them. Operation by
+//! operation it is what [`Derive`](super::Derive) and [`Predict`](super::Predict) do.
 
 use core::ops::Range;
 

@@ -68,8 +68,8 @@ pub(super) fn kick_all(particles: &mut Particles, h: f32) {
 
 /// `v ← e^(-λτ) v + τ a`, with the last exponential kept: neighbours mostly share their damping.
 ///
-/// What the sum rounds away goes into the next one (Kahan, 1965). Gravity adds the same at every substep, and a sum of equal terms rounds the same way
-/// until the next power of two: without it, a fall of 10 s at 600 substeps a second ends 1.2e-5 of its height too high.
+/// What the sum rounds away goes into the next one (Kahan, 1965). Gravity adds the same at every substep, and a sum of equal terms rounds the same
+/// way until the next power of two: without it, a fall of 10 s at 600 substeps a second ends 1.2e-5 of its height too high.
 #[derive(Default)]
 struct Kick {
     exponent: f32,

@@ -7,8 +7,8 @@ use glam::Vec4;
 use crate::lanes::{Lanes, Work};
 use crate::particles::Particles;
 
-/// Some consecutive particles, to be predicted. All columns are of one length; `acceleration`, `damping` and `medium` may be empty for zeros, and `damping` may have
-/// one number for all.
+/// Some consecutive particles, to be predicted. All columns are of one length; `acceleration`, `damping` and `medium` may be empty for zeros, and
+/// `damping` may have one number for all.
 pub(crate) struct Predict<'a> {
     pub(crate) position: &'a mut [Vec4],
     pub(crate) start: &'a mut [Vec4],

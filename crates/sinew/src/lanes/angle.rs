@@ -16,10 +16,10 @@ const REST: f32 = 2.419_134e-4;
 
 /// The angle of `(x, y)` from the x axis, radians, -π to π: `atan2` to within 2e-7 rad anywhere, and to within 2e-7 of itself where it is small.
 ///
-/// The lesser of `‖x‖` and `‖y‖` over the greater is at most 1, an angle up to 45°; above 22.5° it is counted from 45° by
-/// `tan(a - 45°) = (t - 1)/(t + 1)`, in one division: of `(less - more)/(less + more)`. Then the angle is mirrored at 45°, at the y axis and at the x axis, as
-/// the sizes and the signs say. Until the end it is a small angle beside a count of 45°, so that there is one sum to be rounded. Where both
-/// are zero the angle is 0. Of a `y` of -0 the sign does not count: it is +π behind the origin.
+/// The lesser of `‖x‖` and `‖y‖` over the greater is at most 1, an angle up to 45°; above 22.5° it is counted from 45° by `tan(a - 45°) = (t -
+/// 1)/(t + 1)`, in one division: of `(less - more)/(less + more)`. Then the angle is mirrored at 45°, at the y axis and at the x axis, as the sizes
+/// and the signs say. Until the end it is a small angle beside a count of 45°, so that there is one sum to be rounded. Where both are zero the angle
+/// is 0. Of a `y` of -0 the sign does not count: it is +π behind the origin.
 #[inline(always)]
 pub(crate) fn atan2<L: Lanes>(y: L, x: L) -> L {
     let (x_size, y_size) = (x.abs(), y.abs());

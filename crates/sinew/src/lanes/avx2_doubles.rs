@@ -8,7 +8,8 @@ use super::{Doubles, LANES};
 
 /// Lanes 0 to 3, and 4 to 7.
 ///
-/// As [`Eight`](super::avx2::Eight), from which alone it comes, it is only there where the machine has AVX2: that is what each `unsafe` below relies on.
+/// As [`Eight`](super::avx2::Eight), from which alone it comes, it is only there where the machine has AVX2: that is what each `unsafe` below relies
+/// on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fours(pub(super) __m256d, pub(super) __m256d);
 

@@ -1,7 +1,7 @@
 //! Particles as columns of x, y, z and w, and stretches of them that are read and written without asking for every eight whether it is there.
 //!
-//! Even rows and odd ones are kept apart, so that pairs of neighbours, too, are eights of neighbours: `(2k, 2k + 1)` is a stretch of even rows and one of odd
-//! ones.
+//! Even rows and odd ones are kept apart, so that pairs of neighbours, too, are eights of neighbours: `(2k, 2k + 1)` is a stretch of even rows and
+//! one of odd ones.
 #![allow(unsafe_code)]
 
 use core::marker::PhantomData;
@@ -28,8 +28,8 @@ const LINE: usize = 16;
 impl Columns {
     /// Where the odd rows begin in a column of so many rows. Up to seven lanes beyond the last row are loaded, and stored as they were.
     ///
-    /// The eight halves of columns begin far apart in a cache's ways of 4096 bytes: they are used side by side, and what was just written to one may not look like what is
-    /// about to be read from another, of which a core compares the last twelve bits.
+    /// The eight halves of columns begin far apart in a cache's ways of 4096 bytes: they are used side by side, and what was just written to one may
+    /// not look like what is about to be read from another, of which a core compares the last twelve bits.
     pub(crate) fn half(rows: usize) -> usize {
         const WAY: usize = 64 * LINE;
         const OFF: usize = 9 * LINE;
@@ -225,8 +225,8 @@ impl<'a> Found<'a> {
     }
 }
 
-/// What is done with pairs, in three steps that overlap: while one pair waits for its root, the one before waits for its quotient and the one before that is
-/// moved. A trait and no closures: those cannot be made to be inlined.
+/// What is done with pairs, in three steps that overlap: while one pair waits for its root, the one before waits for its quotient and the one before
+/// that is moved. A trait and no closures: those cannot be made to be inlined.
 pub(crate) trait OnPairs<L> {
     /// How long they are.
     fn length(&self, one: [L; 3], other: [L; 3]) -> L;

@@ -1,7 +1,7 @@
 //! Eight numbers side by side: the few operations that the wide kernels are written in, for whatever instructions the machine has.
 //!
-//! A kernel is written once, over the trait [`Lanes`], and compiled for each [`InstructionSet`]; which one runs is chosen when the program runs. All give
-//! the same bits: there is nothing here but `+ - × ÷ √`, comparisons and selections, which IEEE 754 defines to the last bit. No fused
+//! A kernel is written once, over the trait [`Lanes`], and compiled for each [`InstructionSet`]; which one runs is chosen when the program runs. All
+//! give the same bits: there is nothing here but `+ - × ÷ √`, comparisons and selections, which IEEE 754 defines to the last bit. No fused
 //! multiply-add, no reciprocal estimates, and `min` and `max` are made of a comparison and a selection, because instructions differ about NaN and ±0.
 //!
 //! | file | what it is |
@@ -17,9 +17,9 @@
 //!
 //! # Packed particles
 //!
-//! Particles lie in memory as `[x y z w]`, 16 bytes each. A kernel wants the x of eight particles in one register, the y in the next, and so on: eight loads and a
-//! transposition. Three ways to name the eight, cheapest last: any rows ([`Lanes::rows`]), pairs of neighbours that two registers are made of
-//! ([`Lanes::pairs`]), consecutive rows ([`Lanes::run`]).
+//! Particles lie in memory as `[x y z w]`, 16 bytes each. A kernel wants the x of eight particles in one register, the y in the next, and so on:
+//! eight loads and a transposition. Three ways to name the eight, cheapest last: any rows ([`Lanes::rows`]), pairs of neighbours that two registers
+//! are made of ([`Lanes::pairs`]), consecutive rows ([`Lanes::run`]).
 //!
 //! This folder is the only home of `unsafe` in Sinew: for the instructions of AVX2, which exist only where the machine has been asked, and for loads
 //! whose bounds are checked eight at a time, or once for a stretch of eights.
@@ -83,8 +83,8 @@ pub(crate) trait Work {
     /// What comes of it.
     type Output;
 
-    /// Does it. To be marked `#[inline(always)]`, and so must be what it calls: what is not inlined is not compiled for the lanes' instructions, and every operation
-    /// becomes a call. A closure cannot be marked: one that has lanes in it may be called from one place alone.
+    /// Does it. To be marked `#[inline(always)]`, and so must be what it calls: what is not inlined is not compiled for the lanes' instructions, and
+    /// every operation becomes a call. A closure cannot be marked: one that has lanes in it may be called from one place alone.
     fn run<L: Lanes>(self) -> Self::Output;
 }
 
@@ -145,8 +145,8 @@ pub(crate) trait Lanes:
     /// Without its sign.
     fn abs(self) -> Self;
 
-    /// A mask of all ones where `self < other`, zeros elsewhere and for NaN. A mask is a number of lanes like any other, and only good for [`select`](Self::select),
-    /// [`and`](Self::and), [`or`](Self::or), [`any`](Self::any) and [`bits`](Self::bits).
+    /// A mask of all ones where `self < other`, zeros elsewhere and for NaN. A mask is a number of lanes like any other, and only good for
+    /// [`select`](Self::select), [`and`](Self::and), [`or`](Self::or), [`any`](Self::any) and [`bits`](Self::bits).
     fn lt(self, other: Self) -> Self;
     /// The same for `self <= other`.
     fn le(self, other: Self) -> Self;

@@ -79,7 +79,8 @@ impl Particles {
     }
 
     /// Counts the calls that changed a property of a row, or gave it to another particle: who keeps the properties elsewhere and finds the number
-    /// that it left need not write them again. What [`load`](Self::load), the steps and the methods for positions and velocities change is not counted.
+    /// that it left need not write them again. What [`load`](Self::load), the steps and the methods for positions and velocities change is not
+    /// counted.
     pub fn edits(&self) -> u64 {
         self.edits
     }
@@ -105,7 +106,8 @@ impl Particles {
         })
     }
 
-    /// The first rows from `row` on, sixty-four at most, that are not all [finite](Self::is_finite): each number times zero is zero where it is, and their sum is.
+    /// The first rows from `row` on, sixty-four at most, that are not all [finite](Self::is_finite): each number times zero is zero where it is, and
+    /// their sum is.
     pub(crate) fn next_broken(&self, row: usize) -> Option<Range<usize>> {
         const SOME: usize = 64;
         let mut rows = (row..self.len()).step_by(SOME).map(|row| row..self.len().min(row + SOME));

@@ -14,8 +14,9 @@ use super::whole::Whole;
 use super::{Particles, snap};
 
 impl Particles {
-    /// Says where particle `i` is in the rest shape of its body, metres, in any coordinates that are the same for all of the body: contacts of the body with itself let particles
-    /// come as near to each other as they are there. `None`, the default, for one that has no place: it keeps off by its radius.
+    /// Says where particle `i` is in the rest shape of its body, metres, in any coordinates that are the same for all of the body: contacts of the
+    /// body with itself let particles come as near to each other as they are there. `None`, the default, for one that has no place: it keeps off by
+    /// its radius.
     pub fn set_rest(&mut self, i: usize, place: Option<Vec3>) {
         self.edits = self.edits.wrapping_add(1);
         if place.is_some() && self.rest.is_empty() {

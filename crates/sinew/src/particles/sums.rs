@@ -1,5 +1,5 @@
-//! What is summed up afresh in every substep: acceleration and damping. Most worlds have one gravity and still air, so what all particles share is one
-//! number, and the columns are read and cleared only in substeps in which something wrote to them.
+//! What is summed up afresh in every substep: acceleration and damping. Most worlds have one gravity and still air, so what all particles share is
+//! one number, and the columns are read and cleared only in substeps in which something wrote to them.
 //!
 //! That changes no bit: a column that nobody wrote to holds zeros, and adding zero is exact.
 
@@ -21,7 +21,8 @@ pub(crate) struct Survey {
 }
 
 impl Particles {
-    /// Looks at the columns that seldom differ, if one was written to since. To be called when a step begins; whoever writes to them later takes it back.
+    /// Looks at the columns that seldom differ, if one was written to since. To be called when a step begins; whoever writes to them later takes it
+    /// back.
     pub(crate) fn look(&mut self) {
         if self.survey.seen == Some(self.edits) {
             return;

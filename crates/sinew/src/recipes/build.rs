@@ -8,7 +8,8 @@ use crate::constraints::{Constraint, Distance};
 use crate::simulation::Simulation;
 
 impl Blueprint {
-    /// Adds the particles, constraints and triangles to a simulation, as a body if it asks the solver for anything, and returns the rows of the particles, in the order of the blueprint.
+    /// Adds the particles, constraints and triangles to a simulation, as a body if it asks the solver for anything, and returns the rows of the
+    /// particles, in the order of the blueprint.
     ///
     /// # Errors
     /// A blueprint that is not in [order](Self::validate) is refused and nothing changes.

@@ -5,12 +5,12 @@
 //! Four points that span a volume make a tetrahedron; each further point outside of what there is replaces the faces that it sees by a cone
 //! from their rim to itself (the incremental hull; Preparata, Hong 1977). A point sees a face if it is strictly on its outer side.
 //!
-//! All there is to such a program is that question, and with rounded numbers it gives contradictory answers where four points are nearly in a
-//! plane, after which the hull is no surface any more. So the points are first put on a grid of 2³⁰ steps along their extent (finer by far than `f32`),
-//! and from there on everything is done in whole numbers, exactly: differences take 31 bits, cross products 63, the
-//! determinant 95 of the 128 that there are. Exactly in a plane is then "not seen", and nothing goes wrong: a hull whose
-//! points are moved inward by next to nothing has the same faces in view, so the view is in one piece and has one rim;
-//! and no edge of the rim is in line with the point, because a face that is seen is at each of them.
+//! All there is to such a program is that question, and with rounded numbers it gives contradictory answers where four points are nearly in a plane,
+//! after which the hull is no surface any more. So the points are first put on a grid of 2³⁰ steps along their extent (finer by far than `f32`), and
+//! from there on everything is done in whole numbers, exactly: differences take 31 bits, cross products 63, the determinant 95 of the 128 that there
+//! are. Exactly in a plane is then "not seen", and nothing goes wrong: a hull whose points are moved inward by next to nothing has the same faces in
+//! view, so the view is in one piece and has one rim; and no edge of the rim is in line with the point, because a face that is seen is at each of
+//! them.
 
 use std::collections::BTreeSet;
 

@@ -2,9 +2,9 @@
 //!
 //! # The integrals
 //!
-//! Choose any point `o`. Each triangle `a b c` makes a tetrahedron with it, counted positive where the triangle turns its
-//! back to `o` and negative where it turns its face; what lies outside of a closed mesh is counted as often one way as the other, and what lies inside
-//! once. So an integral over the inside is a sum over triangles. For one tetrahedron, with `a`, `b`, `c` measured from `o`,
+//! Choose any point `o`. Each triangle `a b c` makes a tetrahedron with it, counted positive where the triangle turns its back to `o` and negative
+//! where it turns its face; what lies outside of a closed mesh is counted as often one way as the other, and what lies inside once. So an integral
+//! over the inside is a sum over triangles. For one tetrahedron, with `a`, `b`, `c` measured from `o`,
 //!
 //! ```text
 //! V = a · (b × c) / 6        ∫ x dV = V s / 4        ∫ x xᵀ dV = V (a aᵀ + b bᵀ + c cᵀ + s sᵀ) / 20        s = a + b + c

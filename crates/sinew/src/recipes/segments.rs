@@ -8,23 +8,26 @@ use crate::collide::Shape;
 use crate::constraints::{Bound, Distance};
 
 impl Blueprint {
-    /// The same body, colliding by its segments: between each two particles that a distance ties together ([`Bound::Equal`] or [`Bound::AtMost`]) it gets a part, `"segment"`, whose shape is a
-    /// capsule from one to the other, as thick as the thinner one's [radius](crate::ParticleSeed::radius). The particles then touch nothing by themselves.
+    /// The same body, colliding by its segments: between each two particles that a distance ties together ([`Bound::Equal`] or [`Bound::AtMost`]) it
+    /// gets a part, `"segment"`, whose shape is a capsule from one to the other, as thick as the thinner one's [radius](crate::ParticleSeed::radius).
+    /// The particles then touch nothing by themselves.
     ///
-    /// It is for ropes whose particles are further apart than they are thick, where something thin may come between two of them: posts and rails, edges of boxes, other ropes, knots. Friction
-    /// of segments also remembers where it holds, which that of single particles does not. It costs half as much again as particles do
-    /// for ropes that lie side by side, and some five times as much in a tangle.
+    /// It is for ropes whose particles are further apart than they are thick, where something thin may come between two of them: posts and rails,
+    /// edges of boxes, other ropes, knots. Friction of segments also remembers where it holds, which that of single particles does not. It costs half
+    /// as much again as particles do for ropes that lie side by side, and some five times as much in a tangle.
     ///
-    /// Left out are distances whose particles are both in a part already that has a shape, and those with a particle of radius 0. In a body that touches itself, segments do not touch their
-    /// neighbours, nor those that they overlap in the rest shape ([`Solid::segment`](crate::collide::Solid::segment)). A segment keeps its length where a soft distance stretches, and where one
-    /// that is [`Bound::AtMost`] folds up.
+    /// Left out are distances whose particles are both in a part already that has a shape, and those with a particle of radius 0. In a body that
+    /// touches itself, segments do not touch their neighbours, nor those that they overlap in the rest shape
+    /// ([`Solid::segment`](crate::collide::Solid::segment)). A segment keeps its length where a soft distance stretches, and where one that is
+    /// [`Bound::AtMost`] folds up.
     ///
-    /// Contacts and rods take turns, once a substep: a heavy load draws a light rope into what holds it up. With ten substeps a rope bears at each end some five times the mass of one of its
-    /// particles where it lies across another rope, and a hundred times where it lies on a collider of its own thickness; with forty it is more than twenty-five and two hundred and fifty times.
-    /// With more than that they may pass through each other: take more substeps, or heavier and fewer particles.
+    /// Contacts and rods take turns, once a substep: a heavy load draws a light rope into what holds it up. With ten substeps a rope bears at each
+    /// end some five times the mass of one of its particles where it lies across another rope, and a hundred times where it lies on a collider of its
+    /// own thickness; with forty it is more than twenty-five and two hundred and fifty times. With more than that they may pass through each other:
+    /// take more substeps, or heavier and fewer particles.
     ///
-    /// What is tied to an end of the rope is to be tied by more than both are thick there, or to be on [`Layers`](crate::Layers) that the rope does not mind: a tie that is shorter fights with
-    /// the contact, and that brings in energy.
+    /// What is tied to an end of the rope is to be tied by more than both are thick there, or to be on [`Layers`](crate::Layers) that the rope does
+    /// not mind: a tie that is shorter fights with the contact, and that brings in energy.
     ///
     /// [`build_colliding`](Self::build_colliding) makes solids of the parts. Whoever removes a distance from the simulation removes its solid, too.
     ///

@@ -16,9 +16,9 @@
 //! The inertia is that of the *particles*: eight at the corners of a box turn three times as hard as the solid, and so does
 //! the body that they become. It is taken at rest, not as the compound happens to be strained, so that a second swap finds the same one.
 //!
-//! **Flat** compounds keep everything. On a **line** there is no inertia about it, so neither the particles nor the body can spin
-//! about it: a body that was given such a spin by hand loses it, and which way it is twisted is what `previous` says ([`pose`]). A **single** particle
-//! keeps its momentum and `previous`, and does not spin.
+//! **Flat** compounds keep everything. On a **line** there is no inertia about it, so neither the particles nor the body can spin about it: a body
+//! that was given such a spin by hand loses it, and which way it is twisted is what `previous` says ([`pose`]). A **single** particle keeps its
+//! momentum and `previous`, and does not spin.
 
 use glam::{DMat3, DVec3, Mat3, Quat, Vec3};
 

@@ -28,7 +28,8 @@ impl Simulation {
             && boundaries.planes.iter().all(|plane| plane.drag == PlanarDrag::default())
     }
 
-    /// All phases of all substeps that remain, to the same bits as one by one. To be called where [`is_undisturbed`](Self::is_undisturbed) says so; otherwise it does nothing.
+    /// All phases of all substeps that remain, to the same bits as one by one. To be called where [`is_undisturbed`](Self::is_undisturbed) says so;
+    /// otherwise it does nothing.
     pub fn take_substeps(&mut self) {
         if !self.is_undisturbed() {
             return;

@@ -27,8 +27,8 @@ use crate::{integrate, ledger};
 
 /// A world of particles.
 ///
-/// [`step`](Self::step) does it all. An engine that lets a game put its own systems between the phases calls
-/// [`begin_step`](Self::begin_step), then for each substep [`begin_substep`](Self::begin_substep) and the phases in their order, then [`end_step`](Self::end_step).
+/// [`step`](Self::step) does it all. An engine that lets a game put its own systems between the phases calls [`begin_step`](Self::begin_step), then
+/// for each substep [`begin_substep`](Self::begin_substep) and the phases in their order, then [`end_step`](Self::end_step).
 #[derive(Clone, Debug, Default)]
 pub struct Simulation {
     /// Configuration of the solver.
@@ -197,8 +197,8 @@ impl Simulation {
         forces::apply_electric(&mut self.particles, &self.forces, scratch, self.instructions);
     }
 
-    /// Phase 5: predicts the next positions by the world's integrator, after what planes with a drag have taken, and leads the pinned particles towards
-    /// their targets.
+    /// Phase 5: predicts the next positions by the world's integrator, after what planes with a drag have taken, and leads the pinned particles
+    /// towards their targets.
     pub fn integrate(&mut self) {
         let Substep { length, remaining } = self.scratch.substep;
         if self.settings.statics {

@@ -1,6 +1,7 @@
 //! Questions about where things are: what a ray meets, what a shape overlaps, which particle is nearest.
 //!
-//! They look at the world as the last step left it, one thing after the other, in the order of their numbers: a question costs some nanoseconds for each particle and collider.
+//! They look at the world as the last step left it, one thing after the other, in the order of their numbers: a question costs some nanoseconds for
+//! each particle and collider.
 
 use glam::Vec3;
 
@@ -52,8 +53,8 @@ impl Default for Filter {
 }
 
 impl Simulation {
-    /// What a ray meets first within `max` metres: a collider, a solid, a triangle of a surface from either side, or a particle's ball. A direction that has no length meets
-    /// nothing; it need not be a unit vector.
+    /// What a ray meets first within `max` metres: a collider, a solid, a triangle of a surface from either side, or a particle's ball. A direction
+    /// that has no length meets nothing; it need not be a unit vector.
     pub fn cast_ray(
         &self,
         origin: Vec3,
@@ -99,7 +100,8 @@ impl Simulation {
         ray.first
     }
 
-    /// Calls `found` with everyone who overlaps a shape, once each for colliders and solids, with the row for each particle. Particles are balls of their radii.
+    /// Calls `found` with everyone who overlaps a shape, once each for colliders and solids, with the row for each particle. Particles are balls of
+    /// their radii.
     pub fn overlaps(
         &self,
         shape: &Shape,

@@ -1,8 +1,9 @@
 //! Sleep: what lies still, with everything that it touches, is left out of the steps until something wakes it.
 //!
-//! Bodies sleep and wake in groups: islands whose boxes touch, and all islands of a body. When all of a group have been still for [`SECONDS`], it falls asleep:
-//! its particles stop and count as pinned, so that what comes near finds them in its way, and its constraints are not asked. A group wakes when one of its particles was given a velocity or
-//! a force, when something that moves comes near, or when a collider near it moves. Nothing else is remembered: what is to survive a step is in [`Sleep`], a body's own.
+//! Bodies sleep and wake in groups: islands whose boxes touch, and all islands of a body. When all of a group have been still for [`SECONDS`], it
+//! falls asleep: its particles stop and count as pinned, so that what comes near finds them in its way, and its constraints are not asked. A group
+//! wakes when one of its particles was given a velocity or a force, when something that moves comes near, or when a collider near it moves. Nothing
+//! else is remembered: what is to survive a step is in [`Sleep`], a body's own.
 
 use glam::{Vec3, Vec4};
 

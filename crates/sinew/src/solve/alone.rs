@@ -1,5 +1,6 @@
-//! Whole steps in one go: where nothing but gravity acts from outside, no island needs to know of another between two substeps. So a task takes its islands through all
-//! substeps of a step, while their particles lie in a core's own cache, and threads meet once a step instead of thrice a substep. The bits are those of phase after phase.
+//! Whole steps in one go: where nothing but gravity acts from outside, no island needs to know of another between two substeps. So a task takes its
+//! islands through all substeps of a step, while their particles lie in a core's own cache, and threads meet once a step instead of thrice a substep.
+//! The bits are those of phase after phase.
 
 use core::ops::Range;
 use core::sync::atomic::{AtomicU32, Ordering};

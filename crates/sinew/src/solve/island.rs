@@ -58,8 +58,8 @@ pub(crate) struct Common<'a> {
     pub(crate) substep: u32,
 }
 
-/// What makes one sweep over an island, and returns the largest error that it found, metres. A trait and no closure: those cannot be made to be inlined, and
-/// lanes have to be.
+/// What makes one sweep over an island, and returns the largest error that it found, metres. A trait and no closure: those cannot be made to be
+/// inlined, and lanes have to be.
 pub(super) trait Sweeper {
     fn sweep(&mut self, places: &mut Places, sums: &mut Sums, manner: Manner) -> f32;
 }

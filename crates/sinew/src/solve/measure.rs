@@ -9,7 +9,8 @@ use crate::constraints::Distance;
 use crate::lanes::{InstructionSet, Lanes, Work, with};
 use crate::particles::{Particles, Places};
 
-/// Measures what is left, moving nothing: largest error of the hard constraints in metres, and largest strain of the hard distances. Islands that went as a wave have been measured on the way.
+/// Measures what is left, moving nothing: largest error of the hard constraints in metres, and largest strain of the hard distances. Islands that
+/// went as a wave have been measured on the way.
 pub(crate) fn measure(
     particles: &mut Particles,
     contacts: &Touch,

@@ -1,7 +1,9 @@
 //! Solving: in which order the kernels of the [constraints](crate::constraints) run, and how often.
 //!
-//! - `plan` compiles the constraints into islands, and each island into groups of one kind and colour, and mends them where few constraints came or went;
-//! - `world` deals islands out to threads, `alone` for whole steps; `island` solves one: until the largest error in it is small enough or the sweeps are spent;
+//! - `plan` compiles the constraints into islands, and each island into groups of one kind and colour, and mends them where few constraints came or
+//!   went;
+//! - `world` deals islands out to threads, `alone` for whole steps; `island` solves one: until the largest error in it is small enough or the sweeps
+//!   are spent;
 //! - `flock` takes islands that are built alike side by side;
 //! - `wave` takes the substeps of a step through a large island of rods one behind the other, and several threads one behind the other, too;
 //! - `rods` takes hard rods eight by eight;

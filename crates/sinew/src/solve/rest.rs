@@ -37,7 +37,8 @@ impl Rest {
     }
 }
 
-/// Cuts a range out of the one that it is in, mostly the last. Nothing of it is no range: there may be many flocks, and what is left is looked through for each island.
+/// Cuts a range out of the one that it is in, mostly the last. Nothing of it is no range: there may be many flocks, and what is left is looked
+/// through for each island.
 fn cut<T: Copy + PartialOrd>(ranges: &mut Vec<Range<T>>, out: Range<T>) {
     let all_in = |range: &Range<T>| range.start <= out.start && out.end <= range.end;
     let Some(i) = ranges.iter().rposition(all_in) else { return };

@@ -49,8 +49,8 @@ pub(crate) struct Machine<'a> {
     pub(crate) workers: Option<&'a dyn Workers>,
 }
 
-/// Sweeps each island until the largest error met in it is within its tolerance, at most `max_sweeps` times; then derives the velocities, unless that is `open`: contacts between
-/// islands come first, and [`settle_all`] after them. Adds to the report.
+/// Sweeps each island until the largest error met in it is within its tolerance, at most `max_sweeps` times; then derives the velocities, unless that
+/// is `open`: contacts between islands come first, and [`settle_all`] after them. Adds to the report.
 pub(crate) fn solve_all(
     particles: &mut Particles,
     presses: &mut [Pressed],

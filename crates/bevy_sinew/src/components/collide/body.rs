@@ -2,20 +2,22 @@
 
 use bevy::prelude::*;
 
-/// Has a body collide with other bodies, and perhaps with itself; on a loose particle, has that collide with the particles of others. Both bodies of two must ask for it.
+/// Has a body collide with other bodies, and perhaps with itself; on a loose particle, has that collide with the particles of others. Both bodies of
+/// two must ask for it.
 ///
-/// Without it, the particles of a body touch [`Ground`](crate::Ground)s, [`BoundingBox`](crate::BoundingBox)es and [`Collider`](super::Collider)s, and nothing else.
-/// [`SurfaceMaterial`](super::SurfaceMaterial) and [`CollisionLayers`](super::CollisionLayers) on the body say what it is made of and what it may touch, with this or without.
+/// Without it, the particles of a body touch [`Ground`](crate::Ground)s, [`BoundingBox`](crate::BoundingBox)es and [`Collider`](super::Collider)s,
+/// and nothing else. [`SurfaceMaterial`](super::SurfaceMaterial) and [`CollisionLayers`](super::CollisionLayers) on the body say what it is made of
+/// and what it may touch, with this or without.
 ///
-/// Particles collide as balls of their [`Radius`](crate::Radius); those without one do not. Where a mesh is wider than they are, [`ContactShape::Triangles`] closes it, and where a rope
-/// is longer from one to the next, [`ContactShape::Segments`] does.
+/// Particles collide as balls of their [`Radius`](crate::Radius); those without one do not. Where a mesh is wider than they are,
+/// [`ContactShape::Triangles`] closes it, and where a rope is longer from one to the next, [`ContactShape::Segments`] does.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct BodyContacts {
     /// Whether it touches other bodies that ask for the same. Default so.
     pub with_bodies: bool,
-    /// Whether its particles touch each other, so that cloth does not pass through itself: they keep as far apart as their radii ask for, or as they are in the rest shape
-    /// ([`RestPlace`]) if that is less. Default not.
+    /// Whether its particles touch each other, so that cloth does not pass through itself: they keep as far apart as their radii ask for, or as they
+    /// are in the rest shape ([`RestPlace`]) if that is less. Default not.
     pub with_itself: bool,
     /// What of it touches others. Default [`ContactShape::Auto`].
     pub shape: ContactShape,
@@ -25,7 +27,8 @@ pub struct BodyContacts {
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum ContactShape {
-    /// Its rigid parts if it has any with a [`Collider`](super::Collider) (a box, a solid, the limbs of a ragdoll), and otherwise its particles. The default.
+    /// Its rigid parts if it has any with a [`Collider`](super::Collider) (a box, a solid, the limbs of a ragdoll), and otherwise its particles. The
+    /// default.
     #[default]
     Auto,
     /// Its particles, each a ball of its [`Radius`](crate::Radius).
@@ -33,18 +36,22 @@ pub enum ContactShape {
     /// Its rigid parts, by their [`Collider`](super::Collider)s; the particles of those touch nothing by themselves. A body that has none is refused
     /// ([`Refusal::NotSolid`](crate::Refusal::NotSolid)) and collides by its particles.
     Solid,
-    /// The triangles of its [`WindSurface`](crate::WindSurface) (which `Cloth` and `SoftBody` bring along) besides its particles: nothing passes through its mesh, from either side, however coarse
-    /// that is and however fast it comes. Particles of others touch them, and its own if it touches itself; edges touch the edges of bodies that ask for the same. They are as thick as
-    /// the particles' [`Radius`](crate::Radius), and may be without. It is the finer tier, and some ten times as dear. [`Collider`](super::Collider)s and solids touch the particles alone.
-    /// A body that has none is refused ([`Refusal::NoTriangles`](crate::Refusal::NoTriangles)) and collides by its particles.
+    /// The triangles of its [`WindSurface`](crate::WindSurface) (which `Cloth` and `SoftBody` bring along) besides its particles: nothing passes
+    /// through its mesh, from either side, however coarse that is and however fast it comes. Particles of others touch them, and its own if it
+    /// touches itself; edges touch the edges of bodies that ask for the same. They are as thick as the particles' [`Radius`](crate::Radius), and may
+    /// be without. It is the finer tier, and some ten times as dear. [`Collider`](super::Collider)s and solids touch the particles alone. A body that
+    /// has none is refused ([`Refusal::NoTriangles`](crate::Refusal::NoTriangles)) and collides by its particles.
     Triangles,
-    /// Its segments: each [`DistanceConstraint`](crate::DistanceConstraint) between two of its particles that is a rod or a tether ([`Bound::Equal`](crate::Bound), [`Bound::AtMost`](crate::Bound))
-    /// is a capsule from one to the other, as thick as the [`Radius`](crate::Radius) of the thinner end, and the particles at its ends touch nothing by themselves. For ropes whose
-    /// particles are further apart than they are thick, where posts, rails, edges of boxes or other ropes would pass between two of them. It costs half as much again as particles do for ropes
-    /// side by side, and some five times as much in a tangle, touches all that solids touch, and friction holds without creeping. A constraint that is despawned takes its capsule along. Where
-    /// the body touches itself, those do not touch that overlap in its rest shape ([`RestPlace`]), so that a rope may be thicker than its segments are long. What hangs on an end is to be tied
-    /// by more than both are thick there, or kept from touching the rope by [`CollisionLayers`](super::CollisionLayers); how much a light rope bears is a matter of substeps
-    /// ([`sinew::recipes::Blueprint::with_segments`]). A body without any segment is refused ([`Refusal::NoSegments`](crate::Refusal::NoSegments)) and collides by its particles.
+    /// Its segments: each [`DistanceConstraint`](crate::DistanceConstraint) between two of its particles that is a rod or a tether
+    /// ([`Bound::Equal`](crate::Bound), [`Bound::AtMost`](crate::Bound)) is a capsule from one to the other, as thick as the
+    /// [`Radius`](crate::Radius) of the thinner end, and the particles at its ends touch nothing by themselves. For ropes whose particles are further
+    /// apart than they are thick, where posts, rails, edges of boxes or other ropes would pass between two of them. It costs half as much again as
+    /// particles do for ropes side by side, and some five times as much in a tangle, touches all that solids touch, and friction holds without
+    /// creeping. A constraint that is despawned takes its capsule along. Where the body touches itself, those do not touch that overlap in its rest
+    /// shape ([`RestPlace`]), so that a rope may be thicker than its segments are long. What hangs on an end is to be tied by more than both are
+    /// thick there, or kept from touching the rope by [`CollisionLayers`](super::CollisionLayers); how much a light rope bears is a matter of
+    /// substeps ([`sinew::recipes::Blueprint::with_segments`]). A body without any segment is refused
+    /// ([`Refusal::NoSegments`](crate::Refusal::NoSegments)) and collides by its particles.
     Segments,
 }
 
@@ -69,8 +76,9 @@ impl BodyContacts {
     }
 }
 
-/// Where a particle is in the rest shape of its body, metres, in any coordinates that are the same for all of the body: particles of one body that touch each other
-/// ([`BodyContacts::with_itself`]) may come as near as they are there. Recipes put it on every particle; without it a particle keeps off by its radius.
+/// Where a particle is in the rest shape of its body, metres, in any coordinates that are the same for all of the body: particles of one body that
+/// touch each other ([`BodyContacts::with_itself`]) may come as near as they are there. Recipes put it on every particle; without it a particle keeps
+/// off by its radius.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct RestPlace(pub Vec3);

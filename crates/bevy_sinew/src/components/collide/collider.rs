@@ -8,15 +8,17 @@ use crate::components::CreationOrder;
 
 /// A shape that particles and bodies cannot enter: a floor, a wall, a hill, a lift.
 ///
-/// It is where the entity is, on top of its parents, turned and scaled as they are (what is round and is not scaled alike in all directions becomes a hull of 24 sides). It stands still, or goes where the game moves its `Transform` (a *kinematic*
-/// collider): over the tick it goes evenly from where it was to where it is ([`ColliderMotion`]), pushes what is in its way and carries what lies on it. Nothing moves it but the
-/// game. [`SurfaceMaterial`](super::SurfaceMaterial), [`CollisionLayers`](super::CollisionLayers) and [`Sensor`](super::Sensor) beside it say more.
+/// It is where the entity is, on top of its parents, turned and scaled as they are (what is round and is not scaled alike in all directions becomes a
+/// hull of 24 sides). It stands still, or goes where the game moves its `Transform` (a *kinematic* collider): over the tick it goes evenly from where
+/// it was to where it is ([`ColliderMotion`]), pushes what is in its way and carries what lies on it. Nothing moves it but the game.
+/// [`SurfaceMaterial`](super::SurfaceMaterial), [`CollisionLayers`](super::CollisionLayers) and [`Sensor`](super::Sensor) beside it say more.
 ///
 /// On a rigid body or a part of one (what has a [`RigidPose`](crate::RigidPose)) it is the shape by which that collides where it does so as a solid
-/// ([`BodyContacts`](super::BodyContacts)), in metres in its own frame, whatever its scale: anything without dents. The recipes of rigid bodies put it there, unless the game has. On a particle, and
-/// on a body that is not rigid, it does nothing.
+/// ([`BodyContacts`](super::BodyContacts)), in metres in its own frame, whatever its scale: anything without dents. The recipes of rigid bodies put
+/// it there, unless the game has. On a particle, and on a body that is not rigid, it does nothing.
 ///
-/// One with a broken number (of its own, of its transform, of its material; a scale of zero) is set aside with one [`Refused`](crate::Refused) message, until it is mended.
+/// One with a broken number (of its own, of its transform, of its material; a scale of zero) is set aside with one [`Refused`](crate::Refused)
+/// message, until it is mended.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -134,7 +136,8 @@ impl Collider {
         Ok(Shape::hull(points)?.into())
     }
 
-    /// Triangles between vertices, metres: a sheet with two sides, or, if it is closed and its triangles go counter-clockwise seen from outside, a solid.
+    /// Triangles between vertices, metres: a sheet with two sides, or, if it is closed and its triangles go counter-clockwise seen from outside, a
+    /// solid.
     ///
     /// # Errors
     /// No triangle with an area, corners that are not there or not finite.
@@ -145,8 +148,8 @@ impl Collider {
         Ok(Shape::mesh(vertices.into(), triangles.into())?.into())
     }
 
-    /// A landscape about the entity's origin: `columns` heights along x in each of `rows` along z, row by row, over `size.x` × `size.z` metres; the heights are in units of
-    /// `size.y` metres. It is solid below.
+    /// A landscape about the entity's origin: `columns` heights along x in each of `rows` along z, row by row, over `size.x` × `size.z` metres; the
+    /// heights are in units of `size.y` metres. It is solid below.
     ///
     /// # Errors
     /// Fewer than two rows or columns, another number of heights, or a number that is not finite or out of range.

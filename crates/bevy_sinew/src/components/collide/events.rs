@@ -2,15 +2,15 @@
 
 use bevy::prelude::*;
 
-/// Asks for the contacts of this body or collider to be told: as [`ContactStarted`] and [`ContactEnded`], which are messages to be read and events to be observed
-/// on this very entity, and as a list, [`Touching`]. Grounds and rooms take part as the other one.
+/// Asks for the contacts of this body or collider to be told: as [`ContactStarted`] and [`ContactEnded`], which are messages to be read and events to
+/// be observed on this very entity, and as a list, [`Touching`]. Grounds and rooms take part as the other one.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Touching)]
 pub struct ContactEvents;
 
-/// Whom it touches, as of the last tick, in the order of their entities: kept by the plugin on whatever has [`ContactEvents`]. Part of the state: save and restore it
-/// with the rest, or contacts that go on begin anew.
+/// Whom it touches, as of the last tick, in the order of their entities: kept by the plugin on whatever has [`ContactEvents`]. Part of the state:
+/// save and restore it with the rest, or contacts that go on begin anew.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Touching(#[entities] pub Vec<Entity>);

@@ -3,11 +3,11 @@
 use bevy::prelude::*;
 use sinew::Remembered;
 
-/// What a rigid part remembers of those that it touches: where they touch, and from where friction holds them, so that a stack on a slope stays where it is. Part of the state: save and
-/// restore it with the rest.
+/// What a rigid part remembers of those that it touches: where they touch, and from where friction holds them, so that a stack on a slope stays where
+/// it is. Part of the state: save and restore it with the rest.
 ///
-/// Every [`Collider`](super::Collider) has one, and it is empty but on the parts of bodies with [`BodyContacts`](super::BodyContacts). The rods of a body that collides by its segments
-/// ([`ContactShape::Segments`](super::ContactShape)) are given one. What is remembered goes by the
+/// Every [`Collider`](super::Collider) has one, and it is empty but on the parts of bodies with [`BodyContacts`](super::BodyContacts). The rods of a
+/// body that collides by its segments ([`ContactShape::Segments`](super::ContactShape)) are given one. What is remembered goes by the
 /// [`CreationOrder`](crate::CreationOrder) of those who touch. Without it (a scene file does not hold it) friction begins anew.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]

@@ -6,7 +6,8 @@ use bevy::prelude::*;
 use super::{Collider, ColliderFault};
 
 impl Collider {
-    /// The triangles of a mesh, as [`Collider::mesh`] has them: a triangle list or strip, in the mesh's own coordinates, to be scaled as the entity is.
+    /// The triangles of a mesh, as [`Collider::mesh`] has them: a triangle list or strip, in the mesh's own coordinates, to be scaled as the entity
+    /// is.
     ///
     /// # Errors
     /// A mesh without readable positions or triangles, and what [`Collider::mesh`] refuses.

@@ -5,8 +5,8 @@ use bevy::prelude::*;
 use super::ColliderFault;
 use crate::components::CreationOrder;
 
-/// Where a [`Collider`](super::Collider) was when the last tick ended, in the world: from there it goes to where its `Transform` is in the next one, and takes along what lies on
-/// it. Part of the state: save and restore it with the rest.
+/// Where a [`Collider`](super::Collider) was when the last tick ended, in the world: from there it goes to where its `Transform` is in the next one,
+/// and takes along what lies on it. Part of the state: save and restore it with the rest.
 ///
 /// To have it jump, taking nothing along, set it to `None` (or remove it) when you move the `Transform`. It is `None` until the first tick.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]

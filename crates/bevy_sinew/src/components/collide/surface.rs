@@ -38,7 +38,8 @@ pub enum Combine {
     Max,
 }
 
-/// Which things may touch: two of them do if each is a member of a layer that the other minds. 32 layers, a bit each. Without it, a member of layer 0 that minds all.
+/// Which things may touch: two of them do if each is a member of a layer that the other minds. 32 layers, a bit each. Without it, a member of layer 0
+/// that minds all.
 ///
 /// ```
 /// # use bevy_sinew::CollisionLayers;

@@ -60,7 +60,8 @@ impl ParticleConstraint for AngleConstraint {
 /// - **a hinge**, an elbow or a knee, with `h0` and `h1` along its pin and `a` and `c` on the two bones: a straight one has the angle π, so one
 ///   that closes by 150° and never bends backward has the limits 30° and 180°, or 180° and 330° if it closes the other way;
 /// - **a limit of twist**: `[a reference in the parent, the joint, the child's far end, a reference in the child]`, so that the axis is the bone;
-/// - **bending** by the dihedral angle of two triangles with the common edge `h0 h1`; flat is π. [`BendConstraint`](super::BendConstraint) is cheaper.
+/// - **bending** by the dihedral angle of two triangles with the common edge `h0 h1`; flat is π. [`BendConstraint`](super::BendConstraint) is
+///   cheaper.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -33,9 +33,9 @@ use sinew::{Law, LawFault};
 /// nor `law` is called in a tick in which no particle, spring or constraint came, went or changed. So let them depend on the component alone.
 ///
 /// A constraint that cannot act (a particle is gone, is named twice, or a number of the law is out of range) is set aside, with one
-/// [`Refused`](crate::Refused) message, and the rest goes on bit for bit as if it were not there. One whose particle is itself set aside waits for it,
-/// silently. Constraints are solved in the order in which their entities were created ([`CreationOrder`](crate::CreationOrder), which comes with a
-/// registered component), whatever their types; several on one entity in the order in which their types were registered.
+/// [`Refused`](crate::Refused) message, and the rest goes on bit for bit as if it were not there. One whose particle is itself set aside waits for
+/// it, silently. Constraints are solved in the order in which their entities were created ([`CreationOrder`](crate::CreationOrder), which comes with
+/// a registered component), whatever their types; several on one entity in the order in which their types were registered.
 ///
 /// ```
 /// use bevy::prelude::*;

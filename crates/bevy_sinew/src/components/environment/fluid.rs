@@ -59,8 +59,9 @@ pub struct Floats {
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum HullShape {
-    /// Its own: where a [`BodyPart`](crate::BodyPart) tells its size, a solid box of that size, as for a [`ParticleBox`](crate::ParticleBox), wherever in
-    /// it the particles are (a flat one is as thick as its `size.z`); of anything else the [`WindSurface`](crate::WindSurface). The default.
+    /// Its own: where a [`BodyPart`](crate::BodyPart) tells its size, a solid box of that size, as for a [`ParticleBox`](crate::ParticleBox),
+    /// wherever in it the particles are (a flat one is as thick as its `size.z`); of anything else the [`WindSurface`](crate::WindSurface). The
+    /// default.
     #[default]
     Own,
     /// The triangles of its [`WindSurface`](crate::WindSurface), which move as its particles do: cloth and soft bodies. The corners of a triangle go

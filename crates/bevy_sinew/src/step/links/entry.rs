@@ -114,8 +114,8 @@ impl<L: Link> Entry<L> {
     }
 }
 
-/// Brings a list of the solver, in which links stand in these places, up to date with what came, changed or went of one kind. Whether that adds up to what there is: if it does
-/// not, or one of the new ones cannot act, the lists have to be filled afresh.
+/// Brings a list of the solver, in which links stand in these places, up to date with what came, changed or went of one kind. Whether that adds up to
+/// what there is: if it does not, or one of the new ones cannot act, the lists have to be filled afresh.
 pub(super) fn mend<L: Mend>(
     simulation: &mut Simulation,
     places: &mut Vec<Place>,

@@ -26,8 +26,8 @@ const FIRST: usize = 2;
 pub trait RegisterParticleConstraint {
     /// Has all components of type `T` enforced from the next tick on. They get a [`CreationOrder`] as a required component.
     ///
-    /// It may be called before or after the plugins are added, but should be before the first `T` is spawned: ones that are there already are numbered
-    /// when the simulation first sees them, one after the other by their entity. A second call for the same type does nothing.
+    /// It may be called before or after the plugins are added, but should be before the first `T` is spawned: ones that are there already are
+    /// numbered when the simulation first sees them, one after the other by their entity. A second call for the same type does nothing.
     fn register_particle_constraint<T: ParticleConstraint>(&mut self) -> &mut Self;
 }
 

@@ -1,4 +1,5 @@
-//! Links: springs, constraints and surfaces name entities; the solver wants rows. Compiled when any of them changed; where few came or went, as when cloth is torn, the solver's lists are mended.
+//! Links: springs, constraints and surfaces name entities; the solver wants rows. Compiled when any of them changed; where few came or went, as when
+//! cloth is torn, the solver's lists are mended.
 
 mod entry;
 mod kinds;
@@ -26,7 +27,8 @@ pub(crate) struct Links {
     sound: bool,
 }
 
-/// Notes whether distances, springs or surfaces came, went or changed; few distances are taken into account at once. No hook does: a body comes and goes with tens of thousands of them.
+/// Notes whether distances, springs or surfaces came, went or changed; few distances are taken into account at once. No hook does: a body comes and
+/// goes with tens of thousands of them.
 pub(crate) fn notice_links(
     mut world: ResMut<SinewWorld>,
     distances: Query<(Entity, Ref<DistanceConstraint>)>,

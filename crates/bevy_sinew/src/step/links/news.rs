@@ -8,7 +8,8 @@ use crate::step::changes::Ages;
 /// Of more than these it is as well to compile everything.
 const MOST: usize = 16;
 
-/// Keeps an eye on all components of one type. No hook and no observer does, which are the game's; besides, a body comes and goes with tens of thousands of them.
+/// Keeps an eye on all components of one type. No hook and no observer does, which are the game's; besides, a body comes and goes with tens of
+/// thousands of them.
 #[derive(Default)]
 pub(crate) struct Watch {
     count: usize,

@@ -81,8 +81,8 @@ struct Axes {
 /// Edges closer to parallel than this (squared sine) have no product worth the name; a face's normal is as good there.
 const PARALLEL: f32 = 1e-6;
 
-/// What an axis must be better by, as a share of the overlap and of the smallest half size, to be taken instead of one that comes before it (faces of `b`,
-/// then of `a`, then edges): a box at rest, whose overlaps are noise, keeps its face and its four points.
+/// What an axis must be better by, as a share of the overlap and of the smallest half size, to be taken instead of one that comes before it (faces of
+/// `b`, then of `a`, then edges): a box at rest, whose overlaps are noise, keeps its face and its four points.
 const BIAS: (f32, f32) = (0.03, 2e-3);
 
 /// What rounding leaves in a separation, as a share of the numbers that it is a difference of: a few units in the last place.
@@ -208,8 +208,8 @@ impl<'a> Pair<'a> {
         (over < 0.9999).then_some([p, q])
     }
 
-    /// Nearest points of the two edges (on `a`, on `b`) that face each other along the product of their directions, that product towards `a`, and how far
-    /// along an edge the lines' nearest points are, 1 at its end.
+    /// Nearest points of the two edges (on `a`, on `b`) that face each other along the product of their directions, that product towards `a`, and how
+    /// far along an edge the lines' nearest points are, 1 at its end.
     ///
     /// With `d` between their midpoints, `u` along `a`'s and `s` along `b`'s: `d + u Rⱼ - s eᵢ` is across both, which is two linear equations.
     fn meet(&self, (i, j): (usize, usize)) -> (Vec3, Vec3, Vec3, f32) {
@@ -235,8 +235,8 @@ impl<'a> Pair<'a> {
     }
 }
 
-/// Face `i` of a box of half sizes `h`, and the most opposite face of one with half sizes `k`, axes `c` (by rows) and centre `t`: `b` and `a` of the manifold,
-/// or `a` and `b` if the frame of `a` is given.
+/// Face `i` of a box of half sizes `h`, and the most opposite face of one with half sizes `k`, axes `c` (by rows) and centre `t`: `b` and `a` of the
+/// manifold, or `a` and `b` if the frame of `a` is given.
 fn clipped(
     h: &[f32; 3],
     i: usize,

@@ -1,4 +1,5 @@
-//! The pairs that `parry3d` finds: cylinders and hulls (Gilbert, Johnson and Keerthi's search, then clipped features), and what is convex on triangles.
+//! The pairs that `parry3d` finds: cylinders and hulls (Gilbert, Johnson and Keerthi's search, then clipped features), and what is convex on
+//! triangles.
 //!
 //! Its own manifolds remember the last call; they are emptied before each, so that the same input gives the same bits whatever was asked before.
 

@@ -10,7 +10,8 @@ use super::{Frame, Manifold, Point, inverse};
 /// Where two boxes are nearest, if that is within reach and they do not touch. `edges` are the nearest points of
 /// the two edges that face each other, on `a` and on `b`, where there are such.
 ///
-/// The nearest points of two boxes that are apart are a corner of one and a point of the other, or two edges along whose product the boxes are as far apart.
+/// The nearest points of two boxes that are apart are a corner of one and a point of the other, or two edges along whose product the boxes are as far
+/// apart.
 pub(super) fn corners(pair: &Pair, reach: f32, edges: Option<[Vec3; 2]>) -> Manifold {
     let (ha, hb) = (Vec3::from(pair.ha), Vec3::from(pair.hb));
     let frame = pair.frame;

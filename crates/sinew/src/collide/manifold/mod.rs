@@ -1,4 +1,5 @@
-//! Where two shapes touch: a normal and up to four points, a function of the two and of nothing else, so that nothing is hidden in here. Solids remember what it said (`solids::memory`).
+//! Where two shapes touch: a normal and up to four points, a function of the two and of nothing else, so that nothing is hidden in here. Solids
+//! remember what it said (`solids::memory`).
 //!
 //! | file | which pairs |
 //! |---|---|

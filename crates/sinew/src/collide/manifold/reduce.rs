@@ -22,8 +22,8 @@ impl Chosen {
     }
 }
 
-/// Chooses among `count` points those within reach; of more than four: the deepest, the one farthest from it, and on both sides of the line between them
-/// the one that spans the largest triangle with it. Of equals the first.
+/// Chooses among `count` points those within reach; of more than four: the deepest, the one farthest from it, and on both sides of the line between
+/// them the one that spans the largest triangle with it. Of equals the first.
 #[inline(always)]
 pub(super) fn choose(
     count: usize,

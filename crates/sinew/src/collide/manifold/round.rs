@@ -69,7 +69,8 @@ pub(super) fn limit(place: f32, half: f32) -> f32 {
     place.max(-half).min(half)
 }
 
-/// Unit vector from a place `u` on a capsule's axis to its surface, as near as can be to a direction: across the axis, but for its ends, which are round.
+/// Unit vector from a place `u` on a capsule's axis to its surface, as near as can be to a direction: across the axis, but for its ends, which are
+/// round.
 #[inline(always)]
 pub(super) fn rim(axis: Vec3, u: f32, half: f32, direction: Vec3) -> Vec3 {
     let along = direction.dot(axis);

@@ -1,8 +1,8 @@
 //! After the velocities are derived: what two that touched part with; and what is told.
 //!
-//! Positions know nothing of elasticity. Two that were pushed apart leave each other with the speed that they lacked to touch; where they had overlapped when the
-//! substep began that is much too fast, and a heap would boil. So for each two that touched, with `u` the relative velocity along the normal that led to it (the lower, the
-//! faster they came), the one they have now becomes
+//! Positions know nothing of elasticity. Two that were pushed apart leave each other with the speed that they lacked to touch; where they had
+//! overlapped when the substep began that is much too fast, and a heap would boil. So for each two that touched, with `u` the relative velocity along
+//! the normal that led to it (the lower, the faster they came), the one they have now becomes
 //!
 //! ```text
 //! -e u                     where u < -2gh, which gravity alone gives to what lies still
@@ -11,8 +11,9 @@
 //!
 //! by an impulse along the normal that both get, each the other way.
 //!
-//! Friction in positions stops what would slide no further than it may (`solve`). What slides loses speed here: Coulomb's `μ N h/m` with `N = m δ/h²` is `μ δ/h`, and never more than
-//! the sliding that there is. In a heap that calms what the overlaps of others set in motion: with friction in positions alone 500 balls kept boiling at 20 mm/s.
+//! Friction in positions stops what would slide no further than it may (`solve`). What slides loses speed here: Coulomb's `μ N h/m` with `N = m δ/h²`
+//! is `μ δ/h`, and never more than the sliding that there is. In a heap that calms what the overlaps of others set in motion: with friction in
+//! positions alone 500 balls kept boiling at 20 mm/s.
 
 use glam::{Vec3, Vec4};
 
@@ -130,7 +131,8 @@ impl Hit {
         }
     }
 
-    /// Gives the two the velocity that they part with, unless they got it with others of a block; what came slower than `least`, m/s, does not bounce.
+    /// Gives the two the velocity that they part with, unless they got it with others of a block; what came slower than `least`, m/s, does not
+    /// bounce.
     pub(super) fn bounce(&mut self, particles: &mut Particles, touched: &[Touched], least: f32) {
         if let Some((number, lane)) = self.place {
             self.impulse += touched[number].impulse[lane];

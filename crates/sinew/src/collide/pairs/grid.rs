@@ -2,14 +2,15 @@
 //!
 //! # Cells
 //!
-//! The reach of a member is its radius and its margin. Where the cells are as wide as two of the greatest reaches, who is near is in one of the 27 cells around one's own.
-//! So that one large or fast member does not make all cells large, there are levels: in each are members of reaches within a factor of two, in cells
-//! for the greatest of them. A member asks on its own level and on those of the larger ones.
+//! The reach of a member is its radius and its margin. Where the cells are as wide as two of the greatest reaches, who is near is in one of the 27
+//! cells around one's own. So that one large or fast member does not make all cells large, there are levels: in each are members of reaches within a
+//! factor of two, in cells for the greatest of them. A member asks on its own level and on those of the larger ones.
 //!
-//! Cells have no memory of their own. A cell's slot in the table of its level is `x + y s + z t` modulo the size of the table, a power of two between two and four times the
-//! number of members, after M. Müller's dense hash (*Ten minute physics* 11). Where the box about all members has no more cells than that, `s` and `t` are the
-//! box's sides, and no two cells share a slot; otherwise they are large odd numbers, and a slot may hold several cells, far from each other, whose members
-//! the distance sorts out. Either way the three cells next to each other along x are one stretch of the sorted members.
+//! Cells have no memory of their own. A cell's slot in the table of its level is `x + y s + z t` modulo the size of the table, a power of two between
+//! two and four times the number of members, after M. Müller's dense hash (*Ten minute physics* 11). Where the box about all members has no more
+//! cells than that, `s` and `t` are the box's sides, and no two cells share a slot; otherwise they are large odd numbers, and a slot may hold several
+//! cells, far from each other, whose members the distance sorts out. Either way the three cells next to each other along x are one stretch of the
+//! sorted members.
 
 use glam::DVec3;
 
@@ -104,7 +105,8 @@ impl Grid {
         }
         self.low = low;
         let size = high - low;
-        // Each coordinate is rounded by 2⁻²⁴ of itself at most, a difference by twice that along each of three axes; and reaches and squares by some more.
+        // Each coordinate is rounded by 2⁻²⁴ of itself at most, a difference by twice that along each of three axes; and reaches and squares by some
+        // more.
         self.slack = (size.max_element() * 4e-7) as f32 + most * 1e-5;
         let mut first = 0;
         for level in self.levels.iter_mut().filter(|level| level.count > 0) {
@@ -197,7 +199,8 @@ pub(super) struct Search<'a> {
 impl Work for Search<'_> {
     type Output = ();
 
-    /// Cell by cell, so that those who are asked for are in the cache. Each asks for those in half of the cells about its own, and is asked for from the other half.
+    /// Cell by cell, so that those who are asked for are in the cache. Each asks for those in half of the cells about its own, and is asked for from
+    /// the other half.
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Self { grid, members, near } = self;

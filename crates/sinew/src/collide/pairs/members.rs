@@ -16,7 +16,8 @@ pub(super) struct Members {
     pub(super) radius: Vec<f32>,
     /// In the rest shape of its body, metres; NaN where there is none. Empty if nobody has any.
     pub(super) rest: Vec<Vec3>,
-    /// `[x y z m]`: where it was when it was looked at, metres from its own origin, and its margin: how far from there it stays within what was found.
+    /// `[x y z m]`: where it was when it was looked at, metres from its own origin, and its margin: how far from there it stays within what was
+    /// found.
     pub(super) home: Vec<Vec4>,
     /// Whether nothing moves it.
     pub(super) pinned: Vec<bool>,
@@ -38,8 +39,8 @@ pub(super) struct Members {
 
 /// The margin as a share of the radius: at least, and at most.
 ///
-/// A wider one finds more pairs to be asked in vain in each substep, a narrower one is outrun sooner, and looking again costs as much as some five substeps of
-/// asking. What lies still is asked most.
+/// A wider one finds more pairs to be asked in vain in each substep, a narrower one is outrun sooner, and looking again costs as much as some five
+/// substeps of asking. What lies still is asked most.
 const MARGIN: [f32; 2] = [0.15, 0.4];
 
 /// Squares of more are no `f32`, metres.
@@ -159,8 +160,8 @@ impl Members {
 
     /// The distance that two may not come below, metres; `None` if they may touch.
     ///
-    /// Two of one body may be as near as they are in its rest shape: mesh neighbours closer than their radii are held by their rods. Two that are at one place
-    /// there (a seam) never touch.
+    /// Two of one body may be as near as they are in its rest shape: mesh neighbours closer than their radii are held by their rods. Two that are at
+    /// one place there (a seam) never touch.
     #[inline(always)]
     pub(super) fn reach(&self, i: usize, j: usize) -> Option<f32> {
         let apart = self.radius[i] + self.radius[j];

@@ -12,27 +12,28 @@
 //!
 //! # How it goes
 //!
-//! [`find`](Pairs::find) runs once a step. It lists every two particles that are nearer than their radii and two margins; a margin is a share of the radius. In each
-//! substep [`project`](Pairs::project) first asks whether any particle has gone further than its margin, after taking off what all (or all of its body) did alike,
-//! and if so looks again. Then each pair that overlaps is pushed apart once, as a constraint is (physics.md C10), with Coulomb friction.
+//! [`find`](Pairs::find) runs once a step. It lists every two particles that are nearer than their radii and two margins; a margin is a share of the
+//! radius. In each substep [`project`](Pairs::project) first asks whether any particle has gone further than its margin, after taking off what all
+//! (or all of its body) did alike, and if so looks again. Then each pair that overlaps is pushed apart once, as a constraint is (physics.md C10),
+//! with Coulomb friction.
 //!
 //! # The order, and what it depends on
 //!
-//! Pairs are sorted by their rows and coloured in that order, so that no two of a colour share a particle; colours follow each other. That makes the result a
-//! function of positions and of the order of the rows alone, not of the grid, the threads or the instructions.
-//! Particles that touch nothing of a heap change no bit of it as long as they do not make it look again.
+//! Pairs are sorted by their rows and coloured in that order, so that no two of a colour share a particle; colours follow each other. That makes the
+//! result a function of positions and of the order of the rows alone, not of the grid, the threads or the instructions. Particles that touch nothing
+//! of a heap change no bit of it as long as they do not make it look again.
 //!
 //! # What cannot happen, and what can
 //!
-//! Two particles that were apart when a substep began do not pass through each other in it, however fast they are: where one moves by more than a quarter of its
-//! radius in a substep (beside what all do), the pair is stopped where it first touches, against the direction in which it does. A pair stopped so is
-//! looked at twice more when all others have been solved.
+//! Two particles that were apart when a substep began do not pass through each other in it, however fast they are: where one moves by more than a
+//! quarter of its radius in a substep (beside what all do), the pair is stopped where it first touches, against the direction in which it does. A
+//! pair stopped so is looked at twice more when all others have been solved.
 //!
-//! A layer of cloth lets no particle through as long as the gaps between its particles are narrower than they are: in a square lattice of spacing `s` that is a
-//! radius above `s/√8 = 0.354 s`, in one of equal triangles above `s/√12 = 0.289 s`. A crossing is then a way through some pair of particles, and is
-//! stopped with that. What is *not* known from particles is on which side a particle belongs: one that starts on the wrong side, or that is pressed
-//! so hard that the overlap at the start of a substep is more than the gap leaves (a quarter of the distance in a square lattice), stays where it got to. Wider meshes
-//! need their [`triangles`](super::triangles).
+//! A layer of cloth lets no particle through as long as the gaps between its particles are narrower than they are: in a square lattice of spacing `s`
+//! that is a radius above `s/√8 = 0.354 s`, in one of equal triangles above `s/√12 = 0.289 s`. A crossing is then a way through some pair of
+//! particles, and is stopped with that. What is *not* known from particles is on which side a particle belongs: one that starts on the wrong side, or
+//! that is pressed so hard that the overlap at the start of a substep is more than the gap leaves (a quarter of the distance in a square lattice),
+//! stays where it got to. Wider meshes need their [`triangles`](super::triangles).
 
 mod bounce;
 mod grid;
@@ -82,9 +83,9 @@ pub(crate) struct Pairs {
 impl Pairs {
     /// Lists what may come to touch in a step of `dt` seconds.
     ///
-    /// `contacts` says for each body how it takes part; a body beyond its end, and a particle of none, does not. `rest` has where each particle is in the rest
-    /// shape of its body, metres; it may be empty, and NaN says that it has no such place. Rows that are marked in `solid` take no part; it may be empty,
-    /// too. Neither do particles without a radius, nor any that is not finite or is more than 1e15 m away from the first.
+    /// `contacts` says for each body how it takes part; a body beyond its end, and a particle of none, does not. `rest` has where each particle is in
+    /// the rest shape of its body, metres; it may be empty, and NaN says that it has no such place. Rows that are marked in `solid` take no part; it
+    /// may be empty, too. Neither do particles without a radius, nor any that is not finite or is more than 1e15 m away from the first.
     pub(crate) fn find(
         &mut self,
         particles: &Particles,
@@ -110,8 +111,8 @@ impl Pairs {
         self.members.rows.len() < 2
     }
 
-    /// Pushes apart what overlaps or would have passed through each other, in a substep of `h` seconds whose start is in the particles. Returns the greatest overlap that it
-    /// met, metres.
+    /// Pushes apart what overlaps or would have passed through each other, in a substep of `h` seconds whose start is in the particles. Returns the
+    /// greatest overlap that it met, metres.
     pub(crate) fn project(&mut self, particles: &mut Particles, h: f32) -> f32 {
         self.hits.clear();
         self.touched.clear();
@@ -136,8 +137,8 @@ impl Pairs {
         worst
     }
 
-    /// Gives those that met in the substep of `h` seconds the velocity that they bounce off with, where their materials ask for it. To be called when velocities have
-    /// been derived; `gravity` is its size, m/s².
+    /// Gives those that met in the substep of `h` seconds the velocity that they bounce off with, where their materials ask for it. To be called when
+    /// velocities have been derived; `gravity` is its size, m/s².
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
         let least = 2.0 * gravity * h;
         let (touched, blocks) = (&mut self.touched[..], &self.near.blocks[..]);
@@ -169,5 +170,6 @@ impl Pairs {
     }
 }
 
-/// How often pairs that were stopped are looked at again: what pushed one of the two back meanwhile is mostly its neighbour, and that one's neighbour.
+/// How often pairs that were stopped are looked at again: what pushed one of the two back meanwhile is mostly its neighbour, and that one's
+/// neighbour.
 const AGAIN: usize = 2;

@@ -1,8 +1,8 @@
 //! Whether what was found still holds: has somebody gone further than its margin?
 //!
-//! What all do alike does not count: a heap in free fall has the same neighbours as one at rest. There is a common displacement `Δ` with `‖q_i - x_i - Δ‖ ≤ m_i` for
-//! all if there is one with `|q_i - x_i - Δ| ≤ m_i/√3` along each axis, and that is so if the greatest of `q_i - x_i - m_i/√3` is not above the least of
-//! `q_i - x_i + m_i/√3`. One pass, no mean, and one fast particle does not make the others look fast.
+//! What all do alike does not count: a heap in free fall has the same neighbours as one at rest. There is a common displacement `Δ` with `‖q_i -
+//! x_i - Δ‖ ≤ m_i` for all if there is one with `|q_i - x_i - Δ| ≤ m_i/√3` along each axis, and that is so if the greatest of `q_i - x_i - m_i/√3` is
+//! not above the least of `q_i - x_i + m_i/√3`. One pass, no mean, and one fast particle does not make the others look fast.
 //!
 //! Nor does what a body does counts that is on its own: two that fly past each other need no looking until the boxes about them meet.
 

@@ -1,14 +1,15 @@
 //! The blocks, eight pairs at a time: each pair that overlaps is pushed apart, and held back from sliding.
 //!
-//! With `d = p_a - p_b`, `n = d/‖d‖`, the least distance `r` and inverse masses `w`, the overlap `δ = r - ‖d‖` is taken away as any distance is (physics.md C1, C10):
+//! With `d = p_a - p_b`, `n = d/‖d‖`, the least distance `r` and inverse masses `w`, the overlap `δ = r - ‖d‖` is taken away as any distance is
+//! (physics.md C1, C10):
 //!
 //! ```text
 //! p_a += w_a/(w_a + w_b) δ n        p_b -= w_b/(w_a + w_b) δ n
 //! ```
 //!
-//! which moves neither the barycentre nor turns anything about it. Since the substep began the two have slid past each other by `t = D - (D·n) n`, where `D` is the change of `d`;
-//! where that is no more than friction holds, `‖t‖ ≤ μ δ` (F8), all of it is taken back by the same weights, and nothing slides. Otherwise it slides, and `bounce` takes from its
-//! velocity what friction may.
+//! which moves neither the barycentre nor turns anything about it. Since the substep began the two have slid past each other by `t = D - (D·n) n`,
+//! where `D` is the change of `d`; where that is no more than friction holds, `‖t‖ ≤ μ δ` (F8), all of it is taken back by the same weights, and
+//! nothing slides. Otherwise it slides, and `bounce` takes from its velocity what friction may.
 
 use glam::{Vec3, Vec4};
 

@@ -8,8 +8,8 @@
 //! - it began with an overlap, and comes nearer: `n = s/‖s‖`, so that it cannot get out at the other side;
 //! - it moves apart all the time, or passes by: what counts is where it ends, as for slow ones.
 //!
-//! In the first two it is held on its side of the plane `n · d = r`, as of a wall through the point where they touched. So it is never nearer than `r`, and has lost nothing
-//! of its way along the wall but what friction takes.
+//! In the first two it is held on its side of the plane `n · d = r`, as of a wall through the point where they touched. So it is never nearer than
+//! `r`, and has lost nothing of its way along the wall but what friction takes.
 
 use glam::{Vec3, Vec4};
 
@@ -40,7 +40,8 @@ pub(super) struct Stop {
 const COINCIDENT: f32 = 1e-6;
 
 impl Pair {
-    /// Pushes it apart if it must be. Returns the normal, from the second to the first, the overlap along it in metres, and whether it was stopped on its way.
+    /// Pushes it apart if it must be. Returns the normal, from the second to the first, the overlap along it in metres, and whether it was stopped on
+    /// its way.
     pub(super) fn treat(&self, particles: &mut Particles) -> Option<(Vec3, f32, bool)> {
         let ends = self.separation(&particles.position);
         let began = self.separation(&particles.start);
@@ -86,8 +87,8 @@ impl Pair {
         (time <= 1.0).then(|| self.direction(began + moved * time))
     }
 
-    /// A unit vector along a separation. Two at one place go apart along x, y or z, as the sum of their rows leaves 0, 1 or 2 when divided by three, the one with the lower row
-    /// upwards.
+    /// A unit vector along a separation. Two at one place go apart along x, y or z, as the sum of their rows leaves 0, 1 or 2 when divided by three,
+    /// the one with the lower row upwards.
     fn direction(&self, apart: Vec3) -> Vec3 {
         let length = apart.length();
         if length > COINCIDENT * self.reach {

@@ -1,7 +1,7 @@
 //! Whether a mesh is anywhere near, at one look: how far it is from the middle of each cell of a coarse grid.
 //!
-//! A distance changes by no more than the way one goes. So from that of a cell's middle follows how near the surface can be to any point at least and at most,
-//! and, if it is not nearer than the point is to the middle, on which side of it the point is.
+//! A distance changes by no more than the way one goes. So from that of a cell's middle follows how near the surface can be to any point at least and
+//! at most, and, if it is not nearer than the point is to the middle, on which side of it the point is.
 
 use glam::Vec3;
 

@@ -3,16 +3,17 @@
 //! # The rule
 //!
 //! Let `c` be the point of the surface nearest to where the centre goes, and `n` the direction out of the surface there. The plane through `c` across
-//! `n` has the whole shape behind it. If the centre came from in front of that plane, then no part of its way up to the plane was in the shape, so it is
-//! on the side where it came from, and the nearest way out is the right one: along `n`, by the radius less the distance. That is nearly
-//! always so, and costs no more than the nearest point.
+//! `n` has the whole shape behind it. If the centre came from in front of that plane, then no part of its way up to the plane was in the shape, so it
+//! is on the side where it came from, and the nearest way out is the right one: along `n`, by the radius less the distance. That is nearly always so,
+//! and costs no more than the nearest point.
 //!
-//! If it came from behind that plane, it may have gone through. Then the place where its way enters counts, with the direction `m` out of the surface there:
-//! the plane there has the shape behind it, and the start in front. If the sphere ended inside and `n` is within 60° of `m`, it has only gone round a bend,
-//! and goes out along `n`. Otherwise, as through a thin plate, it is put in front of the plane where it entered, which is where an impact without friction
-//! at that place would have kept it.
+//! If it came from behind that plane, it may have gone through. Then the place where its way enters counts, with the direction `m` out of the surface
+//! there: the plane there has the shape behind it, and the start in front. If the sphere ended inside and `n` is within 60° of `m`, it has only gone
+//! round a bend, and goes out along `n`. Otherwise, as through a thin plate, it is put in front of the plane where it entered, which is where an
+//! impact without friction at that place would have kept it.
 //!
-//! One that started inside (constraints may press a particle in a little, and a shape may be put over it) belongs to the side that is nearest to the start.
+//! One that started inside (constraints may press a particle in a little, and a shape may be put over it) belongs to the side that is nearest to the
+//! start.
 
 use glam::Vec3;
 

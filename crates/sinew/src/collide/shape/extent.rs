@@ -7,7 +7,8 @@ use super::{Form, Shape};
 use crate::collide::Frame;
 
 impl Shape {
-    /// The lowest and the highest coordinates of the smallest box around it along its own axes, metres. A half space has no end but the one at the top.
+    /// The lowest and the highest coordinates of the smallest box around it along its own axes, metres. A half space has no end but the one at the
+    /// top.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let half = match &self.form {
             Form::HalfSpace => return (-Vec3::INFINITY, Vec3::INFINITY.with_y(0.0)),

@@ -107,7 +107,8 @@ impl Heights {
         }
     }
 
-    /// What a slope has pushed sideways into the ground, through a side that is no triangle, goes up; if it then is beyond another slope, to its start.
+    /// What a slope has pushed sideways into the ground, through a side that is no triangle, goes up; if it then is beyond another slope, to its
+    /// start.
     fn above(&self, from: Vec3, to: Vec3, reach: f32, touch: Touch) -> Option<Touch> {
         let shift = touch.normal * touch.depth;
         let sunk =

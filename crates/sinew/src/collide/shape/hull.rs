@@ -1,7 +1,7 @@
 //! A body without dents, given by its corners, against points and ways: by the planes of its faces, and exactly at its edges and corners.
 //!
-//! Inside, the nearest face is the one whose plane is least far in front. Outside, the nearest point is on one of the faces that are seen from there, and
-//! no nearer than their planes; so most of them are never looked at. A sphere that stays in front of a plane is told by that plane alone.
+//! Inside, the nearest face is the one whose plane is least far in front. Outside, the nearest point is on one of the faces that are seen from there,
+//! and no nearer than their planes; so most of them are never looked at. A sphere that stays in front of a plane is told by that plane alone.
 
 use glam::{DVec3, Vec3};
 

@@ -2,8 +2,8 @@
 //!
 //! # Inside and outside
 //!
-//! At a face its normal tells on which side a point is, at an edge the sum of the two faces', at a corner the sum of all faces' weighted by their angles
-//! there: the *pseudo-normals* of which Bærentzen and Aanæs (2005) proved it for every closed surface.
+//! At a face its normal tells on which side a point is, at an edge the sum of the two faces', at a corner the sum of all faces' weighted by their
+//! angles there: the *pseudo-normals* of which Bærentzen and Aanæs (2005) proved it for every closed surface.
 
 use glam::Vec3;
 
@@ -240,7 +240,8 @@ fn welded(vertices: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]
     (places, triangles.iter().map(|t| t.map(corner)).filter(distinct).collect())
 }
 
-/// What tells inside from outside, if every edge is that of two triangles that go along it in opposite directions and the volume is positive; else nothing.
+/// What tells inside from outside, if every edge is that of two triangles that go along it in opposite directions and the volume is positive; else
+/// nothing.
 fn pseudo(vertices: usize, triangles: &[[u32; 3]], pieces: &[Triangle]) -> Vec<Pseudo> {
     let side = |t: &[u32; 3], k: usize| (t[k], t[(k + 1) % 3]);
     let mut sides: Vec<((u32, u32), u32)> =

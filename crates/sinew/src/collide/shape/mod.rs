@@ -165,29 +165,30 @@ impl Shape {
     /// The smallest body without dents around points ([`convex_hull`](crate::recipes::convex_hull)).
     ///
     /// # Errors
-    /// If a point is not finite or farther than 1e6 metres from the origin, if they are fewer than four or more than 65 536, or if they lie in a plane
-    /// to a millionth of their extent.
+    /// If a point is not finite or farther than 1e6 metres from the origin, if they are fewer than four or more than 65 536, or if they lie in a
+    /// plane to a millionth of their extent.
     pub fn hull(points: &[Vec3]) -> Result<Self, ShapeFault> {
         Ok(Self::of(Form::Hull(Arc::new(Hull::new(points)?))))
     }
 
-    /// Triangles. If they enclose a volume, each edge of two of them in opposite directions, counter-clockwise seen from outside, then what is inside is
-    /// solid. Otherwise they are a sheet, which nothing passes from either side. Corners in the very same place are one. Triangles without an area are
-    /// left out.
+    /// Triangles. If they enclose a volume, each edge of two of them in opposite directions, counter-clockwise seen from outside, then what is inside
+    /// is solid. Otherwise they are a sheet, which nothing passes from either side. Corners in the very same place are one. Triangles without an area
+    /// are left out.
     ///
     /// # Errors
-    /// If a vertex is not finite or farther than 1e6 metres from the origin, if a triangle names one that is not there, or if no triangle has an area.
+    /// If a vertex is not finite or farther than 1e6 metres from the origin, if a triangle names one that is not there, or if no triangle has an
+    /// area.
     pub fn mesh(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, ShapeFault> {
         Ok(Self::of(Form::Mesh(Arc::new(Mesh::new(&vertices, &triangles)?))))
     }
 
-    /// A landscape: `columns` heights along x in each of `rows` along z, row by row, over a rectangle of `size.x` by `size.z` metres about the origin.
-    /// Heights are in units of `size.y`. A cell is cut in two from its corner at +z to that at +x. It is solid from there down to a twentieth of its
-    /// width below its lowest point.
+    /// A landscape: `columns` heights along x in each of `rows` along z, row by row, over a rectangle of `size.x` by `size.z` metres about the
+    /// origin. Heights are in units of `size.y`. A cell is cut in two from its corner at +z to that at +x. It is solid from there down to a twentieth
+    /// of its width below its lowest point.
     ///
     /// # Errors
-    /// If there are fewer than two columns or rows, if the number of heights is not their product, if a height is not finite or farther than 1e6 metres
-    /// from 0, or if the size is not between 1e-6 and 1e6 metres on every axis.
+    /// If there are fewer than two columns or rows, if the number of heights is not their product, if a height is not finite or farther than 1e6
+    /// metres from 0, or if the size is not between 1e-6 and 1e6 metres on every axis.
     pub fn height_field(
         columns: usize,
         rows: usize,
@@ -197,9 +198,9 @@ impl Shape {
         Ok(Self::of(Form::Heights(Arc::new(Heights::new(columns, rows, heights, size)?))))
     }
 
-    /// A sphere whose centre goes from `from`, where a substep began, to `to`: `None` if it neither overlaps the shape there nor went through it on the
-    /// way. Otherwise how it must be moved from `to` to be just outside, on the side where it came from. One that began inside goes the nearest way out.
-    /// Lengths in metres, in the shape's own coordinates. What is not finite touches nothing.
+    /// A sphere whose centre goes from `from`, where a substep began, to `to`: `None` if it neither overlaps the shape there nor went through it on
+    /// the way. Otherwise how it must be moved from `to` to be just outside, on the side where it came from. One that began inside goes the nearest
+    /// way out. Lengths in metres, in the shape's own coordinates. What is not finite touches nothing.
     #[inline]
     pub(crate) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<Touch> {
         match &self.form {
@@ -272,8 +273,8 @@ impl Shape {
         Self { mark: mark::of(&form), form, twin: Arc::default() }
     }
 
-    /// A number made of what it is, by which what is remembered of one shape is not taken for what is of another. All meshes have one number, and all heightfields:
-    /// of those nothing of the kind is remembered.
+    /// A number made of what it is, by which what is remembered of one shape is not taken for what is of another. All meshes have one number, and all
+    /// heightfields: of those nothing of the kind is remembered.
     #[inline]
     pub(crate) fn mark(&self) -> u64 {
         self.mark

@@ -12,9 +12,9 @@ use crate::collide::shape::height::Heights;
 const SIDES: usize = 24;
 
 impl Shape {
-    /// The same shape in another size, by a positive factor along each of its own axes. A box, a hull, a mesh and a landscape take any; a half space stays
-    /// what it is. A sphere needs the same factor thrice, and so does a capsule; a cylinder needs the same along x and z. With other factors they
-    /// become a hull of 24 sides, whose corners are on the true surface.
+    /// The same shape in another size, by a positive factor along each of its own axes. A box, a hull, a mesh and a landscape take any; a half space
+    /// stays what it is. A sphere needs the same factor thrice, and so does a capsule; a cylinder needs the same along x and z. With other factors
+    /// they become a hull of 24 sides, whose corners are on the true surface.
     ///
     /// # Errors
     /// [`ShapeFault::Scale`] if a factor is NaN, infinite, zero or negative, and what the shape's constructor says of the result.

@@ -2,11 +2,11 @@
 //!
 //! # The rule
 //!
-//! Where the way of the centre crosses triangles, the first of them counts, and the centre is put in front of its plane, on the side where it came from; what
-//! it did along the plane stays. Where it crosses none, the nearest triangle within the radius pushes it straight away. Either may push it into
-//! another triangle, as in a valley, so the same is asked again about the way from the start to the new place, a few times; and if there is still one in
-//! between, the centre goes back to where its way met the first triangle, and if even that is beyond another, to where it started. There is no
-//! way through: what is left in the end is a place that a straight way leads to from the start without crossing.
+//! Where the way of the centre crosses triangles, the first of them counts, and the centre is put in front of its plane, on the side where it came
+//! from; what it did along the plane stays. Where it crosses none, the nearest triangle within the radius pushes it straight away. Either may push it
+//! into another triangle, as in a valley, so the same is asked again about the way from the start to the new place, a few times; and if there is
+//! still one in between, the centre goes back to where its way met the first triangle, and if even that is beyond another, to where it started. There
+//! is no way through: what is left in the end is a place that a straight way leads to from the start without crossing.
 //!
 //! A centre must not come to lie *in* a triangle, as one without a radius would: next time nobody could tell on which side it was. So it keeps off by
 //! a few steps of `f32` at least.

@@ -50,8 +50,8 @@ impl Triangle {
         (a.min(b).min(c), a.max(b).max(c))
     }
 
-    /// The place nearest to `p`, by the region of the plane that `p` is above (C. Ericson, *Real-Time Collision Detection*, 5.1.5): beyond a corner if it is
-    /// behind both edges from there; beside an edge if the barycentric coordinate across it is negative; else above the face.
+    /// The place nearest to `p`, by the region of the plane that `p` is above (C. Ericson, *Real-Time Collision Detection*, 5.1.5): beyond a corner
+    /// if it is behind both edges from there; beside an edge if the barycentric coordinate across it is negative; else above the face.
     #[inline]
     pub(super) fn closest(&self, p: Vec3) -> Close {
         let [a, b, c] = self.corners;

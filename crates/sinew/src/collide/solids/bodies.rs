@@ -23,8 +23,8 @@ pub(super) const SPIN: usize = 6;
 /// As predicted: a unit quaternion. The last one, because friction does not ask for it.
 pub(super) const ROTATION: usize = 7;
 
-/// A row for each solid, up to a multiple of eight; then for each collider and each plane; and one for nothing. A contact asks for nearly all that there is of two bodies
-/// that may lie anywhere: so that is in one place, and not in columns.
+/// A row for each solid, up to a multiple of eight; then for each collider and each plane; and one for nothing. A contact asks for nearly all that
+/// there is of two bodies that may lie anywhere: so that is in one place, and not in columns.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bodies {
     pub(super) rows: Vec<Record>,

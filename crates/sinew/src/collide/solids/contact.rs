@@ -40,8 +40,8 @@ pub(super) const FAR: f32 = 1e9;
 pub(super) const TURNED: f32 = 0.02;
 /// The same for how far they may slide on each other, as a share of their size.
 pub(super) const SLID: f32 = 0.03;
-/// By how much more than the strain says, times what they may slide, other points of them may have come nearer than those of their manifold: a turn of `φ` takes those away by up to `r φ`
-/// and others there by as much, and counts `r φ SLID / TURNED`.
+/// By how much more than the strain says, times what they may slide, other points of them may have come nearer than those of their manifold: a turn
+/// of `φ` takes those away by up to `r φ` and others there by as much, and counts `r φ SLID / TURNED`.
 pub(super) const ELSEWHERE: f32 = 2.0 * TURNED / SLID;
 
 /// Eight manifolds that have no solid in common; on lines of the cache of its own, because an eight that lies across two of them costs twice as much.
@@ -73,7 +73,8 @@ pub(super) struct Pack {
     pub(super) own: Eight,
     /// Whether approach and place are to be kept: something bounces, or somebody listens.
     pub(super) kept: bool,
-    /// A bit for each manifold where more overlap was recovered in this substep than may turn into speed, or one of whose solids comes from where that was.
+    /// A bit for each manifold where more overlap was recovered in this substep than may turn into speed, or one of whose solids comes from where
+    /// that was.
     pub(super) popped: u32,
     /// Of the substep: impulses of the points, kg·m.
     pub(super) force: [Eight; 4],

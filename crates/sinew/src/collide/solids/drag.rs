@@ -1,13 +1,15 @@
-//! The lectures' friction between solids, after restitution: while two touch, a share of their velocity along and across each other is lost in each second ([`PlanarDrag`]).
+//! The lectures' friction between solids, after restitution: while two touch, a share of their velocity along and across each other is lost in each
+//! second ([`PlanarDrag`]).
 //!
-//! What is dragged is what goes past at the centre of the pressure, `v`, by an impulse there of the mass that the two would have as points, so that a box that slides on a plane slows
-//! down as `v (1 - along)^t`:
+//! What is dragged is what goes past at the centre of the pressure, `v`, by an impulse there of the mass that the two would have as points, so that a
+//! box that slides on a plane slows down as `v (1 - along)^t`:
 //!
 //! ```text
 //! J = -s v / (1/M_a + 1/M_b)        s = 1 - (1 - drag)^h
 //! ```
 //!
-//! of each of the two parts of `v`, and the same of how they spin on each other about the normal. It is equal and opposite, so momenta are kept; and never more than stops the two there.
+//! of each of the two parts of `v`, and the same of how they spin on each other about the normal. It is equal and opposite, so momenta are kept; and
+//! never more than stops the two there.
 
 use glam::Vec3;
 

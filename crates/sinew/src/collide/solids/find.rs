@@ -13,9 +13,9 @@ use super::{Seen, Solids};
 use crate::lanes::{LANES, with};
 use crate::particles::{NO_BODY, Particles};
 
-/// How far from its way a solid may be thrown in a step before all contacts are looked for again, by what gravity alone does, `g dt²`. Of a hundred ragdolls that roll down stairs there is
-/// always one that is jolted by more than gravity: with 1 contacts were looked for twice in each step of ten substeps, and in each substep of four. With 16 there are too many pairs
-/// that never touch.
+/// How far from its way a solid may be thrown in a step before all contacts are looked for again, by what gravity alone does, `g dt²`. Of a hundred
+/// ragdolls that roll down stairs there is always one that is jolted by more than gravity: with 1 contacts were looked for twice in each step of ten
+/// substeps, and in each substep of four. With 16 there are too many pairs that never touch.
 const JOLTED: f32 = 8.0;
 
 impl Solids {

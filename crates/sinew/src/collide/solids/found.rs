@@ -65,8 +65,8 @@ pub(super) fn colour(found: &mut [Found], solids: usize, used: &mut Vec<u64>) ->
     most
 }
 
-/// Numbers of manifolds by colour, and of one colour first those that pressed before, then as they are; `begins` is scratch. Those of a colour may come in any order, and a pack in which
-/// nothing presses is soon done with.
+/// Numbers of manifolds by colour, and of one colour first those that pressed before, then as they are; `begins` is scratch. Those of a colour may
+/// come in any order, and a pack in which nothing presses is soon done with.
 fn by_colour(
     (found, memory): (&[Found], &[Remembered]),
     colours: u32,
@@ -93,8 +93,8 @@ fn by_colour(
     }
 }
 
-/// Packs manifolds of one of so many colours by eights, for substeps of `h` seconds. `order` and `begins` are scratch; `row` is where a solid or a stand is among the bodies, `centre` that of
-/// a solid in its own frame.
+/// Packs manifolds of one of so many colours by eights, for substeps of `h` seconds. `order` and `begins` are scratch; `row` is where a solid or a
+/// stand is among the bodies, `centre` that of a solid in its own frame.
 pub(super) fn pack(
     (found, memory, h): (&[Found], &[Remembered], f32),
     (nothing, colours): (u32, u32),

@@ -81,7 +81,8 @@ pub(super) struct Groups {
     pub(super) groups: Vec<Group>,
     pub(super) slots: Vec<Slot>,
     pub(super) parts: Vec<Part>,
-    /// The row of each solid among the bodies: those of as many particles are side by side, so that nobody waits for a torso of five among limbs of three.
+    /// The row of each solid among the bodies: those of as many particles are side by side, so that nobody waits for a torso of five among limbs of
+    /// three.
     places: Vec<u32>,
     /// The solid of each of those rows.
     order: Vec<u32>,

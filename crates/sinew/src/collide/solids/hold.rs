@@ -9,10 +9,11 @@
 //!
 //! # Where it stuck
 //!
-//! Pressing moves things after they were held, in a heap again and again, and what carries others on a slope is held before they are. What sticks remembers
-//! how far it is from where it stuck (`late`), and is held against that, too: so that it stays there, however small the part that each substep leaves. What lies
-//! still on a slope is late by as much as it takes for all of a stack to be held. A part of that is taken back in a substep ([`BACK`]), because what is moved back leaves
-//! with speed. What slides forgets ([`FADES`]), or friction would go on pulling to where it once stuck. All of it goes from step to step (`memory`).
+//! Pressing moves things after they were held, in a heap again and again, and what carries others on a slope is held before they are. What sticks
+//! remembers how far it is from where it stuck (`late`), and is held against that, too: so that it stays there, however small the part that each
+//! substep leaves. What lies still on a slope is late by as much as it takes for all of a stack to be held. A part of that is taken back in a substep
+//! ([`BACK`]), because what is moved back leaves with speed. What slides forgets ([`FADES`]), or friction would go on pulling to where it once stuck.
+//! All of it goes from step to step (`memory`).
 
 use super::block::hold;
 use super::bodies::{Bodies, Sliding};
@@ -20,24 +21,24 @@ use super::contact::Pack;
 use super::turn::{Eight, Symmetric, load};
 use crate::lanes::{Lanes, Vector, Work};
 
-/// Which part of what is late is taken back in a substep. With all of it a heap of a thousand boxes never rests (7 mm/s), with half of it at 1 to 3 mm/s, with a fifth at 0.1; with a
-/// twentieth a stack slips on a slope that is nearly too steep, before it is held.
+/// Which part of what is late is taken back in a substep. With all of it a heap of a thousand boxes never rests (7 mm/s), with half of it at 1 to 3
+/// mm/s, with a fifth at 0.1; with a twentieth a stack slips on a slope that is nearly too steep, before it is held.
 const BACK: f32 = 0.2;
-/// What is left of it in a substep in which it slides. A stack on a slope that is nearly too steep slides for a few substeps in the one or other contact, and
-/// must not forget by that (with 0.9 it goes on for ever); what really slides has forgotten after some fifty substeps.
+/// What is left of it in a substep in which it slides. A stack on a slope that is nearly too steep slides for a few substeps in the one or other
+/// contact, and must not forget by that (with 0.9 it goes on for ever); what really slides has forgotten after some fifty substeps.
 const FADES: f32 = 0.97;
 
-/// What presses is a mean over some substeps, of which this is the share of the newest one. In a heap contacts press twice as hard in one substep and not at all in the next; friction that
-/// did as they do would let go each time: a thousand boxes poured in any pose then go on at 1 to 8 mm/s for ever, and with a mean they come to rest. Over time that is as
-/// much friction as there was pressure.
+/// What presses is a mean over some substeps, of which this is the share of the newest one. In a heap contacts press twice as hard in one substep and
+/// not at all in the next; friction that did as they do would let go each time: a thousand boxes poured in any pose then go on at 1 to 8 mm/s for
+/// ever, and with a mean they come to rest. Over time that is as much friction as there was pressure.
 const NEWS: f32 = 0.25;
 /// What moves neither body by more than this in a substep, metres, is none.
 const NOTHING: f32 = 1e-10;
 /// By which part of the mean what slides must be pressed more for friction to act on that at once. What sticks needs no more.
 const MORE: f32 = 0.1;
 
-/// Holds what slides in packs: before they are pressed, against what pressed them in the substeps before; and after that, where it is needed, against what presses
-/// them more.
+/// Holds what slides in packs: before they are pressed, against what pressed them in the substeps before; and after that, where it is needed, against
+/// what presses them more.
 pub(super) struct Hold<'a> {
     pub(super) packs: &'a mut [Pack],
     pub(super) after: bool,
@@ -134,7 +135,8 @@ impl<L: Lanes> Slip<L> {
         self.a.inverse_mass + self.b.inverse_mass
     }
 
-    /// Holds them against so much slip, as far as a sum `against` of the pressure lets it. Returns against how much of that it had to act, and how far that took them back.
+    /// Holds them against so much slip, as far as a sum `against` of the pressure lets it. Returns against how much of that it had to act, and how
+    /// far that took them back.
     #[inline(always)]
     fn hold(
         &self,

@@ -8,16 +8,18 @@
 //!
 //! # When a manifold still holds
 //!
-//! It was found where the two were less than `reach` apart, and has all corners that were so near. Since then no point of the first one has moved by more than
-//! `δ = |Δt| + |Δφ| r` as seen from the second one, with `r` how far out the first one reaches. So it has all that are nearer than `reach - δ` now; if they may come nearer
-//! by `m` in this step, it holds while `δ + m ≤ reach`. Manifolds are looked for with a little more than `m` ([`SLACK`]), which is what that leaves. And it holds
-//! no longer when the two have turned or slid by half of what a manifold is good for within a step (`contact`).
+//! It was found where the two were less than `reach` apart, and has all corners that were so near. Since then no point of the first one has moved by
+//! more than `δ = |Δt| + |Δφ| r` as seen from the second one, with `r` how far out the first one reaches. So it has all that are nearer than `reach -
+//! δ` now; if they may come nearer by `m` in this step, it holds while `δ + m ≤ reach`. Manifolds are looked for with a little more than `m`
+//! ([`SLACK`]), which is what that leaves. And it holds no longer when the two have turned or slid by half of what a manifold is good for within a
+//! step (`contact`).
 //!
 //! # Whose it is
 //!
 //! All of it is live state, to be saved and restored with the particles. Contacts are named by those who touch ([`Solid::id`](super::Solid),
-//! [`Collider::id`](super::super::Collider)) and not by their places in lists, so that what comes and goes elsewhere changes nothing. A memory that is lost, or
-//! is of something else, is none: friction then begins anew. Vectors are in the axes of the world, as they are from substep to substep (`hold`).
+//! [`Collider::id`](super::super::Collider)) and not by their places in lists, so that what comes and goes elsewhere changes nothing. A memory that
+//! is lost, or is of something else, is none: friction then begins anew. Vectors are in the axes of the world, as they are from substep to substep
+//! (`hold`).
 
 use glam::Vec3;
 
@@ -26,15 +28,16 @@ use super::super::manifold::Manifold;
 use super::contact::{Pack, SLID, TURNED};
 use super::found::set;
 
-/// How much farther than needed manifolds are looked for, as a share of the smaller one's size: two that have moved against each other by less than that keep theirs. More would list pairs
-/// that never touch.
+/// How much farther than needed manifolds are looked for, as a share of the smaller one's size: two that have moved against each other by less than
+/// that keep theirs. More would list pairs that never touch.
 pub(super) const SLACK: f32 = 0.03;
 /// Which part of what a manifold may be strained in a step it may be when a step begins.
 const STRAINED: f32 = 0.5;
 /// Cosine of the angle between the normals of what touched and what touches, from which on that is the same contact.
 const SAME: f32 = 0.9;
 
-/// What solids that touch remember of each other: live state, to be saved and restored with the particles. Empty by default, and then friction begins anew.
+/// What solids that touch remember of each other: live state, to be saved and restored with the particles. Empty by default, and then friction begins
+/// anew.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContactMemory {
     /// Ascending by who touches, as long as ids of solids and of colliders ascend in their lists.
@@ -50,7 +53,8 @@ pub struct Remembered {
     pub(super) manifold: Manifold,
     /// Where the first one was in the coordinates of the second one when that was found.
     pub(super) seen_from: Frame,
-    /// How far apart what was looked for then; negative where one of the two is made of triangles, each with a manifold, which are found in each step.
+    /// How far apart what was looked for then; negative where one of the two is made of triangles, each with a manifold, which are found in each
+    /// step.
     pub(super) reach: f32,
     pub(super) grasp: Grasp,
 }
@@ -118,8 +122,9 @@ impl ContactMemory {
 }
 
 impl Remembered {
-    /// How much the two are strained against each other since the manifold was found, as `Pack` has it; `None` where it holds no longer. `here` is where the
-    /// first one is in the second one's coordinates now, `size` how far it reaches, `stiff` as in `Pack`, and `reach` how near the two may come.
+    /// How much the two are strained against each other since the manifold was found, as `Pack` has it; `None` where it holds no longer. `here` is
+    /// where the first one is in the second one's coordinates now, `size` how far it reaches, `stiff` as in `Pack`, and `reach` how near the two may
+    /// come.
     pub(super) fn strain(&self, here: &Frame, size: f32, stiff: f32, reach: f32) -> Option<f32> {
         let was = &self.seen_from;
         let moved = (here.translation - was.translation).length();

@@ -110,8 +110,8 @@ pub enum SolidFault {
     Shape,
 }
 
-/// Contacts of solids in a step. Scratch: nothing of it lasts from one step to the next but what follows from solids and masses alone, and the memory, which is
-/// lent for a step.
+/// Contacts of solids in a step. Scratch: nothing of it lasts from one step to the next but what follows from solids and masses alone, and the
+/// memory, which is lent for a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Solids {
     /// Which instructions its kernels use. It never changes a result.
@@ -140,7 +140,8 @@ pub(crate) struct Solids {
     used: Vec<u64>,
     order: Vec<u32>,
     begins: Vec<u32>,
-    /// A bit for each solid of each group that bounces or is dragged in this substep; for each manifold of each pack that bounces, and that is dragged; and the rows of those groups as they were before.
+    /// A bit for each solid of each group that bounces or is dragged in this substep; for each manifold of each pack that bounces, and that is
+    /// dragged; and the rows of those groups as they were before.
     bouncing: Vec<u32>,
     bounced: Vec<[u32; 2]>,
     kept: Vec<Record>,

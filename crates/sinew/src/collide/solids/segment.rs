@@ -10,15 +10,16 @@ use super::super::{Shape, ShapeFault};
 use super::Solid;
 use crate::particles::Particles;
 
-/// By how much two must be clear of each other in the rest shape to touch at all, as a share of how thick they are: those that just touch there would press for nothing.
+/// By how much two must be clear of each other in the rest shape to touch at all, as a share of how thick they are: those that just touch there would
+/// press for nothing.
 const CLEAR: f64 = 0.01;
 
 impl Solid {
-    /// One segment of a rope: a capsule along the line of two particles, as thick as `radius` and as long as `length` between the centres of its caps, both in metres. Segments that
-    /// have a particle in common make a rope without gaps. See [`Solid::id`] for `id`.
+    /// One segment of a rope: a capsule along the line of two particles, as thick as `radius` and as long as `length` between the centres of its
+    /// caps, both in metres. Segments that have a particle in common make a rope without gaps. See [`Solid::id`] for `id`.
     ///
-    /// Segments of one body touch each other, where the body touches itself, unless they overlap in its rest shape ([`Particles::set_rest`]): a rope that is thicker than its segments
-    /// are long does not press itself apart.
+    /// Segments of one body touch each other, where the body touches itself, unless they overlap in its rest shape ([`Particles::set_rest`]): a rope
+    /// that is thicker than its segments are long does not press itself apart.
     ///
     /// # Errors
     /// If the radius or half of the length is not between 1e-6 and 1e6 metres.
@@ -29,7 +30,8 @@ impl Solid {
         Ok(Self { rows: rows.to_vec(), rest, shape, id })
     }
 
-    /// Whether two segments overlap in the rest shape of their body. Anything else does not, and neither do those whose particles have no place there.
+    /// Whether two segments overlap in the rest shape of their body. Anything else does not, and neither do those whose particles have no place
+    /// there.
     pub(super) fn overlaps_at_rest(&self, other: &Self, particles: &Particles) -> bool {
         let axis = |solid: &Self| {
             let (&[a, b], Kind::Capsule { radius, .. }) = (&*solid.rows, solid.shape.kind()) else {

@@ -14,9 +14,10 @@ impl Touch {
 
     /// Gives rows that touched something in the substep of `h` seconds the velocity that they bounce off with, and takes off what drags ask.
     ///
-    /// Positions know nothing of elasticity: whatever was put on a surface leaves it with the speed that it lacked to get there. So where the speed of approach `a` before
-    /// the substep was above `2gh`, which gravity alone gives to what lies still, the velocity along the normal becomes `-e a`. Taken before the last bit of the way, `a` is what the
-    /// particle had half a substep earlier, and never more than it has at the surface: `e = 1` gains nothing.
+    /// Positions know nothing of elasticity: whatever was put on a surface leaves it with the speed that it lacked to get there. So where the speed
+    /// of approach `a` before the substep was above `2gh`, which gravity alone gives to what lies still, the velocity along the normal becomes `-e
+    /// a`. Taken before the last bit of the way, `a` is what the particle had half a substep earlier, and never more than it has at the surface: `e =
+    /// 1` gains nothing.
     pub(crate) fn bounce(
         &self,
         places: &mut Places,

@@ -1,11 +1,12 @@
 //! Single particles against what stands in the world: planes, boxes and colliders.
 //!
-//! Each particle is a sphere of its radius. In a substep it goes from where it was to where it was predicted and its constraints moved it; seen from a collider, which may itself
-//! move, that is a way from one point to another ([`Shape::touch`]). Where it overlaps at the end of the way, or passed through, it is put just outside, on the side that it
-//! came from, and the friction that goes with it takes its share of the sliding. Nothing gets through, however fast and however thin the shape is.
+//! Each particle is a sphere of its radius. In a substep it goes from where it was to where it was predicted and its constraints moved it; seen from
+//! a collider, which may itself move, that is a way from one point to another ([`Shape::touch`]). Where it overlaps at the end of the way, or passed
+//! through, it is put just outside, on the side that it came from, and the friction that goes with it takes its share of the sliding. Nothing gets
+//! through, however fast and however thin the shape is.
 //!
-//! Which particles may come near which collider is found once a step (`find`), with a margin of what the fastest of an island may cover. What has gone further all the
-//! same, flung by something, is tried against every collider.
+//! Which particles may come near which collider is found once a step (`find`), with a margin of what the fastest of an island may cover. What has
+//! gone further all the same, flung by something, is tried against every collider.
 
 mod bounce;
 mod find;

@@ -1,9 +1,10 @@
 //! After the velocities are derived: what two that touched part with; and what is told.
 //!
-//! As among [`pairs`](crate::collide::pairs), with the points of contact in the place of the particles. With `u` the velocity along the normal that the two points had to each other before
-//! (the lower, the faster they came), the one they have now becomes `-e u` where they came faster than gravity alone makes what lies still (`u < -2gh`), and elsewhere is kept
-//! between `0` and `max(u, 0)`: neither nearing any more, nor parting faster than before, because what was pushed out of an overlap has not been thrown. An impulse `J` does it,
-//! of which each particle gets `kᵢ J`. What slides loses Coulomb's `μ δ/h`, and never more than the sliding there is.
+//! As among [`pairs`](crate::collide::pairs), with the points of contact in the place of the particles. With `u` the velocity along the normal that
+//! the two points had to each other before (the lower, the faster they came), the one they have now becomes `-e u` where they came faster than
+//! gravity alone makes what lies still (`u < -2gh`), and elsewhere is kept between `0` and `max(u, 0)`: neither nearing any more, nor parting faster
+//! than before, because what was pushed out of an overlap has not been thrown. An impulse `J` does it, of which each particle gets `kᵢ J`. What
+//! slides loses Coulomb's `μ δ/h`, and never more than the sliding there is.
 
 use glam::Vec3;
 

@@ -2,21 +2,23 @@
 //!
 //! # When
 //!
-//! All corners move evenly from where the substep began to where they have got to. With `u`, `v` the two sides of a triangle (or the two edges) and `p` from the first corner to the
-//! particle (from one edge's beginning to the other's), each of the form `x₀ + τ Δx`, the four points lie in one plane at the roots of the cubic (Provot 1997; Bridson and others 2002)
+//! All corners move evenly from where the substep began to where they have got to. With `u`, `v` the two sides of a triangle (or the two edges) and
+//! `p` from the first corner to the particle (from one edge's beginning to the other's), each of the form `x₀ + τ Δx`, the four points lie in one
+//! plane at the roots of the cubic (Provot 1997; Bridson and others 2002)
 //!
 //! ```text
 //! f(τ) = p(τ) · (u(τ) × v(τ))        0 ≤ τ ≤ 1
 //! ```
 //!
-//! In Bernstein's form a cubic stays between the least and the greatest of its four coefficients, so that most have no root for want of a change of sign. Between
-//! the zeros of its derivative it rises or falls all the time, so that a root is enclosed by its signs and halved until it has no more digits. There is nothing to miss but where it
-//! touches zero without a change of sign, which is a touch, and no crossing.
+//! In Bernstein's form a cubic stays between the least and the greatest of its four coefficients, so that most have no root for want of a change of
+//! sign. Between the zeros of its derivative it rises or falls all the time, so that a root is enclosed by its signs and halved until it has no more
+//! digits. There is nothing to miss but where it touches zero without a change of sign, which is a touch, and no crossing.
 //!
 //! # Where, and to which side
 //!
-//! At a root the particle has passed if it is within the triangle then (the edges, if they cut each other), with a tolerance that leaves no crack between two triangles at their common edge.
-//! It came from the side that it moves away from, relative to the triangle at that place: `n` is the triangle's normal (square to both edges), towards that side.
+//! At a root the particle has passed if it is within the triangle then (the edges, if they cut each other), with a tolerance that leaves no crack
+//! between two triangles at their common edge. It came from the side that it moves away from, relative to the triangle at that place: `n` is the
+//! triangle's normal (square to both edges), towards that side.
 
 use glam::DVec3;
 
@@ -30,7 +32,8 @@ pub(super) struct Four {
     pub(super) edges: bool,
 }
 
-/// How two touch: shares of the four points that add up to zero, of the one that touches positive, of the other negative; and the unit vector from the other to the one.
+/// How two touch: shares of the four points that add up to zero, of the one that touches positive, of the other negative; and the unit vector from
+/// the other to the one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     pub(super) shares: [f64; 4],
@@ -58,7 +61,8 @@ impl Four {
         ways.count().is_multiple_of(2).then_some(first)
     }
 
-    /// The square of a distance than which none of the one comes further against any of the other: that of twice the longest way, beside the mean of the four.
+    /// The square of a distance than which none of the one comes further against any of the other: that of twice the longest way, beside the mean of
+    /// the four.
     #[inline]
     pub(super) fn longest_way(&self) -> f64 {
         let way = |i: usize| self.to[i] - self.from[i];
@@ -100,7 +104,8 @@ impl Four {
         Some((shares, n / n.length()))
     }
 
-    /// Which way it is from the one to the other where the substep has ended and they touch in the very same place: the normal there, to the side where they began.
+    /// Which way it is from the one to the other where the substep has ended and they touch in the very same place: the normal there, to the side
+    /// where they began.
     pub(super) fn side(&self, shares: [f64; 4]) -> Option<DVec3> {
         let [_, u, v] = self.sides(self.to);
         let n = u.cross(v);

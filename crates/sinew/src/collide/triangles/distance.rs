@@ -1,16 +1,19 @@
 //! How near a point is to a triangle, and a segment to another: the nearest points, as weights of the corners.
 //!
-//! In double precision, in which the corners' single numbers and their differences are exact: what is nearly flat or nearly parallel has its digits, and costs no care.
+//! In double precision, in which the corners' single numbers and their differences are exact: what is nearly flat or nearly parallel has its digits,
+//! and costs no care.
 
 use glam::DVec3;
 
 /// Below this share of the product of its sides' squares, the square of a triangle's area (or of the sine of two directions) is none.
 pub(super) const FLAT: f64 = 1e-14;
 
-/// The weights of a triangle's corners in the point of it that is nearest to `p`: they add up to one, and none is negative. One without area is its longest reach: its sides.
+/// The weights of a triangle's corners in the point of it that is nearest to `p`: they add up to one, and none is negative. One without area is its
+/// longest reach: its sides.
 ///
-/// With the sides `u` and `v` from the first corner, `d` from there to the point, and `n = u × v`, the foot of the perpendicular has the weights `(d × v)·n/n²` and `(u × d)·n/n²` of the
-/// other two corners. Where one of the three is negative, the point is beyond the side across from that corner, and the nearest point is on that side: of two such on the nearer one.
+/// With the sides `u` and `v` from the first corner, `d` from there to the point, and `n = u × v`, the foot of the perpendicular has the weights `(d
+/// × v)·n/n²` and `(u × d)·n/n²` of the other two corners. Where one of the three is negative, the point is beyond the side across from that corner,
+/// and the nearest point is on that side: of two such on the nearer one.
 #[inline]
 pub(super) fn to_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> [f64; 3] {
     let foot = foot(p, [a, b, c]).unwrap_or([-1.0; 3]);
@@ -62,10 +65,11 @@ fn to_segment(p: DVec3, [a, b]: [DVec3; 2]) -> f64 {
     if square > 0.0 { ((p - a).dot(along) / square).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// How far along two segments the points are that their lines are nearest to each other in, where both are within; `None` where one is not, or where they are parallel.
+/// How far along two segments the points are that their lines are nearest to each other in, where both are within; `None` where one is not, or where
+/// they are parallel.
 ///
-/// The connection `r + t v - s u` (`r` from the first's beginning to the second's) is square to both directions `u` and `v`, so that with `n = u × v` it is `s = (r × v)·n/n²` and
-/// `t = (r × u)·n/n²`.
+/// The connection `r + t v - s u` (`r` from the first's beginning to the second's) is square to both directions `u` and `v`, so that with `n = u × v`
+/// it is `s = (r × v)·n/n²` and `t = (r × u)·n/n²`.
 #[inline]
 pub(super) fn of_lines([a, b]: [DVec3; 2], [c, d]: [DVec3; 2], slack: f64) -> Option<[f64; 2]> {
     let (u, v, r) = (b - a, d - c, c - a);

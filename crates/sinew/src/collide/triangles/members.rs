@@ -5,7 +5,8 @@ use glam::{DVec3, Vec3};
 use super::super::BodyContacts;
 use crate::particles::Particles;
 
-/// Those that take part. Particles are numbered in the order of their rows, and so are the triangles: the order in which they were listed, and which way round, is nobody's business.
+/// Those that take part. Particles are numbered in the order of their rows, and so are the triangles: the order in which they were listed, and which
+/// way round, is nobody's business.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Members {
     /// Of each its row, ascending.

@@ -12,29 +12,33 @@
 //!
 //! # Who touches whom
 //!
-//! The triangles are those of [`Forces::surfaces`](crate::forces::Forces::surfaces) whose three particles are of one body that asks for them ([`BodyContacts::surface`]). Every particle with a radius that touches
-//! the body as [`pairs`](super::pairs) have it (another body's, or its own if it touches itself) touches its triangles, with its radius and theirs ([`solve`]), from either side; and where both
-//! bodies ask, edges touch edges: two meshes can pass through each other without a corner ever passing a triangle. A particle touches neither the triangles that it is a corner of,
+//! The triangles are those of [`Forces::surfaces`](crate::forces::Forces::surfaces) whose three particles are of one body that asks for them
+//! ([`BodyContacts::surface`]). Every particle with a radius that touches the body as [`pairs`](super::pairs) have it (another body's, or its own if
+//! it touches itself) touches its triangles, with its radius and theirs ([`solve`]), from either side; and where both bodies ask, edges touch edges:
+//! two meshes can pass through each other without a corner ever passing a triangle. A particle touches neither the triangles that it is a corner of,
 //! nor an edge one that it shares an end with. Particles go on to touch particles: a triangle comes on top of that, and decides last.
 //!
 //! # How it goes
 //!
-//! [`find`](Triangles::find) runs once a step, and lists who may come to touch whom. In each substep [`project`](Triangles::project) looks again if somebody has gone further than was
-//! reckoned with, and then sweeps over the list, up to [`SWEEPS`] times: whoever overlaps or has passed is put back, at once. A later sweep asks only those of whom somebody has moved since. Who
-//! still passes through somebody after that goes with it for the rest of the substep (`zone`). All is done in double precision, and one after the other: a tier for tens of thousands of
-//! triangles, not for millions.
+//! [`find`](Triangles::find) runs once a step, and lists who may come to touch whom. In each substep [`project`](Triangles::project) looks again if
+//! somebody has gone further than was reckoned with, and then sweeps over the list, up to [`SWEEPS`] times: whoever overlaps or has passed is put
+//! back, at once. A later sweep asks only those of whom somebody has moved since. Who still passes through somebody after that goes with it for the
+//! rest of the substep (`zone`). All is done in double precision, and one after the other: a tier for tens of thousands of triangles, not for
+//! millions.
 //!
 //! # The order, and what it depends on
 //!
-//! What is listed is in the order of the rows, and who does not touch changes nothing. That makes the result a function of positions and of the order of the rows alone: not of the order of the
-//! triangles or of their corners, nor of margins, threads or instructions. Those that touch nothing of a heap change no bit of it as long as they do not make it look again within a substep.
+//! What is listed is in the order of the rows, and who does not touch changes nothing. That makes the result a function of positions and of the order
+//! of the rows alone: not of the order of the triangles or of their corners, nor of margins, threads or instructions. Those that touch nothing of a
+//! heap change no bit of it as long as they do not make it look again within a substep.
 //!
 //! # What cannot happen, and what can
 //!
-//! Nothing passes through a triangle, nor an edge through an edge, however fast it is and however coarse the mesh: who was on one side when a substep began is there when it ends. That
-//! is the last word on positions in a substep, and what the next one begins with. It is not known, though, on which side somebody *belongs*: who is put into or through a surface by the
-//! game, or is built there, stays where it is. And it does not hold where pinned particles are led through each other; through particles of an explicit rigid body
-//! ([`Compound`](crate::Compound)), which are put back into its shape afterwards; nor for solids, which touch the particles of a surface and not its triangles, as colliders do.
+//! Nothing passes through a triangle, nor an edge through an edge, however fast it is and however coarse the mesh: who was on one side when a substep
+//! began is there when it ends. That is the last word on positions in a substep, and what the next one begins with. It is not known, though, on which
+//! side somebody *belongs*: who is put into or through a surface by the game, or is built there, stays where it is. And it does not hold where pinned
+//! particles are led through each other; through particles of an explicit rigid body ([`Compound`](crate::Compound)), which are put back into its
+//! shape afterwards; nor for solids, which touch the particles of a surface and not its triangles, as colliders do.
 //!
 //! The thickness is softer than that: in a squeeze it may be less for a while, never nothing.
 
@@ -94,8 +98,8 @@ const NONE: u32 = u32::MAX;
 impl Triangles {
     /// Lists what may come to touch in a step of `dt` seconds.
     ///
-    /// `contacts` says for each body how it takes part. Triangles of rows that are not there, that are of several bodies or of none, or that are marked in `solid` take no part; it may be empty.
-    /// Neither does anything that is not finite, or is more than 1e15 m away from the first.
+    /// `contacts` says for each body how it takes part. Triangles of rows that are not there, that are of several bodies or of none, or that are
+    /// marked in `solid` take no part; it may be empty. Neither does anything that is not finite, or is more than 1e15 m away from the first.
     pub(crate) fn find(
         &mut self,
         particles: &Particles,
@@ -120,7 +124,8 @@ impl Triangles {
         self.members.rows.len() < 4
     }
 
-    /// Puts back what overlaps or has passed through each other in a substep of which the start is in the particles. Returns the greatest overlap that it met, metres.
+    /// Puts back what overlaps or has passed through each other in a substep of which the start is in the particles. Returns the greatest overlap
+    /// that it met, metres.
     pub(crate) fn project(&mut self, particles: &mut Particles) -> f64 {
         self.hits.clear();
         // Rows that came or went since would make the lists name others.
@@ -164,7 +169,8 @@ impl Triangles {
         worst
     }
 
-    /// Gives those that met in the substep of `h` seconds the velocity that they part with. To be called when velocities have been derived; `gravity` is its size, m/s².
+    /// Gives those that met in the substep of `h` seconds the velocity that they part with. To be called when velocities have been derived; `gravity`
+    /// is its size, m/s².
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
         for hit in &mut self.hits {
             hit.bounce(particles, h, 2.0 * gravity * h);

@@ -1,8 +1,8 @@
 //! Who may come to touch whom: looked for by boxes, and taken if they are near enough; and how far each may go until it must be looked for again.
 //!
-//! Each particle has a margin, and a box about it: from where it was to where it is (if a substep has been predicted), and its radius and its margin around that. As long as everybody is within
-//! its margin, beside what all do alike, whoever touches was found. A triangle's box is that about those of its corners. What is found is in the order of
-//! the triangles that stand for it, and so in that of the rows, whatever the margins are.
+//! Each particle has a margin, and a box about it: from where it was to where it is (if a substep has been predicted), and its radius and its margin
+//! around that. As long as everybody is within its margin, beside what all do alike, whoever touches was found. A triangle's box is that about those
+//! of its corners. What is found is in the order of the triangles that stand for it, and so in that of the rows, whatever the margins are.
 
 use core::cmp::Ordering;
 
@@ -65,8 +65,8 @@ impl core::fmt::Debug for Memory {
     }
 }
 
-/// The margin is what a particle covers in a step, beside what all do, at the speed that it has or that all have in the mean (because they may hit it), within these bounds: shares of its
-/// shortest edge and of its radius.
+/// The margin is what a particle covers in a step, beside what all do, at the speed that it has or that all have in the mean (because they may hit
+/// it), within these bounds: shares of its shortest edge and of its radius.
 ///
 /// A wider one finds more that is never asked, a narrower one is outrun sooner, and looking again costs as much as some ten substeps.
 const LEAST: [f32; 2] = [0.02, 0.25];
@@ -293,7 +293,8 @@ impl Near {
             most = distance(places, edges);
             reach = reach.min(most);
         }
-        // Two that are at one place in the rest shape (a seam) never touch, and neither do any without thickness; nor is anything to be done where nothing moves.
+        // Two that are at one place in the rest shape (a seam) never touch, and neither do any without thickness; nor is anything to be done where
+        // nothing moves.
         let pinned = self.pinned[i] && self.pinned[j] && self.pinned[k] && self.pinned[l];
         if reach <= 0.0 || apart - reach >= leeway || pinned {
             return None;

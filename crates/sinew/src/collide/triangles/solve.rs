@@ -2,8 +2,9 @@
 //!
 //! # The kernel
 //!
-//! A particle at `x₀` touches a triangle at the point of it that has the weights `b₁ b₂ b₃` of its corners; an edge touches another at `s` and `t` along them. Either way a contact
-//! is four points with shares `kᵢ` that add up to zero, `(1, -b₁, -b₂, -b₃)` or `(1-s, s, t-1, -t)`, a unit vector `n` from the second to the first, and a distance `r` that they keep:
+//! A particle at `x₀` touches a triangle at the point of it that has the weights `b₁ b₂ b₃` of its corners; an edge touches another at `s` and `t`
+//! along them. Either way a contact is four points with shares `kᵢ` that add up to zero, `(1, -b₁, -b₂, -b₃)` or `(1-s, s, t-1, -t)`, a unit vector
+//! `n` from the second to the first, and a distance `r` that they keep:
 //!
 //! ```text
 //! C = n · Σ kᵢ xᵢ - r ≥ 0        ∇ᵢC = kᵢ n
@@ -15,18 +16,20 @@
 //! xᵢ += wᵢ kᵢ λ n        λ = δ / Σ wⱼ kⱼ²
 //! ```
 //!
-//! The shares add up to zero, and so do the changes of momentum `kᵢ λ n`; they turn nothing where `n` is along the line between the two points, as where they touch by their thickness.
+//! The shares add up to zero, and so do the changes of momentum `kᵢ λ n`; they turn nothing where `n` is along the line between the two points, as
+//! where they touch by their thickness.
 //!
-//! The distance is the sum of the two thicknesses there: the particle's radius, and what the corners' radii come to by their weights. So a triangle is as thick as its particles
-//! are, and nothing happens where it leaves off and they alone begin. Two of one body may be as near as they are in its rest shape.
+//! The distance is the sum of the two thicknesses there: the particle's radius, and what the corners' radii come to by their weights. So a triangle
+//! is as thick as its particles are, and nothing happens where it leaves off and they alone begin. Two of one body may be as near as they are in its
+//! rest shape.
 //!
-//! `n` is the direction between the nearest points as the substep ends, unless they passed through each other: then it is that of [`crossing`](super::crossing), to the side
-//! that they came from.
+//! `n` is the direction between the nearest points as the substep ends, unless they passed through each other: then it is that of
+//! [`crossing`](super::crossing), to the side that they came from.
 //!
 //! # Friction
 //!
-//! Since the substep began the two points have slid by `t = D - (D·n) n`, with `D = Σ kᵢ (xᵢ - startᵢ)`. Where that is no more than friction holds, `‖t‖ ≤ μ δ` (F8), it is taken
-//! back with the same shares, and nothing slides. Otherwise `bounce` takes from its velocity what friction may.
+//! Since the substep began the two points have slid by `t = D - (D·n) n`, with `D = Σ kᵢ (xᵢ - startᵢ)`. Where that is no more than friction holds,
+//! `‖t‖ ≤ μ δ` (F8), it is taken back with the same shares, and nothing slides. Otherwise `bounce` takes from its velocity what friction may.
 
 use glam::{DVec3, Vec3};
 
@@ -101,7 +104,8 @@ impl State {
         any
     }
 
-    /// Whether the four of a candidate have gone so far since it was looked that they may touch: a question that costs little, and is mostly answered by no.
+    /// Whether the four of a candidate have gone so far since it was looked that they may touch: a question that costs little, and is mostly answered
+    /// by no.
     #[inline(always)]
     pub(super) fn may_touch(&self, candidate: &Candidate) -> bool {
         let of = |k: usize| self.strayed[candidate.four[k] as usize];
@@ -163,7 +167,8 @@ impl State {
         Some(Contact { way: Way { shares, normal }, overlap, reach, crossed: false })
     }
 
-    /// Moves four along a direction: each by its share, so that the points between which it is part by `apart`, metres. `inverse` is their [`Self::inverse`].
+    /// Moves four along a direction: each by its share, so that the points between which it is part by `apart`, metres. `inverse` is their
+    /// [`Self::inverse`].
     pub(super) fn part(
         &mut self,
         four: [u32; 4],
@@ -211,7 +216,8 @@ impl State {
     }
 }
 
-/// The shares of the nearest points where the substep ends. Edges are near each other where both points are within: at their ends they are corners, which triangles see to.
+/// The shares of the nearest points where the substep ends. Edges are near each other where both points are within: at their ends they are corners,
+/// which triangles see to.
 #[inline]
 fn nearest(four: &Four) -> Option<[f64; 4]> {
     let [p, a, b, c] = four.to;

@@ -1,10 +1,12 @@
 //! What is done where contacts one after the other do not agree: those that would pass through each other go together for the rest of the substep.
 //!
-//! A particle between two triangles that both press on it can be put back by each through the other, for ever. So when the sweeps are over, all that still pass through each other are put
-//! into one zone (after Provot 1997, and Bridson and others 2002), and all of a zone make the way that its centre of mass makes: none has moved against another, and none can
-//! have passed through another. The momentum is what it was; what is lost is how they moved against each other, for this substep.
+//! A particle between two triangles that both press on it can be put back by each through the other, for ever. So when the sweeps are over, all that
+//! still pass through each other are put into one zone (after Provot 1997, and Bridson and others 2002), and all of a zone make the way that its
+//! centre of mass makes: none has moved against another, and none can have passed through another. The momentum is what it was; what is lost is how
+//! they moved against each other, for this substep.
 //!
-//! A zone may now pass through others; then they become one. In the end nothing passes through anything, unless different ways are forced on pinned ones.
+//! A zone may now pass through others; then they become one. In the end nothing passes through anything, unless different ways are forced on pinned
+//! ones.
 
 use glam::DVec3;
 
@@ -34,7 +36,8 @@ struct Sum {
 const ROUNDS: u32 = 16;
 
 impl Zones {
-    /// Finds who still passes through whom among those that were moved, and has them go together. Returns how many rounds that took; zero where nobody does.
+    /// Finds who still passes through whom among those that were moved, and has them go together. Returns how many rounds that took; zero where
+    /// nobody does.
     pub(super) fn settle(
         &mut self,
         candidates: &[Candidate],

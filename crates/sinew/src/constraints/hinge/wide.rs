@@ -40,7 +40,8 @@ impl Wide<4> for Hinges {
         })
     }
 
-    /// By the cosine of how far it is from the middle. Lines through the edge that are nearly along it are left to `evaluate`: the angle between those is round-off.
+    /// By the cosine of how far it is from the middle. Lines through the edge that are nearly along it are left to `evaluate`: the angle between
+    /// those is round-off.
     #[inline(always)]
     fn is_kept<L: Lanes>(&self, points: &[Vector<L>; 4]) -> L {
         if !self.is_limit {

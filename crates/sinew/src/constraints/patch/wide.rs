@@ -5,8 +5,8 @@ use glam::{Vec3, Vec4};
 use crate::constraints::area::area_wide;
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 
-/// The area of some triangles; its gradients are added to `gradients`. Both are summed up in the order of the triangles, areas in f64, so that there is one result,
-/// whatever the instructions are.
+/// The area of some triangles; its gradients are added to `gradients`. Both are summed up in the order of the triangles, areas in f64, so that there
+/// is one result, whatever the instructions are.
 ///
 /// A volume is not worth it: adding up its gradients takes as long as all of it does one by one.
 pub(super) fn area_of(

@@ -37,8 +37,8 @@ const RIDGE: f64 = 1e-10;
 /// is this much at a turn of 1 rad. What is farther off was bent there by something else than a turn.
 const FARTHEST: f64 = 0.3;
 
-/// The rotation that gives the angular momentum `momentum`, `Σ m p × q`, to the shape with `moments`, `Σ m p rᵀ`; sought from `nearest`. `None` if there
-/// is none near that.
+/// The rotation that gives the angular momentum `momentum`, `Σ m p × q`, to the shape with `moments`, `Σ m p rᵀ`; sought from `nearest`. `None` if
+/// there is none near that.
 pub(super) fn keeping(momentum: DVec3, moments: DMat3, nearest: DQuat) -> Option<DQuat> {
     let from_rest = moments.transpose();
     let mut q = nearest;

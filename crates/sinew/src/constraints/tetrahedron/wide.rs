@@ -21,8 +21,8 @@ impl Wide<4> for Tetrahedra {
         Some(Self { rest: all.map(|tetrahedron| tetrahedron.rest) })
     }
 
-    /// See `volume`. The reach of a step is a third root; whether a gradient has to be steeper is asked without it, by the third power of the step, and lanes
-    /// that have collapsed are sent through the scalar formula.
+    /// See `volume`. The reach of a step is a third root; whether a gradient has to be steeper is asked without it, by the third power of the step,
+    /// and lanes that have collapsed are sent through the scalar formula.
     #[inline(always)]
     fn evaluate<L: Lanes>(&self, points: &[Vector<L>; 4]) -> (L, [Vector<L>; 4]) {
         let [a, b, c, d] = *points;

@@ -17,14 +17,14 @@
 //!
 //! # The tree
 //!
-//! Eight neighbours at a time are the targets, a lane each, and the leaves. The charges are halved by a plane across their longest extent, and the halves
-//! again, always at a multiple of eight: every leaf but the last is full, the tree is as deep as the logarithm of their number wherever
-//! they are, and needs no pointers: a node with `n` leaves is followed by those of its first half and then by those of its second, `2n - 1` in
-//! all. (Of an octree along a Morton curve the leaves are half empty, and charges crowded in one place make it deep.) Ties are broken by the row, so
-//! the tree and all sums are functions of the particles alone.
+//! Eight neighbours at a time are the targets, a lane each, and the leaves. The charges are halved by a plane across their longest extent, and the
+//! halves again, always at a multiple of eight: every leaf but the last is full, the tree is as deep as the logarithm of their number wherever they
+//! are, and needs no pointers: a node with `n` leaves is followed by those of its first half and then by those of its second, `2n - 1` in all. (Of an
+//! octree along a Morton curve the leaves are half empty, and charges crowded in one place make it deep.) Ties are broken by the row, so the tree and
+//! all sums are functions of the particles alone.
 //!
-//! Up to eight leaves, a bunch, share one [walk](super::walk). Differences to a group are taken in `f64` from the middle of the bunch, so that they keep
-//! their digits wherever in the world they are.
+//! Up to eight leaves, a bunch, share one [walk](super::walk). Differences to a group are taken in `f64` from the middle of the bunch, so that they
+//! keep their digits wherever in the world they are.
 //!
 //! # What is lost
 //!

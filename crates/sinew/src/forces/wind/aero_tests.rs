@@ -209,7 +209,8 @@ fn a_flow_blows_in_its_region_only_and_flows_that_overlap_are_one_air() {
     let near = |a: f32, b: f32| (a - b).abs() < 1e-4;
     assert!(near(at(Vec3::X, &[flow.within(fan)]), square(4.0)));
     assert_eq!(at(Vec3::X * 5.0, &[flow.within(fan)]), 0.0);
-    // The middles of the triangles are 1/√18 m aside, and so 2.5 m from the middle. At half the fade half of the velocity and half of the density: an eighth of the force.
+    // The middles of the triangles are 1/√18 m aside, and so 2.5 m from the middle. At half the fade half of the velocity and half of the density: an
+    // eighth of the force.
     let faded = at(Vec3::Y * 2.488_86, &[flow.within(fan.with_fade(1.0))]);
     assert!((faded / square(4.0) - 0.125).abs() < 1e-3, "{faded}");
     let breeze = AirFlow::steady(Vec3::Y);
@@ -243,8 +244,8 @@ fn broken_air_and_broken_triangles_are_left_out() {
     assert_eq!(felt(&mut particles, &surfaces, &[good], H), Vec3::ZERO);
 }
 
-/// A crumpled sheet of `n` by `n` particles, some of them pinned, in motion, some with origins of their own, with triangles that have no area, name rows that
-/// are not there, or are not finite.
+/// A crumpled sheet of `n` by `n` particles, some of them pinned, in motion, some with origins of their own, with triangles that have no area, name
+/// rows that are not there, or are not finite.
 fn crumpled(n: usize) -> (Particles, Vec<[u32; 3]>) {
     let mut state = 11_u32;
     let mut next = move || {

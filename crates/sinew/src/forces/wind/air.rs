@@ -19,7 +19,8 @@ const THIRD: f32 = 1.0 / 3.0;
 /// The air at each triangle and each loose particle, looked up once a step: gusts take a good part of a second to pass.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Air {
-    /// For each triangle of the surfaces, padded to a multiple of eight, or none if there is no air: its velocity, m/s, and `½ρ`, kg/m³, 0 where there is none.
+    /// For each triangle of the surfaces, padded to a multiple of eight, or none if there is no air: its velocity, m/s, and `½ρ`, kg/m³, 0 where
+    /// there is none.
     triangles: Vec<Vec4>,
     /// How what is there answers to it.
     answers: Vec<Vec4>,
@@ -237,7 +238,8 @@ impl Work for Press<'_> {
             let (sum, lag) = Vector::of(L::run(&velocities, 0));
             let (velocity, density) = Vector::of(L::run(felt, 0));
             let [drag, lift, give, _] = L::run(answers, 0);
-            // A force acts from the middle of the last substep to that of this one; the longer of the two readings, as not every integrator does that.
+            // A force acts from the middle of the last substep to that of this one; the longer of the two readings, as not every integrator does
+            // that.
             let held = L::splat(0.5) * (lag.max(L::splat(h)) + L::splat(h));
             let relative = velocity - sum * L::splat(THIRD);
             let answer = Answer { drag: density * drag, lift: density * lift, give: held * give };

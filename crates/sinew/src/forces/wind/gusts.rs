@@ -91,7 +91,8 @@ impl CurlNoise {
     }
 }
 
-/// Drops whole turns in f64, so that gusts are as smooth after a day as in the first second. In -1..1, also beyond what an `i64` holds; a NaN stays one.
+/// Drops whole turns in f64, so that gusts are as smooth after a day as in the first second. In -1..1, also beyond what an `i64` holds; a NaN stays
+/// one.
 pub(super) fn fraction(turns: f64) -> f32 {
     (turns - turns as i64 as f64).clamp(-1.0, 1.0) as f32
 }

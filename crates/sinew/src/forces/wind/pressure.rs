@@ -60,8 +60,8 @@ impl Wind {
     }
 }
 
-/// Appends what `wind` is at each triangle at the time `time` (seconds): `[x y z k]`, the pressure in Pa and `1/(6 ‖w‖)`, which [`apply`] needs. `k` is 0 where
-/// nothing blows. Nothing at all for a wind that does not blow.
+/// Appends what `wind` is at each triangle at the time `time` (seconds): `[x y z k]`, the pressure in Pa and `1/(6 ‖w‖)`, which [`apply`] needs. `k`
+/// is 0 where nothing blows. Nothing at all for a wind that does not blow.
 ///
 /// Gusts are looked up once a step, not once a substep: they take a good part of a second to pass.
 pub(crate) fn sample(

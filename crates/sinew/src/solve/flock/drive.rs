@@ -16,7 +16,8 @@ use crate::solve::{IslandReport, Order};
 /// Particles of the bodies side by side in the pens of a herd, at most: with all that belongs to them they fit into a core's second cache.
 const HERD: usize = 512;
 
-/// The flocks of a task, to be driven. What cannot be in lanes in this step is left to others, and noted in the room's [`Rest`](crate::solve::rest::Rest).
+/// The flocks of a task, to be driven. What cannot be in lanes in this step is left to others, and noted in the room's
+/// [`Rest`](crate::solve::rest::Rest).
 pub(crate) struct Drive<'a> {
     pub(crate) common: Common<'a>,
     pub(crate) task: &'a Task,

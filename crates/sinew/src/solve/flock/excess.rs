@@ -1,5 +1,5 @@
-//! The velocities of eight bodies, less what their corrections gave them and should not have: as [`Excess`](crate::solve::momentum) has it of one, operation by operation, and
-//! in one go with the velocities themselves.
+//! The velocities of eight bodies, less what their corrections gave them and should not have: as [`Excess`](crate::solve::momentum) has it of one,
+//! operation by operation, and in one go with the velocities themselves.
 
 use core::ops::{Add, Mul, Sub};
 
@@ -125,8 +125,8 @@ impl<D: Doubles> Excesses<D> {
 }
 
 impl Pen {
-    /// Derives the velocities at the end of a substep of `h` seconds. Of the bodies of the mask `free`, to which nothing was given, linear momentum, and of those of `keeps_angular`
-    /// angular momentum, too.
+    /// Derives the velocities at the end of a substep of `h` seconds. Of the bodies of the mask `free`, to which nothing was given, linear momentum,
+    /// and of those of `keeps_angular` angular momentum, too.
     #[inline(always)]
     pub(super) fn derive<L: Lanes>(&mut self, h: f32, free: L, keeps_angular: L) {
         let excesses = if free.any() {

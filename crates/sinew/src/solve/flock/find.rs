@@ -9,7 +9,8 @@ use crate::solve::plan::{Group, Island, Kind, Plan, Task};
 use crate::solve::rods::ends;
 use crate::solve::wide::Groups;
 
-/// Eight bodies of so many particles, with their velocities and all, fit into a core's first cache: 32 kB and a half. Larger ones have enough of each colour to fill the lanes.
+/// Eight bodies of so many particles, with their velocities and all, fit into a core's first cache: 32 kB and a half. Larger ones have enough of each
+/// colour to fill the lanes.
 pub(crate) const MOST: usize = 64;
 
 /// A flock costs what two or three of its bodies cost alone; less, where they join a herd.

@@ -1,8 +1,9 @@
 //! Flocks of twins are solved together: bodies that are the same in every number may change lanes.
 //!
-//! Of eight bodies that lie about, most hold after a sweep or two, and one that has just landed on its elbow spends all of its sweeps: seven lanes would go on for the sake of
-//! that one. So as soon as one of a flock holds, the others wait for a lane of another pen, the ward, where they go on together with those of other flocks, and whoever holds
-//! makes room for the next. A lane has the bits that its body has alone, whatever is beside it, so nothing depends on who was in the ward with whom.
+//! Of eight bodies that lie about, most hold after a sweep or two, and one that has just landed on its elbow spends all of its sweeps: seven lanes
+//! would go on for the sake of that one. So as soon as one of a flock holds, the others wait for a lane of another pen, the ward, where they go on
+//! together with those of other flocks, and whoever holds makes room for the next. A lane has the bits that its body has alone, whatever is beside
+//! it, so nothing depends on who was in the ward with whom.
 
 use super::{How, Pen};
 use crate::lanes::{LANES, Lanes};

@@ -9,8 +9,8 @@ use crate::solve::IslandReport;
 use crate::solve::rods::worse;
 
 impl Flocks {
-    /// Measures the bodies of all flocks but of those that were measured on their way, and notes that: the largest error of the hard constraints of each, metres, and the largest
-    /// strain of its rods. `spots` is scratch.
+    /// Measures the bodies of all flocks but of those that were measured on their way, and notes that: the largest error of the hard constraints of
+    /// each, metres, and the largest strain of its rods. `spots` is scratch.
     #[inline(always)]
     pub(crate) fn measure<L: Lanes>(
         &self,

@@ -1,16 +1,19 @@
 //! Flocks: bodies that are built alike, eight side by side, each in a lane of its own.
 //!
-//! A box of eight particles has too few constraints of a colour to fill eight lanes, and particles gathered for each of them and put back cost more than the formula. Eight boxes
-//! have eight of everything. So their particles are turned into lanes once ([`Pen`]), particle `i` of all of them side by side, and each constraint of the body is
-//! then one operation in lanes: no colours needed, nothing gathered. Where a whole step is taken at once they stay there for all its substeps.
+//! A box of eight particles has too few constraints of a colour to fill eight lanes, and particles gathered for each of them and put back cost more
+//! than the formula. Eight boxes have eight of everything. So their particles are turned into lanes once ([`Pen`]), particle `i` of all of them side
+//! by side, and each constraint of the body is then one operation in lanes: no colours needed, nothing gathered. Where a whole step is taken at once
+//! they stay there for all its substeps.
 //!
-//! **What is beside a body must not matter**, nor whether it is in a flock at all: a lane has the bits that its body has alone. So the constraints of a body are enforced in
-//! the order of its own plan, in which those of one colour may come in any order; formulas are those of eights of one body; and a body that has converged is kept as it is while others go
-//! on. Which bodies make a flock may therefore depend on anything; that it depends on the plan alone is for the sake of those who measure.
+//! **What is beside a body must not matter**, nor whether it is in a flock at all: a lane has the bits that its body has alone. So the constraints of
+//! a body are enforced in the order of its own plan, in which those of one colour may come in any order; formulas are those of eights of one body;
+//! and a body that has converged is kept as it is while others go on. Which bodies make a flock may therefore depend on anything; that it depends on
+//! the plan alone is for the sake of those who measure.
 //!
 //! - `find` finds them when a plan is compiled;
 //! - `pen` is where their particles are meanwhile;
-//! - `solve` sweeps them until each holds, `rods` and the plan's [laws](super::wide) are what it does, `touch` puts them out of planes, `course` is how it goes;
+//! - `solve` sweeps them until each holds, `rods` and the plan's [laws](super::wide) are what it does, `touch` puts them out of planes, `course` is
+//!   how it goes;
 //! - `herd` lets those that take longer than the others of their flock go on together;
 //! - `motion` predicts and derives, `excess` keeps round-off out of their momenta;
 //! - `drive` does all that, flock by flock;
@@ -104,7 +107,8 @@ impl Flock {
         self.kin.is_some() && self.kin == other.kin
     }
 
-    /// In which place, from that of row `begin` on, particle `i` of each body is. Lanes that are left have the last body again: it computes the same and writes the same.
+    /// In which place, from that of row `begin` on, particle `i` of each body is. Lanes that are left have the last body again: it computes the same
+    /// and writes the same.
     #[inline(always)]
     fn places(&self, begin: u32, i: u32) -> [u32; LANES] {
         let last = self.islands.len() as u32 - 1;

@@ -1,4 +1,5 @@
-//! Verlet's step for eight bodies: as [`Predict`](crate::integrate::Predict) and [`Derive`](crate::integrate::Derive) have it, operation by operation.
+//! Verlet's step for eight bodies: as [`Predict`](crate::integrate::Predict) and [`Derive`](crate::integrate::Derive) have it, operation by
+//! operation.
 
 use glam::Vec3;
 

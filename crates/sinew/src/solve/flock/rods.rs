@@ -8,8 +8,9 @@ use crate::constraints::project_rod;
 use crate::lanes::{LANES, Lanes, Vector};
 use crate::solve::rods::{project, project_from_start};
 
-/// Projects rods once, one after the other; returns the largest error found in each body, metres, or what it was before. Bodies of the mask `may` are corrected along where the rods
-/// pointed when the substep began; if there are none, `START` need not be. What becomes of those of the mask `aside` does not matter.
+/// Projects rods once, one after the other; returns the largest error found in each body, metres, or what it was before. Bodies of the mask `may` are
+/// corrected along where the rods pointed when the substep began; if there are none, `START` need not be. What becomes of those of the mask `aside`
+/// does not matter.
 #[inline(always)]
 pub(super) fn sweep<L: Lanes, const START: bool>(
     rods: &[Rod],
@@ -51,8 +52,8 @@ fn part(rod: &Rod, now: &mut [Spot], stuck: u32) -> [f32; LANES] {
     found
 }
 
-/// A mask of the bodies of which a rod turns so far in this substep that the direction that it had at the start says little about the one it needs: as `turns_too_fast` has it of
-/// an island, where `cos_squared` comes from.
+/// A mask of the bodies of which a rod turns so far in this substep that the direction that it had at the start says little about the one it needs:
+/// as `turns_too_fast` has it of an island, where `cos_squared` comes from.
 #[inline(always)]
 pub(super) fn turns_too_fast<L: Lanes>(
     rods: &[Rod],

@@ -1,8 +1,9 @@
 //! Clusters: a large island cut into stretches of consecutive particles that fit into a core's cache.
 //!
-//! A sweep takes them in phases. In the first, all that binds particles of one cluster; then, with the cuts moved by half a cluster, what binds neighbours across
-//! the first cuts; last, what reaches farther than that. In the first two phases clusters share no particle, so several threads may each take one, and
-//! the result is the same. It needs an order of the particles in which neighbours are near: that of a grid's rows, or any of small bandwidth.
+//! A sweep takes them in phases. In the first, all that binds particles of one cluster; then, with the cuts moved by half a cluster, what binds
+//! neighbours across the first cuts; last, what reaches farther than that. In the first two phases clusters share no particle, so several threads may
+//! each take one, and the result is the same. It needs an order of the particles in which neighbours are near: that of a grid's rows, or any of small
+//! bandwidth.
 
 /// How many phases there are.
 pub(super) const PHASES: u32 = 3;

@@ -1,11 +1,12 @@
 //! Colours: sets of constraints of which no two share a particle.
 //!
-//! **Strides.** Where particles are numbered row by row, most rods bind the particles `a` and `a + d` for one of a few strides `d`: along the row, across, along both diagonals.
-//! Those of one stride fall into two colours without looking at anything else: by whether `a/d`, rounded down, is even. For `a` within
-//! `[2jd, 2jd + d)` lies `a + d` within `[2jd + d, 2jd + 2d)`, so the pairs are disjoint. Such colours have long runs `(a, d), (a + 1, d), …`, which lanes take
-//! without gathering. So a grid is found wherever it is, in a recipe or in a game's own constraints.
+//! **Strides.** Where particles are numbered row by row, most rods bind the particles `a` and `a + d` for one of a few strides `d`: along the row,
+//! across, along both diagonals. Those of one stride fall into two colours without looking at anything else: by whether `a/d`, rounded down, is even.
+//! For `a` within `[2jd, 2jd + d)` lies `a + d` within `[2jd + d, 2jd + 2d)`, so the pairs are disjoint. Such colours have long runs `(a, d), (a + 1,
+//! d), …`, which lanes take without gathering. So a grid is found wherever it is, in a recipe or in a game's own constraints.
 //!
-//! **The rest** is coloured greedily: each takes the lowest colour that none of its particles has used, in the order given. A mesh takes some 13 colours.
+//! **The rest** is coloured greedily: each takes the lowest colour that none of its particles has used, in the order given. A mesh takes some 13
+//! colours.
 
 /// The colour of what found no other: a particle in more than 64 constraints. Solved one after the other, which is always right.
 pub(super) const OVERFLOW: u32 = GREEDY + 64;

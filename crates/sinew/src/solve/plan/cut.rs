@@ -1,4 +1,5 @@
-//! Cutting: constraints in the order of their keys are copied to where sweeps read them, group by group and bundle by bundle, and told to the kernels that take them.
+//! Cutting: constraints in the order of their keys are copied to where sweeps read them, group by group and bundle by bundle, and told to the kernels
+//! that take them.
 
 use core::ops::Range;
 

@@ -1,11 +1,12 @@
 //! Mending: a plan after a few constraints came or went, without sorting and colouring all of them again.
 //!
-//! What comes of it is what compiling would have given, key by key, so that the result of a tick depends on what is there and not on what was. That is possible because a colour depends
-//! on little: one by a stride on the place of its particles alone, a greedy one on the constraints given *before* it that share a particle with it. So those that came, and those whose earlier
-//! neighbours came, went or took another colour, are looked at again in the order given, until nothing changes any more; on a mesh that is a handful.
+//! What comes of it is what compiling would have given, key by key, so that the result of a tick depends on what is there and not on what was. That
+//! is possible because a colour depends on little: one by a stride on the place of its particles alone, a greedy one on the constraints given
+//! *before* it that share a particle with it. So those that came, and those whose earlier neighbours came, went or took another colour, are looked at
+//! again in the order given, until nothing changes any more; on a mesh that is a handful.
 //!
-//! Where more would change than colours (an island falls apart or grows together with another one, is cut into other clusters, or gets other strides), or more than a few are
-//! concerned, nothing is mended, and the plan is compiled afresh.
+//! Where more would change than colours (an island falls apart or grows together with another one, is cut into other clusters, or gets other
+//! strides), or more than a few are concerned, nothing is mended, and the plan is compiled afresh.
 
 #[cfg(test)]
 mod tests;
@@ -129,7 +130,8 @@ impl Mending<'_> {
 
     /// Where the keys of an island are that share a particle with these rows.
     ///
-    /// All keys are looked at, but hardly any constraint: one that begins farther ahead of a particle than any in the island reaches does not touch it.
+    /// All keys are looked at, but hardly any constraint: one that begins farther ahead of a particle than any in the island reaches does not touch
+    /// it.
     fn around<'a>(&'a self, island: u32, rows: &'a [u32]) -> impl Iterator<Item = usize> + use<'a> {
         let (first, last) = self.compiling.ends(rows);
         let first = first.saturating_sub(self.compiling.reaches[island as usize]);

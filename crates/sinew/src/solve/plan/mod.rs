@@ -1,6 +1,6 @@
-//! The plan: constraints sorted into islands, and within an island into groups that the kernels take as a whole. Compiled when the topology changes, from
-//! the present constraints alone: whatever came and went before, the same world has the same plan, and so the same bits. Where few came or went, it is
-//! [mended](mend) instead, to what compiling would have given.
+//! The plan: constraints sorted into islands, and within an island into groups that the kernels take as a whole. Compiled when the topology changes,
+//! from the present constraints alone: whatever came and went before, the same world has the same plan, and so the same bits. Where few came or went,
+//! it is [mended](mend) instead, to what compiling would have given.
 //!
 //! An **island** is a set of particles that constraints connect. Each is swept until it holds, or its sweeps are spent, by itself: what happens
 //! in one never changes a bit in another, however hard it works.

@@ -23,8 +23,8 @@ pub(crate) struct Task {
 }
 
 impl Plan {
-    /// The tasks for one worker alone, or for several. One has nothing of many tasks: where one ends amid bodies that are all the same, it goes on with the next, so that they make larger
-    /// [herds](flock).
+    /// The tasks for one worker alone, or for several. One has nothing of many tasks: where one ends amid bodies that are all the same, it goes on
+    /// with the next, so that they make larger [herds](flock).
     pub(crate) fn tasks(&self, alone: bool) -> impl Iterator<Item = Task> {
         let joins = move |one: &Task, next: &Task| {
             alone && self.flocks.are_kin(one.flocks.clone(), next.flocks.clone())

@@ -1,8 +1,8 @@
 //! Rods on particles as columns of x, y, z and w: what a grid is swept in.
 //!
-//! In columns, eight rods of a strip are eight loads, the formula, and six stores; packed, half of the work is turning particles into lanes and back. So a cluster, which
-//! fits into a core's first cache, is turned once, swept, and turned back; and where nothing else wants to see its particles meanwhile, it stays
-//! in columns for all substeps of a step ([`wave`](crate::solve)).
+//! In columns, eight rods of a strip are eight loads, the formula, and six stores; packed, half of the work is turning particles into lanes and back.
+//! So a cluster, which fits into a core's first cache, is turned once, swept, and turned back; and where nothing else wants to see its particles
+//! meanwhile, it stays in columns for all substeps of a step ([`wave`](crate::solve)).
 
 use core::ops::Range;
 
@@ -168,7 +168,8 @@ impl<L: Lanes> OnPairs<L> for Tail<L> {
         live.and(scale)
     }
 
-    /// Less nothing where there is no rod, which changes no bit: no blend, of which the compiler makes stores with a mask, which take as long as all the rest.
+    /// Less nothing where there is no rod, which changes no bit: no blend, of which the compiler makes stores with a mask, which take as long as all
+    /// the rest.
     #[inline(always)]
     fn moved(&self, one: [L; 4], other: [L; 4], rest: L, scale: L) -> ([L; 4], [L; 4]) {
         let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));

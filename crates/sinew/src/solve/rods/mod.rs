@@ -1,10 +1,11 @@
 //! Hard rods, eight side by side: what everything waits for, and the form in which a plan keeps rods for it.
 //!
-//! What is solved together is of one colour, so no two of the eight share a particle, and the order among them does not matter. The formula is that of
-//! [`project_rod`](crate::constraints::project_rod), operation by operation ([`stretch`], [`moved`]). Two ways to it:
+//! What is solved together is of one colour, so no two of the eight share a particle, and the order among them does not matter. The formula is that
+//! of [`project_rod`](crate::constraints::project_rod), operation by operation ([`stretch`], [`moved`]). Two ways to it:
 //!
 //! - `packed`: particles as they lie, `[x y z w]`, turned into lanes and back for every eight rods. For any mesh.
-//! - `columns`: a cluster whose rods mostly run in step, a grid's, is turned once, swept as columns of x, y, z and w without any further turning, and turned back.
+//! - `columns`: a cluster whose rods mostly run in step, a grid's, is turned once, swept as columns of x, y, z and w without any further turning, and
+//!   turned back.
 
 mod columns;
 mod packed;
@@ -31,8 +32,8 @@ pub(crate) struct Rods {
     blocks: Vec<Block>,
 }
 
-/// Rods of one colour in step by two rows, so that both their first and their second ends are neighbours in a column. Their rows count from the first one of
-/// their bundle.
+/// Rods of one colour in step by two rows, so that both their first and their second ends are neighbours in a column. Their rows count from the first
+/// one of their bundle.
 #[derive(Clone, Debug)]
 struct Strips {
     /// Eights.
@@ -75,8 +76,8 @@ impl Rods {
         self.blocks.clear();
     }
 
-    /// Takes the rods of one colour, sorted by their first particles, and returns which runs and which blocks they are. `alone` for those that share particles:
-    /// each has a block to itself.
+    /// Takes the rods of one colour, sorted by their first particles, and returns which runs and which blocks they are. `alone` for those that share
+    /// particles: each has a block to itself.
     pub(crate) fn add(&mut self, rods: &[Distance], alone: bool) -> (Range<usize>, Range<usize>) {
         let (runs, blocks) = (self.runs.len(), self.blocks.len());
         let mut loose = Vec::new();
@@ -211,8 +212,8 @@ fn run(rods: &[Distance], steps: &[u32]) -> (u32, usize) {
     (step, rods.iter().zip(0..).take_while(follows).count())
 }
 
-/// How far eight rods are to be moved: the multiplier `s` of their direction, the error, metres, and a mask of those that have a direction and something that
-/// can move.
+/// How far eight rods are to be moved: the multiplier `s` of their direction, the error, metres, and a mask of those that have a direction and
+/// something that can move.
 #[inline(always)]
 fn stretch<L: Lanes>(one: [L; 4], other: [L; 4], rest: L) -> (L, L, L) {
     let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));
@@ -238,8 +239,8 @@ fn moved<L: Lanes>(one: [L; 4], other: [L; 4], scale: L) -> ([L; 4], [L; 4]) {
     ((a - d * (wa * scale)).with(wa), (b + d * (wb * scale)).with(wb))
 }
 
-/// Both, along where the rods pointed when the substep began, as [`project_rod_from_start`](crate::constraints::project_rod_from_start) does where that can be,
-/// and to the nearest point elsewhere, as where `may`, a mask, is not set.
+/// Both, along where the rods pointed when the substep began, as [`project_rod_from_start`](crate::constraints::project_rod_from_start) does where
+/// that can be, and to the nearest point elsewhere, as where `may`, a mask, is not set.
 #[inline(always)]
 pub(super) fn project_from_start<L: Lanes>(
     one: [L; 4],

@@ -1,12 +1,13 @@
 //! Waves: all substeps of a step rolling through an island one behind the other, while its particles are in columns.
 //!
-//! One sweep over a large island reads all of it from memory, and the next one again. But what a substep does with a particle depends only on what its neighbours did: the
-//! second may begin at one end while the first is still on its way to the other. So the passes of a step, `predict`, each stage of the sweep, `derive` with the next
-//! `predict` and so on, follow each other at the distance of a cluster or two, and the particles between the first and the last are a few clusters, which a cache holds.
+//! One sweep over a large island reads all of it from memory, and the next one again. But what a substep does with a particle depends only on what
+//! its neighbours did: the second may begin at one end while the first is still on its way to the other. So the passes of a step, `predict`, each
+//! stage of the sweep, `derive` with the next `predict` and so on, follow each other at the distance of a cluster or two, and the particles between
+//! the first and the last are a few clusters, which a cache holds.
 //!
-//! **The bits are those of pass after pass.** A pass takes its pieces in the order of their rows, and a piece waits until all earlier passes are beyond its last row; so
-//! whatever touches a particle does so in the same order. What has to know the largest error of a whole sweep, whether another follows, cannot be overtaken; there the
-//! passes follow each other, and what is gained is that particles stay in columns.
+//! **The bits are those of pass after pass.** A pass takes its pieces in the order of their rows, and a piece waits until all earlier passes are
+//! beyond its last row; so whatever touches a particle does so in the same order. What has to know the largest error of a whole sweep, whether
+//! another follows, cannot be overtaken; there the passes follow each other, and what is gained is that particles stay in columns.
 //!
 //! Several threads take a large island through a step as a [relay].
 
@@ -148,7 +149,8 @@ impl Store for Own<'_, '_> {
     fn put_back(&mut self, _: Option<usize>) {}
 }
 
-/// Takes an island through some substeps: rolling if each has one sweep, or else sweep by sweep. Measures what is left then if those are the last of a step.
+/// Takes an island through some substeps: rolling if each has one sweep, or else sweep by sweep. Measures what is left then if those are the last of
+/// a step.
 #[inline(always)]
 fn drive<L: Lanes>(
     store: &mut impl Store,

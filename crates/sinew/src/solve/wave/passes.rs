@@ -114,7 +114,8 @@ impl Passes {
         self.all[self.at].wanted = rows;
     }
 
-    /// The next piece: the last pass has its own as early as it can, so that few particles are on their way. `rows` and `first` are those of the island.
+    /// The next piece: the last pass has its own as early as it can, so that few particles are on their way. `rows` and `first` are those of the
+    /// island.
     pub(super) fn next(&mut self, plan: &Plan, first: u32, rows: usize) -> Option<Piece> {
         const NONE: Range<usize> = usize::MAX..usize::MAX;
         loop {

@@ -1,8 +1,8 @@
 //! Relays: several threads take one large island through a step, each through some of its substeps.
 //!
-//! Each rolls its substeps over the island as a wave of its own, and gives back the particles behind it; there the next one takes them up for the substeps that follow, while the first
-//! is still on its way. It waits where it has caught up, and nowhere else. Between two threads a particle changes hands once, by what a step would keep of it: so the bits
-//! are those of one thread, which are those of pass after pass.
+//! Each rolls its substeps over the island as a wave of its own, and gives back the particles behind it; there the next one takes them up for the
+//! substeps that follow, while the first is still on its way. It waits where it has caught up, and nowhere else. Between two threads a particle
+//! changes hands once, by what a step would keep of it: so the bits are those of one thread, which are those of pass after pass.
 
 use core::ops::Range;
 use core::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
@@ -25,8 +25,8 @@ use crate::threads::{Pool, TASKS, Workers, each};
 /// A list of what there is one of for each leg or each lot, without a heap.
 type Few<T> = SmallVec<[T; TASKS]>;
 
-/// From so many rows on, threads that meet after each stage of each sweep are faster than one alone that keeps the particles in columns. Two of them have two
-/// thirds of its speed at 16 thousand, and 1.2 times as much at 65 thousand.
+/// From so many rows on, threads that meet after each stage of each sweep are faster than one alone that keeps the particles in columns. Two of them
+/// have two thirds of its speed at 16 thousand, and 1.2 times as much at 65 thousand.
 const MEET: usize = 32_768;
 
 /// Takes the one large island of a task through all substeps, if it can go as a wave; false if it is left as it was.
@@ -77,8 +77,8 @@ pub(in crate::solve) fn relay(
     true
 }
 
-/// How the island would go, and how many substeps each leg has. There are no more legs than threads, and so few that the last begins before the first ends: each begins one wave behind
-/// the one before it.
+/// How the island would go, and how many substeps each leg has. There are no more legs than threads, and so few that the last begins before the first
+/// ends: each begins one wave behind the one before it.
 fn legs(
     alone: &Alone,
     number: usize,

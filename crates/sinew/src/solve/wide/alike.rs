@@ -96,8 +96,8 @@ impl Alike {
         Some(Part { list: groups.which.list, range, sums: groups.sums })
     }
 
-    /// Projects a group once; returns the largest error found in each body, metres, or what it was before. Nothing is asked of bodies of the mask `aside`: what becomes of them does not
-    /// matter.
+    /// Projects a group once; returns the largest error found in each body, metres, or what it was before. Nothing is asked of bodies of the mask
+    /// `aside`: what becomes of them does not matter.
     #[inline(always)]
     pub(in crate::solve) fn sweep<L: Lanes>(
         &self,
@@ -120,8 +120,8 @@ impl Alike {
         }
     }
 
-    /// How far the hard ones of a group are from being kept in each body: the largest error, metres, and of distances the largest share of a rest length. Moves
-    /// nothing.
+    /// How far the hard ones of a group are from being kept in each body: the largest error, metres, and of distances the largest share of a rest
+    /// length. Moves nothing.
     #[inline(always)]
     pub(in crate::solve) fn measure<L: Lanes>(&self, part: &Part, now: &[Spot]) -> (L, L) {
         let Self { tempers, lengths, bends, areas, tetrahedra, angles, hinges, cones } = self;

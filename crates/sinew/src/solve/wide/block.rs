@@ -166,8 +166,8 @@ fn load<L: Lanes, const N: usize>(spots: &impl Seen<N>) -> ([Vector<L>; N], [L; 
     (points, inverse)
 }
 
-/// Eight constraints once, with their temper, what each share is, the substep, seconds, and a mask of those of which nothing is asked: what becomes of them does not matter. Returns the
-/// errors found.
+/// Eight constraints once, with their temper, what each share is, the substep, seconds, and a mask of those of which nothing is asked: what becomes
+/// of them does not matter. Returns the errors found.
 #[inline(always)]
 pub(super) fn project<L: Lanes, W: Wide<N>, const N: usize>(
     eight: &Eight<W>,

@@ -108,8 +108,9 @@ pub(super) fn left<L: Lanes>(
     (left, L::zero().lt(rest).and(left / rest))
 }
 
-/// Eight distances once, with their temper, what each share is, the substep, seconds, and a mask of those of which nothing is asked; the errors found. As [`project`](crate::constraints::project): with `n = d/‖d‖`, `d = a - b`, the gradients are `±n`, so that
-/// `Σ w‖∇C‖² = w_a + w_b`. Coincident ends are pushed apart along the x axis, `a` towards +x.
+/// Eight distances once, with their temper, what each share is, the substep, seconds, and a mask of those of which nothing is asked; the errors
+/// found. As [`project`](crate::constraints::project): with `n = d/‖d‖`, `d = a - b`, the gradients are `±n`, so that `Σ w‖∇C‖² = w_a + w_b`.
+/// Coincident ends are pushed apart along the x axis, `a` towards +x.
 #[inline(always)]
 pub(super) fn project<L: Lanes>(
     eight: &EightLengths,

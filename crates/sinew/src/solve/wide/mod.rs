@@ -1,7 +1,7 @@
 //! Constraints other than hard rods, eight side by side: soft distances, ropes and struts, and most laws.
 //!
-//! As [rods](super::rods) are: those of one colour share no particle, so eight of them go at once, in any order. The formula of each is that of its scalar
-//! twin in [`constraints`](crate::constraints), to a few units in the last place; how hard it is, is one formula for all ([`temper`]).
+//! As [rods](super::rods) are: those of one colour share no particle, so eight of them go at once, in any order. The formula of each is that of its
+//! scalar twin in [`constraints`](crate::constraints), to a few units in the last place; how hard it is, is one formula for all ([`temper`]).
 //!
 //! - `temper` is the softness of eight constraints, whatever each one's is;
 //! - `block` projects eight constraints of one law, by their values and gradients ([`Wide`](crate::constraints::Wide));
@@ -76,8 +76,8 @@ impl Laws {
         cones.clear();
     }
 
-    /// Takes the constraints of a group, all of one colour, in their order; `alone` those that share particles: each has a block to itself. `None` where
-    /// there is no wide kernel for them, or not the same one for all.
+    /// Takes the constraints of a group, all of one colour, in their order; `alone` those that share particles: each has a block to itself. `None`
+    /// where there is no wide kernel for them, or not the same one for all.
     pub(crate) fn add(&mut self, constraints: &[Constraint], alone: bool) -> Option<Which> {
         let each = if alone { 1 } else { LANES };
         let Self { tempers, bends, areas, tetrahedra, angles, hinges, cones, .. } = self;
@@ -104,8 +104,8 @@ impl Laws {
         Which { list: List::Lengths, blocks: first..self.lengths.len(), each }
     }
 
-    /// Projects a group once; `multipliers` are what its constraints have summed up, in their order. Returns the largest error found, metres; of soft ones,
-    /// how far they moved.
+    /// Projects a group once; `multipliers` are what its constraints have summed up, in their order. Returns the largest error found, metres; of soft
+    /// ones, how far they moved.
     #[inline(always)]
     pub(crate) fn sweep<L: Lanes>(
         &self,
@@ -173,8 +173,8 @@ fn number(tempers: &mut Vec<Temper>, temper: Temper) -> u32 {
     (tempers.len() - 1) as u32
 }
 
-/// Rows as places in slices that begin with the row `first`; in `room` if they are others. Those in memory are left there: a copy would go into a register, and
-/// from there, more slowly, lane by lane to where addresses are made.
+/// Rows as places in slices that begin with the row `first`; in `room` if they are others. Those in memory are left there: a copy would go into a
+/// register, and from there, more slowly, lane by lane to where addresses are made.
 #[inline(always)]
 fn less<'a, const N: usize>(
     rows: &'a [[u32; LANES]; N],
@@ -192,7 +192,8 @@ fn less<'a, const N: usize>(
     room
 }
 
-/// Does something for each of up to five particles, with its number a constant: a loop that the compiler may choose not to unroll keeps all vectors in memory.
+/// Does something for each of up to five particles, with its number a constant: a loop that the compiler may choose not to unroll keeps all vectors
+/// in memory.
 macro_rules! each {
     ($i:ident of $n:ident $body:block) => {
         each!(@ $i $n $body 0 1 2 3 4)

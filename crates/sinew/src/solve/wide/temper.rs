@@ -3,12 +3,13 @@
 use crate::constraints::{Bound, Softness};
 use crate::lanes::{LANES, Lanes};
 
-/// The softness of eight constraints, but for their yielding, which more often differs from constraint to constraint (a bend's goes with its triangles) and
-/// is kept with them.
+/// The softness of eight constraints, but for their yielding, which more often differs from constraint to constraint (a bend's goes with its
+/// triangles) and is kept with them.
 ///
 /// # One formula for every softness
 ///
-/// `multiplier` in `softness.rs` has four. With `U` = `Σ w‖∇C‖²` = `W` for a frequency and 1 otherwise, the sum over the sweeps being `Λ = U λ`, all of them are
+/// `multiplier` in `softness.rs` has four. With `U` = `Σ w‖∇C‖²` = `W` for a frequency and 1 otherwise, the sum over the sweeps being `Λ = U λ`, all
+/// of them are
 ///
 /// ```text
 /// Δλ = k (C - s Λ + γ ∇C·(q - p)) / ((1 + γ) W + s U)        ΔΛ = U Δλ
@@ -20,8 +21,8 @@ use crate::lanes::{LANES, Lanes};
 /// share          0                0              1 - (1-k)^(1/n)    1
 /// ```
 ///
-/// The first two columns are a number of the constraint over `h²` and `h`: its yielding (m/N, or s²) and its damping (s). Only the share needs a power, which is
-/// taken once for all blocks that are alike.
+/// The first two columns are a number of the constraint over `h²` and `h`: its yielding (m/N, or s²) and its damping (s). Only the share needs a
+/// power, which is taken once for all blocks that are alike.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Temper {
     /// αβ or 2ζ/(2πf), s.
@@ -143,7 +144,8 @@ impl Temper {
         flag(&self.hard)
     }
 
-    /// `Δλ` of each constraint, and its new sum. Not for [`plain`](Self::plain) ones, of which the first is `value/weights` and the second stays zero.
+    /// `Δλ` of each constraint, and its new sum. Not for [`plain`](Self::plain) ones, of which the first is `value/weights` and the second stays
+    /// zero.
     ///
     /// An inequality only ever pushes one way, so its sum is held on that side of zero.
     #[inline(always)]

@@ -130,7 +130,8 @@ impl Work for Measure<'_> {
     }
 }
 
-/// Sweeps of both kinds from the same state agree to `tolerance` of the positions and of the way that they went, and of the sums; and the sets to the bit.
+/// Sweeps of both kinds from the same state agree to `tolerance` of the positions and of the way that they went, and of the sums; and the sets to the
+/// bit.
 #[track_caller]
 fn assert_alike(name: &str, group: &Group, mut state: State, tolerance: f32) {
     for sweep in 0..4 {

@@ -28,8 +28,8 @@ pub(super) struct Grid {
 const CELLS_PER_BOX: usize = 4;
 
 impl Grid {
-    /// Puts boxes in; `largest` are the greatest extents of any of them, and no cell is to be smaller than `least`, metres. Along each axis cells are as large as
-    /// the boxes: stairs of 40 m by 10 by 1 are not all in one.
+    /// Puts boxes in; `largest` are the greatest extents of any of them, and no cell is to be smaller than `least`, metres. Along each axis cells are
+    /// as large as the boxes: stairs of 40 m by 10 by 1 are not all in one.
     pub(super) fn fill(
         &mut self,
         (largest, least): (Vec3, f32),

@@ -1,10 +1,10 @@
 //! Which boxes overlap at all: so that shapes that are far from each other are never compared.
 //!
-//! Boxes of like size go into one grid, whose cells are as large as the largest of them along each axis: by its lower corner a box is in one cell, and
-//! whatever overlaps it has its own lower corner in that cell or in one of those around it. The grid is folded over (a cell's place is its coordinates
-//! modulo powers of two), so that it stays small however far apart they lie, and along x neighbours stay neighbours in memory. Boxes of half the size
-//! get a grid of their own; those of a grid look into the larger ones, too. A few, or endless ones (floors, half-spaces), are no grid, but are compared
-//! with everything.
+//! Boxes of like size go into one grid, whose cells are as large as the largest of them along each axis: by its lower corner a box is in one cell,
+//! and whatever overlaps it has its own lower corner in that cell or in one of those around it. The grid is folded over (a cell's place is its
+//! coordinates modulo powers of two), so that it stays small however far apart they lie, and along x neighbours stay neighbours in memory. Boxes of
+//! half the size get a grid of their own; those of a grid look into the larger ones, too. A few, or endless ones (floors, half-spaces), are no grid,
+//! but are compared with everything.
 //!
 //! Sweeping along one axis would compare more: in a pile of 1000 each box has some 150 others beside it there, and 14 to compare here.
 

@@ -70,8 +70,8 @@ fn momentum_and_angular_momentum_are_kept_by_oblique_hits_of_unequal_masses() {
             size(l)
         );
         assert!(size(dp) < 1e-6 * size(p), "{dp:?} N·s");
-        // The normal is that at the substep's end, a little askew to that where they touched. Friction acts between the centres, not where the surfaces are,
-        // and takes as much turning as there is between the two: a particle has no spin to put it in.
+        // The normal is that at the substep's end, a little askew to that where they touched. Friction acts between the centres, not where the
+        // surfaces are, and takes as much turning as there is between the two: a particle has no spin to put it in.
         let most = if friction > 0.0 { 0.2 } else { 0.1 };
         assert!(size(dl) < most * size(l), "{dl:?} N·m·s of {l:?}");
     }

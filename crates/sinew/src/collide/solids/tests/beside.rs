@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// Boxes that fall onto each other, some with a push into their neighbour, and balls of three particles that roll; between them in the order of creation, as many `others` far off, at rest.
+/// Boxes that fall onto each other, some with a push into their neighbour, and balls of three particles that roll; between them in the order of
+/// creation, as many `others` far off, at rest.
 fn heap(others: usize) -> (Simulation, Vec<usize>) {
     let mut world = world();
     floor(&mut world, rough(0.5));

@@ -19,7 +19,8 @@ fn round_hull() -> Shape {
     Shape::hull(&points).unwrap()
 }
 
-/// Drops something from 1 m (of its centre above where that is when it touches) and returns how high it gets, metres, and how fast it goes aside then.
+/// Drops something from 1 m (of its centre above where that is when it touches) and returns how high it gets, metres, and how fast it goes aside
+/// then.
 fn drop(shape: Shape, restitution: f32) -> (f32, f32) {
     let mut world = world();
     floor(&mut world, elastic(restitution));

@@ -97,7 +97,8 @@ fn a_box_that_is_carried_off_comes_to_lie_where_it_is_put() {
     floor(&mut world, rough(0.5));
     let first = add_box(&mut world, Vec3::ONE, 1.0, Vec3::Y * 0.5, Quat::IDENTITY);
     step(&mut world, 1.0);
-    // A hand's breadth up and turned: none of its old corners is below. Not about its diagonal, or it would stand on an edge until rounding tips it over.
+    // A hand's breadth up and turned: none of its old corners is below. Not about its diagonal, or it would stand on an edge until rounding tips it
+    // over.
     let (middle, turned) = (centre(&world, first), turn(Vec3::new(1.0, 0.0, 0.6), 1.2));
     for i in first..first + 8 {
         let arm = world.particles.position(i) - middle;

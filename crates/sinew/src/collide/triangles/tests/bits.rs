@@ -1,4 +1,5 @@
-//! What the result depends on: positions and the order of rows, and neither the order of triangles, nor instructions, nor where in the world it is, nor who else is there.
+//! What the result depends on: positions and the order of rows, and neither the order of triangles, nor instructions, nor where in the world it is,
+//! nor who else is there.
 
 use glam::Vec3;
 
@@ -8,7 +9,8 @@ use crate::lanes::InstructionSet;
 use crate::particles::ParticleSeed;
 use crate::simulation::Simulation;
 
-/// A free sheet that folds up around balls that are shot at it; with somebody unrelated before rows for which that is said. Returns the rows of the others.
+/// A free sheet that folds up around balls that are shot at it; with somebody unrelated before rows for which that is said. Returns the rows of the
+/// others.
 fn scene(somebody: impl Fn(usize) -> bool) -> (Simulation, Vec<usize>) {
     let mut world = empty(9.81);
     let mut rows = Vec::new();
