@@ -26,13 +26,18 @@ pub(super) fn collide(ha: Vec3, hb: Vec3, a_in_b: &Frame, reach: f32) -> Manifol
     let Some(axes) = pair.separate(reach) else { return Manifold::default() };
     let most = axes.face_separation.max(axes.edge_separation);
     let mut faces = Manifold::default();
+    if !axes.past {
+        faces = pair.faces(axes.face, reach);
+    }
     if !axes.edge_wins {
-        if !axes.past {
-            faces = pair.faces(axes.face, reach);
-        }
         if faces.len > 0 && (most <= 0.0 || faces.nearest() <= most + axes.bias) {
             return faces;
         }
+    } else if faces.len > 1
+        && (faces.nearest() - most).abs() <= axes.bias
+        && pair.lies(&axes, &faces)
+    {
+        return faces;
     } else if let Some(manifold) = pair.edges(axes.edge, most > 0.0) {
         return manifold;
     }
@@ -84,6 +89,10 @@ const PARALLEL: f32 = 1e-6;
 /// What an axis must be better by, as a share of the overlap and of the smallest half size, to be taken instead of one that comes before it (faces of
 /// `b`, then of `a`, then edges): a box at rest, whose overlaps are noise, keeps its face and its four points.
 const BIAS: (f32, f32) = (0.03, 2e-3);
+
+/// Cosine of the angle by which what lies on a face may lean: 6 degrees. What leans by more comes down on other points too far away to be of
+/// interest.
+const LEANS: f32 = 0.995;
 
 /// What rounding leaves in a separation, as a share of the numbers that it is a difference of: a few units in the last place.
 const ROUNDING: f32 = 5e-7;
@@ -177,6 +186,13 @@ impl<'a> Pair<'a> {
             edge_wins,
             past: beyond[face / 3] > 1,
         })
+    }
+
+    /// Whether two edges that cross are of boxes that lie on each other with these faces, and lean a little. The deepest corner is far from the other
+    /// box then, so that the face seems to overlap by more than the edges do; but where the two are on each other it says the same, and it holds what
+    /// rocks there by more points than one.
+    fn lies(&self, axes: &Axes, faces: &Manifold) -> bool {
+        self.meet(axes.edge).2.dot(faces.normal) > LEANS
     }
 
     /// The faces along a normal (0, 1, 2 of `b`; 3, 4, 5 of `a`), clipped.

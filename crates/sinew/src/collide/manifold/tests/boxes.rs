@@ -236,3 +236,20 @@ fn a_small_box_lies_flat_on_a_huge_one() {
         assert!(found[0].points().iter().all(|p| p.distance.abs() < 2e-4), "{found:?}");
     }
 }
+
+/// A box lies across two others and leans away from one of them by three thousandths: its lowest corner is then far below that one's top, and the
+/// edges that cross over it are further apart than its face seems to be. They are on each other in a triangle nevertheless.
+#[test]
+fn a_box_that_leans_a_little_keeps_the_points_of_its_face() {
+    let half = Vec3::splat(0.25);
+    let [a, b] = [half; 2].map(|half| Shape::cuboid(half).unwrap());
+    for lean in [-0.004_f32, -0.003, 0.0, 0.003, 0.004] {
+        let turned = Quat::from_xyzw(0.5 * lean, 0.0, 0.0, 1.0).normalize()
+            * Quat::from_xyzw(0.0, 0.1147, 0.0, 0.9934).normalize();
+        let frame = Frame::new(Vec3::new(0.085, 0.5 + 0.25 * lean.abs(), -0.508), turned);
+        let found = all(&a, &b, &frame, 0.02);
+        let [manifold] = &found[..] else { panic!("{lean}: {} manifolds", found.len()) };
+        assert!(manifold.normal.y > 0.99, "{lean}: {}", manifold.normal);
+        assert!(manifold.points().len() >= 3, "{lean}: {:?}", manifold.points());
+    }
+}
