@@ -28,6 +28,8 @@ pub(super) const ROTATION: usize = 7;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bodies {
     pub(super) rows: Vec<Record>,
+    /// How far contacts are expected to move each of them in this substep, metres, and to turn it, rad: two entries for each.
+    pub(super) expected: Vec<Vec4>,
 }
 
 impl Index<usize> for Bodies {
@@ -53,6 +55,8 @@ impl Bodies {
         still.0[ROTATION] = Vec4::W;
         self.rows.clear();
         self.rows.resize(len, still);
+        self.expected.clear();
+        self.expected.resize(2 * len, Vec4::ZERO);
     }
 
     /// Places a row that nothing moves: its frame at the end of a substep, and what it was at its start.

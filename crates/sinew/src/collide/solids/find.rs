@@ -78,6 +78,7 @@ impl Solids {
             if solid { groups.place(number as usize) as u32 } else { number }
         };
         pack(found, (nothing, colours), [order, begins], packs, (row, centre));
+        self.fresh = true;
     }
 
     /// Poses and velocities.

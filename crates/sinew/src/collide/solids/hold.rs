@@ -15,11 +15,13 @@
 //! ([`BACK`]), because what is moved back leaves with speed. What slides forgets ([`FADES`]), or friction would go on pulling to where it once stuck.
 //! All of it goes from step to step (`memory`).
 
+use glam::Vec4;
+
 use super::block::hold;
 use super::bodies::{Bodies, Sliding};
 use super::contact::Pack;
 use super::turn::{Eight, Symmetric, load};
-use crate::lanes::{Lanes, Vector, Work};
+use crate::lanes::{LANES, Lanes, Vector, Work};
 
 /// Which part of what is late is taken back in a substep. With all of it a heap of a thousand boxes never rests (7 mm/s), with half of it at 1 to 3
 /// mm/s, with a fifth at 0.1; with a twentieth a stack slips on a slope that is nearly too steep, before it is held.
@@ -54,13 +56,25 @@ impl Work for Hold<'_> {
     fn run<L: Lanes>(self) {
         let Self { packs, after, most, bodies } = self;
         let none = L::zero();
+        if after {
+            bodies.expected.fill(Vec4::ZERO);
+        }
         for pack in packs {
             let allowed = none.lt(L::load(&pack.friction)).and(L::load(&pack.allowed));
             if !after {
                 let used = if none.lt(allowed).any() {
                     let slip = Slip::of(pack, bodies);
                     let slid = slip.slid + slip.late * L::splat(BACK);
-                    slip.hold(pack, slid, allowed, bodies).0
+                    let answer = slip.answer(pack, slid, allowed);
+                    let slips = none.lt(allowed).and(allowed.le(answer.used));
+                    let answer = if slips.any() {
+                        let expected = slid + slip.expected(pack, bodies);
+                        slip.answer(pack, expected.or_else(slips, slid), allowed)
+                    } else {
+                        answer
+                    };
+                    slip.apply(pack, &answer, bodies);
+                    answer.used
                 } else {
                     none
                 };
@@ -84,18 +98,54 @@ impl Work for Hold<'_> {
             if none.lt(needs).any() {
                 // Who was not held before is held against what is late here.
                 let fresh = allowed.le(none).and(L::splat(BACK));
-                let (now, back) = slip.hold(pack, slip.slid + slip.late * fresh, needs, bodies);
-                (used, granted) = (used + now, granted + needs);
-                left += back;
+                let answer = slip.answer(pack, slip.slid + slip.late * fresh, needs);
+                slip.apply(pack, &answer, bodies);
+                (used, granted) = (used + answer.used, granted + needs);
+                left += answer.back;
             }
             slip.keep(pack, left, used.lt(granted), most);
             let old = L::load(&pack.allowed);
             let mean = old + (sum - old) * L::splat(NEWS);
             let light = (mean * slip.weight()).le(L::splat(NOTHING));
             let rough = none.lt(L::load(&pack.friction));
-            rough.and(light.select(none, mean)).store(&mut pack.allowed);
+            let allowed = rough.and(light.select(none, mean));
+            allowed.store(&mut pack.allowed);
+            slip.expect(pack, allowed, bodies);
         }
     }
+}
+
+/// Notes how packs are expected to press in the next substep, where nothing has pressed yet: all that was noted before is forgotten.
+pub(super) struct Expect<'a> {
+    pub(super) packs: &'a [Pack],
+    pub(super) bodies: &'a mut Bodies,
+}
+
+impl Work for Expect<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { packs, bodies } = self;
+        bodies.expected.fill(Vec4::ZERO);
+        for pack in packs {
+            let allowed = L::load(&pack.allowed);
+            if L::zero().lt(allowed).any() {
+                Slip::of(pack, bodies).expect(pack, allowed, bodies);
+            }
+        }
+    }
+}
+
+/// What friction answers to a slip.
+struct Answer<L> {
+    /// The displacement and the turn that it gives to the first one, and takes from the second one.
+    a: (Vector<L>, Vector<L>),
+    b: (Vector<L>, Vector<L>),
+    /// Against how much of the pressure it had to act, kg·m.
+    used: L,
+    /// How far it takes the slip back.
+    back: Vector<L>,
 }
 
 /// How eight have slid on each other.
@@ -135,16 +185,9 @@ impl<L: Lanes> Slip<L> {
         self.a.inverse_mass + self.b.inverse_mass
     }
 
-    /// Holds them against so much slip, as far as a sum `against` of the pressure lets it. Returns against how much of that it had to act, and how
-    /// far that took them back.
+    /// What holds them against so much slip, as far as a sum `against` of the pressure lets it.
     #[inline(always)]
-    fn hold(
-        &self,
-        pack: &Pack,
-        slid: Vector<L>,
-        against: L,
-        bodies: &mut Bodies,
-    ) -> (L, Vector<L>) {
+    fn answer(&self, pack: &Pack, slid: Vector<L>, against: L) -> Answer<L> {
         let Self { a, b, n, t, u, arm, other, .. } = self;
         let (n, t, u) = (*n, *t, *u);
         let weight = self.weight();
@@ -170,16 +213,57 @@ impl<L: Lanes> Slip<L> {
         let good = f.length_squared().lt(L::splat(1e30));
         let f = Vector::new(good.and(f.x), good.and(f.y), good.and(f.z));
         let along = t * f.x + u * f.y;
-        let shift = (a.shift + along * a.inverse_mass, b.shift - along * b.inverse_mass);
-        let turn = (
-            a.turn + (ita * f.x + iua * f.y + ina * f.z),
-            b.turn - (itb * f.x + iub * f.y + inb * f.z),
-        );
-        let first = [shift.0.with(a.inverse_mass), turn.0.with(a.mark)];
+        Answer {
+            a: (along * a.inverse_mass, ita * f.x + iua * f.y + ina * f.z),
+            b: (along * b.inverse_mass, itb * f.x + iub * f.y + inb * f.z),
+            used: good.and(against * much),
+            back: stiff.times(f),
+        }
+    }
+
+    /// Moves both by it.
+    #[inline(always)]
+    fn apply(&self, pack: &Pack, answer: &Answer<L>, bodies: &mut Bodies) {
+        let Self { a, b, .. } = self;
+        let (shift, turn) = (a.shift + answer.a.0, a.turn + answer.a.1);
+        let first = [shift.with(a.inverse_mass), turn.with(a.mark)];
         L::put_records(&mut bodies.rows, &pack.a, first);
-        let second = [shift.1.with(b.inverse_mass), turn.1.with(b.mark)];
+        let (shift, turn) = (b.shift - answer.b.0, b.turn - answer.b.1);
+        let second = [shift.with(b.inverse_mass), turn.with(b.mark)];
         L::put_records(&mut bodies.rows, &pack.b, second);
-        (good.and(against * much), stiff.times(f))
+    }
+
+    /// Notes that contacts are expected to press them with such sums, at the centre of the pressure.
+    #[inline(always)]
+    fn expect(&self, pack: &Pack, sum: L, bodies: &mut Bodies) {
+        let push = self.n * sum;
+        let sides = [(&pack.a, &self.a, self.arm, push), (&pack.b, &self.b, self.other, -push)];
+        for (rows, body, arm, push) in sides {
+            let [shifts, turns] = expected_rows(rows);
+            let turn = body.inverse_inertia.times(arm.cross(push));
+            let shift = Vector::of(L::rows(&bodies.expected, &shifts)).0 + push * body.inverse_mass;
+            let turn = Vector::of(L::rows(&bodies.expected, &turns)).0 + turn;
+            // Nothing that is not a number may get to others.
+            let good = (shift.length_squared() + turn.length_squared()).lt(L::splat(1e30));
+            let none = Vector::new(L::zero(), L::zero(), L::zero());
+            let (shift, turn) = (shift.or_else(good, none), turn.or_else(good, none));
+            L::put_rows(&mut bodies.expected, &shifts, shift.with(L::zero()));
+            L::put_rows(&mut bodies.expected, &turns, turn.with(L::zero()));
+        }
+    }
+
+    /// How far all that is expected to press will have them slide on each other.
+    #[inline(always)]
+    fn expected(&self, pack: &Pack, bodies: &Bodies) -> Vector<L> {
+        let of = |rows: &[u32; LANES], arm: Vector<L>| {
+            let [shifts, turns] = expected_rows(rows);
+            let turn = Vector::of(L::rows(&bodies.expected, &turns)).0;
+            let shift = Vector::of(L::rows(&bodies.expected, &shifts)).0;
+            (shift + turn.cross(arm), turn)
+        };
+        let (a, b) = (of(&pack.a, self.arm), of(&pack.b, self.other));
+        let past = a.0 - b.0;
+        Vector::new(past.dot(self.t), past.dot(self.u), self.n.dot(a.1 - b.1))
     }
 
     /// Remembers what is left of their slip where they stick; where they slide, what was before fades.
@@ -196,6 +280,12 @@ impl<L: Lanes> Slip<L> {
             from.store(to);
         }
     }
+}
+
+/// Where [`Bodies::expected`] has the displacements and the turns of eight bodies.
+#[inline(always)]
+fn expected_rows(rows: &[u32; LANES]) -> [[u32; LANES]; 2] {
+    [rows.map(|row| 2 * row), rows.map(|row| 2 * row + 1)]
 }
 
 /// Two unit vectors across a third and each other (Duff et al., *Building an Orthonormal Basis, Revisited*, 2017).

@@ -58,7 +58,7 @@ use bodies::Bodies;
 use contact::{Pack, Press};
 use found::{Found, Sensed};
 use groups::Groups;
-use hold::Hold;
+use hold::{Expect, Hold};
 use loose::Loose;
 use memory::{Grasp, Memory};
 use read::{Gathered, Home, Lifts, Read, Sums};
@@ -145,6 +145,8 @@ pub(crate) struct Solids {
     bouncing: Vec<u32>,
     bounced: Vec<[u32; 2]>,
     kept: Vec<Record>,
+    /// Whether contacts were looked for since the last substep.
+    fresh: bool,
     /// Length of the last substep, seconds.
     h: f32,
 }
@@ -242,7 +244,10 @@ impl Solids {
         self.follow_stands(world, from);
         let most = |(falls, speed): (f32, f32)| falls * world.gravity * h * h + speed * h;
         let (recover, pop) = (most(RECOVERED), most(POPS));
-        let Self { packs, bodies, instructions, .. } = self;
+        let Self { packs, bodies, instructions, fresh, .. } = self;
+        if core::mem::take(fresh) {
+            with(*instructions, Expect { packs, bodies });
+        }
         with(*instructions, Hold { packs, after: false, most: pop, bodies });
         with(*instructions, Press { packs, bodies, h, recover, pop });
         with(*instructions, Hold { packs, after: true, most: pop, bodies });

@@ -11,6 +11,7 @@ mod moved;
 mod rest;
 mod slopes;
 mod twins;
+mod wedged;
 
 use glam::{Quat, Vec3};
 
