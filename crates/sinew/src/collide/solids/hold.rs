@@ -7,6 +7,14 @@
 //! pressure; and against the turn of one on the other. The impulse is at most `μ Σ λ`, its moment about the normal at most that times the radius of
 //! the patch.
 //!
+//! # What is to come
+//!
+//! Before they are pressed, things have fallen by `g h²`, and what is wedged between two slopes has slid on both by nearly that: more than friction
+//! may hold. It would act against the fall with all it has, where the two slopes together let nothing slide, and leave alone what really creeps: a
+//! wedged box crept at a quarter of a millimetre a second for ever, and in a heap of a thousand one or the other fell of it, for minutes. So where
+//! friction would slip, it acts against what will be left when all have pressed as they did in the substeps before (`Bodies::expected`). Where it
+//! sticks it does not: pressures come and go in a heap, and would shake what lies still (a thousand boxes then go on at 1 mm/s).
+//!
 //! # Where it stuck
 //!
 //! Pressing moves things after they were held, in a heap again and again, and what carries others on a slope is held before they are. What sticks
