@@ -263,15 +263,10 @@ impl<L: Lanes> Slip<L> {
     /// How far all that is expected to press will have them slide on each other.
     #[inline(always)]
     fn expected(&self, pack: &Pack, bodies: &Bodies) -> Vector<L> {
-        let of = |rows: &[u32; LANES], arm: Vector<L>| {
-            let [shifts, turns] = expected_rows(rows);
-            let turn = Vector::of(L::rows(&bodies.expected, &turns)).0;
-            let shift = Vector::of(L::rows(&bodies.expected, &shifts)).0;
-            (shift + turn.cross(arm), turn)
-        };
-        let (a, b) = (of(&pack.a, self.arm), of(&pack.b, self.other));
-        let past = a.0 - b.0;
-        Vector::new(past.dot(self.t), past.dot(self.u), self.n.dot(a.1 - b.1))
+        let (a, turned) = expected_at::<L>(bodies, &pack.a, self.arm);
+        let (b, other) = expected_at::<L>(bodies, &pack.b, self.other);
+        let past = a - b;
+        Vector::new(past.dot(self.t), past.dot(self.u), self.n.dot(turned - other))
     }
 
     /// Remembers what is left of their slip where they stick; where they slide, what was before fades.
@@ -294,6 +289,19 @@ impl<L: Lanes> Slip<L> {
 #[inline(always)]
 fn expected_rows(rows: &[u32; LANES]) -> [[u32; LANES]; 2] {
     [rows.map(|row| 2 * row), rows.map(|row| 2 * row + 1)]
+}
+
+/// How far what is expected moves points of eight bodies, and how it turns these.
+#[inline(always)]
+fn expected_at<L: Lanes>(
+    bodies: &Bodies,
+    rows: &[u32; LANES],
+    arm: Vector<L>,
+) -> (Vector<L>, Vector<L>) {
+    let [shifts, turns] = expected_rows(rows);
+    let turn = Vector::of(L::rows(&bodies.expected, &turns)).0;
+    let shift = Vector::of(L::rows(&bodies.expected, &shifts)).0;
+    (shift + turn.cross(arm), turn)
 }
 
 /// Two unit vectors across a third and each other (Duff et al., *Building an Orthonormal Basis, Revisited*, 2017).
