@@ -22,8 +22,15 @@ impl Chosen {
     }
 }
 
+/// How steeply what is above the deepest point may rise from there and yet come down before the two are compared again: two of which one leans by
+/// more may turn by no more than that until then, rad (`solids::contact`).
+const LOW: f32 = 5e-3;
+/// What lengths count that lead to points above that. Of a box that leans by three degrees on another one both ends of the low edge must be there, or
+/// it rocks from the one to the other for ever; but two points so near each other that they are as good as one are no better for being low.
+const HIGH: f32 = 0.25;
+
 /// Chooses among `count` points those within reach; of more than four: the deepest, the one farthest from it, and on both sides of the line between
-/// them the one that spans the largest triangle with it. Of equals the first.
+/// them the one that spans the largest triangle with it; rather those that may come down soon ([`LOW`]). Of equals the first.
 #[inline(always)]
 pub(super) fn choose(
     count: usize,
@@ -51,11 +58,16 @@ pub(super) fn choose(
         return chosen;
     }
     let origin = place(deepest);
+    let share = |i: usize, squared: f32| {
+        let rise = distance(i) - least;
+        if rise * rise <= LOW * LOW * squared { 1.0 } else { HIGH }
+    };
     let (mut most, mut farthest) = (0.0, deepest);
     for i in 0..count {
         let squared = (place(i) - origin).length_squared();
-        if squared > most && distance(i) <= reach {
-            (most, farthest) = (squared, i);
+        let length = squared.sqrt() * share(i, squared);
+        if length > most && distance(i) <= reach {
+            (most, farthest) = (length, i);
         }
     }
     chosen = Chosen::default();
@@ -66,10 +78,11 @@ pub(super) fn choose(
     chosen.push(farthest);
     let across = normal.cross(place(farthest) - origin);
     // What spans less than a millionth of a square with the line adds nothing to it.
-    let flat = 1e-6 * most;
+    let flat = 1e-6 * most * most;
     let (mut sides, mut ends) = ([-flat, flat], [deepest; 2]);
     for i in 0..count {
-        let area = across.dot(place(i) - origin);
+        let out = place(i) - origin;
+        let area = across.dot(out) * share(i, out.length_squared());
         if distance(i) > reach {
             continue;
         }

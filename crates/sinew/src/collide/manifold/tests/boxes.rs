@@ -253,3 +253,25 @@ fn a_box_that_leans_a_little_keeps_the_points_of_its_face() {
         assert!(manifold.points().len() >= 3, "{lean}: {:?}", manifold.points());
     }
 }
+
+/// Eight points, four of which may stay. It was those that span most, of which one alone touched; it rocked from one end of that edge to the other.
+#[test]
+fn a_box_that_leans_keeps_both_ends_of_its_low_edge() {
+    let half = Vec3::splat(0.25);
+    let [a, b] = [half; 2].map(|half| Shape::cuboid(half).unwrap());
+    for yaw in (5..90).step_by(10) {
+        for lean in [0.03_f32, 0.05, 0.08] {
+            let about = |axis: Vec3, angle: f32| turned(Vec3::ZERO, axis, angle);
+            let yaw = about(Vec3::Y, (yaw as f32).to_radians());
+            let leans = yaw.rotation * about(Vec3::Z, lean).rotation;
+            let high = 0.25 + 0.25 * (libm::cosf(lean) + libm::sinf(lean));
+            let frame = Frame { translation: Vec3::Y * high, rotation: leans };
+            let found = all(&a, &b, &frame, 0.05);
+            let [manifold] = &found[..] else { panic!("{} manifolds", found.len()) };
+            let low = manifold.points().iter().filter(|point| point.distance < 1e-4);
+            let low: Vec<Vec3> = low.map(|point| point.on_b).collect();
+            let long = low.iter().map(|p| p.distance(low[0])).fold(0.0, f32::max);
+            assert!(long > 0.2, "{lean}: {:?}", manifold.points());
+        }
+    }
+}
