@@ -19,8 +19,7 @@ impl Dice {
     }
 }
 
-/// Nothing sleeps and nothing is damped: they rest because friction holds them. Not every pouring has come to that after 20 s: in two of six one box
-/// still rocks then.
+/// Nothing sleeps and nothing is damped: they rest because friction holds them.
 #[test]
 fn a_thousand_boxes_poured_in_any_pose_are_at_rest_after_twenty_seconds() {
     let mut world = Simulation::default();

@@ -29,7 +29,7 @@ const HASHES: [(&str, fn() -> Simulation, u64); 8] = [
     ("ragdolls that fall", ragdolls, 0xd765_c353_b6ce_8735),
     ("charges and balls that float", charges, 0x9320_ef2c_54d0_1f6a),
     ("a large cloth", large, 0xb4e4_5c07_a2c7_19bd),
-    ("boxes and balls poured onto a ramp", heap, 0x3f7e_e504_5ae9_e35c),
+    ("boxes and balls poured onto a ramp", heap, 0xe9fd_a5c5_a4c2_716c),
     ("cloth and a figure on a ball and on stairs", drape, 0x18c6_fc78_40db_0cc5),
 ];
 

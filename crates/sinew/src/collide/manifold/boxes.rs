@@ -94,6 +94,9 @@ const BIAS: (f32, f32) = (0.03, 2e-3);
 /// interest.
 const LEANS: f32 = 0.995;
 
+/// What is nearer to the rim of a face than this share of its size was cut there, or nearly so.
+const RIM: f32 = 1e-4;
+
 /// What rounding leaves in a separation, as a share of the numbers that it is a difference of: a few units in the last place.
 const ROUNDING: f32 = 5e-7;
 
@@ -285,6 +288,12 @@ fn clipped(
     let [own_x, own_y, own_z] = [Vec3::from(c[i1]), Vec3::from(c[i2]), Vec3::from(c[i]) * side];
     let base = z * h[i];
     let mut manifold = Manifold::new(swap.map_or(z, |frame| frame.turn(-z)));
+    let lowest = chosen.as_slice().iter().map(|&n| corners[n]);
+    let lowest = lowest.reduce(|low, p| if p.z < low.z { p } else { low });
+    let at_rim = |p: Vec3| (p.x.abs() > h[i1] * (1.0 - RIM)) | (p.y.abs() > h[i2] * (1.0 - RIM));
+    if lowest.is_some_and(at_rim) {
+        manifold.slope = (1.0 - c[i][j] * c[i][j]).max(0.0).sqrt();
+    }
     for &n in chosen.as_slice() {
         let p = corners[n];
         let from = p - centre;

@@ -49,6 +49,9 @@ pub(crate) struct Manifold {
     pub(crate) normal: Vec3,
     points: [Point; 4],
     len: u32,
+    /// The slope of one on the other, where the deepest point is not a corner of it but where the other one ends: as it slides or turns it touches
+    /// there with other points of its own, that are higher or lower by so much a metre. 0 where that is not so, or not known.
+    pub(crate) slope: f32,
 }
 
 impl Manifold {

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::super::{Grip, Party};
-use super::contact::{FAR, Pack};
+use super::contact::{FAR, Pack, wear};
 use super::memory::Remembered;
 use super::turn::Eight;
 use crate::constraints::PlanarDrag;
@@ -147,6 +147,7 @@ pub(super) fn put_manifold(
 ) {
     set(&mut pack.normal, lane, known.manifold.normal);
     set(&mut pack.offset, lane, one.offset);
+    pack.wear[lane] = wear(&known.manifold);
     (pack.strain[lane], pack.gap[lane]) = (0.0, 0.0);
     let points = known.manifold.points();
     if points.is_empty() {

@@ -25,7 +25,7 @@ use glam::Vec3;
 
 use super::super::Frame;
 use super::super::manifold::Manifold;
-use super::contact::{Pack, SLID, TURNED};
+use super::contact::{Pack, SLID, TURNED, wear};
 use super::found::set;
 
 /// How much farther than needed manifolds are looked for, as a share of the smaller one's size: two that have moved against each other by less than
@@ -134,7 +134,7 @@ impl Remembered {
             + (p.z_axis - q.z_axis).length_squared();
         // |R - S|² = 8 sin² ½φ.
         let turned = (0.5 * square).sqrt();
-        let strain = turned * (1.0 / TURNED) + moved * stiff;
+        let strain = (turned * (1.0 / TURNED) + moved * stiff) * wear(&self.manifold);
         (moved + turned * size + reach <= self.reach && strain < STRAINED).then_some(strain)
     }
 

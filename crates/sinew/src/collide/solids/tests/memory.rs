@@ -1,6 +1,8 @@
 //! What contacts remember: stacks on slopes stay where they are, and nothing is remembered that no longer holds.
 
+use super::super::memory::{Key, Other, Remembered, stiffness};
 use super::*;
+use crate::collide::manifold::{Manifold, Point, Scratch, collide};
 use crate::simulation::Sleep;
 
 /// Plates of 1 × 0.2 × 1 m on each other on a slope, rad.
@@ -156,4 +158,55 @@ fn a_box_falls_when_the_one_triangle_beneath_it_is_lowered() {
     step(&mut world, 2.0);
     let y = centre(&world, first).y;
     assert!((y - 0.4).abs() < 2e-3, "{y}");
+}
+
+/// The points of a manifold are points of the two. Where one leans on the rim of the other and slides, it soon touches there with other points of its
+/// own, which are higher or lower: that box was thrown out of a rim that it was half a millimetre deep in already.
+#[test]
+fn what_slides_over_a_rim_is_known_to_be_as_high_as_it_is() {
+    let half = Vec3::splat(0.25);
+    let shape = Shape::cuboid(half).unwrap();
+    let (size, reach) = (half.length(), 0.02);
+    let marks = [shape.mark(); 2];
+    let key = Key { a: 0, other: Other::Solid(1), nth: 0 };
+    let find = |frame: &Frame| {
+        let mut found = None;
+        let mut keep = |manifold: &Manifold| found = Some(*manifold);
+        collide(&shape, &shape, frame, 2.0 * reach, &mut Scratch::default(), &mut keep);
+        found.map(|manifold| Remembered {
+            key,
+            marks,
+            manifold,
+            seen_from: *frame,
+            reach: 2.0 * reach,
+            grasp: Default::default(),
+        })
+    };
+    let height = |known: &Remembered, here: &Frame| {
+        let of = |point: &Point| known.manifold.normal.dot(here.point(point.on_a) - point.on_b);
+        known.manifold.points().iter().map(of).fold(f32::INFINITY, f32::min)
+    };
+    let (mut slid, mut slides) = (0.0_f32, 0);
+    for (lean, degrees) in [(0.03, 20.0), (0.06, 35.0), (0.09, 50.0_f32)] {
+        let rotation = turn(Vec3::Y, degrees.to_radians()) * turn(Vec3::new(0.6, 0.0, 0.8), lean);
+        for (dx, dz) in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.7, -0.7), (0.7, 0.7)] {
+            let at = |way: f32| Vec3::new(0.15 + dx * way, 0.51, 0.1 + dz * way);
+            let frame = |way: f32| Frame::new(at(way), rotation);
+            let Some(known) = find(&frame(0.0)).filter(|known| known.manifold.slope > 0.0) else {
+                continue;
+            };
+            for n in 0..2000 {
+                let here = frame(1e-5 * n as f32);
+                if known.strain(&here, size, stiffness(size), 0.0).is_none() {
+                    break;
+                }
+                let now = find(&here).expect("it is as near as before");
+                let wrong = (height(&known, &here) - height(&now, &here)).abs();
+                assert!(wrong < 2e-4 * size, "{wrong} m after {n} steps, {lean}, {dx} {dz}");
+                slid = slid.max(1e-5 * n as f32);
+            }
+            slides += 1;
+        }
+    }
+    assert!(slides > 5 && slid > 1e-3, "{slides} {slid}");
 }
