@@ -30,6 +30,8 @@ pub(super) struct Bodies {
     pub(super) rows: Vec<Record>,
     /// How far contacts are expected to move each of them in this substep, metres, and to turn it, rad: two entries for each.
     pub(super) expected: Vec<Vec4>,
+    /// How far each of them has gone farther than contacts believe, metres, and how it has turned further, rad: two entries for each (`lost`).
+    pub(super) lost: Vec<Vec4>,
 }
 
 impl Index<usize> for Bodies {
@@ -57,6 +59,8 @@ impl Bodies {
         self.rows.resize(len, still);
         self.expected.clear();
         self.expected.resize(2 * len, Vec4::ZERO);
+        self.lost.clear();
+        self.lost.resize(2 * len, Vec4::ZERO);
     }
 
     /// Places a row that nothing moves: its frame at the end of a substep, and what it was at its start.

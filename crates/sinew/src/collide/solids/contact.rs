@@ -104,6 +104,8 @@ pub(super) struct Pack {
     pub(super) allowed: Eight,
     /// How far what sticks is from where it stuck, metres, and has turned about the normal, rad: pressing moved it after it was held.
     pub(super) late: [Eight; 4],
+    /// A bit for each manifold that sticks.
+    pub(super) stuck: u32,
     /// Of the step: sum of the impulses, kg·m.
     pub(super) total: Eight,
 }
@@ -138,6 +140,7 @@ impl Pack {
             used: none,
             allowed: none,
             late: [none; 4],
+            stuck: 0,
             total: none,
         }
     }

@@ -34,6 +34,8 @@ pub(super) struct Group {
     pub(super) slots: Range<usize>,
     /// Whether rows occur twice in it, or lanes are empty: then displacements are written one by one.
     pub(super) scattered: bool,
+    /// Whether one of them shares particles with another solid.
+    pub(super) shares: bool,
     /// Whether one of them has a pinned particle.
     pub(super) pinned: bool,
     pub(super) mass: Mass,
@@ -165,6 +167,7 @@ impl Groups {
             groups.push(Group {
                 slots: first..slots.len(),
                 scattered: !(whole && alone),
+                shares: !alone,
                 pinned: false,
                 mass: Mass::default(),
             });

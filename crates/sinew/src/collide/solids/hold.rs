@@ -93,6 +93,7 @@ impl Work for Hold<'_> {
             let more = none.lt(L::load(&pack.friction)).and((sum - allowed).max(none));
             if !none.lt(more.max(allowed)).any() {
                 // What has let go for a substep takes hold again where it was.
+                pack.stuck = 0;
                 for late in &mut pack.late {
                     (L::load(late) * L::splat(FADES)).store(late);
                 }
@@ -247,7 +248,7 @@ impl<L: Lanes> Slip<L> {
         let push = self.n * sum;
         let sides = [(&pack.a, &self.a, self.arm, push), (&pack.b, &self.b, self.other, -push)];
         for (rows, body, arm, push) in sides {
-            let [shifts, turns] = expected_rows(rows);
+            let [shifts, turns] = pair_of_rows(rows);
             let turn = body.inverse_inertia.times(arm.cross(push));
             let shift = Vector::of(L::rows(&bodies.expected, &shifts)).0 + push * body.inverse_mass;
             let turn = Vector::of(L::rows(&bodies.expected, &turns)).0 + turn;
@@ -263,8 +264,8 @@ impl<L: Lanes> Slip<L> {
     /// How far all that is expected to press will have them slide on each other.
     #[inline(always)]
     fn expected(&self, pack: &Pack, bodies: &Bodies) -> Vector<L> {
-        let (a, turned) = expected_at::<L>(bodies, &pack.a, self.arm);
-        let (b, other) = expected_at::<L>(bodies, &pack.b, self.other);
+        let (a, turned) = moved_at::<L>(&bodies.expected, &pack.a, self.arm);
+        let (b, other) = moved_at::<L>(&bodies.expected, &pack.b, self.other);
         let past = a - b;
         Vector::new(past.dot(self.t), past.dot(self.u), self.n.dot(turned - other))
     }
@@ -277,6 +278,7 @@ impl<L: Lanes> Slip<L> {
         let size = (left.x * left.x + left.y * left.y).sqrt();
         let size = size.max(left.z.abs() * L::load(&pack.radius));
         let sticks = sticks.and(size.le(L::splat(most / BACK)));
+        pack.stuck = sticks.bits();
         let left = left.or_else(sticks, *late * L::splat(FADES));
         let along = *t * left.x + *u * left.y;
         for (to, from) in pack.late.iter_mut().zip([along.x, along.y, along.z, left.z]) {
@@ -285,22 +287,22 @@ impl<L: Lanes> Slip<L> {
     }
 }
 
-/// Where [`Bodies::expected`] has the displacements and the turns of eight bodies.
+/// Where [`Bodies::expected`] and [`Bodies::lost`] have the displacements and the turns of eight bodies.
 #[inline(always)]
-fn expected_rows(rows: &[u32; LANES]) -> [[u32; LANES]; 2] {
+pub(super) fn pair_of_rows(rows: &[u32; LANES]) -> [[u32; LANES]; 2] {
     [rows.map(|row| 2 * row), rows.map(|row| 2 * row + 1)]
 }
 
-/// How far what is expected moves points of eight bodies, and how it turns these.
+/// How far what is expected of eight bodies, or lost of them, moves points of these, and how it turns them.
 #[inline(always)]
-fn expected_at<L: Lanes>(
-    bodies: &Bodies,
+pub(super) fn moved_at<L: Lanes>(
+    of: &[Vec4],
     rows: &[u32; LANES],
     arm: Vector<L>,
 ) -> (Vector<L>, Vector<L>) {
-    let [shifts, turns] = expected_rows(rows);
-    let turn = Vector::of(L::rows(&bodies.expected, &turns)).0;
-    let shift = Vector::of(L::rows(&bodies.expected, &shifts)).0;
+    let [shifts, turns] = pair_of_rows(rows);
+    let turn = Vector::of(L::rows(of, &turns)).0;
+    let shift = Vector::of(L::rows(of, &shifts)).0;
     (shift + turn.cross(arm), turn)
 }
 

@@ -19,6 +19,7 @@
 //! | `contact` | pressing eight manifolds apart at a time; `hold`: their friction; `block` solves the few unknowns of one |
 //! | `bounce` | restitution; `drag`: the lectures' friction |
 //! | `loose` | solids and single particles |
+//! | `lost` | what of that does not reach solids that share particles |
 //! | `segment` | ropes by their segments |
 //! | `told` | for the report |
 //! | `turn` | rotations and symmetric matrices of eight solids |
@@ -34,6 +35,7 @@ mod found;
 mod groups;
 mod hold;
 mod loose;
+mod lost;
 mod meet;
 mod memory;
 mod read;
@@ -60,8 +62,9 @@ use found::{Found, Sensed};
 use groups::Groups;
 use hold::{Expect, Hold};
 use loose::Loose;
+use lost::{Lose, Miss};
 use memory::{Grasp, Memory};
-use read::{Gathered, Home, Lifts, Read, Sums};
+use read::{Gathered, Home, Lifts, Read, Source, Sums};
 use stands::Stand;
 use told::Told;
 use write::{Shared, Write};
@@ -253,6 +256,7 @@ impl Solids {
         with(*instructions, Hold { packs, after: true, most: pop, bodies });
         self.loose.project(particles, &self.groups, &mut self.bodies, world, h);
         self.write(particles);
+        self.lose(particles);
     }
 
     /// At the end of a step: what is to be remembered of it.
@@ -316,6 +320,27 @@ impl Solids {
         }
         for &(row, by) in shared.iter() {
             particles.position[row as usize] += by;
+        }
+    }
+
+    /// Notes where solids did not go as contacts had them, because they share particles with others.
+    fn lose(&mut self, particles: &Particles) {
+        let Self { groups, lifts, bodies, gathered, packs, instructions, .. } = self;
+        let mut any = false;
+        for (number, group) in groups.groups.iter().enumerate().filter(|(_, group)| group.shares) {
+            let source = Source {
+                slots: &groups.slots[group.slots.clone()],
+                lifts: lifts.of(group),
+                position: &particles.position,
+                other: &particles.start,
+                fresh: false,
+            };
+            let first = number * LANES;
+            with(*instructions, Lose { group, source, bodies, first, gathered });
+            any = true;
+        }
+        if any {
+            with(*instructions, Miss { packs, bodies });
         }
     }
 }

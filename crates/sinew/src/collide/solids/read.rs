@@ -65,9 +65,9 @@ pub(super) struct Read<'a> {
 /// One particle of each of eight solids, gathered once for two passes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Gathered {
-    position: [Eight; 3],
+    pub(super) position: [Eight; 3],
     /// Displacement or velocity.
-    moved: [Eight; 3],
+    pub(super) moved: [Eight; 3],
     inverse_mass: Eight,
 }
 
@@ -95,24 +95,7 @@ impl Work for Read<'_> {
             return 0;
         }
         let source = Source { slots, lifts, position, other, fresh };
-        let held = L::zero().lt(L::load(&mass.held));
-        gathered.resize(slots.len(), Gathered::default());
-        let (mut near, mut sum, mut step) = (zero::<L>(), zero::<L>(), zero::<L>());
-        for (number, (slot, kept)) in slots.iter().zip(&mut *gathered).enumerate() {
-            let (q, moved, w) = source.gather::<L>(number);
-            if number == 0 {
-                near = q;
-            }
-            store(q, &mut kept.position);
-            store(moved, &mut kept.moved);
-            w.store(&mut kept.inverse_mass);
-            let (pull, free) = (L::load(&slot.pull), L::zero().lt(w));
-            let decides = held.select(free.select(L::zero(), pull), pull);
-            sum += (q - near) * decides;
-            step += moved * decides;
-        }
-        let middle = L::load(&mass.middle);
-        let (centre, step) = (near + sum * middle, step * middle);
+        let (centre, step) = source.centre::<L>(mass, gathered);
         let (mut pairs, mut moments, mut momentum) =
             (Matrix::<L>::zero(), Matrix::<L>::zero(), zero::<L>());
         for (slot, kept) in slots.iter().zip(gathered) {
@@ -197,15 +180,42 @@ impl Home {
 }
 
 /// Where particles are, and where they come from.
-struct Source<'a> {
-    slots: &'a [Slot],
-    lifts: Option<&'a [[Eight; 3]]>,
-    position: &'a [Vec4],
-    other: &'a [Vec4],
-    fresh: bool,
+pub(super) struct Source<'a> {
+    pub(super) slots: &'a [Slot],
+    pub(super) lifts: Option<&'a [[Eight; 3]]>,
+    pub(super) position: &'a [Vec4],
+    pub(super) other: &'a [Vec4],
+    pub(super) fresh: bool,
 }
 
 impl Source<'_> {
+    /// Centres, and how far those have gone or how fast they go; and what was gathered.
+    #[inline(always)]
+    pub(super) fn centre<L: Lanes>(
+        &self,
+        mass: &Mass,
+        gathered: &mut Vec<Gathered>,
+    ) -> (Vector<L>, Vector<L>) {
+        let held = L::zero().lt(L::load(&mass.held));
+        gathered.resize(self.slots.len(), Gathered::default());
+        let (mut near, mut sum, mut step) = (zero::<L>(), zero::<L>(), zero::<L>());
+        for (number, (slot, kept)) in self.slots.iter().zip(gathered).enumerate() {
+            let (q, moved, w) = self.gather::<L>(number);
+            if number == 0 {
+                near = q;
+            }
+            store(q, &mut kept.position);
+            store(moved, &mut kept.moved);
+            w.store(&mut kept.inverse_mass);
+            let (pull, free) = (L::load(&slot.pull), L::zero().lt(w));
+            let decides = held.select(free.select(L::zero(), pull), pull);
+            sum += (q - near) * decides;
+            step += moved * decides;
+        }
+        let middle = L::load(&mass.middle);
+        (near + sum * middle, step * middle)
+    }
+
     /// Position, displacement or velocity, and inverse mass of one particle of each solid.
     #[inline(always)]
     fn gather<L: Lanes>(&self, number: usize) -> (Vector<L>, Vector<L>, L) {
