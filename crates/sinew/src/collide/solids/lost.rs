@@ -7,23 +7,48 @@
 //! So when the particles were displaced, such solids are read once more: how far their centres have gone since the substep began, and how they have
 //! turned, as in `read`. By what that differs from what contacts believe, they are farther from where they stuck (`hold`). What slides does not ask.
 
+use super::Solids;
 use super::bodies::{Bodies, from_row};
 use super::contact::Pack;
 use super::groups::Group;
 use super::hold::{moved_at, pair_of_rows};
 use super::read::{Gathered, Source};
 use super::turn::{Matrix, Symmetric, load, zero};
-use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work};
+use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work, with};
+use crate::particles::Particles;
+
+impl Solids {
+    /// Notes where solids did not go as contacts had them, because they share particles with others.
+    pub(super) fn lose(&mut self, particles: &Particles) {
+        let Self { groups, lifts, bodies, gathered, packs, instructions, .. } = self;
+        let mut any = false;
+        for (number, group) in groups.groups.iter().enumerate().filter(|(_, group)| group.shares) {
+            let source = Source {
+                slots: &groups.slots[group.slots.clone()],
+                lifts: lifts.of(group),
+                position: &particles.position,
+                other: &particles.start,
+                fresh: false,
+            };
+            let first = number * LANES;
+            with(*instructions, Lose { group, source, bodies, first, gathered });
+            any = true;
+        }
+        if any {
+            with(*instructions, Miss { packs, bodies });
+        }
+    }
+}
 
 /// Compares where a group is with where contacts believe it to be.
-pub(super) struct Lose<'a> {
-    pub(super) group: &'a Group,
-    pub(super) source: Source<'a>,
-    pub(super) bodies: &'a mut Bodies,
+struct Lose<'a> {
+    group: &'a Group,
+    source: Source<'a>,
+    bodies: &'a mut Bodies,
     /// The first row of the group among the bodies.
-    pub(super) first: usize,
+    first: usize,
     /// Scratch.
-    pub(super) gathered: &'a mut Vec<Gathered>,
+    gathered: &'a mut Vec<Gathered>,
 }
 
 impl Work for Lose<'_> {
@@ -55,9 +80,9 @@ impl Work for Lose<'_> {
 }
 
 /// Adds what was lost to how far those are from where they stuck that stick.
-pub(super) struct Miss<'a> {
-    pub(super) packs: &'a mut [Pack],
-    pub(super) bodies: &'a Bodies,
+struct Miss<'a> {
+    packs: &'a mut [Pack],
+    bodies: &'a Bodies,
 }
 
 impl Work for Miss<'_> {

@@ -62,9 +62,8 @@ use found::{Found, Sensed};
 use groups::Groups;
 use hold::{Expect, Hold};
 use loose::Loose;
-use lost::{Lose, Miss};
 use memory::{Grasp, Memory};
-use read::{Gathered, Home, Lifts, Read, Source, Sums};
+use read::{Gathered, Home, Lifts, Read, Sums};
 use stands::Stand;
 use told::Told;
 use write::{Shared, Write};
@@ -320,27 +319,6 @@ impl Solids {
         }
         for &(row, by) in shared.iter() {
             particles.position[row as usize] += by;
-        }
-    }
-
-    /// Notes where solids did not go as contacts had them, because they share particles with others.
-    fn lose(&mut self, particles: &Particles) {
-        let Self { groups, lifts, bodies, gathered, packs, instructions, .. } = self;
-        let mut any = false;
-        for (number, group) in groups.groups.iter().enumerate().filter(|(_, group)| group.shares) {
-            let source = Source {
-                slots: &groups.slots[group.slots.clone()],
-                lifts: lifts.of(group),
-                position: &particles.position,
-                other: &particles.start,
-                fresh: false,
-            };
-            let first = number * LANES;
-            with(*instructions, Lose { group, source, bodies, first, gathered });
-            any = true;
-        }
-        if any {
-            with(*instructions, Miss { packs, bodies });
         }
     }
 }
