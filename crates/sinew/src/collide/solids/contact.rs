@@ -102,7 +102,8 @@ pub(super) struct Pack {
     /// Against how much of such a sum friction has acted in this substep, before it was pressed; and may act in the next: a mean of the last ones.
     pub(super) used: Eight,
     pub(super) allowed: Eight,
-    /// How far what sticks is from where it stuck, metres, and has turned about the normal, rad: pressing moved it after it was held.
+    /// How far what sticks is from where it stuck, metres, and has turned about the normal, rad: pressing moved it after it was held,
+    /// and joints took a part of what held it (`lost`).
     pub(super) late: [Eight; 4],
     /// A bit for each manifold that sticks.
     pub(super) stuck: u32,
