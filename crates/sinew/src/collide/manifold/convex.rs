@@ -51,22 +51,22 @@ pub(super) fn on_triangles(
     }
     let pose = pose(a_in_b);
     let bounds = a.parry().compute_aabb(&pose).loosened(reach);
-    let mut on = |triangle: &Triangle, normals: Option<TrianglePseudoNormals>| {
+    let mut on = |part: u32, triangle: &Triangle, normals: Option<TrianglePseudoNormals>| {
         let normals = normals.as_ref().map(|normals| normals as &dyn NormalConstraints);
         let found = touch(triangle, normals, a, a_in_b, &pose, reach, scratch);
         if let Some(manifold) = found.filter(Manifold::is_sound) {
-            out(&manifold);
+            out(&Manifold { part, ..manifold });
         }
     };
     if let Some(mesh) = b.parry().as_trimesh() {
         for i in mesh.bvh().intersect_aabb(&bounds) {
             if (i as usize) < mesh.num_triangles() {
-                on(&mesh.triangle(i), mesh.triangle_normal_constraints(i));
+                on(i, &mesh.triangle(i), mesh.triangle_normal_constraints(i));
             }
         }
     } else if let Some(field) = b.parry().as_heightfield() {
         field.map_elements_in_local_aabb(&bounds, &mut |i, triangle| {
-            on(triangle, field.triangle_normal_constraints(i));
+            on(i, triangle, field.triangle_normal_constraints(i));
         });
     }
 }

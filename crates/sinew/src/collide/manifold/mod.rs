@@ -49,6 +49,12 @@ pub(crate) struct Manifold {
     pub(crate) normal: Vec3,
     points: [Point; 4],
     len: u32,
+    /// Which triangle of a mesh or a heightfield it is of; 0 of what is convex.
+    pub(crate) part: u32,
+    /// Whether the first of the two is round: then a turn moves its points along its surface, and not up or down.
+    pub(crate) round: bool,
+    /// How far the two may slide on each other, at least, and be to each other what they are, metres: to the rim of a face. 0 where that is not known.
+    pub(crate) free: f32,
     /// The slope of one on the other, where the deepest point is not a corner of it but where the other one ends: as it slides or turns it touches
     /// there with other points of its own, that are higher or lower by so much a metre. 0 where that is not so, or not known.
     pub(crate) slope: f32,
@@ -146,7 +152,9 @@ fn in_order(
 ) {
     let found = match (a.kind(), b.kind()) {
         (Kind::HalfSpace | Kind::Mesh | Kind::HeightField, _) => return,
-        (kind, Kind::HalfSpace) => half_space::collide(kind, a_in_b, reach),
+        (kind, Kind::HalfSpace) => {
+            Manifold { free: f32::INFINITY, ..half_space::collide(kind, a_in_b, reach) }
+        }
         (_, Kind::Mesh | Kind::HeightField) => {
             return convex::on_triangles(a, b, a_in_b, reach, scratch, out);
         }
@@ -156,20 +164,25 @@ fn in_order(
         (Kind::Box { half_size: a }, Kind::Box { half_size: b }) => {
             boxes::collide(a, b, a_in_b, reach)
         }
-        (Kind::Sphere { radius }, _) => round::sphere(radius, b, a_in_b, reach).unwrap_or_default(),
+        (Kind::Sphere { radius }, _) => rolls(round::sphere(radius, b, a_in_b, reach)),
         (
             Kind::Capsule { radius, half_height },
             Kind::Capsule { radius: other, half_height: other_half },
-        ) => round::capsules([radius, half_height], [other, other_half], a_in_b, reach)
-            .unwrap_or_default(),
+        ) => rolls(round::capsules([radius, half_height], [other, other_half], a_in_b, reach)),
         (Kind::Capsule { radius, half_height }, Kind::Box { half_size }) => {
-            rod::collide([radius, half_height], half_size, a_in_b, reach).unwrap_or_default()
+            rolls(rod::collide([radius, half_height], half_size, a_in_b, reach))
         }
         _ => convex::collide(a, b, a_in_b, reach, scratch).unwrap_or_default(),
     };
     if found.is_sound() {
         out(&found);
     }
+}
+
+/// A manifold of what is round, or none.
+#[inline(always)]
+fn rolls(found: Option<Manifold>) -> Manifold {
+    found.map_or_else(Manifold::default, |manifold| Manifold { round: true, ..manifold })
 }
 
 /// Which of two is the first: what is simpler, and what can move before what cannot.

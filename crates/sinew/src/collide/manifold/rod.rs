@@ -23,8 +23,7 @@ pub(super) fn collide(
     };
     let (mut normal, apart) = rod.separate(radius + reach)?;
     let (mut along, mut on_box) = (0.0, Vec3::ZERO);
-    // A separation that is not above rounding says nothing about where the nearest points are.
-    let outside = apart > 1e-5 * (half_size.max_element() + half_height);
+    let outside = apart > rod.rounding();
     if outside {
         (along, on_box) = rod.nearest();
         let between = rod.at(along) - on_box;
@@ -52,7 +51,9 @@ pub(super) fn collide(
         points.clear();
         points.push(point(along, q));
     }
-    Some(reduced(normal, reach, &points)).filter(|manifold| manifold.len > 0)
+    let manifold = reduced(normal, reach, &points);
+    let free = rod.free(&manifold);
+    (manifold.len > 0).then_some(Manifold { free, ..manifold })
 }
 
 /// A capsule's axis beside a box, in the coordinates of the box.
@@ -70,6 +71,11 @@ impl Rod {
         self.centre + self.axis * along
     }
 
+    /// A separation that is not above this says nothing about where the nearest points are, metres.
+    fn rounding(&self) -> f32 {
+        1e-5 * (self.size.max_element() + self.half)
+    }
+
     /// The direction in which axis and box are farthest apart, or overlap least, from the box outwards, and by how much; nothing beyond `reach`.
     fn separate(&self, reach: f32) -> Option<(Vec3, f32)> {
         let Self { centre, axis, half, size } = self;
@@ -85,6 +91,11 @@ impl Rod {
         // Far from everything is far along a face, mostly.
         if most > reach {
             return None;
+        }
+        // Above one face with all of it, no edge is nearer.
+        let within = (centre.abs() + axis.abs() * *half).cmple(*size);
+        if most > self.rounding() && within.bitmask().count_ones() == 2 {
+            return Some((best, most));
         }
         // As between boxes, a face comes first.
         let mut needed = most + 2e-3 * size.min_element() + 0.03 * most.abs();
@@ -185,6 +196,19 @@ impl Rod {
                 (along, q.into())
             })
             .collect()
+    }
+
+    /// How far its points on a face are from the rim of that, metres; 0 on edges and corners.
+    fn free(&self, manifold: &Manifold) -> f32 {
+        let across = manifold.normal.cmpeq(Vec3::ZERO);
+        if across.bitmask().count_ones() < 2 {
+            return 0.0;
+        }
+        let least = |free: f32, point: &Point| {
+            let inside = self.size - point.on_b.abs();
+            free.min(Vec3::select(across, inside, Vec3::MAX).min_element())
+        };
+        manifold.points().iter().fold(f32::INFINITY, least)
     }
 
     /// The lowest place of an axis that is in the box, along a direction out of it, and the point of the surface there.

@@ -1,14 +1,11 @@
-//! What changes while a step goes on: pairs that turn and slide on each other are compared again, and moving stands are
-//! followed.
+//! What changes while a step goes on: pairs that turn and slide on each other are compared again, and moving stands are followed.
 
 use glam::Vec3;
 
 use super::super::manifold::collide;
 use super::super::{Frame, World};
 use super::Solids;
-use super::bodies::{CENTRE, ROTATION, rotation};
-use super::contact::{ELSEWHERE, Pack};
-use super::find::carried;
+use super::contact::Pack;
 use super::found::put_manifold;
 use crate::lanes::LANES;
 
@@ -16,15 +13,12 @@ impl Solids {
     /// Compares those again that have turned against each other, or slid on each other, by more than their points are good for; at the places where
     /// this substep began, after a share of the step.
     ///
-    /// Where the points of a manifold are farther apart than others may have come nearer than those meanwhile ([`ELSEWHERE`]), nothing touches, and
+    /// Where the points of a manifold are farther apart than others may have come nearer than those meanwhile (`Pack::elsewhere`), nothing touches, and
     /// nothing is compared: so most that fly past each other never are.
     pub(super) fn compare_again(&mut self, world: &World, share: f32) {
         let Self { groups, seen, stands, found, packs, bodies, scratch, memory, .. } = self;
-        let frame = |number: usize| {
-            let body = &bodies[groups.place(number)];
-            let (centre, r) = (body[CENTRE].truncate(), rotation(body[ROTATION]));
-            Frame { translation: centre - r * groups.parts[number].centre, rotation: r }
-        };
+        let frame = |number: usize| bodies.frame(groups.place(number), groups.parts[number].centre);
+        let time = (1.0 - share) * world.dt;
         for pack in packs {
             // Nearly all are as they were: that is one question.
             if (0..LANES).fold(true, |good, lane| good & holds(pack, lane)) {
@@ -41,25 +35,25 @@ impl Solids {
                     continue;
                 }
                 let (a, b) = (one.a as usize, one.b as usize);
-                let (shape, own, mut reach) = (&world.solids[a].shape, frame(a), seen[a].margin);
-                let (other, theirs, centre) = match one.stand.map(|number| &stands[number as usize])
-                {
+                let (shape, own) = (&world.solids[a].shape, frame(a));
+                let stand = one.stand.map(|number| &stands[number as usize]);
+                let (other, theirs, centre, reach) = match stand {
                     Some(stand) => {
                         let theirs = stand.frame_at(world, share);
-                        let end = stand.frame_at(world, 1.0);
-                        reach += carried(&theirs, &end, seen[a].centre + seen[a].origin);
                         let theirs = stand.seen_from(&theirs, seen[a].origin);
                         one.offset = theirs.translation;
-                        (&stand.shape, theirs, Vec3::ZERO)
+                        let reach = seen[a].reach(time) + stand.carries(&seen[a], world, share);
+                        (&stand.shape, theirs, Vec3::ZERO, reach)
                     }
                     None => {
-                        reach += seen[b].margin;
                         let theirs = frame(b);
+                        let reach = seen[a].reach_of(&seen[b], time);
                         let translation = theirs.translation + one.offset;
                         (
                             &world.solids[b].shape,
                             Frame { translation, ..theirs },
                             groups.parts[b].centre,
+                            reach,
                         )
                     }
                 };
@@ -102,5 +96,5 @@ impl Solids {
 #[inline(always)]
 fn holds(pack: &Pack, lane: usize) -> bool {
     let strain = pack.strain[lane];
-    (strain < 1.0) | (ELSEWHERE * strain < pack.gap[lane])
+    (strain < 1.0) | (pack.elsewhere[lane] * strain < pack.gap[lane])
 }

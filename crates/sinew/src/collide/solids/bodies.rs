@@ -63,6 +63,12 @@ impl Bodies {
         self.lost.resize(2 * len, Vec4::ZERO);
     }
 
+    /// The frame of a solid whose centre is at `centre` in it: where the substep began, turned as predicted.
+    pub(super) fn frame(&self, row: usize, centre: Vec3) -> Frame {
+        let (at, r) = (self[row][CENTRE].truncate(), rotation(self[row][ROTATION]));
+        Frame { translation: at - r * centre, rotation: r }
+    }
+
     /// Places a row that nothing moves: its frame at the end of a substep, and what it was at its start.
     pub(super) fn place(&mut self, row: usize, start: &Frame, end: &Frame) {
         let row = &mut self[row];

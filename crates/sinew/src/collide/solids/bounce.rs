@@ -61,7 +61,7 @@ impl Solids {
                 bodies,
                 first: number * LANES,
                 sums: &mut sums[number],
-                home: None,
+                ways: None,
                 gathered,
             };
             with(*instructions, read);

@@ -38,17 +38,27 @@ use crate::lanes::{LANES, Lanes, Vector, Work};
 pub(super) const FAR: f32 = 1e9;
 
 /// The angle that two may turn against each other before they are compared again, rad.
-pub(super) const TURNED: f32 = 0.02;
+const TURNED: f32 = 0.02;
 /// The same for how far they may slide on each other, as a share of their size.
-pub(super) const SLID: f32 = 0.03;
+const SLID: f32 = 0.03;
+/// How much further what is round may turn: its points then are `r φ` aside of where they should be, along a surface that bends away by `½ r φ²`. Of a
+/// leg, 6 cm thick, that is 0.04 mm.
+const ROUND: f32 = 2.5;
 /// How much faster a manifold wears whose [slope](Manifold::slope) is 1. Its points are points of the two, and as one slides over the rim of the
 /// other it touches with others, that are higher by the slope times the way: so that must be less, and no height is wrong by more than `SLID / STEEP`
 /// of the size. Without that a box fell half a millimetre deep into a rim that its manifold did not know of, and was thrown out of it, again and
 /// again, for minutes; three times as much finds a tenth more manifolds in a heap of boxes in random poses, for nothing.
 const STEEP: f32 = 100.0;
-/// By how much more than the strain says, times what they may slide, other points of them may have come nearer than those of their manifold: a turn
-/// of `φ` takes those away by up to `r φ` and others there by as much, and counts `r φ SLID / TURNED`.
-pub(super) const ELSEWHERE: f32 = 2.0 * TURNED / SLID;
+
+/// The angle that the two of a manifold may turn against each other, rad.
+pub(super) fn may_turn(manifold: &Manifold) -> f32 {
+    if manifold.round { ROUND * TURNED } else { TURNED }
+}
+
+/// How far the two of a manifold may slide on each other, metres, of a size; no farther than that.
+pub(super) fn may_slide(manifold: &Manifold, size: f32) -> f32 {
+    manifold.free.min(size).max(SLID * size)
+}
 
 /// How much faster than others a manifold wears.
 pub(super) fn wear(manifold: &Manifold) -> f32 {
@@ -76,6 +86,11 @@ pub(super) struct Pack {
     pub(super) friction: Eight,
     /// One by the length that the two may slide on each other before they are compared again, 1/m.
     pub(super) stiff: Eight,
+    /// One by the angle that they may turn against each other before that, 1/rad.
+    pub(super) bent: Eight,
+    /// By how much more than the strain says, times what they may slide, others of their points may have come nearer than those of the manifold: a turn
+    /// of `φ` takes these away by up to `r φ` and others there by as much.
+    pub(super) elsewhere: Eight,
     /// How much faster than others they are strained by that, and by turning: [`wear`].
     pub(super) wear: Eight,
     /// How much they have turned and slid since they were compared: 1 is as much as they may, where they touch.
@@ -126,6 +141,8 @@ impl Pack {
             offset: vector,
             friction: none,
             stiff: none,
+            bent: none,
+            elsewhere: none,
             wear: none,
             strain: none,
             gap: none,
@@ -197,7 +214,7 @@ fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, 
 
     let stiff = L::load(&pack.stiff);
     let across = (drift - n * before).length() * stiff;
-    let turned = (a.spin - b.spin).length() * L::splat(1.0 / TURNED);
+    let turned = (a.spin - b.spin).length() * L::load(&pack.bent);
     let strain = (turned + across) * L::load(&pack.wear);
     (L::load(&pack.strain) + strain).store(&mut pack.strain);
 
@@ -222,7 +239,7 @@ fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, 
         popped[i] = pop.lt(inside - nearer);
     }
     let most = c[0].max(c[1]).max(c[2].max(c[3]));
-    let gap = none - (most + before.max(none)) * stiff - strain * L::splat(ELSEWHERE);
+    let gap = none - (most + before.max(none)) * stiff - strain * L::load(&pack.elsewhere);
     L::splat(-0.5 * FAR).lt(most).and(gap).store(&mut pack.gap);
     if !none.lt(most).any() {
         // Nothing touches: nor did it press in this substep.

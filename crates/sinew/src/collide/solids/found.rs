@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::super::{Grip, Party};
-use super::contact::{FAR, Pack, wear};
+use super::contact::{FAR, Pack, may_slide, may_turn, wear};
 use super::memory::Remembered;
 use super::turn::Eight;
 use crate::constraints::PlanarDrag;
@@ -25,8 +25,9 @@ pub(super) struct Found {
     pub(super) listened: bool,
     pub(super) parties: [Party; 2],
     pub(super) colour: u32,
+    /// How far the smaller one of the two reaches, metres.
+    pub(super) size: f32,
     /// See `Pack`.
-    pub(super) stiff: f32,
     pub(super) strain: f32,
 }
 
@@ -113,29 +114,30 @@ pub(super) fn pack(
         }
         if let Some(pack) = packs.last_mut() {
             let known = &memory[one.memory as usize];
-            (pack.a[lane], pack.b[lane]) = (row(one.a), row(one.b));
-            put(pack, lane, number, (one, known), [centre(one.a), centre(one.b)]);
-            known.grasp.put(pack, lane, h);
+            let rows = [row(one.a), row(one.b)];
+            put((pack, lane), (number, rows), (one, known), [centre(one.a), centre(one.b)], h);
         }
         lane += 1;
     }
 }
 
-fn put(
-    pack: &mut Pack,
-    lane: usize,
-    number: u32,
+/// Puts one of a number into a lane, for substeps of `h` seconds. `rows` are those of the two among the bodies, `centres` those in their own frames.
+pub(super) fn put(
+    (pack, lane): (&mut Pack, usize),
+    (number, rows): (u32, [u32; 2]),
     (one, known): (&Found, &Remembered),
     centres: [Vec3; 2],
+    h: f32,
 ) {
+    (pack.a[lane], pack.b[lane]) = (rows[0], rows[1]);
     pack.number[lane] = number;
     put_manifold(pack, lane, (one, known), centres);
     pack.strain[lane] = one.strain;
     pack.friction[lane] = one.grip.friction;
-    pack.stiff[lane] = one.stiff;
     pack.own[lane] = if one.stand.is_some() { 1.0 } else { 0.5 };
     let drags = one.grip.drag != PlanarDrag::default();
     pack.kept |= one.listened || one.grip.restitution > 0.0 || drags;
+    known.grasp.put(pack, lane, h);
 }
 
 /// Writes what two shapes are to each other into a lane.
@@ -148,6 +150,9 @@ pub(super) fn put_manifold(
     set(&mut pack.normal, lane, known.manifold.normal);
     set(&mut pack.offset, lane, one.offset);
     pack.wear[lane] = wear(&known.manifold);
+    let (turn, slide) = (may_turn(&known.manifold), may_slide(&known.manifold, one.size));
+    (pack.bent[lane], pack.stiff[lane]) = (1.0 / turn, 1.0 / slide);
+    pack.elsewhere[lane] = 2.0 * one.size * turn / slide;
     (pack.strain[lane], pack.gap[lane]) = (0.0, 0.0);
     let points = known.manifold.points();
     if points.is_empty() {

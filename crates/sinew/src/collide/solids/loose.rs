@@ -3,10 +3,11 @@
 use glam::{Vec3, Vec4};
 
 use super::super::{BodyContacts, Grip, Party, World};
+use super::Told;
 use super::bodies::{Bodies, ROTATION, SHIFT, TURN, rotation};
-use super::find::party;
 use super::groups::Groups;
-use super::{Seen, Told};
+use super::meet::party;
+use super::way::Seen;
 use crate::particles::{NO_BODY, Particles};
 
 /// Particles near solids. Scratch.
@@ -44,6 +45,11 @@ impl Loose {
 
     pub(super) fn is_empty(&self) -> bool {
         self.pairs.is_empty()
+    }
+
+    /// Whether there is none in all of this step's world that could touch a solid.
+    pub(super) fn none_collide(&self) -> bool {
+        self.rows.is_empty()
     }
 
     /// Finds which particles may come to touch which solids.

@@ -25,8 +25,8 @@ use glam::Vec3;
 
 use super::super::Frame;
 use super::super::manifold::Manifold;
-use super::contact::{Pack, SLID, TURNED, wear};
-use super::found::set;
+use super::contact::{Pack, may_slide, may_turn, wear};
+use super::found::{Found, set};
 
 /// How much farther than needed manifolds are looked for, as a share of the smaller one's size: two that have moved against each other by less than
 /// that keep theirs. More would list pairs that never touch.
@@ -65,8 +65,15 @@ pub(super) struct Key {
     /// The first one's id.
     pub(super) a: u64,
     pub(super) other: Other,
-    /// Which of several manifolds.
+    /// Which triangle of those made of such.
     pub(super) nth: u32,
+}
+
+impl Key {
+    /// Whether it is of the same two.
+    fn is_of(&self, other: &Self) -> bool {
+        (self.a, self.other) == (other.a, other.other)
+    }
 }
 
 /// The second one: what it is, and its id.
@@ -123,9 +130,14 @@ impl ContactMemory {
 
 impl Remembered {
     /// How much the two are strained against each other since the manifold was found, as `Pack` has it; `None` where it holds no longer. `here` is
-    /// where the first one is in the second one's coordinates now, `size` how far it reaches, `stiff` as in `Pack`, and `reach` how near the two may
-    /// come.
-    pub(super) fn strain(&self, here: &Frame, size: f32, stiff: f32, reach: f32) -> Option<f32> {
+    /// where the first one is in the second one's coordinates now, `size` how far it reaches and the smaller one of the two, and `reach` how near
+    /// they may come.
+    pub(super) fn strain(
+        &self,
+        here: &Frame,
+        (size, smaller): (f32, f32),
+        reach: f32,
+    ) -> Option<f32> {
         let was = &self.seen_from;
         let moved = (here.translation - was.translation).length();
         let (p, q) = (&here.rotation, &was.rotation);
@@ -134,7 +146,9 @@ impl Remembered {
             + (p.z_axis - q.z_axis).length_squared();
         // |R - S|² = 8 sin² ½φ.
         let turned = (0.5 * square).sqrt();
-        let strain = (turned * (1.0 / TURNED) + moved * stiff) * wear(&self.manifold);
+        let manifold = &self.manifold;
+        let strain = turned / may_turn(manifold) + moved / may_slide(manifold, smaller);
+        let strain = strain * wear(manifold);
         (moved + turned * size + reach <= self.reach && strain < STRAINED).then_some(strain)
     }
 
@@ -188,6 +202,8 @@ pub(super) struct Memory {
     pub(super) now: Vec<Remembered>,
     /// The first of those that were which is not yet behind.
     next: usize,
+    /// How many of those that are now are in order; others came later.
+    sorted: usize,
 }
 
 impl Memory {
@@ -199,6 +215,7 @@ impl Memory {
 
     /// Gives it back.
     pub(super) fn give(&mut self, memory: &mut ContactMemory) {
+        self.settle();
         core::mem::swap(&mut self.now, &mut memory.contacts);
         self.now.clear();
     }
@@ -220,24 +237,65 @@ impl Memory {
 
     /// Keeps what was remembered of two as it was.
     pub(super) fn carry(&mut self, key: &Key) {
-        let mut key = *key;
-        while let Some(&one) = self.recall(&key) {
-            self.now.push(one);
-            key.nth += 1;
+        self.recall(key);
+        while let Some(one) = self.was.get(self.next).filter(|one| one.key.is_of(key)) {
+            self.now.push(*one);
+            self.next += 1;
         }
     }
 
-    /// Remembers a manifold that was found afresh, and what friction held where that is the same contact.
-    pub(super) fn learn(&mut self, mut one: Remembered, normal: Vec3) {
-        one.grasp = match self.recall(&one.key) {
-            Some(was) if was.grasp.up.dot(normal) > SAME => was.grasp,
-            _ => Grasp::default(),
-        };
-        self.now.push(one);
+    /// What friction held at a place where something was found afresh, if that is the same contact; `frame` is the second one's.
+    pub(super) fn learn(&mut self, place: usize, frame: &Frame) {
+        let (key, normal) = (self.now[place].key, frame.turn(self.now[place].manifold.normal));
+        if let Some(was) = self.recall(&key).filter(|was| was.grasp.up.dot(normal) > SAME) {
+            self.now[place].grasp = was.grasp;
+        }
     }
-}
 
-/// What a solid slides on another one until they are strained, 1/m, of a size in metres.
-pub(super) fn stiffness(size: f32) -> f32 {
-    1.0 / (SLID * size)
+    /// Which part of two a manifold is of.
+    pub(super) fn part(&self, one: &Found) -> u32 {
+        self.now[one.memory as usize].key.nth
+    }
+
+    /// Says that all that is remembered by now is in order.
+    pub(super) fn in_order(&mut self) {
+        self.sorted = self.now.len();
+    }
+
+    /// Remembers what comes later than that, and where.
+    pub(super) fn learn_late(&mut self, one: Remembered) -> u32 {
+        let place = match self.now[..self.sorted].binary_search_by_key(&one.key, |one| one.key) {
+            Ok(place) => {
+                self.now[place] = one;
+                place
+            }
+            Err(_) => {
+                self.now.push(one);
+                self.now.len() - 1
+            }
+        };
+        place as u32
+    }
+
+    /// Puts what came later where it belongs.
+    fn settle(&mut self) {
+        let Self { was, now, sorted, .. } = self;
+        if now.len() <= *sorted {
+            return;
+        }
+        was.clear();
+        was.extend(now.drain(*sorted..));
+        was.sort_unstable_by_key(|one| one.key);
+        // From behind, so that each is moved once.
+        let (mut from, mut to) = (now.len(), now.len() + was.len());
+        now.extend_from_slice(was);
+        for late in was.iter().rev() {
+            while from > 0 && now[from - 1].key > late.key {
+                (from, to) = (from - 1, to - 1);
+                now[to] = now[from];
+            }
+            to -= 1;
+            now[to] = *late;
+        }
+    }
 }

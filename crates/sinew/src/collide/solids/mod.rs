@@ -11,9 +11,10 @@
 //! | `write` | and back, with momentum |
 //! | `bodies` | what contacts know of a solid, or of what stands: columns |
 //! | `stands` | colliders, planes and boxes |
-//! | `find` | what may come to touch what in a step |
+//! | `way` | where a solid goes in a step |
+//! | `find` | what may come to touch what in it; `astray`: and what does that has left its way |
 //! | `meet` | where two of those touch: remembered, or found afresh |
-//! | `again` | the same for a pair that has turned, and for what has gone too far |
+//! | `again` | the same for a pair that has turned |
 //! | `found` | colours and packs of manifolds |
 //! | `memory` | what is remembered from one step to the next |
 //! | `contact` | pressing eight manifolds apart at a time; `hold`: their friction; `block` solves the few unknowns of one |
@@ -25,6 +26,7 @@
 //! | `turn` | rotations and symmetric matrices of eight solids |
 
 mod again;
+mod astray;
 mod block;
 mod bodies;
 mod bounce;
@@ -45,6 +47,7 @@ mod stands;
 mod tests;
 mod told;
 mod turn;
+mod way;
 mod weights;
 mod write;
 
@@ -53,9 +56,10 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::manifold::{Broad, Scratch};
-use super::{Frame, Shape, World};
+use super::{Shape, World};
 use crate::lanes::{InstructionSet, LANES, Record, with};
-use crate::particles::{NO_BODY, Particles};
+use crate::particles::Particles;
+use astray::Late;
 use bodies::Bodies;
 use contact::{Pack, Press};
 use found::{Found, Sensed};
@@ -63,9 +67,10 @@ use groups::Groups;
 use hold::{Expect, Hold};
 use loose::Loose;
 use memory::{Grasp, Memory};
-use read::{Gathered, Home, Lifts, Read, Sums};
+use read::{Gathered, Lifts, Read, Sums};
 use stands::Stand;
 use told::Told;
+use way::{Seen, Ways};
 use write::{Shared, Write};
 
 pub use memory::{ContactMemory, Remembered};
@@ -122,7 +127,7 @@ pub(crate) struct Solids {
     lifts: Lifts,
     bodies: Bodies,
     sums: Vec<Sums>,
-    homes: Vec<Home>,
+    ways: Vec<Ways>,
     gathered: Vec<Gathered>,
     stands: Vec<Stand>,
     floor: Option<Shape>,
@@ -130,6 +135,9 @@ pub(crate) struct Solids {
     broad: Kept<Broad>,
     scratch: Kept<Scratch>,
     bounds: Vec<(Vec3, Vec3)>,
+    /// Who has left his way in this substep.
+    astray: Vec<u32>,
+    late: Late,
     nearby: Vec<[u32; 2]>,
     pairs: Vec<[u32; 2]>,
     found: Vec<Found>,
@@ -151,36 +159,6 @@ pub(crate) struct Solids {
     fresh: bool,
     /// Length of the last substep, seconds.
     h: f32,
-}
-
-/// Where a solid was when contacts were looked for.
-#[derive(Clone, Copy, Debug)]
-struct Seen {
-    /// Its centre, from its origin, metres.
-    centre: Vec3,
-    /// Its own frame, from its origin.
-    frame: Frame,
-    /// How far it may get in the step, metres.
-    margin: f32,
-    origin: Vec3,
-    body: u32,
-    /// In the world, with the margin.
-    bounds: (Vec3, Vec3),
-    sound: bool,
-}
-
-impl Default for Seen {
-    fn default() -> Self {
-        Self {
-            centre: Vec3::ZERO,
-            frame: Frame::IDENTITY,
-            margin: 0.0,
-            origin: Vec3::ZERO,
-            body: NO_BODY,
-            bounds: (Vec3::NAN, Vec3::NAN),
-            sound: false,
-        }
-    }
 }
 
 /// Memory of somebody else; a copy has nothing to keep.
@@ -232,11 +210,9 @@ impl Solids {
         self.h = h;
         let share = |number: u32| number as f32 / world.substeps.max(1) as f32;
         let (from, to) = (share(substep), share(substep + 1));
-        if self.read(particles) {
-            self.tell();
-            self.note_grasps(h);
-            self.look(&particles.start, particles, world, from);
-            self.read(particles);
+        self.read(particles, to * world.dt);
+        if !self.astray.is_empty() {
+            self.look_after(particles, world, from);
         }
         if self.packs.is_empty() && self.loose.is_empty() {
             return;
@@ -276,10 +252,10 @@ impl Solids {
         }
     }
 
-    /// Poses as predicted, and how they got there. Says whether a solid has gone further than contacts were looked for.
-    fn read(&mut self, particles: &Particles) -> bool {
-        let Self { groups, lifts, bodies, sums, homes, gathered, instructions, .. } = self;
-        let mut strayed = 0;
+    /// Poses as predicted, and how they got there, so many seconds after the step began; and who has left his way.
+    fn read(&mut self, particles: &Particles, time: f32) {
+        let Self { groups, lifts, bodies, sums, ways, gathered, astray, instructions, .. } = self;
+        astray.clear();
         for (number, group) in groups.groups.iter().enumerate() {
             let read = Read {
                 group,
@@ -291,12 +267,16 @@ impl Solids {
                 bodies,
                 first: number * LANES,
                 sums: &mut sums[number],
-                home: Some(&homes[number]),
+                ways: Some((&ways[number], time)),
                 gathered,
             };
-            strayed |= with(*instructions, read);
+            let left = with(*instructions, read);
+            if left != 0 {
+                let lanes = (0..LANES).filter(|lane| left >> lane & 1 == 1);
+                let solids = lanes.filter_map(|lane| groups.sound_in(number, lane));
+                astray.extend(solids.map(|number| number as u32));
+            }
         }
-        strayed != 0
     }
 
     /// Displaces the particles as their solids were.

@@ -17,6 +17,7 @@ use glam::{DMat3, DQuat, Mat3, Vec3, Vec4};
 use super::bodies::{Bodies, from_row, quaternion};
 use super::groups::{Group, Groups, Mass, Part, Slot};
 use super::turn::{Eight, Matrix, Symmetric, load, store, turn_further, zero};
+use super::way::Ways;
 use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work};
 use crate::particles::Particles;
 use crate::pose::rotation;
@@ -56,8 +57,8 @@ pub(super) struct Read<'a> {
     /// The first row of the group among the bodies.
     pub(super) first: usize,
     pub(super) sums: &'a mut Sums,
-    /// Where they were when contacts were looked for; `None` afresh.
-    pub(super) home: Option<&'a Home>,
+    /// Their ways, and the time since the step began, seconds; `None` afresh.
+    pub(super) ways: Option<(&'a Ways, f32)>,
     /// Scratch.
     pub(super) gathered: &'a mut Vec<Gathered>,
 }
@@ -72,7 +73,7 @@ pub(super) struct Gathered {
 }
 
 impl Work for Read<'_> {
-    /// A bit for each lane: afresh, where the rotation could not be found; otherwise, where a solid has strayed from its home.
+    /// A bit for each lane: afresh, where the rotation could not be found; otherwise, where a solid has left its way.
     type Output = u32;
 
     #[inline(always)]
@@ -87,7 +88,7 @@ impl Work for Read<'_> {
             bodies,
             first,
             sums,
-            home,
+            ways,
             gathered,
         } = self;
         let mass = &group.mass;
@@ -132,50 +133,7 @@ impl Work for Read<'_> {
         for (column, to) in [pairs.x, pairs.y, pairs.z].into_iter().zip(&mut sums.pairs) {
             store(column, to);
         }
-        home.map_or(lost, |home| home.strayed::<L>(centre, q))
-    }
-}
-
-/// Where eight solids were when contacts were looked for, and how far from there they were expected to get.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Home {
-    /// Metres from their origins.
-    centre: [Eight; 3],
-    rotation: [Eight; 4],
-    /// Metres; infinite for none.
-    margin: Eight,
-    /// How far out they reach, metres.
-    reach: Eight,
-}
-
-impl Default for Home {
-    fn default() -> Self {
-        let none = Eight::default();
-        Self { centre: [none; 3], rotation: [none; 4], margin: [f32::INFINITY; LANES], reach: none }
-    }
-}
-
-impl Home {
-    /// Notes a solid.
-    pub(super) fn put(&mut self, lane: usize, centre: Vec3, q: Vec4, [margin, reach]: [f32; 2]) {
-        let coordinates = centre.to_array().into_iter().chain(q.to_array());
-        for (to, from) in self.centre.iter_mut().chain(&mut self.rotation).zip(coordinates) {
-            to[lane] = from;
-        }
-        (self.margin[lane], self.reach[lane]) = (margin, reach);
-    }
-
-    /// A bit for each that has gone further.
-    #[inline(always)]
-    fn strayed<L: Lanes>(&self, centre: Vector<L>, [x, y, z, w]: [L; 4]) -> u32 {
-        let [was_x, was_y, was_z, was_w] = &self.rotation;
-        let was = Vector::new(L::load(was_x), L::load(was_y), L::load(was_z));
-        let now = Vector::new(x, y, z);
-        // Half of it is the sine of half the angle.
-        let turned = now * L::load(was_w) - was * w - was.cross(now);
-        let turned = turned.length() * L::splat(2.0);
-        let gone = (centre - load(&self.centre)).length() + turned * L::load(&self.reach);
-        L::load(&self.margin).lt(gone).bits() & 0xFF
+        ways.map_or(lost, |(ways, time)| ways.left::<L>(centre, q, time))
     }
 }
 

@@ -5,6 +5,7 @@ use glam::{Mat3, Vec3};
 use super::super::shape::Kind;
 use super::super::{Collider, Frame, Grip, Layers, Material, Party, Shape, World};
 use super::memory::Other;
+use super::way::Seen;
 use crate::constraints::{InsideBox, Plane};
 
 /// One of them.
@@ -113,6 +114,38 @@ impl Stand {
         let n = frame.rotation.y_axis;
         let height = n.as_dvec3().dot(frame.translation.as_dvec3() - origin.as_dvec3());
         Frame { translation: n * height as f32, ..*frame }
+    }
+
+    /// All of it that a step takes it to, in the world; nothing of what has no end.
+    pub(super) fn bounds(&self, world: &World) -> (Vec3, Vec3) {
+        if self.endless {
+            return (Vec3::NAN, Vec3::NAN);
+        }
+        let (low, high) = self.shape.bounds_in(&self.start);
+        if self.moving.is_none() {
+            return (low, high);
+        }
+        let (low_end, high_end) = self.shape.bounds_in(&self.frame_at(world, 1.0));
+        (low.min(low_end), high.max(high_end))
+    }
+
+    /// Whether a solid of a size, metres, may come to what has no end, from a share of the step on.
+    pub(super) fn is_below(&self, one: &Seen, size: f32, world: &World, share: f32) -> bool {
+        let here = self.seen_from(&self.frame_at(world, share), one.origin);
+        let normal = here.rotation.y_axis;
+        let height = normal.dot(one.centre - here.translation);
+        let reach = one.reach_against(normal, (1.0 - share) * world.dt);
+        height <= size + reach + self.carries(one, world, share)
+    }
+
+    /// How far it takes a solid with it that lies on it, from a share of the step on, metres.
+    pub(super) fn carries(&self, one: &Seen, world: &World, share: f32) -> f32 {
+        if self.moving.is_none() {
+            return 0.0;
+        }
+        let (from, to) = (self.frame_at(world, share), self.frame_at(world, 1.0));
+        let point = one.centre + one.origin;
+        (to.point(from.local(point)) - point).length()
     }
 
     /// What becomes of its surface and another one.

@@ -127,6 +127,20 @@ impl Grid {
         }
     }
 
+    /// Pairs of a box that may be anywhere and of those in this grid.
+    pub(super) fn around(
+        &self,
+        number: u32,
+        (least, most): &(Vec3, Vec3),
+        found: &mut Vec<[u32; 2]>,
+    ) {
+        // False where one is NaN.
+        if least.cmple(*most).all() {
+            let entry = Entry { least: (*least).into(), most: (*most).into(), number };
+            self.look(&entry, 0, found);
+        }
+    }
+
     /// Pairs of a box and those in this grid, from a place in memory on.
     #[inline(always)]
     fn look(&self, entry: &Entry, first: usize, found: &mut Vec<[u32; 2]>) {

@@ -23,8 +23,9 @@ pub(crate) struct Broad {
     classes: Vec<u32>,
     /// Boxes by level, and in each by number.
     levels: Vec<Level>,
-    /// Grids, from the largest cells down; only the first ones of this call.
+    /// Grids, from the largest cells down; only the first ones are filled.
     grids: Vec<Grid>,
+    filled: usize,
     /// Compared with everything.
     apart: Vec<u32>,
     /// Pairs in the order in which they were found; then by their second number.
@@ -49,13 +50,17 @@ const CLASSES_PER_OCTAVE: usize = 8;
 const FEW: usize = 8;
 
 impl Broad {
-    /// All pairs `[a, b]`, `a < b`, of boxes (least and greatest corner) that overlap or touch; sorted. One with NaN, or with less than no extent,
-    /// overlaps nothing.
+    /// Takes boxes in (least and greatest corner). One with NaN, or with less than no extent, overlaps nothing.
+    pub(crate) fn fill(&mut self, bounds: &[(Vec3, Vec3)]) {
+        self.filled = self.sort_out(bounds);
+    }
+
+    /// Takes them in, and all pairs `[a, b]`, `a < b`, of those that overlap or touch; sorted.
     pub(crate) fn pairs(&mut self, bounds: &[(Vec3, Vec3)], out: &mut Vec<[u32; 2]>) {
+        self.fill(bounds);
         self.found.clear();
-        let grids = self.sort_out(bounds);
-        let Self { grids: kept, apart, found, .. } = self;
-        let grids = &kept[..grids];
+        let Self { grids: kept, apart, found, filled, .. } = self;
+        let grids = &kept[..*filled];
         for (i, a) in apart.iter().enumerate() {
             let bounds_a = bounds[*a as usize];
             let mut compare = |b: u32, bounds_b: (Vec3, Vec3)| {
@@ -75,6 +80,37 @@ impl Broad {
             }
         }
         self.sort(bounds.len(), out);
+    }
+
+    /// Adds the pairs of one box, which may lie elsewhere than when it was filled, and of those that it overlaps or touches; some more than once.
+    /// `moved` lists those of the boxes, ascending, that lie elsewhere now; `bounds` are where all are.
+    pub(crate) fn around(
+        &self,
+        number: u32,
+        bounds: &[(Vec3, Vec3)],
+        moved: &[u32],
+        out: &mut Vec<[u32; 2]>,
+    ) {
+        let own = &bounds[number as usize];
+        let first = out.len();
+        for grid in &self.grids[..self.filled] {
+            grid.around(number, own, out);
+        }
+        let mut kept = first;
+        for i in first..out.len() {
+            let [a, b] = out[i];
+            let other = if a == number { b } else { a };
+            if other != number && moved.binary_search(&other).is_err() {
+                out[kept] = out[i];
+                kept += 1;
+            }
+        }
+        out.truncate(kept);
+        for &other in moved.iter().chain(&self.apart) {
+            if other != number && overlap(own, &bounds[other as usize]) {
+                out.push([number.min(other), number.max(other)]);
+            }
+        }
     }
 
     /// Makes the grids, and says how many.

@@ -57,6 +57,35 @@ fn pairs_are_those_of_comparing_all_with_all() {
 }
 
 #[test]
+fn what_has_moved_finds_all_that_it_overlaps_where_it_is_now() {
+    let mut dice = Dice(12);
+    let mut broad = Broad::default();
+    let (mut out, mut pairs) = (Vec::new(), Vec::new());
+    for round in 0..40 {
+        let spread = [1.0, 5.0, 100.0][round % 3];
+        let mut bounds: Vec<_> = (0..200)
+            .map(|_| around(dice.vector() * spread, dice.vector().abs() * libm::exp2f(dice.roll())))
+            .collect();
+        bounds.push(around(Vec3::ZERO, Vec3::new(1e4, 0.1, 1e4)));
+        broad.pairs(&bounds, &mut out);
+        let moved: Vec<u32> = (0..200).step_by(7).collect();
+        for &number in &moved {
+            let to = around(dice.vector() * spread, dice.vector().abs() * 2.0);
+            bounds[number as usize] = if number == 14 { (Vec3::NAN, Vec3::NAN) } else { to };
+        }
+        let now = naive(&bounds);
+        for &number in &moved {
+            pairs.clear();
+            broad.around(number, &bounds, &moved, &mut pairs);
+            pairs.sort_unstable();
+            pairs.dedup();
+            let own = now.iter().copied().filter(|pair| pair.contains(&number));
+            assert_eq!(pairs, own.collect::<Vec<_>>(), "{round} {number}");
+        }
+    }
+}
+
+#[test]
 fn far_from_zero_and_all_in_one_place_none_is_missed() {
     let mut dice = Dice(12);
     let mut broad = Broad::default();

@@ -3,6 +3,7 @@
 mod boxes;
 mod ground;
 mod pairs;
+mod slide;
 mod speed;
 
 use glam::{Mat3, Quat, Vec3};

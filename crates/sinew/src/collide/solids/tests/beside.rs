@@ -28,14 +28,34 @@ fn heap(others: usize) -> (Simulation, Vec<usize>) {
 #[test]
 fn who_is_beside_it_in_lanes_does_not_matter_to_a_solid() {
     let ((mut alone, first), (mut among, second)) = (heap(0), heap(1));
-    let bits = |world: &Simulation, rows: &[usize]| -> Vec<[u32; 3]> {
-        let rows = rows.iter().flat_map(|&first| first..first + 8);
-        rows.map(|i| world.particles.position(i).to_array().map(f32::to_bits)).collect()
-    };
     for tick in 0..180 {
         step(&mut alone, 1.0 / 60.0);
         step(&mut among, 1.0 / 60.0);
         assert!(bits(&alone, &first) == bits(&among, &second), "tick {tick}");
     }
     assert!(alone.memory.len() > 20 && speed(&alone) > 0.0);
+}
+
+#[test]
+fn what_is_thrown_out_of_its_way_far_off_does_not_matter() {
+    let ((mut alone, first), (mut among, second)) = (heap(0), heap(0));
+    // One after the other hits a box that lies there.
+    for k in 0..8 {
+        let at = Vec3::new(300.0, 0.5, 10.0 * k as f32);
+        add_box(&mut among, Vec3::ONE, 1.0, at, Quat::IDENTITY);
+        let from = at + Vec3::new(-2.0 - 3.0 * k as f32, 0.3 + 0.2 * k as f32, 0.1);
+        let thrown = add_box(&mut among, Vec3::ONE, 1.0, from, Quat::IDENTITY);
+        throw(&mut among, thrown, Vec3::new(20.0, 0.0, 0.0), Vec3::Z);
+    }
+    for tick in 0..120 {
+        step(&mut alone, 1.0 / 60.0);
+        step(&mut among, 1.0 / 60.0);
+        assert!(bits(&alone, &first) == bits(&among, &second), "tick {tick}");
+    }
+    assert!(speed(&alone) > 0.0);
+}
+
+fn bits(world: &Simulation, rows: &[usize]) -> Vec<[u32; 3]> {
+    let rows = rows.iter().flat_map(|&first| first..first + 8);
+    rows.map(|i| world.particles.position(i).to_array().map(f32::to_bits)).collect()
 }

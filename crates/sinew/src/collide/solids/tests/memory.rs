@@ -1,6 +1,6 @@
 //! What contacts remember: stacks on slopes stay where they are, and nothing is remembered that no longer holds.
 
-use super::super::memory::{Key, Other, Remembered, stiffness};
+use super::super::memory::{Key, Other, Remembered};
 use super::*;
 use crate::collide::manifold::{Manifold, Point, Scratch, collide};
 use crate::simulation::Sleep;
@@ -197,7 +197,7 @@ fn what_slides_over_a_rim_is_known_to_be_as_high_as_it_is() {
             };
             for n in 0..2000 {
                 let here = frame(1e-5 * n as f32);
-                if known.strain(&here, size, stiffness(size), 0.0).is_none() {
+                if known.strain(&here, (size, size), 0.0).is_none() {
                     break;
                 }
                 let now = find(&here).expect("it is as near as before");

@@ -1,5 +1,6 @@
 //! What a world of solids does: rest, towers, slopes, conveyors, bounces, conservation, heaps, ragdolls.
 
+mod astray;
 mod beside;
 mod bounce;
 mod drag;
