@@ -91,10 +91,16 @@ impl Stretch {
         rods: impl IntoIterator<Item = &'a Distance>,
         position: impl Fn(usize) -> Vec3,
     ) -> Self {
-        let (mut sum, mut count, mut max) = (0.0, 0_u32, 0.0_f64);
-        for rod in rods {
+        Self::of_shares(rods.into_iter().map(|rod| {
             let error = f64::from(rod.error(position(rod.a as usize), position(rod.b as usize)));
-            let share = error / f64::from(rod.rest);
+            error / f64::from(rod.rest)
+        }))
+    }
+
+    /// That of errors as shares of what they are errors of.
+    pub fn of_shares(shares: impl IntoIterator<Item = f64>) -> Self {
+        let (mut sum, mut count, mut max) = (0.0, 0_u32, 0.0_f64);
+        for share in shares {
             sum += share;
             count += 1;
             max = if share.is_finite() { max.max(share) } else { f64::INFINITY };

@@ -9,7 +9,11 @@ use crate::row::Stretch;
 use crate::scenes::bodies::{places, stacked, stairs};
 
 /// A world of rigid bodies.
-pub(super) struct Rigid(PhysicsWorld);
+pub(super) struct Rigid {
+    world: PhysicsWorld,
+    /// How long the bones are that hang on joints, metres: one for each joint.
+    lengths: Vec<(ImpulseJointHandle, f64)>,
+}
 
 /// Half the size of the slab that is the floor, m.
 const FLOOR: Vec3 = Vec3::new(200.0, 1.0, 200.0);
@@ -38,7 +42,7 @@ pub(super) fn boxes(side: u32) -> Rigid {
         let body = RigidBodyBuilder::dynamic().translation(place).can_sleep(false);
         world.insert(body, ColliderBuilder::cuboid(0.5, 0.5, 0.5));
     }
-    Rigid(world)
+    world.into()
 }
 
 pub(super) fn heap(edge: u32) -> Rigid {
@@ -47,14 +51,11 @@ pub(super) fn heap(edge: u32) -> Rigid {
         let body = RigidBodyBuilder::dynamic().translation(vector(place)).can_sleep(false);
         world.insert(body, ColliderBuilder::cuboid(0.5, 0.5, 0.5));
     }
-    Rigid(world)
+    world.into()
 }
 
 pub(super) fn ragdolls(side: u32) -> Rigid {
-    let mut world = floored();
-    let doll = ragdoll(&RagdollSpec::default()).expect("the ragdoll is sound");
-    places(side).for_each(|place| insert(&mut world, &doll, place + Vec3::Y));
-    Rigid(world)
+    with_dolls(floored(), side)
 }
 
 pub(super) fn on_stairs(side: u32) -> Rigid {
@@ -63,19 +64,49 @@ pub(super) fn on_stairs(side: u32) -> Rigid {
         let stair = ColliderBuilder::cuboid(half.x, half.y, half.z).translation(vector(place));
         world.insert_collider(stair, None);
     }
-    let doll = ragdoll(&RagdollSpec::default()).expect("the ragdoll is sound");
-    places(side).for_each(|place| insert(&mut world, &doll, place + Vec3::Y));
-    Rigid(world)
+    with_dolls(world, side)
 }
 
 impl World for Rigid {
     fn tick(&mut self) {
-        self.0.step();
+        self.world.step();
     }
 
+    /// How far the two anchors of a joint are apart, as a share of the bone that hangs on it: rigid bones do not stretch, and gape instead.
     fn stretch(&self) -> Option<Stretch> {
-        None
+        let gaps = self.lengths.iter().filter_map(|&(handle, length)| {
+            let joint = self.world.impulse_joints.get(handle)?;
+            let place = |body, anchor: Vector| {
+                Some(self.world.bodies.get(body)?.position().transform_point(anchor))
+            };
+            let one = place(joint.body1(), joint.data.local_anchor1())?;
+            let other = place(joint.body2(), joint.data.local_anchor2())?;
+            Some(f64::from((one - other).length()) / length)
+        });
+        (!self.lengths.is_empty()).then(|| Stretch::of_shares(gaps))
     }
+}
+
+impl Rigid {
+    /// The same with so many substeps.
+    pub(super) fn with(mut self, substeps: u32) -> Self {
+        self.world.integration_parameters.num_solver_iterations = substeps as usize;
+        self
+    }
+}
+
+impl From<PhysicsWorld> for Rigid {
+    fn from(world: PhysicsWorld) -> Self {
+        Self { world, lengths: Vec::new() }
+    }
+}
+
+/// The same with `side × side` ragdolls above the ground.
+fn with_dolls(world: PhysicsWorld, side: u32) -> Rigid {
+    let doll = ragdoll(&RagdollSpec::default()).expect("the ragdoll is sound");
+    let mut rigid = Rigid::from(world);
+    places(side).for_each(|place| insert(&mut rigid, &doll, place + Vec3::Y));
+    rigid
 }
 
 fn floored() -> PhysicsWorld {
@@ -86,34 +117,36 @@ fn floored() -> PhysicsWorld {
 }
 
 /// The parts of a ragdoll as capsules and boxes of the same sizes and masses, and a joint where two parts share a particle.
-fn insert(world: &mut PhysicsWorld, doll: &Blueprint, place: Vec3) {
+fn insert(Rigid { world, lengths }: &mut Rigid, doll: &Blueprint, place: Vec3) {
     let at = |i: u32| doll.particles[i as usize].position;
     let mut handles = Vec::new();
     for part in &doll.parts {
         let (shape, centre) = shape(part, at);
         let body = RigidBodyBuilder::dynamic().translation(vector(place + centre));
         let (handle, _) = world.insert(body.can_sleep(false), shape.density(1000.0));
-        handles.push((part.name, handle, centre));
+        handles.push((part.name, handle, centre, part.size));
     }
     let find = |name: &str| handles.iter().find(|(part, ..)| *part == name);
     for (first, second, joint, hinge) in JOINTS {
-        let (Some(&(_, first, one)), Some(&(_, second, other))) = (find(first), find(second))
+        let (Some(&(_, first, one, _)), Some(&(_, second, other, size))) =
+            (find(first), find(second))
         else {
             continue;
         };
         let point = at(joint.index());
         let [one, other] = [point - one, point - other].map(vector);
-        if hinge {
+        let handle = if hinge {
             let joint = RevoluteJointBuilder::new(Vector::X).limits(LIMITS.1);
             let joint = joint.local_anchor1(one).local_anchor2(other).contacts_enabled(false);
-            world.insert_impulse_joint(first, second, joint);
+            world.insert_impulse_joint(first, second, joint)
         } else {
             let axes = [JointAxis::AngX, JointAxis::AngY, JointAxis::AngZ];
             let joint = SphericalJointBuilder::new().local_anchor1(one).local_anchor2(other);
             let joint = joint.contacts_enabled(false);
             let joint = axes.into_iter().fold(joint, |joint, axis| joint.limits(axis, LIMITS.0));
-            world.insert_impulse_joint(first, second, joint);
-        }
+            world.insert_impulse_joint(first, second, joint)
+        };
+        lengths.push((handle, f64::from(size.max_element())));
     }
 }
 

@@ -12,6 +12,9 @@ use sinew::Simulation;
 
 use crate::measure::{Effort, World};
 
+/// Substeps that it takes by default; it calls them iterations of its solver.
+pub const SUBSTEPS: u32 = 4;
+
 /// Whether there is a rival in this build.
 pub const THERE: bool = cfg!(feature = "peers");
 
@@ -31,12 +34,12 @@ pub fn boxes(effort: &Effort, side: u32) -> Option<Box<dyn World>> {
     none(effort, side)
 }
 
-/// `edge³` boxes that fall into a heap.
-pub fn heap(effort: &Effort, edge: u32) -> Option<Box<dyn World>> {
+/// `edge³` boxes that fall into a heap, with so many substeps.
+pub fn heap(effort: &Effort, edge: u32, substeps: u32) -> Option<Box<dyn World>> {
     #[cfg(feature = "peers")]
-    return effort.peers.then(|| Box::new(figures::heap(edge)) as _);
+    return effort.peers.then(|| Box::new(figures::heap(edge).with(substeps)) as _);
     #[cfg(not(feature = "peers"))]
-    none(effort, edge)
+    none(effort, (edge, substeps))
 }
 
 /// `side × side` ragdolls that fall on a floor.
@@ -47,12 +50,12 @@ pub fn ragdolls(effort: &Effort, side: u32) -> Option<Box<dyn World>> {
     none(effort, side)
 }
 
-/// The same on stairs.
-pub fn on_stairs(effort: &Effort, side: u32) -> Option<Box<dyn World>> {
+/// The same on stairs, with so many substeps.
+pub fn on_stairs(effort: &Effort, side: u32, substeps: u32) -> Option<Box<dyn World>> {
     #[cfg(feature = "peers")]
-    return effort.peers.then(|| Box::new(figures::on_stairs(side)) as _);
+    return effort.peers.then(|| Box::new(figures::on_stairs(side).with(substeps)) as _);
     #[cfg(not(feature = "peers"))]
-    none(effort, side)
+    none(effort, (side, substeps))
 }
 
 #[cfg(not(feature = "peers"))]

@@ -32,18 +32,25 @@ pub fn side_by_side(effort: &Effort) -> Vec<Row> {
     );
     let row = race.run(effort, 1, sized);
     let note = "default settings of each: 10 substeps of at most 8 sweeps, rapier 4 substeps, sleeping off";
-    let equal = "4 substeps, as rapier takes by default; sleeping off";
-    vec![row.noted(note), heaped(effort, 10, note), heaped(effort, 4, equal)]
+    let equal = "as many substeps for both; sleeping off";
+    let heaped = |ours, theirs, note| heaped(effort, [ours, theirs], note);
+    vec![
+        row.noted(note),
+        heaped(10, peers::SUBSTEPS, note),
+        heaped(4, 4, equal),
+        heaped(10, 10, equal),
+    ]
 }
 
-/// The heap with so many substeps.
-fn heaped(effort: &Effort, substeps: u32, note: &str) -> Row {
+/// The heap with so many substeps, and so many of the rival.
+fn heaped(effort: &Effort, [substeps, theirs]: [u32; 2], note: &str) -> Row {
     let mut world = heap(HEAP);
     world.settings.substeps = substeps;
     let boxes = HEAP * HEAP * HEAP;
-    let scene = format!("{boxes} boxes fall into a heap and collide, {substeps} substeps");
+    let scene =
+        format!("{boxes} boxes fall into a heap and collide, {substeps} substeps to {theirs}");
     let (count, sweeps) = (world.distances().len(), world.settings.max_sweeps);
-    let race = Race::alone(Ours(world)).against(peers::heap(effort, HEAP));
+    let race = Race::alone(Ours(world)).against(peers::heap(effort, HEAP, theirs));
     race.run(effort, 1, Row::new("P5", scene, Unit::Tick).sized(count, substeps, sweeps))
         .noted(note)
 }
@@ -52,10 +59,19 @@ fn heaped(effort: &Effort, substeps: u32, note: &str) -> Row {
 pub fn ragdolls(effort: &Effort) -> Vec<Row> {
     let floor = "default settings of each; a naive ragdoll would be all of the cones and hinges again; limbs touch the floor by their joints";
     let stairs = "default settings of each; bones collide with the stairs, with other ragdolls, and with bones that no joint ties them to";
-    let on_stairs = peers::on_stairs(effort, DOLLS);
+    let equal = "as many substeps for both; stretch of rapier's: how far joints gape, as a share of the bone";
+    let on_stairs = |ours, theirs, note: &str| {
+        let (mut world, sweeps) = dolls_on_stairs(DOLLS);
+        world.settings.substeps = ours;
+        let onto = format!("stairs, {ours} substeps to {theirs}");
+        let peer = peers::on_stairs(effort, DOLLS, theirs);
+        falling(effort, &onto, (world, sweeps), peer).noted(note)
+    };
     vec![
         falling(effort, "a floor", dolls(DOLLS), peers::ragdolls(effort, DOLLS)).noted(floor),
-        falling(effort, "stairs", dolls_on_stairs(DOLLS), on_stairs).noted(stairs),
+        on_stairs(10, peers::SUBSTEPS, stairs),
+        on_stairs(4, 4, equal),
+        on_stairs(10, 10, equal),
     ]
 }
 
