@@ -85,14 +85,19 @@ impl<L: Lanes> Patch<L> {
     }
 }
 
-/// The impulses that put four points outside, which are at such places `(x, y)` from the first one's centre, metres.
+/// The impulses that put some points outside, which are at such places `(x, y)` from the first one's centre, metres. Points that are missing are far
+/// outside: with or without them, the others get the same bits.
 #[inline(always)]
-#[allow(clippy::needless_range_loop, reason = "four points in several arrays")]
-pub(super) fn press<L: Lanes>(patch: &Patch<L>, c: &[L; 4], at: &[(L, L); 4]) -> [L; 4] {
+#[allow(clippy::needless_range_loop, reason = "points in several arrays")]
+pub(super) fn press<L: Lanes, const POINTS: usize>(
+    patch: &Patch<L>,
+    c: &[L; POINTS],
+    at: &[(L, L); POINTS],
+) -> [L; POINTS] {
     let (none, one) = (L::zero(), L::splat(1.0));
-    let mut inside = [none; 4];
+    let mut inside = [none; POINTS];
     let (mut x, mut y, mut count) = (none, none, none);
-    for i in 0..4 {
+    for i in 0..POINTS {
         inside[i] = none.lt(c[i]);
         count = count + inside[i].and(one);
         x = x + inside[i].and(at[i].0);
@@ -104,8 +109,8 @@ pub(super) fn press<L: Lanes>(patch: &Patch<L>, c: &[L; 4], at: &[(L, L); 4]) ->
     // S, and Gᵀ c.
     let (mut xx, mut yy, mut xy) = (none, none, none);
     let mut b = Vector::new(none, none, none);
-    let mut g = [(none, none); 4];
-    for i in 0..4 {
+    let mut g = [(none, none); POINTS];
+    for i in 0..POINTS {
         let (dx, dy) = (at[i].0 - x, at[i].1 - y);
         g[i] = (dx, dy);
         let (ix, iy) = (inside[i].and(dx), inside[i].and(dy));
@@ -133,10 +138,10 @@ pub(super) fn press<L: Lanes>(patch: &Patch<L>, c: &[L; 4], at: &[(L, L); 4]) ->
         ),
     };
     let (mu, _) = mass.solve(b);
-    let mut force = [none; 4];
+    let mut force = [none; POINTS];
     let mut pulls = none;
     let mut sums = Vector::new(none, none, none);
-    for i in 0..4 {
+    for i in 0..POINTS {
         let f = inside[i].and(mu.x + g[i].0 * mu.y + g[i].1 * mu.z);
         pulls = pulls.or(f.lt(none));
         force[i] = f.max(none);
@@ -146,7 +151,7 @@ pub(super) fn press<L: Lanes>(patch: &Patch<L>, c: &[L; 4], at: &[(L, L); 4]) ->
     }
     // A point that was outside may have been pressed in.
     let moved = q.times(sums);
-    for i in 0..4 {
+    for i in 0..POINTS {
         let left = c[i] - (moved.x + g[i].0 * moved.y + g[i].1 * moved.z);
         let outside = c[i].le(none);
         pulls = pulls.or(outside.and(none.lt(left)));
@@ -159,18 +164,18 @@ pub(super) fn press<L: Lanes>(patch: &Patch<L>, c: &[L; 4], at: &[(L, L); 4]) ->
 
 /// Gauss and Seidel's way, where a mask is set.
 #[inline(always)]
-#[allow(clippy::needless_range_loop, reason = "rows and columns of the same four points")]
-fn one_by_one<L: Lanes>(
+#[allow(clippy::needless_range_loop, reason = "rows and columns of the same points")]
+fn one_by_one<L: Lanes, const POINTS: usize>(
     q: &Symmetric<L>,
-    g: &[(L, L); 4],
-    c: &[L; 4],
+    g: &[(L, L); POINTS],
+    c: &[L; POINTS],
     mask: L,
-    force: &mut [L; 4],
+    force: &mut [L; POINTS],
 ) {
     let (none, one) = (L::zero(), L::splat(1.0));
-    let mut k = [[none; 4]; 4];
-    let mut inverse = [none; 4];
-    for i in 0..4 {
+    let mut k = [[none; POINTS]; POINTS];
+    let mut inverse = [none; POINTS];
+    for i in 0..POINTS {
         let far = q.times(Vector::new(one, g[i].0, g[i].1));
         for j in 0..=i {
             k[i][j] = far.x + far.y * g[j].0 + far.z * g[j].1;
@@ -179,11 +184,18 @@ fn one_by_one<L: Lanes>(
         inverse[i] = mask.and(none.lt(k[i][i])).and(one / k[i][i]);
     }
     for _ in 0..ROUNDS {
-        for i in 0..4 {
+        for i in 0..POINTS {
             // What was changed last is added last: the others are there already.
-            let (j, l, m) = ((i + 1) % 4, (i + 2) % 4, (i + 3) % 4);
-            let others = k[i][i] * force[i] + k[i][j] * force[j] + k[i][l] * force[l];
-            let left = (c[i] - others) - k[i][m] * force[m];
+            let mut others = k[i][i] * force[i];
+            for j in [(i + 1) % 4, (i + 2) % 4] {
+                if j < POINTS {
+                    others = others + k[i][j] * force[j];
+                }
+            }
+            let (last, mut left) = ((i + 3) % 4, c[i] - others);
+            if last < POINTS {
+                left = left - k[i][last] * force[last];
+            }
             force[i] = (force[i] + left * inverse[i]).max(none);
         }
     }
@@ -221,3 +233,6 @@ pub(super) fn hold<L: Lanes>(
     let scale = good.and(one.lt(much).select(one / much, one));
     (f * scale, good.and(much.min(one)))
 }
+
+#[cfg(test)]
+mod tests;

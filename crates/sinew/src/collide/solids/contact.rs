@@ -192,13 +192,24 @@ impl Work for Press<'_> {
     fn run<L: Lanes>(self) {
         let Self { packs, bodies, h, recover, pop } = self;
         for pack in packs {
-            press_pack::<L>(pack, bodies, h, [recover, pop]);
+            // Most have two points at the most, and what is missing has no say.
+            let third = L::load(&pack.missing[2]).lt(L::splat(FAR));
+            if third.any() {
+                press_pack::<L, 4>(pack, bodies, h, [recover, pop]);
+            } else {
+                press_pack::<L, 2>(pack, bodies, h, [recover, pop]);
+            }
         }
     }
 }
 
 #[inline(always)]
-fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, pop]: [f32; 2]) {
+fn press_pack<L: Lanes, const POINTS: usize>(
+    pack: &mut Pack,
+    bodies: &mut Bodies,
+    h: f32,
+    [recover, pop]: [f32; 2],
+) {
     let (none, one) = (L::zero(), L::splat(1.0));
     let (mut a, mut b) = (Rows::<L>::load(bodies, &pack.a), Rows::<L>::load(bodies, &pack.b));
     // From the first one's centre to the second one's, at the start; and how much that has grown.
@@ -210,7 +221,7 @@ fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, 
     let own = L::load(&pack.own);
     let (t, u) = tangents(n);
     let (recover, pop) = (L::splat(recover), L::splat(pop));
-    let mut popped = [none; 4];
+    let mut popped = [none; POINTS];
 
     let stiff = L::load(&pack.stiff);
     let across = (drift - n * before).length() * stiff;
@@ -220,11 +231,11 @@ fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, 
 
     let plane = Plane { t, u, apart: (apart.dot(t), apart.dot(u)) };
     let (turning, spinning) = (plane.tilt(a.turn, b.turn), plane.tilt(a.spin, b.spin));
-    let mut c = [none; 4];
-    let mut at = [(none, none); 4];
-    let mut spun = [none; 4];
-    let mut height = [none; 4];
-    for i in 0..4 {
+    let mut c = [none; POINTS];
+    let mut at = [(none, none); POINTS];
+    let mut spun = [none; POINTS];
+    let mut height = [none; POINTS];
+    for i in 0..POINTS {
         let on_a = a.rotation.times(load(&pack.on_a[i]));
         let on_b = b.rotation.times(load(&pack.on_b[i])) + apart;
         let gap = on_a - on_b;
@@ -238,7 +249,7 @@ fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, 
         c[i] = inside.min(nearer + recover);
         popped[i] = pop.lt(inside - nearer);
     }
-    let most = c[0].max(c[1]).max(c[2].max(c[3]));
+    let most = c.iter().fold(c[0], |most, &c| most.max(c));
     let gap = none - (most + before.max(none)) * stiff - strain * L::load(&pack.elsewhere);
     L::splat(-0.5 * FAR).lt(most).and(gap).store(&mut pack.gap);
     if !none.lt(most).any() {
@@ -257,9 +268,9 @@ fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, 
         apart: plane.apart,
     };
     let force = press(&patch, &c, &at);
-    let sum = force[0] + force[1] + force[2] + force[3];
-    let (mut x, mut y, mut z) = (none, none, none);
-    for i in 0..4 {
+    let (mut sum, mut x, mut y, mut z) = (none, none, none, none);
+    for i in 0..POINTS {
+        sum = sum + force[i];
         x = x + force[i] * at[i].0;
         y = y + force[i] * at[i].1;
         z = z + force[i] * height[i];
@@ -280,7 +291,8 @@ fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, 
     let hit = good.and(hit.or(pressed(&popped, &force)));
     pack.popped = hit.bits();
     if pack.kept || hit.any() {
-        for i in 0..4 {
+        pack.force = [[0.0; LANES]; 4];
+        for i in 0..POINTS {
             good.and(force[i]).store(&mut pack.force[i]);
             ((spun[i] - before) * L::splat(1.0 / h)).store(&mut pack.approach[i]);
         }
@@ -305,7 +317,7 @@ fn press_pack<L: Lanes>(pack: &mut Pack, bodies: &mut Bodies, h: f32, [recover, 
     let share = good.and(one / sum);
     let (x, y, z) = (x * share, y * share, z * share);
     let mut spread = none;
-    for i in 0..4 {
+    for i in 0..POINTS {
         let (dx, dy, dz) = (at[i].0 - x, at[i].1 - y, height[i] - z);
         spread = spread + (dx * dx + dy * dy + dz * dz) * force[i];
     }
@@ -350,10 +362,7 @@ impl<L: Lanes> Tilt<L> {
 
 /// Where a point that popped out presses.
 #[inline(always)]
-fn pressed<L: Lanes>(popped: &[L; 4], force: &[L; 4]) -> L {
-    let mut any = L::zero();
-    for i in 0..4 {
-        any = any.or(popped[i].and(L::zero().lt(force[i])));
-    }
-    any
+fn pressed<L: Lanes, const POINTS: usize>(popped: &[L; POINTS], force: &[L; POINTS]) -> L {
+    let pairs = popped.iter().zip(force);
+    pairs.fold(L::zero(), |any, (&popped, &force)| any.or(popped.and(L::zero().lt(force))))
 }

@@ -1,0 +1,61 @@
+//! What points are missing says nothing to the others.
+
+use super::super::turn::Symmetric;
+use super::{Patch, Side, press};
+use crate::constraints::checks::Random;
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
+
+/// Presses two points, alone and beside two that are missing, and compares the bits.
+struct Both<'a>(&'a mut Random);
+
+impl Work for Both<'_> {
+    /// The two answers.
+    type Output = ([[f32; LANES]; 2], [[f32; LANES]; 4]);
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        let Self(random) = self;
+        let mut some = |low: f32, high: f32| {
+            let half = 0.5 * (high - low);
+            L::load(&core::array::from_fn(|_| low + half * (1.0 + random.number())))
+        };
+        let (none, one) = (L::zero(), L::splat(1.0));
+        let (t, u) = (Vector::new(one, none, none), Vector::new(none, one, none));
+        let mut side = || {
+            let along = Vector::new(some(1.0, 9.0), some(1.0, 9.0), some(1.0, 9.0));
+            let across = Vector::new(some(-0.9, 0.9), some(-0.9, 0.9), some(-0.9, 0.9));
+            Side::of(&Symmetric { along, across }, t, u)
+        };
+        let (a, b) = (side(), side());
+        let patch = Patch { weight: some(0.1, 3.0), a, b, apart: (some(-1.0, 1.0), none) };
+        let c = [some(-1e-4, 1e-3), some(-1e-3, 1e-3)];
+        let at = [(some(-1.0, 1.0), some(-1.0, 1.0)), (some(-1.0, 1.0), some(-1.0, 1.0))];
+        let far = L::splat(-1e9);
+        let beside = (some(-1.0, 1.0), some(-1.0, 1.0));
+        let two = press(&patch, &c, &at);
+        let four = press(&patch, &[c[0], c[1], far, far], &[at[0], at[1], beside, beside]);
+        let store = |force: L| {
+            let mut to = [0.0; LANES];
+            force.store(&mut to);
+            to
+        };
+        (two.map(store), four.map(store))
+    }
+}
+
+#[test]
+fn two_points_press_as_they_do_beside_two_that_are_missing() {
+    let mut random = Random::new(7);
+    let mut pressed = [0; 3];
+    for _ in 0..500 {
+        let (two, four) = with(InstructionSet::Scalar, Both(&mut random));
+        for (i, far) in four.iter().enumerate() {
+            let wanted = two.get(i).map_or([0; LANES], |force| force.map(f32::to_bits));
+            assert_eq!(far.map(f32::to_bits), wanted, "point {i}");
+        }
+        for lane in 0..LANES {
+            pressed[two.iter().filter(|force| force[lane] > 0.0).count()] += 1;
+        }
+    }
+    assert!(pressed.iter().all(|&times| times > 200), "{pressed:?}: of each kind some");
+}
