@@ -44,6 +44,9 @@ pub struct BodySolver {
     pub direction: Option<Direction>,
     /// In which order its constraints are enforced.
     pub order: Option<Order>,
+    /// How fast what its particles do against each other dies away, 1/s, 0 and up: friction in its joints, or in its stuff. It falls, flies and spins
+    /// as without. Default 0; recipes may ask for some.
+    pub damping: f32,
 }
 
 /// Along which gradient a hard distance or a rigid shape is corrected.
@@ -126,6 +129,7 @@ impl From<BodySolver> for BodySettings {
             tolerance: body.tolerance,
             direction: body.direction.map(Into::into),
             order: body.order.map(Into::into),
+            damping: body.damping,
         }
     }
 }
@@ -137,6 +141,7 @@ impl From<BodySettings> for BodySolver {
             tolerance: settings.tolerance,
             direction: settings.direction.map(Into::into),
             order: settings.order.map(Into::into),
+            damping: settings.damping,
         }
     }
 }

@@ -19,12 +19,15 @@ pub struct Ragdoll {
     pub height: f32,
     /// Mass of the whole figure, kg. Default 75.
     pub mass: f32,
+    /// Friction in its joints, 1/s, 0 to 1000: how fast what its limbs do against each other dies away. Default 0.5. A [`BodySolver`](crate::BodySolver)
+    /// that is put onto the body is asked instead.
+    pub damping: f32,
 }
 
 impl Default for Ragdoll {
     fn default() -> Self {
         let spec = RagdollSpec::default();
-        Self { height: spec.height, mass: spec.mass }
+        Self { height: spec.height, mass: spec.mass, damping: spec.damping }
     }
 }
 
@@ -50,7 +53,8 @@ pub struct BodyParts(Vec<Entity>);
 
 impl Recipe for Ragdoll {
     fn blueprint(&self, _: Option<&MeshShape>, _: Vec3) -> Result<Blueprint, Refusal> {
-        Ok(ragdoll(&RagdollSpec { height: self.height, mass: self.mass })?)
+        let Self { height, mass, damping } = *self;
+        Ok(ragdoll(&RagdollSpec { height, mass, damping })?)
     }
 
     fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, particles: &[Entity]) {

@@ -60,7 +60,10 @@ fn bodies() -> Vec<(&'static str, Blueprint)> {
             soft_lattice(&SoftLatticeSpec { shape: block, ..SoftLatticeSpec::default() }).unwrap(),
         ),
         ("solid", solid(&SolidSpec { shape: hull, ..SolidSpec::default() }).unwrap()),
-        ("ragdoll", ragdoll(&RagdollSpec { height: 1.83, mass: 71.0 }).unwrap()),
+        (
+            "ragdoll",
+            ragdoll(&RagdollSpec { height: 1.83, mass: 71.0, ..RagdollSpec::default() }).unwrap(),
+        ),
         ("arm", articulated(&ArticulatedSpec { bones, drag: 0.1 }).unwrap()),
     ]
 }

@@ -74,6 +74,7 @@ struct Scratch {
     fluids: forces::FluidScratch,
     contacts: Contacts,
     solving: solve::Scratch,
+    damping: solve::Damping,
     /// Of measuring what is left.
     room: solve::Room,
     moving: Moving,
@@ -145,6 +146,7 @@ impl Simulation {
         self.settle_islands(settings);
         self.set_checkpoint();
         self.lull(dt);
+        self.scratch.damping.apply(&mut self.particles, &self.bodies, dt);
         self.with_moving(|moving, simulation| moving.read(simulation));
         self.begin_contacts();
         self.feel_winds();

@@ -11,12 +11,13 @@
 //! - `cascade`, `worst_first` and `jacobi` are the orders of a sweep;
 //! - `item` is one constraint of the plan, whatever its kind;
 //! - `rest` is what flocks and waves leave of a task;
-//! - `momentum` keeps round-off out of what constraints cannot change;
+//! - `momentum` keeps round-off out of what constraints cannot change; `damping` is friction inside a body;
 //! - `sums` are the multipliers of soft constraints; `measure` looks at what is left to correct;
 //! - `report` says how it went, `settings` how hard to try.
 
 mod alone;
 mod cascade;
+mod damping;
 mod flock;
 mod island;
 mod item;
@@ -38,6 +39,7 @@ pub use report::{IslandReport, SolverReport};
 pub use settings::{BodySettings, Order, SolverSettings};
 
 pub(crate) use alone::advance_all;
+pub(crate) use damping::Damping;
 pub(crate) use island::{Common, Room};
 pub(crate) use item::soft_energy;
 pub(crate) use measure::measure;

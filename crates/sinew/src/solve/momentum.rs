@@ -78,9 +78,9 @@ impl Excess {
     }
 }
 
-/// What is summed up over an island.
-#[derive(Default)]
-struct Sums {
+/// What is summed up over an island, or a body.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sums {
     mass: f64,
     /// `Σ m r`.
     first: DVec3,
@@ -92,8 +92,9 @@ struct Sums {
 }
 
 impl Sums {
+    /// Adds a mass, kg, where it is, metres from the anchor, and its velocity or what that has gained, m/s.
     #[inline]
-    fn add(&mut self, m: f64, r: DVec3, change: DVec3) {
+    pub(super) fn add(&mut self, m: f64, r: DVec3, change: DVec3) {
         let (weighed, gained) = (r * m, change * m);
         self.mass += m;
         self.first += weighed;
@@ -103,8 +104,8 @@ impl Sums {
         self.angular += r.cross(gained);
     }
 
-    /// The barycentre from the anchor, metres; the velocity and the angular velocity that a rigid body would have of what was gained.
-    fn answer(&self, keeps_angular: bool) -> Option<(DVec3, DVec3, DVec3)> {
+    /// The barycentre from the anchor, metres; the velocity and the angular velocity that a rigid body would have of what was summed up.
+    pub(super) fn answer(&self, keeps_angular: bool) -> Option<(DVec3, DVec3, DVec3)> {
         let centre = self.first / self.mass;
         let shift = self.momentum / self.mass;
         let turn = if keeps_angular {

@@ -85,6 +85,9 @@ pub struct BodySettings {
     pub direction: Option<Direction>,
     /// In which order its constraints are enforced.
     pub order: Option<Order>,
+    /// How fast what its particles do against each other dies away, 1/s, 0 and up, default 0: friction in its joints, or in its stuff. What all of it
+    /// does together, as a rigid body would, stays: it falls, flies and spins as without.
+    pub damping: f32,
 }
 
 impl BodySettings {

@@ -13,7 +13,7 @@ fn adult() -> Blueprint {
 #[test]
 fn it_stands_at_rest_as_heavy_and_tall_as_asked() {
     for (height, mass) in [(1.75, 75.0), (0.3, 2.0), (1e-6, 1e12), (1e6, 1e-9)] {
-        let body = ragdoll(&RagdollSpec { height, mass }).unwrap();
+        let body = ragdoll(&RagdollSpec { height, mass, ..RagdollSpec::default() }).unwrap();
         assert_at_rest(&body);
         assert!((body.total_mass() / mass - 1.0).abs() < 1e-5);
         let ends = |sign: f32| body.particles.iter().map(move |p| p.position.y + sign * p.radius);
@@ -101,7 +101,7 @@ fn trunk_frames_are_rigid_and_limits_leave_room_to_move() {
 }
 
 #[test]
-fn a_figure_without_a_height_or_mass_is_refused() {
+fn a_figure_without_a_height_or_mass_or_damping_is_refused() {
     for height in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         let spec = RagdollSpec { height, ..RagdollSpec::default() };
         assert_eq!(ragdoll(&spec), Err(RagdollFault::Height));
@@ -109,6 +109,10 @@ fn a_figure_without_a_height_or_mass_is_refused() {
     for mass in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         let spec = RagdollSpec { mass, ..RagdollSpec::default() };
         assert_eq!(ragdoll(&spec), Err(RagdollFault::Mass));
+    }
+    for damping in [-1.0, f32::NAN, f32::INFINITY] {
+        let spec = RagdollSpec { damping, ..RagdollSpec::default() };
+        assert_eq!(ragdoll(&spec), Err(RagdollFault::Damping));
     }
 }
 

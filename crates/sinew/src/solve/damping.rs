@@ -1,0 +1,81 @@
+//! Friction inside a body: what its particles do against each other dies away, and what all of it does together stays.
+//!
+//! A joint without friction never comes to rest: the head of a figure that lies on stairs swings from its neck for minutes, and keeps all of it from
+//! falling asleep. Air would stop that, and every fall too. So the particles of a body are taken towards what a rigid body with the same momentum and
+//! angular momentum would do, at the rate `λ` (Müller, Heidelberger, Hennix, Ratcliff, *Position Based Dynamics*, 2007, section 3.5):
+//!
+//! ```text
+//! v ← v + (1 - e^(-λ dt)) (v̄ + ω × (q - q̄) - v)        Σ m v and Σ m q × v stay
+//! ```
+//!
+//! Once a step is enough: it is slow against anything that a body does in one.
+
+use glam::DVec3;
+
+use super::momentum::Sums;
+use super::settings::BodySettings;
+use crate::particles::Particles;
+
+/// What is summed up over each body that has such friction, and nobody saves.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Damping(Vec<Option<Body>>);
+
+/// One of them.
+#[derive(Clone, Debug, Default)]
+struct Body {
+    /// The first of its rows, which places are measured from.
+    first: usize,
+    sums: Sums,
+    /// What a rigid body would do: its barycentre, metres, that one's velocity, m/s, and its angular velocity, rad/s.
+    rigid: [DVec3; 3],
+    /// Which part of what differs from that goes.
+    share: f64,
+}
+
+impl Damping {
+    /// Takes a step of `dt` seconds of it off what is free.
+    pub(crate) fn apply(&mut self, particles: &mut Particles, bodies: &[BodySettings], dt: f32) {
+        let rate = |body: &BodySettings| {
+            if body.damping.is_finite() { body.damping.max(0.0) } else { 0.0 }
+        };
+        if bodies.iter().all(|body| rate(body) == 0.0) {
+            return;
+        }
+        let Self(damped) = self;
+        damped.clear();
+        damped.resize(bodies.len(), None);
+        for row in 0..particles.len() {
+            let (number, w) = (particles.body[row] as usize, particles.position[row].w);
+            if w <= 0.0 || bodies.get(number).is_none_or(|body| rate(body) == 0.0) {
+                continue;
+            }
+            let fresh = || Body { first: row, ..Body::default() };
+            let Body { first, sums, .. } = damped[number].get_or_insert_with(fresh);
+            let arm = particles.separation(row, *first).as_dvec3();
+            let velocity = particles.velocity[row].truncate().as_dvec3();
+            sums.add(1.0 / f64::from(w), arm, velocity);
+        }
+        for (body, settings) in damped.iter_mut().zip(bodies) {
+            let Some(Body { sums, rigid, share, .. }) = body else { continue };
+            if let Some((centre, shift, turn)) = sums.answer(true) {
+                *rigid = [centre, shift, turn];
+                *share = -libm::expm1(-f64::from(rate(settings)) * f64::from(dt));
+            }
+        }
+        for row in 0..particles.len() {
+            let body = damped.get(particles.body[row] as usize).and_then(Option::as_ref);
+            let Some(Body { first, rigid: [centre, shift, turn], share, .. }) = body else {
+                continue;
+            };
+            if particles.position[row].w > 0.0 && *share > 0.0 {
+                let arm = particles.separation(row, *first).as_dvec3() - centre;
+                let velocity = particles.velocity[row].truncate().as_dvec3();
+                let change = (shift + turn.cross(arm) - velocity) * *share;
+                particles.velocity[row] += change.as_vec3().extend(0.0);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
