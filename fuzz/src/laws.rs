@@ -87,6 +87,7 @@ pub(crate) fn operate(
                 tolerance: input.flag().then(|| input.any()),
                 direction: input.flag().then(|| direction(input)),
                 order: input.flag().then(|| order(input)),
+                damping: input.any(),
             };
             world.bodies = vec![own];
             for i in 0..count {

@@ -37,8 +37,11 @@ pub fn recipes(data: &[u8]) {
             (body.is_some().then_some(spec.material.density * spec.width * spec.height), body)
         }
         _ => {
-            let spec =
-                RagdollSpec { height: input.mostly(Input::positive), mass: input.mostly(mass) };
+            let spec = RagdollSpec {
+                height: input.mostly(Input::positive),
+                mass: input.mostly(mass),
+                damping: input.mostly(Input::positive),
+            };
             (Some(spec.mass), ragdoll(&spec).ok())
         }
     };

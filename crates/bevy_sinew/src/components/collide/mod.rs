@@ -6,7 +6,7 @@
 //! | `mesh` | colliders from meshes |
 //! | `motion` | [`ColliderMotion`]: where a collider was a tick ago |
 //! | `memory` | [`ContactMemory`]: what a rigid part remembers of what it touches |
-//! | `surface` | [`SurfaceMaterial`], [`CollisionLayers`], [`Sensor`]: on colliders and on bodies |
+//! | `surface` | [`SurfaceMaterial`], [`CollisionLayers`]: on colliders and on bodies; [`Sensor`]: on colliders |
 //! | `events` | [`ContactEvents`]: what a game hears of contacts |
 //! | `body` | [`BodyContacts`]: what of a body touches what; [`RestPlace`] |
 //!
