@@ -45,7 +45,7 @@ pub struct BodySolver {
     /// In which order its constraints are enforced.
     pub order: Option<Order>,
     /// How fast what its particles do against each other dies away, 1/s, 0 and up: friction in its joints, or in its stuff. It falls, flies and spins
-    /// as without. Default 0; recipes may ask for some.
+    /// as without. A negative or non-finite one counts as 0. Default 0; recipes may ask for some.
     pub damping: f32,
 }
 
