@@ -28,7 +28,7 @@ use glam::Vec3;
 use super::shape::Kind;
 use super::{Frame, Shape};
 
-pub(crate) use broad::Broad;
+pub(crate) use broad::{Broad, Clusters};
 pub(crate) use convex::Scratch;
 
 /// Where two surfaces are near each other.

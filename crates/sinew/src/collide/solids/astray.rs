@@ -97,10 +97,10 @@ impl Solids {
 
     /// Pairs of some solids and of whatever may come near them; sorted, each once.
     fn around(&mut self, these: &[u32], world: &World, share: f32, pairs: &mut Vec<[u32; 2]>) {
-        let Self { seen, stands, broad, bounds, groups, late, .. } = self;
+        let Self { seen, stands, near, bounds, groups, late, .. } = self;
         pairs.clear();
         if late.moved.len() + these.len() > MANY {
-            broad.0.fill(bounds);
+            near.0.fill(bounds);
             late.moved.clear();
         } else {
             late.moved.extend(these);
@@ -108,7 +108,7 @@ impl Solids {
             late.moved.dedup();
         }
         for &number in these {
-            broad.0.around(number, bounds, &late.moved, pairs);
+            near.0.around(number, bounds, &late.moved, pairs);
             let one = &seen[number as usize];
             for (stand, at) in stands.iter().zip(seen.len()..).filter(|(stand, _)| stand.endless) {
                 let size = groups.parts[number as usize].reach;

@@ -10,7 +10,7 @@ use super::memory::ContactMemory;
 use super::read::{Read, certain, guess};
 use super::way::{Seen, Ways};
 use crate::lanes::{LANES, with};
-use crate::particles::Particles;
+use crate::particles::{NO_BODY, Particles};
 
 impl Solids {
     /// At the start of a step: finds everything that may come to touch in it.
@@ -108,11 +108,15 @@ impl Solids {
 
     /// Pairs of solids, and of solids with what stands, that are near each other; sorted.
     fn near(&mut self, world: &World, pairs: &mut Vec<[u32; 2]>) {
-        let Self { seen, stands, broad, bounds, groups, nearby, .. } = self;
+        let Self { seen, stands, near, bounds, groups, nearby, .. } = self;
         bounds.clear();
         bounds.extend(seen.iter().map(|seen| seen.bounds));
         bounds.extend(stands.iter().map(|stand| stand.bounds(world)));
-        broad.0.pairs(bounds, nearby);
+        let of_one = |i: usize| {
+            let body = |i: usize| seen.get(i).map_or(NO_BODY, |one| one.body);
+            body(i) != NO_BODY && body(i) == body(i - 1)
+        };
+        near.0.pairs(bounds, of_one, nearby);
         pairs.clear();
         let mut nearby =
             nearby.iter().copied().filter(|pair| (pair[0] as usize) < seen.len()).peekable();

@@ -55,7 +55,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::manifold::{Broad, Scratch};
+use super::manifold::{Clusters, Scratch};
 use super::{Shape, World};
 use crate::lanes::{InstructionSet, LANES, Record, with};
 use crate::particles::Particles;
@@ -132,7 +132,7 @@ pub(crate) struct Solids {
     stands: Vec<Stand>,
     floor: Option<Shape>,
     seen: Vec<Seen>,
-    broad: Kept<Broad>,
+    near: Kept<Clusters>,
     scratch: Kept<Scratch>,
     bounds: Vec<(Vec3, Vec3)>,
     /// Who has left his way in this substep.

@@ -4,10 +4,22 @@ use glam::{IVec3, Vec3, Vec3A};
 
 /// A box in a grid: its least and greatest corner, each in one register, for the comparisons.
 #[derive(Clone, Copy)]
-struct Entry {
+pub(super) struct Entry {
     least: Vec3A,
     most: Vec3A,
-    number: u32,
+    pub(super) number: u32,
+}
+
+impl Entry {
+    pub(super) fn new((least, most): &(Vec3, Vec3), number: u32) -> Self {
+        Self { least: (*least).into(), most: (*most).into(), number }
+    }
+
+    /// Whether two overlap or touch.
+    #[inline(always)]
+    pub(super) fn overlaps(&self, other: &Self) -> bool {
+        (self.least.cmple(other.most) & other.least.cmple(self.most)).all()
+    }
 }
 
 /// Boxes, sorted by the cell of their lower corner.
@@ -58,10 +70,10 @@ impl Grid {
             self.starts[i] += self.starts[i - 1];
         }
         for &number in these {
-            let (least, most) = bounds[number as usize];
-            let cell = self.place(self.cell(least));
+            let one = &bounds[number as usize];
+            let cell = self.place(self.cell(one.0));
             let next = &mut self.starts[cell];
-            self.entries[*next as usize] = Entry { least: least.into(), most: most.into(), number };
+            self.entries[*next as usize] = Entry::new(one, number);
             *next += 1;
         }
         // Each start has gone on to the next one's.
@@ -116,34 +128,27 @@ impl Grid {
     /// Pairs of its own boxes. Each is found from the one that is first in memory.
     pub(super) fn within(&self, found: &mut Vec<[u32; 2]>) {
         for (i, entry) in self.entries.iter().enumerate() {
-            self.look(entry, i + 1, found);
+            let mut add = |other| found.push(pair(entry.number, other));
+            self.look(entry, i + 1, &mut add);
         }
     }
 
     /// Pairs of its boxes and those of a grid of larger ones.
     pub(super) fn among(&self, larger: &Self, found: &mut Vec<[u32; 2]>) {
         for entry in &self.entries {
-            larger.look(entry, 0, found);
+            let mut add = |other| found.push(pair(entry.number, other));
+            larger.look(entry, 0, &mut add);
         }
     }
 
-    /// Pairs of a box that may be anywhere and of those in this grid.
-    pub(super) fn around(
-        &self,
-        number: u32,
-        (least, most): &(Vec3, Vec3),
-        found: &mut Vec<[u32; 2]>,
-    ) {
-        // False where one is NaN.
-        if least.cmple(*most).all() {
-            let entry = Entry { least: (*least).into(), most: (*most).into(), number };
-            self.look(&entry, 0, found);
-        }
+    /// Numbers of those that a box, which may be anywhere, overlaps or touches.
+    pub(super) fn around(&self, one: &(Vec3, Vec3), found: &mut Vec<u32>) {
+        self.look(&Entry::new(one, 0), 0, &mut |other| found.push(other));
     }
 
-    /// Pairs of a box and those in this grid, from a place in memory on.
+    /// Hands out those that a box overlaps or touches, from a place in memory on.
     #[inline(always)]
-    fn look(&self, entry: &Entry, first: usize, found: &mut Vec<[u32; 2]>) {
+    fn look(&self, entry: &Entry, first: usize, out: &mut impl FnMut(u32)) {
         let (least, most) = (Vec3::from(entry.least), Vec3::from(entry.most));
         // A little more, for what rounding has taken off an extent.
         let from = self.cell(least - self.size - least.abs() * 3e-7);
@@ -162,9 +167,9 @@ impl Grid {
             for y in 0..=ny {
                 let y = from.y.wrapping_add(y) & mask.y;
                 let row = (z * self.cells.y + y) * self.cells.x;
-                self.compare(entry, first, row + x, row + end, found);
+                self.compare(entry, first, row + x, row + end, out);
                 if over > 0 {
-                    self.compare(entry, first, row, row + over - 1, found);
+                    self.compare(entry, first, row, row + over - 1, out);
                 }
             }
         }
@@ -172,19 +177,24 @@ impl Grid {
 
     /// Compares a box with those of some cells in a row.
     #[inline(always)]
-    fn compare(&self, entry: &Entry, first: usize, from: i32, to: i32, found: &mut Vec<[u32; 2]>) {
+    fn compare(&self, entry: &Entry, first: usize, from: i32, to: i32, out: &mut impl FnMut(u32)) {
         let start = (self.starts[from as usize] as usize).max(first);
         let end = self.starts[to as usize + 1] as usize;
         if start >= end {
             return;
         }
         for other in &self.entries[start..end] {
-            if (entry.least.cmple(other.most) & other.least.cmple(entry.most)).all() {
-                let (a, b) = (entry.number, other.number);
-                found.push([a.min(b), a.max(b)]);
+            if entry.overlaps(other) {
+                out(other.number);
             }
         }
     }
+}
+
+/// Two numbers, the lesser one first.
+#[inline(always)]
+fn pair(a: u32, b: u32) -> [u32; 2] {
+    [a.min(b), a.max(b)]
 }
 
 /// The whole number below, or the last one that there is. The library's own rounding is a call on processors without an instruction for it.

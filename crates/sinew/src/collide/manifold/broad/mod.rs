@@ -6,12 +6,16 @@
 //! half the size get a grid of their own; those of a grid look into the larger ones, too. A few, or endless ones (floors, half-spaces), are no grid,
 //! but are compared with everything.
 //!
+//! Boxes that are near each other all the time are searched as one (`clusters`).
+//!
 //! Sweeping along one axis would compare more: in a pile of 1000 each box has some 150 others beside it there, and 14 to compare here.
 
+mod clusters;
 mod grid;
 
 use glam::Vec3;
 
+pub(crate) use clusters::Clusters;
 use grid::Grid;
 
 /// A search for boxes that overlap. What it keeps between calls is memory alone.
@@ -82,35 +86,16 @@ impl Broad {
         self.sort(bounds.len(), out);
     }
 
-    /// Adds the pairs of one box, which may lie elsewhere than when it was filled, and of those that it overlaps or touches; some more than once.
-    /// `moved` lists those of the boxes, ascending, that lie elsewhere now; `bounds` are where all are.
-    pub(crate) fn around(
-        &self,
-        number: u32,
-        bounds: &[(Vec3, Vec3)],
-        moved: &[u32],
-        out: &mut Vec<[u32; 2]>,
-    ) {
-        let own = &bounds[number as usize];
-        let first = out.len();
+    /// Adds the numbers of the boxes that one overlaps or touches, which need not be one of them. `bounds` are those that were taken in.
+    pub(crate) fn around(&self, one: &(Vec3, Vec3), bounds: &[(Vec3, Vec3)], out: &mut Vec<u32>) {
+        if !is_box(one) {
+            return;
+        }
         for grid in &self.grids[..self.filled] {
-            grid.around(number, own, out);
+            grid.around(one, out);
         }
-        let mut kept = first;
-        for i in first..out.len() {
-            let [a, b] = out[i];
-            let other = if a == number { b } else { a };
-            if other != number && moved.binary_search(&other).is_err() {
-                out[kept] = out[i];
-                kept += 1;
-            }
-        }
-        out.truncate(kept);
-        for &other in moved.iter().chain(&self.apart) {
-            if other != number && overlap(own, &bounds[other as usize]) {
-                out.push([number.min(other), number.max(other)]);
-            }
-        }
+        let apart = self.apart.iter().copied();
+        out.extend(apart.filter(|&other| overlap(one, &bounds[other as usize])));
     }
 
     /// Makes the grids, and says how many.
@@ -121,8 +106,7 @@ impl Broad {
         classes.clear();
         classes.resize(usize::from(u16::MAX >> CLASS_SHIFT) + 1, 0);
         for (i, (least, most)) in bounds.iter().enumerate() {
-            // False where one is NaN.
-            if least.cmple(*most).all() {
+            if is_box(&(*least, *most)) {
                 let size = (*most - *least).max_element();
                 // Infinity less itself is NaN, which `max_element` may pass over.
                 if size < 1e9 && least.is_finite() && most.is_finite() {
@@ -211,6 +195,12 @@ fn by_number(
         to[*next as usize] = *pair;
         *next += 1;
     }
+}
+
+/// Whether it is a box: false where a number is NaN.
+#[inline(always)]
+fn is_box((least, most): &(Vec3, Vec3)) -> bool {
+    least.cmple(*most).all()
 }
 
 /// Whether two boxes overlap or touch.

@@ -56,27 +56,69 @@ fn pairs_are_those_of_comparing_all_with_all() {
     assert!(out.is_empty());
 }
 
+/// Boxes in clusters of a size, each within so far of its middle; of which some are none, one is endless, and one large.
+fn clusters(
+    count: usize,
+    size: usize,
+    (spread, near): (f32, f32),
+    dice: &mut Dice,
+) -> Vec<(Vec3, Vec3)> {
+    let mut bounds: Vec<_> = Vec::new();
+    for _ in 0..count {
+        let middle = dice.vector() * spread;
+        bounds.extend((0..size).map(|_| {
+            let half = dice.vector().abs() * libm::exp2f(dice.roll());
+            around(middle + dice.vector() * near, half)
+        }));
+    }
+    bounds[3] = (Vec3::NAN, Vec3::NAN);
+    bounds[20] = (Vec3::ONE, -Vec3::ONE);
+    bounds[33] = around(Vec3::ZERO, Vec3::new(1e4, 0.1, 1e4));
+    bounds.push((Vec3::splat(f32::NEG_INFINITY), Vec3::new(f32::INFINITY, 0.0, f32::INFINITY)));
+    bounds
+}
+
+#[test]
+fn what_is_searched_in_clusters_has_the_same_pairs() {
+    let mut dice = Dice(15);
+    let (mut search, mut out) = (Clusters::default(), Vec::new());
+    for round in 0..60 {
+        // Alone, in pairs, as bones of a figure, and in more than fit into one.
+        let size = [1, 2, 12, 50][round % 4];
+        let spread = [1.0, 10.0, 1e3][round % 3];
+        let bounds = clusters(200 / size, size, (spread, 1.0), &mut dice);
+        search.pairs(&bounds, |i| i < 200 && i % size != 0, &mut out);
+        assert_eq!(out, naive(&bounds), "{round}");
+    }
+    search.pairs(&[], |_| true, &mut out);
+    assert!(out.is_empty());
+}
+
 #[test]
 fn what_has_moved_finds_all_that_it_overlaps_where_it_is_now() {
     let mut dice = Dice(12);
-    let mut broad = Broad::default();
+    let mut search = Clusters::default();
     let (mut out, mut pairs) = (Vec::new(), Vec::new());
-    for round in 0..40 {
+    for round in 0..60 {
+        let size = [1, 12][round % 2];
         let spread = [1.0, 5.0, 100.0][round % 3];
-        let mut bounds: Vec<_> = (0..200)
-            .map(|_| around(dice.vector() * spread, dice.vector().abs() * libm::exp2f(dice.roll())))
-            .collect();
-        bounds.push(around(Vec3::ZERO, Vec3::new(1e4, 0.1, 1e4)));
-        broad.pairs(&bounds, &mut out);
-        let moved: Vec<u32> = (0..200).step_by(7).collect();
+        let mut bounds = clusters(200 / size, size, (spread, 1.0), &mut dice);
+        let count = bounds.len() as u32 - 1;
+        search.pairs(&bounds, |i| i < count as usize && i % size != 0, &mut out);
+        let moved: Vec<u32> = (0..count).step_by(7).collect();
         for &number in &moved {
             let to = around(dice.vector() * spread, dice.vector().abs() * 2.0);
             bounds[number as usize] = if number == 14 { (Vec3::NAN, Vec3::NAN) } else { to };
         }
+        // Now and then all are taken in anew.
+        let others = if round % 5 == 0 { &[][..] } else { &moved };
+        if others.is_empty() {
+            search.fill(&bounds);
+        }
         let now = naive(&bounds);
         for &number in &moved {
             pairs.clear();
-            broad.around(number, &bounds, &moved, &mut pairs);
+            search.around(number, &bounds, others, &mut pairs);
             pairs.sort_unstable();
             pairs.dedup();
             let own = now.iter().copied().filter(|pair| pair.contains(&number));
