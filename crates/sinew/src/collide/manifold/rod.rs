@@ -4,7 +4,6 @@
 use glam::Vec3;
 use smallvec::SmallVec;
 
-use super::reduce::reduced;
 use super::round::{limit, rim};
 use super::{Frame, Manifold, Point};
 
@@ -21,10 +20,13 @@ pub(super) fn collide(
         half: half_height,
         size: half_size,
     };
-    let (mut normal, apart) = rod.separate(radius + reach)?;
+    let Separation { mut normal, apart, above } = rod.separate(radius + reach)?;
     let (mut along, mut on_box) = (0.0, Vec3::ZERO);
     let outside = apart > rod.rounding();
-    if outside {
+    if above {
+        along = rod.lower(normal);
+        on_box = rod.at(along).clamp(-rod.size, rod.size);
+    } else if outside {
         (along, on_box) = rod.nearest();
         let between = rod.at(along) - on_box;
         let length = between.length();
@@ -37,7 +39,7 @@ pub(super) fn collide(
         let p = rod.at(along) + rim(rod.axis, along, half_height, -normal) * radius;
         Point { on_a: a_in_b.local(p), on_b: q, distance: (p - q).dot(normal) }
     };
-    let mut points: SmallVec<[Point; 4]> = SmallVec::new();
+    let mut points: SmallVec<[Point; 2]> = SmallVec::new();
     // Within 8° of along the surface, one point would let it roll; and the second is not far off.
     if rod.axis.dot(normal).abs() < 0.14 {
         for (along, q) in rod.line(normal) {
@@ -51,9 +53,21 @@ pub(super) fn collide(
         points.clear();
         points.push(point(along, q));
     }
-    let manifold = reduced(normal, reach, &points);
+    let mut manifold = Manifold::new(normal);
+    points
+        .into_iter()
+        .filter(|point| point.distance <= reach)
+        .for_each(|point| manifold.push(point));
     let free = rod.free(&manifold);
     (manifold.len > 0).then_some(Manifold { free, ..manifold })
+}
+
+/// The direction in which an axis and a box are farthest apart, or overlap least, from the box outwards, and by how much, metres.
+struct Separation {
+    normal: Vec3,
+    apart: f32,
+    /// Whether all of the axis is above the face that looks that way, so that nothing of the box is nearer than that.
+    above: bool,
 }
 
 /// A capsule's axis beside a box, in the coordinates of the box.
@@ -76,8 +90,8 @@ impl Rod {
         1e-5 * (self.size.max_element() + self.half)
     }
 
-    /// The direction in which axis and box are farthest apart, or overlap least, from the box outwards, and by how much; nothing beyond `reach`.
-    fn separate(&self, reach: f32) -> Option<(Vec3, f32)> {
+    /// What separates axis and box best; nothing beyond `reach`.
+    fn separate(&self, reach: f32) -> Option<Separation> {
         let Self { centre, axis, half, size } = self;
         let (mut best, mut most) = (Vec3::Y, f32::NEG_INFINITY);
         let beyond = (centre.abs() - size - axis.abs() * *half).to_array();
@@ -95,7 +109,7 @@ impl Rod {
         // Above one face with all of it, no edge is nearer.
         let within = (centre.abs() + axis.abs() * *half).cmple(*size);
         if most > self.rounding() && within.bitmask().count_ones() == 2 {
-            return Some((best, most));
+            return Some(Separation { normal: best, apart: most, above: true });
         }
         // As between boxes, a face comes first.
         let mut needed = most + 2e-3 * size.min_element() + 0.03 * most.abs();
@@ -113,7 +127,13 @@ impl Rod {
                 needed = apart;
             }
         }
-        (most <= reach && centre.is_finite()).then_some((best, most))
+        let found = Separation { normal: best, apart: most, above: false };
+        (most <= reach && centre.is_finite()).then_some(found)
+    }
+
+    /// The end of the axis that is lower against a direction.
+    fn lower(&self, up: Vec3) -> f32 {
+        if self.axis.dot(up) < 0.0 { self.half } else { -self.half }
     }
 
     /// The nearest points of axis and box, which are apart: a place along the axis, and a point of the box.
@@ -213,9 +233,8 @@ impl Rod {
 
     /// The lowest place of an axis that is in the box, along a direction out of it, and the point of the surface there.
     fn deepest(&self, normal: Vec3) -> (f32, Vec3) {
-        let Self { axis, half, size, .. } = self;
-        let slope = axis.dot(normal);
-        let along = if slope.abs() > 1e-3 { -half.copysign(slope) } else { 0.0 };
+        let Self { axis, size, .. } = self;
+        let along = if axis.dot(normal).abs() > 1e-3 { self.lower(normal) } else { 0.0 };
         let p = self.at(along);
         // On the plane of the face or edge that looks that way.
         let out = size.dot(normal.abs()) - p.dot(normal);
