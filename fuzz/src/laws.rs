@@ -85,6 +85,7 @@ pub(crate) fn operate(
             let own = BodySettings {
                 max_sweeps: input.flag().then(|| input.below(6)),
                 tolerance: input.flag().then(|| input.any()),
+                tolerance_speed: input.flag().then(|| input.any()),
                 direction: input.flag().then(|| direction(input)),
                 order: input.flag().then(|| order(input)),
                 damping: input.any(),

@@ -40,6 +40,9 @@ pub struct BodySolver {
     pub max_sweeps: Option<u32>,
     /// Error in metres at which sweeping stops early, 0 or more.
     pub tolerance: Option<f32>,
+    /// The same as a speed, m/s, 0 or more: the error may be as large as what that goes in a substep, so that a body is as quiet with many substeps
+    /// as with few ([`BodySettings`](sinew::BodySettings) says why). Where there is a `tolerance`, that counts.
+    pub tolerance_speed: Option<f32>,
     /// Along which gradients it is corrected.
     pub direction: Option<Direction>,
     /// In which order its constraints are enforced.
@@ -127,6 +130,7 @@ impl From<BodySolver> for BodySettings {
         Self {
             max_sweeps: body.max_sweeps,
             tolerance: body.tolerance,
+            tolerance_speed: body.tolerance_speed,
             direction: body.direction.map(Into::into),
             order: body.order.map(Into::into),
             damping: body.damping,
@@ -139,6 +143,7 @@ impl From<BodySettings> for BodySolver {
         Self {
             max_sweeps: settings.max_sweeps,
             tolerance: settings.tolerance,
+            tolerance_speed: settings.tolerance_speed,
             direction: settings.direction.map(Into::into),
             order: settings.order.map(Into::into),
             damping: settings.damping,

@@ -154,6 +154,42 @@ fn a_body_may_ask_for_more_than_its_world_and_its_neighbour_does_not_notice() {
 }
 
 #[test]
+fn a_tolerance_as_a_speed_is_so_many_metres_in_a_substep() {
+    let swung = |substeps: u32, own: BodySettings| {
+        let mut world = Simulation::default();
+        world.settings.substeps = substeps;
+        let spec = RopeSpec { segments: 20, pin_start: true, ..Default::default() };
+        rope(&spec).unwrap().build(&mut world).unwrap();
+        (0..world.particles.len()).for_each(|i| world.particles.set_body(i, Some(0)));
+        world.bodies = vec![BodySettings { max_sweeps: Some(100), ..own }];
+        let mut sweeps = 0;
+        for _ in 0..60 {
+            world.step(1.0 / 60.0).unwrap();
+            let report = world.island_report(0).unwrap();
+            sweeps += report.sweeps;
+        }
+        let positions = (0..world.particles.len()).map(|i| world.particles.position(i));
+        (sweeps / substeps, positions.collect::<Vec<_>>())
+    };
+    let as_speed = BodySettings { tolerance_speed: Some(0.06), ..Default::default() };
+    let metres = |tolerance: f32| BodySettings { tolerance: Some(tolerance), ..Default::default() };
+    for substeps in [2, 10, 40] {
+        let h = (1.0 / 60.0) / substeps as f32;
+        let (found, same) = (swung(substeps, as_speed), swung(substeps, metres(0.06 * h)));
+        assert_eq!(found, same, "{substeps}");
+        assert_ne!(found, swung(substeps, metres(0.12 * h)), "{substeps}");
+        // Where both are told, metres count.
+        let both = BodySettings { tolerance: Some(1e-5), ..as_speed };
+        assert_eq!(swung(substeps, both), swung(substeps, metres(1e-5)), "{substeps}");
+    }
+    // Less than none, and what is no number, are none.
+    for none in [-1.0, f32::NAN, f32::INFINITY] {
+        let own = BodySettings { tolerance_speed: Some(none), ..Default::default() };
+        assert_eq!(own.over(Default::default(), 0.01).tolerance, 0.0, "{none}");
+    }
+}
+
+#[test]
 fn a_scene_moved_by_five_kilometres_runs_bit_for_bit_as_at_home() {
     let away = Vec3::new(5000.0, -3000.0, 4000.0);
     let scene = |offset: Vec3| {

@@ -96,9 +96,9 @@ impl RagdollParticle {
     }
 }
 
-/// How far its joints may be off for a substep to be good enough, as a share of its height: half a millimetre of an adult. A body that
-/// lies about is swept once or twice then, instead of four times, and its bones are as long as they would be.
-const TOLERANCE: f32 = 3e-4;
+/// How far its joints may be off for a substep to be good enough, as a share of its height in a second: of an adult and in 600 substeps a second
+/// half a millimetre. A body that lies about is swept once or twice then, instead of four times, and its bones are as long as they would be.
+const TOLERANCE: f32 = 0.18;
 
 /// Sweeps that a substep may take. Who lands on the head has seventy kilograms above five: with 12 sweeps the neck gives way by 2.5 % of its
 /// length for a moment, with 24 by 1.2 %, with 40 by 0.6 %. Few substeps are that hard: on the average, those of a fall take two sweeps either way.
@@ -111,7 +111,7 @@ const SWEEPS: u32 = 40;
 /// Parts are called `"head"`, `"torso"`, `"pelvis"`, `"left upper arm"`, `"left forearm"`, `"left thigh"`, `"left shin"` and
 /// the same on the right. A limb's part is centred on its bone, with y from the far joint to the near one; the others are
 /// upright when the figure stands. It asks for up to 40 sweeps, until nothing is off by more than
-/// 0.0003 of its height; its joints yield by a few degrees at most when it lands.
+/// 0.0003 of its height (at 600 substeps a second; [in proportion](BodySettings#tolerance-as-a-speed)); its joints yield by a few degrees at most when it lands.
 pub fn ragdoll(spec: &RagdollSpec) -> Result<Blueprint, RagdollFault> {
     if !LENGTHS.contains(&spec.height) {
         return Err(RagdollFault::Height);
@@ -132,7 +132,7 @@ pub fn ragdoll(spec: &RagdollSpec) -> Result<Blueprint, RagdollFault> {
         particles: FIGURE.iter().map(seed).collect(),
         settings: BodySettings {
             max_sweeps: Some(SWEEPS),
-            tolerance: Some(TOLERANCE * spec.height),
+            tolerance_speed: Some(TOLERANCE * spec.height),
             damping: spec.damping,
             ..BodySettings::default()
         },

@@ -114,10 +114,10 @@ impl Simulation {
 
     /// Gives each island the settings that its bodies ask for.
     pub(super) fn settle_islands(&mut self, world: SolverSettings) {
-        let Self { particles, bodies, scratch: Scratch { plan, .. }, .. } = self;
+        let Self { particles, bodies, scratch: Scratch { plan, substep, .. }, .. } = self;
         for island in &mut plan.islands {
             let members = &plan.members[island.members.clone()];
-            island.settings = settings_of(members, particles, bodies, world);
+            island.settings = settings_of(members, particles, bodies, (world, substep.length));
         }
         for number in 0..plan.islands.len() {
             plan.islands[number].free = is_free(particles, plan, &plan.islands[number]);
@@ -193,12 +193,12 @@ pub(super) struct Anchor {
     shifted: Vec4,
 }
 
-/// What the bodies of an island ask for together.
+/// What the bodies of an island ask for together in substeps of `h` seconds.
 fn settings_of(
     members: &[u32],
     particles: &Particles,
     bodies: &[BodySettings],
-    world: SolverSettings,
+    (world, h): (SolverSettings, f32),
 ) -> SolverSettings {
     if bodies.is_empty() {
         return world;
@@ -211,7 +211,7 @@ fn settings_of(
             continue;
         }
         last = Some(body);
-        let own = bodies.get(body as usize).map_or(world, |body| body.over(world));
+        let own = bodies.get(body as usize).map_or(world, |body| body.over(world, h));
         found = Some(found.map_or(own, |sum| SolverSettings {
             max_sweeps: sum.max_sweeps.max(own.max_sweeps),
             tolerance: sum.tolerance.min(own.tolerance),
