@@ -92,6 +92,8 @@ pub(super) struct Groups {
     pub(super) rows: Vec<u32>,
     /// How many solids share each of those.
     pub(super) sharers: Vec<u32>,
+    /// For each solid those that it shares some with.
+    kin: Vec<Vec<u32>>,
     /// For each row of the simulation whether it belongs to a solid.
     pub(super) solid: Vec<bool>,
     /// The inverse masses with which it was weighed.
@@ -101,7 +103,7 @@ pub(super) struct Groups {
 impl Groups {
     /// Lays out solids. Faulty ones keep their number and take no part.
     pub(super) fn compile(&mut self, solids: &[Solid], particles: &Particles) {
-        let Self { groups, slots, parts, places, order, rows, sharers, solid, weighed } = self;
+        let Self { groups, slots, parts, places, order, rows, sharers, kin, solid, weighed } = self;
         groups.clear();
         slots.clear();
         parts.clear();
@@ -123,6 +125,7 @@ impl Groups {
         }
         sharers.clear();
         sharers.extend(rows.iter().map(|&row| count[row as usize]));
+        *kin = kin_of(parts, rows, sharers);
         weighed.resize(rows.len(), f32::NAN);
         order.clear();
         order.extend(0..parts.len() as u32);
@@ -230,9 +233,7 @@ impl Groups {
 
     /// Whether two solids have a particle in common.
     pub(super) fn share_a_row(&self, a: usize, b: usize) -> bool {
-        let (a, b) = (self.parts[a].entries.clone(), self.parts[b].entries.clone());
-        let shared = a.filter(|&i| self.sharers[i] > 1);
-        shared.into_iter().any(|i| self.rows[b.clone()].contains(&self.rows[i]))
+        self.kin[a].contains(&(b as u32))
     }
 
     /// The row of a solid among the bodies: its lane of its group.
@@ -251,6 +252,23 @@ impl Groups {
     pub(super) fn padded(&self) -> usize {
         self.groups.len() * LANES
     }
+}
+
+/// For each solid those that it has particles in common with.
+fn kin_of(parts: &[Part], rows: &[u32], sharers: &[u32]) -> Vec<Vec<u32>> {
+    let entries = parts.iter().zip(0..).flat_map(|(part, number)| {
+        part.entries.clone().filter(|&i| sharers[i] > 1).map(move |i| (rows[i], number))
+    });
+    let mut shared: Vec<(u32, u32)> = entries.collect();
+    shared.sort_unstable();
+    let mut kin = vec![Vec::new(); parts.len()];
+    for same in shared.chunk_by(|one, other| one.0 == other.0) {
+        for (_, one) in same {
+            let others = same.iter().map(|(_, other)| *other).filter(|other| other != one);
+            kin[*one as usize].extend(others);
+        }
+    }
+    kin
 }
 
 impl Solid {

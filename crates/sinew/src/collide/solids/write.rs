@@ -20,7 +20,7 @@ use glam::Vec4;
 use super::bodies::{Bodies, from_row};
 use super::groups::{Group, Slot};
 use super::read::Sums;
-use super::turn::{Eight, Matrix, Symmetric, load, store};
+use super::turn::{Eight, Matrix, Symmetric, load};
 use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work};
 
 /// Changes of rows that several solids share, or that are alone in their eight: to be added when all are known.
@@ -66,12 +66,11 @@ impl Work for Write<'_> {
             let share = L::zero().lt(w).and(L::load(&slot.share));
             let moved = (shift + field.times(arm)) * share;
             if group.scattered {
-                let mut by = [Eight::default(); 3];
-                store(moved, &mut by);
-                for lane in 0..LANES {
-                    let by = Vec4::new(by[0][lane], by[1][lane], by[2][lane], 0.0);
+                let mut by = [Vec4::ZERO; LANES];
+                L::put_run(&mut by, 0, moved.with(L::zero()));
+                for (row, by) in slot.rows.iter().zip(by) {
                     if by != Vec4::ZERO {
-                        shared.push((slot.rows[lane], by));
+                        shared.push((*row, by));
                     }
                 }
             } else if let Some(velocity) = &mut velocity {
