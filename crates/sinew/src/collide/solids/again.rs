@@ -5,8 +5,8 @@ use glam::Vec3;
 use super::super::manifold::collide;
 use super::super::{Frame, World};
 use super::Solids;
-use super::contact::Pack;
 use super::found::put_manifold;
+use super::pack::Pack;
 use crate::lanes::LANES;
 
 impl Solids {

@@ -11,9 +11,9 @@ use glam::Vec3;
 
 use super::super::World;
 use super::Solids;
-use super::contact::Pack;
 use super::found::{Found, put};
 use super::memory::Memory;
+use super::pack::Pack;
 use crate::particles::Particles;
 
 /// From so many on that lie elsewhere than in the grid it is filled anew: each of them is compared with each that leaves its way.
@@ -25,8 +25,8 @@ pub(super) struct Late {
     /// How many manifolds were found, and packs made of them, when the step began: what comes after those is late.
     found: usize,
     pub(super) packs: usize,
-    /// Colours of the late packs, ascending.
-    colours: Vec<u32>,
+    /// [Classes](Found::class) of the late packs, ascending.
+    classes: Vec<u32>,
     /// For each solid which colours it has.
     used: Vec<u64>,
     /// The two of each late manifold as they are in [`Found`], and which part of them; sorted.
@@ -40,7 +40,7 @@ impl Late {
     /// A step begins, for which so many manifolds were found.
     pub(super) fn begin(&mut self, found: usize) {
         self.found = found;
-        self.colours.clear();
+        self.classes.clear();
         self.used.clear();
         self.met.clear();
         self.moved.clear();
@@ -139,13 +139,14 @@ impl Solids {
             one.colour = u64::BITS + number as u32;
         }
         let free = |pack: &Pack| pack.number.iter().position(|number| *number == u32::MAX);
-        let end = late.colours.partition_point(|colour| *colour <= one.colour);
-        let last = end.checked_sub(1).filter(|&last| late.colours[last] == one.colour);
+        let end = late.classes.partition_point(|class| *class <= one.class());
+        let last = end.checked_sub(1).filter(|&last| late.classes[last] == one.class());
         let room = last.and_then(|last| Some((last, free(&packs[late.packs + last])?)));
         let (place, lane) = room.unwrap_or((end, 0));
         if room.is_none() {
-            late.colours.insert(end, one.colour);
-            packs.insert(late.packs + end, Pack::empty((bodies.rows.len() - 1) as u32));
+            late.classes.insert(end, one.class());
+            let nothing = (bodies.rows.len() - 1) as u32;
+            packs.insert(late.packs + end, Pack::empty(nothing, one.still.is_some()));
         }
         let solid = b < groups.parts.len();
         let rows = [groups.place(a), if solid { groups.place(b) } else { b }];

@@ -28,7 +28,8 @@ pub(super) struct Patch<L> {
     /// Sum of their inverse masses, 1/kg.
     pub(super) weight: L,
     pub(super) a: Side<L>,
-    pub(super) b: Side<L>,
+    /// `None` where nothing moves it.
+    pub(super) b: Option<Side<L>>,
     /// Where the second one's centre is from the first one's, along `t` and `u`, metres.
     pub(super) apart: (L, L),
 }
@@ -80,7 +81,9 @@ impl<L: Lanes> Patch<L> {
             across: Vector::new(none, none, none),
         };
         self.a.add_to(&mut q, x, y);
-        self.b.add_to(&mut q, x - self.apart.0, y - self.apart.1);
+        if let Some(b) = &self.b {
+            b.add_to(&mut q, x - self.apart.0, y - self.apart.1);
+        }
         q
     }
 }

@@ -9,11 +9,11 @@
 use super::Solids;
 use super::block::{Patch, Side, press};
 use super::bodies::{Bodies, Eight as Rows};
-use super::contact::Pack;
 use super::drag::{drag, dragged};
 use super::found::Found;
-use super::hold::tangents;
+use super::pack::{FAR, Pack};
 use super::read::Read;
+use super::slip::tangents;
 use super::turn::load;
 use super::write::Write;
 use crate::lanes::{LANES, Lanes, Vector, Work, with};
@@ -141,39 +141,62 @@ impl Work for Bounce<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
+        let third = L::load(&self.pack.missing[2]).lt(L::splat(FAR));
+        match (third.any(), self.pack.still) {
+            (false, false) => self.bounce::<L, 2, false>(),
+            (false, true) => self.bounce::<L, 2, true>(),
+            (true, false) => self.bounce::<L, 4, false>(),
+            (true, true) => self.bounce::<L, 4, true>(),
+        }
+    }
+}
+
+impl Bounce<'_> {
+    /// Of so many points at the most; `STILL` is what the pack says of that: the same bits, as in `contact`.
+    #[inline(always)]
+    fn bounce<L: Lanes, const POINTS: usize, const STILL: bool>(self) {
         let Self { pack, lanes, bodies, restitution, least, h } = self;
         let (none, lanes) = (L::zero(), L::mask(lanes));
-        let (mut a, mut b) = (Rows::<L>::load(bodies, &pack.a), Rows::<L>::load(bodies, &pack.b));
-        let own = L::load(&pack.own);
-        // What stands was noted with its displacement.
-        let rate = L::splat(0.75).lt(own).select(L::splat(1.0 / h), L::splat(1.0));
-        let (b_velocity, b_spin) = (b.step * rate, b.spin * rate);
-        let apart = b.centre + load::<L>(&pack.offset) - a.centre;
+        let mut a = Rows::<L>::load(bodies, &pack.a);
+        let mut b = if STILL { None } else { Some(Rows::<L>::load(bodies, &pack.b)) };
+        let stands = L::splat(0.75).lt(L::load(&pack.own));
         let n = load::<L>(&pack.up);
         let restitution = L::load(&restitution);
         let (t, u) = tangents(n);
+        let mut along = n.dot(a.step + a.shift);
+        let turn_a = a.spin + a.turn;
+        let turn_a = (turn_a.dot(t), turn_a.dot(u));
+        let (mut weight, mut apart) = (a.inverse_mass, Vector::new(none, none, none));
+        let (mut turn_b, mut theirs) = ((none, none), None);
+        if let Some(b) = &b {
+            // What stands was noted with its displacement.
+            let rate = stands.select(L::splat(1.0 / h), L::splat(1.0));
+            let turn = b.spin * rate + b.turn;
+            along = n.dot(a.step + a.shift - b.step * rate - b.shift);
+            turn_b = (turn.dot(t), turn.dot(u));
+            apart = b.centre + load::<L>(&pack.offset) - a.centre;
+            weight = weight + b.inverse_mass;
+            theirs = Some(Side::of(&b.inverse_inertia, t, u));
+        }
         let (apart_t, apart_u) = (apart.dot(t), apart.dot(u));
-        let patch = Patch {
-            weight: a.inverse_mass + b.inverse_mass,
-            a: Side::of(&a.inverse_inertia, t, u),
-            b: Side::of(&b.inverse_inertia, t, u),
-            apart: (apart_t, apart_u),
-        };
+        let own = Side::of(&a.inverse_inertia, t, u);
+        let patch = Patch { weight, a: own, b: theirs, apart: (apart_t, apart_u) };
         let stiff = patch.about(none, none);
-        let (mut c, mut force) = ([none; 4], [none; 4]);
-        let mut at = [(none, none); 4];
-        let along = n.dot(a.step + a.shift - b_velocity - b.shift);
-        let (turn_a, turn_b) = (a.spin + a.turn, b_spin + b.turn);
-        let (turn_a, turn_b) = ((turn_a.dot(t), turn_a.dot(u)), (turn_b.dot(t), turn_b.dot(u)));
+        let (mut c, mut force) = ([none; POINTS], [none; POINTS]);
+        let mut at = [(none, none); POINTS];
         let mut had = Vector::new(none, none, none);
-        for i in 0..4 {
-            let on_a = a.rotation.times(load(&pack.on_a[i]));
-            let on_b = b.rotation.times(load(&pack.on_b[i])) + apart;
-            let arm = on_a.or_else(L::splat(0.75).lt(own), (on_a + on_b) * L::splat(0.5));
+        for i in 0..POINTS {
+            let mut arm = a.rotation.times(load(&pack.on_a[i]));
+            if let Some(b) = &b {
+                let on_b = b.rotation.times(load(&pack.on_b[i])) + apart;
+                arm = arm.or_else(stands, (arm + on_b) * L::splat(0.5));
+            }
             let (x, y) = (arm.dot(t), arm.dot(u));
             at[i] = (x, y);
-            let speed = along + (y * turn_a.0 - x * turn_a.1)
-                - ((y - apart_u) * turn_b.0 - (x - apart_t) * turn_b.1);
+            let mut speed = along + (y * turn_a.0 - x * turn_a.1);
+            if b.is_some() {
+                speed = speed - ((y - apart_u) * turn_b.0 - (x - apart_t) * turn_b.1);
+            }
             let approach = L::load(&pack.approach[i]);
             let had_force = lanes.and(L::load(&pack.force[i]));
             let presses = none.lt(had_force);
@@ -181,16 +204,16 @@ impl Work for Bounce<'_> {
             let wanted = bounces.and(none - restitution * approach);
             force[i] = had_force * L::splat(1.0 / h);
             had += Vector::new(force[i], force[i] * x, force[i] * y);
-            c[i] = presses.select(wanted - speed, L::splat(-1e9));
+            c[i] = presses.select(wanted - speed, L::splat(-FAR));
         }
         // What pressed may press less, but not pull.
         let had = stiff.times(had);
-        for i in 0..4 {
+        for i in 0..POINTS {
             c[i] = c[i] + (had.x + at[i].0 * had.y + at[i].1 * had.z);
         }
         let all = press(&patch, &c, &at);
         let (mut sum, mut x, mut y) = (none, none, none);
-        for i in 0..4 {
+        for i in 0..POINTS {
             let more = all[i] - force[i];
             sum = sum + more;
             x = x + more * at[i].0;
@@ -199,18 +222,14 @@ impl Work for Bounce<'_> {
         let good = sum.abs().lt(L::splat(1e30));
         let (sum, x, y) = (good.and(sum), good.and(x), good.and(y));
         a.shift += n * (sum * a.inverse_mass);
-        b.shift -= n * (sum * b.inverse_mass);
         a.turn += patch.a.turned(x, y);
-        b.turn -= patch.b.turned(x - apart_t * sum, y - apart_u * sum);
-        L::put_records(
-            &mut bodies.rows,
-            &pack.a,
-            [a.shift.with(a.inverse_mass), a.turn.with(none)],
-        );
-        L::put_records(
-            &mut bodies.rows,
-            &pack.b,
-            [b.shift.with(b.inverse_mass), b.turn.with(none)],
-        );
+        let first = [a.shift.with(a.inverse_mass), a.turn.with(none)];
+        L::put_records(&mut bodies.rows, &pack.a, first);
+        if let (Some(b), Some(side)) = (&mut b, &patch.b) {
+            b.shift -= n * (sum * b.inverse_mass);
+            b.turn -= side.turned(x - apart_t * sum, y - apart_u * sum);
+            let second = [b.shift.with(b.inverse_mass), b.turn.with(none)];
+            L::put_records(&mut bodies.rows, &pack.b, second);
+        }
     }
 }

@@ -27,152 +27,12 @@
 //! began*. So arms go from the centres at the start to one point between the two anchors, as seen from there. What stands takes any moment; there the
 //! arm goes to the solid's own anchor.
 
-use super::super::manifold::Manifold;
 use super::block::{Patch, Side, press};
 use super::bodies::{Bodies, Eight as Rows};
-use super::hold::tangents;
-use super::turn::{Eight, load, store};
+use super::pack::{FAR, Pack};
+use super::slip::tangents;
+use super::turn::{load, store};
 use crate::lanes::{LANES, Lanes, Vector, Work};
-
-/// As good as infinitely far out, metres: what a missing point is.
-pub(super) const FAR: f32 = 1e9;
-
-/// The angle that two may turn against each other before they are compared again, rad.
-const TURNED: f32 = 0.02;
-/// The same for how far they may slide on each other, as a share of their size.
-const SLID: f32 = 0.03;
-/// How much further what is round may turn: its points then are `r φ` aside of where they should be, along a surface that bends away by `½ r φ²`. Of a
-/// leg, 6 cm thick, that is 0.04 mm.
-const ROUND: f32 = 2.5;
-/// How much faster a manifold wears whose [slope](Manifold::slope) is 1. Its points are points of the two, and as one slides over the rim of the
-/// other it touches with others, that are higher by the slope times the way: so that must be less, and no height is wrong by more than `SLID / STEEP`
-/// of the size. Without that a box fell half a millimetre deep into a rim that its manifold did not know of, and was thrown out of it, again and
-/// again, for minutes; three times as much finds a tenth more manifolds in a heap of boxes in random poses, for nothing.
-const STEEP: f32 = 100.0;
-
-/// The angle that the two of a manifold may turn against each other, rad.
-pub(super) fn may_turn(manifold: &Manifold) -> f32 {
-    if manifold.round { ROUND * TURNED } else { TURNED }
-}
-
-/// How far the two of a manifold may slide on each other, metres, of a size; no farther than that.
-pub(super) fn may_slide(manifold: &Manifold, size: f32) -> f32 {
-    manifold.free.min(size).max(SLID * size)
-}
-
-/// How much faster than others a manifold wears.
-pub(super) fn wear(manifold: &Manifold) -> f32 {
-    1.0 + STEEP * manifold.slope
-}
-
-/// Eight manifolds that have no solid in common; on lines of the cache of its own, because an eight that lies across two of them costs twice as much.
-#[derive(Clone, Debug)]
-#[repr(align(64))]
-pub(super) struct Pack {
-    /// Rows of the bodies that are pushed along the normal, and of those that are pushed back.
-    pub(super) a: [u32; LANES],
-    pub(super) b: [u32; LANES],
-    /// Which of the manifolds that were found it is.
-    pub(super) number: [u32; LANES],
-    /// In the second one's axes.
-    pub(super) normal: [Eight; 3],
-    /// Anchors from the centres, in their own axes, metres.
-    pub(super) on_a: [[Eight; 3]; 4],
-    pub(super) on_b: [[Eight; 3]; 4],
-    /// Added to the distance of each point, metres: none for one that is there.
-    pub(super) missing: [Eight; 4],
-    /// From the first one's origin to the second one's, metres.
-    pub(super) offset: [Eight; 3],
-    pub(super) friction: Eight,
-    /// One by the length that the two may slide on each other before they are compared again, 1/m.
-    pub(super) stiff: Eight,
-    /// One by the angle that they may turn against each other before that, 1/rad.
-    pub(super) bent: Eight,
-    /// By how much more than the strain says, times what they may slide, others of their points may have come nearer than those of the manifold: a turn
-    /// of `φ` takes these away by up to `r φ` and others there by as much.
-    pub(super) elsewhere: Eight,
-    /// How much faster than others they are strained by that, and by turning: [`wear`].
-    pub(super) wear: Eight,
-    /// How much they have turned and slid since they were compared: 1 is as much as they may, where they touch.
-    pub(super) strain: Eight,
-    /// How far apart the nearest of their points will be if they go on as in the last substep, by how far they may slide; 0 where that is not known.
-    pub(super) gap: Eight,
-    /// How much of the arm is the first one's anchor: 1 if the second one stands, else a half.
-    pub(super) own: Eight,
-    /// Whether approach and place are to be kept: something bounces, or somebody listens.
-    pub(super) kept: bool,
-    /// A bit for each manifold where more overlap was recovered in this substep than may turn into speed, or one of whose solids comes from where
-    /// that was.
-    pub(super) popped: u32,
-    /// Of the substep: impulses of the points, kg·m.
-    pub(super) force: [Eight; 4],
-    /// Their speeds before contacts, m/s; negative when approaching.
-    pub(super) approach: [Eight; 4],
-    /// Normal in the world, and the centre of pressure from the first one's centre, metres.
-    pub(super) up: [Eight; 3],
-    pub(super) arm: [Eight; 3],
-    /// How far the points are from there; and the sum of their impulses, kg·m.
-    pub(super) radius: Eight,
-    pub(super) sum: Eight,
-    /// Against how much of such a sum friction has acted in this substep, before it was pressed; and may act in the next: a mean of the last ones.
-    pub(super) used: Eight,
-    pub(super) allowed: Eight,
-    /// How far what sticks is from where it stuck, metres, and has turned about the normal, rad: pressing moved it after it was held,
-    /// and joints took a part of what held it (`lost`).
-    pub(super) late: [Eight; 4],
-    /// A bit for each manifold that sticks.
-    pub(super) stuck: u32,
-    /// Of the step: sum of the impulses, kg·m.
-    pub(super) total: Eight,
-}
-
-impl Pack {
-    /// One without manifolds; `nothing` is the row of nothing.
-    pub(super) fn empty(nothing: u32) -> Self {
-        let (none, vector) = ([0.0; LANES], [[0.0; LANES]; 3]);
-        Self {
-            a: [nothing; LANES],
-            b: [nothing; LANES],
-            number: [u32::MAX; LANES],
-            normal: vector,
-            on_a: [vector; 4],
-            on_b: [vector; 4],
-            missing: [[FAR; LANES]; 4],
-            offset: vector,
-            friction: none,
-            stiff: none,
-            bent: none,
-            elsewhere: none,
-            wear: none,
-            strain: none,
-            gap: none,
-            own: none,
-            kept: false,
-            popped: 0,
-            force: [none; 4],
-            approach: [none; 4],
-            up: vector,
-            arm: vector,
-            radius: none,
-            sum: none,
-            used: none,
-            allowed: none,
-            late: [none; 4],
-            stuck: 0,
-            total: none,
-        }
-    }
-}
-
-impl Pack {
-    /// What lets go for a substep is held at its centre meanwhile: friction at an edge that has lifted would rock it, and it rocks on for minutes.
-    #[inline(always)]
-    fn let_go<L: Lanes>(&mut self, normal: Vector<L>) {
-        self.radius = [0.0; LANES];
-        self.arm = [[0.0; LANES]; 3];
-        store(normal, &mut self.up);
-    }
-}
 
 /// Presses packs apart one after the other, over a substep of `h` seconds.
 pub(super) struct Press<'a> {
@@ -194,30 +54,44 @@ impl Work for Press<'_> {
         for pack in packs {
             // Most have two points at the most, and what is missing has no say.
             let third = L::load(&pack.missing[2]).lt(L::splat(FAR));
-            if third.any() {
-                press_pack::<L, 4>(pack, bodies, h, [recover, pop]);
-            } else {
-                press_pack::<L, 2>(pack, bodies, h, [recover, pop]);
+            let how = (h, [recover, pop]);
+            match (third.any(), pack.still) {
+                (false, false) => press_pack::<L, 2, false>(pack, bodies, how),
+                (false, true) => press_pack::<L, 2, true>(pack, bodies, how),
+                (true, false) => press_pack::<L, 4, false>(pack, bodies, how),
+                (true, true) => press_pack::<L, 4, true>(pack, bodies, how),
             }
         }
     }
 }
 
+/// `STILL` is what the pack says of that: the same bits, without all that is nothing.
 #[inline(always)]
-fn press_pack<L: Lanes, const POINTS: usize>(
+fn press_pack<L: Lanes, const POINTS: usize, const STILL: bool>(
     pack: &mut Pack,
     bodies: &mut Bodies,
-    h: f32,
-    [recover, pop]: [f32; 2],
+    (h, [recover, pop]): (f32, [f32; 2]),
 ) {
     let (none, one) = (L::zero(), L::splat(1.0));
-    let (mut a, mut b) = (Rows::<L>::load(bodies, &pack.a), Rows::<L>::load(bodies, &pack.b));
-    // From the first one's centre to the second one's, at the start; and how much that has grown.
-    let apart = b.centre + load::<L>(&pack.offset) - a.centre;
-    let drift = b.step - a.step;
-    let n = b.rotation.times(load(&pack.normal));
+    let mut a = Rows::<L>::load(bodies, &pack.a);
+    let mut b = if STILL { None } else { Some(Rows::<L>::load(bodies, &pack.b)) };
+    // From the first one's centre to the second one's, at the start; and how much that has grown. (Matches, for a closure is not made for
+    // the processor that it runs on.)
+    let offset = load::<L>(&pack.offset);
+    let normal = load::<L>(&pack.normal);
+    let (apart, drift, n, shift, spin, weight) = match &b {
+        None => (offset - a.centre, -a.step, normal, a.shift, a.spin, a.inverse_mass),
+        Some(b) => (
+            b.centre + offset - a.centre,
+            b.step - a.step,
+            b.rotation.times(normal),
+            a.shift - b.shift,
+            a.spin - b.spin,
+            a.inverse_mass + b.inverse_mass,
+        ),
+    };
     let before = n.dot(drift);
-    let between = n.dot(a.shift - b.shift);
+    let between = n.dot(shift);
     let own = L::load(&pack.own);
     let (t, u) = tangents(n);
     let (recover, pop) = (L::splat(recover), L::splat(pop));
@@ -225,19 +99,27 @@ fn press_pack<L: Lanes, const POINTS: usize>(
 
     let stiff = L::load(&pack.stiff);
     let across = (drift - n * before).length() * stiff;
-    let turned = (a.spin - b.spin).length() * L::load(&pack.bent);
+    let turned = spin.length() * L::load(&pack.bent);
     let strain = (turned + across) * L::load(&pack.wear);
     (L::load(&pack.strain) + strain).store(&mut pack.strain);
 
     let plane = Plane { t, u, apart: (apart.dot(t), apart.dot(u)) };
-    let (turning, spinning) = (plane.tilt(a.turn, b.turn), plane.tilt(a.spin, b.spin));
+    let (mut turning, mut spinning) = (plane.tilt(a.turn), plane.tilt(a.spin));
+    if let Some(b) = &b {
+        turning = turning.less(&plane, b.turn);
+        spinning = spinning.less(&plane, b.spin);
+    }
     let mut c = [none; POINTS];
     let mut at = [(none, none); POINTS];
     let mut spun = [none; POINTS];
     let mut height = [none; POINTS];
     for i in 0..POINTS {
         let on_a = a.rotation.times(load(&pack.on_a[i]));
-        let on_b = b.rotation.times(load(&pack.on_b[i])) + apart;
+        let mut on_b = load(&pack.on_b[i]);
+        if let Some(b) = &b {
+            on_b = b.rotation.times(on_b);
+        }
+        let on_b = on_b + apart;
         let gap = on_a - on_b;
         let arm = on_b + gap * own;
         at[i] = (arm.dot(t), arm.dot(u));
@@ -261,12 +143,12 @@ fn press_pack<L: Lanes, const POINTS: usize>(
         return;
     }
     let (apart_t, apart_u) = plane.apart;
-    let patch = Patch {
-        weight: a.inverse_mass + b.inverse_mass,
-        a: Side::of(&a.inverse_inertia, t, u),
-        b: Side::of(&b.inverse_inertia, t, u),
-        apart: plane.apart,
+    let theirs = match &b {
+        None => None,
+        Some(b) => Some(Side::of(&b.inverse_inertia, t, u)),
     };
+    let patch =
+        Patch { weight, a: Side::of(&a.inverse_inertia, t, u), b: theirs, apart: plane.apart };
     let force = press(&patch, &c, &at);
     let (mut sum, mut x, mut y, mut z) = (none, none, none, none);
     for i in 0..POINTS {
@@ -278,16 +160,21 @@ fn press_pack<L: Lanes, const POINTS: usize>(
 
     // Nothing that is not a number may get to the other side.
     let good = sum.lt(L::splat(1e30)).and(none.lt(sum));
-    let (old_a, old_b) = ((a.shift, a.turn), (b.shift, b.turn));
+    let old = (a.shift, a.turn);
+    let mut old_b = (a.shift, a.turn);
     a.shift += n * (sum * a.inverse_mass);
-    b.shift -= n * (sum * b.inverse_mass);
     a.turn += patch.a.turned(x, y);
-    b.turn -= patch.b.turned(x - apart_t * sum, y - apart_u * sum);
-    let size = a.shift.length_squared() + a.turn.length_squared();
-    let size = size + b.shift.length_squared() + b.turn.length_squared();
+    let mut size = a.shift.length_squared() + a.turn.length_squared();
+    let mut hit = none.lt(a.mark);
+    if let (Some(b), Some(side)) = (&mut b, &patch.b) {
+        old_b = (b.shift, b.turn);
+        b.shift -= n * (sum * b.inverse_mass);
+        b.turn -= side.turned(x - apart_t * sum, y - apart_u * sum);
+        size = size + b.shift.length_squared() + b.turn.length_squared();
+        hit = hit.or(none.lt(b.mark));
+    }
     let good = good.and(size.lt(L::splat(1e30)));
     good.and(sum).store(&mut pack.sum);
-    let hit = none.lt(a.mark).or(none.lt(b.mark));
     let hit = good.and(hit.or(pressed(&popped, &force)));
     pack.popped = hit.bits();
     if pack.kept || hit.any() {
@@ -303,15 +190,15 @@ fn press_pack<L: Lanes, const POINTS: usize>(
         return;
     }
     let mark = hit.and(one);
-    let shift = (a.shift.or_else(good, old_a.0), b.shift.or_else(good, old_b.0));
-    let turn = (a.turn.or_else(good, old_a.1), b.turn.or_else(good, old_b.1));
-    L::put_records(
-        &mut bodies.rows,
-        &pack.a,
-        [shift.0.with(a.inverse_mass), turn.0.with(a.mark.max(mark))],
-    );
-    let mark = none.lt(b.inverse_mass).and(b.mark.max(mark));
-    L::put_records(&mut bodies.rows, &pack.b, [shift.1.with(b.inverse_mass), turn.1.with(mark)]);
+    let (shift, turn) = (a.shift.or_else(good, old.0), a.turn.or_else(good, old.1));
+    let first = [shift.with(a.inverse_mass), turn.with(a.mark.max(mark))];
+    L::put_records(&mut bodies.rows, &pack.a, first);
+    if let Some(b) = b {
+        let (shift, turn) = (b.shift.or_else(good, old_b.0), b.turn.or_else(good, old_b.1));
+        let mark = none.lt(b.inverse_mass).and(b.mark.max(mark));
+        let second = [shift.with(b.inverse_mass), turn.with(mark)];
+        L::put_records(&mut bodies.rows, &pack.b, second);
+    }
 
     // Where friction is to act: at the centre of the pressure, and how far it reaches from there.
     let share = good.and(one / sum);
@@ -343,17 +230,20 @@ struct Tilt<L> {
 
 impl<L: Lanes> Plane<L> {
     #[inline(always)]
-    fn tilt(&self, a: Vector<L>, b: Vector<L>) -> Tilt<L> {
-        let (bt, bu) = (b.dot(self.t), b.dot(self.u));
-        Tilt {
-            t: a.dot(self.t) - bt,
-            u: a.dot(self.u) - bu,
-            at_centre: self.apart.1 * bt - self.apart.0 * bu,
-        }
+    fn tilt(&self, a: Vector<L>) -> Tilt<L> {
+        Tilt { t: a.dot(self.t), u: a.dot(self.u), at_centre: L::zero() }
     }
 }
 
 impl<L: Lanes> Tilt<L> {
+    /// The same when the second one turns, too.
+    #[inline(always)]
+    fn less(self, plane: &Plane<L>, b: Vector<L>) -> Self {
+        let (bt, bu) = (b.dot(plane.t), b.dot(plane.u));
+        let at_centre = plane.apart.1 * bt - plane.apart.0 * bu;
+        Self { t: self.t - bt, u: self.u - bu, at_centre }
+    }
+
     #[inline(always)]
     fn at(&self, (x, y): (L, L)) -> L {
         y * self.t - x * self.u + self.at_centre

@@ -14,9 +14,9 @@
 use glam::Vec3;
 
 use super::bodies::{Bodies, SHIFT, TURN};
-use super::contact::Pack;
 use super::found::Found;
 use super::loose::One;
+use super::pack::Pack;
 use crate::constraints::PlanarDrag;
 use crate::lanes::LANES;
 use crate::particles::rate_of_drag;

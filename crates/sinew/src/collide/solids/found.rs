@@ -1,10 +1,10 @@
 //! Contacts that were found for a step: manifolds coloured and packed by eights, and loose particles near solids.
 
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
 use super::super::{Grip, Party};
-use super::contact::{FAR, Pack, may_slide, may_turn, wear};
 use super::memory::Remembered;
+use super::pack::{FAR, Pack, may_slide, may_turn, wear};
 use super::turn::Eight;
 use crate::constraints::PlanarDrag;
 use crate::lanes::LANES;
@@ -17,6 +17,8 @@ pub(super) struct Found {
     pub(super) b: u32,
     /// Number of the stand, if the second one is one.
     pub(super) stand: Option<u32>,
+    /// The axes of that, if it stays where it is in this step.
+    pub(super) still: Option<Mat3>,
     /// Its place in the memory, where the manifold is.
     pub(super) memory: u32,
     /// The second one's origin, or where it is, from the first one's origin, metres.
@@ -29,6 +31,13 @@ pub(super) struct Found {
     pub(super) size: f32,
     /// See `Pack`.
     pub(super) strain: f32,
+}
+
+impl Found {
+    /// Its colour, and which of two halves of that it is of: what stands still is in packs of its own.
+    pub(super) fn class(&self) -> u32 {
+        2 * self.colour + u32::from(self.still.is_some())
+    }
 }
 
 /// A stand that is only noticed.
@@ -66,8 +75,8 @@ pub(super) fn colour(found: &mut [Found], solids: usize, used: &mut Vec<u64>) ->
     most
 }
 
-/// Numbers of manifolds by colour, and of one colour first those that pressed before, then as they are; `begins` is scratch. Those of a colour may
-/// come in any order, and a pack in which nothing presses is soon done with.
+/// Numbers of manifolds by [class](Found::class), and of one class first those that pressed before, then as they are; `begins` is scratch. Those of a
+/// colour may come in any order, and a pack in which nothing presses is soon done with.
 fn by_colour(
     (found, memory): (&[Found], &[Remembered]),
     colours: u32,
@@ -75,14 +84,14 @@ fn by_colour(
     begins: &mut Vec<u32>,
 ) {
     let class = |one: &Found| {
-        2 * one.colour as usize + usize::from(!memory[one.memory as usize].grasp.presses())
+        2 * one.class() as usize + usize::from(!memory[one.memory as usize].grasp.presses())
     };
     begins.clear();
-    begins.resize(2 * colours as usize + 1, 0);
+    begins.resize(4 * colours as usize + 1, 0);
     for one in found {
         begins[class(one) + 1] += 1;
     }
-    for class in 0..2 * colours as usize {
+    for class in 0..4 * colours as usize {
         begins[class + 1] += begins[class];
     }
     order.clear();
@@ -105,12 +114,12 @@ pub(super) fn pack(
 ) {
     packs.clear();
     by_colour((found, memory), colours, order, begins);
-    let (mut colour, mut lane) = (u32::MAX, LANES);
+    let (mut class, mut lane) = (u32::MAX, LANES);
     for &number in order.iter() {
         let one = &found[number as usize];
-        if lane == LANES || one.colour != colour {
-            packs.push(Pack::empty(nothing));
-            (colour, lane) = (one.colour, 0);
+        if lane == LANES || one.class() != class {
+            packs.push(Pack::empty(nothing, one.still.is_some()));
+            (class, lane) = (one.class(), 0);
         }
         if let Some(pack) = packs.last_mut() {
             let known = &memory[one.memory as usize];
@@ -147,7 +156,8 @@ pub(super) fn put_manifold(
     (one, known): (&Found, &Remembered),
     [centre_a, centre_b]: [Vec3; 2],
 ) {
-    set(&mut pack.normal, lane, known.manifold.normal);
+    let seen = |v: Vec3| one.still.map_or(v, |axes| axes * v);
+    set(&mut pack.normal, lane, seen(known.manifold.normal));
     set(&mut pack.offset, lane, one.offset);
     pack.wear[lane] = wear(&known.manifold);
     let (turn, slide) = (may_turn(&known.manifold), may_slide(&known.manifold, one.size));
@@ -161,7 +171,8 @@ pub(super) fn put_manifold(
     for i in 0..pack.missing.len() {
         let point = points.get(i);
         set(&mut pack.on_a[i], lane, point.map_or(Vec3::ZERO, |point| point.on_a - centre_a));
-        set(&mut pack.on_b[i], lane, point.map_or(Vec3::ZERO, |point| point.on_b - centre_b));
+        let on_b = point.map_or(Vec3::ZERO, |point| point.on_b - centre_b);
+        set(&mut pack.on_b[i], lane, seen(on_b));
         pack.missing[i][lane] = if point.is_some() { 0.0 } else { FAR };
     }
 }

@@ -9,10 +9,10 @@
 
 use super::Solids;
 use super::bodies::{Bodies, from_row};
-use super::contact::Pack;
 use super::groups::Group;
-use super::hold::{moved_at, pair_of_rows};
+use super::pack::Pack;
 use super::read::{Gathered, Source};
+use super::slip::{moved_at, pair_of_rows};
 use super::turn::{Matrix, Symmetric, load, zero};
 use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work, with};
 use crate::particles::Particles;
@@ -94,11 +94,14 @@ impl Work for Miss<'_> {
         for pack in packs.iter_mut().filter(|pack| pack.stuck != 0) {
             let sticks = L::mask(pack.stuck);
             let (n, arm) = (load::<L>(&pack.up), load::<L>(&pack.arm));
-            let (own, theirs) = (centre::<L>(bodies, &pack.a), centre::<L>(bodies, &pack.b));
-            let other = arm - (theirs + load::<L>(&pack.offset) - own);
-            let (a, turned) = moved_at::<L>(&bodies.lost, &pack.a, arm);
-            let (b, back) = moved_at::<L>(&bodies.lost, &pack.b, other);
-            let (past, twist) = (a - b, n.dot(turned - back));
+            let (mut past, mut turned) = moved_at::<L>(&bodies.lost, &pack.a, arm);
+            if !pack.still {
+                let (own, theirs) = (centre::<L>(bodies, &pack.a), centre::<L>(bodies, &pack.b));
+                let other = arm - (theirs + load::<L>(&pack.offset) - own);
+                let (b, back) = moved_at::<L>(&bodies.lost, &pack.b, other);
+                (past, turned) = (past - b, turned - back);
+            }
+            let twist = n.dot(turned);
             // Nothing that is not a number is to be remembered.
             let sound = (past.length_squared() + twist * twist).lt(L::splat(1e30));
             let sticks = sticks.and(sound);

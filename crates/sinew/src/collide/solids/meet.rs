@@ -37,6 +37,7 @@ impl Solids {
             a: a as u32,
             b: b as u32,
             stand: None,
+            still: None,
             memory: 0,
             offset: Vec3::ZERO,
             grip: Grip::default(),
@@ -108,6 +109,7 @@ impl Solids {
             }
             let meeting = Found {
                 stand: Some(number as u32),
+                still: stand.moving.is_none().then_some(here.rotation),
                 offset: here.translation,
                 grip: stand.grip(&own.material),
                 listened,

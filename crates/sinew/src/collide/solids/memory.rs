@@ -12,7 +12,7 @@
 //! more than `δ = |Δt| + |Δφ| r` as seen from the second one, with `r` how far out the first one reaches. So it has all that are nearer than `reach -
 //! δ` now; if they may come nearer by `m` in this step, it holds while `δ + m ≤ reach`. Manifolds are looked for with a little more than `m`
 //! ([`SLACK`]), which is what that leaves. And it holds no longer when the two have turned or slid by half of what a manifold is good for within a
-//! step (`contact`).
+//! step (`pack`).
 //!
 //! # Whose it is
 //!
@@ -25,8 +25,8 @@ use glam::Vec3;
 
 use super::super::Frame;
 use super::super::manifold::Manifold;
-use super::contact::{Pack, may_slide, may_turn, wear};
 use super::found::{Found, set};
+use super::pack::{Pack, may_slide, may_turn, wear};
 
 /// How much farther than needed manifolds are looked for, as a share of the smaller one's size: two that have moved against each other by less than
 /// that keep theirs. More would list pairs that never touch.

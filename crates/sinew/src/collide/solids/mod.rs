@@ -17,7 +17,8 @@
 //! | `again` | the same for a pair that has turned |
 //! | `found` | colours and packs of manifolds |
 //! | `memory` | what is remembered from one step to the next |
-//! | `contact` | pressing eight manifolds apart at a time; `hold`: their friction; `block` solves the few unknowns of one |
+//! | `pack` | eight manifolds of one colour |
+//! | `contact` | pressing them apart; `hold`: their friction, with `slip`; `block` solves the few unknowns of one |
 //! | `bounce` | restitution; `drag`: the lectures' friction |
 //! | `loose` | solids and single particles |
 //! | `lost` | what of that does not reach solids that share particles |
@@ -40,8 +41,10 @@ mod loose;
 mod lost;
 mod meet;
 mod memory;
+mod pack;
 mod read;
 mod segment;
+mod slip;
 mod stands;
 #[cfg(test)]
 mod tests;
@@ -61,12 +64,13 @@ use crate::lanes::{InstructionSet, LANES, Record, with};
 use crate::particles::Particles;
 use astray::Late;
 use bodies::Bodies;
-use contact::{Pack, Press};
+use contact::Press;
 use found::{Found, Sensed};
 use groups::Groups;
 use hold::{Expect, Hold};
 use loose::Loose;
 use memory::{Grasp, Memory};
+use pack::Pack;
 use read::{Gathered, Lifts, Read, Sums};
 use stands::Stand;
 use told::Told;

@@ -27,7 +27,7 @@ impl Work for Both<'_> {
             Side::of(&Symmetric { along, across }, t, u)
         };
         let (a, b) = (side(), side());
-        let patch = Patch { weight: some(0.1, 3.0), a, b, apart: (some(-1.0, 1.0), none) };
+        let patch = Patch { weight: some(0.1, 3.0), a, b: Some(b), apart: (some(-1.0, 1.0), none) };
         let c = [some(-1e-4, 1e-3), some(-1e-3, 1e-3)];
         let at = [(some(-1.0, 1.0), some(-1.0, 1.0)), (some(-1.0, 1.0), some(-1.0, 1.0))];
         let far = L::splat(-1e9);
@@ -80,7 +80,8 @@ impl Work for AsOne<'_> {
             across: Vector::new(none, none, none),
         };
         let side = || Side::of(&round, t, u);
-        let patch = Patch { weight: L::splat(0.4), a: side(), b: side(), apart: (none, none) };
+        let patch =
+            Patch { weight: L::splat(0.4), a: side(), b: Some(side()), apart: (none, none) };
         let near = |x: f32, random: &mut Random| {
             L::load(&core::array::from_fn(|_| x + distance * random.number()))
         };

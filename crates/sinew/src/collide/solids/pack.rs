@@ -1,0 +1,149 @@
+//! Eight manifolds side by side, as contacts are solved; and how long a manifold is good for while the two turn and slide on each other.
+
+use super::super::manifold::Manifold;
+use super::turn::{Eight, store};
+use crate::lanes::{LANES, Lanes, Vector};
+
+/// As good as infinitely far out, metres: what a missing point is.
+pub(super) const FAR: f32 = 1e9;
+
+/// The angle that two may turn against each other before they are compared again, rad.
+const TURNED: f32 = 0.02;
+/// The same for how far they may slide on each other, as a share of their size.
+const SLID: f32 = 0.03;
+/// How much further what is round may turn: its points then are `r φ` aside of where they should be, along a surface that bends away by `½ r φ²`. Of a
+/// leg, 6 cm thick, that is 0.04 mm.
+const ROUND: f32 = 2.5;
+/// How much faster a manifold wears whose [slope](Manifold::slope) is 1. Its points are points of the two, and as one slides over the rim of the
+/// other it touches with others, that are higher by the slope times the way: so that must be less, and no height is wrong by more than `SLID / STEEP`
+/// of the size. Without that a box fell half a millimetre deep into a rim that its manifold did not know of, and was thrown out of it, again and
+/// again, for minutes; three times as much finds a tenth more manifolds in a heap of boxes in random poses, for nothing.
+const STEEP: f32 = 100.0;
+
+/// The angle that the two of a manifold may turn against each other, rad.
+pub(super) fn may_turn(manifold: &Manifold) -> f32 {
+    if manifold.round { ROUND * TURNED } else { TURNED }
+}
+
+/// How far the two of a manifold may slide on each other, metres, of a size; no farther than that.
+pub(super) fn may_slide(manifold: &Manifold, size: f32) -> f32 {
+    manifold.free.min(size).max(SLID * size)
+}
+
+/// How much faster than others a manifold wears.
+pub(super) fn wear(manifold: &Manifold) -> f32 {
+    1.0 + STEEP * manifold.slope
+}
+
+/// Eight manifolds that have no solid in common; on lines of the cache of its own, because an eight that lies across two of them costs twice as much.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct Pack {
+    /// Rows of the bodies that are pushed along the normal, and of those that are pushed back.
+    pub(super) a: [u32; LANES],
+    pub(super) b: [u32; LANES],
+    /// Which of the manifolds that were found it is.
+    pub(super) number: [u32; LANES],
+    /// Whether all of the second ones stay where they are in this step: then nothing of them is asked. Most of what lies somewhere lies on such, and of
+    /// all that is reckoned for two bodies half is for the second one.
+    pub(super) still: bool,
+    /// In the second one's axes; in the world's if that stays where it is.
+    pub(super) normal: [Eight; 3],
+    /// Anchors from the centres, in their own axes, metres; the second one's as the normal.
+    pub(super) on_a: [[Eight; 3]; 4],
+    pub(super) on_b: [[Eight; 3]; 4],
+    /// Added to the distance of each point, metres: none for one that is there.
+    pub(super) missing: [Eight; 4],
+    /// From the first one's origin to the second one's, metres.
+    pub(super) offset: [Eight; 3],
+    pub(super) friction: Eight,
+    /// One by the length that the two may slide on each other before they are compared again, 1/m.
+    pub(super) stiff: Eight,
+    /// One by the angle that they may turn against each other before that, 1/rad.
+    pub(super) bent: Eight,
+    /// By how much more than the strain says, times what they may slide, others of their points may have come nearer than those of the manifold: a turn
+    /// of `φ` takes these away by up to `r φ` and others there by as much.
+    pub(super) elsewhere: Eight,
+    /// How much faster than others they are strained by that, and by turning: [`wear`].
+    pub(super) wear: Eight,
+    /// How much they have turned and slid since they were compared: 1 is as much as they may, where they touch.
+    pub(super) strain: Eight,
+    /// How far apart the nearest of their points will be if they go on as in the last substep, by how far they may slide; 0 where that is not known.
+    pub(super) gap: Eight,
+    /// How much of the arm is the first one's anchor: 1 if the second one stands, else a half.
+    pub(super) own: Eight,
+    /// Whether approach and place are to be kept: something bounces, or somebody listens.
+    pub(super) kept: bool,
+    /// A bit for each manifold where more overlap was recovered in this substep than may turn into speed, or one of whose solids comes from where
+    /// that was.
+    pub(super) popped: u32,
+    /// Of the substep: impulses of the points, kg·m.
+    pub(super) force: [Eight; 4],
+    /// Their speeds before contacts, m/s; negative when approaching.
+    pub(super) approach: [Eight; 4],
+    /// Normal in the world, and the centre of pressure from the first one's centre, metres.
+    pub(super) up: [Eight; 3],
+    pub(super) arm: [Eight; 3],
+    /// How far the points are from there; and the sum of their impulses, kg·m.
+    pub(super) radius: Eight,
+    pub(super) sum: Eight,
+    /// Against how much of such a sum friction has acted in this substep, before it was pressed; and may act in the next: a mean of the last ones.
+    pub(super) used: Eight,
+    pub(super) allowed: Eight,
+    /// How far what sticks is from where it stuck, metres, and has turned about the normal, rad: pressing moved it after it was held,
+    /// and joints took a part of what held it (`lost`).
+    pub(super) late: [Eight; 4],
+    /// A bit for each manifold that sticks.
+    pub(super) stuck: u32,
+    /// Of the step: sum of the impulses, kg·m.
+    pub(super) total: Eight,
+}
+
+impl Pack {
+    /// One without manifolds; `nothing` is the row of nothing.
+    pub(super) fn empty(nothing: u32, still: bool) -> Self {
+        let (none, vector) = ([0.0; LANES], [[0.0; LANES]; 3]);
+        Self {
+            a: [nothing; LANES],
+            b: [nothing; LANES],
+            number: [u32::MAX; LANES],
+            still,
+            normal: vector,
+            on_a: [vector; 4],
+            on_b: [vector; 4],
+            missing: [[FAR; LANES]; 4],
+            offset: vector,
+            friction: none,
+            stiff: none,
+            bent: none,
+            elsewhere: none,
+            wear: none,
+            strain: none,
+            gap: none,
+            own: none,
+            kept: false,
+            popped: 0,
+            force: [none; 4],
+            approach: [none; 4],
+            up: vector,
+            arm: vector,
+            radius: none,
+            sum: none,
+            used: none,
+            allowed: none,
+            late: [none; 4],
+            stuck: 0,
+            total: none,
+        }
+    }
+}
+
+impl Pack {
+    /// What lets go for a substep is held at its centre meanwhile: friction at an edge that has lifted would rock it, and it rocks on for minutes.
+    #[inline(always)]
+    pub(super) fn let_go<L: Lanes>(&mut self, normal: Vector<L>) {
+        self.radius = [0.0; LANES];
+        self.arm = [[0.0; LANES]; 3];
+        store(normal, &mut self.up);
+    }
+}
