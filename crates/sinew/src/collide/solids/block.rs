@@ -224,19 +224,27 @@ fn one_by_one<L: Lanes, const POINTS: usize>(
 
 /// What stops sliding `(x, y)` and twisting `z` at once, as far as Coulomb lets it: `limit` along the patch, `limit · radius` about its normal, and
 /// of both together what is within the ellipse of the two. And which part of the limit that is.
+///
+/// Where the radius is less than `blunt`, metres, a point holds something. It stops twisting, too, by `limit · blunt` at the most; but what turns on
+/// a point is held in its place as if it did not.
 #[inline(always)]
 pub(super) fn hold<L: Lanes>(
     k: &Symmetric<L>,
     slid: Vector<L>,
     limit: L,
-    radius: L,
+    (radius, blunt): (L, L),
 ) -> (Vector<L>, L) {
     let (none, one) = (L::zero(), L::splat(1.0));
     let slides = none.lt(limit).and(none.lt(k.along.x)).and(none.lt(k.along.y));
-    // A point, and what cannot be turned that way, has no twist.
-    let twists = none
-        .lt(radius)
+    let is_point = radius.lt(blunt);
+    // What cannot be turned that way has no twist.
+    let twists = blunt
+        .le(radius)
+        .and(none.lt(radius))
         .and((L::splat(1e-6) * (k.along.x + k.along.y)).lt(k.along.z * radius * radius));
+    let way = -slid.z / k.along.z;
+    let most = limit * blunt;
+    let twist = is_point.and(slides).and(none.lt(k.along.z)).and(way.max(-most).min(most));
     let k = Symmetric {
         along: Vector::new(
             slides.select(k.along.x, one),
@@ -252,7 +260,8 @@ pub(super) fn hold<L: Lanes>(
     let much = (along * along + about * about).sqrt();
     let good = slides.and(none.lt(pivot));
     let scale = good.and(one.lt(much).select(one / much, one));
-    (f * scale, good.and(much.min(one)))
+    let f = f * scale;
+    (Vector::new(f.x, f.y, f.z + good.and(twist)), good.and(much.min(one)))
 }
 
 #[cfg(test)]

@@ -31,6 +31,8 @@ pub(super) struct Found {
     pub(super) size: f32,
     /// See `Pack`.
     pub(super) strain: f32,
+    /// See `Pack`; metres.
+    pub(super) blunt: f32,
 }
 
 impl Found {
@@ -162,6 +164,7 @@ pub(super) fn put_manifold(
     pack.wear[lane] = wear(&known.manifold);
     let (turn, slide) = (may_turn(&known.manifold), may_slide(&known.manifold, one.size));
     (pack.bent[lane], pack.stiff[lane]) = (1.0 / turn, 1.0 / slide);
+    pack.blunt[lane] = one.blunt;
     pack.elsewhere[lane] = 2.0 * one.size * turn / slide;
     (pack.strain[lane], pack.gap[lane]) = (0.0, 0.0);
     let points = known.manifold.points();

@@ -236,6 +236,11 @@ impl Groups {
         self.kin[a].contains(&(b as u32))
     }
 
+    /// Whether no other solid has any of its particles.
+    pub(super) fn is_alone(&self, a: usize) -> bool {
+        self.kin[a].is_empty()
+    }
+
     /// The row of a solid among the bodies: its lane of its group.
     #[inline(always)]
     pub(super) fn place(&self, number: usize) -> usize {

@@ -9,6 +9,7 @@ use super::astray::Late;
 use super::found::{Found, Sensed};
 use super::groups::Groups;
 use super::memory::{Grasp, Key, Memory, Other, Remembered, SLACK};
+use super::pack::BLUNT;
 use crate::particles::{NO_BODY, Particles};
 
 impl Solids {
@@ -46,6 +47,7 @@ impl Solids {
             colour: 0,
             size: 0.0,
             strain: 0.0,
+            blunt: 0.0,
         };
         let (meet, there, meeting) = if let Some(other) = seen.get(b) {
             let theirs = contacts(other.body);
@@ -122,6 +124,10 @@ impl Solids {
             let meet = Meet { key, shapes: [&solid.shape, &stand.shape], size, reach };
             (meet, here, meeting)
         };
+        // Joints of bones turn these on their points, and they crept on over the floor when that was held.
+        let alone = groups.is_alone(a) && (b >= seen.len() || groups.is_alone(b));
+        let blunt = if alone { BLUNT * meeting.size } else { 0.0 };
+        let meeting = Found { blunt, ..meeting };
         let (frames, scratch) = ([&one.frame, &there], &mut scratch.0);
         if late {
             meet.find_late(frames, meeting, known, memory, found, scratch);

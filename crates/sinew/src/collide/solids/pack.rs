@@ -20,6 +20,10 @@ const ROUND: f32 = 2.5;
 /// again, for minutes; three times as much finds a tenth more manifolds in a heap of boxes in random poses, for nothing.
 const STEEP: f32 = 100.0;
 
+/// How blunt everything is, as a share of its size. What touches in a point has no arm to stop a turn on it with, in numbers; of any stuff there is
+/// one, and a box that stands on a corner, or hangs between two, does not turn about that for ever.
+pub(super) const BLUNT: f32 = 0.01;
+
 /// The angle that the two of a manifold may turn against each other, rad.
 pub(super) fn may_turn(manifold: &Manifold) -> f32 {
     if manifold.round { ROUND * TURNED } else { TURNED }
@@ -70,6 +74,8 @@ pub(super) struct Pack {
     pub(super) strain: Eight,
     /// How far apart the nearest of their points will be if they go on as in the last substep, by how far they may slide; 0 where that is not known.
     pub(super) gap: Eight,
+    /// The arm at which friction acts against turning on what is a point, metres: [`BLUNT`] of its size, if its particles are nobody else's.
+    pub(super) blunt: Eight,
     /// How much of the arm is the first one's anchor: 1 if the second one stands, else a half.
     pub(super) own: Eight,
     /// Whether approach and place are to be kept: something bounces, or somebody listens.
@@ -120,6 +126,7 @@ impl Pack {
             wear: none,
             strain: none,
             gap: none,
+            blunt: none,
             own: none,
             kept: false,
             popped: 0,

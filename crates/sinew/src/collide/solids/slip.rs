@@ -88,7 +88,7 @@ impl<L: Lanes> Slip<L> {
             theirs = Some((b.inverse_mass, yields));
         }
         let limit = against * L::load(&pack.friction);
-        let (f, much) = hold(&stiff, slid, limit, L::load(&pack.radius));
+        let (f, much) = hold(&stiff, slid, limit, (L::load(&pack.radius), L::load(&pack.blunt)));
         let good = f.length_squared().lt(L::splat(1e30));
         let f = Vector::new(good.and(f.x), good.and(f.y), good.and(f.z));
         let along = *t * f.x + *u * f.y;
@@ -149,8 +149,11 @@ impl<L: Lanes> Slip<L> {
         let sticks = sticks.and(size.le(L::splat(most / BACK)));
         pack.stuck = sticks.bits();
         let left = left.or_else(sticks, *late * L::splat(FADES));
+        // A point does not know how it was turned.
+        let is_point = L::load(&pack.radius).lt(L::load(&pack.blunt));
+        let twist = is_point.select(L::zero(), left.z);
         let along = *t * left.x + *u * left.y;
-        for (to, from) in pack.late.iter_mut().zip([along.x, along.y, along.z, left.z]) {
+        for (to, from) in pack.late.iter_mut().zip([along.x, along.y, along.z, twist]) {
             from.store(to);
         }
     }

@@ -1,6 +1,7 @@
 //! Coulomb's friction (physics.md F8).
 
 use super::*;
+use crate::recipes::{BoxLayout, BoxSpec, box_3d};
 
 /// A box on a slope: how far it slid down in two seconds, and how far it would without friction but for Coulomb's.
 fn slide(friction: f32, tangent: f32) -> (f32, f32) {
@@ -55,4 +56,35 @@ fn a_box_that_spins_on_the_floor_stops_where_it_is() {
     throw(&mut world, first, Vec3::ZERO, Vec3::Y * 5.0);
     step(&mut world, 3.0);
     assert!(centre(&world, first).with_y(0.0).length() < 0.01 && speed(&world) < 1e-3);
+}
+
+/// It touches the floor in a point, about which it turned for ever: now as on a patch of a hundredth of its size.
+#[test]
+fn a_ball_that_spins_on_the_floor_slows_down_as_on_a_small_patch_and_stops() {
+    let mut world = world();
+    let (friction, radius) = (0.5, 0.5);
+    floor(&mut world, rough(friction));
+    let spec = BoxSpec { layout: BoxLayout::Equimomental, ..BoxSpec::default() };
+    let ball = Shape::sphere(radius).unwrap();
+    let body = box_3d(&spec).unwrap();
+    let first = add(&mut world, &body, ball, Vec3::Y * radius, Quat::IDENTITY);
+    let spin = |world: &Simulation| {
+        let at = centre(world, first);
+        let each = (first..first + 8).map(|i| {
+            let arm = world.particles.position(i) - at;
+            (arm.cross(world.particles.velocity(i)).y, arm.with_y(0.0).length_squared())
+        });
+        let (sum, squares) = each.fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
+        sum / squares
+    };
+    throw(&mut world, first, Vec3::ZERO, Vec3::Y);
+    // M = μ m g · s / 100, with half the diagonal of the box around it; of a mass with the inertia of a cube of 1 m.
+    let size = radius * 3.0_f32.sqrt();
+    let slowing = friction * 9.81 * size * 0.01 * 6.0;
+    step(&mut world, 3.0);
+    let (now, exact) = (spin(&world), 1.0 - 3.0 * slowing);
+    assert!((now / exact - 1.0).abs() < 0.03, "{now} {exact}");
+    step(&mut world, 1.1 / slowing - 3.0);
+    assert!(spin(&world).abs() < 1e-3 && speed(&world) < 1e-3, "{}", spin(&world));
+    assert!(centre(&world, first).with_y(0.0).length() < 1e-3);
 }
