@@ -75,8 +75,8 @@ fn press_pack<L: Lanes, const POINTS: usize, const STILL: bool>(
     let (none, one) = (L::zero(), L::splat(1.0));
     let mut a = Rows::<L>::load(bodies, &pack.a);
     let mut b = if STILL { None } else { Some(Rows::<L>::load(bodies, &pack.b)) };
-    // From the first one's centre to the second one's, at the start; and how much that has grown. (Matches, for a closure is not made for
-    // the processor that it runs on.)
+    // From the first one's centre to the second one's, at the start; and how much that has grown. A match, for a closure is not made for the
+    // processor that it runs on.
     let offset = load::<L>(&pack.offset);
     let normal = load::<L>(&pack.normal);
     let (apart, drift, n, shift, spin, weight) = match &b {

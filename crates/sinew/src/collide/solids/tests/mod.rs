@@ -11,6 +11,7 @@ mod memory;
 mod moved;
 mod rest;
 mod slopes;
+mod still;
 mod twins;
 mod wedged;
 
