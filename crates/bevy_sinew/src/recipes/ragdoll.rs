@@ -19,8 +19,8 @@ pub struct Ragdoll {
     pub height: f32,
     /// Mass of the whole figure, kg. Default 75.
     pub mass: f32,
-    /// Friction in its joints, 1/s, 0 to 1000: how fast what its limbs do against each other dies away. Default 0.5. A [`BodySolver`](crate::BodySolver)
-    /// that is put onto the body is asked instead.
+    /// Friction in its joints, 1/s, 0 to 1000: how fast what its limbs do against each other dies away. Default 0.5. A
+    /// [`BodySolver`](crate::BodySolver) that is put onto the body is asked instead.
     pub damping: f32,
 }
 

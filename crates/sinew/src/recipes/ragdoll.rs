@@ -107,11 +107,11 @@ const SWEEPS: u32 = 40;
 /// A human figure of 22 particles ([`RagdollParticle`]) in 11 parts, standing with its soles at y = 0 below the origin of its
 /// coordinates, and facing +z.
 ///
-/// Each particle's radius is the thickness of the body there, so that it comes to rest on the ground as thick as it is drawn.
-/// Parts are called `"head"`, `"torso"`, `"pelvis"`, `"left upper arm"`, `"left forearm"`, `"left thigh"`, `"left shin"` and
-/// the same on the right. A limb's part is centred on its bone, with y from the far joint to the near one; the others are
-/// upright when the figure stands. It asks for up to 40 sweeps, until nothing is off by more than
-/// 0.0003 of its height (at 600 substeps a second; [in proportion](BodySettings#tolerance-as-a-speed)); its joints yield by a few degrees at most when it lands.
+/// Each particle's radius is the thickness of the body there, so that it comes to rest on the ground as thick as it is drawn. Parts are called
+/// `"head"`, `"torso"`, `"pelvis"`, `"left upper arm"`, `"left forearm"`, `"left thigh"`, `"left shin"` and the same on the right. A limb's part is
+/// centred on its bone, with y from the far joint to the near one; the others are upright when the figure stands. It asks for up to 40 sweeps, until
+/// nothing is off by more than 0.0003 of its height (at 600 substeps a second; [in proportion](BodySettings#tolerance-as-a-speed)); its joints yield
+/// by a few degrees at most when it lands.
 pub fn ragdoll(spec: &RagdollSpec) -> Result<Blueprint, RagdollFault> {
     if !LENGTHS.contains(&spec.height) {
         return Err(RagdollFault::Height);

@@ -94,8 +94,8 @@ pub struct BodySettings {
     /// In which order its constraints are enforced.
     pub order: Option<Order>,
     /// How fast what its particles do against each other dies away, 1/s, 0 and up, default 0: friction in its joints, or in its stuff. What all of it
-    /// does together, as a rigid body would, stays: it falls, flies and spins as without (Müller et al., *Position Based Dynamics*, 2007, section 3.5).
-    /// A negative or non-finite one counts as 0.
+    /// does together, as a rigid body would, stays: it falls, flies and spins as without (Müller et al., *Position Based Dynamics*, 2007, section
+    /// 3.5). A negative or non-finite one counts as 0.
     pub damping: f32,
 }
 

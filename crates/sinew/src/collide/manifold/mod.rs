@@ -53,7 +53,8 @@ pub(crate) struct Manifold {
     pub(crate) part: u32,
     /// Whether the first of the two is round: then a turn moves its points along its surface, and not up or down.
     pub(crate) round: bool,
-    /// How far the two may slide on each other, at least, and be to each other what they are, metres: to the rim of a face. 0 where that is not known.
+    /// How far the two may slide on each other, at least, and be to each other what they are, metres: to the rim of a face. 0 where that is not
+    /// known.
     pub(crate) free: f32,
     /// The slope of one on the other, where the deepest point is not a corner of it but where the other one ends: as it slides or turns it touches
     /// there with other points of its own, that are higher or lower by so much a metre. 0 where that is not so, or not known.

@@ -13,8 +13,8 @@ impl Solids {
     /// Compares those again that have turned against each other, or slid on each other, by more than their points are good for; at the places where
     /// this substep began, after a share of the step.
     ///
-    /// Where the points of a manifold are farther apart than others may have come nearer than those meanwhile (`Pack::elsewhere`), nothing touches, and
-    /// nothing is compared: so most that fly past each other never are.
+    /// Where the points of a manifold are farther apart than others may have come nearer than those meanwhile (`Pack::elsewhere`), nothing touches,
+    /// and nothing is compared: so most that fly past each other never are.
     pub(super) fn compare_again(&mut self, world: &World, share: f32) {
         let Self { groups, seen, stands, found, packs, bodies, scratch, memory, .. } = self;
         let frame = |number: usize| bodies.frame(groups.place(number), groups.parts[number].centre);

@@ -2,8 +2,8 @@
 //!
 //! What was found for a step holds as long as all go on as they went when it began, give or take what jolts may do ([`way`](super::way)). In a heap
 //! that tumbles there is always one that does not: it is looked after by itself, from where it is, and what it may come to touch is added to what was
-//! found. What was found before stays: of two that turn or slide on each other others see to that (`again`). So nobody minds, to the last bit, whether
-//! something far off has left its way.
+//! found. What was found before stays: of two that turn or slide on each other others see to that (`again`). So nobody minds, to the last bit,
+//! whether something far off has left its way.
 //!
 //! What comes late has colours of its own, and is pressed after all others.
 

@@ -164,8 +164,8 @@ pub(super) fn press<L: Lanes, const POINTS: usize>(
     force
 }
 
-/// Where points are from the middle of those inside, which has been reckoned but for round-off. That is nothing to a patch, but all to one whose points
-/// are as near each other as it is: so it is taken off once more.
+/// Where points are from the middle of those inside, which has been reckoned but for round-off. That is nothing to a patch, but all to one whose
+/// points are as near each other as it is: so it is taken off once more.
 #[inline(always)]
 fn centred<L: Lanes, const POINTS: usize>(
     at: &[(L, L); POINTS],

@@ -5,7 +5,7 @@
 //! pressed, against what pressed it in the substeps before; and only what has just met, or slides although it is pressed more than that, once more
 //! afterwards. Positions are held against `s`, how far the two surfaces have slid on each other since the substep began, at the centre of the
 //! pressure; and against the turn of one on the other. The impulse is at most `μ Σ λ`, its moment about the normal at most that times the radius of
-//! the patch.
+//! the patch; of what is a point, a hundredth of its size (`pack::BLUNT`), without a memory.
 //!
 //! # What is to come
 //!

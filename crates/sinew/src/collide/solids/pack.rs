@@ -11,8 +11,8 @@ pub(super) const FAR: f32 = 1e9;
 const TURNED: f32 = 0.02;
 /// The same for how far they may slide on each other, as a share of their size.
 const SLID: f32 = 0.03;
-/// How much further what is round may turn: its points then are `r φ` aside of where they should be, along a surface that bends away by `½ r φ²`. Of a
-/// leg, 6 cm thick, that is 0.04 mm.
+/// How much further what is round may turn: its points then are `r φ` aside of where they should be, along a surface that bends away by `½ r φ²`. Of
+/// a leg, 6 cm thick, that is 0.04 mm.
 const ROUND: f32 = 2.5;
 /// How much faster a manifold wears whose [slope](Manifold::slope) is 1. Its points are points of the two, and as one slides over the rim of the
 /// other it touches with others, that are higher by the slope times the way: so that must be less, and no height is wrong by more than `SLID / STEEP`
@@ -48,8 +48,8 @@ pub(super) struct Pack {
     pub(super) b: [u32; LANES],
     /// Which of the manifolds that were found it is.
     pub(super) number: [u32; LANES],
-    /// Whether all of the second ones stay where they are in this step: then nothing of them is asked. Most of what lies somewhere lies on such, and of
-    /// all that is reckoned for two bodies half is for the second one.
+    /// Whether all of the second ones stay where they are in this step: then nothing of them is asked. Most of what lies somewhere lies on such, and
+    /// of all that is reckoned for two bodies half is for the second one.
     pub(super) still: bool,
     /// In the second one's axes; in the world's if that stays where it is.
     pub(super) normal: [Eight; 3],
@@ -65,8 +65,8 @@ pub(super) struct Pack {
     pub(super) stiff: Eight,
     /// One by the angle that they may turn against each other before that, 1/rad.
     pub(super) bent: Eight,
-    /// By how much more than the strain says, times what they may slide, others of their points may have come nearer than those of the manifold: a turn
-    /// of `φ` takes these away by up to `r φ` and others there by as much.
+    /// By how much more than the strain says, times what they may slide, others of their points may have come nearer than those of the manifold: a
+    /// turn of `φ` takes these away by up to `r φ` and others there by as much.
     pub(super) elsewhere: Eight,
     /// How much faster than others they are strained by that, and by turning: [`wear`].
     pub(super) wear: Eight,

@@ -1,8 +1,8 @@
 //! Boxes that are near each other all the time, the bones of a figure or links of a rope, searched as one: the grid finds which clusters are near
 //! each other, and boxes are compared with those of their own cluster and of clusters that are near.
 //!
-//! A bone has eleven others of its figure around it. To a grid that is a crowd of boxes of many sizes, each of which looks into some thirty cells, for
-//! what is known from the start; compared one with the other they are 66 pairs, and a hundred figures are a hundred boxes of like size.
+//! A bone has eleven others of its figure around it. To a grid that is a crowd of boxes of many sizes, each of which looks into some thirty cells,
+//! for what is known from the start; compared one with the other they are 66 pairs, and a hundred figures are a hundred boxes of like size.
 
 use glam::Vec3;
 
@@ -28,8 +28,8 @@ pub(crate) struct Clusters {
 }
 
 impl Clusters {
-    /// Takes boxes in (least and greatest corner), and all pairs `[a, b]`, `a < b`, of those that overlap or touch; sorted. One with NaN, or with less
-    /// than no extent, overlaps nothing. A box that is `joined` is near the one before it.
+    /// Takes boxes in (least and greatest corner), and all pairs `[a, b]`, `a < b`, of those that overlap or touch; sorted. One with NaN, or with
+    /// less than no extent, overlaps nothing. A box that is `joined` is near the one before it.
     pub(crate) fn pairs(
         &mut self,
         bounds: &[(Vec3, Vec3)],
