@@ -1,140 +1,167 @@
 //! Two that may come to touch: what is remembered of where they do, as long as that holds, and otherwise what is found afresh.
 
-use glam::Vec3;
-
 use super::super::manifold::{Scratch, collide, is_of_triangles};
-use super::super::{BodyContacts, Frame, Grip, Party, Shape, World};
+use super::super::{BodyContacts, Frame, Party, Shape, World};
 use super::Solids;
 use super::astray::Late;
 use super::found::{Found, Sensed};
 use super::groups::Groups;
 use super::memory::{Grasp, Key, Memory, Other, Remembered, SLACK};
 use super::pack::BLUNT;
+use super::way::Seen;
 use crate::particles::{NO_BODY, Particles};
 
 impl Solids {
     /// Finds the manifolds of a pair after a share of the step, or remembers them; `late`, those that are not known yet.
+    #[inline]
     pub(super) fn compare(
+        &mut self,
+        pair: [usize; 2],
+        particles: &Particles,
+        world: &World,
+        when: (f32, bool),
+    ) {
+        if pair[1] < self.seen.len() {
+            self.compare_solids(pair, particles, world, when);
+        } else {
+            self.compare_with_stand(pair, world, when);
+        }
+    }
+
+    /// Two solids.
+    fn compare_solids(
         &mut self,
         [a, b]: [usize; 2],
         particles: &Particles,
         world: &World,
         (share, late): (f32, bool),
     ) {
-        let Self { groups, seen, stands, found, memory, sensed, scratch, late: known, .. } = self;
-        let time = (1.0 - share) * world.dt;
-        let (one, size) = (&seen[a], groups.parts[a].reach);
+        let Self { groups, seen, found, memory, scratch, late: known, .. } = self;
+        let (one, other) = (&seen[a], &seen[b]);
         // Neighbours in a body are near each other all the time.
-        let same = seen.get(b).is_some_and(|other| one.body == other.body && one.body != NO_BODY);
+        let same = one.body == other.body && one.body != NO_BODY;
         if same && groups.share_a_row(a, b) {
             return;
         }
-        let contacts = |body: u32| world.bodies.get(body as usize).copied().unwrap_or_default();
-        let own: BodyContacts = contacts(one.body);
-        let party = |number: usize| party(groups, number, seen[number].body);
-        let solid = &world.solids[a];
-        let key = |other| Key { a: solid.id, other, nth: 0 };
-        let meeting = |b: usize| Found {
+        let otherwise = BodyContacts::default();
+        let (own, theirs) = (contacts(world, one, &otherwise), contacts(world, other, &otherwise));
+        let overlap = || world.solids[a].overlaps_at_rest(&world.solids[b], particles);
+        if !own.layers.meets(theirs.layers) || same && (!own.with_itself || overlap()) {
+            return;
+        }
+        let (solid, with) = (&world.solids[a], &world.solids[b]);
+        let key = Key { a: solid.id, other: Other::Solid(with.id), nth: 0 };
+        let (part, their) = (&groups.parts[a], &groups.parts[b]);
+        if part.immovable && their.immovable {
+            if !late {
+                memory.carry(&key);
+            }
+            return;
+        }
+        let offset = other.origin - one.origin;
+        let there = Frame { translation: other.frame.translation + offset, ..other.frame };
+        let (shapes, size) =
+            ([&solid.shape, &with.shape], (part.reach, part.reach.min(their.reach)));
+        // Joints of bones turn these on their points, and they crept on over the floor when that was held.
+        let blunt = if groups.is_alone(a) && groups.is_alone(b) { BLUNT * size.1 } else { 0.0 };
+        let meeting = || Found {
             a: a as u32,
             b: b as u32,
             stand: None,
             still: None,
             memory: 0,
-            offset: Vec3::ZERO,
-            grip: Grip::default(),
-            listened: own.events,
-            parties: [party(a); 2],
+            offset,
+            grip: own.material.against(&theirs.material),
+            listened: own.events || theirs.events,
+            parties: [party(groups, a, one.body), party(groups, b, other.body)],
             colour: 0,
-            size: 0.0,
+            size: size.1,
             strain: 0.0,
-            blunt: 0.0,
+            blunt,
         };
-        let (meet, there, meeting) = if let Some(other) = seen.get(b) {
-            let theirs = contacts(other.body);
-            let overlap = || world.solids[a].overlaps_at_rest(&world.solids[b], particles);
-            if !own.layers.meets(theirs.layers) || same && (!own.with_itself || overlap()) {
-                return;
-            }
-            let key = key(Other::Solid(world.solids[b].id));
-            if groups.parts[a].immovable && groups.parts[b].immovable {
-                if !late {
-                    memory.carry(&key);
-                }
-                return;
-            }
-            let offset = other.origin - one.origin;
-            let frame = Frame { translation: other.frame.translation + offset, ..other.frame };
-            let size = (size, size.min(groups.parts[b].reach));
-            let meeting = Found {
-                offset,
-                grip: own.material.against(&theirs.material),
-                listened: own.events || theirs.events,
-                parties: [party(a), party(b)],
-                size: size.1,
-                ..meeting(b)
-            };
-            // Within a step nobody is quite where he was expected.
-            let off = if late { one.beside + other.beside } else { 0.0 };
-            let reach = one.reach_of(other, time) + off;
-            let meet = Meet { key, shapes: [&solid.shape, &world.solids[b].shape], size, reach };
-            (meet, frame, meeting)
-        } else {
-            let number = b - seen.len();
-            let stand = &stands[number];
-            if !own.layers.meets(stand.layers) {
-                return;
-            }
-            let frame = stand.frame_at(world, share);
-            let here = stand.seen_from(&frame, one.origin);
-            let listened = own.events || stand.events;
-            let parties = [party(a), stand.party];
-            if stand.sensor {
-                if listened {
-                    let seen_from = one.frame.from_within(&here);
-                    let (shape, scratch) = (&solid.shape, &mut scratch.0);
-                    collide(shape, &stand.shape, &seen_from, 0.0, scratch, &mut |manifold| {
-                        if let Some(point) = manifold.points().first() {
-                            let normal = frame.turn(manifold.normal);
-                            let point = one.origin + one.frame.point(point.on_a);
-                            sensed.push(Sensed { parties, point, normal });
-                        }
-                    });
-                }
-                return;
-            }
-            let key = key(stand.other);
-            if groups.parts[a].immovable {
-                if !late {
-                    memory.carry(&key);
-                }
-                return;
-            }
-            let meeting = Found {
-                stand: Some(number as u32),
-                still: stand.moving.is_none().then_some(here.rotation),
-                offset: here.translation,
-                grip: stand.grip(&own.material),
-                listened,
-                parties,
-                size,
-                ..meeting(groups.padded() + number)
-            };
-            let reach = one.reach(time) + stand.carries(one, world, share);
-            let size = (size, size);
-            let meet = Meet { key, shapes: [&solid.shape, &stand.shape], size, reach };
-            (meet, here, meeting)
-        };
-        // Joints of bones turn these on their points, and they crept on over the floor when that was held.
-        let alone = groups.is_alone(a) && (b >= seen.len() || groups.is_alone(b));
-        let blunt = if alone { BLUNT * meeting.size } else { 0.0 };
-        let meeting = Found { blunt, ..meeting };
-        let (frames, scratch) = ([&one.frame, &there], &mut scratch.0);
+        // Within a step nobody is quite where he was expected.
+        let off = if late { one.beside + other.beside } else { 0.0 };
+        let reach = one.reach_of(other, (1.0 - share) * world.dt) + off;
+        let (meet, frames) = (Meet { key, shapes, size, reach }, [&one.frame, &there]);
         if late {
-            meet.find_late(frames, meeting, known, memory, found, scratch);
+            let pair = [a as u32, b as u32];
+            meet.find_late(frames, (pair, meeting), known, memory, found, &mut scratch.0);
         } else {
-            meet.find(frames, meeting, memory, found, scratch);
+            meet.find(frames, meeting, memory, found, &mut scratch.0);
         }
     }
+
+    /// A solid and what stands.
+    fn compare_with_stand(
+        &mut self,
+        [a, b]: [usize; 2],
+        world: &World,
+        (share, late): (f32, bool),
+    ) {
+        let Self { groups, seen, stands, found, memory, sensed, scratch, late: known, .. } = self;
+        let (one, number) = (&seen[a], b - seen.len());
+        let (solid, stand) = (&world.solids[a], &stands[number]);
+        let otherwise = BodyContacts::default();
+        let own = contacts(world, one, &otherwise);
+        if !own.layers.meets(stand.layers) {
+            return;
+        }
+        let frame = stand.frame_at(world, share);
+        let here = stand.seen_from(&frame, one.origin);
+        let listened = own.events || stand.events;
+        let parties = || [party(groups, a, one.body), stand.party];
+        if stand.sensor {
+            if listened {
+                let seen_from = one.frame.from_within(&here);
+                let (shape, scratch) = (&solid.shape, &mut scratch.0);
+                collide(shape, &stand.shape, &seen_from, 0.0, scratch, &mut |manifold| {
+                    if let Some(point) = manifold.points().first() {
+                        let normal = frame.turn(manifold.normal);
+                        let point = one.origin + one.frame.point(point.on_a);
+                        sensed.push(Sensed { parties: parties(), point, normal });
+                    }
+                });
+            }
+            return;
+        }
+        let (part, key) = (&groups.parts[a], Key { a: solid.id, other: stand.other, nth: 0 });
+        if part.immovable {
+            if !late {
+                memory.carry(&key);
+            }
+            return;
+        }
+        let row = (groups.padded() + number) as u32;
+        let meeting = || Found {
+            a: a as u32,
+            b: row,
+            stand: Some(number as u32),
+            still: stand.moving.is_none().then_some(here.rotation),
+            memory: 0,
+            offset: here.translation,
+            grip: stand.grip(&own.material),
+            listened,
+            parties: parties(),
+            colour: 0,
+            size: part.reach,
+            strain: 0.0,
+            blunt: if groups.is_alone(a) { BLUNT * part.reach } else { 0.0 },
+        };
+        let (shapes, size) = ([&solid.shape, &stand.shape], (part.reach, part.reach));
+        let reach = one.reach((1.0 - share) * world.dt) + stand.carries(one, world, share);
+        let (meet, frames) = (Meet { key, shapes, size, reach }, [&one.frame, &here]);
+        if late {
+            let pair = [a as u32, row];
+            meet.find_late(frames, (pair, meeting), known, memory, found, &mut scratch.0);
+        } else {
+            meet.find(frames, meeting, memory, found, &mut scratch.0);
+        }
+    }
+}
+
+/// What the body of a solid asks of contacts.
+fn contacts<'a>(world: &World<'a>, one: &Seen, otherwise: &'a BodyContacts) -> &'a BodyContacts {
+    world.bodies.get(one.body as usize).unwrap_or(otherwise)
 }
 
 /// A solid, and another one or what stands.
@@ -149,10 +176,11 @@ struct Meet<'a> {
 
 impl Meet<'_> {
     /// Adds their manifolds to what is remembered, and those that may come to press to what was found, each as `meeting` has it.
+    #[inline(always)]
     fn find(
         self,
         [a, b]: [&Frame; 2],
-        meeting: Found,
+        meeting: impl Fn() -> Found,
         memory: &mut Memory,
         found: &mut Vec<Found>,
         scratch: &mut Scratch,
@@ -161,15 +189,15 @@ impl Meet<'_> {
         let here = a.from_within(b);
         let marks = shapes.map(Shape::mark);
         let of_triangles = shapes.into_iter().any(is_of_triangles);
-        let known = memory.recall(&key).filter(|known| known.marks == marks).copied();
-        let strain = known.and_then(|known| known.strain(&here, (size, smaller), reach));
-        if let (Some(mut known), Some(strain)) = (known, strain) {
-            if known.is_near(&here, reach) {
-                found.push(Found { strain, memory: memory.now.len() as u32, ..meeting });
-            } else {
-                known.grasp = Grasp::default();
+        let known = memory.recall(&key).filter(|known| known.marks == marks);
+        let holds = known.and_then(|known| {
+            Some((known.strain(&here, (size, smaller), reach)?, known.is_near(&here, reach)))
+        });
+        if let Some((strain, near)) = holds {
+            let memory = memory.keep(near);
+            if near {
+                found.push(Found { strain, memory, ..meeting() });
             }
-            memory.now.push(known);
             return;
         }
         let (first, far) = (memory.now.len(), reach + SLACK * smaller);
@@ -179,27 +207,29 @@ impl Meet<'_> {
             memory.now.push(Remembered { key, marks, manifold, seen_from: here, reach, grasp });
         });
         // Triangles come in any order.
-        memory.now[first..].sort_unstable_by_key(|one| one.key);
+        if of_triangles {
+            memory.now[first..].sort_unstable_by_key(|one| one.key);
+        }
         for place in first..memory.now.len() {
             memory.learn(place, b);
             if memory.now[place].is_near(&here, reach) {
-                found.push(Found { memory: place as u32, ..meeting });
+                found.push(Found { memory: place as u32, ..meeting() });
             }
         }
     }
 
-    /// The same within a step, for those that were not found before.
+    /// The same within a step, for those that were not found before; the pair as it is in [`Found`].
     fn find_late(
         self,
         [a, b]: [&Frame; 2],
-        meeting: Found,
+        (pair, meeting): ([u32; 2], impl Fn() -> Found),
         late: &Late,
         memory: &mut Memory,
         found: &mut Vec<Found>,
         scratch: &mut Scratch,
     ) {
         let Self { key, shapes, reach, .. } = self;
-        let (here, pair) = (a.from_within(b), [meeting.a, meeting.b]);
+        let here = a.from_within(b);
         let marks = shapes.map(Shape::mark);
         let of_triangles = shapes.into_iter().any(is_of_triangles);
         if !of_triangles && late.has(pair, 0, found, memory) {
@@ -212,7 +242,7 @@ impl Meet<'_> {
             let (key, manifold) = (Key { nth: manifold.part, ..key }, *manifold);
             let (reach, grasp) = (if of_triangles { -1.0 } else { reach }, Grasp::default());
             let one = Remembered { key, marks, manifold, seen_from: here, reach, grasp };
-            found.push(Found { memory: memory.learn_late(one), ..meeting });
+            found.push(Found { memory: memory.learn_late(one), ..meeting() });
         });
     }
 }

@@ -235,6 +235,16 @@ impl Memory {
         self.was.get(self.next).filter(|one| one.key == *key)
     }
 
+    /// Keeps what was [recalled](Self::recall) last, and says where; what it holds only if it is near.
+    pub(super) fn keep(&mut self, near: bool) -> u32 {
+        let place = self.now.len();
+        self.now.push(self.was[self.next]);
+        if !near {
+            self.now[place].grasp = Grasp::default();
+        }
+        place as u32
+    }
+
     /// Keeps what was remembered of two as it was.
     pub(super) fn carry(&mut self, key: &Key) {
         self.recall(key);
