@@ -6,8 +6,9 @@ use super::super::World;
 use super::Solids;
 use super::bodies::ROTATION;
 use super::found::{colour, pack};
+use super::guess::certain;
 use super::memory::ContactMemory;
-use super::read::{Read, certain, guess};
+use super::read::Read;
 use super::way::{Seen, Ways};
 use crate::lanes::{LANES, with};
 use crate::particles::{NO_BODY, Particles};
@@ -33,11 +34,7 @@ impl Solids {
         let rows = self.groups.padded() + self.stands.len() + 1;
         self.bodies.resize(rows);
         self.sums.resize(self.groups.groups.len(), Default::default());
-        for (number, part) in self.groups.parts.iter().enumerate().filter(|(_, part)| part.sound) {
-            let rest = &world.solids[number].rest;
-            let place = self.groups.place(number);
-            self.bodies[place][ROTATION] = guess(&self.groups, part, rest, particles);
-        }
+        self.guess(particles, world);
         self.read_fresh(particles, world);
         self.ways.clear();
         self.ways.resize(self.groups.groups.len(), Ways::default());
@@ -135,10 +132,11 @@ impl Solids {
         pairs.extend(nearby);
     }
 
-    /// Puts what stands where it is from one share of the step to another.
+    /// Puts what stands where it is from one share of the step to another. What goes nowhere has been put there when the step began.
     pub(super) fn place_stands(&mut self, world: &World, from: f32, to: f32) {
-        let first = self.groups.padded();
-        for (number, stand) in self.stands.iter().enumerate() {
+        let (first, begins) = (self.groups.padded(), to == 0.0);
+        let stands = self.stands.iter().enumerate();
+        for (number, stand) in stands.filter(|(_, stand)| begins || stand.moving.is_some()) {
             let (start, end) = (stand.frame_at(world, from), stand.frame_at(world, to));
             self.bodies.place(first + number, &start, &end);
         }

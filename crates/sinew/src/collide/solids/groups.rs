@@ -10,6 +10,7 @@ use core::ops::Range;
 
 use glam::Vec3;
 
+use super::guess::Aim;
 use super::turn::Eight;
 use super::weights::{LINE, Weights};
 use super::{Solid, SolidFault};
@@ -38,6 +39,8 @@ pub(super) struct Group {
     pub(super) shares: bool,
     /// Whether one of them has a pinned particle.
     pub(super) pinned: bool,
+    /// By what they are aimed; `None` where that is not the same for all.
+    pub(super) aim: Option<Aim>,
     pub(super) mass: Mass,
 }
 
@@ -172,11 +175,19 @@ impl Groups {
                 scattered: !(whole && alone),
                 shares: !alone,
                 pinned: false,
+                aim: None,
                 mass: Mass::default(),
             });
         }
         for (part, solid) in parts.iter_mut().zip(solids).filter(|(part, _)| part.sound) {
             (part.far, part.side) = apart(&solid.rest);
+        }
+        for (group, eight) in groups.iter_mut().zip(order.chunks(LANES)) {
+            let sound = |part: &&Part| part.sound;
+            group.aim = Aim::of(eight.iter().map(|&number| number as usize).filter_map(|number| {
+                let part = Some(&parts[number]).filter(sound)?;
+                Some((part, &rows[part.entries.clone()], &*solids[number].rest))
+            }));
         }
     }
 

@@ -7,7 +7,7 @@
 //! | file | what it is |
 //! |---|---|
 //! | `groups` | eight solids at a time, and particles that several share; `weights`: what one weighs, pinned particles, rods |
-//! | `read` | poses out of particles |
+//! | `guess` | how they are turned, from nowhere; `read`: poses out of particles |
 //! | `write` | and back, with momentum |
 //! | `bodies` | what contacts know of a solid, or of what stands: columns |
 //! | `stands` | colliders, planes and boxes |
@@ -36,6 +36,7 @@ mod drag;
 mod find;
 mod found;
 mod groups;
+mod guess;
 mod hold;
 mod loose;
 mod lost;

@@ -12,15 +12,14 @@
 //!
 //! is the turn whose displacements `φ × r` are nearest to those of the particles. `Σ m (q - q̄)(p - p̄)ᵀ` is kept for the way back (`write`).
 
-use glam::{DMat3, DQuat, Mat3, Vec3, Vec4};
+use glam::Vec4;
 
-use super::bodies::{Bodies, from_row, quaternion};
+use super::bodies::{Bodies, from_row};
 use super::groups::{Group, Groups, Mass, Part, Slot};
 use super::turn::{Eight, Matrix, Symmetric, load, store, turn_further, zero};
 use super::way::Ways;
-use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work};
+use crate::lanes::{FIELDS, Lanes, Vector, Work};
 use crate::particles::Particles;
-use crate::pose::rotation;
 
 /// A Newton step of this angle, squared, leaves an error of its cube, which is below the round-off.
 const DONE: f32 = 1e-5;
@@ -251,61 +250,4 @@ impl Lifts {
     pub(super) fn of(&self, group: &Group) -> Option<&[[Eight; 3]]> {
         self.lifts.get(group.slots.clone())
     }
-}
-
-/// A rotation near that of a solid, from two of its particles: a function of where they are.
-pub(super) fn guess(groups: &Groups, part: &Part, rest: &[Vec3], particles: &Particles) -> Vec4 {
-    let rows = &groups.rows[part.entries.clone()];
-    let here = |i: usize| particles.separation(rows[i] as usize, rows[0] as usize);
-    let there = |i: usize| rest[i] - rest[0];
-    if let Some(side) = part.side {
-        let frames = (frame(there(part.far), there(side)), frame(here(part.far), here(side)));
-        if let (Some(from), Some(to)) = frames {
-            return quaternion(&(to * from.transpose()));
-        }
-    }
-    let ends = (there(part.far).try_normalize(), here(part.far).try_normalize());
-    let (Some(from), Some(to)) = ends else { return Vec4::W };
-    // The shortest arc; of a half turn any.
-    let (axis, real) = (from.cross(to), 1.0 + from.dot(to));
-    let q = if real > 1e-6 { axis.extend(real) } else { from.any_orthonormal_vector().extend(0.0) };
-    let length = (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w).sqrt();
-    q / length
-}
-
-/// The rotation of a solid the slow and certain way.
-pub(super) fn certain(
-    groups: &Groups,
-    number: usize,
-    rest: &[Vec3],
-    particles: &Particles,
-    near: Vec4,
-) -> Vec4 {
-    let part = &groups.parts[number];
-    let rows = &groups.rows[part.entries.clone()];
-    let place = groups.place(number);
-    let slots = &groups.slots[groups.groups[place / LANES].slots.clone()];
-    let points = || {
-        rows.iter().zip(rest).zip(slots).map(|((&row, rest), slot)| {
-            let here = particles.separation(row as usize, rows[0] as usize).as_dvec3();
-            (here, (*rest - part.centre).as_dvec3(), f64::from(slot.pull[place % LANES]))
-        })
-    };
-    let sum: f64 = points().map(|(_, _, m)| m).sum();
-    let middle = points().map(|(q, _, m)| q * (m / sum)).sum::<glam::DVec3>();
-    let mut moments = DMat3::ZERO;
-    for (q, r, m) in points() {
-        let a = (q - middle) * m;
-        moments += DMat3::from_cols(a * r.x, a * r.y, a * r.z);
-    }
-    let near = DQuat::from_xyzw(near.x.into(), near.y.into(), near.z.into(), near.w.into());
-    let q = rotation::nearest(moments, near.normalize());
-    let q = Vec4::new(q.x as f32, q.y as f32, q.z as f32, q.w as f32);
-    if q.is_finite() { q } else { Vec4::W }
-}
-
-/// A right-handed frame with its first axis along `a` and `b` in the plane of the first two.
-fn frame(a: Vec3, b: Vec3) -> Option<Mat3> {
-    let (x, z) = (a.try_normalize()?, a.cross(b).try_normalize()?);
-    Some(Mat3::from_cols(x, z.cross(x), z))
 }
