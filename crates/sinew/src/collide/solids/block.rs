@@ -173,14 +173,19 @@ fn centred<L: Lanes, const POINTS: usize>(
     (x, y): (L, L),
     share: L,
 ) -> [(L, L); POINTS] {
-    let off = at.map(|at| (at.0 - x, at.1 - y));
+    let mut off = *at;
     let (mut more, mut and_more) = (L::zero(), L::zero());
-    for (off, inside) in off.iter().zip(inside) {
+    // No `map`: its closure is not made for the processor that it runs on, and is called for each operation.
+    for (off, inside) in off.iter_mut().zip(inside) {
+        *off = (off.0 - x, off.1 - y);
         more = more + inside.and(off.0);
         and_more = and_more + inside.and(off.1);
     }
     let (more, and_more) = (more * share, and_more * share);
-    off.map(|off| (off.0 - more, off.1 - and_more))
+    for off in &mut off {
+        *off = (off.0 - more, off.1 - and_more);
+    }
+    off
 }
 
 /// Gauss and Seidel's way, where a mask is set.

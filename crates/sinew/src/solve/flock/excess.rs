@@ -155,9 +155,11 @@ impl Pen {
         let per_second = L::splat(1.0 / h);
         let h = L::splat(h);
         let Self { now, start, velocity, mass, .. } = self;
-        let zero = Double::splat(0.0);
-        let anchor =
-            start.first().map_or(zero, |first| Double::of(Vector::of(first.load::<L>()).0));
+        // A match, for a closure is not made for the processor that it runs on.
+        let anchor = match start.first() {
+            None => Double::splat(0.0),
+            Some(first) => Double::of(Vector::of(first.load::<L>()).0),
+        };
         let mut sums = Sums::<L::Doubles>::none();
         for (((now, start), velocity), mass) in now.iter().zip(start).zip(velocity).zip(mass) {
             let ((q, _), (from, _)) = (Vector::of(now.load::<L>()), Vector::of(start.load()));
