@@ -54,14 +54,12 @@ pub(super) fn transposed([a, b, c, d]: [__m256; 4]) -> [__m256; 4] {
 /// Panics unless all rows are less than `len`: one check for eight loads.
 #[inline(always)]
 pub(super) fn check(rows: &[u32; LANES], len: usize) {
-    // Beyond, rows would be negative to the instruction below.
-    assert!(len <= i32::MAX as usize, "too many rows");
-    // SAFETY: see `Eight` in `avx2`; eight `u32` are a register.
-    let inside = unsafe {
+    assert!(len <= u32::MAX as usize, "too many rows");
+    // A row that is the greater one of itself and their number is none of them. SAFETY: see `Eight` in `avx2`; eight `u32` are a register.
+    let outside = unsafe {
         let rows = _mm256_loadu_si256(rows.as_ptr().cast());
-        let below = _mm256_cmpgt_epi32(_mm256_set1_epi32(len as i32), rows);
-        let from_zero = _mm256_cmpgt_epi32(rows, _mm256_set1_epi32(-1));
-        _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_and_si256(below, from_zero)))
+        let none = _mm256_cmpeq_epi32(_mm256_max_epu32(rows, _mm256_set1_epi32(len as i32)), rows);
+        _mm256_movemask_ps(_mm256_castsi256_ps(none))
     };
-    assert!(inside == 0xFF, "a row that does not exist");
+    assert!(outside == 0, "a row that does not exist");
 }

@@ -77,9 +77,12 @@ impl Simulation {
             // From the digits that it has, not from the world position, which has fewer far out.
             let origin = particles.origin[first] + snap(particles.position[first].truncate());
             for i in rows() {
+                if particles.origin[i] == origin {
+                    continue;
+                }
                 let shift = (particles.origin[i] - origin).extend(0.0);
                 // What is so far off that the difference of two origins is none keeps its own: nothing can bind it.
-                if shift == Vec4::ZERO || !shift.is_finite() {
+                if !shift.is_finite() {
                     continue;
                 }
                 let (home, place) = (particles.origin[i], particles.position[i]);
@@ -206,8 +209,8 @@ fn settings_of(
     let (mut found, mut last) = (None::<SolverSettings>, None);
     for &row in members {
         let body = particles.body[row as usize];
-        // A pinned particle holds on to nothing, and has nothing to say. Neighbours mostly share their body.
-        if particles.position[row as usize].w == 0.0 || last == Some(body) {
+        // Neighbours mostly share their body. A pinned particle holds on to nothing, and has nothing to say.
+        if last == Some(body) || particles.position[row as usize].w == 0.0 {
             continue;
         }
         last = Some(body);

@@ -10,6 +10,8 @@
 //!
 //! Once a step is enough: it is slow against anything that a body does in one.
 
+use core::ops::Range;
+
 use glam::DVec3;
 
 use super::momentum::Sums;
@@ -44,16 +46,23 @@ impl Damping {
         let Self(damped) = self;
         damped.clear();
         damped.resize(bodies.len(), None);
-        for row in 0..particles.len() {
-            let (number, w) = (particles.body[row] as usize, particles.position[row].w);
-            if w <= 0.0 || bodies.get(number).is_none_or(|body| rate(body) == 0.0) {
+        let Particles { position, velocity, origin, body, .. } = particles;
+        let separation = |row: usize, first: usize| {
+            let local = position[row].truncate() - position[first].truncate();
+            (local + (origin[row] - origin[first])).as_dvec3()
+        };
+        for (number, rows) in runs(body) {
+            if bodies.get(number).is_none_or(|body| rate(body) == 0.0) {
                 continue;
             }
-            let fresh = || Body { first: row, ..Body::default() };
+            let mut free = rows.filter(|&row| position[row].w > 0.0).peekable();
+            let Some(&first) = free.peek() else { continue };
+            let fresh = || Body { first, ..Body::default() };
             let Body { first, sums, .. } = damped[number].get_or_insert_with(fresh);
-            let arm = particles.separation(row, *first).as_dvec3();
-            let velocity = particles.velocity[row].truncate().as_dvec3();
-            sums.add(1.0 / f64::from(w), arm, velocity);
+            for row in free {
+                let velocity = velocity[row].truncate().as_dvec3();
+                sums.add(1.0 / f64::from(position[row].w), separation(row, *first), velocity);
+            }
         }
         for (body, settings) in damped.iter_mut().zip(bodies) {
             let Some(Body { sums, rigid, share, .. }) = body else { continue };
@@ -62,19 +71,29 @@ impl Damping {
                 *share = -libm::expm1(-f64::from(rate(settings)) * f64::from(dt));
             }
         }
-        for row in 0..particles.len() {
-            let body = damped.get(particles.body[row] as usize).and_then(Option::as_ref);
+        for (number, rows) in runs(body) {
+            let body = damped.get(number).and_then(Option::as_ref);
             let Some(Body { first, rigid: [centre, shift, turn], share, .. }) = body else {
                 continue;
             };
-            if particles.position[row].w > 0.0 && *share > 0.0 {
-                let arm = particles.separation(row, *first).as_dvec3() - centre;
-                let velocity = particles.velocity[row].truncate().as_dvec3();
-                let change = (shift + turn.cross(arm) - velocity) * *share;
-                particles.velocity[row] += change.as_vec3().extend(0.0);
+            for row in rows.filter(|&row| *share > 0.0 && position[row].w > 0.0) {
+                let arm = separation(row, *first) - centre;
+                let change =
+                    (shift + turn.cross(arm) - velocity[row].truncate().as_dvec3()) * *share;
+                velocity[row] += change.as_vec3().extend(0.0);
             }
         }
     }
+}
+
+/// Rows that follow each other and are of one body, and its number.
+fn runs(body: &[u32]) -> impl Iterator<Item = (usize, Range<usize>)> {
+    let mut begin = 0;
+    body.chunk_by(|one, next| one == next).map(move |run| {
+        let rows = begin..begin + run.len();
+        begin = rows.end;
+        (run[0] as usize, rows)
+    })
 }
 
 #[cfg(test)]

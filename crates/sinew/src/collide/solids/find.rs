@@ -105,7 +105,7 @@ impl Solids {
 
     /// Pairs of solids, and of solids with what stands, that are near each other; sorted.
     fn near(&mut self, world: &World, pairs: &mut Vec<[u32; 2]>) {
-        let Self { seen, stands, near, bounds, groups, nearby, .. } = self;
+        let Self { seen, stands, near, bounds, groups, nearby, order: endless, .. } = self;
         bounds.clear();
         bounds.extend(seen.iter().map(|seen| seen.bounds));
         bounds.extend(stands.iter().map(|stand| stand.bounds(world)));
@@ -118,10 +118,12 @@ impl Solids {
         let mut nearby =
             nearby.iter().copied().filter(|pair| (pair[0] as usize) < seen.len()).peekable();
         // What has no end is looked at by everyone; both lists are sorted.
+        endless.clear();
+        endless.extend((0..stands.len() as u32).filter(|&i| stands[i as usize].endless));
         for (a, one) in seen.iter().enumerate().filter(|(_, one)| one.sound) {
-            for (number, stand) in stands.iter().enumerate().filter(|(_, stand)| stand.endless) {
-                if stand.is_below(one, groups.parts[a].reach, world, 0.0) {
-                    let pair = [a as u32, (seen.len() + number) as u32];
+            for &number in &*endless {
+                if stands[number as usize].is_below(one, groups.parts[a].reach, world, 0.0) {
+                    let pair = [a as u32, seen.len() as u32 + number];
                     while let Some(before) = nearby.next_if(|before| *before < pair) {
                         pairs.push(before);
                     }

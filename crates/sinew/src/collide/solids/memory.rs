@@ -238,7 +238,8 @@ impl Memory {
     /// Keeps what was [recalled](Self::recall) last, and says where; what it holds only if it is near.
     pub(super) fn keep(&mut self, near: bool) -> u32 {
         let place = self.now.len();
-        self.now.push(self.was[self.next]);
+        // At once to where it belongs: it has three hundred bytes.
+        self.now.extend_from_slice(&self.was[self.next..=self.next]);
         if !near {
             self.now[place].grasp = Grasp::default();
         }
@@ -248,10 +249,11 @@ impl Memory {
     /// Keeps what was remembered of two as it was.
     pub(super) fn carry(&mut self, key: &Key) {
         self.recall(key);
-        while let Some(one) = self.was.get(self.next).filter(|one| one.key.is_of(key)) {
-            self.now.push(*one);
+        let from = self.next;
+        while self.was.get(self.next).is_some_and(|one| one.key.is_of(key)) {
             self.next += 1;
         }
+        self.now.extend_from_slice(&self.was[from..self.next]);
     }
 
     /// What friction held at a place where something was found afresh, if that is the same contact; `frame` is the second one's.

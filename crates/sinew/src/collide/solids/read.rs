@@ -12,7 +12,7 @@
 //!
 //! is the turn whose displacements `φ × r` are nearest to those of the particles. `Σ m (q - q̄)(p - p̄)ᵀ` is kept for the way back (`write`).
 
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 
 use super::bodies::{Bodies, from_row};
 use super::groups::{Group, Groups, Mass, Part, Slot};
@@ -226,7 +226,8 @@ impl Lifts {
         let origin = |row: u32| particles.origin[row as usize];
         let even = |part: &Part| {
             let rows = &groups.rows[part.entries.clone()];
-            rows.windows(2).all(|two| origin(two[0]) == origin(two[1]))
+            let first = rows.first().map_or(Vec3::ZERO, |&first| origin(first));
+            rows.iter().all(|&row| origin(row) == first)
         };
         if groups.parts.iter().all(even) {
             return;

@@ -89,16 +89,14 @@ impl Touch {
 
     /// The planes that these rows touch by themselves, if there is nothing else for them to touch. Those of solids touch none.
     pub(crate) fn planes_alone(&self, rows: core::ops::Range<u32>) -> Option<&[Plane]> {
-        let of = |row: usize| self.solid.get(row).is_some_and(|&solid| solid);
-        let mut solid = (rows.start as usize..rows.end as usize).map(of);
-        let first = solid.next()?;
-        if solid.any(|other| other != first) {
-            return None;
+        // What is beyond the list is not of a solid.
+        let listed = &self.solid[(rows.start as usize).min(self.solid.len())..];
+        let listed = &listed[..rows.len().min(listed.len())];
+        let solid = listed.iter().filter(|&&solid| solid).count();
+        if solid == 0 {
+            return if self.surfaces.is_empty() { self.bounds.planes_alone() } else { None };
         }
-        if first {
-            return (!self.bounds.has_sheet()).then_some(&[]);
-        }
-        if self.surfaces.is_empty() { self.bounds.planes_alone() } else { None }
+        (solid == rows.len() && !self.bounds.has_sheet()).then_some(&[])
     }
 
     /// Slows down what touches a plane with a drag, before a substep of `h` seconds is predicted.
@@ -129,10 +127,15 @@ impl Touch {
     }
 
     /// How far out a row is at the end of a step, metres, moving nothing.
+    #[inline]
     pub(crate) fn error(&self, places: &Places, row: u32) -> f32 {
-        if places.position[places.at(row)].w == 0.0 || self.is_solid(row) {
+        if self.is_solid(row) || places.position[places.at(row)].w == 0.0 {
             return 0.0;
         }
+        self.deepest(places, row)
+    }
+
+    fn deepest(&self, places: &Places, row: u32) -> f32 {
         let Some(last) = self.frames.len().checked_sub(self.surfaces.len()) else { return 0.0 };
         let mut worst = self.bounds.error(places, row);
         for candidate in self.of(row).map(|i| &self.candidates[i as usize]) {
