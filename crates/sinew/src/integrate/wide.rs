@@ -30,6 +30,8 @@ pub(crate) struct Derive<'a> {
     pub(crate) position: &'a [Vec4],
     pub(crate) start: &'a [Vec4],
     pub(crate) velocity: &'a mut [Vec4],
+    /// What is taken off them besides, m/s; may be empty for nothing.
+    pub(crate) excess: &'a [Vec4],
     /// Seconds.
     pub(crate) h: f32,
     /// How long the substep was over which they are the mean, seconds.
@@ -100,14 +102,18 @@ impl<'a> Derive<'a> {
     pub(super) fn chunks(self, of: usize) -> impl Iterator<Item = Self> {
         let columns = self.position.chunks(of).zip(self.start.chunks(of));
         let columns = columns.zip(self.velocity.chunks_mut(of));
-        columns.map(move |((position, start), velocity)| Self { position, start, velocity, ..self })
+        columns.enumerate().map(move |(number, ((position, start), velocity))| {
+            let rows = number * of..number * of + position.len();
+            let excess = self.excess.get(rows).unwrap_or_default();
+            Self { position, start, velocity, excess, ..self }
+        })
     }
 
     #[cfg(test)]
     /// All particles of a world, after a substep of `h` seconds.
     pub(super) fn all(particles: &'a mut Particles, h: f32, lag: f32) -> Self {
         let Particles { position, start, velocity, .. } = particles;
-        Self { position, start, velocity, h, lag }
+        Self { position, start, velocity, excess: &[], h, lag }
     }
 }
 
@@ -150,27 +156,39 @@ impl Work for Derive<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { position, start, velocity, h, lag } = self;
+        let Self { position, start, velocity, excess, h, lag } = self;
         let (positions, last_position) = position.as_chunks::<2>();
         let (starts, last_start) = start.as_chunks::<2>();
         let (velocities, last_velocity) = velocity.as_chunks_mut::<2>();
-        for ((p, s), v) in positions.iter().zip(starts).zip(velocities) {
-            derive_two::<L>(p, s, v, h, lag);
+        let (excesses, last_excess) = excess.as_chunks::<2>();
+        for (i, ((p, s), v)) in positions.iter().zip(starts).zip(velocities).enumerate() {
+            derive_two::<L>([p, s], v, excesses.get(i), (h, lag));
         }
         if let ([p], [s], [v]) = (last_position, last_start, last_velocity) {
+            let [p, s] = [p, s].map(|own| [*own, Vec4::ZERO]);
+            let excess = last_excess.first().map(|&excess| [excess, Vec4::ZERO]);
             let mut velocity = [*v, Vec4::ZERO];
-            derive_two::<L>(&[*p, Vec4::ZERO], &[*s, Vec4::ZERO], &mut velocity, h, lag);
+            derive_two::<L>([&p, &s], &mut velocity, excess.as_ref(), (h, lag));
             *v = velocity[0];
         }
     }
 }
 
 #[inline(always)]
-fn derive_two<L: Lanes>(p: &[Vec4; 2], start: &[Vec4; 2], v: &mut [Vec4; 2], h: f32, lag: f32) {
+fn derive_two<L: Lanes>(
+    [p, start]: [&[Vec4; 2]; 2],
+    v: &mut [Vec4; 2],
+    excess: Option<&[Vec4; 2]>,
+    (h, lag): (f32, f32),
+) {
     let u = L::two(v, 0);
     let predicted = L::two(start, 0) + u * L::splat(h);
     let corrected = L::two(p, 0) - predicted;
-    (u + corrected * L::splat(1.0 / h)).with_fourths(L::splat(lag)).put_two(v, 0);
+    let mut derived = u + corrected * L::splat(1.0 / h);
+    if let Some(excess) = excess {
+        derived = derived - L::two(excess, 0);
+    }
+    derived.with_fourths(L::splat(lag)).put_two(v, 0);
 }
 
 /// What the steps of all particles have in common.

@@ -201,7 +201,7 @@ impl Alone<'_> {
                 sums: self.sums.lend(),
                 presses: self.presses.lend(),
                 reports: self.reports,
-                excesses: &mut [],
+                excess: &mut [],
             };
             share.by_all(machine, rooms);
             most.fetch_max(self.reports[0].last_sweeps, Ordering::Relaxed);
@@ -275,7 +275,7 @@ impl Work for Substeps<'_, '_> {
                 let (position, start) =
                     (&places.position[rows.clone()], &places.start[rows.clone()]);
                 let velocity = &mut places.velocity[rows];
-                Derive { position, start, velocity, h, lag: h }.run::<L>();
+                Derive { position, start, velocity, excess: &[], h, lag: h }.run::<L>();
             }
             for (number, excess) in room.excesses.drain(..) {
                 let members = plan.islands[number as usize].members.clone();

@@ -10,13 +10,13 @@
 //! pressure makes some out of nothing. That is mended in the same way, unless
 //! [`keep_spin`](crate::SolverSettings::keep_spin) asks for the lectures' loop as it is.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 
 use super::flock::Excesses;
 use super::plan::{Group, Island, Kind, Plan};
 use crate::constraints::Law;
 use crate::integrate::Integrator;
-use crate::lanes::{LANES, Lanes, Vector};
+use crate::lanes::{LANES, Lanes, Vector, Work};
 use crate::particles::{Particles, Places};
 use crate::pose::pseudo_solve;
 
@@ -57,24 +57,43 @@ impl Excess {
     pub(super) fn take_off(&self, places: &mut Places, rows: &[u32]) {
         for &row in rows {
             let i = places.at(row);
-            let arm = places.start[i].truncate().as_dvec3() - self.anchor - self.centre;
-            let share: Vec3 = (self.shift + self.turn.cross(arm)).as_vec3();
-            places.velocity[i] -= share.extend(0.0);
+            places.velocity[i] -= self.share(places.start[i]).extend(0.0);
         }
     }
 
-    /// The same, eight particles at a time.
+    /// What a particle that was there when the substep began has to have taken off, m/s.
+    fn share(&self, start: Vec4) -> Vec3 {
+        let arm = start.truncate().as_dvec3() - self.anchor - self.centre;
+        (self.shift + self.turn.cross(arm)).as_vec3()
+    }
+}
+
+/// Notes what the particles of an island are to have taken off when their velocities are derived, m/s: eight at a time.
+pub(super) struct Note<'a> {
+    pub(super) excess: &'a Excess,
+    pub(super) places: &'a Places<'a>,
+    pub(super) rows: &'a [u32],
+    /// For each of the places.
+    pub(super) to: &'a mut [Vec4],
+}
+
+impl Work for Note<'_> {
+    type Output = ();
+
     #[inline(always)]
-    pub(super) fn take_off_wide<L: Lanes>(&self, places: &mut Places, rows: &[u32]) {
+    fn run<L: Lanes>(self) {
+        let Self { excess, places, rows, to } = self;
         let (eights, others) = rows.as_chunks::<LANES>();
-        let all = Excesses::all(self);
+        let all = Excesses::all(excess);
         for eight in eights {
             let at = eight.map(|row| places.at(row) as u32);
             let (from, _) = Vector::of(L::rows(places.start, &at));
-            let (v, lag) = Vector::of(L::rows(places.velocity, &at));
-            L::put_rows(places.velocity, &at, (v - all.share(from)).with(lag));
+            L::put_rows(to, &at, all.share(from).with(L::zero()));
         }
-        self.take_off(places, others);
+        for &row in others {
+            let i = places.at(row);
+            to[i] = excess.share(places.start[i]).extend(0.0);
+        }
     }
 }
 

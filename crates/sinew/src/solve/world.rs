@@ -2,10 +2,12 @@
 
 use core::sync::atomic::AtomicU32;
 
+use glam::Vec4;
+
 use super::flock::{Drive, Motion};
 use super::island::{Common, InOrder, Room, Sweeper, solve};
 use super::item::Manner;
-use super::momentum::Excess;
+use super::momentum::Note;
 use super::plan::{Island, Plan, Task};
 use super::sums::{Multipliers, Sums};
 use super::{IslandReport, Order, SolverReport, cascade};
@@ -20,8 +22,8 @@ use crate::threads::{Pool, Workers, each};
 pub(crate) struct Scratch {
     multipliers: Multipliers,
     rooms: Pool<Room>,
-    /// What islands have to have taken off when the velocities are derived, where that is done later; one for each island then.
-    excesses: Vec<Option<Excess>>,
+    /// What particles have to have taken off when their velocities are derived, m/s, where that is done later; one for each row then.
+    excess: Vec<Vec4>,
     /// The most sweeps in each substep of a whole step.
     most: Most,
 }
@@ -60,27 +62,26 @@ pub(crate) fn solve_all(
     scratch: &mut Scratch,
     report: &mut SolverReport,
 ) {
-    let Scratch { multipliers, rooms, excesses, .. } = scratch;
+    let Scratch { multipliers, rooms, excess, .. } = scratch;
     let plan = common.plan;
     multipliers.resize(plan.distances.len(), plan.constraints.len());
-    excesses.clear();
-    excesses.resize(if open { plan.islands.len() } else { 0 }, None);
+    excess.clear();
+    excess.resize(if open { particles.len() } else { 0 }, Vec4::ZERO);
     let mut left = Some((
         Places::all(particles),
         multipliers.all(),
         Presses::all(presses),
         &mut report.islands[..],
-        &mut excesses[..],
+        &mut excess[..],
     ));
     let shares = plan.tasks(machine.workers.is_none()).filter_map(|task| {
-        let (places, sums, presses, reports, excesses) = left.take()?;
+        let (places, sums, presses, reports, excess) = left.take()?;
         let (own, places) = places.split_at(task.rows.end);
         let (own_sums, sums) = sums.split(Some(task.distances.end), Some(task.constraints.end));
         let (own_presses, presses) = common.contacts.split(presses, task.rows.end);
         let (own_reports, reports) = reports.split_at_mut(task.islands.len());
-        let kept = task.islands.len().min(excesses.len());
-        let (own_excesses, excesses) = excesses.split_at_mut(kept);
-        left = Some((places, sums, presses, reports, excesses));
+        let (own_excess, excess) = excess.split_at_mut(own.position.len().min(excess.len()));
+        left = Some((places, sums, presses, reports, excess));
         Some(Share {
             common,
             task,
@@ -88,7 +89,7 @@ pub(crate) fn solve_all(
             sums: own_sums,
             presses: own_presses,
             reports: own_reports,
-            excesses: own_excesses,
+            excess: own_excess,
         })
     });
     let splits = |share: &Share| {
@@ -131,34 +132,11 @@ pub(crate) fn settle_all(
 ) {
     let rows = 0..particles.len() as u32;
     let mut places = Places::all(particles);
-    let Places { position, start, velocity, .. } = &mut places;
-    derive(Derive { position, start, velocity, h: common.h, lag: common.lag }, machine);
-    let (plan, excesses) = (common.plan, &scratch.excesses);
-    with(machine.instructions, TakeOff { plan, excesses, places: &mut places });
+    let (Places { position, start, velocity, .. }, excess) = (&mut places, &scratch.excess[..]);
+    derive(Derive { position, start, velocity, excess, h: common.h, lag: common.lag }, machine);
     if common.contacts.bounces() {
         let mut presses = Presses::all(presses);
         common.contacts.bounce(&mut places, &mut presses, rows, (common.h, common.gravity));
-    }
-}
-
-/// What islands have to have taken off, if anything.
-struct TakeOff<'a, 'b> {
-    plan: &'a Plan,
-    excesses: &'a [Option<Excess>],
-    places: &'a mut Places<'b>,
-}
-
-impl Work for TakeOff<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { plan, excesses, places } = self;
-        for (island, excess) in plan.islands.iter().zip(excesses) {
-            if let Some(excess) = excess {
-                excess.take_off_wide::<L>(places, &plan.members[island.members.clone()]);
-            }
-        }
     }
 }
 
@@ -170,8 +148,8 @@ pub(super) struct Share<'a> {
     pub(super) sums: Sums<'a>,
     pub(super) presses: Presses<'a>,
     pub(super) reports: &'a mut [IslandReport],
-    /// A place for what each island has to have taken off, if velocities are derived later; none otherwise.
-    pub(super) excesses: &'a mut [Option<Excess>],
+    /// A place for what each particle has to have taken off, if velocities are derived later; none otherwise.
+    pub(super) excess: &'a mut [Vec4],
 }
 
 /// One by one, by one worker.
@@ -186,13 +164,9 @@ impl Work for InLanes<'_, '_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Self { share, room } = self;
-        let Share { common, task, mut places, mut sums, mut presses, reports, excesses } = share;
+        let Share { common, task, mut places, mut sums, mut presses, reports, excess: later } =
+            share;
         let plan = common.plan;
-        if !excesses.is_empty() {
-            for (number, excess) in room.excesses.drain(..) {
-                excesses[number as usize - task.islands.start] = Some(excess);
-            }
-        }
         let rest = core::mem::take(&mut room.rest);
         for number in rest.islands.iter().cloned().flatten() {
             let report = &mut reports[number - task.islands.start];
@@ -201,19 +175,22 @@ impl Work for InLanes<'_, '_> {
                 continue;
             }
             let sweeper = InOrder::<L>::new(plan, island, room);
-            let (places, sums, presses) = (&mut places, &mut sums, &mut presses);
-            let excess = solve(common, island, places, sums, presses, report, sweeper);
-            match excesses.get_mut(number - task.islands.start) {
-                Some(kept) => *kept = excess,
-                None => room.excesses.extend(excess.map(|excess| (number as u32, excess))),
+            let excess =
+                solve(common, island, &mut places, &mut sums, &mut presses, report, sweeper);
+            let Some(excess) = excess else { continue };
+            if later.is_empty() {
+                room.excesses.push((number as u32, excess));
+            } else {
+                let rows = &plan.members[island.members.clone()];
+                Note { excess: &excess, places: &places, rows, to: later }.run::<L>();
             }
         }
         room.rest = rest;
-        if !excesses.is_empty() {
+        if !later.is_empty() {
             return;
         }
-        let Places { position, start, velocity, .. } = &mut places;
-        Derive { position, start, velocity, h: common.h, lag: common.lag }.run::<L>();
+        let (Places { position, start, velocity, .. }, excess) = (&mut places, &[]);
+        Derive { position, start, velocity, excess, h: common.h, lag: common.lag }.run::<L>();
         for (number, excess) in room.excesses.drain(..) {
             let members = plan.islands[number as usize].members.clone();
             excess.take_off(&mut places, &plan.members[members]);
@@ -233,12 +210,13 @@ impl Common<'_> {
 impl Share<'_> {
     /// The flocks in it.
     fn flocks<'b>(&'b mut self, room: &'b mut Room) -> Drive<'b> {
-        let Places { position, start, velocity, origin, radius, .. } = &mut self.places;
+        let Self { places, excess, .. } = self;
+        let Places { position, start, velocity, origin, radius, .. } = places;
         Drive {
             common: self.common,
             task: &self.task,
             position,
-            motion: Motion::Substep { start, velocity },
+            motion: Motion::Substep { start, velocity, excess },
             origin,
             radius,
             reports: self.reports,
@@ -248,7 +226,7 @@ impl Share<'_> {
 
     /// A single large island, by all workers.
     pub(super) fn by_all(self, machine: Machine, rooms: &Pool<Room>) {
-        let Self { common, task, mut places, mut sums, mut presses, reports, excesses } = self;
+        let Self { common, task, mut places, mut sums, mut presses, reports, excess: later } = self;
         let (plan, Some(report)) = (common.plan, reports.first_mut()) else { return };
         let island = &plan.islands[task.islands.start];
         if island.asleep {
@@ -259,14 +237,18 @@ impl Share<'_> {
             let (places, sums, presses) = (&mut places, &mut sums, &mut presses);
             solve(common, island, places, sums, presses, report, sweeper)
         };
-        if let Some(kept) = excesses.first_mut() {
-            *kept = excess;
+        let rows = &plan.members[island.members.clone()];
+        if !later.is_empty() {
+            if let Some(excess) = &excess {
+                with(machine.instructions, Note { excess, places: &places, rows, to: later });
+            }
             return;
         }
         let Places { position, start, velocity, .. } = &mut places;
-        derive(Derive { position, start, velocity, h: common.h, lag: common.lag }, machine);
+        let (h, lag) = (common.h, common.lag);
+        derive(Derive { position, start, velocity, excess: &[], h, lag }, machine);
         if let Some(excess) = excess {
-            excess.take_off(&mut places, &plan.members[island.members.clone()]);
+            excess.take_off(&mut places, rows);
         }
         common.bounce(&mut places, &mut presses, &task);
     }

@@ -32,8 +32,9 @@ pub(crate) struct Drive<'a> {
 
 /// How far they are driven.
 pub(crate) enum Motion<'a> {
-    /// Through the solving of a substep that has been predicted; velocities are not derived, and excesses noted in the room.
-    Substep { start: &'a [Vec4], velocity: &'a [Vec4] },
+    /// Through the solving of a substep that has been predicted. Velocities are not derived: what has to be taken off then is noted for each
+    /// particle, m/s, or where there is no place for that, for each island in the room.
+    Substep { start: &'a [Vec4], velocity: &'a [Vec4], excess: &'a mut [Vec4] },
     /// Through all substeps of a step.
     Step(Whole<'a>),
 }
@@ -171,7 +172,7 @@ impl<'a> Drive<'a> {
             note_rates(flock, begin, whole, pen);
         }
         if pen.free != 0 {
-            pen.note_masses();
+            pen.note_masses::<L>();
         }
     }
 
@@ -181,13 +182,18 @@ impl<'a> Drive<'a> {
         let begin = self.task.rows.start;
         scatter::<L>(&pen.now, flock, begin, self.position);
         match &mut self.motion {
-            Motion::Substep { velocity, .. } => {
+            Motion::Substep { velocity, excess, .. } => {
                 let left = pen.left();
                 if left == 0 {
                     return;
                 }
                 gather::<L>(&mut pen.velocity, flock, begin, velocity);
                 let excesses = pen.excesses::<L>(how.h, left & how.keeps_spin(pen));
+                if !excess.is_empty() {
+                    pen.part::<L>(&excesses, left);
+                    scatter::<L>(&pen.velocity, flock, begin, excess);
+                    return;
+                }
                 // No more of them than there are bodies.
                 let own = excesses.each(left & pen.mask());
                 let own = own.map(|(lane, one)| ((flock.islands.start + lane) as u32, one));

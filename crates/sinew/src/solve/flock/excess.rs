@@ -149,6 +149,17 @@ impl Pen {
         }
     }
 
+    /// Puts what particles have to have taken off, m/s, in place of their velocities; of bodies without a bit, nothing.
+    #[inline(always)]
+    pub(super) fn part<L: Lanes>(&mut self, excesses: &Excesses<L::Doubles>, which: u32) {
+        let which = L::mask(which & excesses.sound());
+        for (start, velocity) in self.start.iter().zip(&mut self.velocity) {
+            let share = excesses.share(Vector::of(start.load::<L>()).0);
+            let [x, y, z] = [which.and(share.x), which.and(share.y), which.and(share.z)];
+            velocity.put(Vector::new(x, y, z).with(L::zero()));
+        }
+    }
+
     /// What bodies have to have taken off before their velocities are derived; of those with a bit in `turning`, angular momentum, too.
     #[inline(always)]
     pub(super) fn excesses<L: Lanes>(&self, h: f32, turning: u32) -> Excesses<L::Doubles> {

@@ -4,9 +4,8 @@
 use glam::Vec3;
 
 use super::Pen;
-use super::pen::Spot;
 use crate::integrate::loss;
-use crate::lanes::{LANES, Lanes, Vector};
+use crate::lanes::{Doubles, LANES, Lanes, Vector};
 
 impl Pen {
     /// Notes how much velocity is lost over a substep of `h` seconds by particles that had their last step as long ago as they say.
@@ -32,10 +31,13 @@ impl Pen {
     }
 
     /// Notes masses.
-    pub(super) fn note_masses(&mut self) {
-        let masses = |spot: &Spot| spot.fourths().map(|w| 1.0 / f64::from(w));
-        self.mass.clear();
-        self.mass.extend(self.now.iter().map(masses));
+    #[inline(always)]
+    pub(super) fn note_masses<L: Lanes>(&mut self) {
+        let one = L::Doubles::splat(1.0);
+        self.mass.resize(self.now.len(), [0.0; LANES]);
+        for (mass, spot) in self.mass.iter_mut().zip(&self.now) {
+            (one / L::load(spot.fourths()).widen()).store(mass);
+        }
     }
 
     /// Predicts where all go in a substep of `h` seconds, accelerated by `a`, m/s².

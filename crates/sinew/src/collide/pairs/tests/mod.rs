@@ -78,7 +78,7 @@ impl World {
         let worst = pairs.project(particles, h);
         self.spent += began.elapsed().as_secs_f64();
         let Particles { position, start, velocity, .. } = particles;
-        derive(Derive { position, start, velocity, h, lag: h }, machine);
+        derive(Derive { position, start, velocity, excess: &[], h, lag: h }, machine);
         pairs.bounce(particles, h, self.gravity.length());
         worst
     }
