@@ -4,7 +4,9 @@
 use std::time::Instant;
 
 use cpu_time::ProcessTime;
-use sinew::{Distance, Simulation};
+use sinew::glam::{Quat, Vec3};
+use sinew::pose::{Pose, pose};
+use sinew::{Distance, Simulation, Solid};
 
 use crate::row::{Row, Stretch, Unit};
 
@@ -35,6 +37,20 @@ pub trait World {
 
     /// How well it holds together now; `None` where there is nothing to stretch.
     fn stretch(&self) -> Option<Stretch>;
+
+    /// The cubes in it that collide; none where nobody asks how calm they are.
+    fn cubes(&self) -> Vec<Cube> {
+        Vec::new()
+    }
+}
+
+/// A cube of 1 m that collides.
+#[derive(Clone, Copy, Debug)]
+pub struct Cube {
+    /// From its own frame, which has its centre, to the world.
+    pub pose: Pose,
+    /// Of its centre, m/s.
+    pub velocity: Vec3,
 }
 
 /// The contenders.
@@ -60,6 +76,19 @@ impl World for Ours {
 
     fn stretch(&self) -> Option<Stretch> {
         stretch_of(self.0.distances(), |i| self.0.particles.position(i))
+    }
+
+    fn cubes(&self) -> Vec<Cube> {
+        let particles = &self.0.particles;
+        let cube = |solid: &Solid| {
+            let rows = || solid.rows.iter().map(|&row| row as usize);
+            let points = rows().zip(&*solid.rest);
+            let points = points.map(|(i, &rest)| (particles.position(i), rest, particles.mass(i)));
+            let velocity = rows().map(|i| particles.velocity(i)).sum::<Vec3>();
+            let velocity = velocity / solid.rows.len() as f32;
+            Some(Cube { pose: pose(points, Quat::IDENTITY)?, velocity })
+        };
+        self.0.solids().iter().filter_map(cube).collect()
     }
 }
 

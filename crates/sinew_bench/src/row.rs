@@ -22,6 +22,8 @@ pub enum Unit {
     Allocations,
     /// Mean stretch, per cent.
     Percent,
+    /// Root of the mean square of speeds, mm/s.
+    Speed,
 }
 
 /// How far lengths are from what they should be, as shares of that.
@@ -76,12 +78,13 @@ impl Unit {
             Self::Once => "ns",
             Self::Allocations => "allocations",
             Self::Percent => "% mean stretch",
+            Self::Speed => "mm/s RMS",
         }
     }
 
     /// Whether it is a time.
     pub fn is_time(self) -> bool {
-        !matches!(self, Self::Allocations | Self::Percent)
+        !matches!(self, Self::Allocations | Self::Percent | Self::Speed)
     }
 }
 

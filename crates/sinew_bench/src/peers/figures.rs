@@ -1,10 +1,11 @@
 //! Boxes and ragdolls as rapier's rigid bodies and joints, with its default settings, except that nothing sleeps.
 
 use rapier3d::prelude::*;
-use sinew::glam::Vec3;
+use sinew::glam::{Quat, Vec3};
+use sinew::pose::Pose;
 use sinew::recipes::{Blueprint, Part, RagdollParticle as P, RagdollSpec, ragdoll};
 
-use crate::measure::World;
+use crate::measure::{Cube, World};
 use crate::row::Stretch;
 use crate::scenes::bodies::{places, stacked, stairs};
 
@@ -84,6 +85,17 @@ impl World for Rigid {
             Some(f64::from((one - other).length()) / length)
         });
         (!self.lengths.is_empty()).then(|| Stretch::of_shares(gaps))
+    }
+
+    fn cubes(&self) -> Vec<Cube> {
+        let array = |v: Vector| Vec3::new(v.x, v.y, v.z);
+        let cube = |body: &RigidBody| {
+            let (place, q) = (body.position().translation, body.position().rotation);
+            let rotation = Quat::from_xyzw(q.x, q.y, q.z, q.w);
+            let pose = Pose { translation: array(place), rotation };
+            Cube { pose, velocity: array(body.linvel()) }
+        };
+        self.world.bodies.iter().map(|(_, body)| cube(body)).collect()
     }
 }
 

@@ -4,6 +4,7 @@ use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{BoxSpec, RagdollSpec, box_3d, ragdoll};
 use sinew::{BodyContacts, Collider, Frame, Plane, Shape, Simulation};
 
+use super::calm;
 use crate::measure::{Effort, Ours, Race, World};
 use crate::naive::Naive;
 use crate::peers;
@@ -13,7 +14,7 @@ use crate::row::{Row, Unit};
 const BOXES: u32 = 32;
 
 /// Boxes along an edge of their heap: P5's thousand.
-const HEAP: u32 = 10;
+pub(super) const HEAP: u32 = 10;
 
 /// Ragdolls along a side of their square.
 const DOLLS: u32 = 10;
@@ -39,6 +40,8 @@ pub fn side_by_side(effort: &Effort) -> Vec<Row> {
         heaped(10, peers::SUBSTEPS, note),
         heaped(4, 4, equal),
         heaped(10, 10, equal),
+        calm::heaps(effort, 4),
+        calm::heaps(effort, 10),
     ]
 }
 

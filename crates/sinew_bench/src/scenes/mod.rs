@@ -5,6 +5,7 @@ mod allocations;
 mod app;
 pub mod bending;
 pub mod bodies;
+mod calm;
 pub mod charges;
 pub mod cloth;
 mod quality;

@@ -1,0 +1,101 @@
+//! How well a heap lies: what P5's speed is worth. Its boxes after twenty seconds, with as many substeps of both.
+
+use sinew::glam::{Quat, Vec3};
+use sinew::pose::Pose;
+
+use super::bodies::{HEAP, heap};
+use crate::measure::{Cube, Effort, Ours, World};
+use crate::peers;
+use crate::row::{Row, Unit};
+
+/// Ticks after which it should be at rest: 20 s.
+const TICKS: usize = 1200;
+
+/// Half an edge of a box, metres.
+const HALF: f32 = 0.5;
+
+/// The heap of P5 with so many substeps of both: how fast its boxes still are, and in the note how deep any lies in another.
+pub(super) fn heaps(effort: &Effort, substeps: u32) -> Row {
+    let ticks = if effort.quick { TICKS / 10 } else { TICKS };
+    let mut world = heap(HEAP);
+    world.settings.substeps = substeps;
+    let scene = format!("the heap {} s later, {substeps} substeps each", ticks / 60);
+    let row = Row::new("P5", scene, Unit::Speed).sized(world.distances().len(), substeps, 1);
+    let later = |world: &mut dyn World| {
+        (0..ticks).for_each(|_| world.tick());
+        let cubes = world.cubes();
+        (1e3 * speed(&cubes), 1e3 * deepest(&cubes))
+    };
+    let (ours, depth) = later(&mut Ours(world));
+    let peer = peers::heap(effort, HEAP, substeps).map(|mut peer| later(peer.as_mut()));
+    let theirs = peer.map(|(_, depth)| format!(", rapier's by {depth:.2} mm")).unwrap_or_default();
+    let note =
+        format!("the deepest corner is in another box, or in the floor, by {depth:.2} mm{theirs}");
+    Row { ours: Some(ours), peer: peer.map(|(speed, _)| speed), ..row }.noted(note)
+}
+
+/// Root of the mean square, m/s.
+fn speed(cubes: &[Cube]) -> f64 {
+    let squares = cubes.iter().map(|cube| f64::from(cube.velocity.length_squared()));
+    (squares.sum::<f64>() / cubes.len().max(1) as f64).sqrt()
+}
+
+/// How deep any corner is in another cube, or in the floor, metres.
+fn deepest(cubes: &[Cube]) -> f64 {
+    let mut deepest = 0.0_f32;
+    for (number, cube) in cubes.iter().enumerate() {
+        let near = |other: &Cube| {
+            other.pose.translation.distance(cube.pose.translation) < HALF * 2.0 * 1.8
+        };
+        let others = cubes.iter().enumerate().filter(|(other, _)| *other != number);
+        let others: Vec<&Cube> =
+            others.map(|(_, other)| other).filter(|other| near(other)).collect();
+        for corner in corners(&cube.pose) {
+            let inside = others.iter().map(|other| depth(&other.pose, corner)).fold(0.0, f32::max);
+            deepest = deepest.max(inside).max(-corner.y);
+        }
+    }
+    f64::from(deepest)
+}
+
+/// The corners of a cube in the world.
+fn corners(pose: &Pose) -> impl Iterator<Item = Vec3> {
+    let signs = |bits: u32| {
+        Vec3::from_array([0, 1, 2].map(|axis| if bits >> axis & 1 == 1 { HALF } else { -HALF }))
+    };
+    let pose = *pose;
+    (0..8).map(move |bits| pose.point(signs(bits)))
+}
+
+/// How deep a point is in a cube, metres; negative outside of it.
+fn depth(pose: &Pose, point: Vec3) -> f32 {
+    let back = Pose { translation: Vec3::ZERO, rotation: Quat::conjugate(pose.rotation) };
+    HALF - back.point(point - pose.translation).abs().max_element()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cube(translation: Vec3, rotation: Quat, velocity: Vec3) -> Cube {
+        Cube { pose: Pose { translation, rotation }, velocity }
+    }
+
+    #[test]
+    fn a_corner_in_another_box_or_in_the_floor_is_as_deep_as_it_is() {
+        let level = |x: f32, y: f32| cube(Vec3::new(x, y, x), Quat::IDENTITY, Vec3::ZERO);
+        assert_eq!(deepest(&[level(0.0, 0.5), level(2.0, 0.5)]), 0.0);
+        assert!((deepest(&[level(0.0, 0.49)]) - 0.01).abs() < 1e-6);
+        // The upper one is a little aside, so that its corners are in the lower one and not in its rim.
+        assert!((deepest(&[level(0.0, 0.5), level(0.25, 1.497)]) - 0.003).abs() < 1e-6);
+        let tilted = Quat::from_rotation_z(core::f32::consts::FRAC_PI_4);
+        let stands = cube(Vec3::Y * 0.7, tilted, Vec3::ZERO);
+        assert!((deepest(&[stands]) - f64::from(0.5_f32.sqrt() - 0.7)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_speed_is_the_root_of_the_mean_square() {
+        let cubes = [3.0, 4.0].map(|v| cube(Vec3::ZERO, Quat::IDENTITY, Vec3::X * v));
+        assert!((speed(&cubes) - 12.5_f64.sqrt()).abs() < 1e-9);
+    }
+}
