@@ -7,8 +7,8 @@ use sinew::{BodySettings, SolverSettings};
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
 pub struct SolverConfig {
-    /// Substeps in a tick, 1 to 256. Default 10, for all that is soft; of boxes and ragdolls alone 4 take half the time, and a heap lies as still, in
-    /// one another by 3 mm instead of 0.5.
+    /// Substeps in a tick, 1 to 256. Default 10, which is meant for all that is soft. Boxes and ragdolls do with 4, in half the time;
+    /// [`SolverSettings::substeps`] says what that costs.
     pub substeps: u32,
     /// The most sweeps over all constraints in a substep, 1 to 1000. Default 4.
     pub max_sweeps: u32,

@@ -55,7 +55,8 @@ pub(super) fn transposed([a, b, c, d]: [__m256; 4]) -> [__m256; 4] {
 #[inline(always)]
 pub(super) fn check(rows: &[u32; LANES], len: usize) {
     assert!(len <= u32::MAX as usize, "too many rows");
-    // A row that is the greater one of itself and their number is none of them. SAFETY: see `Eight` in `avx2`; eight `u32` are a register.
+    // A row that is the greater one of itself and their number is none of them.
+    // SAFETY: see `Eight` in `avx2`; eight `u32` are a register.
     let outside = unsafe {
         let rows = _mm256_loadu_si256(rows.as_ptr().cast());
         let none = _mm256_cmpeq_epi32(_mm256_max_epu32(rows, _mm256_set1_epi32(len as i32)), rows);

@@ -14,6 +14,9 @@ const TICKS: usize = 1200;
 /// Half an edge of a box, metres.
 const HALF: f32 = 0.5;
 
+/// How long the diagonal of a box is, metres: those whose centres are farther apart do not touch.
+const DIAGONAL: f32 = 1.733;
+
 /// The heap of P5 with so many substeps of both: how fast its boxes still are, and in the note how deep any lies in another.
 pub(super) fn heaps(effort: &Effort, substeps: u32) -> Row {
     let ticks = if effort.quick { TICKS / 10 } else { TICKS };
@@ -44,9 +47,7 @@ fn speed(cubes: &[Cube]) -> f64 {
 fn deepest(cubes: &[Cube]) -> f64 {
     let mut deepest = 0.0_f32;
     for (number, cube) in cubes.iter().enumerate() {
-        let near = |other: &Cube| {
-            other.pose.translation.distance(cube.pose.translation) < HALF * 2.0 * 1.8
-        };
+        let near = |other: &Cube| other.pose.translation.distance(cube.pose.translation) < DIAGONAL;
         let others = cubes.iter().enumerate().filter(|(other, _)| *other != number);
         let others: Vec<&Cube> =
             others.map(|(_, other)| other).filter(|other| near(other)).collect();
