@@ -99,7 +99,7 @@ fn a_ball_bounces_to_the_square_of_its_restitution_and_never_higher_than_before(
 fn what_lies_on_something_that_moves_is_carried() {
     let rise = |t: f32| Frame::at(Vec3::new(1.5 * t, 0.5 * t, 0.0));
     let mut world = Simulation::default();
-    let table = Shape::cuboid(Vec3::new(2.0, 0.5, 2.0)).unwrap();
+    let table = Shape::cuboid(Vec3::new(4.0, 1.0, 4.0)).unwrap();
     world.colliders.push(Collider::fixed(table, rise(0.0)));
     ball(&mut world, Vec3::Y * 0.6, Vec3::ZERO, 0.1, Material::default());
     for tick in 0..120 {
@@ -187,7 +187,7 @@ fn rms_speed(world: &Simulation) -> f32 {
 fn cloth_that_falls_on_a_ball_or_a_table_never_goes_in_and_comes_to_rest() {
     let ball = || Collider::fixed(Shape::sphere(0.3).unwrap(), Frame::IDENTITY);
     let table = || {
-        let shape = Shape::cuboid(Vec3::new(0.3, 0.3, 0.3)).unwrap();
+        let shape = Shape::cuboid(Vec3::new(0.6, 0.6, 0.6)).unwrap();
         Collider::fixed(shape, Frame::IDENTITY)
     };
     // The same budget a second at 60 and at 240 Hz: 600 substeps and 720. With four times as many what positions are rounded by, 3e-8 m in a
@@ -220,7 +220,7 @@ fn cloth_that_falls_on_a_ball_or_a_table_never_goes_in_and_comes_to_rest() {
 fn cloth_pulled_over_a_corner_at_ten_metres_a_second_does_not_go_in() {
     for dt in [1.0 / 60.0, 1.0 / 240.0] {
         let mut world = Simulation::default();
-        let shape = Shape::cuboid(Vec3::splat(0.5)).unwrap();
+        let shape = Shape::cuboid(Vec3::ONE).unwrap();
         world.colliders.push(Collider::fixed(shape, Frame::at(Vec3::NEG_Y * 0.5)));
         let radius = sheet(&mut world, 0.05, BodyContacts::default());
         let mut worst = f32::NEG_INFINITY;

@@ -45,17 +45,19 @@ pub struct Grip {
 
 impl Default for Material {
     fn default() -> Self {
-        Self {
-            friction: 0.5,
-            restitution: 0.0,
-            friction_rule: Combine::Average,
-            restitution_rule: Combine::Average,
-            drag: PlanarDrag::default(),
-        }
+        Self::DEFAULT
     }
 }
 
 impl Material {
+    const DEFAULT: Self = Self {
+        friction: 0.5,
+        restitution: 0.0,
+        friction_rule: Combine::Average,
+        restitution_rule: Combine::Average,
+        drag: PlanarDrag { along: 0.0, across: 0.0 },
+    };
+
     /// The same with another coefficient of friction.
     pub fn with_friction(self, friction: f32) -> Self {
         Self { friction, ..self }
@@ -113,11 +115,13 @@ pub struct Layers {
 
 impl Default for Layers {
     fn default() -> Self {
-        Self { memberships: 1, mask: u32::MAX }
+        Self::DEFAULT
     }
 }
 
 impl Layers {
+    const DEFAULT: Self = Self { memberships: 1, mask: u32::MAX };
+
     /// Touches nothing.
     pub const NONE: Self = Self { memberships: 0, mask: 0 };
 
@@ -134,13 +138,13 @@ impl Layers {
 }
 
 /// How a body takes part in contacts with colliders, with other bodies and with itself.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyContacts {
     /// What it is made of.
     pub material: Material,
     /// What it may touch.
     pub layers: Layers,
-    /// Whether its particles (those with a radius) touch those of other bodies that ask for the same. Default not.
+    /// Whether it touches other bodies, if they touch it: rigid parts by their shape, other particles as balls of their radius. Default so.
     pub with_bodies: bool,
     /// Whether its particles touch each other where they are further apart in the rest shape. Default not.
     pub with_itself: bool,
@@ -149,6 +153,42 @@ pub struct BodyContacts {
     pub surface: bool,
     /// Whether its contacts are listed in the report. Default not.
     pub events: bool,
+    /// Whether it touches nothing at all, not even colliders, planes and boxes. Default not.
+    pub disabled: bool,
+}
+
+impl Default for BodyContacts {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+impl BodyContacts {
+    /// Touches all there is but itself.
+    pub(crate) const DEFAULT: Self = Self {
+        material: Material::DEFAULT,
+        layers: Layers::DEFAULT,
+        with_bodies: true,
+        with_itself: false,
+        surface: false,
+        events: false,
+        disabled: false,
+    };
+
+    /// Whether it touches anything that moves.
+    pub(crate) fn takes_part(&self) -> bool {
+        !self.disabled && (self.with_bodies || self.with_itself)
+    }
+
+    /// Whether two bodies touch, if no joint keeps them from it.
+    #[inline(always)]
+    pub(crate) fn meets(&self, other: &Self) -> bool {
+        self.with_bodies
+            && other.with_bodies
+            && !self.disabled
+            && !other.disabled
+            && self.layers.meets(other.layers)
+    }
 }
 
 #[cfg(test)]

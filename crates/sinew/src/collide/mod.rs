@@ -6,6 +6,8 @@
 //! | `frame` | where something rigid is |
 //! | `material` | friction, restitution, layers; what a body asks for |
 //! | `collider` | shapes that stand still or that the game moves |
+//! | `filter` | which things may touch: layers, joints, what bodies ask for |
+//! | `nearby` | broad phase over whole bodies: which of them may come to touch another one |
 //! | `bounds` | planes and boxes that hold every particle |
 //! | `touch` | single particles against colliders |
 //! | `pairs` | particles against particles: a grid, and what is near enough in it |
@@ -18,11 +20,13 @@
 
 mod bounds;
 mod collider;
+mod filter;
 mod frame;
 mod friction;
 mod impact;
 mod manifold;
 mod material;
+mod nearby;
 mod pairs;
 mod shape;
 mod solids;
@@ -37,6 +41,7 @@ pub use material::{BodyContacts, Combine, Grip, Layers, Material};
 pub use shape::{Nearest, RayHit, Shape, ShapeFault};
 pub use solids::{ContactMemory, Remembered, Solid, SolidFault};
 
+pub(crate) use filter::ContactFilter;
 pub(crate) use impact::Impacts;
 pub(crate) use manifold::{Broad, Scratch as ManifoldScratch, collide};
 pub(crate) use pairs::Pairs;
@@ -44,3 +49,19 @@ pub(crate) use solids::Solids;
 pub(crate) use stage::{Contacts, World};
 pub(crate) use touch::{Pressed, Presses, Touch};
 pub(crate) use triangles::Triangles;
+
+/// Memory that is kept from call to call and has nothing to say in between: a copy has none.
+#[derive(Default)]
+struct Kept<T>(T);
+
+impl<T: Default> Clone for Kept<T> {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl<T> core::fmt::Debug for Kept<T> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("Kept")
+    }
+}

@@ -1,7 +1,8 @@
 //! All that a step needs to know of contacts and nobody saves, and in which order its parts are asked.
 
+use super::nearby::Nearby;
 use super::{
-    BodyContacts, Collider, ContactMemory, Impact, Impacts, Pairs, Pressed, Solid, Solids, Touch,
+    Collider, ContactFilter, ContactMemory, Impact, Impacts, Pairs, Pressed, Solid, Solids, Touch,
     Triangles,
 };
 use crate::constraints::Boundaries;
@@ -14,6 +15,9 @@ use crate::solve::Plan;
 pub(crate) struct Contacts {
     pub(crate) touch: Touch,
     pub(crate) presses: Vec<Pressed>,
+    /// For each row whether it does not collide by itself: it belongs to a solid, or its body touches nothing.
+    aside: Vec<bool>,
+    nearby: Nearby,
     pairs: Pairs,
     triangles: Triangles,
     solids: Solids,
@@ -26,7 +30,7 @@ pub(crate) struct World<'a> {
     pub(crate) boundaries: &'a Boundaries,
     pub(crate) colliders: &'a [Collider],
     pub(crate) solids: &'a [Solid],
-    pub(crate) bodies: &'a [BodyContacts],
+    pub(crate) filter: &'a ContactFilter,
     pub(crate) plan: &'a Plan,
     /// Length of the step, seconds, and its substeps.
     pub(crate) dt: f32,
@@ -47,9 +51,9 @@ impl Contacts {
         self.solids.compile(solids, particles);
     }
 
-    /// Whether a row belongs to a solid, which collides in its place.
-    pub(crate) fn is_in_solid(&self, row: u32) -> bool {
-        self.solids.rows().get(row as usize).is_some_and(|&solid| solid)
+    /// Whether a row does not collide by itself: it belongs to a solid, which does in its place, or its body touches nothing.
+    pub(crate) fn is_aside(&self, row: u32) -> bool {
+        self.aside.get(row as usize).is_some_and(|&aside| aside)
     }
 
     /// Begins a step: finds what may come to touch what, and borrows what is remembered of it until the step [ends](Self::keep). Bodies that ask for
@@ -60,15 +64,29 @@ impl Contacts {
         world: World,
         memory: &mut ContactMemory,
     ) {
-        let World { boundaries, colliders, bodies, substeps, dt, gravity, .. } = world;
+        let World { boundaries, colliders, filter, substeps, dt, gravity, .. } = world;
         self.impacts.clear();
-        self.touch.take(boundaries, colliders, bodies, substeps);
-        self.touch.set_solid(self.solids.rows());
-        self.touch.find(particles, world.plan, (dt, gravity), &mut self.presses);
-        self.solids.find(particles, &world, memory);
-        let solid = self.solids.rows();
-        self.pairs.find(particles, bodies, &particles.rest, solid, dt);
-        self.triangles.find(particles, surfaces, bodies, solid, dt);
+        self.set_aside(particles, filter);
+        self.touch.take(boundaries, colliders, filter, substeps);
+        self.touch.set_solid(&self.aside);
+        self.touch.find(particles, &world, (dt, gravity), &mut self.presses);
+        self.nearby.find(particles, &world, &self.aside);
+        let Self { aside, nearby, .. } = self;
+        self.solids.find(particles, &world, nearby, memory);
+        self.pairs.find(particles, (filter, nearby), &particles.rest, aside, dt);
+        self.triangles.find(particles, surfaces, (filter, nearby), aside, dt);
+    }
+
+    /// Notes which rows do not collide by themselves.
+    fn set_aside(&mut self, particles: &Particles, filter: &ContactFilter) {
+        let Self { aside, solids, .. } = self;
+        aside.clear();
+        aside.extend_from_slice(solids.rows());
+        if filter.bodies().iter().any(|body| body.disabled) {
+            aside.resize(particles.len(), false);
+            let disabled = particles.body.iter().map(|&body| filter.body(body).disabled);
+            aside.iter_mut().zip(disabled).for_each(|(aside, disabled)| *aside |= disabled);
+        }
     }
 
     /// Whether something may come to touch something else that moves, so that islands cannot go their ways alone.
@@ -84,10 +102,10 @@ impl Contacts {
         h: f32,
         substep: u32,
     ) {
-        self.solids.project(particles, world, h, substep);
-        self.pairs.project(particles, h);
+        self.solids.project(particles, (world, &self.nearby), h, substep);
+        self.pairs.project(particles, world.filter, h);
         // Last, so that what it says of sides holds when the next substep begins.
-        self.triangles.project(particles);
+        self.triangles.project(particles, world.filter);
     }
 
     /// After the velocities.

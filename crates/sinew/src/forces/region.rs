@@ -36,8 +36,8 @@ pub enum Extent {
     Box {
         /// Its middle.
         centre: Vec3,
-        /// Half its edges, metres, along its own axes.
-        half_size: Vec3,
+        /// Lengths of its edges, metres, along its own axes.
+        size: Vec3,
         /// How its axes are turned; a unit quaternion.
         rotation: Quat,
     },
@@ -72,9 +72,9 @@ impl Region {
     /// The whole world.
     pub const EVERYWHERE: Self = Self { extent: Extent::Everywhere, fade: 0.0 };
 
-    /// A box with edges along the world's axes, from its middle and half its edges in metres. It ends like a wall.
-    pub fn boxed(centre: Vec3, half_size: Vec3) -> Self {
-        Extent::Box { centre, half_size, rotation: Quat::IDENTITY }.into()
+    /// A box with edges along the world's axes, from its middle and the lengths of its edges in metres. It ends like a wall.
+    pub fn boxed(centre: Vec3, size: Vec3) -> Self {
+        Extent::Box { centre, size, rotation: Quat::IDENTITY }.into()
     }
 
     /// A ball, from its middle and its radius in metres. It ends like a wall.
@@ -138,9 +138,9 @@ impl Extent {
         match *self {
             Self::Everywhere => true,
             Self::Below { up, level } => is_unit(up.length_squared()) && level.is_finite(),
-            Self::Box { centre, half_size, rotation: r } => {
+            Self::Box { centre, size, rotation: r } => {
                 let squared = r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w;
-                centre.is_finite() && half_size.to_array().into_iter().all(long) && is_unit(squared)
+                centre.is_finite() && size.to_array().into_iter().all(long) && is_unit(squared)
             }
             Self::Sphere { centre, radius } => centre.is_finite() && long(radius),
             Self::Cylinder { a, b, radius } => {
@@ -157,8 +157,8 @@ impl Extent {
         match *self {
             Self::Everywhere => f32::INFINITY,
             Self::Below { up, level } => -up.dot(place.relative_to(up * level)),
-            Self::Box { centre, half_size, rotation } => {
-                let margin = half_size - turned_back(rotation, place.relative_to(centre)).abs();
+            Self::Box { centre, size, rotation } => {
+                let margin = 0.5 * size - turned_back(rotation, place.relative_to(centre)).abs();
                 // In scalars: `min_element` picks what it likes beside a NaN.
                 margin.x.min(margin.y).min(margin.z)
             }
@@ -245,7 +245,7 @@ mod tests {
         [
             Extent::Everywhere,
             Extent::Below { up: Vec3::Y, level: 1.0 },
-            Extent::Box { centre, half_size: Vec3::new(3.0, 1.0, 1.0), rotation },
+            Extent::Box { centre, size: Vec3::new(6.0, 2.0, 2.0), rotation },
             Extent::Sphere { centre, radius: 2.0 },
             Extent::Cylinder { a, b, radius: 1.0 },
             Extent::Capsule { a, b, radius: 1.0 },
@@ -323,10 +323,10 @@ mod tests {
             Region::sphere(Vec3::NAN, 1.0),
             Region::sphere(Vec3::ZERO, -1.0),
             Region::sphere(Vec3::ZERO, 1.0).with_fade(f32::NAN),
-            Region::boxed(Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0)),
+            Region::boxed(Vec3::ZERO, Vec3::new(2.0, 0.0, 2.0)),
             Extent::Box {
                 centre: Vec3::ZERO,
-                half_size: Vec3::ONE,
+                size: Vec3::splat(2.0),
                 rotation: Quat::from_xyzw(0., 0., 0., 0.),
             }
             .into(),

@@ -6,7 +6,7 @@ use core::ops::Range;
 use glam::Vec3;
 
 use super::loss;
-use crate::lanes::{Columns, LANES, Lanes, Vector};
+use crate::lanes::{Columns, InstructionSet, LANES, Lanes, Vector, Work, with};
 
 /// Particles that are in columns for all substeps of a step.
 #[derive(Clone, Debug, Default)]
@@ -52,10 +52,53 @@ impl Moving {
         [&mut self.position, &mut self.begun, &mut self.velocity, &mut self.rounding]
     }
 
-    /// Predicts the first positions of some lanes, which had their last steps as long ago as the fourths of their velocities say. `last` as in
-    /// [`go_on`](Self::go_on).
+    /// Takes some lanes through a part of the step.
+    pub(crate) fn pass(
+        &mut self,
+        pass: Pass,
+        lanes: [Range<usize>; 2],
+        course: Course,
+        instructions: InstructionSet,
+    ) {
+        with(instructions, Advance { moving: self, pass, lanes, course });
+    }
+}
+
+/// A part of a step, for some lanes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Pass {
+    /// Predicts the first positions of lanes that had their last steps as long ago as the fourths of their velocities say. `last` as below.
+    Begin { last: bool },
+    /// Derives the velocities, and predicts the next positions. `last` where that is for the last substep.
+    GoOn { last: bool },
+    /// Derives the velocities after the last substep.
+    Settle,
+}
+
+struct Advance<'a> {
+    moving: &'a mut Moving,
+    pass: Pass,
+    lanes: [Range<usize>; 2],
+    course: Course,
+}
+
+impl Work for Advance<'_> {
+    type Output = ();
+
     #[inline(always)]
-    pub(crate) fn begin<L: Lanes>(&mut self, lanes: [Range<usize>; 2], course: Course, last: bool) {
+    fn run<L: Lanes>(self) {
+        let Self { moving, pass, lanes, course } = self;
+        match pass {
+            Pass::Begin { last } => moving.begin::<L>(lanes, course, last),
+            Pass::GoOn { last } => moving.go_on::<L>(lanes, course, last),
+            Pass::Settle => moving.settle::<L>(lanes, course),
+        }
+    }
+}
+
+impl Moving {
+    #[inline(always)]
+    fn begin<L: Lanes>(&mut self, lanes: [Range<usize>; 2], course: Course, last: bool) {
         let (h, zero) = (L::splat(course.h), L::zero());
         let steady = L::splat(course.lost);
         let acceleration = Vector::<L>::splat(course.acceleration);
@@ -90,9 +133,8 @@ impl Moving {
         }
     }
 
-    /// Derives the velocities of some lanes, and predicts their next positions. `last` where that is for the last substep.
     #[inline(always)]
-    pub(crate) fn go_on<L: Lanes>(&mut self, lanes: [Range<usize>; 2], course: Course, last: bool) {
+    fn go_on<L: Lanes>(&mut self, lanes: [Range<usize>; 2], course: Course, last: bool) {
         let (h, per, zero) = (L::splat(course.h), L::splat(1.0 / course.h), L::zero());
         let lost = L::splat(course.lost);
         let push = Vector::<L>::splat(course.acceleration) * h;
@@ -124,9 +166,8 @@ impl Moving {
         }
     }
 
-    /// Derives the velocities of some lanes after the last substep.
     #[inline(always)]
-    pub(crate) fn settle<L: Lanes>(&mut self, lanes: [Range<usize>; 2], course: Course) {
+    fn settle<L: Lanes>(&mut self, lanes: [Range<usize>; 2], course: Course) {
         let (h, per) = (L::splat(course.h), L::splat(1.0 / course.h));
         let [position, start, velocity, rounding] = self.each();
         let (position, mut begun) = (position.eights(), start.eights());

@@ -49,7 +49,7 @@ use crate::particles::Particles;
 use crate::solve::Machine;
 use crate::threads::{TASKS, each};
 
-pub(crate) use columns::{Course, Moving};
+pub(crate) use columns::{Course, Moving, Pass};
 pub(crate) use wide::{Derive, Predict, loss};
 
 /// How a world steps through time. [`integrate`](crate::integrate) compares them.

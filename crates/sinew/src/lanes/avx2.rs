@@ -8,25 +8,14 @@ use glam::Vec4;
 
 use super::avx2_doubles::Fours;
 use super::avx2_rows::{check, halves, places, put_halves, transposed};
-use super::{FIELDS, LANES, Lanes, Record, Work};
+use super::{FIELDS, LANES, Lanes, Record};
 
 /// Lanes 0 to 7.
 ///
-/// Only [`with`] makes kernels of this type, and only where the machine has AVX2: that is what each `unsafe` below relies on.
+/// Only [`Work::in_avx2`](super::Work::in_avx2) makes kernels of this type, and only where the machine has AVX2: that is what each `unsafe` below
+/// relies on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Eight(__m256);
-
-/// Does something with AVX2. To be called only where the machine has it, or it panics.
-#[inline]
-pub(super) fn with<W: Work>(work: W) -> W::Output {
-    #[target_feature(enable = "avx2")]
-    fn inside<W: Work>(work: W) -> W::Output {
-        work.run::<Eight>()
-    }
-    assert!(super::has_avx2(), "this machine has no AVX2");
-    // SAFETY: just asked.
-    unsafe { inside(work) }
-}
 
 macro_rules! each {
     ($($of:ident $operation:ident $instruction:ident),*) => {$(

@@ -8,7 +8,7 @@ use core::marker::PhantomData;
 
 use glam::Vec4;
 
-use super::{LANES, Lanes};
+use super::{InstructionSet, LANES, Lanes, Work, with};
 
 /// Positions and inverse masses of consecutive rows. Scratch.
 #[derive(Clone, Debug, Default)]
@@ -89,45 +89,18 @@ impl Columns {
     }
 
     /// Takes particles, into the rows from `row` on, an even number.
-    #[inline(always)]
-    pub(crate) fn turn_in<L: Lanes>(&mut self, row: usize, packed: &[Vec4]) {
-        let (eights, last) = packed.as_chunks::<LANES>();
-        let half = self.half;
-        let [x, y, z, w] = halves(self.numbers_mut(), half, row / 2);
-        let columns = x.0.iter_mut().zip(x.1).zip(y.0.iter_mut().zip(y.1));
-        let others = z.0.iter_mut().zip(z.1).zip(w.0.iter_mut().zip(w.1));
-        for ((eight, (x, y)), (z, w)) in eights.iter().zip(columns).zip(others) {
-            let [a, b, c, d] = L::run_by_parity(eight, 0);
-            a.store_halves(x.0, x.1);
-            b.store_halves(y.0, y.1);
-            c.store_halves(z.0, z.1);
-            d.store_halves(w.0, w.1);
-        }
-        for (row, &p) in (row + packed.len() - last.len()..).zip(last) {
-            let at = self.at(row as u32);
-            self.set(at, p);
-            let at = 6 * self.half + at;
-            self.numbers_mut()[at] = p.w;
-        }
+    pub(crate) fn turn_in(&mut self, row: usize, packed: &[Vec4], instructions: InstructionSet) {
+        with(instructions, TurnIn { columns: self, row, packed });
     }
 
     /// Gives them back.
-    #[inline(always)]
-    pub(crate) fn turn_out<L: Lanes>(&mut self, row: usize, packed: &mut [Vec4]) {
-        let count = row + packed.len();
-        let (eights, last) = packed.as_chunks_mut::<LANES>();
-        let half = self.half;
-        let [x, y, z, w] = halves(self.numbers_mut(), half, row / 2);
-        let columns = x.0.iter().zip(x.1).zip(y.0.iter().zip(y.1));
-        let others = z.0.iter().zip(z.1).zip(w.0.iter().zip(w.1));
-        for ((eight, (x, y)), (z, w)) in eights.iter_mut().zip(columns).zip(others) {
-            let (x, y) = (L::load_halves(x.0, x.1), L::load_halves(y.0, y.1));
-            let (z, w) = (L::load_halves(z.0, z.1), L::load_halves(w.0, w.1));
-            L::put_run_by_parity(eight, 0, [x, y, z, w]);
-        }
-        for (row, p) in (count - last.len()..).zip(last) {
-            *p = self.get(self.at(row as u32));
-        }
+    pub(crate) fn turn_out(
+        &mut self,
+        row: usize,
+        packed: &mut [Vec4],
+        instructions: InstructionSet,
+    ) {
+        with(instructions, TurnOut { columns: self, row, packed });
     }
 
     /// A view in which eights are asked for one by one.
@@ -150,6 +123,70 @@ impl Columns {
         let count = self.lines.len() * LINE;
         // SAFETY: a line is sixteen floats and nothing else.
         unsafe { core::slice::from_raw_parts_mut(self.lines.as_mut_ptr().cast(), count) }
+    }
+}
+
+/// Particles that go into columns from an even row on.
+struct TurnIn<'a> {
+    columns: &'a mut Columns,
+    row: usize,
+    packed: &'a [Vec4],
+}
+
+impl Work for TurnIn<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { columns: to, row, packed } = self;
+        let (eights, last) = packed.as_chunks::<LANES>();
+        let half = to.half;
+        let [x, y, z, w] = halves(to.numbers_mut(), half, row / 2);
+        let columns = x.0.iter_mut().zip(x.1).zip(y.0.iter_mut().zip(y.1));
+        let others = z.0.iter_mut().zip(z.1).zip(w.0.iter_mut().zip(w.1));
+        for ((eight, (x, y)), (z, w)) in eights.iter().zip(columns).zip(others) {
+            let [a, b, c, d] = L::run_by_parity(eight, 0);
+            a.store_halves(x.0, x.1);
+            b.store_halves(y.0, y.1);
+            c.store_halves(z.0, z.1);
+            d.store_halves(w.0, w.1);
+        }
+        for (row, &p) in (row + packed.len() - last.len()..).zip(last) {
+            let at = to.at(row as u32);
+            to.set(at, p);
+            let at = 6 * to.half + at;
+            to.numbers_mut()[at] = p.w;
+        }
+    }
+}
+
+/// Particles that come out of them.
+struct TurnOut<'a> {
+    columns: &'a mut Columns,
+    row: usize,
+    packed: &'a mut [Vec4],
+}
+
+impl Work for TurnOut<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { columns: from, row, packed } = self;
+        let count = row + packed.len();
+        let (eights, last) = packed.as_chunks_mut::<LANES>();
+        let half = from.half;
+        let [x, y, z, w] = halves(from.numbers_mut(), half, row / 2);
+        let columns = x.0.iter().zip(x.1).zip(y.0.iter().zip(y.1));
+        let others = z.0.iter().zip(z.1).zip(w.0.iter().zip(w.1));
+        for ((eight, (x, y)), (z, w)) in eights.iter_mut().zip(columns).zip(others) {
+            let (x, y) = (L::load_halves(x.0, x.1), L::load_halves(y.0, y.1));
+            let (z, w) = (L::load_halves(z.0, z.1), L::load_halves(w.0, w.1));
+            L::put_run_by_parity(eight, 0, [x, y, z, w]);
+        }
+        for (row, p) in (count - last.len()..).zip(last) {
+            *p = from.get(from.at(row as u32));
+        }
     }
 }
 

@@ -6,14 +6,19 @@
 //!
 //! | file | what it is |
 //! |---|---|
-//! | `scalar` | arrays of eight: the truth that the others are tested against, and the fallback everywhere |
-//! | `quads` | two registers of four, by glam: SSE2 on x86-64, NEON on ARM |
+//! | `quads` | two registers of four, by glam: SSE2 on x86-64, NEON on ARM, plain numbers elsewhere |
 //! | `avx2`, `avx2_rows` | one register of eight; how particles get into it |
 //! | `angle` | the arc tangent, in lanes |
 //! | `doubles`, `avx2_doubles` | eight numbers of double precision, for sums |
 //! | `columns` | particles as columns of x, y, z and w |
 //! | `vector` | vectors of three lanes each |
+//! | `scalar` | tests: arrays of eight, the truth that the others must agree with |
 //! | `twins` | tests: each operation of each set against the scalar one |
+//!
+//! # Kernels, and what calls them
+//!
+//! A kernel is a [`Work`], the loop over eights and no more; what decides which kernels run, and in which order, is compiled once, for no particular
+//! instructions, and calls each of them by [`with`]. So the code of a kernel exists once for each set, not once for each of its callers.
 //!
 //! # Packed particles
 //!
@@ -34,6 +39,7 @@ mod avx2_rows;
 mod columns;
 mod doubles;
 mod quads;
+#[cfg(test)]
 mod scalar;
 #[cfg(test)]
 mod twins;
@@ -57,9 +63,10 @@ const PARITY: [usize; LANES] = [0, 2, 4, 6, 1, 3, 5, 7];
 /// Instructions that kernels are compiled for. Results are the same bits with each of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum InstructionSet {
-    /// One number at a time, as far as the compiler does not know better.
+    /// One number at a time: what the others are tested against.
+    #[cfg(test)]
     Scalar,
-    /// Four at a time: SSE2 or NEON. What has neither takes this for [`Scalar`](Self::Scalar).
+    /// Four at a time: SSE2 or NEON, and plain numbers on machines that have neither.
     Simd128,
     /// Eight at a time. A machine without AVX2 takes this for [`Simd128`](Self::Simd128).
     Avx2,
@@ -79,23 +86,52 @@ impl Default for InstructionSet {
 }
 
 /// Something to be done in lanes, whatever they are made of.
-pub(crate) trait Work {
+pub(crate) trait Work: Sized {
     /// What comes of it.
     type Output;
 
     /// Does it. To be marked `#[inline(always)]`, and so must be what it calls: what is not inlined is not compiled for the lanes' instructions, and
     /// every operation becomes a call. A closure cannot be marked: one that has lanes in it may be called from one place alone.
     fn run<L: Lanes>(self) -> Self::Output;
+
+    /// Does it in eights, in a function of its own. It stands here because a compiler's units of code follow the types whose methods they are: as
+    /// functions of this file all kernels would be one unit, of which one core generates the code while the others wait.
+    ///
+    /// # Safety
+    /// The machine has AVX2.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    #[inline(never)]
+    #[allow(unsafe_code)]
+    unsafe fn in_avx2(self) -> Self::Output {
+        self.run::<avx2::Eight>()
+    }
+
+    /// Does it in quads, likewise.
+    #[inline(never)]
+    fn in_quads(self) -> Self::Output {
+        self.run::<quads::Quads>()
+    }
+
+    /// Does it one by one, likewise.
+    #[cfg(test)]
+    #[inline(never)]
+    fn in_scalars(self) -> Self::Output {
+        self.run::<scalar::Array>()
+    }
 }
 
 /// Does something with the given instructions.
 #[inline]
 pub(crate) fn with<W: Work>(instructions: InstructionSet, work: W) -> W::Output {
     match instructions {
-        InstructionSet::Scalar => work.run::<scalar::Array>(),
+        #[cfg(test)]
+        InstructionSet::Scalar => work.in_scalars(),
         #[cfg(target_arch = "x86_64")]
-        InstructionSet::Avx2 if has_avx2() => avx2::with(work),
-        _ => work.run::<quads::Quads>(),
+        // SAFETY: just asked.
+        #[allow(unsafe_code)]
+        InstructionSet::Avx2 if has_avx2() => unsafe { work.in_avx2() },
+        _ => work.in_quads(),
     }
 }
 

@@ -1,4 +1,4 @@
-//! Arrays of eight: what every other implementation must agree with to the bit, and what runs where there is none.
+//! Arrays of eight: what every other implementation must agree with to the bit. For tests alone.
 //!
 //! Operations are functions that are called: written out eight times each in every kernel they would be most of what the crate takes to compile, and
 //! nobody is in a hurry for the truth.

@@ -155,6 +155,10 @@ pub fn articulated(spec: &ArticulatedSpec) -> Result<Blueprint, ArticulatedFault
         settings: BodySettings { max_sweeps: Some(SWEEPS), ..BodySettings::default() },
         ..Blueprint::default()
     };
+    for (i, _) in (0..).zip(&skeleton.points).filter(|(_, point)| point.pinned) {
+        // All of them are there.
+        let _ = body.pin(i);
+    }
     for members in &skeleton.pieces {
         let held = |&i: &u32| body.particles[i as usize].mass == f32::INFINITY;
         if !members.is_empty() && !members.iter().all(held) {
@@ -172,7 +176,7 @@ pub fn articulated(spec: &ArticulatedSpec) -> Result<Blueprint, ArticulatedFault
             particles: members.clone(),
             rest: members.iter().map(local).collect(),
             size: Vec3::new(bone.width, bone.head.distance(bone.tail) + bone.width, bone.width),
-            shape: Shape::capsule(0.5 * bone.width, 0.5 * bone.head.distance(bone.tail)).ok(),
+            shape: Shape::capsule(0.5 * bone.width, bone.head.distance(bone.tail)).ok(),
         });
     }
     Ok(body)
@@ -214,6 +218,7 @@ struct Point {
     position: Vec3,
     mass: f64,
     radius: f32,
+    pinned: bool,
 }
 
 impl Point {

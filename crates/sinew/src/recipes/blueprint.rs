@@ -13,6 +13,8 @@ use crate::solve::BodySettings;
 pub struct Blueprint {
     /// The particles; a pinned one has infinite mass.
     pub particles: Vec<ParticleSeed>,
+    /// Of particles that were [pinned](Self::pin) the mass that each has when it is let go, kg; by their numbers, ascending.
+    pub free_masses: Vec<(u32, f32)>,
     /// Distances to keep between pairs of particles.
     pub distances: Vec<Distance>,
     /// Whatever else must hold between them; rows are numbers of this blueprint's particles.
@@ -134,15 +136,25 @@ impl Blueprint {
         finite.map(|p| f64::from(p.mass)).sum::<f64>() as f32
     }
 
-    /// Holds a particle where it is, by giving it infinite mass. Refuses a particle that is not there.
+    /// Holds a particle where it is, by giving it infinite mass, and notes the one that it had. Refuses a particle that is not there.
     pub fn pin(&mut self, particle: u32) -> Result<(), BlueprintFault> {
         match self.particles.get_mut(particle as usize) {
             Some(seed) => {
+                let place = self.free_masses.partition_point(|&(other, _)| other < particle);
+                if seed.mass.is_finite() {
+                    self.free_masses.insert(place, (particle, seed.mass));
+                }
                 *seed = seed.pinned();
                 Ok(())
             }
             None => Err(BlueprintFault::NoSuchParticle(particle)),
         }
+    }
+
+    /// Mass of a particle that is pinned, when it is let go, kg; `None` for one that was not pinned by [`pin`](Self::pin).
+    pub fn free_mass(&self, particle: u32) -> Option<f32> {
+        let place = self.free_masses.binary_search_by_key(&particle, |&(other, _)| other);
+        place.ok().map(|place| self.free_masses[place].1)
     }
 
     /// The same body turned about its origin and then moved by `translation` (metres): positions and velocities turn,
@@ -245,6 +257,7 @@ mod tests {
         body.pin(3).unwrap();
         assert_eq!(body.particles[3].mass, f32::INFINITY);
         assert_eq!(body.total_mass(), 7.0 / 8.0);
+        assert_eq!((body.free_mass(3), body.free_mass(4)), (Some(1.0 / 8.0), None));
         let before = body.clone();
         assert_eq!(body.pin(8), Err(BlueprintFault::NoSuchParticle(8)));
         assert_eq!(body, before);

@@ -228,9 +228,9 @@ fn shaped(part: &anatomy::Segment, body: &Blueprint, height: f32) -> Part {
         rest,
         size: size.as_vec3(),
         shape: if limb {
-            Solid::capsule(0.5 * size.x as f32, 0.5 * (size.y - size.x) as f32).ok()
+            Solid::capsule(0.5 * size.x as f32, (size.y - size.x) as f32).ok()
         } else {
-            Solid::cuboid(size.as_vec3() * 0.5).ok()
+            Solid::cuboid(size.as_vec3()).ok()
         },
     }
 }

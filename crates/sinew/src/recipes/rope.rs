@@ -98,23 +98,28 @@ pub fn rope(spec: &RopeSpec) -> Result<Blueprint, RopeFault> {
     let share = spec.mass / spec.segments as f32;
     let seed = |(i, position): (u32, Vec3)| {
         let end = i == 0 || i == spec.segments;
-        let pinned = i == 0 && spec.pin_start || i == spec.segments && spec.pin_end;
-        let seed = ParticleSeed::at(position)
+        ParticleSeed::at(position)
             .with_mass(if end { 0.5 * share } else { share })
             .with_radius(spec.radius)
-            .with_drag(spec.drag);
-        if pinned { seed.pinned() } else { seed }
+            .with_drag(spec.drag)
     };
     let tie = |i| {
         let tie = Distance::new(i, i + 1, piece).with_bound(spec.bound);
         tie.with_compliance(spec.compliance)
     };
     let places = (0..=spec.segments).zip(line(spec, from, to));
-    Ok(Blueprint {
+    let mut body = Blueprint {
         particles: places.map(seed).collect(),
         distances: (0..spec.segments).map(tie).collect(),
         ..Blueprint::default()
-    })
+    };
+    for (end, pinned) in [(0, spec.pin_start), (spec.segments, spec.pin_end)] {
+        if pinned {
+            // Both ends are there.
+            let _ = body.pin(end);
+        }
+    }
+    Ok(body)
 }
 
 fn check(spec: &RopeSpec) -> Result<(), RopeFault> {

@@ -64,7 +64,7 @@ impl Blueprint {
             particles: vec![a, b],
             rest: vec![Vec3::Y * half, Vec3::Y * -half],
             size: Vec3::new(2.0 * radius, length + 2.0 * radius, 2.0 * radius),
-            shape: Some(Shape::capsule(radius, half).ok()?),
+            shape: Some(Shape::capsule(radius, length).ok()?),
         })
     }
 }

@@ -130,7 +130,7 @@ fn tied(spec: &BoxSpec, count: u32, size: Vec3) -> Blueprint {
     body.settings.max_sweeps = Some(8);
     // A rectangle is as deep as its shorter edge for what it collides with, where it is not drawn deeper.
     let flat = if size.z > 0.0 { 0.0 } else { size.x.min(size.y) };
-    let shape = Shape::cuboid(spec.size.with_z(spec.size.z.max(flat)) * 0.5).ok();
+    let shape = Shape::cuboid(spec.size.with_z(spec.size.z.max(flat))).ok();
     let particles = (0..count).collect();
     body.parts = vec![Part { name: "box", particles, rest, size: spec.size, shape }];
     body

@@ -41,9 +41,9 @@ impl Simulation {
         let Scratch { plan, contacts: Contacts { touch, presses, .. }, solving, .. } = scratch;
         let substep = report.substeps.saturating_sub(remaining);
         let gravity = forces.gravity.length();
-        let common = solve::Common { plan, contacts: touch, h, lag: h, gravity, substep };
         let machine = machine(*instructions, workers);
-        solve::advance_all(particles, presses, common, remaining, machine, solving, report);
+        let common = solve::Common { plan, contacts: touch, h, lag: h, gravity, substep, machine };
+        solve::advance_all(particles, presses, common, remaining, solving, report);
         (0..remaining).for_each(|_| self.time += f64::from(h));
         self.scratch.substep.remaining = 0;
     }

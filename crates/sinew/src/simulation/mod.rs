@@ -15,7 +15,9 @@ use std::sync::Arc;
 
 use glam::{Vec3, Vec4};
 
-use crate::collide::{BodyContacts, Collider, ContactMemory, Contacts, Solid, World};
+use crate::collide::{
+    BodyContacts, Collider, ContactFilter, ContactMemory, Contacts, Party, Solid, World,
+};
 use crate::constraints::{Boundaries, Constraint, Distance, Pin};
 use crate::forces::{self, Forces};
 use crate::lanes::InstructionSet;
@@ -43,8 +45,12 @@ pub struct Simulation {
     pub bodies: Vec<BodySettings>,
     /// Shapes that stand still or that the game moves. They may change at any step for free.
     pub colliders: Vec<Collider>,
-    /// How single bodies take part in contacts, numbered as in `bodies`; what is missing is the default, which touches colliders alone.
+    /// How single bodies take part in contacts, numbered as in `bodies`. What is missing takes part by its rigid parts, with the default; its other
+    /// particles touch colliders alone.
     pub contacts: Vec<BodyContacts>,
+    /// Pairs of a body and another body or a collider that never touch, though no constraint joins them: what is fastened to something that the game
+    /// moves. In any order; others than those do nothing.
+    pub ignored: Vec<[Party; 2]>,
     /// What solids that touch remember of each other: live state, to be saved and restored with the particles. During a step it is elsewhere.
     pub memory: ContactMemory,
     /// Which bodies may sleep, and for how long they have been still, numbered as in `bodies`; what is missing is always awake.
@@ -72,6 +78,7 @@ struct Scratch {
     substep: Substep,
     electric: forces::ElectricScratch,
     fluids: forces::FluidScratch,
+    filter: ContactFilter,
     contacts: Contacts,
     solving: solve::Scratch,
     damping: solve::Damping,
@@ -226,24 +233,24 @@ impl Simulation {
         let h = self.scratch.substep.length;
         let Self { particles, settings, instructions, workers, scratch, report, .. } = self;
         let (forces, boundaries) = (&self.forces, &self.boundaries);
-        let (colliders, solids, bodies) = (&self.colliders, &self.solids, &self.contacts);
-        let Scratch { plan, contacts, solving, substep, .. } = scratch;
+        let (colliders, solids) = (&self.colliders, &self.solids);
+        let Scratch { plan, filter, contacts, solving, substep, .. } = scratch;
         let machine = machine(*instructions, workers);
         let (gravity, lag) = (forces.gravity.length(), settings.integrator.lag(h));
         let substeps = report.substeps;
-        let number = substeps.saturating_sub(substep.remaining);
+        let substep = substeps.saturating_sub(substep.remaining);
         let open = contacts.is_active();
         let Contacts { touch, presses, .. } = contacts;
-        let common = solve::Common { plan, contacts: touch, h, lag, gravity, substep: number };
-        solve::solve_all(particles, presses, common, open, machine, solving, report);
+        let common = solve::Common { plan, contacts: touch, h, lag, gravity, substep, machine };
+        solve::solve_all(particles, presses, common, open, solving, report);
         if open {
             let dt = h * substeps as f32;
             let world =
-                World { boundaries, colliders, solids, bodies, plan, dt, substeps, gravity };
-            contacts.project(particles, &world, h, number);
+                World { boundaries, colliders, solids, filter, plan, dt, substeps, gravity };
+            contacts.project(particles, &world, h, substep);
             let Contacts { touch, presses, .. } = contacts;
-            let common = solve::Common { plan, contacts: touch, h, lag, gravity, substep: number };
-            solve::settle_all(particles, presses, common, machine, solving);
+            let common = solve::Common { plan, contacts: touch, h, lag, gravity, substep, machine };
+            solve::settle_all(particles, presses, common, solving);
             contacts.bounce(particles, h, gravity);
         }
         integrate::finish(particles, settings.integrator, h);
@@ -301,6 +308,18 @@ impl Simulation {
     pub fn island_report(&self, i: usize) -> Option<&IslandReport> {
         let number = *self.scratch.plan.island_of.get(i)?;
         self.report.islands.get(number as usize)
+    }
+
+    /// Mass of the island of particle `i`, kg: of all that constraints connect it with, without what is pinned. Zero before the first step.
+    pub fn island_mass(&self, i: usize) -> f32 {
+        let plan = &self.scratch.plan;
+        let island = plan.island_of.get(i).and_then(|&number| plan.islands.get(number as usize));
+        let members = island.map_or(&[][..], |island| &plan.members[island.members.clone()]);
+        let masses = members.iter().filter_map(|&row| {
+            let w = self.particles.position.get(row as usize)?.w;
+            (w > 0.0).then(|| 1.0 / f64::from(w))
+        });
+        masses.sum::<f64>() as f32
     }
 
     /// The most groups that an island has in the plan: constraints of one kind and one colour, which share no particle.

@@ -27,7 +27,13 @@ impl Simulation {
         } else {
             plan.compile(given);
         }
-        let Self { particles, solids, scratch: Scratch { changes, contacts, .. }, .. } = self;
+        let Self { particles, distances, constraints, solids, scratch, .. } = self;
+        let Scratch { changes, contacts, filter, .. } = scratch;
+        let given = Given { distances, constraints, particles: particles.len() };
+        let body = |row: u32| particles.body.get(row as usize);
+        if !changes.are_few() || changes.any_between(given, |a, b| body(a) != body(b)) {
+            filter.forget_joints();
+        }
         if !changes.are_few() || particles_came_or_went {
             contacts.compile(solids, particles);
         }
@@ -149,11 +155,13 @@ impl Simulation {
     /// Finds what may come to touch what.
     pub(super) fn begin_contacts(&mut self) {
         let Self { particles, forces, boundaries, colliders, solids, contacts, memory, .. } = self;
+        let links = (&self.distances[..], &self.constraints[..]);
         let scratch = &mut self.scratch;
         let Substep { length, remaining: substeps } = scratch.substep;
         let (dt, gravity) = (length * substeps as f32, forces.gravity.length());
-        let (plan, bodies) = (&scratch.plan, contacts);
-        let world = World { boundaries, colliders, solids, bodies, plan, dt, substeps, gravity };
+        let (plan, filter) = (&scratch.plan, &mut scratch.filter);
+        filter.update(particles, contacts, &self.ignored, plan, links);
+        let world = World { boundaries, colliders, solids, filter, plan, dt, substeps, gravity };
         scratch.contacts.use_instructions(self.instructions);
         scratch.contacts.begin((particles, &forces.surfaces), world, memory);
     }

@@ -91,7 +91,7 @@ impl Simulation {
         for row in 0..self.particles.len() as u32 {
             let radius = self.particles.radius[row as usize];
             if radius > 0.0
-                && !self.is_in_solid(row)
+                && !self.is_aside(row)
                 && let Some(party) = self.counts_row(row, filter)
             {
                 ray.ball(self.particles.position(row as usize), radius, party, row);
@@ -135,7 +135,7 @@ impl Simulation {
             let i = row as usize;
             let Some(party) = self.counts_row(row, filter) else { continue };
             let at = frame.local(self.particles.position(i));
-            if !self.is_in_solid(row) && shape.nearest(at).distance <= self.particles.radius[i] {
+            if !self.is_aside(row) && shape.nearest(at).distance <= self.particles.radius[i] {
                 found(party, Some(row));
             }
         }
@@ -169,8 +169,9 @@ impl Simulation {
     fn counts_row(&self, row: u32, filter: &Filter) -> Option<Party> {
         let body = *self.particles.body.get(row as usize)?;
         let party = if body == NO_BODY { Party::Particle(row) } else { Party::Body(body) };
-        let layers = self.contacts.get(body as usize).map_or(Layers::default(), |own| own.layers);
-        let counts = filter.bodies && layers.meets(filter.layers) && filter.except != Some(party);
+        let own = self.contacts.get(body as usize).copied().unwrap_or_default();
+        let met = !own.disabled && own.layers.meets(filter.layers);
+        let counts = filter.bodies && met && filter.except != Some(party);
         counts.then_some(party)
     }
 
@@ -191,9 +192,9 @@ impl Simulation {
         Some(Frame::new(found.translation, found.rotation))
     }
 
-    /// Whether a row is part of a solid, which is met in its place.
-    fn is_in_solid(&self, row: u32) -> bool {
-        self.scratch.contacts.is_in_solid(row)
+    /// Whether a row does not collide by itself: it is part of a solid, which is met in its place, or its body touches nothing.
+    fn is_aside(&self, row: u32) -> bool {
+        self.scratch.contacts.is_aside(row)
     }
 }
 

@@ -12,12 +12,12 @@ use super::flock::{Drive, Motion, Whole};
 use super::island::{Common, InOrder, Room, solve};
 use super::plan::Task;
 use super::sums::Sums;
-use super::wave::{Waves, relay};
+use super::wave::{relay, roll_waves};
 use super::world::{Machine, Scratch, Share};
 use super::{IslandReport, SolverReport};
 use crate::collide::{Pressed, Presses};
 use crate::integrate::{Derive, Predict, predict_all};
-use crate::lanes::{Lanes, Work, with};
+use crate::lanes::with;
 use crate::particles::{Particles, Places};
 use crate::threads::{Pool, each};
 
@@ -27,12 +27,11 @@ pub(crate) fn advance_all(
     presses: &mut [Pressed],
     common: Common,
     substeps: u32,
-    machine: Machine,
     scratch: &mut Scratch,
     report: &mut SolverReport,
 ) {
     let (multipliers, rooms, most) = scratch.parts();
-    let plan = common.plan;
+    let Common { plan, machine, .. } = common;
     multipliers.resize(plan.distances.len(), plan.constraints.len());
     most.clear();
     most.resize_with(substeps as usize, AtomicU32::default);
@@ -93,15 +92,15 @@ pub(crate) fn advance_all(
             if !alone.task.flocks.is_empty() {
                 with(machine.instructions, alone.flocks(room, most));
             }
-            with(machine.instructions, Waves { alone: &mut alone, room, most });
+            roll_waves(&mut alone, room, most);
             if !room.rest.is_empty() {
-                with(machine.instructions, Substeps { alone, room, most });
+                alone.one_by_one(room, most);
             }
         });
     });
     for mut alone in large {
-        if !relay(&mut alone, machine, rooms, most) {
-            alone.by_all(machine, rooms, most);
+        if !relay(&mut alone, rooms, most) {
+            alone.by_all(rooms, most);
         }
     }
     for most in most {
@@ -183,8 +182,8 @@ impl Alone<'_> {
 
 impl Alone<'_> {
     /// A single large island, by all workers, who meet after each stage of each sweep.
-    fn by_all(mut self, machine: Machine, rooms: &Pool<Room>, most: &[AtomicU32]) {
-        let rows = self.task.rows.len();
+    fn by_all(mut self, rooms: &Pool<Room>, most: &[AtomicU32]) {
+        let (rows, machine) = (self.task.rows.len(), self.common.machine);
         for (number, most) in most.iter().enumerate() {
             predict_all(self.predict(0..rows), machine);
             let share = Share {
@@ -203,28 +202,18 @@ impl Alone<'_> {
                 reports: self.reports,
                 excess: &mut [],
             };
-            share.by_all(machine, rooms);
+            share.by_all(rooms);
             most.fetch_max(self.reports[0].last_sweeps, Ordering::Relaxed);
         }
     }
 }
 
-struct Substeps<'a, 'b> {
-    alone: Alone<'a>,
-    room: &'b mut Room,
-    /// The most sweeps in each substep.
-    most: &'b [AtomicU32],
-}
-
-impl Work for Substeps<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { alone, room, most } = self;
-        let Alone { common, outside, task, position, start, velocity, rounding, .. } = alone;
-        let (plan, h, mut sums, reports) = (common.plan, common.h, alone.sums, alone.reports);
-        let mut presses = alone.presses;
+impl Alone<'_> {
+    /// Its islands one after the other through all substeps. `most` are the most sweeps in each.
+    fn one_by_one(self, room: &mut Room, most: &[AtomicU32]) {
+        let Self { common, outside, task, position, start, velocity, rounding, .. } = self;
+        let (mut sums, mut presses, reports) = (self.sums, self.presses, self.reports);
+        let Common { plan, h, machine: Machine { instructions, .. }, .. } = common;
         let rest = core::mem::take(&mut room.rest);
         let in_task = |rows: &Range<u32>| {
             (rows.start - task.rows.start) as usize..(rows.end - task.rows.start) as usize
@@ -233,7 +222,7 @@ impl Work for Substeps<'_, '_> {
         for (number, most) in most.iter().enumerate() {
             let common = Common { substep: common.substep + number as u32, ..common };
             for rows in rest.rows.iter().map(in_task) {
-                let damping = alone.damping;
+                let damping = self.damping;
                 let predict = Predict {
                     position: &mut position[rows.clone()],
                     start: &mut start[rows.clone()],
@@ -246,14 +235,14 @@ impl Work for Substeps<'_, '_> {
                     air: outside.air,
                     h,
                 };
-                predict.run::<L>();
+                with(instructions, predict);
             }
             let mut places = Places {
                 first: task.rows.start,
                 position,
                 start,
-                origin: alone.origin,
-                radius: alone.radius,
+                origin: self.origin,
+                radius: self.radius,
                 velocity,
             };
             room.excesses.clear();
@@ -264,7 +253,7 @@ impl Work for Substeps<'_, '_> {
                 if island.asleep {
                     continue;
                 }
-                let sweeper = InOrder::<L>::new(plan, island, room);
+                let sweeper = InOrder::new(plan, island, room);
                 let excess =
                     solve(common, island, &mut places, &mut sums, &mut presses, report, sweeper);
                 room.excesses.extend(excess.map(|excess| (number as u32, excess)));
@@ -275,7 +264,8 @@ impl Work for Substeps<'_, '_> {
                 let (position, start) =
                     (&places.position[rows.clone()], &places.start[rows.clone()]);
                 let velocity = &mut places.velocity[rows];
-                Derive { position, start, velocity, excess: &[], h, lag: h }.run::<L>();
+                let derive = Derive { position, start, velocity, excess: &[], h, lag: h };
+                with(instructions, derive);
             }
             for (number, excess) in room.excesses.drain(..) {
                 let members = plan.islands[number as usize].members.clone();

@@ -6,17 +6,15 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use super::island::Room;
 use super::item::{Manner, project_constraint};
-use super::plan::{Bundle, Kind, Plan};
+use super::plan::{Bundle, Group, Kind, Plan};
 use super::sums::Sums;
 use super::world::Machine;
 use crate::constraints::Direction;
-use crate::lanes::{Lanes, Work, with};
 use crate::particles::Places;
 use crate::threads::{Pool, TASKS, each};
 
 /// Projects every constraint of some bundles once and returns the largest error found, metres; of soft ones, how far they moved.
-#[inline(always)]
-pub(super) fn sweep<L: Lanes>(
+pub(super) fn sweep(
     places: &mut Places,
     plan: &Plan,
     bundles: Range<usize>,
@@ -26,13 +24,12 @@ pub(super) fn sweep<L: Lanes>(
 ) -> f32 {
     let mut worst = 0.0_f32;
     for bundle in &plan.bundles[bundles] {
-        worst = worst.max(sweep_bundle::<L>(places, plan, bundle, sums, manner, room));
+        worst = worst.max(sweep_bundle(places, plan, bundle, sums, manner, room));
     }
     worst
 }
 
-#[inline(always)]
-fn sweep_bundle<L: Lanes>(
+fn sweep_bundle(
     places: &mut Places,
     plan: &Plan,
     bundle: &Bundle,
@@ -41,10 +38,10 @@ fn sweep_bundle<L: Lanes>(
     room: &mut Room,
 ) -> f32 {
     let groups = &plan.groups[bundle.groups.clone()];
-    let Plan { rods, constraints, .. } = plan;
+    let (Plan { rods, constraints, .. }, instructions) = (plan, manner.instructions);
     if bundle.columns && manner.direction == Direction::Nearest {
-        let each = groups.iter().map(|group| (&group.runs, &group.blocks));
-        return rods.sweep_columns::<L>(places, each, bundle.rows.clone(), &mut room.columns);
+        let (each, rows) = (groups.iter().map(Group::rods), bundle.rows.clone());
+        return rods.sweep_columns(places, each, rows, &mut room.columns, instructions);
     }
     let mut worst = 0.0_f32;
     for group in groups {
@@ -54,10 +51,11 @@ fn sweep_bundle<L: Lanes>(
                 let (mut runs, blocks) = (group.runs.clone(), group.blocks.clone());
                 if bundle.columns {
                     let strips = core::mem::replace(&mut runs, 0..0);
-                    let found = rods.sweep_strips_from_start::<L>(places, strips, &bundle.rows);
+                    let found =
+                        rods.sweep_strips_from_start(places, strips, &bundle.rows, instructions);
                     worst = worst.max(found);
                 }
-                rods.sweep::<L>(places, runs, blocks, manner.direction)
+                rods.sweep(places, runs, blocks, manner.direction, instructions)
             }
             Kind::Distances | Kind::Constraints => {
                 let multipliers = match group.kind {
@@ -65,7 +63,7 @@ fn sweep_bundle<L: Lanes>(
                     _ => sums.of_constraints(range.clone()),
                 };
                 if let Some(which) = &group.wide {
-                    plan.laws.sweep::<L>(places, which, multipliers, manner.pace)
+                    plan.laws.sweep(places, which, multipliers, manner.pace, instructions)
                 } else {
                     let (each, local) =
                         (constraints[range].iter().zip(multipliers), &mut room.local);
@@ -100,10 +98,9 @@ pub(super) fn sweep_shared(
             let (places, sums) = take(&mut left, plan, some)?;
             Some((places, sums, begin..number))
         });
-        each(machine.workers, tasks, |(places, sums, bundles)| {
-            let found = rooms.with(|room| {
-                with(machine.instructions, Sweep { places, plan, bundles, sums, manner, room })
-            });
+        each(machine.workers, tasks, |(mut places, mut sums, bundles)| {
+            let found =
+                rooms.with(|room| sweep(&mut places, plan, bundles, &mut sums, manner, room));
             worst.fetch_max(found.to_bits(), Ordering::Relaxed);
         });
     }
@@ -127,24 +124,4 @@ fn take<'a>(
     };
     *left = Some((places, sums));
     Some((own, own_sums))
-}
-
-/// Some bundles, to be swept in lanes.
-struct Sweep<'a> {
-    places: Places<'a>,
-    plan: &'a Plan,
-    bundles: Range<usize>,
-    sums: Sums<'a>,
-    manner: Manner,
-    room: &'a mut Room,
-}
-
-impl Work for Sweep<'_> {
-    type Output = f32;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> f32 {
-        let Self { mut places, plan, bundles, mut sums, manner, room } = self;
-        sweep::<L>(&mut places, plan, bundles, &mut sums, manner, room)
-    }
 }

@@ -1,6 +1,5 @@
 //! One island: particles that constraints connect, solved until they hold or the sweeps are spent, whatever happens elsewhere.
 
-use core::marker::PhantomData;
 use std::time::Instant;
 
 use super::flock::{Herd, Spot};
@@ -10,10 +9,11 @@ use super::plan::{Island, Kind, Plan, Task};
 use super::rest::Rest;
 use super::sums::Sums;
 use super::wave::Wave;
+use super::world::Machine;
 use super::{IslandReport, Order, cascade, jacobi, worst_first};
 use crate::collide::{Presses, Touch};
 use crate::constraints::{Direction, Pace};
-use crate::lanes::{Columns, Lanes};
+use crate::lanes::Columns;
 use crate::particles::Places;
 
 /// What a thread needs while it solves. Scratch.
@@ -56,38 +56,36 @@ pub(crate) struct Common<'a> {
     pub(crate) gravity: f32,
     /// Which substep of the step it is, counted from 0.
     pub(crate) substep: u32,
+    pub(crate) machine: Machine<'a>,
 }
 
-/// What makes one sweep over an island, and returns the largest error that it found, metres. A trait and no closure: those cannot be made to be
-/// inlined, and lanes have to be.
+/// What makes one sweep over an island, and returns the largest error that it found, metres.
 pub(super) trait Sweeper {
     fn sweep(&mut self, places: &mut Places, sums: &mut Sums, manner: Manner) -> f32;
 }
 
-/// One worker, in lanes, in whatever order the island asks for.
-pub(super) struct InOrder<'a, L> {
+/// One worker, in whatever order the island asks for.
+pub(super) struct InOrder<'a> {
     plan: &'a Plan,
     island: &'a Island,
     room: &'a mut Room,
-    lanes: PhantomData<L>,
 }
 
-impl<'a, L> InOrder<'a, L> {
+impl<'a> InOrder<'a> {
     pub(super) fn new(plan: &'a Plan, island: &'a Island, room: &'a mut Room) -> Self {
         if island.settings.order != Order::Cascade {
             list_items(plan, island, &mut room.items);
         }
-        Self { plan, island, room, lanes: PhantomData }
+        Self { plan, island, room }
     }
 }
 
-impl<L: Lanes> Sweeper for InOrder<'_, L> {
-    #[inline(always)]
+impl Sweeper for InOrder<'_> {
     fn sweep(&mut self, places: &mut Places, sums: &mut Sums, manner: Manner) -> f32 {
-        let Self { plan, island, room, .. } = self;
+        let Self { plan, island, room } = self;
         if island.settings.order == Order::Cascade {
             let bundles = island.bundles.clone();
-            return cascade::sweep::<L>(places, plan, bundles, sums, manner, room);
+            return cascade::sweep(places, plan, bundles, sums, manner, room);
         }
         let Room { local, items, asked, queue, .. } = *room;
         if island.settings.order == Order::Jacobi {
@@ -102,7 +100,6 @@ impl<L: Lanes> Sweeper for InOrder<'_, L> {
 ///
 /// Constraints come first, contacts last: what must not be seen to fail, a foot in the ground, has the last word. A sweep's error is what it
 /// *found*, before it corrected it: reaching the tolerance therefore costs no extra pass, and is never claimed too early.
-#[inline(always)]
 pub(super) fn solve(
     common: Common,
     island: &Island,
@@ -112,7 +109,7 @@ pub(super) fn solve(
     report: &mut IslandReport,
     mut sweeper: impl Sweeper,
 ) -> Option<Excess> {
-    let Common { plan, h, .. } = common;
+    let Common { plan, h, machine, .. } = common;
     let (settings, rows) = (&island.settings, &plan.members[island.members.clone()]);
     let began = settings.timed.then(Instant::now);
     let mut direction = settings.direction;
@@ -121,7 +118,8 @@ pub(super) fn solve(
         report.fallbacks += 1;
     }
     forget(plan, island, sums);
-    let manner = Manner { pace: Pace { h, sweeps: settings.max_sweeps }, direction };
+    let pace = Pace { h, sweeps: settings.max_sweeps };
+    let manner = Manner { pace, direction, instructions: machine.instructions };
     let (mut sweeps, mut converged, mut touched) = (0, false, false);
     while sweeps < settings.max_sweeps && !converged {
         let found =

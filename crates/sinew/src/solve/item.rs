@@ -8,6 +8,7 @@ use crate::constraints::{
     Constraint, Direction, Distance, Pace, Points, equation_energy, equation_error, project,
     project_equation, project_rod, project_rod_from_start,
 };
+use crate::lanes::InstructionSet;
 use crate::particles::{Particles, Places};
 
 /// A constraint of the plan: its kind, and its number in the list of that kind.
@@ -22,6 +23,8 @@ pub(crate) struct Item {
 pub(crate) struct Manner {
     pub(crate) pace: Pace,
     pub(crate) direction: Direction,
+    /// For its kernels.
+    pub(crate) instructions: InstructionSet,
 }
 
 /// The particles of one constraint side by side, in its own order. Scratch.

@@ -3,10 +3,10 @@
 use super::SolverReport;
 use super::island::Room;
 use super::item::{constraint_error, distance_error};
-use super::plan::{Kind, Plan};
+use super::plan::{Group, Kind, Plan};
 use crate::collide::Touch;
 use crate::constraints::Distance;
-use crate::lanes::{InstructionSet, Lanes, Work, with};
+use crate::lanes::InstructionSet;
 use crate::particles::{Particles, Places};
 
 /// Measures what is left, moving nothing: largest error of the hard constraints in metres, and largest strain of the hard distances. Islands that
@@ -21,74 +21,55 @@ pub(crate) fn measure(
 ) {
     (report.error, report.strain) = (0.0, 0.0);
     let places = Places::all(particles);
-    with(instructions, Measure { places, contacts, plan, room, report });
-}
-
-struct Measure<'a> {
-    places: Places<'a>,
-    contacts: &'a Touch,
-    plan: &'a Plan,
-    room: &'a mut Room,
-    report: &'a mut SolverReport,
-}
-
-impl Work for Measure<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { places, contacts, plan, room, report } = self;
-        plan.flocks.measure::<L>(places.position, &mut room.spots, &mut report.islands);
-        for (island, own) in plan.islands.iter().zip(&mut report.islands) {
-            let (mut error, mut strain) = (0.0_f32, 0.0_f32);
-            // What broke was put back after it was measured.
-            let measured = core::mem::take(&mut own.measured) && report.frozen.is_empty();
-            if measured {
-                (error, strain) = (own.error, own.strain);
+    plan.flocks.measure(places.position, &mut room.spots, &mut report.islands, instructions);
+    for (island, own) in plan.islands.iter().zip(&mut report.islands) {
+        let (mut error, mut strain) = (0.0_f32, 0.0_f32);
+        // What broke was put back after it was measured.
+        let measured = core::mem::take(&mut own.measured) && report.frozen.is_empty();
+        if measured {
+            (error, strain) = (own.error, own.strain);
+        }
+        let bundles = if measured { 0..0 } else { island.bundles.clone() };
+        for bundle in &plan.bundles[bundles] {
+            let groups = &plan.groups[bundle.groups.clone()];
+            if bundle.columns {
+                let each = groups.iter().map(Group::rods);
+                let rows = bundle.rows.clone();
+                let (left, share) =
+                    plan.rods.measure_columns(&places, each, rows, &mut room.columns, instructions);
+                (error, strain) = (error.max(left), strain.max(share));
+                continue;
             }
-            let bundles = if measured { 0..0 } else { island.bundles.clone() };
-            for bundle in &plan.bundles[bundles] {
-                let groups = &plan.groups[bundle.groups.clone()];
-                if bundle.columns {
-                    let each = groups.iter().map(|group| (&group.runs, &group.blocks));
-                    let rows = bundle.rows.clone();
-                    let (left, share) =
-                        plan.rods.measure_columns::<L>(&places, each, rows, &mut room.columns);
-                    (error, strain) = (error.max(left), strain.max(share));
+            for group in groups {
+                let range = group.range.clone();
+                let laws = group.wide.as_ref().filter(|_| group.kind == Kind::Constraints);
+                if let Some(which) = laws {
+                    error = error.max(plan.laws.measure(&places, which, instructions));
                     continue;
                 }
-                for group in groups {
-                    let range = group.range.clone();
-                    let laws = group.wide.as_ref().filter(|_| group.kind == Kind::Constraints);
-                    if let Some(which) = laws {
-                        error = error.max(plan.laws.measure::<L>(&places, which));
-                        continue;
+                let (left, share) = match group.kind {
+                    Kind::Rods => {
+                        let (runs, blocks) = (group.runs.clone(), group.blocks.clone());
+                        plan.rods.measure(places.position, runs, blocks, instructions)
                     }
-                    let (left, share) = match group.kind {
-                        Kind::Rods => {
-                            let (runs, blocks) = (group.runs.clone(), group.blocks.clone());
-                            plan.rods.measure::<L>(places.position, runs, blocks)
-                        }
-                        Kind::Distances => distance_errors(&places, &plan.distances[range]),
-                        Kind::Constraints => {
-                            let each = plan.constraints[range].iter();
-                            let errors =
-                                each.map(|c| constraint_error(&places, c, &mut room.local));
-                            (errors.fold(0.0, f32::max), 0.0)
-                        }
-                    };
-                    (error, strain) = (error.max(left), strain.max(share));
-                }
+                    Kind::Distances => distance_errors(&places, &plan.distances[range]),
+                    Kind::Constraints => {
+                        let each = plan.constraints[range].iter();
+                        let errors = each.map(|c| constraint_error(&places, c, &mut room.local));
+                        (errors.fold(0.0, f32::max), 0.0)
+                    }
+                };
+                (error, strain) = (error.max(left), strain.max(share));
             }
-            if !contacts.is_empty() {
-                let rows = plan.members[island.members.clone()].iter();
-                let deepest = rows.map(|&row| contacts.error(&places, row));
-                error = deepest.fold(error, f32::max);
-            }
-            (own.error, own.strain) = (error, strain);
-            report.error = report.error.max(error);
-            report.strain = report.strain.max(strain);
         }
+        if !contacts.is_empty() {
+            let rows = plan.members[island.members.clone()].iter();
+            let deepest = rows.map(|&row| contacts.error(&places, row));
+            error = deepest.fold(error, f32::max);
+        }
+        (own.error, own.strain) = (error, strain);
+        report.error = report.error.max(error);
+        report.strain = report.strain.max(strain);
     }
 }
 

@@ -13,7 +13,7 @@ use super::sums::{Multipliers, Sums};
 use super::{IslandReport, Order, SolverReport, cascade};
 use crate::collide::{Pressed, Presses};
 use crate::integrate::{Derive, derive};
-use crate::lanes::{InstructionSet, Lanes, Work, with};
+use crate::lanes::{InstructionSet, with};
 use crate::particles::{Particles, Places};
 use crate::threads::{Pool, Workers, each};
 
@@ -58,12 +58,11 @@ pub(crate) fn solve_all(
     presses: &mut [Pressed],
     common: Common,
     open: bool,
-    machine: Machine,
     scratch: &mut Scratch,
     report: &mut SolverReport,
 ) {
     let Scratch { multipliers, rooms, excess, .. } = scratch;
-    let plan = common.plan;
+    let Common { plan, machine, .. } = common;
     multipliers.resize(plan.distances.len(), plan.constraints.len());
     excess.clear();
     excess.resize(if open { particles.len() } else { 0 }, Vec4::ZERO);
@@ -110,11 +109,11 @@ pub(crate) fn solve_all(
             if !share.task.flocks.is_empty() {
                 with(machine.instructions, share.flocks(room));
             }
-            with(machine.instructions, InLanes { share, room });
+            share.one_by_one(room);
         });
     });
     for share in large {
-        share.by_all(machine, rooms);
+        share.by_all(rooms);
     }
     let most = report.islands.iter().map(|island| island.last_sweeps).max().unwrap_or(0);
     report.sweeps += most;
@@ -127,16 +126,16 @@ pub(crate) fn settle_all(
     particles: &mut Particles,
     presses: &mut [Pressed],
     common: Common,
-    machine: Machine,
     scratch: &mut Scratch,
 ) {
     let rows = 0..particles.len() as u32;
     let mut places = Places::all(particles);
     let (Places { position, start, velocity, .. }, excess) = (&mut places, &scratch.excess[..]);
-    derive(Derive { position, start, velocity, excess, h: common.h, lag: common.lag }, machine);
+    let Common { h, lag, machine, .. } = common;
+    derive(Derive { position, start, velocity, excess, h, lag }, machine);
     if common.contacts.bounces() {
         let mut presses = Presses::all(presses);
-        common.contacts.bounce(&mut places, &mut presses, rows, (common.h, common.gravity));
+        common.contacts.bounce(&mut places, &mut presses, rows, (h, common.gravity));
     }
 }
 
@@ -152,21 +151,11 @@ pub(super) struct Share<'a> {
     pub(super) excess: &'a mut [Vec4],
 }
 
-/// One by one, by one worker.
-struct InLanes<'a, 'b> {
-    share: Share<'a>,
-    room: &'b mut Room,
-}
-
-impl Work for InLanes<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { share, room } = self;
-        let Share { common, task, mut places, mut sums, mut presses, reports, excess: later } =
-            share;
-        let plan = common.plan;
+impl Share<'_> {
+    /// One island after the other, by one worker.
+    fn one_by_one(self, room: &mut Room) {
+        let Self { common, task, mut places, mut sums, mut presses, reports, excess: later } = self;
+        let Common { plan, machine: Machine { instructions, .. }, .. } = common;
         let rest = core::mem::take(&mut room.rest);
         for number in rest.islands.iter().cloned().flatten() {
             let report = &mut reports[number - task.islands.start];
@@ -174,7 +163,7 @@ impl Work for InLanes<'_, '_> {
             if island.asleep {
                 continue;
             }
-            let sweeper = InOrder::<L>::new(plan, island, room);
+            let sweeper = InOrder::new(plan, island, room);
             let excess =
                 solve(common, island, &mut places, &mut sums, &mut presses, report, sweeper);
             let Some(excess) = excess else { continue };
@@ -182,7 +171,7 @@ impl Work for InLanes<'_, '_> {
                 room.excesses.push((number as u32, excess));
             } else {
                 let rows = &plan.members[island.members.clone()];
-                Note { excess: &excess, places: &places, rows, to: later }.run::<L>();
+                with(instructions, Note { excess: &excess, places: &places, rows, to: later });
             }
         }
         room.rest = rest;
@@ -190,7 +179,8 @@ impl Work for InLanes<'_, '_> {
             return;
         }
         let (Places { position, start, velocity, .. }, excess) = (&mut places, &[]);
-        Derive { position, start, velocity, excess, h: common.h, lag: common.lag }.run::<L>();
+        let (h, lag) = (common.h, common.lag);
+        with(instructions, Derive { position, start, velocity, excess, h, lag });
         for (number, excess) in room.excesses.drain(..) {
             let members = plan.islands[number as usize].members.clone();
             excess.take_off(&mut places, &plan.members[members]);
@@ -225,9 +215,11 @@ impl Share<'_> {
     }
 
     /// A single large island, by all workers.
-    pub(super) fn by_all(self, machine: Machine, rooms: &Pool<Room>) {
+    pub(super) fn by_all(self, rooms: &Pool<Room>) {
         let Self { common, task, mut places, mut sums, mut presses, reports, excess: later } = self;
-        let (plan, Some(report)) = (common.plan, reports.first_mut()) else { return };
+        let (Common { plan, machine, .. }, Some(report)) = (common, reports.first_mut()) else {
+            return;
+        };
         let island = &plan.islands[task.islands.start];
         if island.asleep {
             return;

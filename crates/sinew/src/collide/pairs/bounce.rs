@@ -17,7 +17,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::super::{BodyContacts, Impacts, Party};
+use super::super::{ContactFilter, Impacts, Party};
 use super::near::Block;
 use crate::lanes::{LANES, Lanes, Vector, Work};
 use crate::particles::Particles;
@@ -106,7 +106,7 @@ impl Hit {
     /// Two that were pushed apart by `overlap` metres in a substep of `h` seconds, and whose velocities are still those that led to it.
     pub(super) fn new(
         particles: &Particles,
-        contacts: &[BodyContacts],
+        filter: &ContactFilter,
         rows: [u32; 2],
         (normal, overlap): (Vec3, f32),
         place: Option<(usize, usize)>,
@@ -114,8 +114,7 @@ impl Hit {
     ) -> Self {
         let [a, b] = rows.map(|row| row as usize);
         let bodies = [particles.body[a], particles.body[b]];
-        let [one, other] =
-            bodies.map(|body| contacts.get(body as usize).copied().unwrap_or_default());
+        let [one, other] = bodies.map(|body| filter.body(body));
         let closing = particles.velocity(b) - particles.velocity(a);
         let weights = particles.inverse_mass(a) + particles.inverse_mass(b);
         Self {

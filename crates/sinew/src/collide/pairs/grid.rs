@@ -14,6 +14,7 @@
 
 use glam::DVec3;
 
+use super::super::ContactFilter;
 use super::members::Members;
 use super::near::Near;
 use crate::lanes::{LANES, Lanes, Work};
@@ -193,6 +194,7 @@ fn reach_of(members: &Members, i: usize) -> f32 {
 pub(super) struct Search<'a> {
     pub(super) grid: &'a Grid,
     pub(super) members: &'a Members,
+    pub(super) filter: &'a ContactFilter,
     pub(super) near: &'a mut Near,
 }
 
@@ -203,12 +205,12 @@ impl Work for Search<'_> {
     /// the other half.
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { grid, members, near } = self;
+        let Self { grid, members, filter, near } = self;
         let takes_part = grid.level.iter().filter(|level| **level != u8::MAX).count();
         for &i in &grid.sorted.member[..takes_part] {
             let i = i as usize;
             let own = grid.level[i];
-            let asker = Asker::<L>::new(grid, members, i);
+            let asker = Asker::<L>::new(grid, (members, filter), i);
             for number in 0..=own {
                 let level = &grid.levels[number as usize];
                 if level.count == 0 {
@@ -245,6 +247,7 @@ struct Asker<'a, L> {
     sorted: &'a Sorted,
     starts: &'a [u32],
     members: &'a Members,
+    filter: &'a ContactFilter,
     number: usize,
     x: L,
     y: L,
@@ -254,12 +257,17 @@ struct Asker<'a, L> {
 
 impl<'a, L: Lanes> Asker<'a, L> {
     #[inline(always)]
-    fn new(grid: &'a Grid, members: &'a Members, number: usize) -> Self {
+    fn new(
+        grid: &'a Grid,
+        (members, filter): (&'a Members, &'a ContactFilter),
+        number: usize,
+    ) -> Self {
         let place = (members.place[number] - grid.low).as_vec3();
         Self {
             sorted: &grid.sorted,
             starts: &grid.starts,
             members,
+            filter,
             number,
             x: L::splat(place.x),
             y: L::splat(place.y),
@@ -271,7 +279,7 @@ impl<'a, L: Lanes> Asker<'a, L> {
     /// Notes who is near in some slots; where all of a line ask each other, only those `after` it.
     #[inline(always)]
     fn ask(&self, near: &mut Near, [from, to]: [u32; 2], after: bool) {
-        let Self { sorted, members, number, .. } = self;
+        let Self { sorted, members, filter, number, .. } = self;
         let (first, end) = (self.starts[from as usize] as usize, self.starts[to as usize] as usize);
         let mut at = first;
         while at < end {
@@ -288,7 +296,7 @@ impl<'a, L: Lanes> Asker<'a, L> {
                 let other = sorted.member[at + bits.trailing_zeros() as usize] as usize;
                 bits &= bits - 1;
                 if other > *number || !after {
-                    near.consider(members, *number, other);
+                    near.consider((members, filter), *number, other);
                 }
             }
             at += LANES;

@@ -2,7 +2,8 @@
 
 use glam::{DVec3, Vec3, Vec4};
 
-use super::super::BodyContacts;
+use super::super::ContactFilter;
+use super::super::nearby::Nearby;
 use crate::particles::Particles;
 
 /// Those that take part, in the order of their rows.
@@ -29,8 +30,6 @@ pub(super) struct Members {
     pub(super) path: Vec<Vec3>,
     /// Consecutive ones of one body: where they end, and whose they are.
     pub(super) runs: Vec<(usize, u32)>,
-    /// How each body takes part.
-    pub(super) bodies: Vec<BodyContacts>,
     /// Whether somebody was too fast for what was found to last longer than this substep.
     pub(super) expired: bool,
     /// Length of the step, seconds.
@@ -47,11 +46,11 @@ const MARGIN: [f32; 2] = [0.15, 0.4];
 const FAR: f64 = 1e15;
 
 impl Members {
-    /// Takes who takes part in a step of `dt` seconds, and keeps its memory.
+    /// Takes who takes part in a step of `dt` seconds, of the bodies that are near others, and keeps its memory.
     pub(super) fn take(
         &mut self,
         particles: &Particles,
-        contacts: &[BodyContacts],
+        nearby: &Nearby,
         rest: &[Vec3],
         solid: &[bool],
         dt: f32,
@@ -62,19 +61,13 @@ impl Members {
         self.radius.clear();
         self.rest.clear();
         self.runs.clear();
-        self.bodies.clear();
         self.expired = false;
         self.dt = dt;
-        if !contacts.iter().any(takes_part) {
-            return;
-        }
-        self.bodies.extend_from_slice(contacts);
         let columns = particles.body.iter().zip(&particles.radius);
         for (row, (&body, &radius)) in columns.enumerate() {
-            let joins = contacts.get(body as usize).is_some_and(takes_part);
             let loose = !solid.get(row).copied().unwrap_or(false);
             // A radius of no number takes no part, either.
-            if !(joins && loose && radius > 0.0) {
+            if !(nearby.has(body) && loose && radius > 0.0) {
                 continue;
             }
             self.rows.push(row as u32);
@@ -163,25 +156,16 @@ impl Members {
     /// Two of one body may be as near as they are in its rest shape: mesh neighbours closer than their radii are held by their rods. Two that are at
     /// one place there (a seam) never touch.
     #[inline(always)]
-    pub(super) fn reach(&self, i: usize, j: usize) -> Option<f32> {
+    pub(super) fn reach(&self, filter: &ContactFilter, i: usize, j: usize) -> Option<f32> {
         let apart = self.radius[i] + self.radius[j];
         let (a, b) = (self.body[i], self.body[j]);
-        let (one, other) = (&self.bodies[a as usize], &self.bodies[b as usize]);
-        if a != b {
-            let meets = one.with_bodies && other.with_bodies && one.layers.meets(other.layers);
-            return meets.then_some(apart);
-        }
-        if !one.with_itself {
+        if !filter.rows_may_touch((a, self.rows[i]), (b, self.rows[j])) {
             return None;
         }
-        if self.rest.is_empty() {
+        if a != b || self.rest.is_empty() {
             return Some(apart);
         }
         let rest = (self.rest[i] - self.rest[j]).length();
         if rest < apart { (rest > 0.0).then_some(rest) } else { Some(apart) }
     }
-}
-
-fn takes_part(body: &BodyContacts) -> bool {
-    body.with_bodies || body.with_itself
 }

@@ -47,7 +47,8 @@ mod tests;
 
 use glam::Vec3;
 
-use super::{BodyContacts, Impacts};
+use super::nearby::Nearby;
+use super::{ContactFilter, Impacts};
 use crate::lanes::{InstructionSet, with};
 use crate::particles::Particles;
 
@@ -83,13 +84,13 @@ pub(crate) struct Pairs {
 impl Pairs {
     /// Lists what may come to touch in a step of `dt` seconds.
     ///
-    /// `contacts` says for each body how it takes part; a body beyond its end, and a particle of none, does not. `rest` has where each particle is in
+    /// Bodies that are near no other take no part, nor do particles of none. `rest` has where each particle is in
     /// the rest shape of its body, metres; it may be empty, and NaN says that it has no such place. Rows that are marked in `solid` take no part; it
     /// may be empty, too. Neither do particles without a radius, nor any that is not finite or is more than 1e15 m away from the first.
     pub(crate) fn find(
         &mut self,
         particles: &Particles,
-        contacts: &[BodyContacts],
+        (filter, nearby): (&ContactFilter, &Nearby),
         rest: &[Vec3],
         solid: &[bool],
         dt: f32,
@@ -98,12 +99,12 @@ impl Pairs {
         self.hits.clear();
         self.touched.clear();
         self.looks = 0;
-        self.members.take(particles, contacts, rest, solid, dt);
+        self.members.take(particles, nearby, rest, solid, dt);
         if self.is_empty() {
             self.near.clear();
             return;
         }
-        self.look(particles, false);
+        self.look(particles, filter, false);
     }
 
     /// Whether nobody takes part.
@@ -113,7 +114,12 @@ impl Pairs {
 
     /// Pushes apart what overlaps or would have passed through each other, in a substep of `h` seconds whose start is in the particles. Returns the
     /// greatest overlap that it met, metres.
-    pub(crate) fn project(&mut self, particles: &mut Particles, h: f32) -> f32 {
+    pub(crate) fn project(
+        &mut self,
+        particles: &mut Particles,
+        filter: &ContactFilter,
+        h: f32,
+    ) -> f32 {
         self.hits.clear();
         self.touched.clear();
         self.stops.clear();
@@ -122,12 +128,11 @@ impl Pairs {
             return 0.0;
         }
         if self.members.expired || self.outrun.is_outrun(&self.members, particles) {
-            self.look(particles, true);
+            self.look(particles, filter, true);
         }
         let swift = self.outrun.is_swift(&self.members, particles);
-        let Self { near, members, touched, hits, stops, .. } = self;
-        let bodies = &members.bodies[..];
-        let sweep = Sweep { near, bodies, particles, swift, h, touched, hits, stops };
+        let Self { near, touched, hits, stops, .. } = self;
+        let sweep = Sweep { near, filter, particles, swift, h, touched, hits, stops };
         let worst = with(self.instructions, sweep);
         for _ in 0..AGAIN {
             for stop in &self.stops {
@@ -158,14 +163,14 @@ impl Pairs {
     }
 
     /// Looks where everybody is, and who is near whom; at the beginning of a step, or within a substep that has been predicted.
-    fn look(&mut self, particles: &Particles, within: bool) {
+    fn look(&mut self, particles: &Particles, filter: &ContactFilter, within: bool) {
         let Self { members, outrun, grid, near, .. } = self;
         members.place(particles, within);
         outrun.begin(members);
         grid.fill(members);
         near.clear();
-        with(self.instructions, Search { grid, members, near });
-        near.colour(members);
+        with(self.instructions, Search { grid, members, filter, near });
+        near.colour(members, filter);
         self.looks += 1;
     }
 }

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::super::ContactFilter;
 use super::members::Members;
 use crate::lanes::LANES;
 
@@ -63,8 +64,13 @@ impl Near {
     }
 
     /// Takes two that are about near enough, if they are, and if they may touch.
-    pub(super) fn consider(&mut self, members: &Members, i: usize, other: usize) {
-        let Some(reach) = members.reach(i, other) else { return };
+    pub(super) fn consider(
+        &mut self,
+        (members, filter): (&Members, &ContactFilter),
+        i: usize,
+        other: usize,
+    ) {
+        let Some(reach) = members.reach(filter, i, other) else { return };
         let (low, high) = (i.min(other), i.max(other));
         let pinned = members.pinned[i] && members.pinned[other];
         if !pinned && is_near(members, low, high, reach) {
@@ -109,7 +115,7 @@ impl Near {
     }
 
     /// Colours the pairs in their order, each with the first colour that neither of its two has, and packs each colour into blocks.
-    pub(super) fn colour(&mut self, members: &Members) {
+    pub(super) fn colour(&mut self, members: &Members, filter: &ContactFilter) {
         let Self { pairs, taken, colour, blocks, .. } = self;
         taken.clear();
         taken.resize(members.rows.len(), 0);
@@ -133,11 +139,11 @@ impl Near {
         firsts[COLOURS] = sum;
         blocks.clear();
         blocks.resize((sum + counts[COLOURS]) as usize, Block::EMPTY);
-        self.pack(members, firsts);
+        self.pack((members, filter), firsts);
     }
 
     /// Puts each pair into the block where its colour has got to.
-    fn pack(&mut self, members: &Members, firsts: [u32; COLOURS + 1]) {
+    fn pack(&mut self, (members, filter): (&Members, &ContactFilter), firsts: [u32; COLOURS + 1]) {
         let Self { pairs, reach, colour, blocks, offsets, .. } = self;
         let mut filled = [0_u32; COLOURS + 1];
         let mut last = Meeting::none();
@@ -154,7 +160,7 @@ impl Near {
             let (a, b) = (a as usize, b as usize);
             let bodies = [members.body[a], members.body[b]];
             if last.bodies != bodies {
-                last = Meeting::of(members, bodies);
+                last = Meeting::of(filter, bodies);
             }
             block.put(lane, [members.rows[a], members.rows[b]], reach, &last);
             let offset = members.origin[a] - members.origin[b];
@@ -210,8 +216,8 @@ impl Meeting {
         Self { bodies: [u32::MAX; 2], friction: 0.0, restitution: 0.0, told: false }
     }
 
-    fn of(members: &Members, bodies: [u32; 2]) -> Self {
-        let [one, other] = bodies.map(|body| &members.bodies[body as usize]);
+    fn of(filter: &ContactFilter, bodies: [u32; 2]) -> Self {
+        let [one, other] = bodies.map(|body| filter.body(body));
         let grip = one.material.against(&other.material);
         let told = one.events || other.events;
         Self { bodies, friction: grip.friction, restitution: grip.restitution, told }

@@ -13,7 +13,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::super::BodyContacts;
+use super::super::ContactFilter;
 use super::bounce::{Hit, Touched};
 use super::near::{Block, NO_OFFSET, Near};
 use super::swept::{Pair, Stop};
@@ -23,7 +23,7 @@ use crate::particles::Particles;
 /// One sweep over all blocks; what comes of it is the greatest overlap that it met, metres.
 pub(super) struct Sweep<'a> {
     pub(super) near: &'a Near,
-    pub(super) bodies: &'a [BodyContacts],
+    pub(super) filter: &'a ContactFilter,
     pub(super) particles: &'a mut Particles,
     /// Whether somebody is so fast that pairs must be asked for the way that they came.
     pub(super) swift: bool,
@@ -163,7 +163,7 @@ impl Sweep<'_> {
 
     #[inline(never)]
     fn hit(&mut self, rows: [u32; 2], how: (Vec3, f32), place: Option<(usize, usize)>) {
-        let hit = Hit::new(self.particles, self.bodies, rows, how, place, self.h);
+        let hit = Hit::new(self.particles, self.filter, rows, how, place, self.h);
         self.hits.push(hit);
     }
 

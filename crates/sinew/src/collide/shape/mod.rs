@@ -133,33 +133,33 @@ impl Shape {
         Ok(Self::of(Form::Ball(Ball { radius })))
     }
 
-    /// A cylinder along y with half a sphere on either end. `half_height` is half the length of the cylinder, without the caps.
+    /// A cylinder along y with half a sphere on either end. `length` is that of the cylinder, without the caps.
     ///
     /// # Errors
     /// If one of them is not between 1e-6 and 1e6 metres.
-    pub fn capsule(radius: f32, half_height: f32) -> Result<Self, ShapeFault> {
+    pub fn capsule(radius: f32, length: f32) -> Result<Self, ShapeFault> {
         is_length(radius).then_some(()).ok_or(ShapeFault::Radius)?;
-        is_length(half_height).then_some(()).ok_or(ShapeFault::Height)?;
-        Ok(Self::of(Form::Capsule(Capsule { radius, half_height })))
+        is_length(length).then_some(()).ok_or(ShapeFault::Height)?;
+        Ok(Self::of(Form::Capsule(Capsule { radius, half_height: 0.5 * length })))
     }
 
-    /// A box about the origin, of half of its size along each axis.
+    /// A box about the origin, from the lengths of its edges.
     ///
     /// # Errors
     /// If one of them is not between 1e-6 and 1e6 metres.
-    pub fn cuboid(half_size: Vec3) -> Result<Self, ShapeFault> {
-        is_size(half_size).then_some(()).ok_or(ShapeFault::Size)?;
-        Ok(Self::of(Form::Cuboid(Cuboid { half_size })))
+    pub fn cuboid(size: Vec3) -> Result<Self, ShapeFault> {
+        is_size(size).then_some(()).ok_or(ShapeFault::Size)?;
+        Ok(Self::of(Form::Cuboid(Cuboid { half_size: 0.5 * size })))
     }
 
     /// A cylinder along y, about the origin.
     ///
     /// # Errors
     /// If one of them is not between 1e-6 and 1e6 metres.
-    pub fn cylinder(radius: f32, half_height: f32) -> Result<Self, ShapeFault> {
+    pub fn cylinder(radius: f32, height: f32) -> Result<Self, ShapeFault> {
         is_length(radius).then_some(()).ok_or(ShapeFault::Radius)?;
-        is_length(half_height).then_some(()).ok_or(ShapeFault::Height)?;
-        Ok(Self::of(Form::Cylinder(Cylinder { radius, half_height })))
+        is_length(height).then_some(()).ok_or(ShapeFault::Height)?;
+        Ok(Self::of(Form::Cylinder(Cylinder { radius, half_height: 0.5 * height })))
     }
 
     /// The smallest body without dents around points ([`convex_hull`](crate::recipes::convex_hull)).

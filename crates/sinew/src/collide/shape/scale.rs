@@ -29,12 +29,12 @@ impl Shape {
             Form::Ball(ball) if even => Self::sphere(ball.radius * factor.x),
             Form::Ball(ball) => Self::hull(&stretch(&rings(ball.radius, 0.0))),
             Form::Capsule(c) if even => {
-                Self::capsule(c.radius * factor.x, c.half_height * factor.x)
+                Self::capsule(c.radius * factor.x, 2.0 * c.half_height * factor.x)
             }
             Form::Capsule(c) => Self::hull(&stretch(&rings(c.radius, c.half_height))),
-            Form::Cuboid(cuboid) => Self::cuboid(cuboid.half_size * factor),
+            Form::Cuboid(cuboid) => Self::cuboid(2.0 * cuboid.half_size * factor),
             Form::Cylinder(c) if across => {
-                Self::cylinder(c.radius * factor.x, c.half_height * factor.y)
+                Self::cylinder(c.radius * factor.x, 2.0 * c.half_height * factor.y)
             }
             Form::Cylinder(c) => {
                 let up = Vec3::Y * c.half_height;

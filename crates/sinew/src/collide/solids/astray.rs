@@ -10,6 +10,7 @@
 use glam::Vec3;
 
 use super::super::World;
+use super::super::nearby::Nearby;
 use super::Solids;
 use super::found::{Found, put};
 use super::memory::Memory;
@@ -63,7 +64,13 @@ impl Late {
 
 impl Solids {
     /// Looks after those who have left their way, from where they were after a share of the step.
-    pub(super) fn look_after(&mut self, particles: &Particles, world: &World, share: f32) {
+    pub(super) fn look_after(
+        &mut self,
+        particles: &Particles,
+        world: &World,
+        nearby: &Nearby,
+        share: f32,
+    ) {
         let mut astray = core::mem::take(&mut self.astray);
         astray.sort_unstable();
         for &number in &astray {
@@ -91,7 +98,7 @@ impl Solids {
         late.met.sort_unstable();
         if !self.loose.none_collide() {
             self.tell();
-            self.loose.find(&self.seen, &self.groups, particles, world);
+            self.loose.find(&self.seen, &self.groups, particles, world, nearby);
         }
     }
 

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::super::World;
+use super::super::nearby::Nearby;
 use super::Solids;
 use super::bodies::ROTATION;
 use super::found::{colour, pack};
@@ -19,6 +20,7 @@ impl Solids {
         &mut self,
         particles: &Particles,
         world: &World,
+        nearby: &Nearby,
         memory: &mut ContactMemory,
     ) {
         self.memory.take(memory);
@@ -29,6 +31,7 @@ impl Solids {
         self.sensed.clear();
         self.h = world.dt / world.substeps.max(1) as f32;
         self.groups.weigh(world.solids, particles);
+        self.overlaps.update(world.solids, &self.groups, particles, world.filter);
         self.lifts.take(&self.groups, particles);
         super::stands::list(world, &mut self.floor, &mut self.stands);
         let rows = self.groups.padded() + self.stands.len() + 1;
@@ -54,7 +57,7 @@ impl Solids {
         self.pairs = pairs;
         self.memory.in_order();
         self.late.begin(self.found.len());
-        self.loose.find(&self.seen, &self.groups, particles, world);
+        self.loose.find(&self.seen, &self.groups, particles, world, nearby);
         let Self { found, used, packs, order, begins, groups, bodies, memory, h, .. } = self;
         let colours = colour(found, groups.parts.len(), used);
         let nothing = (bodies.rows.len() - 1) as u32;

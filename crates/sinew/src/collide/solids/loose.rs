@@ -2,7 +2,8 @@
 
 use glam::{Vec3, Vec4};
 
-use super::super::{BodyContacts, Grip, Party, World};
+use super::super::nearby::Nearby;
+use super::super::{Grip, Party, World};
 use super::Told;
 use super::bodies::{Bodies, ROTATION, SHIFT, TURN, rotation};
 use super::groups::Groups;
@@ -59,23 +60,21 @@ impl Loose {
         groups: &Groups,
         particles: &Particles,
         world: &World,
+        nearby: &Nearby,
     ) {
         let Self { pairs, rows, solids, open } = self;
         pairs.clear();
         rows.clear();
         solids.clear();
         open.clear();
-        if !world.bodies.iter().any(|body| body.with_bodies) {
-            return;
-        }
-        let contacts = |body: u32| world.bodies.get(body as usize).copied().unwrap_or_default();
+        let filter = world.filter;
         let reach = |row: usize| {
             let speed = particles.velocity[row].truncate().length();
             particles.radius[row] + (speed + world.gravity * world.dt) * world.dt
         };
         for row in 0..particles.len() {
             let solid = groups.solid.get(row).copied().unwrap_or(false);
-            if particles.radius[row] > 0.0 && !solid && contacts(particles.body[row]).with_bodies {
+            if particles.radius[row] > 0.0 && !solid && nearby.has(particles.body[row]) {
                 let low = particles.position(row).x - reach(row);
                 if low.is_finite() {
                     rows.push((low, row as u32));
@@ -102,17 +101,15 @@ impl Loose {
             open.retain(|&number| seen[number as usize].bounds.1.x >= low);
             let i = row as usize;
             let (place, reach) = (particles.position(i), Vec3::splat(reach(i)));
-            let own: BodyContacts = contacts(particles.body[i]);
+            let own = filter.body(particles.body[i]);
             for &number in open.iter() {
                 let one = &seen[number as usize];
                 let (low, high) = (place - reach, place + reach);
                 let apart = low.cmpgt(one.bounds.1).any() || high.cmplt(one.bounds.0).any();
-                let theirs = contacts(one.body);
-                let same = one.body == particles.body[i] && one.body != NO_BODY;
-                if apart || !own.layers.meets(theirs.layers) || same && !own.with_itself {
+                let (body, theirs) = (particles.body[i], filter.body(one.body));
+                if apart || !filter.rows_may_touch((body, row), (one.body, one.row)) {
                     continue;
                 }
-                let body = particles.body[i];
                 let who = if body == NO_BODY { Party::Particle(row) } else { Party::Body(body) };
                 pairs.push(Near {
                     solid: number,

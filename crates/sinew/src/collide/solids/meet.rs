@@ -1,7 +1,7 @@
 //! Two that may come to touch: what is remembered of where they do, as long as that holds, and otherwise what is found afresh.
 
 use super::super::manifold::{Scratch, collide, is_of_triangles};
-use super::super::{BodyContacts, Frame, Party, Shape, World};
+use super::super::{Frame, Party, Shape, World};
 use super::Solids;
 use super::astray::Late;
 use super::found::{Found, Sensed};
@@ -36,17 +36,19 @@ impl Solids {
         world: &World,
         (share, late): (f32, bool),
     ) {
-        let Self { groups, seen, found, memory, scratch, late: known, .. } = self;
+        let Self { groups, overlaps, seen, found, memory, scratch, late: known, .. } = self;
         let (one, other) = (&seen[a], &seen[b]);
         // Neighbours in a body are near each other all the time.
         let same = one.body == other.body && one.body != NO_BODY;
         if same && groups.share_a_row(a, b) {
             return;
         }
-        let otherwise = BodyContacts::default();
-        let (own, theirs) = (contacts(world, one, &otherwise), contacts(world, other, &otherwise));
-        let overlap = || world.solids[a].overlaps_at_rest(&world.solids[b], particles);
-        if !own.layers.meets(theirs.layers) || same && (!own.with_itself || overlap()) {
+        let filter = world.filter;
+        let (own, theirs) = (filter.body(one.body), filter.body(other.body));
+        let overlap =
+            || overlaps.has(a, b) || world.solids[a].overlaps_at_rest(&world.solids[b], particles);
+        let of = |seen: &Seen| (seen.body, seen.row);
+        if !filter.rows_may_touch(of(one), of(other)) || same && overlap() {
             return;
         }
         let (solid, with) = (&world.solids[a], &world.solids[b]);
@@ -101,9 +103,10 @@ impl Solids {
         let Self { groups, seen, stands, found, memory, sensed, scratch, late: known, .. } = self;
         let (one, number) = (&seen[a], b - seen.len());
         let (solid, stand) = (&world.solids[a], &stands[number]);
-        let otherwise = BodyContacts::default();
-        let own = contacts(world, one, &otherwise);
-        if !own.layers.meets(stand.layers) {
+        let own = world.filter.body(one.body);
+        let ignored = matches!(stand.party, Party::Collider(collider)
+            if !world.filter.may_touch_collider(one.body, collider));
+        if ignored || !own.layers.meets(stand.layers) {
             return;
         }
         let frame = stand.frame_at(world, share);
@@ -157,11 +160,6 @@ impl Solids {
             meet.find(frames, meeting, memory, found, &mut scratch.0);
         }
     }
-}
-
-/// What the body of a solid asks of contacts.
-fn contacts<'a>(world: &World<'a>, one: &Seen, otherwise: &'a BodyContacts) -> &'a BodyContacts {
-    world.bodies.get(one.body as usize).unwrap_or(otherwise)
 }
 
 /// A solid, and another one or what stands.

@@ -21,6 +21,7 @@
 //! | `contact` | pressing them apart; `hold`: their friction, with `slip`; `block` solves the few unknowns of one |
 //! | `bounce` | restitution; `drag`: the lectures' friction |
 //! | `loose` | solids and single particles |
+//! | `rest_overlap` | parts of one body that overlap at rest, and never touch |
 //! | `lost` | what of that does not reach solids that share particles |
 //! | `segment` | ropes by their segments |
 //! | `told` | for the report |
@@ -44,6 +45,7 @@ mod meet;
 mod memory;
 mod pack;
 mod read;
+mod rest_overlap;
 mod segment;
 mod slip;
 mod stands;
@@ -60,7 +62,8 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::manifold::{Clusters, Scratch};
-use super::{Shape, World};
+use super::nearby::Nearby;
+use super::{Kept, Shape, World};
 use crate::lanes::{InstructionSet, LANES, Record, with};
 use crate::particles::Particles;
 use astray::Late;
@@ -73,6 +76,7 @@ use loose::Loose;
 use memory::{Grasp, Memory};
 use pack::Pack;
 use read::{Gathered, Lifts, Read, Sums};
+use rest_overlap::RestOverlaps;
 use stands::Stand;
 use told::Told;
 use way::{Seen, Ways};
@@ -129,6 +133,7 @@ pub(crate) struct Solids {
     /// Which instructions its kernels use. It never changes a result.
     pub(crate) instructions: InstructionSet,
     groups: Groups,
+    overlaps: RestOverlaps,
     lifts: Lifts,
     bodies: Bodies,
     sums: Vec<Sums>,
@@ -166,26 +171,11 @@ pub(crate) struct Solids {
     h: f32,
 }
 
-/// Memory of somebody else; a copy has nothing to keep.
-#[derive(Default)]
-struct Kept<T>(T);
-
-impl<T: Default> Clone for Kept<T> {
-    fn clone(&self) -> Self {
-        Self::default()
-    }
-}
-
-impl<T> core::fmt::Debug for Kept<T> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("Kept")
-    }
-}
-
 impl Solids {
     /// Notes which rows belong to which solids. Faulty ones are left out.
     pub(crate) fn compile(&mut self, solids: &[Solid], particles: &Particles) {
         self.groups.compile(solids, particles);
+        self.overlaps.forget();
         self.packs.clear();
         self.found.clear();
         self.loose.clear();
@@ -205,7 +195,7 @@ impl Solids {
     pub(crate) fn project(
         &mut self,
         particles: &mut Particles,
-        world: &World,
+        (world, nearby): (&World, &Nearby),
         h: f32,
         substep: u32,
     ) {
@@ -217,7 +207,7 @@ impl Solids {
         let (from, to) = (share(substep), share(substep + 1));
         self.read(particles, to * world.dt);
         if !self.astray.is_empty() {
-            self.look_after(particles, world, from);
+            self.look_after(particles, world, nearby, from);
         }
         if self.packs.is_empty() && self.loose.is_empty() {
             return;

@@ -22,10 +22,10 @@ impl Solid {
     /// that is thicker than its segments are long does not press itself apart.
     ///
     /// # Errors
-    /// If the radius or half of the length is not between 1e-6 and 1e6 metres.
+    /// If the radius or the length is not between 1e-6 and 1e6 metres.
     pub fn segment(rows: [u32; 2], length: f32, radius: f32, id: u64) -> Result<Self, ShapeFault> {
         let half = 0.5 * length;
-        let shape = Shape::capsule(radius, half)?;
+        let shape = Shape::capsule(radius, length)?;
         let rest = Arc::new([Vec3::Y * half, Vec3::Y * -half]);
         Ok(Self { rows: rows.to_vec(), rest, shape, id })
     }

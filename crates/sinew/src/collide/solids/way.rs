@@ -33,6 +33,8 @@ pub(super) struct Seen {
     pub(super) beside: f32,
     pub(super) origin: Vec3,
     pub(super) body: u32,
+    /// Its first particle.
+    pub(super) row: u32,
     /// In the world: all that it may get to.
     pub(super) bounds: (Vec3, Vec3),
     pub(super) sound: bool,
@@ -47,6 +49,7 @@ impl Default for Seen {
             beside: 0.0,
             origin: Vec3::ZERO,
             body: NO_BODY,
+            row: 0,
             bounds: (Vec3::NAN, Vec3::NAN),
             sound: false,
         }
@@ -129,7 +132,9 @@ impl Solids {
     ) {
         let Self { groups, bodies, seen, ways, .. } = self;
         let part = &groups.parts[number];
-        let Some(&row) = groups.rows.get(part.entries.start).filter(|_| part.sound) else {
+        let first = groups.rows.get(part.entries.start);
+        let touches = |&&row: &&u32| !world.filter.body(particles.body[row as usize]).disabled;
+        let Some(&row) = first.filter(|_| part.sound).filter(touches) else {
             seen[number] = Seen::default();
             return;
         };
@@ -152,7 +157,8 @@ impl Solids {
         let bounds = (low + origin - wide, high + origin + wide);
         let bounds = if sound { bounds } else { (Vec3::NAN, Vec3::NAN) };
         let body = particles.body[row];
-        let one = Seen { centre, frame, velocity, beside, origin, body, bounds, sound };
+        let row = row as u32;
+        let one = Seen { centre, frame, velocity, beside, origin, body, row, bounds, sound };
         seen[number] = one;
         let eight = &mut ways[place / LANES];
         let lane = place % LANES;

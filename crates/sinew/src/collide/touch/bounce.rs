@@ -61,7 +61,7 @@ impl Touch {
         h: f32,
         impacts: &mut Impacts,
     ) {
-        let told = self.bodies.iter().any(|body| body.events);
+        let told = !self.told.is_empty();
         if !(told || self.surfaces.iter().any(|surface| surface.events)) {
             return;
         }
@@ -70,7 +70,7 @@ impl Touch {
                 let press = presses.at(number);
                 let surface = &self.surfaces[self.candidates[number as usize].surface as usize];
                 let body = particles.body[row];
-                let asked = self.bodies.get(body as usize).is_some_and(|body| body.events);
+                let asked = self.told.get(body as usize).is_some_and(|&told| told);
                 if press.sum == 0.0 || !(asked || surface.events) {
                     continue;
                 }

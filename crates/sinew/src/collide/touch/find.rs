@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use super::super::nearby;
+use super::super::stage::World;
 use super::surface::Form;
 use super::{Candidate, Pressed, Touch};
 use crate::particles::Particles;
@@ -16,15 +18,12 @@ pub(super) struct Sort {
     islands: Vec<(Vec3, Vec3)>,
 }
 
-/// How much further than its fastest particle would go alone, an island may go: what is flung by its neighbours is faster than all of them were.
-const HASTE: f32 = 1.5;
-
 impl Touch {
     /// Finds them for a step of `dt` seconds under gravity of `g` m/s², and starts a press for each.
     pub(crate) fn find(
         &mut self,
         particles: &Particles,
-        plan: &Plan,
+        world: &World,
         (dt, g): (f32, f32),
         presses: &mut Vec<Pressed>,
     ) {
@@ -34,6 +33,7 @@ impl Touch {
         if self.surfaces.is_empty() {
             return;
         }
+        let (plan, filter) = (world.plan, world.filter);
         self.see(particles, plan, dt, g);
         self.sort.found.clear();
         let steps = self.frames.len() / self.surfaces.len();
@@ -61,9 +61,12 @@ impl Touch {
                     let near = (at + reach).cmpge(low).all() && (at - reach).cmple(high).all();
                     let solid = self.solid.get(i).is_some_and(|&solid| solid);
                     let pinned = particles.position[i].w == 0.0;
-                    let body =
-                        self.bodies.get(particles.body[i] as usize).copied().unwrap_or_default();
-                    if !near || solid || pinned || !surface.layers.meets(body.layers) {
+                    let body = filter.body(particles.body[i]);
+                    let meets = || {
+                        surface.layers.meets(body.layers)
+                            && surface.may_touch(filter, particles.body[i])
+                    };
+                    if !near || solid || pinned || !meets() {
                         continue;
                     }
                     let grip = surface.grip(&body.material);
@@ -96,7 +99,7 @@ impl Touch {
                 .map(|i| particles.velocity[i].truncate().length_squared())
                 .fold(0.0, f32::max)
                 .sqrt();
-            let reach = HASTE * (fastest + g * dt) * dt;
+            let reach = nearby::reach(fastest, g, dt);
             let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
             for i in rows() {
                 self.seen[i] = particles.position[i].truncate().extend(reach * reach);

@@ -17,8 +17,7 @@ use glam::{Vec3, Vec4};
 
 use super::bounds::Bounds;
 use super::friction::friction;
-use super::material::BodyContacts;
-use super::{Collider, Frame};
+use super::{Collider, ContactFilter, Frame};
 use crate::constraints::{Boundaries, PlanarDrag, Plane};
 use crate::particles::{Particles, Places};
 
@@ -37,9 +36,11 @@ pub(crate) struct Touch {
     candidates: Vec<Candidate>,
     /// Where each row was when it was looked for, from its origin, and the square of how far it may go from there, m².
     seen: Vec<Vec4>,
-    /// Whether a row belongs to a solid, which collides in its place; may be shorter than the rows.
+    /// Whether a row does not collide by itself: it belongs to a solid, which does in its place, or its body touches nothing. May be shorter than the
+    /// rows.
     solid: Vec<bool>,
-    bodies: Vec<BodyContacts>,
+    /// Whether contacts of each body are to be told; empty if none's are.
+    told: Vec<bool>,
     sort: find::Sort,
 }
 
@@ -58,13 +59,15 @@ impl Touch {
         &mut self,
         boundaries: &Boundaries,
         colliders: &[Collider],
-        bodies: &[BodyContacts],
+        filter: &ContactFilter,
         substeps: u32,
     ) {
         self.bounds.take(boundaries);
-        self.bodies.clear();
-        self.bodies.extend_from_slice(bodies);
-        let told = bodies.iter().any(|body| body.events);
+        let told = filter.bodies().iter().any(|body| body.events);
+        self.told.clear();
+        if told {
+            self.told.extend(filter.bodies().iter().map(|body| body.events));
+        }
         surface::list(boundaries, colliders, told, &mut self.surfaces);
         // What is a surface is no plain plane or box.
         self.bounds.planes.retain(|plane| !surface::is_asked(plane.restitution, told));
@@ -76,7 +79,7 @@ impl Touch {
         }
     }
 
-    /// Which rows belong to solids.
+    /// Which rows do not collide by themselves.
     pub(crate) fn set_solid(&mut self, solid: &[bool]) {
         self.solid.clear();
         self.solid.extend_from_slice(solid);

@@ -1,7 +1,7 @@
 //! What a particle may touch and somebody asks about: colliders, and those planes and boxes that bounce or whose contacts are to be told.
 
 use super::super::collider::on_the_way;
-use super::super::{Collider, Frame, Grip, Layers, Material, Party, Shape};
+use super::super::{Collider, ContactFilter, Frame, Grip, Layers, Material, Party, Shape};
 use crate::constraints::{Boundaries, InsideBox, Plane};
 use crate::particles::Places;
 
@@ -96,6 +96,11 @@ impl Surface {
     /// Whether it goes anywhere during the step.
     pub(super) fn moves(&self) -> bool {
         self.start != self.end
+    }
+
+    /// Whether a body may touch it, as far as layers do not decide.
+    pub(super) fn may_touch(&self, filter: &ContactFilter, body: u32) -> bool {
+        !matches!(self.party, Party::Collider(number) if !filter.may_touch_collider(body, number))
     }
 
     /// What becomes of it and of what touches it.

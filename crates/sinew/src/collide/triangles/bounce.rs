@@ -8,7 +8,7 @@
 
 use glam::Vec3;
 
-use super::super::{BodyContacts, Impacts, Party};
+use super::super::{ContactFilter, Impacts, Party};
 use super::members::Members;
 use super::near::Candidate;
 use super::solve::{Contact, State};
@@ -38,10 +38,9 @@ pub(super) struct Hit {
 
 impl Hit {
     /// A contact of which nothing has been seen in this substep yet. The velocities are still those that led to it.
-    pub(super) fn new(members: &Members, contacts: &[BodyContacts], candidate: &Candidate) -> Self {
+    pub(super) fn new(members: &Members, filter: &ContactFilter, candidate: &Candidate) -> Self {
         let bodies = [candidate.four[0], candidate.four[3]].map(|i| members.body[i as usize]);
-        let [one, other] =
-            bodies.map(|body| contacts.get(body as usize).copied().unwrap_or_default());
+        let [one, other] = bodies.map(|body| filter.body(body));
         let grip = one.material.against(&other.material);
         Self {
             rows: candidate.four.map(|i| members.rows[i as usize]),

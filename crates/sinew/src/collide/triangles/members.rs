@@ -2,7 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::super::BodyContacts;
+use super::super::ContactFilter;
+use super::super::nearby::Nearby;
 use crate::particles::Particles;
 
 /// Those that take part. Particles are numbered in the order of their rows, and so are the triangles: the order in which they were listed, and which
@@ -23,8 +24,6 @@ pub(super) struct Members {
     pub(super) own: Vec<u8>,
     /// Members that are no corner of a triangle.
     pub(super) loose: Vec<u32>,
-    /// How each body takes part.
-    pub(super) bodies: Vec<BodyContacts>,
     /// The member of each row that is one.
     number: Vec<u32>,
     /// Where the edges of each lower end begin, and for each the higher end and the bit that stands for it.
@@ -42,12 +41,12 @@ const NOBODY: u32 = u32::MAX;
 const CORNER: u32 = u32::MAX - 1;
 
 impl Members {
-    /// Takes who takes part, and keeps its memory. Nobody does where there is no triangle.
+    /// Takes who takes part of the bodies that are near others, and keeps its memory. Nobody does where there is no triangle.
     pub(super) fn take(
         &mut self,
         particles: &Particles,
         surfaces: &[[u32; 3]],
-        contacts: &[BodyContacts],
+        (filter, nearby): (&ContactFilter, &Nearby),
         solid: &[bool],
     ) {
         for column in [&mut self.rows, &mut self.body, &mut self.loose] {
@@ -57,8 +56,9 @@ impl Members {
         self.rest.clear();
         self.triangles.clear();
         self.own.clear();
-        self.bodies.clear();
-        if surfaces.is_empty() || !contacts.iter().any(asks) {
+        let asks = |body: u32| nearby.has(body) && filter.body(body).surface;
+        let any = (0..filter.bodies().len() as u32).any(asks);
+        if surfaces.is_empty() || !any {
             return;
         }
         let is_loose = |row: usize| !solid.get(row).copied().unwrap_or(false);
@@ -71,24 +71,27 @@ impl Members {
             }
             let body = particles.body[a];
             let one = particles.body[b] == body && particles.body[c] == body;
-            let asks = contacts.get(body as usize).is_some_and(asks);
-            if one && asks && [a, b, c].iter().all(|&row| is_loose(row)) {
+            if one && asks(body) && [a, b, c].iter().all(|&row| is_loose(row)) {
                 self.triangles.push(corners);
             }
         }
         if self.triangles.is_empty() {
             return;
         }
-        self.bodies.extend_from_slice(contacts);
         self.triangles.sort_unstable();
         self.triangles.dedup();
-        self.number_rows(particles, is_loose);
+        self.number_rows(particles, nearby, is_loose);
         self.share_out();
     }
 
     /// Numbers the particles, and the corners of triangles by them.
-    fn number_rows(&mut self, particles: &Particles, is_loose: impl Fn(usize) -> bool) {
-        let Self { rows, body, radius, rest, triangles, loose, bodies, number, .. } = self;
+    fn number_rows(
+        &mut self,
+        particles: &Particles,
+        nearby: &Nearby,
+        is_loose: impl Fn(usize) -> bool,
+    ) {
+        let Self { rows, body, radius, rest, triangles, loose, number, .. } = self;
         number.clear();
         number.resize(particles.len(), NOBODY);
         for &row in triangles.iter().flatten() {
@@ -97,9 +100,8 @@ impl Members {
         let columns = particles.body.iter().zip(&particles.radius);
         for (row, ((&its_body, &its_radius), number)) in columns.zip(&mut *number).enumerate() {
             if *number != CORNER {
-                let joins = bodies.get(its_body as usize).is_some_and(takes_part);
                 // A radius of no number takes no part, either.
-                if !(joins && its_radius > 0.0 && is_loose(row)) {
+                if !(nearby.has(its_body) && its_radius > 0.0 && is_loose(row)) {
                     continue;
                 }
                 loose.push(rows.len() as u32);
@@ -169,14 +171,10 @@ impl Members {
         }
     }
 
-    /// Whether two members may touch: of two bodies that meet, or of one that touches itself.
-    pub(super) fn meet(&self, i: u32, j: u32) -> bool {
-        let (a, b) = (self.body[i as usize], self.body[j as usize]);
-        let (one, other) = (&self.bodies[a as usize], &self.bodies[b as usize]);
-        if a == b {
-            return one.with_itself;
-        }
-        one.with_bodies && other.with_bodies && one.layers.meets(other.layers)
+    /// Whether two members may touch.
+    pub(super) fn meet(&self, filter: &ContactFilter, i: u32, j: u32) -> bool {
+        let of = |i: u32| (self.body[i as usize], self.rows[i as usize]);
+        filter.rows_may_touch(of(i), of(j))
     }
 
     /// Where members are in the rest shape of their one body, metres; `None` of two bodies, or where one has no such place.
@@ -192,12 +190,4 @@ impl Members {
         let good = a.is_finite() && b.is_finite() && c.is_finite() && d.is_finite();
         good.then(|| [a.as_dvec3(), b.as_dvec3(), c.as_dvec3(), d.as_dvec3()])
     }
-}
-
-fn takes_part(body: &BodyContacts) -> bool {
-    body.with_bodies || body.with_itself
-}
-
-fn asks(body: &BodyContacts) -> bool {
-    body.surface && takes_part(body)
 }

@@ -54,7 +54,8 @@ mod zone;
 
 pub(super) use distance::of_segments;
 
-use super::{BodyContacts, Impacts};
+use super::nearby::Nearby;
+use super::{ContactFilter, Impacts};
 use crate::particles::Particles;
 
 use bounce::Hit;
@@ -98,25 +99,25 @@ const NONE: u32 = u32::MAX;
 impl Triangles {
     /// Lists what may come to touch in a step of `dt` seconds.
     ///
-    /// `contacts` says for each body how it takes part. Triangles of rows that are not there, that are of several bodies or of none, or that are
-    /// marked in `solid` take no part; it may be empty. Neither does anything that is not finite, or is more than 1e15 m away from the first.
+    /// Bodies that are near no other take no part, nor do triangles of rows that are not there, that are of several bodies or of none, or that are
+    /// marked in `solid`; it may be empty. Neither does anything that is not finite, or is more than 1e15 m away from the first.
     pub(crate) fn find(
         &mut self,
         particles: &Particles,
         surfaces: &[[u32; 3]],
-        contacts: &[BodyContacts],
+        (filter, nearby): (&ContactFilter, &Nearby),
         solid: &[bool],
         dt: f32,
     ) {
         self.told.clear();
         self.hits.clear();
         (self.looks, self.rounds, self.dt) = (0, 0, dt);
-        self.members.take(particles, surfaces, contacts, solid);
+        self.members.take(particles, surfaces, (filter, nearby), solid);
         if self.is_empty() {
             self.near.clear();
             return;
         }
-        self.look(particles, false);
+        self.look(particles, filter, false);
     }
 
     /// Whether nobody takes part.
@@ -126,7 +127,7 @@ impl Triangles {
 
     /// Puts back what overlaps or has passed through each other in a substep of which the start is in the particles. Returns the greatest overlap
     /// that it met, metres.
-    pub(crate) fn project(&mut self, particles: &mut Particles) -> f64 {
+    pub(crate) fn project(&mut self, particles: &mut Particles, filter: &ContactFilter) -> f64 {
         self.hits.clear();
         // Rows that came or went since would make the lists name others.
         let last = self.members.rows.last().map_or(0, |&row| row as usize);
@@ -134,7 +135,7 @@ impl Triangles {
             return 0.0;
         }
         if self.near.is_outrun(&self.members, particles) {
-            self.look(particles, true);
+            self.look(particles, filter, true);
         }
         if self.near.candidates.is_empty() {
             return 0.0;
@@ -150,7 +151,7 @@ impl Triangles {
                 sweep += 1;
                 // Those of whom one has moved in the last sweep or in this one.
                 let since = if number == 0 { 0 } else { sweep - 1 };
-                worst = worst.max(self.sweep(particles, sweep, since));
+                worst = worst.max(self.sweep((particles, filter), sweep, since));
                 if !self.state.moved.contains(&sweep) {
                     break;
                 }
@@ -164,7 +165,7 @@ impl Triangles {
             if !self.near.is_outrun(&self.members, particles) {
                 break;
             }
-            self.look(particles, true);
+            self.look(particles, filter, true);
         }
         worst
     }
@@ -186,7 +187,12 @@ impl Triangles {
     }
 
     /// Asks all candidates of whom one has moved since a sweep; returns the greatest overlap, metres.
-    fn sweep(&mut self, particles: &Particles, sweep: u32, since: u32) -> f64 {
+    fn sweep(
+        &mut self,
+        (particles, filter): (&Particles, &ContactFilter),
+        sweep: u32,
+        since: u32,
+    ) -> f64 {
         let Self { members, near, state, hits, hit_of, .. } = self;
         let mut worst = 0.0_f64;
         for (candidate, place) in near.candidates.iter().zip(hit_of) {
@@ -204,7 +210,7 @@ impl Triangles {
             worst = worst.max(contact.overlap);
             if *place == NONE {
                 *place = hits.len() as u32;
-                hits.push(Hit::new(members, &members.bodies, candidate));
+                hits.push(Hit::new(members, filter, candidate));
             }
             let hit = &mut hits[*place as usize];
             hit.note(particles, state, candidate.four, &contact, inverse);
@@ -219,8 +225,8 @@ impl Triangles {
         worst
     }
 
-    fn look(&mut self, particles: &Particles, within: bool) {
-        self.near.look(&self.members, particles, self.dt, within);
+    fn look(&mut self, particles: &Particles, filter: &ContactFilter, within: bool) {
+        self.near.look((&self.members, filter), particles, self.dt, within);
         self.looks += 1;
     }
 }

@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3, Vec4};
 
 use super::distance::{of_segments, to_triangle};
 use super::members::{EDGES, Members};
-use crate::collide::Broad;
+use crate::collide::{Broad, ContactFilter, Kept};
 use crate::particles::Particles;
 
 /// A particle and a triangle, or two edges, that may come to touch.
@@ -46,23 +46,7 @@ pub(super) struct Near {
     own: Vec<(Vec3, Vec3)>,
     boxes: Vec<(Vec3, Vec3)>,
     pairs: Vec<[u32; 2]>,
-    broad: Memory,
-}
-
-/// What the search for boxes keeps is memory alone: a copy has none.
-#[derive(Default)]
-struct Memory(Broad);
-
-impl Clone for Memory {
-    fn clone(&self) -> Self {
-        Self::default()
-    }
-}
-
-impl core::fmt::Debug for Memory {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("Memory")
-    }
+    broad: Kept<Broad>,
 }
 
 /// The margin is what a particle covers in a step, beside what all do, at the speed that it has or that all have in the mean (because they may hit
@@ -84,7 +68,13 @@ impl Near {
     }
 
     /// Looks where everybody is, and who is near whom; at the beginning of a step of `dt` seconds, or `within` a substep that has been predicted.
-    pub(super) fn look(&mut self, members: &Members, particles: &Particles, dt: f32, within: bool) {
+    pub(super) fn look(
+        &mut self,
+        (members, filter): (&Members, &ContactFilter),
+        particles: &Particles,
+        dt: f32,
+        within: bool,
+    ) {
         self.measure(members, particles, dt);
         self.enclose(members, particles, within);
         let Self { boxes, pairs, broad, .. } = self;
@@ -93,7 +83,7 @@ impl Near {
         self.candidates.clear();
         self.edges.clear();
         for &[i, j] in &pairs {
-            self.consider(members, i as usize, j as usize);
+            self.consider((members, filter), i as usize, j as usize);
         }
         self.pairs = pairs;
         self.candidates.append(&mut self.edges);
@@ -211,18 +201,18 @@ impl Near {
     }
 
     /// Takes what two boxes stand for: two triangles, or a triangle and a particle.
-    fn consider(&mut self, members: &Members, i: usize, j: usize) {
+    fn consider(&mut self, (members, filter): (&Members, &ContactFilter), i: usize, j: usize) {
         let count = members.triangles.len();
         let Some(&one) = members.triangles.get(i) else { return };
         if j >= count {
             let particle = members.loose[j - count];
-            if members.meet(particle, one[0]) {
+            if members.meet(filter, particle, one[0]) {
                 self.consider_corner(members, particle, i);
             }
             return;
         }
         let other = members.triangles[j];
-        if !members.meet(one[0], other[0]) {
+        if !members.meet(filter, one[0], other[0]) {
             return;
         }
         for (corners, which, against) in [(one, i, j), (other, j, i)] {

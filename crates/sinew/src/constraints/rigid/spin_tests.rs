@@ -98,14 +98,6 @@ fn the_middle_axis_flips_every_3_903_s() {
 }
 
 #[test]
-#[ignore = "a measurement"]
-fn how_the_flip_depends_on_the_step() {
-    for rate in [60.0, 120.0, 240.0, 480.0, 1200.0] {
-        println!("{rate} Hz: {:?}", flips(1.0 / rate, 20.0));
-    }
-}
-
-#[test]
 fn ten_thousand_steps_of_tumbling_keep_momentum_angular_momentum_and_energy() {
     let half = Vec3::new(1.0, 2.0, 3.0) * (0.5 / 3.0_f32.sqrt());
     let mut world = boxed(half, 12.0, Vec3::new(1.0, 4.0, 2.0), Direction::StepStart);

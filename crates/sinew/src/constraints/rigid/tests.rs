@@ -1,8 +1,5 @@
 //! What one projection of a rigid shape must do.
 
-use std::hint::black_box;
-use std::time::Instant;
-
 use super::super::checks::{self, Particles, Random, points_of};
 use super::super::{Points, project_equation};
 use super::*;
@@ -214,41 +211,4 @@ fn faults_are_told_apart() {
     assert_eq!((law.fault(2), law.fault(3)), (None, Some(LawFault::Count)));
     assert_eq!(Rigid::of([]).fault(0), Some(LawFault::Count));
     assert_eq!(Rigid::of([Vec3::ZERO, Vec3::NAN]).fault(2), Some(LawFault::Number));
-}
-
-#[test]
-#[ignore = "a measurement"]
-fn what_a_projection_costs() {
-    let cube: Vec<Vec3> = (0..8_u8)
-        .map(|i| Vec3::new((i & 1).into(), (i >> 1 & 1).into(), (i >> 2).into()))
-        .collect();
-    let flat: Vec<Vec3> = cube[..4].to_vec();
-    for (name, rest) in [("cube", cube), ("flat square", flat), ("pair", vec![Vec3::ZERO, Vec3::X])]
-    {
-        let law = Rigid::of(rest.clone());
-        for direction in [Direction::Nearest, Direction::StepStart] {
-            let mut particles = points_of(&rest, &[]);
-            // A twentieth of a radian in the substep, and bent.
-            let mut random = Random::new(1);
-            for q in &mut particles.now {
-                let p = q.truncate();
-                *q += (Vec3::new(0.01, 0.02, 0.05).cross(p) + random.vector() * 0.003).extend(0.0);
-            }
-            let mut gradients = vec![Vec3::ZERO; rest.len()];
-            let points = Points { direction, ..particles.points() };
-            let pace = Pace { h: 0.01, sweeps: 1 };
-            let mut batch = || {
-                let began = Instant::now();
-                for _ in 0..1000 {
-                    let points = black_box(&points);
-                    project_equation(&law, points, &mut gradients, pace, &mut 0.0, |_, d| {
-                        black_box(d);
-                    });
-                }
-                began.elapsed().as_nanos() / 1000
-            };
-            let each = (0..200).map(|_| batch()).min();
-            println!("{name}, {direction:?}: {each:?} ns");
-        }
-    }
 }

@@ -234,7 +234,7 @@ fn a_pool_carries_nothing_beside_itself() {
         let floats = |at: Vec3| {
             let mut world =
                 Floating::new(Vec3::new(3.0, 1.0, 3.0), 4500.0, posed).at(at).world(0.5);
-            let pool = Region::boxed(Vec3::new(0.0, -2.5, 0.0), Vec3::new(5.0, 2.5, 5.0));
+            let pool = Region::boxed(Vec3::new(0.0, -2.5, 0.0), Vec3::new(10.0, 5.0, 10.0));
             world.forces.fluids[0] = Fluid::water(0.0).within(pool);
             world.particles.push(ParticleSeed::at(at).with_radius(0.5)).unwrap();
             load(&mut world).0.y

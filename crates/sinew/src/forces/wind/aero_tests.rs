@@ -273,7 +273,7 @@ fn every_instruction_set_blows_with_the_same_bits_and_as_one_triangle_at_a_time_
     use crate::forces::wind::pressure;
     let gusty = AirFlow { gusts: 0.3, ..AirFlow::steady(Vec3::new(9.0, 1.0, -4.0)) };
     let fan = AirFlow::steady(Vec3::Y * 6.0)
-        .within(Region::boxed(Vec3::ONE, Vec3::new(0.8, 2.0, 1.0)).with_fade(0.5));
+        .within(Region::boxed(Vec3::ONE, Vec3::new(1.6, 4.0, 2.0)).with_fade(0.5));
     let wind = crate::Wind::steady(Vec3::new(3.0, -1.0, 8.0)).with_gusts(0.4);
     for n in [2, 3, 5, 12] {
         let (mut particles, surfaces) = crumpled(n);

@@ -111,7 +111,7 @@ pub(super) fn arch<L: Lanes>(turn: L) -> L {
 
 /// A vector at one place, of a kernel that finds it at eight.
 pub(super) fn at_one_place(position: Vec3, work: impl Field) -> Vec3 {
-    with(InstructionSet::Scalar, OnePlace { position, work })
+    with(InstructionSet::Simd128, OnePlace { position, work })
 }
 
 /// What has a vector everywhere.

@@ -288,7 +288,7 @@ mod tests {
 
     #[test]
     fn a_wind_in_a_region_blows_there_only_and_fades_towards_its_surface() {
-        let tunnel = Region::boxed(Vec3::ZERO, Vec3::new(5.0, 2.0, 2.0)).with_fade(1.0);
+        let tunnel = Region::boxed(Vec3::ZERO, Vec3::new(10.0, 4.0, 4.0)).with_fade(1.0);
         let wind = Wind::steady(Vec3::Z * 8.0).within(tunnel);
         let pressed = |x: f32| {
             let mut sheet = Particles::default();

@@ -89,7 +89,12 @@ impl Skeleton {
     }
 
     fn point(&mut self, place: DVec3, width: f32) -> u32 {
-        self.points.push(Point { position: place.as_vec3(), mass: 0.0, radius: 0.5 * width });
+        self.points.push(Point {
+            position: place.as_vec3(),
+            mass: 0.0,
+            radius: 0.5 * width,
+            pinned: false,
+        });
         self.points.len() as u32 - 1
     }
 
@@ -104,7 +109,9 @@ impl Skeleton {
             let all: f64 = (0..members.len()).map(share).sum();
             for (k, &i) in members.iter().enumerate() {
                 let mass = f64::from(bone.mass) * share(k) / all;
-                self.points[i as usize].mass += if bone.pinned { f64::INFINITY } else { mass };
+                let point = &mut self.points[i as usize];
+                point.mass += mass;
+                point.pinned |= bone.pinned;
             }
         }
     }

@@ -16,7 +16,7 @@ fn each_rod_of_a_rope_becomes_a_capsule_as_thick_as_the_thinner_end() {
         assert_eq!((part.name, &part.particles[..]), ("segment", &[i as u32, i as u32 + 1][..]));
         assert_eq!(part.rest, [Vec3::Y * 0.125, Vec3::Y * -0.125]);
         assert_eq!(part.size, Vec3::new(2.0 * radius, 0.25 + 2.0 * radius, 2.0 * radius));
-        assert_eq!(part.shape, Shape::capsule(radius, 0.125).ok());
+        assert_eq!(part.shape, Shape::capsule(radius, 0.25).ok());
     }
 }
 
@@ -29,6 +29,6 @@ fn struts_rods_within_a_part_and_what_has_no_thickness_become_none() {
     assert_eq!(body.with_segments().parts.len(), 1);
     let mut body = box_3d(&BoxSpec::default()).unwrap();
     body.particles.iter_mut().for_each(|particle| particle.radius = 0.1);
-    body.parts[0].shape = Shape::cuboid(Vec3::splat(0.5)).ok();
+    body.parts[0].shape = Shape::cuboid(Vec3::ONE).ok();
     assert_eq!(body.clone().with_segments(), body);
 }

@@ -102,7 +102,7 @@ fn what_is_no_number_damps_nothing() {
 #[test]
 fn figures_that_lie_on_stairs_fall_asleep() {
     let mut world = Simulation::default();
-    let stair = Shape::cuboid(Vec3::new(0.5, 5.0, 20.0)).unwrap();
+    let stair = Shape::cuboid(Vec3::new(1.0, 10.0, 40.0)).unwrap();
     for n in 0..40 {
         let place = Vec3::new(n as f32 - 10.5, -0.2 * (n as f32 - 10.0) - 5.0, 0.0);
         world.colliders.push(Collider::fixed(stair.clone(), Frame::at(place)));

@@ -52,6 +52,24 @@ impl Changes {
         !self.everything
     }
 
+    /// Whether one of the few may have bound, or may bind, two particles of which something holds.
+    pub(crate) fn any_between(&self, given: Given, holds: impl Fn(u32, u32) -> bool) -> bool {
+        let between = |rows: &[u32]| rows.windows(2).any(|pair| holds(pair[0], pair[1]));
+        // Each change behind it may have moved what came by one.
+        let around = |at: usize| at.saturating_sub(MOST)..=at + MOST;
+        self.few.iter().any(|change| match change {
+            Change::Went(.., rows) => between(rows),
+            &Change::Came(List::Distances, at) => {
+                let mut near = around(at).filter_map(|i| given.distances.get(i));
+                near.any(|d| between(&[d.a, d.b]))
+            }
+            &Change::Came(List::Constraints, at) => {
+                let mut near = around(at).filter_map(|i| given.constraints.get(i));
+                near.any(|c| between(&c.rows))
+            }
+        })
+    }
+
     pub(crate) fn clear(&mut self) {
         self.everything = false;
         self.few.clear();

@@ -83,6 +83,13 @@ pub(crate) struct Group {
     pub(crate) wide: Option<Which>,
 }
 
+impl Group {
+    /// Where its rods are among the plan's runs and blocks.
+    pub(crate) fn rods(&self) -> (&Range<usize>, &Range<usize>) {
+        (&self.runs, &self.blocks)
+    }
+}
+
 /// Groups of one rank, of one cluster in one phase, which are swept one after the other: what a thread takes at a time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Bundle {

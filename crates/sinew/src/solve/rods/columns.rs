@@ -9,77 +9,116 @@ use core::ops::Range;
 use super::worse;
 use super::{Block, Rods, Strips, moved, stretch, stretch_of};
 use crate::constraints::project_rod;
-use crate::lanes::{Columns, LANES, Lanes, OnPairs, Vector};
+use crate::lanes::{Columns, InstructionSet, LANES, Lanes, OnPairs, Vector, Work, with};
 use crate::particles::Places;
+
+/// Where the strips and the blocks of a colour are.
+type Colour<'a> = (&'a Range<usize>, &'a Range<usize>);
 
 impl Rods {
     /// Projects groups of rods (their strips and blocks) once, in their order, on the particles of `rows`; returns the largest error found, metres.
-    #[inline(always)]
-    pub(crate) fn sweep_columns<'a, L: Lanes>(
+    pub(crate) fn sweep_columns<'a>(
         &self,
         places: &mut Places,
-        groups: impl Iterator<Item = (&'a Range<usize>, &'a Range<usize>)>,
+        groups: impl Iterator<Item = Colour<'a>>,
         rows: Range<u32>,
         columns: &mut Columns,
+        instructions: InstructionSet,
     ) -> f32 {
         let span = places.at(rows.start)..places.at(rows.end);
         columns.reset(self.half);
-        columns.turn_in::<L>(0, &places.position[span.clone()]);
-        let worst = self.sweep_turned::<L>(columns, groups, (rows.start, rows.start));
-        columns.turn_out::<L>(0, &mut places.position[span]);
+        columns.turn_in(0, &places.position[span.clone()], instructions);
+        let worst = self.sweep_turned(columns, groups, (rows.start, rows.start), instructions);
+        columns.turn_out(0, &mut places.position[span], instructions);
         worst
     }
 
     /// The same on particles that are in columns, in which `rows` are the first of the bundle and that of the columns.
-    #[inline(always)]
-    pub(crate) fn sweep_turned<'a, L: Lanes>(
+    pub(crate) fn sweep_turned<'a>(
         &self,
         columns: &mut Columns,
-        groups: impl Iterator<Item = (&'a Range<usize>, &'a Range<usize>)>,
+        groups: impl Iterator<Item = Colour<'a>>,
         rows: (u32, u32),
+        instructions: InstructionSet,
     ) -> f32 {
+        with(instructions, Sweep { rods: self, columns, groups, rows })
+    }
+
+    /// What is left to correct of the same: largest error, metres, and largest share of a rest length. Moves nothing.
+    pub(crate) fn measure_columns<'a>(
+        &self,
+        places: &Places,
+        groups: impl Iterator<Item = Colour<'a>>,
+        rows: Range<u32>,
+        columns: &mut Columns,
+        instructions: InstructionSet,
+    ) -> (f32, f32) {
+        let span = places.at(rows.start)..places.at(rows.end);
+        columns.reset(self.half);
+        columns.turn_in(0, &places.position[span], instructions);
+        self.measure_turned(columns, groups, (rows.start, rows.start), instructions)
+    }
+
+    /// The same on particles that are in columns. `rows` as in [`sweep_turned`](Self::sweep_turned).
+    pub(crate) fn measure_turned<'a>(
+        &self,
+        columns: &mut Columns,
+        groups: impl Iterator<Item = Colour<'a>>,
+        rows: (u32, u32),
+        instructions: InstructionSet,
+    ) -> (f32, f32) {
+        with(instructions, Measure { rods: self, columns, groups, rows })
+    }
+}
+
+/// A sweep over particles in columns, as [`Rods::sweep_turned`] has it.
+struct Sweep<'a, G> {
+    rods: &'a Rods,
+    columns: &'a mut Columns,
+    groups: G,
+    rows: (u32, u32),
+}
+
+impl<'a, G: Iterator<Item = Colour<'a>>> Work for Sweep<'_, G> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let Self { rods, columns, groups, rows } = self;
         let (mut worst, mut parted) = (L::zero(), 0.0_f32);
         for (strips, blocks) in groups {
-            for strips in &self.strips[strips.clone()] {
+            for strips in &rods.strips[strips.clone()] {
                 let from = (rows.0 - rows.1) as usize / 2;
-                worst = self.sweep_strips::<L>(columns, strips, from, worst, &mut parted);
+                worst = rods.sweep_strips::<L>(columns, strips, from, worst, &mut parted);
             }
-            for block in &self.blocks[blocks.clone()] {
+            for block in &rods.blocks[blocks.clone()] {
                 worst = sweep_block::<L>(columns, block, rows.1, worst, &mut parted);
             }
         }
         worst.largest(parted)
     }
+}
 
-    /// What is left to correct of the same: largest error, metres, and largest share of a rest length. Moves nothing.
-    #[inline(always)]
-    pub(crate) fn measure_columns<'a, L: Lanes>(
-        &self,
-        places: &Places,
-        groups: impl Iterator<Item = (&'a Range<usize>, &'a Range<usize>)>,
-        rows: Range<u32>,
-        columns: &mut Columns,
-    ) -> (f32, f32) {
-        let span = places.at(rows.start)..places.at(rows.end);
-        columns.reset(self.half);
-        columns.turn_in::<L>(0, &places.position[span]);
-        self.measure_turned::<L>(columns, groups, (rows.start, rows.start))
-    }
+/// What such a sweep would still find, as [`Rods::measure_turned`] has it.
+struct Measure<'a, G> {
+    rods: &'a Rods,
+    columns: &'a mut Columns,
+    groups: G,
+    rows: (u32, u32),
+}
 
-    /// The same on particles that are in columns. `rows` as in [`sweep_turned`](Self::sweep_turned).
+impl<'a, G: Iterator<Item = Colour<'a>>> Work for Measure<'_, G> {
+    type Output = (f32, f32);
+
     #[inline(always)]
-    pub(crate) fn measure_turned<'a, L: Lanes>(
-        &self,
-        columns: &mut Columns,
-        groups: impl Iterator<Item = (&'a Range<usize>, &'a Range<usize>)>,
-        rows: (u32, u32),
-    ) -> (f32, f32) {
+    fn run<L: Lanes>(self) -> (f32, f32) {
+        let Self { rods, columns, groups, rows } = self;
         let from = (rows.0 - rows.1) as usize / 2;
         let mut worst = (L::zero(), L::zero());
         for (strips, blocks) in groups {
-            for strips in &self.strips[strips.clone()] {
+            for strips in &rods.strips[strips.clone()] {
                 let view = columns.eights();
-                for pair in &self.pairs[strips.full.start..strips.tails.end] {
+                for pair in &rods.pairs[strips.full.start..strips.tails.end] {
                     let ((a, b), rest) = (view.find(pair, from), L::load(&pair.numbers));
                     let (_, left, _) = stretch(view.load(a), view.load(b), rest);
                     let left = rest.le(rest).and(left);
@@ -87,7 +126,7 @@ impl Rods {
                     worst = (left.max(worst.0), share.max(worst.1));
                 }
             }
-            for block in &self.blocks[blocks.clone()] {
+            for block in &rods.blocks[blocks.clone()] {
                 let [one, other] = [&block.a, &block.b]
                     .map(|rows_of| rows_of.map(|row| columns.get(columns.at(row - rows.1))));
                 let rest = L::load(&block.rest);

@@ -4,37 +4,71 @@ use core::ops::Range;
 
 use glam::Vec4;
 
-use super::{Rods, Run, project, project_from_start};
+use super::{Rods, Run, Strips, project, project_from_start};
 use crate::constraints::{Direction, project_rod};
-use crate::lanes::{LANES, Lanes, Vector};
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 use crate::particles::Places;
 
 impl Rods {
     /// Projects some runs and blocks once, and returns the largest error found, metres.
-    #[inline(always)]
-    pub(crate) fn sweep<L: Lanes>(
+    pub(crate) fn sweep(
         &self,
         places: &mut Places,
         runs: Range<usize>,
         blocks: Range<usize>,
         direction: Direction,
+        instructions: InstructionSet,
     ) -> f32 {
+        let rods = self;
         match direction {
-            Direction::Nearest => self.sweep_to::<L, false>(places, runs, blocks),
-            Direction::StepStart => self.sweep_to::<L, true>(places, runs, blocks),
+            Direction::Nearest => with(instructions, Sweep::<false> { rods, places, runs, blocks }),
+            Direction::StepStart => {
+                with(instructions, Sweep::<true> { rods, places, runs, blocks })
+            }
         }
     }
 
-    #[inline(always)]
-    fn sweep_to<L: Lanes, const START: bool>(
+    /// What is left to correct in some runs and blocks: largest error, metres, and largest share of a rest length. Moves nothing.
+    pub(crate) fn measure(
         &self,
-        places: &mut Places,
+        positions: &[Vec4],
         runs: Range<usize>,
         blocks: Range<usize>,
+        instructions: InstructionSet,
+    ) -> (f32, f32) {
+        with(instructions, Measure { rods: self, positions, runs, blocks })
+    }
+
+    /// Projects strips of a bundle in columns, on particles as they lie: along where rods pointed when the substep began, which columns do not know.
+    pub(crate) fn sweep_strips_from_start(
+        &self,
+        places: &mut Places,
+        strips: Range<usize>,
+        rows: &Range<u32>,
+        instructions: InstructionSet,
     ) -> f32 {
+        let strips = &self.strips[strips];
+        with(instructions, FromStart { rods: self, places, strips, first: rows.start })
+    }
+}
+
+/// As [`Rods::sweep`] has it: `START` along where rods pointed when the substep began.
+struct Sweep<'a, 'b, const START: bool> {
+    rods: &'a Rods,
+    places: &'a mut Places<'b>,
+    runs: Range<usize>,
+    blocks: Range<usize>,
+}
+
+impl<const START: bool> Work for Sweep<'_, '_, START> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let Self { rods, places, runs, blocks } = self;
         let (mut worst, mut parted) = (L::zero(), 0.0_f32);
-        for run in &self.runs[runs] {
-            let (rests, way) = (self.rests_of(run), run.way());
+        for run in &rods.runs[runs] {
+            let (rests, way) = (rods.rests_of(run), run.way());
             for (eight, rest) in rests.iter().enumerate() {
                 let along = (eight * LANES) as u32;
                 let whole = along + LANES as u32 <= run.count;
@@ -69,7 +103,7 @@ impl Rods {
                 }
             }
         }
-        for block in &self.blocks[blocks] {
+        for block in &rods.blocks[blocks] {
             let rows = [less(&block.a, places.first), less(&block.b, places.first)];
             let (found, together) = eight_rods::<L, START>(places, rows, &block.rest);
             (worst, parted) = (found.max(worst), parted.max(together));
@@ -78,18 +112,23 @@ impl Rods {
     }
 }
 
-impl Rods {
-    /// What is left to correct in some runs and blocks: largest error, metres, and largest share of a rest length. Moves nothing.
+/// As [`Rods::measure`] has it.
+struct Measure<'a> {
+    rods: &'a Rods,
+    positions: &'a [Vec4],
+    runs: Range<usize>,
+    blocks: Range<usize>,
+}
+
+impl Work for Measure<'_> {
+    type Output = (f32, f32);
+
     #[inline(always)]
-    pub(crate) fn measure<L: Lanes>(
-        &self,
-        positions: &[Vec4],
-        runs: Range<usize>,
-        blocks: Range<usize>,
-    ) -> (f32, f32) {
+    fn run<L: Lanes>(self) -> (f32, f32) {
+        let Self { rods, positions, runs, blocks } = self;
         let mut worst = (L::zero(), L::zero());
-        for run in &self.runs[runs] {
-            for (eight, rest) in self.rests_of(run).iter().enumerate() {
+        for run in &rods.runs[runs] {
+            for (eight, rest) in rods.rests_of(run).iter().enumerate() {
                 let along = (eight * LANES) as u32;
                 let left = run.count - along;
                 let at = |row: u32| run.rows((row + along * run.step) as usize, left);
@@ -97,7 +136,7 @@ impl Rods {
                 worst = worse(worst, one, other, L::load(&run.padded(rest, left)));
             }
         }
-        for block in &self.blocks[blocks] {
+        for block in &rods.blocks[blocks] {
             let (one, other) = (L::rows(positions, &block.a), L::rows(positions, &block.b));
             worst = worse(worst, one, other, L::load(&block.rest));
         }
@@ -119,25 +158,30 @@ pub(in crate::solve) fn worse<L: Lanes>(
     (left.max(error), share.max(strain))
 }
 
-impl Rods {
-    /// Strips of a bundle in columns, on particles as they lie: along where rods pointed when the substep began, which columns do not know.
+/// As [`Rods::sweep_strips_from_start`] has it; `first` is the first row of the bundle.
+struct FromStart<'a, 'b> {
+    rods: &'a Rods,
+    places: &'a mut Places<'b>,
+    strips: &'a [Strips],
+    first: u32,
+}
+
+impl Work for FromStart<'_, '_> {
+    type Output = f32;
+
     #[inline(always)]
-    pub(crate) fn sweep_strips_from_start<L: Lanes>(
-        &self,
-        places: &mut Places,
-        strips: Range<usize>,
-        rows: &Range<u32>,
-    ) -> f32 {
+    fn run<L: Lanes>(self) -> f32 {
+        let Self { rods, places, strips, first } = self;
         let (mut worst, mut parted) = (L::zero(), 0.0_f32);
-        let first = places.at(rows.start) as u32;
-        for strips in &self.strips[strips] {
-            for pair in &self.pairs[strips.full.start..strips.tails.end] {
+        let first = places.at(first) as u32;
+        for strips in strips {
+            for pair in &rods.pairs[strips.full.start..strips.tails.end] {
                 let (mut ends, mut rest) = ([[0; LANES]; 2], pair.numbers);
                 for lane in 0..LANES {
                     // What stands there again to fill the lanes is the first.
                     let own = if rest[lane].is_nan() { 0 } else { lane };
                     rest[lane] = rest[own];
-                    let (a, b) = pair.rows(own, self.half);
+                    let (a, b) = pair.rows(own, rods.half);
                     (ends[0][lane], ends[1][lane]) = (first + a, first + b);
                 }
                 let (found, together) = eight_rods::<L, true>(places, ends, &rest);

@@ -21,11 +21,11 @@ use std::time::Instant;
 
 use super::alone::Alone;
 use super::island::Room;
-use super::plan::{Bundle, Plan};
+use super::plan::{Bundle, Group, Plan};
 use super::{IslandReport, Order};
 use crate::constraints::Direction;
-use crate::integrate::{Course, Predict};
-use crate::lanes::{Lanes, Work};
+use crate::integrate::{Course, Pass, Predict};
+use crate::lanes::InstructionSet;
 use passes::{Passes, Piece, What};
 pub(super) use relay::relay;
 use window::Window;
@@ -41,39 +41,28 @@ pub(super) struct Wave {
     left: (f32, f32),
 }
 
-/// The islands of a task that can go through a step as waves. Those that do are taken out of what is left of the task.
-pub(super) struct Waves<'a, 'b> {
-    pub(super) alone: &'b mut Alone<'a>,
-    pub(super) room: &'b mut Room,
-    /// The most sweeps in each substep.
-    pub(super) most: &'b [AtomicU32],
-}
-
-impl Work for Waves<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let mut rest = core::mem::take(&mut self.room.rest);
-        let mut wave = core::mem::take(&mut self.room.wave);
-        let begin = self.alone.task.islands.start;
-        for number in self.alone.task.islands.clone() {
-            if !rest.holds(number) {
-                continue;
-            }
-            let (alone, most) = (&mut *self.alone, self.most);
-            let course = alone.course(number, most.len(), &mut wave.passes);
-            let Some(course) = course else { continue };
-            let (plan, mut report) = (alone.common.plan, alone.reports[number - begin]);
-            let members = &plan.members[plan.islands[number].members.clone()];
-            let first = (members[0] - alone.task.rows.start) as usize;
-            let mut own = Own { alone, first };
-            drive::<L>(&mut own, (plan, number), course, &mut wave, &mut report, (most, true));
-            self.alone.reports[number - begin] = report;
-            rest.leave(number..number + 1, members[0]..members[0] + members.len() as u32);
+/// Takes the islands of a task through a step that can go as waves, and out of what is left of the task. `most` are the most sweeps in each substep.
+pub(super) fn roll_waves(alone: &mut Alone, room: &mut Room, most: &[AtomicU32]) {
+    let mut rest = core::mem::take(&mut room.rest);
+    let mut wave = core::mem::take(&mut room.wave);
+    let begin = alone.task.islands.start;
+    for number in alone.task.islands.clone() {
+        if !rest.holds(number) {
+            continue;
         }
-        (self.room.rest, self.room.wave) = (rest, wave);
+        let course = alone.course(number, most.len(), &mut wave.passes);
+        let Some(course) = course else { continue };
+        let (plan, mut report) = (alone.common.plan, alone.reports[number - begin]);
+        let members = &plan.members[plan.islands[number].members.clone()];
+        let first = (members[0] - alone.task.rows.start) as usize;
+        let instructions = alone.common.machine.instructions;
+        let mut own = Own { alone, first };
+        let measured = (most, true);
+        drive(&mut own, (plan, number), course, &mut wave, &mut report, measured, instructions);
+        alone.reports[number - begin] = report;
+        rest.leave(number..number + 1, members[0]..members[0] + members.len() as u32);
     }
+    (room.rest, room.wave) = (rest, wave);
 }
 
 impl Alone<'_> {
@@ -151,14 +140,14 @@ impl Store for Own<'_, '_> {
 
 /// Takes an island through some substeps: rolling if each has one sweep, or else sweep by sweep. Measures what is left then if those are the last of
 /// a step.
-#[inline(always)]
-fn drive<L: Lanes>(
+fn drive(
     store: &mut impl Store,
     (plan, number): (&Plan, usize),
     course: Course,
     wave: &mut Wave,
     report: &mut IslandReport,
     (most, measures): (&[AtomicU32], bool),
+    instructions: InstructionSet,
 ) {
     let settings = &plan.islands[number].settings;
     let began = settings.timed.then(Instant::now);
@@ -176,7 +165,7 @@ fn drive<L: Lanes>(
         wave.passes.push_sweep(0);
     }
     loop {
-        wave.roll::<L>(store, (plan, number), course, most.len());
+        wave.roll(store, (plan, number), course, most.len(), instructions);
         if rolls {
             for (worst, most) in wave.worst.iter().zip(most) {
                 report.note(1, *worst <= settings.tolerance);
@@ -228,13 +217,13 @@ impl IslandReport {
 
 impl Wave {
     /// Does all passes.
-    #[inline(always)]
-    fn roll<L: Lanes>(
+    fn roll(
         &mut self,
         store: &mut impl Store,
         (plan, number): (&Plan, usize),
         course: Course,
         substeps: usize,
+        instructions: InstructionSet,
     ) {
         let members = plan.islands[number].members.clone();
         let (first, all) = (plan.members[members.start], members.len());
@@ -245,35 +234,36 @@ impl Wave {
                 What::Begin => {
                     window.admit(rows.end, settled);
                     store.wait(rows.end);
-                    window.turn_in::<L>(rows.start, &store.lend(rows.clone()));
+                    window.turn_in(rows.start, &store.lend(rows.clone()), instructions);
                     store.put_back(None);
-                    window.moving.begin::<L>(window.lanes(rows), course, substeps == 1);
+                    let pass = Pass::Begin { last: substeps == 1 };
+                    window.moving.pass(pass, window.lanes(rows), course, instructions);
                 }
                 What::GoOn(substep) => {
-                    let last = substep + 1 == substeps;
-                    window.moving.go_on::<L>(window.lanes(rows), course, last);
+                    let pass = Pass::GoOn { last: substep + 1 == substeps };
+                    window.moving.pass(pass, window.lanes(rows), course, instructions);
                 }
                 What::Sweep { substep, .. } => {
                     let bundle = &plan.bundles[bundle];
-                    let groups = plan.groups[bundle.groups.clone()].iter();
-                    let groups = groups.map(|group| (&group.runs, &group.blocks));
+                    let groups = plan.groups[bundle.groups.clone()].iter().map(Group::rods);
                     let rows = (bundle.rows.start, first + window.rows.start as u32);
                     let columns = &mut window.moving.position;
-                    let found = plan.rods.sweep_turned::<L>(columns, groups, rows);
+                    let found = plan.rods.sweep_turned(columns, groups, rows, instructions);
                     worst[substep] = worst[substep].max(found);
                 }
                 What::Measure { .. } => {
                     let bundle = &plan.bundles[bundle];
-                    let groups = plan.groups[bundle.groups.clone()].iter();
-                    let groups = groups.map(|group| (&group.runs, &group.blocks));
+                    let groups = plan.groups[bundle.groups.clone()].iter().map(Group::rods);
                     let rows = (bundle.rows.start, first + window.rows.start as u32);
                     let columns = &mut window.moving.position;
-                    let (error, strain) = plan.rods.measure_turned::<L>(columns, groups, rows);
+                    let (error, strain) =
+                        plan.rods.measure_turned(columns, groups, rows, instructions);
                     *left = (left.0.max(error), left.1.max(strain));
                 }
                 What::Settle => {
-                    window.moving.settle::<L>(window.lanes(rows.clone()), course);
-                    window.turn_out::<L>(rows.start, store.lend(rows.clone()));
+                    let lanes = window.lanes(rows.clone());
+                    window.moving.pass(Pass::Settle, lanes, course, instructions);
+                    window.turn_out(rows.start, store.lend(rows.clone()), instructions);
                     store.put_back(Some(rows.end));
                 }
             }

@@ -12,14 +12,11 @@ use std::time::Instant;
 use smallvec::SmallVec;
 
 use super::passes::{PIECE, Passes};
-use super::{Store, Wave, drive};
+use super::{Store, drive};
 use crate::integrate::{Course, Predict};
-use crate::lanes::{Lanes, Work, with};
 use crate::solve::IslandReport;
 use crate::solve::alone::Alone;
-use crate::solve::island::Room;
-use crate::solve::plan::Plan;
-use crate::solve::world::Machine;
+use crate::solve::island::{Common, Room};
 use crate::threads::{Pool, TASKS, Workers, each};
 
 /// A list of what there is one of for each leg or each lot, without a heap.
@@ -30,13 +27,9 @@ type Few<T> = SmallVec<[T; TASKS]>;
 const MEET: usize = 32_768;
 
 /// Takes the one large island of a task through all substeps, if it can go as a wave; false if it is left as it was.
-pub(in crate::solve) fn relay(
-    alone: &mut Alone,
-    machine: Machine,
-    rooms: &Pool<Room>,
-    most: &[AtomicU32],
-) -> bool {
-    let (plan, number) = (alone.common.plan, alone.task.islands.start);
+pub(in crate::solve) fn relay(alone: &mut Alone, rooms: &Pool<Room>, most: &[AtomicU32]) -> bool {
+    let Common { plan, machine, .. } = alone.common;
+    let number = alone.task.islands.start;
     let settings = &plan.islands[number].settings;
     let rows = alone.task.rows.len();
     let threads = match settings.max_sweeps {
@@ -56,11 +49,12 @@ pub(in crate::solve) fn relay(
     let legs = reports.iter_mut().zip(most.chunks(substeps)).enumerate();
     each(machine.workers, legs, |(leg, (report, most))| {
         let before = leg.checked_sub(1).map(|leg| &settled[leg]);
-        let runner = Runner { lots: &lots, lot, held: None, before, own: &settled[leg] };
+        let mut runner = Runner { lots: &lots, lot, held: None, before, own: &settled[leg] };
         rooms.with(|room| {
-            let wave = &mut room.wave;
+            let (wave, bundles) = (&mut room.wave, plan.islands[number].bundles.clone());
+            wave.passes.begin(&plan.bundles[bundles.clone()], bundles.start);
             let most = (most, leg + 1 == settled.len());
-            with(machine.instructions, Leg { plan, number, runner, course, wave, report, most });
+            drive(&mut runner, (plan, number), course, wave, report, most, machine.instructions);
         });
     });
     drop(lots);
@@ -94,30 +88,6 @@ fn legs(
         let behind = (legs - 1) * passes.span(each, plan, rows.start, rows.len());
         (behind <= rows.len()).then_some((course, each))
     })
-}
-
-/// The substeps of one thread.
-struct Leg<'a, 'b> {
-    plan: &'a Plan,
-    number: usize,
-    runner: Runner<'a, 'b>,
-    course: Course,
-    wave: &'a mut Wave,
-    report: &'a mut IslandReport,
-    /// The most sweeps in each of its substeps, and whether those are the last.
-    most: (&'a [AtomicU32], bool),
-}
-
-impl Work for Leg<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { plan, number, mut runner, course, wave, report, most } = self;
-        let bundles = plan.islands[number].bundles.clone();
-        wave.passes.begin(&plan.bundles[bundles.clone()], bundles.start);
-        drive::<L>(&mut runner, (plan, number), course, wave, report, most);
-    }
 }
 
 /// What a thread has of the island: a lot of its rows at a time, while it takes them up or gives them back.

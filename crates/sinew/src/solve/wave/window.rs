@@ -5,7 +5,7 @@
 use core::ops::Range;
 
 use crate::integrate::{Moving, Predict};
-use crate::lanes::Lanes;
+use crate::lanes::InstructionSet;
 
 /// Rows here count from the first row of the island.
 #[derive(Clone, Debug, Default)]
@@ -48,24 +48,22 @@ impl Window {
     }
 
     /// Takes rows in.
-    #[inline(always)]
-    pub(super) fn turn_in<L: Lanes>(&mut self, row: usize, packed: &Predict) {
+    pub(super) fn turn_in(&mut self, row: usize, packed: &Predict, instructions: InstructionSet) {
         let row = row - self.rows.start;
         let Moving { position, velocity, rounding, .. } = &mut self.moving;
-        position.turn_in::<L>(row, packed.position);
-        velocity.turn_in::<L>(row, packed.velocity);
-        rounding.turn_in::<L>(row, packed.rounding);
+        position.turn_in(row, packed.position, instructions);
+        velocity.turn_in(row, packed.velocity, instructions);
+        rounding.turn_in(row, packed.rounding, instructions);
     }
 
     /// Gives rows back.
-    #[inline(always)]
-    pub(super) fn turn_out<L: Lanes>(&mut self, row: usize, packed: Predict) {
+    pub(super) fn turn_out(&mut self, row: usize, packed: Predict, instructions: InstructionSet) {
         let row = row - self.rows.start;
         let Moving { position, begun, velocity, rounding } = &mut self.moving;
-        position.turn_out::<L>(row, packed.position);
-        begun.turn_out::<L>(row, packed.start);
-        velocity.turn_out::<L>(row, packed.velocity);
-        rounding.turn_out::<L>(row, packed.rounding);
+        position.turn_out(row, packed.position, instructions);
+        begun.turn_out(row, packed.start, instructions);
+        velocity.turn_out(row, packed.velocity, instructions);
+        rounding.turn_out(row, packed.rounding, instructions);
     }
 
     /// The lanes of some rows, of which the first is a multiple of 32.

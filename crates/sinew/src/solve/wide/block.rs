@@ -4,7 +4,7 @@ use super::spots::{Packed, Seen, Spots};
 use super::temper::{Asks, Temper, yielding};
 use super::{each, less, load_sums, store_sums};
 use crate::constraints::{Constraint, Pace, Wide};
-use crate::lanes::{LANES, Lanes, Vector};
+use crate::lanes::{LANES, Lanes, Vector, Work};
 use crate::particles::Places;
 
 /// One to eight constraints. Where there are fewer, the first stands there again: it computes the same and writes the same.
@@ -49,47 +49,61 @@ impl<W> Eight<W> {
 }
 
 /// Projects blocks once, in their order; returns the largest error found, metres, of soft ones how far they moved. `sums` are cut to a block each.
-#[inline(always)]
-pub(super) fn sweep<L: Lanes, W: Wide<N>, const N: usize>(
-    blocks: &[Block<W, N>],
-    tempers: &[Temper],
-    places: &mut Places,
-    sums: core::slice::ChunksMut<f32>,
-    pace: Pace,
-) -> f32 {
-    let (mut each, mut each_of) = ([1.0; LANES], u32::MAX);
-    let mut worst = L::zero();
-    for (block, sums) in blocks.iter().zip(sums) {
-        let temper = &tempers[block.eight.temper as usize];
-        if block.eight.temper != each_of {
-            each = if temper.shares { temper.each(pace.sweeps) } else { [1.0; LANES] };
-            each_of = block.eight.temper;
+pub(super) struct Sweep<'a, 'b, W, const N: usize> {
+    pub(super) blocks: &'a [Block<W, N>],
+    pub(super) tempers: &'a [Temper],
+    pub(super) places: &'a mut Places<'b>,
+    pub(super) sums: core::slice::ChunksMut<'a, f32>,
+    pub(super) pace: Pace,
+}
+
+impl<W: Wide<N>, const N: usize> Work for Sweep<'_, '_, W, N> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let Self { blocks, tempers, places, sums, pace } = self;
+        let (mut each, mut each_of) = ([1.0; LANES], u32::MAX);
+        let mut worst = L::zero();
+        for (block, sums) in blocks.iter().zip(sums) {
+            let temper = &tempers[block.eight.temper as usize];
+            if block.eight.temper != each_of {
+                each = if temper.shares { temper.each(pace.sweeps) } else { [1.0; LANES] };
+                each_of = block.eight.temper;
+            }
+            let mut room = [[0; LANES]; N];
+            let rows = less(&block.rows, places.first, &mut room);
+            let (position, start) = (&mut *places.position, places.start);
+            let mut spots = Packed { rows, position, start };
+            let how = (temper, &each, pace.h, L::zero());
+            worst = project::<L, W, N>(&block.eight, how, &mut spots, sums).max(worst);
         }
-        let mut room = [[0; LANES]; N];
-        let rows = less(&block.rows, places.first, &mut room);
-        let (position, start) = (&mut *places.position, places.start);
-        let mut spots = Packed { rows, position, start };
-        let how = (temper, &each, pace.h, L::zero());
-        worst = project::<L, W, N>(&block.eight, how, &mut spots, sums).max(worst);
+        worst.largest(0.0)
     }
-    worst.largest(0.0)
 }
 
 /// The largest error of the hard ones, metres, moving nothing.
-#[inline(always)]
-pub(super) fn measure<L: Lanes, W: Wide<N>, const N: usize>(
-    blocks: &[Block<W, N>],
-    tempers: &[Temper],
-    places: &Places,
-) -> f32 {
-    let mut worst = L::zero();
-    for block in blocks {
-        let mut room = [[0; LANES]; N];
-        let rows = less(&block.rows, places.first, &mut room);
-        let spots = Packed { rows, position: &*places.position, start: places.start };
-        worst = left::<L, W, N>(&block.eight, tempers, &spots).max(worst);
+pub(super) struct Measure<'a, 'b, W, const N: usize> {
+    pub(super) blocks: &'a [Block<W, N>],
+    pub(super) tempers: &'a [Temper],
+    pub(super) places: &'a Places<'b>,
+}
+
+impl<W: Wide<N>, const N: usize> Work for Measure<'_, '_, W, N> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let Self { blocks, tempers, places } = self;
+        let mut worst = L::zero();
+        for block in blocks {
+            let mut room = [[0; LANES]; N];
+            let rows = less(&block.rows, places.first, &mut room);
+            let spots = Packed { rows, position: &*places.position, start: places.start };
+            worst = left::<L, W, N>(&block.eight, tempers, &spots).max(worst);
+        }
+        worst.largest(0.0)
     }
-    worst.largest(0.0)
 }
 
 /// The errors of the hard ones of eight, metres.

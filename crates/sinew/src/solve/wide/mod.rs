@@ -21,7 +21,7 @@ use core::ops::Range;
 use crate::constraints::{
     Angles, Areas, Bends, Cones, Constraint, Distance, Hinges, Law, Pace, Tetrahedra, Wide,
 };
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{InstructionSet, LANES, Lanes, with};
 use crate::particles::Places;
 pub(super) use alike::{Alike, Groups, Part};
 use block::Block;
@@ -106,43 +106,55 @@ impl Laws {
 
     /// Projects a group once; `multipliers` are what its constraints have summed up, in their order. Returns the largest error found, metres; of soft
     /// ones, how far they moved.
-    #[inline(always)]
-    pub(crate) fn sweep<L: Lanes>(
+    pub(crate) fn sweep(
         &self,
         places: &mut Places,
         which: &Which,
         multipliers: &mut [f32],
         pace: Pace,
+        instructions: InstructionSet,
     ) -> f32 {
-        let (sums, blocks) = (multipliers.chunks_mut(which.each), which.blocks.clone());
+        let (sums, range) = (multipliers.chunks_mut(which.each), which.blocks.clone());
         let Self { tempers, lengths, bends, areas, tetrahedra, angles, hinges, cones } = self;
+        macro_rules! sweep {
+            ($kernel:ident of $list:ident) => {{
+                let blocks = &$list[range];
+                with(instructions, $kernel::Sweep { blocks, tempers, places, sums, pace })
+            }};
+        }
         match which.list {
-            List::Lengths => lengths::sweep::<L>(&lengths[blocks], tempers, places, sums, pace),
-            List::Bends => block::sweep::<L, _, _>(&bends[blocks], tempers, places, sums, pace),
-            List::Areas => block::sweep::<L, _, _>(&areas[blocks], tempers, places, sums, pace),
-            List::Tetrahedra => {
-                block::sweep::<L, _, _>(&tetrahedra[blocks], tempers, places, sums, pace)
-            }
-            List::Angles => block::sweep::<L, _, _>(&angles[blocks], tempers, places, sums, pace),
-            List::Hinges => block::sweep::<L, _, _>(&hinges[blocks], tempers, places, sums, pace),
-            List::Cones => block::sweep::<L, _, _>(&cones[blocks], tempers, places, sums, pace),
+            List::Lengths => sweep!(lengths of lengths),
+            List::Bends => sweep!(block of bends),
+            List::Areas => sweep!(block of areas),
+            List::Tetrahedra => sweep!(block of tetrahedra),
+            List::Angles => sweep!(block of angles),
+            List::Hinges => sweep!(block of hinges),
+            List::Cones => sweep!(block of cones),
         }
     }
 
     /// How far the hard ones of a group are from being kept, metres, the largest; moves nothing.
-    #[inline(always)]
-    pub(crate) fn measure<L: Lanes>(&self, places: &Places, which: &Which) -> f32 {
-        let (tempers, blocks) = (&self.tempers, which.blocks.clone());
+    pub(crate) fn measure(
+        &self,
+        places: &Places,
+        which: &Which,
+        instructions: InstructionSet,
+    ) -> f32 {
+        let range = which.blocks.clone();
+        let Self { tempers, lengths, bends, areas, tetrahedra, angles, hinges, cones } = self;
+        macro_rules! measure {
+            ($kernel:ident of $list:ident) => {
+                with(instructions, $kernel::Measure { blocks: &$list[range], tempers, places })
+            };
+        }
         match which.list {
-            List::Lengths => lengths::measure::<L>(&self.lengths[blocks], tempers, places),
-            List::Bends => block::measure::<L, _, _>(&self.bends[blocks], tempers, places),
-            List::Areas => block::measure::<L, _, _>(&self.areas[blocks], tempers, places),
-            List::Tetrahedra => {
-                block::measure::<L, _, _>(&self.tetrahedra[blocks], tempers, places)
-            }
-            List::Angles => block::measure::<L, _, _>(&self.angles[blocks], tempers, places),
-            List::Hinges => block::measure::<L, _, _>(&self.hinges[blocks], tempers, places),
-            List::Cones => block::measure::<L, _, _>(&self.cones[blocks], tempers, places),
+            List::Lengths => measure!(lengths of lengths),
+            List::Bends => measure!(block of bends),
+            List::Areas => measure!(block of areas),
+            List::Tetrahedra => measure!(block of tetrahedra),
+            List::Angles => measure!(block of angles),
+            List::Hinges => measure!(block of hinges),
+            List::Cones => measure!(block of cones),
         }
     }
 }

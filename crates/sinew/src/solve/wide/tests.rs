@@ -2,7 +2,6 @@
 
 mod kept;
 mod limits;
-mod speed;
 
 use glam::{Vec3, Vec4};
 
@@ -13,7 +12,7 @@ use crate::constraints::{
     Angle, Area, Bend, Bound, Cone, Constraint, Direction, Distance, Hinge, Law, Pace, Softness,
     Tetrahedron,
 };
-use crate::lanes::{InstructionSet, Lanes, Work, with};
+use crate::lanes::InstructionSet;
 use crate::particles::Places;
 
 const SETS: [InstructionSet; 3] =
@@ -61,7 +60,8 @@ impl State {
     /// One sweep by the scalar kernels; the largest error.
     fn one_by_one(&mut self, group: &Group, pace: Pace) -> f32 {
         let mut sums = self.sums.clone();
-        let manner = Manner { pace, direction: Direction::Nearest };
+        let manner =
+            Manner { pace, direction: Direction::Nearest, instructions: InstructionSet::best() };
         let (places, mut local) = (&mut self.places(), Local::default());
         let each = sums.iter_mut().enumerate().map(|(i, sum)| match group {
             Group::Laws(laws) => project_constraint(places, &laws[i], manner, sum, &mut local),
@@ -76,9 +76,7 @@ impl State {
     fn wide(&mut self, set: InstructionSet, group: &Group, pace: Pace) -> f32 {
         let (laws, which) = group.wide();
         let mut sums = self.sums.clone();
-        let places = self.places();
-        let sums_of = &mut sums[..];
-        let worst = with(set, Sweep { laws: &laws, which: &which, places, sums: sums_of, pace });
+        let worst = laws.sweep(&mut self.places(), &which, &mut sums, pace, set);
         self.sums = sums;
         worst
     }
@@ -99,34 +97,6 @@ impl Group {
             Group::Distances(distances) => laws.add_distances(distances, false),
         };
         (laws, which)
-    }
-}
-
-struct Sweep<'a> {
-    laws: &'a Laws,
-    which: &'a Which,
-    places: Places<'a>,
-    sums: &'a mut [f32],
-    pace: Pace,
-}
-
-impl Work for Sweep<'_> {
-    type Output = f32;
-
-    #[inline(always)]
-    fn run<L: Lanes>(mut self) -> f32 {
-        self.laws.sweep::<L>(&mut self.places, self.which, self.sums, self.pace)
-    }
-}
-
-struct Measure<'a>(&'a Laws, &'a Which, Places<'a>);
-
-impl Work for Measure<'_> {
-    type Output = f32;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> f32 {
-        self.0.measure::<L>(&self.2, self.1)
     }
 }
 
@@ -349,7 +319,7 @@ fn what_is_measured_is_the_largest_error_of_the_hard_ones_alone() {
         let group = laws(n, &|k| law(k, SOFT[if k == 12 { 0 } else { 1 + k % 2 }]));
         let Group::Laws(constraints) = &group else { return };
         let (laws, which) = group.wide();
-        let found = with(InstructionSet::best(), Measure(&laws, &which, state.places()));
+        let found = laws.measure(&state.places(), &which, InstructionSet::best());
         let (mut local, before) = (Local::default(), state.clone());
         let expected =
             super::super::item::constraint_error(&state.places(), &constraints[12], &mut local);

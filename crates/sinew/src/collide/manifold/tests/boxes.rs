@@ -34,7 +34,7 @@ fn depth_is_the_least_over_all_directions_and_none_is_missed_that_is_within_reac
     for _ in 0..3000 {
         let (ha, hb, frame) = random(&mut dice);
         let apart = brute_force(|n| along(ha, hb, &frame, n));
-        let (a, b) = (Shape::cuboid(ha).unwrap(), Shape::cuboid(hb).unwrap());
+        let (a, b) = (Shape::cuboid(ha * 2.0).unwrap(), Shape::cuboid(hb * 2.0).unwrap());
         let found = all(&a, &b, &frame, reach);
         for manifold in &found {
             check(manifold, &frame, reach);
@@ -79,7 +79,7 @@ fn points_lie_on_both_surfaces() {
     let mut worst = 0.0_f32;
     for _ in 0..20_000 {
         let (ha, hb, frame) = random(&mut dice);
-        let (a, b) = (Shape::cuboid(ha).unwrap(), Shape::cuboid(hb).unwrap());
+        let (a, b) = (Shape::cuboid(ha * 2.0).unwrap(), Shape::cuboid(hb * 2.0).unwrap());
         for manifold in all(&a, &b, &frame, 0.2) {
             check(&manifold, &frame, 0.2);
             for p in manifold.points() {
@@ -97,7 +97,7 @@ fn swapped_boxes_touch_in_the_same_places() {
     let mut both = 0;
     for _ in 0..2000 {
         let (ha, hb, frame) = random(&mut dice);
-        let (a, b) = (Shape::cuboid(ha).unwrap(), Shape::cuboid(hb).unwrap());
+        let (a, b) = (Shape::cuboid(ha * 2.0).unwrap(), Shape::cuboid(hb * 2.0).unwrap());
         let back = crate::collide::manifold::inverse(&frame);
         let (one, other) = (points(&a, &b, &frame, 0.1), points(&b, &a, &back, 0.1));
         assert_eq!(one.is_empty(), other.is_empty());
@@ -117,8 +117,10 @@ fn swapped_boxes_touch_in_the_same_places() {
 
 #[test]
 fn a_face_on_a_face_gives_four_points_that_span_what_they_share() {
-    let (a, b) =
-        (Shape::cuboid(Vec3::ONE).unwrap(), Shape::cuboid(Vec3::new(2.0, 0.5, 1.0)).unwrap());
+    let (a, b) = (
+        Shape::cuboid(Vec3::splat(2.0)).unwrap(),
+        Shape::cuboid(Vec3::new(4.0, 1.0, 2.0)).unwrap(),
+    );
     for lift in [-0.01, 0.0, 0.01] {
         let frame = Frame::at(Vec3::new(1.5, 1.5 + lift, 0.5));
         let found = all(&a, &b, &frame, 0.02);
@@ -134,7 +136,7 @@ fn a_face_on_a_face_gives_four_points_that_span_what_they_share() {
         assert!(found[0].points().iter().all(|p| (p.distance - lift).abs() < 1e-5));
     }
     // Turned by 45° what they share has eight corners; four of them hold.
-    let unit = Shape::cuboid(Vec3::ONE).unwrap();
+    let unit = Shape::cuboid(Vec3::splat(2.0)).unwrap();
     let frame = turned(Vec3::Y * 1.99, Vec3::Y, core::f32::consts::FRAC_PI_4);
     let found = all(&unit, &unit, &frame, 0.0);
     assert_eq!(found[0].points().len(), 4);
@@ -145,7 +147,7 @@ fn a_face_on_a_face_gives_four_points_that_span_what_they_share() {
 #[test]
 fn a_box_at_rest_keeps_its_face_whatever_its_noise() {
     let mut dice = Dice(4);
-    let unit = Shape::cuboid(Vec3::splat(0.5)).unwrap();
+    let unit = Shape::cuboid(Vec3::ONE).unwrap();
     for turn in [0.0, 0.3, core::f32::consts::FRAC_PI_4, 1.2] {
         for _ in 0..500 {
             let axis = (Vec3::Y + dice.vector() * 1e-4).normalize();
@@ -159,7 +161,7 @@ fn a_box_at_rest_keeps_its_face_whatever_its_noise() {
 
 #[test]
 fn edges_that_cross_touch_in_one_point() {
-    let unit = Shape::cuboid(Vec3::ONE).unwrap();
+    let unit = Shape::cuboid(Vec3::splat(2.0)).unwrap();
     let quarter = core::f32::consts::FRAC_PI_4;
     // The upper one stands on an edge along x, the lower one on one along z: both turned by 45°.
     let lower = turned(Vec3::ZERO, Vec3::Z, quarter);
@@ -179,7 +181,7 @@ fn edges_that_cross_touch_in_one_point() {
 
 #[test]
 fn past_the_rim_corners_and_parallel_edges_are_found_at_their_distance() {
-    let unit = Shape::cuboid(Vec3::ONE).unwrap();
+    let unit = Shape::cuboid(Vec3::splat(2.0)).unwrap();
     // Corner to corner, and two edges in parallel.
     for (step, count) in [(Vec3::ONE * 0.01, 1), (Vec3::new(0.01, 0.01, -2.0), 2)] {
         let found = all(&unit, &unit, &Frame::at(Vec3::splat(2.0) + step), 0.05);
@@ -198,7 +200,7 @@ fn what_is_degenerate_gives_finite_points() {
     let mut hits = 0;
     for ha in sizes {
         for hb in sizes {
-            let (a, b) = (Shape::cuboid(ha).unwrap(), Shape::cuboid(hb).unwrap());
+            let (a, b) = (Shape::cuboid(ha * 2.0).unwrap(), Shape::cuboid(hb * 2.0).unwrap());
             let on_top = Vec3::Y * (ha.y + hb.y);
             for place in [Vec3::ZERO, on_top, ha + hb, on_top * 0.5, Vec3::splat(1e-20)] {
                 for angle in [0.0, 1e-7, 1e-4, 1e-3, core::f32::consts::FRAC_PI_2, 0.5] {
@@ -226,8 +228,8 @@ fn what_is_degenerate_gives_finite_points() {
 #[test]
 fn a_small_box_lies_flat_on_a_huge_one() {
     let (small, huge) = (
-        Shape::cuboid(Vec3::splat(0.1)).unwrap(),
-        Shape::cuboid(Vec3::new(500.0, 10.0, 500.0)).unwrap(),
+        Shape::cuboid(Vec3::splat(0.2)).unwrap(),
+        Shape::cuboid(Vec3::new(1000.0, 20.0, 1000.0)).unwrap(),
     );
     for turn in [0.0, 1e-3, 0.7] {
         let frame = turned(Vec3::new(100.0, 10.0999, -200.0), Vec3::Y, turn);
@@ -242,7 +244,7 @@ fn a_small_box_lies_flat_on_a_huge_one() {
 #[test]
 fn a_box_that_leans_a_little_keeps_the_points_of_its_face() {
     let half = Vec3::splat(0.25);
-    let [a, b] = [half; 2].map(|half| Shape::cuboid(half).unwrap());
+    let [a, b] = [half; 2].map(|half| Shape::cuboid(half * 2.0).unwrap());
     for lean in [-0.004_f32, -0.003, 0.0, 0.003, 0.004] {
         let turned = Quat::from_xyzw(0.5 * lean, 0.0, 0.0, 1.0).normalize()
             * Quat::from_xyzw(0.0, 0.1147, 0.0, 0.9934).normalize();
@@ -258,7 +260,7 @@ fn a_box_that_leans_a_little_keeps_the_points_of_its_face() {
 #[test]
 fn a_box_that_leans_keeps_both_ends_of_its_low_edge() {
     let half = Vec3::splat(0.25);
-    let [a, b] = [half; 2].map(|half| Shape::cuboid(half).unwrap());
+    let [a, b] = [half; 2].map(|half| Shape::cuboid(half * 2.0).unwrap());
     for yaw in (5..90).step_by(10) {
         for lean in [0.03_f32, 0.05, 0.08] {
             let about = |axis: Vec3, angle: f32| turned(Vec3::ZERO, axis, angle);

@@ -4,7 +4,6 @@ mod boxes;
 mod ground;
 mod pairs;
 mod slide;
-mod speed;
 
 use glam::{Mat3, Quat, Vec3};
 

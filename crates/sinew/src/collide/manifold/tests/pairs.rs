@@ -9,9 +9,9 @@ pub(super) fn convex() -> Vec<Shape> {
     let corners = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z].map(|p| p * 0.8);
     vec![
         Shape::sphere(0.5).unwrap(),
-        Shape::capsule(0.3, 0.6).unwrap(),
-        Shape::cuboid(Vec3::new(0.4, 0.5, 0.7)).unwrap(),
-        Shape::cylinder(0.4, 0.6).unwrap(),
+        Shape::capsule(0.3, 1.2).unwrap(),
+        Shape::cuboid(Vec3::new(0.8, 1.0, 1.4)).unwrap(),
+        Shape::cylinder(0.4, 1.2).unwrap(),
         Shape::hull(&corners).unwrap(),
     ]
 }
@@ -133,14 +133,14 @@ fn on_a_half_space_each_shape_has_its_lowest_points() {
 
 #[test]
 fn capsules_that_lie_touch_in_two_points() {
-    let capsule = Shape::capsule(0.3, 0.6).unwrap();
+    let capsule = Shape::capsule(0.3, 1.2).unwrap();
     let side_by_side = Frame::at(Vec3::new(0.59, 0.4, 0.0));
     let found = all(&capsule, &capsule, &side_by_side, 0.0);
     let e: Vec<_> = found[0].points().iter().map(|p| p.on_b.y).collect();
     assert_eq!(found[0].normal, Vec3::X);
     assert!(e.len() == 2 && (e[0] + 0.2).abs() < 1e-5 && (e[1] - 0.6).abs() < 1e-5, "{e:?}");
     // Half over the edge of a table: from its end to the edge.
-    let table = Shape::cuboid(Vec3::ONE).unwrap();
+    let table = Shape::cuboid(Vec3::splat(2.0)).unwrap();
     let lying = turned(Vec3::new(0.8, 1.29, 0.0), Vec3::Z, core::f32::consts::FRAC_PI_2);
     let found = all(&capsule, &table, &lying, 0.0);
     let mut e: Vec<_> = found[0].points().iter().map(|p| p.on_b.x).collect();

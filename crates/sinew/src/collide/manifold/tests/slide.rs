@@ -10,8 +10,8 @@ fn heights(manifold: &Manifold, frame: &Frame) -> Vec<f32> {
 
 #[test]
 fn a_capsule_that_slides_on_a_face_no_farther_than_it_may_touches_it_as_before() {
-    let capsule = Shape::capsule(0.05, 0.2).unwrap();
-    let plate = Shape::cuboid(Vec3::new(0.6, 0.2, 1.0)).unwrap();
+    let capsule = Shape::capsule(0.05, 0.4).unwrap();
+    let plate = Shape::cuboid(Vec3::new(1.2, 0.4, 2.0)).unwrap();
     let mut dice = Dice(5);
     let (mut slid, mut at_rims) = (0, 0);
     for _ in 0..4000 {
@@ -61,8 +61,8 @@ fn what_lies_on_a_half_space_may_slide_on_it_as_far_as_it_likes() {
 
 #[test]
 fn what_is_round_is_where_its_manifold_says_after_it_has_rolled_a_little() {
-    let capsule = Shape::capsule(0.05, 0.2).unwrap();
-    let plate = Shape::cuboid(Vec3::new(1.0, 0.2, 1.0)).unwrap();
+    let capsule = Shape::capsule(0.05, 0.4).unwrap();
+    let plate = Shape::cuboid(Vec3::new(2.0, 0.4, 2.0)).unwrap();
     // 0.05 rad, which is what it may turn: half of the square of that is 1/800 of its radius.
     let (lies, angle) = (turn_of(Vec3::Z, core::f32::consts::FRAC_PI_2), 0.05);
     let frame = Frame::new(Vec3::Y * 0.25, lies);
@@ -73,7 +73,7 @@ fn what_is_round_is_where_its_manifold_says_after_it_has_rolled_a_little() {
         assert!(height.abs() < 0.05 / 700.0, "{height}");
     }
     // A box is wrong by all of what its corners rise.
-    let cube = Shape::cuboid(Vec3::splat(0.2)).unwrap();
+    let cube = Shape::cuboid(Vec3::splat(0.4)).unwrap();
     let known = all(&cube, &plate, &Frame::at(Vec3::Y * 0.4), 0.03)[0];
     assert!(!known.round);
 }

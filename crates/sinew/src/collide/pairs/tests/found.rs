@@ -14,7 +14,7 @@ fn by_asking_all(world: &World) -> Vec<[u32; 2]> {
     let mut found = Vec::new();
     for i in 0..count {
         for j in i + 1..count {
-            let Some(reach) = members.reach(i, j) else { continue };
+            let Some(reach) = members.reach(&world.filter, i, j) else { continue };
             let within = reach + members.home[i].w + members.home[j].w;
             if members.separation(i, j).length_squared() < within * within {
                 found.push([members.rows[i], members.rows[j]]);
@@ -117,7 +117,7 @@ fn who_takes_no_part_is_not_found() {
     world.particles.radius[33] = f32::NAN;
     world.particles.set_body(37, None);
     let solid: Vec<_> = (0..200).map(|i| i % 11 == 0).collect();
-    world.pairs.find(&world.particles, &world.contacts, &[], &solid, 0.02);
+    world.find_beside(&solid, 0.02);
     let rows = found(&world);
     assert!(rows.len() > 50);
     for [a, b] in rows {
@@ -126,7 +126,7 @@ fn who_takes_no_part_is_not_found() {
             assert!(!(row < 200 && row % 11 == 0), "{row} is of a solid");
         }
     }
-    world.contacts.fill(BodyContacts::default());
+    world.contacts.fill(BodyContacts { with_bodies: false, ..Default::default() });
     world.find(0.02);
     assert!(world.pairs.is_empty() && found(&world).is_empty());
     let mut nobody = World::default();

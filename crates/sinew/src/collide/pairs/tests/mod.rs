@@ -4,13 +4,13 @@ mod cloth;
 mod found;
 mod heap;
 mod order;
-mod speed;
 mod two;
 
 use glam::{Vec3, Vec4};
 
 use super::Pairs;
-use crate::collide::{BodyContacts, Material};
+use crate::collide::nearby::Nearby;
+use crate::collide::{BodyContacts, ContactFilter, Material};
 use crate::integrate::{Derive, Integrator, derive, predict};
 use crate::lanes::InstructionSet;
 use crate::particles::{ParticleSeed, Particles};
@@ -23,6 +23,7 @@ struct World {
     contacts: Vec<BodyContacts>,
     rest: Vec<Vec3>,
     pairs: Pairs,
+    filter: ContactFilter,
     gravity: Vec3,
     /// Rows, and their distance, metres.
     rods: Vec<(u32, u32, f32)>,
@@ -30,8 +31,6 @@ struct World {
     room: Option<(Vec3, Vec3, f32)>,
     /// How often it looked.
     looks: u32,
-    /// Seconds that pairs took.
-    spent: f64,
 }
 
 /// Substeps of a step.
@@ -46,8 +45,15 @@ impl World {
     }
 
     fn find(&mut self, dt: f32) {
-        let Self { particles, contacts, rest, pairs, .. } = self;
-        pairs.find(particles, contacts, rest, &[], dt);
+        self.find_beside(&[], dt);
+    }
+
+    /// Without the rows that are marked.
+    fn find_beside(&mut self, aside: &[bool], dt: f32) {
+        let Self { particles, contacts, rest, pairs, filter, .. } = self;
+        *filter = ContactFilter::untied(contacts);
+        let nearby = Nearby::everywhere(contacts);
+        pairs.find(particles, (filter, &nearby), rest, aside, dt);
     }
 
     /// A step of `dt` seconds; returns the greatest overlap that was met, metres.
@@ -64,7 +70,7 @@ impl World {
 
     fn substep(&mut self, h: f32) -> f32 {
         let machine = Machine { instructions: InstructionSet::best(), workers: None };
-        let Self { particles, pairs, .. } = self;
+        let Self { particles, pairs, filter, .. } = self;
         particles.clear_sums(0.0);
         particles.accelerate_all(self.gravity);
         predict(particles, Integrator::Verlet, h, machine);
@@ -74,9 +80,7 @@ impl World {
         if let Some(room) = self.room {
             (0..particles.len()).for_each(|i| hold(particles, i, room));
         }
-        let began = std::time::Instant::now();
-        let worst = pairs.project(particles, h);
-        self.spent += began.elapsed().as_secs_f64();
+        let worst = pairs.project(particles, filter, h);
         let Particles { position, start, velocity, .. } = particles;
         derive(Derive { position, start, velocity, excess: &[], h, lag: h }, machine);
         pairs.bounce(particles, h, self.gravity.length());

@@ -3,7 +3,6 @@
 mod motion;
 mod refusals;
 mod sizes;
-mod speed;
 mod twins;
 
 use glam::Vec3;
@@ -85,13 +84,13 @@ pub(super) fn egg(count: usize, half: Vec3) -> Vec<Vec3> {
 pub(super) fn convex() -> Vec<(&'static str, Shape)> {
     vec![
         ("sphere", Shape::sphere(0.7).unwrap()),
-        ("capsule", Shape::capsule(0.3, 0.8).unwrap()),
-        ("thin capsule", Shape::capsule(0.01, 1.0).unwrap()),
-        ("box", Shape::cuboid(Vec3::new(0.5, 0.8, 0.3)).unwrap()),
-        ("plate", Shape::cuboid(Vec3::new(1.0, 0.001, 1.0)).unwrap()),
-        ("cylinder", Shape::cylinder(0.6, 0.5).unwrap()),
-        ("disc", Shape::cylinder(1.0, 0.002).unwrap()),
-        ("wire", Shape::cylinder(0.003, 1.0).unwrap()),
+        ("capsule", Shape::capsule(0.3, 1.6).unwrap()),
+        ("thin capsule", Shape::capsule(0.01, 2.0).unwrap()),
+        ("box", Shape::cuboid(Vec3::new(1.0, 1.6, 0.6)).unwrap()),
+        ("plate", Shape::cuboid(Vec3::new(2.0, 0.002, 2.0)).unwrap()),
+        ("cylinder", Shape::cylinder(0.6, 1.0).unwrap()),
+        ("disc", Shape::cylinder(1.0, 0.004).unwrap()),
+        ("wire", Shape::cylinder(0.003, 2.0).unwrap()),
         ("hull", Shape::hull(&egg(40, Vec3::new(0.9, 0.6, 0.7))).unwrap()),
         ("flat hull", Shape::hull(&egg(40, Vec3::new(1.0, 0.01, 0.8))).unwrap()),
         ("tetrahedron", Shape::hull(&[Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z]).unwrap()),

@@ -136,8 +136,8 @@ fn a_slanted_sheet_of_a_kilometre_stops_what_is_small() {
 #[test]
 fn what_rests_on_a_plate_is_not_pressed_through_by_a_little() {
     let shapes = [
-        ("plate", Shape::cuboid(Vec3::new(1.0, 0.01, 1.0)).unwrap()),
-        ("disc", Shape::cylinder(1.0, 0.01).unwrap()),
+        ("plate", Shape::cuboid(Vec3::new(2.0, 0.02, 2.0)).unwrap()),
+        ("disc", Shape::cylinder(1.0, 0.02).unwrap()),
         ("hull", {
             let corner = |i: u32| {
                 Vec3::new(
@@ -160,7 +160,7 @@ fn what_rests_on_a_plate_is_not_pressed_through_by_a_little() {
 
 #[test]
 fn what_begins_inside_goes_the_nearest_way_out() {
-    let cube = Shape::cuboid(Vec3::splat(1.0)).unwrap();
+    let cube = Shape::cuboid(Vec3::splat(2.0)).unwrap();
     let p = Vec3::new(0.1, -0.2, 0.7);
     let touch = cube.touch(p, p, 0.5).unwrap();
     assert_eq!((touch.normal, touch.depth), (Vec3::Z, 0.5 + (1.0 - 0.7)));

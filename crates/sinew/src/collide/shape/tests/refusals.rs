@@ -9,14 +9,14 @@ use crate::recipes::HullFault;
 fn sizes_that_are_none_are_refused() {
     for bad in [f32::NAN, 0.0, -1.0, 1e-7, 1e7, f32::INFINITY] {
         assert_eq!(Shape::sphere(bad), Err(ShapeFault::Radius));
-        assert_eq!(Shape::capsule(bad, 1.0), Err(ShapeFault::Radius));
+        assert_eq!(Shape::capsule(bad, 2.0), Err(ShapeFault::Radius));
         assert_eq!(Shape::capsule(1.0, bad), Err(ShapeFault::Height));
-        assert_eq!(Shape::cylinder(bad, 1.0), Err(ShapeFault::Radius));
+        assert_eq!(Shape::cylinder(bad, 2.0), Err(ShapeFault::Radius));
         assert_eq!(Shape::cylinder(1.0, bad), Err(ShapeFault::Height));
         for axis in 0..3 {
             let mut size = Vec3::ONE;
             size[axis] = bad;
-            assert_eq!(Shape::cuboid(size), Err(ShapeFault::Size));
+            assert_eq!(Shape::cuboid(size * 2.0), Err(ShapeFault::Size));
             assert_eq!(Shape::height_field(2, 2, &[0.0; 4], size), Err(ShapeFault::Size));
         }
     }

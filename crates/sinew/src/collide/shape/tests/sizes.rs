@@ -30,8 +30,8 @@ fn a_shape_in_another_size_has_its_surface_where_it_then_is() {
         let (one, two) = (shape.nearest(p).distance, even.nearest(p * 2.0).distance);
         assert!((two - 2.0 * one).abs() < 1e-5, "{name}: {one} and {two}");
     }
-    let pillar = Shape::cylinder(1.0, 2.0).unwrap().scaled(Vec3::new(2.0, 3.0, 2.0)).unwrap();
-    assert_eq!(pillar, Shape::cylinder(2.0, 6.0).unwrap());
+    let pillar = Shape::cylinder(1.0, 4.0).unwrap().scaled(Vec3::new(2.0, 3.0, 2.0)).unwrap();
+    assert_eq!(pillar, Shape::cylinder(2.0, 12.0).unwrap());
     assert_eq!(Shape::half_space().scaled(factor), Ok(Shape::half_space()));
 }
 
@@ -98,7 +98,7 @@ fn a_box_of_triangles_touches_as_a_box_does() {
     let triangles = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     let of_triangles = Shape::mesh(corners.clone(), triangles).unwrap();
     let hull = Shape::hull(&corners).unwrap();
-    let cuboid = Shape::cuboid(half).unwrap();
+    let cuboid = Shape::cuboid(half * 2.0).unwrap();
     assert!(matches!(hull.kind(), Kind::Hull(points) if points.len() == 8));
     let mut dice = Dice(43);
     let (mut touched, mut worst) = (0, 0.0_f32);

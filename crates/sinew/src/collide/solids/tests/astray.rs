@@ -5,7 +5,7 @@ use super::*;
 /// What stands in the way, with its face at x = 0.7 m.
 fn obstacles() -> [Shape; 4] {
     let half = Vec3::new(0.1, 3.0, 3.0);
-    let wall = Shape::cuboid(half).unwrap();
+    let wall = Shape::cuboid(half * 2.0).unwrap();
     let mut vertices = Vec::new();
     let mut triangles = Vec::new();
     for n in 0..49 {

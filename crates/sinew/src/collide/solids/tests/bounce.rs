@@ -58,7 +58,7 @@ fn what_is_round_bounces_to_e_squared_of_its_height() {
 #[test]
 fn a_box_that_falls_flat_bounces_flat() {
     for e in [0.5, 1.0] {
-        let (top, aside) = drop(Shape::cuboid(Vec3::splat(0.5)).unwrap(), e);
+        let (top, aside) = drop(Shape::cuboid(Vec3::ONE).unwrap(), e);
         assert!((top / (e * e) - 1.0).abs() < 0.02 && aside < 1e-3, "{top} {aside}");
     }
 }
@@ -68,7 +68,7 @@ fn what_bounces_without_loss_never_rises_above_where_it_fell_from() {
     for (substeps, shape) in [
         (2, Shape::sphere(0.5).unwrap()),
         (10, round_hull()),
-        (5, Shape::cuboid(Vec3::splat(0.5)).unwrap()),
+        (5, Shape::cuboid(Vec3::ONE).unwrap()),
     ] {
         let mut world = world();
         world.settings.substeps = substeps;

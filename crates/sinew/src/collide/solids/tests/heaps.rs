@@ -77,9 +77,9 @@ fn a_ragdoll_lies_down_on_the_floor_and_rests() {
         let limb = part.particles.len() < 4 && part.size.x == part.size.z;
         let shape = if limb {
             let radius = part.size.x * 0.5;
-            Shape::capsule(radius, part.size.y * 0.5 - radius)
+            Shape::capsule(radius, part.size.y - 2.0 * radius)
         } else {
-            Shape::cuboid(part.size * 0.5)
+            Shape::cuboid(part.size)
         };
         world.solids_mut().push(Solid {
             rows: part.particles.iter().map(|&p| first + p).collect(),
@@ -102,7 +102,7 @@ fn a_fast_box_does_not_go_through_a_thin_wall() {
     for speed in [20.0, 100.0, 300.0] {
         let mut world = world();
         world.forces.gravity = Vec3::ZERO;
-        let wall = Shape::cuboid(Vec3::new(0.02, 5.0, 5.0)).unwrap();
+        let wall = Shape::cuboid(Vec3::new(0.04, 10.0, 10.0)).unwrap();
         world.colliders.push(Collider::fixed(wall, Frame::IDENTITY));
         let first =
             add_box(&mut world, Vec3::splat(0.2), 1.0, Vec3::X * -4.0, turn(Vec3::ONE, 0.4));

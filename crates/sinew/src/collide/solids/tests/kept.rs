@@ -54,7 +54,7 @@ fn two_bodies_of_solids_that_share_particles_keep_it_too() {
     let rest: std::sync::Arc<[Vec3]> = [Vec3::Y * 0.5, Vec3::Y * -0.5].into();
     for two in rows.windows(2) {
         world.distances_mut().push(crate::Distance::new(two[0], two[1], 1.0));
-        let shape = Shape::capsule(0.1, 0.5).unwrap();
+        let shape = Shape::capsule(0.1, 1.0).unwrap();
         let (rows, rest, id) = (two.to_vec(), rest.clone(), u64::from(two[0]));
         world.solids_mut().push(Solid { rows, rest, shape, id });
     }

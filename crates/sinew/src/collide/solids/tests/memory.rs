@@ -82,7 +82,7 @@ fn what_is_remembered_goes_by_names_and_not_by_places() {
 fn a_box_falls_when_the_block_beneath_it_shrinks() {
     let mut world = world();
     contacts(&mut world, rough(0.5));
-    let block = |half: f32| Shape::cuboid(Vec3::new(2.0, half, 2.0)).unwrap();
+    let block = |half: f32| Shape::cuboid(Vec3::new(4.0, half * 2.0, 4.0)).unwrap();
     world.colliders.push(Collider::fixed(block(0.5), Frame::IDENTITY));
     let first = add_box(&mut world, Vec3::ONE, 1.0, Vec3::Y * 1.0, Quat::IDENTITY);
     step(&mut world, 2.0);
@@ -165,7 +165,7 @@ fn a_box_falls_when_the_one_triangle_beneath_it_is_lowered() {
 #[test]
 fn what_slides_over_a_rim_is_known_to_be_as_high_as_it_is() {
     let half = Vec3::splat(0.25);
-    let shape = Shape::cuboid(half).unwrap();
+    let shape = Shape::cuboid(half * 2.0).unwrap();
     let (size, reach) = (half.length(), 0.02);
     let marks = [shape.mark(); 2];
     let key = Key { a: 0, other: Other::Solid(1), nth: 0 };

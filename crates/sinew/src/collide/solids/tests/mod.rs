@@ -32,7 +32,7 @@ fn world() -> Simulation {
 fn add_box(world: &mut Simulation, size: Vec3, mass: f32, at: Vec3, turned: Quat) -> usize {
     let spec = BoxSpec { size, mass, layout: BoxLayout::Equimomental, ..BoxSpec::default() };
     let body = box_3d(&spec).unwrap();
-    add(world, &body, Shape::cuboid(size * 0.5).unwrap(), at, turned)
+    add(world, &body, Shape::cuboid(size).unwrap(), at, turned)
 }
 
 /// Adds a body of one part as a solid.

@@ -19,7 +19,7 @@ fn a_box_on_a_belt_goes_with_it() {
 #[test]
 fn a_box_on_a_lift_goes_up_and_down_with_it() {
     let mut world = world();
-    let plate = Shape::cuboid(Vec3::new(2.0, 0.1, 2.0)).unwrap();
+    let plate = Shape::cuboid(Vec3::new(4.0, 0.2, 4.0)).unwrap();
     world.colliders.push(Collider::fixed(plate, Frame::at(Vec3::Y * -0.1)));
     let first = add_box(&mut world, Vec3::ONE, 1.0, Vec3::Y * 0.5, Quat::IDENTITY);
     let mut worst = 0.0_f32;
@@ -38,7 +38,7 @@ fn a_box_on_a_lift_goes_up_and_down_with_it() {
 #[test]
 fn a_box_on_a_turntable_goes_round_with_it() {
     let mut world = world();
-    let plate = Shape::cylinder(3.0, 0.1).unwrap();
+    let plate = Shape::cylinder(3.0, 0.2).unwrap();
     world.colliders.push(Collider::fixed(plate, Frame::at(Vec3::Y * -0.1)));
     let first =
         add_box(&mut world, Vec3::splat(0.5), 1.0, Vec3::new(1.0, 0.25, 0.0), Quat::IDENTITY);
@@ -65,7 +65,7 @@ fn a_box_with_pinned_particles_turns_about_them_when_it_is_hit() {
         for &pin in pins {
             body.pin(pin).unwrap();
         }
-        let shape = Shape::cuboid(Vec3::splat(0.5)).unwrap();
+        let shape = Shape::cuboid(Vec3::ONE).unwrap();
         let door = add(&mut world, &body, shape, Vec3::ZERO, Quat::IDENTITY);
         let before: Vec<_> = (0..8).map(|i| world.particles.position(door + i)).collect();
         let at = Vec3::new(0.3, 0.1, 1.5);

@@ -71,7 +71,7 @@ fn a_box_wedged_between_two_slopes_does_not_creep() {
     ];
     for (at, x, y) in around {
         let frame = Frame::new(Vec3::from(at), facing(x, y));
-        let shape = Shape::cuboid(Vec3::splat(HALF)).unwrap();
+        let shape = Shape::cuboid(Vec3::splat(HALF * 2.0)).unwrap();
         world.colliders.push(Collider::fixed(shape, frame).with_material(rough(0.5)));
     }
     let size = Vec3::splat(2.0 * HALF);

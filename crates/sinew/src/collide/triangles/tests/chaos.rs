@@ -6,6 +6,8 @@ use super::super::Triangles;
 use super::super::crossing::Four;
 use super::super::members::EDGES;
 use super::asks;
+use crate::collide::ContactFilter;
+use crate::collide::nearby::Nearby;
 use crate::particles::{ParticleSeed, Particles};
 
 /// Numbers from -1 to 1, the same in every run.
@@ -102,13 +104,14 @@ fn whatever_is_thrown_through_each_other_in_a_substep_has_not_passed_when_it_end
                 .sum()
         };
         let (before, began) = (passing(&particles, &surfaces), moment(&particles));
+        let (filter, nearby) = (ContactFilter::untied(&contacts), Nearby::everywhere(&contacts));
         let mut triangles = Triangles::default();
         // What is found where all began is outrun by all.
         let (ends, start) = (particles.position.clone(), particles.start.clone());
         particles.position = start;
-        triangles.find(&particles, &surfaces, &contacts, &[], 1.0 / 60.0);
+        triangles.find(&particles, &surfaces, (&filter, &nearby), &[], 1.0 / 60.0);
         particles.position = ends;
-        triangles.project(&mut particles);
+        triangles.project(&mut particles, &filter);
         let after = passing(&particles, &surfaces);
         println!(
             "{way} m: {before} passing, {after} after {} looks, {} rounds",

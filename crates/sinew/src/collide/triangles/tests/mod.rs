@@ -7,7 +7,6 @@ mod bits;
 mod chaos;
 mod cloths;
 mod marbles;
-mod speed;
 
 use glam::Vec3;
 

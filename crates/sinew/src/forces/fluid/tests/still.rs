@@ -235,33 +235,3 @@ fn an_invalid_fluid_carries_nothing() {
         assert_eq!(load(&mut world), (DVec3::ZERO, DVec3::ZERO), "{fluid:?}");
     }
 }
-
-/// Figures for the documentation: `cargo test --release -- --ignored --nocapture cost_of_a_triangle`.
-#[test]
-#[ignore = "a measurement"]
-fn the_cost_of_a_triangle() {
-    let (vertices, triangles) = sphere(4);
-    // Welded, or the skin that hangs on its carriers would be all rim.
-    let skin = Skin::Posed { vertices: vertices.clone(), rest: vec![Vec3::ZERO] };
-    let triangles = Hull::new(vec![0], triangles, skin).unwrap().triangles().to_vec();
-    let count = triangles.len();
-    for posed in [false, true] {
-        let mut world = Simulation::default();
-        let mut rows = Vec::new();
-        for v in if posed { &vertices[..8] } else { &vertices[..] } {
-            rows.push(world.particles.push(ParticleSeed::at(*v)).unwrap());
-        }
-        let rest = vertices[..rows.len()].to_vec();
-        let skin = Skin::Posed { vertices: vertices.clone(), rest };
-        let skin = if posed { skin } else { Skin::Carriers };
-        world.forces.fluids.push(Fluid::water(0.0));
-        world.forces.hulls.push(Hull::new(rows, triangles.clone(), skin).unwrap());
-        let mut best = f64::INFINITY;
-        for _ in 0..50 {
-            let start = std::time::Instant::now();
-            world.apply_buoyancy();
-            best = best.min(start.elapsed().as_secs_f64());
-        }
-        println!("posed {posed}: {:.1} ns a triangle of {count}", best * 1e9 / count as f64);
-    }
-}

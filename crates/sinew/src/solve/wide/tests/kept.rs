@@ -62,9 +62,7 @@ fn those_that_share_particles_go_one_after_the_other() {
     for _ in 0..3 {
         scalar.one_by_one(&group, PACE);
         let mut sums = wide.sums.clone();
-        let (places, sums_of) = (wide.places(), &mut sums[..]);
-        let work = Sweep { laws: &laws, which: &which, places, sums: sums_of, pace: PACE };
-        with(InstructionSet::best(), work);
+        laws.sweep(&mut wide.places(), &which, &mut sums, PACE, InstructionSet::best());
         wide.sums = sums;
     }
     for (a, b) in scalar.now.iter().zip(&wide.now) {
@@ -85,10 +83,9 @@ fn slices_that_begin_later_give_the_same_bits() {
         let mut all = Laws::default();
         let which = all.add(&later, false).unwrap();
         let mut sums = shifted.sums.clone();
-        let (mut places, sums_of) = (shifted.places(), &mut sums[..]);
+        let mut places = shifted.places();
         places.first = 1000;
-        let work = Sweep { laws: &all, which: &which, places, sums: sums_of, pace: PACE };
-        with(InstructionSet::best(), work);
+        all.sweep(&mut places, &which, &mut sums, PACE, InstructionSet::best());
         shifted.sums = sums;
         assert_eq!(shifted.bits(), state.bits(), "{name}");
     }

@@ -1,0 +1,172 @@
+//! Contact filter: which things may touch, by what each body asks for, by layers, and by what constraints join.
+//!
+//! | two things | touch |
+//! |---|---|
+//! | of one body | if the body touches itself |
+//! | of two bodies | if both meet others, their layers meet, and no constraint joins a particle of one with a particle of the other |
+//! | a body of one particle and what it is tied to, directly or through others | never |
+//! | a body and a collider | if their layers meet and the pair is not [ignored](crate::Simulation::ignored) |
+//!
+//! Bodies that a joint connects do not touch each other: so it is in most engines, because a joint mostly has its anchors inside both.
+
+use super::{BodyContacts, Party};
+use crate::constraints::{Constraint, Distance};
+use crate::particles::{NO_BODY, Particles};
+use crate::solve::Plan;
+
+/// Which things may touch in a step. Scratch, but for what constraints join, which is found when those have changed.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ContactFilter {
+    /// How each body takes part, numbered as [`Simulation::contacts`](crate::Simulation::contacts). Empty if none does.
+    bodies: Vec<BodyContacts>,
+    /// How many particles each body has; two stand for more.
+    counts: Vec<u8>,
+    /// The island of each row.
+    islands: Vec<u32>,
+    /// Bodies that a constraint joins, the lower number first; sorted.
+    joined: Vec<[u32; 2]>,
+    /// Bodies that are not to touch all the same, likewise; and bodies and colliders.
+    apart: Vec<[u32; 2]>,
+    ignored: Vec<[u32; 2]>,
+    /// [Edits](Particles::edits) of the particles when `joined` was found; `None` when constraints have changed since.
+    seen: Option<u64>,
+}
+
+impl ContactFilter {
+    /// By what bodies ask for alone: nothing is tied to anything.
+    #[cfg(test)]
+    pub(crate) fn untied(contacts: &[BodyContacts]) -> Self {
+        Self { bodies: contacts.to_vec(), ..Self::default() }
+    }
+
+    /// Has the joined bodies looked for anew at the next [`update`](Self::update): constraints between bodies came or went.
+    pub(crate) fn forget_joints(&mut self) {
+        self.seen = None;
+    }
+
+    /// Takes what holds for a step.
+    pub(crate) fn update(
+        &mut self,
+        particles: &Particles,
+        contacts: &[BodyContacts],
+        ignored: &[[Party; 2]],
+        plan: &Plan,
+        (distances, constraints): (&[Distance], &[Constraint]),
+    ) {
+        self.bodies.clear();
+        self.bodies.extend_from_slice(contacts);
+        self.islands.clear();
+        self.islands.extend_from_slice(&plan.island_of);
+        self.count_particles(particles);
+        if self.seen != Some(particles.edits()) {
+            self.seen = Some(particles.edits());
+            self.find_joints(particles, distances, constraints);
+        }
+        self.take_ignored(ignored);
+    }
+
+    /// How a body takes part; as by default for one that is not listed, and for [`NO_BODY`].
+    #[inline(always)]
+    pub(crate) fn body(&self, body: u32) -> &BodyContacts {
+        const DEFAULT: &BodyContacts = &BodyContacts::DEFAULT;
+        self.bodies.get(body as usize).unwrap_or(DEFAULT)
+    }
+
+    /// How all bodies take part.
+    pub(crate) fn bodies(&self) -> &[BodyContacts] {
+        &self.bodies
+    }
+
+    /// Whether two rows of two bodies may touch, or two of one.
+    #[inline(always)]
+    pub(crate) fn rows_may_touch(&self, a: (u32, u32), b: (u32, u32)) -> bool {
+        let (body, other_body) = (a.0, b.0);
+        if body == other_body && body != NO_BODY {
+            return self.body(body).with_itself;
+        }
+        self.body(body).meets(self.body(other_body)) && !self.are_tied(a, b)
+    }
+
+    /// Whether constraints keep two rows of two bodies from touching.
+    #[inline(always)]
+    fn are_tied(&self, (body, row): (u32, u32), (other_body, other_row): (u32, u32)) -> bool {
+        let single = |body: u32| self.counts.get(body as usize) == Some(&1);
+        if single(body) || single(other_body) {
+            let island = |row: u32| self.islands.get(row as usize);
+            return island(row) == island(other_row);
+        }
+        self.are_joined(body, other_body)
+    }
+
+    /// Whether a body may touch a collider, as far as layers do not decide.
+    #[inline]
+    pub(crate) fn may_touch_collider(&self, body: u32, collider: u32) -> bool {
+        self.ignored.is_empty() || self.ignored.binary_search(&[body, collider]).is_err()
+    }
+
+    /// Whether a constraint joins two bodies, or they are not to touch all the same.
+    #[inline]
+    fn are_joined(&self, a: u32, b: u32) -> bool {
+        let pair = [a.min(b), a.max(b)];
+        let among = |list: &[[u32; 2]]| !list.is_empty() && list.binary_search(&pair).is_ok();
+        among(&self.joined) || among(&self.apart)
+    }
+
+    fn take_ignored(&mut self, ignored: &[[Party; 2]]) {
+        let Self { apart, ignored: with_colliders, .. } = self;
+        apart.clear();
+        with_colliders.clear();
+        for &pair in ignored {
+            match pair {
+                [Party::Body(a), Party::Body(b)] => apart.push([a.min(b), a.max(b)]),
+                [Party::Body(body), Party::Collider(collider)]
+                | [Party::Collider(collider), Party::Body(body)] => {
+                    with_colliders.push([body, collider]);
+                }
+                _ => {}
+            }
+        }
+        apart.sort_unstable();
+        with_colliders.sort_unstable();
+    }
+
+    fn count_particles(&mut self, particles: &Particles) {
+        self.counts.clear();
+        self.counts.resize(self.bodies.len(), 0);
+        for &body in &particles.body {
+            if let Some(count) = self.counts.get_mut(body as usize) {
+                *count = (*count + 1).min(2);
+            }
+        }
+    }
+
+    fn find_joints(
+        &mut self,
+        particles: &Particles,
+        distances: &[Distance],
+        constraints: &[Constraint],
+    ) {
+        let joined = &mut self.joined;
+        joined.clear();
+        let body = |row: u32| particles.body.get(row as usize).copied().unwrap_or(NO_BODY);
+        let mut join = |a: u32, b: u32| {
+            if a != b && a != NO_BODY && b != NO_BODY {
+                joined.push([a.min(b), a.max(b)]);
+            }
+        };
+        for distance in distances {
+            join(body(distance.a), body(distance.b));
+        }
+        for constraint in constraints {
+            for (i, &row) in constraint.rows.iter().enumerate().skip(1) {
+                // All of one constraint are joined; most are of one body.
+                let own = body(row);
+                if own != body(constraint.rows[i - 1]) {
+                    constraint.rows.iter().for_each(|&other| join(own, body(other)));
+                }
+            }
+        }
+        joined.sort_unstable();
+        joined.dedup();
+    }
+}
