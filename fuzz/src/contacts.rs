@@ -2,8 +2,8 @@
 
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{BoxSpec, box_3d};
-use sinew::{BodyContacts, BodySettings, Collider, Filter, Frame, Layers, Material, Shape};
-use sinew::{Simulation, Sleep, Solid};
+use sinew::{BodyContacts, BodySettings, Collider, Filter, Frame, Layers, Material, Party, Shape};
+use sinew::{Party, Simulation, Sleep, Solid};
 
 use crate::input::Input;
 
@@ -45,9 +45,17 @@ pub(crate) fn operate(world: &mut Simulation, input: &mut Input, most: usize) {
                 with_itself: input.flag(),
                 surface: input.flag(),
                 events: input.flag(),
+                disabled: input.rarely(6),
             };
             world.contacts.truncate(MOST_BODIES - 1);
             world.contacts.push(own);
+            // Of some that never touch, one or the other may not be there.
+            let parties = [0, 1].map(|_| {
+                let number = input.below(MOST_BODIES as u32 + 1);
+                if input.flag() { Party::Body(number) } else { Party::Collider(number) }
+            });
+            world.ignored.truncate(MOST_BODIES);
+            world.ignored.extend(input.rarely(3).then_some(parties));
         }
         4 if count > 0 => {
             let (row, body) = (input.below(count) as usize, input.below(MOST_BODIES as u32));

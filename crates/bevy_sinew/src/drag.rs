@@ -1,121 +1,443 @@
-//! Dragging particles with the mouse: what every demo rewrites.
+//! Dragging bodies with the mouse: what every demo rewrites.
+//!
+//! A pointer that is pressed casts a ray into the world: it meets rigid bodies by their shapes, cloth and soft bodies by their triangles, and particles, or
+//! the nearest particle beside it. That is told to Bevy's picking as from any other backend, so that what lies above it, such as a UI, keeps the press for
+//! itself. What is caught is held where it was caught by a soft constraint, which is there only while it is.
 
+use core::f32::consts::TAU;
+
+use bevy::camera::Camera;
+use bevy::ecs::system::SystemParam;
+use bevy::math::{DMat3, DVec3};
+use bevy::picking::PickingSystems;
+use bevy::picking::backend::ray::RayMap;
+use bevy::picking::backend::{HitData, PointerHits};
+use bevy::picking::events::{Pointer, Press};
+use bevy::picking::pointer::{PointerAction, PointerButton, PointerId, PointerInput};
 use bevy::prelude::*;
-use bevy::window::PrimaryWindow;
+use sinew::{Equation, Law, LawFault, Points, Softness};
 
-use crate::components::{BodyParticles, Mass, Particle, ParticleOf, ParticleRow, Pinned};
-use crate::schedule::{PhaseSystems, SubstepSchedule};
+use crate::components::{
+    BodyParticles, CreationOrder, Mass, Particle, ParticleConstraint, ParticleOf, ParticleRow,
+    Pinned, RigidPose, WindSurface,
+};
+use crate::query::QueryFilter;
+use crate::recipes::{BodyParts, PartOf};
+use crate::schedule::{SinewSystems, SinewTick};
+use crate::step::RegisterParticleConstraint;
 use crate::world::SinewWorld;
 
-/// Lets the mouse drag particles. Inert in an app without a window or a mouse, except for what a game does with [`MouseDrag`] itself.
+/// Lets a pointer drag bodies and particles. It is not part of [`SinewPlugins`](crate::SinewPlugins): add it beside them. Inert in an app without picking
+/// (`DefaultPlugins` has it) or without a pointer, except for what a game does with [`MouseDrag`] itself.
 #[derive(Default)]
 pub struct MouseDragPlugin;
 
 /// What is being dragged, and how. A game may set [`grabbed`](Self::grabbed) itself: a hand, a tractor beam.
 #[derive(Resource, Clone, Debug)]
 pub struct MouseDrag {
-    /// The button that grabs; `None` switches the mouse off. Default the left one.
-    pub button: Option<MouseButton>,
-    /// How far beside the pointer a particle may be, as the tangent of the angle seen from the camera. Default 0.04, some 2°.
+    /// The button that grabs; `None` switches the pointer off. Default the primary one.
+    pub button: Option<PointerButton>,
+    /// How far beside the pointer a particle may be, as the tangent of the angle seen from the camera, where the pointer is over nothing that could be
+    /// dragged. Default 0.04, some 2°.
     pub reach: f32,
-    /// How eagerly the particle follows: the frequency ω of a critically damped pull, rad/s. Default 14: there in a quarter of a second.
-    pub eagerness: f32,
+    /// How eagerly the body follows: the frequency of a critically damped spring that carries all of it, Hz, 0 to 15. Default 2.2: there in a quarter of
+    /// a second.
+    pub frequency: f32,
+    /// The hardest pull, as an acceleration of all that hangs on the pointer, m/s². Default 500.
+    pub max_acceleration: f32,
     /// What is held now.
     pub grabbed: Option<Grab>,
 }
 
-/// A particle, and where it is pulled to.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A point of a body, and where it is pulled to.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Grab {
-    /// The particle.
-    pub particle: Entity,
+    /// The particles that the point is between, each once, and how much each has of it. The shares sum up to 1.
+    pub anchor: Vec<(Entity, f32)>,
     /// Where it is to go, metres.
     pub target: Vec3,
 }
 
+impl Grab {
+    /// A particle.
+    pub fn particle(particle: Entity, target: Vec3) -> Self {
+        Self { anchor: vec![(particle, 1.0)], target }
+    }
+}
+
 impl Default for MouseDrag {
     fn default() -> Self {
-        Self { button: Some(MouseButton::Left), reach: 0.04, eagerness: 14.0, grabbed: None }
+        Self {
+            button: Some(PointerButton::Primary),
+            reach: 0.04,
+            frequency: 2.2,
+            max_acceleration: 500.0,
+            grabbed: None,
+        }
     }
 }
 
 impl Plugin for MouseDragPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<MouseDrag>()
-            .add_systems(PreUpdate, follow_pointer.run_if(pointed).after(bevy::input::InputSystems))
+            .init_resource::<Pointing>()
+            .register_particle_constraint::<GrabConstraint>()
+            .add_observer(catch)
             .add_systems(
-                SubstepSchedule,
-                pull.run_if(holding)
-                    .in_set(PhaseSystems::AccumulateForces)
-                    // Forces add up; which of two comes first is the schedule's affair.
-                    .ambiguous_with(PhaseSystems::AccumulateForces),
-            );
+                PreUpdate,
+                (pick.in_set(PickingSystems::Backend), follow_pointer.after(PickingSystems::Hover))
+                    .run_if(resource_exists::<Messages<PointerInput>>),
+            )
+            .add_systems(SinewTick, hold.before(SinewSystems::Build));
     }
 }
 
-/// Whether the mouse has anything to say: its button is down, or was a moment ago.
-fn pointed(drag: Res<MouseDrag>, buttons: Option<Res<ButtonInput<MouseButton>>>) -> bool {
-    let told = drag.button.zip(buttons);
-    told.is_some_and(|(button, buttons)| buttons.pressed(button) || buttons.just_released(button))
+/// What pointers do.
+#[derive(Resource, Default)]
+struct Pointing {
+    /// What is under those that were pressed in this frame.
+    under: Vec<Caught>,
+    /// The one that holds what is grabbed.
+    holds: Option<Caught>,
 }
 
-/// Whether anything is held.
-fn holding(drag: Res<MouseDrag>) -> bool {
-    drag.grabbed.is_some()
+/// What the ray of a pointer through a camera caught: where, of what, and which particles the point is between.
+#[derive(Clone, Debug)]
+struct Caught {
+    pointer: PointerId,
+    camera: Entity,
+    entity: Entity,
+    point: Vec3,
+    anchor: Vec<(Entity, f32)>,
 }
 
-/// Grabs the particle under the pointer when the button goes down, leads it while it is held, and lets go after.
-fn follow_pointer(
-    mut drag: ResMut<MouseDrag>,
-    buttons: Option<Res<ButtonInput<MouseButton>>>,
-    windows: Query<&Window, With<PrimaryWindow>>,
-    cameras: Query<(&Camera, &GlobalTransform), With<Camera3d>>,
-    particles: Query<(Entity, &Particle, &ParticleRow), Without<Pinned>>,
+/// Tells Bevy's picking what lies under a pointer that was pressed: a body that can be caught, or a collider in front of it.
+fn pick(
+    drag: Res<MouseDrag>,
+    rays: Res<RayMap>,
+    mut pointing: ResMut<Pointing>,
+    mut inputs: MessageReader<PointerInput>,
+    mut hits: MessageWriter<PointerHits>,
+    cameras: Query<&Camera>,
     world: Res<SinewWorld>,
+    anchors: Anchors,
 ) {
-    let Some((buttons, button)) = buttons.zip(drag.button) else { return };
-    if !buttons.pressed(button) {
-        if buttons.just_released(button) {
-            drag.grabbed = None;
+    pointing.under.clear();
+    for input in inputs.read() {
+        if !matches!(input.action, PointerAction::Press(button) if drag.button == Some(button)) {
+            continue;
         }
+        for (&id, &ray) in rays.iter().filter(|(id, _)| id.pointer == input.pointer_id) {
+            let Ok(camera) = cameras.get(id.camera) else { continue };
+            let Some(hit) = anchors.under(&world, ray, drag.reach) else { continue };
+            let data = HitData::new(id.camera, hit.distance, Some(hit.point), hit.normal);
+            hits.write(PointerHits::new(id.pointer, vec![(hit.entity, data)], camera.order as f32));
+            pointing.under.extend(hit.anchor.map(|anchor| Caught {
+                pointer: id.pointer,
+                camera: id.camera,
+                entity: hit.entity,
+                point: hit.point,
+                anchor,
+            }));
+        }
+    }
+}
+
+/// Takes what a press is for, if it is one of ours. Another backend, such as that for meshes, may have told of the body before us: whoever did, it is for
+/// the body, a part of it, or what is drawn of either, and bubbles up from there.
+fn catch(
+    press: On<Pointer<Press>>,
+    mut drag: ResMut<MouseDrag>,
+    mut pointing: ResMut<Pointing>,
+    parts: Query<&PartOf>,
+) {
+    if drag.button != Some(press.button) {
         return;
     }
-    let pointer = windows.single().ok().and_then(Window::cursor_position);
-    let ray = pointer.zip(cameras.iter().find(|(camera, _)| camera.is_active)).and_then(
-        |(pointer, (camera, frame))| {
-            Some((camera.viewport_to_world(frame, pointer).ok()?, frame.forward()))
-        },
-    );
-    let Some((ray, forward)) = ray else { return };
-    if buttons.just_pressed(button) {
-        let candidates = particles.iter().map(|(entity, particle, row)| {
-            let radius = row.get().map_or(0.0, |i| world.simulation.particles.radius(i));
-            (entity, particle.position, radius)
-        });
-        drag.grabbed =
-            pick(ray, drag.reach, candidates).map(|(particle, at)| Grab { particle, target: at });
+    let target = press.entity;
+    let body = parts.get(target).map_or(target, |of| of.0);
+    let caught = pointing.under.iter().find(|caught| {
+        caught.pointer == press.pointer_id
+            && caught.camera == press.hit.camera
+            && [target, body].contains(&caught.entity)
+    });
+    if let Some(caught) = caught.cloned() {
+        drag.grabbed = Some(Grab { anchor: caught.anchor.clone(), target: caught.point });
+        pointing.holds = Some(caught);
     }
-    if let Some(grab) = &mut drag.grabbed {
-        // It stays as far from the camera as it was grabbed.
-        let depth = (grab.target - ray.origin).dot(*forward);
-        let steepness = ray.direction.dot(*forward);
-        if steepness > 1e-3 {
-            grab.target = ray.origin + *ray.direction * (depth / steepness);
+}
+
+/// Leads what is held with its pointer, as far from the camera as it was caught, and lets go when the button goes up.
+fn follow_pointer(
+    mut drag: ResMut<MouseDrag>,
+    mut pointing: ResMut<Pointing>,
+    mut inputs: MessageReader<PointerInput>,
+    rays: Res<RayMap>,
+    frames: Query<&GlobalTransform, With<Camera>>,
+) {
+    let Some(Caught { pointer, camera, point: caught, .. }) = pointing.holds else {
+        inputs.clear();
+        return;
+    };
+    let button = drag.button;
+    let released = inputs.read().filter(|input| input.pointer_id == pointer).any(|input| {
+        matches!(input.action, PointerAction::Cancel)
+            || matches!(input.action, PointerAction::Release(up) if button == Some(up))
+    });
+    if released || button.is_none() {
+        (drag.grabbed, pointing.holds) = (None, None);
+        return;
+    }
+    let mut own = rays.iter().filter(|(id, _)| id.pointer == pointer && id.camera == camera);
+    let (Some((_, ray)), Ok(frame)) = (own.next(), frames.get(camera)) else { return };
+    let Some(grab) = &mut drag.grabbed else { return };
+    let forward = frame.forward();
+    let depth = (caught - ray.origin).dot(*forward);
+    let steepness = ray.direction.dot(*forward);
+    if steepness > 1e-3 {
+        grab.target = ray.origin + *ray.direction * (depth / steepness);
+    }
+}
+
+/// Keeps the constraints that hold what is grabbed: there are none while nothing is.
+fn hold(
+    mut commands: Commands,
+    drag: Res<MouseDrag>,
+    world: Res<SinewWorld>,
+    rows: Query<&ParticleRow>,
+    mut held: Query<(Entity, &mut GrabConstraint)>,
+) {
+    let wanted = drag.grabbed.as_ref().and_then(|grab| wanted(grab, &drag, &world, &rows));
+    let Some(wanted) = wanted else {
+        held.iter().for_each(|(entity, _)| commands.entity(entity).despawn());
+        return;
+    };
+    if held.is_empty() {
+        commands.spawn_batch(wanted.map(|constraint| (CreationOrder::default(), constraint)));
+        return;
+    }
+    for (_, mut constraint) in &mut held {
+        let axis = constraint.axis;
+        if let Some(now) = wanted.iter().find(|now| now.axis == axis) {
+            constraint.set_if_neq(now.clone());
         }
     }
 }
 
-/// The particle nearest to the ray as seen from its origin; of those that the ray goes through, the nearest to the origin.
-fn pick(
+/// The three constraints that pull a point along the axes; `None` where there is nothing to be pulled, or no number to pull it to.
+fn wanted(
+    grab: &Grab,
+    drag: &MouseDrag,
+    world: &SinewWorld,
+    rows: &Query<&ParticleRow>,
+) -> Option<[GrabConstraint; 3]> {
+    let particles = world.particles();
+    let (mut at, mut mass) = (Vec3::ZERO, 0.0_f32);
+    for &(particle, share) in &grab.anchor {
+        let row = rows.get(particle).ok()?.get().filter(|&row| row < particles.len())?;
+        at += particles.position(row) * share;
+        mass = mass.max(world.simulation().island_mass(row));
+    }
+    let omega = TAU * drag.frequency.clamp(0.0, 15.0);
+    let far = drag.max_acceleration.max(0.0) / (omega * omega);
+    let target = at + (grab.target - at).clamp_length_max(far);
+    if !(target.is_finite() && mass > 0.0 && omega > 0.0) {
+        return None;
+    }
+    // A spring that would carry all that hangs on the point.
+    let softness = Softness::spring(mass * omega * omega, 2.0 * mass * omega);
+    let (particles, shares): (Vec<Entity>, Vec<f32>) = grab.anchor.iter().copied().unzip();
+    Some(Vec3::AXES.map(|axis| GrabConstraint {
+        particles: particles.clone(),
+        shares: shares.clone(),
+        axis,
+        target,
+        softness,
+    }))
+}
+
+/// Pulls a point between particles to a plane across an axis, through a target.
+#[derive(Component, Clone, Debug, PartialEq)]
+struct GrabConstraint {
+    particles: Vec<Entity>,
+    shares: Vec<f32>,
+    axis: Vec3,
+    target: Vec3,
+    softness: Softness,
+}
+
+impl ParticleConstraint for GrabConstraint {
+    fn particles(&self) -> &[Entity] {
+        &self.particles
+    }
+
+    fn law(&self) -> Law {
+        let Self { shares, axis, target, softness, .. } = self.clone();
+        Law::custom(PointOnPlane { shares, axis, target, softness })
+    }
+
+    fn fault(&self) -> Option<LawFault> {
+        let sound = self.shares.iter().all(|share| share.is_finite()) && self.target.is_finite();
+        (!sound).then_some(LawFault::Number)
+    }
+}
+
+/// `C = n · (Σ bᵢ pᵢ - t)`, metres, with the shares `Σ bᵢ = 1`: linear, with the gradients `bᵢ n`. The target stands in the world, so no momentum is kept.
+#[derive(Debug)]
+struct PointOnPlane {
+    shares: Vec<f32>,
+    axis: Vec3,
+    target: Vec3,
+    softness: Softness,
+}
+
+impl Equation for PointOnPlane {
+    fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
+        let mut value = 0.0;
+        for (i, (gradient, &share)) in gradients.iter_mut().zip(&self.shares).enumerate() {
+            *gradient = self.axis * share;
+            value += share * self.axis.dot(points.relative_to(i, self.target));
+        }
+        value
+    }
+
+    fn softness(&self) -> Softness {
+        self.softness
+    }
+
+    fn is_length(&self) -> bool {
+        true
+    }
+}
+
+/// What is under a ray; the particles that the point is between, if it can be caught.
+struct Under {
+    entity: Entity,
+    distance: f32,
+    point: Vec3,
+    normal: Option<Vec3>,
+    anchor: Option<Vec<(Entity, f32)>>,
+}
+
+/// What can be caught, and by which particles.
+#[derive(SystemParam)]
+struct Anchors<'w, 's> {
+    particles: Query<'w, 's, (Entity, &'static Particle, &'static ParticleRow), Without<Pinned>>,
+    weighed: Query<'w, 's, (&'static Particle, &'static Mass)>,
+    owners: Query<'w, 's, &'static ParticleOf>,
+    poses: Query<'w, 's, &'static RigidPose>,
+    parts: Query<'w, 's, &'static BodyParts>,
+    surfaces: Query<'w, 's, &'static WindSurface>,
+    bodies: Query<'w, 's, (), With<BodyParticles>>,
+}
+
+impl Anchors<'_, '_> {
+    /// What lies under a ray: what it meets first, or the particle nearest beside it.
+    fn under(&self, world: &SinewWorld, ray: Ray3d, reach: f32) -> Option<Under> {
+        let hit = world.cast_ray(ray, f32::MAX, &QueryFilter::default());
+        let met = hit.map(|hit| Under {
+            entity: hit.entity,
+            distance: hit.distance,
+            point: hit.point,
+            normal: Some(hit.normal),
+            anchor: hit.particle.map(|particle| self.anchor(hit.entity, particle, hit.point)),
+        });
+        if met.as_ref().is_some_and(|met| met.anchor.is_some()) {
+            return met;
+        }
+        // A wall keeps what is behind it from being caught.
+        let far = met.as_ref().map_or(f32::INFINITY, |met| met.distance);
+        let columns = world.particles();
+        let candidates = self.particles.iter().map(|(entity, particle, row)| {
+            let row = row.get().filter(|&row| row < columns.len());
+            (entity, particle.position, row.map_or(0.0, |row| columns.radius(row)))
+        });
+        let beside = beside(ray, reach, far, candidates).map(|(particle, point)| Under {
+            entity: self.owners.get(particle).map_or(particle, |of| of.0),
+            distance: ray.origin.distance(point),
+            point,
+            normal: None,
+            anchor: Some(vec![(particle, 1.0)]),
+        });
+        beside.or(met)
+    }
+
+    /// The particles that a point of a body is between. `particle` is one of those that were met.
+    fn anchor(&self, body: Entity, particle: Entity, point: Vec3) -> Vec<(Entity, f32)> {
+        let alone = || vec![(particle, 1.0)];
+        if !self.bodies.contains(body) {
+            return alone();
+        }
+        let parts = self.parts.get(body).into_iter().flat_map(BodyParts::iter).chain([body]);
+        let poses = parts.filter_map(|part| self.poses.get(part).ok());
+        // Of several that share the particle, the one whose particles are nearest to the point.
+        let near = |pose: &RigidPose| {
+            let places = self.weighed.iter_many(&pose.particles);
+            let (mut sum, mut count) = (Vec3::ZERO, 0.0_f32);
+            places.for_each(|(own, _)| (sum, count) = (sum + own.position, count + 1.0));
+            (sum / count.max(1.0)).distance_squared(point)
+        };
+        let own = poses.filter(|pose| pose.particles.contains(&particle));
+        if let Some(pose) = own.min_by(|a, b| near(a).total_cmp(&near(b))) {
+            return self.between(&pose.particles, point).unwrap_or_else(alone);
+        }
+        let triangles = self.surfaces.get(body).map_or(&[][..], |surface| &surface.triangles);
+        let own = triangles.iter().filter(|corners| corners.contains(&particle));
+        let found = own.filter_map(|corners| {
+            let shares = self.between(corners, point)?;
+            // Inside a triangle no share is less than zero.
+            let least = shares.iter().map(|&(_, share)| share).fold(f32::INFINITY, f32::min);
+            Some((least, shares))
+        });
+        let best = found.max_by(|a, b| a.0.total_cmp(&b.0));
+        best.map_or_else(alone, |(_, shares)| shares)
+    }
+
+    /// How much each of some particles has of a point: with their masses `m`, their centre `c` and `S = Σ m (p - c)(p - c)ᵀ`,
+    ///
+    /// ```text
+    /// bᵢ = mᵢ (1/M + (pᵢ - c) · S⁻¹ (x - c))        Σ bᵢ = 1,   Σ bᵢ pᵢ = x
+    /// ```
+    ///
+    /// of all shares that make up the point those that move the particles least. Of a flat or straight figure the point is that in its plane or on its line.
+    fn between(&self, particles: &[Entity], point: Vec3) -> Option<Vec<(Entity, f32)>> {
+        let own: Vec<(Entity, DVec3, f64)> = particles
+            .iter()
+            .filter_map(|&entity| {
+                let (particle, mass) = self.weighed.get(entity).ok()?;
+                Some((entity, particle.exact(), f64::from(mass.0)))
+            })
+            .collect();
+        let mass: f64 = own.iter().map(|one| one.2).sum();
+        let centre = own.iter().map(|one| one.1 * one.2).sum::<DVec3>() / mass;
+        let mut spread = DMat3::ZERO;
+        for (_, place, mass) in &own {
+            let arm = *place - centre;
+            spread += DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z) * *mass;
+        }
+        // What is flat has an inverse in its plane alone: a millionth of its size stands in for the rest.
+        let size = spread.x_axis.x + spread.y_axis.y + spread.z_axis.z;
+        let braced = spread + DMat3::from_diagonal(DVec3::splat(1e-6 * size));
+        let towards = braced.inverse() * (point.as_dvec3() - centre);
+        let share = |place: DVec3, m: f64| m * (1.0 / mass + (place - centre).dot(towards));
+        let shares: Vec<(Entity, f32)> =
+            own.iter().map(|&(entity, place, m)| (entity, share(place, m) as f32)).collect();
+        shares.iter().all(|(_, share)| share.is_finite()).then_some(shares)
+    }
+}
+
+/// The particle nearest to the ray as seen from its origin and nearer than `far` metres; of those that the ray goes through, the nearest to the origin.
+fn beside(
     ray: Ray3d,
     reach: f32,
+    far: f32,
     candidates: impl Iterator<Item = (Entity, Vec3, f32)>,
 ) -> Option<(Entity, Vec3)> {
     let mut best: Option<(f32, Entity, Vec3)> = None;
     for (entity, at, radius) in candidates {
         let away = at - ray.origin;
         let depth = away.dot(*ray.direction);
-        if depth.is_nan() || depth <= 0.0 {
+        if depth.is_nan() || depth <= 0.0 || depth > far {
             continue;
         }
         let beside = ((away - *ray.direction * depth).length() - radius).max(0.0) / depth;
@@ -128,84 +450,5 @@ fn pick(
     best.map(|(_, entity, at)| (entity, at))
 }
 
-/// Pulls the grabbed particle: `a = ω² (target - p) - 2 ω v`, and as much more as its body is heavier than it.
-fn pull(
-    drag: Res<MouseDrag>,
-    mut world: ResMut<SinewWorld>,
-    particles: Query<(&ParticleRow, &Mass, Option<&ParticleOf>)>,
-    bodies: Query<&BodyParticles>,
-    masses: Query<&Mass>,
-) {
-    let Some(grab) = drag.grabbed else { return };
-    let Ok((row, mass, body)) = particles.get(grab.particle) else { return };
-    let Some(i) = row.get().filter(|&i| i < world.particles().len()) else { return };
-    if !grab.target.is_finite() || world.particles().inverse_mass(i) == 0.0 {
-        return;
-    }
-    let members = body.and_then(|body| bodies.get(body.0).ok());
-    let whole: f32 =
-        members.map_or(mass.0, |list| masses.iter_many(list.iter()).map(|m| m.0).sum());
-    let omega = drag.eagerness.clamp(0.0, 100.0);
-    // An explicit pull is stable up to ω h = 2; half of a half leaves room for what else pulls.
-    let most = 0.5 / (omega * world.substep().length).max(1e-6);
-    let share = (whole / mass.0).clamp(1.0, (most * most).max(1.0));
-    let away = grab.target - world.particles().position(i);
-    let velocity = world.particles().velocity(i);
-    let pull = (away * omega - velocity * 2.0) * omega * share;
-    world.particles_mut().add_acceleration(i, pull);
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn entity(number: u32) -> Entity {
-        Entity::from_raw_u32(number).expect("a small number")
-    }
-
-    #[test]
-    fn the_pointer_takes_what_is_under_it_and_the_nearer_of_two() {
-        let ray = Ray3d::new(Vec3::ZERO, Dir3::NEG_Z);
-        let near = (entity(1), Vec3::new(0.01, 0.0, -2.0), 0.0);
-        let far = (entity(2), Vec3::new(0.0, 0.0, -6.0), 0.0);
-        let behind = (entity(3), Vec3::Z, 1.0);
-        let beside = (entity(4), Vec3::new(1.0, 0.0, -2.0), 0.1);
-        let picked = pick(ray, 0.04, [behind, far, beside, near].into_iter());
-        assert_eq!(picked.map(|(entity, _)| entity), Some(near.0));
-        assert!(pick(ray, 0.04, [behind, beside].into_iter()).is_none());
-        let ball = (entity(5), Vec3::new(0.4, 0.0, -2.0), 0.5);
-        assert!(pick(ray, 0.04, [ball].into_iter()).is_some(), "a ball is as wide as it is");
-    }
-
-    #[test]
-    fn a_grabbed_crate_hangs_at_the_hand() {
-        let mut app = App::new();
-        app.add_plugins((MinimalPlugins, crate::SinewPlugins));
-        let step = app.world().resource::<Time<Fixed>>().timestep();
-        app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(step));
-        app.insert_resource(crate::AirDrag(0.9));
-        app.finish();
-        app.cleanup();
-        let body = app
-            .world_mut()
-            .spawn((
-                crate::ParticleBox::default().with_mass(20.0),
-                Transform::from_xyz(0.0, 1.0, 0.0),
-            ))
-            .id();
-        app.update();
-        app.update();
-        let corner = app.world().get::<BodyParticles>(body).unwrap().iter().last().unwrap();
-        let target = Vec3::new(1.0, 4.0, 0.0);
-        app.world_mut().resource_mut::<MouseDrag>().grabbed =
-            Some(Grab { particle: corner, target });
-        for _ in 0..300 {
-            app.update();
-        }
-        let at = app.world().get::<Particle>(corner).unwrap().position;
-        // It sags by g/ω² = 5 cm, and swings a little.
-        assert!(at.distance(target) < 0.1, "{at}");
-        let middle = app.world().get::<crate::Barycenter>(body).unwrap().position;
-        assert!(middle.y < at.y, "it hangs from the hand");
-    }
-}
+mod tests;

@@ -26,12 +26,15 @@
 //!   game's own ([`ParticleConstraint`]). Add, change or despawn one and the next tick knows.
 //! - A **body** is an entity with a recipe: [`ParticleBox`], [`Solid`], [`Rope`], [`Cloth`], [`SoftBody`], [`Articulated`], [`Ragdoll`]. It builds
 //!   its particles, and takes them with it.
-//! - What **moves a body** is a [`ControlForce`], steered while time runs, or a command ([`BodyCommandsExt`]): an impulse, a velocity, a teleport.
+//! - What **moves a body** is its velocity ([`LinearVelocity`], [`AngularVelocity`]: spawned with it, or written at any time), a force
+//!   ([`ExternalForce`], [`ExternalTorque`], [`ControlForce`] for one at a point), an impulse ([`ExternalImpulse`]), or a command for any of them and for
+//!   teleports ([`BodyCommandsExt`]). [`Mass`], [`Radius`], [`Charge`] and [`Drag`] on a body mean the body, and are shared out onto its particles.
 //! - The **surroundings** are [`Gravity`], [`AirDrag`], [`Electric`] (resources), [`Wind`], [`AirFlow`], [`Fluid`], [`ElectricField`] (entities,
 //!   everywhere or in a [`Region`]), [`Attractor`], [`Ground`], [`BoundingBox`] and, for a world in 2D, [`Flatland`]. A body [`Floats`] by its shape.
 //! - A **collider** is an entity with a shape, [`Collider`], that stands still or that the game moves by its `Transform`; [`SurfaceMaterial`],
-//!   [`CollisionLayers`] and [`Sensor`] say more. Bodies that have [`BodyContacts`] collide with each other too: rigid ones by their shape, all
-//!   others by their particles or, if they ask for it ([`ContactShape`]), by their triangles or their segments.
+//!   [`CollisionLayers`] and [`Sensor`] say more. Whatever a recipe builds meets colliders and all other bodies: rigid ones by their shape, others by
+//!   what of them lets nothing through ([`ContactShape::Auto`]). [`BodyContacts`] says it otherwise, [`ContactsDisabled`] takes a body out.
+//! - A **parent** is honoured: bodies, colliders and regions stand where Bevy would draw them ([`ParticleBody`] says what holds for one that moves).
 //! - **Read back** are `Transform` ([`RigidPose`]), meshes ([`MeshFollow`], [`TubeMesh`]), [`LinearVelocity`], [`AngularVelocity`], [`Barycenter`],
 //!   [`Inertia`]; [`SinewWorld::report`] says how the solver fared, and [`Refused`] messages what it set aside.
 //!
@@ -56,8 +59,8 @@
 //! 5. **Extract**: transforms and velocities are read off.
 //!
 //! The ECS is the state. What is not in a component, in [`SinewClock`] or in the configuration resources does not survive a tick: save and restore
-//! those, and the simulation goes on bit for bit. [`ExtractedTransform`], [`ColliderMotion`], [`ContactMemory`] and [`CreationOrder`] are part of
-//! that; [`SinewWorld`] is not. A recipe may be put back with the rest: one that did not change builds nothing anew.
+//! those, and the simulation goes on bit for bit. [`ExtractedTransform`], [`ExtractedVelocity`], [`TickForces`], [`ColliderMotion`], [`ContactMemory`]
+//! and [`CreationOrder`] are part of that; [`SinewWorld`] is not. A recipe may be put back with the rest: one that did not change builds nothing anew.
 //!
 //! # Threads
 //!
@@ -102,7 +105,7 @@
 //! | `threads` | who helps the solver: [`SinewWorkers`] |
 //! | `step` | layout, gather, links, representation, scatter, extract: components to columns and back |
 //! | `world` | the columns and tables, scratch of a tick |
-//! | `drag` | dragging particles with the mouse |
+//! | `drag` | dragging bodies with the mouse: [`MouseDragPlugin`], to be added beside [`SinewPlugins`] |
 //! | `show` | meshes, tubes and gizmos: nothing there is read back |
 //! | `messages` | what is said when something is wrong |
 //!
@@ -128,10 +131,10 @@ pub use commands::{BodyCommandsExt, BodyEdit, EditFault, PendingEdits};
 pub use components::{
     AirDrag, AngularVelocity, Barycenter, BodyConstraints, BodyParticles, BodyReport, Bound,
     BoundingBox, Charge, ConstraintOf, CreationOrder, DistanceConstraint, Drag, Electric,
-    ExternalForce, ExtractedTransform, Fluid, Gravity, GravityScale, Ground, GroundDrag,
-    Interpolate, LinearVelocity, Mass, MeshFollow, Particle, ParticleBody, ParticleOf, ParticleRow,
-    Pinned, PinnedTo, Radius, Representation, RigidIntegrator, RigidPose, Softness, Spring,
-    TubeMesh, Wind, WindSurface,
+    ExternalForce, ExtractedTransform, ExtractedVelocity, Fluid, Gravity, GravityScale, Ground,
+    GroundDrag, Interpolate, LinearVelocity, Mass, MeshFollow, Particle, ParticleBody, ParticleOf,
+    ParticleRow, Pinned, PinnedTo, Radius, Representation, RigidIntegrator, RigidPose, Softness,
+    Spring, TubeMesh, Wind, WindSurface,
 };
 pub use components::{
     AirFlow, Attractor, ElectricField, Flatland, Floats, HullShape, Region, RegionShape,
@@ -143,10 +146,10 @@ pub use components::{
 };
 pub use components::{
     BodyContacts, Collider, ColliderFault, ColliderMotion, ColliderShape, CollisionLayers, Combine,
-    ContactEnded, ContactEvents, ContactMemory, ContactShape, ContactStarted, RestPlace, Sensor,
-    Sleep, SurfaceMaterial, Touching,
+    ContactEnded, ContactEvents, ContactMemory, ContactShape, ContactStarted, ContactsDisabled,
+    RestPlace, Sensor, Sleep, SurfaceMaterial, Touching,
 };
-pub use components::{ControlForce, Inertia};
+pub use components::{ControlForce, ExternalImpulse, ExternalTorque, Inertia, TickForces};
 pub use config::{BodySolver, Direction, Integrator, Order, SolverConfig};
 #[cfg(feature = "drag")]
 pub use drag::{Grab, MouseDrag, MouseDragPlugin};
@@ -190,10 +193,10 @@ pub mod prelude {
         CoplanarConstraint, HingeConstraint, LawConstraint, ParticleConstraint, PatchConstraint,
         RegisterParticleConstraint, RigidConstraint, TetrahedronConstraint, VolumeConstraint, Way,
     };
-    pub use crate::{BodyCommandsExt, ControlForce, Inertia};
+    pub use crate::{BodyCommandsExt, ControlForce, ExternalImpulse, ExternalTorque, Inertia};
     pub use crate::{
         BodyContacts, Collider, ColliderMotion, CollisionLayers, Combine, ContactEnded,
-        ContactEvents, ContactMemory, ContactShape, ContactStarted, QueryFilter, Sensor, Sleep,
-        SurfaceMaterial, Touching,
+        ContactEvents, ContactMemory, ContactShape, ContactStarted, ContactsDisabled, QueryFilter,
+        Sensor, Sleep, SurfaceMaterial, Touching,
     };
 }

@@ -28,6 +28,10 @@ pub enum Refusal {
     /// A particle with a bad number; it is left out until the number is mended.
     #[error("is set aside: {0}")]
     Particle(ParticleFault),
+    /// A body whose [`Mass`](crate::Mass), [`Radius`](crate::Radius), [`Charge`](crate::Charge) or [`Drag`](crate::Drag) is a bad number; its particles stay as
+    /// they are.
+    #[error("leaves its particles as they are: {0}")]
+    Body(ParticleFault),
     /// A particle that turned non-finite during a tick; it is put back to where the tick began, at rest.
     #[error("turned non-finite and was put back to where the tick began, at rest")]
     Diverged,
@@ -110,6 +114,13 @@ pub enum Refusal {
     /// See [`Refusal::Box`].
     #[error("cannot be built: {0}")]
     Articulated(#[from] ArticulatedFault),
+    /// A body, a collider or a field that is turned within a parent whose scale is not the same in all directions, which would shear it; or a rigid body
+    /// within any such parent, because it will turn. It is left out until that is mended.
+    #[error("is left out: a parent that is scaled unevenly would shear it")]
+    Sheared,
+    /// A body or a region that is round, or a figure, and is scaled differently in different directions. It is left out until that is mended.
+    #[error("is left out: it cannot be scaled differently in different directions")]
+    UnevenScale,
     /// A body whose transform is not finite or has no size: its particles would have nowhere to be.
     #[error("cannot be built: its transform is not finite, or has no size")]
     Transform,

@@ -5,21 +5,23 @@ use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::prelude::*;
 
 use crate::commands;
-use crate::components::{self, AirDrag, CreationCounter, Electric, Gravity, TopologyChanged};
-use crate::components::{ContactEnded, ContactStarted, MeshFollow, TubeMesh};
+use crate::components::{self, AirDrag, Charge, CreationCounter, Drag, Electric, Gravity};
+use crate::components::{ContactEnded, ContactStarted, MeshFollow, TopologyChanged, TubeMesh};
 use crate::config::{BodySolver, SolverConfig};
 use crate::messages::Refused;
 use crate::recipes;
 use crate::schedule::{self, SinewClock, SinewControl, SinewSystems, SinewTick, TickTime};
 use crate::show::{mesh, tube};
 use crate::step::{
-    bodies, colliders, controls, environment, extract, gather, hulls, layout, links, memory, pins,
-    representation, scatter, sleep, solids, teleports, touching,
+    bodies, colliders, contact_shape, controls, environment, extract, gather, hulls, ignored,
+    layout, links, memory, motion, pins, representation, scatter, shares, sleep, solids, teleports,
+    touching,
 };
 use crate::threads::{self, SinewWorkers};
 use crate::world::SinewWorld;
 
-/// Everything: the simulation, the gizmos, the mouse, and the easing of transforms between ticks for bodies that opt in.
+/// Everything that acts by itself: the simulation, the gizmos, and the easing of transforms between ticks for bodies that opt in. Dragging with the mouse
+/// is a plugin to be added beside it, [`MouseDragPlugin`](crate::MouseDragPlugin).
 ///
 /// Parts can be left out as from any plugin group: `SinewPlugins.build().disable::<SinewGizmoPlugin>()`.
 pub struct SinewPlugins;
@@ -29,8 +31,6 @@ impl PluginGroup for SinewPlugins {
         let group = PluginGroupBuilder::start::<Self>().add(SinewPlugin::default());
         #[cfg(feature = "gizmos")]
         let group = group.add(crate::show::SinewGizmoPlugin);
-        #[cfg(feature = "drag")]
-        let group = group.add(crate::drag::MouseDragPlugin);
         #[cfg(feature = "interpolation")]
         let group = group.add(EasePlugin);
         group
@@ -46,6 +46,8 @@ impl Plugin for EasePlugin {
     fn build(&self, app: &mut App) {
         use bevy_transform_interpolation::TransformEasingSystems as Easing;
         use bevy_transform_interpolation::prelude::TransformInterpolationPlugin;
+        app.add_systems(SinewTick, crate::show::ease::opt_in.after(SinewSystems::Extract))
+            .add_observer(crate::show::ease::opt_out);
         // A game may have added it for its own transforms, and then it is the game's.
         if app.is_plugin_added::<TransformInterpolationPlugin>() {
             return;
@@ -107,6 +109,7 @@ impl Plugin for SinewPlugin {
             .init_resource::<SinewControl>()
             .init_resource::<TickTime>()
             .init_resource::<SinewWorkers>()
+            .init_resource::<touching::Orphans>()
             .init_resource::<SolverConfig>()
             .init_resource::<Gravity>()
             .init_resource::<AirDrag>()
@@ -114,30 +117,44 @@ impl Plugin for SinewPlugin {
             .add_message::<Refused>()
             .add_message::<ContactStarted>()
             .add_message::<ContactEnded>();
+        app.add_observer(shares::take_back::<Charge>)
+            .add_observer(shares::take_back::<Drag>)
+            .add_observer(touching::note_orphan);
         links::register_ours(app);
         schedule::configure(app, self.tick);
         recipes::add(app);
         app.add_systems(
             SinewTick,
             (
-                commands::apply_pending,
-                teleports::follow_teleports,
-                layout::lay_out,
-                threads::lend,
-                gather::gather_particles,
-                bodies::gather_bodies,
-                sleep::gather_sleep,
-                pins::gather_pins,
-                environment::gather_environment,
-                colliders::gather_colliders,
-                controls::gather_controls,
-                links::notice_links,
-                representation::compile_compounds,
-                solids::compile_solids,
-                memory::gather_memory,
-                hulls::compile_hulls,
-                links::collect_laws,
-                links::compile_links,
+                (
+                    shares::share_out,
+                    teleports::follow_teleports,
+                    motion::follow_velocities,
+                    commands::apply_pending,
+                    motion::apply_impulses,
+                    layout::lay_out,
+                    threads::lend,
+                    gather::gather_particles,
+                    contact_shape::resolve_shapes,
+                    bodies::gather_bodies,
+                    sleep::gather_sleep,
+                    pins::gather_pins,
+                )
+                    .chain(),
+                (
+                    environment::gather_environment,
+                    colliders::gather_colliders,
+                    ignored::gather_ignored,
+                    controls::gather_controls,
+                    links::notice_links,
+                    representation::compile_compounds,
+                    solids::compile_solids,
+                    memory::gather_memory,
+                    hulls::compile_hulls,
+                    links::collect_laws,
+                    links::compile_links,
+                )
+                    .chain(),
             )
                 .chain()
                 .in_set(SinewSystems::Gather),
@@ -147,6 +164,7 @@ impl Plugin for SinewPlugin {
             (
                 scatter::scatter,
                 colliders::keep_places,
+                controls::drop_tick_forces,
                 sleep::keep_sleep,
                 memory::keep_memory,
                 touching::tell_contacts,

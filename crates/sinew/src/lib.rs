@@ -52,6 +52,7 @@
 //! | [`solve`] | the plan (islands, clusters, colours), three orders of a sweep, two directions of a correction, kernels for eight at a time, the report |
 //! | `lanes` | eight numbers side by side, on whatever instructions there are, to the same bits; the only `unsafe` |
 //! | `threads` | tasks, and the [`Workers`] that a caller may lend |
+//! | `same_place` | which vertices of a mesh are one |
 //! | `union_find` | which of many belong together: islands, sleepers, zones, pieces of a mesh |
 //! | [`pose`] | transform, velocity, spin and inertia out of particles |
 //! | [`rigid`] | explicit rigid bodies, and the swap to particles and back |
@@ -77,6 +78,7 @@ pub mod particles;
 pub mod pose;
 pub mod recipes;
 pub mod rigid;
+pub(crate) mod same_place;
 pub mod simulation;
 pub mod solve;
 pub(crate) mod threads;

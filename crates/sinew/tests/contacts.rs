@@ -184,35 +184,38 @@ fn rms_speed(world: &Simulation) -> f32 {
 }
 
 #[test]
-fn cloth_that_falls_on_a_ball_or_a_table_never_goes_in_and_comes_to_rest() {
-    let ball = || Collider::fixed(Shape::sphere(0.3).unwrap(), Frame::IDENTITY);
-    let table = || {
-        let shape = Shape::cuboid(Vec3::new(0.6, 0.6, 0.6)).unwrap();
-        Collider::fixed(shape, Frame::IDENTITY)
-    };
+fn cloth_that_falls_on_a_ball_never_goes_in_and_comes_to_rest() {
+    falls_on("ball", Shape::sphere(0.3).unwrap());
+}
+
+#[test]
+fn cloth_that_falls_on_a_table_never_goes_in_and_comes_to_rest() {
+    falls_on("table", Shape::cuboid(Vec3::splat(0.6)).unwrap());
+}
+
+fn falls_on(name: &str, shape: Shape) {
+    let collider = Collider::fixed(shape, Frame::IDENTITY);
     // The same budget a second at 60 and at 240 Hz: 600 substeps and 720. With four times as many what positions are rounded by, 3e-8 m in a
     // substep, is a speed of 1 to 3 mm/s in whatever hangs freely (`SolverSettings::substeps`): 1.4 on the ball and 2.3 on the table.
     let budgets = [(60.0_f32, 10, 10.0, 1e-3), (240.0, 3, 10.0, 1e-3), (240.0, 10, 10.0, 3e-3)];
-    for (name, collider) in [("ball", ball()), ("table", table())] {
-        for (hertz, substeps, seconds, still) in budgets {
-            let mut world = Simulation::default();
-            world.settings.substeps = substeps;
-            world.colliders.push(collider.clone());
-            let radius = sheet(&mut world, 0.6, BodyContacts::default());
-            let mut worst = f32::NEG_INFINITY;
-            for _ in 0..(seconds * hertz) as u32 {
-                world.step(1.0 / hertz).unwrap();
-                worst = worst.max(deepest(&world, radius));
-            }
-            let rms = rms_speed(&world);
-            println!("{name}, {hertz} Hz × {substeps}: {worst:.2e} m in, {rms:.2e} m/s");
-            assert!(worst < 0.1 * 2.0 * radius, "{name}: {worst}");
-            let lowest = (0..world.particles.len())
-                .map(|i| world.particles.position(i).y)
-                .fold(f32::INFINITY, f32::min);
-            assert!(lowest > -1.0, "it hangs on the {name}, and did not slip off: {lowest}");
-            assert!(rms < still, "{name}, {hertz} Hz × {substeps}: {rms}");
+    for (hertz, substeps, seconds, still) in budgets {
+        let mut world = Simulation::default();
+        world.settings.substeps = substeps;
+        world.colliders.push(collider.clone());
+        let radius = sheet(&mut world, 0.6, BodyContacts::default());
+        let mut worst = f32::NEG_INFINITY;
+        for _ in 0..(seconds * hertz) as u32 {
+            world.step(1.0 / hertz).unwrap();
+            worst = worst.max(deepest(&world, radius));
         }
+        let rms = rms_speed(&world);
+        println!("{name}, {hertz} Hz × {substeps}: {worst:.2e} m in, {rms:.2e} m/s");
+        assert!(worst < 0.1 * 2.0 * radius, "{name}: {worst}");
+        let lowest = (0..world.particles.len())
+            .map(|i| world.particles.position(i).y)
+            .fold(f32::INFINITY, f32::min);
+        assert!(lowest > -1.0, "it hangs on the {name}, and did not slip off: {lowest}");
+        assert!(rms < still, "{name}, {hertz} Hz × {substeps}: {rms}");
     }
 }
 

@@ -4,10 +4,9 @@
 //! changes what the solver computes has to change it there, on purpose, and a build that computes something else is found out. Run with
 //! `SINEW_HASHES=show` to see the new ones.
 
-mod threads;
-
 use std::sync::Arc;
 
+use crate::threads::Threads;
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{
     Blueprint, BoxSpec, ClothMaterial, ClothSpec, RagdollSpec, RopeSpec, box_3d, cloth_grid,
@@ -17,7 +16,6 @@ use sinew::{
     AirFlow, BodyContacts, BodySettings, Collider, Distance, Fluid, Frame, InstructionSet,
     Material, ParticleSeed, Plane, Shape, Simulation, Sleep, Softness, Spring, Wind, Workers,
 };
-use threads::Threads;
 
 const TICKS: usize = 600;
 

@@ -1,14 +1,12 @@
 //! Ropes by their segments: what they must not let through, and what they hold; the same ropes by their particles beside them.
 
-mod threads;
-
 use core::f32::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
 
+use crate::threads::Threads;
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{Blueprint, BoxSpec, RopeSpec, box_3d, rope};
 use sinew::{BodyContacts, Collider, Distance, Frame, InstructionSet, Shape, Simulation};
-use threads::Threads;
 
 /// A quarter turn about x: what pointed along y points along z.
 const ACROSS: Quat = Quat::from_xyzw(FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2);

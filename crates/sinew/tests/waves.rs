@@ -1,14 +1,12 @@
 //! Waves and relays: a large cloth that goes through a step in columns, on one thread or from thread to thread, has the bits of phase after phase.
 
-mod threads;
-
 use core::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Arc;
 
+use crate::threads::Threads;
 use sinew::glam::Vec3;
 use sinew::recipes::{ClothMaterial, ClothSpec, cloth_grid};
 use sinew::{Simulation, Workers};
-use threads::Threads;
 
 /// Rods alone, held by two pins: what rolls through such a cloth as a wave, more of it than is in columns at a time, has the bits of one phase after
 /// the other; after a start at once, a step of another length, and with drag.

@@ -6,6 +6,12 @@ use bevy::prelude::*;
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Clone, PartialEq)]
 pub enum BodyEdit {
+    /// A force at the barycentre for the next tick, N.
+    Force(Vec3),
+    /// A force, N, at a point of the world, metres, for the next tick.
+    ForceAt(Vec3, Vec3),
+    /// A torque for the next tick, N·m.
+    Torque(Vec3),
     /// An impulse at the barycentre, N·s.
     Impulse(Vec3),
     /// An impulse, N·s, at a point of the world, metres.
@@ -33,12 +39,16 @@ impl BodyEdit {
     pub fn is_valid(&self) -> bool {
         let rotates = |q: Quat| q.is_finite() && q.to_array().iter().any(|&part| part != 0.0);
         match self {
-            Self::Impulse(a)
+            Self::Force(a)
+            | Self::Torque(a)
+            | Self::Impulse(a)
             | Self::AngularImpulse(a)
             | Self::LinearVelocity(a)
             | Self::AngularVelocity(a)
             | Self::Displace(a) => a.is_finite(),
-            Self::ImpulseAt(a, b) | Self::Motion(a, b) => a.is_finite() && b.is_finite(),
+            Self::ForceAt(a, b) | Self::ImpulseAt(a, b) | Self::Motion(a, b) => {
+                a.is_finite() && b.is_finite()
+            }
             Self::Teleport(to) => to.translation.is_finite() && rotates(to.rotation),
             Self::Turn(by) => rotates(*by),
             Self::Reverse => true,
@@ -58,7 +68,8 @@ pub enum EditFault {
     /// A body to be teleported that has no `Transform`, or one that is no place.
     #[error("its Transform, from which it would be moved, is missing or not finite")]
     NoTransform,
-    /// A body that waits for its particles with more edits than [`PendingEdits::MOST`](super::PendingEdits::MOST).
-    #[error("too many edits wait for its particles")]
+    /// A body that waits for its particles with more edits than [`PendingEdits::MOST`](super::PendingEdits::MOST), or for its tick with more forces at
+    /// points than [`TickForces::MOST`](crate::TickForces::MOST).
+    #[error("too many edits wait for its particles, or for the next tick")]
     TooMany,
 }

@@ -8,10 +8,11 @@ use sinew::{ParticleSeed, Particles};
 use super::{BodyEdit, EditFault, PendingEdits};
 use crate::components::{
     BodyParticles, CreationOrder, ExtractedTransform, Mass, Particle, ParticleBody, Pinned,
-    PinnedTo, RigidPose,
+    PinnedTo, RigidPose, TickForces,
 };
 use crate::messages::{Refusal, Refused, refuse};
 use crate::step::carry::Carry;
+use crate::step::frames::{into, on_top};
 
 /// Does an edit at once. Without the plugin there is nobody to do it.
 pub(super) fn run(world: &mut World, entity: Entity, edit: BodyEdit) {
@@ -23,8 +24,23 @@ fn edit_now(
     mut editor: Editor,
     mut messages: MessageWriter<Refused>,
     mut pending: Query<&mut PendingEdits>,
+    mut forces: Query<&mut TickForces>,
     mut commands: Commands,
 ) {
+    if let Some(pushed) = TickForces::of(edit) {
+        let reason = match (editor.check(entity, edit), forces.get_mut(entity)) {
+            (Err(fault), _) => fault,
+            (Ok(()), Ok(mut sum)) => match sum.add(pushed) {
+                Ok(()) => return,
+                Err(fault) => fault,
+            },
+            (Ok(()), Err(_)) => {
+                commands.entity(entity).try_insert(pushed);
+                return;
+            }
+        };
+        return refuse(&mut messages, entity, Refusal::Edit(reason));
+    }
     let reason = match editor.apply(entity, edit) {
         Ok(true) => return,
         Ok(false) => match pending.get_mut(entity) {
@@ -38,6 +54,31 @@ fn edit_now(
         Err(fault) => fault,
     };
     refuse(&mut messages, entity, Refusal::Edit(reason));
+}
+
+impl TickForces {
+    /// What an edit asks for, if it is a force.
+    fn of(edit: BodyEdit) -> Option<Self> {
+        match edit {
+            BodyEdit::Force(force) => Some(Self { force, ..default() }),
+            BodyEdit::Torque(torque) => Some(Self { torque, ..default() }),
+            BodyEdit::ForceAt(force, point) => {
+                Some(Self { at_points: vec![(force, point)], ..default() })
+            }
+            _ => None,
+        }
+    }
+
+    /// Adds others, unless they would be too many.
+    fn add(&mut self, others: Self) -> Result<(), EditFault> {
+        if self.at_points.len() + others.at_points.len() > Self::MOST {
+            return Err(EditFault::TooMany);
+        }
+        self.force += others.force;
+        self.torque += others.torque;
+        self.at_points.extend(others.at_points);
+        Ok(())
+    }
 }
 
 /// Does what bodies were told before they had particles, as soon as they have.
@@ -71,17 +112,37 @@ pub(crate) struct Editor<'w, 's> {
             Option<&'static BodyParticles>,
             Option<&'static RigidPose>,
             Has<ParticleBody>,
-            Option<&'static mut Transform>,
             Option<&'static mut ExtractedTransform>,
         ),
         Without<Particle>,
     >,
     particles: Query<'w, 's, (&'static mut Particle, &'static Mass, Has<Pinned>, Has<PinnedTo>)>,
+    transforms: Query<'w, 's, &'static mut Transform>,
+    parents: Query<'w, 's, &'static ChildOf>,
 }
 
 impl Editor<'_, '_> {
+    /// What is wrong with an edit, or with asking it of an entity.
+    fn check(&self, target: Entity, edit: BodyEdit) -> Result<(), EditFault> {
+        if !edit.is_valid() {
+            return Err(EditFault::NotFinite);
+        }
+        let whole = self.wholes.get(target);
+        let is_one = |(members, posed, is_body, _): (
+            Option<&BodyParticles>,
+            Option<&RigidPose>,
+            bool,
+            _,
+        )| { members.is_some() || posed.is_some() || is_body };
+        if self.particles.contains(target) || whole.is_ok_and(is_one) {
+            Ok(())
+        } else {
+            Err(EditFault::NoParticles)
+        }
+    }
+
     /// Does an edit, or changes nothing. `Ok(false)` if the body has no particles yet.
-    fn apply(&mut self, target: Entity, edit: BodyEdit) -> Result<bool, EditFault> {
+    pub(crate) fn apply(&mut self, target: Entity, edit: BodyEdit) -> Result<bool, EditFault> {
         if !edit.is_valid() {
             return Err(EditFault::NotFinite);
         }
@@ -91,14 +152,24 @@ impl Editor<'_, '_> {
             return self.commit(&group).map(|()| true);
         }
         let whole = self.wholes.get(target).map_err(|_| EditFault::NoParticles)?;
-        let (members, posed, is_body, transform, known) = whole;
+        let (members, posed, is_body, known) = whole;
         let mut group = match (members, posed) {
             (Some(members), _) => self.group(members.iter()),
             (None, Some(posed)) => self.group(posed.particles.iter().copied()),
             (None, None) if is_body => return Ok(false),
             (None, None) => return Err(EditFault::NoParticles),
         };
-        let (now, known) = (transform.copied(), known.and_then(|known| known.0));
+        let known = known.and_then(|known| known.0);
+        let own = self.transforms.get(target).ok().copied();
+        let now = own.and_then(|own| self.place(target, own));
+        // A teleport says where its transform is to be, which its parents then put elsewhere.
+        let edit = match (edit, own) {
+            (BodyEdit::Teleport(to), Some(own)) => {
+                let to = self.place(target, to.with_scale(own.scale));
+                BodyEdit::Teleport(to.ok_or(EditFault::NoTransform)?)
+            }
+            _ => edit,
+        };
         // What somebody has moved goes there first: the next tick would do it, but the edit may ask where it is.
         let moved = known.zip(now).and_then(|(old, new)| Carry::between(&old, &new));
         if let Some(carry) = moved.filter(|_| known != now) {
@@ -112,17 +183,39 @@ impl Editor<'_, '_> {
             return Err(EditFault::NotFinite);
         }
         self.commit(&group)?;
-        if let (Ok((.., Some(mut transform), its_known)), Some(frame)) =
-            (self.wholes.get_mut(target), frame)
-        {
-            if moves {
-                transform.set_if_neq(frame);
-            }
-            if let (Some(mut its_known), true) = (its_known, known.is_some()) {
-                its_known.set_if_neq(ExtractedTransform(Some(frame)));
-            }
+        if let Some(frame) = frame {
+            self.leave(target, frame, moves, known.is_some());
         }
         Ok(true)
+    }
+
+    /// Where its parents put an entity whose transform is `own`; `None` if they shear it.
+    fn place(&self, entity: Entity, own: Transform) -> Option<Transform> {
+        let of = |entity| self.transforms.get(entity).ok().copied();
+        on_top(own, entity, of, &self.parents).ok()
+    }
+
+    /// Leaves an entity somewhere in the world: writes its transform, if it `moves`, and where the simulation knows it to be, if that is `known`.
+    fn leave(&mut self, entity: Entity, frame: Transform, moves: bool, known: bool) {
+        let mut place = Some(frame);
+        if moves && let Some(above) = self.place(entity, Transform::IDENTITY) {
+            let own = match self.transforms.get_mut(entity) {
+                Ok(mut transform) if self.parents.contains(entity) => {
+                    let own = into(&above, &frame).with_scale(transform.scale);
+                    transform.set_if_neq(own);
+                    own
+                }
+                Ok(mut transform) => {
+                    transform.set_if_neq(frame);
+                    frame
+                }
+                Err(_) => return,
+            };
+            place = self.place(entity, own);
+        }
+        if let (Ok((.., Some(mut its_known))), true) = (self.wholes.get_mut(entity), known) {
+            its_known.set_if_neq(ExtractedTransform(place));
+        }
     }
 
     /// Copies of particles, without those that are gone.
@@ -181,6 +274,8 @@ impl Group {
     /// On what has a frame, if it has one: a teleport moves it along.
     fn edit(&mut self, edit: BodyEdit, frame: Option<&mut Transform>) -> Result<(), EditFault> {
         match edit {
+            // Those act in the next tick, and are kept until then.
+            BodyEdit::Force(_) | BodyEdit::ForceAt(..) | BodyEdit::Torque(_) => {}
             BodyEdit::Impulse(impulse) => self.push(|p, rows| p.apply_impulse(rows, impulse)),
             BodyEdit::ImpulseAt(impulse, point) => {
                 self.push(|p, rows| p.apply_impulse_at(rows, impulse, point));

@@ -1,4 +1,4 @@
-//! Impulses, velocities, teleports and reversal as commands: on a whole body, on a rigid part of one, or on a single particle.
+//! Forces, impulses, velocities, teleports and reversal as commands: on a whole body, on a rigid part of one, or on a single particle.
 //!
 //! A body has no velocity of its own to be set: its particles have. So a command spreads over them what a game wants of the whole, as a rigid
 //! body would take it ([`sinew::Particles`] has the arithmetic), and changes nothing but [`Particle`](crate::Particle)s and, for a teleport, the
@@ -11,8 +11,8 @@ pub use edit::{BodyEdit, EditFault};
 
 use bevy::prelude::*;
 
-pub(crate) use editor::apply_pending;
 use editor::run;
+pub(crate) use editor::{Editor, apply_pending};
 
 /// Pushing, moving and turning back what is made of particles.
 ///
@@ -43,6 +43,21 @@ use editor::run;
 pub trait BodyCommandsExt {
     /// Does one edit: what all the others here call.
     fn edit_body(&mut self, edit: BodyEdit) -> &mut Self;
+
+    /// A force at the barycentre, N, for the next tick alone; several add up. A steady one is [`ExternalForce`](crate::ExternalForce).
+    fn apply_force(&mut self, force: Vec3) -> &mut Self {
+        self.edit_body(BodyEdit::Force(force))
+    }
+
+    /// A force, N, at a point of the world, metres, for the next tick alone: as at the barycentre, with its lever.
+    fn apply_force_at(&mut self, force: Vec3, point: Vec3) -> &mut Self {
+        self.edit_body(BodyEdit::ForceAt(force, point))
+    }
+
+    /// A torque, N·m, for the next tick alone. A steady one is [`ExternalTorque`](crate::ExternalTorque).
+    fn apply_torque(&mut self, torque: Vec3) -> &mut Self {
+        self.edit_body(BodyEdit::Torque(torque))
+    }
 
     /// An impulse at the barycentre, N·s: all its particles change their velocity by the same, its momentum changes by exactly that.
     fn apply_impulse(&mut self, impulse: Vec3) -> &mut Self {
@@ -78,8 +93,8 @@ pub trait BodyCommandsExt {
         self.edit_body(BodyEdit::Motion(velocity, angular_velocity))
     }
 
-    /// Moves it so that its `Transform` is this one, except for the scale, which stays: the same as changing the `Transform`, but at once. Velocities
-    /// turn along and are otherwise kept. A single particle goes to the translation and keeps its velocity.
+    /// Moves it so that its `Transform` is this one, in the frame of its parents if it has any, except for the scale, which stays: the same as changing
+    /// the `Transform`, but at once. Velocities turn along and are otherwise kept. A single particle goes to the translation and keeps its velocity.
     fn teleport(&mut self, to: Transform) -> &mut Self {
         self.edit_body(BodyEdit::Teleport(to))
     }

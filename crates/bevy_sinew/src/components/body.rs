@@ -2,17 +2,27 @@
 
 use bevy::prelude::*;
 
+use super::collide::ResolvedShape;
 use crate::rows::Rows;
 
 /// A body made of particles. Despawn it and its particles, springs and constraints go too.
 ///
-/// Its `Transform` is where the recipe builds it. What the transform does afterwards depends on the body: a rigid one has a
-/// [`RigidPose`] that writes it; for cloth and ropes it stays the frame in which the mesh is written. Either way, a game that moves it
-/// teleports the particles along.
+/// Its `Transform`, on top of those of its parents, is where the recipe builds it, and how large: its sizes are scaled as the entity is. What the
+/// transform does afterwards depends on the body: a rigid one has a [`RigidPose`] that writes it; for cloth and ropes it stays the frame in which the
+/// mesh is written. Either way, a game that moves it, or a parent of it, teleports the particles along. One that a game scales is built anew in its
+/// new size, where its `Transform` is, and keeps its velocities.
+///
+/// The simulation itself lives in the world. A body that falls in the frame of a parent falls as it does without; a parent that moves carries it along
+/// in every tick, by as much as the parent moved (so a crate that is a child of a lift goes with it even while it is in the air; to have it carried by
+/// contact alone, do not make it a child). A parent that is scaled unevenly would shear what turns in it, and a rigid body there is refused
+/// ([`Refusal::Sheared`](crate::Refusal::Sheared)).
+///
+/// [`LinearVelocity`] and [`AngularVelocity`] that are spawned with it are its first motion.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Clone)]
 #[require(Transform, ExtractedTransform, Rows<BodyParticles>)]
-#[require(LinearVelocity, AngularVelocity, Barycenter, Inertia)]
+#[require(LinearVelocity, AngularVelocity, ExtractedVelocity, Barycenter, Inertia)]
+#[require(ResolvedShape)]
 pub struct ParticleBody;
 
 /// Says to which body a particle belongs.
@@ -93,26 +103,39 @@ impl Default for TubeMesh {
     }
 }
 
-/// Eases what is drawn of this body between two ticks: its transforms (through `bevy_transform_interpolation`) and its mesh.
+/// Eases what is drawn of this body, or of this loose particle, between two ticks: its transforms and those of its parts (through
+/// `bevy_transform_interpolation`), and its mesh. It may come and go at any time.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Clone)]
 pub struct Interpolate;
 
-/// The transform that the simulation last knew. Where `Transform` differs from it, somebody else moved the entity, and its particles
-/// are moved along. Part of the state: save and restore it together with `Transform`.
+/// Where in the world the simulation last left the entity. Where its `Transform` and those of its parents put it elsewhere, somebody else moved it, and
+/// its particles are moved along. Part of the state: save and restore it together with `Transform`.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct ExtractedTransform(pub Option<Transform>);
 
-/// Velocity of a body's barycentre, m/s: `Σ m v / Σ m`. Written after each tick.
+/// Velocity of a body's barycentre in the world, m/s: `Σ m v / Σ m`. Written after each tick.
+///
+/// Spawned with a body it is its first motion; changed by a game, it changes the body's, at the beginning of the next tick: all its particles by the same,
+/// so that spin and inner motion stay. Pinned particles do not move. A number that is not finite is refused, and the body goes on as it did.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct LinearVelocity(pub Vec3);
 
-/// Angular velocity of a body about its barycentre, rad/s: `I⁻¹ Σ m r×v`. Written after each tick.
+/// Angular velocity of a body about its barycentre in the world, rad/s: `I⁻¹ Σ m r×v`. Written after each tick.
+///
+/// Spawned with a body, or changed by a game, it sets the body's, as [`LinearVelocity`] does; inner motion that is no spin stays. About a line on which all
+/// particles lie there is no spin.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct AngularVelocity(pub Vec3);
+
+/// The velocities that the simulation last wrote to [`LinearVelocity`] and [`AngularVelocity`]: where those differ, a game changed them, and the body is
+/// to have them. `None` before the body's first tick. Part of the state: save and restore it with them.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct ExtractedVelocity(pub Option<(Vec3, Vec3)>);
 
 /// A body's centre of mass in the world, metres, and its total mass, kg. Written after each tick. A pinned particle counts with the
 /// [`Mass`](super::Mass) that it would have if it were let go.

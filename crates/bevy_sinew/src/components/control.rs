@@ -69,6 +69,61 @@ impl ControlForce {
     }
 }
 
+/// A torque in N·m, along the world's axes, that the game exerts on a body or on a rigid part of one in every substep, until it is changed or removed.
+/// A torque at a point is the same; for one in the body's own frame there is [`ControlForce`]. What would turn a line about itself is lost.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct ExternalTorque(pub Vec3);
+
+/// An impulse on a body, a rigid part of one or a particle: it acts once, when the next tick begins, and is zero again. The same as
+/// [`apply_impulse`](crate::BodyCommandsExt::apply_impulse) and its like, for who writes components rather than commands. On a body that is not built yet
+/// it waits. A number that is not finite is refused and dropped.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct ExternalImpulse {
+    /// The impulse, N·s.
+    pub impulse: Vec3,
+    /// The angular impulse about the barycentre, N·m·s.
+    pub angular_impulse: Vec3,
+    /// The point of the world where `impulse` acts, metres. Default `None`: at the barycentre, so that it turns nothing.
+    pub point: Option<Vec3>,
+}
+
+impl ExternalImpulse {
+    /// An impulse at the barycentre, N·s.
+    pub fn new(impulse: Vec3) -> Self {
+        Self { impulse, ..default() }
+    }
+
+    /// An angular impulse, N·m·s.
+    pub fn angular(angular_impulse: Vec3) -> Self {
+        Self { angular_impulse, ..default() }
+    }
+
+    /// The same with the impulse at a point of the world, metres.
+    pub fn at(self, point: Vec3) -> Self {
+        Self { point: Some(point), ..self }
+    }
+}
+
+/// Forces that act for one tick: what [`apply_force`](crate::BodyCommandsExt::apply_force) and its like have summed up since the last one. Part of the
+/// state.
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct TickForces {
+    /// At the barycentre, N.
+    pub force: Vec3,
+    /// N·m.
+    pub torque: Vec3,
+    /// Forces, N, and the points of the world where they act, metres.
+    pub at_points: Vec<(Vec3, Vec3)>,
+}
+
+impl TickForces {
+    /// How many forces at points one entity takes in a tick: more than these in a game that is paused would fill its memory.
+    pub const MOST: usize = 64;
+}
+
 /// Whose rows a control was last resolved into: changing a force every tick must not look them up every tick. Scratch.
 #[derive(Component, Clone, Copy, Debug, Default)]
 #[component(clone_behavior = Ignore)]

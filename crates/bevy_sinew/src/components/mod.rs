@@ -12,20 +12,21 @@ mod softness;
 
 pub use body::{
     AngularVelocity, Barycenter, BodyConstraints, BodyParticles, BodyReport, ConstraintOf,
-    ExtractedTransform, GravityScale, Inertia, Interpolate, LinearVelocity, MeshFollow,
-    ParticleBody, ParticleOf, Representation, RigidIntegrator, RigidPose, TubeMesh, WindSurface,
+    ExtractedTransform, ExtractedVelocity, GravityScale, Inertia, Interpolate, LinearVelocity,
+    MeshFollow, ParticleBody, ParticleOf, Representation, RigidIntegrator, RigidPose, TubeMesh,
+    WindSurface,
 };
 pub use collide::{
     BodyContacts, Collider, ColliderFault, ColliderMotion, ColliderShape, CollisionLayers, Combine,
-    ContactEnded, ContactEvents, ContactMemory, ContactShape, ContactStarted, RestPlace, Sensor,
-    SurfaceMaterial, Touching,
+    ContactEnded, ContactEvents, ContactMemory, ContactShape, ContactStarted, ContactsDisabled,
+    RestPlace, Sensor, SurfaceMaterial, Touching,
 };
 pub use constraint::{
     AngleConstraint, AreaConstraint, BendConstraint, Bound, CollinearConstraint, ConeConstraint,
     CoplanarConstraint, DistanceConstraint, HingeConstraint, LawConstraint, ParticleConstraint,
     PatchConstraint, RigidConstraint, Spring, TetrahedronConstraint, VolumeConstraint, Way,
 };
-pub use control::ControlForce;
+pub use control::{ControlForce, ExternalImpulse, ExternalTorque, TickForces};
 pub use environment::{
     AirDrag, AirFlow, Attractor, BoundingBox, Electric, ElectricField, Flatland, Floats, Fluid,
     Gravity, Ground, GroundDrag, HullShape, Region, RegionShape, Wind,
@@ -38,7 +39,7 @@ pub use particle::{
 pub use sleep::Sleep;
 pub use softness::Softness;
 
-pub(crate) use collide::PlacedCollider;
+pub(crate) use collide::{PlacedCollider, ResolvedShape};
 pub(crate) use control::ResolvedTarget;
 pub(crate) use order::{CreationCounter, TopologyChanged};
 
@@ -69,11 +70,15 @@ pub(crate) fn register(app: &mut App) {
         .register_type::<TubeMesh>()
         .register_type::<Interpolate>()
         .register_type::<ExtractedTransform>()
+        .register_type::<ExtractedVelocity>()
         .register_type::<LinearVelocity>()
         .register_type::<AngularVelocity>()
         .register_type::<Barycenter>()
         .register_type::<Inertia>()
         .register_type::<ControlForce>()
+        .register_type::<ExternalTorque>()
+        .register_type::<ExternalImpulse>()
+        .register_type::<TickForces>()
         .register_type::<BodyReport>()
         .register_type::<Representation>()
         .register_type::<GravityScale>()

@@ -107,6 +107,8 @@ fn leave(mut world: DeferredWorld, context: HookContext) {
 }
 
 /// Mass in kilograms, positive. Default 1.
+///
+/// On a body it is that of all its particles together, whatever its recipe says: they are scaled to it, when it comes or changes, and keep their shares.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, PartialOrd)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Mass(pub f32);
@@ -148,22 +150,30 @@ pub struct PinnedTo {
     pub offset: Vec3,
 }
 
-/// Radius in metres, 0 and up: how far from the ground the particle's centre stays, and how big a ball floats. Without it, 0.
+/// Radius in metres, 0 and up: how far from the ground the particle's centre stays, how big a ball floats, and how big it is for what it touches.
+/// Without it, 0.
+///
+/// On a body it is that of each of its particles, whatever its recipe says.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Radius(pub f32);
 
 /// Electric charge in coulombs. Without it, 0.
+///
+/// On a body it is that of all its particles together, spread as their masses are, so that a uniform field turns nothing.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Charge(pub f32);
 
 /// Share of its velocity that the particle loses per second, 0 to 1. Adds to [`AirDrag`](super::AirDrag) and to a fluid's. Without it, 0.
+///
+/// On a body it is that of each of its particles, whatever its recipe says.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Drag(pub f32);
 
-/// A force in newtons that the game exerts on the particle in every substep, until it is changed or removed.
+/// A force in newtons, along the world's axes, that the game exerts in every substep, until it is changed or removed: on a particle, or on a body or a
+/// rigid part of one as a whole, at the barycentre. [`ControlForce`](super::ControlForce) acts at a point, or in the body's own frame.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct ExternalForce(pub Vec3);

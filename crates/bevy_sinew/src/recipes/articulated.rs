@@ -5,13 +5,14 @@ use sinew::recipes::{self, ArticulatedSpec, Blueprint, articulated};
 
 use super::build::{MeshShape, Recipe};
 use super::rigid::spawn_parts;
-use crate::components::{CreationOrder, ParticleBody};
+use crate::components::{BodyContacts, CreationOrder, ParticleBody};
 use crate::messages::Refusal;
+use crate::step::frames::even_factor;
 
 /// A body of rigid bones that are joined: a chain, a door, a lamp, an animal.
 ///
 /// Each bone becomes an entity with [`BodyPart`](crate::BodyPart), named as the bone is, in their order; its `Transform`, centred on the bone with y
-/// from its tail to its head, follows it: give those a mesh.
+/// from its tail to its head, follows it: give those a mesh. Bones that are not joined to each other collide, unless they overlap as they are built.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -105,14 +106,15 @@ impl Bone {
         Self { parent: Some(parent), joint, ..self }
     }
 
-    fn spec(&self) -> recipes::Bone {
+    /// The same for the solver, so many times as large.
+    fn spec(&self, factor: f32) -> recipes::Bone {
         recipes::Bone {
             // Names are given to the parts below: the solver's are those of its own figures.
             name: "bone",
             parent: self.parent,
-            head: self.head,
-            tail: self.tail,
-            width: self.width,
+            head: self.head * factor,
+            tail: self.tail * factor,
+            width: self.width * factor,
             mass: self.mass,
             joint: self.joint.into(),
             pinned: self.pinned,
@@ -128,8 +130,13 @@ impl Articulated {
 }
 
 impl Recipe for Articulated {
-    fn blueprint(&self, _: Option<&MeshShape>, _: Vec3) -> Result<Blueprint, Refusal> {
-        let bones = self.bones.iter().map(Bone::spec).collect();
+    fn contacts(&self) -> Option<BodyContacts> {
+        Some(BodyContacts::ALL)
+    }
+
+    fn blueprint(&self, _: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal> {
+        let factor = even_factor(scale)?;
+        let bones = self.bones.iter().map(|bone| bone.spec(factor)).collect();
         Ok(articulated(&ArticulatedSpec { bones, drag: self.drag })?)
     }
 

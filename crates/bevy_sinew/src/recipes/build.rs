@@ -10,18 +10,20 @@ use bevy::prelude::*;
 use sinew::recipes::Blueprint;
 
 use crate::components::{
-    BodyParticles, Collider, ConstraintOf, CreationOrder, Drag, ExtractedTransform, Interpolate,
-    Mass, MeshFollow, Particle, ParticleOf, Pinned, Radius, RestPlace, WindSurface,
+    BodyContacts, BodyParticles, Collider, ConstraintOf, CreationOrder, Drag, ExtractedTransform,
+    ExtractedVelocity, Mass, MeshFollow, Particle, ParticleBody, ParticleOf, Pinned, Radius,
+    RestPlace, WindSurface,
 };
 use crate::config::BodySolver;
 use crate::messages::{Refusal, Refused};
 use crate::recipes::BodyParts;
 use crate::recipes::bind::{Joins, bind, enlist, fill};
 use crate::recipes::wear::source_mesh;
+use crate::step::frames::{Frames, Misplaced, in_world, is_even};
 
 /// A component that describes a body and can build it.
 pub(crate) trait Recipe: Component<Mutability = Mutable> + Clone + PartialEq {
-    /// The blueprint in the body's own frame, from the recipe and, where it asks for one, the mesh.
+    /// The blueprint in the body's own frame, from the recipe and, where it asks for one, the mesh; in metres, that is, scaled.
     fn blueprint(&self, mesh: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal>;
 
     /// Whether the body is made from the entity's mesh.
@@ -32,6 +34,11 @@ pub(crate) trait Recipe: Component<Mutability = Mutable> + Clone + PartialEq {
     /// By which shape the body collides where it does so as a solid, if it is one rigid part: in its own frame, metres.
     fn collider(&self, blueprint: &Blueprint) -> Option<Collider> {
         let _ = blueprint;
+        None
+    }
+
+    /// How it takes part in contacts unless the game says otherwise; `None` as any body does.
+    fn contacts(&self) -> Option<BodyContacts> {
         None
     }
 
@@ -63,26 +70,63 @@ pub(crate) struct AwaitsMesh<R: Send + Sync + 'static>(PhantomData<fn() -> R>);
 pub(crate) struct Built<R: Send + Sync + 'static> {
     recipe: R,
     mesh: Option<AssetId<Mesh>>,
+    /// How it and its parents were scaled.
+    scale: Vec3,
     /// The collider that it was given: whatever else it has is the game's.
     collider: Option<Collider>,
 }
 
+/// Marks a body that is to be built anew because it was scaled, or because it has a place where it had none.
+#[derive(Component)]
+pub(crate) struct Rescaled;
+
+/// A body that was refused because of where it was to be: it is tried again when that is elsewhere.
+#[derive(Component)]
+pub(crate) struct AwaitsPlace {
+    reason: Refusal,
+    at: Result<Transform, Misplaced>,
+}
+
 /// How building went, where nothing was wrong.
 enum Outcome {
-    /// It stands, and this is its collider, if it is not the game's.
-    Built(Option<Collider>),
+    /// It stands, at this scale, and this is its collider, if it is not the game's.
+    Built(Vec3, Option<Collider>),
     /// The mesh is not there yet.
     Waits,
     /// An observer despawned the body while it was being built.
     Gone,
 }
 
-/// Builds the bodies whose recipe of type `R` is new or changed, and those whose mesh has arrived since.
+/// Marks the bodies that are to be built anew because they, or their parents, were scaled since.
+pub(crate) fn notice_scale(
+    mut commands: Commands,
+    built: Query<
+        (Entity, &ExtractedTransform, &Transform, Has<ChildOf>),
+        (With<ParticleBody>, Without<AwaitsPlace>),
+    >,
+    refused: Query<(Entity, &AwaitsPlace)>,
+    frames: Frames,
+) {
+    for (body, known, transform, parented) in &built {
+        let Some(known) = known.0 else { continue };
+        let now = if parented { frames.of(body) } else { Ok(*transform) };
+        if now.map(|now| now.scale) != Ok(known.scale) {
+            commands.entity(body).insert(Rescaled);
+        }
+    }
+    for (body, awaits) in &refused {
+        if frames.of(body) != awaits.at {
+            commands.entity(body).insert(Rescaled);
+        }
+    }
+}
+
+/// Builds the bodies whose recipe of type `R` is new or changed, those whose mesh has arrived since, and those that were scaled.
 pub(crate) fn build<R: Recipe>(
     world: &mut World,
     wanted: &mut QueryState<
         (Entity, &R, &CreationOrder, Has<AwaitsMesh<R>>),
-        Or<(Changed<R>, With<AwaitsMesh<R>>)>,
+        Or<(Changed<R>, With<AwaitsMesh<R>>, With<Rescaled>)>,
     >,
 ) {
     let mut bodies: Vec<(CreationOrder, Entity, R, bool)> = wanted
@@ -97,10 +141,13 @@ pub(crate) fn build<R: Recipe>(
         }
         let mesh = wanted_mesh(world, body, &recipe);
         let outcome = build_one(world, body, &recipe);
+        let at = in_world(world, body);
         let Ok(mut entity) = world.get_entity_mut(body) else { continue };
+        entity.remove::<Rescaled>();
         match outcome {
-            Ok(Outcome::Built(collider)) => {
-                entity.insert(Built { recipe, mesh, collider }).remove::<AwaitsMesh<R>>();
+            Ok(Outcome::Built(scale, collider)) => {
+                let built = Built { recipe, mesh, scale, collider };
+                entity.insert(built).remove::<(AwaitsMesh<R>, AwaitsPlace)>();
             }
             Ok(Outcome::Waits) => {
                 entity.insert_if_new(AwaitsMesh::<R>(PhantomData));
@@ -112,6 +159,9 @@ pub(crate) fn build<R: Recipe>(
                 }
                 entity.remove::<(AwaitsMesh<R>, Built<R>)>();
                 tear_down(world, body);
+                if awaits_place(world, body, &reason, at) {
+                    continue;
+                }
                 warn!("sinew: entity {body} {reason}");
                 world.write_message(Refused { entity: body, reason });
             }
@@ -119,11 +169,30 @@ pub(crate) fn build<R: Recipe>(
     }
 }
 
-/// Whether the body stands as this recipe and its mesh would build it.
+/// Notes what kept a body from being built, if that is where it was to be. Whether that is known already.
+fn awaits_place(
+    world: &mut World,
+    body: Entity,
+    reason: &Refusal,
+    at: Result<Transform, Misplaced>,
+) -> bool {
+    let Ok(mut entity) = world.get_entity_mut(body) else { return false };
+    if !matches!(reason, Refusal::Transform | Refusal::Sheared | Refusal::UnevenScale) {
+        entity.remove::<AwaitsPlace>();
+        return false;
+    }
+    let known = entity.get::<AwaitsPlace>().is_some_and(|awaits| awaits.reason == *reason);
+    entity.insert(AwaitsPlace { reason: reason.clone(), at });
+    known
+}
+
+/// Whether the body stands as this recipe, its mesh and its scale would build it.
 fn stands<R: Recipe>(world: &World, body: Entity, recipe: &R) -> bool {
     let built = world.get::<Built<R>>(body).filter(|_| world.get::<BodyParticles>(body).is_some());
     built.is_some_and(|built| {
-        built.recipe == *recipe && built.mesh == wanted_mesh(world, body, recipe)
+        built.recipe == *recipe
+            && built.mesh == wanted_mesh(world, body, recipe)
+            && in_world(world, body).map(|at| at.scale) == Ok(built.scale)
     })
 }
 
@@ -153,7 +222,10 @@ fn shape<R: Recipe>(world: &mut World, body: Entity, own: Option<Collider>) -> O
 
 /// Builds one body. A refused one is left without particles.
 fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<Outcome, Refusal> {
-    let transform = *world.get::<Transform>(body).ok_or(Refusal::Transform)?;
+    if world.get::<Transform>(body).is_none() {
+        return Err(Refusal::Transform);
+    }
+    let transform = in_world(world, body)?;
     if !transform.is_finite() || transform.scale.abs().min_element() == 0.0 {
         return Err(Refusal::Transform);
     }
@@ -167,16 +239,26 @@ fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<O
     };
     tear_down(world, body);
     let blueprint = recipe.blueprint(mesh.as_ref(), transform.scale)?;
+    // What is rigid will turn, whichever way it stands now.
+    let parent = world.get::<ChildOf>(body).map(ChildOf::parent);
+    let above = parent.map_or(Ok(Transform::IDENTITY), |parent| in_world(world, parent))?;
+    if !blueprint.parts.is_empty() && !is_even(above.scale) {
+        return Err(Refusal::Sheared);
+    }
     let placed = blueprint.transformed(transform.rotation, transform.translation);
     let particles = spawn_particles(world, body, &blueprint, &placed);
     let bound = bind(world, body, &placed, &particles);
 
-    attach(world, body, ExtractedTransform(Some(transform)));
+    // Built anew it goes on with the velocities that it had.
+    attach(world, body, (ExtractedTransform(Some(transform)), ExtractedVelocity(None)));
     // What a game asks for comes before what the recipe would.
-    if blueprint.settings != Default::default()
-        && let Ok(mut entity) = world.get_entity_mut(body)
-    {
-        entity.insert_if_new(BodySolver::from(blueprint.settings));
+    if let Ok(mut entity) = world.get_entity_mut(body) {
+        if blueprint.settings != Default::default() {
+            entity.insert_if_new(BodySolver::from(blueprint.settings));
+        }
+        if let Some(contacts) = recipe.contacts() {
+            entity.insert_if_new(contacts);
+        }
     }
     let all_there = particles.len() == placed.particles.len();
     if all_there && !placed.triangles.is_empty() {
@@ -190,11 +272,10 @@ fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<O
     }
     if world.get_entity(body).is_ok() {
         recipe.finish(world, body, &placed, &particles);
-        ease_transforms(world, body);
     }
     let collider = shape::<R>(world, body, recipe.collider(&blueprint));
     if world.get_entity(body).is_ok() {
-        return Ok(Outcome::Built(collider));
+        return Ok(Outcome::Built(transform.scale, collider));
     }
     // What joined the body went with it; what came after it was gone would be left behind.
     for entity in particles.into_iter().chain(bound) {
@@ -266,6 +347,7 @@ fn spawn_particles(
     for (done, (own, seed)) in blueprint.particles.iter().zip(&placed.particles).enumerate() {
         let Some(&entity) = particles.get(done) else { break };
         let pinned = seed.mass.is_infinite();
+        let free = blueprint.free_mass(done as u32).unwrap_or(1.0);
         let particle = (
             Particle {
                 position: seed.position,
@@ -273,7 +355,7 @@ fn spawn_particles(
                 velocity: seed.velocity,
                 lag: seed.lag,
             },
-            Mass(if pinned { 1.0 } else { seed.mass }),
+            Mass(if pinned { free } else { seed.mass }),
             Radius(seed.radius),
             RestPlace(own.position),
         );
@@ -291,21 +373,4 @@ fn spawn_particles(
         }
     }
     particles
-}
-
-/// Opts the transforms of a body and its parts into easing, where the body asks for it.
-fn ease_transforms(world: &mut World, body: Entity) {
-    #[cfg(feature = "interpolation")]
-    if world.get::<Interpolate>(body).is_some() {
-        use bevy_transform_interpolation::prelude::TransformInterpolation;
-        let parts: Vec<Entity> =
-            world.get::<BodyParts>(body).map(|parts| parts.iter().collect()).unwrap_or_default();
-        for entity in parts.into_iter().chain([body]) {
-            if world.get::<crate::components::RigidPose>(entity).is_some() {
-                world.entity_mut(entity).insert(TransformInterpolation);
-            }
-        }
-    }
-    #[cfg(not(feature = "interpolation"))]
-    let _ = (world, body, core::any::type_name::<Interpolate>());
 }

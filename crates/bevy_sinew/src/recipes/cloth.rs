@@ -11,6 +11,9 @@ use crate::components::{CreationOrder, ParticleBody};
 use crate::messages::Refusal;
 
 /// A piece of cloth. It deforms a mesh: its own on a grid, or the one it was made from.
+///
+/// It collides with everything but itself, by its triangles where its particles are too far apart to close it ([`ContactShape::Auto`](crate::ContactShape));
+/// [`BodyContacts::ALL`](crate::BodyContacts::ALL) has it touch itself, too.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(ParticleBody, CreationOrder)]
@@ -114,11 +117,12 @@ impl Cloth {
         }
     }
 
-    fn spec(&self) -> Option<ClothSpec> {
+    /// Of a grid, scaled.
+    fn spec(&self, scale: Vec3) -> Option<ClothSpec> {
         match self.shape {
             ClothShape::Grid { width, height, columns, rows } => Some(ClothSpec {
-                width,
-                height,
+                width: width * scale.x.abs(),
+                height: height * scale.y.abs(),
                 columns,
                 rows,
                 material: self.material(),
@@ -135,7 +139,7 @@ impl Recipe for Cloth {
     }
 
     fn blueprint(&self, mesh: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal> {
-        let mut blueprint = match (self.spec(), mesh) {
+        let mut blueprint = match (self.spec(scale), mesh) {
             (Some(spec), _) => cloth_grid(&spec)?,
             (None, Some(mesh)) => {
                 let scaled: Vec<Vec3> = mesh.positions.iter().map(|p| *p * scale).collect();
@@ -151,7 +155,7 @@ impl Recipe for Cloth {
     }
 
     fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, _: &[Entity]) {
-        let Some(spec) = self.spec() else { return own_copy(world, body) };
+        let Some(spec) = self.spec(Vec3::ONE) else { return own_copy(world, body) };
         let Some(mut meshes) = world.get_resource_mut::<Assets<Mesh>>() else { return };
         let skin = meshes.add(grid_mesh(&spec, blueprint));
         attach(world, body, Mesh3d(skin));

@@ -11,6 +11,8 @@ mod soft;
 mod solid;
 mod wear;
 
+pub(crate) use build::Rescaled;
+
 pub use articulated::{Articulated, Bone, BoneJoint};
 pub use cloth::{Cloth, ClothPins, ClothShape};
 pub use ragdoll::{BodyPart, BodyParts, PartOf, Ragdoll};
@@ -39,6 +41,7 @@ pub(crate) fn add(app: &mut App) {
     app.add_systems(
         SinewTick,
         (
+            build::notice_scale,
             build::build::<ParticleBox>,
             build::build::<Rope>,
             build::build::<Cloth>,

@@ -5,12 +5,14 @@ use sinew::recipes::{Blueprint, RagdollSpec, ragdoll};
 
 use super::build::{MeshShape, Recipe};
 use super::rigid::spawn_parts;
-use crate::components::{CreationOrder, ParticleBody};
+use crate::components::{BodyContacts, CreationOrder, ParticleBody};
 use crate::messages::Refusal;
+use crate::step::frames::even_factor;
 
 /// A standing human figure, its soles at the origin of its transform, facing +z.
 ///
-/// Each segment of the body becomes an entity with [`BodyPart`], whose transform follows it: give those a mesh.
+/// Each segment of the body becomes an entity with [`BodyPart`], whose transform follows it: give those a mesh. Segments that no joint connects collide
+/// with each other.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(ParticleBody, CreationOrder)]
@@ -52,8 +54,13 @@ pub struct PartOf(#[entities] pub Entity);
 pub struct BodyParts(Vec<Entity>);
 
 impl Recipe for Ragdoll {
-    fn blueprint(&self, _: Option<&MeshShape>, _: Vec3) -> Result<Blueprint, Refusal> {
+    fn contacts(&self) -> Option<BodyContacts> {
+        Some(BodyContacts::ALL)
+    }
+
+    fn blueprint(&self, _: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal> {
         let Self { height, mass, damping } = *self;
+        let height = height * even_factor(scale)?;
         Ok(ragdoll(&RagdollSpec { height, mass, damping })?)
     }
 

@@ -10,12 +10,13 @@ use crate::recipes::{BodyPart, PartOf};
 
 /// A box of particles held by distances: 8 particles and 28 distances, or 4 and 6 when it is flat.
 ///
-/// Its `Transform` says where it is built, and then follows it. It gets a [`BodyPart`] that tells its size.
+/// Its `Transform` says where it is built and by how much it is scaled, and then follows it. It gets a [`BodyPart`] that tells its size, and collides by its
+/// shape.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(ParticleBody, CreationOrder)]
 pub struct ParticleBox {
-    /// Lengths of its edges, metres, 1e-6 to 1e6. Default 1 each.
+    /// Lengths of its edges, metres, 1e-6 to 1e6, before it is scaled. Default 1 each.
     pub size: Vec3,
     /// Mass of the whole box, kg. Default 1.
     pub mass: f32,
@@ -55,20 +56,21 @@ impl ParticleBox {
 }
 
 impl Recipe for ParticleBox {
-    fn blueprint(&self, _: Option<&MeshShape>, _: Vec3) -> Result<Blueprint, Refusal> {
+    fn blueprint(&self, _: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal> {
         let layout = match self.particles {
             BoxParticles::Corners => BoxLayout::Corners,
             BoxParticles::Equimomental => BoxLayout::Equimomental,
         };
-        let spec = BoxSpec { size: self.size, mass: self.mass, layout, ..default() };
+        let size = self.size * scale.abs();
+        let spec = BoxSpec { size, mass: self.mass, layout, ..default() };
         Ok(if self.flat { box_2d(&spec)? } else { box_3d(&spec)? })
     }
 
-    fn collider(&self, _: &Blueprint) -> Option<Collider> {
-        // As the solver has it: one without a thickness is as thick as its shorter edge.
-        let Vec3 { x, y, z } = self.size;
+    fn collider(&self, blueprint: &Blueprint) -> Option<Collider> {
+        // One without a thickness is as thick as its shorter edge.
+        let Vec3 { x, y, z } = blueprint.parts.first()?.size;
         let z = if self.flat && z == 0.0 { x.min(y) } else { z };
-        Some(Collider::cuboid(Vec3::new(x, y, z) * 0.5))
+        Some(Collider::cuboid(Vec3::new(x, y, z)))
     }
 
     fn finish(&self, world: &mut World, body: Entity, blueprint: &Blueprint, particles: &[Entity]) {
@@ -109,7 +111,7 @@ pub(super) fn spawn_parts(
 /// By which shape a part collides, as the solver has it: a limb along y, or a box.
 fn limb(size: Vec3) -> Collider {
     if size.x == size.z && size.y >= size.x {
-        return Collider::capsule(size.x * 0.5, (size.y - size.x) * 0.5);
+        return Collider::capsule(size.x * 0.5, size.y - size.x);
     }
-    Collider::cuboid(size * 0.5)
+    Collider::cuboid(size)
 }

@@ -6,8 +6,10 @@ use sinew::recipes::{Blueprint, RopeSpec, rope};
 use super::build::{MeshShape, Recipe, attach};
 use crate::components::{Bound, CreationOrder, ParticleBody, TubeMesh};
 use crate::messages::Refusal;
+use crate::step::frames::even_factor;
 
-/// A rope: a chain of particles, drawn as a tube.
+/// A rope: a chain of particles, drawn as a tube. It collides by its segments, each a capsule from one particle to the next
+/// ([`ContactShape::Auto`](crate::ContactShape)).
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(ParticleBody, CreationOrder)]
@@ -60,13 +62,13 @@ impl Rope {
 }
 
 impl Recipe for Rope {
-    fn blueprint(&self, _: Option<&MeshShape>, _: Vec3) -> Result<Blueprint, Refusal> {
+    fn blueprint(&self, _: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal> {
         let spec = RopeSpec {
-            from: self.from,
-            to: self.to,
+            from: self.from * scale,
+            to: self.to * scale,
             segments: self.segments,
             mass: self.mass,
-            radius: self.radius,
+            radius: self.radius * even_factor(scale)?,
             slack: self.slack,
             bound: self.bound.into(),
             compliance: self.compliance,

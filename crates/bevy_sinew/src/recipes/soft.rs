@@ -10,6 +10,7 @@ use super::solid::Bulk;
 use super::wear::{own_copy, skin_of};
 use crate::components::{CreationOrder, ParticleBody, Softness};
 use crate::messages::Refusal;
+use crate::step::frames::even_factor;
 
 /// A soft body: a ball full of air, a cushion, a cube of jelly. It deforms a mesh: its own, or the one it was made from.
 ///
@@ -32,7 +33,7 @@ pub struct SoftBody {
     pub bulk: Bulk,
     /// Damping ratio of all that holds it together, 0 (it swings on) to 10. Default 0.3; 0.1 from a mesh.
     pub damping: f32,
-    /// Radius of every particle, metres, 0 and up: how far off the ground it lies. Default 0; 0.005 from a mesh.
+    /// Radius of every particle, metres, 0 and up: how far off the ground it lies. Default 0.005. Rigid bodies touch particles that have one.
     pub radius: f32,
     /// From a mesh: stiffness of the skin against being stretched, N/m, 1e-6 to 1e9. Default 100, 0.1 mm of rubber.
     pub stretch: f32,
@@ -85,7 +86,7 @@ impl Default for SoftBody {
             shape: SoftShape::default(),
             bulk: Bulk::Density(100.0),
             damping: flesh.damping,
-            radius: flesh.radius,
+            radius: skin.radius,
             stretch: skin.stretch,
             bend: skin.bend,
             pressure: skin.pressure,
@@ -163,9 +164,10 @@ impl Recipe for SoftBody {
     fn blueprint(&self, mesh: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal> {
         Ok(match (self.shape, mesh) {
             (SoftShape::Cuboid { size, cells }, _) => {
-                soft_lattice(&self.lattice(Lattice::Box { size, cells }))?
+                soft_lattice(&self.lattice(Lattice::Box { size: size * scale.abs(), cells }))?
             }
             (SoftShape::Ball { radius, cells }, _) => {
+                let radius = radius * even_factor(scale)?;
                 soft_lattice(&self.lattice(Lattice::Ball { radius, cells }))?
             }
             (SoftShape::Mesh, Some(mesh)) => {

@@ -1,5 +1,7 @@
 //! What a person sees: meshes that follow particles, and lines for whoever debugs. Nothing here is read back by the simulation.
 
+#[cfg(feature = "interpolation")]
+pub(crate) mod ease;
 #[cfg(feature = "gizmos")]
 pub(crate) mod gizmos;
 pub(crate) mod mesh;

@@ -21,7 +21,7 @@ pub(super) fn draw_colliders(
     for (collider, placed, transform, sensor, part) in &colliders {
         let (at, color) = if part {
             (transform.with_scale(Vec3::ONE), Color::srgb(0.4, 0.5, 1.0))
-        } else if placed.fault.is_some() {
+        } else if placed.sound().is_none() {
             (placed.at, Color::srgb(1.0, 0.2, 0.2))
         } else if sensor {
             (placed.at, Color::srgb(0.3, 0.9, 0.5))
@@ -59,14 +59,16 @@ fn outline(
             ring(Vec3::ZERO, y * r, z * r);
             ring(Vec3::ZERO, z * r, x * r);
         }
-        Collider::Cylinder { radius: r, half_height: h } => {
+        Collider::Cylinder { radius: r, height } => {
+            let h = 0.5 * height;
             ring(y * h, x * r, z * r);
             ring(y * -h, x * r, z * r);
             for side in [x, -x, z, -z] {
                 gizmos.line(point(side * r + y * h), point(side * r - y * h), color);
             }
         }
-        Collider::Capsule { radius: r, half_height: h } => {
+        Collider::Capsule { radius: r, length } => {
+            let h = 0.5 * length;
             ring(y * h, x * r, z * r);
             ring(y * -h, x * r, z * r);
             for side in [x, z] {
@@ -75,7 +77,7 @@ fn outline(
                 gizmos.lineloop(round(Vec3::ZERO, side * r, y * r).map(apart).map(point), color);
             }
         }
-        Collider::Box { half_size } => gizmos.cube(boxed(Vec3::ZERO, half_size * 2.0), color),
+        Collider::Box { size } => gizmos.cube(boxed(Vec3::ZERO, size), color),
         Collider::Shape(ref shape) => {
             let (low, high) = shape.0.bounds();
             gizmos.cube(boxed((low + high) * 0.5, high - low), color);

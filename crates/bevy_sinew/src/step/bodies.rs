@@ -11,36 +11,37 @@ use sinew::{BodySettings, Material};
 use super::changes::{Ages, census};
 use super::pins::sound;
 use crate::components::{
-    BodyContacts, BodyParticles, CollisionLayers, ContactEvents, ContactShape, CreationOrder,
-    GravityScale, Particle, ParticleOf, ParticleRow, RestPlace, Sleep, SurfaceMaterial,
+    BodyContacts, BodyParticles, CollisionLayers, ContactEvents, ContactShape, ContactsDisabled,
+    CreationOrder, GravityScale, Particle, ParticleOf, ParticleRow, Radius, ResolvedShape,
+    RestPlace, Sleep, SurfaceMaterial,
 };
 use crate::config::BodySolver;
 use crate::messages::{Refusal, Refused};
 use crate::rows::{GONE, Rows};
 use crate::world::{SinewWorld, Tables};
 
-/// What says something of contacts.
-type Touches = Or<(
-    With<BodyContacts>,
-    With<SurfaceMaterial>,
-    With<CollisionLayers>,
-    With<ContactEvents>,
-    With<Sleep>,
-)>;
-
-/// Bodies that have something to say.
-type Speaks = (With<BodyParticles>, Or<(With<BodySolver>, With<GravityScale>, Touches)>);
-
-/// Loose particles that have: each is a body of its own.
-type Loose = (With<Particle>, Without<ParticleOf>, Touches);
+/// Loose particles that others may touch: each is a body of its own.
+type Loose = (
+    With<Particle>,
+    Without<ParticleOf>,
+    Or<(
+        With<Radius>,
+        With<BodyContacts>,
+        With<SurfaceMaterial>,
+        With<CollisionLayers>,
+        With<ContactEvents>,
+        With<Sleep>,
+    )>,
+);
 
 /// What is said of contacts.
 type Told = (
     Option<&'static BodyContacts>,
+    Option<&'static ResolvedShape>,
     Option<&'static SurfaceMaterial>,
     Option<&'static CollisionLayers>,
     Has<ContactEvents>,
-    Has<Sleep>,
+    Has<ContactsDisabled>,
 );
 
 /// The same in one table.
@@ -68,27 +69,28 @@ pub(crate) struct Bodies<'w, 's> {
             Option<Ref<'static, BodySolver>>,
             Option<Ref<'static, GravityScale>>,
             ToldRefs,
+            Option<Ref<'static, ResolvedShape>>,
         ),
-        Speaks,
     >,
     loose: Query<'w, 's, ToldRefs, Loose>,
     places: Query<'w, 's, Ref<'static, RestPlace>>,
     /// How many said something of each kind: what came is a change, and fewer than before is all that is left to notice.
     events: Query<'w, 's, Ref<'static, ContactEvents>>,
     sleepers: Query<'w, 's, (), With<Sleep>>,
-    counts: Local<'s, [usize; 11]>,
+    disabled: Query<'w, 's, Ref<'static, ContactsDisabled>>,
+    counts: Local<'s, [usize; 12]>,
 }
 
 impl Bodies<'_, '_> {
-    /// Whether any body says anything.
+    /// Whether there is any.
     pub(crate) fn any(&self) -> bool {
         !self.all.is_empty() || !self.loose.is_empty()
     }
 
     /// Whether one came, went or changed since the system that asks last ran.
     pub(crate) fn changed(&mut self) -> bool {
-        let (mut now, mut changed, mut with_itself) = ([0; 11], false, false);
-        for (members, solver, scale, (contacts, material, layers)) in &self.all {
+        let (mut now, mut changed, mut with_itself) = ([0; 12], false, false);
+        for (members, solver, scale, (contacts, material, layers), resolved) in &self.all {
             now[0] += usize::from(solver.is_some());
             now[1] += usize::from(scale.is_some());
             now[2] += usize::from(contacts.is_some());
@@ -99,6 +101,7 @@ impl Bodies<'_, '_> {
             changed |= scale.is_some_and(|scale| scale.is_changed());
             changed |= material.is_some_and(|material| material.is_changed());
             changed |= layers.is_some_and(|layers| layers.is_changed());
+            changed |= resolved.is_some_and(|resolved| resolved.is_changed());
             if let Some(contacts) = contacts {
                 changed |= contacts.is_changed();
                 with_itself |= contacts.with_itself;
@@ -121,6 +124,9 @@ impl Bodies<'_, '_> {
         now[9] = count;
         changed |= came;
         now[10] = self.sleepers.iter().len();
+        let (count, came) = census(&self.disabled);
+        now[11] = count;
+        changed |= came;
         let went = core::mem::replace(&mut *self.counts, now) != now;
         went || changed
     }
@@ -148,18 +154,14 @@ pub(crate) struct Known {
 pub(crate) fn gather_bodies(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
-    mut bodies: Query<
-        (
-            Option<&CreationOrder>,
-            Ref<BodyParticles>,
-            &mut Rows<BodyParticles>,
-            Option<&BodySolver>,
-            Option<&GravityScale>,
-            Told,
-        ),
-        Speaks,
-    >,
-    entities: Query<(Entity, Option<&CreationOrder>), Or<(Speaks, Loose)>>,
+    mut bodies: Query<(
+        Ref<BodyParticles>,
+        &mut Rows<BodyParticles>,
+        Option<&BodySolver>,
+        Option<&GravityScale>,
+        Told,
+    )>,
+    entities: Query<(Entity, Option<&CreationOrder>), Or<(With<BodyParticles>, Loose)>>,
     loose: Query<(&ParticleRow, Told), Loose>,
     places: Query<&RestPlace>,
     mut known: Local<Known>,
@@ -180,21 +182,19 @@ pub(crate) fn gather_bodies(
     ordered.extend(entities.iter().map(|(entity, order)| (order.copied(), entity)));
     ordered.sort_unstable();
     for &(_, entity) in &*ordered {
-        if let Ok((_, members, mut rows, solver, scale, told)) = bodies.get_mut(entity) {
+        if let Ok((members, mut rows, solver, scale, told)) = bodies.get_mut(entity) {
             let rows = rows.resolve(tables, members.is_changed(), members.iter());
             let contacts = contacts(materials, &mut messages, entity, told);
-            let number = (solver.is_some() || contacts.is_some()).then(|| {
-                number(simulation, tables, entity, solver.copied(), contacts.unwrap_or_default())
-            });
+            let number = number(simulation, tables, entity, solver.copied(), contacts);
             let scale = scale.map_or(1.0, |scale| scale.0);
             let reason = (!scale.is_finite()).then_some(Refusal::GravityScale);
             let sound = sound(scales, &mut messages, entity, reason);
             let scale = if sound { scale } else { 1.0 };
             for &row in rows.iter().filter(|&&row| row != GONE) {
-                simulation.particles.set_body(row as usize, number);
+                simulation.particles.set_body(row as usize, Some(number));
                 simulation.particles.scale_gravity(row as usize, scale);
             }
-            if contacts.is_some_and(|contacts| contacts.with_itself) {
+            if contacts.with_itself {
                 for (&row, member) in rows.iter().zip(members.iter()) {
                     if let (Ok(&RestPlace(place)), true) = (places.get(member), row != GONE) {
                         simulation.particles.set_rest(row as usize, Some(place));
@@ -203,8 +203,8 @@ pub(crate) fn gather_bodies(
             }
         } else if let Ok((row, told)) = loose.get(entity)
             && let Some(row) = row.get().filter(|&row| row < simulation.particles.len())
-            && let Some(contacts) = contacts(materials, &mut messages, entity, told)
         {
+            let contacts = contacts(materials, &mut messages, entity, told);
             let number = number(simulation, tables, entity, None, contacts);
             simulation.particles.set_body(row, Some(number));
         }
@@ -227,31 +227,35 @@ fn number(
     number
 }
 
-/// How a body takes part in contacts; `None` if it says nothing of them.
+/// How a body takes part in contacts.
 fn contacts(
     broken: &mut BTreeSet<Entity>,
     messages: &mut MessageWriter<Refused>,
     entity: Entity,
-    (contacts, material, layers, events, sleeps): (
+    (contacts, resolved, material, layers, events, disabled): (
         Option<&BodyContacts>,
+        Option<&ResolvedShape>,
         Option<&SurfaceMaterial>,
         Option<&CollisionLayers>,
         bool,
         bool,
     ),
-) -> Option<sinew::BodyContacts> {
+) -> sinew::BodyContacts {
     let its_material = material.map_or(Material::default(), |&material| material.into());
     let reason = (!its_material.is_valid()).then_some(Refusal::Material);
     let sound = sound(broken, messages, entity, reason);
-    if contacts.is_none() && material.is_none() && layers.is_none() && !events && !sleeps {
-        return None;
-    }
-    Some(sinew::BodyContacts {
+    let contacts = contacts.copied().unwrap_or_default();
+    let shape = match (contacts.shape, resolved) {
+        (ContactShape::Auto, Some(resolved)) => resolved.shape,
+        (shape, _) => shape,
+    };
+    sinew::BodyContacts {
         material: if sound { its_material } else { Material::default() },
         layers: layers.copied().unwrap_or_default().layers(),
-        with_bodies: contacts.is_some_and(|contacts| contacts.with_bodies),
-        with_itself: contacts.is_some_and(|contacts| contacts.with_itself),
-        surface: contacts.is_some_and(|contacts| contacts.shape == ContactShape::Triangles),
+        with_bodies: contacts.with_bodies,
+        with_itself: contacts.with_itself,
+        surface: shape == ContactShape::Triangles,
         events,
-    })
+        disabled,
+    }
 }

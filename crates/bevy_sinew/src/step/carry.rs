@@ -34,6 +34,11 @@ impl Carry {
         point.is_finite().then_some(Self { from: point, to: point, turn: Some(turn) })
     }
 
+    /// Whether it leads nowhere.
+    pub(crate) fn is_none(&self) -> bool {
+        self.from == self.to && self.turn.is_none()
+    }
+
     /// Takes a particle along.
     pub(crate) fn take(&self, particle: &mut Particle) {
         let arm = particle.exact() - self.from;

@@ -9,15 +9,16 @@ use sinew::{Frame, Material};
 use super::frames::Frames;
 use super::pins::sound;
 use crate::components::{
-    Collider, ColliderFault, ColliderMotion, CollisionLayers, ContactEvents, CreationOrder,
-    Particle, ParticleBody, PlacedCollider, RigidPose, Sensor, SurfaceMaterial,
+    Collider, ColliderFault, ColliderMotion, CollisionLayers, ContactEvents, ContactsDisabled,
+    CreationOrder, Particle, ParticleBody, PlacedCollider, RigidPose, Sensor, SurfaceMaterial,
 };
 use crate::messages::{Refusal, Refused};
 use crate::schedule::SinewClock;
 use crate::world::SinewWorld;
 
 /// What stands by itself: on a body and its parts, a collider is what that collides by.
-type Stands = (Without<RigidPose>, Without<ParticleBody>, Without<Particle>);
+type Stands =
+    (Without<RigidPose>, Without<ParticleBody>, Without<Particle>, Without<ContactsDisabled>);
 
 /// All that is said of one.
 type Told = (
@@ -74,7 +75,10 @@ pub(crate) fn gather_colliders(
             placed,
         ) = told;
         let placed = placed.into_inner();
-        let at = if parented { frames.of(entity) } else { *transform };
+        let at = if parented { frames.of(entity) } else { Ok(*transform) };
+        let misplaced = at.err().map(Refusal::from);
+        // What is sheared stays where it was, and is set aside.
+        let at = at.unwrap_or(placed.at);
         // One that was no collider of its own in the last tick may have changed while nobody looked.
         let unseen = core::mem::replace(&mut placed.seen, *gathering) + 1 != *gathering;
         let reshaped = unseen || collider.is_changed() || placed.at.scale != at.scale;
@@ -86,7 +90,8 @@ pub(crate) fn gather_colliders(
             (made.sensor, made.events, made.id) = (sensor, events, order.0);
             placed.fault = fault(made);
         }
-        let reason = placed.fault.clone().map(Refusal::Collider);
+        let reason = misplaced.or_else(|| placed.fault.clone().map(Refusal::Collider));
+        placed.misplaced = matches!(reason, Some(Refusal::Sheared));
         if !sound(broken, &mut messages, entity, reason) {
             continue;
         }

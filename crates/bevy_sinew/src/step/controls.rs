@@ -1,19 +1,24 @@
-//! Control forces at gather: what each acts on is looked up when that changed, what it does is told to the solver every tick.
+//! Forces that a game steers, at gather: what each control acts on is looked up when that changed, what it does is told to the solver every tick; and so
+//! are the forces and torques on whole bodies, and those that were asked for this tick.
 
 use std::collections::BTreeSet;
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use sinew::forces::Control;
 use sinew::pose::Pose;
 
+use super::frames::Frames;
 use super::pins::sound;
 use crate::commands::EditFault;
 use crate::components::{
-    BodyParticles, ControlForce, CreationOrder, Particle, ParticleBody, ResolvedTarget, RigidPose,
+    BodyParticles, ControlForce, CreationOrder, ExternalForce, ExternalTorque, Particle,
+    ParticleBody, ParticleRow, ResolvedTarget, RigidPose, TickForces,
 };
 use crate::messages::{Refusal, Refused};
 use crate::rows::{GONE, Rows};
-use crate::world::SinewWorld;
+use crate::schedule::SinewClock;
+use crate::world::{SinewWorld, Tables};
 
 /// Which particles an entity stands for.
 type Targets<'w, 's> = Query<
@@ -37,7 +42,9 @@ pub(crate) fn gather_controls(
     regrouped: Query<(), Or<(Changed<BodyParticles>, Changed<RigidPose>)>>,
     mut ungrouped: RemovedComponents<BodyParticles>,
     targets: Targets,
-    frames: Query<&Transform, (Or<(With<ParticleBody>, With<RigidPose>)>, Without<Particle>)>,
+    framed: Query<(), (Or<(With<ParticleBody>, With<RigidPose>)>, Without<Particle>)>,
+    frames: Frames,
+    mut wholes: Wholes,
     mut broken: Local<BTreeSet<Entity>>,
     mut ordered: Local<Vec<(CreationOrder, Entity)>>,
 ) {
@@ -45,13 +52,13 @@ pub(crate) fn gather_controls(
     let list = &mut simulation.forces.controls;
     // Read even if there are no controls, or they would pile up.
     let ungrouped = ungrouped.read().count() > 0;
-    if controls.is_empty() {
+    if controls.is_empty() && wholes.are_left_alone() {
         list.clear();
         broken.clear();
         return;
     }
     let regrouped = ungrouped || !regrouped.is_empty();
-    broken.retain(|&entity| controls.contains(entity));
+    broken.retain(|&entity| controls.contains(entity) || wholes.forced.contains(entity));
 
     ordered.clear();
     ordered.extend(controls.iter().map(|(entity, order, ..)| (*order, entity)));
@@ -75,10 +82,10 @@ pub(crate) fn gather_controls(
         let slot = &mut list[used];
         slot.name.clear();
         slot.name.push_str(name.map_or("", Name::as_str));
-        let takes_part = |&row: &u32| row != GONE && tables.refused[row as usize].is_none();
         slot.rows.clear();
-        slot.rows.extend(rows.iter().copied().filter(takes_part));
-        let frame = if control.local { frames.get(target).ok() } else { None };
+        slot.rows.extend(rows.iter().filter(|&&row| takes_part(tables, row)));
+        let in_frame = control.local && framed.contains(target);
+        let frame = if in_frame { frames.of(target).ok() } else { None };
         let frame = frame
             .map_or(Pose::IDENTITY, |f| Pose { translation: f.translation, rotation: f.rotation });
         let turn = Pose { translation: Vec3::ZERO, ..frame };
@@ -97,7 +104,120 @@ pub(crate) fn gather_controls(
             used += 1;
         }
     }
+    wholes.tell(tables, (list, &mut used), &mut broken, &mut messages);
     list.truncate(used);
+}
+
+/// Whether a row is there and sound.
+fn takes_part(tables: &Tables, row: u32) -> bool {
+    row != GONE && tables.is_sound(row as usize)
+}
+
+/// Forgets the forces that were asked for a tick, at the end of it.
+pub(crate) fn drop_tick_forces(
+    world: Res<SinewWorld>,
+    clock: Res<SinewClock>,
+    mut forces: Query<&mut TickForces>,
+) {
+    // A fixed clock that stood still took no tick.
+    if clock.seconds != world.simulation.time {
+        for mut forces in &mut forces {
+            forces.set_if_neq(TickForces::default());
+        }
+    }
+}
+
+/// Bodies and rigid parts with forces on all of them together, and particles with those of a tick.
+#[derive(SystemParam)]
+pub(crate) struct Wholes<'w, 's> {
+    forced: Query<'w, 's, Forced, OfWholes>,
+    ordered: Local<'s, Vec<(Option<CreationOrder>, Entity)>>,
+}
+
+/// What acts on one, and on which particles.
+type Forced = (
+    Entity,
+    Option<&'static CreationOrder>,
+    Option<(Ref<'static, BodyParticles>, &'static mut Rows<BodyParticles>)>,
+    Option<(Ref<'static, RigidPose>, &'static mut Rows<RigidPose>)>,
+    Option<&'static ParticleRow>,
+    Option<&'static ExternalForce>,
+    Option<&'static ExternalTorque>,
+    Option<&'static TickForces>,
+);
+
+type OfWholes = Or<(
+    (With<TickForces>, Or<(With<BodyParticles>, With<RigidPose>, With<ParticleRow>)>),
+    (
+        Or<(With<ExternalForce>, With<ExternalTorque>)>,
+        Or<(With<BodyParticles>, With<RigidPose>)>,
+        Without<Particle>,
+    ),
+)>;
+
+impl Wholes<'_, '_> {
+    /// Whether nothing acts on any.
+    fn are_left_alone(&self) -> bool {
+        self.forced.is_empty()
+    }
+
+    /// Adds what acts on them, in the order of their creation; one with a number that is not finite is refused, and nothing of it acts.
+    fn tell(
+        &mut self,
+        tables: &Tables,
+        (list, used): (&mut Vec<Control>, &mut usize),
+        broken: &mut BTreeSet<Entity>,
+        messages: &mut MessageWriter<Refused>,
+    ) {
+        let Self { forced, ordered } = self;
+        ordered.clear();
+        ordered.extend(forced.iter().map(|(entity, order, ..)| (order.copied(), entity)));
+        ordered.sort_unstable();
+        for &(_, entity) in &**ordered {
+            let Ok((_, _, members, posed, row, force, torque, tick)) = forced.get_mut(entity)
+            else {
+                continue;
+            };
+            let particle = row.map(|row| [row.0]);
+            let rows = match (members, posed, &particle) {
+                (Some((members, rows)), ..) => {
+                    rows.into_inner().resolve(tables, members.is_changed(), members.iter())
+                }
+                (None, Some((posed, rows)), _) => rows.into_inner().resolve(
+                    tables,
+                    posed.is_changed(),
+                    posed.particles.iter().copied(),
+                ),
+                (None, None, Some(row)) => row,
+                (None, None, None) => continue,
+            };
+            // The force on a particle alone is one of its properties.
+            let force = force.filter(|_| particle.is_none()).map_or(Vec3::ZERO, |force| force.0);
+            let torque = torque.map_or(Vec3::ZERO, |torque| torque.0);
+            let nothing = TickForces::default();
+            let tick = tick.unwrap_or(&nothing);
+            let (first, mut valid) = (*used, true);
+            let whole = (force + tick.force, torque + tick.torque, None);
+            let points = tick.at_points.iter().map(|&(f, point)| (f, Vec3::ZERO, Some(point)));
+            for (force, torque, point) in core::iter::once(whole).chain(points) {
+                // The lists of rows are kept from tick to tick.
+                if *used == list.len() {
+                    list.push(Control::default());
+                }
+                let slot = &mut list[*used];
+                *used += 1;
+                slot.name.clear();
+                slot.rows.clear();
+                slot.rows.extend(rows.iter().filter(|&&row| takes_part(tables, row)));
+                (slot.force, slot.torque, slot.point) = (force, torque, point);
+                valid &= slot.is_valid();
+            }
+            let reason = (!valid).then_some(Refusal::Control(EditFault::NotFinite));
+            if !sound(broken, messages, entity, reason) {
+                *used = first;
+            }
+        }
+    }
 }
 
 fn particles_of(targets: &Targets, target: Entity) -> Vec<Entity> {

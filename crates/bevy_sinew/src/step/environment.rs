@@ -7,7 +7,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use sinew::{InsideBox, PlanarDrag, Plane};
 
-use super::frames::Frames;
+use super::frames::{Frames, Misplaced};
 use crate::components::{
     AirDrag, AirFlow, Attractor, BoundingBox, CreationOrder, Electric, ElectricField, Flatland,
     Fluid, Gravity, Ground, GroundDrag, Region, Wind,
@@ -86,34 +86,40 @@ pub(crate) struct Fields<'w, 's> {
 impl Fields<'_, '_> {
     fn tell(&self, forces: &mut sinew::Forces, frames: &Frames, judge: &mut Judge) {
         let within = |entity, region: Option<&Region>| {
-            region.map_or(sinew::Region::EVERYWHERE, |region| region.at(&frames.of(entity)))
+            let Some(region) = region else { return Ok(sinew::Region::EVERYWHERE) };
+            region.at(&frames.of(entity)?)
         };
 
         let wind = |(entity, order, wind, region): (_, &_, &Wind, _)| {
-            (*order, entity, wind.within(within(entity, region)))
+            (*order, entity, within(entity, region).map(|region| wind.within(region)))
         };
         judge.fill(&mut forces.winds, self.winds.iter().map(wind), sinew::Wind::is_valid);
 
         let air = |(entity, order, air, region): (_, &_, &AirFlow, _)| {
-            (*order, entity, air.within(within(entity, region)))
+            (*order, entity, within(entity, region).map(|region| air.within(region)))
         };
         judge.fill(&mut forces.air_flows, self.air.iter().map(air), sinew::AirFlow::is_valid);
 
         let fluid = |(entity, order, fluid, region): (_, &_, &Fluid, _)| {
-            let (up, level) = plane(&frames.of(entity), Vec3::Y);
-            (*order, entity, fluid.under(up, level, within(entity, region)))
+            let under = |region| {
+                let (up, level) = plane(&frames.of(entity)?, Vec3::Y);
+                Ok(fluid.under(up, level, region))
+            };
+            (*order, entity, within(entity, region).and_then(under))
         };
         judge.fill(&mut forces.fluids, self.fluids.iter().map(fluid), sinew::Fluid::is_valid);
 
         let field = |(entity, order, field, region): (_, &_, &ElectricField, _)| {
-            let region = within(entity, region);
-            (*order, entity, sinew::ElectricField { field: field.field, region })
+            let within = within(entity, region);
+            let field = |region| sinew::ElectricField { field: field.field, region };
+            (*order, entity, within.map(field))
         };
         let fields = self.electric.iter().map(field);
         judge.fill(&mut forces.electric_fields, fields, sinew::ElectricField::is_valid);
 
         let attractor = |(entity, order, attractor): (_, &_, &Attractor)| {
-            (*order, entity, attractor.at(frames.of(entity).translation))
+            let at = frames.of(entity).map(|frame| attractor.at(frame.translation));
+            (*order, entity, at)
         };
         let attractors = self.attractors.iter().map(attractor);
         judge.fill(&mut forces.attractors, attractors, sinew::Attractor::is_valid);
@@ -142,27 +148,36 @@ impl Bounds<'_, '_> {
         tables: &mut Tables,
     ) {
         let ground = |(entity, order, ground, drag): (_, &_, &Ground, Option<&GroundDrag>)| {
-            let (normal, offset) = plane(&frames.of(entity), Vec3::Y);
             let drag = drag
                 .map_or(default(), |drag| PlanarDrag { along: drag.along, across: drag.across });
             let Ground { friction, restitution } = *ground;
-            (*order, entity, Plane { normal, offset, friction, restitution, drag })
+            let plane = frames.of(entity).map(|frame| {
+                let (normal, offset) = plane(&frame, Vec3::Y);
+                Plane { normal, offset, friction, restitution, drag }
+            });
+            (*order, entity, plane)
         };
         judge.fill(&mut boundaries.planes, self.grounds.iter().map(ground), Plane::is_valid);
         judge.name(&mut tables.planes);
 
         let room = |(entity, order, room): (_, &_, &BoundingBox)| {
-            let (centre, half) = (frames.of(entity).translation, room.half_size);
-            let (min, max) = (centre - half, centre + half);
-            let BoundingBox { friction, restitution, .. } = *room;
-            (*order, entity, InsideBox { min, max, friction, restitution })
+            let BoundingBox { size, friction, restitution } = *room;
+            let inside = frames.of(entity).map(|frame| {
+                let (centre, half) = (frame.translation, 0.5 * size * frame.scale.abs());
+                let (min, max) = (centre - half, centre + half);
+                InsideBox { min, max, friction, restitution }
+            });
+            (*order, entity, inside)
         };
         judge.fill(&mut boundaries.boxes, self.rooms.iter().map(room), InsideBox::is_valid);
         judge.name(&mut tables.boxes);
 
         let sheet = |(entity, order): (_, &_)| {
-            let (normal, offset) = plane(&frames.of(entity), Vec3::Z);
-            (*order, entity, Plane { normal, offset, friction: 0.0, ..Plane::ground(0.0) })
+            let plane = frames.of(entity).map(|frame| {
+                let (normal, offset) = plane(&frame, Vec3::Z);
+                Plane { normal, offset, friction: 0.0, ..Plane::ground(0.0) }
+            });
+            (*order, entity, plane)
         };
         judge.fill(sheets, self.sheets.iter().map(sheet), Plane::is_valid);
         boundaries.sheet = sheets.first().copied();
@@ -202,15 +217,22 @@ impl Judge<'_, '_> {
     fn fill<T>(
         &mut self,
         list: &mut Vec<T>,
-        entries: impl Iterator<Item = (CreationOrder, Entity, T)>,
+        entries: impl Iterator<Item = (CreationOrder, Entity, Result<T, Misplaced>)>,
         valid: impl Fn(&T) -> bool,
     ) {
         self.kind += 1;
         list.clear();
         self.places.clear();
         for (order, entity, entry) in entries {
-            self.places.push((order, entity, list.len()));
-            list.push(entry);
+            match entry {
+                Ok(entry) => {
+                    self.places.push((order, entity, list.len()));
+                    list.push(entry);
+                }
+                Err(misplaced) => {
+                    self.sound(entity, false, || misplaced.into());
+                }
+            }
         }
         self.places.sort_unstable();
         for i in 0..list.len() {

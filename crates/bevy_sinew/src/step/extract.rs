@@ -1,43 +1,84 @@
 //! Extraction: what a game wants to know of a body, read off its particles after each tick.
 
 use bevy::prelude::*;
-use sinew::pose::{motion, pose};
+use sinew::pose::{Pose, motion, pose};
 
+use super::frames::{into, on_top};
 use crate::components::{
-    AngularVelocity, Barycenter, BodyParticles, BodyReport, ExtractedTransform, Inertia,
-    LinearVelocity, Particle, RigidPose,
+    AngularVelocity, Barycenter, BodyParticles, BodyReport, ExtractedTransform, ExtractedVelocity,
+    Inertia, LinearVelocity, Particle, RigidPose,
 };
 use crate::rows::{GONE, Rows};
 use crate::world::SinewWorld;
 
-/// Writes the transform of everything that has a [`RigidPose`].
+/// Whatever has a pose, and where it was.
+type Posed = (Ref<'static, RigidPose>, &'static mut Rows<RigidPose>);
+
+/// Writes the transform of everything that has a [`RigidPose`]: in the frame of its parents, which are written before it.
 pub(crate) fn extract_poses(
     world: Res<SinewWorld>,
-    mut posed: Query<(
-        Ref<RigidPose>,
-        &mut Rows<RigidPose>,
-        &mut Transform,
-        Option<&mut ExtractedTransform>,
+    mut roots: ParamSet<(
+        Query<(Posed, &mut Transform, Option<&mut ExtractedTransform>), Without<ChildOf>>,
+        Query<&mut Transform>,
     )>,
+    mut children: Query<(Entity, Posed, Option<&mut ExtractedTransform>), With<ChildOf>>,
+    parents: Query<&ChildOf>,
+    mut order: Local<Vec<(usize, Entity)>>,
 ) {
-    let (particles, tables) = (&world.simulation.particles, &world.tables);
-    for (rigid, mut rows, mut transform, known) in &mut posed {
-        let rows = rows.resolve(tables, rigid.is_changed(), rigid.particles.iter().copied());
-        let sound = |row: u32| row != GONE && tables.refused[row as usize].is_none();
-        // Relative to a point near them: far out, positions in the world have no digits for how a body is turned.
-        let Some(&first) = rows.iter().find(|&&row| sound(row)) else { continue };
-        let near = particles.position(first as usize);
-        let points = rows.iter().zip(&rigid.rest).filter_map(|(&row, &rest)| {
-            let i = row as usize;
-            sound(row).then(|| (particles.relative_to(i, near), rest, tables.mass[i]))
-        });
-        let Some(found) = pose(points, transform.rotation) else { continue };
-        transform.translation = near + found.translation;
+    for ((rigid, mut rows), mut transform, known) in &mut roots.p0() {
+        let Some(found) = found(&world, &rigid, &mut rows, transform.rotation) else { continue };
+        transform.translation = found.translation;
         transform.rotation = found.rotation;
         if let Some(mut known) = known {
             known.0 = Some(*transform);
         }
     }
+    if children.is_empty() {
+        return;
+    }
+    order.clear();
+    order.extend(children.iter().map(|(child, ..)| (parents.iter_ancestors(child).count(), child)));
+    order.sort_unstable();
+    let mut transforms = roots.p1();
+    for &(_, child) in &*order {
+        let Ok((_, (rigid, mut rows), known)) = children.get_mut(child) else { continue };
+        let of = |entity| transforms.get(entity).ok().copied();
+        let Ok(above) = on_top(Transform::IDENTITY, child, of, &parents) else { continue };
+        let Some(own) = of(child) else { continue };
+        let before = above.rotation * own.rotation;
+        let Some(found) = found(&world, &rigid, &mut rows, before) else { continue };
+        let place = Transform { translation: found.translation, rotation: found.rotation, ..own };
+        let own = into(&above, &place);
+        if let Ok(mut transform) = transforms.get_mut(child) {
+            *transform = own;
+        }
+        if let Some(mut known) = known {
+            // As it will be found again, to the last bit, if nobody moves it.
+            let of = |entity| transforms.get(entity).ok().copied();
+            known.0 = on_top(own, child, of, &parents).ok();
+        }
+    }
+}
+
+/// Where the particles of a pose put it in the world, near where it was turned before; `None` if none of them is there.
+fn found(
+    world: &SinewWorld,
+    rigid: &Ref<RigidPose>,
+    rows: &mut Rows<RigidPose>,
+    before: Quat,
+) -> Option<Pose> {
+    let (particles, tables) = (&world.simulation.particles, &world.tables);
+    let rows = rows.resolve(tables, rigid.is_changed(), rigid.particles.iter().copied());
+    let sound = |row: u32| row != GONE && tables.refused[row as usize].is_none();
+    // Relative to a point near them: far out, positions in the world have no digits for how a body is turned.
+    let &first = rows.iter().find(|&&row| sound(row))?;
+    let near = particles.position(first as usize);
+    let points = rows.iter().zip(&rigid.rest).filter_map(|(&row, &rest)| {
+        let i = row as usize;
+        sound(row).then(|| (particles.relative_to(i, near), rest, tables.mass[i]))
+    });
+    let found = pose(points, before)?;
+    Some(Pose { translation: near + found.translation, ..found })
 }
 
 /// Writes the velocities, the barycentre and the inertia of every body that has particles.
@@ -48,12 +89,15 @@ pub(crate) fn extract_motion(
         &mut Rows<BodyParticles>,
         &mut LinearVelocity,
         &mut AngularVelocity,
+        &mut ExtractedVelocity,
         &mut Barycenter,
         &mut Inertia,
     )>,
 ) {
     let (simulation, tables) = (&world.simulation, &world.tables);
-    for (members, mut rows, mut linear, mut angular, mut barycenter, mut inertia) in &mut bodies {
+    for (members, mut rows, mut linear, mut angular, mut known, mut barycenter, mut inertia) in
+        &mut bodies
+    {
         let rows = rows.resolve(tables, members.is_changed(), members.iter());
         let sound = |row: u32| row != GONE && tables.refused[row as usize].is_none();
         let Some(&first) = rows.iter().find(|&&row| sound(row)) else { continue };
@@ -66,6 +110,7 @@ pub(crate) fn extract_motion(
         if let Some(found) = motion(points) {
             linear.0 = found.velocity;
             angular.0 = found.angular_velocity;
+            known.0 = Some((found.velocity, found.angular_velocity));
             barycenter.position = near + found.barycentre;
             barycenter.mass = found.mass;
             inertia.0 = found.inertia;
@@ -73,13 +118,31 @@ pub(crate) fn extract_motion(
     }
 }
 
-/// Moves the transforms of loose particles that have one: a ball on its own is drawn where its particle is.
+/// Moves the transforms of loose particles that have one: a ball on its own is drawn where its particle is. In the frame of its parents, if it has any.
 pub(crate) fn extract_particles(
-    mut particles: Query<(&Particle, &mut Transform), Changed<Particle>>,
+    mut particles: ParamSet<(
+        Query<(&Particle, &mut Transform), (Changed<Particle>, Without<ChildOf>)>,
+        Query<&mut Transform>,
+    )>,
+    children: Query<(Entity, &Particle), (With<Transform>, With<ChildOf>)>,
+    parents: Query<&ChildOf>,
 ) {
-    for (particle, mut transform) in &mut particles {
+    for (particle, mut transform) in &mut particles.p0() {
         if particle.position.is_finite() {
             transform.translation = particle.position;
+        }
+    }
+    let mut transforms = particles.p1();
+    for (child, particle) in &children {
+        let of = |entity| transforms.get(entity).ok().copied();
+        let above = on_top(Transform::IDENTITY, child, of, &parents);
+        let at = Transform::from_translation(particle.position);
+        let place = above.map(|above| into(&above, &at).translation);
+        // In a parent that shears it no transform of its own says where it is.
+        if let (Ok(place), Ok(mut transform)) = (place, transforms.get_mut(child))
+            && place.is_finite()
+        {
+            transform.translation = place;
         }
     }
 }

@@ -1,20 +1,152 @@
-//! Where entities are, in a tick.
+//! Where entities are in the world, on top of their parents: computed afresh, as `GlobalTransform` is a frame old in the fixed schedule.
+//!
+//! The solver works in the world; a place there is a translation, a rotation and a scale along the entity's own axes. Parents that are scaled alike in all
+//! directions keep it that. One that is not shears what is turned in it, unless it is turned by right angles: there is no such place, and what would be
+//! there is refused.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-/// Where entities are: computed afresh, as `GlobalTransform` is a frame old in the fixed schedule.
+use crate::messages::Refusal;
+
+/// Transforms and parents, to be read.
 #[derive(SystemParam)]
 pub(crate) struct Frames<'w, 's> {
     transforms: Query<'w, 's, &'static Transform>,
     parents: Query<'w, 's, &'static ChildOf>,
 }
 
+/// Why something has no place where its transform and its parents would put it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Misplaced {
+    /// A parent shears it.
+    Sheared,
+    /// It is round, or a figure of one proportion, and is scaled differently in different directions.
+    Uneven,
+}
+
+impl From<Misplaced> for Refusal {
+    fn from(misplaced: Misplaced) -> Self {
+        match misplaced {
+            Misplaced::Sheared => Self::Sheared,
+            Misplaced::Uneven => Self::UnevenScale,
+        }
+    }
+}
+
 impl Frames<'_, '_> {
-    /// Where an entity is, on top of its parents. What has no transform is where its parents are.
-    pub(crate) fn of(&self, entity: Entity) -> Transform {
-        let own = |entity| self.transforms.get(entity).copied().unwrap_or_default();
-        let parents = self.parents.iter_ancestors(entity);
-        parents.fold(own(entity), |inner, parent| own(parent).mul_transform(inner))
+    /// Where an entity is. What has no transform is where its parents are.
+    pub(crate) fn of(&self, entity: Entity) -> Result<Transform, Misplaced> {
+        let own = |entity| self.transforms.get(entity).ok().copied();
+        on_top(own(entity).unwrap_or_default(), entity, own, &self.parents)
+    }
+}
+
+/// Where something is that is at `inner` in the frame of an entity's parents.
+pub(crate) fn on_top(
+    inner: Transform,
+    entity: Entity,
+    transform: impl Fn(Entity) -> Option<Transform>,
+    parents: &Query<&ChildOf>,
+) -> Result<Transform, Misplaced> {
+    let mut above = parents.iter_ancestors(entity);
+    above.try_fold(inner, |inner, parent| match transform(parent) {
+        Some(outer) => compose(&outer, &inner).ok_or(Misplaced::Sheared),
+        None => Ok(inner),
+    })
+}
+
+/// A place in the world as its own in a frame; its scale stays.
+pub(crate) fn into(above: &Transform, place: &Transform) -> Transform {
+    let back = above.rotation.inverse();
+    Transform {
+        translation: back * (place.translation - above.translation) / above.scale,
+        rotation: back * place.rotation,
+        scale: place.scale,
+    }
+}
+
+/// The same in a world at hand.
+pub(crate) fn in_world(world: &World, entity: Entity) -> Result<Transform, Misplaced> {
+    let mut frame = world.get::<Transform>(entity).copied().unwrap_or_default();
+    let mut at = entity;
+    while let Some(parent) = world.get::<ChildOf>(at).map(ChildOf::parent) {
+        if let Some(outer) = world.get::<Transform>(parent) {
+            frame = compose(outer, &frame).ok_or(Misplaced::Sheared)?;
+        }
+        at = parent;
+    }
+    Ok(frame)
+}
+
+/// By how much a scale enlarges in all directions alike, mirrored or not; refused if it is not the same in all.
+pub(crate) fn even_factor(scale: Vec3) -> Result<f32, Misplaced> {
+    let factor = scale.abs();
+    if is_even(factor) { Ok(factor.x) } else { Err(Misplaced::Uneven) }
+}
+
+/// Whether a scale is the same in all directions.
+pub(crate) fn is_even(scale: Vec3) -> bool {
+    scale.x == scale.y && scale.y == scale.z
+}
+
+/// What is at `inner` in a frame that is at `outer`; `None` if that shears it.
+fn compose(outer: &Transform, inner: &Transform) -> Option<Transform> {
+    let translation = outer.transform_point(inner.translation);
+    let (s, r) = (outer.scale, inner.rotation);
+    if is_even(s) || r == Quat::IDENTITY {
+        let (rotation, scale) = (outer.rotation * r, s * inner.scale);
+        return Some(Transform { translation, rotation, scale });
+    }
+    // The axes of what is inside, stretched: square to each other if nothing is sheared.
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| s * (r * axis));
+    let lengths = axes.map(Vec3::length);
+    let [x, y, z] = [0, 1, 2].map(|i| axes[i] / lengths[i]);
+    let skew = x.dot(y).abs().max(y.dot(z).abs()).max(z.dot(x).abs());
+    // Written so that NaN is sheared: a scale of zero leaves no axis.
+    #[allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN is sheared")]
+    if !(skew < 1e-4) {
+        return None;
+    }
+    let mirror = if x.cross(y).dot(z) < 0.0 { -1.0 } else { 1.0 };
+    let turned = Mat3::from_cols(x * mirror, y, z);
+    let scale = Vec3::new(lengths[0] * mirror, lengths[1], lengths[2]) * inner.scale;
+    let rotation = outer.rotation * Quat::from_mat3(&turned);
+    Some(Transform { translation, rotation, scale })
+}
+
+#[cfg(test)]
+mod tests {
+    use core::f32::consts::FRAC_PI_2;
+
+    use super::*;
+
+    fn turned(angle: f32) -> Transform {
+        Transform::from_xyz(1.0, 2.0, 3.0).with_rotation(Quat::from_rotation_z(angle))
+    }
+
+    #[test]
+    fn what_a_parent_does_not_shear_is_where_bevy_puts_it() {
+        let even = turned(0.7).with_scale(Vec3::splat(2.0));
+        let long = turned(0.3).with_scale(Vec3::new(1.0, 4.0, 0.5));
+        let mirrored = turned(0.3).with_scale(Vec3::new(-1.0, 4.0, 0.5));
+        for (outer, inner) in [
+            (even, turned(0.4).with_scale(Vec3::new(1.0, 2.0, 3.0))),
+            (long, turned(0.0).with_scale(Vec3::new(3.0, 2.0, 1.0))),
+            (long, turned(FRAC_PI_2).with_scale(Vec3::new(3.0, 2.0, 1.0))),
+            (mirrored, turned(FRAC_PI_2)),
+        ] {
+            let found = compose(&outer, &inner).unwrap().compute_affine();
+            let true_one = outer.compute_affine() * inner.compute_affine();
+            assert!(found.abs_diff_eq(true_one, 1e-5), "{outer:?} {inner:?}: {found}");
+        }
+    }
+
+    #[test]
+    fn what_is_turned_in_a_parent_that_is_scaled_unevenly_has_no_place() {
+        let long = Transform::from_scale(Vec3::new(1.0, 2.0, 1.0));
+        assert_eq!(compose(&long, &turned(0.5)), None);
+        let flat = Transform::from_scale(Vec3::new(1.0, 0.0, 1.0));
+        assert_eq!(compose(&flat, &turned(0.5)), None);
     }
 }

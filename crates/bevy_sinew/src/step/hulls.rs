@@ -80,9 +80,9 @@ fn hull(
         return Ok(None);
     }
     match (&floats.shape, part) {
-        (HullShape::Own, Some(part)) => posed(tables, pose, boxed(part.size * 0.5)),
+        (HullShape::Own, Some(part)) => posed(tables, pose, boxed(part.size)),
         (HullShape::Own | HullShape::Surface, _) => carried(tables, surface),
-        (HullShape::Box { half_size }, _) => posed(tables, pose, boxed(*half_size)),
+        (HullShape::Box { size }, _) => posed(tables, pose, boxed(*size)),
         (HullShape::Mesh { vertices, triangles }, _) => {
             posed(tables, pose, (vertices.clone(), triangles.clone()))
         }
@@ -136,12 +136,12 @@ fn made(
 }
 
 /// The skin of a solid box about the origin: corner `i` is on the positive side of x, y and z where bit 0, 1 and 2 of `i` is set.
-fn boxed(half_size: Vec3) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+fn boxed(size: Vec3) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     // Counter-clockwise from outside, as the faces of `sinew::recipes::box_3d`.
     const FACES: [[u32; 4]; 6] =
         [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-    let side = |i: u32, bit: u32| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
-    let corner = |i| Vec3::new(side(i, 0), side(i, 1), side(i, 2)) * half_size;
+    let side = |i: u32, bit: u32| if i >> bit & 1 == 1 { 0.5 } else { -0.5 };
+    let corner = |i| Vec3::new(side(i, 0), side(i, 1), side(i, 2)) * size;
     let triangles = FACES.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     ((0..8).map(corner).collect(), triangles)
 }

@@ -9,8 +9,8 @@ use super::changes::census;
 use super::pins::sound;
 use super::segments::Segments;
 use crate::components::{
-    BodyContacts, BodyParticles, Collider, ContactShape, CreationOrder, ParticleBody, RigidPose,
-    WindSurface,
+    BodyContacts, BodyParticles, Collider, ContactShape, ContactsDisabled, CreationOrder,
+    ParticleBody, ResolvedShape, RigidPose, WindSurface,
 };
 use crate::messages::{Refusal, Refused};
 use crate::recipes::PartOf;
@@ -30,12 +30,19 @@ type Asking = (
     Option<&'static WindSurface>,
 );
 
+/// What decides by what a body, or something else with a pose, collides.
+type Shaped = (
+    Option<Ref<'static, BodyContacts>>,
+    Option<Ref<'static, ResolvedShape>>,
+    Has<ContactsDisabled>,
+);
+
 /// What was wrong, so that each is reported once; and how many there were.
 #[derive(Default)]
 pub(crate) struct Known {
     shapes: BTreeSet<Entity>,
     bodies: BTreeSet<Entity>,
-    counts: [usize; 2],
+    counts: [usize; 4],
 }
 
 /// Lists the solids afresh if particles came or went or were set aside, or a body asks for something else, or a part has another shape, or, where a
@@ -47,6 +54,9 @@ pub(crate) fn compile_solids(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
     contacts: Query<Ref<BodyContacts>>,
+    resolved: Query<Ref<ResolvedShape>>,
+    disabled: Query<Ref<ContactsDisabled>>,
+    shaped: Query<Shaped>,
     asking: Query<Asking>,
     reshaped: Query<(), Reshaped>,
     mut parts: Query<(
@@ -62,17 +72,28 @@ pub(crate) fn compile_solids(
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
     let Known { shapes, bodies, counts } = &mut *known;
-    let (asked, changed) = census(&contacts);
+    let all = [census(&contacts), census(&resolved), census(&disabled)];
+    let changed = all.iter().any(|&(_, changed)| changed);
     // What went is not told as a change; what came is one, so that their number says the rest.
-    let now = [asked, parts.iter().len()];
+    let now = [all[0].0, all[1].0, all[2].0, parts.iter().len()];
     let went = core::mem::replace(counts, now) != now;
-    if asked == 0 && simulation.solids().is_empty() {
-        return;
-    }
-    let bends = |own: &BodyContacts| own.shape == ContactShape::Segments;
     let retied = || tables.retied || tables.properties_gathered || segments.are_off();
     let anew = tables.stale || went || changed || !reshaped.is_empty();
-    if !(anew || contacts.iter().any(|own| bends(&own)) && retied()) {
+    // By what something collides; `None` if by nothing.
+    let shape = |owner: Entity| match shaped.get(owner) {
+        Ok((_, _, true)) => None,
+        Ok((Some(own), _, _)) if own.shape != ContactShape::Auto => Some(own.shape),
+        Ok((_, Some(resolved), _)) if resolved.shape != ContactShape::Particles => {
+            Some(resolved.shape)
+        }
+        _ => Some(ContactShape::Auto),
+    };
+    let bends = |owner: Entity| shape(owner) == Some(ContactShape::Segments);
+    let any_bends = || {
+        let asks = contacts.iter().any(|own| own.shape == ContactShape::Segments);
+        asks || resolved.iter().any(|own| own.shape == ContactShape::Segments)
+    };
+    if !(anew || any_bends() && retied()) {
         return;
     }
     shapes.retain(|&entity| parts.contains(entity));
@@ -82,8 +103,9 @@ pub(crate) fn compile_solids(
     let mut owners: Vec<Entity> = Vec::new();
     for (part, order, collider, pose, of, mut rows) in &mut parts {
         let owner = of.map_or(part, |of| of.0);
-        let shape = contacts.get(owner).ok().map(|own| own.shape);
-        if !matches!(shape, Some(ContactShape::Auto | ContactShape::Solid)) {
+        let explicit = contacts.get(owner).map_or(ContactShape::Auto, |own| own.shape);
+        let by_parts = matches!(explicit, ContactShape::Auto | ContactShape::Solid);
+        if !by_parts || disabled.contains(owner) {
             continue;
         }
         let rows = rows.resolve(tables, pose.is_changed(), pose.particles.iter().copied());
@@ -95,7 +117,13 @@ pub(crate) fn compile_solids(
         sound(shapes, &mut messages, part, reason);
         solids.extend(solid.map(|solid| (*order, part, solid)));
     }
-    let asks = |body: Entity| contacts.get(body).is_ok_and(|own| bends(&own));
+    // What has rigid parts collides by those, unless it asks for segments.
+    owners.sort_unstable();
+    let with_parts = owners.clone();
+    let asks = |body: Entity| {
+        let explicit = contacts.get(body).is_ok_and(|own| own.shape == ContactShape::Segments);
+        bends(body) && (explicit || with_parts.binary_search(&body).is_err())
+    };
     segments.list((&simulation.particles, tables), asks, &mut owners, &mut solids);
     solids.sort_unstable_by_key(|&(order, part, _)| (order, part));
     owners.sort_unstable();

@@ -1,31 +1,43 @@
-//! Bodies whose `Transform` somebody else changed take their particles along.
+//! Bodies that somebody else moved take their particles along: by their own `Transform`, or by that of a parent.
 
 use bevy::prelude::*;
 
 use super::carry::Carry;
+use super::frames::Frames;
 use crate::components::{BodyParticles, ExtractedTransform, Particle, Sleep};
 
-/// Moves the particles of bodies whose `Transform` somebody else changed: the change is a teleport of the whole body.
+/// Moves the particles of bodies that are elsewhere in the world than the simulation left them: that is a teleport of the whole body.
 ///
-/// Velocities turn with the body and otherwise stay, so that a portal carries a flying box through.
+/// Velocities turn with the body and otherwise stay, so that a portal carries a flying box through. So a body whose parent moves goes with it by as much
+/// in every tick, besides what it does by itself, and its velocity in the world says only the latter.
 pub(crate) fn follow_teleports(
-    mut bodies: Query<
-        (&Transform, &mut ExtractedTransform, &BodyParticles, Option<&mut Sleep>),
-        Changed<Transform>,
-    >,
+    mut bodies: Query<(
+        Entity,
+        &Transform,
+        Has<ChildOf>,
+        &mut ExtractedTransform,
+        &BodyParticles,
+        Option<&mut Sleep>,
+    )>,
+    frames: Frames,
     mut particles: Query<&mut Particle>,
 ) {
-    for (transform, mut known, members, sleep) in &mut bodies {
+    for (entity, transform, parented, mut known, members, sleep) in &mut bodies {
         let Some(old) = known.0 else { continue };
-        if old == *transform {
+        // One that a parent shears stays where it is; building it says so.
+        let Ok(now) = (if parented { frames.of(entity) } else { Ok(*transform) }) else { continue };
+        if old == now {
             continue;
         }
-        let Some(carry) = Carry::between(&old, transform) else { continue };
+        let Some(carry) = Carry::between(&old, &now) else { continue };
+        known.0 = Some(now);
+        if carry.is_none() {
+            continue;
+        }
         let mut moved = particles.iter_many_mut(members.iter());
         while let Some(mut particle) = moved.fetch_next() {
             carry.take(&mut particle);
         }
-        known.0 = Some(*transform);
         if let Some(mut sleep) = sleep {
             sleep.wake();
         }

@@ -3,11 +3,30 @@
 use bevy::prelude::*;
 use sinew::Impact;
 
-use crate::components::{ContactEnded, ContactEvents, ContactStarted, CreationOrder, Touching};
+use crate::components::{
+    Collider, ContactEnded, ContactEvents, ContactStarted, CreationOrder, Particle, ParticleBody,
+    Touching,
+};
+use crate::recipes::Rescaled;
 use crate::world::SinewWorld;
 
 /// What a tick told of one entity: who, whom, and how.
 type Told = (Entity, Entity, Impact, f32);
+
+/// What lost its parent since the last tick.
+#[derive(Resource, Default)]
+pub(crate) struct Orphans(Vec<Entity>);
+
+/// Notes it. (An observer, for a tick may be too late to be told of what went.)
+pub(crate) fn note_orphan(
+    removed: On<Remove, ChildOf>,
+    involved: Query<(), Or<(With<ParticleBody>, With<Collider>, With<Particle>)>>,
+    mut orphans: ResMut<Orphans>,
+) {
+    if involved.contains(removed.entity) {
+        orphans.0.push(removed.entity);
+    }
+}
 
 /// Compares whom each one who asked touches with whom it touched.
 pub(crate) fn tell_contacts(
@@ -16,12 +35,18 @@ pub(crate) fn tell_contacts(
     mut started: MessageWriter<ContactStarted>,
     mut ended: MessageWriter<ContactEnded>,
     mut asking: Query<(Entity, Option<&CreationOrder>, &mut Touching), With<ContactEvents>>,
+    (moved, mut rescaled): (Query<Entity, Changed<ChildOf>>, RemovedComponents<Rescaled>),
+    mut orphans: ResMut<Orphans>,
+    mut anew: Local<Vec<Entity>>,
     mut told: Local<Vec<Told>>,
     mut order: Local<Vec<(Option<CreationOrder>, Entity)>>,
 ) {
+    anew.clear();
+    anew.extend(moved.iter().chain(rescaled.read()).chain(orphans.0.drain(..)));
     if asking.is_empty() {
         return;
     }
+    anew.sort_unstable();
     told.clear();
     for impact in &world.report().impacts {
         let parties = [impact.first, impact.second].map(|party| world.entity_of(party));
@@ -40,15 +65,20 @@ pub(crate) fn tell_contacts(
         let Ok((_, _, mut touching)) = asking.get_mut(entity) else { continue };
         let from = told.partition_point(|one| one.0 < entity);
         let now = &told[from..from + told[from..].partition_point(|one| one.0 == entity)];
-        if now.iter().map(|one| one.1).eq(touching.0.iter().copied()) {
+        let is_new = |entity: &Entity| !anew.is_empty() && anew.binary_search(entity).is_ok();
+        let goes_on = |other: &Entity| !is_new(&entity) && !is_new(other);
+        let unchanged = now.iter().map(|one| one.1).eq(touching.0.iter().copied());
+        if unchanged && touching.0.iter().all(goes_on) {
             continue;
         }
-        for &other in touching.0.iter().filter(|&&other| !now.iter().any(|one| one.1 == other)) {
+        let is_over = |other: &&Entity| !goes_on(other) || !now.iter().any(|one| one.1 == **other);
+        for &other in touching.0.iter().filter(is_over) {
             let event = ContactEnded { entity, other };
             ended.write(event);
             commands.trigger(event);
         }
-        for &(_, other, impact, sign) in now.iter().filter(|one| !touching.0.contains(&one.1)) {
+        let began = |one: &&Told| !goes_on(&one.1) || !touching.0.contains(&one.1);
+        for &(_, other, impact, sign) in now.iter().filter(began) {
             let Impact { point, normal, impulse, sensor, .. } = impact;
             let event =
                 ContactStarted { entity, other, point, normal: normal * sign, impulse, sensor };

@@ -2,7 +2,7 @@
 
 use super::friction::push;
 use crate::constraints::{Boundaries, InsideBox, PlanarDrag, Plane, slow_down};
-use crate::particles::{Particles, Places};
+use crate::particles::{Particles, Places, ground};
 
 /// The valid ones among the planes and boxes that bound every particle, and the sheet: scratch of a step.
 #[derive(Clone, Debug, Default)]
@@ -69,6 +69,25 @@ impl Bounds {
         let out = places.height(row, sheet.normal, sheet.offset);
         places.displace(row, sheet.normal * -out);
         out.abs()
+    }
+
+    /// Puts all rows back into the sheet of a world in 2D, or if `moving` their velocities: normals of contacts are not quite in it.
+    pub(super) fn flatten(&self, particles: &mut Particles, moving: bool) {
+        let Some(Plane { normal, offset, .. }) = self.sheet else { return };
+        for row in 0..particles.len() {
+            let here = particles.position[row];
+            if here.w == 0.0 {
+                continue;
+            }
+            if moving {
+                let out = particles.velocity[row].truncate().dot(normal);
+                particles.velocity[row] -= (normal * out).extend(0.0);
+            } else {
+                let out =
+                    ground(particles.origin[row], normal, offset) + here.truncate().dot(normal);
+                particles.position[row] -= (normal * out).extend(0.0);
+            }
+        }
     }
 
     /// How far out a row is, metres, moving nothing.

@@ -106,6 +106,7 @@ impl Contacts {
         self.pairs.project(particles, world.filter, h);
         // Last, so that what it says of sides holds when the next substep begins.
         self.triangles.project(particles, world.filter);
+        self.touch.flatten(particles, false);
     }
 
     /// After the velocities.
@@ -113,6 +114,7 @@ impl Contacts {
         self.solids.bounce(particles, h, gravity);
         self.pairs.bounce(particles, h, gravity);
         self.triangles.bounce(particles, h, gravity);
+        self.touch.flatten(particles, true);
     }
 
     /// Gives back what is remembered.

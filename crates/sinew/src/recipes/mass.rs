@@ -19,6 +19,7 @@
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
 use super::nearest::bounds;
+use crate::same_place::first_in_place;
 
 /// Volume, barycentre and second moments of what a closed mesh encloses, at uniform density.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -156,7 +157,7 @@ fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MassFault> {
     if let Some(number) = triangles.iter().position(|t| !t.iter().all(is_vertex)) {
         return Err(MassFault::NoSuchVertex(number));
     }
-    let same = leaders(positions);
+    let same = first_in_place(positions);
     // Every side of a triangle as its edge and whether it goes up or down. A closed surface goes each edge as often up as down.
     let mut sides = Vec::with_capacity(3 * triangles.len());
     for t in triangles {
@@ -175,21 +176,6 @@ fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MassFault> {
         }
     }
     Ok(())
-}
-
-/// For each vertex the first one in the same place.
-fn leaders(positions: &[Vec3]) -> Vec<u32> {
-    // Adding zero makes of -0 the zero that it equals.
-    let key = |i: u32| positions[i as usize].to_array().map(|x| (x + 0.0).to_bits());
-    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
-    order.sort_by_key(|&i| (key(i), i));
-    let mut leaders = vec![0; positions.len()];
-    for same in order.chunk_by(|&a, &b| key(a) == key(b)) {
-        for &i in same {
-            leaders[i as usize] = same[0];
-        }
-    }
-    leaders
 }
 
 #[cfg(test)]

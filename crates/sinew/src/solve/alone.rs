@@ -90,7 +90,7 @@ pub(crate) fn advance_all(
         rooms.with(|room| {
             room.begin(&alone.task);
             if !alone.task.flocks.is_empty() {
-                with(machine.instructions, alone.flocks(room, most));
+                alone.flocks(room, most).run();
             }
             roll_waves(&mut alone, room, most);
             if !room.rest.is_empty() {

@@ -107,7 +107,7 @@ pub(crate) fn solve_all(
         rooms.with(|room| {
             room.begin(&share.task);
             if !share.task.flocks.is_empty() {
-                with(machine.instructions, share.flocks(room));
+                share.flocks(room).run();
             }
             share.one_by_one(room);
         });

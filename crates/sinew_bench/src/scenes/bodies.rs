@@ -142,7 +142,7 @@ pub fn dolls(side: u32) -> (Simulation, u32) {
 pub fn dolls_on_stairs(side: u32) -> (Simulation, u32) {
     let mut world = Simulation::default();
     for (half, place) in stairs(side) {
-        let stair = Shape::cuboid(half).expect("a stair is a box");
+        let stair = Shape::cuboid(half * 2.0).expect("a stair is a box");
         world.colliders.push(Collider::fixed(stair, Frame::at(place)));
     }
     let doll = ragdoll(&RagdollSpec::default()).expect("the ragdoll is sound");

@@ -2,33 +2,49 @@
 
 use bevy::prelude::*;
 
-/// Has a body collide with other bodies, and perhaps with itself; on a loose particle, has that collide with the particles of others. Both bodies of
-/// two must ask for it.
+/// How a body takes part in contacts, where that is not as by default: a loose particle is a body of its own.
 ///
-/// Without it, the particles of a body touch [`Ground`](crate::Ground)s, [`BoundingBox`](crate::BoundingBox)es and [`Collider`](super::Collider)s,
-/// and nothing else. [`SurfaceMaterial`](super::SurfaceMaterial) and [`CollisionLayers`](super::CollisionLayers) on the body say what it is made of
-/// and what it may touch, with this or without.
+/// Without it a body touches colliders, [`Ground`](crate::Ground)s, [`BoundingBox`](crate::BoundingBox)es and all other bodies, by what holds for it
+/// ([`ContactShape::Auto`]), and not itself; a [`Ragdoll`](crate::Ragdoll) and an [`Articulated`](crate::Articulated) body have
+/// [`BodyContacts::ALL`], because their limbs touch each other, unless they are spawned with another one. Two bodies that a constraint joins do not touch
+/// each other; neither do a body and what it is [pinned to](crate::PinnedTo), or a collider that is a child of it; nor a single particle and what it is
+/// tied to, directly or through others.
 ///
-/// Particles collide as balls of their [`Radius`](crate::Radius); those without one do not. Where a mesh is wider than they are,
-/// [`ContactShape::Triangles`] closes it, and where a rope is longer from one to the next, [`ContactShape::Segments`] does.
+/// [`SurfaceMaterial`](super::SurfaceMaterial) and [`CollisionLayers`](super::CollisionLayers) on the body say what it is made of and what it may touch;
+/// [`ContactsDisabled`] takes it out of all contacts. Particles collide as balls of their [`Radius`](crate::Radius); those without one touch colliders and
+/// grounds as points, and no other body.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct BodyContacts {
-    /// Whether it touches other bodies that ask for the same. Default so.
+    /// Whether it touches other bodies, if those touch others, too. Default so.
     pub with_bodies: bool,
-    /// Whether its particles touch each other, so that cloth does not pass through itself: they keep as far apart as their radii ask for, or as they
-    /// are in the rest shape ([`RestPlace`]) if that is less. Default not.
+    /// Whether it touches itself, so that cloth does not pass through itself: particles keep as far apart as their radii ask for, or as they are in the
+    /// rest shape ([`RestPlace`]) if that is less; rigid parts touch unless a joint connects them or they overlap in the rest shape. Default not.
     pub with_itself: bool,
     /// What of it touches others. Default [`ContactShape::Auto`].
     pub shape: ContactShape,
 }
 
+/// Takes a body, a loose particle or a [`Collider`](super::Collider) out of all contacts: it passes through everything, and everything through it, rays too.
+/// To have it pass through some things alone there are [`CollisionLayers`](super::CollisionLayers), and through other bodies alone
+/// [`BodyContacts::with_bodies`].
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct ContactsDisabled;
+
 /// What of a body touches others.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum ContactShape {
-    /// Its rigid parts if it has any with a [`Collider`](super::Collider) (a box, a solid, the limbs of a ragdoll), and otherwise its particles. The
-    /// default.
+    /// What lets nothing through at the least cost. The default:
+    ///
+    /// - its rigid parts if it has any with a [`Collider`](super::Collider): a box, a solid, the limbs of a ragdoll;
+    /// - otherwise its particles, if those are large enough to close its surface or its chain;
+    /// - otherwise its [triangles](Self::Triangles) if it has some, such as cloth and soft bodies;
+    /// - otherwise its [segments](Self::Segments) if it is a chain of rods, such as a rope.
+    ///
+    /// Particles close a surface where their [`Radius`](crate::Radius) is 0.29 of its longest edge or more in the rest shape, and a chain where it is half of
+    /// the longest rod. (For a surface that is known by [`RestPlace`]s, which recipes put on every particle.)
     #[default]
     Auto,
     /// Its particles, each a ball of its [`Radius`](crate::Radius).
@@ -82,3 +98,14 @@ impl BodyContacts {
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct RestPlace(pub Vec3);
+
+/// What [`ContactShape::Auto`] comes to for a body. Scratch: found again where what it follows from has changed.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct ResolvedShape {
+    /// Particles, triangles or segments. Rigid parts come first, and are asked for elsewhere.
+    pub(crate) shape: ContactShape,
+    /// The layout, and the least radius of its particles, that it was found for.
+    pub(crate) layout: u64,
+    pub(crate) radius: f32,
+}

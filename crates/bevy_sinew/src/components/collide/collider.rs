@@ -25,7 +25,7 @@ use crate::components::CreationOrder;
 /// # use bevy_sinew::prelude::*;
 /// fn spawn(mut commands: Commands) {
 ///     commands.spawn(Collider::plane());
-///     commands.spawn((Collider::cuboid(Vec3::new(2.0, 0.1, 2.0)), Transform::from_xyz(0.0, 1.0, 0.0)));
+///     commands.spawn((Collider::cuboid(Vec3::new(4.0, 0.2, 4.0)), Transform::from_xyz(0.0, 1.0, 0.0)));
 ///     let ramp = Collider::hull(&[Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::new(1.0, 0.5, 0.0), Vec3::new(1.0, 0.0, 1.0)]);
 ///     if let Ok(ramp) = ramp {
 ///         commands.spawn((ramp, Transform::from_xyz(3.0, 0.0, 0.0)));
@@ -47,20 +47,20 @@ pub enum Collider {
     Capsule {
         /// Its radius, metres; positive.
         radius: f32,
-        /// Half the height of the cylinder without its ends, metres; 0 and up.
-        half_height: f32,
+        /// Length of the cylinder without its ends, metres; 0 and up.
+        length: f32,
     },
     /// A box.
     Box {
-        /// Half of each edge, metres, along the entity's axes; positive.
-        half_size: Vec3,
+        /// Lengths of its edges, metres, along the entity's axes; positive.
+        size: Vec3,
     },
     /// A cylinder with flat ends, along the entity's y axis.
     Cylinder {
         /// Its radius, metres; positive.
         radius: f32,
-        /// Half its height, metres; positive.
-        half_height: f32,
+        /// Its height, metres; positive.
+        height: f32,
     },
     /// A shape of many corners, or any other of the solver's.
     Shape(ColliderShape),
@@ -92,7 +92,7 @@ pub enum ColliderFault {
 impl Default for Collider {
     /// A cube with edges of 1 m.
     fn default() -> Self {
-        Self::cuboid(Vec3::splat(0.5))
+        Self::cuboid(Vec3::ONE)
     }
 }
 
@@ -113,19 +113,19 @@ impl Collider {
         Self::Sphere { radius }
     }
 
-    /// A cylinder with round ends along the entity's y axis, from its radius and half its height without them, metres.
-    pub fn capsule(radius: f32, half_height: f32) -> Self {
-        Self::Capsule { radius, half_height }
+    /// A cylinder with round ends along the entity's y axis, from its radius and its length without them, metres.
+    pub fn capsule(radius: f32, length: f32) -> Self {
+        Self::Capsule { radius, length }
     }
 
-    /// A box from half of each edge, metres.
-    pub fn cuboid(half_size: Vec3) -> Self {
-        Self::Box { half_size }
+    /// A box from the lengths of its edges, metres.
+    pub fn cuboid(size: Vec3) -> Self {
+        Self::Box { size }
     }
 
-    /// A cylinder with flat ends along the entity's y axis, from its radius and half its height, metres.
-    pub fn cylinder(radius: f32, half_height: f32) -> Self {
-        Self::Cylinder { radius, half_height }
+    /// A cylinder with flat ends along the entity's y axis, from its radius and its height, metres.
+    pub fn cylinder(radius: f32, height: f32) -> Self {
+        Self::Cylinder { radius, height }
     }
 
     /// The convex hull of points, metres.
@@ -171,10 +171,10 @@ impl Collider {
             Self::HalfSpace => Ok(Shape::half_space()),
             Self::Sphere { radius } => Shape::sphere(radius),
             // Without a middle its ends are all of it.
-            Self::Capsule { radius, half_height: 0.0 } => Shape::sphere(radius),
-            Self::Capsule { radius, half_height } => Shape::capsule(radius, half_height),
-            Self::Box { half_size } => Shape::cuboid(half_size),
-            Self::Cylinder { radius, half_height } => Shape::cylinder(radius, half_height),
+            Self::Capsule { radius, length: 0.0 } => Shape::sphere(radius),
+            Self::Capsule { radius, length } => Shape::capsule(radius, length),
+            Self::Box { size } => Shape::cuboid(size),
+            Self::Cylinder { radius, height } => Shape::cylinder(radius, height),
             Self::Shape(ColliderShape(ref shape)) => Ok(shape.clone()),
         }
     }

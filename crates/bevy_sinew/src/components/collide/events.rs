@@ -1,5 +1,7 @@
 //! What a game hears of contacts: who touches whom, and when that began and ended.
 
+use bevy::ecs::lifecycle::HookContext;
+use bevy::ecs::world::DeferredWorld;
 use bevy::prelude::*;
 
 /// Asks for the contacts of this body or collider to be told: as [`ContactStarted`] and [`ContactEnded`], which are messages to be read and events to
@@ -10,9 +12,10 @@ use bevy::prelude::*;
 pub struct ContactEvents;
 
 /// Whom it touches, as of the last tick, in the order of their entities: kept by the plugin on whatever has [`ContactEvents`]. Part of the state:
-/// save and restore it with the rest, or contacts that go on begin anew.
+/// save and restore it with the rest, or contacts that go on begin anew. Where it goes, because the entity does, its contacts end.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[component(on_remove = end_all)]
 pub struct Touching(#[entities] pub Vec<Entity>);
 
 /// A contact that began in this tick, of an entity with [`ContactEvents`].
@@ -32,11 +35,23 @@ pub struct ContactStarted {
     pub sensor: bool,
 }
 
-/// A contact that was there in the last tick and is not any more, of an entity with [`ContactEvents`]. The other one may be gone.
+/// A contact that was there in the last tick and is not any more, of an entity with [`ContactEvents`]. The other one may be gone, and so may be the
+/// entity. The contacts of a body end, too, when it is built anew in another size or gets another parent; those that it has all the same begin again.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContactEnded {
     /// Who asked.
     pub entity: Entity,
     /// Whom it touched.
     pub other: Entity,
+}
+
+/// Ends the contacts of an entity that has none any more.
+fn end_all(mut world: DeferredWorld, context: HookContext) {
+    let entity = context.entity;
+    let Some(mut touching) = world.get_mut::<Touching>(entity) else { return };
+    for other in core::mem::take(&mut touching.0) {
+        let event = ContactEnded { entity, other };
+        world.write_message(event);
+        world.trigger(event);
+    }
 }

@@ -8,7 +8,7 @@
 //! | `memory` | [`ContactMemory`]: what a rigid part remembers of what it touches |
 //! | `surface` | [`SurfaceMaterial`], [`CollisionLayers`]: on colliders and on bodies; [`Sensor`]: on colliders |
 //! | `events` | [`ContactEvents`]: what a game hears of contacts |
-//! | `body` | [`BodyContacts`]: what of a body touches what; [`RestPlace`] |
+//! | `body` | [`BodyContacts`]: what of a body touches what; [`ContactsDisabled`]; [`RestPlace`] |
 //!
 //! All of it may be added, edited and removed at any time, and acts from the next tick on.
 
@@ -20,7 +20,8 @@ mod mesh;
 mod motion;
 mod surface;
 
-pub use body::{BodyContacts, ContactShape, RestPlace};
+pub(crate) use body::ResolvedShape;
+pub use body::{BodyContacts, ContactShape, ContactsDisabled, RestPlace};
 pub use collider::{Collider, ColliderFault, ColliderShape};
 pub use events::{ContactEnded, ContactEvents, ContactStarted, Touching};
 pub use memory::ContactMemory;
@@ -42,5 +43,6 @@ pub(super) fn register(app: &mut App) {
         .register_type::<ContactEvents>()
         .register_type::<Touching>()
         .register_type::<BodyContacts>()
+        .register_type::<ContactsDisabled>()
         .register_type::<RestPlace>();
 }

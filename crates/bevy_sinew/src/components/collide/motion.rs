@@ -22,6 +22,8 @@ pub(crate) struct PlacedCollider {
     pub(crate) made: Option<Box<sinew::Collider>>,
     /// Why it is set aside, if it is.
     pub(crate) fault: Option<ColliderFault>,
+    /// Whether it is set aside because a parent shears it.
+    pub(crate) misplaced: bool,
     /// The gathering that it last took part in, counted from 1.
     pub(crate) seen: u64,
     /// Its number in the solver's list, the listing in which it got it, counted from 1, and what decided it.
@@ -33,6 +35,6 @@ pub(crate) struct PlacedCollider {
 impl PlacedCollider {
     /// What the solver is told, if nothing is wrong with it.
     pub(crate) fn sound(&self) -> Option<&sinew::Collider> {
-        self.made.as_deref().filter(|_| self.fault.is_none())
+        self.made.as_deref().filter(|_| self.fault.is_none() && !self.misplaced)
     }
 }

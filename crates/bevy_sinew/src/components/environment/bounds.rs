@@ -33,13 +33,13 @@ pub struct GroundDrag {
     pub across: f32,
 }
 
-/// A room that no particle leaves: a box around the entity's position, its walls along the world's axes.
+/// A room that no particle leaves: a box around the entity's position, its walls along the world's axes, scaled as the entity is.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Transform, CreationOrder)]
 pub struct BoundingBox {
-    /// Half of each edge, metres. Default 5.
-    pub half_size: Vec3,
+    /// Lengths of its edges, metres. Default 10.
+    pub size: Vec3,
     /// Coulomb's coefficient of friction μ on its walls, 0 and up. Default 0.5.
     pub friction: f32,
     /// Which part of its speed of approach a thing bounces back from a wall with, 0 to 1. Default 0.
@@ -48,7 +48,7 @@ pub struct BoundingBox {
 
 impl Default for BoundingBox {
     fn default() -> Self {
-        Self { half_size: Vec3::splat(5.0), friction: 0.5, restitution: 0.0 }
+        Self { size: Vec3::splat(10.0), friction: 0.5, restitution: 0.0 }
     }
 }
 

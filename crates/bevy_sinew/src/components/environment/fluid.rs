@@ -7,7 +7,7 @@ use crate::components::CreationOrder;
 /// A fluid that fills the half-space below the entity's local xz plane, or of that the [`Region`](super::Region) on the same entity.
 ///
 /// Particles with a [`Radius`](crate::Radius) float in it as balls, and bodies that have [`Floats`] by their shape. For a pool, add a
-/// [`Region::boxed`](super::Region::boxed) whose half height is the depth: the part above the surface stays empty.
+/// [`Region::boxed`](super::Region::boxed) twice as high as the pool is deep: the part above the surface stays empty.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Transform, CreationOrder)]
@@ -69,8 +69,8 @@ pub enum HullShape {
     Surface,
     /// A solid box about the body's origin.
     Box {
-        /// Half of each edge, metres.
-        half_size: Vec3,
+        /// Lengths of its edges, metres.
+        size: Vec3,
     },
     /// Triangles of the game's own: a ship's hull, a barrel.
     Mesh {
@@ -85,9 +85,9 @@ impl Floats {
     /// By its own shape.
     pub const OWN: Self = Self { shape: HullShape::Own };
 
-    /// As a solid box about the body's origin, from half of each edge in metres.
-    pub fn boxed(half_size: Vec3) -> Self {
-        Self { shape: HullShape::Box { half_size } }
+    /// As a solid box about the body's origin, from the lengths of its edges in metres.
+    pub fn boxed(size: Vec3) -> Self {
+        Self { shape: HullShape::Box { size } }
     }
 
     /// By triangles in the body's frame, metres.

@@ -11,8 +11,8 @@
 //! | `bounds` | [`Ground`], [`BoundingBox`], [`Flatland`] |
 //!
 //! All of it may be edited at any time, and acts from the next tick on. What has a broken number does nothing, with one
-//! [`Refused`](crate::Refused) message, until it is mended. Of an entity's `Transform` translation and rotation count, on top of those of its
-//! parents, so that a fan may ride on a cart; sizes are metres, whatever the scale.
+//! [`Refused`](crate::Refused) message, until it is mended. Each is where its entity is on top of its parents, turned and scaled as they are, so that a
+//! fan may ride on a cart; forces, pressures and velocities are those of the world, whatever the scale.
 
 mod bounds;
 mod electric;

@@ -3,8 +3,11 @@
 use bevy::prelude::*;
 use sinew::Extent;
 
+use crate::step::frames::{Misplaced, even_factor};
+
 /// Where the [`Wind`](super::Wind), the [`AirFlow`](super::AirFlow), the [`Fluid`](super::Fluid) and the [`ElectricField`](super::ElectricField) on
-/// the same entity act: in a shape about the entity's position, turned as the entity is. Without it they act everywhere.
+/// the same entity act: in a shape about the entity's position, turned and scaled as the entity and its parents are (what is round, by the same in
+/// all directions). Without it they act everywhere.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Transform)]
@@ -21,8 +24,8 @@ pub struct Region {
 pub enum RegionShape {
     /// A box.
     Box {
-        /// Half of each edge, metres, along the entity's axes; positive.
-        half_size: Vec3,
+        /// Lengths of its edges, metres, along the entity's axes; positive.
+        size: Vec3,
     },
     /// A ball.
     Sphere {
@@ -33,15 +36,15 @@ pub enum RegionShape {
     Cylinder {
         /// Its radius, metres; positive.
         radius: f32,
-        /// Half its height, metres; positive.
-        half_height: f32,
+        /// Its height, metres; positive.
+        height: f32,
     },
     /// A cylinder with round ends, along the entity's y axis.
     Capsule {
         /// Its radius, metres; positive.
         radius: f32,
-        /// Half the height of the cylinder without its ends, metres; 0 and up.
-        half_height: f32,
+        /// Length of the cylinder without its ends, metres; 0 and up.
+        length: f32,
     },
 }
 
@@ -52,9 +55,9 @@ impl Default for RegionShape {
 }
 
 impl Region {
-    /// A box from half of each edge, metres.
-    pub fn boxed(half_size: Vec3) -> Self {
-        RegionShape::Box { half_size }.into()
+    /// A box from the lengths of its edges, metres.
+    pub fn boxed(size: Vec3) -> Self {
+        RegionShape::Box { size }.into()
     }
 
     /// A ball of the given radius, metres.
@@ -62,14 +65,14 @@ impl Region {
         RegionShape::Sphere { radius }.into()
     }
 
-    /// A cylinder with flat ends along the entity's y axis, from its radius and half its height, metres.
-    pub fn cylinder(radius: f32, half_height: f32) -> Self {
-        RegionShape::Cylinder { radius, half_height }.into()
+    /// A cylinder with flat ends along the entity's y axis, from its radius and its height, metres.
+    pub fn cylinder(radius: f32, height: f32) -> Self {
+        RegionShape::Cylinder { radius, height }.into()
     }
 
-    /// A cylinder with round ends along the entity's y axis, from its radius and half its height without them, metres.
-    pub fn capsule(radius: f32, half_height: f32) -> Self {
-        RegionShape::Capsule { radius, half_height }.into()
+    /// A cylinder with round ends along the entity's y axis, from its radius and its length without them, metres.
+    pub fn capsule(radius: f32, length: f32) -> Self {
+        RegionShape::Capsule { radius, length }.into()
     }
 
     /// The same growing to all of its field over `fade` metres from its surface inwards.
@@ -77,30 +80,35 @@ impl Region {
         Self { fade, ..self }
     }
 
-    /// The same for the solver, where the entity is. It is invalid, as [`sinew::Region::is_valid`] tells, if a number of either is broken.
-    pub(crate) fn at(&self, frame: &Transform) -> sinew::Region {
-        let centre = frame.translation;
-        let ends = |half_height: f32| {
+    /// The same for the solver, where the entity is. It is invalid, as [`sinew::Region::is_valid`] tells, if a number of either is broken; what is round
+    /// is refused where it is scaled unevenly.
+    pub(crate) fn at(&self, frame: &Transform) -> Result<sinew::Region, Misplaced> {
+        let (centre, scale) = (frame.translation, frame.scale.abs());
+        let ends = |length: f32| {
             let axis = frame.rotation * Vec3::Y;
-            // A rotation that is none, or a height that is none, must not look like a shorter one.
-            let arm = axis.try_normalize().filter(|_| half_height >= 0.0).unwrap_or(Vec3::NAN);
-            (centre - arm * half_height, centre + arm * half_height)
+            // A rotation that is none, or a length that is none, must not look like a shorter one.
+            let arm = axis.try_normalize().filter(|_| length >= 0.0).unwrap_or(Vec3::NAN);
+            (centre - arm * (0.5 * length), centre + arm * (0.5 * length))
         };
         let extent = match self.shape {
-            RegionShape::Box { half_size } => {
-                Extent::Box { centre, half_size, rotation: frame.rotation }
+            RegionShape::Box { size } => {
+                Extent::Box { centre, size: size * scale, rotation: frame.rotation }
             }
-            RegionShape::Sphere { radius } => Extent::Sphere { centre, radius },
-            RegionShape::Cylinder { radius, half_height } => {
-                let (a, b) = ends(half_height);
+            RegionShape::Sphere { radius } => {
+                Extent::Sphere { centre, radius: radius * even_factor(scale)? }
+            }
+            RegionShape::Cylinder { radius, height } => {
+                let (a, b) = ends(height * scale.y);
+                let radius = radius * even_factor(scale.with_y(scale.x))?;
                 Extent::Cylinder { a, b, radius }
             }
-            RegionShape::Capsule { radius, half_height } => {
-                let (a, b) = ends(half_height);
-                Extent::Capsule { a, b, radius }
+            RegionShape::Capsule { radius, length } => {
+                let factor = even_factor(scale)?;
+                let (a, b) = ends(length * factor);
+                Extent::Capsule { a, b, radius: radius * factor }
             }
         };
-        sinew::Region { extent, fade: self.fade }
+        Ok(sinew::Region { extent, fade: self.fade * scale.min_element() })
     }
 }
 

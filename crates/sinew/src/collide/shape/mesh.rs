@@ -15,6 +15,7 @@ use super::surface::{Slide, Surface, Sweep, first_crossing, skin, slide};
 use super::tree::Tree;
 use super::triangle::{Close, Feature, Triangle};
 use super::{Nearest, RayHit, ShapeFault, Touch};
+use crate::same_place::first_in_place;
 
 /// Triangles, and what it takes to find them.
 #[derive(Clone, Debug, PartialEq)]
@@ -217,16 +218,7 @@ impl Surface for Mesh {
 
 /// The same with each place once, in the order of the places' first appearance; and without triangles that have a place twice.
 fn welded(vertices: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    // Adding zero makes one of the two zeros.
-    let key = |i: u32| (vertices[i as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
-    let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
-    order.sort_by_key(|&i| (key(i), i));
-    let mut first: Vec<u32> = (0..vertices.len() as u32).collect();
-    for pair in order.windows(2) {
-        if key(pair[0]) == key(pair[1]) {
-            first[pair[1] as usize] = first[pair[0] as usize];
-        }
-    }
+    let first = first_in_place(vertices);
     let mut number = vec![u32::MAX; vertices.len()];
     let mut places = Vec::new();
     for i in 0..vertices.len() {

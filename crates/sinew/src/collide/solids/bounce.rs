@@ -100,7 +100,7 @@ impl Solids {
             };
             with(*instructions, write);
         }
-        for &(row, by) in shared.iter() {
+        for (row, by) in shared.iter() {
             velocity[row as usize] += by;
         }
         // Those that do not bounce are left as they were read in the substep: it must not matter to them who is beside them.

@@ -6,7 +6,7 @@ use super::Solids;
 use super::astray::Late;
 use super::found::{Found, Sensed};
 use super::groups::Groups;
-use super::memory::{Grasp, Key, Memory, Other, Remembered, SLACK};
+use super::memory::{Grasp, Key, Memory, Other, Remembered, SLACK, sort};
 use super::pack::BLUNT;
 use super::way::Seen;
 use crate::particles::{NO_BODY, Particles};
@@ -206,7 +206,7 @@ impl Meet<'_> {
         });
         // Triangles come in any order.
         if of_triangles {
-            memory.now[first..].sort_unstable_by_key(|one| one.key);
+            sort(&mut memory.now[first..]);
         }
         for place in first..memory.now.len() {
             memory.learn(place, b);

@@ -297,7 +297,7 @@ impl Memory {
         }
         was.clear();
         was.extend(now.drain(*sorted..));
-        was.sort_unstable_by_key(|one| one.key);
+        sort(was);
         // From behind, so that each is moved once.
         let (mut from, mut to) = (now.len(), now.len() + was.len());
         now.extend_from_slice(was);
@@ -310,4 +310,10 @@ impl Memory {
             now[to] = *late;
         }
     }
+}
+
+/// Puts them in the order of their keys. Compiled once: sorting is much code, and those that call this are compiled several times.
+#[inline(never)]
+pub(super) fn sort(remembered: &mut [Remembered]) {
+    remembered.sort_unstable_by_key(|one| one.key);
 }

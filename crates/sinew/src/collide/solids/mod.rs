@@ -292,7 +292,7 @@ impl Solids {
             };
             with(*instructions, write);
         }
-        for &(row, by) in shared.iter() {
+        for (row, by) in shared.iter() {
             particles.position[row as usize] += by;
         }
     }

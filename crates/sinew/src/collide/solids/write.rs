@@ -23,8 +23,30 @@ use super::read::Sums;
 use super::turn::{Eight, Matrix, Symmetric, load};
 use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work};
 
-/// Changes of rows that several solids share, or that are alone in their eight: to be added when all are known.
-pub(super) type Shared = Vec<(u32, Vec4)>;
+/// Changes of rows that several solids share, or that are alone in their eight: to be added when all are known. Slot by slot, and in each solid by solid:
+/// what is summed up of those that share a row must not depend on who else is in their eights.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Shared(Vec<Vec<(u32, Vec4)>>);
+
+impl Shared {
+    /// Forgets all, and keeps the memory.
+    pub(super) fn clear(&mut self) {
+        self.0.iter_mut().for_each(Vec::clear);
+    }
+
+    /// In their order.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (u32, Vec4)> {
+        self.0.iter().flatten().copied()
+    }
+
+    /// The list of a slot.
+    fn of(&mut self, slot: usize) -> &mut Vec<(u32, Vec4)> {
+        if self.0.len() <= slot {
+            self.0.resize_with(slot + 1, Vec::new);
+        }
+        &mut self.0[slot]
+    }
+}
 
 /// Changes the particles of a group.
 pub(super) struct Write<'a> {
@@ -45,8 +67,8 @@ impl Work for Write<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { group, slots, lifts, position, mut velocity, bodies, first, sums, shared } =
-            self;
+        let Self { group, slots, lifts, position, mut velocity, .. } = self;
+        let Self { bodies, first, sums, shared, .. } = self;
         let [shift, turn, .., rotation] = L::records::<FIELDS>(&bodies.rows, &from_row(first));
         let (shift, turn) = (Vector::of(shift).0, Vector::of(turn).0);
         let much = shift.length_squared() + turn.length_squared();
@@ -68,6 +90,7 @@ impl Work for Write<'_> {
             if group.scattered {
                 let mut by = [Vec4::ZERO; LANES];
                 L::put_run(&mut by, 0, moved.with(L::zero()));
+                let shared = shared.of(number);
                 for (row, by) in slot.rows.iter().zip(by) {
                     if by != Vec4::ZERO {
                         shared.push((*row, by));

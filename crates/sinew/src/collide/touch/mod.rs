@@ -129,6 +129,11 @@ impl Touch {
         worst.max(self.bounds.hold(places, row))
     }
 
+    /// As [`Bounds::flatten`] has it.
+    pub(super) fn flatten(&self, particles: &mut Particles, moving: bool) {
+        self.bounds.flatten(particles, moving);
+    }
+
     /// How far out a row is at the end of a step, metres, moving nothing.
     #[inline]
     pub(crate) fn error(&self, places: &Places, row: u32) -> f32 {

@@ -4,10 +4,12 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{Vec3, Vec4};
 
+use super::excess::{Derive, Take};
+use super::motion::Predict;
 use super::pen::{gather, scatter};
 use super::{Flock, Herd, How, Pen};
 use crate::constraints::Plane;
-use crate::lanes::{LANES, Lanes, Work};
+use crate::lanes::{LANES, with};
 use crate::particles::ground;
 use crate::solve::island::{Common, Room};
 use crate::solve::plan::Task;
@@ -54,11 +56,9 @@ pub(crate) struct Whole<'a> {
     pub(crate) most: &'a [AtomicU32],
 }
 
-impl Work for Drive<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(mut self) {
+impl<'a> Drive<'a> {
+    /// Drives them.
+    pub(crate) fn run(mut self) {
         let plan = self.common.plan;
         let flocks = &plan.flocks.all[self.task.flocks.clone()];
         let mut herd = core::mem::take(&mut self.room.herd);
@@ -80,15 +80,13 @@ impl Work for Drive<'_> {
                 flocks[begin..end]
                     .iter()
                     .for_each(|flock| self.room.rest.leave(flock.islands.clone(), flock.rows()));
-                self.drive::<L>(&flocks[begin..end], planes, &mut herd);
+                self.drive(&flocks[begin..end], planes, &mut herd);
             }
             begin = end;
         }
         self.room.herd = herd;
     }
-}
 
-impl<'a> Drive<'a> {
     /// The planes that a flock touches, if its bodies can go through this step together.
     fn planes(&self, flock: &Flock) -> Option<&'a [Plane]> {
         let islands = &self.common.plan.islands[flock.islands.clone()];
@@ -115,14 +113,15 @@ impl<'a> Drive<'a> {
         one.is_kin(other) && settings(one) == settings(other)
     }
 
-    #[inline(always)]
-    fn drive<L: Lanes>(&mut self, flocks: &[Flock], planes: &[Plane], herd: &mut Herd) {
-        let Common { plan, h, .. } = self.common;
+    fn drive(&mut self, flocks: &[Flock], planes: &[Plane], herd: &mut Herd) {
+        let Common { plan, h, machine, .. } = self.common;
+        let instructions = machine.instructions;
         let settings = &plan.islands[flocks[0].islands.start].settings;
-        let how = How { flocks: &plan.flocks, flock: &flocks[0], settings, planes, h };
+        let how =
+            How { flocks: &plan.flocks, flock: &flocks[0], settings, planes, h, instructions };
         herd.make_room(flocks.len());
         for (flock, pen) in flocks.iter().zip(herd.pens()) {
-            self.load::<L>(flock, planes, pen);
+            self.load(flock, planes, pen);
         }
         let substeps = if let Motion::Step(whole) = &self.motion { whole.most.len() } else { 1 };
         for substep in 0..substeps {
@@ -132,29 +131,28 @@ impl<'a> Drive<'a> {
                     if substep < 2 {
                         pen.note_losses(h);
                     }
-                    pen.predict::<L>(whole.common, h);
+                    with(instructions, Predict { pen, a: whole.common, h });
                 }
             }
-            herd.solve::<L>(&how);
+            herd.solve(&how);
             for (flock, pen) in flocks.iter().zip(herd.pens()) {
                 let from = flock.islands.start - self.task.islands.start;
                 let reports = &mut self.reports[from..from + flock.islands.len()];
                 let sweeps = pen.course.report(reports);
                 if let Motion::Step(whole) = &self.motion {
                     whole.most[substep].fetch_max(sweeps, Ordering::Relaxed);
-                    let (left, keeps) = (L::mask(pen.left()), L::mask(how.keeps_spin(pen)));
-                    pen.derive::<L>(h, left, keeps);
+                    let (free, keeps_angular) = (pen.left(), how.keeps_spin(pen));
+                    with(instructions, Derive { pen, h, free, keeps_angular });
                 }
             }
         }
         for (flock, pen) in flocks.iter().zip(herd.pens()) {
-            self.give_back::<L>(&how, flock, pen);
+            self.give_back(&how, flock, pen);
         }
     }
 
     /// Takes a flock into a pen.
-    #[inline(always)]
-    fn load<L: Lanes>(&self, flock: &Flock, planes: &[Plane], pen: &mut Pen) {
+    fn load(&self, flock: &Flock, planes: &[Plane], pen: &mut Pen) {
         let (begin, islands) = (self.task.rows.start, &self.common.plan.islands);
         let islands = &islands[flock.islands.clone()];
         self.note_heights(flock, planes, pen);
@@ -165,33 +163,33 @@ impl<'a> Drive<'a> {
             Motion::Substep { start, .. } => *start,
             Motion::Step(whole) => &*whole.start,
         };
-        pen.load::<L>(flock, begin, self.position, start);
+        let instructions = self.common.machine.instructions;
+        pen.load(flock, begin, self.position, start, instructions);
         if let Motion::Step(whole) = &self.motion {
-            gather::<L>(&mut pen.velocity, flock, begin, whole.velocity);
-            gather::<L>(&mut pen.rounding, flock, begin, whole.rounding);
+            gather(&mut pen.velocity, flock, begin, whole.velocity, instructions);
+            gather(&mut pen.rounding, flock, begin, whole.rounding, instructions);
             note_rates(flock, begin, whole, pen);
         }
         if pen.free != 0 {
-            pen.note_masses::<L>();
+            pen.note_masses();
         }
     }
 
     /// Writes what has become of a flock.
-    #[inline(always)]
-    fn give_back<L: Lanes>(&mut self, how: &How, flock: &Flock, pen: &mut Pen) {
-        let begin = self.task.rows.start;
-        scatter::<L>(&pen.now, flock, begin, self.position);
+    fn give_back(&mut self, how: &How, flock: &Flock, pen: &mut Pen) {
+        let (begin, instructions) = (self.task.rows.start, how.instructions);
+        scatter(&pen.now, flock, begin, self.position, instructions);
         match &mut self.motion {
             Motion::Substep { velocity, excess, .. } => {
                 let left = pen.left();
                 if left == 0 {
                     return;
                 }
-                gather::<L>(&mut pen.velocity, flock, begin, velocity);
-                let excesses = pen.excesses::<L>(how.h, left & how.keeps_spin(pen));
-                if !excess.is_empty() {
-                    pen.part::<L>(&excesses, left);
-                    scatter::<L>(&pen.velocity, flock, begin, excess);
+                gather(&mut pen.velocity, flock, begin, velocity, instructions);
+                let (turning, parted) = (left & how.keeps_spin(pen), !excess.is_empty());
+                let excesses = with(instructions, Take { pen, h: how.h, turning, left, parted });
+                if parted {
+                    scatter(&pen.velocity, flock, begin, excess, instructions);
                     return;
                 }
                 // No more of them than there are bodies.
@@ -200,9 +198,9 @@ impl<'a> Drive<'a> {
                 self.room.excesses.extend(own);
             }
             Motion::Step(whole) => {
-                scatter::<L>(&pen.start, flock, begin, whole.start);
-                scatter::<L>(&pen.velocity, flock, begin, whole.velocity);
-                scatter::<L>(&pen.rounding, flock, begin, whole.rounding);
+                scatter(&pen.start, flock, begin, whole.start, instructions);
+                scatter(&pen.velocity, flock, begin, whole.velocity, instructions);
+                scatter(&pen.rounding, flock, begin, whole.rounding, instructions);
             }
         }
     }

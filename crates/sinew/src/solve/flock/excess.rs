@@ -6,7 +6,7 @@ use core::ops::{Add, Mul, Sub};
 use glam::DVec3;
 
 use super::Pen;
-use crate::lanes::{Doubles, LANES, Lanes, Vector};
+use crate::lanes::{Doubles, LANES, Lanes, Vector, Work};
 use crate::pose::{WORST, pseudo_solve};
 use crate::solve::momentum::Excess;
 
@@ -110,56 +110,98 @@ impl<D: Doubles> Excesses<D> {
         self.centre.finite() & self.shift.finite() & self.turn.finite()
     }
 
-    /// One by one, of the bodies with a bit.
+    /// In memory.
     #[inline(always)]
-    pub(super) fn each(&self, which: u32) -> impl Iterator<Item = (usize, Excess)> {
+    fn bodies(&self) -> Bodies {
         let Self { anchor, centre, shift, turn } = self;
         let vectors = [anchor.arrays(), centre.arrays(), shift.arrays(), turn.arrays()];
-        let which = which & self.sound();
+        Bodies { vectors, sound: self.sound() }
+    }
+}
+
+/// Excesses in memory: anchors, centres, shifts and turns, each as x, y and z.
+#[derive(Default)]
+pub(super) struct Bodies {
+    vectors: [[[f64; LANES]; 3]; 4],
+    sound: u32,
+}
+
+impl Bodies {
+    /// One by one, of the bodies with a bit.
+    pub(super) fn each(&self, which: u32) -> impl Iterator<Item = (usize, Excess)> {
+        let which = which & self.sound;
         (0..LANES).filter(move |lane| which >> lane & 1 != 0).map(move |lane| {
             let [anchor, centre, shift, turn] =
-                vectors.each_ref().map(|[x, y, z]| DVec3::new(x[lane], y[lane], z[lane]));
+                self.vectors.each_ref().map(|[x, y, z]| DVec3::new(x[lane], y[lane], z[lane]));
             (lane, Excess { anchor, centre, shift, turn })
         })
     }
 }
 
-impl Pen {
-    /// Derives the velocities at the end of a substep of `h` seconds. Of the bodies of the mask `free`, to which nothing was given, linear momentum,
-    /// and of those of `keeps_angular` angular momentum, too.
+/// Derives the velocities in a pen at the end of a substep of `h` seconds. Of the bodies of the mask `free`, to which nothing was given, linear momentum
+/// is kept, and of those of `keeps_angular` angular momentum, too.
+pub(super) struct Derive<'a> {
+    pub(super) pen: &'a mut Pen,
+    pub(super) h: f32,
+    pub(super) free: u32,
+    pub(super) keeps_angular: u32,
+}
+
+impl Work for Derive<'_> {
+    type Output = ();
+
     #[inline(always)]
-    pub(super) fn derive<L: Lanes>(&mut self, h: f32, free: L, keeps_angular: L) {
-        let excesses = if free.any() {
-            Some(self.excesses::<L>(h, free.bits() & keeps_angular.bits()))
-        } else {
-            None
-        };
+    fn run<L: Lanes>(self) {
+        let Self { pen, h, free, keeps_angular } = self;
+        let excesses =
+            if free != 0 { Some(pen.excesses::<L>(h, free & keeps_angular)) } else { None };
         let per_second = L::splat(1.0 / h);
         let h = L::splat(h);
-        let Self { now, start, velocity, .. } = self;
+        let Pen { now, start, velocity, .. } = pen;
         for ((now, start), velocity) in now.iter().zip(start).zip(velocity) {
             let ((q, _), (from, _)) = (Vector::of(now.load::<L>()), Vector::of(start.load()));
             let u = Vector::of(velocity.load::<L>()).0;
             let mut v = u + (q - (from + u * h)) * per_second;
             if let Some(excesses) = &excesses {
                 let share = excesses.share(from);
-                v = (v - share).or_else(L::mask(free.bits() & excesses.sound()), v);
+                v = (v - share).or_else(L::mask(free & excesses.sound()), v);
             }
             velocity.put(v.with(h));
         }
     }
+}
 
-    /// Puts what particles have to have taken off, m/s, in place of their velocities; of bodies without a bit, nothing.
+/// Finds what the bodies of the mask `left` in a pen have to have taken off after a substep of `h` seconds, of those of `turning` angular momentum, too;
+/// and puts it, m/s, in place of the velocities of their particles if it is to be `parted`, and nothing in those of other bodies.
+pub(super) struct Take<'a> {
+    pub(super) pen: &'a mut Pen,
+    pub(super) h: f32,
+    pub(super) turning: u32,
+    pub(super) left: u32,
+    pub(super) parted: bool,
+}
+
+impl Work for Take<'_> {
+    type Output = Bodies;
+
     #[inline(always)]
-    pub(super) fn part<L: Lanes>(&mut self, excesses: &Excesses<L::Doubles>, which: u32) {
+    fn run<L: Lanes>(self) -> Bodies {
+        let Self { pen, h, turning, left: which, parted } = self;
+        let excesses = pen.excesses::<L>(h, turning);
+        if !parted {
+            return excesses.bodies();
+        }
         let which = L::mask(which & excesses.sound());
-        for (start, velocity) in self.start.iter().zip(&mut self.velocity) {
+        for (start, velocity) in pen.start.iter().zip(&mut pen.velocity) {
             let share = excesses.share(Vector::of(start.load::<L>()).0);
             let [x, y, z] = [which.and(share.x), which.and(share.y), which.and(share.z)];
             velocity.put(Vector::new(x, y, z).with(L::zero()));
         }
+        Bodies::default()
     }
+}
 
+impl Pen {
     /// What bodies have to have taken off before their velocities are derived; of those with a bit in `turning`, angular momentum, too.
     #[inline(always)]
     pub(super) fn excesses<L: Lanes>(&self, h: f32, turning: u32) -> Excesses<L::Doubles> {

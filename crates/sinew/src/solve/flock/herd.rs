@@ -6,7 +6,7 @@
 //! it, so nothing depends on who was in the ward with whom.
 
 use super::{How, Pen};
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::LANES;
 
 /// Pens of flocks that are driven together. Scratch.
 #[derive(Clone, Debug, Default)]
@@ -43,17 +43,16 @@ impl Herd {
     }
 
     /// Solves all pens, which have been predicted.
-    #[inline(always)]
-    pub(super) fn solve<L: Lanes>(&mut self, how: &How) {
+    pub(super) fn solve(&mut self, how: &How) {
         for pen in self.pens() {
-            how.begin::<L>(pen);
+            how.begin(pen);
         }
         self.ward.clear_as(&self.pens[0]);
         let mut turn = 0;
         while let Some((pen, may_leave)) = self.take_turn(turn) {
             // While others wait for a lane, as soon as one is free is soon enough.
             let few = if may_leave { LANES as u32 - 1 } else { 0 };
-            how.sweep::<L>(pen, few);
+            how.sweep(pen, few);
             turn += 1;
         }
     }

@@ -3,8 +3,8 @@
 use glam::Vec4;
 
 use super::pen::{Spot, gather};
-use super::{Flocks, Part};
-use crate::lanes::{InstructionSet, Lanes, Work, with};
+use super::{Flocks, Part, Rod};
+use crate::lanes::{InstructionSet, LANES, Lanes, Work, with};
 use crate::solve::IslandReport;
 use crate::solve::rods::worse;
 
@@ -18,50 +18,51 @@ impl Flocks {
         reports: &mut [IslandReport],
         instructions: InstructionSet,
     ) {
-        with(instructions, Measure { flocks: self, position, spots, reports });
-    }
-}
-
-/// As [`Flocks::measure`] has it.
-struct Measure<'a> {
-    flocks: &'a Flocks,
-    position: &'a [Vec4],
-    spots: &'a mut Vec<Spot>,
-    reports: &'a mut [IslandReport],
-}
-
-impl Work for Measure<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { flocks, position, spots, reports } = self;
-        for flock in &flocks.all {
+        for flock in &self.all {
             let reports = &mut reports[flock.islands.clone()];
             if reports.iter().all(|report| report.measured) {
                 continue;
             }
-            gather::<L>(spots, flock, 0, position);
-            let mut worst = (L::zero(), L::zero());
-            for part in &flocks.parts[flock.parts.clone()] {
-                match part {
+            gather(spots, flock, 0, position, instructions);
+            let mut worst = [[0.0; LANES]; 2];
+            for part in &self.parts[flock.parts.clone()] {
+                let found = match part {
                     Part::Rods(range) => {
-                        for rod in &flocks.rods[range.clone()] {
-                            let (one, other) = (&spots[rod.a as usize], &spots[rod.b as usize]);
-                            worst = worse(worst, one.load(), other.load(), L::load(&rod.rest));
-                        }
+                        with(instructions, Measure { rods: &self.rods[range.clone()], spots })
                     }
-                    Part::Laws(part) => {
-                        let (left, share) = flocks.alike.measure::<L>(part, spots);
-                        worst = (left.max(worst.0), share.max(worst.1));
-                    }
+                    Part::Laws(part) => self.alike.measure(part, spots, instructions),
+                };
+                // The least is zero, and the larger of two numbers is the same wherever it is found.
+                for (worst, found) in worst.as_flattened_mut().iter_mut().zip(found.as_flattened())
+                {
+                    *worst = if *worst < *found { *found } else { *worst };
                 }
             }
-            let (errors, strains) = (worst.0.array(), worst.1.array());
+            let [errors, strains] = worst;
             for ((report, error), strain) in reports.iter_mut().zip(errors).zip(strains) {
-                (report.error, report.strain) = (error.max(0.0), strain.max(0.0));
+                (report.error, report.strain) = (error, strain);
                 report.measured = true;
             }
         }
+    }
+}
+
+/// The largest error of rods in each of eight bodies, metres, and the largest strain.
+struct Measure<'a> {
+    rods: &'a [Rod],
+    spots: &'a [Spot],
+}
+
+impl Work for Measure<'_> {
+    type Output = [[f32; LANES]; 2];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> [[f32; LANES]; 2] {
+        let mut worst = (L::zero(), L::zero());
+        for rod in self.rods {
+            let (one, other) = (&self.spots[rod.a as usize], &self.spots[rod.b as usize]);
+            worst = worse(worst, one.load(), other.load(), L::load(&rod.rest));
+        }
+        [worst.0.array(), worst.1.array()]
     }
 }

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::Pen;
 use crate::integrate::loss;
-use crate::lanes::{Doubles, LANES, Lanes, Vector};
+use crate::lanes::{LANES, Lanes, Vector, Work};
 
 impl Pen {
     /// Notes how much velocity is lost over a substep of `h` seconds by particles that had their last step as long ago as they say.
@@ -31,20 +31,28 @@ impl Pen {
     }
 
     /// Notes masses.
-    #[inline(always)]
-    pub(super) fn note_masses<L: Lanes>(&mut self) {
-        let one = L::Doubles::splat(1.0);
+    pub(super) fn note_masses(&mut self) {
         self.mass.resize(self.now.len(), [0.0; LANES]);
         for (mass, spot) in self.mass.iter_mut().zip(&self.now) {
-            (one / L::load(spot.fourths()).widen()).store(mass);
+            *mass = spot.fourths().map(|inverse| 1.0 / f64::from(inverse));
         }
     }
+}
 
-    /// Predicts where all go in a substep of `h` seconds, accelerated by `a`, m/s².
+/// Predicts where all in a pen go in a substep of `h` seconds, accelerated by `a`, m/s².
+pub(super) struct Predict<'a> {
+    pub(super) pen: &'a mut Pen,
+    pub(super) a: Vec3,
+    pub(super) h: f32,
+}
+
+impl Work for Predict<'_> {
+    type Output = ();
+
     #[inline(always)]
-    pub(super) fn predict<L: Lanes>(&mut self, a: Vec3, h: f32) {
-        let (a, h, zero) = (Vector::<L>::splat(a), L::splat(h), L::zero());
-        let Self { now, start, velocity, rounding, lost, .. } = self;
+    fn run<L: Lanes>(self) {
+        let (a, h, zero) = (Vector::<L>::splat(self.a), L::splat(self.h), L::zero());
+        let Pen { now, start, velocity, rounding, lost, .. } = self.pen;
         let columns = now.iter_mut().zip(start).zip(velocity).zip(rounding).zip(lost);
         for ((((now, start), velocity), rounding), lost) in columns {
             let ((p, w), (v, lag)) =

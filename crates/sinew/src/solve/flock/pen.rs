@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use super::{Course, Flock};
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{InstructionSet, LANES, Lanes, Work, with};
 
 /// The particles of eight bodies. Scratch.
 #[derive(Clone, Debug, Default)]
@@ -96,16 +96,16 @@ impl Spot {
 
 impl Pen {
     /// Takes positions and starts from slices that begin with the row `begin`.
-    #[inline(always)]
-    pub(super) fn load<L: Lanes>(
+    pub(super) fn load(
         &mut self,
         flock: &Flock,
         begin: u32,
         position: &[Vec4],
         start: &[Vec4],
+        instructions: InstructionSet,
     ) {
-        gather::<L>(&mut self.now, flock, begin, position);
-        gather::<L>(&mut self.start, flock, begin, start);
+        gather(&mut self.now, flock, begin, position, instructions);
+        gather(&mut self.start, flock, begin, start, instructions);
         self.bodies = flock.islands.len();
         self.kept.resize(self.now.len(), Spot::ZERO);
         self.sums.clear();
@@ -166,44 +166,87 @@ impl Pen {
     }
 
     /// Keeps the bodies of a mask as they are now.
-    #[inline(always)]
-    pub(super) fn keep<L: Lanes>(&mut self, which: L) {
-        for (kept, now) in self.kept.iter_mut().zip(&self.now) {
-            let [x, y, z, _] = now.load::<L>();
-            let [kx, ky, kz, w] = kept.load::<L>();
-            kept.put([which.select(x, kx), which.select(y, ky), which.select(z, kz), w]);
+    pub(super) fn keep(&mut self, which: u32) {
+        for lane in lanes(which) {
+            for (kept, now) in self.kept.iter_mut().zip(&self.now) {
+                kept.set_lane(lane, now.lane(lane).truncate());
+            }
         }
     }
 
     /// Puts the bodies of a mask back to how they were kept.
-    #[inline(always)]
-    pub(super) fn put_back<L: Lanes>(&mut self, which: L) {
-        for (kept, now) in self.kept.iter().zip(&mut self.now) {
-            let [x, y, z, w] = now.load::<L>();
-            let [kx, ky, kz, _] = kept.load::<L>();
-            now.put([which.select(kx, x), which.select(ky, y), which.select(kz, z), w]);
+    pub(super) fn put_back(&mut self, which: u32) {
+        for lane in lanes(which) {
+            for (kept, now) in self.kept.iter().zip(&mut self.now) {
+                now.set_lane(lane, kept.lane(lane).truncate());
+            }
         }
     }
 }
 
+/// The lanes of a mask.
+fn lanes(which: u32) -> impl Iterator<Item = usize> {
+    (0..LANES).filter(move |lane| which >> lane & 1 != 0)
+}
+
 /// Takes the rows of a flock from a slice that begins with the row `begin`.
-#[inline(always)]
-pub(super) fn gather<L: Lanes>(to: &mut Vec<Spot>, flock: &Flock, begin: u32, from: &[Vec4]) {
+pub(super) fn gather(
+    to: &mut Vec<Spot>,
+    flock: &Flock,
+    begin: u32,
+    from: &[Vec4],
+    instructions: InstructionSet,
+) {
     to.resize(flock.members as usize, Spot::ZERO);
-    let mut places = flock.places(begin, 0);
-    for spot in to {
-        spot.set(L::rows(from, &places));
-        next(&mut places);
+    with(instructions, Gather { to, places: flock.places(begin, 0), from });
+}
+
+struct Gather<'a> {
+    to: &'a mut [Spot],
+    places: [u32; LANES],
+    from: &'a [Vec4],
+}
+
+impl Work for Gather<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { to, mut places, from } = self;
+        for spot in to {
+            spot.set(L::rows(from, &places));
+            next(&mut places);
+        }
     }
 }
 
 /// Gives them back.
-#[inline(always)]
-pub(super) fn scatter<L: Lanes>(from: &[Spot], flock: &Flock, begin: u32, to: &mut [Vec4]) {
-    let mut places = flock.places(begin, 0);
-    for spot in from {
-        L::put_rows(to, &places, spot.load());
-        next(&mut places);
+pub(super) fn scatter(
+    from: &[Spot],
+    flock: &Flock,
+    begin: u32,
+    to: &mut [Vec4],
+    instructions: InstructionSet,
+) {
+    with(instructions, Scatter { from, places: flock.places(begin, 0), to });
+}
+
+struct Scatter<'a> {
+    from: &'a [Spot],
+    places: [u32; LANES],
+    to: &'a mut [Vec4],
+}
+
+impl Work for Scatter<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { from, mut places, to } = self;
+        for spot in from {
+            L::put_rows(to, &places, spot.load());
+            next(&mut places);
+        }
     }
 }
 

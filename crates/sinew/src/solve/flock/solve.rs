@@ -1,8 +1,9 @@
 //! Eight bodies, swept until each holds or its sweeps are spent: as [`solve`](crate::solve::island) does with one.
 
-use super::{Course, Flock, Flocks, Part, Pen, rods, touch};
+use super::touch::Touch;
+use super::{Course, Flock, Flocks, Part, Pen, rods};
 use crate::constraints::{Direction, Pace, Plane};
-use crate::lanes::Lanes;
+use crate::lanes::{InstructionSet, LANES, with};
 use crate::solve::SolverSettings;
 use crate::solve::island::COS_SQUARED;
 
@@ -16,25 +17,25 @@ pub(super) struct How<'a> {
     pub(super) planes: &'a [Plane],
     /// Length of the substep, seconds.
     pub(super) h: f32,
+    pub(super) instructions: InstructionSet,
 }
 
 impl How<'_> {
     /// Begins a substep: none has been swept.
-    #[inline(always)]
-    pub(super) fn begin<L: Lanes>(&self, pen: &mut Pen) {
+    pub(super) fn begin(&self, pen: &mut Pen) {
         pen.course = Course::default();
         pen.sums.fill([0.0; _]);
         if self.settings.direction == Direction::StepStart {
-            let mut fell_back = L::zero();
+            let mut fell_back = 0;
             for part in &self.flocks.parts[self.flock.parts.clone()] {
                 if let Part::Rods(range) = part {
                     let rods = &self.flocks.rods[range.clone()];
-                    let spots = (&pen.now[..], &pen.start[..]);
-                    let fast = rods::turns_too_fast::<L>(rods, spots, COS_SQUARED);
-                    fell_back = fell_back.or(fast);
+                    let (now, start, cos_squared) = (&pen.now[..], &pen.start[..], COS_SQUARED);
+                    let work = rods::TurnTooFast { rods, now, start, cos_squared };
+                    fell_back |= with(self.instructions, work);
                 }
             }
-            pen.course.fell_back = fell_back.bits();
+            pen.course.fell_back = fell_back;
         }
     }
 
@@ -49,57 +50,67 @@ impl How<'_> {
     }
 
     /// Sweeps until no more bodies than `few` go on.
-    #[inline(always)]
-    pub(super) fn sweep<L: Lanes>(&self, pen: &mut Pen, few: u32) {
-        let Self { flocks, flock, settings, planes, h } = *self;
-        let (none, one) = (L::zero(), L::splat(1.0));
-        let all = none.same(none);
-        let pace = Pace { h, sweeps: settings.max_sweeps };
-        let most = L::splat(settings.max_sweeps as f32);
-        let tolerance = L::splat(settings.tolerance);
-        let from_start = L::mask(self.along_start(pen));
-        let any_from_start = from_start.any();
-        let (mut going, mut converged) = (L::mask(pen.course.going), L::mask(pen.course.converged));
-        let mut touched = L::mask(pen.course.touched);
-        let (mut sweeps, mut kept) = (L::load(&pen.course.sweeps), none);
-        let mut over = none;
-        while (going.bits() & pen.mask()).count_ones() > few {
-            if over.any() {
+    pub(super) fn sweep(&self, pen: &mut Pen, few: u32) {
+        let Self { settings, planes, .. } = *self;
+        let most = settings.max_sweeps as f32;
+        let (mut kept, mut over) = (0, 0);
+        while (pen.course.going & pen.mask()).count_ones() > few {
+            if over != 0 {
                 pen.keep(over);
-                kept = kept.or(over);
+                kept |= over;
             }
-            let (mut worst, aside) = (none, going.select(none, all));
-            for part in &flocks.parts[flock.parts.clone()] {
-                worst = match part {
-                    Part::Rods(range) => {
-                        let rods = &flocks.rods[range.clone()];
-                        let spots = (&mut pen.now[..], &pen.start[..]);
-                        let masks = (from_start, aside);
-                        if any_from_start {
-                            rods::sweep::<L, true>(rods, spots, masks, worst)
-                        } else {
-                            rods::sweep::<L, false>(rods, spots, masks, worst)
-                        }
-                    }
-                    Part::Laws(part) => flocks.alike.sweep::<L>(part, pen, pace, (aside, worst)),
-                };
-            }
+            let mut worst = self.once(pen);
+            let going = pen.course.going;
             if !planes.is_empty() {
-                let depth = touch::touch::<L>(planes, pen, going);
-                touched = touched.or(going.and(none.lt(depth)));
-                worst = depth.max(worst);
+                let depth = with(self.instructions, Touch { planes, pen, going });
+                pen.course.touched |= going & bits(depth, |depth| 0.0 < depth);
+                for (worst, depth) in worst.iter_mut().zip(depth) {
+                    *worst = if *worst < depth { depth } else { *worst };
+                }
             }
-            let good = going.and(worst.le(tolerance));
-            sweeps = going.select(sweeps + one, sweeps);
-            over = good.or(going.and(most.le(sweeps)));
-            (converged, going) = (converged.or(good), over.select(none, going));
+            let course = &mut pen.course;
+            let good = going & bits(worst, |worst| worst <= settings.tolerance);
+            for (lane, sweeps) in course.sweeps.iter_mut().enumerate() {
+                *sweeps += (going >> lane & 1) as f32;
+            }
+            over = good | going & bits(course.sweeps, |sweeps| most <= sweeps);
+            course.converged |= good;
+            course.going &= !over;
         }
-        if kept.any() {
+        if kept != 0 {
             pen.put_back(kept);
         }
-        let course = &mut pen.course;
-        (course.going, course.converged) = (going.bits(), converged.bits());
-        course.touched = touched.bits();
-        sweeps.store(&mut pen.course.sweeps);
     }
+
+    /// Projects all constraints once; returns the largest error found in each body, metres.
+    fn once(&self, pen: &mut Pen) -> [f32; LANES] {
+        let Self { flocks, flock, settings, h, instructions, .. } = *self;
+        let pace = Pace { h, sweeps: settings.max_sweeps };
+        let (may, aside) = (self.along_start(pen), !pen.course.going);
+        let mut worst = [0.0; LANES];
+        for part in &flocks.parts[flock.parts.clone()] {
+            worst = match part {
+                Part::Rods(range) => {
+                    let rods = &flocks.rods[range.clone()];
+                    let (now, start) = (&mut pen.now[..], &pen.start[..]);
+                    if may == 0 {
+                        let work = rods::Sweep::<false> { rods, now, start, may, aside, worst };
+                        with(instructions, work)
+                    } else {
+                        let work = rods::Sweep::<true> { rods, now, start, may, aside, worst };
+                        with(instructions, work)
+                    }
+                }
+                Part::Laws(part) => {
+                    flocks.alike.sweep(part, pen, pace, (aside, worst), instructions)
+                }
+            };
+        }
+        worst
+    }
+}
+
+/// A bit for each number of which something holds.
+fn bits(numbers: [f32; LANES], holds: impl Fn(f32) -> bool) -> u32 {
+    numbers.iter().enumerate().fold(0, |bits, (lane, &x)| bits | u32::from(holds(x)) << lane)
 }

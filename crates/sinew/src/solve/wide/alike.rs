@@ -10,7 +10,7 @@ use super::{Laws, List, Which, number};
 use crate::constraints::{
     Angles, Areas, Bends, Cones, Constraint, Distance, Hinges, Pace, Tetrahedra, Wide,
 };
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{InstructionSet, LANES, Lanes, Work, with};
 use crate::solve::flock::{Pen, Spot};
 
 /// Constraints of flocks, kind by kind.
@@ -98,53 +98,57 @@ impl Alike {
 
     /// Projects a group once; returns the largest error found in each body, metres, or what it was before. Nothing is asked of bodies of the mask
     /// `aside`: what becomes of them does not matter.
-    #[inline(always)]
-    pub(in crate::solve) fn sweep<L: Lanes>(
+    pub(in crate::solve) fn sweep(
         &self,
         part: &Part,
         pen: &mut Pen,
         pace: Pace,
-        (aside, worst): (L, L),
-    ) -> L {
-        let found = (aside, worst);
+        (aside, worst): (u32, Eight32),
+        instructions: InstructionSet,
+    ) -> Eight32 {
         let Self { tempers, lengths, bends, areas, tetrahedra, angles, hinges, cones } = self;
-        let range = part.range.clone();
+        let (range, sums) = (part.range.clone(), part.sums);
+        macro_rules! sweep {
+            ($list:ident) => {{
+                let list = &$list[range];
+                with(instructions, Sweep { list, tempers, pen, sums, pace, aside, worst })
+            }};
+        }
         match part.list {
-            List::Lengths => sweep_lengths(&lengths[range], tempers, pen, part.sums, pace, found),
-            List::Bends => sweep(&bends[range], tempers, pen, part.sums, pace, found),
-            List::Areas => sweep(&areas[range], tempers, pen, part.sums, pace, found),
-            List::Tetrahedra => sweep(&tetrahedra[range], tempers, pen, part.sums, pace, found),
-            List::Angles => sweep(&angles[range], tempers, pen, part.sums, pace, found),
-            List::Hinges => sweep(&hinges[range], tempers, pen, part.sums, pace, found),
-            List::Cones => sweep(&cones[range], tempers, pen, part.sums, pace, found),
+            List::Lengths => sweep!(lengths),
+            List::Bends => sweep!(bends),
+            List::Areas => sweep!(areas),
+            List::Tetrahedra => sweep!(tetrahedra),
+            List::Angles => sweep!(angles),
+            List::Hinges => sweep!(hinges),
+            List::Cones => sweep!(cones),
         }
     }
 
     /// How far the hard ones of a group are from being kept in each body: the largest error, metres, and of distances the largest share of a rest
     /// length. Moves nothing.
-    #[inline(always)]
-    pub(in crate::solve) fn measure<L: Lanes>(&self, part: &Part, now: &[Spot]) -> (L, L) {
+    pub(in crate::solve) fn measure(
+        &self,
+        part: &Part,
+        now: &[Spot],
+        instructions: InstructionSet,
+    ) -> [Eight32; 2] {
         let Self { tempers, lengths, bends, areas, tetrahedra, angles, hinges, cones } = self;
         let range = part.range.clone();
-        let none = L::zero();
-        let error = match part.list {
-            List::Lengths => {
-                let mut worst = (none, none);
-                for own in &lengths[range] {
-                    let spots = Still { at: &own.at, now };
-                    let (left, share) = lengths::left::<L>(&own.eight, tempers, &spots);
-                    worst = (left.max(worst.0), share.max(worst.1));
-                }
-                return worst;
-            }
-            List::Bends => measure(&bends[range], tempers, now),
-            List::Areas => measure(&areas[range], tempers, now),
-            List::Tetrahedra => measure(&tetrahedra[range], tempers, now),
-            List::Angles => measure(&angles[range], tempers, now),
-            List::Hinges => measure(&hinges[range], tempers, now),
-            List::Cones => measure(&cones[range], tempers, now),
-        };
-        (error, none)
+        macro_rules! measure {
+            ($list:ident) => {
+                with(instructions, Measure { list: &$list[range], tempers, now })
+            };
+        }
+        match part.list {
+            List::Lengths => measure!(lengths),
+            List::Bends => measure!(bends),
+            List::Areas => measure!(areas),
+            List::Tetrahedra => measure!(tetrahedra),
+            List::Angles => measure!(angles),
+            List::Hinges => measure!(hinges),
+            List::Cones => measure!(cones),
+        }
     }
 }
 
@@ -193,66 +197,121 @@ fn take<W: Wide<N>, const N: usize>(
     Some(begin..list.len())
 }
 
-#[inline(always)]
-fn sweep<L: Lanes, W: Wide<N>, const N: usize>(
-    list: &[Own<Eight<W>, N>],
-    tempers: &[Temper],
-    pen: &mut Pen,
-    sums: usize,
-    pace: Pace,
-    (aside, mut worst): (L, L),
-) -> L {
-    let (mut each, mut each_of) = ([1.0; LANES], u32::MAX);
-    let Pen { now, start, sums: all, .. } = pen;
-    for (own, sum) in list.iter().zip(&mut all[sums..]) {
-        let temper = &tempers[own.eight.temper as usize];
-        if own.eight.temper != each_of {
-            each = if temper.shares { temper.each(pace.sweeps) } else { [1.0; LANES] };
-            each_of = own.eight.temper;
-        }
-        let mut spots = InPen { at: &own.at, now, start };
-        let how = (temper, &each, pace.h, aside);
-        worst = block::project::<L, W, N>(&own.eight, how, &mut spots, sum).max(worst);
-    }
-    worst
+/// A number of each of eight bodies.
+type Eight32 = [f32; LANES];
+
+/// What there is to be done with one constraint of each of eight bodies.
+trait Each<const N: usize> {
+    /// Which temper they have.
+    fn temper(&self) -> u32;
+    /// As [`block::project`] has it.
+    fn project<L: Lanes>(
+        &self,
+        how: (&Temper, &Eight32, f32, L),
+        spots: &mut InPen<N>,
+        sums: &mut Eight32,
+    ) -> L;
+    /// The errors of the hard ones, metres, and of distances as shares of their rest lengths.
+    fn left<L: Lanes>(&self, tempers: &[Temper], spots: &Still<N>) -> (L, L);
 }
 
-#[inline(always)]
-fn sweep_lengths<L: Lanes>(
-    list: &[Own<EightLengths, 2>],
-    tempers: &[Temper],
-    pen: &mut Pen,
-    sums: usize,
-    pace: Pace,
-    (aside, mut worst): (L, L),
-) -> L {
-    let (mut each, mut each_of) = ([1.0; LANES], u32::MAX);
-    let Pen { now, start, sums: all, .. } = pen;
-    for (own, sum) in list.iter().zip(&mut all[sums..]) {
-        let temper = &tempers[own.eight.temper as usize];
-        if own.eight.temper != each_of {
-            each = if temper.shares { temper.each(pace.sweeps) } else { [1.0; LANES] };
-            each_of = own.eight.temper;
-        }
-        let mut spots = InPen { at: &own.at, now, start };
-        let how = (temper, &each, pace.h, aside);
-        worst = lengths::project::<L>(&own.eight, how, &mut spots, sum).max(worst);
+impl<W: Wide<N>, const N: usize> Each<N> for Eight<W> {
+    fn temper(&self) -> u32 {
+        self.temper
     }
-    worst
+
+    #[inline(always)]
+    fn project<L: Lanes>(
+        &self,
+        how: (&Temper, &Eight32, f32, L),
+        spots: &mut InPen<N>,
+        sums: &mut Eight32,
+    ) -> L {
+        block::project::<L, W, N>(self, how, spots, sums)
+    }
+
+    #[inline(always)]
+    fn left<L: Lanes>(&self, tempers: &[Temper], spots: &Still<N>) -> (L, L) {
+        (block::left::<L, W, N>(self, tempers, spots), L::zero())
+    }
 }
 
-#[inline(always)]
-fn measure<L: Lanes, W: Wide<N>, const N: usize>(
-    list: &[Own<Eight<W>, N>],
-    tempers: &[Temper],
-    now: &[Spot],
-) -> L {
-    let mut worst = L::zero();
-    for own in list {
-        let spots = Still { at: &own.at, now };
-        worst = block::left::<L, W, N>(&own.eight, tempers, &spots).max(worst);
+impl Each<2> for EightLengths {
+    fn temper(&self) -> u32 {
+        self.temper
     }
-    worst
+
+    #[inline(always)]
+    fn project<L: Lanes>(
+        &self,
+        how: (&Temper, &Eight32, f32, L),
+        spots: &mut InPen<2>,
+        sums: &mut Eight32,
+    ) -> L {
+        lengths::project::<L>(self, how, spots, sums)
+    }
+
+    #[inline(always)]
+    fn left<L: Lanes>(&self, tempers: &[Temper], spots: &Still<2>) -> (L, L) {
+        lengths::left::<L>(self, tempers, spots)
+    }
+}
+
+/// As [`Alike::sweep`] has it, of one list.
+struct Sweep<'a, E, const N: usize> {
+    list: &'a [Own<E, N>],
+    tempers: &'a [Temper],
+    pen: &'a mut Pen,
+    sums: usize,
+    pace: Pace,
+    aside: u32,
+    worst: Eight32,
+}
+
+impl<E: Each<N>, const N: usize> Work for Sweep<'_, E, N> {
+    type Output = Eight32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Eight32 {
+        let Self { list, tempers, pen, sums, pace, aside, worst } = self;
+        let (mut each, mut each_of) = ([1.0; LANES], u32::MAX);
+        let (aside, mut worst) = (L::mask(aside), L::load(&worst));
+        let Pen { now, start, sums: all, .. } = pen;
+        for (own, sum) in list.iter().zip(&mut all[sums..]) {
+            let temper = &tempers[own.eight.temper() as usize];
+            if own.eight.temper() != each_of {
+                each = if temper.shares { temper.each(pace.sweeps) } else { [1.0; LANES] };
+                each_of = own.eight.temper();
+            }
+            let mut spots = InPen { at: &own.at, now, start };
+            let how = (temper, &each, pace.h, aside);
+            worst = own.eight.project::<L>(how, &mut spots, sum).max(worst);
+        }
+        worst.array()
+    }
+}
+
+/// As [`Alike::measure`] has it, of one list.
+struct Measure<'a, E, const N: usize> {
+    list: &'a [Own<E, N>],
+    tempers: &'a [Temper],
+    now: &'a [Spot],
+}
+
+impl<E: Each<N>, const N: usize> Work for Measure<'_, E, N> {
+    type Output = [Eight32; 2];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> [Eight32; 2] {
+        let Self { list, tempers, now } = self;
+        let mut worst = (L::zero(), L::zero());
+        for own in list {
+            let spots = Still { at: &own.at, now };
+            let (left, share) = own.eight.left::<L>(tempers, &spots);
+            worst = (left.max(worst.0), share.max(worst.1));
+        }
+        [worst.0.array(), worst.1.array()]
+    }
 }
 
 /// The particles of one constraint of each of eight bodies, to be looked at.

@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use crate::same_place::first_in_place;
+
 /// The skin of a solid that floats by its shape, and the particles that carry it.
 ///
 /// Its particles do not float as balls as well, whatever their radius. The skin should be closed, or open like a boat; corners of a triangle go
@@ -80,7 +82,7 @@ impl Hull {
             return Err(HullFault::MissingVertex);
         }
         if let Skin::Posed { vertices, .. } = &skin {
-            let one = welded(vertices);
+            let one = first_in_place(vertices);
             triangles.iter_mut().flatten().for_each(|v| *v = one[*v as usize]);
         }
         let rim = rim_of(&triangles);
@@ -123,23 +125,6 @@ impl Hull {
     pub(super) fn rim(&self) -> &[[u32; 2]] {
         &self.rim
     }
-}
-
-/// For each vertex the first one, in the order of the list, at the same place.
-fn welded(vertices: &[Vec3]) -> Vec<u32> {
-    // Adding zero makes -0 a 0.
-    let place = |v: u32| (vertices[v as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
-    let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
-    order.sort_unstable_by_key(|&v| (place(v), v));
-    let mut one = vec![0; vertices.len()];
-    let mut first = 0;
-    for (k, &v) in order.iter().enumerate() {
-        if k == 0 || place(v) != place(first) {
-            first = v;
-        }
-        one[v as usize] = first;
-    }
-    one
 }
 
 /// The directed edges that no triangle runs along the other way.

@@ -1,0 +1,255 @@
+//! What a pointer catches, how it is held, and what is left alone. A pointer here has a ray in the world, but no window.
+
+use bevy::camera::NormalizedRenderTarget;
+use bevy::picking::backend::ray::RayId;
+use bevy::picking::pointer::Location;
+use bevy::picking::{InteractionPlugin, PickingPlugin};
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+
+use super::*;
+use crate::components::{Barycenter, BodyConstraints, Collider, Gravity, LinearVelocity, Radius};
+use crate::recipes::{Cloth, ParticleBox, Ragdoll, Rope, SoftBody};
+use crate::{AngularVelocity, SinewPlugins};
+
+/// Where the pointer looks from, and whereto.
+#[derive(Resource)]
+struct Aim(Ray3d);
+
+/// An app without gravity, in which a pointer looks along -z from 10 m away.
+fn app() -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, PickingPlugin, InteractionPlugin));
+    app.add_plugins((SinewPlugins, MouseDragPlugin));
+    let step = app.world().resource::<Time<Fixed>>().timestep();
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(step));
+    app.insert_resource(Gravity(Vec3::ZERO));
+    app.insert_resource(Aim(Ray3d::new(Vec3::Z * 10.0, Dir3::NEG_Z)));
+    let camera = (Camera::default(), GlobalTransform::from(Transform::from_xyz(0.0, 0.0, 10.0)));
+    let camera = app.world_mut().spawn(camera).id();
+    app.world_mut().spawn(PointerId::Mouse);
+    let rays = move |aim: Res<Aim>, mut rays: ResMut<RayMap>| {
+        rays.map.insert(RayId::new(camera, PointerId::Mouse), aim.0);
+    };
+    app.add_systems(PreUpdate, rays.after(RayMap::repopulate).before(PickingSystems::Backend));
+    app.finish();
+    app.cleanup();
+    app
+}
+
+fn input(app: &mut App, action: PointerAction) {
+    let target = NormalizedRenderTarget::None { width: 100, height: 100 };
+    let location = Location { target, position: Vec2::splat(50.0) };
+    app.world_mut().write_message(PointerInput::new(PointerId::Mouse, location, action));
+    app.update();
+}
+
+fn aim(app: &mut App, x: f32, y: f32) {
+    app.insert_resource(Aim(Ray3d::new(Vec3::new(x, y, 10.0), Dir3::NEG_Z)));
+}
+
+/// Presses where the pointer is; what is held then.
+fn press(app: &mut App) -> Option<Grab> {
+    input(app, PointerAction::Press(PointerButton::Primary));
+    app.world().resource::<MouseDrag>().grabbed.clone()
+}
+
+fn run(app: &mut App, ticks: usize) {
+    (0..ticks).for_each(|_| app.update());
+}
+
+/// The point of a grab now.
+fn anchor_at(app: &App, grab: &Grab) -> Vec3 {
+    let place =
+        |(one, share): &(Entity, f32)| app.world().get::<Particle>(*one).unwrap().position * *share;
+    grab.anchor.iter().map(place).sum()
+}
+
+#[test]
+fn a_click_into_the_middle_of_a_face_catches_the_crate_there() {
+    let mut app = app();
+    let body = app.world_mut().spawn(ParticleBox::new(Vec3::splat(2.0)).with_mass(20.0)).id();
+    run(&mut app, 2);
+    aim(&mut app, 0.3, 0.2);
+    let grab = press(&mut app).expect("its face is under the pointer");
+    let caught = Vec3::new(0.3, 0.2, 1.0);
+    assert!(grab.target.distance(caught) < 1e-3, "{}", grab.target);
+    assert!(anchor_at(&app, &grab).distance(caught) < 1e-3, "{}", anchor_at(&app, &grab));
+    // It follows by that point, and turns no more than it must.
+    aim(&mut app, 2.3, 1.2);
+    run(&mut app, 240);
+    let held = anchor_at(&app, &grab);
+    assert!(held.distance(Vec3::new(2.3, 1.2, 1.0)) < 0.02, "{held}");
+    input(&mut app, PointerAction::Release(PointerButton::Primary));
+    assert_eq!(app.world().resource::<MouseDrag>().grabbed, None);
+    run(&mut app, 2);
+    let count = app.world_mut().query::<&GrabConstraint>().iter(app.world()).count();
+    assert_eq!(count, 0, "nothing of it is left");
+    let _ = body;
+}
+
+#[test]
+fn every_body_is_caught_by_what_is_seen_of_it() {
+    let spawns: [(&str, fn(&mut World) -> Entity); 5] = [
+        ("a box", |w| w.spawn(ParticleBox::default()).id()),
+        ("a cloth", |w| w.spawn(Cloth::grid(1.0, 1.0, 3, 3)).id()),
+        ("a soft body", |w| w.spawn(SoftBody::cuboid(Vec3::ONE, UVec3::splat(3))).id()),
+        ("a figure", |w| w.spawn((Ragdoll::default(), Transform::from_xyz(0.0, -1.2, 0.0))).id()),
+        ("a ball", |w| w.spawn((Particle::at(Vec3::ZERO), Radius(0.3))).id()),
+    ];
+    for (name, spawn) in spawns {
+        let mut app = app();
+        let body = spawn(app.world_mut());
+        run(&mut app, 2);
+        aim(&mut app, 0.06, 0.05);
+        let grab = press(&mut app).unwrap_or_else(|| panic!("{name} is under the pointer"));
+        let shares: f32 = grab.anchor.iter().map(|one| one.1).sum();
+        assert!((shares - 1.0).abs() < 1e-4, "{name}: {shares}");
+        let owner = |one: Entity| app.world().get::<ParticleOf>(one).map_or(one, |of| of.0);
+        assert!(grab.anchor.iter().all(|&(one, _)| owner(one) == body), "{name}");
+        let off = anchor_at(&app, &grab) - grab.target;
+        assert!(off.truncate().length() < 0.35, "{name}: {off}");
+    }
+}
+
+#[test]
+fn a_rope_is_caught_beside_the_pointer_and_nothing_behind_a_wall_is() {
+    let mut app = app();
+    app.world_mut().spawn(Rope { pin_end: true, ..Rope::between(-Vec3::X, Vec3::X) });
+    run(&mut app, 2);
+    aim(&mut app, 0.0, 0.2);
+    assert!(press(&mut app).is_some(), "2 degrees are 35 cm here");
+    input(&mut app, PointerAction::Release(PointerButton::Primary));
+    aim(&mut app, 0.0, 0.8);
+    assert_eq!(press(&mut app), None, "that is too far off");
+    let wall = Collider::cuboid(Vec3::new(4.0, 4.0, 0.1));
+    app.world_mut().spawn((wall, Transform::from_xyz(0.0, 0.0, 2.0)));
+    run(&mut app, 2);
+    aim(&mut app, 0.0, 0.0);
+    assert_eq!(press(&mut app), None, "a wall is in front of it");
+}
+
+#[test]
+fn a_press_on_something_above_is_not_for_the_world() {
+    let mut app = app();
+    app.world_mut().spawn(ParticleBox::default());
+    let button = app.world_mut().spawn_empty().id();
+    // As a backend of a UI tells it: in every frame.
+    app.add_systems(
+        PreUpdate,
+        (move |mut hits: MessageWriter<PointerHits>, cameras: Query<Entity, With<Camera>>| {
+            let data = HitData::new(cameras.single().unwrap(), 0.0, None, None);
+            hits.write(PointerHits::new(PointerId::Mouse, vec![(button, data)], 0.5));
+        })
+        .in_set(PickingSystems::Backend),
+    );
+    run(&mut app, 2);
+    assert_eq!(press(&mut app), None);
+    // A decoration that is drawn over all, but lets presses through.
+    app.world_mut().entity_mut(button).insert(Pickable::IGNORE);
+    assert!(press(&mut app).is_some());
+}
+
+#[test]
+fn another_backend_may_tell_of_the_body_first() {
+    let mut app = app();
+    let body = app.world_mut().spawn(ParticleBox::default()).id();
+    // Its mesh, which is nearer than its shape and a child of it.
+    let skin = app.world_mut().spawn(ChildOf(body)).id();
+    app.add_systems(
+        PreUpdate,
+        (move |mut hits: MessageWriter<PointerHits>, cameras: Query<Entity, With<Camera>>| {
+            let data = HitData::new(cameras.single().unwrap(), 1.0, None, None);
+            hits.write(PointerHits::new(PointerId::Mouse, vec![(skin, data)], 0.0));
+        })
+        .in_set(PickingSystems::Backend),
+    );
+    run(&mut app, 2);
+    let g = press(&mut app);
+    eprintln!(
+        "DBG {body} {skin} {:?} {:?}",
+        app.world().resource::<Pointing>().under,
+        app.world().resource::<bevy::picking::hover::HoverMap>().0
+    );
+    assert!(g.is_some());
+}
+
+#[test]
+fn another_button_or_none_catches_nothing() {
+    let mut app = app();
+    app.world_mut().spawn(ParticleBox::default());
+    run(&mut app, 2);
+    input(&mut app, PointerAction::Press(PointerButton::Secondary));
+    assert_eq!(app.world().resource::<MouseDrag>().grabbed, None);
+    app.world_mut().resource_mut::<MouseDrag>().button = None;
+    assert_eq!(press(&mut app), None);
+}
+
+#[test]
+fn light_and_heavy_bodies_follow_as_eagerly() {
+    let way = |mass: f32| {
+        let mut app = app();
+        let body = app.world_mut().spawn(ParticleBox::default().with_mass(mass)).id();
+        run(&mut app, 2);
+        press(&mut app).expect("it is there");
+        aim(&mut app, 1.0, 0.0);
+        run(&mut app, 12);
+        app.world().get::<Barycenter>(body).unwrap().position
+    };
+    let (light, heavy) = (way(0.1), way(1000.0));
+    assert!(light.x > 0.3, "{light}");
+    assert!((light - heavy).length() < 0.02, "{light} {heavy}");
+}
+
+#[test]
+fn a_crate_hangs_at_the_hand_and_one_at_rest_is_not_turned_by_being_caught() {
+    let mut app = app();
+    let body = app.world_mut().spawn(ParticleBox::default().with_mass(20.0)).id();
+    run(&mut app, 2);
+    aim(&mut app, 0.2, 0.3);
+    let grab = press(&mut app).expect("its face is there");
+    run(&mut app, 60);
+    let speed = app.world().get::<LinearVelocity>(body).unwrap().0.length();
+    let spin = app.world().get::<AngularVelocity>(body).unwrap().0.length();
+    assert!(speed < 1e-3 && spin < 1e-3, "{speed} {spin}");
+    app.insert_resource(Gravity(Vec3::NEG_Y * 9.81));
+    app.insert_resource(crate::AirDrag(0.9));
+    run(&mut app, 300);
+    // It sags by g/ω² = 5 cm.
+    let held = anchor_at(&app, &grab);
+    assert!((held - grab.target).length() < 0.1, "{held}");
+    let middle = app.world().get::<Barycenter>(body).unwrap().position;
+    assert!(middle.y < held.y, "it hangs from the hand");
+}
+
+#[test]
+fn what_is_held_may_go_and_the_hand_is_empty() {
+    let mut app = app();
+    let body = app.world_mut().spawn(ParticleBox::default()).id();
+    run(&mut app, 2);
+    press(&mut app).expect("it is there");
+    run(&mut app, 2);
+    app.world_mut().despawn(body);
+    run(&mut app, 5);
+    let count = app.world_mut().query::<&GrabConstraint>().iter(app.world()).count();
+    assert_eq!(count, 0);
+    assert!(app.world_mut().query::<&BodyConstraints>().iter(app.world()).next().is_none());
+}
+
+#[test]
+fn the_pointer_takes_what_is_under_it_and_the_nearer_of_two() {
+    let entity = |number| Entity::from_raw_u32(number).expect("a small number");
+    let ray = Ray3d::new(Vec3::ZERO, Dir3::NEG_Z);
+    let near = (entity(1), Vec3::new(0.01, 0.0, -2.0), 0.0);
+    let far = (entity(2), Vec3::new(0.0, 0.0, -6.0), 0.0);
+    let behind = (entity(3), Vec3::Z, 1.0);
+    let aside = (entity(4), Vec3::new(1.0, 0.0, -2.0), 0.1);
+    let all = [behind, far, aside, near].into_iter();
+    let picked = beside(ray, 0.04, f32::INFINITY, all);
+    assert_eq!(picked.map(|(entity, _)| entity), Some(near.0));
+    assert!(beside(ray, 0.04, f32::INFINITY, [behind, aside].into_iter()).is_none());
+    assert!(beside(ray, 0.04, 5.0, [far].into_iter()).is_none(), "something stands before it");
+    let ball = (entity(5), Vec3::new(0.4, 0.0, -2.0), 0.5);
+    let picked = beside(ray, 0.04, f32::INFINITY, [ball].into_iter());
+    assert!(picked.is_some(), "a ball is as wide as it is");
+}

@@ -1,0 +1,48 @@
+//! What never touches although no constraint joins it: a body and what it is pinned to, and a body and the colliders that are its children.
+
+use bevy::prelude::*;
+use sinew::Party;
+
+use crate::components::{BodyParticles, ParticleBody, ParticleRow, PinnedTo, PlacedCollider};
+use crate::recipes::PartOf;
+use crate::rows::{GONE, Rows};
+use crate::world::SinewWorld;
+
+/// Tells the solver.
+pub(crate) fn gather_ignored(
+    mut world: ResMut<SinewWorld>,
+    pins: Query<(&PinnedTo, &ParticleRow)>,
+    children: Query<(Entity, &PlacedCollider), With<ChildOf>>,
+    placed: Query<&PlacedCollider>,
+    bodies: Query<&Rows<BodyParticles>, With<ParticleBody>>,
+    parts: Query<&PartOf>,
+    parents: Query<&ChildOf>,
+) {
+    let SinewWorld { simulation, tables } = &mut *world;
+    let particles = &simulation.particles;
+    let list = &mut simulation.ignored;
+    list.clear();
+    let body_of_row = |row: usize| particles.body(row).map(Party::Body);
+    let body = |entity: Entity| {
+        let owner = parts.get(entity).map_or(entity, |of| of.0);
+        let rows = bodies.get(owner).ok()?.get();
+        body_of_row(*rows.iter().find(|&&row| row != GONE)? as usize)
+    };
+    // A collider's number is that of the last listing in which it was sound.
+    let collider = |entity: Entity, placed: &PlacedCollider| {
+        let listed = tables.colliders.get(placed.number) == Some(&entity);
+        listed.then_some(Party::Collider(placed.number as u32))
+    };
+    for (pin, row) in &pins {
+        let Some(row) = row.get().filter(|&row| row < particles.len()) else { continue };
+        let held = body_of_row(row);
+        let by = placed.get(pin.entity).ok().and_then(|placed| collider(pin.entity, placed));
+        if let (Some(held), Some(by)) = (held, by.or_else(|| body(pin.entity))) {
+            list.push([held, by]);
+        }
+    }
+    for (child, placed) in &children {
+        let Some(collider) = collider(child, placed) else { continue };
+        list.extend(parents.iter_ancestors(child).find_map(body).map(|body| [body, collider]));
+    }
+}

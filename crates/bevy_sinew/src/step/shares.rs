@@ -1,0 +1,154 @@
+//! What a body says of all its particles together, shared out onto them: its mass and its charge by their masses, its radius and its drag to each.
+
+use std::collections::BTreeSet;
+
+use bevy::prelude::*;
+use sinew::{ParticleFault, ParticleSeed};
+
+use super::pins::sound;
+use crate::components::{BodyParticles, Charge, Drag, Mass, Particle, Radius};
+use crate::messages::{Refusal, Refused};
+
+/// What is said of a body.
+type Said = (
+    Option<Ref<'static, Mass>>,
+    Option<Ref<'static, Radius>>,
+    Option<Ref<'static, Charge>>,
+    Option<Ref<'static, Drag>>,
+);
+
+/// Of a particle.
+type Own = (
+    &'static mut Mass,
+    Option<&'static mut Radius>,
+    Option<&'static mut Charge>,
+    Option<&'static mut Drag>,
+);
+
+/// How far the sum of the particles' masses may be from the body's, as a share, before they are scaled: what rounding leaves.
+const ROUNDING: f64 = 1e-6;
+
+/// Writes what a body says onto its particles, if the body was built or what it says has changed since the last tick.
+///
+/// A number that is not finite, or out of range, is refused once and changes nothing.
+pub(crate) fn share_out(
+    mut commands: Commands,
+    bodies: Query<
+        (Entity, Ref<BodyParticles>, Said),
+        Or<(With<Mass>, With<Radius>, With<Charge>, With<Drag>)>,
+    >,
+    mut particles: Query<Own, (With<Particle>, Without<BodyParticles>)>,
+    mut messages: MessageWriter<Refused>,
+    mut broken: Local<BTreeSet<Entity>>,
+) {
+    for (body, list, (mass, radius, charge, drag)) in &bodies {
+        let anew = list.is_changed();
+        let new = |changed: Option<bool>| changed.is_some_and(|changed| changed || anew);
+        let says = [
+            new(mass.as_ref().map(DetectChanges::is_changed)),
+            new(radius.as_ref().map(DetectChanges::is_changed)),
+            new(charge.as_ref().map(DetectChanges::is_changed)),
+            new(drag.as_ref().map(DetectChanges::is_changed)),
+        ];
+        if !says.contains(&true) {
+            continue;
+        }
+        let fault = fault(mass.as_deref(), radius.as_deref(), charge.as_deref(), drag.as_deref());
+        if !sound(&mut broken, &mut messages, body, fault.map(Refusal::Body)) {
+            continue;
+        }
+        let [heavy, wide, charged, dragged] = says;
+        let mut total = sum(&particles, &list);
+        if let (Some(mass), true) = (&mass, heavy) {
+            scale_masses(&mut particles, &list, total, f64::from(mass.0));
+            total = sum(&particles, &list);
+        }
+        for particle in list.iter() {
+            let Ok((mass, own_radius, own_charge, own_drag)) = particles.get_mut(particle) else {
+                continue;
+            };
+            if let (Some(radius), true) = (&radius, wide) {
+                put(&mut commands, particle, own_radius, **radius);
+            }
+            // The charge changes with the masses, too: it is spread as they are.
+            if let (Some(charge), true) = (&charge, charged || heavy) {
+                let share = f64::from(charge.0) * f64::from(mass.0) / total;
+                put(&mut commands, particle, own_charge, Charge(share as f32));
+            }
+            if let (Some(drag), true) = (&drag, dragged) {
+                put(&mut commands, particle, own_drag, **drag);
+            }
+        }
+    }
+}
+
+/// Takes from the particles of a body what was taken from it: its charge, its drag. (An observer, for a tick may be too late to be told of what went.)
+pub(crate) fn take_back<T: Component>(
+    removed: On<Remove, T>,
+    mut commands: Commands,
+    bodies: Query<&BodyParticles>,
+) {
+    for particle in bodies.get(removed.entity).into_iter().flat_map(RelationshipTarget::iter) {
+        commands.entity(particle).try_remove::<T>();
+    }
+}
+
+/// What is wrong with a number of a body, if anything is: what would be wrong with it on a particle.
+fn fault(
+    mass: Option<&Mass>,
+    radius: Option<&Radius>,
+    charge: Option<&Charge>,
+    drag: Option<&Drag>,
+) -> Option<ParticleFault> {
+    let seed = ParticleSeed::at(Vec3::ZERO);
+    let seed = ParticleSeed {
+        mass: mass.map_or(seed.mass, |mass| mass.0),
+        radius: radius.map_or(seed.radius, |radius| radius.0),
+        charge: charge.map_or(seed.charge, |charge| charge.0),
+        drag: drag.map_or(seed.drag, |drag| drag.0),
+        ..seed
+    };
+    // An infinite mass pins a particle, which a body's cannot.
+    let heavy = mass.is_some_and(|mass| !mass.0.is_finite()).then_some(ParticleFault::Mass);
+    heavy.or(seed.fault())
+}
+
+/// Mass of some particles, kg.
+fn sum(
+    particles: &Query<Own, (With<Particle>, Without<BodyParticles>)>,
+    list: &BodyParticles,
+) -> f64 {
+    let own = list.iter().filter_map(|particle| particles.get(particle).ok());
+    own.map(|(mass, ..)| f64::from(mass.0)).filter(|mass| mass.is_finite()).sum()
+}
+
+/// Scales the masses of particles that weigh `total` kg, so that they weigh `wanted`.
+fn scale_masses(
+    particles: &mut Query<Own, (With<Particle>, Without<BodyParticles>)>,
+    list: &BodyParticles,
+    total: f64,
+    wanted: f64,
+) {
+    let factor = wanted / total;
+    if !(factor.is_finite() && factor > 0.0) || (total - wanted).abs() <= ROUNDING * wanted {
+        return;
+    }
+    for particle in list.iter() {
+        if let Ok((mut mass, ..)) = particles.get_mut(particle) {
+            mass.0 = (f64::from(mass.0) * factor) as f32;
+        }
+    }
+}
+
+/// Writes a component where it is, if it is another one, or puts it there.
+fn put<T: Component<Mutability = bevy::ecs::component::Mutable> + PartialEq>(
+    commands: &mut Commands,
+    particle: Entity,
+    own: Option<Mut<T>>,
+    wanted: T,
+) {
+    match own {
+        Some(mut own) => drop(own.set_if_neq(wanted)),
+        None => drop(commands.entity(particle).try_insert(wanted)),
+    }
+}

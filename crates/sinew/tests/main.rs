@@ -1,0 +1,30 @@
+//! The solver from outside, through its public interface alone: one binary, so that it is linked once and its tests run side by side.
+//!
+//! | file | the story |
+//! |---|---|
+//! | `analytic` | against formulas |
+//! | `compounds` | explicit rigid bodies, and the swap between them and particles |
+//! | `contacts` | slopes, bounces, and cloth on whatever there is |
+//! | `far` | far from the origin it is as at home |
+//! | `poured` | a thousand boxes in a heap |
+//! | `robustness` | what must not happen, whatever a caller does |
+//! | `same_bits` | the same bits on any instructions and any number of threads |
+//! | `segments` | ropes by their segments |
+//! | `settings` | what bodies ask for themselves |
+//! | `solver` | its choices against each other |
+//! | `waves` | large cloth through a step in columns, and from thread to thread |
+//!
+//! `threads` is what they are helped by.
+
+mod analytic;
+mod compounds;
+mod contacts;
+mod far;
+mod poured;
+mod robustness;
+mod same_bits;
+mod segments;
+mod settings;
+mod solver;
+mod threads;
+mod waves;
