@@ -3,7 +3,7 @@
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{BoxSpec, box_3d};
 use sinew::{BodyContacts, BodySettings, Collider, Filter, Frame, Layers, Material, Party, Shape};
-use sinew::{Party, Simulation, Sleep, Solid};
+use sinew::{Simulation, Sleep, Solid};
 
 use crate::input::Input;
 

@@ -11,7 +11,7 @@ use super::guess::certain;
 use super::memory::ContactMemory;
 use super::read::Read;
 use super::way::{Seen, Ways};
-use crate::lanes::{LANES, with};
+use crate::lanes::{LANES, Record, with};
 use crate::particles::{NO_BODY, Particles};
 
 impl Solids {
@@ -77,7 +77,10 @@ impl Solids {
     fn read_fresh(&mut self, particles: &Particles, world: &World) {
         let Self { groups, lifts, bodies, sums, gathered, instructions, .. } = self;
         for (number, group) in groups.groups.iter().enumerate() {
+            let (first, mut asks) = (number * LANES, 0xFF);
             for _ in 0..2 {
+                let before: [Record; LANES] =
+                    core::array::from_fn(|lane| bodies.rows[first + lane]);
                 let read = Read {
                     group,
                     slots: &groups.slots[group.slots.clone()],
@@ -86,18 +89,23 @@ impl Solids {
                     other: &particles.velocity,
                     fresh: true,
                     bodies,
-                    first: number * LANES,
+                    first,
                     sums: &mut sums[number],
                     ways: None,
                     gathered,
                 };
                 let lost = with(*instructions, read);
-                if lost == 0 {
+                // Who was found the first time stays as it was: who is beside it must not matter.
+                for lane in (0..LANES).filter(|lane| asks >> lane & 1 == 0) {
+                    bodies.rows[first + lane] = before[lane];
+                }
+                asks &= lost;
+                if asks == 0 {
                     break;
                 }
-                for lane in (0..LANES).filter(|lane| lost >> lane & 1 == 1) {
+                for lane in (0..LANES).filter(|lane| asks >> lane & 1 == 1) {
                     if let Some(solid) = groups.sound_in(number, lane) {
-                        let (rest, row) = (&world.solids[solid].rest, number * LANES + lane);
+                        let (rest, row) = (&world.solids[solid].rest, first + lane);
                         let near = bodies[row][ROTATION];
                         bodies[row][ROTATION] = certain(groups, solid, rest, particles, near);
                     }
