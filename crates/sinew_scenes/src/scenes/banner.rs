@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, mesh};
-use crate::{InScene, Look, cylinder};
+use super::{Scene, post};
+use crate::{InScene, Look};
 
 pub(super) const SCENE: Scene = Scene {
     name: "banner",
@@ -33,7 +33,7 @@ fn spawn(world: &mut World) {
         Interpolate,
         Transform::from_xyz(0.0, 2.6, 0.0),
     ));
-    let rod = mesh(world, cylinder(0.025, 1.5));
+    let rod = post(world, 0.025, 1.5);
     let wood = Look::color(0x8a6a4b);
     let lying = Quat::from_rotation_z(core::f32::consts::FRAC_PI_2);
     world.spawn((InScene, rod, wood, Transform::from_xyz(0.0, 2.62, 0.0).with_rotation(lying)));

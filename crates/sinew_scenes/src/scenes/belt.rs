@@ -36,7 +36,7 @@ fn spawn(world: &mut World) {
     let at = Vec3::new(0.0, 0.5, -0.9);
     let size = Vec3::new(2.0, 0.12, 0.9);
     let board = mesh(world, rounded_box(size, 0.02, 2));
-    let tray = (Tray { at }, Collider::cuboid(size * 0.5), SurfaceMaterial::new(0.7));
+    let tray = (Tray { at }, Collider::cuboid(size), SurfaceMaterial::new(0.7));
     let rubber = Look::color(0x3a3f47).roughness(0.9);
     world.spawn((InScene, tray, board, rubber, Interpolate, Transform::from_translation(at)));
     let skin = mesh(world, rounded_box(Vec3::splat(0.36), 0.012, 2));
@@ -46,7 +46,6 @@ fn spawn(world: &mut World) {
             InScene,
             Name::new("crate"),
             ParticleBox::new(Vec3::splat(0.36)).with_mass(3.0),
-            BodyContacts::default(),
             SurfaceMaterial::new(0.7),
             skin.clone(),
             Look::texture("textures/crate.png").roughness(0.8),
@@ -57,7 +56,7 @@ fn spawn(world: &mut World) {
     let floor = Transform::from_xyz(0.0, 0.02, 0.9);
     let slab = Vec3::new(3.4, 0.04, 0.8);
     let plate = mesh(world, rounded_box(slab, 0.01, 2));
-    let steel = (Collider::cuboid(slab * 0.5), Look::color(0x9aa4ad).metal());
+    let steel = (Collider::cuboid(slab), Look::color(0x9aa4ad).metal());
     world.spawn((
         InScene,
         steel,
@@ -73,7 +72,6 @@ fn spawn(world: &mut World) {
                 InScene,
                 Name::new("ball"),
                 ParticleBody,
-                BodyContacts::default(),
                 SurfaceMaterial::default().with_restitution(restitution),
                 skin.clone(),
                 Look::texture("textures/ball.png").roughness(0.4),

@@ -36,7 +36,7 @@ fn spawn(world: &mut World) {
         let wall = mesh(world, rounded_box(size, 0.01, 2));
         let tin = Look::color(0x6d7780).metal();
         let place = Transform::from_xyz(x, 0.5 * high, z);
-        world.spawn((InScene, Collider::cuboid(size * 0.5), wall, tin, place));
+        world.spawn((InScene, Collider::cuboid(size), wall, tin, place));
     }
     let colors = [0xd1495b, 0x66a182, 0xe9b44c, 0x8e6bb0, 0x2f8f83];
     for n in 0..200_u32 {
@@ -56,7 +56,6 @@ fn spawn(world: &mut World) {
             InScene,
             Name::new("jelly"),
             cube,
-            BodyContacts::default(),
             Look::color(colors[n as usize % colors.len()]).roughness(0.3),
             Interpolate,
             Transform::from_translation(at).with_rotation(turn),

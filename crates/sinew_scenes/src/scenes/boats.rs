@@ -33,7 +33,7 @@ fn spawn(world: &mut World) {
         InScene,
         Name::new("pool"),
         Fluid::flowing(Vec3::X * CURRENT),
-        Region::boxed(Vec3::new(HALF.x, DEPTH, HALF.y)),
+        Region::boxed(2.0 * Vec3::new(HALF.x, DEPTH, HALF.y)),
         Transform::from_xyz(0.0, DEPTH, 0.0),
     ));
     // The water is a slab, cut open along the middle of what floats in it, so that one sees how deep it sits.

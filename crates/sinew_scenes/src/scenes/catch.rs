@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, mesh};
-use crate::{InScene, Look, cylinder, rounded_box};
+use super::{Scene, mesh, post};
+use crate::{InScene, Look, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "catch",
@@ -23,7 +23,7 @@ fn spawn(world: &mut World) {
     world.spawn((InScene, Ground::default()));
     for x in [-1.0, 1.0] {
         for z in [-1.0, 1.0] {
-            let post = mesh(world, cylinder(0.03, 1.4));
+            let post = post(world, 0.03, 1.4);
             let wood = Look::color(0x8a6a4b);
             world.spawn((InScene, post, wood, Transform::from_xyz(x, 0.7, z)));
         }
@@ -34,7 +34,6 @@ fn spawn(world: &mut World) {
         Name::new("sheet"),
         Cloth { radius: 0.03, density: 0.8, ..Cloth::grid(2.0, 2.0, 40, 40) }
             .pinned(ClothPins::Corners),
-        BodyContacts::default(),
         Look::color(0xe4dccb).double_sided().roughness(0.95),
         Interpolate,
         Transform::from_xyz(0.0, 1.4, 0.0).with_rotation(flat),
@@ -45,7 +44,6 @@ fn spawn(world: &mut World) {
         InScene,
         Name::new("crate"),
         ParticleBox::new(size).with_mass(4.0),
-        BodyContacts::default(),
         skin,
         Look::texture("textures/crate.png").roughness(0.8),
         Interpolate,

@@ -39,16 +39,7 @@ fn spawn(world: &mut World) {
 }
 
 fn link(world: &mut World, centre: Vec3, turned: bool, held: bool, last: bool, look: Look) {
-    let body = world
-        .spawn((
-            InScene,
-            Name::new("loop"),
-            ParticleBody,
-            BodyContacts::default(),
-            look,
-            Interpolate,
-        ))
-        .id();
+    let body = world.spawn((InScene, Name::new("loop"), ParticleBody, look, Interpolate)).id();
     let place = |i: usize| {
         let (sin, cos) = libm::sincosf(core::f32::consts::TAU * i as f32 / BEADS as f32);
         let across = if turned { Vec3::Z } else { Vec3::X };

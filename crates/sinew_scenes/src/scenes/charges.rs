@@ -28,7 +28,7 @@ fn spawn(world: &mut World) {
     let centre = Vec3::Y * (HALF + 0.05);
     world.spawn((
         InScene,
-        BoundingBox { half_size: Vec3::splat(HALF), friction: 0.1, ..default() },
+        BoundingBox { size: Vec3::splat(2.0 * HALF), friction: 0.1, ..default() },
         Transform::from_translation(centre),
     ));
     frame(world, centre);

@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, mesh};
-use crate::{InScene, Look, cylinder};
+use super::{Scene, mesh, post};
+use crate::{InScene, Look};
 
 pub(super) const SCENE: Scene = Scene {
     name: "curtain",
@@ -21,7 +21,7 @@ fn spawn(world: &mut World) {
     world.insert_resource(SolverConfig { substeps: 16, ..default() });
     world.insert_resource(AirDrag(0.3));
     world.spawn((InScene, Ground { friction: 0.6, ..default() }));
-    let rod = mesh(world, cylinder(0.025, 2.4));
+    let rod = post(world, 0.025, 2.4);
     let brass = Look::color(0xb08d57).metal();
     let across = Quat::from_rotation_z(core::f32::consts::FRAC_PI_2);
     world.spawn((InScene, rod, brass, Transform::from_xyz(0.0, 2.3, 0.0).with_rotation(across)));
@@ -30,7 +30,6 @@ fn spawn(world: &mut World) {
         Name::new("curtain"),
         Cloth { radius: 0.026, density: 0.3, ..Cloth::grid(2.2, 2.1, 44, 42) }
             .pinned(ClothPins::TopEdge),
-        BodyContacts::default(),
         Look::color(0x8c3b4a).double_sided().roughness(0.95),
         Interpolate,
         Transform::from_xyz(0.0, 1.24, 0.0),
@@ -51,7 +50,6 @@ fn spawn(world: &mut World) {
             InScene,
             Name::new("ball"),
             ball,
-            BodyContacts::default(),
             skin,
             Look::texture("textures/ball.png").roughness(0.35),
             Interpolate,

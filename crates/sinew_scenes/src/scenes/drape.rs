@@ -28,7 +28,7 @@ fn spawn(world: &mut World) {
     let top = mesh(world, rounded_box(size, 0.01, 2));
     let wood = Look::color(0x8a6a4b).roughness(0.7);
     let place = Transform::from_xyz(1.05, 0.45, 0.0);
-    world.spawn((InScene, Collider::cuboid(size * 0.5), top, wood, place));
+    world.spawn((InScene, Collider::cuboid(size), top, wood, place));
     for (x, height, color) in [(-1.05, 1.45, 0xb8434e), (1.05, 1.0, 0x3f6f9f)] {
         let turn =
             Quat::from_rotation_y(0.4) * Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);

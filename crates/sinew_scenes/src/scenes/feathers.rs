@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, mesh};
-use crate::{InScene, Look, cylinder};
+use super::{Scene, mesh, post};
+use crate::{InScene, Look};
 
 pub(super) const SCENE: Scene = Scene {
     name: "feathers",
@@ -32,11 +32,11 @@ fn spawn(world: &mut World) {
         InScene,
         Name::new("fan"),
         AirFlow::steady(Vec3::X * 5.0),
-        Region::boxed(Vec3::new(1.3, 0.45, 0.8)).with_fade(0.2),
+        Region::boxed(Vec3::new(2.6, 0.9, 1.6)).with_fade(0.2),
         Transform::from_translation(FAN + Vec3::X * 1.3),
     ));
     let blade = mesh(world, Cuboid::new(0.02, 0.74, 0.09));
-    let (ring, stand) = (mesh(world, Torus::new(0.38, 0.46)), mesh(world, cylinder(0.04, 2.0)));
+    let (ring, stand) = (mesh(world, Torus::new(0.38, 0.46)), post(world, 0.04, 2.0));
     let upright = Quat::from_rotation_z(core::f32::consts::FRAC_PI_2);
     let metal = Look::color(0x6c757d).metal();
     let here = Transform::from_translation(FAN).with_rotation(upright);

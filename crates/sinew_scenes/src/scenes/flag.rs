@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, mesh};
-use crate::{InScene, Look, ball, cylinder};
+use super::{Scene, mesh, post};
+use crate::{InScene, Look, ball};
 
 pub(super) const SCENE: Scene = Scene {
     name: "flag",
@@ -41,7 +41,7 @@ fn spawn(world: &mut World) {
         Transform::from_xyz(SIZE.x * 0.5 + 0.03, 2.25, 0.0),
     ));
     let (height, radius) = (2.95, 0.03);
-    let pole = mesh(world, cylinder(radius, height));
+    let pole = post(world, radius, height);
     let metal = Look::color(0xb9bec6).metal();
     world.spawn((InScene, pole, metal, Transform::from_xyz(0.0, height * 0.5, 0.0)));
     let knob = mesh(world, ball(radius * 2.0));

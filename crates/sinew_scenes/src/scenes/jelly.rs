@@ -3,8 +3,8 @@
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
-use bevy_sinew::MeshFollow;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{MeshFollow, WindSurface};
 
 use super::{Scene, mesh};
 use crate::{InScene, Look};
@@ -72,13 +72,15 @@ fn block(world: &mut World, frame: Transform, color: u32) {
         }
     }
     world.spawn_batch(springs);
-    let (skin, vertices) = skin(&particles);
+    let (skin, vertices, triangles) = skin(&particles);
     let skin = mesh(world, skin);
-    world.entity_mut(body).insert((skin, MeshFollow { vertices }));
+    let surface = WindSurface { triangles };
+    world.entity_mut(body).insert((skin, MeshFollow { vertices }, surface));
 }
 
-/// The outer faces as a mesh: its own vertices on every face, so that edges stay sharp, each following a particle.
-fn skin(particles: &[Entity]) -> (Mesh, Vec<Entity>) {
+/// The outer faces as a mesh: its own vertices on every face, so that edges stay sharp, each following a particle. And as triangles of particles, by which
+/// it meets what is smaller than its cells.
+fn skin(particles: &[Entity]) -> (Mesh, Vec<Entity>, Vec<[Entity; 3]>) {
     let at = |cell: [usize; 3]| particles[cell[0] + SIDE * (cell[1] + SIDE * cell[2])];
     let (mut vertices, mut indices) = (Vec::new(), Vec::new());
     let mut numbers = std::collections::BTreeMap::new();
@@ -108,10 +110,12 @@ fn skin(particles: &[Entity]) -> (Mesh, Vec<Entity>) {
             }
         }
     }
+    let corner = |&i: &u32| vertices[i as usize];
+    let triangles = indices.chunks_exact(3).map(|t| [0, 1, 2].map(|i| corner(&t[i]))).collect();
     let skin = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0_f32; 3]; vertices.len()])
         .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0_f32, 1.0, 0.0]; vertices.len()])
         .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, vec![[0.0_f32; 2]; vertices.len()])
         .with_inserted_indices(Indices::U32(indices));
-    (skin, vertices)
+    (skin, vertices, triangles)
 }

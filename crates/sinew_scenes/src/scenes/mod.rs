@@ -31,6 +31,9 @@ mod stairs;
 pub(crate) mod swap;
 
 use bevy::prelude::*;
+use bevy_sinew::prelude::*;
+
+use crate::cylinder;
 
 /// A scene: what it is called, where to look at it from, and how to spawn it.
 #[derive(Clone, Copy, Debug)]
@@ -89,6 +92,11 @@ pub const ALL: &[Scene] = &[
 /// The scene of that name.
 pub fn find(name: &str) -> Option<&'static Scene> {
     ALL.iter().find(|scene| scene.name == name)
+}
+
+/// A post or a rail along its y axis, from its radius and its height, metres: as it is drawn it is met.
+fn post(world: &mut World, radius: f32, height: f32) -> (Mesh3d, Collider) {
+    (mesh(world, cylinder(radius, height)), Collider::cylinder(radius, height))
 }
 
 /// Adds a mesh to the app's assets.

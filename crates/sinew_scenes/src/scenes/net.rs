@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, mesh};
-use crate::{InScene, Look, cylinder};
+use super::{Scene, mesh, post};
+use crate::{InScene, Look};
 
 pub(super) const SCENE: Scene = Scene {
     name: "net",
@@ -29,7 +29,7 @@ fn spawn(world: &mut World) {
     for (x, shape, color) in by {
         let middle = Vec3::new(x, 1.2, 0.0);
         for (i, j) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
-            let post = mesh(world, cylinder(0.025, middle.y));
+            let post = post(world, 0.025, middle.y);
             let foot = middle + Vec3::new(i, 0.0, j) * (0.5 * SIDE) - Vec3::Y * (0.5 * middle.y);
             let wood = Look::color(0x8a6a4b);
             world.spawn((InScene, post, wood, Transform::from_translation(foot)));
@@ -71,7 +71,6 @@ fn marbles(world: &mut World, middle: Vec3) {
             // Glass, 2500 kg/m³, would be three times as heavy: these are of wood.
             Mass(800.0 * 4.18879 * radius * radius * radius),
             Radius(*radius),
-            BodyContacts::default(),
             skin.clone(),
             Look::color(colors[n as usize % colors.len()]).roughness(0.25),
             Transform::from_translation(at),

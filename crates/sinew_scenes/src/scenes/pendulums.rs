@@ -4,8 +4,8 @@ use bevy::prelude::*;
 use bevy_sinew::TubeMesh;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, mesh};
-use crate::{InScene, Look, ball, cylinder};
+use super::{Scene, mesh, post};
+use crate::{InScene, Look, ball};
 
 pub(super) const SCENE: Scene = Scene {
     name: "pendulums",
@@ -25,7 +25,7 @@ fn spawn(world: &mut World) {
     world.insert_resource(AirDrag(0.0));
     world.spawn((InScene, Ground::default()));
     let height = 1.75;
-    let bar = mesh(world, cylinder(0.025, 2.5));
+    let bar = post(world, 0.025, 2.5);
     let lying = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
     let metal = Look::color(0x6c757d).metal();
     world.spawn((InScene, bar, metal, Transform::from_xyz(0.0, height, 0.0).with_rotation(lying)));

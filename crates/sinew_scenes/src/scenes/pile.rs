@@ -46,7 +46,6 @@ fn crate_at(world: &mut World, skin: &Mesh3d, place: Transform) {
         InScene,
         Name::new("crate"),
         ParticleBox::new(Vec3::splat(EDGE)).with_mass(5.0),
-        BodyContacts::default(),
         SurfaceMaterial::new(0.6),
         skin.clone(),
         Look::texture("textures/crate.png").roughness(0.8),

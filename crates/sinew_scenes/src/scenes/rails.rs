@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_sinew::TubeMesh;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, mesh};
+use super::{Scene, mesh, post};
 use crate::{InScene, Look, ball, cylinder};
 
 pub(super) const SCENE: Scene = Scene {
@@ -48,7 +48,7 @@ fn frame(world: &mut World, x: f32) {
     for (side, z, height) in
         [(-WIDE, -DEEP, RAIL), (WIDE, -DEEP, RAIL), (-WIDE, DEEP, LINE), (WIDE, DEEP, LINE)]
     {
-        let post = mesh(world, cylinder(0.03, height + 0.04));
+        let post = post(world, 0.03, height + 0.04);
         let foot = Vec3::new(x + side, 0.5 * height + 0.02, z);
         world.spawn((InScene, post, wood.clone(), Transform::from_translation(foot)));
     }
@@ -56,7 +56,14 @@ fn frame(world: &mut World, x: f32) {
     let along = Transform::from_xyz(x, RAIL, -DEEP)
         .with_rotation(Quat::from_rotation_z(core::f32::consts::FRAC_PI_2));
     let steel = Look::color(0xb9bec4).metal();
-    world.spawn((InScene, Name::new("rail"), Collider::capsule(THICK, WIDE), rod, steel, along));
+    world.spawn((
+        InScene,
+        Name::new("rail"),
+        Collider::capsule(THICK, 2.0 * WIDE),
+        rod,
+        steel,
+        along,
+    ));
 }
 
 /// Ropes of several lengths that fall across the rail.
@@ -86,7 +93,7 @@ fn over_a_line(world: &mut World, x: f32, contacts: BodyContacts) {
         let particles = rope(world, (from, Vec3::Z), 5, contacts, color);
         for (end, way) in [(particles[0], -1.0), (particles[5], 1.0)] {
             let at = middle + Vec3::Z * (way * (2.5 * PIECE + TIE));
-            weight(world, (end, at), iron.clone(), contacts);
+            weight(world, (end, at), iron.clone());
         }
     }
 }
@@ -116,14 +123,13 @@ fn rope(
 }
 
 /// A ball tied to the end of a rope.
-fn weight(world: &mut World, (end, at): (Entity, Vec3), skin: Mesh3d, contacts: BodyContacts) {
+fn weight(world: &mut World, (end, at): (Entity, Vec3), skin: Mesh3d) {
     let weight = (
         InScene,
         Name::new("weight"),
         Particle::at(at),
         Mass(0.4),
         Radius(BALL),
-        BodyContacts { shape: ContactShape::Auto, ..contacts },
         skin,
         Look::color(0x555b61).metal(),
         Transform::from_translation(at),

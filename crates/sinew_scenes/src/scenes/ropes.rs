@@ -4,8 +4,8 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{BodyParticles, PinnedTo};
 
-use super::{Scene, mesh};
-use crate::{InScene, Look, ball, cylinder};
+use super::{Scene, mesh, post};
+use crate::{InScene, Look, ball};
 
 pub(super) const SCENE: Scene = Scene {
     name: "ropes",
@@ -39,7 +39,7 @@ fn spawn(world: &mut World) {
     world.spawn((InScene, Ground::default()));
     let wood = Look::color(0x8a6a4b);
     for x in [-2.0, 0.4] {
-        let post = mesh(world, cylinder(0.05, 2.2));
+        let post = post(world, 0.05, 2.2);
         world.spawn((InScene, post, wood.clone(), Transform::from_xyz(x, 1.1, 0.0)));
     }
     let hemp = Look::color(0xc9a66b).roughness(0.9);
@@ -49,7 +49,8 @@ fn spawn(world: &mut World) {
         segments: 32,
         ..Rope::between(from, to)
     };
-    let line = rope(Vec3::new(-2.0, 2.15, 0.0), Vec3::new(0.4, 2.15, 0.0), 0.022);
+    // From the side of one post to that of the other: the line does not begin inside of them.
+    let line = rope(Vec3::new(-1.928, 2.15, 0.0), Vec3::new(0.328, 2.15, 0.0), 0.022);
     world.spawn((
         InScene,
         Name::new("slack line"),
@@ -59,7 +60,7 @@ fn spawn(world: &mut World) {
     ));
 
     // The lantern's two particles hang on the last one of the rope.
-    let swing = rope(Vec3::new(0.4, 2.1, 0.0), Vec3::new(1.45, 1.35, 0.0), 0.016);
+    let swing = rope(Vec3::new(0.466, 2.1, 0.0), Vec3::new(1.45, 1.35, 0.0), 0.016);
     let swing = Rope { segments: 16, ..swing };
     let end = swing.to;
     let along = (swing.to - swing.from).normalize();
@@ -78,9 +79,9 @@ fn spawn(world: &mut World) {
         ))
         .id();
     // Its ring is 0.35 m above its centre of mass; the mass sits low, as in a lantern.
-    let [ring, foot] = [(0.0, 0.1), (0.55, 1.2)].map(|(down, mass)| {
+    let [ring, foot] = [(0.0, 0.1, 0.02), (0.55, 1.2, 0.15)].map(|(down, mass, radius)| {
         let place = end + along * down;
-        world.spawn((Particle::at(place), Mass(mass), ParticleOf(lamp))).id()
+        world.spawn((Particle::at(place), Mass(mass), Radius(radius), ParticleOf(lamp))).id()
     });
     world.spawn((DistanceConstraint::new(ring, foot, 0.55), ConstraintOf(lamp)));
     let rest = vec![Vec3::Y * 0.36, Vec3::Y * -0.19];

@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, mesh};
-use crate::{InScene, Look, cylinder, rounded_box};
+use super::{Scene, mesh, post};
+use crate::{InScene, Look, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "slopes",
@@ -31,7 +31,7 @@ fn spawn(world: &mut World) {
         let turned = Quat::from_rotation_z(-degrees.to_radians());
         let middle = Vec3::new(x, 0.62, 0.0);
         let place = Transform::from_translation(middle).with_rotation(turned);
-        let slope = (Collider::cuboid(SLOPE * 0.5), SurfaceMaterial::new(0.5));
+        let slope = (Collider::cuboid(SLOPE), SurfaceMaterial::new(0.5));
         let wood = Look::color(0x8a6a4b).roughness(0.9);
         world.spawn((InScene, Name::new("slope"), slope, board.clone(), wood, place));
         posts(world, place);
@@ -42,7 +42,6 @@ fn spawn(world: &mut World) {
                 InScene,
                 Name::new("plate"),
                 ParticleBox::new(PLATE).with_mass(2.0),
-                BodyContacts::default(),
                 SurfaceMaterial::new(0.5),
                 skin.clone(),
                 Look::color(color).roughness(0.7),
@@ -58,7 +57,7 @@ fn posts(world: &mut World, board: Transform) {
     for (i, j) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
         let corner = Vec3::new(0.42 * i * SLOPE.x, -0.45 * SLOPE.y, 0.4 * j * SLOPE.z);
         let top = board.transform_point(corner);
-        let post = mesh(world, cylinder(0.03, top.y));
+        let post = post(world, 0.03, top.y);
         let middle = Transform::from_translation(top.with_y(0.5 * top.y));
         world.spawn((InScene, post, Look::color(0x6d5138).roughness(0.9), middle));
     }

@@ -32,7 +32,7 @@ fn spawn(world: &mut World) {
         let place = Vec3::new(GOING * n as f32 - 1.6, 0.5 * high, 0.0);
         let step = mesh(world, rounded_box(size, 0.012, 2));
         let stone = Look::color(if n % 2 == 0 { 0x9a938a } else { 0xaaa39a }).roughness(0.8);
-        let collider = Collider::cuboid(size * 0.5);
+        let collider = Collider::cuboid(size);
         world.spawn((InScene, collider, step, stone, Transform::from_translation(place)));
     }
     for (n, color) in [0xd9622b, 0x2f8f83, 0xe0b040, 0x8e6bb0].into_iter().enumerate() {
@@ -45,7 +45,6 @@ fn spawn(world: &mut World) {
             InScene,
             Name::new("ragdoll"),
             Ragdoll::default(),
-            BodyContacts::ALL,
             Look::color(color).roughness(0.55),
             Interpolate,
             Transform::from_translation(place).with_rotation(rotation),
