@@ -95,7 +95,7 @@ fn ropes_with_their_tubes_allocate_nothing() {
 fn ragdolls_and_boxes_that_are_pushed_allocate_nothing() {
     let spawn = |world: &mut World| {
         world.spawn(Ground::default());
-        world.spawn(BoundingBox { half_size: Vec3::splat(6.0), ..default() });
+        world.spawn(BoundingBox { size: Vec3::splat(12.0), ..default() });
         world.spawn((Ragdoll::default(), Transform::from_xyz(0.0, 1.5, 0.0)));
         let push = ControlForce { force: Vec3::new(0.0, 1.0, 0.0), ..default() };
         world.spawn((ParticleBox::default(), push, Transform::from_xyz(2.0, 1.0, 0.0)));
@@ -149,7 +149,7 @@ fn colliders_and_what_lies_on_them_allocate_nothing() {
     let spawn = |world: &mut World| {
         let around = world.spawn(Transform::from_xyz(0.0, -1.0, 0.0)).id();
         let floor = Transform::from_xyz(0.0, -0.5, 0.0);
-        world.spawn((Collider::cuboid(Vec3::new(9.0, 0.5, 9.0)), floor, ChildOf(around)));
+        world.spawn((Collider::cuboid(Vec3::new(18.0, 1.0, 18.0)), floor, ChildOf(around)));
         world.spawn((Collider::sphere(0.5), Transform::from_xyz(4.0, 0.0, 0.0)));
         world.spawn((Collider::sphere(f32::NAN), SurfaceMaterial::default()));
         world.spawn((ParticleBox::new(Vec3::splat(0.5)), Transform::default()));
@@ -163,7 +163,7 @@ fn colliders_and_what_lies_on_them_allocate_nothing() {
 #[test]
 fn colliders_that_move_allocate_nothing() {
     let spawn = |world: &mut World| {
-        let floor = (Collider::cuboid(Vec3::new(9.0, 0.5, 9.0)), Transform::default());
+        let floor = (Collider::cuboid(Vec3::new(18.0, 1.0, 18.0)), Transform::default());
         world.spawn((floor, Lift));
         world.spawn((Collider::sphere(0.5), Lift, Transform::from_xyz(4.0, 0.0, 0.0)));
         world.spawn((ParticleBox::new(Vec3::splat(0.5)), Transform::from_xyz(0.0, 1.0, 0.0)));
@@ -174,7 +174,7 @@ fn colliders_that_move_allocate_nothing() {
 #[test]
 fn bodies_that_lie_on_each_other_allocate_nothing() {
     let spawn = |world: &mut World| {
-        world.spawn((Collider::cuboid(Vec3::new(9.0, 0.5, 9.0)), Transform::default()));
+        world.spawn((Collider::cuboid(Vec3::new(18.0, 1.0, 18.0)), Transform::default()));
         for i in 0..3 {
             let at = Transform::from_xyz(0.0, 1.0 + 0.6 * i as f32, 0.0);
             world.spawn((ParticleBox::new(Vec3::splat(0.5)), BodyContacts::default(), at));
@@ -186,7 +186,7 @@ fn bodies_that_lie_on_each_other_allocate_nothing() {
 #[test]
 fn particles_that_lie_on_each_other_allocate_nothing() {
     let spawn = |world: &mut World| {
-        world.spawn((Collider::cuboid(Vec3::new(9.0, 0.5, 9.0)), Transform::default()));
+        world.spawn((Collider::cuboid(Vec3::new(18.0, 1.0, 18.0)), Transform::default()));
         for i in 0..3 {
             let ball = Particle::at(Vec3::new(2.0, 1.0 + 0.3 * i as f32, 0.0));
             world.spawn((ball, Radius(0.1), BodyContacts::default()));

@@ -143,7 +143,7 @@ fn surroundings_with_a_broken_number_are_named_once_and_do_nothing() {
         ("nowhere", |w| w.spawn((Fluid::default(), Transform::from_translation(Vec3::NAN))).id()),
         ("ground", |w| w.spawn(Ground { friction: -1.0, ..default() }).id()),
         ("abyss", |w| w.spawn((Ground::default(), Transform::from_xyz(0.0, f32::NAN, 0.0))).id()),
-        ("room", |w| w.spawn(BoundingBox { half_size: Vec3::splat(-1.0), ..default() }).id()),
+        ("room", |w| w.spawn(BoundingBox { size: Vec3::splat(-2.0), ..default() }).id()),
         ("pin", |w| {
             let at = Vec3::new(0.0, 5.0, 5.0);
             w.spawn((Particle::at(at), Pinned::at(Vec3::NAN))).id()

@@ -9,7 +9,7 @@ use crate::support::{app, assert_finite, heard, particles_of, position, tick};
 
 /// A floor with its surface at y = 0.
 fn floor() -> (Collider, Transform) {
-    (Collider::cuboid(Vec3::new(5.0, 0.5, 5.0)), Transform::from_xyz(0.0, -0.5, 0.0))
+    (Collider::cuboid(Vec3::new(10.0, 1.0, 10.0)), Transform::from_xyz(0.0, -0.5, 0.0))
 }
 
 /// A box of 0.4 m, whose height above the floor at rest is half of that.
@@ -39,8 +39,9 @@ fn a_ball_and_boxes_come_to_rest_on_a_box() {
     let world = app.world_mut();
     world.spawn(floor());
     let ball = world.spawn((Particle::at(Vec3::new(-2.0, 1.0, 0.0)), Radius(0.1))).id();
-    let by_corners = world.spawn(crate_at(0.0, 1.0)).id();
-    let by_shape = world.spawn((crate_at(2.0, 1.0), BodyContacts::default())).id();
+    let corners = BodyContacts::default().shaped(ContactShape::Particles);
+    let by_corners = world.spawn((crate_at(0.0, 1.0), corners)).id();
+    let by_shape = world.spawn(crate_at(2.0, 1.0)).id();
     tick(&mut app, 180);
     assert!((position(&app, ball).y - 0.1).abs() < 2e-3, "{}", position(&app, ball));
     for body in [by_corners, by_shape] {
@@ -61,9 +62,9 @@ fn every_shape_holds_a_ball_up_as_high_as_it_is() {
     let shapes = [
         (Collider::plane(), 0.0),
         (Collider::sphere(0.5), 0.5),
-        (Collider::capsule(0.2, 0.3), 0.5),
-        (Collider::cuboid(Vec3::splat(0.5)), 0.5),
-        (Collider::cylinder(0.3, 0.5), 0.5),
+        (Collider::capsule(0.2, 0.6), 0.5),
+        (Collider::cuboid(Vec3::ONE), 0.5),
+        (Collider::cylinder(0.3, 1.0), 0.5),
         (Collider::hull(&octahedron).unwrap(), 0.5),
         (hill.unwrap(), 0.5),
         (Collider::from_mesh(&Cuboid::new(1.0, 1.0, 1.0).into()).unwrap(), 0.5),
@@ -118,8 +119,9 @@ fn a_lift_lifts_and_a_conveyor_carries_what_lies_on_it() {
         drive(&mut app);
         let lift = app.world_mut().spawn(floor()).id();
         let body = app.world_mut().spawn(crate_at(0.0, 0.25)).id();
-        if by_shape {
-            app.world_mut().entity_mut(body).insert(BodyContacts::default());
+        if !by_shape {
+            let corners = BodyContacts::default().shaped(ContactShape::Particles);
+            app.world_mut().entity_mut(body).insert(corners);
         }
         tick(&mut app, 60);
         app.world_mut().entity_mut(lift).insert(Drive(Vec3::Y));
@@ -164,7 +166,7 @@ fn layers_and_sensors_let_through() {
     let (floor, at) = floor();
     world.spawn((floor, at, CollisionLayers::of(&[3], &[0, 1])));
     let sieve = Transform::from_xyz(0.0, 1.0, 0.0);
-    let sieve = world.spawn((Collider::cuboid(Vec3::new(5.0, 0.1, 5.0)), sieve, Sensor)).id();
+    let sieve = world.spawn((Collider::cuboid(Vec3::new(10.0, 0.2, 10.0)), sieve, Sensor)).id();
     let ball = |x: f32| (Particle::at(Vec3::new(x, 2.0, 0.0)), Radius(0.1));
     let held = world.spawn(ball(-3.0)).id();
     let minded = world.spawn((ball(-2.0), CollisionLayers::of(&[1], &[3]))).id();
@@ -194,7 +196,7 @@ fn ice_is_slippery_and_rubber_bounces() {
     let tilt = Quat::from_rotation_z(0.2);
     let slope = |z: f32| {
         let at = Transform::from_xyz(0.0, 0.0, z).with_rotation(tilt);
-        (Collider::cuboid(Vec3::new(5.0, 0.5, 0.5)), at)
+        (Collider::cuboid(Vec3::new(10.0, 1.0, 1.0)), at)
     };
     let ice = SurfaceMaterial::new(0.0).with_rules(Combine::Min, Combine::Average);
     world.spawn((slope(0.0), ice));
@@ -245,7 +247,7 @@ fn a_heightfield_and_a_mesh_hold_a_cloth() {
 }
 
 #[test]
-fn bodies_that_ask_for_it_collide_and_others_pass_through_each_other() {
+fn bodies_collide_and_those_that_are_told_not_to_pass_through_each_other() {
     let run = |contacts: Option<BodyContacts>| {
         let mut app = app();
         app.world_mut().spawn(floor());
@@ -265,8 +267,10 @@ fn bodies_that_ask_for_it_collide_and_others_pass_through_each_other() {
     let near = |found: [f32; 3], expected: [f32; 3]| {
         found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.02)
     };
-    let (with, without) = (run(Some(BodyContacts::default())), run(None));
+    let alone = BodyContacts { with_bodies: false, ..default() };
+    let (with, without) = (run(None), run(Some(alone)));
     assert!(near(with, [0.2, 0.6, 0.9]), "a tower: {with:?}");
+    assert_eq!(with, run(Some(BodyContacts::default())), "the same said aloud");
     assert!(near(without, [0.2, 0.2, 0.1]), "one in the other: {without:?}");
 }
 
@@ -282,7 +286,7 @@ fn rigid_parts_have_the_shape_that_they_are_drawn_with_unless_the_game_gives_ano
     let doll = world.spawn((Ragdoll::default(), Transform::from_xyz(6.0, 1.0, 0.0))).id();
     tick(&mut app, 2);
     let shape = |app: &App, entity| app.world().get::<Collider>(entity).cloned();
-    assert_eq!(shape(&app, boxed), Some(Collider::cuboid(Vec3::splat(0.2))));
+    assert_eq!(shape(&app, boxed), Some(Collider::cuboid(Vec3::splat(0.4))));
     assert_eq!(shape(&app, own), Some(Collider::sphere(0.2)));
     assert_eq!(shape(&app, solid), Some(Collider::hull(&points).unwrap()));
     let parts: Vec<Entity> = app.world().get::<BodyParts>(doll).unwrap().iter().collect();
@@ -293,23 +297,20 @@ fn rigid_parts_have_the_shape_that_they_are_drawn_with_unless_the_game_gives_ano
     for body in [boxed, own] {
         app.world_mut().get_mut::<ParticleBox>(body).unwrap().size = Vec3::ONE;
     }
-    let contacts = BodyContacts::default();
-    for body in [boxed, own, solid, doll] {
-        app.world_mut().entity_mut(body).insert(contacts);
-    }
     tick(&mut app, 1);
-    assert_eq!(shape(&app, boxed), Some(Collider::cuboid(Vec3::splat(0.5))));
+    assert_eq!(shape(&app, boxed), Some(Collider::cuboid(Vec3::ONE)));
     assert_eq!(shape(&app, own), Some(Collider::sphere(0.2)));
     let solids = |app: &App| app.world().resource::<SinewWorld>().simulation().solids().len();
     assert_eq!(solids(&app), 3 + parts.len());
     // As particles they are none, and a body that is gone takes its own along.
-    app.world_mut().entity_mut(boxed).insert(contacts.shaped(ContactShape::Particles));
+    let corners = BodyContacts::default().shaped(ContactShape::Particles);
+    app.world_mut().entity_mut(boxed).insert(corners);
     app.world_mut().despawn(doll);
     tick(&mut app, 1);
     assert_eq!(solids(&app), 2);
-    app.world_mut().entity_mut(own).remove::<BodyContacts>();
+    app.world_mut().entity_mut(boxed).remove::<BodyContacts>();
     tick(&mut app, 1);
-    assert_eq!(solids(&app), 1);
+    assert_eq!(solids(&app), 3);
     assert_eq!(heard(&app), []);
 }
 

@@ -45,7 +45,7 @@ fn a_collider_with_something_wrong_is_named_once() {
     for (spoil, fault) in cases {
         refused(Refusal::Collider(fault), |world| {
             // In the middle of everything.
-            let mut entity = world.spawn(Collider::cuboid(Vec3::splat(3.0)));
+            let mut entity = world.spawn(Collider::cuboid(Vec3::splat(6.0)));
             spoil(&mut entity);
             entity.id()
         });
@@ -53,18 +53,21 @@ fn a_collider_with_something_wrong_is_named_once() {
     for broken in [
         Collider::sphere(BAD),
         Collider::sphere(0.0),
-        Collider::capsule(-1.0, 1.0),
+        Collider::capsule(-1.0, 2.0),
         Collider::capsule(1.0, BAD),
-        Collider::cuboid(Vec3::new(1.0, 0.0, BAD)),
-        Collider::cylinder(f32::INFINITY, 1.0),
+        Collider::cuboid(Vec3::new(2.0, 0.0, BAD)),
+        Collider::cylinder(f32::INFINITY, 2.0),
     ] {
         let fault = ColliderFault::from(broken.shape().unwrap_err());
         refused(Refusal::Collider(fault), |world| world.spawn(broken.clone()).id());
     }
     for scale in [Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0), Vec3::splat(BAD)] {
-        for shape in
-            [triangle(), Collider::cuboid(Vec3::ONE), Collider::sphere(1.0), Collider::plane()]
-        {
+        for shape in [
+            triangle(),
+            Collider::cuboid(Vec3::splat(2.0)),
+            Collider::sphere(1.0),
+            Collider::plane(),
+        ] {
             let scaled = Transform::from_scale(scale);
             let mut app = app();
             let bodies = busy_scene(&mut app);
@@ -102,7 +105,7 @@ fn a_collider_that_is_mended_acts_again_and_is_named_again_when_it_breaks_anew()
     let broken = |app: &App| heard(app).iter().filter(|(e, _)| *e == floor).count();
     tick(&mut app, 5);
     assert_eq!(broken(&app), 1);
-    *app.world_mut().get_mut::<Collider>(floor).unwrap() = Collider::cuboid(Vec3::ONE);
+    *app.world_mut().get_mut::<Collider>(floor).unwrap() = Collider::cuboid(Vec3::splat(2.0));
     tick(&mut app, 90);
     assert!((position(&app, ball).y - 0.1).abs() < 2e-3, "{}", position(&app, ball));
     forget(&mut app);
@@ -130,7 +133,7 @@ fn colliders_far_away_come_move_scale_and_go_without_changing_a_bit() {
                 let shapes = [
                     Collider::default(),
                     Collider::sphere(1.0),
-                    Collider::cylinder(1.0, 1.0),
+                    Collider::cylinder(1.0, 2.0),
                     triangle(),
                 ];
                 let shape = shapes[now as usize % 4].clone();
@@ -198,7 +201,7 @@ fn neither_the_order_of_archetypes_nor_that_of_queries_changes_a_bit() {
 fn fair(app: &mut App) {
     app.add_systems(FixedUpdate, turn);
     let world = app.world_mut();
-    world.spawn((Collider::cylinder(1.5, 0.2), SurfaceMaterial::new(0.8), Carousel));
+    world.spawn((Collider::cylinder(1.5, 0.4), SurfaceMaterial::new(0.8), Carousel));
     world.spawn((Collider::plane(), Transform::from_xyz(0.0, -0.5, 0.0)));
     for i in 0..3 {
         let at = Transform::from_xyz(0.3 * i as f32 - 0.3, 0.9 + 0.45 * i as f32, 0.0);
@@ -254,8 +257,7 @@ fn a_rollback_every_tick_changes_nothing() {
 #[test]
 fn a_pause_moves_nothing_and_what_was_moved_meanwhile_goes_there_in_one_tick() {
     let mut app = app();
-    let wall =
-        app.world_mut().spawn((Collider::cuboid(Vec3::splat(0.5)), Transform::default())).id();
+    let wall = app.world_mut().spawn((Collider::cuboid(Vec3::ONE), Transform::default())).id();
     app.insert_resource(Gravity(Vec3::ZERO));
     let ball = app.world_mut().spawn((Particle::at(Vec3::X), Radius(0.1))).id();
     tick(&mut app, 5);

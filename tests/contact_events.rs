@@ -7,7 +7,7 @@ use bevy_sinew::prelude::*;
 use crate::support::{app, heard, tick};
 
 fn floor() -> (Collider, Transform) {
-    (Collider::cuboid(Vec3::new(5.0, 0.5, 5.0)), Transform::from_xyz(0.0, -0.5, 0.0))
+    (Collider::cuboid(Vec3::new(10.0, 1.0, 10.0)), Transform::from_xyz(0.0, -0.5, 0.0))
 }
 
 fn crate_at(x: f32, y: f32) -> (ParticleBox, BodyContacts, Transform) {
@@ -51,7 +51,7 @@ fn a_sensor_tells_who_passes_through() {
     let mut app = app();
     app.init_resource::<Seen>();
     let world = app.world_mut();
-    let gate = (Collider::cuboid(Vec3::new(1.0, 0.05, 1.0)), Sensor, ContactEvents);
+    let gate = (Collider::cuboid(Vec3::new(2.0, 0.1, 2.0)), Sensor, ContactEvents);
     let gate = world.spawn((gate, Transform::from_xyz(0.0, 1.0, 0.0))).id();
     world.add_observer(|on: On<ContactStarted>, mut seen: ResMut<Seen>| {
         seen.0.push((on.entity, on.other, on.sensor));

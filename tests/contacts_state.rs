@@ -13,7 +13,7 @@ fn colliding_scene(app: &mut App) {
     let world = app.world_mut();
     world.spawn((Collider::plane(), SurfaceMaterial::new(0.6).with_restitution(0.3)));
     let tilt = Transform::from_xyz(-1.0, 0.4, 0.0).with_rotation(Quat::from_rotation_z(-0.4));
-    world.spawn((Collider::cuboid(Vec3::new(2.0, 0.2, 2.0)), tilt));
+    world.spawn((Collider::cuboid(Vec3::new(4.0, 0.4, 4.0)), tilt));
     world.spawn((Collider::sphere(0.3), Transform::from_xyz(3.0, 0.3, 0.0)));
     for i in 0..5 {
         let place = Transform::from_xyz(-1.2 + 0.1 * i as f32, 1.2 + 0.5 * i as f32, 0.0);
@@ -40,7 +40,7 @@ fn colliding_scene(app: &mut App) {
     // A coarse one that hangs by its segments.
     let across = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
     let post = Transform::from_xyz(-4.0, 0.6, 0.0).with_rotation(across);
-    world.spawn((Collider::capsule(0.005, 0.5), post));
+    world.spawn((Collider::capsule(0.005, 1.0), post));
     let ends = [-4.4, -3.5].map(|x| Vec3::new(x, 0.8, 0.0));
     let rope = Rope { segments: 9, pin_start: false, ..Rope::between(ends[0], ends[1]) };
     world.spawn((rope, folds.shaped(ContactShape::Segments), Sleep::default()));
@@ -132,8 +132,9 @@ fn what_a_stack_remembers_is_part_of_a_rollback_and_of_nobody_else() {
     stack(&mut alone);
     stack(&mut among);
     // Something far away that comes and goes: the others must not forget by that.
-    let far =
-        among.world_mut().spawn((Collider::cuboid(Vec3::ONE), Transform::from_xyz(90.0, 0.0, 0.0)));
+    let far = among
+        .world_mut()
+        .spawn((Collider::cuboid(Vec3::splat(2.0)), Transform::from_xyz(90.0, 0.0, 0.0)));
     let far = far.id();
     tick(&mut alone, 90);
     tick(&mut among, 60);

@@ -199,10 +199,12 @@ fn the_inertia_read_back_is_the_solid_boxs_and_turns_with_it() {
     let mut app = space();
     let rotation = Quat::from_euler(EulerRot::XYZ, 0.3, -1.1, 2.0);
     let at = |rotation| Transform::from_xyz(900.0, 5.0, 0.0).with_rotation(rotation);
-    let straight = app.world_mut().spawn((brick(), at(Quat::IDENTITY))).id();
-    let turned = app.world_mut().spawn((brick(), at(rotation))).id();
+    // One in the other.
+    let alone = ContactsDisabled;
+    let straight = app.world_mut().spawn((brick(), alone, at(Quat::IDENTITY))).id();
+    let turned = app.world_mut().spawn((brick(), alone, at(rotation))).id();
     let corners = ParticleBox { particles: BoxParticles::Corners, ..brick() };
-    let corners = app.world_mut().spawn((corners, at(Quat::IDENTITY))).id();
+    let corners = app.world_mut().spawn((corners, alone, at(Quat::IDENTITY))).id();
     tick(&mut app, 1);
     let read = |entity| app.world().get::<Inertia>(entity).unwrap().0;
     let solid = Mat3::from_diagonal(INERTIA);

@@ -58,9 +58,9 @@ fn a_wind_in_a_region_blows_inside_it_alone_and_where_it_fades_by_its_share() {
 fn each_shape_of_a_region_is_turned_with_its_entity_and_rides_on_its_parents() {
     // Along the world's x axis when the entity is turned by a quarter about z, and 5 m up with its parent.
     let shapes = [
-        Region::boxed(Vec3::new(0.5, 3.0, 0.5)),
-        Region::cylinder(0.5, 3.0),
-        Region::capsule(0.5, 2.5),
+        Region::boxed(Vec3::new(1.0, 6.0, 1.0)),
+        Region::cylinder(0.5, 6.0),
+        Region::capsule(0.5, 5.0),
     ];
     for region in shapes {
         let mut app = space();
@@ -95,7 +95,7 @@ fn an_air_flow_carries_a_sheet_to_its_terminal_speed() {
 #[test]
 fn a_current_carries_a_ball_and_only_in_its_pool() {
     let mut app = space();
-    let pool = Region::boxed(Vec3::new(5.0, 3.0, 5.0));
+    let pool = Region::boxed(Vec3::new(10.0, 6.0, 10.0));
     app.world_mut().spawn((Fluid::flowing(Vec3::X * 2.0), pool));
     let ball = |at: Vec3| (Particle::at(at), Radius(0.1));
     let wet = app.world_mut().spawn(ball(Vec3::Y * -1.0)).id();
@@ -140,7 +140,7 @@ fn a_box_of_each_kind_floats_as_deep_as_its_density_asks_for() {
         (corners.clone(), Floats::OWN, false),
         (solid.clone(), Floats::OWN, false),
         (corners.clone(), Floats { shape: HullShape::Surface }, false),
-        (solid.clone(), Floats::boxed(half), false),
+        (solid.clone(), Floats::boxed(2.0 * half), false),
         (solid.clone(), mesh, false),
         (ParticleBox { flat: true, ..corners }, Floats::OWN, true),
         (ParticleBox { flat: true, ..solid }, Floats::OWN, true),

@@ -35,7 +35,7 @@ fn scene(app: &mut App) -> Cast {
         world.spawn(Spring::new(pair[0], pair[1], 1.0, 30.0).with_damping(0.2));
     }
     let wind = Wind { pressure: Vec3::Z * 4.0, gusts: 0.4, ..default() };
-    let pool = Region::boxed(Vec3::new(6.0, 4.0, 6.0)).with_fade(0.5);
+    let pool = Region::boxed(Vec3::new(12.0, 8.0, 12.0)).with_fade(0.5);
     let ball = (Particle::at(Vec3::new(2.0, 0.1, 2.0)), Radius(0.2), Mass(20.0), Charge(0.2));
     world.spawn(ball);
     let body = ParticleBox::new(Vec3::new(1.5, 0.4, 1.0)).with_mass(300.0);
@@ -44,7 +44,7 @@ fn scene(app: &mut App) -> Cast {
         wind: world.spawn((wind, Region::sphere(4.0).with_fade(2.0), place(0.5))).id(),
         air: world.spawn(AirFlow::steady(Vec3::new(2.0, 0.5, 1.0)).with_gusts(0.3)).id(),
         fluid: world.spawn((Fluid::flowing(Vec3::X), pool, place(0.0))).id(),
-        field: world.spawn((ElectricField::new(Vec3::Y * 30.0), Region::capsule(3.0, 2.0))).id(),
+        field: world.spawn((ElectricField::new(Vec3::Y * 30.0), Region::capsule(3.0, 4.0))).id(),
         sun: world.spawn((Attractor::new(5.0), place(-3.0))).id(),
         raft: world.spawn((body, Floats::OWN, GravityScale(0.9), place(-1.0))).id(),
         ion: world
@@ -96,7 +96,7 @@ fn each_number_edited_live_takes_effect_in_the_next_tick() {
         ("sun", |a, c| edit::<Attractor>(a, c.sun, |s| s.strength = -5.0)),
         ("its softening", |a, c| edit::<Attractor>(a, c.sun, |s| s.softening = 3.0)),
         ("its place", |a, c| edit::<Transform>(a, c.sun, |t| t.translation.y += 3.0)),
-        ("hull", |a, c| edit::<Floats>(a, c.raft, |f| *f = Floats::boxed(Vec3::splat(0.2)))),
+        ("hull", |a, c| edit::<Floats>(a, c.raft, |f| *f = Floats::boxed(Vec3::splat(0.4)))),
         ("no hull", |a, c| _ = a.world_mut().entity_mut(c.raft).remove::<Floats>()),
         ("weight", |a, c| edit::<GravityScale>(a, c.raft, |g| g.0 = 1.5)),
         ("weight of one", |a, c| edit::<GravityScale>(a, c.ion, |g| g.0 = 1.5)),
@@ -170,16 +170,16 @@ fn a_broken_number_is_refused_once_and_all_goes_on_as_if_its_owner_were_not_ther
     let cases: [(&str, Break); 20] = [
         ("wind", |a, _| put(a, Wind { pressure: Vec3::splat(BAD), ..default() })),
         ("its fade", |a, _| put(a, (Wind::default(), Region::sphere(1.0).with_fade(BAD)))),
-        ("its box", |a, _| put(a, (Wind::default(), Region::boxed(Vec3::new(1.0, -1.0, 1.0))))),
+        ("its box", |a, _| put(a, (Wind::default(), Region::boxed(Vec3::new(2.0, -2.0, 2.0))))),
         ("its height", |a, _| put(a, (Wind::default(), Region::cylinder(1.0, BAD)))),
-        ("below zero", |a, _| put(a, (Wind::default(), Region::capsule(1.0, -1.0)))),
+        ("below zero", |a, _| put(a, (Wind::default(), Region::capsule(1.0, -2.0)))),
         ("its place", |a, _| {
             let nowhere = Transform::from_xyz(0.0, BAD, 0.0);
             put(a, (Wind::default(), Region::sphere(1.0), nowhere))
         }),
         ("no turn", |a, _| {
             let none = Transform::from_rotation(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
-            put(a, (Wind::default(), Region::capsule(1.0, 1.0), none))
+            put(a, (Wind::default(), Region::capsule(1.0, 2.0), none))
         }),
         ("air", |a, _| put(a, AirFlow::steady(Vec3::X * BAD))),
         ("air density", |a, _| put(a, AirFlow { density: -1.0, ..default() })),

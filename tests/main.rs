@@ -10,6 +10,10 @@
 //! | `bad_recipes` | bodies that cannot be built say so once |
 //! | `columns` | the columns are what the components say, though little is copied in a warm tick |
 //! | `runtime_changes` | particles, springs, constraints and bodies come, change and go while time runs |
+//! | `first_minutes` | what a new user meets with nothing configured |
+//! | `hierarchy` | bodies, colliders and regions stand where their parents put them |
+//! | `motion` | velocities, forces and impulses go both ways; what a body says is shared out onto its particles |
+//! | `contacts_by_default` | who meets whom where nobody says so |
 //! | `colliders` | colliders hold, carry and let through; bodies collide by their shape or their particles |
 //! | `colliders_live` | colliders come, go, move, break and are rolled back while they are in use |
 //! | `constraints` | every law of the solver is a component that does what it says |
@@ -46,13 +50,17 @@ mod columns;
 mod commands;
 mod constraints;
 mod contact_events;
+mod contacts_by_default;
 mod contacts_state;
 mod controls;
+mod first_minutes;
 mod forces;
 mod forces_live;
 mod frame_rate;
+mod hierarchy;
 mod in_use;
 mod models;
+mod motion;
 mod own_constraints;
 mod phases;
 mod pictures;

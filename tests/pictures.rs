@@ -112,7 +112,9 @@ fn a_cloth_that_is_spawned_while_time_stands_still_is_drawn_where_it_is() {
 fn what_is_eased_is_drawn_between_the_last_two_ticks() {
     let mut app = app();
     let fall = |eased: bool, app: &mut App| {
-        let mut body = app.world_mut().spawn((Cloth::default(), Transform::default()));
+        // One in the other.
+        let mut body =
+            app.world_mut().spawn((Cloth::default(), ContactsDisabled, Transform::default()));
         if eased {
             body.insert(Interpolate);
         }

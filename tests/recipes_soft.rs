@@ -26,7 +26,8 @@ fn a_solid_weighs_and_turns_as_its_mesh_filled_with_its_density() {
         (Solid::density(500.0).shaped(SolidShape::Hull), 8),
         (Solid { particles: four, ..Solid::mass(3000.0) }, 4),
     ] {
-        let body = app.world_mut().spawn((solid, skin.clone(), at)).id();
+        // One in the other.
+        let body = app.world_mut().spawn((solid, skin.clone(), ContactsDisabled, at)).id();
         tick(&mut app, 2);
         assert_eq!(particles_of(&app, body).len(), count);
         assert_eq!(constraints_of(&app, body), count * (count - 1) / 2);

@@ -4,8 +4,8 @@ use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    BodyPart, CreationOrder, Drag, ExtractedTransform, MeshFollow, PartOf, PendingEdits, RestPlace,
-    TubeMesh, WindSurface,
+    BodyPart, CreationOrder, Drag, ExtractedTransform, ExtractedVelocity, MeshFollow, PartOf,
+    PendingEdits, RestPlace, TickForces, TubeMesh, WindSurface,
 };
 
 use crate::support::{hash, tick};
@@ -48,9 +48,13 @@ macro_rules! for_each_state_component {
             ExtractedTransform,
             LinearVelocity,
             AngularVelocity,
+            ExtractedVelocity,
             Barycenter,
             Inertia,
             ControlForce,
+            ExternalTorque,
+            ExternalImpulse,
+            TickForces,
             PendingEdits,
             GravityScale,
             GroundDrag,
@@ -73,6 +77,7 @@ macro_rules! for_each_state_component {
             CollisionLayers,
             Sensor,
             BodyContacts,
+            ContactsDisabled,
             RestPlace,
             Sleep,
             Interpolate,
