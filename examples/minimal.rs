@@ -1,4 +1,4 @@
-//! The program of the README: a crate falls past a curtain in the wind.
+//! The program of the README, as it stands there: a ball on a rod swings into a tower of crates, beside a curtain in the wind.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -12,27 +12,45 @@ fn setup(
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    let mut paint = |color: Color| {
-        let material = StandardMaterial { double_sided: true, cull_mode: None, ..color.into() };
-        MeshMaterial3d(materials.add(material))
-    };
-    let floor = meshes.add(Plane3d::default().mesh().size(20.0, 20.0));
-    commands.spawn((Ground::default(), Mesh3d(floor), paint(Color::srgb(0.6, 0.6, 0.6))));
-    commands.spawn(Wind { pressure: Vec3::new(2.0, 0.0, 4.0), gusts: 0.8, ..default() });
-    // A box made of particles: its transform follows them. It is heavy, or the wind would have it.
-    commands.spawn((
-        ParticleBox::new(Vec3::ONE).with_mass(50.0),
-        Mesh3d(meshes.add(Cuboid::default())),
-        paint(Color::srgb(0.8, 0.5, 0.2)),
-        Transform::from_xyz(1.2, 4.0, 0.0).with_rotation(Quat::from_rotation_z(0.6)),
-    ));
-    // A curtain: it brings its own mesh.
+    // What Bevy needs to show anything: a camera and a light.
+    let (eye, sun) = (Transform::from_xyz(0.0, 2.5, 7.5), Transform::from_xyz(2.0, 4.0, 3.0));
+    commands.spawn((Camera3d::default(), eye.looking_at(Vec3::Y, Vec3::Y)));
+    commands.spawn((DirectionalLight::default(), sun.looking_at(Vec3::ZERO, Vec3::Y)));
+
+    let floor = meshes.add(Plane3d::default().mesh().size(30.0, 30.0));
+    let grey = MeshMaterial3d(materials.add(Color::srgb(0.5, 0.5, 0.5)));
+    commands.spawn((Ground::default(), Mesh3d(floor), grey));
+
+    // Crates made of particles: their transforms follow them, and they stand on each other.
+    let wood = MeshMaterial3d(materials.add(Color::srgb(0.8, 0.5, 0.2)));
+    let cube = Mesh3d(meshes.add(Cuboid::from_length(0.6)));
+    for i in 0..5 {
+        let body = ParticleBox::new(Vec3::splat(0.6)).with_mass(2.0);
+        let place = Transform::from_xyz(0.8, 0.3 + 0.6 * i as f32, 0.0);
+        commands.spawn((body, cube.clone(), wood.clone(), place));
+    }
+
+    // Particles of one's own, and what holds them: entities like any others.
+    let iron = MeshMaterial3d(materials.add(Color::srgb(0.2, 0.2, 0.25)));
+    let ball = (Mesh3d(meshes.add(Sphere::new(0.35))), iron, Transform::default());
+    let ball = (Particle::at(Vec3::new(-2.4, 4.0, 0.0)), Mass(20.0), Radius(0.35), ball);
+    let ball = commands.spawn(ball).id();
+    let hook = commands.spawn((Particle::at(Vec3::new(0.4, 4.0, 0.0)), Pinned::HERE)).id();
+    commands.spawn(DistanceConstraint::new(hook, ball, 2.8));
+
+    // A curtain, which brings its own mesh, and a wind.
     commands.spawn((
         Cloth::grid(2.0, 2.0, 32, 32).pinned(ClothPins::TopEdge),
-        paint(Color::srgb(0.7, 0.1, 0.1)),
-        Transform::from_xyz(-1.2, 2.2, 0.0),
+        MeshMaterial3d(materials.add(StandardMaterial {
+            double_sided: true,
+            cull_mode: None,
+            ..Color::srgb(0.7, 0.1, 0.1).into()
+        })),
+        Transform::from_xyz(-2.0, 2.4, -1.0),
     ));
-    let (sun, eye) = (Transform::from_xyz(2.0, 4.0, 3.0), Transform::from_xyz(0.0, 2.0, 7.0));
-    commands.spawn((DirectionalLight::default(), sun.looking_at(Vec3::ZERO, Vec3::Y)));
-    commands.spawn((Camera3d::default(), eye.looking_at(Vec3::Y, Vec3::Y)));
+    commands.spawn(Wind { pressure: Vec3::new(1.0, 0.0, 3.0), gusts: 0.8, ..default() });
 }
+
+#[cfg(test)]
+#[path = "minimal/tests.rs"]
+mod tests;

@@ -11,7 +11,7 @@ use bevy::asset::AssetPlugin;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::window::WindowResolution;
-use bevy_sinew::SinewPlugins;
+use bevy_sinew::{MouseDragPlugin, SinewPlugins};
 use sinew_examples::assets_folder;
 use sinew_scenes::{Scene, ScenesPlugin};
 
@@ -67,6 +67,7 @@ fn open(first: &'static Scene, for_pictures: bool) -> App {
             // A picture must not be taken before its shaders are there.
             .set(RenderPlugin { synchronous_pipeline_compilation: for_pictures, ..default() }),
         SinewPlugins,
+        MouseDragPlugin,
         ScenesPlugin,
     ));
     stage::add(&mut app);

@@ -133,19 +133,14 @@ fn leave_room(
     }
 }
 
-/// The pointer turns the camera only where it is not over the panel and holds nothing; over the panel it grabs nothing.
+/// The pointer turns the camera only where it is not over the panel and holds nothing. (Over the panel it grabs nothing by itself: Bevy's picking gives
+/// egui the press.)
 fn share_pointer(
     egui: Res<EguiWantsInput>,
-    mut drag: ResMut<MouseDrag>,
+    drag: Res<MouseDrag>,
     mut camera: Single<&mut PanOrbitCamera>,
 ) {
-    let over_panel = egui.wants_any_pointer_input();
-    if over_panel && drag.grabbed.is_none() {
-        drag.button = None;
-    } else if drag.button.is_none() {
-        drag.button = Some(MouseButton::Left);
-    }
-    let free = !over_panel && drag.grabbed.is_none();
+    let free = !egui.wants_any_pointer_input() && drag.grabbed.is_none();
     if camera.enabled != free {
         camera.enabled = free;
     }
