@@ -312,3 +312,45 @@ fn neither_instructions_nor_threads_change_a_bit() {
     assert!(first == run(InstructionSet::Simd128, None), "128 bits");
     assert!(first == run(InstructionSet::Avx2, Some(2)), "two threads");
 }
+
+/// About its pin a contact has no lever: a line between two posts, pinned in their middles, flung what hung on it away, to numbers that were none.
+#[test]
+fn a_line_that_is_pinned_in_posts_or_on_them_hangs_still() {
+    for (radius, pieces) in [(0.03, 11), (0.03, 40), (0.06, 11), (0.06, 40)] {
+        for deep in [0.0, 0.5, 1.0, 1.1] {
+            let mut world = Simulation::default();
+            let (ends, middle) = ([-0.8, 0.8], Vec3::Y * 1.3);
+            for x in ends {
+                let post = Shape::cylinder(radius, 2.6).unwrap();
+                world.colliders.push(Collider::fixed(post, Frame::at(Vec3::X * x)));
+            }
+            // Its ends are so much of a post's radius from its axis, towards the other post.
+            let reach = 0.8 - deep * radius;
+            let spec = RopeSpec {
+                from: middle - Vec3::X * reach,
+                to: middle + Vec3::X * reach,
+                segments: pieces,
+                mass: 0.4,
+                radius: 0.018,
+                slack: 0.1,
+                drag: 0.3,
+                pin_start: true,
+                pin_end: true,
+                ..RopeSpec::default()
+            };
+            let spec =
+                RopeSpec { from: spec.from - Vec3::Y * 0.2, to: spec.to - Vec3::Y * 0.2, ..spec };
+            rope(&spec).unwrap().with_segments().build_colliding(&mut world, contacts()).unwrap();
+            world.settings.substeps = 20;
+            run(&mut world, 6.0, 60.0);
+            let name = format!("{radius} m, {pieces} pieces, {deep}");
+            // A piece that is shorter than the post is thick has its free end in the post, too, and quivers between its rod and that.
+            let still = if pieces == 11 { 0.05 } else { 0.2 };
+            println!("{name}: {} m/s, {}", speed(&world), strain(&world));
+            assert!(speed(&world) < still, "{name}: {} m/s", speed(&world));
+            assert!(strain(&world) < 0.1, "{name}: {}", strain(&world));
+            let [low, _] = heights(&world, 0..world.particles.len());
+            assert!(low > 0.6, "{name}: {low}");
+        }
+    }
+}

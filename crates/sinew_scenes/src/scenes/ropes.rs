@@ -60,7 +60,12 @@ fn spawn(world: &mut World) {
     ));
 
     // The lantern's two particles hang on the last one of the rope.
-    let swing = rope(Vec3::new(0.466, 2.1, 0.0), Vec3::new(1.45, 1.35, 0.0), 0.016);
+    // From a beam that the post carries, and past that on its way.
+    let beam = post(world, 0.03, 0.85);
+    let lying = Quat::from_rotation_z(core::f32::consts::FRAC_PI_2);
+    let beam_at = Transform::from_xyz(0.8, 2.15, 0.0).with_rotation(lying);
+    world.spawn((InScene, beam, wood.clone(), beam_at));
+    let swing = rope(Vec3::new(1.15, 2.1, 0.0), Vec3::new(1.6, 1.4, 0.9), 0.016);
     let swing = Rope { segments: 16, ..swing };
     let end = swing.to;
     let along = (swing.to - swing.from).normalize();

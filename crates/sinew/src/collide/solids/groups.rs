@@ -242,6 +242,11 @@ impl Groups {
         }
     }
 
+    /// The inverse mass, 1/kg, with which a place of the list of all rows was weighed.
+    pub(super) fn weighed(&self, entry: usize) -> f32 {
+        self.weighed[entry]
+    }
+
     /// Whether two solids have a particle in common.
     pub(super) fn share_a_row(&self, a: usize, b: usize) -> bool {
         self.kin[a].contains(&(b as u32))

@@ -1,7 +1,7 @@
 //! Two that may come to touch: what is remembered of where they do, as long as that holds, and otherwise what is found afresh.
 
 use super::super::manifold::{Scratch, collide, is_of_triangles};
-use super::super::{Frame, Party, Shape, World};
+use super::super::{Frame, Party, Shape, Solid, World};
 use super::Solids;
 use super::astray::Late;
 use super::found::{Found, Sensed};
@@ -128,7 +128,7 @@ impl Solids {
             return;
         }
         let (part, key) = (&groups.parts[a], Key { a: solid.id, other: stand.other, nth: 0 });
-        if part.immovable {
+        if part.immovable || is_nailed(groups, a, solid, [&one.frame, &here], &stand.shape) {
             if !late {
                 memory.carry(&key);
             }
@@ -160,6 +160,26 @@ impl Solids {
             meet.find(frames, meeting, memory, found, &mut scratch.0);
         }
     }
+}
+
+/// Whether a segment is pinned in what stands, or nearer to it than it is thick. What is nailed to a post does not run into it: about its pin a contact has no
+/// lever, and to come out there the segment would have to turn by any angle, and flings what hangs on it away.
+fn is_nailed(
+    groups: &Groups,
+    number: usize,
+    solid: &Solid,
+    [one, stand]: [&Frame; 2],
+    shape: &Shape,
+) -> bool {
+    let part = &groups.parts[number];
+    let pinned = |i: &usize| groups.weighed(part.entries.start + i) == 0.0;
+    if part.side.is_some() || !(0..solid.rest.len()).any(|i| pinned(&i)) {
+        return false;
+    }
+    let (low, high) = solid.shape.bounds();
+    let thick = 0.5 * (high - low).min_element();
+    let is_near = |i: usize| shape.nearest(stand.local(one.point(solid.rest[i]))).distance < thick;
+    (0..solid.rest.len()).filter(pinned).any(is_near)
 }
 
 /// A solid, and another one or what stands.
