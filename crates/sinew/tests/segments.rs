@@ -115,7 +115,9 @@ fn a_rope_thrown_over_the_edge_of_a_box_lies_about_it() {
             let point = |n: u32| {
                 let (i, share) = ((n / 20) as usize, (n % 20) as f32 / 20.0);
                 let [a, b] = [i, i + 1].map(|i| world.particles.position(i));
-                half + 0.005 - a.lerp(b, share).abs().max_element()
+                let beyond = a.lerp(b, share).abs() - half;
+                // Over an edge it is as far from the box as it is thick, and nearer to both planes that meet there.
+                0.005 - beyond.max(Vec3::ZERO).length() - beyond.max_element().min(0.0)
             };
             (0..220).map(point).fold(0.0, f32::max)
         };

@@ -15,7 +15,7 @@ use super::super::Shape;
 use super::super::shape::Kind;
 use super::reduce::reduced;
 use super::round::{limit, rim};
-use super::{Frame, Manifold, Point};
+use super::{Frame, Manifold, Point, radius};
 
 /// What is kept between calls, for its memory alone.
 #[derive(Default)]
@@ -55,7 +55,7 @@ pub(super) fn on_triangles(
         let normals = normals.as_ref().map(|normals| normals as &dyn NormalConstraints);
         let found = touch(triangle, normals, a, a_in_b, &pose, reach, scratch);
         if let Some(manifold) = found.filter(Manifold::is_sound) {
-            out(&Manifold { part, ..manifold });
+            out(&Manifold { part, radii: [radius(a.kind()), 0.0], ..manifold });
         }
     };
     if let Some(mesh) = b.parry().as_trimesh() {

@@ -51,8 +51,9 @@ pub(crate) struct Manifold {
     len: u32,
     /// Which triangle of a mesh or a heightfield it is of; 0 of what is convex.
     pub(crate) part: u32,
-    /// Whether the first of the two is round: then a turn moves its points along its surface, and not up or down.
-    pub(crate) round: bool,
+    /// Radii of the two, metres; 0 of what is not round. A sphere touches a face below its centre however it has rolled, and a capsule below its axis: so
+    /// what stays where it is in one that is round is the centre of the rounding, a radius away from the surface along the normal.
+    pub(crate) radii: [f32; 2],
     /// How far the two may slide on each other, at least, and be to each other what they are, metres: to the rim of a face. 0 where that is not
     /// known.
     pub(crate) free: f32,
@@ -94,11 +95,23 @@ impl Manifold {
 
     /// The same seen from the other one, whose place in this one's coordinates is given.
     fn swapped(&self, b_in_a: &Frame) -> Self {
-        let mut manifold = Self { normal: b_in_a.turn(-self.normal), ..*self };
+        let radii = [self.radii[1], self.radii[0]];
+        let mut manifold = Self { normal: b_in_a.turn(-self.normal), radii, ..*self };
         for point in &mut manifold.points[..self.len as usize] {
             (point.on_a, point.on_b) = (point.on_b, point.on_a);
         }
         manifold
+    }
+
+    /// Whether one of the two is round.
+    pub(crate) fn is_round(&self) -> bool {
+        self.radii != [0.0; 2]
+    }
+
+    /// What of a point stays where it is in each of the two, which were seen so when it was found: a point of the surface, or the centre of what is round.
+    pub(crate) fn anchors(&self, point: &Point, a_in_b: &Frame) -> [Vec3; 2] {
+        let inwards = a_in_b.turn_back(self.normal) * self.radii[0];
+        [point.on_a + inwards, point.on_b - self.normal * self.radii[1]]
     }
 
     /// Whether it has points, and nothing in it is NaN or infinite: any such number times zero is NaN, and so is a sum with it.
@@ -165,25 +178,28 @@ fn in_order(
         (Kind::Box { half_size: a }, Kind::Box { half_size: b }) => {
             boxes::collide(a, b, a_in_b, reach)
         }
-        (Kind::Sphere { radius }, _) => rolls(round::sphere(radius, b, a_in_b, reach)),
+        (Kind::Sphere { radius }, _) => round::sphere(radius, b, a_in_b, reach).unwrap_or_default(),
         (
             Kind::Capsule { radius, half_height },
             Kind::Capsule { radius: other, half_height: other_half },
-        ) => rolls(round::capsules([radius, half_height], [other, other_half], a_in_b, reach)),
+        ) => round::capsules([radius, half_height], [other, other_half], a_in_b, reach)
+            .unwrap_or_default(),
         (Kind::Capsule { radius, half_height }, Kind::Box { half_size }) => {
-            rolls(rod::collide([radius, half_height], half_size, a_in_b, reach))
+            rod::collide([radius, half_height], half_size, a_in_b, reach).unwrap_or_default()
         }
         _ => convex::collide(a, b, a_in_b, reach, scratch).unwrap_or_default(),
     };
     if found.is_sound() {
-        out(&found);
+        out(&Manifold { radii: [radius(a.kind()), radius(b.kind())], ..found });
     }
 }
 
-/// A manifold of what is round, or none.
-#[inline(always)]
-fn rolls(found: Option<Manifold>) -> Manifold {
-    found.map_or_else(Manifold::default, |manifold| Manifold { round: true, ..manifold })
+/// Radius of what is round, metres; 0 of anything else. A cylinder is round about its axis alone, and touches by its rims.
+fn radius(kind: Kind) -> f32 {
+    match kind {
+        Kind::Sphere { radius } | Kind::Capsule { radius, .. } => radius,
+        _ => 0.0,
+    }
 }
 
 /// Which of two is the first: what is simpler, and what can move before what cannot.

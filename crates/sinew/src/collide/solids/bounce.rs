@@ -9,6 +9,7 @@
 use super::Solids;
 use super::block::{Patch, Side, press};
 use super::bodies::{Bodies, Eight as Rows};
+use super::contact::{anchors, round_normals};
 use super::drag::{drag, dragged};
 use super::found::Found;
 use super::pack::{FAR, Pack};
@@ -72,7 +73,11 @@ impl Solids {
             let restitution = core::array::from_fn(|lane| {
                 found.get(pack.number[lane] as usize).map_or(0.0, |one| one.grip.restitution)
             });
-            with(*instructions, Bounce { pack, lanes, bodies, restitution, least, h });
+            let stands = (0..LANES).filter(|&lane| {
+                found.get(pack.number[lane] as usize).is_some_and(|one| one.stand.is_some())
+            });
+            let stands = stands.fold(0, |bits, lane| bits | 1 << lane);
+            with(*instructions, Bounce { pack, lanes, stands, bodies, restitution, least, h });
         }
         for (pack, [_, slow]) in packs.iter().zip(bounced) {
             for lane in (0..LANES).filter(|lane| *slow >> lane & 1 == 1) {
@@ -130,6 +135,8 @@ struct Bounce<'a> {
     pack: &'a Pack,
     /// A bit for each manifold that it is about; those beside it are left alone.
     lanes: u32,
+    /// And one for each whose second one stands.
+    stands: u32,
     bodies: &'a mut Bodies,
     restitution: [f32; LANES],
     least: f32,
@@ -155,18 +162,28 @@ impl Bounce<'_> {
     /// Of so many points at the most; `STILL` is what the pack says of that: the same bits, as in `contact`.
     #[inline(always)]
     fn bounce<L: Lanes, const POINTS: usize, const STILL: bool>(self) {
-        let Self { pack, lanes, bodies, restitution, least, h } = self;
+        let Self { pack, lanes, stands, bodies, restitution, least, h } = self;
         let (none, lanes) = (L::zero(), L::mask(lanes));
         let mut a = Rows::<L>::load(bodies, &pack.a);
         let mut b = if STILL { None } else { Some(Rows::<L>::load(bodies, &pack.b)) };
-        let stands = L::splat(0.75).lt(L::load(&pack.own));
-        let n = load::<L>(&pack.up);
+        let (stands, share) = (L::mask(stands), L::load(&pack.own));
+        let mut n = load::<L>(&pack.up);
         let restitution = L::load(&restitution);
+        let mut apart = load::<L>(&pack.offset);
+        if let Some(b) = &b {
+            apart = b.centre + apart;
+        }
+        let apart = apart - a.centre;
+        let (on_a, on_b) = anchors::<L, POINTS>(pack, &a, &b, apart);
+        let radii = [L::load(&pack.radii[0]), L::load(&pack.radii[1])];
+        if pack.round {
+            n = round_normals(pack, &a, n, &radii, (&on_a, &on_b));
+        }
         let (t, u) = tangents(n);
         let mut along = n.dot(a.step + a.shift);
         let turn_a = a.spin + a.turn;
         let turn_a = (turn_a.dot(t), turn_a.dot(u));
-        let (mut weight, mut apart) = (a.inverse_mass, Vector::new(none, none, none));
+        let mut weight = a.inverse_mass;
         let (mut turn_b, mut theirs) = ((none, none), None);
         if let Some(b) = &b {
             // What stands was noted with its displacement.
@@ -174,7 +191,6 @@ impl Bounce<'_> {
             let turn = b.spin * rate + b.turn;
             along = n.dot(a.step + a.shift - b.step * rate - b.shift);
             turn_b = (turn.dot(t), turn.dot(u));
-            apart = b.centre + load::<L>(&pack.offset) - a.centre;
             weight = weight + b.inverse_mass;
             theirs = Some(Side::of(&b.inverse_inertia, t, u));
         }
@@ -185,11 +201,12 @@ impl Bounce<'_> {
         let (mut c, mut force) = ([none; POINTS], [none; POINTS]);
         let mut at = [(none, none); POINTS];
         let mut had = Vector::new(none, none, none);
+        let skins = [n * radii[0], n * radii[1]];
         for i in 0..POINTS {
-            let mut arm = a.rotation.times(load(&pack.on_a[i]));
-            if let Some(b) = &b {
-                let on_b = b.rotation.times(load(&pack.on_b[i])) + apart;
-                arm = arm.or_else(stands, (arm + on_b) * L::splat(0.5));
+            let mut arm = on_a[i] - skins[0];
+            if b.is_some() {
+                let on_b = on_b[i] + skins[1];
+                arm = on_b + (arm - on_b) * share;
             }
             let (x, y) = (arm.dot(t), arm.dot(u));
             at[i] = (x, y);

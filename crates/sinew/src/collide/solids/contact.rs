@@ -79,7 +79,7 @@ fn press_pack<L: Lanes, const POINTS: usize, const STILL: bool>(
     // processor that it runs on.
     let offset = load::<L>(&pack.offset);
     let normal = load::<L>(&pack.normal);
-    let (apart, drift, n, shift, spin, weight) = match &b {
+    let (apart, drift, mut n, shift, spin, weight) = match &b {
         None => (offset - a.centre, -a.step, normal, a.shift, a.spin, a.inverse_mass),
         Some(b) => (
             b.centre + offset - a.centre,
@@ -90,6 +90,12 @@ fn press_pack<L: Lanes, const POINTS: usize, const STILL: bool>(
             a.inverse_mass + b.inverse_mass,
         ),
     };
+    let (on_a, on_b) = anchors::<L, POINTS>(pack, &a, &b, apart);
+    let radii = [L::load(&pack.radii[0]), L::load(&pack.radii[1])];
+    if pack.round {
+        n = round_normals(pack, &a, n, &radii, (&on_a, &on_b));
+    }
+    let skins = [n * radii[0], n * radii[1]];
     let before = n.dot(drift);
     let between = n.dot(shift);
     let own = L::load(&pack.own);
@@ -114,12 +120,7 @@ fn press_pack<L: Lanes, const POINTS: usize, const STILL: bool>(
     let mut spun = [none; POINTS];
     let mut height = [none; POINTS];
     for i in 0..POINTS {
-        let on_a = a.rotation.times(load(&pack.on_a[i]));
-        let mut on_b = load(&pack.on_b[i]);
-        if let Some(b) = &b {
-            on_b = b.rotation.times(on_b);
-        }
-        let on_b = on_b + apart;
+        let (on_a, on_b) = (on_a[i] - skins[0], on_b[i] + skins[1]);
         let gap = on_a - on_b;
         let arm = on_b + gap * own;
         at[i] = (arm.dot(t), arm.dot(u));
@@ -212,6 +213,54 @@ fn press_pack<L: Lanes, const POINTS: usize, const STILL: bool>(
     good.and((spread * share).sqrt()).store(&mut pack.radius);
     store(n, &mut pack.up);
     store(t * x + u * y + n * z, &mut pack.arm);
+}
+
+/// The anchors of both from the first one's centre, when the second one's is so far from there.
+#[inline(always)]
+pub(super) fn anchors<L: Lanes, const POINTS: usize>(
+    pack: &Pack,
+    a: &Rows<L>,
+    b: &Option<Rows<L>>,
+    apart: Vector<L>,
+) -> ([Vector<L>; POINTS], [Vector<L>; POINTS]) {
+    let none = Vector::new(L::zero(), L::zero(), L::zero());
+    let (mut on_a, mut on_b) = ([none; POINTS], [none; POINTS]);
+    for i in 0..POINTS {
+        on_a[i] = a.rotation.times(load(&pack.on_a[i]));
+        on_b[i] = load(&pack.on_b[i]);
+        if let Some(b) = b {
+            on_b[i] = b.rotation.times(on_b[i]);
+        }
+        on_b[i] += apart;
+    }
+    (on_a, on_b)
+}
+
+/// The normals of those whose second one is round: a face's turns with the face, and that of two that are round is from the one to the other. A matter of
+/// the few, so that the many do not load it.
+#[inline(always)]
+pub(super) fn round_normals<L: Lanes, const POINTS: usize>(
+    pack: &Pack,
+    a: &Rows<L>,
+    n: Vector<L>,
+    radii: &[L; 2],
+    (on_a, on_b): (&[Vector<L>; POINTS], &[Vector<L>; POINTS]),
+) -> Vector<L> {
+    let none = L::zero();
+    let mut between = Vector::new(none, none, none);
+    for i in 0..POINTS {
+        let there = L::load(&pack.missing[i]).lt(L::splat(FAR));
+        let apart = on_a[i] - on_b[i];
+        between += apart.or_else(there, Vector::new(none, none, none));
+    }
+    let length = between.length();
+    let (own, theirs) = (none.lt(radii[0]), none.lt(radii[1]));
+    // Two centres in one place are apart in no direction.
+    let apart = (radii[0] * L::splat(1e-3)).lt(length).and(own).and(theirs);
+    let of_face = theirs.and(radii[0].le(none));
+    let face = a.rotation.times(load(&pack.normal));
+    let n = face.or_else(of_face, n);
+    (between * (L::splat(1.0) / length)).or_else(apart, n)
 }
 
 /// The plane of a patch, and where the second one's centre is in it, from the first one's, metres.

@@ -145,7 +145,6 @@ pub(super) fn put(
     put_manifold(pack, lane, (one, known), centres);
     pack.strain[lane] = one.strain;
     pack.friction[lane] = one.grip.friction;
-    pack.own[lane] = if one.stand.is_some() { 1.0 } else { 0.5 };
     let drags = one.grip.drag != PlanarDrag::default();
     pack.kept |= one.listened || one.grip.restitution > 0.0 || drags;
     known.grasp.put(pack, lane, h);
@@ -159,7 +158,19 @@ pub(super) fn put_manifold(
     [centre_a, centre_b]: [Vec3; 2],
 ) {
     let seen = |v: Vec3| one.still.map_or(v, |axes| axes * v);
-    set(&mut pack.normal, lane, seen(known.manifold.normal));
+    let [own, theirs] = known.manifold.radii;
+    (pack.radii[0][lane], pack.radii[1][lane]) = (own, theirs);
+    pack.round |= theirs > 0.0;
+    pack.own[lane] = match (own > 0.0, theirs > 0.0) {
+        _ if one.stand.is_some() => 1.0,
+        (true, false) => 1.0,
+        (false, true) => 0.0,
+        _ => 0.5,
+    };
+    let normal = known.manifold.normal;
+    let of_first = theirs > 0.0 && own == 0.0;
+    let normal = if of_first { known.seen_from.turn_back(normal) } else { seen(normal) };
+    set(&mut pack.normal, lane, normal);
     set(&mut pack.offset, lane, one.offset);
     pack.wear[lane] = wear(&known.manifold);
     let (turn, slide) = (may_turn(&known.manifold), may_slide(&known.manifold, one.size));
@@ -172,11 +183,11 @@ pub(super) fn put_manifold(
         pack.allowed[lane] = 0.0;
     }
     for i in 0..pack.missing.len() {
-        let point = points.get(i);
-        set(&mut pack.on_a[i], lane, point.map_or(Vec3::ZERO, |point| point.on_a - centre_a));
-        let on_b = point.map_or(Vec3::ZERO, |point| point.on_b - centre_b);
+        let anchors = points.get(i).map(|point| known.manifold.anchors(point, &known.seen_from));
+        let [on_a, on_b] = anchors.map_or([Vec3::ZERO; 2], |[a, b]| [a - centre_a, b - centre_b]);
+        set(&mut pack.on_a[i], lane, on_a);
         set(&mut pack.on_b[i], lane, seen(on_b));
-        pack.missing[i][lane] = if point.is_some() { 0.0 } else { FAR };
+        pack.missing[i][lane] = if anchors.is_some() { 0.0 } else { FAR };
     }
 }
 

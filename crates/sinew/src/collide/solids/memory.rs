@@ -154,9 +154,11 @@ impl Remembered {
 
     /// Whether a point of the two is nearer than so much, metres.
     pub(super) fn is_near(&self, here: &Frame, reach: f32) -> bool {
-        let normal = self.manifold.normal;
-        let mut points = self.manifold.points().iter();
-        points.any(|point| normal.dot(here.point(point.on_a) - point.on_b) <= reach)
+        let Self { manifold, seen_from, .. } = self;
+        let reach = reach + manifold.radii[0] + manifold.radii[1];
+        let anchors = |point| manifold.anchors(point, seen_from);
+        let apart = |[on_a, on_b]: [Vec3; 2]| manifold.normal.dot(here.point(on_a) - on_b);
+        manifold.points().iter().any(|point| apart(anchors(point)) <= reach)
     }
 }
 

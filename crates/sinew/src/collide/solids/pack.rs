@@ -11,8 +11,7 @@ pub(super) const FAR: f32 = 1e9;
 const TURNED: f32 = 0.02;
 /// The same for how far they may slide on each other, as a share of their size.
 const SLID: f32 = 0.03;
-/// How much further what is round may turn: its points then are `r φ` aside of where they should be, along a surface that bends away by `½ r φ²`. Of
-/// a leg, 6 cm thick, that is 0.04 mm.
+/// How much further what is round may turn: about the centre of the rounding that moves nothing, and its points are no farther from there than it is long.
 const ROUND: f32 = 2.5;
 /// How much faster a manifold wears whose [slope](Manifold::slope) is 1. Its points are points of the two, and as one slides over the rim of the
 /// other it touches with others, that are higher by the slope times the way: so that must be less, and no height is wrong by more than `SLID / STEEP`
@@ -26,7 +25,7 @@ pub(super) const BLUNT: f32 = 0.01;
 
 /// The angle that the two of a manifold may turn against each other, rad.
 pub(super) fn may_turn(manifold: &Manifold) -> f32 {
-    if manifold.round { ROUND * TURNED } else { TURNED }
+    if manifold.is_round() { ROUND * TURNED } else { TURNED }
 }
 
 /// How far the two of a manifold may slide on each other, metres, of a size; no farther than that.
@@ -51,9 +50,14 @@ pub(super) struct Pack {
     /// Whether all of the second ones stay where they are in this step: then nothing of them is asked. Most of what lies somewhere lies on such, and
     /// of all that is reckoned for two bodies half is for the second one.
     pub(super) still: bool,
-    /// In the second one's axes; in the world's if that stays where it is.
+    /// In the second one's axes; in the world's if that stays where it is, and in the first one's if the second one is round and the first one is not:
+    /// a normal turns with the face, and not with the ball on it. Of two that are round it follows from where they are.
     pub(super) normal: [Eight; 3],
-    /// Anchors from the centres, in their own axes, metres; the second one's as the normal.
+    /// Radii of what is round, metres: see [`Manifold::radii`].
+    pub(super) radii: [Eight; 2],
+    /// Whether the second one of any is round.
+    pub(super) round: bool,
+    /// [Anchors](Manifold::anchors) from the centres, in their own axes, metres; the second one's in the world's if that stays where it is.
     pub(super) on_a: [[Eight; 3]; 4],
     pub(super) on_b: [[Eight; 3]; 4],
     /// Added to the distance of each point, metres: none for one that is there.
@@ -76,7 +80,8 @@ pub(super) struct Pack {
     pub(super) gap: Eight,
     /// The arm at which friction acts against turning on what is a point, metres: [`BLUNT`] of its size, if its particles are nobody else's.
     pub(super) blunt: Eight,
-    /// How much of the arm is the first one's anchor: 1 if the second one stands, else a half.
+    /// How much of the arm is the first one's anchor: 1 if the second one stands, or the first one alone is round, for a ball touches a face where the ball is;
+    /// none if the second one alone is; else a half.
     pub(super) own: Eight,
     /// Whether approach and place are to be kept: something bounces, or somebody listens.
     pub(super) kept: bool,
@@ -115,6 +120,8 @@ impl Pack {
             number: [u32::MAX; LANES],
             still,
             normal: vector,
+            radii: [none; 2],
+            round: false,
             on_a: [vector; 4],
             on_b: [vector; 4],
             missing: [[FAR; LANES]; 4],

@@ -20,7 +20,7 @@ fn a_capsule_that_slides_on_a_face_no_farther_than_it_may_touches_it_as_before()
         frame.translation =
             Vec3::new(0.8 * dice.roll(), 0.2 + low + 0.01 * dice.roll(), dice.roll());
         for manifold in all(&capsule, &plate, &frame, 0.03) {
-            assert!(manifold.round && manifold.slope == 0.0);
+            assert!(manifold.is_round() && manifold.slope == 0.0);
             if manifold.free == 0.0 {
                 at_rims += 1;
                 continue;
@@ -67,7 +67,7 @@ fn what_is_round_is_where_its_manifold_says_after_it_has_rolled_a_little() {
     let (lies, angle) = (turn_of(Vec3::Z, core::f32::consts::FRAC_PI_2), 0.05);
     let frame = Frame::new(Vec3::Y * 0.25, lies);
     let known = all(&capsule, &plate, &frame, 0.03)[0];
-    assert!(known.round && known.points().len() == 2);
+    assert!(known.is_round() && known.points().len() == 2);
     let rolled = Frame::new(Vec3::Y * 0.25, turn_of(Vec3::X, angle) * lies);
     for height in heights(&known, &rolled) {
         assert!(height.abs() < 0.05 / 700.0, "{height}");
@@ -75,7 +75,7 @@ fn what_is_round_is_where_its_manifold_says_after_it_has_rolled_a_little() {
     // A box is wrong by all of what its corners rise.
     let cube = Shape::cuboid(Vec3::splat(0.4)).unwrap();
     let known = all(&cube, &plate, &Frame::at(Vec3::Y * 0.4), 0.03)[0];
-    assert!(!known.round);
+    assert!(!known.is_round());
 }
 
 /// A rotation about an axis, rad.

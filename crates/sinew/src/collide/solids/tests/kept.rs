@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::*;
 
-fn sums(world: &Simulation) -> (DVec3, DVec3) {
+pub(super) fn sums(world: &Simulation) -> (DVec3, DVec3) {
     let particles = &world.particles;
     let each = (0..particles.len()).map(|i| {
         let momentum = particles.velocity(i).as_dvec3() * f64::from(particles.mass(i));
@@ -73,6 +73,6 @@ fn two_bodies_of_solids_that_share_particles_keep_it_too() {
         worst_l = worst_l.max((now.1 - l).length());
     }
     assert!(velocity(&world, b).y > -1.9, "they must have met");
-    // It was 3e-3 while the box was read twice for the sake of the bones beside it; read once it comes to 3.2e-3, and why is not known yet.
-    assert!(worst_p < 3e-4 && worst_l < 4e-3, "{worst_p} {worst_l}");
+    // It was 3e-3 while the anchor of a contact turned with a bone: it pressed beside its axis, about which nothing turns two particles.
+    assert!(worst_p < 3e-4 && worst_l < 3e-4, "{worst_p} {worst_l}");
 }

@@ -10,6 +10,7 @@ mod loose;
 mod memory;
 mod moved;
 mod rest;
+mod rolling;
 mod slopes;
 mod still;
 mod twins;
