@@ -15,7 +15,7 @@ use super::found::Found;
 use super::pack::{FAR, Pack};
 use super::read::Read;
 use super::slip::tangents;
-use super::turn::load;
+use super::turn::{Matrix, load};
 use super::write::Write;
 use crate::lanes::{LANES, Lanes, Vector, Work, with};
 use crate::particles::Particles;
@@ -130,6 +130,9 @@ fn fast(pack: &Pack, found: &[Found], least: f32) -> u32 {
     (0..LANES).fold(0, |bits, lane| bits | u32::from(is_fast(lane)) << lane)
 }
 
+/// Points of a manifold, at the most.
+const POINTS: usize = 4;
+
 /// A pack whose solids have been read with their velocities.
 struct Bounce<'a> {
     pack: &'a Pack,
@@ -146,74 +149,50 @@ struct Bounce<'a> {
 impl Work for Bounce<'_> {
     type Output = ();
 
+    /// Written out once for all: few bounce, and what is left out in `contact` (a third point, a second one that stays where it is) is the same bits.
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let third = L::load(&self.pack.missing[2]).lt(L::splat(FAR));
-        match (third.any(), self.pack.still) {
-            (false, false) => self.bounce::<L, 2, false>(),
-            (false, true) => self.bounce::<L, 2, true>(),
-            (true, false) => self.bounce::<L, 4, false>(),
-            (true, true) => self.bounce::<L, 4, true>(),
-        }
-    }
-}
-
-impl Bounce<'_> {
-    /// Of so many points at the most; `STILL` is what the pack says of that: the same bits, as in `contact`.
-    #[inline(always)]
-    fn bounce<L: Lanes, const POINTS: usize, const STILL: bool>(self) {
         let Self { pack, lanes, stands, bodies, restitution, least, h } = self;
         let (none, lanes) = (L::zero(), L::mask(lanes));
         let mut a = Rows::<L>::load(bodies, &pack.a);
-        let mut b = if STILL { None } else { Some(Rows::<L>::load(bodies, &pack.b)) };
+        let mut b = Rows::<L>::load(bodies, &pack.b);
+        if pack.still {
+            // Its anchors are in the world's axes.
+            b.rotation = Matrix::of([none, none, none, L::splat(1.0)]);
+        }
         let (stands, share) = (L::mask(stands), L::load(&pack.own));
         let mut n = load::<L>(&pack.up);
         let restitution = L::load(&restitution);
-        let mut apart = load::<L>(&pack.offset);
-        if let Some(b) = &b {
-            apart = b.centre + apart;
-        }
-        let apart = apart - a.centre;
-        let (on_a, on_b) = anchors::<L, POINTS>(pack, &a, &b, apart);
+        let apart = b.centre + load::<L>(&pack.offset) - a.centre;
+        let (on_a, on_b) = anchors::<L, POINTS>(pack, &a, Some(&b), apart);
         let radii = [L::load(&pack.radii[0]), L::load(&pack.radii[1])];
         if pack.round {
             n = round_normals(pack, &a, n, &radii, (&on_a, &on_b));
         }
         let (t, u) = tangents(n);
-        let mut along = n.dot(a.step + a.shift);
-        let turn_a = a.spin + a.turn;
+        // What stands was noted with its displacement.
+        let rate = stands.select(L::splat(1.0 / h), L::splat(1.0));
+        let along = n.dot(a.step + a.shift - b.step * rate - b.shift);
+        let (turn_a, turn_b) = (a.spin + a.turn, b.spin * rate + b.turn);
         let turn_a = (turn_a.dot(t), turn_a.dot(u));
-        let mut weight = a.inverse_mass;
-        let (mut turn_b, mut theirs) = ((none, none), None);
-        if let Some(b) = &b {
-            // What stands was noted with its displacement.
-            let rate = stands.select(L::splat(1.0 / h), L::splat(1.0));
-            let turn = b.spin * rate + b.turn;
-            along = n.dot(a.step + a.shift - b.step * rate - b.shift);
-            turn_b = (turn.dot(t), turn.dot(u));
-            weight = weight + b.inverse_mass;
-            theirs = Some(Side::of(&b.inverse_inertia, t, u));
-        }
+        let turn_b = (turn_b.dot(t), turn_b.dot(u));
         let (apart_t, apart_u) = (apart.dot(t), apart.dot(u));
         let own = Side::of(&a.inverse_inertia, t, u);
-        let patch = Patch { weight, a: own, b: theirs, apart: (apart_t, apart_u) };
+        let weight = a.inverse_mass + b.inverse_mass;
+        let theirs = Side::of(&b.inverse_inertia, t, u);
+        let patch = Patch { weight, a: own, b: Some(theirs), apart: (apart_t, apart_u) };
         let stiff = patch.about(none, none);
         let (mut c, mut force) = ([none; POINTS], [none; POINTS]);
         let mut at = [(none, none); POINTS];
         let mut had = Vector::new(none, none, none);
         let skins = [n * radii[0], n * radii[1]];
         for i in 0..POINTS {
-            let mut arm = on_a[i] - skins[0];
-            if b.is_some() {
-                let on_b = on_b[i] + skins[1];
-                arm = on_b + (arm - on_b) * share;
-            }
+            let (on_a, on_b) = (on_a[i] - skins[0], on_b[i] + skins[1]);
+            let arm = on_a.or_else(stands, on_b + (on_a - on_b) * share);
             let (x, y) = (arm.dot(t), arm.dot(u));
             at[i] = (x, y);
-            let mut speed = along + (y * turn_a.0 - x * turn_a.1);
-            if b.is_some() {
-                speed = speed - ((y - apart_u) * turn_b.0 - (x - apart_t) * turn_b.1);
-            }
+            let speed = along + (y * turn_a.0 - x * turn_a.1);
+            let speed = speed - ((y - apart_u) * turn_b.0 - (x - apart_t) * turn_b.1);
             let approach = L::load(&pack.approach[i]);
             let had_force = lanes.and(L::load(&pack.force[i]));
             let presses = none.lt(had_force);
@@ -242,7 +221,7 @@ impl Bounce<'_> {
         a.turn += patch.a.turned(x, y);
         let first = [a.shift.with(a.inverse_mass), a.turn.with(none)];
         L::put_records(&mut bodies.rows, &pack.a, first);
-        if let (Some(b), Some(side)) = (&mut b, &patch.b) {
+        if let Some(side) = &patch.b {
             b.shift -= n * (sum * b.inverse_mass);
             b.turn -= side.turned(x - apart_t * sum, y - apart_u * sum);
             let second = [b.shift.with(b.inverse_mass), b.turn.with(none)];

@@ -90,7 +90,7 @@ fn press_pack<L: Lanes, const POINTS: usize, const STILL: bool>(
             a.inverse_mass + b.inverse_mass,
         ),
     };
-    let (on_a, on_b) = anchors::<L, POINTS>(pack, &a, &b, apart);
+    let (on_a, on_b) = anchors::<L, POINTS>(pack, &a, b.as_ref(), apart);
     let radii = [L::load(&pack.radii[0]), L::load(&pack.radii[1])];
     if pack.round {
         n = round_normals(pack, &a, n, &radii, (&on_a, &on_b));
@@ -220,7 +220,7 @@ fn press_pack<L: Lanes, const POINTS: usize, const STILL: bool>(
 pub(super) fn anchors<L: Lanes, const POINTS: usize>(
     pack: &Pack,
     a: &Rows<L>,
-    b: &Option<Rows<L>>,
+    b: Option<&Rows<L>>,
     apart: Vector<L>,
 ) -> ([Vector<L>; POINTS], [Vector<L>; POINTS]) {
     let none = Vector::new(L::zero(), L::zero(), L::zero());
