@@ -11,6 +11,7 @@
 //! | `constraints`, `shapes` | C1 to C11: distances, limits and boundaries; planes, lines, areas, volumes and bending |
 //! | `solver` | direction, loop, substeps, softness, the ledger of a long run |
 //! | `compounds`, `readback`, `bodies` | B1 to B3: boxes and pendulums; E1 to E3: what is read back; B2', M1, M2: rigid shapes and rigid bodies |
+//! | `contacts` | K1 to K3: what is round rolls, slips and spins |
 //! | `far` | what 5 km from the origin change: nothing |
 //! | `plots` | the pictures |
 //! | `table` | the page as text, and as JSON |
@@ -20,6 +21,7 @@ mod bodies;
 mod case;
 mod compounds;
 mod constraints;
+mod contacts;
 mod far;
 mod forces;
 mod integrators;
@@ -46,6 +48,7 @@ pub const CHAPTERS: &[Chapter] = &[
         title: "Compounds and what is read back from them",
         groups: &[compounds::CASES, readback::CASES, bodies::CASES],
     },
+    Chapter { title: "Contacts, proven", groups: &[contacts::CASES] },
     Chapter { title: "Far from the origin", groups: &[far::CASES] },
 ];
 

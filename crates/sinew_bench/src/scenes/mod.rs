@@ -11,6 +11,8 @@ pub mod cloth;
 mod quality;
 pub mod ropes;
 mod threads;
+#[cfg(feature = "plugin")]
+mod user;
 
 use sinew::{Simulation, SolverSettings};
 
@@ -58,4 +60,26 @@ pub const SCENES: &[Scene] = &[
     #[cfg(feature = "plugin")]
     scene("P13", app::allocations),
     scene("P14", quality::run),
+    #[cfg(feature = "plugin")]
+    scene("U1", user::u1),
+    #[cfg(feature = "plugin")]
+    scene("U2", user::u2),
+    #[cfg(feature = "plugin")]
+    scene("U3", user::u3),
+    #[cfg(feature = "plugin")]
+    scene("U4", user::u4),
+    #[cfg(feature = "plugin")]
+    scene("U5", user::u5),
+    #[cfg(feature = "plugin")]
+    scene("U6", user::u6),
+    #[cfg(feature = "plugin")]
+    scene("U7", user::u7),
+    #[cfg(feature = "plugin")]
+    scene("U8", user::u8),
+    #[cfg(feature = "plugin")]
+    scene("U9", user::u9),
+    #[cfg(feature = "plugin")]
+    scene("U10", user::u10),
+    #[cfg(feature = "plugin")]
+    scene("U11", user::u11),
 ];

@@ -9,13 +9,13 @@ use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::query::details::NormalConstraints;
 use parry3d::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
 use parry3d::shape::{Shape as ParryShape, Triangle, TrianglePseudoNormals};
-use smallvec::SmallVec;
 
 use super::super::Shape;
 use super::super::shape::Kind;
+use super::features::{Convex, best_face, contacts, of_face};
 use super::reduce::reduced;
 use super::round::{limit, rim};
-use super::{Frame, Manifold, Point, radius};
+use super::{Frame, Manifold, Point};
 
 /// What is kept between calls, for its memory alone.
 #[derive(Default)]
@@ -34,7 +34,8 @@ pub(super) fn collide(
     if !a_in_b.translation.is_finite() {
         return None;
     }
-    touch(b.parry(), None, a, a_in_b, &pose(a_in_b), reach, scratch)
+    let of = Convex::Shape(b);
+    touch((b.parry(), &of), None, a, a_in_b, &pose(a_in_b), reach, scratch)
 }
 
 /// A convex shape on each of the triangles of a mesh or a heightfield that it is near.
@@ -53,9 +54,11 @@ pub(super) fn on_triangles(
     let bounds = a.parry().compute_aabb(&pose).loosened(reach);
     let mut on = |part: u32, triangle: &Triangle, normals: Option<TrianglePseudoNormals>| {
         let normals = normals.as_ref().map(|normals| normals as &dyn NormalConstraints);
-        let found = touch(triangle, normals, a, a_in_b, &pose, reach, scratch);
+        let of = Convex::Triangle([triangle.a, triangle.b, triangle.c].map(ours));
+        let found = touch((triangle, &of), normals, a, a_in_b, &pose, reach, scratch);
         if let Some(manifold) = found.filter(Manifold::is_sound) {
-            out(&Manifold { part, radii: [radius(a.kind()), 0.0], ..manifold });
+            let kinds = [a.kind(), b.kind()];
+            out(&Manifold { part, ..manifold }.rounded(kinds, a_in_b));
         }
     };
     if let Some(mesh) = b.parry().as_trimesh() {
@@ -71,9 +74,19 @@ pub(super) fn on_triangles(
     }
 }
 
-/// One call of the library's, afresh.
+/// How far apart two are queried that touch or overlap, as a share of the smallest half extent of the first one. The library finds the normal between two
+/// that are apart from their nearest points, which rounding puts 1e-7 of their size aside: at a hundredth of the size that is 1e-5 rad, and it has nothing
+/// to say of two that touch exactly.
+const APART: f32 = 0.01;
+/// How often two are moved apart for that before the last answer is taken for what it is.
+const QUERIES: u32 = 4;
+/// By which part of that an edge or a corner must be farther apart than a face to be what touches: what lies on a face keeps it.
+const BIAS: f32 = 0.1;
+
+/// The manifold of two convex shapes. Where they touch or overlap, the normal is that of the face along which they overlap least; and where an edge or a corner
+/// touches, it is found at a distance: the first one is moved out along the normal that was found last, which does not change which features are nearest.
 fn touch(
-    b: &dyn ParryShape,
+    (b, of): (&dyn ParryShape, &Convex),
     normals: Option<&dyn NormalConstraints>,
     a: &Shape,
     a_in_b: &Frame,
@@ -81,30 +94,109 @@ fn touch(
     reach: f32,
     scratch: &mut Scratch,
 ) -> Option<Manifold> {
-    let (kind, found) = (a.kind(), &mut scratch.manifold);
-    found.clear();
-    (found.local_n1, found.local_n2) = (Vector::ZERO, Vector::ZERO);
-    DefaultQueryDispatcher
-        .contact_manifold_convex_convex(pose, b, a.parry(), normals, None, reach, found)
-        .ok()?;
-    let normal = ours(found.local_n1);
-    // The library takes a capsule for a line, and goes straight from there along the normal: into it, where the normal is not across the line.
-    let towards_b = ours(found.local_n2);
-    let round = |p: Vec3| match kind {
+    let apart = APART * a.parry().compute_local_aabb().half_extents().min_element();
+    let query = Query { a: a.parry(), b, normals, pose, reach, apart };
+    let is_round = matches!(a.kind(), Kind::Sphere { .. } | Kind::Capsule { .. });
+    let found = &mut scratch.manifold;
+    let nearest = query.run(is_round, found)?;
+    let own = Convex::Shape(a);
+    let mut normal = of_face(&own, of, a_in_b, ours(found.local_n1));
+    // What is round has a normal inside, too, as deep as it is thick; and the library turns those of a mesh to where its surface goes on.
+    if !is_round && normals.is_none() && nearest < 0.5 * apart {
+        let face = best_face(&own, of, a_in_b);
+        normal = face.filter(|face| face.0 >= nearest - BIAS * apart).map_or(normal, |face| face.1);
+    }
+    along_normal(a, of, a_in_b, normal, (reach, 0.02 * apart), found)
+}
+
+/// Two convex shapes, the first one at a pose in the other's coordinates.
+struct Query<'a> {
+    a: &'a dyn ParryShape,
+    b: &'a dyn ParryShape,
+    normals: Option<&'a dyn NormalConstraints>,
+    pose: &'a Pose,
+    reach: f32,
+    apart: f32,
+}
+
+impl Query<'_> {
+    /// Asks the library where they touch, once or until they were [`APART`]; says how far apart they are, metres, minus infinity if the library does not find it,
+    /// and nothing if that is more than their reach.
+    fn run(&self, once: bool, found: &mut ContactManifold<(), ()>) -> Option<f32> {
+        let Self { a, b, normals, pose, reach, apart } = *self;
+        let (mut away, mut nearest) = (Vector::ZERO, f32::NEG_INFINITY);
+        for _ in 0..QUERIES {
+            found.clear();
+            (found.local_n1, found.local_n2) = (Vector::ZERO, Vector::ZERO);
+            let moved = Pose::from_parts(pose.translation + away, pose.rotation);
+            let reach = reach + away.length();
+            DefaultQueryDispatcher
+                .contact_manifold_convex_convex(&moved, b, a, normals, None, reach, found)
+                .ok()?;
+            let normal = found.local_n1;
+            let distance = found.points.iter().map(|point| point.dist).reduce(f32::min);
+            let Some(distance) = distance.filter(|_| normal.length_squared() > 0.5) else {
+                let is_far = normal == Vector::ZERO || is_between(normal, b, a, &moved);
+                let none = found.points.is_empty() && is_far;
+                return (!none).then_some(f32::NEG_INFINITY);
+            };
+            nearest = distance - normal.dot(away);
+            if once || distance >= 0.5 * apart {
+                break;
+            }
+            away += normal * (apart - distance);
+        }
+        Some(nearest)
+    }
+}
+
+/// Whether a plane across a direction separates two.
+fn is_between(direction: Vector, b: &dyn ParryShape, a: &dyn ParryShape, pose: &Pose) -> bool {
+    let (Some(a), Some(b)) = (a.as_support_map(), b.as_support_map()) else { return true };
+    let gap = |direction: Vector| {
+        let nearest = a.support_point(pose, -direction) - b.local_support_point(direction);
+        nearest.dot(direction)
+    };
+    gap(direction) > 0.0 || gap(-direction) > 0.0
+}
+
+/// The points along a normal, with the distances of where the first one is: of their features, or the nearest ones where those say nothing
+/// or are not as deep, by more than rounding.
+fn along_normal(
+    a: &Shape,
+    b: &Convex,
+    a_in_b: &Frame,
+    normal: Vec3,
+    (reach, rounding): (f32, f32),
+    found: &ContactManifold<(), ()>,
+) -> Option<Manifold> {
+    let mut points = contacts(&Convex::Shape(a), b, a_in_b, normal);
+    // From there into it along the normal is the surface of a capsule, but where that is not across its axis.
+    let towards_b = a_in_b.turn_back(-normal);
+    let surface = |axis: Vec3| match a.kind() {
         Kind::Capsule { radius, half_height } => {
-            let along = limit((p - towards_b * radius).y, half_height);
+            let along = limit(axis.y, half_height);
             Vec3::Y * along + rim(Vec3::Y, along, half_height, towards_b) * radius
         }
-        _ => p,
+        _ => axis,
     };
-    let points: SmallVec<[Point; 16]> = found
+    let radius = if let Kind::Capsule { radius, .. } = a.kind() { radius } else { 0.0 };
+    let seen = |on_a: Vec3, on_b: Vec3| {
+        let on_a = surface(on_a);
+        Point { on_a, on_b, distance: (a_in_b.point(on_a) - on_b).dot(normal) }
+    };
+    for point in &mut points {
+        *point = seen(point.on_a, point.on_b);
+    }
+    let nearest = found
         .points
         .iter()
         .map(|point| {
-            let (on_a, on_b) = (round(ours(point.local_p2)), ours(point.local_p1));
-            Point { on_a, on_b, distance: (a_in_b.point(on_a) - on_b).dot(normal) }
+            seen(ours(point.local_p2) - ours(found.local_n2) * radius, ours(point.local_p1))
         })
-        .collect();
+        .reduce(|least, point| if point.distance < least.distance { point } else { least });
+    let deepest = points.iter().map(|point| point.distance).fold(f32::INFINITY, f32::min);
+    points.extend(nearest.filter(|nearest| nearest.distance < deepest - rounding));
     Some(reduced(normal, reach, &points))
 }
 

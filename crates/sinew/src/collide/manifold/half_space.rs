@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::super::shape::Kind;
 use super::reduce::{choose, reduced};
 use super::round::rim;
-use super::{Frame, Manifold, Point};
+use super::{Frame, Manifold, Point, ROLLS, across_axis};
 
 /// A shape at a frame, in the coordinates of the half-space. Nothing for what is no solid.
 pub(super) fn collide(kind: Kind, frame: &Frame, reach: f32) -> Manifold {
@@ -21,9 +21,7 @@ pub(super) fn collide(kind: Kind, frame: &Frame, reach: f32) -> Manifold {
             gather([lowest(half_height), lowest(-half_height)], frame, reach)
         }
         Kind::Box { half_size } => gather(lowest_face(half_size, up), frame, reach),
-        Kind::Cylinder { radius, half_height } => {
-            gather(rims(radius, half_height, up), frame, reach)
-        }
+        Kind::Cylinder { radius, half_height } => cylinder(radius, half_height, up, frame, reach),
         Kind::Hull(corners) => {
             let chosen = choose(
                 corners.len(),
@@ -70,12 +68,15 @@ fn lowest_face(half_size: Vec3, up: Vec3) -> [Vec3; 4] {
     [centre + x + z, centre - x + z, centre - x - z, centre + x - z]
 }
 
-/// Points of a cylinder's rims, along y: of the lower one the lowest, the highest and the two between; of the upper one the lowest.
-fn rims(radius: f32, half_height: f32, up: Vec3) -> [Vec3; 5] {
-    let steep = (up.x * up.x + up.z * up.z).sqrt();
+/// Points of a cylinder's rims, along y: of each one the lowest; of one that stands on an end, the lowest, the highest and the two between of that.
+fn cylinder(radius: f32, half_height: f32, up: Vec3, frame: &Frame, reach: f32) -> Manifold {
+    let (out, steep) = across_axis(up);
     // One that stands (to 0.06°) would otherwise turn its points with every rounding.
-    let down = if steep > 1e-3 { Vec3::new(-up.x, 0.0, -up.z) / steep } else { Vec3::X };
+    let down = if steep > 1e-3 { -out } else { Vec3::X };
     let (down, across) = (down * radius, Vec3::new(-down.z, 0.0, down.x) * radius);
     let lower = Vec3::Y * if up.y > 0.0 { -half_height } else { half_height };
-    [lower + down, lower + across, lower - down, lower - across, down - lower]
+    if steep > ROLLS {
+        return gather([lower + down, down - lower], frame, reach);
+    }
+    gather([lower + down, lower + across, lower - down, lower - across], frame, reach)
 }

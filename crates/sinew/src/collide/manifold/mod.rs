@@ -7,7 +7,7 @@
 //! | `half_space` | anything convex and what is infinite |
 //! | `round` | spheres; capsule and capsule |
 //! | `rod` | capsule and box |
-//! | `convex` | cylinders and hulls, and whatever lies on a mesh or a heightfield: `parry3d` finds those |
+//! | `convex` | cylinders and hulls, and whatever lies on a mesh or a heightfield: `parry3d` finds their normals, `features` the points |
 //! | `reduce` | of many points the four that hold as well |
 //! | `broad` | which pairs are near at all |
 
@@ -16,6 +16,7 @@ mod broad;
 mod clip;
 mod convex;
 mod corners;
+mod features;
 mod half_space;
 mod reduce;
 mod rod;
@@ -51,9 +52,11 @@ pub(crate) struct Manifold {
     len: u32,
     /// Which triangle of a mesh or a heightfield it is of; 0 of what is convex.
     pub(crate) part: u32,
-    /// Radii of the two, metres; 0 of what is not round. A sphere touches a face below its centre however it has rolled, and a capsule below its axis: so
-    /// what stays where it is in one that is round is the centre of the rounding, a radius away from the surface along the normal.
+    /// Rounding radii of the two, metres; 0 where it is not round. A sphere touches a face below its centre however it has rolled, a capsule and a lying
+    /// cylinder below their axes: so what stays where it is in them is the centre of the rounding, a radius away from the surface.
     pub(crate) radii: [f32; 2],
+    /// Whether each is round about its own y axis alone, as a cylinder is: then that radius goes straight to the axis, and not along the normal.
+    pub(crate) axial: [bool; 2],
     /// How far the two may slide on each other, at least, and be to each other what they are, metres: to the rim of a face. 0 where that is not
     /// known.
     pub(crate) free: f32,
@@ -95,8 +98,9 @@ impl Manifold {
 
     /// The same seen from the other one, whose place in this one's coordinates is given.
     fn swapped(&self, b_in_a: &Frame) -> Self {
-        let radii = [self.radii[1], self.radii[0]];
-        let mut manifold = Self { normal: b_in_a.turn(-self.normal), radii, ..*self };
+        let ([ra, rb], [a, b]) = (self.radii, self.axial);
+        let (radii, axial) = ([rb, ra], [b, a]);
+        let mut manifold = Self { normal: b_in_a.turn(-self.normal), radii, axial, ..*self };
         for point in &mut manifold.points[..self.len as usize] {
             (point.on_a, point.on_b) = (point.on_b, point.on_a);
         }
@@ -108,10 +112,27 @@ impl Manifold {
         self.radii != [0.0; 2]
     }
 
-    /// What of a point stays where it is in each of the two, which were seen so when it was found: a point of the surface, or the centre of what is round.
+    /// What of a point stays where it is in each of the two, for where the first one was when it was found: a point of the surface, or the centre of the
+    /// rounding.
     pub(crate) fn anchors(&self, point: &Point, a_in_b: &Frame) -> [Vec3; 2] {
-        let inwards = a_in_b.turn_back(self.normal) * self.radii[0];
-        [point.on_a + inwards, point.on_b - self.normal * self.radii[1]]
+        let [own, theirs] = self.radii;
+        let mut anchors =
+            [point.on_a + a_in_b.turn_back(self.normal) * own, point.on_b - self.normal * theirs];
+        for (anchor, _) in anchors.iter_mut().zip(self.axial).filter(|(_, axial)| *axial) {
+            (anchor.x, anchor.z) = (0.0, 0.0);
+        }
+        anchors
+    }
+
+    /// The same with what is round of each.
+    #[inline(always)]
+    fn rounded(mut self, kinds: [Kind; 2], a_in_b: &Frame) -> Self {
+        let towards_b = a_in_b.turn_back(-self.normal);
+        let own = rounding(kinds[0], towards_b, self.points().iter().map(|point| point.on_a));
+        let theirs = rounding(kinds[1], self.normal, self.points().iter().map(|point| point.on_b));
+        self.radii = [own.0, theirs.0];
+        self.axial = [own.1, theirs.1];
+        self
     }
 
     /// Whether it has points, and nothing in it is NaN or infinite: any such number times zero is NaN, and so is a sum with it.
@@ -190,16 +211,36 @@ fn in_order(
         _ => convex::collide(a, b, a_in_b, reach, scratch).unwrap_or_default(),
     };
     if found.is_sound() {
-        out(&Manifold { radii: [radius(a.kind()), radius(b.kind())], ..found });
+        out(&found.rounded([a.kind(), b.kind()], a_in_b));
     }
 }
 
-/// Radius of what is round, metres; 0 of anything else. A cylinder is round about its axis alone, and touches by its rims.
-fn radius(kind: Kind) -> f32 {
+/// The sine of the angle by which a cylinder must be tilted to touch by its side or a rim, and not by an end: 6 degrees.
+const ROLLS: f32 = 0.1;
+
+/// The rounding radius of what touches in some points, metres, and whether it is round about its y axis alone; 0 of what is not round.
+#[inline(always)]
+fn rounding(kind: Kind, outwards: Vec3, mut points: impl Iterator<Item = Vec3>) -> (f32, bool) {
     match kind {
-        Kind::Sphere { radius } | Kind::Capsule { radius, .. } => radius,
-        _ => 0.0,
+        Kind::Sphere { radius } | Kind::Capsule { radius, .. } => (radius, false),
+        Kind::Cylinder { radius, .. } => {
+            let (out, sine) = across_axis(outwards);
+            let near = 1e-3 * radius;
+            let is_lowest =
+                |p: Vec3| (Vec3::new(p.x, 0.0, p.z) - out * radius).length_squared() < near * near;
+            let rolls = sine > ROLLS && points.all(is_lowest);
+            if rolls { (radius, true) } else { (0.0, false) }
+        }
+        _ => (0.0, false),
     }
+}
+
+/// The direction across the y axis that is nearest to another one, and the sine of the angle between that and the axis.
+#[inline(always)]
+fn across_axis(direction: Vec3) -> (Vec3, f32) {
+    let across = Vec3::new(direction.x, 0.0, direction.z);
+    let sine = across.length();
+    (across / sine.max(f32::MIN_POSITIVE), sine)
 }
 
 /// Which of two is the first: what is simpler, and what can move before what cannot.

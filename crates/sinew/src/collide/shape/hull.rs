@@ -116,6 +116,23 @@ impl Hull {
         Self { points, triangles: sorted, pieces, faces, grain: near as f32 }
     }
 
+    /// The outward normals of its faces, and how far it reaches along each, metres from the origin.
+    pub(super) fn faces(&self) -> impl Iterator<Item = (Vec3, f32)> {
+        self.faces.iter().map(|face| (face.normal, face.offset))
+    }
+
+    /// Corners of the faces whose normals are as near to a unit direction as a cosine says; some of them several times.
+    pub(super) fn corners_towards(
+        &self,
+        direction: Vec3,
+        cosine: f32,
+    ) -> impl Iterator<Item = Vec3> {
+        let faces = self.faces.iter().filter(move |face| face.normal.dot(direction) > cosine);
+        let triangles =
+            faces.flat_map(|face| &self.triangles[face.first as usize..face.end as usize]);
+        triangles.flatten().map(|&i| self.points[i as usize])
+    }
+
     /// A sphere against it; see [`Shape::touch`](super::Shape::touch).
     pub(super) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<Touch> {
         let (mut front, mut best) = (0, f32::NEG_INFINITY);

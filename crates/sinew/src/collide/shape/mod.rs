@@ -269,6 +269,23 @@ impl Shape {
         }
     }
 
+    /// Of a hull, the outward normals of its faces, and how far it reaches along each, metres from its origin; of anything else none.
+    pub(crate) fn faces(&self) -> impl Iterator<Item = (Vec3, f32)> {
+        let hull = if let Form::Hull(hull) = &self.form { Some(hull) } else { None };
+        hull.into_iter().flat_map(|hull| hull.faces())
+    }
+
+    /// Of a hull, the corners of the faces whose normals are as near to a unit direction as a cosine says, some of them several times; of anything else
+    /// none.
+    pub(crate) fn corners_towards(
+        &self,
+        direction: Vec3,
+        cosine: f32,
+    ) -> impl Iterator<Item = Vec3> {
+        let hull = if let Form::Hull(hull) = &self.form { Some(hull) } else { None };
+        hull.into_iter().flat_map(move |hull| hull.corners_towards(direction, cosine))
+    }
+
     fn of(form: Form) -> Self {
         Self { mark: mark::of(&form), form, twin: Arc::default() }
     }

@@ -9,7 +9,7 @@
 use super::Solids;
 use super::block::{Patch, Side, press};
 use super::bodies::{Bodies, Eight as Rows};
-use super::contact::{anchors, round_normals};
+use super::contact::{anchors, round_normals, skins};
 use super::drag::{drag, dragged};
 use super::found::Found;
 use super::pack::{FAR, Pack};
@@ -185,7 +185,7 @@ impl Work for Bounce<'_> {
         let (mut c, mut force) = ([none; POINTS], [none; POINTS]);
         let mut at = [(none, none); POINTS];
         let mut had = Vector::new(none, none, none);
-        let skins = [n * radii[0], n * radii[1]];
+        let skins = skins(pack, n, &radii, (&a, Some(&b)));
         for i in 0..POINTS {
             let (on_a, on_b) = (on_a[i] - skins[0], on_b[i] + skins[1]);
             let arm = on_a.or_else(stands, on_b + (on_a - on_b) * share);

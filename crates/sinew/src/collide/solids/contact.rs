@@ -95,7 +95,7 @@ fn press_pack<L: Lanes, const POINTS: usize, const STILL: bool>(
     if pack.round {
         n = round_normals(pack, &a, n, &radii, (&on_a, &on_b));
     }
-    let skins = [n * radii[0], n * radii[1]];
+    let skins = skins(pack, n, &radii, (&a, b.as_ref()));
     let before = n.dot(drift);
     let between = n.dot(shift);
     let own = L::load(&pack.own);
@@ -234,6 +234,32 @@ pub(super) fn anchors<L: Lanes, const POINTS: usize>(
         on_b[i] += apart;
     }
     (on_a, on_b)
+}
+
+/// From the surfaces to the centres of what is round of the first ones; and back of the second ones.
+#[inline(always)]
+pub(super) fn skins<L: Lanes>(
+    pack: &Pack,
+    n: Vector<L>,
+    radii: &[L; 2],
+    (a, b): (&Rows<L>, Option<&Rows<L>>),
+) -> [Vector<L>; 2] {
+    let mut out = [n; 2];
+    if pack.axial != [0; 2] {
+        out[0] = across_axis(n, a.rotation.y).or_else(L::mask(pack.axial[0]), n);
+        if let Some(b) = b {
+            out[1] = across_axis(n, b.rotation.y).or_else(L::mask(pack.axial[1]), n);
+        }
+    }
+    [out[0] * radii[0], out[1] * radii[1]]
+}
+
+/// The directions across axes that are nearest to others; those, where they are along the axes.
+#[inline(always)]
+fn across_axis<L: Lanes>(n: Vector<L>, axis: Vector<L>) -> Vector<L> {
+    let across = n - axis * n.dot(axis);
+    let sine = across.length();
+    (across * (L::splat(1.0) / sine)).or_else(L::splat(1e-3).lt(sine), n)
 }
 
 /// The normals of those whose second one is round: a face's turns with the face, and that of two that are round is from the one to the other. A matter of

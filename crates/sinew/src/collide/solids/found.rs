@@ -158,9 +158,15 @@ pub(super) fn put_manifold(
     [centre_a, centre_b]: [Vec3; 2],
 ) {
     let seen = |v: Vec3| one.still.map_or(v, |axes| axes * v);
-    let [own, theirs] = known.manifold.radii;
+    let mut manifold = known.manifold;
+    // Of what stays where it is the axis is not loaded, and its normal does not turn.
+    manifold.axial[1] &= one.still.is_none();
+    let [own, theirs] = manifold.radii;
     (pack.radii[0][lane], pack.radii[1][lane]) = (own, theirs);
     pack.round |= theirs > 0.0;
+    for (lanes, axial) in pack.axial.iter_mut().zip(manifold.axial) {
+        *lanes = *lanes & !(1 << lane) | u32::from(axial) << lane;
+    }
     pack.own[lane] = match (own > 0.0, theirs > 0.0) {
         _ if one.stand.is_some() => 1.0,
         (true, false) => 1.0,
@@ -183,7 +189,7 @@ pub(super) fn put_manifold(
         pack.allowed[lane] = 0.0;
     }
     for i in 0..pack.missing.len() {
-        let anchors = points.get(i).map(|point| known.manifold.anchors(point, &known.seen_from));
+        let anchors = points.get(i).map(|point| manifold.anchors(point, &known.seen_from));
         let [on_a, on_b] = anchors.map_or([Vec3::ZERO; 2], |[a, b]| [a - centre_a, b - centre_b]);
         set(&mut pack.on_a[i], lane, on_a);
         set(&mut pack.on_b[i], lane, seen(on_b));

@@ -57,6 +57,8 @@ pub(super) struct Pack {
     pub(super) radii: [Eight; 2],
     /// Whether the second one of any is round.
     pub(super) round: bool,
+    /// A bit for each manifold whose first one, and whose second one, is round about its own y axis alone: see [`Manifold::axial`].
+    pub(super) axial: [u32; 2],
     /// [Anchors](Manifold::anchors) from the centres, in their own axes, metres; the second one's in the world's if that stays where it is.
     pub(super) on_a: [[Eight; 3]; 4],
     pub(super) on_b: [[Eight; 3]; 4],
@@ -122,6 +124,7 @@ impl Pack {
             normal: vector,
             radii: [none; 2],
             round: false,
+            axial: [0; 2],
             on_a: [vector; 4],
             on_b: [vector; 4],
             missing: [[FAR; LANES]; 4],

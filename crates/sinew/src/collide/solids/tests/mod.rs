@@ -11,6 +11,7 @@ mod memory;
 mod moved;
 mod rest;
 mod rolling;
+mod set_down;
 mod slopes;
 mod still;
 mod twins;

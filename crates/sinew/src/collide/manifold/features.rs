@@ -1,0 +1,350 @@
+//! Where two convex shapes touch along a normal, from the features that they turn towards each other: corners, edges and faces with any number of corners,
+//! cut to each other's outline. (`parry3d` keeps the first four corners of a face, so that a prism of seven sides lay on half of its end and fell over.)
+
+use glam::Vec3;
+use smallvec::SmallVec;
+
+use super::super::Shape;
+use super::super::shape::Kind;
+use super::{Frame, Point, across_axis};
+
+/// Corners in order about the normal: one, the two of an edge, or those of a face.
+type Feature = SmallVec<[Vec3; 16]>;
+
+/// The slope below which a surface belongs to the feature that is farthest along a direction: what leans by 6 degrees lies.
+const LEANS: f32 = 0.1;
+/// The cosine of that angle.
+const ACROSS: f32 = 0.995;
+/// Corners of a cylinder's end. Inside of them lies 97 % of its area.
+const ROUND: usize = 16;
+/// How far a normal may be from that of a face for it to be meant, rad: what is found from nearest points is not known better.
+const FACE: f32 = 3e-3;
+/// The sine of the angle between two edges from which on they cross in one point: 8 degrees, as capsules do.
+const CROSS: f32 = 0.14;
+
+/// One of the two.
+pub(super) enum Convex<'a> {
+    /// A shape that can move.
+    Shape(&'a Shape),
+    /// A triangle of a mesh or of a heightfield.
+    Triangle([Vec3; 3]),
+}
+
+/// Points of contact along a unit normal from `b` to `a`, in the coordinates of `b`. None where a corner touches a corner or two edges cross: those are the
+/// nearest points, and not found from features.
+pub(super) fn contacts(
+    a: &Convex,
+    b: &Convex,
+    a_in_b: &Frame,
+    normal: Vec3,
+) -> SmallVec<[Point; 16]> {
+    let (t, u) = normal.any_orthonormal_pair();
+    let flat = |p: Vec3| Vec3::new(p.dot(t), p.dot(u), p.dot(normal));
+    let mut own = a.feature(a_in_b.turn_back(-normal));
+    own.iter_mut().for_each(|p| *p = flat(a_in_b.point(*p)));
+    let mut theirs = b.feature(normal);
+    theirs.iter_mut().for_each(|p| *p = flat(*p));
+    let (own, theirs) = (outline(own), outline(theirs));
+    let up = [plane(&own), plane(&theirs)];
+    let steep = up.map(|up| up.map_or(f32::INFINITY, |up| up.truncate().length() / up.z.abs()));
+    // Heights of both above each corner of what is left of the other one.
+    let pairs: SmallVec<[(Vec3, f32); 16]> = match up {
+        [None, None] => {
+            return along(&own, &theirs, |p| t * p.x + u * p.y + normal * p.z, a_in_b);
+        }
+        [_, Some(up)] if steep[1] <= steep[0] => {
+            let height =
+                |p: Vec3| theirs[0].z - (p - theirs[0]).truncate().dot(up.truncate()) / up.z;
+            cut(own, &theirs).into_iter().map(|p| (p, height(p))).collect()
+        }
+        [Some(up), _] => {
+            let height = |p: Vec3| own[0].z - (p - own[0]).truncate().dot(up.truncate()) / up.z;
+            cut(theirs, &own).into_iter().map(|p| (p.with_z(height(p)), p.z)).collect()
+        }
+        [None, Some(_)] => return SmallVec::new(),
+    };
+    let place = |p: Vec3, z: f32| t * p.x + u * p.y + normal * z;
+    let points = pairs.into_iter().map(|(p, z)| {
+        let (on_a, on_b) = (place(p, p.z), place(p, z));
+        Point { on_a: a_in_b.local(on_a), on_b, distance: (on_a - on_b).dot(normal) }
+    });
+    points.collect()
+}
+
+/// The normal of a face of one of the two where another one from `b` to `a` is as good as that.
+pub(super) fn of_face(a: &Convex, b: &Convex, a_in_b: &Frame, normal: Vec3) -> Vec3 {
+    let (mut best, mut least) = (normal, FACE * FACE);
+    let mut try_out = |face: Vec3| {
+        let off = (face - normal).length_squared();
+        if off < least {
+            (best, least) = (face, off);
+        }
+    };
+    b.each_face(&mut |face, _| try_out(face));
+    a.each_face(&mut |face, _| try_out(a_in_b.turn(-face)));
+    best
+}
+
+/// The face of one of the two along whose normal they are farthest apart, or overlap least: how far, metres, and the normal from `b` to `a` in the
+/// coordinates of `b`. `None` where neither has a face.
+pub(super) fn best_face(a: &Convex, b: &Convex, a_in_b: &Frame) -> Option<(f32, Vec3)> {
+    let (own, theirs) = (a_in_b.point(a.inside()), b.inside());
+    let mut best: Option<(f32, Vec3)> = None;
+    // No further apart than a point inside of the other one is from the plane: most faces are out by that.
+    let is_less = |most: f32, best: &Option<(f32, Vec3)>| best.is_some_and(|best| most <= best.0);
+    let mut try_out = |most: f32, normal: Vec3, apart: &dyn Fn() -> f32| {
+        if is_less(most, &best) {
+            return;
+        }
+        let apart = apart();
+        if !is_less(apart, &best) {
+            best = Some((apart, normal));
+        }
+    };
+    b.each_face(&mut |normal, offset| {
+        let apart = || {
+            let lowest = -a.reach(a_in_b.turn_back(-normal));
+            normal.dot(a_in_b.translation) + lowest - offset
+        };
+        try_out(normal.dot(own) - offset, normal, &apart);
+    });
+    a.each_face(&mut |normal, offset| {
+        let normal = a_in_b.turn(-normal);
+        let least = normal.dot(a_in_b.translation) - offset;
+        try_out(least - normal.dot(theirs), normal, &|| least - b.reach(normal));
+    });
+    best
+}
+
+impl Convex<'_> {
+    /// A point of it.
+    fn inside(&self) -> Vec3 {
+        match self {
+            Self::Triangle(corners) => (corners[0] + corners[1] + corners[2]) / 3.0,
+            Self::Shape(shape) => match shape.kind() {
+                Kind::Hull(corners) => corners.iter().sum::<Vec3>() / corners.len() as f32,
+                _ => Vec3::ZERO,
+            },
+        }
+    }
+
+    /// How far it reaches along a unit direction, metres from its origin.
+    fn reach(&self, direction: Vec3) -> f32 {
+        let farthest = |corners: &[Vec3]| {
+            corners.iter().map(|p| p.dot(direction)).fold(f32::NEG_INFINITY, f32::max)
+        };
+        let shape = match self {
+            Self::Triangle(corners) => return farthest(corners),
+            Self::Shape(shape) => shape,
+        };
+        match shape.kind() {
+            Kind::Hull(corners) => farthest(corners),
+            Kind::Box { half_size } => direction.abs().dot(half_size),
+            Kind::Sphere { radius } => radius,
+            Kind::Capsule { radius, half_height } => radius + half_height * direction.y.abs(),
+            Kind::Cylinder { radius, half_height } => {
+                radius * across_axis(direction).1 + half_height * direction.y.abs()
+            }
+            Kind::HalfSpace | Kind::Mesh | Kind::HeightField => f32::INFINITY,
+        }
+    }
+
+    /// The outward normals of its faces, and how far it reaches along each, metres from its origin.
+    fn each_face(&self, each: &mut dyn FnMut(Vec3, f32)) {
+        let shape = match *self {
+            Self::Triangle([p, q, r]) => {
+                if let Some(normal) = (q - p).cross(r - p).try_normalize() {
+                    each(normal, normal.dot(p));
+                    each(-normal, -normal.dot(p));
+                }
+                return;
+            }
+            Self::Shape(shape) => shape,
+        };
+        match shape.kind() {
+            Kind::Hull(_) => shape.faces().for_each(|(normal, offset)| each(normal, offset)),
+            Kind::Box { half_size } => {
+                for (axis, half) in Vec3::AXES.into_iter().zip(half_size.to_array()) {
+                    each(axis, half);
+                    each(-axis, half);
+                }
+            }
+            Kind::Cylinder { half_height, .. } => {
+                each(Vec3::Y, half_height);
+                each(-Vec3::Y, half_height);
+            }
+            _ => (),
+        }
+    }
+
+    /// Corners of what is farthest along a unit direction, in any order: of the faces across it, of an edge, or a corner. Of a capsule those of its axis.
+    fn feature(&self, direction: Vec3) -> Feature {
+        // Both ends of what is long, however it leans: what is out of reach counts for nothing.
+        let ends = |half: f32, beside: Vec3| -> Feature {
+            [half, -half].map(|y| beside + Vec3::Y * y).into_iter().collect()
+        };
+        let shape = match *self {
+            Self::Triangle(corners) => {
+                let [p, q, r] = corners;
+                let normal = (q - p).cross(r - p);
+                let is_face = normal.dot(direction).abs() > ACROSS * normal.length();
+                return if is_face {
+                    corners.into_iter().collect()
+                } else {
+                    edge(&corners, direction)
+                };
+            }
+            Self::Shape(shape) => shape,
+        };
+        match shape.kind() {
+            Kind::Hull(corners) => {
+                let face: Feature = shape.corners_towards(direction, ACROSS).collect();
+                if face.is_empty() { edge(corners, direction) } else { face }
+            }
+            Kind::Box { half_size } => {
+                // Along an axis that is across the direction it has both ends.
+                let sides = direction.abs().cmple(Vec3::splat(LEANS)).bitmask();
+                let corners = (0..8_u32).map(|bits| {
+                    let sign = |axis: usize| if bits >> axis & 1 == 1 { 1.0 } else { -1.0 };
+                    (bits, Vec3::from_array([0, 1, 2].map(sign)))
+                });
+                let ahead = Vec3::ONE.copysign(direction);
+                let is_ahead = |sign: Vec3| sides | sign.cmpeq(ahead).bitmask() == 7;
+                let chosen = corners.filter(|(_, sign)| is_ahead(*sign));
+                chosen.map(|(_, sign)| sign * half_size).collect()
+            }
+            Kind::Capsule { half_height, .. } => ends(half_height, Vec3::ZERO),
+            Kind::Cylinder { radius, half_height } => {
+                let (out, sine) = across_axis(direction);
+                // Where it stands straight its corners stay where they are.
+                let out = if sine > 1e-3 { out } else { Vec3::X };
+                if sine > LEANS {
+                    return ends(half_height, out * radius);
+                }
+                let (x, z) = (out * radius, Vec3::new(-out.z, 0.0, out.x) * radius);
+                let end = Vec3::Y * half_height.copysign(direction.y);
+                let step = core::f32::consts::TAU / ROUND as f32;
+                let corner = |i: usize| {
+                    let (sine, cosine) = libm::sincosf(step * i as f32);
+                    end + x * cosine + z * sine
+                };
+                (0..ROUND).map(corner).collect()
+            }
+            Kind::Sphere { .. } | Kind::HalfSpace | Kind::Mesh | Kind::HeightField => {
+                Feature::new()
+            }
+        }
+    }
+}
+
+/// The farthest of some corners along a direction, and the one to which a line falls off least from there, if that is by less than [`LEANS`].
+fn edge(corners: &[Vec3], direction: Vec3) -> Feature {
+    let mut best = (f32::NEG_INFINITY, Vec3::ZERO);
+    for &p in corners {
+        let height = p.dot(direction);
+        if height > best.0 {
+            best = (height, p);
+        }
+    }
+    let (top, mut least, mut feature) = (best.1, LEANS, Feature::new());
+    feature.push(top);
+    for &p in corners {
+        let slope = (top - p).dot(direction) / (top - p).length();
+        if slope < least {
+            least = slope;
+            feature.truncate(1);
+            feature.push(p);
+        }
+    }
+    feature
+}
+
+/// The corners of the smallest convex outline around some places, by x and y, counter-clockwise (A. M. Andrew's chain, 1979).
+fn outline(mut places: Feature) -> Feature {
+    if places.len() < 3 {
+        return places;
+    }
+    places.sort_unstable_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
+    let (first, last) = (places[0], places[places.len() - 1]);
+    // What is nearer to the line between two others than this is on it.
+    let thin = 1e-5 * (last - first).truncate().length_squared();
+    let mut corners = Feature::new();
+    let turns = |p: Vec3, q: Vec3, r: Vec3| (q - p).truncate().perp_dot((r - p).truncate()) > thin;
+    let half = |places: &mut dyn Iterator<Item = Vec3>, corners: &mut Feature| {
+        let from = corners.len();
+        for r in places {
+            while let [.., p, q] = corners[from..] {
+                if turns(p, q, r) {
+                    break;
+                }
+                corners.pop();
+            }
+            corners.push(r);
+        }
+        // Where one half ends the other begins.
+        corners.pop();
+    };
+    half(&mut places.iter().copied(), &mut corners);
+    half(&mut places.iter().rev().copied(), &mut corners);
+    if corners.len() < 2 { [first, last].into_iter().collect() } else { corners }
+}
+
+/// A normal of the plane of a face, upwards; `None` of what is none (M. E. Newell).
+fn plane(corners: &Feature) -> Option<Vec3> {
+    let from = corners.first().filter(|_| corners.len() > 2)?;
+    let pairs = corners[1..].windows(2);
+    let sum: Vec3 = pairs.map(|pair| (pair[0] - from).cross(pair[1] - from)).sum();
+    (sum.z > 0.0).then_some(sum)
+}
+
+/// What is left of a feature above or below a face.
+fn cut(mut feature: Feature, face: &Feature) -> Feature {
+    for (i, &p) in face.iter().enumerate() {
+        let along = (face[(i + 1) % face.len()] - p).truncate();
+        let inside = |q: Vec3| along.perp_dot((q - p).truncate());
+        let before = core::mem::take(&mut feature);
+        let Some(&last) = before.last() else { break };
+        // An edge has no way back from its end to its start.
+        let mut was = if before.len() > 2 { Some((last, inside(last))) } else { None };
+        for &q in &before {
+            let at_q = inside(q);
+            if let Some((p, at_p)) = was.filter(|(_, at_p)| (*at_p < 0.0) != (at_q < 0.0)) {
+                feature.push(p + (q - p) * (at_p / (at_p - at_q)));
+            }
+            if at_q >= 0.0 {
+                feature.push(q);
+            }
+            was = Some((q, at_q));
+        }
+    }
+    feature
+}
+
+/// The ends of what two edges along each other have in common; nothing where they cross, or one of them is a corner.
+fn along(
+    own: &Feature,
+    theirs: &Feature,
+    place: impl Fn(Vec3) -> Vec3,
+    a_in_b: &Frame,
+) -> SmallVec<[Point; 16]> {
+    let (&[p, p1], &[q, q1]) = (own.as_slice(), theirs.as_slice()) else { return SmallVec::new() };
+    let (d, e) = ((p1 - p).truncate(), (q1 - q).truncate());
+    let lengths = d.length() * e.length();
+    if lengths <= 0.0 || d.perp_dot(e).abs() > CROSS * lengths {
+        return SmallVec::new();
+    }
+    // Where the ends of theirs are along our own one.
+    let at = |r: Vec3| (r - p).truncate().dot(d) / d.length_squared();
+    let (from, to) = (at(q).min(at(q1)).max(0.0), at(q).max(at(q1)).min(1.0));
+    if to < from {
+        return SmallVec::new();
+    }
+    let point = |share: f32| {
+        let on_a = p + (p1 - p) * share;
+        let theirs = (on_a - q).truncate().dot(e) / e.length_squared();
+        let on_b = q + (q1 - q) * theirs.clamp(0.0, 1.0);
+        let (distance, on_a) = (on_a.z - on_b.z, place(on_a));
+        Point { on_a: a_in_b.local(on_a), on_b: place(on_b), distance }
+    };
+    [from, to].map(point).into_iter().collect()
+}

@@ -1,0 +1,380 @@
+//! What a user gets, U1 to U11: whole frames of apps with `MinimalPlugins` and `SinewPlugins`, nothing configured, a ground in each, on one thread.
+//!
+//! A frame is a tick of 1/60 s. What is timed is the mean of all frames from the first second to the fourth, after things have met; the quality stands
+//! beside it, over the last two seconds: how far hard distances are from their lengths, in the mean and at the worst; for bodies without any, how fast they
+//! still are.
+
+use core::time::Duration;
+
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_sinew::BodyParticles;
+use bevy_sinew::prelude::*;
+
+use crate::measure::{Effort, stretch_of, time};
+use crate::row::{Row, Stretch, Unit};
+
+/// One tick of the fixed schedule, as long as a frame: 60 Hz.
+const TICK: Duration = Duration::from_nanos(16_666_667);
+
+/// Frames before anything is timed, frames that are, and of those the ones by which the quality is judged: one second, three, two.
+const WARM: usize = 60;
+const TIMED: usize = 180;
+const JUDGED: usize = 120;
+
+/// Frames between two looks at the quality, which are not timed.
+const LOOK: usize = 12;
+
+/// A scene: its number, what it is, and what fills the world.
+struct Level {
+    id: &'static str,
+    what: &'static str,
+    fill: fn(&mut World),
+}
+
+const fn level(id: &'static str, what: &'static str, fill: fn(&mut World)) -> Level {
+    Level { id, what, fill }
+}
+
+/// U1 to U9.
+const LEVELS: &[Level] = &[
+    level("U1", "a cape of 24×24 dropped on a ball", |world| cape(world, ClothPins::None)),
+    level("U1", "a cape of 24×24 hung over a ball, steady wind", |world| {
+        cape(world, ClothPins::TopEdge);
+        world.spawn(Wind { pressure: Vec3::new(2.0, 0.0, 4.0), ..default() });
+    }),
+    level("U2", "the gallery's flag, gusts", flag),
+    level("U3", "cloth of 64×64 falls on a ball", |world| draped(world, false)),
+    level("U3", "the same, folded on itself, with self-contact", |world| draped(world, true)),
+    level("U4", "cloth of 128×128 hung by two corners, wind", |world| {
+        world.spawn(Wind { pressure: Vec3::new(0.0, 0.0, 5.0), ..default() });
+        let cloth = Cloth::grid(2.0, 2.0, 127, 127).pinned(ClothPins::TopCorners);
+        world.spawn((cloth, Transform::from_xyz(0.0, 2.5, 0.0)));
+    }),
+    level("U5", "20 ropes of 32 over a beam, weights", ropes),
+    level("U6", "1000 boxes in rows fall into a heap", |world| boxes(world, false)),
+    level("U6", "1000 boxes poured between four walls", |world| boxes(world, true)),
+    level("U7", "100 ragdolls on a floor", |world| figures(world, 0.0)),
+    level("U7", "100 ragdolls down stairs", |world| figures(world, 0.24)),
+    level("U8", "200 jelly cubes into a bin", jelly),
+    level("U9", "a level of all of it", of_all),
+];
+
+/// Those of one number.
+fn run(id: &str, effort: &Effort) -> Vec<Row> {
+    let levels = LEVELS.iter().filter(|level| level.id == id);
+    levels.map(|level| measured(level, effort, |world| with_ground(world, level.fill))).collect()
+}
+
+macro_rules! users {
+    ($($name:ident $id:literal),*) => {$(
+        pub(super) fn $name(effort: &Effort) -> Vec<Row> {
+            run($id, effort)
+        }
+    )*};
+}
+
+users!(
+    u1 "U1", u2 "U2", u3 "U3", u4 "U4", u5 "U5", u6 "U6", u7 "U7", u8 "U8", u9 "U9"
+);
+
+/// U10: what a ground, a far collider, a wind and a game's own system between two phases cost each scene, as a share of the frame without any of them.
+pub(super) fn u10(effort: &Effort) -> Vec<Row> {
+    let extras: [(&str, fn(&mut World)); 4] = [
+        ("a ground", |world| {
+            world.spawn(Ground::default());
+        }),
+        ("a far collider", |world| {
+            world.spawn((Collider::sphere(1.0), Transform::from_xyz(100.0, -50.0, 0.0)));
+        }),
+        ("a wind", |world| {
+            world.spawn(Wind::default());
+        }),
+        ("an own system", |world| {
+            let own = nothing.in_set(PhaseSystems::Integrate);
+            world.resource_mut::<Schedules>().add_systems(SubstepSchedule, own);
+        }),
+    ];
+    let rows = LEVELS.iter().map(|level| {
+        // Without its own ground nothing that falls is ever caught: what hangs and what lies on something is what this is about.
+        let bare = measured(level, effort, level.fill);
+        let share = |fill: fn(&mut World)| {
+            let with = measured(level, effort, |world| {
+                (level.fill)(world);
+                fill(world);
+            });
+            with.ours.unwrap_or(f64::NAN) / bare.ours.unwrap_or(f64::NAN)
+        };
+        let shares = extras.map(|(what, fill)| format!("{what} {:.2}×", share(fill)));
+        Row { id: "U10", stretch: None, ..bare }.noted(shares.join(", "))
+    });
+    rows.collect()
+}
+
+/// U11.
+pub(super) fn u11(effort: &Effort) -> Vec<Row> {
+    let fill = |world: &mut World, sleeps: bool| {
+        for n in 0..1000_u32 {
+            let place = Vec3::new(1.5 * (n % 32) as f32, 0.5, 1.5 * (n / 32) as f32);
+            let mut body =
+                world.spawn((ParticleBox::new(Vec3::ONE), Transform::from_translation(place)));
+            if sleeps {
+                body.insert(Sleep::default());
+            }
+        }
+    };
+    let awake = level("U11", "1000 boxes side by side, awake", |_| {});
+    let asleep = level("U11", "1000 boxes side by side, asleep", |_| {});
+    vec![
+        measured(&asleep, effort, |world| with_ground(world, |world| fill(world, true))),
+        measured(&awake, effort, |world| with_ground(world, |world| fill(world, false))),
+    ]
+}
+
+/// A system of a game's own that does nothing.
+fn nothing() {}
+
+fn with_ground(world: &mut World, fill: impl FnOnce(&mut World)) {
+    world.spawn(Ground::default());
+    fill(world);
+}
+
+/// Runs an app of that and fills in a row.
+fn measured(level: &Level, effort: &Effort, fill: impl FnOnce(&mut World)) -> Row {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin));
+    app.init_asset::<Mesh>();
+    app.add_plugins(SinewPlugins);
+    app.insert_resource(Time::<Fixed>::from_duration(TICK));
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(TICK));
+    app.world_mut().resource_mut::<SolverConfig>().threads = false;
+    app.finish();
+    app.cleanup();
+    fill(app.world_mut());
+    // Bodies are built in the first tick: then what hangs on them can be hung there.
+    app.update();
+    load_ends(app.world_mut());
+    let short = if effort.quick { 10 } else { 1 };
+    (0..WARM / short).for_each(|_| app.update());
+    let (mut seconds, mut quality) = (0.0, Quality::default());
+    let all = TIMED / short;
+    let mut done = 0;
+    while done < all {
+        let frames = LOOK.min(all - done);
+        seconds += time(1, || (0..frames).for_each(|_| app.update())).cpu;
+        done += frames;
+        if all - done <= JUDGED / short {
+            quality.look(app.world());
+        }
+    }
+    let settings = *app.world().resource::<SolverConfig>();
+    let count = app.world().resource::<SinewWorld>().simulation().distances().len();
+    let row = Row::new(level.id, level.what, Unit::Tick).sized(
+        count,
+        settings.substeps,
+        settings.max_sweeps,
+    );
+    let row = Row { ours: Some(1e9 * seconds / all as f64), ..row };
+    Row { stretch: quality.stretch(), ..row }.noted(quality.speed())
+}
+
+/// How well a scene holds together, over several looks.
+#[derive(Default)]
+struct Quality {
+    looks: u32,
+    mean: f64,
+    max: f64,
+    squares: f64,
+}
+
+impl Quality {
+    fn look(&mut self, world: &World) {
+        let world = world.resource::<SinewWorld>().simulation();
+        let particles = &world.particles;
+        if let Some(now) = stretch_of(world.distances(), |i| particles.position(i)) {
+            self.mean += now.mean;
+            self.max = self.max.max(now.max);
+        }
+        let count = particles.len().max(1) as f64;
+        let squares = (0..particles.len()).map(|i| particles.velocity(i).length_squared());
+        self.squares += squares.map(f64::from).sum::<f64>() / count;
+        self.looks += 1;
+    }
+
+    fn stretch(&self) -> Option<Stretch> {
+        let mean = self.mean / f64::from(self.looks.max(1));
+        (self.max > 0.0).then_some(Stretch { mean, max: self.max })
+    }
+
+    fn speed(&self) -> String {
+        let mean = (self.squares / f64::from(self.looks.max(1))).sqrt();
+        format!("its particles move at {:.1} mm/s (RMS of the last two seconds)", 1e3 * mean)
+    }
+}
+
+/// Marks a rope whose last particle carries a weight, kg.
+#[derive(Component)]
+struct Load(f32);
+
+/// Hangs the weights on the ropes that were built.
+fn load_ends(world: &mut World) {
+    let mut ropes = world.query::<(&BodyParticles, &Load)>();
+    let ends: Vec<(Entity, f32)> = ropes
+        .iter(world)
+        .filter_map(|(particles, load)| Some((particles.iter().last()?, load.0)))
+        .collect();
+    for (end, mass) in ends {
+        world.entity_mut(end).insert(Mass(mass));
+    }
+}
+
+fn cape(world: &mut World, pins: ClothPins) {
+    world.spawn((Collider::sphere(0.3), Transform::from_xyz(0.0, 1.0, 0.0)));
+    let cloth = Cloth::grid(1.2, 1.2, 23, 23);
+    let place = if pins == ClothPins::None {
+        let flat = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
+        Transform::from_xyz(0.05, 1.6, 0.02).with_rotation(flat)
+    } else {
+        // It hangs in front of the ball, which the wind presses it against.
+        Transform::from_xyz(0.0, 1.1, -0.35)
+    };
+    world.spawn((cloth.pinned(pins), place));
+}
+
+fn flag(world: &mut World) {
+    let pressure = Vec3::new(13.0, 0.0, 3.5);
+    world.spawn(Wind { pressure, gusts: 0.55, gust_length: 1.1, gust_period: 0.9 });
+    world.insert_resource(AirDrag(0.75));
+    let cloth = Cloth { density: 0.18, ..Cloth::grid(1.92, 1.2, 48, 30) };
+    let place = Transform::from_xyz(0.99, 2.25, 0.0);
+    world.spawn((cloth.pinned(ClothPins::LeftEdge), place));
+    let pole = Transform::from_xyz(0.0, 1.475, 0.0);
+    world.spawn((Collider::cylinder(0.03, 2.95), pole));
+}
+
+fn draped(world: &mut World, folded: bool) {
+    world.insert_resource(AirDrag(0.5));
+    world.spawn((Collider::sphere(0.5), Transform::from_xyz(0.0, 0.75, 0.0)));
+    let turn = Quat::from_rotation_y(0.4) * Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
+    let cloth = Cloth { radius: 0.011, ..Cloth::grid(1.7, 1.7, 63, 63) };
+    let mut cloth = world.spawn((cloth, Transform::from_xyz(0.0, 1.45, 0.0).with_rotation(turn)));
+    if folded {
+        cloth.insert(BodyContacts::ALL);
+    }
+}
+
+fn ropes(world: &mut World) {
+    let lies = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
+    let beam = Transform::from_xyz(0.0, 2.0, 2.0).with_rotation(lies);
+    world.spawn((Collider::capsule(0.1, 5.0), beam));
+    for n in 0..20_u32 {
+        let z = 0.2 * n as f32;
+        let (from, to) = (Vec3::new(-0.6, 2.13, z), Vec3::new(1.4, 2.13, z));
+        let rope = Rope { segments: 32, mass: 0.32, radius: 0.02, ..Rope::between(from, to) };
+        world.spawn((rope, Load(0.2)));
+    }
+}
+
+fn boxes(world: &mut World, poured: bool) {
+    for n in 0..1000_u32 {
+        let (layer, place) = (n / 100, n % 100);
+        let [x, z] = [place % 10, place / 10].map(|i| 1.1 * (i as f32 - 4.5));
+        let high = 0.6 + 1.2 * layer as f32;
+        let turn = if poured {
+            let [a, b, c] = [0.7, 1.3, 2.1].map(|by| by * n as f32);
+            Quat::from_euler(EulerRot::XYZ, a, b, c)
+        } else {
+            Quat::IDENTITY
+        };
+        let high = if poured { 1.0 + 1.8 * layer as f32 } else { high };
+        let [x, z] = if poured { [1.5 * x, 1.5 * z] } else { [x, z] };
+        let drift = 0.13 * (layer % 3) as f32;
+        let place = Vec3::new(x + drift, high, z - drift);
+        let place = Transform::from_translation(place).with_rotation(turn);
+        world.spawn((ParticleBox::new(Vec3::ONE), place));
+    }
+    if poured {
+        let (reach, high) = (9.5, 20.0);
+        for (x, z) in [(reach, 0.0), (-reach, 0.0), (0.0, reach), (0.0, -reach)] {
+            let wide = 2.0 * reach;
+            let size =
+                if z == 0.0 { Vec3::new(1.0, high, wide) } else { Vec3::new(wide, high, 1.0) };
+            world.spawn((Collider::cuboid(size), Transform::from_xyz(x, 0.5 * high, z)));
+        }
+    }
+}
+
+/// A hundred, in front of stairs of so high steps; on the floor without any.
+fn figures(world: &mut World, rise: f32) {
+    let (steps, going) = (20, 0.42);
+    for n in 0..steps {
+        let high = rise * (steps - n) as f32;
+        if high > 0.0 {
+            let place = Vec3::new(going * n as f32, 0.5 * high, 0.0);
+            let size = Vec3::new(going, high, 24.0);
+            world.spawn((Collider::cuboid(size), Transform::from_translation(place)));
+        }
+    }
+    for n in 0..100_u32 {
+        let (row, place) = (n / 20, n % 20);
+        let turn = Quat::from_rotation_y(0.5 * n as f32) * Quat::from_rotation_z(-0.7);
+        let x = 1.6 * row as f32;
+        let above = rise * (steps as f32 - x / going).max(0.0);
+        let place = Vec3::new(x, 1.6 + above, 1.15 * (place as f32 - 9.5));
+        let place = Transform::from_translation(place).with_rotation(turn);
+        world.spawn((Ragdoll::default(), place));
+    }
+}
+
+fn jelly(world: &mut World) {
+    let (edge, room, high, thick) = (0.26, 2.9, 1.8, 0.06);
+    let reach = 0.5 * (room + thick);
+    for (x, z) in [(reach, 0.0), (-reach, 0.0), (0.0, reach), (0.0, -reach)] {
+        let along = room + 2.0 * thick;
+        let size =
+            if z == 0.0 { Vec3::new(thick, high, along) } else { Vec3::new(along, high, thick) };
+        world.spawn((Collider::cuboid(size), Transform::from_xyz(x, 0.5 * high, z)));
+    }
+    for n in 0..200_u32 {
+        let (layer, place) = (n / 16, n % 16);
+        let [x, z] = [place % 4, place / 4].map(|i| (i as f32 - 1.5) * 0.37);
+        let drift = 0.05 * (layer % 3) as f32 - 0.05;
+        let at = Vec3::new(x + drift, 0.35 + 0.36 * layer as f32, z - drift);
+        let turn = Quat::from_euler(EulerRot::XYZ, 0.3 * n as f32, 0.5 * n as f32, 0.2 * n as f32);
+        let cube = SoftBody::cuboid(Vec3::splat(edge), UVec3::splat(2));
+        let cube = SoftBody { stiffness: 8e3, damping: 0.6, radius: edge / 4.0, ..cube };
+        world.spawn((cube, Transform::from_translation(at).with_rotation(turn)));
+    }
+}
+
+/// 10 ragdolls, 5 capes, 60 crates, 10 ropes, 10 floaters in a river, wind.
+fn of_all(world: &mut World) {
+    world.spawn(Wind { pressure: Vec3::new(3.0, 0.0, 1.0), gusts: 0.4, ..default() });
+    for n in 0..10_u32 {
+        let place = Transform::from_xyz(1.5 * n as f32, 1.4, 6.0);
+        world.spawn((Ragdoll::default(), place));
+        let from = Vec3::new(1.5 * n as f32, 3.0, 9.0);
+        let rope = Rope { segments: 20, ..Rope::between(from, from + Vec3::X) };
+        world.spawn(rope);
+    }
+    for n in 0..5_u32 {
+        let x = 3.0 * n as f32;
+        world.spawn((Collider::sphere(0.3), Transform::from_xyz(x, 1.0, 3.0)));
+        let cape = Cloth::grid(1.2, 1.2, 23, 23).pinned(ClothPins::TopEdge);
+        world.spawn((cape, Transform::from_xyz(x, 1.1, 2.65)));
+    }
+    for n in 0..60_u32 {
+        let (layer, place) = (n / 20, n % 20);
+        let place = Vec3::new(0.7 * place as f32, 0.3 + 0.6 * layer as f32, 0.0);
+        let crate_ = ParticleBox::new(Vec3::splat(0.5)).with_mass(5.0);
+        world.spawn((crate_, Transform::from_translation(place)));
+    }
+    // A river beside all that, a metre deep.
+    let river = Region::boxed(Vec3::new(40.0, 2.0, 4.0));
+    world.spawn((Fluid::flowing(Vec3::X), river, Transform::from_xyz(12.0, 1.0, -5.0)));
+    for n in 0..10_u32 {
+        let place = Transform::from_xyz(1.5 * n as f32, 1.2, -5.0);
+        let floater = ParticleBox::new(Vec3::splat(0.5)).with_mass(60.0);
+        world.spawn((floater, Floats::default(), place));
+    }
+}

@@ -1,0 +1,237 @@
+//! Rows K1 to K3: what is round rolls, slips and spins.
+
+use sinew::glam::{Quat, Vec3};
+use sinew::pose::{Motion, motion};
+use sinew::recipes::{BoxLayout, BoxSpec, box_3d};
+use sinew::{BodyContacts, Collider, Frame, Material, Shape, Simulation};
+
+use crate::Row;
+use crate::case::cases;
+use crate::measure::{G, TICK, largest, spin, steps};
+
+cases! {
+    "K1" what_is_round_rolls_down_a_slope_as_its_inertia_has_it;
+    "K2" where_friction_is_too_little_it_slips_and_turns_as_that_has_it;
+    "K3" a_ball_rolls_on_over_the_level;
+    "K3" a_ball_without_friction_keeps_its_spin;
+}
+
+/// Radius of all that rolls here, metres.
+const RADIUS: f32 = 0.5;
+
+/// Something round: what it is, its shape, the size of the box with its moments of inertia, and what it has of `m r²` for the one that it rolls with.
+struct Round {
+    name: &'static str,
+    shape: Shape,
+    size: Vec3,
+    inertia: f64,
+}
+
+/// A ball and a capsule with the inertia of a solid ball, and a solid cylinder; the axes of the last two are y.
+fn round() -> [Round; 3] {
+    // A box of side s has m s²/6, a ball 2/5 m r², a cylinder 1/2 m r² about its axis and, if both are as high, the same as the box across it.
+    let (ball, cylinder) = (RADIUS * libm::sqrtf(2.4), RADIUS * libm::sqrtf(3.0));
+    let shape = |shape: Result<Shape, _>| shape.expect("a sound shape");
+    [
+        Round {
+            name: "ball",
+            shape: shape(Shape::sphere(RADIUS)),
+            size: Vec3::splat(ball),
+            inertia: 0.4,
+        },
+        Round {
+            name: "capsule",
+            shape: shape(Shape::capsule(RADIUS, 2.0)),
+            size: Vec3::new(ball, 2.0, ball),
+            inertia: 0.4,
+        },
+        Round {
+            name: "cylinder",
+            shape: shape(Shape::cylinder(RADIUS, 1.5)),
+            size: Vec3::new(cylinder, 1.5, cylinder),
+            inertia: 0.5,
+        },
+    ]
+}
+
+impl Round {
+    /// A world with it on a ground, both with a friction.
+    fn on(&self, ground: &Shape, frames: [&Frame; 2], friction: f32, substeps: u32) -> Simulation {
+        let [ground_at, at] = frames;
+        let mut world = Simulation::default();
+        world.settings.substeps = substeps;
+        let material = Material::default().with_friction(friction);
+        world.colliders.push(Collider::fixed(ground.clone(), *ground_at).with_material(material));
+        let layout = BoxLayout::Equimomental;
+        let spec = BoxSpec { size: self.size, mass: 2.0, layout, ..BoxSpec::default() };
+        let mut body = box_3d(&spec).expect("a sound box");
+        body.parts[0].shape = Some(self.shape.clone());
+        // Across the slope, or over the level.
+        let lies = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
+        let body = body.transformed(lies, at.translation);
+        let contacts = BodyContacts { material, ..Default::default() };
+        body.build_colliding(&mut world, contacts).expect("room");
+        world
+    }
+}
+
+/// A slope down x: where it is, and what it is made of.
+fn slopes(degrees: f64) -> (Frame, [(Shape, Frame); 3]) {
+    let half = 0.5 * degrees.to_radians();
+    let turned = Quat::from_xyzw(0.0, 0.0, -libm::sin(half) as f32, libm::cos(half) as f32);
+    let frame = Frame::new(Vec3::ZERO, turned);
+    let corners = [(-40.0, -20.0), (40.0, -20.0), (40.0, 20.0), (-40.0, 20.0)];
+    let corners = corners.map(|(x, z)| Vec3::new(x, 0.0, z)).to_vec();
+    let plate = Shape::cuboid(Vec3::new(80.0, 1.0, 40.0)).expect("a sound box");
+    let mesh = Shape::mesh(corners, vec![[0, 2, 1], [0, 3, 2]]).expect("two triangles");
+    let below = Frame::new(frame.point(Vec3::Y * -0.5), turned);
+    (frame, [(Shape::half_space(), frame), (plate, below), (mesh, frame)])
+}
+
+/// How far it came down in two seconds, metres; how fast it is then, m/s; and how fast it turns, rad/s. The one of all grounds and numbers of substeps
+/// that is farthest from what is expected.
+fn down(
+    round: &Round,
+    degrees: f64,
+    friction: f64,
+    substeps: &[u32],
+    expected: [f64; 3],
+) -> [f64; 3] {
+    let (frame, grounds) = slopes(degrees);
+    let at = Frame::new(frame.point(Vec3::Y * RADIUS), Quat::IDENTITY);
+    let mut worst = expected;
+    for (ground, ground_at) in &grounds {
+        for &substeps in substeps {
+            let mut world = round.on(ground, [ground_at, &at], friction as f32, substeps);
+            let axis = frame.turn(Vec3::X);
+            let from = all(&world).barycentre.dot(axis);
+            steps(&mut world, TICK, 120);
+            let now = all(&world);
+            let seen =
+                [now.barycentre.dot(axis) - from, now.velocity.dot(axis), -now.angular_velocity.z]
+                    .map(f64::from);
+            for ((worst, seen), expected) in worst.iter_mut().zip(seen).zip(expected) {
+                let off = (seen - expected).abs();
+                if off.is_nan() || off > (*worst - expected).abs() {
+                    *worst = seen;
+                }
+            }
+        }
+    }
+    worst
+}
+
+/// The farthest of a plane, a box and a mesh, with 4, 10 and 40 substeps; with 1.2 of the friction `tan θ k / (1 + k)` that it needs, where `k` is its inertia
+/// by `m r²`.
+fn what_is_round_rolls_down_a_slope_as_its_inertia_has_it() -> Vec<Row> {
+    let rows = round().into_iter().flat_map(|round| {
+        [5.0, 20.0, 45.0].into_iter().flat_map(move |degrees: f64| {
+            let k = round.inertia;
+            let friction = 1.2 * libm::tan(degrees.to_radians()) * k / (1.0 + k);
+            let a = G * libm::sin(degrees.to_radians()) / (1.0 + k);
+            let expected = [2.0 * a, 2.0 * a, 2.0 * a / f64::from(RADIUS)];
+            let [gone, _, spin] = down(&round, degrees, friction, &[4, 10, 40], expected);
+            let name = round.name;
+            [
+                Row::relative(
+                    format!("acceleration of a {name} that rolls down {degrees}°"),
+                    "m/s²",
+                    a,
+                    gone / 2.0,
+                    0.02,
+                ),
+                Row::relative(
+                    "how fast it turns after two seconds",
+                    "rad/s",
+                    expected[2],
+                    spin,
+                    0.02,
+                ),
+            ]
+        })
+    });
+    rows.collect()
+}
+
+/// With 0.8 of that friction. From 20° on with 4 and 10 substeps alone: what presses in one of 40, 1.6e-6 m, is the rounding of a place five metres down.
+fn where_friction_is_too_little_it_slips_and_turns_as_that_has_it() -> Vec<Row> {
+    let rows = round().into_iter().flat_map(|round| {
+        [5.0, 20.0, 45.0].into_iter().flat_map(move |degrees: f64| {
+            let (k, angle) = (round.inertia, degrees.to_radians());
+            let friction = 0.8 * libm::tan(angle) * k / (1.0 + k);
+            let a = G * (libm::sin(angle) - friction * libm::cos(angle));
+            let turns = friction * G * libm::cos(angle) / (k * f64::from(RADIUS));
+            let expected = [2.0 * a, 2.0 * a, 2.0 * turns];
+            let substeps: &[u32] = if degrees < 20.0 { &[4, 10, 40] } else { &[4, 10] };
+            let [gone, _, spin] = down(&round, degrees, friction, substeps, expected);
+            let name = round.name;
+            [
+                Row::relative(
+                    format!("acceleration of a {name} that slips down {degrees}°"),
+                    "m/s²",
+                    a,
+                    gone / 2.0,
+                    0.02,
+                ),
+                Row::relative("its angular acceleration", "rad/s²", turns, spin / 2.0, 0.02),
+            ]
+        })
+    });
+    rows.collect()
+}
+
+/// A ball of 1 m/s on a floor, and how far off its speed was at the worst in ten seconds.
+fn a_ball_rolls_on_over_the_level() -> Vec<Row> {
+    let [ball, ..] = round();
+    let at = Frame::new(Vec3::Y * RADIUS, Quat::IDENTITY);
+    let row = |substeps: u32| {
+        let floor = Shape::half_space();
+        let mut world = ball.on(&floor, [&Frame::IDENTITY, &at], 0.5, substeps);
+        thrown(&mut world, Vec3::X, Vec3::Z * (-1.0 / RADIUS));
+        let off = (0..600).map(|_| {
+            steps(&mut world, TICK, 1);
+            f64::from((all(&world).velocity - Vec3::X).length())
+        });
+        let what =
+            format!("change of the speed of a ball that rolls, in 10 s, {substeps} substeps");
+        Row::at_most(what, "m/s", 0.01, largest(off))
+    };
+    [4, 10, 40].map(row).into()
+}
+
+/// Ten seconds on a floor without friction.
+fn a_ball_without_friction_keeps_its_spin() -> Vec<Row> {
+    let [ball, ..] = round();
+    let at = Frame::new(Vec3::Y * RADIUS, Quat::IDENTITY);
+    let row = |substeps: u32| {
+        let floor = Shape::half_space();
+        let mut world = ball.on(&floor, [&Frame::IDENTITY, &at], 0.0, substeps);
+        let spins = Vec3::new(5.0, 1.0, -3.0);
+        thrown(&mut world, Vec3::X, spins);
+        let size = f64::from(spins.length());
+        let off = (0..600).map(|_| {
+            steps(&mut world, TICK, 1);
+            f64::from((all(&world).angular_velocity - spins).length()) / size
+        });
+        let what = format!("change of the spin of a ball without friction, {substeps} substeps");
+        Row::at_most(what, "", 1e-3, largest(off))
+    };
+    [4, 10, 40].map(row).into()
+}
+
+/// What the body does, by the velocities that the last substep had in the mean.
+fn all(world: &Simulation) -> Motion {
+    let particles = &world.particles;
+    let point = |i| (particles.position(i), particles.velocity(i), particles.mass(i));
+    motion((0..8).map(point)).expect("a compound of finite particles")
+}
+
+/// Gives a body on the floor a velocity, m/s, and a spin about its centre, rad/s.
+fn thrown(world: &mut Simulation, velocity: Vec3, turns: Vec3) {
+    // About the origin, from which the centre is at RADIUS along y.
+    spin(world, 0..8, turns);
+    for i in 0..8 {
+        let about_centre = world.particles.velocity(i) - turns.cross(Vec3::Y * RADIUS);
+        world.particles.set_velocity(i, about_centre + velocity);
+    }
+}
