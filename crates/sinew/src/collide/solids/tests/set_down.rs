@@ -100,7 +100,7 @@ fn convex_shapes_set_down_where_they_touch_stay_there() {
         for (other, below) in flat(2.0 * SIZE) {
             for is_body in [false, true] {
                 let seen =
-                    worst((&top, tall, own), &below, 10, is_body, &[0.0, 1e-7, 1e-6, 1e-4, 1e-3]);
+                    worst((&top, tall, own), &below, 5, is_body, &[0.0, 1e-7, 1e-6, 1e-4, 1e-3]);
                 println!("{name} on {other}, {is_body}: {seen:?}");
                 if !good(seen) {
                     bad.push(format!("{name} on {other} (a body: {is_body}): {seen:?}"));
