@@ -8,7 +8,7 @@ use super::{
 use crate::constraints::Boundaries;
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
-use crate::solve::Plan;
+use crate::solve::{Plan, SolverReport};
 
 /// Contacts of a step. Scratch.
 #[derive(Clone, Debug, Default)]
@@ -115,6 +115,18 @@ impl Contacts {
         self.pairs.bounce(particles, h, gravity);
         self.triangles.bounce(particles, h, gravity);
         self.touch.flatten(particles, true);
+    }
+
+    /// Adds to the report how deep solids are in each other and in what stands: of an island whose tolerance that exceeds, that it has not converged.
+    pub(crate) fn measure(&self, plan: &Plan, report: &mut SolverReport) {
+        for (row, left) in self.solids.overlaps() {
+            let Some(&number) = plan.island_of.get(row as usize) else { continue };
+            let island = &mut report.islands[number as usize];
+            island.error = island.error.max(left);
+            island.converged &= left <= plan.islands[number as usize].settings.tolerance;
+            report.error = report.error.max(left);
+            report.converged &= island.converged;
+        }
     }
 
     /// Gives back what is remembered.

@@ -123,7 +123,7 @@ impl RigidBody {
         let Some(&first) = rows.first() else { return Err(RigidFault::Particles) };
         let origin = particles.origin[first];
         let point = |&i: &usize| {
-            (particles.relative_to(i, origin), simulation.velocity_now(i), particles.mass(i))
+            (particles.relative_to(i, origin), simulation.free_velocity_now(i), particles.mass(i))
         };
         Self::from_particles(origin, rows.iter().map(point), rest, previous)
     }

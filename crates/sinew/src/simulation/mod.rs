@@ -94,6 +94,10 @@ struct Scratch {
     air: forces::Air,
     /// Where the step began, with the inverse mass: what went non-finite took that with it.
     checkpoint: Vec<Vec4>,
+    /// In a step of one substep, with which velocities it began, m/s, and their lags, seconds; otherwise empty.
+    first_velocity: Vec<Vec4>,
+    /// Length of the last step, seconds.
+    length: f32,
 }
 
 /// Where in a step the simulation is.
@@ -152,6 +156,11 @@ impl Simulation {
         self.share_origins();
         self.settle_islands(settings);
         self.set_checkpoint();
+        self.scratch.length = dt;
+        self.scratch.first_velocity.clear();
+        if settings.substeps == 1 {
+            self.scratch.first_velocity.extend_from_slice(&self.particles.velocity);
+        }
         self.lull(dt);
         self.scratch.damping.apply(&mut self.particles, &self.bodies, dt);
         self.with_moving(|moving, simulation| moving.read(simulation));
@@ -279,6 +288,7 @@ impl Simulation {
         let Scratch { plan, contacts, room, substep, .. } = &mut self.scratch;
         let (instructions, report) = (self.instructions, &mut self.report);
         solve::measure(&mut self.particles, &contacts.touch, plan, instructions, room, report);
+        contacts.measure(plan, report);
         contacts.keep(&mut self.memory);
         let impacts = contacts.report(&self.particles, substep.length);
         report.impacts.clear();
@@ -297,6 +307,7 @@ impl Simulation {
     /// Forgets where the particles were when the last step began, because rows now hold other particles.
     pub fn forget_step_start(&mut self) {
         self.scratch.checkpoint.clear();
+        self.scratch.first_velocity.clear();
     }
 
     /// How the last step went.
@@ -332,11 +343,47 @@ impl Simulation {
         self.scratch.plan.islands.len()
     }
 
-    /// Velocity of particle `i` at the instant of its position, m/s: the mean velocity of the last substep, carried half a substep
-    /// further by the acceleration that [`accumulate_forces`](Self::accumulate_forces) and its followers last summed up.
+    /// Velocity of particle `i` at the instant of its position, m/s: the mean velocity of the last substep, carried half a substep further.
+    ///
+    /// It is carried by the acceleration `a` that [`accumulate_forces`](Self::accumulate_forces) and its followers last summed up. What is held is not
+    /// accelerated by that: where the mean acceleration `A` of the last step was less, it is carried by that, so that what lies or hangs still has no
+    /// velocity, and not that of half a substep's fall. What is in between gets a part of both: all of `A` up to half of `a`, and none from `a` on, for
+    /// there it is free, or something has hit it.
     #[inline]
     pub fn velocity_now(&self, i: usize) -> Vec3 {
+        let (free, lag) = (self.free_velocity_now(i), self.particles.lag(i));
+        let a = self.particles.acceleration(i);
+        let Some(mean) = self.mean_acceleration(i) else { return free };
+        let (size, square) = (mean.length(), a.length_squared());
+        if size * size >= square {
+            return free;
+        }
+        let held = (2.0 - 2.0 * size / square.sqrt()).min(1.0);
+        free + (mean - a) * (0.5 * lag * held)
+    }
+
+    /// The same under the forces alone. It follows from what is state, and so does what is made of it.
+    #[inline]
+    pub(crate) fn free_velocity_now(&self, i: usize) -> Vec3 {
         self.particles.velocity(i) + self.particles.acceleration(i) * (0.5 * self.particles.lag(i))
+    }
+
+    /// By what particle `i` was accelerated in the mean of the last step, m/s², by all there is; `None` where that is not known.
+    ///
+    /// Under a constant acceleration the mean velocity of a step of `T` seconds, `D/T`, is that at its middle, and `v` that at the middle of the last
+    /// substep, `(T - h)/2` later. In a step of one substep both are the same; there `v` is compared with the velocity that the step began with.
+    fn mean_acceleration(&self, i: usize) -> Option<Vec3> {
+        let (v, h) = (self.particles.velocity(i), self.particles.lag(i));
+        let (began, step) = (self.scratch.checkpoint.get(i)?, self.scratch.length);
+        let (from, apart) = match self.scratch.first_velocity.get(i) {
+            Some(first) => (first.truncate(), 0.5 * (h + first.w)),
+            None => {
+                let gone = (self.particles.position[i] - *began).truncate();
+                (gone / step, 0.5 * (step - h))
+            }
+        };
+        let mean = (v - from) / apart;
+        (h > 0.0 && mean.is_finite()).then_some(mean)
     }
 
     /// Energy that soft distances and constraints store, J.

@@ -12,7 +12,8 @@ use glam::Vec3;
 use super::super::World;
 use super::super::nearby::Nearby;
 use super::Solids;
-use super::found::{Found, put};
+use super::found::{Found, keep_for_impacts, put};
+use super::mass_ratio::SWEEPS;
 use super::memory::Memory;
 use super::pack::Pack;
 use crate::particles::Particles;
@@ -27,7 +28,7 @@ pub(super) struct Late {
     found: usize,
     pub(super) packs: usize,
     /// [Classes](Found::class) of the late packs, ascending.
-    classes: Vec<u32>,
+    classes: Vec<usize>,
     /// For each solid which colours it has.
     used: Vec<u64>,
     /// The two of each late manifold as they are in [`Found`], and which part of them; sorted.
@@ -93,6 +94,7 @@ impl Solids {
         for number in first..self.found.len() {
             self.pack_late(number);
         }
+        keep_for_impacts(&mut self.packs);
         let Self { late, found, memory, .. } = self;
         late.met.extend(found[first..].iter().map(|one| [one.a, one.b, memory.part(one)]));
         late.met.sort_unstable();
@@ -153,7 +155,10 @@ impl Solids {
         if room.is_none() {
             late.classes.insert(end, one.class());
             let nothing = (bodies.rows.len() - 1) as u32;
-            packs.insert(late.packs + end, Pack::empty(nothing, one.still.is_some()));
+            packs.insert(
+                late.packs + end,
+                Pack::empty(nothing, one.still.is_some(), SWEEPS[one.level]),
+            );
         }
         let solid = b < groups.parts.len();
         let rows = [groups.place(a), if solid { groups.place(b) } else { b }];

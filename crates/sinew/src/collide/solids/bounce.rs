@@ -1,15 +1,41 @@
-//! What is left to do after the velocities are derived: restitution, drags (`drag`), and to take off speed that is none of anybody's.
+//! Restitution of solids, after the velocities are derived: one problem in velocities over all that touch (Moreau's law of impacts). Also drags (`drag`),
+//! and speed that came of recovering an overlap is taken off.
 //!
-//! Positions know nothing of elasticity: what is put on a surface leaves it with the speed that it lacked to get there. So where a point pressed in
-//! this substep and its speed of approach before was above `2gh`, which gravity alone gives to what lies still, the speed along the normal becomes
-//! `-e` times that, by an impulse between the two that conserves momentum and angular momentum. What came out of a deep overlap (see `contact`) is
-//! left with no speed along the normal: of the impulse that it got, so much is taken back. Approach is taken before the last bit of the way, which is
-//! less than at the surface: `e = 1` gains nothing.
+//! # The law
+//!
+//! Positions have no elasticity: what is put on a surface leaves it with the speed that it lacked to get there. So with `v⁻` the speeds along the normals
+//! before contacts (negative when approaching), `v` those that the positions gave and `P ≥ 0` the impulses of the points that pressed in this substep, the
+//! velocities after it obey, at all points at once,
+//!
+//! ```text
+//! P ≥ 0,    v + e v⁻ ≥ 0,    P (v + e v⁻) = 0
+//! ```
+//!
+//! with `e` the restitution where `v⁻` was faster than `2gh`, which gravity alone gives to what lies still, and 0 elsewhere. What was parting may come
+//! to approach (`v⁻ > 0`, and others push): it bounces in a later substep. With one `e` everywhere energy changes by `½ Σ P (v⁻ + v) = ½ Σ P v⁻ (1 - e)`,
+//! and with `e = 1` by nothing, whatever touches what: a ball into two that touch, a row of balls. It is solved by projected Gauss–Seidel: manifold
+//! by manifold, each exactly (`block`), from the impulses that the positions took, so that one may end with less than it had. Moreau, *Unilateral
+//! Contact and Dry Friction in Finite Freedom Dynamics*, 1988.
+//!
+//! What came out of a deep overlap (see `contact`) is left with no speed along the normal: of the impulse that it got, so much is taken back.
+//!
+//! # Where
+//!
+//! All of it happens where the substep began, which is where the normals are from. A normal that had turned meanwhile would not be the one along which
+//! the approach was measured: what bounces off obliquely would gain energy each time, and a gas of balls would heat up without end. Moments are kept
+//! about that place, too, and so two that bounced off each other go from there with their new velocities, `q = p + h v`, as if they had bounced when the
+//! substep began: then that is Verlet's own angular momentum. What is being pushed out of an old overlap stays where it was pushed to, and what bounced off
+//! what stands, where there is no momentum to be kept, at the surface.
+//!
+//! # Who takes part
+//!
+//! Impacts spread from what was fast. A manifold is solved if it was fast itself, or if one of its solids was changed by more than [`QUIET`] since it was
+//! solved last; so a heap on which something falls is asked as far as it is felt, and what is elsewhere changes nothing.
 
 use super::Solids;
 use super::block::{Patch, Side, press};
 use super::bodies::{Bodies, Eight as Rows};
-use super::contact::{anchors, round_normals, skins};
+use super::contact::{anchors, skins};
 use super::drag::{drag, dragged};
 use super::found::Found;
 use super::pack::{FAR, Pack};
@@ -17,86 +43,189 @@ use super::read::Read;
 use super::slip::tangents;
 use super::turn::{Matrix, load};
 use super::write::Write;
-use crate::lanes::{LANES, Lanes, Vector, Work, with};
+use crate::lanes::{LANES, Lanes, Record, Vector, Work, with};
 use crate::particles::Particles;
+
+/// A change of a speed that is none, m/s: below what positions of a metre can hold in a substep.
+const QUIET: f32 = 1e-6;
+/// Rounds of Gauss and Seidel's, at the most. A row of five takes some thirty; what is left then is inelastic.
+const ROUNDS: u32 = 64;
+
+/// Which solids are part of an impact. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Impacts {
+    /// A bit for each solid of each group that has been read with its velocities; and the groups of which there are any, in the order of that.
+    read: Vec<u32>,
+    entered: Vec<u32>,
+    /// The rows of those as they were before.
+    kept: Vec<Record>,
+    /// A bit for each solid of each group that is not moved to where it bounced to.
+    stays: Vec<u32>,
+    /// A bit for each solid of each group that was changed in this round, and in the last one.
+    changed: Vec<u32>,
+    was_changed: Vec<u32>,
+}
+
+impl Impacts {
+    fn begin(&mut self, groups: usize) {
+        self.entered.clear();
+        self.kept.clear();
+        let Self { read, stays, changed, was_changed, .. } = self;
+        for bits in [read, stays, changed, was_changed] {
+            bits.clear();
+            bits.resize(groups, 0);
+        }
+    }
+
+    /// A bit for each manifold of a pack one of whose solids was changed in the last round.
+    fn stirred(&self, pack: &Pack) -> u32 {
+        let is_changed = |row: u32| {
+            let bits = self.was_changed.get(row as usize / LANES).copied().unwrap_or(0);
+            bits >> (row as usize % LANES) & 1
+        };
+        let lanes = 0..LANES;
+        lanes.fold(0, |bits, i| bits | (is_changed(pack.a[i]) | is_changed(pack.b[i])) << i)
+    }
+}
+
+fn mark(bits: &mut [u32], row: u32) {
+    if let Some(bits) = bits.get_mut(row as usize / LANES) {
+        *bits |= 1 << (row as usize % LANES);
+    }
+}
 
 impl Solids {
     /// Gives what bounced its velocity.
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
         let least = 2.0 * gravity * h;
         self.loose.bounce(particles, &self.groups, &self.bodies, least);
-        let Self { groups, lifts, bodies, sums, instructions, shared, packs, found, .. } = self;
-        let Self { bouncing, bounced, kept, gathered, .. } = self;
-        bouncing.clear();
-        bouncing.resize(groups.groups.len(), 0);
-        bounced.clear();
-        kept.clear();
-        for pack in packs.iter() {
-            let fast = if pack.kept { fast(pack, found, least) } else { 0 };
-            let (lanes, slow) =
-                (pack.popped | fast, if pack.kept { dragged(pack, found) } else { 0 });
-            bounced.push([lanes, slow]);
-            for lane in (0..LANES).filter(|lane| (lanes | slow) >> lane & 1 == 1) {
-                for row in [pack.a[lane], pack.b[lane]] {
-                    if let Some(bouncing) = bouncing.get_mut(row as usize / LANES) {
-                        *bouncing |= 1 << (row as usize % LANES);
+        self.impacts.begin(self.groups.groups.len());
+        let mut packs = core::mem::take(&mut self.packs);
+        let mut any = false;
+        for round in 0..ROUNDS {
+            let mut stirred = false;
+            for pack in &mut packs {
+                // What has no restitution is asked once, and hands nothing on, unless an impact reaches it.
+                let (lanes, spread) = match round {
+                    0 => {
+                        let fast = if pack.kept { fast(pack, &self.found, least) } else { 0 };
+                        (pack.popped | fast, fast)
                     }
+                    _ if pack.kept => {
+                        let stirred = self.impacts.stirred(pack) & pressed(pack);
+                        (stirred, stirred)
+                    }
+                    _ => (0, 0),
+                };
+                if lanes == 0 {
+                    continue;
+                }
+                any = true;
+                self.enter(particles, pack, lanes);
+                let stands = stands_in(pack, &self.found);
+                let stays = pack.popped | stands | !pack.elastic;
+                for lane in (0..LANES).filter(|lane| (lanes & stays) >> lane & 1 == 1) {
+                    mark(&mut self.impacts.stays, pack.a[lane]);
+                    mark(&mut self.impacts.stays, pack.b[lane]);
+                }
+                let changed = spread & self.solve_impacts(pack, (lanes, stands), least, h);
+                stirred |= changed != 0;
+                for lane in (0..LANES).filter(|lane| changed >> lane & 1 == 1) {
+                    mark(&mut self.impacts.changed, pack.a[lane]);
+                    mark(&mut self.impacts.changed, pack.b[lane]);
                 }
             }
+            let Impacts { changed, was_changed, .. } = &mut self.impacts;
+            core::mem::swap(changed, was_changed);
+            changed.fill(0);
+            if !stirred {
+                break;
+            }
         }
-        if bouncing.iter().all(|&lanes| lanes == 0) {
-            return;
-        }
-        for (number, group) in groups.groups.iter().enumerate() {
-            if bouncing[number] == 0 {
+        for pack in packs.iter().filter(|pack| pack.kept) {
+            let slow = dragged(pack, &self.found);
+            if slow == 0 {
                 continue;
             }
-            kept.extend_from_slice(&bodies.rows[number * LANES..(number + 1) * LANES]);
-            let read = Read {
-                group,
-                slots: &groups.slots[group.slots.clone()],
-                lifts: lifts.of(group),
-                position: &particles.position,
-                other: &particles.velocity,
-                fresh: true,
-                bodies,
-                first: number * LANES,
-                sums: &mut sums[number],
-                ways: None,
-                gathered,
-            };
-            with(*instructions, read);
-        }
-        for (pack, &mut [lanes, _]) in
-            packs.iter().zip(&mut *bounced).filter(|(_, [lanes, _])| *lanes != 0)
-        {
-            let restitution = core::array::from_fn(|lane| {
-                found.get(pack.number[lane] as usize).map_or(0.0, |one| one.grip.restitution)
-            });
-            let stands = (0..LANES).filter(|&lane| {
-                found.get(pack.number[lane] as usize).is_some_and(|one| one.stand.is_some())
-            });
-            let stands = stands.fold(0, |bits, lane| bits | 1 << lane);
-            with(*instructions, Bounce { pack, lanes, stands, bodies, restitution, least, h });
-        }
-        for (pack, [_, slow]) in packs.iter().zip(bounced) {
-            for lane in (0..LANES).filter(|lane| *slow >> lane & 1 == 1) {
-                if let Some(one) = found.get(pack.number[lane] as usize) {
-                    drag(pack, lane, one, bodies, h);
+            any = true;
+            self.enter(particles, pack, slow);
+            for lane in (0..LANES).filter(|lane| slow >> lane & 1 == 1) {
+                mark(&mut self.impacts.stays, pack.a[lane]);
+                mark(&mut self.impacts.stays, pack.b[lane]);
+                if let Some(one) = self.found.get(pack.number[lane] as usize) {
+                    drag(pack, lane, one, &mut self.bodies, h);
                 }
             }
         }
+        self.packs = packs;
+        if any {
+            self.leave(particles, h);
+        }
+    }
+
+    /// Reads the solids of some manifolds with their velocities, where the substep began, unless they have been.
+    fn enter(&mut self, particles: &Particles, pack: &Pack, lanes: u32) {
+        let Self { groups, lifts, bodies, sums, instructions, impacts, gathered, .. } = self;
+        for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
+            for row in [pack.a[lane], pack.b[lane]] {
+                let number = row as usize / LANES;
+                let Some(bits) = impacts.read.get_mut(number) else { continue };
+                let is_new = *bits == 0;
+                *bits |= 1 << (row as usize % LANES);
+                if !is_new {
+                    continue;
+                }
+                let group = &groups.groups[number];
+                let rows = number * LANES..(number + 1) * LANES;
+                impacts.kept.extend_from_slice(&bodies.rows[rows]);
+                impacts.entered.push(number as u32);
+                let read = Read {
+                    group,
+                    slots: &groups.slots[group.slots.clone()],
+                    lifts: lifts.of(group),
+                    position: &particles.start,
+                    other: &particles.velocity,
+                    fresh: true,
+                    bodies,
+                    first: number * LANES,
+                    sums: &mut sums[number],
+                    ways: None,
+                    gathered,
+                };
+                with(*instructions, read);
+            }
+        }
+    }
+
+    /// Solves some manifolds of a pack, and says which of them were changed.
+    fn solve_impacts(
+        &mut self,
+        pack: &mut Pack,
+        (lanes, stands): (u32, u32),
+        least: f32,
+        h: f32,
+    ) -> u32 {
+        let Self { found, bodies, instructions, .. } = self;
+        let one = |lane: usize| found.get(pack.number[lane] as usize);
+        let restitution =
+            core::array::from_fn(|lane| one(lane).map_or(0.0, |one| one.grip.restitution));
+        with(*instructions, Bounce { pack, lanes, stands, bodies, restitution, least, h })
+    }
+
+    /// Changes the velocities of the particles as those of their solids were, and where those are that bounced, in a substep of `h` seconds.
+    fn leave(&mut self, particles: &mut Particles, h: f32) {
+        let Self { groups, lifts, bodies, sums, instructions, shared, impacts, .. } = self;
         shared.clear();
-        let Particles { position, velocity, .. } = particles;
+        let Particles { position, start, velocity, .. } = particles;
         for (number, group) in groups.groups.iter().enumerate() {
-            if bouncing[number] == 0 {
+            if impacts.read[number] == 0 {
                 continue;
             }
             let write = Write {
                 group,
                 slots: &groups.slots[group.slots.clone()],
                 lifts: lifts.of(group),
-                position,
+                position: start,
                 velocity: Some(velocity),
                 bodies,
                 first: number * LANES,
@@ -108,11 +237,24 @@ impl Solids {
         for (row, by) in shared.iter() {
             velocity[row as usize] += by;
         }
-        // Those that do not bounce are left as they were read in the substep: it must not matter to them who is beside them.
-        let mut kept = kept.chunks(LANES);
-        for (number, lanes) in bouncing.iter().enumerate().filter(|(_, lanes)| **lanes != 0) {
-            for (lane, row) in kept.next().unwrap_or_default().iter().enumerate() {
-                if lanes >> lane & 1 == 0 {
+        for number in 0..groups.groups.len() {
+            let bounced = impacts.read[number] & !impacts.stays[number];
+            for lane in (0..LANES).filter(|lane| bounced >> lane & 1 == 1) {
+                let solid = groups.sound_in(number, lane).map(|solid| &groups.parts[solid]);
+                let rows = solid.map_or(0..0, |part| part.entries.clone());
+                for row in groups.rows[rows].iter().map(|&row| row as usize) {
+                    if position[row].w > 0.0 {
+                        let gone = velocity[row].truncate() * h;
+                        position[row] = (start[row].truncate() + gone).extend(position[row].w);
+                    }
+                }
+            }
+        }
+        // Those that take part in none are left as they were read in the substep: it must not matter to them who is beside them.
+        for (&number, kept) in impacts.entered.iter().zip(impacts.kept.chunks(LANES)) {
+            let number = number as usize;
+            for (lane, row) in kept.iter().enumerate() {
+                if impacts.read[number] >> lane & 1 == 0 {
                     bodies.rows[number * LANES + lane] = *row;
                 }
             }
@@ -120,14 +262,27 @@ impl Solids {
     }
 }
 
+/// A bit for each manifold of a pack whose second one stands.
+fn stands_in(pack: &Pack, found: &[Found]) -> u32 {
+    let stands = |lane: &usize| {
+        found.get(pack.number[*lane] as usize).is_some_and(|one| one.stand.is_some())
+    };
+    (0..LANES).filter(stands).fold(0, |bits, lane| bits | 1 << lane)
+}
+
 /// A bit for each manifold of a pack that bounces.
 fn fast(pack: &Pack, found: &[Found], least: f32) -> u32 {
     let is_fast = |lane: usize| {
         let pressed = |i: usize| pack.force[i][lane] > 0.0 && pack.approach[i][lane] < -least;
         let one = found.get(pack.number[lane] as usize);
-        one.is_some_and(|one| one.grip.restitution > 0.0) && (0..4).any(pressed)
+        one.is_some_and(|one| one.grip.restitution > 0.0) && (0..POINTS).any(pressed)
     };
     (0..LANES).fold(0, |bits, lane| bits | u32::from(is_fast(lane)) << lane)
+}
+
+/// A bit for each manifold of a pack that pressed in this substep.
+fn pressed(pack: &Pack) -> u32 {
+    (0..LANES).fold(0, |bits, lane| bits | u32::from(pack.sum[lane] > 0.0) << lane)
 }
 
 /// Points of a manifold, at the most.
@@ -135,7 +290,7 @@ const POINTS: usize = 4;
 
 /// A pack whose solids have been read with their velocities.
 struct Bounce<'a> {
-    pack: &'a Pack,
+    pack: &'a mut Pack,
     /// A bit for each manifold that it is about; those beside it are left alone.
     lanes: u32,
     /// And one for each whose second one stands.
@@ -147,11 +302,12 @@ struct Bounce<'a> {
 }
 
 impl Work for Bounce<'_> {
-    type Output = ();
+    /// A bit for each manifold whose speeds were changed.
+    type Output = u32;
 
     /// Written out once for all: few bounce, and what is left out in `contact` (a third point, a second one that stays where it is) is the same bits.
     #[inline(always)]
-    fn run<L: Lanes>(self) {
+    fn run<L: Lanes>(self) -> u32 {
         let Self { pack, lanes, stands, bodies, restitution, least, h } = self;
         let (none, lanes) = (L::zero(), L::mask(lanes));
         let mut a = Rows::<L>::load(bodies, &pack.a);
@@ -161,14 +317,11 @@ impl Work for Bounce<'_> {
             b.rotation = Matrix::of([none, none, none, L::splat(1.0)]);
         }
         let (stands, share) = (L::mask(stands), L::load(&pack.own));
-        let mut n = load::<L>(&pack.up);
+        let n = load::<L>(&pack.up);
         let restitution = L::load(&restitution);
         let apart = b.centre + load::<L>(&pack.offset) - a.centre;
         let (on_a, on_b) = anchors::<L, POINTS>(pack, &a, Some(&b), apart);
         let radii = [L::load(&pack.radii[0]), L::load(&pack.radii[1])];
-        if pack.round {
-            n = round_normals(pack, &a, n, &radii, (&on_a, &on_b));
-        }
         let (t, u) = tangents(n);
         // What stands was noted with its displacement.
         let rate = stands.select(L::splat(1.0 / h), L::splat(1.0));
@@ -185,6 +338,7 @@ impl Work for Bounce<'_> {
         let (mut c, mut force) = ([none; POINTS], [none; POINTS]);
         let mut at = [(none, none); POINTS];
         let mut had = Vector::new(none, none, none);
+        let mut fastest = none;
         let skins = skins(pack, n, &radii, (&a, Some(&b)));
         for i in 0..POINTS {
             let (on_a, on_b) = (on_a[i] - skins[0], on_b[i] + skins[1]);
@@ -194,13 +348,13 @@ impl Work for Bounce<'_> {
             let speed = along + (y * turn_a.0 - x * turn_a.1);
             let speed = speed - ((y - apart_u) * turn_b.0 - (x - apart_t) * turn_b.1);
             let approach = L::load(&pack.approach[i]);
-            let had_force = lanes.and(L::load(&pack.force[i]));
-            let presses = none.lt(had_force);
-            let bounces = none.lt(restitution).and(approach.lt(L::splat(-least)));
+            let touches = lanes.and(approach.lt(L::splat(0.5 * FAR)));
+            let bounces = none.lt(restitution).and(L::splat(least).lt(approach.abs()));
             let wanted = bounces.and(none - restitution * approach);
-            force[i] = had_force * L::splat(1.0 / h);
+            fastest = fastest.max(touches.and(bounces).and(approach.abs()));
+            force[i] = touches.and(L::load(&pack.force[i])) * L::splat(1.0 / h);
             had += Vector::new(force[i], force[i] * x, force[i] * y);
-            c[i] = presses.select(wanted - speed, L::splat(-FAR));
+            c[i] = touches.select(wanted - speed, L::splat(-FAR));
         }
         // What pressed may press less, but not pull.
         let had = stiff.times(had);
@@ -215,8 +369,15 @@ impl Work for Bounce<'_> {
             x = x + more * at[i].0;
             y = y + more * at[i].1;
         }
-        let good = sum.abs().lt(L::splat(1e30));
+        let good = lanes.and(sum.abs().lt(L::splat(1e30)));
         let (sum, x, y) = (good.and(sum), good.and(x), good.and(y));
+        let moved = stiff.times(Vector::new(sum, x, y));
+        let mut change = none;
+        for i in 0..POINTS {
+            change = change.max((moved.x + at[i].0 * moved.y + at[i].1 * moved.z).abs());
+            let force = good.select(all[i] * L::splat(h), L::load(&pack.force[i]));
+            force.store(&mut pack.force[i]);
+        }
         a.shift += n * (sum * a.inverse_mass);
         a.turn += patch.a.turned(x, y);
         let first = [a.shift.with(a.inverse_mass), a.turn.with(none)];
@@ -227,5 +388,7 @@ impl Work for Bounce<'_> {
             let second = [b.shift.with(b.inverse_mass), b.turn.with(none)];
             L::put_records(&mut bodies.rows, &pack.b, second);
         }
+        let quiet = L::splat(QUIET).max(fastest * L::splat(QUIET));
+        good.and(quiet.lt(change)).bits() & 0xFF
     }
 }

@@ -41,8 +41,10 @@ pub(super) struct Press<'a> {
     pub(super) h: f32,
     /// How far out of an overlap that a substep began with two may be moved in it, metres.
     pub(super) recover: f32,
-    /// Beyond which the speed that comes of it is to be taken off, metres.
-    pub(super) pop: f32,
+    /// Beyond which the speed that comes of it is to be taken off, metres; and of what has a restitution.
+    pub(super) pops: [f32; 2],
+    /// Which sweep of the substep it is: the first one, 0, is over all of them, others over those that take more.
+    pub(super) sweep: u32,
 }
 
 impl Work for Press<'_> {
@@ -50,11 +52,11 @@ impl Work for Press<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { packs, bodies, h, recover, pop } = self;
-        for pack in packs {
+        let Self { packs, bodies, h, recover, pops, sweep } = self;
+        for pack in packs.iter_mut().filter(|pack| sweep < pack.sweeps) {
             // Most have two points at the most, and what is missing has no say.
             let third = L::load(&pack.missing[2]).lt(L::splat(FAR));
-            let how = (h, [recover, pop]);
+            let how = (h, recover, pops, sweep);
             match (third.any(), pack.still) {
                 (false, false) => press_pack::<L, 2, false>(pack, bodies, how),
                 (false, true) => press_pack::<L, 2, true>(pack, bodies, how),
@@ -70,7 +72,7 @@ impl Work for Press<'_> {
 fn press_pack<L: Lanes, const POINTS: usize, const STILL: bool>(
     pack: &mut Pack,
     bodies: &mut Bodies,
-    (h, [recover, pop]): (f32, [f32; 2]),
+    (h, recover, [pop, elastic_pop], sweep): (f32, f32, [f32; 2], u32),
 ) {
     let (none, one) = (L::zero(), L::splat(1.0));
     let mut a = Rows::<L>::load(bodies, &pack.a);
@@ -100,8 +102,10 @@ fn press_pack<L: Lanes, const POINTS: usize, const STILL: bool>(
     let between = n.dot(shift);
     let own = L::load(&pack.own);
     let (t, u) = tangents(n);
-    let (recover, pop) = (L::splat(recover), L::splat(pop));
+    let recover = L::splat(recover);
+    let pop = L::mask(pack.elastic).select(L::splat(elastic_pop), L::splat(pop));
     let mut popped = [none; POINTS];
+    let mut left = [none; POINTS];
 
     let stiff = L::load(&pack.stiff);
     let across = (drift - n * before).length() * stiff;
@@ -130,16 +134,18 @@ fn press_pack<L: Lanes, const POINTS: usize, const STILL: bool>(
         let nearer = before - spun[i] - between - turned;
         let inside = before - n.dot(gap) - L::load(&pack.missing[i]) - between - turned;
         c[i] = inside.min(nearer + recover);
-        popped[i] = pop.lt(inside - nearer);
+        left[i] = inside - nearer;
+        popped[i] = pop.lt(left[i]);
     }
     let most = c.iter().fold(c[0], |most, &c| most.max(c));
     let gap = none - (most + before.max(none)) * stiff - strain * L::load(&pack.elsewhere);
     L::splat(-0.5 * FAR).lt(most).and(gap).store(&mut pack.gap);
-    if !none.lt(most).any() {
+    if sweep == 0 && !none.lt(most).any() {
         // Nothing touches: nor did it press in this substep.
         pack.sum = [0.0; LANES];
         pack.popped = 0;
         pack.force = [[0.0; LANES]; 4];
+        pack.left = [0.0; LANES];
         pack.let_go(n);
         return;
     }
@@ -150,41 +156,63 @@ fn press_pack<L: Lanes, const POINTS: usize, const STILL: bool>(
     };
     let patch =
         Patch { weight, a: Side::of(&a.inverse_inertia, t, u), b: theirs, apart: plane.apart };
+    // What it has pressed with in this substep it may take back: the impulses are accumulated, and none of the sums pulls.
+    let mut had = [none; POINTS];
+    if sweep > 0 {
+        let mut moments = Vector::new(none, none, none);
+        for i in 0..POINTS {
+            had[i] = L::load(&pack.force[i]);
+            moments += Vector::new(had[i], had[i] * at[i].0, had[i] * at[i].1);
+        }
+        let moved = patch.about(none, none).times(moments);
+        for i in 0..POINTS {
+            let own = moved.x + at[i].0 * moved.y + at[i].1 * moved.z;
+            c[i] = c[i] + own;
+        }
+    }
     let force = press(&patch, &c, &at);
     let (mut sum, mut x, mut y, mut z) = (none, none, none, none);
+    let mut more = Vector::new(none, none, none);
     for i in 0..POINTS {
         sum = sum + force[i];
         x = x + force[i] * at[i].0;
         y = y + force[i] * at[i].1;
         z = z + force[i] * height[i];
+        let by = force[i] - had[i];
+        more += Vector::new(by, by * at[i].0, by * at[i].1);
     }
 
     // Nothing that is not a number may get to the other side.
-    let good = sum.lt(L::splat(1e30)).and(none.lt(sum));
+    let good = sum.lt(L::splat(1e30)).and(none.lt(sum).or(more.x.lt(none)));
     let old = (a.shift, a.turn);
     let mut old_b = (a.shift, a.turn);
-    a.shift += n * (sum * a.inverse_mass);
-    a.turn += patch.a.turned(x, y);
+    a.shift += n * (more.x * a.inverse_mass);
+    a.turn += patch.a.turned(more.y, more.z);
     let mut size = a.shift.length_squared() + a.turn.length_squared();
     let mut hit = none.lt(a.mark);
     if let (Some(b), Some(side)) = (&mut b, &patch.b) {
         old_b = (b.shift, b.turn);
-        b.shift -= n * (sum * b.inverse_mass);
-        b.turn -= side.turned(x - apart_t * sum, y - apart_u * sum);
+        b.shift -= n * (more.x * b.inverse_mass);
+        b.turn -= side.turned(more.y - apart_t * more.x, more.z - apart_u * more.x);
         size = size + b.shift.length_squared() + b.turn.length_squared();
         hit = hit.or(none.lt(b.mark));
     }
     let good = good.and(size.lt(L::splat(1e30)));
     good.and(sum).store(&mut pack.sum);
+    let deepest = left.iter().zip(&force);
+    let deepest = deepest.fold(none, |most, (&left, &f)| most.max(none.lt(f).and(left)));
+    deepest.store(&mut pack.left);
     let hit = good.and(hit.or(pressed(&popped, &force)));
     pack.popped = hit.bits();
-    if pack.kept || hit.any() {
+    if pack.kept || pack.sweeps > 1 || hit.any() {
         pack.force = [[0.0; LANES]; 4];
         for i in 0..POINTS {
             good.and(force[i]).store(&mut pack.force[i]);
-            ((spun[i] - before) * L::splat(1.0 / h)).store(&mut pack.approach[i]);
+            let touches = none.lt(c[i]).or(none.lt(force[i]));
+            let approach = (spun[i] - before) * L::splat(1.0 / h);
+            touches.select(approach, L::splat(FAR)).store(&mut pack.approach[i]);
         }
-        (L::load(&pack.total) + good.and(sum)).store(&mut pack.total);
+        (L::load(&pack.total) + good.and(more.x)).store(&mut pack.total);
     }
     if !good.any() {
         pack.let_go(n);

@@ -5,9 +5,10 @@ use glam::Vec3;
 use super::super::World;
 use super::super::nearby::Nearby;
 use super::Solids;
-use super::bodies::ROTATION;
+use super::bodies::{ROTATION, SHIFT};
 use super::found::{colour, pack};
 use super::guess::certain;
+use super::mass_ratio::set_levels;
 use super::memory::ContactMemory;
 use super::read::Read;
 use super::way::{Seen, Ways};
@@ -58,7 +59,12 @@ impl Solids {
         self.memory.in_order();
         self.late.begin(self.found.len());
         self.loose.find(&self.seen, &self.groups, particles, world, nearby);
-        let Self { found, used, packs, order, begins, groups, bodies, memory, h, .. } = self;
+        let Self { found, used, packs, order, begins, groups, bodies, memory, h, loads, .. } = self;
+        let mass = |number: u32| {
+            let weight = bodies[groups.place(number as usize)][SHIFT].w;
+            (weight > 0.0 && groups.is_alone(number as usize)).then(|| 1.0 / weight)
+        };
+        set_levels(found, groups.parts.len(), mass, loads);
         let colours = colour(found, groups.parts.len(), used);
         let nothing = (bodies.rows.len() - 1) as u32;
         let centre =

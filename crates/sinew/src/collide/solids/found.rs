@@ -3,6 +3,7 @@
 use glam::{Mat3, Vec3};
 
 use super::super::{Grip, Party};
+use super::mass_ratio::SWEEPS;
 use super::memory::Remembered;
 use super::pack::{FAR, Pack, may_slide, may_turn, wear};
 use super::turn::Eight;
@@ -27,6 +28,8 @@ pub(super) struct Found {
     pub(super) listened: bool,
     pub(super) parties: [Party; 2],
     pub(super) colour: u32,
+    /// How often it is pressed in a substep: `mass_ratio::SWEEPS` has the number.
+    pub(super) level: usize,
     /// How far the smaller one of the two reaches, metres.
     pub(super) size: f32,
     /// See `Pack`.
@@ -36,9 +39,9 @@ pub(super) struct Found {
 }
 
 impl Found {
-    /// Its colour, and which of two halves of that it is of: what stands still is in packs of its own.
-    pub(super) fn class(&self) -> u32 {
-        2 * self.colour + u32::from(self.still.is_some())
+    /// Its colour, and which part of that it is of: what is pressed as often has packs of its own, and of that what stands still.
+    pub(super) fn class(&self) -> usize {
+        2 * (SWEEPS.len() * self.colour as usize + self.level) + usize::from(self.still.is_some())
     }
 }
 
@@ -85,15 +88,15 @@ fn by_colour(
     order: &mut Vec<u32>,
     begins: &mut Vec<u32>,
 ) {
-    let class = |one: &Found| {
-        2 * one.class() as usize + usize::from(!memory[one.memory as usize].grasp.presses())
-    };
+    let class =
+        |one: &Found| 2 * one.class() + usize::from(!memory[one.memory as usize].grasp.presses());
     begins.clear();
-    begins.resize(4 * colours as usize + 1, 0);
+    let classes = 4 * SWEEPS.len() * colours as usize;
+    begins.resize(classes + 1, 0);
     for one in found {
         begins[class(one) + 1] += 1;
     }
-    for class in 0..4 * colours as usize {
+    for class in 0..classes {
         begins[class + 1] += begins[class];
     }
     order.clear();
@@ -116,11 +119,11 @@ pub(super) fn pack(
 ) {
     packs.clear();
     by_colour((found, memory), colours, order, begins);
-    let (mut class, mut lane) = (u32::MAX, LANES);
+    let (mut class, mut lane) = (usize::MAX, LANES);
     for &number in order.iter() {
         let one = &found[number as usize];
         if lane == LANES || one.class() != class {
-            packs.push(Pack::empty(nothing, one.still.is_some()));
+            packs.push(Pack::empty(nothing, one.still.is_some(), SWEEPS[one.level]));
             (class, lane) = (one.class(), 0);
         }
         if let Some(pack) = packs.last_mut() {
@@ -129,6 +132,14 @@ pub(super) fn pack(
             put((pack, lane), (number, rows), (one, known), [centre(one.a), centre(one.b)], h);
         }
         lane += 1;
+    }
+    keep_for_impacts(packs);
+}
+
+/// Lets all packs keep what a restitution needs, if anything has one: what was not fast itself may take part in an impact.
+pub(super) fn keep_for_impacts(packs: &mut [Pack]) {
+    if packs.iter().any(|pack| pack.elastic != 0) {
+        packs.iter_mut().for_each(|pack| pack.kept = true);
     }
 }
 
@@ -145,6 +156,7 @@ pub(super) fn put(
     put_manifold(pack, lane, (one, known), centres);
     pack.strain[lane] = one.strain;
     pack.friction[lane] = one.grip.friction;
+    pack.elastic |= u32::from(one.grip.restitution > 0.0) << lane;
     let drags = one.grip.drag != PlanarDrag::default();
     pack.kept |= one.listened || one.grip.restitution > 0.0 || drags;
     known.grasp.put(pack, lane, h);
@@ -193,6 +205,7 @@ pub(super) fn put_manifold(
         let [on_a, on_b] = anchors.map_or([Vec3::ZERO; 2], |[a, b]| [a - centre_a, b - centre_b]);
         set(&mut pack.on_a[i], lane, on_a);
         set(&mut pack.on_b[i], lane, seen(on_b));
+        pack.approach[i][lane] = FAR;
         pack.missing[i][lane] = if anchors.is_some() { 0.0 } else { FAR };
     }
 }

@@ -18,8 +18,9 @@
 //! | `found` | colours and packs of manifolds |
 //! | `memory` | what is remembered from one step to the next |
 //! | `pack` | eight manifolds of one colour |
+//! | `mass_ratio` | which of those are pressed more than once in a substep |
 //! | `contact` | pressing them apart; `hold`: their friction, with `slip`; `block` solves the few unknowns of one |
-//! | `bounce` | restitution; `drag`: the lectures' friction |
+//! | `bounce` | restitution, as one problem; `drag`: the lectures' friction |
 //! | `loose` | solids and single particles |
 //! | `rest_overlap` | parts of one body that overlap at rest, and never touch |
 //! | `lost` | what of that does not reach solids that share particles |
@@ -41,6 +42,7 @@ mod guess;
 mod hold;
 mod loose;
 mod lost;
+mod mass_ratio;
 mod meet;
 mod memory;
 mod pack;
@@ -64,10 +66,11 @@ use glam::Vec3;
 use super::manifold::{Clusters, Scratch};
 use super::nearby::Nearby;
 use super::{Kept, Shape, World};
-use crate::lanes::{InstructionSet, LANES, Record, with};
+use crate::lanes::{InstructionSet, LANES, with};
 use crate::particles::Particles;
 use astray::Late;
 use bodies::Bodies;
+use bounce::Impacts;
 use contact::Press;
 use found::{Found, Sensed};
 use groups::Groups;
@@ -160,11 +163,8 @@ pub(crate) struct Solids {
     used: Vec<u64>,
     order: Vec<u32>,
     begins: Vec<u32>,
-    /// A bit for each solid of each group that bounces or is dragged in this substep; for each manifold of each pack that bounces, and that is
-    /// dragged; and the rows of those groups as they were before.
-    bouncing: Vec<u32>,
-    bounced: Vec<[u32; 2]>,
-    kept: Vec<Record>,
+    loads: Vec<f32>,
+    impacts: Impacts,
     /// Whether contacts were looked for since the last substep.
     fresh: bool,
     /// Length of the last substep, seconds.
@@ -217,12 +217,17 @@ impl Solids {
         self.follow_stands(world, from);
         let most = |(falls, speed): (f32, f32)| falls * world.gravity * h * h + speed * h;
         let (recover, pop) = (most(RECOVERED), most(POPS));
+        let elastic_pop = POPS.0 * world.gravity * h * h;
         let Self { packs, bodies, instructions, fresh, .. } = self;
         if core::mem::take(fresh) {
             with(*instructions, Expect { packs, bodies });
         }
         with(*instructions, Hold { packs, after: false, most: pop, bodies });
-        with(*instructions, Press { packs, bodies, h, recover, pop });
+        let pops = [pop, elastic_pop];
+        let sweeps = packs.iter().map(|pack| pack.sweeps).max().unwrap_or(0);
+        for sweep in 0..sweeps {
+            with(*instructions, Press { packs, bodies, h, recover, pops, sweep });
+        }
         with(*instructions, Hold { packs, after: true, most: pop, bodies });
         self.loose.project(particles, &self.groups, &mut self.bodies, world, h);
         self.write(particles);

