@@ -11,7 +11,9 @@
 //! | `constraints`, `shapes` | C1 to C11: distances, limits and boundaries; planes, lines, areas, volumes and bending |
 //! | `solver` | direction, loop, substeps, softness, the ledger of a long run |
 //! | `compounds`, `readback`, `bodies` | B1 to B3: boxes and pendulums; E1 to E3: what is read back; B2', M1, M2: rigid shapes and rigid bodies |
-//! | `contacts` | K1 to K3: what is round rolls, slips and spins |
+//! | `rolling` | K1 to K3: what is round rolls, slips and spins |
+//! | `impacts` | K5 and K6: what bounces keeps its momentum and its energy |
+//! | `loads` | K7, K8 and K10: what carries, what lies still, and what slides |
 //! | `far` | what 5 km from the origin change: nothing |
 //! | `plots` | the pictures |
 //! | `table` | the page as text, and as JSON |
@@ -21,14 +23,16 @@ mod bodies;
 mod case;
 mod compounds;
 mod constraints;
-mod contacts;
 mod far;
 mod forces;
+mod impacts;
 mod integrators;
+mod loads;
 mod measure;
 mod media;
 pub mod plots;
 mod readback;
+mod rolling;
 mod row;
 mod shapes;
 mod solver;
@@ -48,7 +52,7 @@ pub const CHAPTERS: &[Chapter] = &[
         title: "Compounds and what is read back from them",
         groups: &[compounds::CASES, readback::CASES, bodies::CASES],
     },
-    Chapter { title: "Contacts, proven", groups: &[contacts::CASES] },
+    Chapter { title: "Contacts, proven", groups: &[rolling::CASES, impacts::CASES, loads::CASES] },
     Chapter { title: "Far from the origin", groups: &[far::CASES] },
 ];
 
