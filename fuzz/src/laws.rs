@@ -26,6 +26,7 @@ pub(crate) fn choices(input: &mut Input, settings: SolverSettings) -> SolverSett
             Integrator::SemiImplicitEuler,
             Integrator::ExplicitEuler,
         ][input.below(4) as usize],
+        max_speed: settings.max_speed,
         keep_spin: input.flag(),
         statics: input.rarely(16),
         ..settings

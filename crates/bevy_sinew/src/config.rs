@@ -20,6 +20,8 @@ pub struct SolverConfig {
     pub order: Order,
     /// How a step through time is made. Default Verlet.
     pub integrator: Integrator,
+    /// The most that anything may move at, m/s: what is faster after a tick is slowed down to it. Default 500; zero is no limit.
+    pub max_speed: f32,
     /// Whether what nothing outside holds keeps its angular momentum though corrections to the nearest point do not. Default so.
     pub keep_spin: bool,
     /// Whether velocities are forgotten in every substep, so that everything walks to rest: the lectures' statics. Default not.
@@ -102,6 +104,7 @@ impl Default for SolverConfig {
             direction: Direction::default(),
             order: Order::default(),
             integrator: Integrator::default(),
+            max_speed: settings.max_speed,
             keep_spin: settings.keep_spin,
             statics: settings.statics,
             timed: settings.timed,
@@ -119,6 +122,7 @@ impl From<SolverConfig> for SolverSettings {
             direction: config.direction.into(),
             order: config.order.into(),
             integrator: config.integrator.into(),
+            max_speed: config.max_speed,
             keep_spin: config.keep_spin,
             statics: config.statics,
             timed: config.timed,

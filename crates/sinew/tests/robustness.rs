@@ -18,6 +18,27 @@ fn longest_error_of_bones(world: &Simulation) -> f32 {
 }
 
 #[test]
+fn a_short_rod_between_particles_far_apart_flings_nothing_beyond_the_most_speed() {
+    // It threw them at 1.2 km/s, and nothing said so.
+    let mut world = Simulation::default();
+    world.forces.gravity = Vec3::ZERO;
+    for x in [0.0, 5.0] {
+        world.particles.push(ParticleSeed::at(Vec3::X * x)).unwrap();
+    }
+    world.settings.substeps = 1;
+    world.settings.max_sweeps = 1;
+    world.distances_mut().push(Distance::new(0, 1, 0.01));
+    world.step(1.0 / 600.0).unwrap();
+    assert_eq!(world.report().too_fast, [0, 1]);
+    let speeds = [0, 1].map(|i| world.particles.velocity(i).length());
+    assert!(speeds.iter().all(|speed| (speed - 500.0).abs() < 1e-2), "{speeds:?}");
+    world.settings.max_speed = 0.0;
+    world.particles.set_velocity(0, Vec3::Y * 1e5);
+    world.step(1.0 / 600.0).unwrap();
+    assert!(world.report().too_fast.is_empty() && world.particles.velocity(0).y > 9e4);
+}
+
+#[test]
 fn a_box_lands_tumbles_and_keeps_its_distances_within_half_a_percent() {
     let mut world = on_the_ground();
     let turned = sinew::glam::Quat::from_xyzw(0.18, 0.36, 0.54, 0.74).normalize();

@@ -106,6 +106,19 @@ impl Particles {
         })
     }
 
+    /// Slows down what is faster than `most`, m/s, and adds its rows to a list.
+    pub(crate) fn limit_speeds(&mut self, most: f32, limited: &mut Vec<u32>) {
+        for (v, row) in self.velocity.iter_mut().zip(0..) {
+            let speed = v.truncate();
+            // Its square may be infinite where it is not.
+            if !(speed.length_squared() <= most * most) && speed.is_finite() {
+                let size = speed.abs().max_element();
+                *v = ((speed / size).normalize() * most).extend(v.w);
+                limited.push(row);
+            }
+        }
+    }
+
     /// The first rows from `row` on, sixty-four at most, that are not all [finite](Self::is_finite): each number times zero is zero where it is, and
     /// their sum is.
     pub(crate) fn next_broken(&self, row: usize) -> Option<Range<usize>> {

@@ -144,6 +144,7 @@ impl Simulation {
     pub fn begin_step(&mut self, dt: f32) -> Result<u32, StepFault> {
         // What froze in the last step did not freeze in this one, taken or not.
         self.report.frozen.clear();
+        self.report.too_fast.clear();
         let settings = self.settings.clamped();
         let h = dt / settings.substeps as f32;
         // 1/h² must be a number: compliances are scaled by it.
@@ -268,7 +269,7 @@ impl Simulation {
         self.scratch.substep.remaining = self.scratch.substep.remaining.saturating_sub(1);
     }
 
-    /// Ends a step: puts rows that turned non-finite back to where the step began, at rest, and measures the errors left.
+    /// Ends a step: puts rows that turned non-finite back to where the step began, at rest, slows down what is too fast, and measures the errors left.
     pub fn end_step(&mut self) {
         self.rouse();
         let mut row = 0;
@@ -284,6 +285,10 @@ impl Simulation {
                 self.particles.set_velocity(i, Vec3::ZERO);
                 self.report.frozen.push(i as u32);
             }
+        }
+        let most = self.settings.clamped().max_speed;
+        if most < f32::INFINITY {
+            self.particles.limit_speeds(most, &mut self.report.too_fast);
         }
         let Scratch { plan, contacts, room, substep, .. } = &mut self.scratch;
         let (instructions, report) = (self.instructions, &mut self.report);

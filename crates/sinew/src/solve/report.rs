@@ -19,6 +19,8 @@ pub struct SolverReport {
     pub strain: f32,
     /// Rows that turned non-finite and were put back to where the step began, at rest.
     pub frozen: Vec<u32>,
+    /// Rows that were slowed down to [the most speed](super::SolverSettings::max_speed).
+    pub too_fast: Vec<u32>,
     /// What has touched what, where a body or a collider asked for it: a line for each two, sorted by who they are.
     pub impacts: Vec<Impact>,
     /// The islands one by one, in the order of their first particles.

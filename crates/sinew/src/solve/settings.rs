@@ -37,6 +37,10 @@ pub struct SolverSettings {
     pub order: Order,
     /// How a step through time is made. Default [`Integrator::Verlet`].
     pub integrator: Integrator,
+    /// The most that anything may move at, m/s, default 500: what a step leaves faster is slowed down to it, and the
+    /// [report](super::SolverReport::too_fast) names it. What cannot be met, such as a short rod between two particles that are far apart, flings things, and
+    /// this bounds how far. Zero, a negative or a non-finite one is no limit.
+    pub max_speed: f32,
     /// Whether what nothing outside holds keeps its angular momentum though its corrections do not: those to the nearest point bleed spin, and a skin
     /// under pressure even makes some. Default so; without it the lectures' loop is as it is. Linear momentum is always kept.
     pub keep_spin: bool,
@@ -55,6 +59,7 @@ impl Default for SolverSettings {
             direction: Direction::Nearest,
             order: Order::Cascade,
             integrator: Integrator::Verlet,
+            max_speed: 500.0,
             keep_spin: true,
             statics: false,
             timed: false,
@@ -69,6 +74,7 @@ impl SolverSettings {
             substeps: self.substeps.clamp(1, 256),
             max_sweeps: self.max_sweeps.clamp(1, 1000),
             tolerance: if self.tolerance.is_finite() { self.tolerance.max(0.0) } else { 0.0 },
+            max_speed: if self.max_speed > 0.0 { self.max_speed } else { f32::INFINITY },
             ..self
         }
     }

@@ -45,6 +45,10 @@ pub(crate) fn report(ui: &mut Ui, panel: &PanelParams) {
     let color = (frozen > 0).then_some(WARN);
     let hint = "Particles that turned non-finite in the last tick and were put back.";
     colored_value(ui, None, "Frozen", hint, &count(frozen), "", color);
+    let too_fast = report.too_fast.len();
+    let color = (too_fast > 0).then_some(WARN);
+    let hint = "Particles that were slowed down to the most speed in the last tick.";
+    colored_value(ui, None, "Too fast", hint, &count(too_fast), "", color);
 }
 
 /// Whether there are gizmos to switch on and off.
