@@ -4,7 +4,7 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::sinew::{Equation, Law, Points};
+use bevy_sinew::sinew::{ConstraintKind, Equation, Points};
 
 /// From the middle of the doughnut to the middle of its tube, metres.
 const MAJOR: f32 = 1.0;
@@ -27,8 +27,8 @@ impl ParticleConstraint for OnTorus {
         core::slice::from_ref(&self.particle)
     }
 
-    fn law(&self) -> Law {
-        Law::custom(Torus { centre: self.centre, major: self.major, minor: self.minor })
+    fn kind(&self) -> ConstraintKind {
+        ConstraintKind::custom(Torus { centre: self.centre, major: self.major, minor: self.minor })
     }
 }
 

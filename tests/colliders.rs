@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::sinew::Party;
+use bevy_sinew::sinew::ContactParticipant;
 use bevy_sinew::{BodyParts, Refusal, RestPlace};
 
 use crate::support::{app, assert_finite, heard, particles_of, position, tick};
@@ -300,17 +300,18 @@ fn rigid_parts_have_the_shape_that_they_are_drawn_with_unless_the_game_gives_ano
     tick(&mut app, 1);
     assert_eq!(shape(&app, boxed), Some(Collider::cuboid(Vec3::ONE)));
     assert_eq!(shape(&app, own), Some(Collider::sphere(0.2)));
-    let solids = |app: &App| app.world().resource::<SinewWorld>().simulation().solids().len();
-    assert_eq!(solids(&app), 3 + parts.len());
+    let body_colliders =
+        |app: &App| app.world().resource::<SinewWorld>().simulation().body_colliders().len();
+    assert_eq!(body_colliders(&app), 3 + parts.len());
     // As particles they are none, and a body that is gone takes its own along.
     let corners = BodyContacts::default().shaped(ContactShape::Particles);
     app.world_mut().entity_mut(boxed).insert(corners);
     app.world_mut().despawn(doll);
     tick(&mut app, 1);
-    assert_eq!(solids(&app), 2);
+    assert_eq!(body_colliders(&app), 2);
     app.world_mut().entity_mut(boxed).remove::<BodyContacts>();
     tick(&mut app, 1);
-    assert_eq!(solids(&app), 3);
+    assert_eq!(body_colliders(&app), 3);
     assert_eq!(heard(&app), []);
 }
 
@@ -346,14 +347,18 @@ fn the_particles_of_a_body_know_their_places_and_those_that_take_part_in_contact
     assert!((place(0).distance(place(1)) - 0.5).abs() < 1e-6);
     assert!(place(0).length() < 0.8, "in its own frame: {}", place(0));
     let sinew = app.world().resource::<SinewWorld>();
-    assert_eq!(sinew.entity_of(Party::Plane(0)), Some(ground));
-    assert_eq!(sinew.entity_of(Party::Box(0)), Some(room));
-    assert_eq!(sinew.entity_of(Party::Collider(0)), Some(collider), "{broken} has no number");
-    assert_eq!(sinew.entity_of(Party::Collider(1)), None);
-    assert_eq!(sinew.entity_of(Party::Body(0)), Some(cloth));
-    assert_eq!(sinew.entity_of(Party::Body(1)), Some(ball));
+    assert_eq!(sinew.entity_of(ContactParticipant::Plane(0)), Some(ground));
+    assert_eq!(sinew.entity_of(ContactParticipant::Box(0)), Some(room));
+    assert_eq!(
+        sinew.entity_of(ContactParticipant::Collider(0)),
+        Some(collider),
+        "{broken} has no number"
+    );
+    assert_eq!(sinew.entity_of(ContactParticipant::Collider(1)), None);
+    assert_eq!(sinew.entity_of(ContactParticipant::Body(0)), Some(cloth));
+    assert_eq!(sinew.entity_of(ContactParticipant::Body(1)), Some(ball));
     let row = app.world().get::<ParticleRow>(plain).unwrap().get().unwrap();
-    assert_eq!(sinew.entity_of(Party::Particle(row as u32)), Some(plain));
+    assert_eq!(sinew.entity_of(ContactParticipant::Particle(row as u32)), Some(plain));
     let contacts = &sinew.simulation().contacts;
     assert!(contacts[0].with_itself && contacts[0].with_bodies && !contacts[1].with_itself);
 }

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_sinew::Refusal;
 use bevy_sinew::prelude::*;
-use bevy_sinew::sinew::LawFault;
+use bevy_sinew::sinew::ConstraintFault;
 use bevy_sinew::sinew::constraints::{Area, Bend, Cone, Rigid, Tetrahedron, Volume};
 
 use crate::bad_input::{nail, refused};
@@ -90,7 +90,7 @@ fn a_shoulder_stays_in_its_cone() {
     [o, x, y].into_iter().for_each(|particle| pin(&mut app, particle));
     rod(&mut app, o, hand);
     let cone = Cone::about(Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, 0.6).unwrap();
-    app.world_mut().spawn(ConeConstraint::from_law([o, x, y, hand], &cone));
+    app.world_mut().spawn(ConeConstraint::from_kind([o, x, y, hand], &cone));
     app.world_mut().get_mut::<Particle>(hand).unwrap().set_velocity(Vec3::new(1.0, 2.0, 0.0));
     let mut widest = 0.0_f32;
     for _ in 0..120 {
@@ -164,7 +164,7 @@ fn a_shelf_does_not_bend() {
         (0..2).for_each(|i| rod(&mut app, shelf[i], shelf[3]));
         if !bends {
             let law = Bend::of(corners).unwrap();
-            app.world_mut().spawn(BendConstraint::from_law(shelf, &law));
+            app.world_mut().spawn(BendConstraint::from_kind(shelf, &law));
         }
         tick(&mut app, 30);
         position(&app, shelf[3]).y
@@ -181,7 +181,7 @@ fn a_plane_a_line_and_a_rigid_shape_are_kept() {
     let world = app.world_mut();
     world.spawn(CoplanarConstraint::new(plane));
     world.spawn(CollinearConstraint::new(line));
-    world.spawn(RigidConstraint::from_law(rigid, &Rigid::of(corners)));
+    world.spawn(RigidConstraint::from_kind(rigid, &Rigid::of(corners)));
     world.get_mut::<Particle>(rigid[3]).unwrap().set_velocity(Vec3::new(1.0, -2.0, 3.0));
     tick(&mut app, 60);
     assert!(Tetrahedron::of(places(&app, plane)).rest.abs() < 1e-4);
@@ -225,7 +225,7 @@ fn a_law_acts_from_the_tick_after_it_was_added_until_it_is_removed() {
 
 #[test]
 fn a_law_whose_particle_is_gone_is_named_once_and_nobody_else_notices() {
-    let missing = Refusal::Constraint(LawFault::MissingParticle);
+    let missing = Refusal::Constraint(ConstraintFault::MissingParticle);
     refused(missing.clone(), |world| {
         let nails = [0.0, 1.0, 2.0].map(|x| nail(world, x));
         world.despawn(nails[1]);
@@ -280,7 +280,7 @@ fn a_law_with_a_broken_number_is_named_once() {
             spawn(world, nails)
         });
     };
-    use LawFault::{Count, Limits, Number, SameParticle, Softness as Soft, Triangle};
+    use ConstraintFault::{Count, Limits, Number, SameParticle, Softness as Soft, Triangle};
     const NAN: f32 = f32::NAN;
     refused(Number, |w, [a, b, c, _]| w.spawn(AngleConstraint::new([a, b, c], NAN, 1.0)).id());
     refused(Limits, |w, [a, b, c, _]| w.spawn(AngleConstraint::new([a, b, c], 1.0, 0.5)).id());

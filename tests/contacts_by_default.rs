@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::sinew::Party;
+use bevy_sinew::sinew::ContactParticipant;
 use bevy_sinew::{BodyParts, ContactShape};
 
 use crate::support::{app, hash, heard, particles_of, position, tick};
@@ -166,10 +166,10 @@ fn what_of_a_body_meets_others_is_what_lets_nothing_through() {
     let sinew = app.world().resource::<SinewWorld>();
     let simulation = sinew.simulation();
     // A cuboid for the box, shapes for the limbs, and a capsule for each piece of the thin rope.
-    assert_eq!(simulation.solids().len(), 1 + parts + 20);
+    assert_eq!(simulation.body_colliders().len(), 1 + parts + 20);
     let number = |body: Entity| {
         (0..simulation.contacts.len())
-            .find(|&i| sinew.entity_of(Party::Body(i as u32)) == Some(body))
+            .find(|&i| sinew.entity_of(ContactParticipant::Body(i as u32)) == Some(body))
     };
     let by_triangles =
         |body: Entity| simulation.contacts[number(body).expect("it is listed")].surface;
@@ -181,10 +181,10 @@ fn what_of_a_body_meets_others_is_what_lets_nothing_through() {
     app.world_mut().entity_mut(thin).insert(particles);
     tick(&mut app, 2);
     let sinew = app.world().resource::<SinewWorld>();
-    assert_eq!(sinew.simulation().solids().len(), 1 + parts);
+    assert_eq!(sinew.simulation().body_colliders().len(), 1 + parts);
     let number = |body: Entity| {
         (0..sinew.simulation().contacts.len())
-            .find(|&i| sinew.entity_of(Party::Body(i as u32)) == Some(body))
+            .find(|&i| sinew.entity_of(ContactParticipant::Body(i as u32)) == Some(body))
     };
     let surface = |body: Entity| sinew.simulation().contacts[number(body).unwrap()].surface;
     assert!(!surface(coarse) && surface(soft));

@@ -110,7 +110,7 @@ fn a_stack_on_a_slope_stays_and_its_memory_goes_with_those_who_have_it() {
     let plates = stack(&mut app);
     tick(&mut app, 120);
     let place = |app: &App, n: usize| app.world().get::<Transform>(plates[n]).unwrap().translation;
-    let held = |app: &App, n: usize| app.world().get::<ContactMemory>(plates[n]).unwrap().len();
+    let held = |app: &App, n: usize| app.world().get::<ContactCache>(plates[n]).unwrap().len();
     let before = [0, 1, 2].map(|n| place(&app, n));
     tick(&mut app, 360);
     for (n, before) in before.into_iter().enumerate() {

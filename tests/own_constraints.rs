@@ -7,7 +7,7 @@ use bevy::ecs::world::DeferredWorld;
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::constraints::Cone;
-use bevy_sinew::sinew::{Equation, Law, LawFault, Points};
+use bevy_sinew::sinew::{ConstraintFault, ConstraintKind, Equation, Points};
 use bevy_sinew::{CreationOrder, Refusal};
 
 use crate::constraints::FACES;
@@ -38,12 +38,12 @@ impl ParticleConstraint for OnBall {
         core::slice::from_ref(&self.particle)
     }
 
-    fn law(&self) -> Law {
-        Law::custom(Ball { centre: self.centre, radius: self.radius })
+    fn kind(&self) -> ConstraintKind {
+        ConstraintKind::custom(Ball { centre: self.centre, radius: self.radius })
     }
 
-    fn fault(&self) -> Option<LawFault> {
-        (!self.radius.is_finite()).then_some(LawFault::Number)
+    fn fault(&self) -> Option<ConstraintFault> {
+        (!self.radius.is_finite()).then_some(ConstraintFault::Number)
     }
 }
 
@@ -74,8 +74,8 @@ impl ParticleConstraint for OnOther {
         self.0.particles()
     }
 
-    fn law(&self) -> Law {
-        self.0.law()
+    fn kind(&self) -> ConstraintKind {
+        self.0.kind()
     }
 }
 
@@ -111,7 +111,7 @@ fn what_a_game_finds_wrong_is_refused_like_the_rest() {
     let bead = app.world_mut().spawn(Particle::at(Vec3::Y)).id();
     let bad = app.world_mut().spawn(OnBall { radius: f32::NAN, ..on_ball(bead) }).id();
     tick(&mut app, 20);
-    assert_eq!(heard(&app), [(bad, Refusal::Constraint(LawFault::Number))]);
+    assert_eq!(heard(&app), [(bad, Refusal::Constraint(ConstraintFault::Number))]);
     assert!(position(&app, bead).y < 0.7, "it falls");
 }
 
@@ -159,9 +159,9 @@ impl ParticleConstraint for Counted {
         self.0.particles()
     }
 
-    fn law(&self) -> Law {
+    fn kind(&self) -> ConstraintKind {
         ASKED.fetch_add(1, Ordering::Relaxed);
-        self.0.law()
+        self.0.kind()
     }
 }
 
@@ -258,7 +258,7 @@ fn one_of_each(world: &mut World) {
     let cone = Cone::about(Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::NEG_Y, 0.4).expect("a frame");
     world.spawn(AngleConstraint::new(three(0), 1.0, 1.2).with_softness(soft));
     world.spawn(HingeConstraint::new(four(1), 0.5, 1.0));
-    world.spawn(ConeConstraint::from_law(five(2), &cone));
+    world.spawn(ConeConstraint::from_kind(five(2), &cone));
     world.spawn(AreaConstraint::new(three(3), 0.2).with_softness(soft));
     world.spawn(PatchConstraint::new(four(4), FACES, 0.7));
     world.spawn(TetrahedronConstraint::new(four(5), 0.03).with_softness(soft));
@@ -268,8 +268,8 @@ fn one_of_each(world: &mut World) {
     world.spawn(CollinearConstraint::new(three(9)).with_softness(soft));
     let rest = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|p| p * 0.4);
     world.spawn(RigidConstraint::new(four(10), rest));
-    let law = Law::custom(Ball { centre: Vec3::new(0.0, 4.0, -3.0), radius: 2.0 });
-    world.spawn(LawConstraint::new([five(11)[4]], law));
+    let law = ConstraintKind::custom(Ball { centre: Vec3::new(0.0, 4.0, -3.0), radius: 2.0 });
+    world.spawn(AnyConstraint::new([five(11)[4]], law));
 }
 
 #[test]

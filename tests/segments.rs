@@ -27,7 +27,7 @@ fn top(app: &App, body: Entity) -> f32 {
 /// Rods with a memory, and those that remember something.
 fn remembering(app: &mut App) -> (usize, Vec<Entity>) {
     let world = app.world_mut();
-    let mut rods = world.query_filtered::<(Entity, &ContactMemory), With<DistanceConstraint>>();
+    let mut rods = world.query_filtered::<(Entity, &ContactCache), With<DistanceConstraint>>();
     let all: Vec<_> = rods.iter(world).collect();
     let holding = all.iter().filter(|(_, memory)| !memory.is_empty()).map(|&(rod, _)| rod);
     (all.len(), holding.collect())

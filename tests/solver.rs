@@ -19,8 +19,8 @@ fn spin_left(config: SolverConfig, own: BodySolver) -> f32 {
 #[test]
 fn a_body_keeps_its_spin_unless_the_lectures_loop_is_asked_for() {
     let plain = SolverConfig { keep_spin: false, ..default() };
-    let nearest = BodySolver { direction: Some(Direction::Nearest), ..default() };
-    let start = BodySolver { direction: Some(Direction::StepStart), ..default() };
+    let nearest = BodySolver { gradient_at: Some(GradientAt::Current), ..default() };
+    let start = BodySolver { gradient_at: Some(GradientAt::StepStart), ..default() };
     assert!((spin_left(plain, start) - 1.0).abs() < 0.005);
     // ω₀/√(1 + 2ω₀² h t), h = 1/600.
     let bled = 1.0 / (1.0 + 2.0 * 100.0 / 600.0 * 2.0_f32).sqrt();

@@ -2,8 +2,11 @@
 
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{BoxSpec, box_3d};
-use sinew::{BodyContacts, BodySettings, Collider, Filter, Frame, Layers, Material, Party, Shape};
-use sinew::{Simulation, Sleep, Solid};
+use sinew::{BodyCollider, Simulation, Sleep};
+use sinew::{
+    BodyContacts, BodySettings, Collider, ContactParticipant, Filter, Frame, Layers, Material,
+    Shape,
+};
 
 use crate::input::Input;
 
@@ -50,12 +53,16 @@ pub(crate) fn operate(world: &mut Simulation, input: &mut Input, most: usize) {
             world.contacts.truncate(MOST_BODIES - 1);
             world.contacts.push(own);
             // Of some that never touch, one or the other may not be there.
-            let parties = [0, 1].map(|_| {
+            let participants = [0, 1].map(|_| {
                 let number = input.below(MOST_BODIES as u32 + 1);
-                if input.flag() { Party::Body(number) } else { Party::Collider(number) }
+                if input.flag() {
+                    ContactParticipant::Body(number)
+                } else {
+                    ContactParticipant::Collider(number)
+                }
             });
             world.ignored.truncate(MOST_BODIES);
-            world.ignored.extend(input.rarely(3).then_some(parties));
+            world.ignored.extend(input.rarely(3).then_some(participants));
         }
         4 if count > 0 => {
             let (row, body) = (input.below(count) as usize, input.below(MOST_BODIES as u32));
@@ -70,9 +77,9 @@ pub(crate) fn operate(world: &mut Simulation, input: &mut Input, most: usize) {
             let contacts = BodyContacts { with_bodies: true, ..Default::default() };
             if let Ok(own) = box_3d(&spec) {
                 // What is refused must change nothing.
-                let before = (world.particles.len(), world.solids().len());
+                let before = (world.particles.len(), world.body_colliders().len());
                 if own.build_colliding(world, contacts).is_err() {
-                    assert_eq!((world.particles.len(), world.solids().len()), before);
+                    assert_eq!((world.particles.len(), world.body_colliders().len()), before);
                 }
             }
         }
@@ -81,10 +88,10 @@ pub(crate) fn operate(world: &mut Simulation, input: &mut Input, most: usize) {
             let rows: Vec<u32> = (0..number).map(|_| input.below(count + 1)).collect();
             let rest: Vec<Vec3> = rows.iter().map(|_| input.vector()).collect();
             if let Some(shape) = shape(input) {
-                let solids = world.solids_mut();
-                solids.truncate(MOST_SOLIDS - 1);
-                let id = solids.len() as u64;
-                solids.push(Solid { rows, rest: rest.into(), shape, id });
+                let body_colliders = world.body_colliders_mut();
+                body_colliders.truncate(MOST_SOLIDS - 1);
+                let id = body_colliders.len() as u64;
+                body_colliders.push(BodyCollider { rows, rest: rest.into(), shape, id });
             }
         }
         7 => {

@@ -17,9 +17,9 @@
 //!
 //! A finding becomes a test in the crate that it concerns, named after what went wrong; inputs are not kept.
 
+mod constraints;
 mod contacts;
 mod input;
-mod laws;
 mod recipes;
 mod step;
 mod weld;

@@ -4,9 +4,9 @@ use sinew::glam::Vec3;
 use sinew::{Bound, Distance, Electric, Fluid, InsideBox, ParticleSeed, Pin, Plane};
 use sinew::{Simulation, SolverSettings, Spring, Wind};
 
+use crate::constraints;
 use crate::contacts;
 use crate::input::Input;
-use crate::laws;
 
 /// So many that colours and islands appear, and so few that a scenario takes less than a millisecond.
 const MOST_PARTICLES: usize = 40;
@@ -40,7 +40,10 @@ fn settings(input: &mut Input) -> SolverSettings {
         _ => (input.below(5), input.below(6)),
     };
     let tolerance = input.mostly(|_| 1e-4);
-    laws::choices(input, SolverSettings { substeps, max_sweeps, tolerance, ..Default::default() })
+    constraints::choices(
+        input,
+        SolverSettings { substeps, max_sweeps, tolerance, ..Default::default() },
+    )
 }
 
 /// One operation of a game.
@@ -48,7 +51,7 @@ fn operate(world: &mut Simulation, input: &mut Input) {
     let count = world.particles.len();
     match input.below(31) {
         26..=30 => contacts::operate(world, input, MOST_PARTICLES),
-        20..=25 => laws::operate(world, input, row),
+        20..=25 => constraints::operate(world, input, row),
         0..=4 => push(world, input),
         5 if count > 0 => {
             let (row, seed) = (input.below(count as u32) as usize, seed(input));

@@ -15,7 +15,7 @@ pub struct SolverConfig {
     /// Error in metres at which a substep stops sweeping early, 0 or more. Default 1e-4.
     pub tolerance: f32,
     /// Along which gradients hard distances and rigid shapes are corrected. Default to the nearest point.
-    pub direction: Direction,
+    pub gradient_at: GradientAt,
     /// In which order constraints are enforced. Default one after the other.
     pub order: Order,
     /// How a step through time is made. Default Verlet.
@@ -47,7 +47,7 @@ pub struct BodySolver {
     /// as with few ([`BodySettings`](sinew::BodySettings) says why). Where there is a `tolerance`, that counts.
     pub tolerance_speed: Option<f32>,
     /// Along which gradients it is corrected.
-    pub direction: Option<Direction>,
+    pub gradient_at: Option<GradientAt>,
     /// In which order its constraints are enforced.
     pub order: Option<Order>,
     /// How fast what its particles do against each other dies away, 1/s, 0 and up: friction in its joints, or in its stuff. It falls, flies and spins
@@ -58,10 +58,10 @@ pub struct BodySolver {
 /// Along which gradient a hard distance or a rigid shape is corrected.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
-pub enum Direction {
+pub enum GradientAt {
     /// To the nearest point. Robust; bleeds spin. The default.
     #[default]
-    Nearest,
+    Current,
     /// Along the gradient at the start of the substep (SHAKE): keeps spin and energy. Boxes ask for it.
     StepStart,
 }
@@ -72,9 +72,9 @@ pub enum Direction {
 pub enum Order {
     /// One after the other, again and again (Gauss–Seidel). The default.
     #[default]
-    Cascade,
+    GaussSeidel,
     /// Always the one that is violated most; pays below some 200 constraints.
-    WorstFirst,
+    MostViolatedFirst,
     /// All from the same positions, each particle to the mean of what is asked of it; converges slowly.
     Jacobi,
 }
@@ -101,7 +101,7 @@ impl Default for SolverConfig {
             substeps: settings.substeps,
             max_sweeps: settings.max_sweeps,
             tolerance: settings.tolerance,
-            direction: Direction::default(),
+            gradient_at: GradientAt::default(),
             order: Order::default(),
             integrator: Integrator::default(),
             max_speed: settings.max_speed,
@@ -119,7 +119,7 @@ impl From<SolverConfig> for SolverSettings {
             substeps: config.substeps,
             max_sweeps: config.max_sweeps,
             tolerance: config.tolerance,
-            direction: config.direction.into(),
+            gradient_at: config.gradient_at.into(),
             order: config.order.into(),
             integrator: config.integrator.into(),
             max_speed: config.max_speed,
@@ -136,7 +136,7 @@ impl From<BodySolver> for BodySettings {
             max_sweeps: body.max_sweeps,
             tolerance: body.tolerance,
             tolerance_speed: body.tolerance_speed,
-            direction: body.direction.map(Into::into),
+            gradient_at: body.gradient_at.map(Into::into),
             order: body.order.map(Into::into),
             damping: body.damping,
         }
@@ -149,27 +149,27 @@ impl From<BodySettings> for BodySolver {
             max_sweeps: settings.max_sweeps,
             tolerance: settings.tolerance,
             tolerance_speed: settings.tolerance_speed,
-            direction: settings.direction.map(Into::into),
+            gradient_at: settings.gradient_at.map(Into::into),
             order: settings.order.map(Into::into),
             damping: settings.damping,
         }
     }
 }
 
-impl From<Direction> for sinew::Direction {
-    fn from(direction: Direction) -> Self {
-        match direction {
-            Direction::Nearest => Self::Nearest,
-            Direction::StepStart => Self::StepStart,
+impl From<GradientAt> for sinew::GradientAt {
+    fn from(gradient_at: GradientAt) -> Self {
+        match gradient_at {
+            GradientAt::Current => Self::Current,
+            GradientAt::StepStart => Self::StepStart,
         }
     }
 }
 
-impl From<sinew::Direction> for Direction {
-    fn from(direction: sinew::Direction) -> Self {
-        match direction {
-            sinew::Direction::Nearest => Self::Nearest,
-            sinew::Direction::StepStart => Self::StepStart,
+impl From<sinew::GradientAt> for GradientAt {
+    fn from(gradient_at: sinew::GradientAt) -> Self {
+        match gradient_at {
+            sinew::GradientAt::Current => Self::Current,
+            sinew::GradientAt::StepStart => Self::StepStart,
         }
     }
 }
@@ -177,8 +177,8 @@ impl From<sinew::Direction> for Direction {
 impl From<Order> for sinew::Order {
     fn from(order: Order) -> Self {
         match order {
-            Order::Cascade => Self::Cascade,
-            Order::WorstFirst => Self::WorstFirst,
+            Order::GaussSeidel => Self::GaussSeidel,
+            Order::MostViolatedFirst => Self::MostViolatedFirst,
             Order::Jacobi => Self::Jacobi,
         }
     }
@@ -187,8 +187,8 @@ impl From<Order> for sinew::Order {
 impl From<sinew::Order> for Order {
     fn from(order: sinew::Order) -> Self {
         match order {
-            sinew::Order::Cascade => Self::Cascade,
-            sinew::Order::WorstFirst => Self::WorstFirst,
+            sinew::Order::GaussSeidel => Self::GaussSeidel,
+            sinew::Order::MostViolatedFirst => Self::MostViolatedFirst,
             sinew::Order::Jacobi => Self::Jacobi,
         }
     }

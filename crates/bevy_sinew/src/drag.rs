@@ -15,7 +15,7 @@ use bevy::picking::backend::{HitData, PointerHits};
 use bevy::picking::events::{Pointer, Press};
 use bevy::picking::pointer::{PointerAction, PointerButton, PointerId, PointerInput};
 use bevy::prelude::*;
-use sinew::{Equation, Law, LawFault, Points, Softness};
+use sinew::{ConstraintFault, ConstraintKind, Equation, Points, Softness};
 
 use crate::components::{
     BodyParticles, CreationOrder, Mass, Particle, ParticleConstraint, ParticleOf, ParticleRow,
@@ -271,14 +271,14 @@ impl ParticleConstraint for GrabConstraint {
         &self.particles
     }
 
-    fn law(&self) -> Law {
+    fn kind(&self) -> ConstraintKind {
         let Self { shares, axis, target, softness, .. } = self.clone();
-        Law::custom(PointOnPlane { shares, axis, target, softness })
+        ConstraintKind::custom(PointOnPlane { shares, axis, target, softness })
     }
 
-    fn fault(&self) -> Option<LawFault> {
+    fn fault(&self) -> Option<ConstraintFault> {
         let sound = self.shares.iter().all(|share| share.is_finite()) && self.target.is_finite();
-        (!sound).then_some(LawFault::Number)
+        (!sound).then_some(ConstraintFault::Number)
     }
 }
 

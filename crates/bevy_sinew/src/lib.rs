@@ -59,7 +59,7 @@
 //! 5. **Extract**: transforms and velocities are read off.
 //!
 //! The ECS is the state. What is not in a component, in [`SinewClock`] or in the configuration resources does not survive a tick: save and restore
-//! those, and the simulation goes on bit for bit. [`ExtractedTransform`], [`ExtractedVelocity`], [`TickForces`], [`ColliderMotion`], [`ContactMemory`]
+//! those, and the simulation goes on bit for bit. [`ExtractedTransform`], [`ExtractedVelocity`], [`TickForces`], [`ColliderMotion`], [`ContactCache`]
 //! and [`CreationOrder`] are part of that; [`SinewWorld`] is not. A recipe may be put back with the rest: one that did not change builds nothing anew.
 //!
 //! # Threads
@@ -140,17 +140,17 @@ pub use components::{
     AirFlow, Attractor, ElectricField, Flatland, Floats, HullShape, Region, RegionShape,
 };
 pub use components::{
-    AngleConstraint, AreaConstraint, BendConstraint, CollinearConstraint, ConeConstraint,
-    CoplanarConstraint, HingeConstraint, LawConstraint, ParticleConstraint, PatchConstraint,
+    AngleConstraint, AnyConstraint, AreaConstraint, BendConstraint, CollinearConstraint,
+    ConeConstraint, CoplanarConstraint, HingeConstraint, ParticleConstraint, PatchConstraint,
     RigidConstraint, TetrahedronConstraint, VolumeConstraint, Way,
 };
 pub use components::{
     BodyContacts, Collider, ColliderFault, ColliderMotion, ColliderShape, CollisionLayers, Combine,
-    ContactEnded, ContactEvents, ContactMemory, ContactShape, ContactStarted, ContactsDisabled,
+    ContactCache, ContactEnded, ContactEvents, ContactShape, ContactStarted, ContactsDisabled,
     RestPlace, Sensor, Sleep, SurfaceMaterial, Touching,
 };
 pub use components::{ControlForce, ExternalImpulse, ExternalTorque, Inertia, TickForces};
-pub use config::{BodySolver, Direction, Integrator, Order, SolverConfig};
+pub use config::{BodySolver, GradientAt, Integrator, Order, SolverConfig};
 #[cfg(feature = "drag")]
 pub use drag::{Grab, MouseDrag, MouseDragPlugin};
 pub use messages::{Refusal, Refused};
@@ -178,7 +178,7 @@ pub mod prelude {
     pub use crate::{
         AirDrag, AngularVelocity, Articulated, Barycenter, BodyPart, BodyReport, BodySolver, Bone,
         BoneJoint, Bound, BoundingBox, Bulk, Charge, Cloth, ClothPins, ClothShape, ConstraintOf,
-        Direction, DistanceConstraint, Electric, ExternalForce, Fluid, Gravity, GravityScale,
+        DistanceConstraint, Electric, ExternalForce, Fluid, GradientAt, Gravity, GravityScale,
         Ground, GroundDrag, Integrator, Interpolate, LinearVelocity, Mass, Order, Particle,
         ParticleBody, ParticleBox, ParticleOf, ParticleRow, PhaseSystems, Pinned, PinnedTo, Radius,
         Ragdoll, Refused, Representation, RigidIntegrator, RigidPose, Rope, SinewClock,
@@ -189,14 +189,14 @@ pub mod prelude {
         AirFlow, Attractor, ElectricField, Flatland, Floats, HullShape, Region, RegionShape,
     };
     pub use crate::{
-        AngleConstraint, AreaConstraint, BendConstraint, CollinearConstraint, ConeConstraint,
-        CoplanarConstraint, HingeConstraint, LawConstraint, ParticleConstraint, PatchConstraint,
+        AngleConstraint, AnyConstraint, AreaConstraint, BendConstraint, CollinearConstraint,
+        ConeConstraint, CoplanarConstraint, HingeConstraint, ParticleConstraint, PatchConstraint,
         RegisterParticleConstraint, RigidConstraint, TetrahedronConstraint, VolumeConstraint, Way,
     };
     pub use crate::{BodyCommandsExt, ControlForce, ExternalImpulse, ExternalTorque, Inertia};
     pub use crate::{
-        BodyContacts, Collider, ColliderMotion, CollisionLayers, Combine, ContactEnded,
-        ContactEvents, ContactMemory, ContactShape, ContactStarted, ContactsDisabled, QueryFilter,
+        BodyContacts, Collider, ColliderMotion, CollisionLayers, Combine, ContactCache,
+        ContactEnded, ContactEvents, ContactShape, ContactStarted, ContactsDisabled, QueryFilter,
         Sensor, Sleep, SurfaceMaterial, Touching,
     };
 }

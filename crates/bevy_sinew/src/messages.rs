@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use sinew::recipes::{
     ArticulatedFault, BoxFault, ClothFault, RagdollFault, RopeFault, SoftFault, SolidFault,
 };
-use sinew::{DistanceFault, HullFault, LawFault, ParticleFault, SpringFault};
+use sinew::{ConstraintFault, DistanceFault, HullFault, ParticleFault, SpringFault};
 
 use crate::commands::EditFault;
 use crate::components::ColliderFault;
@@ -43,7 +43,7 @@ pub enum Refusal {
     Spring(SpringFault),
     /// Any other constraint that cannot be enforced; it is left out until it is mended.
     #[error("is set aside: {0}")]
-    Constraint(LawFault),
+    Constraint(ConstraintFault),
     /// A particle pinned to an entity that is gone: it was let go.
     #[error("was let go: the entity it is pinned to, {0}, is gone or has no transform")]
     PinTarget(Entity),
@@ -73,7 +73,7 @@ pub enum Refusal {
     Material,
     /// A rigid part that cannot collide by its [`Collider`](crate::Collider), such as one that is a mesh; it collides by its particles.
     #[error("collides by its particles: {0}")]
-    Part(sinew::SolidFault),
+    Part(sinew::BodyColliderFault),
     /// A body that is to collide as a solid but has no rigid part with a [`Collider`](crate::Collider); it collides by its particles.
     #[error("collides by its particles: it has no rigid part with a Collider")]
     NotSolid,
@@ -139,7 +139,7 @@ pub enum Refusal {
 }
 
 /// What is set aside and why, by entity and by the number of which of its links: so that each is reported once.
-pub(crate) type Complaints = BTreeMap<(Entity, usize), Refusal>;
+pub(crate) type ReportedErrors = BTreeMap<(Entity, usize), Refusal>;
 
 /// Logs a refusal and sends it.
 pub(crate) fn refuse(messages: &mut MessageWriter<Refused>, entity: Entity, reason: Refusal) {

@@ -13,9 +13,9 @@ use crate::recipes;
 use crate::schedule::{self, SinewClock, SinewControl, SinewSystems, SinewTick, TickTime};
 use crate::show::{mesh, tube};
 use crate::step::{
-    bodies, colliders, contact_shape, controls, environment, extract, gather, hulls, ignored,
-    layout, links, memory, motion, pins, representation, scatter, shares, sleep, solids, teleports,
-    touching,
+    bodies, body_colliders, colliders, contact_cache, contact_shape, controls, environment,
+    extract, gather, hulls, ignored, layout, links, motion, pins, representation, scatter, shares,
+    sleep, teleports, touching,
 };
 use crate::threads::{self, SinewWorkers};
 use crate::world::SinewWorld;
@@ -148,8 +148,8 @@ impl Plugin for SinewPlugin {
                     controls::gather_controls,
                     links::notice_links,
                     representation::compile_compounds,
-                    solids::compile_solids,
-                    memory::gather_memory,
+                    body_colliders::compile_body_colliders,
+                    contact_cache::gather_contact_cache,
                     hulls::compile_hulls,
                     links::collect_laws,
                     links::compile_links,
@@ -166,7 +166,7 @@ impl Plugin for SinewPlugin {
                 colliders::keep_places,
                 controls::drop_tick_forces,
                 sleep::keep_sleep,
-                memory::keep_memory,
+                contact_cache::keep_contact_cache,
                 touching::tell_contacts,
             )
                 .chain()

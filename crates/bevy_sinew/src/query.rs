@@ -1,7 +1,7 @@
 //! Questions to the world, for a game's systems: what a ray meets, what a shape overlaps, which particle is nearest.
 
 use bevy::prelude::*;
-use sinew::{Filter, Frame, Party, Shape};
+use sinew::{ContactParticipant, Filter, Frame, Shape};
 
 use crate::components::{Collider, CollisionLayers};
 use crate::world::SinewWorld;
@@ -43,8 +43,8 @@ impl SinewWorld {
         let filter = self.filter(filter);
         let hit = self.simulation.cast_ray(ray.origin, *ray.direction, max, &filter)?;
         Some(RayHit {
-            entity: self.entity_of(hit.party)?,
-            particle: hit.row.and_then(|row| self.entity_of(Party::Particle(row))),
+            entity: self.entity_of(hit.participant)?,
+            particle: hit.row.and_then(|row| self.entity_of(ContactParticipant::Particle(row))),
             distance: hit.distance,
             point: hit.point,
             normal: hit.normal,
@@ -75,7 +75,7 @@ impl SinewWorld {
     ) -> Option<(Entity, f32)> {
         let filter = self.filter(filter);
         let (row, distance) = self.simulation.nearest_particle(point, max, &filter)?;
-        Some((self.entity_of(Party::Particle(row))?, distance))
+        Some((self.entity_of(ContactParticipant::Particle(row))?, distance))
     }
 
     fn overlapping_shape(
@@ -85,8 +85,10 @@ impl SinewWorld {
         filter: &QueryFilter,
         found: &mut Vec<Entity>,
     ) {
-        self.simulation.overlaps(shape, frame, &self.filter(filter), |party, _| {
-            if let Some(entity) = self.entity_of(party).filter(|entity| !found.contains(entity)) {
+        self.simulation.overlaps(shape, frame, &self.filter(filter), |participant, _| {
+            if let Some(entity) =
+                self.entity_of(participant).filter(|entity| !found.contains(entity))
+            {
                 found.push(entity);
             }
         });
@@ -99,16 +101,18 @@ impl SinewWorld {
             colliders: !filter.no_colliders,
             bodies: !filter.no_bodies,
             sensors: filter.sensors,
-            except: filter.except.and_then(|entity| self.party_of(entity)),
+            except: filter.except.and_then(|entity| self.participant_of(entity)),
         }
     }
 
     /// Who an entity is in contacts.
-    fn party_of(&self, entity: Entity) -> Option<Party> {
+    fn participant_of(&self, entity: Entity) -> Option<ContactParticipant> {
         let tables = &self.tables;
         let among = |list: &[Entity]| list.iter().position(|&other| other == entity);
-        let body = among(&tables.bodies).map(|number| Party::Body(number as u32));
-        body.or_else(|| among(&tables.colliders).map(|number| Party::Collider(number as u32)))
-            .or_else(|| tables.row_of.get(&entity).map(|&row| Party::Particle(row)))
+        let body = among(&tables.bodies).map(|number| ContactParticipant::Body(number as u32));
+        body.or_else(|| {
+            among(&tables.colliders).map(|number| ContactParticipant::Collider(number as u32))
+        })
+        .or_else(|| tables.row_of.get(&entity).map(|&row| ContactParticipant::Particle(row)))
     }
 }

@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
-use sinew::{ParticleFault, Particles, Party, Simulation, SolverReport};
+use sinew::{ContactParticipant, ParticleFault, Particles, Simulation, SolverReport};
 
 use crate::components::ParticleRow;
-use crate::messages::Complaints;
+use crate::messages::ReportedErrors;
 use crate::step::gather::Held;
 use crate::step::links::Links;
 
@@ -50,13 +50,13 @@ impl SinewWorld {
 
     /// Who takes part in a contact of the [report](Self::report) of the last tick: a body, a loose particle, a collider, a ground or a room. It may
     /// have been despawned since.
-    pub fn entity_of(&self, party: Party) -> Option<Entity> {
-        let (list, number) = match party {
-            Party::Body(number) => (&self.tables.bodies, number),
-            Party::Particle(row) => (&self.tables.entities, row),
-            Party::Collider(number) => (&self.tables.colliders, number),
-            Party::Plane(number) => (&self.tables.planes, number),
-            Party::Box(number) => (&self.tables.boxes, number),
+    pub fn entity_of(&self, participant: ContactParticipant) -> Option<Entity> {
+        let (list, number) = match participant {
+            ContactParticipant::Body(number) => (&self.tables.bodies, number),
+            ContactParticipant::Particle(row) => (&self.tables.entities, row),
+            ContactParticipant::Collider(number) => (&self.tables.colliders, number),
+            ContactParticipant::Plane(number) => (&self.tables.planes, number),
+            ContactParticipant::Box(number) => (&self.tables.boxes, number),
         };
         list.get(number as usize).copied()
     }
@@ -90,14 +90,14 @@ pub(crate) struct Tables {
     pub(crate) bodies: Vec<Entity>,
     /// The collider of each number in `Simulation::colliders`, in the order of creation.
     pub(crate) colliders: Vec<Entity>,
-    /// The part, or the rod, of each of `Simulation::solids`.
+    /// The part, or the rod, of each of `Simulation::body_colliders`.
     pub(crate) parts: Vec<Entity>,
     /// The ground of each number in `Boundaries::planes`, in the order of creation.
     pub(crate) planes: Vec<Entity>,
     /// The room of each number in `Boundaries::boxes`, in the order of creation.
     pub(crate) boxes: Vec<Entity>,
     /// Why a spring or a constraint is set aside: so that each is reported once.
-    pub(crate) complaints: Complaints,
+    pub(crate) reported_errors: ReportedErrors,
     /// Pins with a broken number: so that each is reported once.
     pub(crate) broken: BTreeSet<Entity>,
     /// Which links the solver's lists hold.

@@ -36,8 +36,8 @@
 //! Constraints are compiled into a plan when they change. Within an island no two of a **colour** share a particle, so eight of them are solved at
 //! once ([`InstructionSet`] says by which instructions; the bits are the same). Rods between rows that are a constant **stride** apart, as in a cloth
 //! numbered row by row, need no gathering. Large islands are swept **cluster** by cluster, each as much as a core's first cache holds, and several
-//! [`Workers`] may each take some clusters, or some of the substeps. Where a few constraints come or go, the plan is mended to what compiling it
-//! would give. A column that nothing wrote to is not read. A warm step allocates nothing.
+//! [`Workers`] may each take some clusters, or some of the substeps. Where a few constraints are added or removed, the plan is updated incrementally,
+//! to what compiling it would give. A column that nothing wrote to is not read. A warm step allocates nothing.
 //!
 //! # The map
 //!
@@ -87,12 +87,13 @@ pub(crate) mod union_find;
 pub use glam;
 
 pub use collide::{
-    BodyContacts, Collider, Combine, ContactMemory, Frame, Grip, Impact, Layers, Material, Nearest,
-    Party, RayHit, Remembered, Shape, ShapeFault, Solid, SolidFault,
+    BodyCollider, BodyColliderFault, BodyContacts, CachedManifold, Collider, Combine,
+    CombinedMaterial, ContactCache, ContactParticipant, Frame, Impact, Layers, Material, Nearest,
+    RayHit, Shape, ShapeFault,
 };
 pub use constraints::{
-    Bound, Boundaries, Constraint, Direction, Distance, DistanceFault, Equation, InsideBox, Law,
-    LawFault, Pin, PlanarDrag, Plane, Points, Softness,
+    Bound, Boundaries, Constraint, ConstraintFault, ConstraintKind, Distance, DistanceFault,
+    Equation, GradientAt, InsideBox, Pin, PlanarDrag, Plane, Points, Softness,
 };
 pub use forces::{
     AirFlow, Attractor, Control, Electric, ElectricField, Extent, Fluid, Forces, Hull, HullFault,

@@ -108,9 +108,9 @@ fn a_damped_spring_comes_to_rest_at_its_length() {
 #[test]
 fn two_charges_circle_each_other_in_keplers_time() {
     // Opposite charges of 1 and 2 µC, 1 m apart: K|q1 q2| = 0.01798 N·m².
-    let law = Electric::default();
+    let kind = Electric::default();
     let (q, m, r) = ([1e-6_f32, -2e-6], [0.002, 0.003], 1.0);
-    let strength = law.constant * (q[0] * q[1]).abs();
+    let strength = kind.constant * (q[0] * q[1]).abs();
     let reduced = m[0] * m[1] / (m[0] + m[1]);
     let exact = TAU * (reduced * r * r * r / strength).sqrt();
     let speed = TAU * r / exact;

@@ -3,7 +3,8 @@
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{BoxSpec, ClothMaterial, ClothSpec, box_3d, cloth_grid};
 use sinew::{
-    BodyContacts, Collider, Frame, Layers, Material, ParticleSeed, Party, Shape, Simulation, Sleep,
+    BodyContacts, Collider, ContactParticipant, Frame, Layers, Material, ParticleSeed, Shape,
+    Simulation, Sleep,
 };
 
 const DT: f32 = 1.0 / 60.0;
@@ -133,7 +134,10 @@ fn layers_that_do_not_mind_each_other_and_sensors_let_through_and_a_sensor_tells
             let report = world.step(DT).unwrap();
             told += report.impacts.len();
             for impact in &report.impacts {
-                assert_eq!((impact.first, impact.second), (Party::Body(0), Party::Collider(0)));
+                assert_eq!(
+                    (impact.first, impact.second),
+                    (ContactParticipant::Body(0), ContactParticipant::Collider(0))
+                );
                 assert_eq!((impact.sensor, impact.impulse == 0.0), (sensor, sensor));
                 assert!((impact.normal - Vec3::Y).length() < 1e-5);
             }

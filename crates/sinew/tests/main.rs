@@ -12,7 +12,7 @@
 //! | `segments` | ropes by their segments |
 //! | `settings` | what bodies ask for themselves |
 //! | `solver` | its choices against each other |
-//! | `waves` | large cloth through a step in columns, and from thread to thread |
+//! | `wavefronts` | large cloth through a step in columns, and from thread to thread |
 //!
 //! `threads` is what they are helped by.
 
@@ -27,4 +27,4 @@ mod segments;
 mod settings;
 mod solver;
 mod threads;
-mod waves;
+mod wavefronts;

@@ -2,7 +2,7 @@
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use sinew_bench::laws::{KERNELS, Kernel, Work};
+use sinew_bench::kernels::{KERNELS, Kernel, Work};
 use sinew_bench::measure::TICK;
 
 fn main() {

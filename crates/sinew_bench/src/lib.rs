@@ -16,11 +16,11 @@
 //! | [`peers`] | rapier3d on the same scenes; with the feature `peers` |
 //! | [`measure`] | taking turns, clocks, the median |
 //! | [`threads`] | the one place where a scene is given threads |
-//! | [`laws`] | a table of kernels, for the micro benchmark `kernels` |
+//! | [`kernels`] | a table of kernels, for the micro benchmark `kernels` |
 //! | [`row`], [`table`], [`growth`] | the figures, the page, the picture |
 
 pub mod growth;
-pub mod laws;
+pub mod kernels;
 pub mod measure;
 pub mod naive;
 pub mod peers;

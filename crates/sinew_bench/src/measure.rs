@@ -6,7 +6,7 @@ use std::time::Instant;
 use cpu_time::ProcessTime;
 use sinew::glam::{Quat, Vec3};
 use sinew::pose::{Pose, pose};
-use sinew::{Distance, Simulation, Solid};
+use sinew::{BodyCollider, Distance, Simulation};
 
 use crate::row::{Row, Stretch, Unit};
 
@@ -80,7 +80,7 @@ impl World for Ours {
 
     fn cubes(&self) -> Vec<Cube> {
         let particles = &self.0.particles;
-        let cube = |solid: &Solid| {
+        let cube = |solid: &BodyCollider| {
             let rows = || solid.rows.iter().map(|&row| row as usize);
             let points = rows().zip(&*solid.rest);
             let points = points.map(|(i, &rest)| (particles.position(i), rest, particles.mass(i)));
@@ -88,7 +88,7 @@ impl World for Ours {
             let velocity = velocity / solid.rows.len() as f32;
             Some(Cube { pose: pose(points, Quat::IDENTITY)?, velocity })
         };
-        self.0.solids().iter().filter_map(cube).collect()
+        self.0.body_colliders().iter().filter_map(cube).collect()
     }
 }
 

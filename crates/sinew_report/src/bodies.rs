@@ -4,7 +4,7 @@ use sinew::constraints::Rigid;
 use sinew::glam::{DVec3, Quat, Vec3};
 use sinew::recipes::{Blueprint, BoxLayout, BoxSpec, box_3d};
 use sinew::rigid::{Compound, RigidBody, RigidIntegrator};
-use sinew::{Constraint, Direction, Law, Simulation};
+use sinew::{Constraint, ConstraintKind, GradientAt, Simulation};
 
 use crate::Row;
 use crate::case::cases;
@@ -37,14 +37,14 @@ fn rest_of(body: &Blueprint) -> Vec<Vec3> {
 }
 
 /// It in the void, spinning, held together by one rigid shape.
-fn shaped(body: &Blueprint, substeps: u32, omega: Vec3, direction: Direction) -> Simulation {
+fn shaped(body: &Blueprint, substeps: u32, omega: Vec3, gradient_at: GradientAt) -> Simulation {
     let mut world = empty(substeps);
-    world.settings.direction = direction;
+    world.settings.gradient_at = gradient_at;
     for seed in &body.particles {
         world.particles.push(*seed).expect("a sound particle");
     }
-    let law = Law::Rigid(Rigid::of(rest_of(body)));
-    world.constraints_mut().push(Constraint::new(0..8, law));
+    let kind = ConstraintKind::Rigid(Rigid::of(rest_of(body)));
+    world.constraints_mut().push(Constraint::new(0..8, kind));
     spin(&mut world, 0..8, omega);
     world
 }
@@ -56,7 +56,7 @@ fn a_rigid_shape_keeps_its_spin_and_its_energy() -> Vec<Row> {
     for (name, body, omega) in
         [("cube", cube, Vec3::Y * 10.0), ("tumbling 1×2×3 box", plan(), Vec3::new(1.0, 4.0, 2.0))]
     {
-        let mut world = shaped(&body, 20, omega, Direction::StepStart);
+        let mut world = shaped(&body, 20, omega, GradientAt::StepStart);
         let before = world.ledger();
         steps(&mut world, TICK, 600);
         let after = world.ledger();
@@ -75,7 +75,7 @@ fn a_rigid_shape_keeps_its_spin_and_its_energy() -> Vec<Row> {
 }
 
 fn a_rigid_shape_flips_about_its_middle_axis() -> Vec<Row> {
-    let mut world = shaped(&plan(), 1, Vec3::new(0.06, 6.0, 0.0), Direction::StepStart);
+    let mut world = shaped(&plan(), 1, Vec3::new(0.06, 6.0, 0.0), GradientAt::StepStart);
     flip_rows("one rigid shape, 1/240 s", &mut world, 1.0 / 240.0, |w| middle_spin(w, 0..8))
 }
 
@@ -182,7 +182,7 @@ fn a_compound_that_moves_as_a_rigid_body_flips_too() -> Vec<Row> {
 fn a_swap_there_and_back_changes_nothing() -> Vec<Row> {
     let body = plan();
     let rows: Vec<usize> = (0..8).collect();
-    let mut world = shaped(&body, 20, Vec3::new(1.0, 4.0, 2.0), Direction::StepStart);
+    let mut world = shaped(&body, 20, Vec3::new(1.0, 4.0, 2.0), GradientAt::StepStart);
     for i in 0..8 {
         let velocity = world.particles.velocity(i) + Vec3::new(2.0, 0.5, -1.0);
         world.particles.set_velocity(i, velocity);
@@ -255,16 +255,16 @@ fn a_swap_there_and_back_changes_nothing() -> Vec<Row> {
 
 fn a_body_swapped_in_mid_flight_keeps_its_momenta() -> Vec<Row> {
     let body = plan();
-    let mut world = shaped(&body, 20, Vec3::new(1.0, 4.0, 2.0), Direction::StepStart);
+    let mut world = shaped(&body, 20, Vec3::new(1.0, 4.0, 2.0), GradientAt::StepStart);
     let before = world.ledger();
-    let law = world.constraints()[0].clone();
+    let kind = world.constraints()[0].clone();
     for _ in 0..5 {
         steps(&mut world, TICK, 60);
         world.constraints_mut().clear();
         world.compounds_mut().push(Compound::new(0..8, rest_of(&body)));
         steps(&mut world, TICK, 60);
         world.compounds_mut().clear();
-        world.constraints_mut().push(law.clone());
+        world.constraints_mut().push(kind.clone());
     }
     let after = world.ledger();
     let turned = (after.angular_momentum - before.angular_momentum).length();

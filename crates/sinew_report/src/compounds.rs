@@ -4,7 +4,7 @@ use core::f64::consts::{PI, TAU};
 
 use sinew::glam::Vec3;
 use sinew::recipes::{BoxLayout, BoxSpec, box_2d, box_3d};
-use sinew::{Direction, ParticleSeed, Simulation};
+use sinew::{GradientAt, ParticleSeed, Simulation};
 
 use crate::Row;
 use crate::case::cases;
@@ -82,7 +82,7 @@ pub(crate) const FLIP: f64 = 3.903;
 /// The box of the flips: equimomental, 28 rods.
 pub(crate) fn tumbling_box() -> (Simulation, core::ops::Range<usize>) {
     let mut world = empty(1);
-    converge(&mut world, Direction::StepStart, 50);
+    converge(&mut world, GradientAt::StepStart, 50);
     // The round-off of positions of 1 m: sweeps beyond that only stir it, fifty of them by 1 % of an interval.
     world.settings.tolerance = 1e-6;
     let spec = BoxSpec {
@@ -173,17 +173,17 @@ fn pendulum_period(angle: f64) -> f64 {
 fn a_pendulum_swings_in_the_time_of_its_amplitude() -> Vec<Row> {
     let row = |degrees: f64| {
         let angle = degrees * PI / 180.0;
-        let mut world = pendulum(angle, Direction::StepStart);
+        let mut world = pendulum(angle, GradientAt::StepStart);
         let times = rises(&mut world, 1.0 / 240.0, 15.0, |w| at(w, 1).x);
         let what = format!("period of 1 m from {degrees}° at 1/240 s, StepStart");
         Row::relative(what, "s", pendulum_period(angle), crate::measure::period(&times), 1e-4)
     };
     let nearest = |degrees: f64| {
         let angle = degrees * PI / 180.0;
-        let mut world = pendulum(angle, Direction::Nearest);
+        let mut world = pendulum(angle, GradientAt::Current);
         world.settings.substeps = 5;
         let times = rises(&mut world, 1.0 / 240.0, 15.0, |w| at(w, 1).x);
-        let what = format!("the same from {degrees}°, Nearest, 5 substeps");
+        let what = format!("the same from {degrees}°, Current, 5 substeps");
         Row::relative(what, "s", pendulum_period(angle), crate::measure::period(&times), 0.005)
     };
     vec![row(2.0), row(30.0), row(90.0), nearest(2.0), nearest(30.0)]

@@ -5,8 +5,8 @@ use core::f64::consts::PI;
 use sinew::constraints::{Angle, Cone, Hinge};
 use sinew::glam::{DVec3, Vec3};
 use sinew::{
-    Bound, Constraint, Distance, Equation, InsideBox, Law, ParticleSeed, Pin, Plane, Points,
-    Simulation,
+    Bound, Constraint, ConstraintKind, Distance, Equation, InsideBox, ParticleSeed, Pin, Plane,
+    Points, Simulation,
 };
 
 use crate::Row;
@@ -145,12 +145,13 @@ fn boundaries_lead_to_the_nearest_point() -> Vec<Row> {
 }
 
 /// The angle of a joint of two bones of 1 m, bent by `degrees` (180 is straight), after the law has been enforced.
-fn bent(degrees: f64, law: &Law) -> f64 {
+fn bent(degrees: f64, kind: &ConstraintKind) -> f64 {
     let angle = degrees * PI / 180.0;
     let bone = DVec3::new(libm::cos(angle), libm::sin(angle), 0.0).as_vec3();
     let mut world = placed(&[(Vec3::X, 1.0), (Vec3::ZERO, 2.0), (bone, 0.5), (Vec3::Z, 1.0)], 100);
-    let rows: &[u32] = if matches!(law, Law::Angle(_)) { &[0, 1, 2] } else { &[0, 1, 3, 2] };
-    world.constraints_mut().push(Constraint::new(rows.iter().copied(), law.clone()));
+    let rows: &[u32] =
+        if matches!(kind, ConstraintKind::Angle(_)) { &[0, 1, 2] } else { &[0, 1, 3, 2] };
+    world.constraints_mut().push(Constraint::new(rows.iter().copied(), kind.clone()));
     step(&mut world, TICK);
     let p = places(&world);
     let axis = if rows.len() == 3 { DVec3::Z } else { (p[3] - p[1]).normalize() };
@@ -164,9 +165,9 @@ fn bent(degrees: f64, law: &Law) -> f64 {
 /// Either to some roundings of a coordinate: 1e-6 rad, 6e-5°.
 fn a_joint_stays_within_its_limits() -> Vec<Row> {
     let rad = |degrees: f64| (degrees * PI / 180.0) as f32;
-    let angle = |min, max| Law::Angle(Angle::between(rad(min), rad(max)));
-    let elbow = Law::Hinge(Hinge::between(rad(30.0), rad(180.0)));
-    let kept = Law::Hinge(Hinge::between(rad(120.0), rad(120.0)));
+    let angle = |min, max| ConstraintKind::Angle(Angle::between(rad(min), rad(max)));
+    let elbow = ConstraintKind::Hinge(Hinge::between(rad(30.0), rad(180.0)));
+    let kept = ConstraintKind::Hinge(Hinge::between(rad(120.0), rad(120.0)));
     let met = |what: &str, expected, measured| Row::absolute(what, "°", expected, measured, 1e-4);
     let least = |what: &str, limit, measured| Row::at_least(what, "°", limit - 1e-4, measured);
     let most = |what: &str, limit, measured| Row::at_most(what, "°", limit + 1e-4, measured);
@@ -192,7 +193,7 @@ fn coned(degrees: f64) -> f64 {
     let bone = DVec3::new(libm::cos(angle), libm::sin(angle), 0.0).as_vec3();
     let points = [(Vec3::ZERO, 1.0), (Vec3::Y, 1.0), (Vec3::Z, 1.0), (bone, 0.5)];
     let mut world = placed(&points, 100);
-    world.constraints_mut().push(Constraint::new(0..4, Law::Cone(cone.clone())));
+    world.constraints_mut().push(Constraint::new(0..4, ConstraintKind::Cone(cone.clone())));
     step(&mut world, TICK);
     let p = places(&world);
     let seen = |i: usize| p[i].as_vec3();
@@ -212,13 +213,13 @@ fn limits_keep_momentum_and_angular_momentum() -> Vec<Row> {
     ];
     let cone = Cone::about(Vec3::X, Vec3::ZERO, Vec3::Y, Vec3::Z, rad(20.0)).expect("a frame");
     let mut rows = Vec::new();
-    for (name, count, law) in [
-        ("an angle", 3, Law::Angle(Angle::between(rad(120.0), rad(150.0)))),
-        ("a hinge", 4, Law::Hinge(Hinge::between(rad(170.0), rad(180.0)))),
-        ("a cone", 4, Law::Cone(cone)),
+    for (name, count, kind) in [
+        ("an angle", 3, ConstraintKind::Angle(Angle::between(rad(120.0), rad(150.0)))),
+        ("a hinge", 4, ConstraintKind::Hinge(Hinge::between(rad(170.0), rad(180.0)))),
+        ("a cone", 4, ConstraintKind::Cone(cone)),
     ] {
         let mut world = placed(&points, 1);
-        world.constraints_mut().push(Constraint::new(0..count, law));
+        world.constraints_mut().push(Constraint::new(0..count, kind));
         rows.extend(conserved(name, world));
     }
     rows
@@ -287,7 +288,7 @@ fn a_law_of_a_games_own_does_what_a_built_in_one_does() -> Vec<Row> {
         world.particles.push(ParticleSeed::at(Vec3::ZERO).pinned()).expect("a sound particle");
         world.particles.push(ParticleSeed::at(Vec3::X)).expect("a sound particle");
         if own {
-            world.constraints_mut().push(Constraint::new([1], Law::custom(Leash)));
+            world.constraints_mut().push(Constraint::new([1], ConstraintKind::custom(Leash)));
         } else {
             world.distances_mut().push(Distance::new(0, 1, 1.0));
         }

@@ -2,7 +2,7 @@
 
 use sinew::glam::Vec3;
 use sinew::recipes::{BoxSpec, box_3d};
-use sinew::{Direction, ParticleSeed, Plane, Simulation};
+use sinew::{GradientAt, ParticleSeed, Plane, Simulation};
 
 use crate::Row;
 use crate::case::cases;
@@ -77,7 +77,7 @@ fn a_pendulum_swings_there_as_at_home() -> Vec<Row> {
     // On a grid that f32 can hold out there, so that both start alike.
     let offset = Vec3::new(5000.0, -3000.0, 4000.0);
     let end = |offset: Vec3| {
-        let mut world = pendulum(1.0, Direction::StepStart);
+        let mut world = pendulum(1.0, GradientAt::StepStart);
         for i in 0..2 {
             let seed = world.particles.seed(i);
             let local = (seed.position * 1024.0).round() / 1024.0;

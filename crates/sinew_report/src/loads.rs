@@ -2,7 +2,7 @@
 
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{BoxSpec, RopeSpec, box_3d, rope};
-use sinew::{BodyContacts, Collider, Direction, Frame, Material, ParticleSeed, Shape, Simulation};
+use sinew::{BodyContacts, Collider, Frame, GradientAt, Material, ParticleSeed, Shape, Simulation};
 
 use crate::Row;
 use crate::case::cases;
@@ -92,7 +92,7 @@ fn what_lies_or_hangs_still_has_no_velocity_and_what_swings_has_its_own() -> Vec
         let pivot = Vec3::new(10.0, 5.0, 0.0);
         let spec = RopeSpec { from: pivot, to: pivot + Vec3::X, segments: 1, ..hanging };
         let mut pendulum = rope(&spec).expect("a sound rope");
-        pendulum.settings.direction = Some(Direction::StepStart);
+        pendulum.settings.gradient_at = Some(GradientAt::StepStart);
         let swings = pendulum.build(&mut world).expect("room").end - 1;
         let (mut still, mut swung) = (0.0_f64, 0.0_f64);
         for tick in 0..600 {

@@ -3,7 +3,7 @@
 
 use sinew::glam::{DQuat, DVec3, Vec3};
 use sinew::pose::{Motion, motion};
-use sinew::{Direction, Simulation, SolverReport};
+use sinew::{GradientAt, Simulation, SolverReport};
 
 /// Gravity of a world by default, m/s².
 pub(crate) const G: f64 = 9.81;
@@ -20,8 +20,8 @@ pub(crate) fn empty(substeps: u32) -> Simulation {
 }
 
 /// Makes the loop converge as far as `f32` goes: for claims about the direction of a correction, and not about how far the loop went.
-pub(crate) fn converge(world: &mut Simulation, direction: Direction, sweeps: u32) {
-    world.settings.direction = direction;
+pub(crate) fn converge(world: &mut Simulation, gradient_at: GradientAt, sweeps: u32) {
+    world.settings.gradient_at = gradient_at;
     world.settings.max_sweeps = sweeps;
     world.settings.tolerance = 0.0;
 }

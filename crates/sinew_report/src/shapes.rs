@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use sinew::constraints::{Area, Bend, Collinear, Coplanar, Hinge, Patch, Tetrahedron, Volume, Way};
 use sinew::glam::{DMat3, DVec3, Vec3};
-use sinew::{Constraint, Law, Simulation};
+use sinew::{Constraint, ConstraintKind, Simulation};
 
 use crate::Row;
 use crate::case::cases;
@@ -45,9 +45,9 @@ fn eigenvalues(points: &[(Vec3, f32)]) -> [f64; 3] {
 }
 
 /// `Σ m‖d‖²` of one step with one law.
-fn cost(points: &[(Vec3, f32)], law: Law, sweeps: u32) -> (f64, Simulation) {
+fn cost(points: &[(Vec3, f32)], kind: ConstraintKind, sweeps: u32) -> (f64, Simulation) {
     let mut world = placed(points, sweeps);
-    world.constraints_mut().push(Constraint::new(0..points.len() as u32, law));
+    world.constraints_mut().push(Constraint::new(0..points.len() as u32, kind));
     let before = places(&world);
     step(&mut world, TICK);
     let ways = before.iter().zip(places(&world)).zip(points);
@@ -59,8 +59,8 @@ fn cost(points: &[(Vec3, f32)], law: Law, sweeps: u32) -> (f64, Simulation) {
 fn particles_go_to_the_plane_and_the_line_of_least_squares() -> Vec<Row> {
     let points = cloud();
     let [_, middle, least] = eigenvalues(&points);
-    let (plane, flat) = cost(&points, Law::Coplanar(Coplanar::default()), 1);
-    let (line, thin) = cost(&points, Law::Collinear(Collinear::default()), 1);
+    let (plane, flat) = cost(&points, ConstraintKind::Coplanar(Coplanar::default()), 1);
+    let (line, thin) = cost(&points, ConstraintKind::Collinear(Collinear::default()), 1);
     let left = |world: &Simulation| {
         let now: Vec<_> =
             places(world).iter().zip(&points).map(|(p, q)| (p.as_vec3(), q.1)).collect();
@@ -147,9 +147,9 @@ fn a_mesh_gets_its_volume_back_and_the_gradient_costs_least() -> Vec<Row> {
         let rest: Vec<Vec3> = points.iter().map(|p| p.as_vec3()).collect();
         let mut costs = Vec::new();
         for way in [Way::Scaling, Way::Gradient] {
-            let law = Law::Volume(Volume::of(triangles.clone(), &rest).with_way(way));
+            let kind = ConstraintKind::Volume(Volume::of(triangles.clone(), &rest).with_way(way));
             let sweeps = if way == Way::Scaling { 1 } else { 20 };
-            let (cost, world) = cost(&now, law, sweeps);
+            let (cost, world) = cost(&now, kind, sweeps);
             let found = volume(&places(&world), &triangles);
             let what = format!("volume of a {name}, by {way:?}, {sweeps} sweeps");
             rows.push(Row::relative(what, "m³", exact, found, 2e-6));
@@ -164,8 +164,8 @@ fn a_mesh_gets_its_volume_back_and_the_gradient_costs_least() -> Vec<Row> {
     }
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
     let shrunk: Vec<(Vec3, f32)> = corners.iter().map(|p| (*p * 0.8, 1.0)).collect();
-    let law = Law::Tetrahedron(Tetrahedron::of(corners));
-    let p = places(&cost(&shrunk, law, 20).1);
+    let kind = ConstraintKind::Tetrahedron(Tetrahedron::of(corners));
+    let p = places(&cost(&shrunk, kind, 20).1);
     let found = (p[1] - p[0]).cross(p[2] - p[0]).dot(p[3] - p[0]) / 6.0;
     rows.push(Row::relative("volume of a tetrahedron", "m³", 1.0 / 6.0, found, 2e-6));
     rows
@@ -177,14 +177,15 @@ fn triangles_and_patches_get_their_area_back() -> Vec<Row> {
     let rest = [Vec3::ZERO, Vec3::X, Vec3::new(0.3, 1.0, 0.0), Vec3::new(1.2, 0.8, 0.4)];
     let now: Vec<(Vec3, f32)> =
         rest.iter().zip([1.0, 2.0, 0.5, 3.0]).map(|(p, m)| (*p * 0.7, m)).collect();
-    let one = places(&cost(&now[..3], Law::Area(Area::of([rest[0], rest[1], rest[2]])), 20).1);
+    let one =
+        places(&cost(&now[..3], ConstraintKind::Area(Area::of([rest[0], rest[1], rest[2]])), 20).1);
     let mut rows =
         vec![Row::relative("area of a triangle", "m²", 0.5, area(&one, &[0, 1, 2]), 2e-6)];
     for way in [Way::Gradient, Way::Scaling] {
         let patch = Patch::of(vec![[0, 1, 2], [1, 3, 2]], &rest).with_way(way);
         let both = |p: &[DVec3]| area(p, &[0, 1, 2]) + area(p, &[1, 3, 2]);
         let exact = both(&rest.map(Vec3::as_dvec3));
-        let found = both(&places(&cost(&now, Law::Patch(patch), 20).1));
+        let found = both(&places(&cost(&now, ConstraintKind::Patch(patch), 20).1));
         rows.push(Row::relative(
             format!("area of a patch of two, by {way:?}"),
             "m²",
@@ -216,8 +217,8 @@ fn a_fold_is_flattened_by_either_kind_of_bending() -> Vec<Row> {
     // [a, h0, h1, c] is the order of a hinge.
     let order = |p: Vec<(Vec3, f32)>| vec![p[2], p[0], p[1], p[3]];
     let hinge = Hinge::rest([at(2), at(0), at(1), at(3)]);
-    let by_bend = fold(&places(&cost(&folded(0.8), Law::Bend(isometric), 50).1));
-    let p = places(&cost(&order(folded(0.8)), Law::Hinge(hinge), 50).1);
+    let by_bend = fold(&places(&cost(&folded(0.8), ConstraintKind::Bend(isometric), 50).1));
+    let p = places(&cost(&order(folded(0.8)), ConstraintKind::Hinge(hinge), 50).1);
     let by_hinge = fold(&[p[1], p[2], p[0], p[3]]);
     // Where a fold ends that is measured by its size alone, a rounding of 1e-7 m is 1e-7 rad of a flap of 1 m, from either side.
     vec![
@@ -237,19 +238,19 @@ fn shapes_keep_momentum_and_angular_momentum() -> Vec<Row> {
         .collect();
     let flat = folded(0.0);
     let bend = Bend::of([flat[0].0, flat[1].0, flat[2].0, flat[3].0]).expect("two triangles");
-    let mesh = |way| Law::Volume(Volume::of(triangles.clone(), &rest).with_way(way));
-    let patch = Law::Patch(Patch::of(triangles.clone(), &rest));
+    let mesh = |way| ConstraintKind::Volume(Volume::of(triangles.clone(), &rest).with_way(way));
+    let patch = ConstraintKind::Patch(Patch::of(triangles.clone(), &rest));
     let mut rows = Vec::new();
-    for (name, points, law) in [
-        ("a plane", cloud(), Law::Coplanar(Coplanar::default())),
-        ("a line", cloud(), Law::Collinear(Collinear::default())),
+    for (name, points, kind) in [
+        ("a plane", cloud(), ConstraintKind::Coplanar(Coplanar::default())),
+        ("a line", cloud(), ConstraintKind::Collinear(Collinear::default())),
         ("a volume by its gradient", crumpled.clone(), mesh(Way::Gradient)),
         ("a volume by scaling", crumpled.clone(), mesh(Way::Scaling)),
         ("a patch's area", crumpled, patch),
-        ("isometric bending", folded(0.8), Law::Bend(bend)),
+        ("isometric bending", folded(0.8), ConstraintKind::Bend(bend)),
     ] {
         let mut world = placed(&points, 1);
-        world.constraints_mut().push(Constraint::new(0..points.len() as u32, law));
+        world.constraints_mut().push(Constraint::new(0..points.len() as u32, kind));
         rows.extend(conserved(name, world));
     }
     rows

@@ -2,7 +2,7 @@
 
 use sinew::glam::Vec3;
 use sinew::recipes::{BoxSpec, ClothSpec, RopeSpec, box_3d, cloth_grid, rope};
-use sinew::{Direction, Distance, Order, ParticleSeed, Simulation, Softness, Spring};
+use sinew::{Distance, GradientAt, Order, ParticleSeed, Simulation, Softness, Spring};
 
 use crate::Row;
 use crate::case::cases;
@@ -10,10 +10,10 @@ use crate::integrators::reverse;
 use crate::measure::{TICK, at, converge, empty, largest, period, rises, spin, step, steps, whole};
 
 cases! {
-    "Direction" nearest_points_bleed_spin_by_the_law_and_step_starts_keep_it;
-    "Direction" spin_is_kept_over_ten_seconds;
-    "Direction" a_pendulum_from_the_level_loses_its_energy_to_nearest_points_alone;
-    "Direction" constrained_motion_runs_backwards_along_step_starts_alone;
+    "Gradient" nearest_points_bleed_spin_by_the_law_and_step_starts_keep_it;
+    "Gradient" spin_is_kept_over_ten_seconds;
+    "Gradient" a_pendulum_from_the_level_loses_its_energy_to_nearest_points_alone;
+    "Gradient" constrained_motion_runs_backwards_along_step_starts_alone;
     "Loop" every_order_of_a_sweep_ends_at_the_same_lengths;
     "Substeps" at_equal_work_many_substeps_stretch_less_than_many_sweeps;
     "Softness" a_soft_distance_swings_alike_at_any_number_of_sweeps_and_substeps;
@@ -24,17 +24,17 @@ cases! {
 /// A cube of 1 m and 1 kg, 8 particles and 28 rods, that spins about y in the void at `omega` rad/s.
 pub(crate) fn spinning_cube(
     omega: f32,
-    direction: Direction,
+    gradient_at: GradientAt,
     substeps: u32,
     sweeps: u32,
 ) -> Simulation {
     let mut world = empty(substeps);
-    converge(&mut world, direction, sweeps);
+    converge(&mut world, gradient_at, sweeps);
     // The correction as it is, without what makes up for it.
     world.settings.keep_spin = false;
     let rows = box_3d(&BoxSpec::default()).expect("a sound box").build(&mut world).expect("room");
     // The recipe asks for the start of the step.
-    world.bodies[0].direction = Some(direction);
+    world.bodies[0].gradient_at = Some(gradient_at);
     spin(&mut world, rows, Vec3::Y * omega);
     world
 }
@@ -54,9 +54,9 @@ fn nearest_points_bleed_spin_by_the_law_and_step_starts_keep_it() -> Vec<Row> {
     let mut rows = Vec::new();
     let turn = 5.0 / 60.0;
     for sweeps in [4, 20] {
-        let mut world = spinning_cube(5.0, Direction::Nearest, 1, sweeps);
+        let mut world = spinning_cube(5.0, GradientAt::Current, 1, sweeps);
         steps(&mut world, TICK, 120);
-        let what = format!("5 rad/s after 2 s at 1/60 s, Nearest, {sweeps} sweeps: ω0/√(1+2ω0²ht)");
+        let what = format!("5 rad/s after 2 s at 1/60 s, Current, {sweeps} sweeps: ω0/√(1+2ω0²ht)");
         rows.push(Row::relative(
             what,
             "rad/s",
@@ -65,7 +65,7 @@ fn nearest_points_bleed_spin_by_the_law_and_step_starts_keep_it() -> Vec<Row> {
             turn * turn,
         ));
     }
-    let mut world = spinning_cube(5.0, Direction::StepStart, 1, 20);
+    let mut world = spinning_cube(5.0, GradientAt::StepStart, 1, 20);
     steps(&mut world, TICK, 120);
     rows.push(Row::relative(
         "the same, StepStart, 20 sweeps",
@@ -79,8 +79,8 @@ fn nearest_points_bleed_spin_by_the_law_and_step_starts_keep_it() -> Vec<Row> {
 
 /// 0.5 % is the figure for 20 substeps.
 fn spin_is_kept_over_ten_seconds() -> Vec<Row> {
-    let kept = |direction, substeps| {
-        let mut world = spinning_cube(10.0, direction, substeps, 20);
+    let kept = |gradient_at, substeps| {
+        let mut world = spinning_cube(10.0, gradient_at, substeps, 20);
         let before = world.ledger().angular_momentum.length();
         steps(&mut world, TICK, 600);
         world.ledger().angular_momentum.length() / before
@@ -89,27 +89,27 @@ fn spin_is_kept_over_ten_seconds() -> Vec<Row> {
     for substeps in [1, 8, 20] {
         let h = 1.0 / (60.0 * f64::from(substeps));
         let turn = 10.0 * h;
-        let what = format!("angular momentum kept, 10 rad/s, 10 s, {substeps} substeps, Nearest");
+        let what = format!("angular momentum kept, 10 rad/s, 10 s, {substeps} substeps, Current");
         let exact = bled(1.0, 100.0 * h, 10.0);
         rows.push(Row::relative(
             what,
             "",
             exact,
-            kept(Direction::Nearest, substeps),
+            kept(GradientAt::Current, substeps),
             turn * turn + 0.005,
         ));
     }
     for substeps in [1, 8, 20] {
         let what = format!("the same, {substeps} substeps, StepStart");
-        rows.push(Row::relative(what, "", 1.0, kept(Direction::StepStart, substeps), 0.005));
+        rows.push(Row::relative(what, "", 1.0, kept(GradientAt::StepStart, substeps), 0.005));
     }
-    let mut world = spinning_cube(10.0, Direction::Nearest, 20, 20);
+    let mut world = spinning_cube(10.0, GradientAt::Current, 20, 20);
     world.settings.keep_spin = true;
     let before = world.ledger();
     steps(&mut world, TICK, 600);
     let after = world.ledger();
     let share = after.angular_momentum.length() / before.angular_momentum.length();
-    let what = "the same, 20 substeps, Nearest with the angular momentum put back";
+    let what = "the same, 20 substeps, Current with the angular momentum put back";
     rows.push(Row::relative(what, "", 1.0, share, 0.005));
     let what = "energy kept by that (physics.md B2': 98.8–100 %)";
     rows.push(Row::relative(what, "", 1.0, after.kinetic / before.kinetic, 0.012));
@@ -117,10 +117,10 @@ fn spin_is_kept_over_ten_seconds() -> Vec<Row> {
 }
 
 /// A rod of 1 m with 1 kg at its end, let go at `angle` (radians from hanging down), at rest.
-pub(crate) fn pendulum(angle: f64, direction: Direction) -> Simulation {
+pub(crate) fn pendulum(angle: f64, gradient_at: GradientAt) -> Simulation {
     let mut world = Simulation::default();
     world.settings.substeps = 1;
-    converge(&mut world, direction, 20);
+    converge(&mut world, gradient_at, 20);
     world.particles.push(ParticleSeed::at(Vec3::ZERO).pinned()).expect("a sound particle");
     let bob = Vec3::new(-libm::sin(angle) as f32, -libm::cos(angle) as f32, 0.0);
     world.particles.push(ParticleSeed::at(bob)).expect("a sound particle");
@@ -132,12 +132,12 @@ pub(crate) fn pendulum(angle: f64, direction: Direction) -> Simulation {
 /// by `(ωh)²` of it to and fro; means over one swing (142 steps) leave that out. The height that it comes back up to needs no velocity at all: at
 /// most half a step from the top of the swing it has fallen by `½ g (h/2)²` = 0.3 mm, 0.0033 J/kg.
 fn a_pendulum_from_the_level_loses_its_energy_to_nearest_points_alone() -> Vec<Row> {
-    let start = |direction| pendulum(core::f64::consts::FRAC_PI_2, direction);
-    let mut world = start(Direction::Nearest);
+    let start = |gradient_at| pendulum(core::f64::consts::FRAC_PI_2, gradient_at);
+    let mut world = start(GradientAt::Current);
     let before = world.ledger().energy();
     steps(&mut world, TICK, 600);
     let bled = before - world.ledger().energy();
-    let mut world = start(Direction::StepStart);
+    let mut world = start(GradientAt::StepStart);
     let energies: Vec<f64> = (0..600)
         .map(|_| {
             step(&mut world, TICK);
@@ -152,7 +152,7 @@ fn a_pendulum_from_the_level_loses_its_energy_to_nearest_points_alone() -> Vec<R
         top = top.max(at(&world, 1).y);
     }
     vec![
-        Row::absolute("lost of 9.81 J in 10 s at 1/60 s, Nearest", "J", 8.78, bled, 0.005),
+        Row::absolute("lost of 9.81 J in 10 s at 1/60 s, Current", "J", 8.78, bled, 0.005),
         Row::absolute("the same, StepStart, means over a swing", "J", 0.0, lost, 0.0105),
         Row::absolute(
             "its highest point in the swing after, StepStart",
@@ -167,8 +167,8 @@ fn a_pendulum_from_the_level_loses_its_energy_to_nearest_points_alone() -> Vec<R
 /// Nearest points miss by 5 to 12 cm after a second or two (physics.md). Along the start of the step only round-off is left: 1e-9 m in the `f64`
 /// of that measurement, `2⁻²⁴/2⁻⁵³` = 5e8 times coarser here but for a few steps: a rounding of 6e-8 m in each of 240 steps, growing with time.
 fn constrained_motion_runs_backwards_along_step_starts_alone() -> Vec<Row> {
-    let missed = |direction| {
-        let mut world = pendulum(core::f64::consts::FRAC_PI_2, direction);
+    let missed = |gradient_at| {
+        let mut world = pendulum(core::f64::consts::FRAC_PI_2, gradient_at);
         let start = at(&world, 1);
         steps(&mut world, TICK, 120);
         reverse(&mut world);
@@ -177,16 +177,16 @@ fn constrained_motion_runs_backwards_along_step_starts_alone() -> Vec<Row> {
     };
     vec![
         Row::at_least(
-            "a pendulum from 90° misses its start after 2 s and back, Nearest",
+            "a pendulum from 90° misses its start after 2 s and back, Current",
             "m",
             0.05,
-            missed(Direction::Nearest),
+            missed(GradientAt::Current),
         ),
         Row::absolute(
             "the same, StepStart",
             "m",
             0.0,
-            missed(Direction::StepStart),
+            missed(GradientAt::StepStart),
             240.0 * 120.0 * 6e-8,
         ),
     ]
@@ -194,7 +194,7 @@ fn constrained_motion_runs_backwards_along_step_starts_alone() -> Vec<Row> {
 
 fn every_order_of_a_sweep_ends_at_the_same_lengths() -> Vec<Row> {
     let mut rows = Vec::new();
-    for order in [Order::Cascade, Order::WorstFirst, Order::Jacobi] {
+    for order in [Order::GaussSeidel, Order::MostViolatedFirst, Order::Jacobi] {
         let mut world = Simulation::default();
         world.settings.order = order;
         world.settings.max_sweeps = 1000;

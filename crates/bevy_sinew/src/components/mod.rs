@@ -18,12 +18,12 @@ pub use body::{
 };
 pub use collide::{
     BodyContacts, Collider, ColliderFault, ColliderMotion, ColliderShape, CollisionLayers, Combine,
-    ContactEnded, ContactEvents, ContactMemory, ContactShape, ContactStarted, ContactsDisabled,
+    ContactCache, ContactEnded, ContactEvents, ContactShape, ContactStarted, ContactsDisabled,
     RestPlace, Sensor, SurfaceMaterial, Touching,
 };
 pub use constraint::{
-    AngleConstraint, AreaConstraint, BendConstraint, Bound, CollinearConstraint, ConeConstraint,
-    CoplanarConstraint, DistanceConstraint, HingeConstraint, LawConstraint, ParticleConstraint,
+    AngleConstraint, AnyConstraint, AreaConstraint, BendConstraint, Bound, CollinearConstraint,
+    ConeConstraint, CoplanarConstraint, DistanceConstraint, HingeConstraint, ParticleConstraint,
     PatchConstraint, RigidConstraint, Spring, TetrahedronConstraint, VolumeConstraint, Way,
 };
 pub use control::{ControlForce, ExternalImpulse, ExternalTorque, TickForces};

@@ -2,12 +2,12 @@
 
 use bevy::ecs::relationship::{Relationship, RelationshipHookMode, RelationshipTarget};
 use bevy::prelude::*;
-use sinew::Law;
+use sinew::ConstraintKind;
 use sinew::recipes::Blueprint;
 
 use crate::components::{
-    AngleConstraint, AreaConstraint, BendConstraint, CollinearConstraint, ConeConstraint,
-    ConstraintOf, CoplanarConstraint, DistanceConstraint, HingeConstraint, LawConstraint,
+    AngleConstraint, AnyConstraint, AreaConstraint, BendConstraint, CollinearConstraint,
+    ConeConstraint, ConstraintOf, CoplanarConstraint, DistanceConstraint, HingeConstraint,
     PatchConstraint, RigidConstraint, TetrahedronConstraint, VolumeConstraint,
 };
 
@@ -32,7 +32,7 @@ pub(super) fn bind(
     // A number that no particle has names nobody: the constraint is refused at gather as any other whose particle is gone.
     let particle = |row: u32| particles.get(row as usize).copied().unwrap_or(Entity::PLACEHOLDER);
     let Blueprint { distances, constraints, .. } = blueprint;
-    let mut bound = enlist::<ConstraintOf>(world, body, distances.len() + constraints.len());
+    let mut bound = spawn_related::<ConstraintOf>(world, body, distances.len() + constraints.len());
     for (done, distance) in distances.iter().enumerate() {
         let Some(&entity) = bound.get(done) else { return bound };
         let constraint = DistanceConstraint {
@@ -50,7 +50,7 @@ pub(super) fn bind(
     for (done, constraint) in (distances.len()..).zip(constraints) {
         let Some(&entity) = bound.get(done) else { return bound };
         let particles = constraint.rows.iter().map(|&row| particle(row)).collect();
-        if !fill_law(world, entity, ConstraintOf(body), particles, &constraint.law) {
+        if !fill_kind(world, entity, ConstraintOf(body), particles, &constraint.kind) {
             bound.truncate(done);
             return bound;
         }
@@ -61,7 +61,11 @@ pub(super) fn bind(
 /// Spawns entities that are in the list of a body (none if that is gone), though they do not say so themselves until they are [filled](fill): all at
 /// once, because Bevy has a command for each that joins, to be carried out alone, which takes longer than everything else. So whoever despawns the
 /// body meanwhile takes them along.
-pub(super) fn enlist<R: Joins>(world: &mut World, body: Entity, count: usize) -> Vec<Entity> {
+pub(super) fn spawn_related<R: Joins>(
+    world: &mut World,
+    body: Entity,
+    count: usize,
+) -> Vec<Entity> {
     if count == 0 || world.get_entity(body).is_err() {
         return Vec::new();
     }
@@ -75,7 +79,7 @@ pub(super) fn enlist<R: Joins>(world: &mut World, body: Entity, count: usize) ->
     joined
 }
 
-/// Makes something of an entity that was [enlisted](enlist). Whether the body is still there: if not, so is the entity not.
+/// Makes something of an entity that was [spawned](spawn_related). Whether the body is still there: if not, so is the entity not.
 pub(super) fn fill<R: Joins>(world: &mut World, entity: Entity, of: R, rest: impl Bundle) -> bool {
     let Some(mode) = mode::<R>(world, of.get()) else { return false };
     if let Ok(mut entity) = world.get_entity_mut(entity) {
@@ -93,39 +97,54 @@ fn mode<R: Joins>(world: &World, body: Entity) -> Option<RelationshipHookMode> {
     })
 }
 
-/// The same with a law as the component that it is; a game's own stays what it is, and so does one that does not have the particles that it should.
-fn fill_law(
+/// The same with a constraint as the component that it is; a game's own stays what it is, and so does one that does not have the particles that it
+/// should.
+fn fill_kind(
     world: &mut World,
     entity: Entity,
     of: ConstraintOf,
     particles: Vec<Entity>,
-    law: &Law,
+    kind: &ConstraintKind,
 ) -> bool {
     let three = <[Entity; 3]>::try_from(particles.as_slice());
     let four = <[Entity; 4]>::try_from(particles.as_slice());
-    match (law, three, four) {
-        (Law::Angle(law), Ok(p), _) => fill(world, entity, of, AngleConstraint::from_law(p, law)),
-        (Law::Hinge(law), _, Ok(p)) => fill(world, entity, of, HingeConstraint::from_law(p, law)),
-        (Law::Cone(law), ..) => fill(world, entity, of, ConeConstraint::from_law(particles, law)),
-        (Law::Area(law), Ok(p), _) => fill(world, entity, of, AreaConstraint::from_law(p, law)),
-        (Law::Patch(law), ..) => fill(world, entity, of, PatchConstraint::from_law(particles, law)),
-        (Law::Tetrahedron(law), _, Ok(p)) => {
-            fill(world, entity, of, TetrahedronConstraint::from_law(p, law))
+    match (kind, three, four) {
+        (ConstraintKind::Angle(kind), Ok(p), _) => {
+            fill(world, entity, of, AngleConstraint::from_kind(p, kind))
         }
-        (Law::Volume(law), ..) => {
-            fill(world, entity, of, VolumeConstraint::from_law(particles, law))
+        (ConstraintKind::Hinge(kind), _, Ok(p)) => {
+            fill(world, entity, of, HingeConstraint::from_kind(p, kind))
         }
-        (Law::Bend(law), _, Ok(p)) => fill(world, entity, of, BendConstraint::from_law(p, law)),
-        (Law::Coplanar(law), ..) => {
-            let softness = law.softness.into();
+        (ConstraintKind::Cone(kind), ..) => {
+            fill(world, entity, of, ConeConstraint::from_kind(particles, kind))
+        }
+        (ConstraintKind::Area(kind), Ok(p), _) => {
+            fill(world, entity, of, AreaConstraint::from_kind(p, kind))
+        }
+        (ConstraintKind::Patch(kind), ..) => {
+            fill(world, entity, of, PatchConstraint::from_kind(particles, kind))
+        }
+        (ConstraintKind::Tetrahedron(kind), _, Ok(p)) => {
+            fill(world, entity, of, TetrahedronConstraint::from_kind(p, kind))
+        }
+        (ConstraintKind::Volume(kind), ..) => {
+            fill(world, entity, of, VolumeConstraint::from_kind(particles, kind))
+        }
+        (ConstraintKind::Bend(kind), _, Ok(p)) => {
+            fill(world, entity, of, BendConstraint::from_kind(p, kind))
+        }
+        (ConstraintKind::Coplanar(kind), ..) => {
+            let softness = kind.softness.into();
             fill(world, entity, of, CoplanarConstraint::new(particles).with_softness(softness))
         }
-        (Law::Collinear(law), ..) => {
-            let softness = law.softness.into();
+        (ConstraintKind::Collinear(kind), ..) => {
+            let softness = kind.softness.into();
             fill(world, entity, of, CollinearConstraint::new(particles).with_softness(softness))
         }
-        (Law::Rigid(law), ..) => fill(world, entity, of, RigidConstraint::from_law(particles, law)),
-        (law, ..) => fill(world, entity, of, LawConstraint::new(particles, law.clone())),
+        (ConstraintKind::Rigid(kind), ..) => {
+            fill(world, entity, of, RigidConstraint::from_kind(particles, kind))
+        }
+        (kind, ..) => fill(world, entity, of, AnyConstraint::new(particles, kind.clone())),
     }
 }
 
@@ -155,30 +174,42 @@ mod tests {
         let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
         let soft = Softness::frequency(3.0, 0.5);
         let laws = [
-            (3, Law::Angle(Angle::between(0.1, 0.2).with_softness(soft))),
-            (4, Law::Hinge(Hinge::between(0.1, 0.2).with_softness(soft))),
-            (4, Law::Cone(Cone::about(o, x, y, z, 0.3).unwrap().with_softness(soft))),
-            (3, Law::Area(Area::of([o, x, y]).with_softness(soft))),
-            (4, Law::Patch(Patch::of(faces, &places).with_way(Way::Scaling).with_softness(soft))),
-            (4, Law::Tetrahedron(Tetrahedron::of(places).with_softness(soft))),
-            (4, Law::Volume(Volume::of(faces, &places).with_way(Way::Scaling).with_softness(soft))),
-            (4, Law::Bend(Bend::of(places).unwrap().with_softness(soft))),
-            (4, Law::Coplanar(Coplanar::default().with_softness(soft))),
-            (3, Law::Collinear(Collinear::default().with_softness(soft))),
-            (4, Law::Rigid(Rigid::of(places).with_softness(soft))),
-            (2, Law::custom(Own)),
+            (3, ConstraintKind::Angle(Angle::between(0.1, 0.2).with_softness(soft))),
+            (4, ConstraintKind::Hinge(Hinge::between(0.1, 0.2).with_softness(soft))),
+            (4, ConstraintKind::Cone(Cone::about(o, x, y, z, 0.3).unwrap().with_softness(soft))),
+            (3, ConstraintKind::Area(Area::of([o, x, y]).with_softness(soft))),
+            (
+                4,
+                ConstraintKind::Patch(
+                    Patch::of(faces, &places).with_way(Way::Scaling).with_softness(soft),
+                ),
+            ),
+            (4, ConstraintKind::Tetrahedron(Tetrahedron::of(places).with_softness(soft))),
+            (
+                4,
+                ConstraintKind::Volume(
+                    Volume::of(faces, &places).with_way(Way::Scaling).with_softness(soft),
+                ),
+            ),
+            (4, ConstraintKind::Bend(Bend::of(places).unwrap().with_softness(soft))),
+            (4, ConstraintKind::Coplanar(Coplanar::default().with_softness(soft))),
+            (3, ConstraintKind::Collinear(Collinear::default().with_softness(soft))),
+            (4, ConstraintKind::Rigid(Rigid::of(places).with_softness(soft))),
+            (2, ConstraintKind::custom(Own)),
         ];
         Blueprint {
             particles: places.map(ParticleSeed::at).to_vec(),
             distances: vec![Distance::new(0, 1, 1.0)],
-            constraints: laws.map(|(count, law)| Constraint::new(0..count, law)).to_vec(),
+            constraints: laws.map(|(count, kind)| Constraint::new(0..count, kind)).to_vec(),
             ..Default::default()
         }
     }
 
-    fn the_law_of<T: crate::ParticleConstraint>(world: &mut World) -> Option<(Vec<Entity>, Law)> {
+    fn the_law_of<T: crate::ParticleConstraint>(
+        world: &mut World,
+    ) -> Option<(Vec<Entity>, ConstraintKind)> {
         let found = world.query::<&T>().single(world).ok()?;
-        Some((found.particles().to_vec(), found.law()))
+        Some((found.particles().to_vec(), found.kind()))
     }
 
     #[test]
@@ -201,11 +232,11 @@ mod tests {
             the_law_of::<CoplanarConstraint>(&mut world),
             the_law_of::<CollinearConstraint>(&mut world),
             the_law_of::<RigidConstraint>(&mut world),
-            the_law_of::<LawConstraint>(&mut world),
+            the_law_of::<AnyConstraint>(&mut world),
         ];
         for (found, meant) in found.into_iter().zip(&blueprint.constraints) {
             let named = particles[..meant.rows.len()].to_vec();
-            assert_eq!(found, Some((named, meant.law.clone())));
+            assert_eq!(found, Some((named, meant.kind.clone())));
         }
         assert_eq!(world.get::<BodyConstraints>(body).unwrap().iter().count(), 13);
         world.despawn(body);
@@ -229,12 +260,12 @@ mod tests {
     fn a_law_with_the_wrong_number_of_particles_stays_a_law() {
         let mut world = World::new();
         let body = world.spawn(ParticleBody).id();
-        let law = Law::Angle(Angle::between(0.0, 1.0));
-        let constraints = vec![Constraint::new([0, 9], law.clone())];
+        let kind = ConstraintKind::Angle(Angle::between(0.0, 1.0));
+        let constraints = vec![Constraint::new([0, 9], kind.clone())];
         let blueprint = Blueprint { constraints, ..Default::default() };
         let particle = world.spawn_empty().id();
         bind(&mut world, body, &blueprint, &[particle]);
-        let found = the_law_of::<LawConstraint>(&mut world);
-        assert_eq!(found, Some((vec![particle, Entity::PLACEHOLDER], law)));
+        let found = the_law_of::<AnyConstraint>(&mut world);
+        assert_eq!(found, Some((vec![particle, Entity::PLACEHOLDER], kind)));
     }
 }

@@ -17,8 +17,8 @@ use crate::components::{
 use crate::config::BodySolver;
 use crate::messages::{Refusal, Refused};
 use crate::recipes::BodyParts;
-use crate::recipes::bind::{Joins, bind, enlist, fill};
-use crate::recipes::wear::source_mesh;
+use crate::recipes::bind::{Joins, bind, fill, spawn_related};
+use crate::recipes::bind_mesh::source_mesh;
 use crate::step::frames::{Frames, Misplaced, in_world, is_even};
 
 /// A component that describes a body and can build it.
@@ -343,7 +343,7 @@ fn spawn_particles(
     blueprint: &Blueprint,
     placed: &Blueprint,
 ) -> Vec<Entity> {
-    let mut particles = enlist::<ParticleOf>(world, body, placed.particles.len());
+    let mut particles = spawn_related::<ParticleOf>(world, body, placed.particles.len());
     for (done, (own, seed)) in blueprint.particles.iter().zip(&placed.particles).enumerate() {
         let Some(&entity) = particles.get(done) else { break };
         let pinned = seed.mass.is_infinite();

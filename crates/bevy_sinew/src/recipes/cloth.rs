@@ -5,8 +5,8 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use sinew::recipes::{Blueprint, ClothMaterial, ClothSpec, cloth_from_mesh, cloth_grid, grid_uvs};
 
+use super::bind_mesh::own_copy;
 use super::build::{MeshShape, Recipe, attach};
-use super::wear::own_copy;
 use crate::components::{CreationOrder, ParticleBody};
 use crate::messages::Refusal;
 

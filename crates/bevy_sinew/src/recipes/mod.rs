@@ -2,6 +2,7 @@
 
 mod articulated;
 mod bind;
+mod bind_mesh;
 mod build;
 mod cloth;
 mod ragdoll;
@@ -9,7 +10,6 @@ mod rigid;
 mod rope;
 mod soft;
 mod solid;
-mod wear;
 
 pub(crate) use build::Rescaled;
 

@@ -5,9 +5,9 @@ use sinew::recipes::{
     Blueprint, SoftLatticeSpec, SoftMeshSpec, SoftShape as Lattice, soft_lattice, soft_mesh,
 };
 
+use super::bind_mesh::{own_copy, skin_of};
 use super::build::{MeshShape, Recipe, attach};
 use super::solid::Bulk;
-use super::wear::{own_copy, skin_of};
 use crate::components::{CreationOrder, ParticleBody, Softness};
 use crate::messages::Refusal;
 use crate::step::frames::even_factor;

@@ -140,7 +140,7 @@ impl Recipe for Solid {
             SolidSpec { shape, bulk: self.bulk.into(), layout, radius: self.radius, ..default() };
         let mut blueprint = solid(&spec)?;
         // As a box: rods bleed the spin of what they hold unless they act along where they were.
-        blueprint.settings.direction.get_or_insert(sinew::Direction::StepStart);
+        blueprint.settings.gradient_at.get_or_insert(sinew::GradientAt::StepStart);
         Ok(blueprint)
     }
 

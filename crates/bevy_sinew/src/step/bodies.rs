@@ -8,7 +8,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use sinew::{BodySettings, Material};
 
-use super::changes::{Ages, census};
+use super::changes::{ChangeTicks, census};
 use super::pins::sound;
 use crate::components::{
     BodyContacts, BodyParticles, CollisionLayers, ContactEvents, ContactShape, ContactsDisabled,
@@ -109,11 +109,11 @@ impl Bodies<'_, '_> {
         }
         // There may be very many of these: table by table. All are kept in tables.
         for table in self.loose.contiguous_iter().into_iter().flatten() {
-            let ages = ages(&table);
-            now[5..8].iter_mut().zip(ages).for_each(|(sum, ages)| {
-                *sum += ages.map_or(0, |ages| ages.len());
+            let change_ticks = change_ticks(&table);
+            now[5..8].iter_mut().zip(change_ticks).for_each(|(sum, change_ticks)| {
+                *sum += change_ticks.map_or(0, |change_ticks| change_ticks.len());
             });
-            changed |= ages.iter().flatten().any(Ages::any_changed);
+            changed |= change_ticks.iter().flatten().any(ChangeTicks::any_changed);
         }
         if with_itself {
             let (count, moved) = census(&self.places);
@@ -132,11 +132,11 @@ impl Bodies<'_, '_> {
     }
 }
 
-fn ages<'w>((contacts, material, layers): &ToldTable<'w>) -> [Option<Ages<'w>>; 3] {
+fn change_ticks<'w>((contacts, material, layers): &ToldTable<'w>) -> [Option<ChangeTicks<'w>>; 3] {
     [
-        contacts.as_ref().map(Ages::of),
-        material.as_ref().map(Ages::of),
-        layers.as_ref().map(Ages::of),
+        contacts.as_ref().map(ChangeTicks::of),
+        material.as_ref().map(ChangeTicks::of),
+        layers.as_ref().map(ChangeTicks::of),
     ]
 }
 

@@ -9,14 +9,14 @@ const STRIDE: usize = 64;
 
 /// When each component of a table's column was added and changed, seen by a system.
 #[derive(Clone, Copy)]
-pub(crate) struct Ages<'w> {
+pub(crate) struct ChangeTicks<'w> {
     added: &'w [Tick],
     changed: &'w [Tick],
     now: u32,
     last: u32,
 }
 
-impl<'w> Ages<'w> {
+impl<'w> ChangeTicks<'w> {
     pub(crate) fn of<T>(column: &ContiguousRef<'w, T>) -> Self {
         Self {
             added: column.added_ticks_slice(),
@@ -48,7 +48,7 @@ impl<'w> Ages<'w> {
     }
 
     fn any_newer(&self, ticks: &[Tick]) -> bool {
-        // Bevy keeps all ages far below the point where they would wrap around.
+        // Bevy keeps all ticks far below the point where they would wrap around.
         let age = self.now.wrapping_sub(self.last);
         let newer = |tick: &Tick| self.now.wrapping_sub(tick.get()) < age;
         ticks.chunks(STRIDE).any(|some| some.iter().fold(false, |any, tick| any | newer(tick)))
@@ -61,7 +61,7 @@ pub(crate) fn census<'a, T: Component, F: ArchetypeFilter>(
 ) -> (usize, bool) {
     match query.contiguous_iter() {
         Ok(tables) => tables.fold((0, false), |(count, changed), column| {
-            (count + column.len(), changed || Ages::of(&column).any_changed())
+            (count + column.len(), changed || ChangeTicks::of(&column).any_changed())
         }),
         // A component that is kept in a sparse set has no column.
         Err(_) => query.iter().fold((0, false), |(count, changed), component| {

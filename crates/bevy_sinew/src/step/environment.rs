@@ -1,5 +1,5 @@
 //! The surroundings at gather: resources and entities become the force laws and the boundaries of the solver, every tick. There are a handful of
-//! each kind at most, so nothing is kept from tick to tick but what was complained of.
+//! each kind at most, so nothing is kept from tick to tick but which errors were reported.
 
 use std::collections::BTreeSet;
 
@@ -35,12 +35,12 @@ pub(crate) fn gather_environment(
     simulation.time = clock.seconds;
     let before = core::mem::take(&mut *known);
     let Scratch { places, sheets } = &mut *scratch;
-    let mut judge =
-        Judge { before, now: BTreeSet::new(), kind: 0, messages: &mut messages, places };
-    everywhere.tell(&mut simulation.forces, &mut judge);
-    fields.tell(&mut simulation.forces, &frames, &mut judge);
-    bounds.tell(&mut simulation.boundaries, sheets, &frames, &mut judge, tables);
-    *known = judge.now;
+    let mut validator =
+        Validator { before, now: BTreeSet::new(), kind: 0, messages: &mut messages, places };
+    everywhere.tell(&mut simulation.forces, &mut validator);
+    fields.tell(&mut simulation.forces, &frames, &mut validator);
+    bounds.tell(&mut simulation.boundaries, sheets, &frames, &mut validator, tables);
+    *known = validator.now;
 }
 
 /// What fills the world, and of which there is one.
@@ -56,18 +56,18 @@ pub(crate) struct Everywhere<'w, 's> {
 }
 
 impl Everywhere<'_, '_> {
-    fn tell(&self, forces: &mut sinew::Forces, judge: &mut Judge) {
+    fn tell(&self, forces: &mut sinew::Forces, validator: &mut Validator) {
         let Gravity(gravity) = *self.gravity;
-        let sound = judge.resource("Gravity", &self.gravity_at, gravity.is_finite());
+        let sound = validator.resource("Gravity", &self.gravity_at, gravity.is_finite());
         forces.gravity = if sound { gravity } else { Vec3::ZERO };
 
         let AirDrag(drag) = *self.drag;
-        let sound = judge.resource("AirDrag", &self.drag_at, (0.0..=1.0).contains(&drag));
+        let sound = validator.resource("AirDrag", &self.drag_at, (0.0..=1.0).contains(&drag));
         forces.drag = if sound { drag } else { 0.0 };
 
         // The solver leaves an invalid law out by itself.
         forces.electric = (*self.electric).into();
-        judge.resource("Electric", &self.electric_at, forces.electric.is_valid());
+        validator.resource("Electric", &self.electric_at, forces.electric.is_valid());
     }
 }
 
@@ -84,7 +84,7 @@ pub(crate) struct Fields<'w, 's> {
 }
 
 impl Fields<'_, '_> {
-    fn tell(&self, forces: &mut sinew::Forces, frames: &Frames, judge: &mut Judge) {
+    fn tell(&self, forces: &mut sinew::Forces, frames: &Frames, validator: &mut Validator) {
         let within = |entity, region: Option<&Region>| {
             let Some(region) = region else { return Ok(sinew::Region::EVERYWHERE) };
             region.at(&frames.of(entity)?)
@@ -93,12 +93,12 @@ impl Fields<'_, '_> {
         let wind = |(entity, order, wind, region): (_, &_, &Wind, _)| {
             (*order, entity, within(entity, region).map(|region| wind.within(region)))
         };
-        judge.fill(&mut forces.winds, self.winds.iter().map(wind), sinew::Wind::is_valid);
+        validator.fill(&mut forces.winds, self.winds.iter().map(wind), sinew::Wind::is_valid);
 
         let air = |(entity, order, air, region): (_, &_, &AirFlow, _)| {
             (*order, entity, within(entity, region).map(|region| air.within(region)))
         };
-        judge.fill(&mut forces.air_flows, self.air.iter().map(air), sinew::AirFlow::is_valid);
+        validator.fill(&mut forces.air_flows, self.air.iter().map(air), sinew::AirFlow::is_valid);
 
         let fluid = |(entity, order, fluid, region): (_, &_, &Fluid, _)| {
             let under = |region| {
@@ -107,7 +107,7 @@ impl Fields<'_, '_> {
             };
             (*order, entity, within(entity, region).and_then(under))
         };
-        judge.fill(&mut forces.fluids, self.fluids.iter().map(fluid), sinew::Fluid::is_valid);
+        validator.fill(&mut forces.fluids, self.fluids.iter().map(fluid), sinew::Fluid::is_valid);
 
         let field = |(entity, order, field, region): (_, &_, &ElectricField, _)| {
             let within = within(entity, region);
@@ -115,14 +115,14 @@ impl Fields<'_, '_> {
             (*order, entity, within.map(field))
         };
         let fields = self.electric.iter().map(field);
-        judge.fill(&mut forces.electric_fields, fields, sinew::ElectricField::is_valid);
+        validator.fill(&mut forces.electric_fields, fields, sinew::ElectricField::is_valid);
 
         let attractor = |(entity, order, attractor): (_, &_, &Attractor)| {
             let at = frames.of(entity).map(|frame| attractor.at(frame.translation));
             (*order, entity, at)
         };
         let attractors = self.attractors.iter().map(attractor);
-        judge.fill(&mut forces.attractors, attractors, sinew::Attractor::is_valid);
+        validator.fill(&mut forces.attractors, attractors, sinew::Attractor::is_valid);
     }
 }
 
@@ -144,7 +144,7 @@ impl Bounds<'_, '_> {
         boundaries: &mut sinew::Boundaries,
         sheets: &mut Vec<Plane>,
         frames: &Frames,
-        judge: &mut Judge,
+        validator: &mut Validator,
         tables: &mut Tables,
     ) {
         let ground = |(entity, order, ground, drag): (_, &_, &Ground, Option<&GroundDrag>)| {
@@ -157,8 +157,8 @@ impl Bounds<'_, '_> {
             });
             (*order, entity, plane)
         };
-        judge.fill(&mut boundaries.planes, self.grounds.iter().map(ground), Plane::is_valid);
-        judge.name(&mut tables.planes);
+        validator.fill(&mut boundaries.planes, self.grounds.iter().map(ground), Plane::is_valid);
+        validator.name(&mut tables.planes);
 
         let room = |(entity, order, room): (_, &_, &BoundingBox)| {
             let BoundingBox { size, friction, restitution } = *room;
@@ -169,8 +169,8 @@ impl Bounds<'_, '_> {
             });
             (*order, entity, inside)
         };
-        judge.fill(&mut boundaries.boxes, self.rooms.iter().map(room), InsideBox::is_valid);
-        judge.name(&mut tables.boxes);
+        validator.fill(&mut boundaries.boxes, self.rooms.iter().map(room), InsideBox::is_valid);
+        validator.name(&mut tables.boxes);
 
         let sheet = |(entity, order): (_, &_)| {
             let plane = frames.of(entity).map(|frame| {
@@ -179,8 +179,8 @@ impl Bounds<'_, '_> {
             });
             (*order, entity, plane)
         };
-        judge.fill(sheets, self.sheets.iter().map(sheet), Plane::is_valid);
-        boundaries.sheet = sheets.first().copied();
+        validator.fill(sheets, self.sheets.iter().map(sheet), Plane::is_valid);
+        boundaries.plane_constraint = sheets.first().copied();
     }
 }
 
@@ -201,9 +201,9 @@ pub(crate) struct Scratch {
 /// An entity and the number of what is broken on it: it may be several things at once.
 type Broken = (Entity, u32);
 
-/// Lets the sound ones pass, in the order of creation, whatever the order of the query; and complains of the others, once for each time that one
+/// Lets the sound ones pass, in the order of creation, whatever the order of the query; and reports the others, once for each time that one
 /// broke.
-struct Judge<'a, 'w> {
+struct Validator<'a, 'w> {
     before: BTreeSet<Broken>,
     now: BTreeSet<Broken>,
     /// Counts what was asked for.
@@ -213,7 +213,7 @@ struct Judge<'a, 'w> {
     places: &'a mut Vec<(CreationOrder, Entity, usize)>,
 }
 
-impl Judge<'_, '_> {
+impl Validator<'_, '_> {
     fn fill<T>(
         &mut self,
         list: &mut Vec<T>,

@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use sinew::{ParticleFault, ParticleSeed, ParticleState};
 
 use super::bodies::Bodies;
-use super::changes::Ages;
+use super::changes::ChangeTicks;
 use crate::components::{
     Charge, Drag, ExternalForce, GravityScale, Mass, Particle, ParticleRow, Pinned, PinnedTo,
     Radius,
@@ -67,13 +67,13 @@ pub(crate) fn gather_particles(
     let mut held = Held { layout: world.tables.layout, ..default() };
     let (mut changed, mut added) = (false, false);
     for table in tables {
-        let ages = ages(&table);
-        held.counts.iter_mut().zip(&ages).for_each(|(sum, ages)| {
-            *sum += ages.map_or(0, |ages| ages.len());
+        let change_ticks = change_ticks(&table);
+        held.counts.iter_mut().zip(&change_ticks).for_each(|(sum, change_ticks)| {
+            *sum += change_ticks.map_or(0, |change_ticks| change_ticks.len());
         });
         if properties_changed(&table) {
             changed = true;
-            added |= ages.iter().flatten().any(Ages::any_added);
+            added |= change_ticks.iter().flatten().any(ChangeTicks::any_added);
         }
     }
     let mut all = core::mem::replace(&mut world.tables.held, held) != held;
@@ -82,8 +82,8 @@ pub(crate) fn gather_particles(
     // What bodies say comes on top of what their particles say, for all of them or for none.
     all |= changed && bodies.any();
     loop {
-        let news = gather_tables(&mut world, &mut messages, &particles, all);
-        if all || !(news && bodies.any()) {
+        let is_new = gather_tables(&mut world, &mut messages, &particles, all);
+        if all || !(is_new && bodies.any()) {
             break;
         }
         all = true;
@@ -98,11 +98,11 @@ fn gather_tables(
     particles: &Query<Told>,
     all: bool,
 ) -> bool {
-    let mut news = false;
+    let mut is_new = false;
     for table in particles.contiguous_iter().into_iter().flatten() {
         let (states, rows) = (table.1, table.2);
         if all || properties_changed(&table) {
-            (0..rows.len()).for_each(|i| news |= gather_one(world, messages, &table, i));
+            (0..rows.len()).for_each(|i| is_new |= gather_one(world, messages, &table, i));
             continue;
         }
         let mut i = 0;
@@ -114,12 +114,12 @@ fn gather_tables(
             i += loaded;
             // What stopped it is a particle that is or was set aside.
             if loaded == 0 || loaded < run {
-                news |= gather_one(world, messages, &table, i);
+                is_new |= gather_one(world, messages, &table, i);
                 i += 1;
             }
         }
     }
-    news
+    is_new
 }
 
 /// Copies all that is said of one particle. Whether it was news that it is set aside, or that it is not any more.
@@ -147,8 +147,8 @@ fn gather_one(
     };
     let external = force.as_ref().map_or(Vec3::ZERO, |all| all[i].0);
     let fault = seed.fault().or_else(|| (!external.is_finite()).then_some(ParticleFault::Force));
-    let news = fault != tables.refused[row];
-    if news {
+    let is_new = fault != tables.refused[row];
+    if is_new {
         tables.set_aside += usize::from(fault.is_some());
         tables.set_aside -= usize::from(tables.refused[row].is_some());
         tables.refused[row] = fault;
@@ -162,14 +162,14 @@ fn gather_one(
         let last = ParticleSeed::at(simulation.particles.position(row)).pinned();
         let put = simulation.particles.set(row, last);
         debug_assert!(put.is_ok(), "columns hold only finite positions");
-        return news;
+        return is_new;
     }
     let held = pinned.is_some() || pinned_to.is_some();
     let put = simulation.particles.set(row, if held { seed.pinned() } else { seed });
     debug_assert!(put.is_ok(), "the seed was checked above");
     simulation.particles.set_external_force(row, external);
     tables.mass[row] = mass[i].0;
-    news
+    is_new
 }
 
 fn state(particle: &Particle) -> ParticleState {
@@ -179,22 +179,22 @@ fn state(particle: &Particle) -> ParticleState {
 
 /// Whether anything but positions and velocities changed in a table. That one is pinned counts, where to does not.
 fn properties_changed(table: &Table) -> bool {
-    let [pinned, pinned_to, rest @ ..] = ages(table);
-    [pinned, pinned_to].iter().flatten().any(Ages::any_added)
-        || rest.iter().flatten().any(Ages::any_changed)
+    let [pinned, pinned_to, rest @ ..] = change_ticks(table);
+    [pinned, pinned_to].iter().flatten().any(ChangeTicks::any_added)
+        || rest.iter().flatten().any(ChangeTicks::any_changed)
 }
 
 /// The columns of a table that hold properties.
-fn ages<'w>(table: &Table<'w>) -> [Option<Ages<'w>>; 8] {
+fn change_ticks<'w>(table: &Table<'w>) -> [Option<ChangeTicks<'w>>; 8] {
     let (.., mass, pinned, pinned_to, radius, charge, drag, force, scale) = table;
     [
-        pinned.as_ref().map(Ages::of),
-        pinned_to.as_ref().map(Ages::of),
-        Some(Ages::of(mass)),
-        radius.as_ref().map(Ages::of),
-        charge.as_ref().map(Ages::of),
-        drag.as_ref().map(Ages::of),
-        force.as_ref().map(Ages::of),
-        scale.as_ref().map(Ages::of),
+        pinned.as_ref().map(ChangeTicks::of),
+        pinned_to.as_ref().map(ChangeTicks::of),
+        Some(ChangeTicks::of(mass)),
+        radius.as_ref().map(ChangeTicks::of),
+        charge.as_ref().map(ChangeTicks::of),
+        drag.as_ref().map(ChangeTicks::of),
+        force.as_ref().map(ChangeTicks::of),
+        scale.as_ref().map(ChangeTicks::of),
     ]
 }

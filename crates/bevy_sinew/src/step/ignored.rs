@@ -1,7 +1,7 @@
 //! What never touches although no constraint joins it: a body and what it is pinned to, and a body and the colliders that are its children.
 
 use bevy::prelude::*;
-use sinew::Party;
+use sinew::ContactParticipant;
 
 use crate::components::{BodyParticles, ParticleBody, ParticleRow, PinnedTo, PlacedCollider};
 use crate::recipes::PartOf;
@@ -22,7 +22,7 @@ pub(crate) fn gather_ignored(
     let particles = &simulation.particles;
     let list = &mut simulation.ignored;
     list.clear();
-    let body_of_row = |row: usize| particles.body(row).map(Party::Body);
+    let body_of_row = |row: usize| particles.body(row).map(ContactParticipant::Body);
     let body = |entity: Entity| {
         let owner = parts.get(entity).map_or(entity, |of| of.0);
         let rows = bodies.get(owner).ok()?.get();
@@ -31,7 +31,7 @@ pub(crate) fn gather_ignored(
     // A collider's number is that of the last listing in which it was sound.
     let collider = |entity: Entity, placed: &PlacedCollider| {
         let listed = tables.colliders.get(placed.number) == Some(&entity);
-        listed.then_some(Party::Collider(placed.number as u32))
+        listed.then_some(ContactParticipant::Collider(placed.number as u32))
     };
     for (pin, row) in &pins {
         let Some(row) = row.get().filter(|&row| row < particles.len()) else { continue };

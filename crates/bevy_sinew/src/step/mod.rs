@@ -1,9 +1,11 @@
 //! What happens around the substeps: components into columns, and columns back into components.
 
 pub(crate) mod bodies;
+pub(crate) mod body_colliders;
 pub(crate) mod carry;
 pub(crate) mod changes;
 pub(crate) mod colliders;
+pub(crate) mod contact_cache;
 pub(crate) mod contact_shape;
 pub(crate) mod controls;
 pub(crate) mod environment;
@@ -14,7 +16,6 @@ pub(crate) mod hulls;
 pub(crate) mod ignored;
 pub(crate) mod layout;
 pub(crate) mod links;
-pub(crate) mod memory;
 pub(crate) mod motion;
 pub(crate) mod pins;
 pub(crate) mod representation;
@@ -22,7 +23,6 @@ pub(crate) mod scatter;
 pub(crate) mod segments;
 pub(crate) mod shares;
 pub(crate) mod sleep;
-pub(crate) mod solids;
 pub(crate) mod teleports;
 pub(crate) mod touching;
 

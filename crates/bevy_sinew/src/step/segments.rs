@@ -2,10 +2,10 @@
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use sinew::{Particles, Solid};
+use sinew::{BodyCollider, Particles};
 
 use crate::components::{
-    Bound, Collider, ContactMemory, CreationOrder, DistanceConstraint, ParticleOf, RigidPose,
+    Bound, Collider, ContactCache, CreationOrder, DistanceConstraint, ParticleOf, RigidPose,
 };
 use crate::world::Tables;
 
@@ -18,11 +18,11 @@ pub(crate) struct Segments<'w, 's> {
     rods: Query<
         'w,
         's,
-        (Entity, &'static CreationOrder, &'static DistanceConstraint, Has<ContactMemory>),
+        (Entity, &'static CreationOrder, &'static DistanceConstraint, Has<ContactCache>),
         Rod,
     >,
     members: Query<'w, 's, &'static ParticleOf>,
-    remembering: Query<'w, 's, (), (With<ContactMemory>, Rod)>,
+    remembering: Query<'w, 's, (), (With<ContactCache>, Rod)>,
     commands: Commands<'w, 's>,
     /// How many rods have a memory since they were last listed.
     listed: Local<'s, usize>,
@@ -41,7 +41,7 @@ impl Segments<'_, '_> {
         (particles, tables): (&Particles, &Tables),
         asks: impl Fn(Entity) -> bool,
         owners: &mut Vec<Entity>,
-        solids: &mut Vec<(CreationOrder, Entity, Solid)>,
+        body_colliders: &mut Vec<(CreationOrder, Entity, BodyCollider)>,
     ) {
         let Self { rods, members, commands, listed, .. } = self;
         **listed = 0;
@@ -50,13 +50,13 @@ impl Segments<'_, '_> {
             let owner = owner(rod, members).filter(|&body| asks(body));
             let solid = owner.and_then(|_| segment(rod, particles, tables, &mut last));
             match (&solid, remembers) {
-                (Some(_), false) => drop(commands.entity(entity).insert(ContactMemory::default())),
-                (None, true) => drop(commands.entity(entity).remove::<ContactMemory>()),
+                (Some(_), false) => drop(commands.entity(entity).insert(ContactCache::default())),
+                (None, true) => drop(commands.entity(entity).remove::<ContactCache>()),
                 _ => {}
             }
             if let (Some(owner), Some(solid)) = (owner, solid) {
                 owners.push(owner);
-                solids.push((*order, entity, Solid { id: order.0, ..solid }));
+                body_colliders.push((*order, entity, BodyCollider { id: order.0, ..solid }));
                 **listed += 1;
             }
         }
@@ -75,15 +75,15 @@ fn segment(
     rod: &DistanceConstraint,
     particles: &Particles,
     tables: &Tables,
-    last: &mut Option<([f32; 2], Solid)>,
-) -> Option<Solid> {
+    last: &mut Option<([f32; 2], BodyCollider)>,
+) -> Option<BodyCollider> {
     let rows = [tables.sound_row(rod.a)?, tables.sound_row(rod.b)?];
     let [one, other] = rows.map(|row| particles.radius(row as usize));
     let size = [rod.rest, one.min(other)];
     if last.as_ref().is_none_or(|(known, _)| *known != size) {
-        *last = Some((size, Solid::segment(rows, size[0], size[1], 0).ok()?));
+        *last = Some((size, BodyCollider::segment(rows, size[0], size[1], 0).ok()?));
     }
     let (_, like) = last.as_ref()?;
-    let solid = Solid { rows: rows.to_vec(), ..like.clone() };
+    let solid = BodyCollider { rows: rows.to_vec(), ..like.clone() };
     solid.fault(particles.len()).is_none().then_some(solid)
 }

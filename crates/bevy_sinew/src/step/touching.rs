@@ -49,8 +49,9 @@ pub(crate) fn tell_contacts(
     anew.sort_unstable();
     told.clear();
     for impact in &world.report().impacts {
-        let parties = [impact.first, impact.second].map(|party| world.entity_of(party));
-        let [Some(first), Some(second)] = parties else { continue };
+        let participants =
+            [impact.first, impact.second].map(|participant| world.entity_of(participant));
+        let [Some(first), Some(second)] = participants else { continue };
         for (entity, other, sign) in [(first, second, 1.0), (second, first, -1.0)] {
             if asking.contains(entity) {
                 told.push((entity, other, *impact, sign));

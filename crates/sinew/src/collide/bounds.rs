@@ -1,15 +1,15 @@
-//! Planes and boxes that hold every particle (physics.md C4), and the sheet that a world in 2D lies in: enforced row by row.
+//! Planes and boxes that hold every particle (physics.md C4), and the plane that a world in 2D lies in: enforced row by row.
 
 use super::friction::push;
 use crate::constraints::{Boundaries, InsideBox, PlanarDrag, Plane, slow_down};
 use crate::particles::{Particles, Places, ground};
 
-/// The valid ones among the planes and boxes that bound every particle, and the sheet: scratch of a step.
+/// The valid ones among the planes and boxes that bound every particle, and the plane of a world in 2D: scratch of a step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bounds {
     pub(super) planes: Vec<Plane>,
     pub(super) boxes: Vec<InsideBox>,
-    sheet: Option<Plane>,
+    plane_constraint: Option<Plane>,
     /// Planes with a drag, others among them that are no plain bounds.
     drags: Vec<Plane>,
 }
@@ -24,22 +24,22 @@ impl Bounds {
         self.drags.extend(self.planes.iter().filter(drags));
         self.boxes.clear();
         self.boxes.extend(boundaries.boxes.iter().filter(|room| room.is_valid()));
-        self.sheet = boundaries.sheet.filter(Plane::is_valid);
+        self.plane_constraint = boundaries.plane_constraint.filter(Plane::is_valid);
     }
 
     /// Whether there is nothing to touch.
     pub(super) fn is_empty(&self) -> bool {
-        self.planes.is_empty() && self.boxes.is_empty() && self.sheet.is_none()
+        self.planes.is_empty() && self.boxes.is_empty() && self.plane_constraint.is_none()
     }
 
-    /// Whether the world is a sheet.
-    pub(super) fn has_sheet(&self) -> bool {
-        self.sheet.is_some()
+    /// Whether the world is in 2D.
+    pub(super) fn has_plane_constraint(&self) -> bool {
+        self.plane_constraint.is_some()
     }
 
     /// The planes, if there is nothing else.
     pub(super) fn planes_alone(&self) -> Option<&[Plane]> {
-        (self.boxes.is_empty() && self.sheet.is_none()).then_some(&self.planes)
+        (self.boxes.is_empty() && self.plane_constraint.is_none()).then_some(&self.planes)
     }
 
     /// Slows down what touches a plane with a drag, before a substep of `h` seconds is predicted.
@@ -62,18 +62,18 @@ impl Bounds {
         worst
     }
 
-    /// Puts a row into the sheet of a world in 2D; returns how far off it was, metres.
+    /// Puts a row into the plane of a world in 2D; returns how far off it was, metres.
     #[inline]
-    pub(super) fn hold(&self, places: &mut Places, row: u32) -> f32 {
-        let Some(sheet) = &self.sheet else { return 0.0 };
-        let out = places.height(row, sheet.normal, sheet.offset);
-        places.displace(row, sheet.normal * -out);
+    pub(super) fn project_to_plane(&self, places: &mut Places, row: u32) -> f32 {
+        let Some(plane_constraint) = &self.plane_constraint else { return 0.0 };
+        let out = places.height(row, plane_constraint.normal, plane_constraint.offset);
+        places.displace(row, plane_constraint.normal * -out);
         out.abs()
     }
 
-    /// Puts all rows back into the sheet of a world in 2D, or if `moving` their velocities: normals of contacts are not quite in it.
+    /// Puts all rows back into the plane of a world in 2D, or if `moving` their velocities: normals of contacts are not quite in it.
     pub(super) fn flatten(&self, particles: &mut Particles, moving: bool) {
-        let Some(Plane { normal, offset, .. }) = self.sheet else { return };
+        let Some(Plane { normal, offset, .. }) = self.plane_constraint else { return };
         for row in 0..particles.len() {
             let here = particles.position[row];
             if here.w == 0.0 {
@@ -94,8 +94,9 @@ impl Bounds {
     pub(super) fn error(&self, places: &Places, row: u32) -> f32 {
         let planes = self.planes.iter().map(|plane| plane.correction(places, row).length());
         let boxes = self.boxes.iter().map(|room| room.correction(places, row).length());
-        let sheet = self.sheet.iter().map(|s| places.height(row, s.normal, s.offset).abs());
-        planes.chain(boxes).chain(sheet).fold(0.0, f32::max)
+        let plane_constraint =
+            self.plane_constraint.iter().map(|s| places.height(row, s.normal, s.offset).abs());
+        planes.chain(boxes).chain(plane_constraint).fold(0.0, f32::max)
     }
 }
 

@@ -1,4 +1,4 @@
-//! Colliders: shapes that stand still or are moved by the game, and that particles and solids cannot enter.
+//! Colliders: shapes that stand still or are moved by the game, and that particles and body colliders cannot enter.
 
 use glam::{Mat3, Vec3};
 
@@ -21,7 +21,7 @@ pub struct Collider {
     pub sensor: bool,
     /// Whether its contacts are listed in the report. Default not.
     pub events: bool,
-    /// What names it where contacts are remembered ([`ContactMemory`](super::ContactMemory)): ascending in the list of colliders, whatever comes and
+    /// Its name in the contact cache ([`ContactCache`](super::ContactCache)): ascending in the list of colliders, whatever comes and
     /// goes. Default 0, which stands for its place in that list.
     pub id: u64,
 }

@@ -9,7 +9,7 @@
 //!
 //! Bodies that a joint connects do not touch each other: so it is in most engines, because a joint mostly has its anchors inside both.
 
-use super::{BodyContacts, Party};
+use super::{BodyContacts, ContactParticipant};
 use crate::constraints::{Constraint, Distance};
 use crate::particles::{NO_BODY, Particles};
 use crate::solve::Plan;
@@ -49,7 +49,7 @@ impl ContactFilter {
         &mut self,
         particles: &Particles,
         contacts: &[BodyContacts],
-        ignored: &[[Party; 2]],
+        ignored: &[[ContactParticipant; 2]],
         plan: &Plan,
         (distances, constraints): (&[Distance], &[Constraint]),
     ) {
@@ -112,15 +112,17 @@ impl ContactFilter {
         among(&self.joined) || among(&self.apart)
     }
 
-    fn take_ignored(&mut self, ignored: &[[Party; 2]]) {
+    fn take_ignored(&mut self, ignored: &[[ContactParticipant; 2]]) {
         let Self { apart, ignored: with_colliders, .. } = self;
         apart.clear();
         with_colliders.clear();
         for &pair in ignored {
             match pair {
-                [Party::Body(a), Party::Body(b)] => apart.push([a.min(b), a.max(b)]),
-                [Party::Body(body), Party::Collider(collider)]
-                | [Party::Collider(collider), Party::Body(body)] => {
+                [ContactParticipant::Body(a), ContactParticipant::Body(b)] => {
+                    apart.push([a.min(b), a.max(b)]);
+                }
+                [ContactParticipant::Body(body), ContactParticipant::Collider(collider)]
+                | [ContactParticipant::Collider(collider), ContactParticipant::Body(body)] => {
                     with_colliders.push([body, collider]);
                 }
                 _ => {}

@@ -1,10 +1,10 @@
-//! What has touched what in a step, for whoever wants to know: gathered contact by contact, and merged into one line for each two parties.
+//! What has touched what in a step, for whoever wants to know: gathered contact by contact, and merged into one line for each two participants.
 
 use glam::Vec3;
 
 /// Who takes part in a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Party {
+pub enum ContactParticipant {
     /// A body, by its number in [`Simulation::bodies`](crate::Simulation::bodies).
     Body(u32),
     /// A particle of no body, by its row.
@@ -17,13 +17,13 @@ pub enum Party {
     Box(u32),
 }
 
-/// Two parties that touched in a step.
+/// Two participants that touched in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
-    /// The one with the lower number of its kind, in the order of [`Party`].
-    pub first: Party,
+    /// The one with the lower number of its kind, in the order of [`ContactParticipant`].
+    pub first: ContactParticipant,
     /// The other one.
-    pub second: Party,
+    pub second: ContactParticipant,
     /// Where, metres; of several contacts the one with the greatest impulse.
     pub point: Vec3,
     /// Unit vector there, from the second to the first.
@@ -37,7 +37,7 @@ pub struct Impact {
 /// Impacts of a step. Scratch, and then the report.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Impacts {
-    /// Contact by contact; merged in the end, sorted by their parties.
+    /// Contact by contact; merged in the end, sorted by their participants.
     list: Vec<Impact>,
     /// The greatest single impulse of each merged one.
     greatest: Vec<f32>,
@@ -52,7 +52,7 @@ impl Impacts {
     /// Adds a contact that pushed `a` along `normal`, away from `b`, with an impulse in N·s.
     pub(crate) fn add(
         &mut self,
-        [a, b]: [Party; 2],
+        [a, b]: [ContactParticipant; 2],
         point: Vec3,
         normal: Vec3,
         impulse: f32,
@@ -62,7 +62,7 @@ impl Impacts {
         self.list.push(Impact { first, second, point, normal, impulse, sensor });
     }
 
-    /// Merges those of the same two parties, and sorts them by who they are.
+    /// Merges those of the same two participants, and sorts them by who they are.
     pub(crate) fn merge(&mut self) -> &[Impact] {
         // Stable, so that equals stay in the order in which they came about.
         self.list.sort_by_key(|impact| (impact.first, impact.second));
@@ -98,7 +98,11 @@ mod tests {
 
     #[test]
     fn contacts_of_the_same_two_become_one_with_the_strongest_ones_place() {
-        let (ball, floor, box_) = (Party::Body(3), Party::Collider(0), Party::Body(1));
+        let (ball, floor, box_) = (
+            ContactParticipant::Body(3),
+            ContactParticipant::Collider(0),
+            ContactParticipant::Body(1),
+        );
         let mut impacts = Impacts::default();
         impacts.add([ball, floor], Vec3::X, Vec3::Y, 1.0, false);
         impacts.add([floor, ball], Vec3::Z, Vec3::NEG_Y, 3.0, false);

@@ -2,7 +2,7 @@
 
 use crate::constraints::PlanarDrag;
 
-/// What a surface is made of. Two that touch make a [`Grip`] of theirs.
+/// What a surface is made of. Two that touch make a [`CombinedMaterial`] of theirs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     /// Coulomb's coefficient of friction μ, 0 (ice) and up. Default 0.5.
@@ -13,8 +13,8 @@ pub struct Material {
     pub friction_rule: Combine,
     /// The same of restitution.
     pub restitution_rule: Combine,
-    /// The lectures' friction: a drag along the surface and one across it, for what touches it: single particles on what stands, and solids. Of two
-    /// surfaces the greater counts. Default none.
+    /// The lectures' friction: a drag along the surface and one across it, for what touches it: single particles on what stands, and body colliders.
+    /// Of two surfaces the greater counts. Default none.
     pub drag: PlanarDrag,
 }
 
@@ -34,7 +34,7 @@ pub enum Combine {
 
 /// Two surfaces that touch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Grip {
+pub struct CombinedMaterial {
     /// Coefficient of friction μ.
     pub friction: f32,
     /// Coefficient of restitution e.
@@ -77,8 +77,8 @@ impl Material {
     }
 
     /// What becomes of this surface and another one.
-    pub fn against(&self, other: &Self) -> Grip {
-        Grip {
+    pub fn against(&self, other: &Self) -> CombinedMaterial {
+        CombinedMaterial {
             friction: self.friction_rule.max(other.friction_rule).of(self.friction, other.friction),
             restitution: self
                 .restitution_rule

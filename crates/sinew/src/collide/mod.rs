@@ -9,15 +9,16 @@
 //! | `filter` | which things may touch: layers, joints, what bodies ask for |
 //! | `nearby` | broad phase over whole bodies: which of them may come to touch another one |
 //! | `bounds` | planes and boxes that hold every particle |
-//! | `touch` | single particles against colliders |
+//! | `particle_contact` | single particles against colliders |
 //! | `pairs` | particles against particles: a grid, and what is near enough in it |
 //! | `triangles` | particles against triangles, and edges against edges, where a body asks for it: the finer tier |
 //! | `manifold` | where two shapes touch |
-//! | `solids` | compounds that collide by their shape, ropes by their segments |
+//! | `body_contact` | compounds that collide by their shape, ropes by their segments |
 //! | `friction` | Coulomb's law in positions |
 //! | `stage` | all of it in its order |
 //! | `impact` | what has touched what, for the report |
 
+mod body_contact;
 mod bounds;
 mod collider;
 mod filter;
@@ -28,26 +29,25 @@ mod manifold;
 mod material;
 mod nearby;
 mod pairs;
+mod particle_contact;
 mod shape;
-mod solids;
 mod stage;
-mod touch;
 mod triangles;
 
+pub use body_contact::{BodyCollider, BodyColliderFault, CachedManifold, ContactCache};
 pub use collider::Collider;
 pub use frame::Frame;
-pub use impact::{Impact, Party};
-pub use material::{BodyContacts, Combine, Grip, Layers, Material};
+pub use impact::{ContactParticipant, Impact};
+pub use material::{BodyContacts, Combine, CombinedMaterial, Layers, Material};
 pub use shape::{Nearest, RayHit, Shape, ShapeFault};
-pub use solids::{ContactMemory, Remembered, Solid, SolidFault};
 
+pub(crate) use body_contact::BodyContactSolver;
 pub(crate) use filter::ContactFilter;
 pub(crate) use impact::Impacts;
 pub(crate) use manifold::{Broad, Scratch as ManifoldScratch, collide};
 pub(crate) use pairs::Pairs;
-pub(crate) use solids::Solids;
+pub(crate) use particle_contact::{NormalImpulse, NormalImpulses, ParticleContacts};
 pub(crate) use stage::{Contacts, World};
-pub(crate) use touch::{Pressed, Presses, Touch};
 pub(crate) use triangles::Triangles;
 
 /// Memory that is kept from call to call and has nothing to say in between: a copy has none.

@@ -1,7 +1,7 @@
 //! Broad phase over whole bodies: which of them may come to touch another one in a step, so that what is far from everything costs nothing.
 //!
 //! It is asked for bodies that have particles of their own to collide with: cloth, ropes, soft bodies, single particles. Rigid parts are compared one by
-//! one as it is (`solids`), and stand here for what those may run into.
+//! one as it is (`body_contact`), and stand here for what those may run into.
 
 use glam::Vec3;
 
@@ -46,7 +46,7 @@ impl Nearby {
     }
 
     /// Finds them. Rows that are marked in `aside` do not collide by themselves.
-    pub(super) fn find(&mut self, particles: &Particles, world: &World, aside: &[bool]) {
+    pub(super) fn broad_phase(&mut self, particles: &Particles, world: &World, aside: &[bool]) {
         let contacts = world.filter.bodies();
         self.near.clear();
         self.near.resize(contacts.len(), false);

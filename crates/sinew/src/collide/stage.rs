@@ -2,8 +2,8 @@
 
 use super::nearby::Nearby;
 use super::{
-    Collider, ContactFilter, ContactMemory, Impact, Impacts, Pairs, Pressed, Solid, Solids, Touch,
-    Triangles,
+    BodyCollider, BodyContactSolver, Collider, ContactCache, ContactFilter, Impact, Impacts,
+    NormalImpulse, Pairs, ParticleContacts, Triangles,
 };
 use crate::constraints::Boundaries;
 use crate::lanes::InstructionSet;
@@ -13,14 +13,14 @@ use crate::solve::{Plan, SolverReport};
 /// Contacts of a step. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Contacts {
-    pub(crate) touch: Touch,
-    pub(crate) presses: Vec<Pressed>,
-    /// For each row whether it does not collide by itself: it belongs to a solid, or its body touches nothing.
+    pub(crate) particle_contacts: ParticleContacts,
+    pub(crate) normal_impulses: Vec<NormalImpulse>,
+    /// For each row whether it does not collide by itself: it belongs to a body collider, or its body touches nothing.
     aside: Vec<bool>,
     nearby: Nearby,
     pairs: Pairs,
     triangles: Triangles,
-    solids: Solids,
+    body_contact: BodyContactSolver,
     impacts: Impacts,
 }
 
@@ -29,7 +29,7 @@ pub(crate) struct Contacts {
 pub(crate) struct World<'a> {
     pub(crate) boundaries: &'a Boundaries,
     pub(crate) colliders: &'a [Collider],
-    pub(crate) solids: &'a [Solid],
+    pub(crate) body_colliders: &'a [BodyCollider],
     pub(crate) filter: &'a ContactFilter,
     pub(crate) plan: &'a Plan,
     /// Length of the step, seconds, and its substeps.
@@ -42,46 +42,51 @@ pub(crate) struct World<'a> {
 impl Contacts {
     /// Chooses the instructions of the wide kernels. They never change a result.
     pub(crate) fn use_instructions(&mut self, instructions: InstructionSet) {
-        self.solids.instructions = instructions;
+        self.body_contact.instructions = instructions;
         self.pairs.instructions = instructions;
     }
 
-    /// Notes which rows belong to which solids, when those or the particles have changed.
-    pub(crate) fn compile(&mut self, solids: &[Solid], particles: &Particles) {
-        self.solids.compile(solids, particles);
+    /// Notes which rows belong to which body colliders, when those or the particles have changed.
+    pub(crate) fn compile(&mut self, body_colliders: &[BodyCollider], particles: &Particles) {
+        self.body_contact.compile(body_colliders, particles);
     }
 
-    /// Whether a row does not collide by itself: it belongs to a solid, which does in its place, or its body touches nothing.
+    /// Whether a row does not collide by itself: it belongs to a body collider, which does in its place, or its body touches nothing.
     pub(crate) fn is_aside(&self, row: u32) -> bool {
         self.aside.get(row as usize).is_some_and(|&aside| aside)
     }
 
-    /// Begins a step: finds what may come to touch what, and borrows what is remembered of it until the step [ends](Self::keep). Bodies that ask for
+    /// Begins a step: finds what may come to touch what, and borrows the contact cache until the step [ends](Self::keep). Bodies that ask for
     /// it collide by the triangles of `surfaces`.
     pub(crate) fn begin(
         &mut self,
         (particles, surfaces): (&Particles, &[[u32; 3]]),
         world: World,
-        memory: &mut ContactMemory,
+        contact_cache: &mut ContactCache,
     ) {
         let World { boundaries, colliders, filter, substeps, dt, gravity, .. } = world;
         self.impacts.clear();
         self.set_aside(particles, filter);
-        self.touch.take(boundaries, colliders, filter, substeps);
-        self.touch.set_solid(&self.aside);
-        self.touch.find(particles, &world, (dt, gravity), &mut self.presses);
-        self.nearby.find(particles, &world, &self.aside);
+        self.particle_contacts.take(boundaries, colliders, filter, substeps);
+        self.particle_contacts.set_solid(&self.aside);
+        self.particle_contacts.broad_phase(
+            particles,
+            &world,
+            (dt, gravity),
+            &mut self.normal_impulses,
+        );
+        self.nearby.broad_phase(particles, &world, &self.aside);
         let Self { aside, nearby, .. } = self;
-        self.solids.find(particles, &world, nearby, memory);
-        self.pairs.find(particles, (filter, nearby), &particles.rest, aside, dt);
-        self.triangles.find(particles, surfaces, (filter, nearby), aside, dt);
+        self.body_contact.broad_phase(particles, &world, nearby, contact_cache);
+        self.pairs.broad_phase(particles, (filter, nearby), &particles.rest, aside, dt);
+        self.triangles.broad_phase(particles, surfaces, (filter, nearby), aside, dt);
     }
 
     /// Notes which rows do not collide by themselves.
     fn set_aside(&mut self, particles: &Particles, filter: &ContactFilter) {
-        let Self { aside, solids, .. } = self;
+        let Self { aside, body_contact, .. } = self;
         aside.clear();
-        aside.extend_from_slice(solids.rows());
+        aside.extend_from_slice(body_contact.rows());
         if filter.bodies().iter().any(|body| body.disabled) {
             aside.resize(particles.len(), false);
             let disabled = particles.body.iter().map(|&body| filter.body(body).disabled);
@@ -91,7 +96,7 @@ impl Contacts {
 
     /// Whether something may come to touch something else that moves, so that islands cannot go their ways alone.
     pub(crate) fn is_active(&self) -> bool {
-        !self.solids.is_empty() || !self.pairs.is_empty() || !self.triangles.is_empty()
+        !self.body_contact.is_empty() || !self.pairs.is_empty() || !self.triangles.is_empty()
     }
 
     /// Between the constraints of a substep of `h` seconds and its velocities.
@@ -102,24 +107,25 @@ impl Contacts {
         h: f32,
         substep: u32,
     ) {
-        self.solids.project(particles, (world, &self.nearby), h, substep);
+        self.body_contact.project(particles, (world, &self.nearby), h, substep);
         self.pairs.project(particles, world.filter, h);
         // Last, so that what it says of sides holds when the next substep begins.
         self.triangles.project(particles, world.filter);
-        self.touch.flatten(particles, false);
+        self.particle_contacts.flatten(particles, false);
     }
 
     /// After the velocities.
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
-        self.solids.bounce(particles, h, gravity);
+        self.body_contact.bounce(particles, h, gravity);
         self.pairs.bounce(particles, h, gravity);
         self.triangles.bounce(particles, h, gravity);
-        self.touch.flatten(particles, true);
+        self.particle_contacts.flatten(particles, true);
     }
 
-    /// Adds to the report how deep solids are in each other and in what stands: of an island whose tolerance that exceeds, that it has not converged.
+    /// Adds to the report how deep body colliders are in each other and in what stands: of an island whose tolerance that exceeds, that it has not
+    /// converged.
     pub(crate) fn measure(&self, plan: &Plan, report: &mut SolverReport) {
-        for (row, left) in self.solids.overlaps() {
+        for (row, left) in self.body_contact.overlaps() {
             let Some(&number) = plan.island_of.get(row as usize) else { continue };
             let island = &mut report.islands[number as usize];
             island.error = island.error.max(left);
@@ -129,16 +135,16 @@ impl Contacts {
         }
     }
 
-    /// Gives back what is remembered.
-    pub(crate) fn keep(&mut self, memory: &mut ContactMemory) {
-        self.solids.keep(memory);
+    /// Gives the contact cache back.
+    pub(crate) fn keep(&mut self, contact_cache: &mut ContactCache) {
+        self.body_contact.keep(contact_cache);
     }
 
     /// What has touched what in a step with substeps of `h` seconds.
     pub(crate) fn report(&mut self, particles: &Particles, h: f32) -> &[Impact] {
-        let mut presses = super::Presses::all(&mut self.presses);
-        self.touch.report(particles, &mut presses, h, &mut self.impacts);
-        self.solids.report(&mut self.impacts);
+        let mut normal_impulses = super::NormalImpulses::all(&mut self.normal_impulses);
+        self.particle_contacts.report(particles, &mut normal_impulses, h, &mut self.impacts);
+        self.body_contact.report(&mut self.impacts);
         self.pairs.report(&mut self.impacts);
         self.triangles.report(&mut self.impacts);
         self.impacts.merge()

@@ -6,7 +6,7 @@ use core::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::{Equation, LawFault, Points, Softness};
+use super::{ConstraintFault, Equation, Points, Softness};
 pub(crate) use wide::Angles;
 pub(super) use wide::{Turns, any_normal_wide, between_wide};
 
@@ -42,14 +42,14 @@ impl Angle {
     }
 
     /// Why it cannot bind `particles` particles, or `None` if it can.
-    pub(crate) fn fault(&self, particles: usize) -> Option<LawFault> {
+    pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         let inside = |angle: f32| (0.0..=PI).contains(&angle);
         if particles != 3 {
-            Some(LawFault::Count)
+            Some(ConstraintFault::Count)
         } else if !(inside(self.min) && inside(self.max)) {
-            Some(LawFault::Number)
+            Some(ConstraintFault::Number)
         } else if self.min > self.max {
-            Some(LawFault::Limits)
+            Some(ConstraintFault::Limits)
         } else {
             None
         }
@@ -139,7 +139,7 @@ pub(super) fn any_normal(u: Vec3) -> Vec3 {
 mod tests {
     use super::super::checks::*;
     use super::*;
-    use crate::{Constraint, Distance, Law, ParticleSeed, Simulation};
+    use crate::{Constraint, ConstraintKind, Distance, ParticleSeed, Simulation};
 
     #[test]
     fn the_gradient_is_that_of_the_angle_from_sharp_to_blunt() {
@@ -167,11 +167,11 @@ mod tests {
         for _ in 0..20 {
             let (places, masses) = (random.positions(3), random.masses(3));
             let angle = Angle::rest([places[0], places[1], places[2]]).min;
-            for law in
+            for equation in
                 [Angle::between(0.0, angle * 0.6), Angle::between(0.4 * angle + 0.6 * PI, PI)]
             {
-                assert_momentum_kept(&law, &places, &masses);
-                assert_kept(&law, &places, &masses, 1e-5);
+                assert_momentum_kept(&equation, &places, &masses);
+                assert_kept(&equation, &places, &masses, 1e-5);
             }
         }
         let corner = [Vec3::X, Vec3::ZERO, Vec3::new(0.2, 1.5, 0.3)];
@@ -200,13 +200,15 @@ mod tests {
     #[test]
     fn it_survives_every_degenerate_set() {
         let places = Random::new(3).positions(3);
-        for law in [Angle::between(0.0, 0.1), Angle::between(3.0, PI), Angle::between(1.0, 1.0)] {
-            assert_survives(&law, &places);
-            assert_survives(&law.with_softness(Softness::frequency(5.0, 1.0)), &places);
+        for equation in
+            [Angle::between(0.0, 0.1), Angle::between(3.0, PI), Angle::between(1.0, 1.0)]
+        {
+            assert_survives(&equation, &places);
+            assert_survives(&equation.with_softness(Softness::frequency(5.0, 1.0)), &places);
         }
     }
 
-    /// A rod hangs from a pinned bar at an angle of 90° that is kept by the law alone, against gravity.
+    /// A rod hangs from a pinned bar at an angle of 90° that is kept by the constraint alone, against gravity.
     #[test]
     fn a_bracket_carries_its_arm_as_long_as_its_angle_is_hard() {
         let lowest = |softness: Softness| {
@@ -217,8 +219,10 @@ mod tests {
                 world.particles.push(if i < 2 { seed.pinned() } else { seed }).unwrap();
             }
             world.distances_mut().push(Distance::new(1, 2, 1.0));
-            let law = Angle::rest(places).with_softness(softness);
-            world.constraints_mut().push(Constraint::new([0, 1, 2], Law::Angle(law)));
+            let equation = Angle::rest(places).with_softness(softness);
+            world
+                .constraints_mut()
+                .push(Constraint::new([0, 1, 2], ConstraintKind::Angle(equation)));
             let mut lowest = 0.0_f32;
             for _ in 0..180 {
                 world.step(1.0 / 60.0).unwrap();
@@ -237,10 +241,10 @@ mod tests {
     fn faults_are_told_apart() {
         let good = Angle::between(0.0, 1.0);
         assert_eq!(good.fault(3), None);
-        assert_eq!(good.fault(4), Some(LawFault::Count));
-        assert_eq!(Angle::between(1.0, 0.5).fault(3), Some(LawFault::Limits));
-        assert_eq!(Angle::between(-0.1, 0.5).fault(3), Some(LawFault::Number));
-        assert_eq!(Angle::between(0.0, 3.2).fault(3), Some(LawFault::Number));
-        assert_eq!(Angle::between(f32::NAN, 0.5).fault(3), Some(LawFault::Number));
+        assert_eq!(good.fault(4), Some(ConstraintFault::Count));
+        assert_eq!(Angle::between(1.0, 0.5).fault(3), Some(ConstraintFault::Limits));
+        assert_eq!(Angle::between(-0.1, 0.5).fault(3), Some(ConstraintFault::Number));
+        assert_eq!(Angle::between(0.0, 3.2).fault(3), Some(ConstraintFault::Number));
+        assert_eq!(Angle::between(f32::NAN, 0.5).fault(3), Some(ConstraintFault::Number));
     }
 }

@@ -5,7 +5,7 @@ mod wide;
 use glam::Vec3;
 
 use super::angle::any_normal;
-use super::{Equation, LawFault, Points, Softness};
+use super::{ConstraintFault, Equation, Points, Softness};
 pub(crate) use wide::Areas;
 pub(super) use wide::{area_wide, steeper};
 
@@ -32,11 +32,11 @@ impl Area {
     }
 
     /// Why it cannot bind `particles` particles, or `None` if it can.
-    pub(crate) fn fault(&self, particles: usize) -> Option<LawFault> {
+    pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         if particles != 3 {
-            Some(LawFault::Count)
+            Some(ConstraintFault::Count)
         } else if !(self.rest.is_finite() && self.rest >= 0.0) {
-            Some(LawFault::Number)
+            Some(ConstraintFault::Number)
         } else {
             None
         }
@@ -107,19 +107,19 @@ pub(super) fn keep_within_reach(value: f32, reach: f32, gradients: &mut [Vec3]) 
 mod tests {
     use super::super::checks::*;
     use super::*;
-    use crate::{Constraint, Law, ParticleSeed, Simulation};
+    use crate::{Constraint, ConstraintKind, ParticleSeed, Simulation};
 
     #[test]
     fn the_gradient_is_that_of_the_area() {
         let mut random = Random::new(11);
         for _ in 0..20 {
             let places = random.positions(3);
-            let law = Area::of([places[0], places[1], places[2]]);
-            if law.rest < 0.2 {
+            let equation = Area::of([places[0], places[1], places[2]]);
+            if equation.rest < 0.2 {
                 continue; // A thin one has a gradient that bends too soon for differences.
             }
-            assert_gradients(&Area { rest: law.rest * 0.7, ..law.clone() }, &places);
-            assert_gradients(&Area { rest: law.rest * 1.5, ..law }, &places);
+            assert_gradients(&Area { rest: equation.rest * 0.7, ..equation.clone() }, &places);
+            assert_gradients(&Area { rest: equation.rest * 1.5, ..equation }, &places);
         }
         let right = [Vec3::ZERO, Vec3::X * 3.0, Vec3::Y * 4.0];
         assert_eq!(Area::of(right).rest, 6.0);
@@ -131,28 +131,28 @@ mod tests {
         for _ in 0..20 {
             let (places, masses) = (random.positions(3), random.masses(3));
             for rest in [0.1, 0.5, 2.0] {
-                let law = Area { rest, softness: Softness::Hard };
-                assert_momentum_kept(&law, &places, &masses);
-                assert_kept(&law, &places, &masses, 1e-5);
+                let equation = Area { rest, softness: Softness::Hard };
+                assert_momentum_kept(&equation, &places, &masses);
+                assert_kept(&equation, &places, &masses, 1e-5);
             }
         }
         let places = [Vec3::ZERO, Vec3::new(1.0, 0.2, 0.0), Vec3::new(0.3, 1.0, 0.4)];
-        let law = Area::of(places);
+        let equation = Area::of(places);
         for factor in [0.93, 1.07] {
-            let law = Area { rest: law.rest * factor, ..law.clone() };
-            assert_least(&law, &places, &[1.0, 3.0, 0.5]);
+            let equation = Area { rest: equation.rest * factor, ..equation.clone() };
+            assert_least(&equation, &places, &[1.0, 3.0, 0.5]);
         }
     }
 
     #[test]
     fn a_triangle_fallen_to_a_line_opens_again_and_one_of_a_micrometre_grows() {
-        let law = Area { rest: 0.5, softness: Softness::Hard };
-        assert_kept(&law, &[Vec3::ZERO, Vec3::X, Vec3::X * 2.0], &[], 1e-5);
-        assert_kept(&law, &[Vec3::ZERO, Vec3::X, Vec3::X], &[], 1e-5);
+        let equation = Area { rest: 0.5, softness: Softness::Hard };
+        assert_kept(&equation, &[Vec3::ZERO, Vec3::X, Vec3::X * 2.0], &[], 1e-5);
+        assert_kept(&equation, &[Vec3::ZERO, Vec3::X, Vec3::X], &[], 1e-5);
         let tiny = [Vec3::ZERO, Vec3::X * 1e-6, Vec3::Y * 1e-6];
-        assert_kept(&law, &tiny, &[], 1e-5);
+        assert_kept(&equation, &tiny, &[], 1e-5);
         let mut particles = points_of(&tiny, &[]);
-        particles.project(&law);
+        particles.project(&equation);
         assert!(extent(&particles.positions()) < 2.0, "not thrown away: {particles:?}");
     }
 
@@ -160,9 +160,9 @@ mod tests {
     fn it_survives_every_degenerate_set() {
         let places = Random::new(13).positions(3);
         for rest in [0.0, 1e-12, 1.0, 1e12] {
-            let law = Area { rest, softness: Softness::Hard };
-            assert_survives(&law, &places);
-            assert_survives(&law.with_softness(Softness::frequency(5.0, 0.5)), &places);
+            let equation = Area { rest, softness: Softness::Hard };
+            assert_survives(&equation, &places);
+            assert_survives(&equation.with_softness(Softness::frequency(5.0, 0.5)), &places);
         }
     }
 
@@ -175,9 +175,9 @@ mod tests {
         for place in places {
             world.particles.push(ParticleSeed::at(place * 1.05)).unwrap();
         }
-        let law = Area::of(places).with_softness(softness);
-        world.constraints_mut().push(Constraint::new(0..3, Law::Area(law)));
-        world.constraints_mut().push(Constraint::new([0], Law::custom(Restless)));
+        let equation = Area::of(places).with_softness(softness);
+        world.constraints_mut().push(Constraint::new(0..3, ConstraintKind::Area(equation)));
+        world.constraints_mut().push(Constraint::new([0], ConstraintKind::custom(Restless)));
         world.settings.tolerance = 0.0;
         let rows = [0, 1, 2];
         (0..120)
@@ -207,10 +207,10 @@ mod tests {
 
     #[test]
     fn faults_are_told_apart() {
-        let law = Area { rest: 1.0, softness: Softness::Hard };
-        assert_eq!(law.fault(3), None);
-        assert_eq!(law.fault(2), Some(LawFault::Count));
-        assert_eq!(Area { rest: -1.0, ..law.clone() }.fault(3), Some(LawFault::Number));
-        assert_eq!(Area { rest: f32::NAN, ..law }.fault(3), Some(LawFault::Number));
+        let equation = Area { rest: 1.0, softness: Softness::Hard };
+        assert_eq!(equation.fault(3), None);
+        assert_eq!(equation.fault(2), Some(ConstraintFault::Count));
+        assert_eq!(Area { rest: -1.0, ..equation.clone() }.fault(3), Some(ConstraintFault::Number));
+        assert_eq!(Area { rest: f32::NAN, ..equation }.fault(3), Some(ConstraintFault::Number));
     }
 }

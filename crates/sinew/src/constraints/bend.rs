@@ -4,7 +4,7 @@ mod wide;
 
 use glam::{DVec3, Vec3};
 
-use super::{Equation, LawFault, Points, Softness};
+use super::{ConstraintFault, Equation, Points, Softness};
 pub(crate) use wide::Bends;
 
 /// Keeps two triangles that share an edge from bending; particles `[e0, e1, a, b]`: the edge, then the two opposite corners.
@@ -81,15 +81,15 @@ impl Bend {
     }
 
     /// Why it cannot bind `particles` particles, or `None` if it can.
-    pub(crate) fn fault(&self, particles: usize) -> Option<LawFault> {
+    pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         let [e0, e1, a, b] = self.weights;
         let size = e0.abs() + e1.abs() + a.abs() + b.abs();
         // What does not sum to zero holds on to the origin.
         let balanced = size.is_finite() && (e0 + e1 + a + b).abs() <= 1e-5 * size;
         if particles != 4 {
-            Some(LawFault::Count)
+            Some(ConstraintFault::Count)
         } else if !(balanced && self.rest.is_finite() && self.rest >= 0.0) {
-            Some(LawFault::Number)
+            Some(ConstraintFault::Number)
         } else {
             None
         }

@@ -1,4 +1,4 @@
-//! What holds particles by themselves, as a world has it: planes and boxes (physics.md C4), pins (C3), and the sheet that a world in 2D lies in. How
+//! What holds particles by themselves, as a world has it: planes and boxes (physics.md C4), pins (C3), and the plane that a world in 2D lies in. How
 //! particles touch them is in [`collide`](crate::collide).
 
 use glam::Vec3;
@@ -18,7 +18,7 @@ pub struct Boundaries {
     /// Particles that are held at a point, or led along a path.
     pub pins: Vec<Pin>,
     /// For a world in 2D: the plane in which every particle stays, on both its sides. Its friction does not matter.
-    pub sheet: Option<Plane>,
+    pub plane_constraint: Option<Plane>,
 }
 
 /// "Every particle stays on the side of this plane to which the normal points": the ground, a wall, a ramp.

@@ -1,13 +1,13 @@
-//! Checks that the tests of every law make: a wrong sign, a lost momentum or a NaN in a corner must not get past them.
+//! Checks that the tests of every constraint make: a wrong sign, a lost momentum or a NaN in a corner must not get past them.
 
 use glam::{Vec3, Vec4};
 
-use super::{Direction, Equation, Pace, Points, equation_error, project_equation};
+use super::{Equation, GradientAt, Points, SubstepContext, equation_error, project_equation};
 
 /// A substep of a sixtieth of a second, of eight sweeps.
-const PACE: Pace = Pace { h: 1.0 / 60.0, sweeps: 8 };
+const PACE: SubstepContext = SubstepContext { h: 1.0 / 60.0, sweeps: 8 };
 
-/// The particles of a law, as a test holds them: positions and inverse masses now, positions at the start of the substep.
+/// The particles of a constraint, as a test holds them: positions and inverse masses now, positions at the start of the substep.
 #[derive(Clone, Debug)]
 pub(crate) struct Particles {
     pub(crate) now: Vec<Vec4>,
@@ -28,7 +28,7 @@ impl Particles {
             now: &self.now,
             starts: &self.starts,
             origin: Vec3::ZERO,
-            direction: Direction::Nearest,
+            gradient_at: GradientAt::Current,
         }
     }
 
@@ -36,15 +36,21 @@ impl Particles {
         self.now.iter().map(|q| q.truncate()).collect()
     }
 
-    /// One projection, as the solver makes it; how far the law was from being kept, metres.
-    pub(crate) fn project(&mut self, law: &dyn Equation) -> f32 {
+    /// One projection, as the solver makes it; how far the constraint was from being kept, metres.
+    pub(crate) fn project(&mut self, equation: &dyn Equation) -> f32 {
         let mut gradients = vec![Vec3::ZERO; self.now.len()];
         let mut moves = Vec::new();
         let mut lambda = self.lambda;
-        let error =
-            project_equation(law, &self.points(), &mut gradients, PACE, &mut lambda, |i, d| {
+        let error = project_equation(
+            equation,
+            &self.points(),
+            &mut gradients,
+            PACE,
+            &mut lambda,
+            |i, d| {
                 moves.push((i, d));
-            });
+            },
+        );
         self.lambda = lambda;
         for (i, d) in moves {
             self.now[i] += d.extend(0.0);
@@ -52,9 +58,9 @@ impl Particles {
         error
     }
 
-    /// How far a hard law is from being kept, metres.
-    pub(crate) fn error(&self, law: &dyn Equation) -> f32 {
-        equation_error(law, &self.points(), &mut vec![Vec3::ZERO; self.now.len()])
+    /// How far a hard constraint is from being kept, metres.
+    pub(crate) fn error(&self, equation: &dyn Equation) -> f32 {
+        equation_error(equation, &self.points(), &mut vec![Vec3::ZERO; self.now.len()])
     }
 
     /// `Σ mᵢ‖pᵢ - qᵢ‖²` over the free particles, in f64: what a constraint is to make least.
@@ -66,10 +72,10 @@ impl Particles {
     }
 }
 
-/// Value and gradients of a law there, all masses 1 kg.
-pub(crate) fn evaluate(law: &dyn Equation, positions: &[Vec3]) -> (f32, Vec<Vec3>) {
+/// Value and gradients of a constraint there, all masses 1 kg.
+pub(crate) fn evaluate(equation: &dyn Equation, positions: &[Vec3]) -> (f32, Vec<Vec3>) {
     let mut gradients = vec![Vec3::ZERO; positions.len()];
-    let value = law.evaluate(&points_of(positions, &[]).points(), &mut gradients);
+    let value = equation.evaluate(&points_of(positions, &[]).points(), &mut gradients);
     (value, gradients)
 }
 
@@ -79,8 +85,8 @@ pub(crate) fn evaluate(law: &dyn Equation, positions: &[Vec3]) -> (f32, Vec<Vec3
 /// the error of its square is taken out by Richardson's extrapolation with half of it. What is left is about 1e-5 each. The value must be smooth that
 /// far around: inside the range of a limit there is nothing to check, and the check says so by failing.
 #[track_caller]
-pub(crate) fn assert_gradients(law: &dyn Equation, positions: &[Vec3]) {
-    let (value, gradients) = evaluate(law, positions);
+pub(crate) fn assert_gradients(equation: &dyn Equation, positions: &[Vec3]) {
+    let (value, gradients) = evaluate(equation, positions);
     assert!(value.is_finite() && value != 0.0, "nothing to check: the value is {value}");
     let largest = gradients.iter().map(|g| g.length()).fold(0.0, f32::max);
     assert!(largest > 0.0, "no gradient, but a value of {value}");
@@ -90,7 +96,7 @@ pub(crate) fn assert_gradients(law: &dyn Equation, positions: &[Vec3]) {
             let at = |distance: f32| {
                 let mut moved = positions.to_vec();
                 moved[i] += axis * distance;
-                f64::from(evaluate(law, &moved).0)
+                f64::from(evaluate(equation, &moved).0)
             };
             let slope = |h: f32| (at(h) - at(-h)) / (2.0 * f64::from(h));
             let measured = ((4.0 * slope(0.5 * step) - slope(step)) / 3.0) as f32;
@@ -105,12 +111,12 @@ pub(crate) fn assert_gradients(law: &dyn Equation, positions: &[Vec3]) {
 
 /// One projection keeps momentum and angular momentum: `Σ mᵢdᵢ` and `Σ mᵢ qᵢ×dᵢ` vanish to 2e-5 of the sum of their sizes. Masses must be finite.
 #[track_caller]
-pub(crate) fn assert_momentum_kept(law: &dyn Equation, positions: &[Vec3], masses: &[f32]) {
+pub(crate) fn assert_momentum_kept(equation: &dyn Equation, positions: &[Vec3], masses: &[f32]) {
     let particles = points_of(positions, masses);
     let mut gradients = vec![Vec3::ZERO; positions.len()];
     let mut moves = vec![Vec3::ZERO; positions.len()];
     let points = particles.points();
-    project_equation(law, &points, &mut gradients, PACE, &mut 0.0, |i, d| moves[i] = d);
+    project_equation(equation, &points, &mut gradients, PACE, &mut 0.0, |i, d| moves[i] = d);
     assert!(moves.iter().any(|d| *d != Vec3::ZERO), "nothing to check: nothing moved");
     let (mut linear, mut angular, mut size) = (Vec3::ZERO.as_dvec3(), Vec3::ZERO.as_dvec3(), 0.0);
     let middle = positions.iter().sum::<Vec3>() / positions.len() as f32;
@@ -125,17 +131,22 @@ pub(crate) fn assert_momentum_kept(law: &dyn Equation, positions: &[Vec3], masse
     assert!(angular.length() <= 2e-5 * size * arm, "angular momentum {angular} of {}", size * arm);
 }
 
-/// A hundred projections bring a hard law to within `tolerance` metres of being kept, from further away.
+/// A hundred projections bring a hard constraint to within `tolerance` metres of being kept, from further away.
 #[track_caller]
-pub(crate) fn assert_kept(law: &dyn Equation, positions: &[Vec3], masses: &[f32], tolerance: f32) {
+pub(crate) fn assert_kept(
+    equation: &dyn Equation,
+    positions: &[Vec3],
+    masses: &[f32],
+    tolerance: f32,
+) {
     let mut particles = points_of(positions, masses);
-    let before = particles.error(law);
+    let before = particles.error(equation);
     assert!(before > tolerance, "nothing to check: it is off by {before}");
     for _ in 0..100 {
-        particles.project(law);
+        particles.project(equation);
     }
-    let after = particles.error(law);
-    let value = evaluate(law, &particles.positions()).0;
+    let after = particles.error(equation);
+    let value = evaluate(equation, &particles.positions()).0;
     assert!(value.is_finite(), "off by {before} before, and now by {value}");
     assert!(after <= tolerance, "off by {before} before and by {after} after");
 }
@@ -144,11 +155,11 @@ pub(crate) fn assert_kept(law: &dyn Equation, positions: &[Vec3], masses: &[f32]
 /// feasible place nearby costs more, `Σ m‖d‖²`. The violation must be small beside the shape, 10 % say: Newton's steps are the least only as far as
 /// the surface is flat.
 #[track_caller]
-pub(crate) fn assert_least(law: &dyn Equation, positions: &[Vec3], masses: &[f32]) {
-    assert_gradients(law, positions);
+pub(crate) fn assert_least(equation: &dyn Equation, positions: &[Vec3], masses: &[f32]) {
+    assert_gradients(equation, positions);
     let mut best = points_of(positions, masses);
-    let gradients = evaluate(law, positions).1;
-    best.project(law);
+    let gradients = evaluate(equation, positions).1;
+    best.project(equation);
     // Along w∇C: one λ for all.
     let (mut along, mut squares) = (0.0, 0.0);
     for (i, gradient) in gradients.iter().enumerate() {
@@ -163,7 +174,7 @@ pub(crate) fn assert_least(law: &dyn Equation, positions: &[Vec3], masses: &[f32
         assert!(off <= 1e-4 * lambda.abs() * squares.sqrt(), "particle {i} moved by {moved}");
     }
     for _ in 0..20 {
-        best.project(law);
+        best.project(equation);
     }
     let least = best.cost(positions);
     assert!(least > 0.0, "nothing to check: nothing moved");
@@ -175,7 +186,7 @@ pub(crate) fn assert_least(law: &dyn Equation, positions: &[Vec3], masses: &[f32
             *q += (random.vector() * reach * q.w.sqrt()).extend(0.0);
         }
         for _ in 0..20 {
-            other.project(law);
+            other.project(equation);
         }
         let cost = other.cost(positions);
         assert!(cost >= least * (1.0 - 1e-3), "attempt {attempt} costs {cost}, not {least}");
@@ -185,7 +196,7 @@ pub(crate) fn assert_least(law: &dyn Equation, positions: &[Vec3], masses: &[f32
 /// Whatever the places are, projecting leaves finite ones: coincident, collinear, coplanar, mirrored, huge, tiny, two in one place; with all free,
 /// one pinned, or all; and masses far apart.
 #[track_caller]
-pub(crate) fn assert_survives(law: &dyn Equation, positions: &[Vec3]) {
+pub(crate) fn assert_survives(equation: &dyn Equation, positions: &[Vec3]) {
     let count = positions.len();
     let alike = |f: &dyn Fn(Vec3) -> Vec3| positions.iter().map(|p| f(*p)).collect::<Vec<_>>();
     let mut sets = vec![
@@ -229,12 +240,12 @@ pub(crate) fn assert_survives(law: &dyn Equation, positions: &[Vec3]) {
         for (name, set) in &sets {
             let mut particles = points_of(set, &masses);
             for sweep in 0..8 {
-                let error = particles.project(law);
+                let error = particles.project(equation);
                 let finite = particles.now.iter().all(|q| q.is_finite()) && error.is_finite();
                 assert!(finite, "{name}, masses {masses:?}, sweep {sweep}: {:?}", particles.now);
             }
             let energy =
-                super::equation_energy(law, &particles.points(), &mut vec![Vec3::ZERO; count]);
+                super::equation_energy(equation, &particles.points(), &mut vec![Vec3::ZERO; count]);
             assert!(!energy.is_nan(), "{name}");
             for (q, p) in particles.now.iter().zip(set).filter(|(q, _)| q.w == 0.0) {
                 assert_eq!(q.truncate(), *p, "{name}: a pinned particle moved");
@@ -244,7 +255,7 @@ pub(crate) fn assert_survives(law: &dyn Equation, positions: &[Vec3]) {
 }
 
 /// An equation that is never kept and moves nothing that f32 could tell, so that an island with the tolerance 0 is swept as often as it may be. A
-/// soft law has no error of its own to be swept for.
+/// soft constraint has no error of its own to be swept for.
 #[derive(Debug)]
 pub(crate) struct Restless;
 

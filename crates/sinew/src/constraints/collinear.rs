@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::coplanar::Spread;
 use super::towards::towards;
-use super::{Equation, LawFault, Points, Softness};
+use super::{ConstraintFault, Equation, Points, Softness};
 
 /// All particles lie on one line, wherever that is; three of them or more. It does not keep their order or their distances.
 ///
@@ -24,9 +24,9 @@ impl Collinear {
     }
 
     /// Why it cannot bind `particles` particles, or `None` if it can.
-    pub(crate) fn fault(&self, particles: usize) -> Option<LawFault> {
+    pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         // Two are on a line whatever they do.
-        (particles < 3).then_some(LawFault::Count)
+        (particles < 3).then_some(ConstraintFault::Count)
     }
 }
 
@@ -75,14 +75,14 @@ mod tests {
     #[test]
     fn one_projection_makes_them_collinear_and_keeps_both_momenta() {
         let (places, masses) = beads();
-        let law = Collinear::default();
-        checks::assert_gradients(&law, &places);
-        checks::assert_momentum_kept(&law, &places, &masses);
+        let equation = Collinear::default();
+        checks::assert_gradients(&equation, &places);
+        checks::assert_momentum_kept(&equation, &places, &masses);
         let mut particles = points_of(&places, &masses);
-        let error = particles.project(&law);
+        let error = particles.project(&equation);
         assert!(off(&places) > 0.1 && error > 0.05, "{} {error}", off(&places));
         assert!(off(&particles.positions()) < 1e-6, "{}", off(&particles.positions()));
-        assert!(particles.error(&law) < 1e-6);
+        assert!(particles.error(&equation) < 1e-6);
     }
 
     #[test]
@@ -138,7 +138,7 @@ mod tests {
             particles.error(&Collinear::default()) < 1e-6,
             "any line through its middle, but one"
         );
-        assert_eq!(Collinear::default().fault(2), Some(LawFault::Count));
+        assert_eq!(Collinear::default().fault(2), Some(ConstraintFault::Count));
         assert_eq!(Collinear::default().fault(3), None);
     }
 }

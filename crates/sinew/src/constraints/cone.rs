@@ -7,7 +7,7 @@ use core::f32::consts::PI;
 use glam::Vec3;
 
 use super::angle::between;
-use super::{Equation, LawFault, Points, Softness};
+use super::{ConstraintFault, Equation, Points, Softness};
 pub(crate) use wide::Cones;
 
 /// The segment `c → d` stays within the angle `max` of an axis that is fixed in the frame of three particles: the shoulder or the hip of a ragdoll.
@@ -62,14 +62,14 @@ impl Cone {
     }
 
     /// Why it cannot bind `particles` particles, or `None` if it can.
-    pub(crate) fn fault(&self, particles: usize) -> Option<LawFault> {
+    pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         if !(particles == 4 || particles == 5) {
-            Some(LawFault::Count)
+            Some(ConstraintFault::Count)
         } else if !self.axis.is_finite()
             || self.axis == Vec3::ZERO
             || !(0.0..=PI).contains(&self.max)
         {
-            Some(LawFault::Number)
+            Some(ConstraintFault::Number)
         } else {
             None
         }
@@ -115,7 +115,7 @@ impl Equation for Cone {
 mod tests {
     use super::super::checks::*;
     use super::*;
-    use crate::{Constraint, Distance, Law, ParticleSeed, Simulation};
+    use crate::{Constraint, ConstraintKind, Distance, ParticleSeed, Simulation};
 
     const FRAME: [Vec3; 3] = [Vec3::ZERO, Vec3::new(1.0, 0.1, 0.0), Vec3::new(0.2, 0.9, -0.1)];
 
@@ -191,18 +191,21 @@ mod tests {
 
     #[test]
     fn inside_the_cone_nothing_happens_and_against_the_axis_it_turns_back() {
-        let law = cone(Vec3::Z, 0.8);
-        assert_eq!(evaluate(&law, &with(Vec3::new(0.5, 0.0, 1.0), 5)), (0.0, vec![Vec3::ZERO; 5]));
-        assert_kept(&law, &with(-Vec3::Z, 5), &[], 1e-4);
+        let equation = cone(Vec3::Z, 0.8);
+        assert_eq!(
+            evaluate(&equation, &with(Vec3::new(0.5, 0.0, 1.0), 5)),
+            (0.0, vec![Vec3::ZERO; 5])
+        );
+        assert_kept(&equation, &with(-Vec3::Z, 5), &[], 1e-4);
     }
 
     #[test]
     fn it_survives_every_degenerate_set() {
-        for law in [cone(Vec3::Z, 0.1), cone(Vec3::X, 0.0), cone(-Vec3::Y, 1.0)] {
+        for equation in [cone(Vec3::Z, 0.1), cone(Vec3::X, 0.0), cone(-Vec3::Y, 1.0)] {
             for count in [4, 5] {
                 let places = with(Vec3::new(0.6, 0.3, -0.8), count);
-                assert_survives(&law, &places);
-                let soft = law.clone().with_softness(Softness::frequency(5.0, 1.0));
+                assert_survives(&equation, &places);
+                let soft = equation.clone().with_softness(Softness::frequency(5.0, 1.0));
                 assert_survives(&soft, &places);
             }
         }
@@ -216,7 +219,9 @@ mod tests {
         }
         world.particles.push(ParticleSeed::at(Vec3::X)).unwrap();
         world.distances_mut().push(Distance::new(0, 3, 1.0));
-        world.constraints_mut().push(Constraint::new([0, 1, 2, 3], Law::Cone(cone(Vec3::X, 0.5))));
+        world
+            .constraints_mut()
+            .push(Constraint::new([0, 1, 2, 3], ConstraintKind::Cone(cone(Vec3::X, 0.5))));
         let mut most = 0.0_f32;
         for _ in 0..180 {
             world.step(1.0 / 60.0).unwrap();
@@ -231,11 +236,14 @@ mod tests {
     fn faults_are_told_apart() {
         let good = cone(Vec3::Z, 1.0);
         assert_eq!((good.fault(4), good.fault(5)), (None, None));
-        assert_eq!(good.fault(3), Some(LawFault::Count));
-        assert_eq!(good.fault(6), Some(LawFault::Count));
-        assert_eq!(cone(Vec3::Z, 4.0).fault(5), Some(LawFault::Number));
-        assert_eq!(cone(Vec3::Z, f32::NAN).fault(5), Some(LawFault::Number));
-        assert_eq!(Cone { axis: Vec3::ZERO, ..good.clone() }.fault(5), Some(LawFault::Number));
-        assert_eq!(Cone { axis: Vec3::NAN, ..good }.fault(5), Some(LawFault::Number));
+        assert_eq!(good.fault(3), Some(ConstraintFault::Count));
+        assert_eq!(good.fault(6), Some(ConstraintFault::Count));
+        assert_eq!(cone(Vec3::Z, 4.0).fault(5), Some(ConstraintFault::Number));
+        assert_eq!(cone(Vec3::Z, f32::NAN).fault(5), Some(ConstraintFault::Number));
+        assert_eq!(
+            Cone { axis: Vec3::ZERO, ..good.clone() }.fault(5),
+            Some(ConstraintFault::Number)
+        );
+        assert_eq!(Cone { axis: Vec3::NAN, ..good }.fault(5), Some(ConstraintFault::Number));
     }
 }

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::towards::{Weights, towards};
-use super::{Equation, LawFault, Points, Softness};
+use super::{ConstraintFault, Equation, Points, Softness};
 use crate::pose::symmetric;
 
 /// All particles lie in one plane, wherever that is; four of them or more.
@@ -24,9 +24,9 @@ impl Coplanar {
     }
 
     /// Why it cannot bind `particles` particles, or `None` if it can.
-    pub(crate) fn fault(&self, particles: usize) -> Option<LawFault> {
+    pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         // Three are in a plane whatever they do.
-        (particles < 4).then_some(LawFault::Count)
+        (particles < 4).then_some(ConstraintFault::Count)
     }
 }
 
@@ -110,14 +110,14 @@ mod tests {
     #[test]
     fn one_projection_makes_them_coplanar_and_keeps_both_momenta() {
         let (places, masses) = bowl();
-        let law = Coplanar::default();
-        checks::assert_gradients(&law, &places);
-        checks::assert_momentum_kept(&law, &places, &masses);
+        let equation = Coplanar::default();
+        checks::assert_gradients(&equation, &places);
+        checks::assert_momentum_kept(&equation, &places, &masses);
         let mut particles = points_of(&places, &masses);
-        let error = particles.project(&law);
+        let error = particles.project(&equation);
         assert!(off(&places) > 0.1 && error > 0.05, "{} {error}", off(&places));
         assert!(off(&particles.positions()) < 1e-6, "{}", off(&particles.positions()));
-        assert!(particles.error(&law) < 1e-6);
+        assert!(particles.error(&equation) < 1e-6);
     }
 
     #[test]
@@ -171,7 +171,7 @@ mod tests {
         let mut particles = points_of(&tetrahedron, &[]);
         particles.project(&Coplanar::default());
         assert!(particles.error(&Coplanar::default()) < 1e-6, "any of three planes, but one");
-        assert_eq!(Coplanar::default().fault(3), Some(LawFault::Count));
+        assert_eq!(Coplanar::default().fault(3), Some(ConstraintFault::Count));
         assert_eq!(Coplanar::default().fault(4), None);
     }
 }

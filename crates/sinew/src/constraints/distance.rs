@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::softness::{Pace, Softness, multiplier};
+use super::softness::{Softness, SubstepContext, multiplier};
 
 /// "Particles `a` and `b` stay `rest` metres apart."
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -194,7 +194,7 @@ pub(crate) fn project(
     positions: &mut [Vec4],
     starts: &[Vec4],
     distance: &Distance,
-    pace: Pace,
+    substep_context: SubstepContext,
     lambda: &mut f32,
 ) -> f32 {
     let Distance { a, b, rest, softness, bound } = *distance;
@@ -210,7 +210,7 @@ pub(crate) fn project(
     let n = if len > 0.0 { d / len } else { Vec3::X };
     let moved = n.dot(d - (starts[a] - starts[b]).truncate());
     let unit = softness.unit(weights);
-    let asked = multiplier(softness, pace, value, weights, moved, *lambda) * unit;
+    let asked = multiplier(softness, substep_context, value, weights, moved, *lambda) * unit;
     let change = match bound {
         Bound::Equal => asked,
         Bound::AtMost => (asked + *lambda).max(0.0) - *lambda,
@@ -250,7 +250,7 @@ mod tests {
         [a.extend(wa), b.extend(wb)]
     }
 
-    const PACE: Pace = Pace { h: 1.0, sweeps: 1 };
+    const PACE: SubstepContext = SubstepContext { h: 1.0, sweeps: 1 };
 
     fn hard(positions: &mut [Vec4], rest: f32, bound: Bound) -> f32 {
         if bound == Bound::Equal {

@@ -2,8 +2,8 @@
 
 use glam::{Vec3, Vec4};
 
-use super::softness::{Pace, Softness, multiplier};
-use super::{Bound, Direction};
+use super::softness::{Softness, SubstepContext, multiplier};
+use super::{Bound, GradientAt};
 
 /// A constraint of any kind: a value that is to be zero, and how it changes with each particle.
 ///
@@ -14,7 +14,7 @@ use super::{Bound, Direction};
 ///
 /// ```
 /// use sinew::glam::Vec3;
-/// use sinew::{Constraint, Equation, Law, ParticleSeed, Points, Simulation};
+/// use sinew::{Constraint, Equation, ConstraintKind, ParticleSeed, Points, Simulation};
 ///
 /// /// A bead on a round wire in the xy plane: `C = √(x² + y²) - r`. The wire stands in the world, so no momentum is kept.
 /// #[derive(Debug)]
@@ -34,7 +34,7 @@ use super::{Bound, Direction};
 /// let mut world = Simulation::default();
 /// let bead = world.particles.push(ParticleSeed::at(Vec3::X))?;
 /// let wire = Wire { centre: Vec3::ZERO, radius: 1.0 };
-/// world.constraints_mut().push(Constraint::new([bead], Law::custom(wire)));
+/// world.constraints_mut().push(Constraint::new([bead], ConstraintKind::custom(wire)));
 /// for _ in 0..30 {
 ///     world.step(1.0 / 60.0)?;
 /// }
@@ -72,7 +72,7 @@ pub struct Points<'a> {
     pub(crate) now: &'a [Vec4],
     pub(crate) starts: &'a [Vec4],
     pub(crate) origin: Vec3,
-    pub(crate) direction: Direction,
+    pub(crate) gradient_at: GradientAt,
 }
 
 impl Points<'_> {
@@ -116,8 +116,8 @@ impl Points<'_> {
     }
 
     /// Along which gradients the island is corrected: for equations that know how to use the positions at the start.
-    pub fn direction(&self) -> Direction {
-        self.direction
+    pub fn gradient_at(&self) -> GradientAt {
+        self.gradient_at
     }
 }
 
@@ -126,17 +126,17 @@ impl Points<'_> {
 ///
 /// `gradients` is scratch of the same length.
 pub(crate) fn project(
-    law: &dyn Equation,
+    equation: &dyn Equation,
     points: &Points,
     gradients: &mut [Vec3],
-    pace: Pace,
+    substep_context: SubstepContext,
     lambda: &mut f32,
     mut moved: impl FnMut(usize, Vec3),
 ) -> f32 {
-    let Some(Solved { value, weights, error }) = solve(law, points, gradients) else {
+    let Some(Solved { value, weights, error }) = solve(equation, points, gradients) else {
         return 0.0;
     };
-    let (softness, bound) = (law.softness(), law.bound());
+    let (softness, bound) = (equation.softness(), equation.bound());
     if *lambda == 0.0 && bound.holds(value) {
         return 0.0;
     }
@@ -148,7 +148,7 @@ pub(crate) fn project(
         _ => (0..points.len()).map(|i| gradients[i].dot(points.at(i) - points.start(i))).sum(),
     };
     let unit = softness.unit(weights);
-    let asked = multiplier(softness, pace, value, weights, way, *lambda) * unit;
+    let asked = multiplier(softness, substep_context, value, weights, way, *lambda) * unit;
     let change = match bound {
         Bound::Equal => asked,
         Bound::AtMost => (asked + *lambda).max(0.0) - *lambda,
@@ -172,18 +172,20 @@ pub(crate) fn project(
 }
 
 /// How far a hard equation is from being kept, metres, moving nothing.
-pub(crate) fn error(law: &dyn Equation, points: &Points, gradients: &mut [Vec3]) -> f32 {
-    match solve(law, points, gradients) {
-        Some(found) if law.softness().is_hard() && !law.bound().holds(found.value) => found.error,
+pub(crate) fn error(equation: &dyn Equation, points: &Points, gradients: &mut [Vec3]) -> f32 {
+    match solve(equation, points, gradients) {
+        Some(found) if equation.softness().is_hard() && !equation.bound().holds(found.value) => {
+            found.error
+        }
         _ => 0.0,
     }
 }
 
 /// Energy that a soft equation stores, J.
-pub(crate) fn energy(law: &dyn Equation, points: &Points, gradients: &mut [Vec3]) -> f32 {
-    match solve(law, points, gradients) {
-        Some(found) if !law.bound().holds(found.value) => {
-            law.softness().energy(found.value, found.weights)
+pub(crate) fn energy(equation: &dyn Equation, points: &Points, gradients: &mut [Vec3]) -> f32 {
+    match solve(equation, points, gradients) {
+        Some(found) if !equation.bound().holds(found.value) => {
+            equation.softness().energy(found.value, found.weights)
         }
         _ => 0.0,
     }
@@ -198,9 +200,9 @@ struct Solved {
 }
 
 /// Evaluates; `None` where nothing is to be done or can be.
-fn solve(law: &dyn Equation, points: &Points, gradients: &mut [Vec3]) -> Option<Solved> {
+fn solve(equation: &dyn Equation, points: &Points, gradients: &mut [Vec3]) -> Option<Solved> {
     gradients.fill(Vec3::ZERO);
-    let value = law.evaluate(points, gradients);
+    let value = equation.evaluate(points, gradients);
     let (mut weights, mut steepness) = (0.0, 0.0);
     for (i, gradient) in gradients.iter().enumerate() {
         let square = gradient.length_squared();
@@ -211,7 +213,7 @@ fn solve(law: &dyn Equation, points: &Points, gradients: &mut [Vec3]) -> Option<
     if value == 0.0 || !value.is_finite() || !(weights.is_finite() && weights > 0.0) {
         return None;
     }
-    let error = if law.is_length() {
+    let error = if equation.is_length() {
         value.abs()
     } else {
         core::f32::consts::SQRT_2 * value.abs() / steepness.sqrt()

@@ -7,7 +7,7 @@ use core::f32::consts::TAU;
 use glam::Vec3;
 
 use super::angle::beyond;
-use super::{Equation, LawFault, Points, Softness};
+use super::{ConstraintFault, Equation, Points, Softness};
 pub(crate) use wide::Hinges;
 
 /// The signed angle about the axis `h0 → h1` from the half-plane of `a` to the half-plane of `c`, of the particles `[a, h0, h1, c]`, between two
@@ -51,14 +51,14 @@ impl Hinge {
     }
 
     /// Why it cannot bind `particles` particles, or `None` if it can.
-    pub(crate) fn fault(&self, particles: usize) -> Option<LawFault> {
+    pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         let inside = |angle: f32| (-TAU..=TAU).contains(&angle);
         if particles != 4 {
-            Some(LawFault::Count)
+            Some(ConstraintFault::Count)
         } else if !(inside(self.min) && inside(self.max) && self.max - self.min <= TAU) {
-            Some(LawFault::Number)
+            Some(ConstraintFault::Number)
         } else if self.min > self.max {
-            Some(LawFault::Limits)
+            Some(ConstraintFault::Limits)
         } else {
             None
         }
@@ -140,7 +140,7 @@ fn dihedral([a, h0, h1, c]: [Vec3; 4]) -> Option<Dihedral> {
 mod tests {
     use super::super::checks::*;
     use super::*;
-    use crate::{Constraint, Distance, Law, ParticleSeed, Simulation};
+    use crate::{Constraint, ConstraintKind, Distance, ParticleSeed, Simulation};
     use core::f32::consts::PI;
 
     fn degrees(angle: f32) -> f32 {
@@ -164,8 +164,8 @@ mod tests {
     #[test]
     fn a_range_is_left_by_the_shorter_way_round() {
         let value = |angle: f32, min: f32, max: f32| {
-            let law = Hinge::between(degrees(min), degrees(max));
-            evaluate(&law, &at(degrees(angle))).0 * (180.0 / PI)
+            let equation = Hinge::between(degrees(min), degrees(max));
+            evaluate(&equation, &at(degrees(angle))).0 * (180.0 / PI)
         };
         for (angle, min, max, expected) in [
             (-179.0, 170.0, 180.0, 1.0),
@@ -199,9 +199,9 @@ mod tests {
         for _ in 0..30 {
             let (places, masses) = (random.positions(4), random.masses(4));
             let angle = Hinge::rest([places[0], places[1], places[2], places[3]]).min;
-            let law = Hinge::between(angle + 0.3, angle + 0.6);
-            assert_momentum_kept(&law, &places, &masses);
-            assert_kept(&law, &places, &masses, 1e-4);
+            let equation = Hinge::between(angle + 0.3, angle + 0.6);
+            assert_momentum_kept(&equation, &places, &masses);
+            assert_kept(&equation, &places, &masses, 1e-4);
         }
         assert_least(&Hinge::between(1.2, 2.0), &at(1.1), &[1.0, 2.0, 0.5, 1.0]);
         assert_least(&Hinge::between(0.1, 1.0), &at(1.1), &[1.0, 2.0, 0.5, 1.0]);
@@ -209,15 +209,17 @@ mod tests {
 
     #[test]
     fn it_survives_every_degenerate_set() {
-        for law in [Hinge::between(0.2, 0.3), Hinge::between(PI, PI), Hinge::between(-3.0, -2.0)] {
-            assert_survives(&law, &at(1.0));
-            assert_survives(&law.with_softness(Softness::frequency(5.0, 1.0)), &at(1.0));
+        for equation in
+            [Hinge::between(0.2, 0.3), Hinge::between(PI, PI), Hinge::between(-3.0, -2.0)]
+        {
+            assert_survives(&equation, &at(1.0));
+            assert_survives(&equation.with_softness(Softness::frequency(5.0, 1.0)), &at(1.0));
         }
     }
 
     /// An elbow: the upper arm and the pin of the hinge are held, the forearm is straight at first, and `gravity` pulls at the hand. How far it has
     /// bent, radians: the least, the most and the last.
-    fn bent(gravity: f32, law: Option<Hinge>, start: f32) -> (f32, f32, f32) {
+    fn bent(gravity: f32, equation: Option<Hinge>, start: f32) -> (f32, f32, f32) {
         let mut world = Simulation::default();
         world.forces.gravity = Vec3::new(0.0, gravity, 0.0);
         let hand = Vec3::new(libm::cosf(start), libm::sinf(start), 0.0);
@@ -230,7 +232,9 @@ mod tests {
             let length = places[pin].distance(hand);
             world.distances_mut().push(Distance::new(pin as u32, 3, length));
         }
-        world.constraints_mut().extend(law.map(|law| Constraint::new(0..4, Law::Hinge(law))));
+        world.constraints_mut().extend(
+            equation.map(|equation| Constraint::new(0..4, ConstraintKind::Hinge(equation))),
+        );
         let (mut least, mut most, mut last) = (0.0_f32, 0.0_f32, 0.0);
         for _ in 0..120 {
             world.step(1.0 / 60.0).unwrap();
@@ -263,10 +267,10 @@ mod tests {
     fn faults_are_told_apart() {
         assert_eq!(Hinge::between(-PI, PI).fault(4), None);
         assert_eq!(Hinge::between(degrees(170.0), degrees(190.0)).fault(4), None);
-        assert_eq!(Hinge::between(0.0, 1.0).fault(3), Some(LawFault::Count));
-        assert_eq!(Hinge::between(1.0, 0.5).fault(4), Some(LawFault::Limits));
-        assert_eq!(Hinge::between(-7.0, 0.5).fault(4), Some(LawFault::Number));
-        assert_eq!(Hinge::between(-5.0, 5.0).fault(4), Some(LawFault::Number));
-        assert_eq!(Hinge::between(0.0, f32::NAN).fault(4), Some(LawFault::Number));
+        assert_eq!(Hinge::between(0.0, 1.0).fault(3), Some(ConstraintFault::Count));
+        assert_eq!(Hinge::between(1.0, 0.5).fault(4), Some(ConstraintFault::Limits));
+        assert_eq!(Hinge::between(-7.0, 0.5).fault(4), Some(ConstraintFault::Number));
+        assert_eq!(Hinge::between(-5.0, 5.0).fault(4), Some(ConstraintFault::Number));
+        assert_eq!(Hinge::between(0.0, f32::NAN).fault(4), Some(ConstraintFault::Number));
     }
 }

@@ -7,8 +7,8 @@
 //! | file | what it keeps |
 //! |---|---|
 //! | [`Distance`] | two particles at a distance, or nearer, or farther: the one that bodies are made of, with a kernel of its own |
-//! | [`Constraint`] | any other [`Law`] between any particles; each law is an [`Equation`], in a file of its own |
-//! | [`Boundaries`] | what holds every particle, or one, by itself: planes, boxes, pins, a sheet for worlds in 2D |
+//! | [`Constraint`] | any other [`ConstraintKind`] between any particles; each kind is an [`Equation`], in a file of its own |
+//! | [`Boundaries`] | what holds every particle, or one, by itself: planes, boxes, pins, a plane for worlds in 2D |
 //! | [`Softness`] | how hard any of them is |
 //!
 //! Every file holds a constraint's data, its value and gradient, the derivation above the kernel, and its tests.
@@ -22,11 +22,11 @@ mod boundaries;
 pub(crate) mod checks;
 mod collinear;
 mod cone;
+mod constraint;
 mod coplanar;
 mod distance;
 mod equation;
 mod hinge;
-mod law;
 mod patch;
 mod pin;
 mod planar_drag;
@@ -43,11 +43,11 @@ pub use bend::Bend;
 pub use boundaries::{Boundaries, InsideBox, Plane};
 pub use collinear::Collinear;
 pub use cone::Cone;
+pub use constraint::{Constraint, ConstraintFault, ConstraintKind, Rows};
 pub use coplanar::Coplanar;
 pub use distance::{Bound, Distance, DistanceFault};
 pub use equation::{Equation, Points};
 pub use hinge::Hinge;
-pub use law::{Constraint, Law, LawFault, Rows};
 pub use patch::Patch;
 pub use pin::Pin;
 pub use planar_drag::PlanarDrag;
@@ -66,19 +66,19 @@ pub(crate) use equation::{
 };
 pub(crate) use hinge::Hinges;
 pub(crate) use planar_drag::apply as slow_down;
-pub(crate) use softness::Pace;
+pub(crate) use softness::SubstepContext;
 pub(crate) use tetrahedron::Tetrahedra;
 pub(crate) use wide::Wide;
 
 /// Along which gradient a hard distance or a rigid shape is corrected.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Direction {
+pub enum GradientAt {
     /// To the nearest point: along the gradient where the particles are now, as the lectures show it. Robust; bleeds spin.
     #[default]
-    Nearest,
+    Current,
     /// Along the gradient at the start of the substep (SHAKE; Ryckaert et al., 1977), which keeps momentum, angular momentum and energy as
     /// Verlet does. It needs a nearly converged loop to pay. Where something turns by 0.35 rad or more in a substep the island goes back to
-    /// [`Nearest`](Self::Nearest), for that substep.
+    /// [`Current`](Self::Current), for that substep.
     StepStart,
 }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use super::area::{area, keep_within_reach};
-use super::{Equation, LawFault, Points, Softness, Way};
+use super::{ConstraintFault, Equation, Points, Softness, Way};
 use crate::lanes::InstructionSet;
 
 /// The total area of a patch of triangles: one may grow while another shrinks.
@@ -45,11 +45,11 @@ impl Patch {
     }
 
     /// Why it cannot bind `particles` particles, or `None` if it can.
-    pub(crate) fn fault(&self, particles: usize) -> Option<LawFault> {
+    pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         if particles < 3 {
-            Some(LawFault::Count)
+            Some(ConstraintFault::Count)
         } else if !(self.rest.is_finite() && self.rest >= 0.0) {
-            Some(LawFault::Number)
+            Some(ConstraintFault::Number)
         } else {
             triangle_fault(&self.triangles, particles)
         }
@@ -124,11 +124,11 @@ fn mass(inverse: f32) -> Option<f64> {
 }
 
 /// What is wrong with the triangles of a constraint of so many particles.
-pub(super) fn triangle_fault(triangles: &[[u32; 3]], particles: usize) -> Option<LawFault> {
+pub(super) fn triangle_fault(triangles: &[[u32; 3]], particles: usize) -> Option<ConstraintFault> {
     if triangles.iter().flatten().any(|&i| i as usize >= particles) {
-        Some(LawFault::Triangle)
+        Some(ConstraintFault::Triangle)
     } else if triangles.iter().any(|[a, b, c]| a == b || b == c || c == a) {
-        Some(LawFault::SameParticle)
+        Some(ConstraintFault::SameParticle)
     } else {
         None
     }
@@ -189,11 +189,13 @@ mod tests {
     fn one_scaling_makes_the_area_right_and_moves_each_particle_as_derived() {
         let (places, _) = sheet();
         let masses = Random::new(32).masses(9);
-        let law = patch(1.7, Way::Scaling);
+        let equation = patch(1.7, Way::Scaling);
         let mut particles = points_of(&places, &masses);
-        particles.project(&law);
+        particles.project(&equation);
         assert!(
-            (Patch::of(law.triangles.clone(), &particles.positions()).rest / law.rest - 1.0).abs()
+            (Patch::of(equation.triangles.clone(), &particles.positions()).rest / equation.rest
+                - 1.0)
+                .abs()
                 < 1e-5
         );
         let total: f32 = masses.iter().sum();
@@ -208,11 +210,11 @@ mod tests {
         let (places, _) = sheet();
         let mut masses = vec![1.0; 9];
         masses[2] = f32::INFINITY;
-        let law = patch(0.6, Way::Scaling);
+        let equation = patch(0.6, Way::Scaling);
         let mut particles = points_of(&places, &masses);
-        particles.project(&law);
+        particles.project(&equation);
         assert_eq!(particles.positions()[2], places[2]);
-        assert!(particles.error(&law) < 1e-5);
+        assert!(particles.error(&equation) < 1e-5);
     }
 
     #[test]
@@ -231,12 +233,15 @@ mod tests {
     fn faults_are_told_apart() {
         let good = patch(1.0, Way::Gradient);
         assert_eq!(good.fault(9), None);
-        assert_eq!(good.fault(8), Some(LawFault::Triangle));
-        assert_eq!(good.fault(2), Some(LawFault::Count));
-        assert_eq!(patch(-1.0, Way::Gradient).fault(9), Some(LawFault::Number));
-        assert_eq!(patch(f32::NAN, Way::Gradient).fault(9), Some(LawFault::Number));
+        assert_eq!(good.fault(8), Some(ConstraintFault::Triangle));
+        assert_eq!(good.fault(2), Some(ConstraintFault::Count));
+        assert_eq!(patch(-1.0, Way::Gradient).fault(9), Some(ConstraintFault::Number));
+        assert_eq!(patch(f32::NAN, Way::Gradient).fault(9), Some(ConstraintFault::Number));
         let twice = Patch { triangles: Arc::from([[0, 1, 1]]), ..good };
-        assert_eq!(twice.fault(9), Some(LawFault::SameParticle));
-        assert_eq!(Patch::of([[0, 1, 7]], &[Vec3::ZERO; 3]).fault(3), Some(LawFault::Triangle));
+        assert_eq!(twice.fault(9), Some(ConstraintFault::SameParticle));
+        assert_eq!(
+            Patch::of([[0, 1, 7]], &[Vec3::ZERO; 3]).fault(3),
+            Some(ConstraintFault::Triangle)
+        );
     }
 }

@@ -81,7 +81,7 @@ impl Softness {
 
 /// The substep that a softness is resolved for.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pace {
+pub(crate) struct SubstepContext {
     /// Length of the substep, s.
     pub(crate) h: f32,
     /// The most sweeps in it.
@@ -104,7 +104,7 @@ pub(crate) struct Pace {
 #[inline]
 pub(crate) fn multiplier(
     softness: Softness,
-    pace: Pace,
+    substep_context: SubstepContext,
     value: f32,
     weights: f32,
     moved: f32,
@@ -112,17 +112,18 @@ pub(crate) fn multiplier(
 ) -> f32 {
     let (scaled, gamma) = match softness {
         Softness::Hard => return value / weights,
-        Softness::Compliant { compliance, damping } => {
-            (compliance / (pace.h * pace.h), compliance * damping / pace.h)
-        }
+        Softness::Compliant { compliance, damping } => (
+            compliance / (substep_context.h * substep_context.h),
+            compliance * damping / substep_context.h,
+        ),
         Softness::Frequency { hertz, ratio } => {
-            let turn = core::f32::consts::TAU * hertz * pace.h;
+            let turn = core::f32::consts::TAU * hertz * substep_context.h;
             let (yielding, gamma) = (1.0 / (turn * turn), 2.0 * ratio / turn);
             let change = (value - yielding * sum + gamma * moved) / (1.0 + gamma + yielding);
             return change / weights;
         }
         Softness::Share(share) => {
-            let each = 1.0 - libm::powf(1.0 - share, 1.0 / pace.sweeps as f32);
+            let each = 1.0 - libm::powf(1.0 - share, 1.0 / substep_context.sweeps as f32);
             return each * value / weights;
         }
     };
@@ -150,10 +151,10 @@ mod tests {
     #[test]
     fn a_share_is_taken_once_however_many_sweeps_take_it() {
         for sweeps in [1, 4, 20] {
-            let pace = Pace { h: 0.01, sweeps };
+            let substep_context = SubstepContext { h: 0.01, sweeps };
             let mut left = 1.0;
             for _ in 0..sweeps {
-                left -= multiplier(Softness::Share(0.7), pace, left, 1.0, 0.0, 0.0);
+                left -= multiplier(Softness::Share(0.7), substep_context, left, 1.0, 0.0, 0.0);
             }
             assert!((left - 0.3_f32).abs() < 1e-5, "{left}");
         }
@@ -162,16 +163,16 @@ mod tests {
     #[test]
     fn sweeping_a_soft_constraint_again_changes_nothing() {
         let softness = Softness::Compliant { compliance: 0.01, damping: 3.0 };
-        let (pace, weights) = (Pace { h: 0.01, sweeps: 9 }, 2.0);
+        let (substep_context, weights) = (SubstepContext { h: 0.01, sweeps: 9 }, 2.0);
         // Value and movement are both linear in λ: C = 1 - W λ, moved = 0.4 - W λ.
         let mut lambda = 0.0;
         for _ in 0..3 {
             let (value, moved) = (1.0 - weights * lambda, 0.4 - weights * lambda);
-            lambda += multiplier(softness, pace, value, weights, moved, lambda);
+            lambda += multiplier(softness, substep_context, value, weights, moved, lambda);
         }
         let again = multiplier(
             softness,
-            pace,
+            substep_context,
             1.0 - weights * lambda,
             weights,
             0.4 - weights * lambda,

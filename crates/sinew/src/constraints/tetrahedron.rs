@@ -5,7 +5,7 @@ mod wide;
 use glam::Vec3;
 
 use super::area::keep_within_reach;
-use super::{Equation, LawFault, Points, Softness};
+use super::{ConstraintFault, Equation, Points, Softness};
 pub(crate) use wide::Tetrahedra;
 
 /// The signed volume of the tetrahedron `[a, b, c, d]`: `⅙ (b - a)×(c - a)·(d - a)`.
@@ -32,11 +32,11 @@ impl Tetrahedron {
     }
 
     /// Why it cannot bind `particles` particles, or `None` if it can.
-    pub(crate) fn fault(&self, particles: usize) -> Option<LawFault> {
+    pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         if particles != 4 {
-            Some(LawFault::Count)
+            Some(ConstraintFault::Count)
         } else if !self.rest.is_finite() {
-            Some(LawFault::Number)
+            Some(ConstraintFault::Number)
         } else {
             None
         }
@@ -79,7 +79,7 @@ mod tests {
     use super::super::checks::*;
     use super::super::{Volume, Way};
     use super::*;
-    use crate::{Constraint, Law, ParticleSeed, Simulation};
+    use crate::{Constraint, ConstraintKind, ParticleSeed, Simulation};
 
     const CORNER: [Vec3; 4] = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
 
@@ -118,26 +118,26 @@ mod tests {
         for _ in 0..20 {
             let (places, masses) = (random.positions(4), random.masses(4));
             for rest in [-0.4, 0.01, 1.0] {
-                let law = Tetrahedron { rest, softness: Softness::Hard };
-                assert_momentum_kept(&law, &places, &masses);
-                assert_kept(&law, &places, &masses, 1e-5);
+                let equation = Tetrahedron { rest, softness: Softness::Hard };
+                assert_momentum_kept(&equation, &places, &masses);
+                assert_kept(&equation, &places, &masses, 1e-5);
             }
         }
         for factor in [0.93, 1.07] {
-            let law = Tetrahedron { rest: factor / 6.0, softness: Softness::Hard };
-            assert_least(&law, &CORNER, &[1.0, 3.0, 0.5, 1.0]);
+            let equation = Tetrahedron { rest: factor / 6.0, softness: Softness::Hard };
+            assert_least(&equation, &CORNER, &[1.0, 3.0, 0.5, 1.0]);
         }
     }
 
     #[test]
     fn one_turned_inside_out_comes_back_and_a_flat_one_fills() {
-        let law = Tetrahedron::of(CORNER);
-        assert_kept(&law, &CORNER.map(|p| p * Vec3::new(1.0, 1.0, -1.0)), &[], 1e-5);
-        assert_kept(&law, &CORNER.map(|p| p * Vec3::new(1.0, 1.0, 0.0)), &[], 1e-5);
+        let equation = Tetrahedron::of(CORNER);
+        assert_kept(&equation, &CORNER.map(|p| p * Vec3::new(1.0, 1.0, -1.0)), &[], 1e-5);
+        assert_kept(&equation, &CORNER.map(|p| p * Vec3::new(1.0, 1.0, 0.0)), &[], 1e-5);
         let tiny = CORNER.map(|p| p * 1e-5);
-        assert_kept(&law, &tiny, &[], 1e-5);
+        assert_kept(&equation, &tiny, &[], 1e-5);
         let mut particles = points_of(&tiny, &[]);
-        particles.project(&law);
+        particles.project(&equation);
         assert!(extent(&particles.positions()) < 2.0, "not thrown away: {particles:?}");
     }
 
@@ -145,9 +145,9 @@ mod tests {
     fn it_survives_every_degenerate_set() {
         let places = Random::new(24).positions(4);
         for rest in [-1.0, 0.0, 1e-12, 1.0, 1e12] {
-            let law = Tetrahedron { rest, softness: Softness::Hard };
-            assert_survives(&law, &places);
-            assert_survives(&law.with_softness(Softness::frequency(5.0, 0.5)), &places);
+            let equation = Tetrahedron { rest, softness: Softness::Hard };
+            assert_survives(&equation, &places);
+            assert_survives(&equation.with_softness(Softness::frequency(5.0, 0.5)), &places);
         }
     }
 
@@ -160,9 +160,11 @@ mod tests {
             for place in CORNER {
                 world.particles.push(ParticleSeed::at(place)).unwrap();
             }
-            let law = Tetrahedron { rest: 1.1 / 6.0, softness };
-            world.constraints_mut().push(Constraint::new(0..4, Law::Tetrahedron(law)));
-            world.constraints_mut().push(Constraint::new([0], Law::custom(Restless)));
+            let equation = Tetrahedron { rest: 1.1 / 6.0, softness };
+            world
+                .constraints_mut()
+                .push(Constraint::new(0..4, ConstraintKind::Tetrahedron(equation)));
+            world.constraints_mut().push(Constraint::new([0], ConstraintKind::custom(Restless)));
             world.settings.tolerance = 0.0;
             let now = |world: &Simulation| {
                 Tetrahedron::of([0, 1, 2, 3].map(|i| world.particles.position(i))).rest * 6.0
@@ -185,10 +187,13 @@ mod tests {
 
     #[test]
     fn faults_are_told_apart() {
-        let law = Tetrahedron::of(CORNER);
-        assert_eq!(law.fault(4), None);
-        assert_eq!(law.fault(3), Some(LawFault::Count));
-        assert_eq!(Tetrahedron { rest: -1.0, ..law.clone() }.fault(4), None);
-        assert_eq!(Tetrahedron { rest: f32::INFINITY, ..law }.fault(4), Some(LawFault::Number));
+        let equation = Tetrahedron::of(CORNER);
+        assert_eq!(equation.fault(4), None);
+        assert_eq!(equation.fault(3), Some(ConstraintFault::Count));
+        assert_eq!(Tetrahedron { rest: -1.0, ..equation.clone() }.fault(4), None);
+        assert_eq!(
+            Tetrahedron { rest: f32::INFINITY, ..equation }.fault(4),
+            Some(ConstraintFault::Number)
+        );
     }
 }

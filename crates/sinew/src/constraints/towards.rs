@@ -6,7 +6,7 @@ use super::Points;
 
 /// Value and gradients of "every free particle moves by its own `dᵢ`", metres; zero where that is not finite.
 ///
-/// Some laws have a closed form for the whole displacement (a plane, a line, a rigid shape, a change of scale). With `M = Σ mᵢ` over the free
+/// Some constraints have a closed form for the whole displacement (a plane, a line, a rigid shape, a change of scale). With `M = Σ mᵢ` over the free
 /// particles let
 ///
 /// ```text
@@ -19,7 +19,7 @@ use super::Points;
 /// wᵢ · mᵢ dᵢ / (M C) · C · M = dᵢ
 /// ```
 ///
-/// so a hard law moves each particle by exactly that, and a soft one by the same share of it: `C`, the root mean square of the displacements
+/// so a hard constraint moves each particle by exactly that, and a soft one by the same share of it: `C`, the root mean square of the displacements
 /// weighted by mass, is the length of a spring that the whole mass `M` hangs on. Where the `dᵢ` are the least `Σ m‖d‖²` that lead to a set which
 /// does not depend on the particles, `C` is the distance to that set and `∇C` its gradient. Otherwise it is not one, and need not be.
 ///

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::area::keep_within_reach;
 use super::patch::{scale, triangle_fault};
-use super::{Equation, LawFault, Points, Softness, Way};
+use super::{ConstraintFault, Equation, Points, Softness, Way};
 
 /// The volume inside a closed mesh of triangles: what keeps a balloon or a soft body full.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,11 +50,11 @@ impl Volume {
     }
 
     /// Why it cannot bind `particles` particles, or `None` if it can.
-    pub(crate) fn fault(&self, particles: usize) -> Option<LawFault> {
+    pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         if particles < 4 {
-            Some(LawFault::Count)
+            Some(ConstraintFault::Count)
         } else if !self.rest.is_finite() {
-            Some(LawFault::Number)
+            Some(ConstraintFault::Number)
         } else {
             triangle_fault(&self.triangles, particles)
         }
@@ -202,11 +202,11 @@ mod tests {
         let mesh = potato();
         let masses = Random::new(43).masses(mesh.0.len());
         for factor in [0.2, 0.9, 1.5, 7.0] {
-            let law = volume(&mesh, factor, Way::Scaling);
+            let equation = volume(&mesh, factor, Way::Scaling);
             let mut particles = points_of(&mesh.0, &masses);
-            particles.project(&law);
+            particles.project(&equation);
             let now = Volume::of(mesh.1.clone(), &particles.positions()).rest;
-            assert!((now / law.rest - 1.0).abs() < 1e-5, "{now} {}", law.rest);
+            assert!((now / equation.rest - 1.0).abs() < 1e-5, "{now} {}", equation.rest);
         }
     }
 
@@ -214,11 +214,11 @@ mod tests {
     fn dearer(mesh: &(Vec<Vec3>, Vec<[u32; 3]>), masses: &[f32]) -> f64 {
         let cost = |way: Way| {
             let mut particles = points_of(&mesh.0, masses);
-            let law = volume(mesh, 1.01, way);
+            let equation = volume(mesh, 1.01, way);
             for _ in 0..20 {
-                particles.project(&law);
+                particles.project(&equation);
             }
-            assert!(particles.error(&law) < 1e-5);
+            assert!(particles.error(&equation) < 1e-5);
             particles.cost(&mesh.0)
         };
         cost(Way::Scaling) / cost(Way::Gradient)
@@ -263,16 +263,16 @@ mod tests {
     fn a_flat_mesh_fills_and_one_turned_inside_out_comes_back_either_way() {
         let mesh = sphere(1);
         for way in [Way::Gradient, Way::Scaling] {
-            let law = volume(&mesh, 1.0, way);
+            let equation = volume(&mesh, 1.0, way);
             for squash in [0.0, 1e-3, -0.2, -1.0] {
                 let places: Vec<Vec3> =
                     mesh.0.iter().map(|p| *p * Vec3::new(1.0, 1.0, squash)).collect();
-                assert_kept(&law, &places, &[], 1e-4);
+                assert_kept(&equation, &places, &[], 1e-4);
             }
             let tiny: Vec<Vec3> = mesh.0.iter().map(|p| *p * 1e-4).collect();
-            assert_kept(&law, &tiny, &[], 1e-4);
+            assert_kept(&equation, &tiny, &[], 1e-4);
             let mut particles = points_of(&tiny, &[]);
-            particles.project(&law);
+            particles.project(&equation);
             assert!(extent(&particles.positions()) < 5.0, "not thrown away");
         }
     }
@@ -282,9 +282,9 @@ mod tests {
         let mesh = potato();
         for way in [Way::Gradient, Way::Scaling] {
             for factor in [-1.0, 0.0, 0.5, 1e6] {
-                let law = volume(&mesh, factor, way);
-                assert_survives(&law, &mesh.0);
-                assert_survives(&law.with_softness(Softness::frequency(5.0, 0.5)), &mesh.0);
+                let equation = volume(&mesh, factor, way);
+                assert_survives(&equation, &mesh.0);
+                assert_survives(&equation.with_softness(Softness::frequency(5.0, 0.5)), &mesh.0);
             }
         }
     }
@@ -294,11 +294,11 @@ mod tests {
         let mesh = sphere(0);
         let good = volume(&mesh, 1.0, Way::Gradient);
         assert_eq!(good.fault(6), None);
-        assert_eq!(good.fault(5), Some(LawFault::Triangle));
-        assert_eq!(good.fault(3), Some(LawFault::Count));
+        assert_eq!(good.fault(5), Some(ConstraintFault::Triangle));
+        assert_eq!(good.fault(3), Some(ConstraintFault::Count));
         assert_eq!(good.clone().with_pressure(-1.0).fault(6), None);
-        assert_eq!(good.clone().with_pressure(f32::NAN).fault(6), Some(LawFault::Number));
+        assert_eq!(good.clone().with_pressure(f32::NAN).fault(6), Some(ConstraintFault::Number));
         let twice = Volume { triangles: Arc::from([[0, 1, 0]]), ..good };
-        assert_eq!(twice.fault(6), Some(LawFault::SameParticle));
+        assert_eq!(twice.fault(6), Some(ConstraintFault::SameParticle));
     }
 }

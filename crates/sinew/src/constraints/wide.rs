@@ -3,15 +3,15 @@
 use super::Constraint;
 use crate::lanes::{LANES, Lanes, Vector};
 
-/// Eight constraints of one law and of `N` particles each.
+/// Eight constraints of one kind and of `N` particles each.
 ///
-/// `evaluate` is the law's own formula; where it takes another way for round-off or for speed, it says so. What has no value or no gradient may come
+/// `evaluate` is the kind's own formula; where it takes another way for round-off or for speed, it says so. What has no value or no gradient may come
 /// out as zero, infinite or NaN: the projector leaves such lanes alone, as the scalar one does.
 pub(crate) trait Wide<const N: usize>: Sized {
     /// Whether the value is a length in metres, as [`Equation::is_length`](super::Equation::is_length) has it.
     const IS_LENGTH: bool = false;
 
-    /// The numbers of eight of them; `None` if one is of another law.
+    /// The numbers of eight of them; `None` if one is of another kind.
     fn of(constraints: [&Constraint; LANES]) -> Option<Self>;
 
     /// The rows of one. If one row stands twice the gradients that it has at its later places must be zero.
@@ -40,7 +40,7 @@ pub(super) fn eight<'a, T>(
 ) -> Option<[&'a T; LANES]> {
     let found = constraints.map(pick);
     let first = found[0]?;
-    found.iter().all(Option::is_some).then(|| found.map(|law| law.unwrap_or(first)))
+    found.iter().all(Option::is_some).then(|| found.map(|equation| equation.unwrap_or(first)))
 }
 
 /// How far the cosine of an angle must be above that of a limit for the angle to be below the limit whatever was rounded on the way.

@@ -1,11 +1,11 @@
 //! Control forces: named pushes of the user's own, on a particle or on a compound as a whole (physics.md F2): an engine, a thruster, a hand.
 //!
 //! A compound feels the force at its barycentre, as `F/M` on every particle, or at a point, with its lever; and a torque, spread as a
-//! rigid body would take it. [`particles`](crate::particles)' `whole.rs` derives that.
+//! rigid body would take it. [`particles`](crate::particles)' `total_mass.rs` derives that.
 
 use glam::{DVec3, Vec3};
 
-use crate::particles::{Particles, Whole};
+use crate::particles::{Particles, TotalMass};
 
 /// A force and a torque on some particles together, in every substep until it is changed or removed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -49,7 +49,7 @@ impl Control {
 pub(crate) fn apply(particles: &mut Particles, controls: &[Control]) {
     let idle = |c: &Control| c.force == Vec3::ZERO && c.torque == Vec3::ZERO;
     for control in controls.iter().filter(|control| control.is_valid() && !idle(control)) {
-        let Some(whole) = Whole::of(particles, &control.rows) else { continue };
+        let Some(whole) = TotalMass::of(particles, &control.rows) else { continue };
         let lever = control.point.map_or(DVec3::ZERO, |point| whole.arm_of(particles, point));
         let force = control.force.as_dvec3();
         let answer = whole.answer(force, control.torque.as_dvec3() + lever.cross(force));
@@ -68,7 +68,7 @@ pub(crate) fn apply(particles: &mut Particles, controls: &[Control]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::constraints::{Direction, Distance};
+    use crate::constraints::{Distance, GradientAt};
     use crate::particles::ParticleSeed;
     use crate::simulation::Simulation;
 
@@ -158,7 +158,7 @@ mod tests {
             world.particles.set(i, ParticleSeed::at(at).with_mass(1.0)).unwrap();
         }
         // The direction that does not bleed spin, and sweeps enough for it.
-        world.settings.direction = Direction::StepStart;
+        world.settings.gradient_at = GradientAt::StepStart;
         world.settings.max_sweeps = 40;
         // About its middle, along z: Σ m (x² + y²) = 8 (1 + 1/4) kg·m².
         world.forces.controls.push(Control::torque("motor", ALL, Vec3::Z * 10.0));

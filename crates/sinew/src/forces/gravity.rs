@@ -48,7 +48,7 @@ impl Attractor {
 
 /// Adds gravity, which needs no mass (`f = m g`, so `a = g`), and the game's own forces.
 pub(crate) fn apply(particles: &mut Particles, forces: &Forces, instructions: InstructionSet) {
-    if particles.survey.plain {
+    if particles.column_summary.plain {
         particles.accelerate_all(forces.gravity);
     } else {
         for i in 0..particles.len() {
@@ -60,7 +60,7 @@ pub(crate) fn apply(particles: &mut Particles, forces: &Forces, instructions: In
         }
     }
     for attractor in forces.attractors.iter().filter(|attractor| attractor.is_valid()) {
-        particles.pushed = true;
+        particles.acceleration_dirty = true;
         with(instructions, Attract { particles, attractor });
     }
 }

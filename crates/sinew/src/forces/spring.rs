@@ -68,7 +68,7 @@ impl Spring {
 /// Ends that coincide have no direction and feel no force.
 pub(crate) fn apply(particles: &mut Particles, springs: &[Spring], instructions: InstructionSet) {
     if !springs.is_empty() {
-        particles.pushed = true;
+        particles.acceleration_dirty = true;
         with(instructions, Pull { particles, springs });
     }
 }

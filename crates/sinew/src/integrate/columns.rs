@@ -20,7 +20,7 @@ pub(crate) struct Moving {
 
 /// What all of them have in common.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Course {
+pub(crate) struct StepConstants {
     /// Acceleration, m/s².
     pub(crate) acceleration: Vec3,
     /// Length of a substep, seconds.
@@ -30,7 +30,7 @@ pub(crate) struct Course {
     lost: f32,
 }
 
-impl Course {
+impl StepConstants {
     /// With damping, 1/s; none if that is no number.
     pub(crate) fn new(acceleration: Vec3, rate: f32, h: f32) -> Option<Self> {
         let lost = loss(rate * h);
@@ -38,7 +38,7 @@ impl Course {
     }
 }
 
-impl Course {
+impl StepConstants {
     /// The shares that are lost by particles that had their last steps so long ago, seconds.
     #[inline(never)]
     fn lost_after(&self, lags: [f32; LANES]) -> [f32; LANES] {
@@ -57,10 +57,10 @@ impl Moving {
         &mut self,
         pass: Pass,
         lanes: [Range<usize>; 2],
-        course: Course,
+        step: StepConstants,
         instructions: InstructionSet,
     ) {
-        with(instructions, Advance { moving: self, pass, lanes, course });
+        with(instructions, Advance { moving: self, pass, lanes, step });
     }
 }
 
@@ -79,7 +79,7 @@ struct Advance<'a> {
     moving: &'a mut Moving,
     pass: Pass,
     lanes: [Range<usize>; 2],
-    course: Course,
+    step: StepConstants,
 }
 
 impl Work for Advance<'_> {
@@ -87,26 +87,26 @@ impl Work for Advance<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { moving, pass, lanes, course } = self;
+        let Self { moving, pass, lanes, step } = self;
         match pass {
-            Pass::Begin { last } => moving.begin::<L>(lanes, course, last),
-            Pass::GoOn { last } => moving.go_on::<L>(lanes, course, last),
-            Pass::Settle => moving.settle::<L>(lanes, course),
+            Pass::Begin { last } => moving.begin::<L>(lanes, step, last),
+            Pass::GoOn { last } => moving.go_on::<L>(lanes, step, last),
+            Pass::Settle => moving.settle::<L>(lanes, step),
         }
     }
 }
 
 impl Moving {
     #[inline(always)]
-    fn begin<L: Lanes>(&mut self, lanes: [Range<usize>; 2], course: Course, last: bool) {
-        let (h, zero) = (L::splat(course.h), L::zero());
-        let steady = L::splat(course.lost);
-        let acceleration = Vector::<L>::splat(course.acceleration);
+    fn begin<L: Lanes>(&mut self, lanes: [Range<usize>; 2], step: StepConstants, last: bool) {
+        let (h, zero) = (L::splat(step.h), L::zero());
+        let steady = L::splat(step.lost);
+        let acceleration = Vector::<L>::splat(step.acceleration);
         let [position, begun, velocity, rounding] = self.each();
         let (mut position, mut begun) = (position.eights(), begun.eights());
         let (mut velocity, mut rounding) = (velocity.eights(), rounding.eights());
         // Neighbours mostly had theirs at the same time.
-        let mut known = ([course.h; LANES], steady);
+        let mut known = ([step.h; LANES], steady);
         for lanes in lanes {
             let mut at = lanes.start;
             while at < lanes.end {
@@ -115,7 +115,7 @@ impl Moving {
                 let (before, _) = Vector::of(rounding.load::<L>(at));
                 let tau = (lag + h) * L::splat(0.5);
                 if !lag.same(L::load(&known.0)).all() {
-                    known = (lag.array(), L::load(&course.lost_after(lag.array())));
+                    known = (lag.array(), L::load(&step.lost_after(lag.array())));
                 }
                 let change = acceleration * tau - v * known.1 + before;
                 let u = v + change;
@@ -134,10 +134,10 @@ impl Moving {
     }
 
     #[inline(always)]
-    fn go_on<L: Lanes>(&mut self, lanes: [Range<usize>; 2], course: Course, last: bool) {
-        let (h, per, zero) = (L::splat(course.h), L::splat(1.0 / course.h), L::zero());
-        let lost = L::splat(course.lost);
-        let push = Vector::<L>::splat(course.acceleration) * h;
+    fn go_on<L: Lanes>(&mut self, lanes: [Range<usize>; 2], step: StepConstants, last: bool) {
+        let (h, per, zero) = (L::splat(step.h), L::splat(1.0 / step.h), L::zero());
+        let lost = L::splat(step.lost);
+        let push = Vector::<L>::splat(step.acceleration) * h;
         let [position, begun, velocity, rounding] = self.each();
         let (mut position, mut begun) = (position.eights(), begun.eights());
         let (mut velocity, mut rounding) = (velocity.eights(), rounding.eights());
@@ -167,8 +167,8 @@ impl Moving {
     }
 
     #[inline(always)]
-    fn settle<L: Lanes>(&mut self, lanes: [Range<usize>; 2], course: Course) {
-        let (h, per) = (L::splat(course.h), L::splat(1.0 / course.h));
+    fn settle<L: Lanes>(&mut self, lanes: [Range<usize>; 2], step: StepConstants) {
+        let (h, per) = (L::splat(step.h), L::splat(1.0 / step.h));
         let [position, start, velocity, rounding] = self.each();
         let (position, mut begun) = (position.eights(), start.eights());
         let (mut velocity, mut rounding) = (velocity.eights(), rounding.eights());

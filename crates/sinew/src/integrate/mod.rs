@@ -46,10 +46,10 @@ mod wide;
 
 use crate::lanes::with;
 use crate::particles::Particles;
-use crate::solve::Machine;
+use crate::solve::ExecutionContext;
 use crate::threads::{TASKS, each};
 
-pub(crate) use columns::{Course, Moving, Pass};
+pub(crate) use columns::{Moving, Pass, StepConstants};
 pub(crate) use wide::{Derive, Predict, loss};
 
 /// How a world steps through time. [`integrate`](crate::integrate) compares them.
@@ -80,25 +80,30 @@ impl Integrator {
 ///
 /// Afterwards [`Particles::start`] is where the substep began, and the velocity is the one that led from there to the prediction. A particle
 /// of infinite mass stays where it is.
-pub(crate) fn predict(particles: &mut Particles, integrator: Integrator, h: f32, machine: Machine) {
+pub(crate) fn predict(
+    particles: &mut Particles,
+    integrator: Integrator,
+    h: f32,
+    execution: ExecutionContext,
+) {
     // Media that move are rare, and so are the other integrators.
     if integrator == Integrator::Verlet && particles.drift.is_empty() {
-        predict_all(Predict::all(particles, h), machine);
+        predict_all(Predict::all(particles, h), execution);
     } else {
         kicks::predict(particles, integrator, h);
     }
 }
 
 /// Verlet's, of some particles.
-pub(crate) fn predict_all(all: Predict, machine: Machine) {
+pub(crate) fn predict_all(all: Predict, execution: ExecutionContext) {
     let share = share(all.position.len());
-    each(machine.workers, all.chunks(share), |chunk| with(machine.instructions, chunk));
+    each(execution.workers, all.chunks(share), |chunk| with(execution.instructions, chunk));
 }
 
 /// Makes the velocities agree with the positions that the constraints left, at the end of a substep.
-pub(crate) fn derive(all: Derive, machine: Machine) {
+pub(crate) fn derive(all: Derive, execution: ExecutionContext) {
     let share = share(all.position.len());
-    each(machine.workers, all.chunks(share), |chunk| with(machine.instructions, chunk));
+    each(execution.workers, all.chunks(share), |chunk| with(execution.instructions, chunk));
 }
 
 /// What an integrator adds after the constraints, over a substep of `h` seconds.
@@ -122,7 +127,8 @@ mod tests {
     use crate::lanes::InstructionSet;
     use crate::particles::{ParticleSeed, drag_of_rate, rate_of_drag};
 
-    const MACHINE: Machine = Machine { instructions: InstructionSet::Simd128, workers: None };
+    const MACHINE: ExecutionContext =
+        ExecutionContext { instructions: InstructionSet::Simd128, workers: None };
 
     fn derive_all(particles: &mut Particles, integrator: Integrator, h: f32) {
         derive(Derive::all(particles, h, integrator.lag(h)), MACHINE);

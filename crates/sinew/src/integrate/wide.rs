@@ -31,7 +31,7 @@ pub(crate) struct Derive<'a> {
     pub(crate) start: &'a [Vec4],
     pub(crate) velocity: &'a mut [Vec4],
     /// What is taken off them besides, m/s; may be empty for nothing.
-    pub(crate) excess: &'a [Vec4],
+    pub(crate) momentum_drift: &'a [Vec4],
     /// Seconds.
     pub(crate) h: f32,
     /// How long the substep was over which they are the mean, seconds.
@@ -41,7 +41,7 @@ pub(crate) struct Derive<'a> {
 impl<'a> Predict<'a> {
     /// All particles of a world, over a substep of `h` seconds.
     pub(super) fn all(particles: &'a mut Particles, h: f32) -> Self {
-        let damping = match &particles.survey.damping {
+        let damping = match &particles.column_summary.damping {
             Some(all) => core::slice::from_ref(all),
             None => &particles.damping,
         };
@@ -50,9 +50,9 @@ impl<'a> Predict<'a> {
             start: &mut particles.start,
             velocity: &mut particles.velocity,
             rounding: &mut particles.rounding,
-            acceleration: if particles.pushed { &particles.acceleration } else { &[] },
+            acceleration: if particles.acceleration_dirty { &particles.acceleration } else { &[] },
             damping,
-            medium: if particles.stirred { &particles.medium } else { &[] },
+            medium: if particles.medium_dirty { &particles.medium } else { &[] },
             common: particles.common.extend(0.0),
             air: particles.air,
             h,
@@ -104,8 +104,8 @@ impl<'a> Derive<'a> {
         let columns = columns.zip(self.velocity.chunks_mut(of));
         columns.enumerate().map(move |(number, ((position, start), velocity))| {
             let rows = number * of..number * of + position.len();
-            let excess = self.excess.get(rows).unwrap_or_default();
-            Self { position, start, velocity, excess, ..self }
+            let momentum_drift = self.momentum_drift.get(rows).unwrap_or_default();
+            Self { position, start, velocity, momentum_drift, ..self }
         })
     }
 
@@ -113,7 +113,7 @@ impl<'a> Derive<'a> {
     /// All particles of a world, after a substep of `h` seconds.
     pub(super) fn all(particles: &'a mut Particles, h: f32, lag: f32) -> Self {
         let Particles { position, start, velocity, .. } = particles;
-        Self { position, start, velocity, excess: &[], h, lag }
+        Self { position, start, velocity, momentum_drift: &[], h, lag }
     }
 }
 
@@ -156,19 +156,20 @@ impl Work for Derive<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { position, start, velocity, excess, h, lag } = self;
+        let Self { position, start, velocity, momentum_drift, h, lag } = self;
         let (positions, last_position) = position.as_chunks::<2>();
         let (starts, last_start) = start.as_chunks::<2>();
         let (velocities, last_velocity) = velocity.as_chunks_mut::<2>();
-        let (excesses, last_excess) = excess.as_chunks::<2>();
+        let (excesses, last_excess) = momentum_drift.as_chunks::<2>();
         for (i, ((p, s), v)) in positions.iter().zip(starts).zip(velocities).enumerate() {
             derive_two::<L>([p, s], v, excesses.get(i), (h, lag));
         }
         if let ([p], [s], [v]) = (last_position, last_start, last_velocity) {
             let [p, s] = [p, s].map(|own| [*own, Vec4::ZERO]);
-            let excess = last_excess.first().map(|&excess| [excess, Vec4::ZERO]);
+            let momentum_drift =
+                last_excess.first().map(|&momentum_drift| [momentum_drift, Vec4::ZERO]);
             let mut velocity = [*v, Vec4::ZERO];
-            derive_two::<L>([&p, &s], &mut velocity, excess.as_ref(), (h, lag));
+            derive_two::<L>([&p, &s], &mut velocity, momentum_drift.as_ref(), (h, lag));
             *v = velocity[0];
         }
     }
@@ -178,15 +179,15 @@ impl Work for Derive<'_> {
 fn derive_two<L: Lanes>(
     [p, start]: [&[Vec4; 2]; 2],
     v: &mut [Vec4; 2],
-    excess: Option<&[Vec4; 2]>,
+    momentum_drift: Option<&[Vec4; 2]>,
     (h, lag): (f32, f32),
 ) {
     let u = L::two(v, 0);
     let predicted = L::two(start, 0) + u * L::splat(h);
     let corrected = L::two(p, 0) - predicted;
     let mut derived = u + corrected * L::splat(1.0 / h);
-    if let Some(excess) = excess {
-        derived = derived - L::two(excess, 0);
+    if let Some(momentum_drift) = momentum_drift {
+        derived = derived - L::two(momentum_drift, 0);
     }
     derived.with_fourths(L::splat(lag)).put_two(v, 0);
 }

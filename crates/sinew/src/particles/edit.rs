@@ -10,7 +10,7 @@
 
 use glam::{DQuat, DVec3, Quat, Vec3};
 
-use super::whole::Whole;
+use super::total_mass::TotalMass;
 use super::{Particles, snap};
 
 impl Particles {
@@ -55,7 +55,7 @@ impl Particles {
         let [x, y, z, w] = rotation.to_array().map(f64::from);
         let turn = DQuat::from_xyzw(x, y, z, w);
         let length = turn.length();
-        let whole = Whole::of(self, rows).or_else(|| Whole::weighing(self, rows, |_| 1.0));
+        let whole = TotalMass::of(self, rows).or_else(|| TotalMass::weighing(self, rows, |_| 1.0));
         let Some(whole) = whole else { return };
         if !(translation.is_finite() && length.is_finite() && length > 0.0) {
             return;
@@ -80,7 +80,7 @@ impl Particles {
     /// Makes `rows` move as one rigid body: their barycentre with `velocity`, m/s, and about it with `angular_velocity`, rad/s, both true at this
     /// instant.
     pub fn set_motion(&mut self, rows: &[u32], velocity: Vec3, angular_velocity: Vec3) {
-        let Some(whole) = Whole::of(self, rows) else { return };
+        let Some(whole) = TotalMass::of(self, rows) else { return };
         if !(velocity.is_finite() && angular_velocity.is_finite()) {
             return;
         }
@@ -105,7 +105,7 @@ impl Particles {
     }
 
     fn kick(&mut self, rows: &[u32], impulse: Vec3, turn: Vec3, point: Option<Vec3>) {
-        let Some(whole) = Whole::of(self, rows) else { return };
+        let Some(whole) = TotalMass::of(self, rows) else { return };
         let lever = point.map_or(DVec3::ZERO, |point| whole.arm_of(self, point));
         let (impulse, turn) = (impulse.as_dvec3(), turn.as_dvec3());
         let answer = whole.answer(impulse, turn + lever.cross(impulse));

@@ -44,15 +44,15 @@ mod places;
 mod rate;
 mod seed;
 mod sums;
-mod whole;
+mod total_mass;
 
 pub use bulk::ParticleState;
 pub use rate::{drag_of_rate, rate_of_drag};
 pub use seed::{ParticleFault, ParticleSeed};
 
 pub(crate) use places::{Places, ground};
-pub(crate) use sums::Survey;
-pub(crate) use whole::Whole;
+pub(crate) use sums::ColumnSummary;
+pub(crate) use total_mass::TotalMass;
 
 use glam::{Vec3, Vec4};
 
@@ -69,7 +69,7 @@ pub struct Particles {
     pub(crate) rounding: Vec<Vec4>,
     pub(crate) acceleration: Vec<Vec4>,
     /// Whether anything wrote to `acceleration` in this substep; it is all zeros otherwise.
-    pub(crate) pushed: bool,
+    pub(crate) acceleration_dirty: bool,
     /// What every particle that can move is accelerated by besides, m/s².
     pub(crate) common: Vec3,
     pub(crate) external: Vec<Vec3>,
@@ -79,7 +79,7 @@ pub struct Particles {
     pub(crate) gravity_scale: Vec<f32>,
     pub(crate) medium: Vec<f32>,
     /// The same of `medium`.
-    pub(crate) stirred: bool,
+    pub(crate) medium_dirty: bool,
     /// Damping that all particles have besides, 1/s.
     pub(crate) air: f32,
     pub(crate) drift: Vec<Vec3>,
@@ -88,7 +88,7 @@ pub struct Particles {
     pub(crate) rest: Vec<Vec3>,
     /// See `edits`.
     pub(crate) edits: u64,
-    pub(crate) survey: Survey,
+    pub(crate) column_summary: ColumnSummary,
 }
 
 /// The body of a particle that belongs to none.
@@ -157,7 +157,7 @@ impl Particles {
         self.gravity_scale.resize(len, 1.0);
         self.medium.resize(len, 0.0);
         self.drift.clear();
-        self.survey = Survey::default();
+        self.column_summary = ColumnSummary::default();
         self.body.resize(len, NO_BODY);
         if !self.rest.is_empty() {
             self.rest.resize(len, Vec3::NAN);
@@ -264,7 +264,7 @@ impl Particles {
     pub fn set_external_force(&mut self, i: usize, force: Vec3) {
         self.edits = self.edits.wrapping_add(1);
         self.external[i] = force;
-        self.survey.plain &= force == Vec3::ZERO;
+        self.column_summary.plain &= force == Vec3::ZERO;
     }
 
     /// Multiplies the scale of gravity on particle `i` by a finite factor; others are ignored.
@@ -273,7 +273,7 @@ impl Particles {
         let scaled = self.gravity_scale[i] * factor;
         if scaled.is_finite() {
             self.gravity_scale[i] = scaled;
-            self.survey.plain = false;
+            self.column_summary.plain = false;
         }
     }
 
@@ -319,7 +319,7 @@ impl Particles {
         self.radius[i] = seed.radius;
         self.charge[i] = seed.charge;
         self.gravity_scale[i] = seed.gravity_scale;
-        self.survey = Survey::default();
+        self.column_summary = ColumnSummary::default();
         self.body[i] = NO_BODY;
         if let Some(rest) = self.rest.get_mut(i) {
             *rest = Vec3::NAN;

@@ -9,7 +9,7 @@ use super::Particles;
 
 /// What all particles have in common, as far as somebody looked: what a step needs to know to leave columns unread.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Survey {
+pub(crate) struct ColumnSummary {
     /// Whether gravity acts on all alike, and no force of a game's own on any.
     pub(crate) plain: bool,
     /// Whether none has a charge.
@@ -23,8 +23,8 @@ pub(crate) struct Survey {
 impl Particles {
     /// Looks at the columns that seldom differ, if one was written to since. To be called when a step begins; whoever writes to them later takes it
     /// back.
-    pub(crate) fn look(&mut self) {
-        if self.survey.seen == Some(self.edits) {
+    pub(crate) fn revalidate(&mut self) {
+        if self.column_summary.seen == Some(self.edits) {
             return;
         }
         // Without a way out in the middle the compiler takes eight at a time.
@@ -35,18 +35,18 @@ impl Particles {
         let plain = plain && free;
         let neutral = self.charge.iter().fold(true, |neutral, &charge| neutral & (charge == 0.0));
         let (damping, seen) = (even.then_some(first), Some(self.edits));
-        self.survey = Survey { plain, neutral, damping, seen };
+        self.column_summary = ColumnSummary { plain, neutral, damping, seen };
     }
 
     /// Starts the sums afresh: no acceleration, and the damping `air` (1/s) alone.
     pub(crate) fn clear_sums(&mut self, air: f32) {
-        if self.pushed {
+        if self.acceleration_dirty {
             self.acceleration.fill(Vec4::ZERO);
         }
-        if self.stirred {
+        if self.medium_dirty {
             self.medium.fill(0.0);
         }
-        (self.pushed, self.stirred) = (false, false);
+        (self.acceleration_dirty, self.medium_dirty) = (false, false);
         (self.common, self.air) = (Vec3::ZERO, air);
         self.drift.clear();
     }
@@ -55,21 +55,21 @@ impl Particles {
     #[inline]
     pub fn acceleration(&self, i: usize) -> Vec3 {
         let common = if self.position[i].w > 0.0 { self.common } else { Vec3::ZERO };
-        if self.pushed { self.acceleration[i].truncate() + common } else { common }
+        if self.acceleration_dirty { self.acceleration[i].truncate() + common } else { common }
     }
 
     /// Adds a force, N, for this substep: for force laws of the caller's own, between `accumulate_forces` and `integrate`.
     /// Forces add up; pinned particles do not notice.
     #[inline]
     pub fn add_force(&mut self, i: usize, force: Vec3) {
-        self.pushed = true;
+        self.acceleration_dirty = true;
         self.acceleration[i] += (force * self.position[i].w).extend(0.0);
     }
 
     /// Adds an acceleration, m/s², for this substep: a force that is proportional to mass, as gravity is.
     #[inline]
     pub fn add_acceleration(&mut self, i: usize, acceleration: Vec3) {
-        self.pushed = true;
+        self.acceleration_dirty = true;
         self.acceleration[i] += acceleration.extend(0.0);
     }
 
@@ -81,7 +81,7 @@ impl Particles {
     /// Drags particle `i` towards `velocity` (m/s) in this substep, at the rate `rate` (1/s, finite): what a medium does that may be moving. Media
     /// add up.
     pub fn drag_towards(&mut self, i: usize, rate: f32, velocity: Vec3) {
-        self.stirred = true;
+        self.medium_dirty = true;
         self.medium[i] += rate;
         if velocity != Vec3::ZERO && self.drift.is_empty() {
             self.drift.resize(self.len(), Vec3::ZERO);

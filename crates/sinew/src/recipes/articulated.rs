@@ -11,7 +11,7 @@ use self::joints::{Frame, Skeleton};
 use super::blueprint::{Blueprint, Part};
 use super::{LENGTHS, MASSES, is_drag};
 use crate::collide::Shape;
-use crate::constraints::{Constraint, Law, Rigid};
+use crate::constraints::{Constraint, ConstraintKind, Rigid};
 use crate::particles::ParticleSeed;
 use crate::solve::BodySettings;
 
@@ -163,8 +163,10 @@ pub fn articulated(spec: &ArticulatedSpec) -> Result<Blueprint, ArticulatedFault
         let held = |&i: &u32| body.particles[i as usize].mass == f32::INFINITY;
         if !members.is_empty() && !members.iter().all(held) {
             let rest: Vec<Vec3> = members.iter().map(|&i| place(i)).collect();
-            body.constraints
-                .push(Constraint::new(members.iter().copied(), Law::Rigid(Rigid::of(rest))));
+            body.constraints.push(Constraint::new(
+                members.iter().copied(),
+                ConstraintKind::Rigid(Rigid::of(rest)),
+            ));
         }
     }
     body.constraints.extend(skeleton.limits(&spec.bones));

@@ -4,7 +4,7 @@
 use glam::{Mat3, Quat, Vec3};
 
 use crate::collide::Shape;
-use crate::constraints::{Constraint, Distance, DistanceFault, LawFault};
+use crate::constraints::{Constraint, ConstraintFault, Distance, DistanceFault};
 use crate::particles::{ParticleFault, ParticleSeed};
 use crate::solve::BodySettings;
 
@@ -73,7 +73,7 @@ pub enum BlueprintFault {
         /// Which one.
         index: usize,
         /// Why.
-        fault: LawFault,
+        fault: ConstraintFault,
     },
     /// A triangle with a corner that is no particle, or the same one twice.
     #[error("its triangle {0} does not have three particles for corners")]

@@ -3,7 +3,7 @@
 use core::ops::Range;
 
 use super::{Blueprint, BlueprintFault};
-use crate::collide::{BodyContacts, Solid};
+use crate::collide::{BodyCollider, BodyContacts};
 use crate::constraints::{Constraint, Distance};
 use crate::simulation::Simulation;
 
@@ -49,9 +49,9 @@ impl Blueprint {
             if let Some(shape) = &part.shape {
                 let own = part.particles.iter().map(|&i| rows.start as u32 + i).collect();
                 let rest = part.rest.as_slice().into();
-                let solids = simulation.solids_mut();
-                let id = solids.last().map_or(0, |last| last.id + 1);
-                solids.push(Solid { rows: own, rest, shape: shape.clone(), id });
+                let body_colliders = simulation.body_colliders_mut();
+                let id = body_colliders.last().map_or(0, |last| last.id + 1);
+                body_colliders.push(BodyCollider { rows: own, rest, shape: shape.clone(), id });
             }
         }
         Ok(rows)
@@ -68,7 +68,7 @@ impl Blueprint {
         let moved = |d: &Distance| Distance { a: d.a + offset, b: d.b + offset, ..*d };
         simulation.distances_mut().extend(self.distances.iter().map(moved));
         let moved =
-            |c: &Constraint| Constraint::new(c.rows.iter().map(|row| row + offset), c.law.clone());
+            |c: &Constraint| Constraint::new(c.rows.iter().map(|row| row + offset), c.kind.clone());
         simulation.constraints_mut().extend(self.constraints.iter().map(moved));
         if body {
             let body = simulation.bodies.len() as u32;

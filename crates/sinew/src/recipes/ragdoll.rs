@@ -12,7 +12,7 @@ use self::anatomy::{APART, BONES, FIGURE, LIMITS, Limit, PARTS, Shape};
 use super::blueprint::{Blueprint, Part};
 use super::{LENGTHS, MASSES};
 use crate::collide::Shape as Solid;
-use crate::constraints::{Bound, Cone, Constraint, Distance, Hinge, Law};
+use crate::constraints::{Bound, Cone, Constraint, ConstraintKind, Distance, Hinge};
 use crate::particles::ParticleSeed;
 use crate::solve::BodySettings;
 
@@ -176,11 +176,11 @@ fn limited(limit: &Limit, mirror: bool) -> Option<Constraint> {
         // A mirror image turns the other way.
         let (below, above) = if mirror { (above, below) } else { (below, above) };
         let middle = from.unwrap_or_else(now);
-        let law = Hinge::between(
+        let kind = Hinge::between(
             (middle - below.to_radians()) as f32,
             (middle + above.to_radians()) as f32,
         );
-        Constraint::new(rows.map(RagdollParticle::index), Law::Hinge(law))
+        Constraint::new(rows.map(RagdollParticle::index), ConstraintKind::Hinge(kind))
     };
     Some(match *limit {
         Limit::Cone { frame, joint, moved, around, degrees } => {
@@ -192,7 +192,7 @@ fn limited(limit: &Limit, mirror: bool) -> Option<Constraint> {
                 Cone::about(at(o), at(x), at(y), around.as_vec3(), degrees.to_radians() as f32)?;
             let begin = (joint != o).then_some(joint);
             let rows = [o, x, y].into_iter().chain(begin).chain([moved]);
-            Constraint::new(rows.map(RagdollParticle::index), Law::Cone(cone))
+            Constraint::new(rows.map(RagdollParticle::index), ConstraintKind::Cone(cone))
         }
         Limit::Turn { rows, below, above } => turn(rows, below, above, None),
         Limit::Hinge { rows, below, above } => turn(rows, below, above, Some(std::f64::consts::PI)),

@@ -18,8 +18,8 @@ impl Blueprint {
     ///
     /// Left out are distances whose particles are both in a part already that has a shape, and those with a particle of radius 0. In a body that
     /// touches itself, segments do not touch their neighbours, nor those that they overlap in the rest shape
-    /// ([`Solid::segment`](crate::collide::Solid::segment)). A segment keeps its length where a soft distance stretches, and where one that is
-    /// [`Bound::AtMost`] folds up.
+    /// ([`BodyCollider::segment`](crate::collide::BodyCollider::segment)). A segment keeps its length where a soft distance stretches, and where one
+    /// that is [`Bound::AtMost`] folds up.
     ///
     /// Contacts and rods take turns, once a substep: a heavy load draws a light rope into what holds it up. With ten substeps a rope bears at each
     /// end some five times the mass of one of its particles where it lies across another rope, and a hundred times where it lies on a collider of its
@@ -37,7 +37,7 @@ impl Blueprint {
     /// let mut world = Simulation::default();
     /// let line = rope(&RopeSpec { segments: 10, ..Default::default() })?.with_segments();
     /// line.build_colliding(&mut world, BodyContacts { with_bodies: true, ..Default::default() })?;
-    /// assert_eq!(world.solids().len(), 10);
+    /// assert_eq!(world.body_colliders().len(), 10);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]

@@ -14,7 +14,7 @@ use super::mass::{MassFault, MassProperties};
 use super::mesh::{Bend, MeshFault, weld};
 use super::solid::Bulk;
 use super::{LENGTHS, MASSES, is_drag, is_radius};
-use crate::constraints::{self, Constraint, Distance, Law, Softness, Volume};
+use crate::constraints::{self, Constraint, ConstraintKind, Distance, Softness, Volume};
 use crate::particles::ParticleSeed;
 use crate::solve::BodySettings;
 
@@ -171,7 +171,7 @@ pub fn soft_mesh(
             .extend(welded.bends.iter().filter_map(|b| fold(spec, b, &positions, &masses)));
     }
     let full = Volume::of(triangles.as_slice(), &positions).with_pressure(spec.pressure);
-    let full = Law::Volume(full.with_softness(spec.softness));
+    let full = ConstraintKind::Volume(full.with_softness(spec.softness));
     body.constraints.push(Constraint::new(0..positions.len() as u32, full));
     body.triangles = triangles;
     sound(body)
@@ -239,12 +239,12 @@ fn fold(
     masses: &[f64],
 ) -> Option<Constraint> {
     let rows = [bend.edge[0], bend.edge[1], bend.opposite[0], bend.opposite[1]];
-    let law = constraints::Bend::stiff(rows.map(|i| positions[i as usize]), spec.bend)?;
-    let Softness::Compliant { compliance, .. } = law.softness else { return None };
+    let kind = constraints::Bend::stiff(rows.map(|i| positions[i as usize]), spec.bend)?;
+    let Softness::Compliant { compliance, .. } = kind.softness else { return None };
     let square = |(i, w): (&u32, &f32)| f64::from(w * w) / masses[*i as usize];
-    let inverse = rows.iter().zip(&law.weights).map(square).sum();
+    let inverse = rows.iter().zip(&kind.weights).map(square).sum();
     let softness = damped(f64::from(compliance), inverse, spec.damping);
-    Some(Constraint::new(rows, Law::Bend(law.with_softness(softness))))
+    Some(Constraint::new(rows, ConstraintKind::Bend(kind.with_softness(softness))))
 }
 
 /// A compliance with the damping that is `ratio` of critical: `β = 2ζ√(kμ)` with `k = 1/α` and the mass `μ = 1/Σ w‖∇C‖²` that a tie feels.

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use super::blueprint::{Blueprint, Part};
 use super::{LENGTHS, MASSES, is_drag, is_radius};
 use crate::collide::Shape;
-use crate::constraints::Direction;
+use crate::constraints::GradientAt;
 use crate::particles::ParticleSeed;
 
 /// A box to build. The default is a cube of 1 m and 1 kg, with its particles at the corners.
@@ -126,7 +126,7 @@ fn tied(spec: &BoxSpec, count: u32, size: Vec3) -> Blueprint {
         }
     }
     // Rods bleed the spin of what they hold unless they act along where they were. Hitting the ground takes more sweeps that way.
-    body.settings.direction = Some(Direction::StepStart);
+    body.settings.gradient_at = Some(GradientAt::StepStart);
     body.settings.max_sweeps = Some(8);
     // A rectangle is as deep as its shorter edge for what it collides with, where it is not drawn deeper.
     let flat = if size.z > 0.0 { 0.0 } else { size.x.min(size.y) };

@@ -102,7 +102,7 @@ fn equal_bodies_in_different_places_are_held_by_the_same_bits() {
             for (one, other) in
                 world.constraints()[own(body.constraints.len())].iter().zip(&body.constraints)
             {
-                assert_eq!(one.law, other.law, "{name}");
+                assert_eq!(one.kind, other.kind, "{name}");
                 assert!(one.rows.iter().zip(&other.rows).all(|(a, b)| *a == b + first));
             }
         }

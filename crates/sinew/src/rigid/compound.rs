@@ -12,7 +12,7 @@
 use glam::{DVec3, Quat, Vec3, Vec4};
 
 use super::{RigidBody, RigidIntegrator};
-use crate::constraints::{Constraint, Law, Rigid};
+use crate::constraints::{Constraint, ConstraintKind, Rigid};
 use crate::particles::Particles;
 use crate::simulation::Simulation;
 
@@ -44,8 +44,8 @@ impl Compound {
 
     /// The shape that holds its particles together against what pulls at them.
     pub(crate) fn shape(&self) -> Constraint {
-        let law = Rigid { rest: self.rest.as_slice().into(), softness: Default::default() };
-        Constraint::new(self.rows.iter().map(|&row| row as u32), Law::Rigid(law))
+        let kind = Rigid { rest: self.rest.as_slice().into(), softness: Default::default() };
+        Constraint::new(self.rows.iter().map(|&row| row as u32), ConstraintKind::Rigid(kind))
     }
 }
 

@@ -3,7 +3,7 @@
 use smallvec::smallvec;
 
 use super::Simulation;
-use crate::collide::Solid;
+use crate::collide::BodyCollider;
 use crate::constraints::{Constraint, Distance};
 use crate::rigid::Compound;
 use crate::solve::{Change, List};
@@ -17,7 +17,7 @@ impl Simulation {
     /// The distances, to add to, change or remove from. The plan is compiled afresh at the next step; a faulty distance is left out of it.
     ///
     /// For one or a few there are [`insert_distance`](Self::insert_distance), [`remove_distance`](Self::remove_distance) and
-    /// [`replace_distance`](Self::replace_distance): a plan that knows what changed is mended, which takes a fraction of the time.
+    /// [`replace_distance`](Self::replace_distance): a plan that knows what changed is updated incrementally, which takes a fraction of the time.
     pub fn distances_mut(&mut self) -> &mut Vec<Distance> {
         self.scratch.changes.note_all();
         &mut self.distances
@@ -29,7 +29,7 @@ impl Simulation {
     /// If there are fewer than `at` distances.
     pub fn insert_distance(&mut self, at: usize, distance: Distance) {
         self.distances.insert(at, distance);
-        self.scratch.changes.note(Change::Came(List::Distances, at));
+        self.scratch.changes.note(Change::Added(List::Distances, at));
     }
 
     /// Takes distance number `at` out of the list: a tear.
@@ -39,7 +39,7 @@ impl Simulation {
     pub fn remove_distance(&mut self, at: usize) -> Distance {
         let gone = self.distances.remove(at);
         let rows = smallvec![gone.a, gone.b];
-        self.scratch.changes.note(Change::Went(List::Distances, at, rows));
+        self.scratch.changes.note(Change::Removed(List::Distances, at, rows));
         gone
     }
 
@@ -71,7 +71,7 @@ impl Simulation {
     /// If there are fewer than `at` constraints.
     pub fn insert_constraint(&mut self, at: usize, constraint: Constraint) {
         self.constraints.insert(at, constraint);
-        self.scratch.changes.note(Change::Came(List::Constraints, at));
+        self.scratch.changes.note(Change::Added(List::Constraints, at));
     }
 
     /// Takes constraint number `at` out of the list.
@@ -81,7 +81,7 @@ impl Simulation {
     pub fn remove_constraint(&mut self, at: usize) -> Constraint {
         let gone = self.constraints.remove(at);
         let rows = gone.rows.clone();
-        self.scratch.changes.note(Change::Went(List::Constraints, at, rows));
+        self.scratch.changes.note(Change::Removed(List::Constraints, at, rows));
         gone
     }
 
@@ -113,13 +113,13 @@ impl Simulation {
     }
 
     /// The compounds that collide by their shape.
-    pub fn solids(&self) -> &[Solid] {
-        &self.solids
+    pub fn body_colliders(&self) -> &[BodyCollider] {
+        &self.body_colliders
     }
 
     /// The compounds that collide by their shape, to add to, change or remove from. Their particles then touch nothing by themselves.
-    pub fn solids_mut(&mut self) -> &mut Vec<Solid> {
+    pub fn body_colliders_mut(&mut self) -> &mut Vec<BodyCollider> {
         self.scratch.changes.note_all();
-        &mut self.solids
+        &mut self.body_colliders
     }
 }

@@ -1,11 +1,11 @@
 //! The simulation: particles, forces and constraints, and one method for each phase of a step.
 
-mod alone;
 mod lists;
 mod prepare;
 mod queries;
 mod sleep;
 mod statics;
+mod undisturbed;
 
 pub use queries::{Filter, Hit};
 pub use sleep::Sleep;
@@ -16,7 +16,8 @@ use std::sync::Arc;
 use glam::{Vec3, Vec4};
 
 use crate::collide::{
-    BodyContacts, Collider, ContactFilter, ContactMemory, Contacts, Party, Solid, World,
+    BodyCollider, BodyContacts, Collider, ContactCache, ContactFilter, ContactParticipant,
+    Contacts, World,
 };
 use crate::constraints::{Boundaries, Constraint, Distance, Pin};
 use crate::forces::{self, Forces};
@@ -50,9 +51,10 @@ pub struct Simulation {
     pub contacts: Vec<BodyContacts>,
     /// Pairs of a body and another body or a collider that never touch, though no constraint joins them: what is fastened to something that the game
     /// moves. In any order; others than those do nothing.
-    pub ignored: Vec<[Party; 2]>,
-    /// What solids that touch remember of each other: live state, to be saved and restored with the particles. During a step it is elsewhere.
-    pub memory: ContactMemory,
+    pub ignored: Vec<[ContactParticipant; 2]>,
+    /// Manifolds and friction anchors of body colliders that touch: live state, to be saved and restored with the particles. During a step it is
+    /// elsewhere.
+    pub contact_cache: ContactCache,
     /// Which bodies may sleep, and for how long they have been still, numbered as in `bodies`; what is missing is always awake.
     pub sleep: Vec<Sleep>,
     /// Which instructions the wide kernels use; the best that the machine has by default. It never changes a result.
@@ -64,7 +66,7 @@ pub struct Simulation {
     distances: Vec<Distance>,
     constraints: Vec<Constraint>,
     compounds: Vec<Compound>,
-    solids: Vec<Solid>,
+    body_colliders: Vec<BodyCollider>,
     scratch: Scratch,
     report: SolverReport,
 }
@@ -80,12 +82,12 @@ struct Scratch {
     fluids: forces::FluidScratch,
     filter: ContactFilter,
     contacts: Contacts,
-    solving: solve::Scratch,
+    solving: solve::SolveScratch,
     damping: solve::Damping,
     /// Of measuring what is left.
-    room: solve::Room,
+    thread_scratch: solve::ThreadScratch,
     moving: Moving,
-    bedroom: sleep::Bedroom,
+    sleep_scratch: sleep::SleepScratch,
     /// Pinned particles that were given another origin for this step.
     anchors: Vec<prepare::Anchor>,
     /// The pressure of each wind on each triangle, looked up when the step began.
@@ -152,7 +154,7 @@ impl Simulation {
             return Err(StepFault(dt));
         }
         self.compile();
-        self.particles.look();
+        self.particles.revalidate();
         self.scratch.substep = Substep { length: h, remaining: settings.substeps };
         self.share_origins();
         self.settle_islands(settings);
@@ -162,7 +164,7 @@ impl Simulation {
         if settings.substeps == 1 {
             self.scratch.first_velocity.extend_from_slice(&self.particles.velocity);
         }
-        self.lull(dt);
+        self.put_to_sleep(dt);
         self.scratch.damping.apply(&mut self.particles, &self.bodies, dt);
         self.with_moving(|moving, simulation| moving.read(simulation));
         self.begin_contacts();
@@ -209,7 +211,7 @@ impl Simulation {
 
     /// Phase 4: adds the forces between charges, and those of electric fields.
     pub fn apply_electric(&mut self) {
-        if self.particles.survey.neutral {
+        if self.particles.column_summary.neutral {
             return;
         }
         let scratch = &mut self.scratch.electric;
@@ -223,9 +225,9 @@ impl Simulation {
         if self.settings.statics {
             self.particles.velocity.fill(Vec4::ZERO);
         }
-        self.scratch.contacts.touch.drag(&mut self.particles, length);
-        let machine = machine(self.instructions, &self.workers);
-        integrate::predict(&mut self.particles, self.settings.integrator, length, machine);
+        self.scratch.contacts.particle_contacts.drag(&mut self.particles, length);
+        let execution = execution(self.instructions, &self.workers);
+        integrate::predict(&mut self.particles, self.settings.integrator, length, execution);
         self.scratch.moving.predict(&mut self.particles, &self.compounds, length);
         for pin in &self.boundaries.pins {
             let i = pin.particle as usize;
@@ -243,24 +245,48 @@ impl Simulation {
         let h = self.scratch.substep.length;
         let Self { particles, settings, instructions, workers, scratch, report, .. } = self;
         let (forces, boundaries) = (&self.forces, &self.boundaries);
-        let (colliders, solids) = (&self.colliders, &self.solids);
+        let (colliders, body_colliders) = (&self.colliders, &self.body_colliders);
         let Scratch { plan, filter, contacts, solving, substep, .. } = scratch;
-        let machine = machine(*instructions, workers);
+        let execution = execution(*instructions, workers);
         let (gravity, lag) = (forces.gravity.length(), settings.integrator.lag(h));
         let substeps = report.substeps;
         let substep = substeps.saturating_sub(substep.remaining);
         let open = contacts.is_active();
-        let Contacts { touch, presses, .. } = contacts;
-        let common = solve::Common { plan, contacts: touch, h, lag, gravity, substep, machine };
-        solve::solve_all(particles, presses, common, open, solving, report);
+        let Contacts { particle_contacts, normal_impulses, .. } = contacts;
+        let common = solve::Common {
+            plan,
+            contacts: particle_contacts,
+            h,
+            lag,
+            gravity,
+            substep,
+            execution,
+        };
+        solve::solve_all(particles, normal_impulses, common, open, solving, report);
         if open {
             let dt = h * substeps as f32;
-            let world =
-                World { boundaries, colliders, solids, filter, plan, dt, substeps, gravity };
+            let world = World {
+                boundaries,
+                colliders,
+                body_colliders,
+                filter,
+                plan,
+                dt,
+                substeps,
+                gravity,
+            };
             contacts.project(particles, &world, h, substep);
-            let Contacts { touch, presses, .. } = contacts;
-            let common = solve::Common { plan, contacts: touch, h, lag, gravity, substep, machine };
-            solve::settle_all(particles, presses, common, solving);
+            let Contacts { particle_contacts, normal_impulses, .. } = contacts;
+            let common = solve::Common {
+                plan,
+                contacts: particle_contacts,
+                h,
+                lag,
+                gravity,
+                substep,
+                execution,
+            };
+            solve::settle_all(particles, normal_impulses, common, solving);
             contacts.bounce(particles, h, gravity);
         }
         integrate::finish(particles, settings.integrator, h);
@@ -271,7 +297,7 @@ impl Simulation {
 
     /// Ends a step: puts rows that turned non-finite back to where the step began, at rest, slows down what is too fast, and measures the errors left.
     pub fn end_step(&mut self) {
-        self.rouse();
+        self.wake();
         let mut row = 0;
         while let Some(rows) = self.particles.next_broken(row) {
             row = rows.end;
@@ -290,11 +316,18 @@ impl Simulation {
         if most < f32::INFINITY {
             self.particles.limit_speeds(most, &mut self.report.too_fast);
         }
-        let Scratch { plan, contacts, room, substep, .. } = &mut self.scratch;
+        let Scratch { plan, contacts, thread_scratch, substep, .. } = &mut self.scratch;
         let (instructions, report) = (self.instructions, &mut self.report);
-        solve::measure(&mut self.particles, &contacts.touch, plan, instructions, room, report);
+        solve::measure(
+            &mut self.particles,
+            &contacts.particle_contacts,
+            plan,
+            instructions,
+            thread_scratch,
+            report,
+        );
         contacts.measure(plan, report);
-        contacts.keep(&mut self.memory);
+        contacts.keep(&mut self.contact_cache);
         let impacts = contacts.report(&self.particles, substep.length);
         report.impacts.clear();
         report.impacts.extend_from_slice(impacts);
@@ -413,6 +446,9 @@ impl Simulation {
 }
 
 /// What the machine lends to a phase.
-fn machine(instructions: InstructionSet, workers: &Option<Arc<dyn Workers>>) -> solve::Machine<'_> {
-    solve::Machine { instructions, workers: workers.as_deref() }
+fn execution(
+    instructions: InstructionSet,
+    workers: &Option<Arc<dyn Workers>>,
+) -> solve::ExecutionContext<'_> {
+    solve::ExecutionContext { instructions, workers: workers.as_deref() }
 }

@@ -27,7 +27,7 @@ impl Simulation {
         } else {
             plan.compile(given);
         }
-        let Self { particles, distances, constraints, solids, scratch, .. } = self;
+        let Self { particles, distances, constraints, body_colliders, scratch, .. } = self;
         let Scratch { changes, contacts, filter, .. } = scratch;
         let given = Given { distances, constraints, particles: particles.len() };
         let body = |row: u32| particles.body.get(row as usize);
@@ -35,7 +35,7 @@ impl Simulation {
             filter.forget_joints();
         }
         if !changes.are_few() || particles_came_or_went {
-            contacts.compile(solids, particles);
+            contacts.compile(body_colliders, particles);
         }
         changes.clear();
     }
@@ -154,16 +154,26 @@ impl Simulation {
 
     /// Finds what may come to touch what.
     pub(super) fn begin_contacts(&mut self) {
-        let Self { particles, forces, boundaries, colliders, solids, contacts, memory, .. } = self;
+        let Self {
+            particles,
+            forces,
+            boundaries,
+            colliders,
+            body_colliders,
+            contacts,
+            contact_cache,
+            ..
+        } = self;
         let links = (&self.distances[..], &self.constraints[..]);
         let scratch = &mut self.scratch;
         let Substep { length, remaining: substeps } = scratch.substep;
         let (dt, gravity) = (length * substeps as f32, forces.gravity.length());
         let (plan, filter) = (&scratch.plan, &mut scratch.filter);
         filter.update(particles, contacts, &self.ignored, plan, links);
-        let world = World { boundaries, colliders, solids, filter, plan, dt, substeps, gravity };
+        let world =
+            World { boundaries, colliders, body_colliders, filter, plan, dt, substeps, gravity };
         scratch.contacts.use_instructions(self.instructions);
-        scratch.contacts.begin((particles, &forces.surfaces), world, memory);
+        scratch.contacts.begin((particles, &forces.surfaces), world, contact_cache);
     }
 
     /// Looks up the gusts on every triangle.
@@ -226,8 +236,8 @@ fn settings_of(
         found = Some(found.map_or(own, |sum| SolverSettings {
             max_sweeps: sum.max_sweeps.max(own.max_sweeps),
             tolerance: sum.tolerance.min(own.tolerance),
-            direction: if own.direction == sum.direction {
-                own.direction
+            gradient_at: if own.gradient_at == sum.gradient_at {
+                own.gradient_at
             } else {
                 Default::default()
             },

@@ -6,7 +6,9 @@
 use glam::Vec3;
 
 use super::Simulation;
-use crate::collide::{Frame, Layers, ManifoldScratch, Party, Shape, Solid, collide};
+use crate::collide::{
+    BodyCollider, ContactParticipant, Frame, Layers, ManifoldScratch, Shape, collide,
+};
 use crate::particles::NO_BODY;
 use crate::pose::pose;
 
@@ -22,14 +24,14 @@ pub struct Filter {
     /// Whether bodies and loose particles count. Default yes.
     pub bodies: bool,
     /// One that does not count: who asks. Default none.
-    pub except: Option<Party>,
+    pub except: Option<ContactParticipant>,
 }
 
 /// What a ray met.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Whom.
-    pub party: Party,
+    pub participant: ContactParticipant,
     /// The particle: that which was met, or the nearest corner of what was; none of a collider.
     pub row: Option<u32>,
     /// How far from where the ray began, metres.
@@ -53,8 +55,8 @@ impl Default for Filter {
 }
 
 impl Simulation {
-    /// What a ray meets first within `max` metres: a collider, a solid, a triangle of a surface from either side, or a particle's ball. A direction
-    /// that has no length meets nothing; it need not be a unit vector.
+    /// What a ray meets first within `max` metres: a collider, a body collider, a triangle of a surface from either side, or a particle's ball. A
+    /// direction that has no length meets nothing; it need not be a unit vector.
     pub fn cast_ray(
         &self,
         origin: Vec3,
@@ -65,49 +67,49 @@ impl Simulation {
         let direction = direction.try_normalize()?;
         let mut ray = Ray { origin, direction, max, first: None };
         for (number, collider) in self.colliders.iter().enumerate() {
-            let party = Party::Collider(number as u32);
+            let participant = ContactParticipant::Collider(number as u32);
             if self.counts_collider(number, filter) {
-                ray.shape(&collider.shape, &collider.end, party, None);
+                ray.shape(&collider.shape, &collider.end, participant, None);
             }
         }
         if !filter.bodies {
             return ray.first;
         }
-        for solid in self.solids.iter() {
-            let Some((party, row)) = self.counts_solid(solid, filter) else { continue };
+        for solid in self.body_colliders.iter() {
+            let Some((participant, row)) = self.counts_solid(solid, filter) else { continue };
             if let Some(frame) = self.frame_of(solid) {
-                ray.shape(&solid.shape, &frame, party, Some(row));
+                ray.shape(&solid.shape, &frame, participant, Some(row));
             }
         }
         for corners in &self.forces.surfaces {
-            let Some(party) = self.counts_row(corners[0], filter) else { continue };
+            let Some(participant) = self.counts_row(corners[0], filter) else { continue };
             // A triangle whose particle is gone is none.
             if corners.iter().any(|&row| row as usize >= self.particles.len()) {
                 continue;
             }
             let [a, b, c] = corners.map(|row| self.particles.position(row as usize));
-            ray.triangle([a, b, c], party, corners[0]);
+            ray.triangle([a, b, c], participant, corners[0]);
         }
         for row in 0..self.particles.len() as u32 {
             let radius = self.particles.radius[row as usize];
             if radius > 0.0
                 && !self.is_aside(row)
-                && let Some(party) = self.counts_row(row, filter)
+                && let Some(participant) = self.counts_row(row, filter)
             {
-                ray.ball(self.particles.position(row as usize), radius, party, row);
+                ray.ball(self.particles.position(row as usize), radius, participant, row);
             }
         }
         ray.first
     }
 
-    /// Calls `found` with everyone who overlaps a shape, once each for colliders and solids, with the row for each particle. Particles are balls of
-    /// their radii.
+    /// Calls `found` with everyone who overlaps a shape, once each for colliders and body colliders, with the row for each particle. Particles are
+    /// balls of their radii.
     pub fn overlaps(
         &self,
         shape: &Shape,
         frame: &Frame,
         filter: &Filter,
-        mut found: impl FnMut(Party, Option<u32>),
+        mut found: impl FnMut(ContactParticipant, Option<u32>),
     ) {
         if !frame.is_valid() {
             return;
@@ -116,27 +118,27 @@ impl Simulation {
             if self.counts_collider(number, filter)
                 && overlap(shape, &collider.shape, &frame.from_within(&collider.end))
             {
-                found(Party::Collider(number as u32), None);
+                found(ContactParticipant::Collider(number as u32), None);
             }
         }
         if !filter.bodies {
             return;
         }
-        for solid in &self.solids {
-            let Some((party, row)) = self.counts_solid(solid, filter) else { continue };
+        for solid in &self.body_colliders {
+            let Some((participant, row)) = self.counts_solid(solid, filter) else { continue };
             let theirs = self.frame_of(solid);
             if theirs
                 .is_some_and(|theirs| overlap(shape, &solid.shape, &frame.from_within(&theirs)))
             {
-                found(party, Some(row));
+                found(participant, Some(row));
             }
         }
         for row in 0..self.particles.len() as u32 {
             let i = row as usize;
-            let Some(party) = self.counts_row(row, filter) else { continue };
+            let Some(participant) = self.counts_row(row, filter) else { continue };
             let at = frame.local(self.particles.position(i));
             if !self.is_aside(row) && shape.nearest(at).distance <= self.particles.radius[i] {
-                found(party, Some(row));
+                found(participant, Some(row));
             }
         }
     }
@@ -162,27 +164,35 @@ impl Simulation {
             && collider.is_valid()
             && (filter.sensors || !collider.sensor)
             && collider.layers.meets(filter.layers)
-            && filter.except != Some(Party::Collider(number as u32))
+            && filter.except != Some(ContactParticipant::Collider(number as u32))
     }
 
     /// Who a row is, if that counts.
-    fn counts_row(&self, row: u32, filter: &Filter) -> Option<Party> {
+    fn counts_row(&self, row: u32, filter: &Filter) -> Option<ContactParticipant> {
         let body = *self.particles.body.get(row as usize)?;
-        let party = if body == NO_BODY { Party::Particle(row) } else { Party::Body(body) };
+        let participant = if body == NO_BODY {
+            ContactParticipant::Particle(row)
+        } else {
+            ContactParticipant::Body(body)
+        };
         let own = self.contacts.get(body as usize).copied().unwrap_or_default();
         let met = !own.disabled && own.layers.meets(filter.layers);
-        let counts = filter.bodies && met && filter.except != Some(party);
-        counts.then_some(party)
+        let counts = filter.bodies && met && filter.except != Some(participant);
+        counts.then_some(participant)
     }
 
-    /// The same of a solid, with its first row.
-    fn counts_solid(&self, solid: &Solid, filter: &Filter) -> Option<(Party, u32)> {
+    /// The same of a body collider, with its first row.
+    fn counts_solid(
+        &self,
+        solid: &BodyCollider,
+        filter: &Filter,
+    ) -> Option<(ContactParticipant, u32)> {
         let row = *solid.rows.first()?;
-        self.counts_row(row, filter).map(|party| (party, row))
+        self.counts_row(row, filter).map(|participant| (participant, row))
     }
 
-    /// Where a solid is.
-    fn frame_of(&self, solid: &Solid) -> Option<Frame> {
+    /// Where a body collider is.
+    fn frame_of(&self, solid: &BodyCollider) -> Option<Frame> {
         let points = solid.rows.iter().zip(&*solid.rest).filter_map(|(&row, &rest)| {
             let i = row as usize;
             (i < self.particles.len())
@@ -192,7 +202,7 @@ impl Simulation {
         Some(Frame::new(found.translation, found.rotation))
     }
 
-    /// Whether a row does not collide by itself: it is part of a solid, which is met in its place, or its body touches nothing.
+    /// Whether a row does not collide by itself: it is part of a body collider, which is met in its place, or its body touches nothing.
     fn is_aside(&self, row: u32) -> bool {
         self.scratch.contacts.is_aside(row)
     }
@@ -215,29 +225,41 @@ struct Ray {
 }
 
 impl Ray {
-    fn meet(&mut self, distance: f32, normal: Vec3, party: Party, row: Option<u32>) {
+    fn meet(
+        &mut self,
+        distance: f32,
+        normal: Vec3,
+        participant: ContactParticipant,
+        row: Option<u32>,
+    ) {
         if (0.0..=self.max).contains(&distance) && (self.first.is_none() || distance < self.max) {
             let point = self.origin + self.direction * distance;
             self.max = distance;
-            self.first = Some(Hit { party, row, distance, point, normal });
+            self.first = Some(Hit { participant, row, distance, point, normal });
         }
     }
 
-    fn shape(&mut self, shape: &Shape, frame: &Frame, party: Party, row: Option<u32>) {
+    fn shape(
+        &mut self,
+        shape: &Shape,
+        frame: &Frame,
+        participant: ContactParticipant,
+        row: Option<u32>,
+    ) {
         let (origin, direction) = (frame.local(self.origin), frame.turn_back(self.direction));
         if let Some(hit) = shape.cast_ray(origin, direction, self.max) {
-            self.meet(hit.distance, frame.turn(hit.normal), party, row);
+            self.meet(hit.distance, frame.turn(hit.normal), participant, row);
         }
     }
 
     /// `|o + t d - c|² = r²`; from within it is met at once.
-    fn ball(&mut self, centre: Vec3, radius: f32, party: Party, row: u32) {
+    fn ball(&mut self, centre: Vec3, radius: f32, participant: ContactParticipant, row: u32) {
         let from = self.origin - centre;
         let along = from.dot(self.direction);
         let outside = from.length_squared() - radius * radius;
         if outside <= 0.0 {
             let normal = from.try_normalize().unwrap_or(-self.direction);
-            self.meet(0.0, normal, party, Some(row));
+            self.meet(0.0, normal, participant, Some(row));
             return;
         }
         let beneath = along * along - outside;
@@ -246,12 +268,12 @@ impl Ray {
             // Made unit, because of a small ball far off the difference has few digits.
             let normal = (from + self.direction * distance).try_normalize();
             let normal = normal.unwrap_or(-self.direction);
-            self.meet(distance, normal, party, Some(row));
+            self.meet(distance, normal, participant, Some(row));
         }
     }
 
     /// Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection*, 1997: Cramer's rule for `o + t d = a + u (b - a) + v (c - a)`.
-    fn triangle(&mut self, [a, b, c]: [Vec3; 3], party: Party, row: u32) {
+    fn triangle(&mut self, [a, b, c]: [Vec3; 3], participant: ContactParticipant, row: u32) {
         let (ab, ac, from) = (b - a, c - a, self.origin - a);
         let across = self.direction.cross(ac);
         let volume = ab.dot(across);
@@ -265,7 +287,7 @@ impl Ray {
             let normal = ab.cross(ac).normalize_or_zero();
             // Out of the side that it came to.
             let normal = if normal.dot(self.direction) > 0.0 { -normal } else { normal };
-            self.meet(distance, normal, party, Some(row));
+            self.meet(distance, normal, participant, Some(row));
         }
     }
 }
@@ -298,25 +320,26 @@ mod tests {
         let world = world();
         let all = Filter::default();
         let hit = world.cast_ray(Vec3::ZERO, Vec3::X * 7.0, 100.0, &all).unwrap();
-        assert_eq!(hit.party, Party::Body(0));
+        assert_eq!(hit.participant, ContactParticipant::Body(0));
         assert!(
             (hit.distance - 4.5).abs() < 1e-4 && (hit.normal + Vec3::X).length() < 1e-4,
             "{hit:?}"
         );
-        let past = Filter { except: Some(Party::Body(0)), ..all };
+        let past = Filter { except: Some(ContactParticipant::Body(0)), ..all };
         let hit = world.cast_ray(Vec3::ZERO, Vec3::X, 100.0, &past).unwrap();
-        assert_eq!(hit.party, Party::Body(1));
+        assert_eq!(hit.participant, ContactParticipant::Body(1));
         assert!(
             (hit.distance - 10.0).abs() < 0.01 && (hit.normal + Vec3::X).length() < 1e-4,
             "{hit:?}"
         );
         let hit = world.cast_ray(Vec3::ZERO, Vec3::Z, 100.0, &all).unwrap();
         assert!(
-            (hit.distance - 2.5).abs() < 1e-4 && matches!(hit.party, Party::Particle(_)),
+            (hit.distance - 2.5).abs() < 1e-4
+                && matches!(hit.participant, ContactParticipant::Particle(_)),
             "{hit:?}"
         );
         let hit = world.cast_ray(Vec3::ZERO, Vec3::NEG_Y, 100.0, &all).unwrap();
-        assert_eq!((hit.party, hit.row), (Party::Collider(0), None));
+        assert_eq!((hit.participant, hit.row), (ContactParticipant::Collider(0), None));
         assert!((hit.point + Vec3::Y).length() < 1e-5);
         assert_eq!(world.cast_ray(Vec3::ZERO, Vec3::NEG_Y, 0.9, &all), None, "too short");
         assert_eq!(world.cast_ray(Vec3::ZERO, Vec3::ZERO, 9.0, &all), None, "no direction");
@@ -331,7 +354,7 @@ mod tests {
         let mut world = world();
         world.forces.surfaces.insert(0, [0, 1, 1_000_000]);
         let hit = world.cast_ray(Vec3::ZERO, Vec3::X, 100.0, &Filter::default()).unwrap();
-        assert_eq!(hit.party, Party::Body(0));
+        assert_eq!(hit.participant, ContactParticipant::Body(0));
     }
 
     #[test]
@@ -341,13 +364,16 @@ mod tests {
         let found = |at: Vec3| {
             let mut found = Vec::new();
             let all = Filter::default();
-            world.overlaps(&probe, &Frame::at(at), &all, |party, _| found.push(party));
+            world.overlaps(&probe, &Frame::at(at), &all, |participant, _| found.push(participant));
             found.dedup();
             found
         };
-        assert_eq!(found(Vec3::new(5.0, 1.2, 0.0)), [Party::Body(0)]);
-        assert_eq!(found(Vec3::new(5.0, -0.5, 0.0)), [Party::Collider(0), Party::Body(0)]);
-        assert_eq!(found(Vec3::new(10.2, 0.5, 0.0)), [Party::Body(1)]);
+        assert_eq!(found(Vec3::new(5.0, 1.2, 0.0)), [ContactParticipant::Body(0)]);
+        assert_eq!(
+            found(Vec3::new(5.0, -0.5, 0.0)),
+            [ContactParticipant::Collider(0), ContactParticipant::Body(0)]
+        );
+        assert_eq!(found(Vec3::new(10.2, 0.5, 0.0)), [ContactParticipant::Body(1)]);
         assert_eq!(found(Vec3::Y * 20.0), []);
     }
 

@@ -44,41 +44,41 @@ impl Sleep {
     }
 }
 
-/// What falling asleep needs and nobody saves.
+/// Scratch of the sleeping decision.
 #[derive(Default)]
-pub(super) struct Bedroom {
+pub(super) struct SleepScratch {
     bounds: Vec<(Vec3, Vec3)>,
-    rests: Vec<Rest>,
+    activities: Vec<IslandActivity>,
     pairs: Vec<[u32; 2]>,
     broad: Broad,
     /// Towards the first island of a group.
     parent: Vec<u32>,
     /// The first island of each body.
     first_of: Vec<u32>,
-    /// How far the shape of a solid reaches beyond its particles, metres, for each row.
-    girth: Vec<f32>,
+    /// How far the shape of a body collider reaches beyond its particles, metres, for each row.
+    bounding_radius: Vec<f32>,
     /// Rows that sleep, and their inverse masses.
     masses: Vec<(u32, f32)>,
 }
 
 /// A copy has nothing to keep: between steps nothing is in it.
-impl Clone for Bedroom {
+impl Clone for SleepScratch {
     fn clone(&self) -> Self {
         Self::default()
     }
 }
 
-impl core::fmt::Debug for Bedroom {
+impl core::fmt::Debug for SleepScratch {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("Bedroom").finish_non_exhaustive()
+        f.debug_struct("SleepScratch").finish_non_exhaustive()
     }
 }
 
 /// How an island, and then a group, lies.
 #[derive(Clone, Copy, Debug)]
-struct Rest {
+struct IslandActivity {
     /// Whether something of it moves, or keeps it from sleeping.
-    lively: bool,
+    active: bool,
     /// Whether all of it may sleep.
     allowed: bool,
     /// For how long all of it have been still, seconds.
@@ -86,46 +86,47 @@ struct Rest {
 }
 
 impl Simulation {
-    /// Finds out who sleeps in a step of `dt` seconds, and lets them.
-    pub(super) fn lull(&mut self, dt: f32) {
+    /// Finds which bodies sleep in a step of `dt` seconds, and puts them to sleep.
+    pub(super) fn put_to_sleep(&mut self, dt: f32) {
         self.scratch.plan.islands.iter_mut().for_each(|island| island.asleep = false);
         if !self.sleep.iter().any(|body| body.allowed) {
             return;
         }
-        let mut room = core::mem::take(&mut self.scratch.bedroom);
-        self.look_around(&mut room, dt);
-        self.group(&mut room);
-        self.decide(&mut room, dt);
-        self.scratch.bedroom = room;
+        let mut sleepers = core::mem::take(&mut self.scratch.sleep_scratch);
+        self.look_around(&mut sleepers, dt);
+        self.group(&mut sleepers);
+        self.decide(&mut sleepers, dt);
+        self.scratch.sleep_scratch = sleepers;
     }
 
-    /// Gives sleepers their masses back, at the end of a step.
-    pub(super) fn rouse(&mut self) {
+    /// Wakes: gives those that sleep their masses back, at the end of a step.
+    pub(super) fn wake(&mut self) {
         let Self { particles, scratch, .. } = self;
-        for (row, w) in scratch.bedroom.masses.drain(..) {
+        for (row, w) in scratch.sleep_scratch.masses.drain(..) {
             particles.position[row as usize].w = w;
         }
     }
 
     /// Looks at each island: how it lies, and the box that it may reach in the step.
-    fn look_around(&self, room: &mut Bedroom, dt: f32) {
+    fn look_around(&self, sleepers: &mut SleepScratch, dt: f32) {
         let Self { particles, scratch, forces, .. } = self;
-        room.girth.clear();
-        room.girth.resize(particles.len(), 0.0);
-        for solid in &self.solids {
+        sleepers.bounding_radius.clear();
+        sleepers.bounding_radius.resize(particles.len(), 0.0);
+        for solid in &self.body_colliders {
             let (low, high) = solid.shape.bounds();
             let reach = low.abs().max(high.abs()).length();
             for (&row, rest) in solid.rows.iter().zip(&*solid.rest) {
-                if let Some(girth) = room.girth.get_mut(row as usize) {
-                    *girth = girth.max(reach - rest.length());
+                if let Some(bounding_radius) = sleepers.bounding_radius.get_mut(row as usize) {
+                    *bounding_radius = bounding_radius.max(reach - rest.length());
                 }
             }
         }
-        room.bounds.clear();
-        room.rests.clear();
+        sleepers.bounds.clear();
+        sleepers.activities.clear();
         let plan = &scratch.plan;
         for island in &plan.islands {
-            let mut rest = Rest { lively: false, allowed: true, still: f32::INFINITY };
+            let mut activity =
+                IslandActivity { active: false, allowed: true, still: f32::INFINITY };
             let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
             for &row in &plan.members[island.members.clone()] {
                 let i = row as usize;
@@ -140,25 +141,25 @@ impl Simulation {
                 let pushed = particles.external[i] != Vec3::ZERO;
                 // Also for NaN.
                 let quiet = if body.asleep { speed == 0.0 } else { speed <= body.speed };
-                rest.lively |= !quiet || pushed;
-                rest.allowed &= body.allowed;
-                rest.still = rest.still.min(body.still);
+                activity.active |= !quiet || pushed;
+                activity.allowed &= body.allowed;
+                activity.still = activity.still.min(body.still);
                 let reach = (speed + forces.gravity.length() * dt) * dt;
-                let around = particles.radius[i] + room.girth[i] + NEAR + reach;
+                let around = particles.radius[i] + sleepers.bounding_radius[i] + NEAR + reach;
                 let at = particles.origin[i] + particles.position[i].truncate();
                 (low, high) = (low.min(at - around), high.max(at + around));
             }
-            if !rest.allowed {
+            if !activity.allowed {
                 // It keeps nobody awake who lies still beside it.
-                rest.still = f32::INFINITY;
+                activity.still = f32::INFINITY;
             }
-            room.bounds.push((low, high));
-            room.rests.push(rest);
+            sleepers.bounds.push((low, high));
+            sleepers.activities.push(activity);
         }
         for pin in &self.boundaries.pins {
             let i = pin.particle as usize;
             let Some(&island) = plan.island_of.get(i) else { continue };
-            room.rests[island as usize].lively |=
+            sleepers.activities[island as usize].active |=
                 particles.relative_to(i, pin.target).length() > 1e-6;
         }
         for collider in self.colliders.iter().filter(|one| one.start != one.end && one.is_valid()) {
@@ -167,16 +168,16 @@ impl Simulation {
                 collider.shape.bounds_in(&collider.end),
             );
             let (low, high) = (start.0.min(end.0), start.1.max(end.1));
-            for (bounds, rest) in room.bounds.iter().zip(&mut room.rests) {
-                rest.lively |= bounds.0.cmple(high).all() && bounds.1.cmpge(low).all();
+            for (bounds, activity) in sleepers.bounds.iter().zip(&mut sleepers.activities) {
+                activity.active |= bounds.0.cmple(high).all() && bounds.1.cmpge(low).all();
             }
         }
     }
 
     /// Joins islands that touch, and those of a body.
-    fn group(&self, room: &mut Bedroom) {
+    fn group(&self, sleepers: &mut SleepScratch) {
         let Self { particles, scratch, .. } = self;
-        let Bedroom { bounds, pairs, broad, parent, first_of, .. } = room;
+        let SleepScratch { bounds, pairs, broad, parent, first_of, .. } = sleepers;
         broad.pairs(bounds, pairs);
         parent.clear();
         parent.extend(0..bounds.len() as u32);
@@ -196,31 +197,31 @@ impl Simulation {
     }
 
     /// Sums up each group, and lets it sleep, or lets its time go on.
-    fn decide(&mut self, room: &mut Bedroom, dt: f32) {
-        let Bedroom { rests, parent, masses, .. } = room;
-        for island in 0..rests.len() {
+    fn decide(&mut self, sleepers: &mut SleepScratch, dt: f32) {
+        let SleepScratch { activities, parent, masses, .. } = sleepers;
+        for island in 0..activities.len() {
             let root = root(parent, island as u32) as usize;
-            let own = rests[island];
-            let group = &mut rests[root];
-            group.lively |= own.lively;
+            let own = activities[island];
+            let group = &mut activities[root];
+            group.active |= own.active;
             group.still = group.still.min(own.still);
         }
         let Self { particles, sleep, scratch, .. } = self;
         let plan = &mut scratch.plan;
         for number in 0..plan.islands.len() {
-            let group = rests[root(parent, number as u32) as usize];
+            let group = activities[root(parent, number as u32) as usize];
             let island = &mut plan.islands[number];
-            let free = room.bounds[number].0.is_finite();
-            let may = rests[number].allowed && free;
-            island.asleep = may && !group.lively && group.still >= SECONDS;
+            let free = sleepers.bounds[number].0.is_finite();
+            let may = activities[number].allowed && free;
+            island.asleep = may && !group.active && group.still >= SECONDS;
             for &row in &plan.members[island.members.clone()] {
                 let i = row as usize;
                 let Some(body) = sleep.get_mut(particles.body[i] as usize) else { continue };
                 // Of many particles of a body the first tells.
-                if room.first_of[particles.body[i] as usize] == number as u32 {
-                    room.first_of[particles.body[i] as usize] = u32::MAX;
+                if sleepers.first_of[particles.body[i] as usize] == number as u32 {
+                    sleepers.first_of[particles.body[i] as usize] = u32::MAX;
                     body.still =
-                        if group.lively { 0.0 } else { (body.still + dt).min(2.0 * SECONDS) };
+                        if group.active { 0.0 } else { (body.still + dt).min(2.0 * SECONDS) };
                     body.asleep = island.asleep;
                 }
                 if island.asleep && particles.position[i].w > 0.0 {

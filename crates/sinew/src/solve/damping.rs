@@ -14,7 +14,7 @@ use core::ops::Range;
 
 use glam::DVec3;
 
-use super::momentum::Sums;
+use super::momentum::MomentumSums;
 use super::settings::BodySettings;
 use crate::particles::Particles;
 
@@ -27,7 +27,7 @@ pub(crate) struct Damping(Vec<Option<Body>>);
 struct Body {
     /// The first of its rows, which places are measured from.
     first: usize,
-    sums: Sums,
+    sums: MomentumSums,
     /// What a rigid body would do: its barycentre, metres, that one's velocity, m/s, and its angular velocity, rad/s.
     rigid: [DVec3; 3],
     /// Which part of what differs from that goes.

@@ -2,44 +2,44 @@
 
 use std::time::Instant;
 
-use super::flock::{Herd, Spot};
-use super::item::{Item, Local, Manner};
-use super::momentum::Excess;
-use super::plan::{Island, Kind, Plan, Task};
-use super::rest::Rest;
-use super::sums::Sums;
-use super::wave::Wave;
-use super::world::Machine;
-use super::{IslandReport, Order, cascade, jacobi, worst_first};
-use crate::collide::{Presses, Touch};
-use crate::constraints::{Direction, Pace};
+use super::constraint_ref::{ConstraintRef, Local, SolveMode};
+use super::instances::{LaneCompaction, LaneParticles};
+use super::momentum::MomentumDrift;
+use super::multipliers::MultiplierSlice;
+use super::plan::{GroupKind, Island, Plan, Task};
+use super::remaining::Remaining;
+use super::wavefront::Wavefront;
+use super::world::ExecutionContext;
+use super::{IslandReport, Order, gauss_seidel, jacobi, most_violated_first};
+use crate::collide::{NormalImpulses, ParticleContacts};
+use crate::constraints::{GradientAt, SubstepContext};
 use crate::lanes::Columns;
 use crate::particles::Places;
 
 /// What a thread needs while it solves. Scratch.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Room {
+pub(crate) struct ThreadScratch {
     pub(super) local: Local,
     pub(super) columns: Columns,
-    items: Vec<Item>,
+    constraint_refs: Vec<ConstraintRef>,
     asked: jacobi::Asked,
-    queue: worst_first::Queue,
-    pub(super) herd: Herd,
+    queue: most_violated_first::Queue,
+    pub(super) lane_compaction: LaneCompaction,
     /// Of measuring them.
-    pub(super) spots: Vec<Spot>,
-    /// What is left of a task beside its flocks.
-    pub(super) rest: Rest,
+    pub(super) lane_particles: Vec<LaneParticles>,
+    /// What is left of a task beside its instance batches.
+    pub(super) remaining: Remaining,
     /// Where a large island is meanwhile.
-    pub(super) wave: Wave,
+    pub(super) wavefront: Wavefront,
     /// Islands whose corrections gave them what has to be taken off again.
-    pub(super) excesses: Vec<(u32, Excess)>,
+    pub(super) momentum_drifts: Vec<(u32, MomentumDrift)>,
 }
 
-impl Room {
+impl ThreadScratch {
     /// Begins with a task.
     pub(super) fn begin(&mut self, task: &Task) {
-        self.rest.reset(task);
-        self.excesses.clear();
+        self.remaining.reset(task);
+        self.momentum_drifts.clear();
     }
 }
 
@@ -47,7 +47,7 @@ impl Room {
 #[derive(Clone, Copy)]
 pub(crate) struct Common<'a> {
     pub(crate) plan: &'a Plan,
-    pub(crate) contacts: &'a Touch,
+    pub(crate) contacts: &'a ParticleContacts,
     /// Length of the substep, seconds.
     pub(crate) h: f32,
     /// How much of it a derived velocity is the mean of, seconds.
@@ -56,43 +56,83 @@ pub(crate) struct Common<'a> {
     pub(crate) gravity: f32,
     /// Which substep of the step it is, counted from 0.
     pub(crate) substep: u32,
-    pub(crate) machine: Machine<'a>,
+    pub(crate) execution: ExecutionContext<'a>,
 }
 
 /// What makes one sweep over an island, and returns the largest error that it found, metres.
 pub(super) trait Sweeper {
-    fn sweep(&mut self, places: &mut Places, sums: &mut Sums, manner: Manner) -> f32;
+    fn sweep(
+        &mut self,
+        places: &mut Places,
+        multipliers: &mut MultiplierSlice,
+        mode: SolveMode,
+    ) -> f32;
 }
 
 /// One worker, in whatever order the island asks for.
 pub(super) struct InOrder<'a> {
     plan: &'a Plan,
     island: &'a Island,
-    room: &'a mut Room,
+    thread_scratch: &'a mut ThreadScratch,
 }
 
 impl<'a> InOrder<'a> {
-    pub(super) fn new(plan: &'a Plan, island: &'a Island, room: &'a mut Room) -> Self {
-        if island.settings.order != Order::Cascade {
-            list_items(plan, island, &mut room.items);
+    pub(super) fn new(
+        plan: &'a Plan,
+        island: &'a Island,
+        thread_scratch: &'a mut ThreadScratch,
+    ) -> Self {
+        if island.settings.order != Order::GaussSeidel {
+            list_constraint_refs(plan, island, &mut thread_scratch.constraint_refs);
         }
-        Self { plan, island, room }
+        Self { plan, island, thread_scratch }
     }
 }
 
 impl Sweeper for InOrder<'_> {
-    fn sweep(&mut self, places: &mut Places, sums: &mut Sums, manner: Manner) -> f32 {
-        let Self { plan, island, room } = self;
-        if island.settings.order == Order::Cascade {
-            let bundles = island.bundles.clone();
-            return cascade::sweep(places, plan, bundles, sums, manner, room);
+    fn sweep(
+        &mut self,
+        places: &mut Places,
+        multipliers: &mut MultiplierSlice,
+        mode: SolveMode,
+    ) -> f32 {
+        let Self { plan, island, thread_scratch } = self;
+        if island.settings.order == Order::GaussSeidel {
+            let cluster_batches = island.cluster_batches.clone();
+            return gauss_seidel::sweep(
+                places,
+                plan,
+                cluster_batches,
+                multipliers,
+                mode,
+                thread_scratch,
+            );
         }
-        let Room { local, items, asked, queue, .. } = *room;
+        let ThreadScratch { local, constraint_refs, asked, queue, .. } = *thread_scratch;
         if island.settings.order == Order::Jacobi {
-            return jacobi::sweep(places, plan, sums, island, items, manner, local, asked);
+            return jacobi::sweep(
+                places,
+                plan,
+                multipliers,
+                island,
+                constraint_refs,
+                mode,
+                local,
+                asked,
+            );
         }
         let tolerance = island.settings.tolerance;
-        worst_first::sweep(places, plan, sums, island, items, manner, local, queue, tolerance)
+        most_violated_first::sweep(
+            places,
+            plan,
+            multipliers,
+            island,
+            constraint_refs,
+            mode,
+            local,
+            queue,
+            tolerance,
+        )
     }
 }
 
@@ -104,27 +144,27 @@ pub(super) fn solve(
     common: Common,
     island: &Island,
     places: &mut Places,
-    sums: &mut Sums,
-    presses: &mut Presses,
+    multipliers: &mut MultiplierSlice,
+    normal_impulses: &mut NormalImpulses,
     report: &mut IslandReport,
     mut sweeper: impl Sweeper,
-) -> Option<Excess> {
-    let Common { plan, h, machine, .. } = common;
+) -> Option<MomentumDrift> {
+    let Common { plan, h, execution, .. } = common;
     let (settings, rows) = (&island.settings, &plan.members[island.members.clone()]);
     let began = settings.timed.then(Instant::now);
-    let mut direction = settings.direction;
-    if direction == Direction::StepStart && turns_too_fast(places, plan, island) {
-        direction = Direction::Nearest;
+    let mut gradient_at = settings.gradient_at;
+    if gradient_at == GradientAt::StepStart && turns_too_fast(places, plan, island) {
+        gradient_at = GradientAt::Current;
         report.fallbacks += 1;
     }
-    forget(plan, island, sums);
-    let pace = Pace { h, sweeps: settings.max_sweeps };
-    let manner = Manner { pace, direction, instructions: machine.instructions };
+    reset_multipliers(plan, island, multipliers);
+    let substep_context = SubstepContext { h, sweeps: settings.max_sweeps };
+    let mode = SolveMode { substep_context, gradient_at, instructions: execution.instructions };
     let (mut sweeps, mut converged, mut touched) = (0, false, false);
     while sweeps < settings.max_sweeps && !converged {
         let found =
-            if island.groups.is_empty() { 0.0 } else { sweeper.sweep(places, sums, manner) };
-        let depth = touch(common, places, presses, rows);
+            if island.groups.is_empty() { 0.0 } else { sweeper.sweep(places, multipliers, mode) };
+        let depth = project_contacts(common, places, normal_impulses, rows);
         touched |= depth > 0.0;
         sweeps += 1;
         converged = found.max(depth) <= settings.tolerance;
@@ -133,30 +173,33 @@ pub(super) fn solve(
     report.most_sweeps = report.most_sweeps.max(sweeps);
     report.last_sweeps = sweeps;
     report.converged &= converged;
-    let keeps_angular = direction == Direction::StepStart || settings.keep_spin;
+    let keeps_angular = gradient_at == GradientAt::StepStart || settings.keep_spin;
     let free = island.free && !touched;
-    let excess = if free { Excess::of(places, rows, h, keeps_angular) } else { None };
+    let momentum_drift =
+        if free { MomentumDrift::of(places, rows, h, keeps_angular) } else { None };
     report.seconds += began.map_or(0.0, |began| began.elapsed().as_secs_f64());
-    excess
+    momentum_drift
 }
 
 /// Starts the multipliers of an island afresh.
-fn forget(plan: &Plan, island: &Island, sums: &mut Sums) {
+fn reset_multipliers(plan: &Plan, island: &Island, multipliers: &mut MultiplierSlice) {
     for group in &plan.groups[island.groups.clone()] {
         match group.kind {
             // Hard rods have none that matter.
-            Kind::Rods => {}
-            Kind::Distances => sums.of_distances(group.range.clone()).fill(0.0),
-            Kind::Constraints => sums.of_constraints(group.range.clone()).fill(0.0),
+            GroupKind::Rods => {}
+            GroupKind::Distances => multipliers.of_distances(group.range.clone()).fill(0.0),
+            GroupKind::Constraints => multipliers.of_constraints(group.range.clone()).fill(0.0),
         }
     }
 }
 
 /// Lists the constraints of an island in solving order.
-fn list_items(plan: &Plan, island: &Island, items: &mut Vec<Item>) {
-    items.clear();
+fn list_constraint_refs(plan: &Plan, island: &Island, constraint_refs: &mut Vec<ConstraintRef>) {
+    constraint_refs.clear();
     for group in &plan.groups[island.groups.clone()] {
-        items.extend(group.range.clone().map(|n| Item { kind: group.kind, number: n as u32 }));
+        constraint_refs.extend(
+            group.range.clone().map(|n| ConstraintRef { kind: group.kind, number: n as u32 }),
+        );
     }
 }
 
@@ -170,7 +213,7 @@ pub(super) const COS_SQUARED: f32 = 0.882_43;
 fn turns_too_fast(places: &Places, plan: &Plan, island: &Island) -> bool {
     let mut rods = plan.groups[island.groups.clone()]
         .iter()
-        .filter(|group| group.kind == Kind::Rods)
+        .filter(|group| group.kind == GroupKind::Rods)
         .flat_map(|group| &plan.distances[group.range.clone()]);
     rods.any(|d| {
         let (a, b) = (places.at(d.a), places.at(d.b));
@@ -183,11 +226,16 @@ fn turns_too_fast(places: &Places, plan: &Plan, island: &Island) -> bool {
 }
 
 /// Projects some particles out of whatever stands in the world once; returns the deepest it found, metres.
-fn touch(common: Common, places: &mut Places, presses: &mut Presses, rows: &[u32]) -> f32 {
+fn project_contacts(
+    common: Common,
+    places: &mut Places,
+    normal_impulses: &mut NormalImpulses,
+    rows: &[u32],
+) -> f32 {
     let Common { contacts, substep, .. } = common;
     if contacts.is_empty() {
         return 0.0;
     }
-    let depths = rows.iter().map(|&row| contacts.project(places, presses, row, substep));
+    let depths = rows.iter().map(|&row| contacts.project(places, normal_impulses, row, substep));
     depths.fold(0.0, f32::max)
 }

@@ -6,9 +6,9 @@
 
 use glam::Vec3;
 
-use super::item::{Item, Local, Manner};
+use super::constraint_ref::{ConstraintRef, Local, SolveMode};
+use super::multipliers::MultiplierSlice;
 use super::plan::{Island, Plan};
-use super::sums::Sums;
 use crate::particles::Places;
 
 /// What is asked of each particle. Scratch.
@@ -22,10 +22,10 @@ pub(crate) struct Asked {
 pub(super) fn sweep(
     places: &mut Places,
     plan: &Plan,
-    sums: &mut Sums,
+    multipliers: &mut MultiplierSlice,
     island: &Island,
-    items: &[Item],
-    manner: Manner,
+    constraint_refs: &[ConstraintRef],
+    mode: SolveMode,
     local: &mut Local,
     asked: &mut Asked,
 ) -> f32 {
@@ -37,14 +37,14 @@ pub(super) fn sweep(
         asked.count[row as usize] = 0;
     }
     let mut pair = [0; 2];
-    for item in items {
+    for item in constraint_refs {
         for &row in item.rows(plan, &mut pair) {
             asked.count[row as usize] += 1;
         }
     }
     let mut worst = 0.0_f32;
     let mut rows = Vec::new();
-    for item in items {
+    for item in constraint_refs {
         rows.clear();
         rows.extend_from_slice(item.rows(plan, &mut pair));
         local.take(places, &rows);
@@ -52,7 +52,7 @@ pub(super) fn sweep(
             point.w *= asked.count[row as usize] as f32;
         }
         let origin = places.origin[places.at(rows[0])];
-        worst = worst.max(item.project_local(plan, sums, manner, origin, local));
+        worst = worst.max(item.project_local(plan, multipliers, mode, origin, local));
         for (point, &row) in local.now.iter().zip(&rows) {
             let moved = point.truncate() - places.position[places.at(row)].truncate();
             asked.sum[row as usize] += moved;

@@ -1,27 +1,32 @@
 //! What is left to correct, for the report.
 
 use super::SolverReport;
-use super::island::Room;
-use super::item::{constraint_error, distance_error};
-use super::plan::{Group, Kind, Plan};
-use crate::collide::Touch;
+use super::constraint_ref::{constraint_error, distance_error};
+use super::island::ThreadScratch;
+use super::plan::{ConstraintGroup, GroupKind, Plan};
+use crate::collide::ParticleContacts;
 use crate::constraints::Distance;
 use crate::lanes::InstructionSet;
 use crate::particles::{Particles, Places};
 
 /// Measures what is left, moving nothing: largest error of the hard constraints in metres, and largest strain of the hard distances. Islands that
-/// went as a wave have been measured on the way.
+/// went as a wavefront have been measured on the way.
 pub(crate) fn measure(
     particles: &mut Particles,
-    contacts: &Touch,
+    contacts: &ParticleContacts,
     plan: &Plan,
     instructions: InstructionSet,
-    room: &mut Room,
+    thread_scratch: &mut ThreadScratch,
     report: &mut SolverReport,
 ) {
     (report.error, report.strain) = (0.0, 0.0);
     let places = Places::all(particles);
-    plan.flocks.measure(places.position, &mut room.spots, &mut report.islands, instructions);
+    plan.instance_batches.measure(
+        places.position,
+        &mut thread_scratch.lane_particles,
+        &mut report.islands,
+        instructions,
+    );
     for (island, own) in plan.islands.iter().zip(&mut report.islands) {
         let (mut error, mut strain) = (0.0_f32, 0.0_f32);
         // What broke was put back after it was measured.
@@ -29,33 +34,41 @@ pub(crate) fn measure(
         if measured {
             (error, strain) = (own.error, own.strain);
         }
-        let bundles = if measured { 0..0 } else { island.bundles.clone() };
-        for bundle in &plan.bundles[bundles] {
-            let groups = &plan.groups[bundle.groups.clone()];
-            if bundle.columns {
-                let each = groups.iter().map(Group::rods);
-                let rows = bundle.rows.clone();
-                let (left, share) =
-                    plan.rods.measure_columns(&places, each, rows, &mut room.columns, instructions);
+        let cluster_batches = if measured { 0..0 } else { island.cluster_batches.clone() };
+        for cluster_batch in &plan.cluster_batches[cluster_batches] {
+            let groups = &plan.groups[cluster_batch.groups.clone()];
+            if cluster_batch.columns {
+                let each = groups.iter().map(ConstraintGroup::rods);
+                let rows = cluster_batch.rows.clone();
+                let (left, share) = plan.rods.measure_columns(
+                    &places,
+                    each,
+                    rows,
+                    &mut thread_scratch.columns,
+                    instructions,
+                );
                 (error, strain) = (error.max(left), strain.max(share));
                 continue;
             }
             for group in groups {
                 let range = group.range.clone();
-                let laws = group.wide.as_ref().filter(|_| group.kind == Kind::Constraints);
-                if let Some(which) = laws {
-                    error = error.max(plan.laws.measure(&places, which, instructions));
+                let constraint_batches =
+                    group.wide.as_ref().filter(|_| group.kind == GroupKind::Constraints);
+                if let Some(which) = constraint_batches {
+                    error =
+                        error.max(plan.constraint_batches.measure(&places, which, instructions));
                     continue;
                 }
                 let (left, share) = match group.kind {
-                    Kind::Rods => {
+                    GroupKind::Rods => {
                         let (runs, blocks) = (group.runs.clone(), group.blocks.clone());
                         plan.rods.measure(places.position, runs, blocks, instructions)
                     }
-                    Kind::Distances => distance_errors(&places, &plan.distances[range]),
-                    Kind::Constraints => {
+                    GroupKind::Distances => distance_errors(&places, &plan.distances[range]),
+                    GroupKind::Constraints => {
                         let each = plan.constraints[range].iter();
-                        let errors = each.map(|c| constraint_error(&places, c, &mut room.local));
+                        let errors =
+                            each.map(|c| constraint_error(&places, c, &mut thread_scratch.local));
                         (errors.fold(0.0, f32::max), 0.0)
                     }
                 };

@@ -6,15 +6,15 @@
 //! answer of a rigid body to it.
 //!
 //! The angular momentum `Σ m p × v`, with `p` where the substep began, is what Verlet conserves, and what corrections along the start of the
-//! step ([`Direction::StepStart`]) keep. To the nearest point they do not: a cube of rods loses its spin as `ω₀/√(1 + 2ω₀²ht)`, and a skin under
+//! step ([`GradientAt::StepStart`]) keep. To the nearest point they do not: a cube of rods loses its spin as `ω₀/√(1 + 2ω₀²ht)`, and a skin under
 //! pressure makes some out of nothing. That is mended in the same way, unless
 //! [`keep_spin`](crate::SolverSettings::keep_spin) asks for the lectures' loop as it is.
 
 use glam::{DVec3, Vec3, Vec4};
 
-use super::flock::Excesses;
-use super::plan::{Group, Island, Kind, Plan};
-use crate::constraints::Law;
+use super::instances::WideMomentumDrift;
+use super::plan::{ConstraintGroup, GroupKind, Island, Plan};
+use crate::constraints::ConstraintKind;
 use crate::integrate::Integrator;
 use crate::lanes::{LANES, Lanes, Vector, Work};
 use crate::particles::{Particles, Places};
@@ -22,7 +22,7 @@ use crate::pose::pseudo_solve;
 
 /// What the corrections of an island together gave it, and has to be taken off again.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Excess {
+pub(super) struct MomentumDrift {
     /// Where the substep began at the first of its rows, which the barycentre is measured from, metres.
     pub(super) anchor: DVec3,
     pub(super) centre: DVec3,
@@ -31,7 +31,7 @@ pub(super) struct Excess {
     pub(super) turn: DVec3,
 }
 
-impl Excess {
+impl MomentumDrift {
     /// Of an island that nothing held, before its velocities are derived: linear momentum, and angular momentum if the corrections are to keep that.
     ///
     /// With `v' = u + (q' - q)/h` ([`integrate`](crate::integrate)) they gave the momentum `P = Σ m (v' - u)`, and the angular momentum
@@ -40,7 +40,7 @@ impl Excess {
     pub(super) fn of(places: &Places, rows: &[u32], h: f32, keeps_angular: bool) -> Option<Self> {
         let anchor = places.start[places.at(*rows.first()?)].truncate().as_dvec3();
         let per_second = 1.0 / h;
-        let mut sums = Sums::default();
+        let mut sums = MomentumSums::default();
         for &row in rows {
             let i = places.at(row);
             let (q, start, u) =
@@ -70,7 +70,7 @@ impl Excess {
 
 /// Notes what the particles of an island are to have taken off when their velocities are derived, m/s: eight at a time.
 pub(super) struct Note<'a> {
-    pub(super) excess: &'a Excess,
+    pub(super) momentum_drift: &'a MomentumDrift,
     pub(super) places: &'a Places<'a>,
     pub(super) rows: &'a [u32],
     /// For each of the places.
@@ -82,9 +82,9 @@ impl Work for Note<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { excess, places, rows, to } = self;
+        let Self { momentum_drift, places, rows, to } = self;
         let (eights, others) = rows.as_chunks::<LANES>();
-        let all = Excesses::all(excess);
+        let all = WideMomentumDrift::all(momentum_drift);
         for eight in eights {
             let at = eight.map(|row| places.at(row) as u32);
             let (from, _) = Vector::of(L::rows(places.start, &at));
@@ -92,14 +92,14 @@ impl Work for Note<'_> {
         }
         for &row in others {
             let i = places.at(row);
-            to[i] = excess.share(places.start[i]).extend(0.0);
+            to[i] = momentum_drift.share(places.start[i]).extend(0.0);
         }
     }
 }
 
 /// What is summed up over an island, or a body.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Sums {
+pub(super) struct MomentumSums {
     mass: f64,
     /// `Σ m r`.
     first: DVec3,
@@ -110,7 +110,7 @@ pub(super) struct Sums {
     angular: DVec3,
 }
 
-impl Sums {
+impl MomentumSums {
     /// Adds a mass, kg, where it is, metres from the anchor, and its velocity or what that has gained, m/s.
     #[inline]
     pub(super) fn add(&mut self, m: f64, r: DVec3, change: DVec3) {
@@ -144,10 +144,11 @@ impl Sums {
 
 /// Whether an island has constraints, all of them between its own particles, and no particle that is held. To be asked once a step.
 pub(crate) fn is_free(particles: &Particles, plan: &Plan, island: &Island) -> bool {
-    // A game's own law may hold on to the world, and is of a group of its own.
-    let own = |group: &Group| {
+    // A game's own constraint may hold on to the world, and is of a group of its own.
+    let own = |group: &ConstraintGroup| {
         let first = plan.constraints.get(group.range.start);
-        group.kind != Kind::Constraints || !matches!(first.map(|c| &c.law), Some(Law::Custom(_)))
+        group.kind != GroupKind::Constraints
+            || !matches!(first.map(|c| &c.kind), Some(ConstraintKind::Custom(_)))
     };
     let groups = &plan.groups[island.groups.clone()];
     // Explicit Euler adds the forces of the substep after the constraints; an explicit rigid body's velocities are its own.

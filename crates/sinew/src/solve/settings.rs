@@ -1,16 +1,16 @@
 //! Configuration of the solver: for a world, and for single bodies in it.
 
-use crate::constraints::Direction;
+use crate::constraints::GradientAt;
 use crate::integrate::Integrator;
 
 /// How the solver goes through the constraints of an island.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Order {
-    /// One after the other, colour by colour, again and again (Gauss–Seidel): the lectures' loop. The default.
+    /// Gauss–Seidel: one after the other, colour by colour, again and again; the lectures' cascade. The default.
     #[default]
-    Cascade,
+    GaussSeidel,
     /// Always the one that is violated most. A heap finds it, which pays below some 200 constraints.
-    WorstFirst,
+    MostViolatedFirst,
     /// All from the same positions, and each particle to the mean of what its constraints ask. The order does not matter, and it converges slowly.
     Jacobi,
 }
@@ -31,9 +31,9 @@ pub struct SolverSettings {
     pub max_sweeps: u32,
     /// Error in metres at which an island stops being swept early in a substep, 0 or more, default 1e-4. A negative or non-finite one counts as 0.
     pub tolerance: f32,
-    /// Along which gradients hard distances and rigid shapes are corrected. Default [`Direction::Nearest`].
-    pub direction: Direction,
-    /// In which order constraints are enforced. Default [`Order::Cascade`].
+    /// Along which gradients hard distances and rigid shapes are corrected. Default [`GradientAt::Current`].
+    pub gradient_at: GradientAt,
+    /// In which order constraints are enforced. Default [`Order::GaussSeidel`].
     pub order: Order,
     /// How a step through time is made. Default [`Integrator::Verlet`].
     pub integrator: Integrator,
@@ -56,8 +56,8 @@ impl Default for SolverSettings {
             substeps: 10,
             max_sweeps: 4,
             tolerance: 1e-4,
-            direction: Direction::Nearest,
-            order: Order::Cascade,
+            gradient_at: GradientAt::Current,
+            order: Order::GaussSeidel,
             integrator: Integrator::Verlet,
             max_speed: 500.0,
             keep_spin: true,
@@ -99,7 +99,7 @@ pub struct BodySettings {
     /// The same as a speed, m/s, 0 or more: the error may be as large as what that goes in a substep. Where there is a `tolerance`, that counts.
     pub tolerance_speed: Option<f32>,
     /// Along which gradients it is corrected.
-    pub direction: Option<Direction>,
+    pub gradient_at: Option<GradientAt>,
     /// In which order its constraints are enforced.
     pub order: Option<Order>,
     /// How fast what its particles do against each other dies away, 1/s, 0 and up, default 0: friction in its joints, or in its stuff. What all of it
@@ -115,7 +115,7 @@ impl BodySettings {
         SolverSettings {
             max_sweeps: self.max_sweeps.unwrap_or(world.max_sweeps),
             tolerance: tolerance.unwrap_or(world.tolerance),
-            direction: self.direction.unwrap_or(world.direction),
+            gradient_at: self.gradient_at.unwrap_or(world.gradient_at),
             order: self.order.unwrap_or(world.order),
             ..world
         }

@@ -4,14 +4,14 @@ use core::sync::atomic::AtomicU32;
 
 use glam::Vec4;
 
-use super::flock::{Drive, Motion};
-use super::island::{Common, InOrder, Room, Sweeper, solve};
-use super::item::Manner;
+use super::constraint_ref::SolveMode;
+use super::instances::{BatchMotion, BatchSolve};
+use super::island::{Common, InOrder, Sweeper, ThreadScratch, solve};
 use super::momentum::Note;
+use super::multipliers::{MultiplierSlice, Multipliers};
 use super::plan::{Island, Plan, Task};
-use super::sums::{Multipliers, Sums};
-use super::{IslandReport, Order, SolverReport, cascade};
-use crate::collide::{Pressed, Presses};
+use super::{IslandReport, Order, SolverReport, gauss_seidel};
+use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::integrate::{Derive, derive};
 use crate::lanes::{InstructionSet, with};
 use crate::particles::{Particles, Places};
@@ -19,34 +19,36 @@ use crate::threads::{Pool, Workers, each};
 
 /// What solving needs and nobody saves.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Scratch {
-    multipliers: Multipliers,
-    rooms: Pool<Room>,
+pub(crate) struct SolveScratch {
+    all_multipliers: Multipliers,
+    thread_scratches: Pool<ThreadScratch>,
     /// What particles have to have taken off when their velocities are derived, m/s, where that is done later; one for each row then.
-    excess: Vec<Vec4>,
+    momentum_drift: Vec<Vec4>,
     /// The most sweeps in each substep of a whole step.
-    most: Most,
+    iteration_counts: IterationCounts,
 }
 
 /// Counters; a copy has nothing to keep.
 #[derive(Debug, Default)]
-struct Most(Vec<AtomicU32>);
+struct IterationCounts(Vec<AtomicU32>);
 
-impl Clone for Most {
+impl Clone for IterationCounts {
     fn clone(&self) -> Self {
         Self::default()
     }
 }
 
-impl Scratch {
-    pub(super) fn parts(&mut self) -> (&mut Multipliers, &Pool<Room>, &mut Vec<AtomicU32>) {
-        (&mut self.multipliers, &self.rooms, &mut self.most.0)
+impl SolveScratch {
+    pub(super) fn parts(
+        &mut self,
+    ) -> (&mut Multipliers, &Pool<ThreadScratch>, &mut Vec<AtomicU32>) {
+        (&mut self.all_multipliers, &self.thread_scratches, &mut self.iteration_counts.0)
     }
 }
 
 /// What the machine lends.
 #[derive(Clone, Copy)]
-pub(crate) struct Machine<'a> {
+pub(crate) struct ExecutionContext<'a> {
     pub(crate) instructions: InstructionSet,
     pub(crate) workers: Option<&'a dyn Workers>,
 }
@@ -55,47 +57,49 @@ pub(crate) struct Machine<'a> {
 /// is `open`: contacts between islands come first, and [`settle_all`] after them. Adds to the report.
 pub(crate) fn solve_all(
     particles: &mut Particles,
-    presses: &mut [Pressed],
+    normal_impulses: &mut [NormalImpulse],
     common: Common,
     open: bool,
-    scratch: &mut Scratch,
+    scratch: &mut SolveScratch,
     report: &mut SolverReport,
 ) {
-    let Scratch { multipliers, rooms, excess, .. } = scratch;
-    let Common { plan, machine, .. } = common;
-    multipliers.resize(plan.distances.len(), plan.constraints.len());
-    excess.clear();
-    excess.resize(if open { particles.len() } else { 0 }, Vec4::ZERO);
+    let SolveScratch { all_multipliers, thread_scratches, momentum_drift, .. } = scratch;
+    let Common { plan, execution, .. } = common;
+    all_multipliers.resize(plan.distances.len(), plan.constraints.len());
+    momentum_drift.clear();
+    momentum_drift.resize(if open { particles.len() } else { 0 }, Vec4::ZERO);
     let mut left = Some((
         Places::all(particles),
-        multipliers.all(),
-        Presses::all(presses),
+        all_multipliers.all(),
+        NormalImpulses::all(normal_impulses),
         &mut report.islands[..],
-        &mut excess[..],
+        &mut momentum_drift[..],
     ));
-    let shares = plan.tasks(machine.workers.is_none()).filter_map(|task| {
-        let (places, sums, presses, reports, excess) = left.take()?;
+    let shares = plan.tasks(execution.workers.is_none()).filter_map(|task| {
+        let (places, multipliers, normal_impulses, reports, momentum_drift) = left.take()?;
         let (own, places) = places.split_at(task.rows.end);
-        let (own_sums, sums) = sums.split(Some(task.distances.end), Some(task.constraints.end));
-        let (own_presses, presses) = common.contacts.split(presses, task.rows.end);
+        let (own_sums, multipliers) =
+            multipliers.split(Some(task.distances.end), Some(task.constraints.end));
+        let (own_presses, normal_impulses) = common.contacts.split(normal_impulses, task.rows.end);
         let (own_reports, reports) = reports.split_at_mut(task.islands.len());
-        let (own_excess, excess) = excess.split_at_mut(own.position.len().min(excess.len()));
-        left = Some((places, sums, presses, reports, excess));
-        Some(Share {
+        let (own_excess, momentum_drift) =
+            momentum_drift.split_at_mut(own.position.len().min(momentum_drift.len()));
+        left = Some((places, multipliers, normal_impulses, reports, momentum_drift));
+        Some(TaskSlice {
             common,
             task,
             places: own,
-            sums: own_sums,
-            presses: own_presses,
+            multipliers: own_sums,
+            normal_impulses: own_presses,
             reports: own_reports,
-            excess: own_excess,
+            momentum_drift: own_excess,
         })
     });
-    let splits = |share: &Share| {
+    let splits = |share: &TaskSlice| {
         let order = plan.islands[share.task.islands.start].settings.order;
-        share.task.large && machine.workers.is_some() && order == Order::Cascade
+        share.task.large && execution.workers.is_some() && order == Order::GaussSeidel
     };
-    let mut large = smallvec::SmallVec::<[Share; 4]>::new();
+    let mut large = smallvec::SmallVec::<[TaskSlice; 4]>::new();
     let small = shares.filter_map(|share| {
         if splits(&share) {
             large.push(share);
@@ -103,160 +107,211 @@ pub(crate) fn solve_all(
         }
         Some(share)
     });
-    each(machine.workers, small, |mut share| {
-        rooms.with(|room| {
-            room.begin(&share.task);
-            if !share.task.flocks.is_empty() {
-                share.flocks(room).run();
+    each(execution.workers, small, |mut share| {
+        thread_scratches.with(|thread_scratch| {
+            thread_scratch.begin(&share.task);
+            if !share.task.instance_batches.is_empty() {
+                share.instance_batches(thread_scratch).run();
             }
-            share.one_by_one(room);
+            share.one_by_one(thread_scratch);
         });
     });
     for share in large {
-        share.by_all(rooms);
+        share.by_all(thread_scratches);
     }
-    let most = report.islands.iter().map(|island| island.last_sweeps).max().unwrap_or(0);
-    report.sweeps += most;
-    report.most_sweeps = report.most_sweeps.max(most);
+    let iteration_counts =
+        report.islands.iter().map(|island| island.last_sweeps).max().unwrap_or(0);
+    report.sweeps += iteration_counts;
+    report.most_sweeps = report.most_sweeps.max(iteration_counts);
     report.converged &= report.islands.iter().all(|island| island.converged);
 }
 
 /// Derives the velocities after an `open` [`solve_all`].
 pub(crate) fn settle_all(
     particles: &mut Particles,
-    presses: &mut [Pressed],
+    normal_impulses: &mut [NormalImpulse],
     common: Common,
-    scratch: &mut Scratch,
+    scratch: &mut SolveScratch,
 ) {
     let rows = 0..particles.len() as u32;
     let mut places = Places::all(particles);
-    let (Places { position, start, velocity, .. }, excess) = (&mut places, &scratch.excess[..]);
-    let Common { h, lag, machine, .. } = common;
-    derive(Derive { position, start, velocity, excess, h, lag }, machine);
+    let (Places { position, start, velocity, .. }, momentum_drift) =
+        (&mut places, &scratch.momentum_drift[..]);
+    let Common { h, lag, execution, .. } = common;
+    derive(Derive { position, start, velocity, momentum_drift, h, lag }, execution);
     if common.contacts.bounces() {
-        let mut presses = Presses::all(presses);
-        common.contacts.bounce(&mut places, &mut presses, rows, (h, common.gravity));
+        let mut normal_impulses = NormalImpulses::all(normal_impulses);
+        common.contacts.bounce(&mut places, &mut normal_impulses, rows, (h, common.gravity));
     }
 }
 
 /// A task, and what is its alone.
-pub(super) struct Share<'a> {
+pub(super) struct TaskSlice<'a> {
     pub(super) common: Common<'a>,
     pub(super) task: Task,
     pub(super) places: Places<'a>,
-    pub(super) sums: Sums<'a>,
-    pub(super) presses: Presses<'a>,
+    pub(super) multipliers: MultiplierSlice<'a>,
+    pub(super) normal_impulses: NormalImpulses<'a>,
     pub(super) reports: &'a mut [IslandReport],
     /// A place for what each particle has to have taken off, if velocities are derived later; none otherwise.
-    pub(super) excess: &'a mut [Vec4],
+    pub(super) momentum_drift: &'a mut [Vec4],
 }
 
-impl Share<'_> {
+impl TaskSlice<'_> {
     /// One island after the other, by one worker.
-    fn one_by_one(self, room: &mut Room) {
-        let Self { common, task, mut places, mut sums, mut presses, reports, excess: later } = self;
-        let Common { plan, machine: Machine { instructions, .. }, .. } = common;
-        let rest = core::mem::take(&mut room.rest);
-        for number in rest.islands.iter().cloned().flatten() {
+    fn one_by_one(self, thread_scratch: &mut ThreadScratch) {
+        let Self {
+            common,
+            task,
+            mut places,
+            mut multipliers,
+            mut normal_impulses,
+            reports,
+            momentum_drift: later,
+        } = self;
+        let Common { plan, execution: ExecutionContext { instructions, .. }, .. } = common;
+        let remaining = core::mem::take(&mut thread_scratch.remaining);
+        for number in remaining.islands.iter().cloned().flatten() {
             let report = &mut reports[number - task.islands.start];
             let island = &plan.islands[number];
             if island.asleep {
                 continue;
             }
-            let sweeper = InOrder::new(plan, island, room);
-            let excess =
-                solve(common, island, &mut places, &mut sums, &mut presses, report, sweeper);
-            let Some(excess) = excess else { continue };
+            let sweeper = InOrder::new(plan, island, thread_scratch);
+            let momentum_drift = solve(
+                common,
+                island,
+                &mut places,
+                &mut multipliers,
+                &mut normal_impulses,
+                report,
+                sweeper,
+            );
+            let Some(momentum_drift) = momentum_drift else { continue };
             if later.is_empty() {
-                room.excesses.push((number as u32, excess));
+                thread_scratch.momentum_drifts.push((number as u32, momentum_drift));
             } else {
                 let rows = &plan.members[island.members.clone()];
-                with(instructions, Note { excess: &excess, places: &places, rows, to: later });
+                with(
+                    instructions,
+                    Note { momentum_drift: &momentum_drift, places: &places, rows, to: later },
+                );
             }
         }
-        room.rest = rest;
+        thread_scratch.remaining = remaining;
         if !later.is_empty() {
             return;
         }
-        let (Places { position, start, velocity, .. }, excess) = (&mut places, &[]);
+        let (Places { position, start, velocity, .. }, momentum_drift) = (&mut places, &[]);
         let (h, lag) = (common.h, common.lag);
-        with(instructions, Derive { position, start, velocity, excess, h, lag });
-        for (number, excess) in room.excesses.drain(..) {
+        with(instructions, Derive { position, start, velocity, momentum_drift, h, lag });
+        for (number, momentum_drift) in thread_scratch.momentum_drifts.drain(..) {
             let members = plan.islands[number as usize].members.clone();
-            excess.take_off(&mut places, &plan.members[members]);
+            momentum_drift.take_off(&mut places, &plan.members[members]);
         }
-        common.bounce(&mut places, &mut presses, &task);
+        common.bounce(&mut places, &mut normal_impulses, &task);
     }
 }
 
 impl Common<'_> {
-    fn bounce(&self, places: &mut Places, presses: &mut Presses, task: &Task) {
+    fn bounce(&self, places: &mut Places, normal_impulses: &mut NormalImpulses, task: &Task) {
         if self.contacts.bounces() {
-            self.contacts.bounce(places, presses, task.rows.clone(), (self.h, self.gravity));
+            self.contacts.bounce(
+                places,
+                normal_impulses,
+                task.rows.clone(),
+                (self.h, self.gravity),
+            );
         }
     }
 }
 
-impl Share<'_> {
-    /// The flocks in it.
-    fn flocks<'b>(&'b mut self, room: &'b mut Room) -> Drive<'b> {
-        let Self { places, excess, .. } = self;
+impl TaskSlice<'_> {
+    /// The instance batches in it.
+    fn instance_batches<'b>(&'b mut self, thread_scratch: &'b mut ThreadScratch) -> BatchSolve<'b> {
+        let Self { places, momentum_drift, .. } = self;
         let Places { position, start, velocity, origin, radius, .. } = places;
-        Drive {
+        BatchSolve {
             common: self.common,
             task: &self.task,
             position,
-            motion: Motion::Substep { start, velocity, excess },
+            motion: BatchMotion::Substep { start, velocity, momentum_drift },
             origin,
             radius,
             reports: self.reports,
-            room,
+            thread_scratch,
         }
     }
 
     /// A single large island, by all workers.
-    pub(super) fn by_all(self, rooms: &Pool<Room>) {
-        let Self { common, task, mut places, mut sums, mut presses, reports, excess: later } = self;
-        let (Common { plan, machine, .. }, Some(report)) = (common, reports.first_mut()) else {
+    pub(super) fn by_all(self, thread_scratches: &Pool<ThreadScratch>) {
+        let Self {
+            common,
+            task,
+            mut places,
+            mut multipliers,
+            mut normal_impulses,
+            reports,
+            momentum_drift: later,
+        } = self;
+        let (Common { plan, execution, .. }, Some(report)) = (common, reports.first_mut()) else {
             return;
         };
         let island = &plan.islands[task.islands.start];
         if island.asleep {
             return;
         }
-        let sweeper = Shared { plan, island, machine, rooms };
-        let excess = {
-            let (places, sums, presses) = (&mut places, &mut sums, &mut presses);
-            solve(common, island, places, sums, presses, report, sweeper)
+        let sweeper = SharedSweep { plan, island, execution, thread_scratches };
+        let momentum_drift = {
+            let (places, multipliers, normal_impulses) =
+                (&mut places, &mut multipliers, &mut normal_impulses);
+            solve(common, island, places, multipliers, normal_impulses, report, sweeper)
         };
         let rows = &plan.members[island.members.clone()];
         if !later.is_empty() {
-            if let Some(excess) = &excess {
-                with(machine.instructions, Note { excess, places: &places, rows, to: later });
+            if let Some(momentum_drift) = &momentum_drift {
+                with(
+                    execution.instructions,
+                    Note { momentum_drift, places: &places, rows, to: later },
+                );
             }
             return;
         }
         let Places { position, start, velocity, .. } = &mut places;
         let (h, lag) = (common.h, common.lag);
-        derive(Derive { position, start, velocity, excess: &[], h, lag }, machine);
-        if let Some(excess) = excess {
-            excess.take_off(&mut places, rows);
+        derive(Derive { position, start, velocity, momentum_drift: &[], h, lag }, execution);
+        if let Some(momentum_drift) = momentum_drift {
+            momentum_drift.take_off(&mut places, rows);
         }
-        common.bounce(&mut places, &mut presses, &task);
+        common.bounce(&mut places, &mut normal_impulses, &task);
     }
 }
 
 /// All workers together, cluster by cluster.
-struct Shared<'a> {
+struct SharedSweep<'a> {
     plan: &'a Plan,
     island: &'a Island,
-    machine: Machine<'a>,
-    rooms: &'a Pool<Room>,
+    execution: ExecutionContext<'a>,
+    thread_scratches: &'a Pool<ThreadScratch>,
 }
 
-impl Sweeper for Shared<'_> {
-    fn sweep(&mut self, places: &mut Places, sums: &mut Sums, manner: Manner) -> f32 {
-        let (places, sums, bundles) = (places.lend(), sums.lend(), self.island.bundles.clone());
-        cascade::sweep_shared(places, self.plan, bundles, sums, manner, self.machine, self.rooms)
+impl Sweeper for SharedSweep<'_> {
+    fn sweep(
+        &mut self,
+        places: &mut Places,
+        multipliers: &mut MultiplierSlice,
+        mode: SolveMode,
+    ) -> f32 {
+        let (places, multipliers, cluster_batches) =
+            (places.lend(), multipliers.lend(), self.island.cluster_batches.clone());
+        gauss_seidel::sweep_shared(
+            places,
+            self.plan,
+            cluster_batches,
+            multipliers,
+            mode,
+            self.execution,
+            self.thread_scratches,
+        )
     }
 }

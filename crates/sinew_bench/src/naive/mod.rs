@@ -10,7 +10,7 @@ mod fold;
 pub use fold::Fold;
 
 use sinew::glam::Vec3;
-use sinew::{Bound, Distance, Law, Simulation, Softness};
+use sinew::{Bound, ConstraintKind, Distance, Simulation, Softness};
 
 use crate::measure::{TICK, World, stretch_of};
 use crate::row::Stretch;
@@ -72,9 +72,9 @@ impl Naive {
         });
         let folds = world.constraints().iter().filter_map(|c| {
             let rows = [0, 1, 2, 3].map(|i| c.rows.get(i).copied().unwrap_or(0));
-            match &c.law {
-                Law::Hinge(law) => Some(Fold::dihedral(rows, law)),
-                Law::Bend(law) => Some(Fold::isometric(rows, law)),
+            match &c.kind {
+                ConstraintKind::Hinge(law) => Some(Fold::dihedral(rows, law)),
+                ConstraintKind::Bend(law) => Some(Fold::isometric(rows, law)),
                 _ => None,
             }
         });

@@ -3,7 +3,7 @@
 use sinew::constraints::{Bend, Hinge};
 use sinew::glam::Vec3;
 use sinew::recipes::weld;
-use sinew::{Constraint, Law, Simulation, Softness};
+use sinew::{Constraint, ConstraintKind, Simulation, Softness};
 
 use super::cloth;
 use crate::measure::{Effort, Ours, Race};
@@ -64,12 +64,12 @@ pub fn world(side: u32, bending: Bending, substeps: u32, sweeps: u32) -> Simulat
             Some(match bending {
                 Bending::Isometric => {
                     let law = Bend::stiff([e0, e1, a, b].map(at), STIFFNESS)?;
-                    Constraint::new([e0, e1, a, b], Law::Bend(law))
+                    Constraint::new([e0, e1, a, b], ConstraintKind::Bend(law))
                 }
                 Bending::Dihedral => {
                     let law = Hinge::rest([a, e0, e1, b].map(at));
                     let soft = Softness::compliant(compliance([e0, e1, a, b].map(at)));
-                    Constraint::new([a, e0, e1, b], Law::Hinge(law.with_softness(soft)))
+                    Constraint::new([a, e0, e1, b], ConstraintKind::Hinge(law.with_softness(soft)))
                 }
             })
         })

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_egui::egui::{Button, ComboBox, Slider, Ui, vec2};
-use bevy_sinew::{Direction, Integrator, Order, SolverConfig};
+use bevy_sinew::{GradientAt, Integrator, Order, SolverConfig};
 
 use crate::panel::PanelParams;
 use crate::widgets::{row, slider};
@@ -41,13 +41,13 @@ pub(crate) fn solver(ui: &mut Ui, panel: &mut PanelParams) {
     ];
     changed |= choice(ui, "Integrator", hint, &mut config.integrator, &integrators);
     let hint = "Along which gradients rods are corrected. Bodies such as boxes ask for their own.";
-    let directions =
-        [(Direction::Nearest, "Nearest point"), (Direction::StepStart, "Start of the step")];
-    changed |= choice(ui, "Direction", hint, &mut config.direction, &directions);
+    let gradients =
+        [(GradientAt::Current, "Current positions"), (GradientAt::StepStart, "Start of the step")];
+    changed |= choice(ui, "Gradient at", hint, &mut config.gradient_at, &gradients);
     let hint = "In which order constraints are enforced.";
     let orders = [
-        (Order::Cascade, "Cascade"),
-        (Order::WorstFirst, "Most violated first"),
+        (Order::GaussSeidel, "Gauss–Seidel"),
+        (Order::MostViolatedFirst, "Most violated first"),
         (Order::Jacobi, "Jacobi"),
     ];
     changed |= choice(ui, "Order", hint, &mut config.order, &orders);

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use sinew::glam::Vec3;
 use sinew::rigid::RigidIntegrator;
-use sinew::{Direction, Integrator};
+use sinew::{GradientAt, Integrator};
 
 use crate::bodies::{inside, solid, turn};
 use crate::compounds::{FLIP, middle_spin, tumbling_box};
@@ -113,8 +113,8 @@ fn energy() -> Plot {
 
 /// Spin over time of a cube of rods for the two directions of a correction.
 fn spin() -> Plot {
-    let measured = |direction, substeps| {
-        let mut world = spinning_cube(10.0, direction, substeps, 20);
+    let measured = |gradient_at, substeps| {
+        let mut world = spinning_cube(10.0, gradient_at, substeps, 20);
         let mut points = vec![[0.0, 10.0]];
         for n in 1..=600 {
             step(&mut world, TICK);
@@ -122,7 +122,7 @@ fn spin() -> Plot {
         }
         points
     };
-    let mut curves = vec![line("StepStart, 20 substeps", measured(Direction::StepStart, 20))];
+    let mut curves = vec![line("StepStart, 20 substeps", measured(GradientAt::StepStart, 20))];
     for substeps in [20, 8, 1] {
         let h = 1.0 / (60.0 * f64::from(substeps));
         let law = (0..=600).map(|n| {
@@ -130,10 +130,10 @@ fn spin() -> Plot {
             [t, bled(10.0, h, t)]
         });
         let plural = if substeps == 1 { "" } else { "s" };
-        let name = format!("Nearest, {substeps} substep{plural}, with ω0/√(1+2ω0²ht) beneath");
+        let name = format!("Current, {substeps} substep{plural}, with ω0/√(1+2ω0²ht) beneath");
         // The law has no words of its own: the broad line under the measured one.
         curves.push(Curve { name: String::new(), stroke: Stroke::Band, points: law.collect() });
-        curves.push(line(name, measured(Direction::Nearest, substeps)));
+        curves.push(line(name, measured(GradientAt::Current, substeps)));
     }
     Plot {
         name: "spin",

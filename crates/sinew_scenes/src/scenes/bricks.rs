@@ -29,11 +29,11 @@ fn spawn(world: &mut World) {
     // So that one sees what the corrections do by themselves.
     world.insert_resource(SolverConfig { keep_spin: false, ..default() });
     let ways = [
-        (-4.0, 0xd9622b, Direction::Nearest, Representation::Particles),
-        (0.0, 0x3d7ea6, Direction::StepStart, Representation::Particles),
-        (4.0, 0x66a182, Direction::StepStart, Representation::Rigid(RigidIntegrator::default())),
+        (-4.0, 0xd9622b, GradientAt::Current, Representation::Particles),
+        (0.0, 0x3d7ea6, GradientAt::StepStart, Representation::Particles),
+        (4.0, 0x66a182, GradientAt::StepStart, Representation::Rigid(RigidIntegrator::default())),
     ];
-    for (x, color, direction, representation) in ways {
+    for (x, color, gradient_at, representation) in ways {
         let skin = mesh(world, rounded_box(SIZE, 0.06, 4));
         let brick = world
             .spawn((
@@ -41,7 +41,7 @@ fn spawn(world: &mut World) {
                 Name::new("brick"),
                 // As hard to turn as a solid brick, which decides when it flips.
                 ParticleBox { particles: BoxParticles::Equimomental, ..ParticleBox::new(SIZE) },
-                BodySolver { direction: Some(direction), ..default() },
+                BodySolver { gradient_at: Some(gradient_at), ..default() },
                 representation,
                 skin,
                 Look::color(color).roughness(0.5),

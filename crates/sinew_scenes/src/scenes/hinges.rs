@@ -41,8 +41,8 @@ fn spawn(world: &mut World) {
 fn body(world: &mut World, name: &'static str, at: Vec3, bones: Vec<Bone>, look: Look) {
     let place = Transform::from_translation(at);
     // So that they swing on; with as many sweeps as the recipe asks for.
-    let (direction, max_sweeps) = (Some(Direction::StepStart), Some(12));
-    let solver = BodySolver { direction, max_sweeps, ..default() };
+    let (gradient_at, max_sweeps) = (Some(GradientAt::StepStart), Some(12));
+    let solver = BodySolver { gradient_at, max_sweeps, ..default() };
     let bones = Articulated::new(bones);
     world.spawn((InScene, Name::new(name), bones, solver, look.roughness(0.5), Interpolate, place));
 }

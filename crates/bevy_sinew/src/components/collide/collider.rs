@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use sinew::{Shape, ShapeFault};
 
-use super::{ColliderMotion, ContactMemory, PlacedCollider};
+use super::{ColliderMotion, ContactCache, PlacedCollider};
 use crate::components::CreationOrder;
 
 /// A shape that particles and bodies cannot enter: a floor, a wall, a hill, a lift.
@@ -34,7 +34,7 @@ use crate::components::CreationOrder;
 /// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(Transform, CreationOrder, ColliderMotion, ContactMemory, PlacedCollider)]
+#[require(Transform, CreationOrder, ColliderMotion, ContactCache, PlacedCollider)]
 pub enum Collider {
     /// All that is below the entity's local xz plane.
     HalfSpace,

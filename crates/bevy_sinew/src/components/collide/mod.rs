@@ -5,7 +5,7 @@
 //! | `collider` | [`Collider`]: a shape that stands still or that the game moves; on a rigid part, the shape by which it collides |
 //! | `mesh` | colliders from meshes |
 //! | `motion` | [`ColliderMotion`]: where a collider was a tick ago |
-//! | `memory` | [`ContactMemory`]: what a rigid part remembers of what it touches |
+//! | `contact_cache` | [`ContactCache`]: the cached manifolds of a rigid part |
 //! | `surface` | [`SurfaceMaterial`], [`CollisionLayers`]: on colliders and on bodies; [`Sensor`]: on colliders |
 //! | `events` | [`ContactEvents`]: what a game hears of contacts |
 //! | `body` | [`BodyContacts`]: what of a body touches what; [`ContactsDisabled`]; [`RestPlace`] |
@@ -14,8 +14,8 @@
 
 mod body;
 mod collider;
+mod contact_cache;
 mod events;
-mod memory;
 mod mesh;
 mod motion;
 mod surface;
@@ -23,8 +23,8 @@ mod surface;
 pub(crate) use body::ResolvedShape;
 pub use body::{BodyContacts, ContactShape, ContactsDisabled, RestPlace};
 pub use collider::{Collider, ColliderFault, ColliderShape};
+pub use contact_cache::ContactCache;
 pub use events::{ContactEnded, ContactEvents, ContactStarted, Touching};
-pub use memory::ContactMemory;
 pub use motion::ColliderMotion;
 pub use surface::{CollisionLayers, Combine, Sensor, SurfaceMaterial};
 
@@ -36,7 +36,7 @@ use bevy::prelude::*;
 pub(super) fn register(app: &mut App) {
     app.register_type::<Collider>()
         .register_type::<ColliderMotion>()
-        .register_type::<ContactMemory>()
+        .register_type::<ContactCache>()
         .register_type::<SurfaceMaterial>()
         .register_type::<CollisionLayers>()
         .register_type::<Sensor>()

@@ -1,7 +1,7 @@
 //! Angles between particles: elbows, hinges, and cones.
 
 use bevy::prelude::*;
-use sinew::Law;
+use sinew::ConstraintKind;
 use sinew::constraints::{Angle, Cone, Hinge};
 
 use super::super::order::CreationOrder;
@@ -32,9 +32,9 @@ impl AngleConstraint {
         Self { particles, min, max, softness: Softness::Hard }
     }
 
-    /// A law of the solver between some particles: [`Angle::rest`] keeps an angle as it is.
-    pub fn from_law(particles: [Entity; 3], law: &Angle) -> Self {
-        Self { particles, min: law.min, max: law.max, softness: law.softness.into() }
+    /// A kind of constraint of the solver between some particles: [`Angle::rest`] keeps an angle as it is.
+    pub fn from_kind(particles: [Entity; 3], kind: &Angle) -> Self {
+        Self { particles, min: kind.min, max: kind.max, softness: kind.softness.into() }
     }
 
     /// The same, as hard as that.
@@ -48,8 +48,12 @@ impl ParticleConstraint for AngleConstraint {
         &self.particles
     }
 
-    fn law(&self) -> Law {
-        Law::Angle(Angle { min: self.min, max: self.max, softness: self.softness.into() })
+    fn kind(&self) -> ConstraintKind {
+        ConstraintKind::Angle(Angle {
+            min: self.min,
+            max: self.max,
+            softness: self.softness.into(),
+        })
     }
 }
 
@@ -92,9 +96,9 @@ impl HingeConstraint {
         Self { particles, min, max, softness: Softness::Hard }
     }
 
-    /// A law of the solver between some particles: [`Hinge::rest`] keeps an angle as it is.
-    pub fn from_law(particles: [Entity; 4], law: &Hinge) -> Self {
-        Self { particles, min: law.min, max: law.max, softness: law.softness.into() }
+    /// A kind of constraint of the solver between some particles: [`Hinge::rest`] keeps an angle as it is.
+    pub fn from_kind(particles: [Entity; 4], kind: &Hinge) -> Self {
+        Self { particles, min: kind.min, max: kind.max, softness: kind.softness.into() }
     }
 
     /// The same, as hard as that.
@@ -108,8 +112,12 @@ impl ParticleConstraint for HingeConstraint {
         &self.particles
     }
 
-    fn law(&self) -> Law {
-        Law::Hinge(Hinge { min: self.min, max: self.max, softness: self.softness.into() })
+    fn kind(&self) -> ConstraintKind {
+        ConstraintKind::Hinge(Hinge {
+            min: self.min,
+            max: self.max,
+            softness: self.softness.into(),
+        })
     }
 }
 
@@ -135,9 +143,9 @@ impl ConeConstraint {
         Self { particles: particles.into(), axis, max, softness: Softness::Hard }
     }
 
-    /// A law of the solver between some particles: [`Cone::about`] makes one about a direction in the world.
-    pub fn from_law(particles: impl Into<Vec<Entity>>, law: &Cone) -> Self {
-        Self::new(particles, law.axis, law.max).with_softness(law.softness.into())
+    /// A kind of constraint of the solver between some particles: [`Cone::about`] makes one about a direction in the world.
+    pub fn from_kind(particles: impl Into<Vec<Entity>>, kind: &Cone) -> Self {
+        Self::new(particles, kind.axis, kind.max).with_softness(kind.softness.into())
     }
 
     /// The same, as hard as that.
@@ -151,7 +159,11 @@ impl ParticleConstraint for ConeConstraint {
         &self.particles
     }
 
-    fn law(&self) -> Law {
-        Law::Cone(Cone { axis: self.axis, max: self.max, softness: self.softness.into() })
+    fn kind(&self) -> ConstraintKind {
+        ConstraintKind::Cone(Cone {
+            axis: self.axis,
+            max: self.max,
+            softness: self.softness.into(),
+        })
     }
 }

@@ -6,33 +6,33 @@
 //! | `joints` | angles: [`AngleConstraint`], [`HingeConstraint`], [`ConeConstraint`] |
 //! | `sizes` | areas and volumes: [`AreaConstraint`], [`PatchConstraint`], [`TetrahedronConstraint`], [`VolumeConstraint`] |
 //! | `shapes` | [`BendConstraint`], [`CoplanarConstraint`], [`CollinearConstraint`], [`RigidConstraint`] |
-//! | `law` | any law, without a component of its own: [`LawConstraint`] |
+//! | `any` | any kind, without a component of its own: [`AnyConstraint`] |
 //!
 //! Distances and springs are so many that they have lists of their own. All others come in by one door, [`ParticleConstraint`], and so do a game's.
 
+mod any;
 mod joints;
-mod law;
 mod pairs;
 mod shapes;
 mod sizes;
 
+pub use any::AnyConstraint;
 pub use joints::{AngleConstraint, ConeConstraint, HingeConstraint};
-pub use law::LawConstraint;
 pub use pairs::{Bound, DistanceConstraint, Spring};
 pub use shapes::{BendConstraint, CollinearConstraint, CoplanarConstraint, RigidConstraint};
 pub use sizes::{AreaConstraint, PatchConstraint, TetrahedronConstraint, VolumeConstraint, Way};
 
 use bevy::prelude::*;
-use sinew::{Law, LawFault};
+use sinew::{ConstraintFault, ConstraintKind};
 
 /// A constraint as a component: it names particles, and says what must hold between them. Implement it for a component of your own and
 /// [register](crate::RegisterParticleConstraint) that, and it is solved like the rest.
 ///
 /// Particles, value and gradient are all that it takes; the value and the gradient are those of a [`sinew::Equation`], whose documentation says
 /// what to check. Add, change or despawn the component at run time and the next tick knows. Nothing is asked again in between: neither `particles`
-/// nor `law` is called in a tick in which no particle, spring or constraint came, went or changed. So let them depend on the component alone.
+/// nor `kind` is called in a tick in which no particle, spring or constraint came, went or changed. So let them depend on the component alone.
 ///
-/// A constraint that cannot act (a particle is gone, is named twice, or a number of the law is out of range) is set aside, with one
+/// A constraint that cannot act (a particle is gone, is named twice, or a number of the kind is out of range) is set aside, with one
 /// [`Refused`](crate::Refused) message, and the rest goes on bit for bit as if it were not there. One whose particle is itself set aside waits for
 /// it, silently. Constraints are solved in the order in which their entities were created ([`CreationOrder`](crate::CreationOrder), which comes with
 /// a registered component), whatever their types; several on one entity in the order in which their types were registered.
@@ -40,7 +40,7 @@ use sinew::{Law, LawFault};
 /// ```
 /// use bevy::prelude::*;
 /// use bevy_sinew::prelude::*;
-/// use bevy_sinew::sinew::{Equation, Law, Points};
+/// use bevy_sinew::sinew::{Equation, ConstraintKind, Points};
 ///
 /// /// Keeps a particle on a ball.
 /// #[derive(Component)]
@@ -55,8 +55,8 @@ use sinew::{Law, LawFault};
 ///         core::slice::from_ref(&self.particle)
 ///     }
 ///
-///     fn law(&self) -> Law {
-///         Law::custom(Ball { centre: self.centre, radius: self.radius })
+///     fn kind(&self) -> ConstraintKind {
+///         ConstraintKind::custom(Ball { centre: self.centre, radius: self.radius })
 ///     }
 /// }
 ///
@@ -84,15 +84,15 @@ use sinew::{Law, LawFault};
 /// # app.update();
 /// ```
 pub trait ParticleConstraint: Component {
-    /// The particles that it binds, each once, in the order that its law asks for.
+    /// The particles that it binds, each once, in the order that its kind asks for.
     fn particles(&self) -> &[Entity];
 
     /// What must hold between them.
-    fn law(&self) -> Law;
+    fn kind(&self) -> ConstraintKind;
 
-    /// What is wrong with it beside what [`sinew::Constraint::fault`] finds: the numbers of a law of one's own, which nobody else can check.
+    /// What is wrong with it beside what [`sinew::Constraint::fault`] finds: the numbers of a kind of one's own, which nobody else can check.
     /// Nothing by default.
-    fn fault(&self) -> Option<LawFault> {
+    fn fault(&self) -> Option<ConstraintFault> {
         None
     }
 }
@@ -112,5 +112,5 @@ pub(super) fn register(app: &mut App) {
         .register_type::<CoplanarConstraint>()
         .register_type::<CollinearConstraint>()
         .register_type::<RigidConstraint>()
-        .register_type::<LawConstraint>();
+        .register_type::<AnyConstraint>();
 }

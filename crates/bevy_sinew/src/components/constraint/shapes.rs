@@ -1,7 +1,7 @@
 //! Shapes that particles keep: unbent, flat, straight, or rigid.
 
 use bevy::prelude::*;
-use sinew::Law;
+use sinew::ConstraintKind;
 use sinew::constraints::{Bend, Collinear, Coplanar, Rigid};
 
 use super::super::order::CreationOrder;
@@ -30,9 +30,9 @@ impl BendConstraint {
         Self { particles, weights, rest, softness: Softness::Hard }
     }
 
-    /// A law of the solver between some particles: [`Bend::of`] and [`Bend::stiff`] keep a fold as it is.
-    pub fn from_law(particles: [Entity; 4], law: &Bend) -> Self {
-        Self::new(particles, law.weights, law.rest).with_softness(law.softness.into())
+    /// A kind of constraint of the solver between some particles: [`Bend::of`] and [`Bend::stiff`] keep a fold as it is.
+    pub fn from_kind(particles: [Entity; 4], kind: &Bend) -> Self {
+        Self::new(particles, kind.weights, kind.rest).with_softness(kind.softness.into())
     }
 
     /// The same, as hard as that.
@@ -46,9 +46,9 @@ impl ParticleConstraint for BendConstraint {
         &self.particles
     }
 
-    fn law(&self) -> Law {
+    fn kind(&self) -> ConstraintKind {
         let softness = self.softness.into();
-        Law::Bend(Bend { weights: self.weights, rest: self.rest, softness })
+        ConstraintKind::Bend(Bend { weights: self.weights, rest: self.rest, softness })
     }
 }
 
@@ -81,8 +81,8 @@ impl ParticleConstraint for CoplanarConstraint {
         &self.particles
     }
 
-    fn law(&self) -> Law {
-        Law::Coplanar(Coplanar { softness: self.softness.into() })
+    fn kind(&self) -> ConstraintKind {
+        ConstraintKind::Coplanar(Coplanar { softness: self.softness.into() })
     }
 }
 
@@ -115,8 +115,8 @@ impl ParticleConstraint for CollinearConstraint {
         &self.particles
     }
 
-    fn law(&self) -> Law {
-        Law::Collinear(Collinear { softness: self.softness.into() })
+    fn kind(&self) -> ConstraintKind {
+        ConstraintKind::Collinear(Collinear { softness: self.softness.into() })
     }
 }
 
@@ -140,9 +140,9 @@ impl RigidConstraint {
         Self { particles: particles.into(), rest: rest.into(), softness: Softness::Hard }
     }
 
-    /// A law of the solver between some particles.
-    pub fn from_law(particles: impl Into<Vec<Entity>>, law: &Rigid) -> Self {
-        Self::new(particles, law.rest.to_vec()).with_softness(law.softness.into())
+    /// A kind of constraint of the solver between some particles.
+    pub fn from_kind(particles: impl Into<Vec<Entity>>, kind: &Rigid) -> Self {
+        Self::new(particles, kind.rest.to_vec()).with_softness(kind.softness.into())
     }
 
     /// The same, as hard as that. A compliance is in m/N.
@@ -156,7 +156,10 @@ impl ParticleConstraint for RigidConstraint {
         &self.particles
     }
 
-    fn law(&self) -> Law {
-        Law::Rigid(Rigid { rest: self.rest.as_slice().into(), softness: self.softness.into() })
+    fn kind(&self) -> ConstraintKind {
+        ConstraintKind::Rigid(Rigid {
+            rest: self.rest.as_slice().into(),
+            softness: self.softness.into(),
+        })
     }
 }

@@ -1,7 +1,7 @@
 //! Areas and volumes of what particles span.
 
 use bevy::prelude::*;
-use sinew::Law;
+use sinew::ConstraintKind;
 use sinew::constraints::{Area, Patch, Tetrahedron, Volume};
 
 use super::super::order::CreationOrder;
@@ -39,9 +39,9 @@ impl AreaConstraint {
         Self { particles, rest, softness: Softness::Hard }
     }
 
-    /// A law of the solver between some particles: [`Area::of`] keeps an area as it is.
-    pub fn from_law(particles: [Entity; 3], law: &Area) -> Self {
-        Self { particles, rest: law.rest, softness: law.softness.into() }
+    /// A kind of constraint of the solver between some particles: [`Area::of`] keeps an area as it is.
+    pub fn from_kind(particles: [Entity; 3], kind: &Area) -> Self {
+        Self { particles, rest: kind.rest, softness: kind.softness.into() }
     }
 
     /// The same, as hard as that.
@@ -55,8 +55,8 @@ impl ParticleConstraint for AreaConstraint {
         &self.particles
     }
 
-    fn law(&self) -> Law {
-        Law::Area(Area { rest: self.rest, softness: self.softness.into() })
+    fn kind(&self) -> ConstraintKind {
+        ConstraintKind::Area(Area { rest: self.rest, softness: self.softness.into() })
     }
 }
 
@@ -89,11 +89,11 @@ impl PatchConstraint {
         Self { particles, triangles, rest, way: Way::Gradient, softness: Softness::Hard }
     }
 
-    /// A law of the solver between some particles: [`Patch::of`] keeps an area as it is.
-    pub fn from_law(particles: impl Into<Vec<Entity>>, law: &Patch) -> Self {
-        Self::new(particles, law.triangles.to_vec(), law.rest)
-            .with_way(law.way.into())
-            .with_softness(law.softness.into())
+    /// A kind of constraint of the solver between some particles: [`Patch::of`] keeps an area as it is.
+    pub fn from_kind(particles: impl Into<Vec<Entity>>, kind: &Patch) -> Self {
+        Self::new(particles, kind.triangles.to_vec(), kind.rest)
+            .with_way(kind.way.into())
+            .with_softness(kind.softness.into())
     }
 
     /// The same, corrected that way.
@@ -112,8 +112,8 @@ impl ParticleConstraint for PatchConstraint {
         &self.particles
     }
 
-    fn law(&self) -> Law {
-        Law::Patch(Patch {
+    fn kind(&self) -> ConstraintKind {
+        ConstraintKind::Patch(Patch {
             triangles: self.triangles.as_slice().into(),
             rest: self.rest,
             way: self.way.into(),
@@ -142,9 +142,9 @@ impl TetrahedronConstraint {
         Self { particles, rest, softness: Softness::Hard }
     }
 
-    /// A law of the solver between some particles: [`Tetrahedron::of`] keeps a volume as it is, sign and all.
-    pub fn from_law(particles: [Entity; 4], law: &Tetrahedron) -> Self {
-        Self { particles, rest: law.rest, softness: law.softness.into() }
+    /// A kind of constraint of the solver between some particles: [`Tetrahedron::of`] keeps a volume as it is, sign and all.
+    pub fn from_kind(particles: [Entity; 4], kind: &Tetrahedron) -> Self {
+        Self { particles, rest: kind.rest, softness: kind.softness.into() }
     }
 
     /// The same, as hard as that.
@@ -158,8 +158,8 @@ impl ParticleConstraint for TetrahedronConstraint {
         &self.particles
     }
 
-    fn law(&self) -> Law {
-        Law::Tetrahedron(Tetrahedron { rest: self.rest, softness: self.softness.into() })
+    fn kind(&self) -> ConstraintKind {
+        ConstraintKind::Tetrahedron(Tetrahedron { rest: self.rest, softness: self.softness.into() })
     }
 }
 
@@ -192,11 +192,11 @@ impl VolumeConstraint {
         Self { particles, triangles, rest, way: Way::Gradient, softness: Softness::Hard }
     }
 
-    /// A law of the solver between some particles: [`Volume::of`] keeps a volume as it is.
-    pub fn from_law(particles: impl Into<Vec<Entity>>, law: &Volume) -> Self {
-        Self::new(particles, law.triangles.to_vec(), law.rest)
-            .with_way(law.way.into())
-            .with_softness(law.softness.into())
+    /// A kind of constraint of the solver between some particles: [`Volume::of`] keeps a volume as it is.
+    pub fn from_kind(particles: impl Into<Vec<Entity>>, kind: &Volume) -> Self {
+        Self::new(particles, kind.triangles.to_vec(), kind.rest)
+            .with_way(kind.way.into())
+            .with_softness(kind.softness.into())
     }
 
     /// The same, corrected that way.
@@ -215,8 +215,8 @@ impl ParticleConstraint for VolumeConstraint {
         &self.particles
     }
 
-    fn law(&self) -> Law {
-        Law::Volume(Volume {
+    fn kind(&self) -> ConstraintKind {
+        ConstraintKind::Volume(Volume {
             triangles: self.triangles.as_slice().into(),
             rest: self.rest,
             way: self.way.into(),

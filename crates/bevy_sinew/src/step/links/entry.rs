@@ -2,11 +2,11 @@
 
 use bevy::prelude::*;
 use sinew::constraints::Rows;
-use sinew::{DistanceFault, LawFault, Simulation, SpringFault};
+use sinew::{ConstraintFault, DistanceFault, Simulation, SpringFault};
 
-use super::news::Watch;
+use super::change_detection::ChangeDetector;
 use crate::components::CreationOrder;
-use crate::messages::{Complaints, Refusal, Refused, refuse};
+use crate::messages::{Refusal, Refused, ReportedErrors, refuse};
 use crate::world::Tables;
 
 /// Something that the solver has a list of, among rows.
@@ -35,7 +35,7 @@ impl Link for sinew::Spring {
 }
 
 impl Link for sinew::Constraint {
-    const MISSING: Refusal = Refusal::Constraint(LawFault::MissingParticle);
+    const MISSING: Refusal = Refusal::Constraint(ConstraintFault::MissingParticle);
 
     fn refusal(&self, particles: usize) -> Option<Refusal> {
         self.fault(particles).map(Refusal::Constraint)
@@ -43,12 +43,12 @@ impl Link for sinew::Constraint {
 }
 
 /// A link that can come and go by itself: the solver's plan keeps up with it.
-pub(super) trait Mend: Link {
+pub(super) trait Incremental: Link {
     fn insert(self, simulation: &mut Simulation, at: usize);
     fn remove(simulation: &mut Simulation, at: usize);
 }
 
-impl Mend for sinew::Distance {
+impl Incremental for sinew::Distance {
     fn insert(self, simulation: &mut Simulation, at: usize) {
         simulation.insert_distance(at, self);
     }
@@ -58,7 +58,7 @@ impl Mend for sinew::Distance {
     }
 }
 
-impl Mend for sinew::Constraint {
+impl Incremental for sinew::Constraint {
     fn insert(self, simulation: &mut Simulation, at: usize) {
         simulation.insert_constraint(at, self);
     }
@@ -116,14 +116,14 @@ impl<L: Link> Entry<L> {
 
 /// Brings a list of the solver, in which links stand in these places, up to date with what came, changed or went of one kind. Whether that adds up to
 /// what there is: if it does not, or one of the new ones cannot act, the lists have to be filled afresh.
-pub(super) fn mend<L: Mend>(
+pub(super) fn update_incrementally<L: Incremental>(
     simulation: &mut Simulation,
     places: &mut Vec<Place>,
     entries: impl IntoIterator<Item = Entry<L>>,
-    (kind, watch): (usize, &Watch),
+    (kind, detector): (usize, &ChangeDetector),
 ) -> bool {
     let mut grown = 0;
-    for &entity in &watch.gone {
+    for &entity in &detector.gone {
         let own = |place: &Place| place.entity == entity && place.kind == kind;
         if let Some(at) = places.iter().position(own) {
             places.remove(at);
@@ -146,21 +146,24 @@ pub(super) fn mend<L: Mend>(
         };
         link.insert(simulation, at);
     }
-    grown == watch.grown
+    grown == detector.grown
 }
 
-/// Lets the sound ones pass, and complains about the others, once for each time that one broke.
-pub(super) struct Judge<'a, 'w> {
-    before: Complaints,
-    now: Complaints,
+/// Lets the sound ones pass, and reports the others, once for each time that one broke.
+pub(super) struct Validator<'a, 'w> {
+    before: ReportedErrors,
+    now: ReportedErrors,
     /// Whether all passed so far.
     all: bool,
     messages: &'a mut MessageWriter<'w, Refused>,
 }
 
-impl<'a, 'w> Judge<'a, 'w> {
-    pub(super) fn new(before: Complaints, messages: &'a mut MessageWriter<'w, Refused>) -> Self {
-        Self { before, now: Complaints::new(), all: true, messages }
+impl<'a, 'w> Validator<'a, 'w> {
+    pub(super) fn new(
+        before: ReportedErrors,
+        messages: &'a mut MessageWriter<'w, Refused>,
+    ) -> Self {
+        Self { before, now: ReportedErrors::new(), all: true, messages }
     }
 
     /// Fills a list of the solver with the sound links, in their order, whatever the order of the entries, and notes their places.
@@ -201,8 +204,8 @@ impl<'a, 'w> Judge<'a, 'w> {
         self.all
     }
 
-    /// The complaints that stand. Those about links that are gone, or that are in order now, are forgotten: they may be raised again.
-    pub(super) fn complaints(self) -> Complaints {
+    /// The errors that stand. Those about links that are gone, or that are in order now, are forgotten: they may be raised again.
+    pub(super) fn reported_errors(self) -> ReportedErrors {
         self.now
     }
 }

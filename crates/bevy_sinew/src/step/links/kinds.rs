@@ -7,11 +7,11 @@ use bevy::ecs::lifecycle::RemovedComponentEntity;
 use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
 
-use super::entry::{Entry, Place, mend};
-use super::news::Watch;
+use super::change_detection::ChangeDetector;
+use super::entry::{Entry, Place, update_incrementally};
 use crate::components::{
-    AngleConstraint, AreaConstraint, BendConstraint, CollinearConstraint, ConeConstraint,
-    CoplanarConstraint, CreationOrder, HingeConstraint, LawConstraint, ParticleConstraint,
+    AngleConstraint, AnyConstraint, AreaConstraint, BendConstraint, CollinearConstraint,
+    ConeConstraint, CoplanarConstraint, CreationOrder, HingeConstraint, ParticleConstraint,
     PatchConstraint, RigidConstraint, TetrahedronConstraint, VolumeConstraint,
 };
 use crate::messages::Refusal;
@@ -58,7 +58,7 @@ pub(crate) fn register_ours(app: &mut App) {
         .register_particle_constraint::<CoplanarConstraint>()
         .register_particle_constraint::<CollinearConstraint>()
         .register_particle_constraint::<RigidConstraint>()
-        .register_particle_constraint::<LawConstraint>();
+        .register_particle_constraint::<AnyConstraint>();
 }
 
 /// The types that were registered, in that order, and what was collected of them for this tick.
@@ -76,15 +76,16 @@ impl Kinds {
         for kind in &mut self.kinds {
             kind.number(world);
             kind.look(world);
-            any |= kind.watch().is_any();
-            tables.stale |= !kind.watch().is_few();
+            any |= kind.detector().is_any();
+            tables.stale |= !kind.detector().is_few();
         }
         tables.stale |= any && !tables.links.sound;
         for (number, kind) in (FIRST..).zip(&mut self.kinds) {
-            if !tables.stale && kind.watch().is_any() {
+            if !tables.stale && kind.detector().is_any() {
                 kind.collect_few(world, tables, number, &mut self.entries);
                 let (places, entries) = (&mut tables.links.constraints, self.entries.drain(..));
-                tables.stale = !mend(simulation, places, entries, (number, kind.watch()));
+                tables.stale =
+                    !update_incrementally(simulation, places, entries, (number, kind.detector()));
             }
         }
         if tables.stale {
@@ -111,7 +112,7 @@ trait Kind: Send + Sync {
     fn look(&mut self, world: &World);
 
     /// What there was.
-    fn watch(&self) -> &Watch;
+    fn detector(&self) -> &ChangeDetector;
 
     /// Collects what came or changed.
     fn collect_few(
@@ -138,7 +139,7 @@ struct Of<T: ParticleConstraint> {
     unnumbered: QueryState<Entity, (With<T>, Without<CreationOrder>)>,
     id: ComponentId,
     gone: MessageCursor<RemovedComponentEntity>,
-    watch: Watch,
+    detector: ChangeDetector,
 }
 
 impl<T: ParticleConstraint> Of<T> {
@@ -149,7 +150,7 @@ impl<T: ParticleConstraint> Of<T> {
             unnumbered: QueryState::new(world),
             id: world.register_component::<T>(),
             gone: MessageCursor::default(),
-            watch: Watch::default(),
+            detector: ChangeDetector::default(),
         }
     }
 
@@ -160,7 +161,7 @@ impl<T: ParticleConstraint> Of<T> {
     ) -> Entry<sinew::Constraint> {
         let place = Place { order, entity, kind: number };
         Entry::new(tables, place, component.particles(), |rows| match component.fault() {
-            None => Ok(sinew::Constraint { rows, law: component.law() }),
+            None => Ok(sinew::Constraint { rows, kind: component.kind() }),
             Some(fault) => Err(Refusal::Constraint(fault)),
         })
     }
@@ -186,14 +187,14 @@ impl<T: ParticleConstraint> Kind for Of<T> {
     }
 
     fn look(&mut self, world: &World) {
-        let Self { present, id, gone, watch, .. } = self;
+        let Self { present, id, gone, detector, .. } = self;
         let removed = world.removed_components().get(*id);
         let gone = removed.map(|removed| gone.read(removed)).into_iter().flatten();
-        watch.look(&present.query(world), gone.cloned().map(Entity::from));
+        detector.detect(&present.query(world), gone.cloned().map(Entity::from));
     }
 
-    fn watch(&self) -> &Watch {
-        &self.watch
+    fn detector(&self) -> &ChangeDetector {
+        &self.detector
     }
 
     fn collect_few(
@@ -204,8 +205,8 @@ impl<T: ParticleConstraint> Kind for Of<T> {
         entries: &mut Vec<Entry<sinew::Constraint>>,
     ) {
         let all = self.all.query(world);
-        let came = self.watch.came.iter().filter_map(|&entity| all.get(entity).ok());
-        entries.extend(came.map(|one| Self::entry(tables, number, one)));
+        let added = self.detector.added.iter().filter_map(|&entity| all.get(entity).ok());
+        entries.extend(added.map(|one| Self::entry(tables, number, one)));
     }
 
     fn collect(

@@ -1,9 +1,9 @@
 //! Links: springs, constraints and surfaces name entities; the solver wants rows. Compiled when any of them changed; where few came or went, as when
-//! cloth is torn, the solver's lists are mended.
+//! cloth is torn, the solver's lists are updated incrementally.
 
+mod change_detection;
 mod entry;
 mod kinds;
-mod news;
 
 pub use kinds::RegisterParticleConstraint;
 pub(crate) use kinds::{Kinds, register_ours};
@@ -14,8 +14,8 @@ use super::changes::census;
 use crate::components::{CreationOrder, DistanceConstraint, Spring, WindSurface};
 use crate::messages::Refused;
 use crate::world::{SinewWorld, Tables};
-use entry::{Entry, Judge, Place, mend};
-use news::Watch;
+use change_detection::ChangeDetector;
+use entry::{Entry, Place, Validator, update_incrementally};
 
 /// Whose links stand in the solver's lists, place by place.
 #[derive(Default)]
@@ -36,26 +36,27 @@ pub(crate) fn notice_links(
     springs: Query<Ref<Spring>>,
     surfaces: Query<Ref<WindSurface>>,
     mut removed: RemovedComponents<DistanceConstraint>,
-    mut watch: Local<Watch>,
+    mut detector: Local<ChangeDetector>,
     mut counts: Local<[usize; 2]>,
 ) {
     // Of what was removed Bevy tells for two frames, and a tick may be farther away. Who replaces it has changed, so their numbers say it all.
     let found = [census(&springs), census(&surfaces)];
     let now = found.map(|(count, _)| count);
     let went = core::mem::replace(&mut *counts, now) != now;
-    watch.look(&distances, removed.read());
+    detector.detect(&distances, removed.read());
     let SinewWorld { simulation, tables } = &mut *world;
-    tables.retied = watch.is_any();
+    tables.retied = detector.is_any();
     tables.stale |= went || found.iter().any(|&(_, changed)| changed);
-    if !watch.is_any() || tables.stale {
+    if !detector.is_any() || tables.stale {
         return;
     }
-    tables.stale = !tables.links.sound || !watch.is_few();
+    tables.stale = !tables.links.sound || !detector.is_few();
     if !tables.stale {
-        let came = watch.came.iter().filter_map(|&entity| numbered.get(entity).ok());
-        let entries: Vec<_> = came.map(|one| entry(tables, one)).collect();
+        let added = detector.added.iter().filter_map(|&entity| numbered.get(entity).ok());
+        let entries: Vec<_> = added.map(|one| entry(tables, one)).collect();
         let places = &mut tables.links.distances;
-        tables.stale = !mend(simulation, places, entries, (kinds::DISTANCES, &watch));
+        tables.stale =
+            !update_incrementally(simulation, places, entries, (kinds::DISTANCES, &detector));
     }
 }
 
@@ -86,11 +87,11 @@ pub(crate) fn compile_links(
     }
     tables.stale = false;
 
-    let before = core::mem::take(&mut tables.complaints);
+    let before = core::mem::take(&mut tables.reported_errors);
     let mut links = core::mem::take(&mut tables.links);
-    let mut judge = Judge::new(before, &mut messages);
+    let mut validator = Validator::new(before, &mut messages);
     let entries = distances.iter().map(|one| entry(tables, one)).collect();
-    judge.fill(simulation.distances_mut(), &mut links.distances, entries);
+    validator.fill(simulation.distances_mut(), &mut links.distances, entries);
     let entries = springs.iter().map(|(entity, &order, spring)| {
         let place = Place { order, entity, kind: kinds::SPRINGS };
         Entry::new(tables, place, &[spring.a, spring.b], |rows| {
@@ -103,10 +104,10 @@ pub(crate) fn compile_links(
             })
         })
     });
-    judge.fill(&mut simulation.forces.springs, &mut links.springs, entries.collect());
-    judge.fill(simulation.constraints_mut(), &mut links.constraints, kinds.take());
-    links.sound = judge.passed_all();
-    tables.complaints = judge.complaints();
+    validator.fill(&mut simulation.forces.springs, &mut links.springs, entries.collect());
+    validator.fill(simulation.constraints_mut(), &mut links.constraints, kinds.take());
+    links.sound = validator.passed_all();
+    tables.reported_errors = validator.reported_errors();
     tables.links = links;
 
     // Triangles are ordered by their particles' rows, which follow creation; a torn corner just leaves its triangles out.

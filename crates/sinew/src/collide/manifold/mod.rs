@@ -1,5 +1,5 @@
 //! Where two shapes touch: a normal and up to four points, a function of the two and of nothing else, so that nothing is hidden in here. Solids
-//! remember what it said (`solids::memory`).
+//! remember what it said (`body_contact::contact_cache`).
 //!
 //! | file | which pairs |
 //! |---|---|

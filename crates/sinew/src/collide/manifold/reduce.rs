@@ -23,7 +23,7 @@ impl Chosen {
 }
 
 /// How steeply what is above the deepest point may rise from there and yet come down before the two are compared again: until then two of which one
-/// leans by two degrees on the other's rim turn by no more than that, rad (`solids::contact`).
+/// leans by two degrees on the other's rim turn by no more than that, rad (`body_contact::normal_solve`).
 const LOW: f32 = 5e-3;
 /// What lengths count that lead to points above that. Of a box that leans by three degrees on another one both ends of the low edge must be there, or
 /// it rocks from the one to the other for ever; but two points so near each other that they are as good as one are no better for being low.

@@ -15,14 +15,14 @@
 use glam::DVec3;
 
 use super::super::ContactFilter;
-use super::members::Members;
-use super::near::Near;
+use super::neighbour_list::NeighbourList;
+use super::participants::Participants;
 use crate::lanes::{LANES, Lanes, Work};
 
 /// Members by cell. Scratch.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Grid {
-    levels: Vec<Level>,
+pub(super) struct PairGrid {
+    levels: Vec<GridLevel>,
     /// Of each member its level, largest members first, and its slot there.
     level: Vec<u8>,
     slot: Vec<u32>,
@@ -38,7 +38,7 @@ pub(super) struct Grid {
 
 #[derive(Clone, Debug, Default)]
 struct Sorted {
-    member: Vec<u32>,
+    participant: Vec<u32>,
     /// Metres from `low`, and the reach.
     x: Vec<f32>,
     y: Vec<f32>,
@@ -48,7 +48,7 @@ struct Sorted {
 
 /// Cells for members of a size.
 #[derive(Clone, Copy, Debug, Default)]
-struct Level {
+struct GridLevel {
     /// Its greatest reach, metres.
     reach: f32,
     count: u32,
@@ -66,33 +66,33 @@ struct Level {
 /// The levels there may be. The last one takes all who are smaller yet.
 const LEVELS: usize = 12;
 
-impl Grid {
+impl PairGrid {
     /// Sorts the members.
-    pub(super) fn fill(&mut self, members: &Members) {
-        self.measure(members);
-        self.count(members);
-        self.sort(members);
+    pub(super) fn fill(&mut self, participants: &Participants) {
+        self.measure(participants);
+        self.count(participants);
+        self.sort(participants);
     }
 
     /// Finds the levels and the box about all.
-    fn measure(&mut self, members: &Members) {
+    fn measure(&mut self, participants: &Participants) {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let mut most = 0.0_f32;
-        for (i, place) in members.place.iter().enumerate() {
+        for (i, place) in participants.place.iter().enumerate() {
             if place.x.is_finite() {
                 (low, high) = (low.min(*place), high.max(*place));
-                most = most.max(reach_of(members, i));
+                most = most.max(reach_of(participants, i));
             }
         }
         self.levels.clear();
-        self.levels.resize(LEVELS, Level::default());
+        self.levels.resize(LEVELS, GridLevel::default());
         self.level.clear();
-        for (i, place) in members.place.iter().enumerate() {
+        for (i, place) in participants.place.iter().enumerate() {
             if !place.x.is_finite() {
                 self.level.push(u8::MAX);
                 continue;
             }
-            let reach = reach_of(members, i);
+            let reach = reach_of(participants, i);
             // How often it goes into the greatest, as a power of two: the exponent of an `f32`.
             let exponent = ((most / reach).to_bits() >> 23).saturating_sub(127);
             let number = (exponent as usize).min(LEVELS - 1);
@@ -120,9 +120,9 @@ impl Grid {
     }
 
     /// Counts who is in each slot, and where it ends.
-    fn count(&mut self, members: &Members) {
+    fn count(&mut self, participants: &Participants) {
         self.slot.clear();
-        for (place, &number) in members.place.iter().zip(&self.level) {
+        for (place, &number) in participants.place.iter().zip(&self.level) {
             if number == u8::MAX {
                 self.slot.push(0);
                 continue;
@@ -139,10 +139,10 @@ impl Grid {
         }
     }
 
-    fn sort(&mut self, members: &Members) {
+    fn sort(&mut self, participants: &Participants) {
         let Self { levels, level, slot, starts, sorted, low, .. } = self;
-        let count = members.rows.len();
-        sorted.member.resize(count, 0);
+        let count = participants.rows.len();
+        sorted.participant.resize(count, 0);
         for column in [&mut sorted.x, &mut sorted.y, &mut sorted.z, &mut sorted.reach] {
             column.resize(count + LANES, 0.0);
         }
@@ -150,15 +150,15 @@ impl Grid {
         for i in (0..count).rev().filter(|&i| level[i] != u8::MAX) {
             let mark = &mut starts[(levels[level[i] as usize].first + slot[i]) as usize];
             *mark -= 1;
-            let (at, place) = (*mark as usize, (members.place[i] - *low).as_vec3());
-            sorted.member[at] = i as u32;
+            let (at, place) = (*mark as usize, (participants.place[i] - *low).as_vec3());
+            sorted.participant[at] = i as u32;
             (sorted.x[at], sorted.y[at], sorted.z[at]) = (place.x, place.y, place.z);
-            sorted.reach[at] = reach_of(members, i);
+            sorted.reach[at] = reach_of(participants, i);
         }
     }
 }
 
-impl Level {
+impl GridLevel {
     /// For members of a reach in a box of a size, metres.
     fn lay_out(&mut self, size: DVec3, reach: f64) {
         self.per_metre = 0.5 / reach;
@@ -186,16 +186,16 @@ impl Level {
 }
 
 #[inline(always)]
-fn reach_of(members: &Members, i: usize) -> f32 {
-    members.radius[i] + members.home[i].w
+fn reach_of(participants: &Participants, i: usize) -> f32 {
+    participants.radius[i] + participants.home[i].w
 }
 
 /// Asks for every member who is near it.
 pub(super) struct Search<'a> {
-    pub(super) grid: &'a Grid,
-    pub(super) members: &'a Members,
+    pub(super) grid: &'a PairGrid,
+    pub(super) participants: &'a Participants,
     pub(super) filter: &'a ContactFilter,
-    pub(super) near: &'a mut Near,
+    pub(super) neighbours: &'a mut NeighbourList,
 }
 
 impl Work for Search<'_> {
@@ -205,12 +205,12 @@ impl Work for Search<'_> {
     /// the other half.
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { grid, members, filter, near } = self;
+        let Self { grid, participants, filter, neighbours } = self;
         let takes_part = grid.level.iter().filter(|level| **level != u8::MAX).count();
-        for &i in &grid.sorted.member[..takes_part] {
+        for &i in &grid.sorted.participant[..takes_part] {
             let i = i as usize;
             let own = grid.level[i];
-            let asker = Asker::<L>::new(grid, (members, filter), i);
+            let asker = Asker::<L>::new(grid, (participants, filter), i);
             for number in 0..=own {
                 let level = &grid.levels[number as usize];
                 if level.count == 0 {
@@ -218,7 +218,7 @@ impl Work for Search<'_> {
                 }
                 let same = number == own;
                 let slot =
-                    if same { grid.slot[i] } else { level.slot(members.place[i] - grid.low) };
+                    if same { grid.slot[i] } else { level.slot(participants.place[i] - grid.low) };
                 let first_line = if same { OWN_LINE } else { 0 };
                 for line in first_line..9 {
                     let beside = (line % 3).wrapping_sub(1).wrapping_mul(level.row);
@@ -228,14 +228,18 @@ impl Work for Search<'_> {
                     // Three slots, which may go round the end of the table.
                     let (end, slots) = (left + 3, level.mask + 1);
                     let after = same && line == OWN_LINE;
-                    asker.ask(near, [level.first + left, level.first + end.min(slots)], after);
+                    asker.ask(
+                        neighbours,
+                        [level.first + left, level.first + end.min(slots)],
+                        after,
+                    );
                     if end > slots {
-                        asker.ask(near, [level.first, level.first + end - slots], after);
+                        asker.ask(neighbours, [level.first, level.first + end - slots], after);
                     }
                 }
             }
         }
-        near.order(members.rows.len());
+        neighbours.order(participants.rows.len());
     }
 }
 
@@ -246,7 +250,7 @@ const OWN_LINE: u32 = 4;
 struct Asker<'a, L> {
     sorted: &'a Sorted,
     starts: &'a [u32],
-    members: &'a Members,
+    participants: &'a Participants,
     filter: &'a ContactFilter,
     number: usize,
     x: L,
@@ -258,28 +262,28 @@ struct Asker<'a, L> {
 impl<'a, L: Lanes> Asker<'a, L> {
     #[inline(always)]
     fn new(
-        grid: &'a Grid,
-        (members, filter): (&'a Members, &'a ContactFilter),
+        grid: &'a PairGrid,
+        (participants, filter): (&'a Participants, &'a ContactFilter),
         number: usize,
     ) -> Self {
-        let place = (members.place[number] - grid.low).as_vec3();
+        let place = (participants.place[number] - grid.low).as_vec3();
         Self {
             sorted: &grid.sorted,
             starts: &grid.starts,
-            members,
+            participants,
             filter,
             number,
             x: L::splat(place.x),
             y: L::splat(place.y),
             z: L::splat(place.z),
-            reach: L::splat(reach_of(members, number) + grid.slack),
+            reach: L::splat(reach_of(participants, number) + grid.slack),
         }
     }
 
     /// Notes who is near in some slots; where all of a line ask each other, only those `after` it.
     #[inline(always)]
-    fn ask(&self, near: &mut Near, [from, to]: [u32; 2], after: bool) {
-        let Self { sorted, members, filter, number, .. } = self;
+    fn ask(&self, neighbours: &mut NeighbourList, [from, to]: [u32; 2], after: bool) {
+        let Self { sorted, participants, filter, number, .. } = self;
         let (first, end) = (self.starts[from as usize] as usize, self.starts[to as usize] as usize);
         let mut at = first;
         while at < end {
@@ -293,10 +297,10 @@ impl<'a, L: Lanes> Asker<'a, L> {
                 bits &= (1 << (end - at)) - 1;
             }
             while bits != 0 {
-                let other = sorted.member[at + bits.trailing_zeros() as usize] as usize;
+                let other = sorted.participant[at + bits.trailing_zeros() as usize] as usize;
                 bits &= bits - 1;
                 if other > *number || !after {
-                    near.consider((members, filter), *number, other);
+                    neighbours.consider((participants, filter), *number, other);
                 }
             }
             at += LANES;

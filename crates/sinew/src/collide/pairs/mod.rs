@@ -2,20 +2,20 @@
 //!
 //! | file | what it is |
 //! |---|---|
-//! | `members` | who takes part, where each was when it was looked at, and how far it may go before it must be looked at again |
-//! | `outrun` | whether somebody went further |
+//! | `participants` | who takes part, where each was when it was looked at, and how far it may go before it must be looked at again |
+//! | `skin` | whether somebody went further |
 //! | `grid` | which two are near each other: cells, by counting sort |
-//! | `near` | those that may come to touch, in colours, eight to a block |
+//! | `neighbour_list` | those that may come to touch, in colours, eight to a block |
 //! | `solve` | the blocks, eight pairs at a time |
 //! | `swept` | the pairs that eight at a time are not for: coincident ones, and fast ones |
-//! | `bounce` | restitution, and what is told |
+//! | `restitution` | restitution, and what is reported |
 //!
 //! # How it goes
 //!
-//! [`find`](Pairs::find) runs once a step. It lists every two particles that are nearer than their radii and two margins; a margin is a share of the
-//! radius. In each substep [`project`](Pairs::project) first asks whether any particle has gone further than its margin, after taking off what all
-//! (or all of its body) did alike, and if so looks again. Then each pair that overlaps is pushed apart once, as a constraint is (physics.md C10),
-//! with Coulomb friction.
+//! [`broad_phase`](Pairs::broad_phase) runs once a step. It lists every two particles that are nearer than their radii and two margins; a margin is a
+//! share of the radius. In each substep [`project`](Pairs::project) first asks whether any particle has gone further than its margin, after taking
+//! off what all (or all of its body) did alike, and if so looks again. Then each pair that overlaps is pushed apart once, as a constraint is
+//! (physics.md C10), with Coulomb friction.
 //!
 //! # The order, and what it depends on
 //!
@@ -35,11 +35,11 @@
 //! that is pressed so hard that the overlap at the start of a substep is more than the gap leaves (a quarter of the distance in a square lattice),
 //! stays where it got to. Wider meshes need their [`triangles`](super::triangles).
 
-mod bounce;
 mod grid;
-mod members;
-mod near;
-mod outrun;
+mod neighbour_list;
+mod participants;
+mod restitution;
+mod skin;
 mod solve;
 mod swept;
 #[cfg(test)]
@@ -52,33 +52,33 @@ use super::{ContactFilter, Impacts};
 use crate::lanes::{InstructionSet, with};
 use crate::particles::Particles;
 
-use bounce::{Bounce, Hit, Touched};
-use grid::{Grid, Search};
-use members::Members;
-use near::Near;
-use outrun::Outrun;
-use solve::Sweep;
-use swept::Stop;
+use grid::{PairGrid, Search};
+use neighbour_list::NeighbourList;
+use participants::Participants;
+use restitution::{PairHit, PairRestitutionSolve, Touched};
+use skin::SkinCheck;
+use solve::PairSweep;
+use swept::TimeOfImpact;
 
-/// Contacts between particles: scratch of a step, and nothing of it outlives the next [`find`](Self::find).
+/// Contacts between particles: scratch of a step, and nothing of it outlives the next [`broad_phase`](Self::broad_phase).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pairs {
     /// Which instructions are used; all give the same bits.
     pub(crate) instructions: InstructionSet,
-    members: Members,
-    outrun: Outrun,
-    grid: Grid,
-    near: Near,
+    participants: Participants,
+    skin_check: SkinCheck,
+    grid: PairGrid,
+    neighbours: NeighbourList,
     /// Of this substep: blocks in which some touched.
     touched: Vec<Touched>,
-    /// The same: those that were treated one by one, and those that are told.
-    hits: Vec<Hit>,
+    /// The same: those that were treated one by one, and those that are reported.
+    hits: Vec<PairHit>,
     /// Of this substep: fast pairs, and where they were stopped.
-    stops: Vec<Stop>,
-    /// Of this step: what is told.
-    told: Vec<Hit>,
+    times_of_impact: Vec<TimeOfImpact>,
+    /// Of this step: what is reported.
+    reported: Vec<PairHit>,
     /// How often it looked in this step.
-    looks: u32,
+    rebuilds: u32,
 }
 
 impl Pairs {
@@ -87,7 +87,7 @@ impl Pairs {
     /// Bodies that are near no other take no part, nor do particles of none. `rest` has where each particle is in
     /// the rest shape of its body, metres; it may be empty, and NaN says that it has no such place. Rows that are marked in `solid` take no part; it
     /// may be empty, too. Neither do particles without a radius, nor any that is not finite or is more than 1e15 m away from the first.
-    pub(crate) fn find(
+    pub(crate) fn broad_phase(
         &mut self,
         particles: &Particles,
         (filter, nearby): (&ContactFilter, &Nearby),
@@ -95,21 +95,21 @@ impl Pairs {
         solid: &[bool],
         dt: f32,
     ) {
-        self.told.clear();
+        self.reported.clear();
         self.hits.clear();
         self.touched.clear();
-        self.looks = 0;
-        self.members.take(particles, nearby, rest, solid, dt);
+        self.rebuilds = 0;
+        self.participants.take(particles, nearby, rest, solid, dt);
         if self.is_empty() {
-            self.near.clear();
+            self.neighbours.clear();
             return;
         }
-        self.look(particles, filter, false);
+        self.rebuild(particles, filter, false);
     }
 
     /// Whether nobody takes part.
     pub(crate) fn is_empty(&self) -> bool {
-        self.members.rows.len() < 2
+        self.participants.rows.len() < 2
     }
 
     /// Pushes apart what overlaps or would have passed through each other, in a substep of `h` seconds whose start is in the particles. Returns the
@@ -122,20 +122,23 @@ impl Pairs {
     ) -> f32 {
         self.hits.clear();
         self.touched.clear();
-        self.stops.clear();
+        self.times_of_impact.clear();
         // Rows that came or went since would make the lists name others.
-        if self.is_empty() || self.members.last() >= particles.len() {
+        if self.is_empty() || self.participants.last() >= particles.len() {
             return 0.0;
         }
-        if self.members.expired || self.outrun.is_outrun(&self.members, particles) {
-            self.look(particles, filter, true);
+        if self.participants.expired
+            || self.skin_check.is_skin_exceeded(&self.participants, particles)
+        {
+            self.rebuild(particles, filter, true);
         }
-        let swift = self.outrun.is_swift(&self.members, particles);
-        let Self { near, touched, hits, stops, .. } = self;
-        let sweep = Sweep { near, filter, particles, swift, h, touched, hits, stops };
+        let fast = self.skin_check.is_fast(&self.participants, particles);
+        let Self { neighbours, touched, hits, times_of_impact, .. } = self;
+        let sweep =
+            PairSweep { neighbours, filter, particles, fast, h, touched, hits, times_of_impact };
         let worst = with(self.instructions, sweep);
         for _ in 0..AGAIN {
-            for stop in &self.stops {
+            for stop in &self.times_of_impact {
                 stop.hold(particles);
             }
         }
@@ -146,32 +149,32 @@ impl Pairs {
     /// velocities have been derived; `gravity` is its size, m/s².
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
         let least = 2.0 * gravity * h;
-        let (touched, blocks) = (&mut self.touched[..], &self.near.blocks[..]);
+        let (touched, blocks) = (&mut self.touched[..], &self.neighbours.blocks[..]);
         let velocity = &mut particles.velocity[..];
-        with(self.instructions, Bounce { touched, blocks, velocity, least, h });
+        with(self.instructions, PairRestitutionSolve { touched, blocks, velocity, least, h });
         for hit in &mut self.hits {
             hit.bounce(particles, &self.touched, least);
         }
-        self.told.extend(self.hits.iter().filter(|hit| hit.told));
+        self.reported.extend(self.hits.iter().filter(|hit| hit.reported));
     }
 
     /// Tells what has touched what in the step, where a body asked for it.
     pub(crate) fn report(&self, impacts: &mut Impacts) {
-        for hit in &self.told {
-            hit.tell(impacts);
+        for hit in &self.reported {
+            hit.report(impacts);
         }
     }
 
     /// Looks where everybody is, and who is near whom; at the beginning of a step, or within a substep that has been predicted.
-    fn look(&mut self, particles: &Particles, filter: &ContactFilter, within: bool) {
-        let Self { members, outrun, grid, near, .. } = self;
-        members.place(particles, within);
-        outrun.begin(members);
-        grid.fill(members);
-        near.clear();
-        with(self.instructions, Search { grid, members, filter, near });
-        near.colour(members, filter);
-        self.looks += 1;
+    fn rebuild(&mut self, particles: &Particles, filter: &ContactFilter, within: bool) {
+        let Self { participants, skin_check, grid, neighbours, .. } = self;
+        participants.place(particles, within);
+        skin_check.begin(participants);
+        grid.fill(participants);
+        neighbours.clear();
+        with(self.instructions, Search { grid, participants, filter, neighbours });
+        neighbours.colour(participants, filter);
+        self.rebuilds += 1;
     }
 }
 

@@ -9,29 +9,29 @@
 //!
 //! which moves neither the barycentre nor turns anything about it. Since the substep began the two have slid past each other by `t = D - (D·n) n`,
 //! where `D` is the change of `d`; where that is no more than friction holds, `‖t‖ ≤ μ δ` (F8), all of it is taken back by the same weights, and
-//! nothing slides. Otherwise it slides, and `bounce` takes from its velocity what friction may.
+//! nothing slides. Otherwise it slides, and `restitution` takes from its velocity what friction may.
 
 use glam::{Vec3, Vec4};
 
 use super::super::ContactFilter;
-use super::bounce::{Hit, Touched};
-use super::near::{Block, NO_OFFSET, Near};
-use super::swept::{Pair, Stop};
+use super::neighbour_list::{NO_OFFSET, NeighbourList, PairBlock};
+use super::restitution::{PairHit, Touched};
+use super::swept::{SweptPair, TimeOfImpact};
 use crate::lanes::{LANES, Lanes, Vector, Work};
 use crate::particles::Particles;
 
 /// One sweep over all blocks; what comes of it is the greatest overlap that it met, metres.
-pub(super) struct Sweep<'a> {
-    pub(super) near: &'a Near,
+pub(super) struct PairSweep<'a> {
+    pub(super) neighbours: &'a NeighbourList,
     pub(super) filter: &'a ContactFilter,
     pub(super) particles: &'a mut Particles,
     /// Whether somebody is so fast that pairs must be asked for the way that they came.
-    pub(super) swift: bool,
+    pub(super) fast: bool,
     /// Length of the substep, seconds.
     pub(super) h: f32,
     pub(super) touched: &'a mut Vec<Touched>,
-    pub(super) hits: &'a mut Vec<Hit>,
-    pub(super) stops: &'a mut Vec<Stop>,
+    pub(super) hits: &'a mut Vec<PairHit>,
+    pub(super) times_of_impact: &'a mut Vec<TimeOfImpact>,
 }
 
 /// The share of the least distance that a pair may move by, each against the other, before the way that it came counts.
@@ -40,22 +40,22 @@ const HALF: f32 = 0.5;
 /// A pair this near, as a share of its least distance, has no direction worth the name.
 const COINCIDENT: f32 = 1e-6;
 
-impl Work for Sweep<'_> {
+impl Work for PairSweep<'_> {
     type Output = f32;
 
     #[inline(always)]
     fn run<L: Lanes>(mut self) -> f32 {
-        let near = self.near;
+        let neighbours = self.neighbours;
         let mut worst = L::zero();
         let mut rest = 0.0_f32;
-        for (number, block) in near.blocks.iter().enumerate() {
+        for (number, block) in neighbours.blocks.iter().enumerate() {
             let Met { overlap, hit, rare, normal } = self.take::<L>(block, number as u32);
             if hit | rare == 0 {
                 continue;
             }
             worst = overlap.max(worst);
-            if hit & block.told != 0 {
-                self.note(block, hit & block.told, overlap, normal);
+            if hit & block.reported != 0 {
+                self.note(block, hit & block.reported, overlap, normal);
             }
             if rare != 0 {
                 rest = rest.max(self.treat(block, rare));
@@ -76,16 +76,16 @@ struct Met<L> {
     normal: Vector<L>,
 }
 
-impl Sweep<'_> {
+impl PairSweep<'_> {
     #[inline(always)]
-    fn take<L: Lanes>(&mut self, block: &Block, number: u32) -> Met<L> {
+    fn take<L: Lanes>(&mut self, block: &PairBlock, number: u32) -> Met<L> {
         let [rows_a, rows_b] = &block.rows;
         let (a, w_a) = Vector::of(L::rows(&self.particles.position, rows_a));
         let (b, w_b) = Vector::of(L::rows(&self.particles.position, rows_b));
         let zero = L::zero();
         let mut offset = Vector::new(zero, zero, zero);
         if block.offset != NO_OFFSET {
-            let [x, y, z] = &self.near.offsets[block.offset as usize];
+            let [x, y, z] = &self.neighbours.offsets[block.offset as usize];
             offset = Vector::new(L::load(x), L::load(y), L::load(z));
         }
         let d = (a - b) + offset;
@@ -93,7 +93,7 @@ impl Sweep<'_> {
         let (squared, reach_squared) = (d.length_squared(), reach * reach);
         let mut hit = squared.lt(reach_squared);
         let mut rare = 0;
-        if self.swift {
+        if self.fast {
             let moved = d - self.began(block, offset);
             let fast = (reach_squared * L::splat(HALF * HALF)).lt(moved.length_squared());
             rare = fast.bits();
@@ -133,7 +133,7 @@ impl Sweep<'_> {
 
     /// What `d` was when the substep began.
     #[inline(always)]
-    fn began<L: Lanes>(&self, block: &Block, offset: Vector<L>) -> Vector<L> {
+    fn began<L: Lanes>(&self, block: &PairBlock, offset: Vector<L>) -> Vector<L> {
         let (a, _) = Vector::of(L::rows(&self.particles.start, &block.rows[0]));
         let (b, _) = Vector::of(L::rows(&self.particles.start, &block.rows[1]));
         (a - b) + offset
@@ -141,15 +141,15 @@ impl Sweep<'_> {
 
     /// The relative velocity that led here.
     #[inline(always)]
-    fn velocity<L: Lanes>(&self, block: &Block) -> Vector<L> {
+    fn velocity<L: Lanes>(&self, block: &PairBlock) -> Vector<L> {
         let (a, _) = Vector::of(L::rows(&self.particles.velocity, &block.rows[0]));
         let (b, _) = Vector::of(L::rows(&self.particles.velocity, &block.rows[1]));
         a - b
     }
 
-    /// Notes those that are to be told.
+    /// Notes those that are to be reported.
     #[inline(always)]
-    fn note<L: Lanes>(&mut self, block: &Block, which: u32, overlap: L, normal: Vector<L>) {
+    fn note<L: Lanes>(&mut self, block: &PairBlock, which: u32, overlap: L, normal: Vector<L>) {
         let overlaps = overlap.array();
         let (x, y, z) = (normal.x.array(), normal.y.array(), normal.z.array());
         for lane in 0..block.count as usize {
@@ -163,23 +163,23 @@ impl Sweep<'_> {
 
     #[inline(never)]
     fn hit(&mut self, rows: [u32; 2], how: (Vec3, f32), place: Option<(usize, usize)>) {
-        let hit = Hit::new(self.particles, self.filter, rows, how, place, self.h);
+        let hit = PairHit::new(self.particles, self.filter, rows, how, place, self.h);
         self.hits.push(hit);
     }
 
     /// One by one, and returns the greatest overlap, metres.
     #[inline(never)]
-    fn treat(&mut self, block: &Block, which: u32) -> f32 {
+    fn treat(&mut self, block: &PairBlock, which: u32) -> f32 {
         let mut worst = 0.0_f32;
         for lane in 0..block.count as usize {
             if which & (1 << lane) == 0 {
                 continue;
             }
-            let pair = pair_of(block, lane, &self.near.offsets);
+            let pair = pair_of(block, lane, &self.neighbours.offsets);
             let Some((normal, overlap, stopped)) = pair.treat(self.particles) else { continue };
             worst = worst.max(overlap);
             if stopped {
-                self.stops.push(Stop { pair, normal });
+                self.times_of_impact.push(TimeOfImpact { pair, normal });
             }
             self.hit(pair.rows, (normal, overlap), None);
         }
@@ -187,9 +187,9 @@ impl Sweep<'_> {
     }
 }
 
-fn pair_of(block: &Block, lane: usize, offsets: &[[[f32; LANES]; 3]]) -> Pair {
+fn pair_of(block: &PairBlock, lane: usize, offsets: &[[[f32; LANES]; 3]]) -> SweptPair {
     let offset = offsets.get(block.offset as usize);
-    Pair {
+    SweptPair {
         rows: [block.rows[0][lane], block.rows[1][lane]],
         offset: offset.map_or(Vec3::ZERO, |[x, y, z]| Vec3::new(x[lane], y[lane], z[lane])),
         reach: block.reach[lane],

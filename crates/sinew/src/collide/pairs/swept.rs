@@ -19,7 +19,7 @@ use crate::particles::Particles;
 
 /// Two that may touch.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pair {
+pub(super) struct SweptPair {
     pub(super) rows: [u32; 2],
     /// What is to be added to the difference of their positions, metres.
     pub(super) offset: Vec3,
@@ -31,15 +31,15 @@ pub(super) struct Pair {
 
 /// A fast pair that was stopped, and the normal that it was stopped along.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stop {
-    pub(super) pair: Pair,
+pub(super) struct TimeOfImpact {
+    pub(super) pair: SweptPair,
     pub(super) normal: Vec3,
 }
 
 /// Below this share of the least distance a separation has no direction.
 const COINCIDENT: f32 = 1e-6;
 
-impl Pair {
+impl SweptPair {
     /// Pushes it apart if it must be. Returns the normal, from the second to the first, the overlap along it in metres, and whether it was stopped on
     /// its way.
     pub(super) fn treat(&self, particles: &mut Particles) -> Option<(Vec3, f32, bool)> {
@@ -100,7 +100,7 @@ impl Pair {
     }
 }
 
-impl Stop {
+impl TimeOfImpact {
     /// Puts it back on its side, if others have pushed it through.
     pub(super) fn hold(&self, particles: &mut Particles) {
         let short = self.pair.reach - self.normal.dot(self.pair.separation(&particles.position));

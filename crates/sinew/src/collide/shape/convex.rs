@@ -17,7 +17,7 @@
 
 use glam::Vec3;
 
-use super::{Nearest, RayHit, Touch};
+use super::{Nearest, RayHit, ShapeTouch};
 
 /// A shape without dents.
 pub(super) trait Convex {
@@ -29,13 +29,13 @@ pub(super) trait Convex {
 
     /// What [`Shape::touch`](super::Shape::touch) says.
     #[inline(always)]
-    fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<Touch> {
+    fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         self.touch_near(self.nearest(to), from, to, radius)
     }
 
     /// The same, given what is nearest to where the centre goes.
     #[inline(always)]
-    fn touch_near(&self, near: Nearest, from: Vec3, to: Vec3, radius: f32) -> Option<Touch> {
+    fn touch_near(&self, near: Nearest, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         if near.normal.dot(from - near.point) >= 0.0 {
             return near.out(radius);
         }
@@ -50,7 +50,7 @@ pub(super) trait Convex {
         from: Vec3,
         to: Vec3,
         radius: f32,
-    ) -> Option<Touch> {
+    ) -> Option<ShapeTouch> {
         // Where something is not a number, every comparison fails, and it comes to this.
         if !(from.is_finite() && to.is_finite()) {
             return None;
@@ -68,7 +68,7 @@ pub(super) trait Convex {
         if !passed && near.normal.dot(normal) >= BEND {
             return near.out(radius);
         }
-        Touch::new(normal, radius + offset - normal.dot(to))
+        ShapeTouch::new(normal, radius + offset - normal.dot(to))
     }
 
     /// What [`Shape::cast_ray`](super::Shape::cast_ray) says.
@@ -95,7 +95,7 @@ pub(super) struct Entry {
 impl Nearest {
     /// How a sphere with its centre at the point in question must go to be out.
     #[inline(always)]
-    pub(super) fn out(&self, radius: f32) -> Option<Touch> {
-        Touch::new(self.normal, radius - self.distance)
+    pub(super) fn out(&self, radius: f32) -> Option<ShapeTouch> {
+        ShapeTouch::new(self.normal, radius - self.distance)
     }
 }

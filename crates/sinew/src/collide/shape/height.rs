@@ -9,7 +9,7 @@ use super::fault::{is_coordinate, is_length, is_size};
 use super::flat::Cuboid;
 use super::surface::{Slide, Surface, Sweep, first_crossing, skin, slide};
 use super::triangle::{Close, Feature, Triangle};
-use super::{Nearest, RayHit, ShapeFault, Touch};
+use super::{Nearest, RayHit, ShapeFault, ShapeTouch};
 
 /// Heights over a grid about the origin.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,7 +90,7 @@ impl Heights {
     }
 
     /// A sphere against it; see [`Shape::touch`](super::Shape::touch).
-    pub(super) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<Touch> {
+    pub(super) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         let reach = radius.max(self.skin);
         let (low, high) = (from.min(to) - Vec3::splat(reach), from.max(to) + Vec3::splat(reach));
         let meets = low.cmple(self.bounds.1).all() && high.cmpge(self.bounds.0).all();
@@ -109,7 +109,7 @@ impl Heights {
 
     /// What a slope has pushed sideways into the ground, through a side that is no triangle, goes up; if it then is beyond another slope, to its
     /// start.
-    fn above(&self, from: Vec3, to: Vec3, reach: f32, touch: Touch) -> Option<Touch> {
+    fn above(&self, from: Vec3, to: Vec3, reach: f32, touch: ShapeTouch) -> Option<ShapeTouch> {
         let shift = touch.normal * touch.depth;
         let sunk =
             |place: Vec3| self.is_inside(place, None) || self.wall(from, place, reach).is_some();
@@ -119,7 +119,7 @@ impl Heights {
         let up = self.lift(to + shift, reach).map_or(Vec3::ZERO, |up| up.normal * up.depth);
         let place = to + shift + up;
         let free = !sunk(place) && first_crossing(self, from, place).is_none();
-        Touch::between(Vec3::ZERO, if free { shift + up } else { from - to })
+        ShapeTouch::between(Vec3::ZERO, if free { shift + up } else { from - to })
     }
 
     /// See [`Shape::cast_ray`](super::Shape::cast_ray).
@@ -163,7 +163,7 @@ impl Heights {
     }
 
     /// What came through a side or the bottom goes back out there.
-    fn wall(&self, from: Vec3, to: Vec3, reach: f32) -> Option<Touch> {
+    fn wall(&self, from: Vec3, to: Vec3, reach: f32) -> Option<ShapeTouch> {
         let (low, high) = self.bounds;
         let inside = from.cmpgt(low).all() && from.with_y(low.y).cmplt(high).all();
         if inside {
@@ -177,11 +177,11 @@ impl Heights {
             self.ground(place).is_some_and(|(triangle, _)| place.y < level(&triangle, place));
         let side = entry.normal.y <= 0.0 && below;
         let depth = reach + entry.offset - entry.normal.dot(to - middle);
-        if side { Touch::new(entry.normal, depth) } else { None }
+        if side { ShapeTouch::new(entry.normal, depth) } else { None }
     }
 
     /// What is below the surface goes up, by the planes of what is above it.
-    fn lift(&self, to: Vec3, reach: f32) -> Option<Touch> {
+    fn lift(&self, to: Vec3, reach: f32) -> Option<ShapeTouch> {
         let (mut shift, mut single) = (Vec3::ZERO, None);
         for round in 0..ROUNDS {
             let place = to + shift;
@@ -191,12 +191,12 @@ impl Heights {
             if depth <= reach * 1e-5 {
                 break;
             }
-            single = if round == 0 { Touch::new(normal, depth) } else { None };
+            single = if round == 0 { ShapeTouch::new(normal, depth) } else { None };
             // A steep triangle is not worth the way over it.
             let up = Vec3::Y * (depth / normal.y.max(0.1));
             shift += if round == ROUNDS - 1 { up } else { normal * depth };
         }
-        single.or_else(|| Touch::between(Vec3::ZERO, shift))
+        single.or_else(|| ShapeTouch::between(Vec3::ZERO, shift))
     }
 
     /// The triangle above or below a place, and its number; `None` beyond the rectangle.

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use super::convex::{Convex, Entry};
 use super::fault::{is_length, stray};
 use super::triangle::{Feature, Triangle};
-use super::{Nearest, ShapeFault, Touch};
+use super::{Nearest, ShapeFault, ShapeTouch};
 use crate::recipes::{HullFault, convex_hull};
 
 /// Corners and faces.
@@ -134,7 +134,7 @@ impl Hull {
     }
 
     /// A sphere against it; see [`Shape::touch`](super::Shape::touch).
-    pub(super) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<Touch> {
+    pub(super) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         let (mut front, mut best) = (0, f32::NEG_INFINITY);
         for (i, face) in self.faces.iter().enumerate() {
             let distance = face.normal.dot(to) - face.offset;

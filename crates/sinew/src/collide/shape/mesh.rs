@@ -14,7 +14,7 @@ use super::fault::{is_length, stray};
 use super::surface::{Slide, Surface, Sweep, first_crossing, skin, slide};
 use super::tree::Tree;
 use super::triangle::{Close, Feature, Triangle};
-use super::{Nearest, RayHit, ShapeFault, Touch};
+use super::{Nearest, RayHit, ShapeFault, ShapeTouch};
 use crate::same_place::first_in_place;
 
 /// Triangles, and what it takes to find them.
@@ -96,7 +96,7 @@ impl Mesh {
     }
 
     /// A sphere against it; see [`Shape::touch`](super::Shape::touch).
-    pub(super) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<Touch> {
+    pub(super) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         let reach = radius.max(self.skin);
         let (low, high) = (from.min(to) - Vec3::splat(reach), from.max(to) + Vec3::splat(reach));
         let meets = low.cmple(self.bounds.1).all() && high.cmpge(self.bounds.0).all();
@@ -116,7 +116,7 @@ impl Mesh {
                 if near.normal.dot(home.normal) >= BEND {
                     return near.out(reach);
                 }
-                Touch::new(home.normal, reach + home.normal.dot(home.point - to))
+                ShapeTouch::new(home.normal, reach + home.normal.dot(home.point - to))
             }
         }
     }

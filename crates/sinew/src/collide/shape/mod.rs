@@ -10,10 +10,11 @@
 //! | `tree`, `coarse` | which triangles are near; whether any are |
 //! | `mesh`, `height` | triangles in any order; triangles over a grid |
 //! | `extent`, `scale` | the box around a shape; the same shape in another size |
-//! | `mark` | a number made of what a shape is |
+//! | `content_hash` | a number made of what a shape is |
 //! | `convert` | the shapes that `parry3d` knows, for what two solids do to each other |
 
 mod coarse;
+mod content_hash;
 mod convert;
 mod convex;
 mod extent;
@@ -21,7 +22,6 @@ mod fault;
 mod flat;
 mod height;
 mod hull;
-mod mark;
 mod mesh;
 mod round;
 mod scale;
@@ -49,8 +49,8 @@ use round::{Ball, Capsule, Cylinder};
 #[derive(Clone)]
 pub struct Shape {
     form: Form,
-    /// A number made of what it is: see [`mark`](Self::mark).
-    mark: u64,
+    /// A number made of what it is: see [`content_hash`](Self::content_hash).
+    content_hash: u64,
     /// The same as `parry3d` has it; made when it is asked for first.
     twin: Arc<OnceLock<convert::Twin>>,
 }
@@ -91,7 +91,7 @@ pub(crate) enum Kind<'a> {
 
 /// What a sphere that goes somewhere has run into.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Touch {
+pub(crate) struct ShapeTouch {
     /// Which way it must be moved: a unit vector.
     pub(crate) normal: Vec3,
     /// How far it must be moved, metres; greater than 0.
@@ -202,9 +202,9 @@ impl Shape {
     /// the way. Otherwise how it must be moved from `to` to be just outside, on the side where it came from. One that began inside goes the nearest
     /// way out. Lengths in metres, in the shape's own coordinates. What is not finite touches nothing.
     #[inline]
-    pub(crate) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<Touch> {
+    pub(crate) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         match &self.form {
-            Form::HalfSpace => Touch::new(Vec3::Y, radius - to.y),
+            Form::HalfSpace => ShapeTouch::new(Vec3::Y, radius - to.y),
             Form::Ball(ball) => ball.touch(from, to, radius),
             Form::Capsule(capsule) => capsule.touch(from, to, radius),
             Form::Cuboid(cuboid) => cuboid.touch(from, to, radius),
@@ -287,14 +287,14 @@ impl Shape {
     }
 
     fn of(form: Form) -> Self {
-        Self { mark: mark::of(&form), form, twin: Arc::default() }
+        Self { content_hash: content_hash::of(&form), form, twin: Arc::default() }
     }
 
     /// A number made of what it is, by which what is remembered of one shape is not taken for what is of another. All meshes have one number, and all
     /// heightfields: of those nothing of the kind is remembered.
     #[inline]
-    pub(crate) fn mark(&self) -> u64 {
-        self.mark
+    pub(crate) fn content_hash(&self) -> u64 {
+        self.content_hash
     }
 }
 
@@ -310,7 +310,7 @@ impl std::fmt::Debug for Shape {
     }
 }
 
-impl Touch {
+impl ShapeTouch {
     /// `None` if there is nothing to do, also where the numbers are not finite.
     #[inline(always)]
     fn new(normal: Vec3, depth: f32) -> Option<Self> {

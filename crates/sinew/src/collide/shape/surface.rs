@@ -13,7 +13,7 @@
 
 use glam::Vec3;
 
-use super::Touch;
+use super::ShapeTouch;
 use super::triangle::{Close, Crossing, Feature, Triangle};
 
 /// Triangles that can be looked up by where they are.
@@ -53,7 +53,7 @@ pub(super) enum Slide {
     /// It ended inside of what the surface encloses and crossed nothing, so it began there.
     Inside,
     /// How it must be moved from where it would have gone.
-    Moved(Option<Touch>),
+    Moved(Option<ShapeTouch>),
 }
 
 /// Pushes in a row at most. A corner takes one for each wall; where three slopes meet at blunt angles they pass it on to each other for a while.
@@ -92,7 +92,7 @@ pub(super) fn slide(surface: &impl Surface, from: Vec3, to: Vec3, reach: f32) ->
             }
             (direction(place, from, &close, &triangle, away), reach - away)
         };
-        single = if round == 0 { Touch::new(normal, depth) } else { None };
+        single = if round == 0 { ShapeTouch::new(normal, depth) } else { None };
         shift += normal * depth;
         if round == ROUNDS - 1 {
             shift = last_resort(surface, from, to, shift, first);
@@ -101,7 +101,7 @@ pub(super) fn slide(surface: &impl Surface, from: Vec3, to: Vec3, reach: f32) ->
     if shift == Vec3::ZERO {
         return Slide::Clear;
     }
-    Slide::Moved(single.or_else(|| Touch::between(Vec3::ZERO, shift)))
+    Slide::Moved(single.or_else(|| ShapeTouch::between(Vec3::ZERO, shift)))
 }
 
 /// The first triangle that a way crosses, where it does; of several there, the first.

@@ -35,7 +35,7 @@ pub(super) struct Four {
 /// How two touch: shares of the four points that add up to zero, of the one that touches positive, of the other negative; and the unit vector from
 /// the other to the one.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
+pub(super) struct ContactShares {
     pub(super) shares: [f64; 4],
     pub(super) normal: DVec3,
 }
@@ -48,7 +48,7 @@ const HALVINGS: u32 = 40;
 
 impl Four {
     /// Where they pass through each other first, if they end on another side than they began on: who has passed and come back has not.
-    pub(super) fn crossing(&self) -> Option<Way> {
+    pub(super) fn crossing(&self) -> Option<ContactShares> {
         let [began, ends] = [self.from, self.to].map(|at| self.sides(at));
         let turned = [0, 1, 2].map(|i| ends[i] - began[i]);
         let cubic = cubic(began, turned);
@@ -77,14 +77,14 @@ impl Four {
         if self.edges { [b - p, a - p, c - b] } else { [p - a, b - a, c - a] }
     }
 
-    fn crosses_at(&self, time: f64) -> Option<Way> {
+    fn crosses_at(&self, time: f64) -> Option<ContactShares> {
         let at = [0, 1, 2, 3].map(|i| self.from[i].lerp(self.to[i], time));
         let (shares, normal) = self.meet(at, CRACK)?;
         let nearing = normal.dot(gap(shares, self.to) - gap(shares, self.from));
         if nearing == 0.0 {
             return None;
         }
-        Some(Way { shares, normal: if nearing > 0.0 { -normal } else { normal } })
+        Some(ContactShares { shares, normal: if nearing > 0.0 { -normal } else { normal } })
     }
 
     /// The shares of the four in what is nearest square to the triangle (to both edges), where that is within, and the unit normal.

@@ -2,13 +2,13 @@
 //!
 //! | file | what it is |
 //! |---|---|
-//! | `members` | who takes part: triangles, their corners and edges, particles |
-//! | `near` | who may come to touch whom, and whether somebody went further than was looked |
+//! | `participants` | who takes part: triangles, their corners and edges, particles |
+//! | `neighbour_list` | who may come to touch whom, and whether somebody went further than was looked |
 //! | `distance` | the nearest points of a particle and a triangle, and of two edges |
 //! | `crossing` | whether they passed through each other |
 //! | `solve` | the kernel: four points that keep a distance, and friction |
 //! | `zone` | what is done where contacts do not agree |
-//! | `bounce` | restitution, and what is told |
+//! | `restitution` | restitution, and what is reported |
 //!
 //! # Who touches whom
 //!
@@ -20,11 +20,11 @@
 //!
 //! # How it goes
 //!
-//! [`find`](Triangles::find) runs once a step, and lists who may come to touch whom. In each substep [`project`](Triangles::project) looks again if
-//! somebody has gone further than was reckoned with, and then sweeps over the list, up to [`SWEEPS`] times: whoever overlaps or has passed is put
-//! back, at once. A later sweep asks only those of whom somebody has moved since. Who still passes through somebody after that goes with it for the
-//! rest of the substep (`zone`). All is done in double precision, and one after the other: a tier for tens of thousands of triangles, not for
-//! millions.
+//! [`broad_phase`](Triangles::broad_phase) runs once a step, and lists who may come to touch whom. In each substep [`project`](Triangles::project)
+//! looks again if somebody has gone further than was reckoned with, and then sweeps over the list, up to [`SWEEPS`] times: whoever overlaps or has
+//! passed is put back, at once. A later sweep asks only those of whom somebody has moved since. Who still passes through somebody after that goes
+//! with it for the rest of the substep (`zone`). All is done in double precision, and one after the other: a tier for tens of thousands of triangles,
+//! not for millions.
 //!
 //! # The order, and what it depends on
 //!
@@ -42,11 +42,11 @@
 //!
 //! The thickness is softer than that: in a squeeze it may be less for a while, never nothing.
 
-mod bounce;
 mod crossing;
 mod distance;
-mod members;
-mod near;
+mod neighbour_list;
+mod participants;
+mod restitution;
 mod solve;
 #[cfg(test)]
 mod tests;
@@ -58,29 +58,29 @@ use super::nearby::Nearby;
 use super::{ContactFilter, Impacts};
 use crate::particles::Particles;
 
-use bounce::Hit;
-use members::Members;
-use near::Near;
-use solve::State;
+use neighbour_list::TriangleNeighbours;
+use participants::TriangleParticipants;
+use restitution::TriangleHit;
+use solve::SubstepState;
 use zone::Zones;
 
-/// Contacts of triangles: scratch of a step, and nothing of it outlives the next [`find`](Self::find).
+/// Contacts of triangles: scratch of a step, and nothing of it outlives the next [`broad_phase`](Self::broad_phase).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Triangles {
-    members: Members,
-    near: Near,
-    state: State,
+    participants: TriangleParticipants,
+    neighbours: TriangleNeighbours,
+    state: SubstepState,
     zones: Zones,
     /// Of this substep: who touched.
-    hits: Vec<Hit>,
+    hits: Vec<TriangleHit>,
     /// Of each candidate its place among those, or [`NONE`].
     hit_of: Vec<u32>,
-    /// Of this step: what is told.
-    told: Vec<Hit>,
+    /// Of this step: what is reported.
+    reported: Vec<TriangleHit>,
     /// Length of the step, seconds.
     dt: f32,
     /// How often it looked in this step, and how many rounds of zones there were.
-    looks: u32,
+    rebuilds: u32,
     rounds: u32,
 }
 
@@ -91,7 +91,7 @@ const SWEEPS: u32 = 4;
 const NEGLIGIBLE: f64 = 0.01;
 
 /// How often it looks again within a substep because somebody was put further than was reckoned with.
-const LOOKS: u32 = 2;
+const REBUILDS: u32 = 2;
 
 /// A candidate that did not touch.
 const NONE: u32 = u32::MAX;
@@ -101,7 +101,7 @@ impl Triangles {
     ///
     /// Bodies that are near no other take no part, nor do triangles of rows that are not there, that are of several bodies or of none, or that are
     /// marked in `solid`; it may be empty. Neither does anything that is not finite, or is more than 1e15 m away from the first.
-    pub(crate) fn find(
+    pub(crate) fn broad_phase(
         &mut self,
         particles: &Particles,
         surfaces: &[[u32; 3]],
@@ -109,20 +109,20 @@ impl Triangles {
         solid: &[bool],
         dt: f32,
     ) {
-        self.told.clear();
+        self.reported.clear();
         self.hits.clear();
-        (self.looks, self.rounds, self.dt) = (0, 0, dt);
-        self.members.take(particles, surfaces, (filter, nearby), solid);
+        (self.rebuilds, self.rounds, self.dt) = (0, 0, dt);
+        self.participants.take(particles, surfaces, (filter, nearby), solid);
         if self.is_empty() {
-            self.near.clear();
+            self.neighbours.clear();
             return;
         }
-        self.look(particles, filter, false);
+        self.rebuild(particles, filter, false);
     }
 
     /// Whether nobody takes part.
     pub(crate) fn is_empty(&self) -> bool {
-        self.members.rows.len() < 4
+        self.participants.rows.len() < 4
     }
 
     /// Puts back what overlaps or has passed through each other in a substep of which the start is in the particles. Returns the greatest overlap
@@ -130,22 +130,26 @@ impl Triangles {
     pub(crate) fn project(&mut self, particles: &mut Particles, filter: &ContactFilter) -> f64 {
         self.hits.clear();
         // Rows that came or went since would make the lists name others.
-        let last = self.members.rows.last().map_or(0, |&row| row as usize);
+        let last = self.participants.rows.last().map_or(0, |&row| row as usize);
         if self.is_empty() || last >= particles.len() {
             return 0.0;
         }
-        if self.near.is_outrun(&self.members, particles) {
-            self.look(particles, filter, true);
+        if self.neighbours.is_skin_exceeded(&self.participants, particles) {
+            self.rebuild(particles, filter, true);
         }
-        if self.near.candidates.is_empty() {
+        if self.neighbours.candidates.is_empty() {
             return 0.0;
         }
-        self.state.load(&self.members, particles);
+        self.state.load(&self.participants, particles);
         let (mut worst, mut sweep) = (0.0_f64, 0);
-        for look in 0..=LOOKS {
+        for rebuild in 0..=REBUILDS {
             self.hit_of.clear();
-            self.hit_of.resize(self.near.candidates.len(), NONE);
-            self.near.stray(&self.members, particles, &mut self.state.strayed);
+            self.hit_of.resize(self.neighbours.candidates.len(), NONE);
+            self.neighbours.measure_displacement(
+                &self.participants,
+                particles,
+                &mut self.state.displacement,
+            );
             let before = sweep;
             for number in 0..SWEEPS {
                 sweep += 1;
@@ -156,16 +160,16 @@ impl Triangles {
                     break;
                 }
             }
-            let rounds = self.zones.settle(&self.near.candidates, &mut self.state, sweep + 1);
+            let rounds = self.zones.settle(&self.neighbours.candidates, &mut self.state, sweep + 1);
             (sweep, self.rounds) = (sweep + rounds, self.rounds + rounds);
             let moved = self.state.moved.iter().any(|&moved| moved > before);
-            if !moved || !self.state.store(&self.members, particles) || look == LOOKS {
+            if !moved || !self.state.store(&self.participants, particles) || rebuild == REBUILDS {
                 break;
             }
-            if !self.near.is_outrun(&self.members, particles) {
+            if !self.neighbours.is_skin_exceeded(&self.participants, particles) {
                 break;
             }
-            self.look(particles, filter, true);
+            self.rebuild(particles, filter, true);
         }
         worst
     }
@@ -176,13 +180,13 @@ impl Triangles {
         for hit in &mut self.hits {
             hit.bounce(particles, h, 2.0 * gravity * h);
         }
-        self.told.extend(self.hits.iter().filter(|hit| hit.told));
+        self.reported.extend(self.hits.iter().filter(|hit| hit.reported));
     }
 
     /// Tells what has touched what in the step, where a body asked for it.
     pub(crate) fn report(&self, impacts: &mut Impacts) {
-        for hit in &self.told {
-            hit.tell(impacts);
+        for hit in &self.reported {
+            hit.report(impacts);
         }
     }
 
@@ -193,13 +197,13 @@ impl Triangles {
         sweep: u32,
         since: u32,
     ) -> f64 {
-        let Self { members, near, state, hits, hit_of, .. } = self;
+        let Self { participants, neighbours, state, hits, hit_of, .. } = self;
         let mut worst = 0.0_f64;
-        for (candidate, place) in near.candidates.iter().zip(hit_of) {
+        for (candidate, place) in neighbours.candidates.iter().zip(hit_of) {
             if !state.may_touch(candidate) || !state.moved_since(candidate.four, since) {
                 continue;
             }
-            let Some(contact) = state.contact(members, candidate) else { continue };
+            let Some(contact) = state.contact(participants, candidate) else { continue };
             let least =
                 if since == 0 || contact.crossed { 0.0 } else { NEGLIGIBLE * contact.reach };
             let inverse = state.inverse(candidate.four, contact.way.shares);
@@ -210,7 +214,7 @@ impl Triangles {
             worst = worst.max(contact.overlap);
             if *place == NONE {
                 *place = hits.len() as u32;
-                hits.push(Hit::new(members, filter, candidate));
+                hits.push(TriangleHit::new(participants, filter, candidate));
             }
             let hit = &mut hits[*place as usize];
             hit.note(particles, state, candidate.four, &contact, inverse);
@@ -225,8 +229,8 @@ impl Triangles {
         worst
     }
 
-    fn look(&mut self, particles: &Particles, filter: &ContactFilter, within: bool) {
-        self.near.look((&self.members, filter), particles, self.dt, within);
-        self.looks += 1;
+    fn rebuild(&mut self, particles: &Particles, filter: &ContactFilter, within: bool) {
+        self.neighbours.rebuild((&self.participants, filter), particles, self.dt, within);
+        self.rebuilds += 1;
     }
 }

@@ -29,19 +29,19 @@
 //! # Friction
 //!
 //! Since the substep began the two points have slid by `t = D - (D·n) n`, with `D = Σ kᵢ (xᵢ - startᵢ)`. Where that is no more than friction holds,
-//! `‖t‖ ≤ μ δ` (F8), it is taken back with the same shares, and nothing slides. Otherwise `bounce` takes from its velocity what friction may.
+//! `‖t‖ ≤ μ δ` (F8), it is taken back with the same shares, and nothing slides. Otherwise `restitution` takes from its velocity what friction may.
 
 use glam::{DVec3, Vec3};
 
-use super::crossing::{Four, Way, gap};
+use super::crossing::{ContactShares, Four, gap};
 use super::distance::{of_lines, to_triangle};
-use super::members::Members;
-use super::near::Candidate;
+use super::neighbour_list::TriangleCandidate;
+use super::participants::TriangleParticipants;
 use crate::particles::Particles;
 
 /// Where members are in this substep, in double precision: scratch of it.
 #[derive(Clone, Debug, Default)]
-pub(super) struct State {
+pub(super) struct SubstepState {
     /// Metres from their own origins.
     pub(super) at: Vec<DVec3>,
     /// The same when the substep began.
@@ -53,13 +53,13 @@ pub(super) struct State {
     /// In which sweep each was last moved; zero if in none.
     pub(super) moved: Vec<u32>,
     /// How far each has been at most from where it was looked at, metres, beside what all do in the mean.
-    pub(super) strayed: Vec<f32>,
+    pub(super) displacement: Vec<f32>,
 }
 
 /// A contact that holds.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Contact {
-    pub(super) way: Way,
+pub(super) struct TriangleContact {
+    pub(super) way: ContactShares,
     /// What is missing of the distance, metres.
     pub(super) overlap: f64,
     /// The distance, metres.
@@ -71,17 +71,17 @@ pub(super) struct Contact {
 /// What is nearer than this share of the distance that is to be kept has no direction.
 const COINCIDENT: f64 = 1e-6;
 
-impl State {
+impl SubstepState {
     /// Takes where members are in a substep.
-    pub(super) fn load(&mut self, members: &Members, particles: &Particles) {
+    pub(super) fn load(&mut self, participants: &TriangleParticipants, particles: &Particles) {
         let Self { at, from, origin, weight, moved, .. } = self;
         at.clear();
         from.clear();
         origin.clear();
         weight.clear();
         moved.clear();
-        moved.resize(members.rows.len(), 0);
-        for &row in &members.rows {
+        moved.resize(participants.rows.len(), 0);
+        for &row in &participants.rows {
             let i = row as usize;
             let place = particles.position[i];
             at.push(place.truncate().as_dvec3());
@@ -92,9 +92,13 @@ impl State {
     }
 
     /// Puts those that were moved there. Returns whether any was.
-    pub(super) fn store(&self, members: &Members, particles: &mut Particles) -> bool {
+    pub(super) fn store(
+        &self,
+        participants: &TriangleParticipants,
+        particles: &mut Particles,
+    ) -> bool {
         let mut any = false;
-        for ((&row, at), &moved) in members.rows.iter().zip(&self.at).zip(&self.moved) {
+        for ((&row, at), &moved) in participants.rows.iter().zip(&self.at).zip(&self.moved) {
             if moved > 0 {
                 let place = &mut particles.position[row as usize];
                 *place = at.as_vec3().extend(place.w);
@@ -107,8 +111,8 @@ impl State {
     /// Whether the four of a candidate have gone so far since it was looked that they may touch: a question that costs little, and is mostly answered
     /// by no.
     #[inline(always)]
-    pub(super) fn may_touch(&self, candidate: &Candidate) -> bool {
-        let of = |k: usize| self.strayed[candidate.four[k] as usize];
+    pub(super) fn may_touch(&self, candidate: &TriangleCandidate) -> bool {
+        let of = |k: usize| self.displacement[candidate.four[k] as usize];
         let (a, b, c, d) = (of(0), of(1), of(2), of(3));
         let gone = if candidate.edges { a.max(b) + c.max(d) } else { a + b.max(c).max(d) };
         // Also for what is no number.
@@ -123,7 +127,7 @@ impl State {
 
     /// The four of a candidate, in the coordinates of the first.
     #[inline]
-    pub(super) fn four(&self, candidate: &Candidate) -> Four {
+    pub(super) fn four(&self, candidate: &TriangleCandidate) -> Four {
         let [i, j, k, l] = candidate.four;
         let zero = self.origin[i as usize];
         let at = |i: u32| self.at[i as usize] + (self.origin[i as usize] - zero);
@@ -136,9 +140,13 @@ impl State {
     }
 
     /// The contact of a candidate, if it needs one.
-    pub(super) fn contact(&self, members: &Members, candidate: &Candidate) -> Option<Contact> {
+    pub(super) fn contact(
+        &self,
+        participants: &TriangleParticipants,
+        candidate: &TriangleCandidate,
+    ) -> Option<TriangleContact> {
         let four = self.four(candidate);
-        let radius = |k: usize| f64::from(members.radius[candidate.four[k] as usize]);
+        let radius = |k: usize| f64::from(participants.radius[candidate.four[k] as usize]);
         let reach_at = |shares: [f64; 4]| {
             let of = |k: usize| shares[k].abs() * radius(k);
             (of(0) + of(1) + of(2) + of(3)).min(f64::from(candidate.most))
@@ -152,7 +160,12 @@ impl State {
         {
             let reach = reach_at(way.shares);
             let overlap = reach - way.normal.dot(gap(way.shares, four.to));
-            return (overlap > 0.0).then_some(Contact { way, overlap, reach, crossed: true });
+            return (overlap > 0.0).then_some(TriangleContact {
+                way,
+                overlap,
+                reach,
+                crossed: true,
+            });
         }
         let shares = shares?;
         let reach = reach_at(shares);
@@ -164,7 +177,12 @@ impl State {
         let coincident = distance <= COINCIDENT * reach;
         let normal = if coincident { four.side(shares)? } else { apart / distance };
         let overlap = reach - normal.dot(apart);
-        Some(Contact { way: Way { shares, normal }, overlap, reach, crossed: false })
+        Some(TriangleContact {
+            way: ContactShares { shares, normal },
+            overlap,
+            reach,
+            crossed: false,
+        })
     }
 
     /// Moves four along a direction: each by its share, so that the points between which it is part by `apart`, metres. `inverse` is their
@@ -189,7 +207,7 @@ impl State {
 
     /// Puts a member somewhere.
     pub(super) fn put(&mut self, i: usize, at: DVec3, sweep: u32) {
-        self.strayed[i] += (at - self.at[i]).length() as f32;
+        self.displacement[i] += (at - self.at[i]).length() as f32;
         self.at[i] = at;
         self.moved[i] = sweep;
     }
@@ -209,7 +227,7 @@ impl State {
     }
 
     /// The middle between the two points, metres in the world.
-    pub(super) fn point(&self, four: [u32; 4], way: &Way) -> Vec3 {
+    pub(super) fn point(&self, four: [u32; 4], way: &ContactShares) -> Vec3 {
         let at = four.map(|i| self.at[i as usize] + self.origin[i as usize]);
         // The share of each in its own point is what it is without the sign.
         gap(way.shares.map(|share| 0.5 * share.abs()), at).as_vec3()

@@ -10,8 +10,8 @@
 
 use glam::DVec3;
 
-use super::near::Candidate;
-use super::solve::State;
+use super::neighbour_list::TriangleCandidate;
+use super::solve::SubstepState;
 use crate::union_find::{root, unite};
 
 /// Zones of a substep. Scratch.
@@ -20,16 +20,16 @@ pub(super) struct Zones {
     /// Of each member the first one of its zone, or one on the way there; empty as long as there is no zone.
     parent: Vec<u32>,
     /// Of each first one what the zone has in mass and in way, kg and kg·m, and how many pinned ones with what way.
-    sums: Vec<Sum>,
+    sums: Vec<ZoneSum>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct Sum {
+struct ZoneSum {
     mass: f64,
     moment: DVec3,
     pinned: f64,
     way: DVec3,
-    members: u32,
+    participants: u32,
 }
 
 /// How often zones grow. Each time takes some contacts further; where it is not enough, the world is so full that nothing is.
@@ -40,8 +40,8 @@ impl Zones {
     /// nobody does.
     pub(super) fn settle(
         &mut self,
-        candidates: &[Candidate],
-        state: &mut State,
+        candidates: &[TriangleCandidate],
+        state: &mut SubstepState,
         sweep: u32,
     ) -> u32 {
         self.parent.clear();
@@ -58,9 +58,10 @@ impl Zones {
     }
 
     /// Joins who passes through whom. Returns whether anybody does.
-    fn join(&mut self, candidates: &[Candidate], state: &State, since: u32) -> bool {
+    fn join(&mut self, candidates: &[TriangleCandidate], state: &SubstepState, since: u32) -> bool {
         let mut any = false;
-        let asked = |one: &&Candidate| state.may_touch(one) && state.moved_since(one.four, since);
+        let asked =
+            |one: &&TriangleCandidate| state.may_touch(one) && state.moved_since(one.four, since);
         for candidate in candidates.iter().filter(asked) {
             if state.four(candidate).crossing().is_none() {
                 continue;
@@ -77,14 +78,14 @@ impl Zones {
     }
 
     /// Moves each zone as one.
-    fn lead(&mut self, state: &mut State, sweep: u32) {
+    fn lead(&mut self, state: &mut SubstepState, sweep: u32) {
         let Self { parent, sums } = self;
         sums.clear();
-        sums.resize(parent.len(), Sum::default());
+        sums.resize(parent.len(), ZoneSum::default());
         for i in 0..parent.len() {
             let sum = &mut sums[root(parent, i as u32) as usize];
             let (way, weight) = (state.at[i] - state.from[i], state.weight[i]);
-            sum.members += 1;
+            sum.participants += 1;
             if weight > 0.0 {
                 sum.mass += 1.0 / weight;
                 sum.moment += way / weight;
@@ -95,7 +96,7 @@ impl Zones {
         }
         for i in 0..parent.len() {
             let sum = &sums[root(parent, i as u32) as usize];
-            if sum.members < 2 || state.weight[i] == 0.0 {
+            if sum.participants < 2 || state.weight[i] == 0.0 {
                 continue;
             }
             let way = if sum.pinned > 0.0 { sum.way / sum.pinned } else { sum.moment / sum.mass };

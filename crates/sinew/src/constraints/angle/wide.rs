@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::Angle;
 use crate::constraints::wide::{Wide, beyond, eight, is_size};
-use crate::constraints::{Constraint, Law};
+use crate::constraints::{Constraint, ConstraintKind};
 use crate::lanes::{LANES, Lanes, Vector, atan2};
 
 /// The numbers of eight [`Angle`]s.
@@ -16,8 +16,8 @@ pub(crate) struct Angles {
 
 impl Wide<3> for Angles {
     fn of(constraints: [&Constraint; LANES]) -> Option<Self> {
-        let angles: [&Angle; LANES] = eight(constraints, |c| match &c.law {
-            Law::Angle(law) => Some(law),
+        let angles: [&Angle; LANES] = eight(constraints, |c| match &c.kind {
+            ConstraintKind::Angle(equation) => Some(equation),
             _ => None,
         })?;
         Some(Self { min: angles.map(|angle| angle.min), max: angles.map(|angle| angle.max) })

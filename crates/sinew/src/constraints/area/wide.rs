@@ -3,7 +3,7 @@
 use super::Area;
 use crate::constraints::angle::any_normal_wide;
 use crate::constraints::wide::{Wide, eight};
-use crate::constraints::{Constraint, Law};
+use crate::constraints::{Constraint, ConstraintKind};
 use crate::lanes::{LANES, Lanes, Vector};
 
 /// The numbers of eight [`Area`]s.
@@ -14,8 +14,8 @@ pub(crate) struct Areas {
 
 impl Wide<3> for Areas {
     fn of(constraints: [&Constraint; LANES]) -> Option<Self> {
-        let areas: [&Area; LANES] = eight(constraints, |c| match &c.law {
-            Law::Area(law) => Some(law),
+        let areas: [&Area; LANES] = eight(constraints, |c| match &c.kind {
+            ConstraintKind::Area(equation) => Some(equation),
             _ => None,
         })?;
         Some(Self { rest: areas.map(|area| area.rest) })

@@ -3,7 +3,7 @@
 use super::super::checks::{self, points_of};
 use super::super::equation_energy;
 use super::*;
-use crate::constraints::{Constraint, Law};
+use crate::constraints::{Constraint, ConstraintKind};
 use crate::{ParticleSeed, Simulation};
 
 /// Two uneven triangles, flat.
@@ -98,14 +98,14 @@ fn triangles_without_area_and_stiffness_that_is_none_are_refused() {
 #[test]
 fn faults_are_told_apart() {
     let good = Bend::of(FOLDED).unwrap();
-    assert_eq!((good.fault(4), good.fault(3)), (None, Some(LawFault::Count)));
+    assert_eq!((good.fault(4), good.fault(3)), (None, Some(ConstraintFault::Count)));
     let numbers = [
         Bend { rest: -1.0, ..good.clone() },
         Bend { rest: f32::NAN, ..good.clone() },
         Bend { weights: [1.0, 0.0, -1.0, 0.5], ..good.clone() },
         Bend { weights: [f32::INFINITY, 0.0, 0.0, 0.0], ..good },
     ];
-    assert!(numbers.iter().all(|bad| bad.fault(4) == Some(LawFault::Number)));
+    assert!(numbers.iter().all(|bad| bad.fault(4) == Some(ConstraintFault::Number)));
 }
 
 /// Energy per area of a regular mesh rolled up to a cylinder about an axis in its plane, relative to `½ B κ²`. The mesh repeats the triangle of the
@@ -165,7 +165,7 @@ fn two_triangles_swing_at_the_frequency_of_their_stiffness_at_any_number_of_swee
         let bend = Bend::stiff(flat, 1.0).unwrap();
         // w = ½, ½, -½, -½ and 1 kg each: μ = 1 kg. k = ‖e‖·2/h = 4, A = ½: 1/α = B k²/A = 32 N/m.
         assert!((checks::evaluate(&bend, &flat).0).abs() < 1e-6);
-        world.constraints_mut().push(Constraint::new(0..4, Law::Bend(bend)));
+        world.constraints_mut().push(Constraint::new(0..4, ConstraintKind::Bend(bend)));
         let period = core::f32::consts::TAU / 32.0_f32.sqrt();
         let mut lowest = (0.0, 0.0_f32);
         // Half a period on, all is on the other side.

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::{Bend, FLAT};
 use crate::constraints::wide::{Wide, eight};
-use crate::constraints::{Constraint, Law};
+use crate::constraints::{Constraint, ConstraintKind};
 use crate::lanes::{LANES, Lanes, Vector};
 
 /// The numbers of eight [`Bend`]s.
@@ -18,8 +18,8 @@ impl Wide<4> for Bends {
     const IS_LENGTH: bool = true;
 
     fn of(constraints: [&Constraint; LANES]) -> Option<Self> {
-        let bends: [&Bend; LANES] = eight(constraints, |c| match &c.law {
-            Law::Bend(law) => Some(law),
+        let bends: [&Bend; LANES] = eight(constraints, |c| match &c.kind {
+            ConstraintKind::Bend(equation) => Some(equation),
             _ => None,
         })?;
         let weights = core::array::from_fn(|i| bends.map(|bend| bend.weights[i]));

@@ -3,7 +3,7 @@
 use super::Cone;
 use crate::constraints::angle::{Turns, between_wide};
 use crate::constraints::wide::{CLEAR, Wide, eight, is_below};
-use crate::constraints::{Constraint, Law};
+use crate::constraints::{Constraint, ConstraintKind};
 use crate::lanes::{LANES, Lanes, Vector};
 
 /// The numbers of eight [`Cone`]s of four or five particles.
@@ -21,8 +21,8 @@ impl Wide<5> for Cones {
     const IS_LIMIT: bool = true;
 
     fn of(constraints: [&Constraint; LANES]) -> Option<Self> {
-        let cones: [&Cone; LANES] = eight(constraints, |c| match &c.law {
-            Law::Cone(law) => Some(law),
+        let cones: [&Cone; LANES] = eight(constraints, |c| match &c.kind {
+            ConstraintKind::Cone(equation) => Some(equation),
             _ => None,
         })?;
         Some(Self {

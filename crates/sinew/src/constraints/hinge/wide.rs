@@ -4,7 +4,7 @@ use core::f32::consts::TAU;
 
 use super::Hinge;
 use crate::constraints::wide::{CLEAR, Wide, beyond, eight, is_below, is_size};
-use crate::constraints::{Constraint, Law};
+use crate::constraints::{Constraint, ConstraintKind};
 use crate::lanes::{LANES, Lanes, Vector, atan2};
 
 /// The numbers of eight [`Hinge`]s.
@@ -25,8 +25,8 @@ impl Wide<4> for Hinges {
     const IS_LIMIT: bool = true;
 
     fn of(constraints: [&Constraint; LANES]) -> Option<Self> {
-        let hinges: [&Hinge; LANES] = eight(constraints, |c| match &c.law {
-            Law::Hinge(law) => Some(law),
+        let hinges: [&Hinge; LANES] = eight(constraints, |c| match &c.kind {
+            ConstraintKind::Hinge(equation) => Some(equation),
             _ => None,
         })?;
         let middle = |hinge: &Hinge| super::around(0.5 * (hinge.min + hinge.max));

@@ -7,12 +7,12 @@ use std::sync::Arc;
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
 use super::towards::{Weights, towards};
-use super::{Direction, Equation, LawFault, Points, Softness};
+use super::{ConstraintFault, Equation, GradientAt, Points, Softness};
 use crate::pose::rotation;
 
 /// All particles keep the places that they have in a rigid shape, which may be anywhere and turned in any way, but never mirrored.
 ///
-/// Along [`Direction::Nearest`] they go to the nearest such places, the least `Σ m‖d‖²`. That bleeds spin. Along [`Direction::StepStart`] they go
+/// Along [`GradientAt::Current`] they go to the nearest such places, the least `Σ m‖d‖²`. That bleeds spin. Along [`GradientAt::StepStart`] they go
 /// where they keep the angular momentum that they come with, and the spin and the energy are kept as Verlet does; where that is not to be had (the
 /// shape turned by about 1 rad or more in a substep, or something else bent it that much) they go to the nearest.
 ///
@@ -39,11 +39,11 @@ impl Rigid {
     }
 
     /// Why it cannot bind `particles` particles, or `None` if it can.
-    pub(crate) fn fault(&self, particles: usize) -> Option<LawFault> {
+    pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         if particles == 0 || self.rest.len() != particles {
-            Some(LawFault::Count)
+            Some(ConstraintFault::Count)
         } else if self.rest.iter().any(|r| !r.is_finite()) {
-            Some(LawFault::Number)
+            Some(ConstraintFault::Number)
         } else {
             None
         }
@@ -100,8 +100,8 @@ impl Fit {
     }
 
     fn rotation(&self, points: &Points, rest: &[Vec3], weights: Weights) -> DQuat {
-        let nearest = rotation::nearest(self.moments, self.guess(points, rest));
-        if points.direction() == Direction::Nearest {
+        let nearest = rotation::nearest(self.moments, self.initial_rotation(points, rest));
+        if points.gradient_at() == GradientAt::Current {
             return nearest;
         }
         let mut start = DVec3::ZERO;
@@ -119,7 +119,7 @@ impl Fit {
 
     /// A rotation near the nearest one, so that two steps find that: the one that carries two of the rest positions, far out and far from being in
     /// line, to where their particles are. It depends on the positions alone; so does what is done where many rotations are as good.
-    fn guess(&self, points: &Points, rest: &[Vec3]) -> DQuat {
+    fn initial_rotation(&self, points: &Points, rest: &[Vec3]) -> DQuat {
         let (mut far, mut reach) = (0, 0.0);
         for (i, r) in rest.iter().enumerate() {
             let square = (r.as_dvec3() - self.rest).length_squared();

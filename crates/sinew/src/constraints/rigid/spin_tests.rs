@@ -1,13 +1,13 @@
 //! A rigid shape as a body in motion: spin, tumbling, momentum, energy and fall, in a world of its own.
 
 use super::*;
-use crate::{Constraint, Law, ParticleSeed, Simulation};
+use crate::{Constraint, ConstraintKind, ParticleSeed, Simulation};
 
 /// Eight particles at `half` on each side of the origin, kg in all, spinning at `spin` rad/s.
-fn boxed(half: Vec3, mass: f32, spin: Vec3, direction: Direction) -> Simulation {
+fn boxed(half: Vec3, mass: f32, spin: Vec3, gradient_at: GradientAt) -> Simulation {
     let mut world = Simulation::default();
     world.forces.gravity = Vec3::ZERO;
-    world.settings.direction = direction;
+    world.settings.gradient_at = gradient_at;
     // The correction itself is looked at here, not what makes up for it.
     world.settings.keep_spin = false;
     world.settings.substeps = 1;
@@ -18,7 +18,7 @@ fn boxed(half: Vec3, mass: f32, spin: Vec3, direction: Direction) -> Simulation 
         let seed = ParticleSeed::at(*p).with_mass(mass / 8.0).with_velocity(spin.cross(*p));
         world.particles.push(seed).unwrap();
     }
-    world.constraints_mut().push(Constraint::new(0..8, Law::Rigid(Rigid::of(rest))));
+    world.constraints_mut().push(Constraint::new(0..8, ConstraintKind::Rigid(Rigid::of(rest))));
     world
 }
 
@@ -29,8 +29,8 @@ fn angular_momentum(world: &mut Simulation) -> DVec3 {
 #[test]
 fn a_spun_cube_keeps_its_spin_along_the_start_of_the_step() {
     let mut kept = Vec::new();
-    for direction in [Direction::StepStart, Direction::Nearest] {
-        let mut world = boxed(Vec3::splat(0.5), 8.0, Vec3::Y * 10.0, direction);
+    for gradient_at in [GradientAt::StepStart, GradientAt::Current] {
+        let mut world = boxed(Vec3::splat(0.5), 8.0, Vec3::Y * 10.0, gradient_at);
         world.settings.substeps = 20;
         let (before, energy) = (angular_momentum(&mut world), world.ledger().kinetic);
         for _ in 0..600 {
@@ -39,7 +39,7 @@ fn a_spun_cube_keeps_its_spin_along_the_start_of_the_step() {
         let after = angular_momentum(&mut world);
         kept.push(after.y / before.y);
         println!(
-            "{direction:?}: angular momentum {:.6}, energy {:.6}, aside {:.1e}",
+            "{gradient_at:?}: angular momentum {:.6}, energy {:.6}, aside {:.1e}",
             after.y / before.y,
             world.ledger().kinetic / energy,
             after.with_y(0.0).length() / before.y
@@ -52,15 +52,15 @@ fn a_spun_cube_keeps_its_spin_along_the_start_of_the_step() {
 
 #[test]
 fn at_one_step_a_frame_the_nearest_way_bleeds_as_the_rods_do() {
-    let spin = |direction| {
-        let mut world = boxed(Vec3::splat(0.5), 8.0, Vec3::Z * 5.0, direction);
+    let spin = |gradient_at| {
+        let mut world = boxed(Vec3::splat(0.5), 8.0, Vec3::Z * 5.0, gradient_at);
         for _ in 0..120 {
             world.step(1.0 / 60.0).unwrap();
         }
         let velocity = (world.particles.velocity(0) - world.particles.velocity(7)).length();
         velocity / 2.0_f32.sqrt()
     };
-    let (nearest, kept) = (spin(Direction::Nearest), spin(Direction::StepStart));
+    let (nearest, kept) = (spin(GradientAt::Current), spin(GradientAt::StepStart));
     println!("5 rad/s after 2 s at 1/60 s: {nearest} and {kept}");
     assert!((nearest - 3.07).abs() < 0.02, "{nearest}");
     // What Verlet keeps is the sine of a step's turn, 5/60; read is its chord.
@@ -74,7 +74,7 @@ fn at_one_step_a_frame_the_nearest_way_bleeds_as_the_rods_do() {
 fn flips(h: f32, seconds: f32) -> Vec<f32> {
     let half = Vec3::new(1.0, 2.0, 3.0) * (0.5 / 3.0_f32.sqrt());
     let spin = Vec3::new(libm::sinf(0.01), libm::cosf(0.01), 0.0) * 6.0;
-    let mut world = boxed(half, 12.0, spin, Direction::StepStart);
+    let mut world = boxed(half, 12.0, spin, GradientAt::StepStart);
     let (mut last, mut times) = (1.0, Vec::new());
     for step in 0..(seconds / h) as u32 {
         world.step(h).unwrap();
@@ -100,7 +100,7 @@ fn the_middle_axis_flips_every_3_903_s() {
 #[test]
 fn ten_thousand_steps_of_tumbling_keep_momentum_angular_momentum_and_energy() {
     let half = Vec3::new(1.0, 2.0, 3.0) * (0.5 / 3.0_f32.sqrt());
-    let mut world = boxed(half, 12.0, Vec3::new(1.0, 4.0, 2.0), Direction::StepStart);
+    let mut world = boxed(half, 12.0, Vec3::new(1.0, 4.0, 2.0), GradientAt::StepStart);
     for i in 0..8 {
         let v = world.particles.velocity(i);
         world.particles.set_velocity(i, v + Vec3::new(0.5, -0.25, 0.125));
@@ -133,14 +133,14 @@ fn ten_thousand_steps_of_tumbling_keep_momentum_angular_momentum_and_energy() {
 
 #[test]
 fn in_free_fall_the_barycentre_follows_the_parabola_while_the_shape_spins() {
-    for direction in [Direction::StepStart, Direction::Nearest] {
-        let mut world = boxed(Vec3::splat(0.5), 8.0, Vec3::new(3.0, 2.0, 1.0), direction);
+    for gradient_at in [GradientAt::StepStart, GradientAt::Current] {
+        let mut world = boxed(Vec3::splat(0.5), 8.0, Vec3::new(3.0, 2.0, 1.0), gradient_at);
         world.forces.gravity = Vec3::new(0.0, -9.81, 0.0);
         for _ in 0..240 {
             world.step(1.0 / 240.0).unwrap();
         }
         let centre = (0..8).map(|i| world.particles.position(i)).sum::<Vec3>() / 8.0;
-        assert!((centre - Vec3::Y * -4.905).length() < 1e-4, "{direction:?}: {centre}");
+        assert!((centre - Vec3::Y * -4.905).length() < 1e-4, "{gradient_at:?}: {centre}");
     }
 }
 
@@ -148,7 +148,7 @@ fn in_free_fall_the_barycentre_follows_the_parabola_while_the_shape_spins() {
 fn a_plate_on_one_pinned_corner_swings_as_long_as_one_looks() {
     // A square plate hung by a corner, let go from 60° to the side; a physical pendulum.
     let mut world = Simulation::default();
-    world.settings.direction = Direction::StepStart;
+    world.settings.gradient_at = GradientAt::StepStart;
     let (sin, cos) = libm::sincosf(60.0_f32.to_radians());
     let at = |x: f32, y: f32| Vec3::new(x * cos - y * sin, x * sin + y * cos, 0.0);
     let rest = [at(0.0, 0.0), at(0.5, -0.5), at(-0.5, -0.5), at(0.0, -1.0)];
@@ -156,7 +156,7 @@ fn a_plate_on_one_pinned_corner_swings_as_long_as_one_looks() {
         let seed = ParticleSeed::at(*p);
         world.particles.push(if i == 0 { seed.pinned() } else { seed }).unwrap();
     }
-    world.constraints_mut().push(Constraint::new(0..4, Law::Rigid(Rigid::of(rest))));
+    world.constraints_mut().push(Constraint::new(0..4, ConstraintKind::Rigid(Rigid::of(rest))));
     let top = rest[3].y;
     let before = world.ledger();
     let (mut last, mut turning) = (0.0_f32, Vec::new());

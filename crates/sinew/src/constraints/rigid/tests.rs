@@ -3,7 +3,7 @@
 use super::super::checks::{self, Particles, Random, points_of};
 use super::super::{Points, project_equation};
 use super::*;
-use crate::constraints::Pace;
+use crate::constraints::SubstepContext;
 
 /// A lopsided shape of six, turned, moved and bent a little; and masses for it.
 fn bent() -> (Rigid, Vec<Vec3>, Vec<f32>) {
@@ -24,12 +24,14 @@ fn strain(rest: &[Vec3], now: &[Vec3]) -> f32 {
 }
 
 /// One projection along the start of the step.
-fn project_from_start(law: &Rigid, particles: &mut Particles) {
+fn project_from_start(equation: &Rigid, particles: &mut Particles) {
     let mut moves = vec![Vec3::ZERO; particles.now.len()];
-    let points = Points { direction: Direction::StepStart, ..particles.points() };
+    let points = Points { gradient_at: GradientAt::StepStart, ..particles.points() };
     let mut gradients = moves.clone();
-    let pace = Pace { h: 0.01, sweeps: 1 };
-    project_equation(law, &points, &mut gradients, pace, &mut 0.0, |i, d| moves[i] = d);
+    let substep_context = SubstepContext { h: 0.01, sweeps: 1 };
+    project_equation(equation, &points, &mut gradients, substep_context, &mut 0.0, |i, d| {
+        moves[i] = d;
+    });
     for (q, d) in particles.now.iter_mut().zip(moves) {
         *q += d.extend(0.0);
     }
@@ -37,22 +39,22 @@ fn project_from_start(law: &Rigid, particles: &mut Particles) {
 
 #[test]
 fn one_projection_meets_all_distances_and_keeps_both_momenta() {
-    let (law, places, masses) = bent();
-    checks::assert_gradients(&law, &places);
-    checks::assert_momentum_kept(&law, &places, &masses);
+    let (equation, places, masses) = bent();
+    checks::assert_gradients(&equation, &places);
+    checks::assert_momentum_kept(&equation, &places, &masses);
     let mut particles = points_of(&places, &masses);
-    assert!(strain(&law.rest, &places) > 0.03);
-    particles.project(&law);
-    let left = strain(&law.rest, &particles.positions());
+    assert!(strain(&equation.rest, &places) > 0.03);
+    particles.project(&equation);
+    let left = strain(&equation.rest, &particles.positions());
     assert!(left < 1e-6, "{left}");
-    assert!(particles.error(&law) < 1e-6);
+    assert!(particles.error(&equation) < 1e-6);
 }
 
 #[test]
 fn every_other_place_of_the_shape_costs_more() {
-    let (law, places, masses) = bent();
+    let (equation, places, masses) = bent();
     let mut particles = points_of(&places, &masses);
-    particles.project(&law);
+    particles.project(&equation);
     let least = particles.cost(&places);
     let found = particles.positions();
     let mut random = Random::new(9);
@@ -76,9 +78,9 @@ fn every_other_place_of_the_shape_costs_more() {
 
 #[test]
 fn along_the_start_of_the_step_the_angular_momentum_of_the_step_is_kept() {
-    let (law, starts, masses) = bent();
+    let (equation, starts, masses) = bent();
     let mut shape = points_of(&starts, &masses);
-    shape.project(&law);
+    shape.project(&equation);
     let starts = shape.positions();
     let mut random = Random::new(2);
     for sine in [1e-3, 0.1, 0.35, 0.8] {
@@ -96,10 +98,10 @@ fn along_the_start_of_the_step_the_angular_momentum_of_the_step_is_kept() {
         let before = momentum(&particles);
         let lost = |p: &Particles| (momentum(p) - before).length() / before.length();
         let mut nearest = particles.clone();
-        project_from_start(&law, &mut particles);
-        nearest.project(&law);
+        project_from_start(&equation, &mut particles);
+        nearest.project(&equation);
         assert!(lost(&particles) < 1e-6 / f64::from(sine), "{sine}: {}", lost(&particles));
-        assert!(strain(&law.rest, &particles.positions()) < 1e-6);
+        assert!(strain(&equation.rest, &particles.positions()) < 1e-6);
         assert!(
             sine < 0.1 || lost(&nearest) > 1e-3,
             "the nearest way does not: {}",
@@ -110,22 +112,22 @@ fn along_the_start_of_the_step_the_angular_momentum_of_the_step_is_kept() {
 
 #[test]
 fn what_turned_too_far_or_came_out_mirrored_goes_to_the_nearest_place() {
-    let (law, _, masses) = bent();
-    let turned: Vec<_> = law.rest.iter().map(|r| Vec3::new(-r.x, -r.y, r.z)).collect();
-    let mirrored: Vec<_> = law.rest.iter().map(|r| Vec3::new(r.x, r.y, -r.z)).collect();
+    let (equation, _, masses) = bent();
+    let turned: Vec<_> = equation.rest.iter().map(|r| Vec3::new(-r.x, -r.y, r.z)).collect();
+    let mirrored: Vec<_> = equation.rest.iter().map(|r| Vec3::new(r.x, r.y, -r.z)).collect();
     for places in [turned, mirrored] {
-        let mut particles = points_of(&law.rest, &masses);
+        let mut particles = points_of(&equation.rest, &masses);
         for (q, p) in particles.now.iter_mut().zip(&places) {
             *q = p.extend(q.w);
         }
         let mut nearest = particles.clone();
-        project_from_start(&law, &mut particles);
-        nearest.project(&law);
+        project_from_start(&equation, &mut particles);
+        nearest.project(&equation);
         assert_eq!(particles.now, nearest.now);
         let now = particles.positions();
-        assert!(strain(&law.rest, &now) < 2e-6);
+        assert!(strain(&equation.rest, &now) < 2e-6);
         let volume = |p: &[Vec3]| (p[1] - p[0]).cross(p[2] - p[0]).dot(p[3] - p[0]);
-        assert!(volume(&law.rest) * volume(&now) > 0.0, "never a reflection");
+        assert!(volume(&equation.rest) * volume(&now) > 0.0, "never a reflection");
     }
 }
 
@@ -142,16 +144,16 @@ fn flat_lined_up_small_and_single_shapes_are_met_too() {
         places.iter().map(|p| *p * 1e-3).collect(),
     ];
     for rest in shapes {
-        let law = Rigid::of(rest.clone());
-        assert_eq!(law.fault(rest.len()), None);
-        checks::assert_survives(&law, &places[..rest.len()]);
+        let equation = Rigid::of(rest.clone());
+        assert_eq!(equation.fault(rest.len()), None);
+        checks::assert_survives(&equation, &places[..rest.len()]);
         for from_start in [false, true] {
             let mut particles = points_of(&places[..rest.len()], &masses);
             for _ in 0..2 {
                 if from_start {
-                    project_from_start(&law, &mut particles);
+                    project_from_start(&equation, &mut particles);
                 } else {
-                    particles.project(&law);
+                    particles.project(&equation);
                 }
             }
             let left = strain(&rest, &particles.positions());
@@ -162,8 +164,8 @@ fn flat_lined_up_small_and_single_shapes_are_met_too() {
 
 #[test]
 fn degenerate_sets_stay_finite_along_the_start_as_well() {
-    let (law, places, _) = bent();
-    checks::assert_survives(&law, &places);
+    let (equation, places, _) = bent();
+    checks::assert_survives(&equation, &places);
     for masses in [vec![1.0; 6], vec![1.0, 1e6, 1e-6, f32::INFINITY, 1.0, 1.0]] {
         for scale in [0.0, 1e-30, 1e-9, 1e9, 1e18] {
             for start_scale in [0.0, 1e-30, 1.0, 1e18] {
@@ -172,7 +174,7 @@ fn degenerate_sets_stay_finite_along_the_start_as_well() {
                 for (q, p) in particles.now.iter_mut().zip(&places) {
                     *q = (*p * scale).extend(q.w);
                 }
-                project_from_start(&law, &mut particles);
+                project_from_start(&equation, &mut particles);
                 assert!(particles.now.iter().all(|q| q.is_finite()), "{scale} {start_scale}");
             }
         }
@@ -181,7 +183,7 @@ fn degenerate_sets_stay_finite_along_the_start_as_well() {
 
 #[test]
 fn pinned_particles_stay_and_the_others_find_their_places_around_them() {
-    let (law, places, _) = bent();
+    let (equation, places, _) = bent();
     for from_start in [false, true] {
         // One is a ball joint and met at once. Two, at a distance that is not quite that of the shape, are compromised on.
         for (pinned, allowed) in [(vec![2], 2e-6), (vec![1, 4], 0.06)] {
@@ -192,23 +194,27 @@ fn pinned_particles_stay_and_the_others_find_their_places_around_them() {
             let mut particles = points_of(&places, &masses);
             for _ in 0..3 {
                 if from_start {
-                    project_from_start(&law, &mut particles);
+                    project_from_start(&equation, &mut particles);
                 } else {
-                    particles.project(&law);
+                    particles.project(&equation);
                 }
             }
             let now = particles.positions();
             assert!(pinned.iter().all(|&i| now[i] == places[i]));
-            assert!(strain(&law.rest, &now) < allowed, "{pinned:?}: {}", strain(&law.rest, &now));
-            assert!(particles.error(&law) < 1e-4, "no argument is left with the free ones");
+            assert!(
+                strain(&equation.rest, &now) < allowed,
+                "{pinned:?}: {}",
+                strain(&equation.rest, &now)
+            );
+            assert!(particles.error(&equation) < 1e-4, "no argument is left with the free ones");
         }
     }
 }
 
 #[test]
 fn faults_are_told_apart() {
-    let law = Rigid::of([Vec3::ZERO, Vec3::X]);
-    assert_eq!((law.fault(2), law.fault(3)), (None, Some(LawFault::Count)));
-    assert_eq!(Rigid::of([]).fault(0), Some(LawFault::Count));
-    assert_eq!(Rigid::of([Vec3::ZERO, Vec3::NAN]).fault(2), Some(LawFault::Number));
+    let equation = Rigid::of([Vec3::ZERO, Vec3::X]);
+    assert_eq!((equation.fault(2), equation.fault(3)), (None, Some(ConstraintFault::Count)));
+    assert_eq!(Rigid::of([]).fault(0), Some(ConstraintFault::Count));
+    assert_eq!(Rigid::of([Vec3::ZERO, Vec3::NAN]).fault(2), Some(ConstraintFault::Number));
 }

@@ -3,7 +3,7 @@
 use super::Tetrahedron;
 use crate::constraints::area::steeper;
 use crate::constraints::wide::{Wide, eight, is_size};
-use crate::constraints::{Constraint, Law};
+use crate::constraints::{Constraint, ConstraintKind};
 use crate::lanes::{LANES, Lanes, Vector};
 
 /// The numbers of eight [`Tetrahedron`]s.
@@ -14,8 +14,8 @@ pub(crate) struct Tetrahedra {
 
 impl Wide<4> for Tetrahedra {
     fn of(constraints: [&Constraint; LANES]) -> Option<Self> {
-        let all: [&Tetrahedron; LANES] = eight(constraints, |c| match &c.law {
-            Law::Tetrahedron(law) => Some(law),
+        let all: [&Tetrahedron; LANES] = eight(constraints, |c| match &c.kind {
+            ConstraintKind::Tetrahedron(equation) => Some(equation),
             _ => None,
         })?;
         Some(Self { rest: all.map(|tetrahedron| tetrahedron.rest) })

@@ -108,7 +108,7 @@ pub(crate) fn apply(
     instructions: InstructionSet,
 ) {
     if !air.triangles.is_empty() && !surfaces.is_empty() {
-        particles.pushed = true;
+        particles.acceleration_dirty = true;
         with(instructions, Press { particles, surfaces, air, h });
     }
     for &(i, felt) in &air.balls {

@@ -97,7 +97,7 @@ pub(crate) fn apply(particles: &mut Particles, surfaces: &[[u32; 3]], pressures:
     {
         return;
     }
-    particles.pushed = true;
+    particles.acceleration_dirty = true;
     let Particles { position, origin, acceleration, .. } = particles;
     let sheet = Sheet { position, origin };
     for pressures in pressures.chunks_exact(surfaces.len()) {

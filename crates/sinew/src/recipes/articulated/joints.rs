@@ -5,7 +5,7 @@ use core::f32::consts::PI;
 use glam::{DVec3, Vec3};
 
 use super::{Bone, Joint, Point, across};
-use crate::constraints::{Cone, Constraint, Hinge, Law};
+use crate::constraints::{Cone, Constraint, ConstraintKind, Hinge};
 
 /// The particles of a body of bones.
 pub(super) struct Skeleton {
@@ -172,15 +172,15 @@ impl Skeleton {
         let x = others().reduce(|best, i| if away(i) > away(best) { i } else { best })?;
         let y = self.farthest(head, x, parent);
         let cone = Cone::about(at(head), at(x), at(y), at(own[TAIL]) - at(head), max)?;
-        Some(Constraint::new([head, x, y, own[TAIL]], Law::Cone(cone)))
+        Some(Constraint::new([head, x, y, own[TAIL]], ConstraintKind::Cone(cone)))
     }
 
     /// An angle about the line of the second and third particle, between limits that count from what it is now.
     fn turn(&self, rows: [u32; 4], min: f32, max: f32) -> Option<Constraint> {
         let now = Hinge::rest(rows.map(|i| self.points[i as usize].position)).min;
-        let law = Law::Hinge(Hinge::between(now + min, now + max));
+        let kind = ConstraintKind::Hinge(Hinge::between(now + min, now + max));
         let distinct = (0..4).all(|i| !rows[..i].contains(&rows[i]));
-        distinct.then(|| Constraint::new(rows, law))
+        distinct.then(|| Constraint::new(rows, kind))
     }
 
     /// The particle that is farthest from the line through two others; the first of equal ones.

@@ -22,12 +22,12 @@ fn build(bones: Vec<Bone>) -> (Blueprint, Simulation) {
 /// By how much the worst of all limits of angles is exceeded, degrees; the error of rigid pieces is not one.
 fn excess(world: &Simulation) -> f32 {
     let one = |c: &Constraint| {
-        if !matches!(c.law, Law::Cone(_) | Law::Hinge(_)) {
+        if !matches!(c.kind, ConstraintKind::Cone(_) | ConstraintKind::Hinge(_)) {
             return 0.0;
         }
         let places: Vec<Vec3> =
             c.rows.iter().map(|&i| world.particles.position(i as usize)).collect();
-        evaluate(c.law.equation(), &places).0.abs() * (180.0 / PI)
+        evaluate(c.kind.equation(), &places).0.abs() * (180.0 / PI)
     };
     world.constraints().iter().map(one).fold(0.0, f32::max)
 }

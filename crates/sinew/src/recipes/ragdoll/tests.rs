@@ -121,7 +121,7 @@ fn excess(world: &Simulation) -> (f32, usize) {
     let one = |c: &Constraint| {
         let places: Vec<Vec3> =
             c.rows.iter().map(|&i| world.particles.position(i as usize)).collect();
-        evaluate(c.law.equation(), &places).0.abs() * (180.0 / core::f32::consts::PI)
+        evaluate(c.kind.equation(), &places).0.abs() * (180.0 / core::f32::consts::PI)
     };
     let all = world.constraints().iter().map(one).zip(0..);
     all.fold((0.0, 0), |worst, one| if one.0 > worst.0 { one } else { worst })

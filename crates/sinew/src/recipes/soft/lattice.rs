@@ -6,7 +6,7 @@ use glam::{DVec3, UVec3, Vec3};
 
 use super::cells::{ball, block};
 use super::{SoftFault, check_common, damped, mass_of, sound};
-use crate::constraints::{Constraint, Distance, Law, Tetrahedron};
+use crate::constraints::{Constraint, ConstraintKind, Distance, Tetrahedron};
 use crate::particles::ParticleSeed;
 use crate::recipes::blueprint::{Blueprint, gap};
 use crate::recipes::solid::Bulk;
@@ -152,8 +152,8 @@ pub fn soft_lattice(spec: &SoftLatticeSpec) -> Result<Blueprint, SoftFault> {
             faces.map(|[a, b, c]| (b - a).as_dvec3().cross((c - a).as_dvec3()).length() / 6.0);
         let inverse = t.iter().zip(gradients).map(|(&i, g)| g * g / masses[i as usize]).sum();
         let softness = damped(volume / bulk, inverse, spec.damping);
-        let law = Law::Tetrahedron(Tetrahedron::of(corners).with_softness(softness));
-        body.constraints.push(Constraint::new(t, law));
+        let kind = ConstraintKind::Tetrahedron(Tetrahedron::of(corners).with_softness(softness));
+        body.constraints.push(Constraint::new(t, kind));
     }
     let surface = lattice.surface();
     body.triangles = surface;

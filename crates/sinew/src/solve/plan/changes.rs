@@ -1,8 +1,8 @@
-//! Changes: what came into the lists and went from them since a plan was compiled, and what numbers that leaves to the rest.
+//! Changes: what was added to the lists and removed from them since a plan was compiled, and what numbers that leaves to the rest.
 
 use super::Given;
 use super::keys::{DISTANCES, Fields, Key, RODS};
-use super::place::{rank_of, rank_of_law};
+use super::place::{rank_of, rank_of_kind};
 use crate::constraints::Rows;
 
 /// With more changes than these it is hardly worth it: each is looked for among all.
@@ -15,12 +15,13 @@ pub(crate) enum List {
     Constraints,
 }
 
-/// Something that came into a list or went from it. Numbers are those at that moment: what came moved all behind it one up, what went one down.
+/// Something that was added to a list or removed from it. Numbers are those at that moment: what was added moved all behind it one up, what was
+/// removed one down.
 #[derive(Clone, Debug)]
 pub(crate) enum Change {
-    Came(List, usize),
+    Added(List, usize),
     /// With the particles that it bound.
-    Went(List, usize, Rows),
+    Removed(List, usize, Rows),
 }
 
 /// What changed in the lists since the plan was compiled.
@@ -55,15 +56,15 @@ impl Changes {
     /// Whether one of the few may have bound, or may bind, two particles of which something holds.
     pub(crate) fn any_between(&self, given: Given, holds: impl Fn(u32, u32) -> bool) -> bool {
         let between = |rows: &[u32]| rows.windows(2).any(|pair| holds(pair[0], pair[1]));
-        // Each change behind it may have moved what came by one.
+        // Each change behind it may have moved what was added by one.
         let around = |at: usize| at.saturating_sub(MOST)..=at + MOST;
         self.few.iter().any(|change| match change {
-            Change::Went(.., rows) => between(rows),
-            &Change::Came(List::Distances, at) => {
+            Change::Removed(.., rows) => between(rows),
+            &Change::Added(List::Distances, at) => {
                 let mut near = around(at).filter_map(|i| given.distances.get(i));
                 near.any(|d| between(&[d.a, d.b]))
             }
-            &Change::Came(List::Constraints, at) => {
+            &Change::Added(List::Constraints, at) => {
                 let mut near = around(at).filter_map(|i| given.constraints.get(i));
                 near.any(|c| between(&c.rows))
             }
@@ -75,39 +76,43 @@ impl Changes {
         self.few.clear();
     }
 
-    /// Takes out the keys of what went, and lets the others have their new numbers. Returns what was taken out, and what in order has come.
-    pub(super) fn renumber(&self, keys: &mut Vec<Key>, given: &Given) -> (Vec<Went>, Vec<Came>) {
-        let (mut went, mut came) = (Vec::new(), Vec::<Came>::new());
+    /// Takes out the keys of what was removed, and lets the others have their new numbers. Returns what was taken out, and what valid was added.
+    pub(super) fn renumber(
+        &self,
+        keys: &mut Vec<Key>,
+        given: &Given,
+    ) -> (Vec<Removed>, Vec<Added>) {
+        let (mut removed, mut added) = (Vec::new(), Vec::<Added>::new());
         for change in &self.few {
-            let (&Change::Came(list, number) | &Change::Went(list, number, _)) = change;
+            let (&Change::Added(list, number) | &Change::Removed(list, number, _)) = change;
             let (number, mut step) = (number as u32, 1);
-            if let Change::Went(.., rows) = change {
+            if let Change::Removed(.., rows) = change {
                 let own = |key: &Key| list_of(key) == list && key.number == number;
                 if let Some(place) = keys.iter().position(own) {
-                    went.push((keys.remove(place), rows.clone()));
+                    removed.push((keys.remove(place), rows.clone()));
                 }
-                came.retain(|&one| one != (list, number));
+                added.retain(|&one| one != (list, number));
                 step = -1;
             }
             let old = keys.iter_mut().filter(|key| list_of(key) == list).map(|key| &mut key.number);
-            let new = came.iter_mut().filter(|(of, _)| *of == list).map(|(_, number)| number);
+            let new = added.iter_mut().filter(|(of, _)| *of == list).map(|(_, number)| number);
             for later in old.chain(new).filter(|later| **later >= number) {
                 *later = later.wrapping_add_signed(step);
             }
-            if let Change::Came(..) = change {
-                came.push((list, number));
+            if let Change::Added(..) = change {
+                added.push((list, number));
             }
         }
-        came.retain(|&(list, number)| given.is_sound(list, number as usize));
-        (went, came)
+        added.retain(|&(list, number)| given.is_sound(list, number as usize));
+        (removed, added)
     }
 }
 
-/// A constraint that went: its key, and what it bound.
-pub(super) type Went = (Key, Rows);
+/// A constraint that was removed: its key, and what it bound.
+pub(super) type Removed = (Key, Rows);
 
-/// One that came: where it is listed.
-pub(super) type Came = (List, u32);
+/// One that was added: where it is listed.
+pub(super) type Added = (List, u32);
 
 /// Which list the constraint of a key is in.
 pub(super) fn list_of(key: &Key) -> List {
@@ -134,7 +139,7 @@ impl Given<'_> {
             }
             List::Constraints => {
                 let c = &self.constraints[number];
-                (c.rows.clone(), rank_of_law(&c.law))
+                (c.rows.clone(), rank_of_kind(&c.kind))
             }
         }
     }

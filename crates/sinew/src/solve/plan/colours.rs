@@ -17,12 +17,12 @@ const STRIDES: usize = 32;
 /// So many rods of a stride are worth colours of their own: an eighth of them is lost to runs that do not fill the lanes.
 const LEAST: usize = 64;
 
-/// What has colours of its own: a rod and a law may have the same one.
+/// What has colours of its own: a rod and a constraint may have the same one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Class {
     Rods,
     Distances,
-    Laws,
+    Constraints,
 }
 
 /// Which colours each particle's constraints have used, by class and phase.
@@ -75,17 +75,17 @@ pub(super) fn lowest(taken: u64) -> u32 {
 pub(super) struct Strides(Vec<u32>);
 
 impl Strides {
-    /// Those of an island with these rods (first and last place in it). `room` is scratch.
-    pub(super) fn of(ends: impl Iterator<Item = (u32, u32)>, room: &mut Vec<u32>) -> Self {
-        room.clear();
-        room.extend(ends.map(|(a, b)| b - a));
-        if room.len() < LEAST {
+    /// Those of an island with these rods (first and last place in it). `scratch` is scratch.
+    pub(super) fn of(ends: impl Iterator<Item = (u32, u32)>, scratch: &mut Vec<u32>) -> Self {
+        scratch.clear();
+        scratch.extend(ends.map(|(a, b)| b - a));
+        if scratch.len() < LEAST {
             return Self::default();
         }
         // A thirty-second each: no more than there is room for.
-        let least = LEAST.max(room.len() / STRIDES + 1);
-        room.sort_unstable();
-        let runs = room.chunk_by(|a, b| a == b);
+        let least = LEAST.max(scratch.len() / STRIDES + 1);
+        scratch.sort_unstable();
+        let runs = scratch.chunk_by(|a, b| a == b);
         Self(runs.filter(|run| run.len() >= least).map(|run| run[0]).collect())
     }
 

@@ -1,15 +1,15 @@
-//! Cutting: constraints in the order of their keys are copied to where sweeps read them, group by group and bundle by bundle, and told to the kernels
-//! that take them.
+//! Cutting: constraints in the order of their keys are copied to where sweeps read them, group by group and cluster batch by cluster batch, and told
+//! to the kernels that take them.
 
 use core::ops::Range;
 
 use super::clusters::PHASES;
 use super::keys::{Fields, Key};
-use super::{Bundle, Group, Kind, Plan, colours, tasks};
+use super::{ClusterBatch, ConstraintGroup, GroupKind, Plan, colours, tasks};
 use crate::constraints::{Constraint, Distance};
 
 impl Plan {
-    /// Copies the constraints in the order of their keys, and cuts them into bundles and groups.
+    /// Copies the constraints in the order of their keys, and cuts them into cluster batches and groups.
     pub(super) fn take_in_order(
         &mut self,
         distances: &[Distance],
@@ -19,37 +19,42 @@ impl Plan {
         self.distances.clear();
         self.constraints.clear();
         self.groups.clear();
-        self.bundles.clear();
+        self.cluster_batches.clear();
         self.rods.clear();
-        self.laws.clear();
-        self.islands.iter_mut().for_each(|island| (island.groups, island.bundles) = (0..0, 0..0));
-        for keys in
-            keys.chunk_by(|one, other| Fields::bundle(one.group) == Fields::bundle(other.group))
-        {
+        self.constraint_batches.clear();
+        self.islands
+            .iter_mut()
+            .for_each(|island| (island.groups, island.cluster_batches) = (0..0, 0..0));
+        for keys in keys.chunk_by(|one, other| {
+            Fields::cluster_batch(one.group) == Fields::cluster_batch(other.group)
+        }) {
             let found = Fields::of(keys[0].group);
             let island = &mut self.islands[found.island as usize];
-            if island.bundles.is_empty() {
+            if island.cluster_batches.is_empty() {
                 island.groups = self.groups.len()..self.groups.len();
-                island.bundles = self.bundles.len()..self.bundles.len();
+                island.cluster_batches = self.cluster_batches.len()..self.cluster_batches.len();
             }
             let first = self.groups.len();
             let stage = found.rank * PHASES + found.phase;
-            // Rows before this bundle's may be turned with it, but not those of another one of its stage, or of another island.
-            let begin = match self.bundles.last().filter(|_| !island.bundles.is_empty()) {
-                Some(last) if last.stage == stage => last.rows.end,
-                _ => self.members[island.members.start],
-            };
-            let (rows, columns) = self.take_bundle(distances, constraints, keys, found, begin);
+            // Rows before this cluster batch's may be turned with it, but not those of another one of its stage, or of another island.
+            let begin =
+                match self.cluster_batches.last().filter(|_| !island.cluster_batches.is_empty()) {
+                    Some(last) if last.stage == stage => last.rows.end,
+                    _ => self.members[island.members.start],
+                };
+            let (rows, columns) =
+                self.take_cluster_batch(distances, constraints, keys, found, begin);
             let groups = first..self.groups.len();
             let island = &mut self.islands[found.island as usize];
-            (island.groups.end, island.bundles.end) = (groups.end, island.bundles.end + 1);
-            self.bundles.push(Bundle { groups, stage, rows, columns });
+            (island.groups.end, island.cluster_batches.end) =
+                (groups.end, island.cluster_batches.end + 1);
+            self.cluster_batches.push(ClusterBatch { groups, stage, rows, columns });
         }
         self.tasks = tasks::cut(self);
     }
 
-    /// Copies the constraints of one bundle, group by group; returns within which rows they are, and whether they are to be swept in columns.
-    fn take_bundle(
+    /// Copies the constraints of one cluster batch, group by group; returns within which rows they are, and whether they are to be swept in columns.
+    fn take_cluster_batch(
         &mut self,
         distances: &[Distance],
         constraints: &[Constraint],
@@ -61,7 +66,7 @@ impl Plan {
         let (mut rows, alone) = (Range { start: u32::MAX, end: 0 }, colours::OVERFLOW);
         let mut reach = |row: u32| rows = rows.start.min(row)..rows.end.max(row + 1);
         let numbers = keys.iter().map(|key| key.number as usize);
-        let mut begin = if kind == Kind::Constraints {
+        let mut begin = if kind == GroupKind::Constraints {
             let begin = self.constraints.len();
             self.constraints.extend(numbers.map(|number| constraints[number].clone()));
             self.constraints[begin..].iter().flat_map(|c| &c.rows).for_each(|&row| reach(row));
@@ -75,8 +80,9 @@ impl Plan {
         // Of strides, nearly all are in runs. Gathering from columns costs thrice what it costs packed, running a third.
         let strided = |key: &&Key| Fields::of(key.group).colour < colours::GREEDY;
         let running = keys.iter().filter(strided).count();
-        let columns =
-            kind == Kind::Rods && running * 4 >= keys.len() * 3 && rows.len() <= 2 * keys.len();
+        let columns = kind == GroupKind::Rods
+            && running * 4 >= keys.len() * 3
+            && rows.len() <= 2 * keys.len();
         if columns {
             // Strides are mostly even numbers: where the island's rows begin a line of the cache, most eights do.
             let origin = self.members[self.islands[found.island as usize].members.start];
@@ -89,21 +95,24 @@ impl Plan {
             let alone = Fields::of(run[0].group).colour == alone;
             let (mut runs, mut blocks, mut wide) = (0..0, 0..0, None);
             match kind {
-                Kind::Rods if columns => {
+                GroupKind::Rods if columns => {
                     let rods = &self.distances[range.clone()];
                     (runs, blocks) = self.rods.add_to_columns(rods, alone, &rows);
                 }
-                Kind::Rods => {
+                GroupKind::Rods => {
                     (runs, blocks) = self.rods.add(&self.distances[range.clone()], alone);
                 }
-                Kind::Distances => {
-                    wide = Some(self.laws.add_distances(&self.distances[range.clone()], alone));
+                GroupKind::Distances => {
+                    wide = Some(
+                        self.constraint_batches
+                            .add_distances(&self.distances[range.clone()], alone),
+                    );
                 }
-                Kind::Constraints => {
-                    wide = self.laws.add(&self.constraints[range.clone()], alone);
+                GroupKind::Constraints => {
+                    wide = self.constraint_batches.add(&self.constraints[range.clone()], alone);
                 }
             }
-            self.groups.push(Group { kind, range, runs, blocks, wide });
+            self.groups.push(ConstraintGroup { kind, range, runs, blocks, wide });
         }
         (rows, columns)
     }

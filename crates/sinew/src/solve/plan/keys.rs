@@ -1,6 +1,6 @@
 //! Keys: where each constraint goes in a plan, as one number to sort by.
 
-use super::Kind;
+use super::GroupKind;
 
 /// Where a constraint goes, and which it is. They are compared from the first field to the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -13,7 +13,7 @@ pub(super) struct Key {
     pub(super) number: u32,
 }
 
-/// The rank of distances: after the laws that precede them.
+/// The rank of distances: after the constraints that precede them.
 pub(super) const DISTANCES: u32 = 32;
 /// The rank of rods, after the rest of their island.
 pub(super) const RODS: u32 = 33;
@@ -44,16 +44,16 @@ impl Fields {
         Self { island: (key >> 32) as u32, rank, phase, cluster, colour }
     }
 
-    /// What the keys of a bundle have in common: all but the colour.
-    pub(super) fn bundle(key: u64) -> u64 {
+    /// What the keys of a cluster batch have in common: all but the colour.
+    pub(super) fn cluster_batch(key: u64) -> u64 {
         key >> 12
     }
 
-    pub(super) fn kind(self) -> Kind {
+    pub(super) fn kind(self) -> GroupKind {
         match self.rank {
-            DISTANCES => Kind::Distances,
-            RODS => Kind::Rods,
-            _ => Kind::Constraints,
+            DISTANCES => GroupKind::Distances,
+            RODS => GroupKind::Rods,
+            _ => GroupKind::Constraints,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The plan: constraints sorted into islands, and within an island into groups that the kernels take as a whole. Compiled when the topology changes,
-//! from the present constraints alone: whatever came and went before, the same world has the same plan, and so the same bits. Where few came or went,
-//! it is [mended](mend) instead, to what compiling would have given.
+//! from the present constraints alone: whatever was added and removed before, the same world has the same plan, and so the same bits. Where few were
+//! added or removed, it is [updated incrementally](incremental) instead, to what compiling would have given.
 //!
 //! An **island** is a set of particles that constraints connect. Each is swept until it holds, or its sweeps are spent, by itself: what happens
 //! in one never changes a bit in another, however hard it works.
@@ -19,9 +19,9 @@ mod changes;
 mod clusters;
 mod colours;
 mod cut;
+mod incremental;
 mod islands;
 mod keys;
-mod mend;
 mod place;
 mod tasks;
 #[cfg(test)]
@@ -29,9 +29,9 @@ mod tests;
 
 use core::ops::Range;
 
-use super::flock::Flocks;
+use super::instances::InstanceBatches;
 use super::rods::Rods;
-use super::wide::{Laws, Which};
+use super::wide::{ConstraintBatches, Which};
 use crate::constraints::{Constraint, Distance};
 use crate::solve::SolverSettings;
 pub(crate) use changes::{Change, Changes, List};
@@ -49,11 +49,11 @@ pub(crate) struct Plan {
     /// The rods among the distances, eight by eight.
     pub(crate) rods: Rods,
     /// The others that have a kernel for eight at a time.
-    pub(crate) laws: Laws,
+    pub(crate) constraint_batches: ConstraintBatches,
     /// The groups of all of them, in the order of a sweep.
-    pub(crate) groups: Vec<Group>,
-    /// The bundles that these make.
-    pub(crate) bundles: Vec<Bundle>,
+    pub(crate) groups: Vec<ConstraintGroup>,
+    /// The cluster batches that these make.
+    pub(crate) cluster_batches: Vec<ClusterBatch>,
     /// What threads may do side by side.
     pub(crate) tasks: Vec<Task>,
     /// The islands, in the order of their first particles. Every particle is in one.
@@ -65,25 +65,25 @@ pub(crate) struct Plan {
     /// How many rows it was compiled for.
     pub(crate) rows: usize,
     /// Islands that are built alike, to be solved side by side.
-    pub(crate) flocks: Flocks,
+    pub(crate) instance_batches: InstanceBatches,
     compiling: Compiling,
 }
 
 /// Constraints of one kind and one colour: no two share a particle, except in the overflow.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Group {
+pub(crate) struct ConstraintGroup {
     /// Which list they are in, and which kernel serves them.
-    pub(crate) kind: Kind,
+    pub(crate) kind: GroupKind,
     /// Where they are in that list.
     pub(crate) range: Range<usize>,
     /// Of rods: where they are among the plan's runs (or eights, in columns), and blocks.
     pub(crate) runs: Range<usize>,
     pub(crate) blocks: Range<usize>,
-    /// Of others: where they are among its laws, if those have a kernel for eight at a time.
+    /// Of others: where they are among its constraint batches, if those have a kernel for eight at a time.
     pub(crate) wide: Option<Which>,
 }
 
-impl Group {
+impl ConstraintGroup {
     /// Where its rods are among the plan's runs and blocks.
     pub(crate) fn rods(&self) -> (&Range<usize>, &Range<usize>) {
         (&self.runs, &self.blocks)
@@ -92,10 +92,10 @@ impl Group {
 
 /// Groups of one rank, of one cluster in one phase, which are swept one after the other: what a thread takes at a time.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Bundle {
+pub(crate) struct ClusterBatch {
     /// Where they are among the plan's groups.
     pub(crate) groups: Range<usize>,
-    /// Rank and phase. Bundles of one island and one stage share no particle.
+    /// Rank and phase. Cluster batches of one island and one stage share no particle.
     pub(crate) stage: u32,
     /// All rows that it touches are within these.
     pub(crate) rows: Range<u32>,
@@ -105,7 +105,7 @@ pub(crate) struct Bundle {
 
 /// The kinds of groups.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum GroupKind {
     /// Of the plan's constraints, by their equations.
     Constraints,
     /// Of the plan's distances, by the general kernel.
@@ -119,8 +119,8 @@ pub(crate) enum Kind {
 pub(crate) struct Island {
     /// Where its groups are among the plan's.
     pub(crate) groups: Range<usize>,
-    /// Where its bundles are.
-    pub(crate) bundles: Range<usize>,
+    /// Where its cluster batches are.
+    pub(crate) cluster_batches: Range<usize>,
     /// Where its particles are among the plan's members.
     pub(crate) members: Range<usize>,
     /// Whether a compound in it moves as an explicit rigid body, which keeps its own momenta.
@@ -177,7 +177,7 @@ impl Plan {
     /// Compiles as [`compile`](Self::compile) does, for as many particles as before, and where that can be without looking at everything again.
     pub(crate) fn keep_up(&mut self, given: Given, changes: &Changes) {
         let mut compiling = core::mem::take(&mut self.compiling);
-        let mended = mend::mend(self, &mut compiling, &given, changes);
+        let mended = incremental::update_incrementally(self, &mut compiling, &given, changes);
         if mended {
             self.cut(&given, &compiling.keys);
         }
@@ -190,8 +190,8 @@ impl Plan {
     /// Copies what was given in the order of its keys, and finds what goes side by side.
     fn cut(&mut self, given: &Given, keys: &[Key]) {
         self.take_in_order(given.distances, given.constraints, keys);
-        let mut flocks = core::mem::take(&mut self.flocks);
-        flocks.find(self);
-        self.flocks = flocks;
+        let mut instance_batches = core::mem::take(&mut self.instance_batches);
+        instance_batches.find(self);
+        self.instance_batches = instance_batches;
     }
 }

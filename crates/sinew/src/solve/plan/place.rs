@@ -5,9 +5,9 @@ use super::colours::{Class, Colours, Strides};
 use super::islands::Connected;
 use super::keys::{DISTANCES, Fields, Key, RIGID, RODS};
 use super::{Given, Plan};
-use crate::constraints::{Bound, Constraint, Distance, Law};
+use crate::constraints::{Bound, Constraint, ConstraintKind, Distance};
 
-/// What compiling needs; kept for its memory, and for the next [mending](super::mend).
+/// What compiling needs; kept for its memory, and for the next [incremental update](super::incremental).
 #[derive(Clone, Debug, Default)]
 pub(super) struct Compiling {
     pub(super) connected: Connected,
@@ -20,7 +20,7 @@ pub(super) struct Compiling {
     pub(super) colours: Colours,
     /// The strides of each island, and room to find them in.
     pub(super) strides: Vec<Strides>,
-    pub(super) room: Vec<u32>,
+    pub(super) scratch: Vec<u32>,
     /// The clusters of each island.
     pub(super) clusters: Vec<Clusters>,
     /// No constraint of an island reaches farther, counted in places.
@@ -101,12 +101,12 @@ impl Compiling {
 
     /// Gives each distance of an island its key.
     fn place_distances(&mut self, plan: &Plan, distances: &[Distance], island: usize) {
-        let mut room = core::mem::take(&mut self.room);
+        let mut scratch = core::mem::take(&mut self.scratch);
         let places = self.begins[island] as usize..self.begins[island + 1] as usize;
         let numbers = self.of_island[places.clone()].iter();
         let all = numbers.map(|&number| &distances[number as usize]);
-        let (clusters, strides) = self.survey(plan, island, all, &mut room);
-        self.room = room;
+        let (clusters, strides) = self.examine(plan, island, all, &mut scratch);
+        self.scratch = scratch;
         self.clusters.push(clusters);
         for place in places {
             let number = self.of_island[place];
@@ -130,25 +130,25 @@ impl Compiling {
     }
 
     /// How the island of these distances is cut, and which strides it has.
-    pub(super) fn survey<'a>(
+    pub(super) fn examine<'a>(
         &self,
         plan: &Plan,
         island: usize,
         distances: impl Iterator<Item = &'a Distance> + Clone,
-        room: &mut Vec<u32>,
+        scratch: &mut Vec<u32>,
     ) -> (Clusters, Strides) {
         let members = plan.islands[island].members.len();
         let ends = |d: &Distance| self.ends(&[d.a, d.b]);
         let clusters = Clusters::of(members, distances.clone().map(ends));
-        (clusters, Strides::of(distances.filter(|d| is_rod(d)).map(ends), room))
+        (clusters, Strides::of(distances.filter(|d| is_rod(d)).map(ends), scratch))
     }
 
     /// Gives a constraint its key.
     fn place_constraint(&mut self, plan: &Plan, constraint: &Constraint, number: u32) {
-        let (fields, ends) = self.fields(plan, &constraint.rows, rank_of_law(&constraint.law));
+        let (fields, ends) = self.fields(plan, &constraint.rows, rank_of_kind(&constraint.kind));
         let reach = &mut self.reaches[fields.island as usize];
         *reach = (*reach).max(ends.1 - ends.0);
-        let colour = self.colours.greedy(Class::Laws, fields.phase, &constraint.rows);
+        let colour = self.colours.greedy(Class::Constraints, fields.phase, &constraint.rows);
         let group = Fields { colour, ..fields }.key();
         self.keys.push(Key { group, first: ends.0, number });
     }
@@ -164,7 +164,7 @@ pub(super) fn rank_of(d: &Distance) -> u32 {
     if is_rod(d) { RODS } else { DISTANCES }
 }
 
-/// And laws.
-pub(super) fn rank_of_law(law: &Law) -> u32 {
-    if matches!(law, Law::Rigid(_)) { RIGID } else { law.rank() }
+/// And other constraints.
+pub(super) fn rank_of_kind(kind: &ConstraintKind) -> u32 {
+    if matches!(kind, ConstraintKind::Rigid(_)) { RIGID } else { kind.rank() }
 }

@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use super::Plan;
 use crate::lanes::LANES;
-use crate::solve::flock;
+use crate::solve::instances;
 use crate::threads::TASKS;
 
 /// Consecutive islands, which are solved one after the other.
@@ -16,18 +16,21 @@ pub(crate) struct Task {
     /// The same among the plan's distances and constraints.
     pub(crate) distances: Range<usize>,
     pub(crate) constraints: Range<usize>,
-    /// Where its flocks are among the plan's.
-    pub(crate) flocks: Range<usize>,
+    /// Where its instance batches are among the plan's.
+    pub(crate) instance_batches: Range<usize>,
     /// Whether it is one island that is worth being cut into clusters.
     pub(crate) large: bool,
 }
 
 impl Plan {
     /// The tasks for one worker alone, or for several. One has nothing of many tasks: where one ends amid bodies that are all the same, it goes on
-    /// with the next, so that they make larger [herds](flock).
+    /// with the next, so that they make larger [instance batches](instances).
     pub(crate) fn tasks(&self, alone: bool) -> impl Iterator<Item = Task> {
         let joins = move |one: &Task, next: &Task| {
-            alone && self.flocks.are_kin(one.flocks.clone(), next.flocks.clone())
+            alone
+                && self
+                    .instance_batches
+                    .have_same_topology(one.instance_batches.clone(), next.instance_batches.clone())
         };
         self.tasks.chunk_by(joins).filter_map(|tasks| Some(tasks.first()?.to(tasks.last()?)))
     }
@@ -41,7 +44,7 @@ impl Task {
             rows: self.rows.start..last.rows.end,
             distances: self.distances.start..last.distances.end,
             constraints: self.constraints.start..last.constraints.end,
-            flocks: self.flocks.start..last.flocks.end,
+            instance_batches: self.instance_batches.start..last.instance_batches.end,
             large: self.large,
         }
     }
@@ -69,15 +72,16 @@ pub(super) fn cut(plan: &Plan) -> Vec<Task> {
         let (distances, constraints) = (distance, constraint);
         for group in &plan.groups[island.groups.clone()] {
             match group.kind {
-                super::Kind::Constraints => constraint += group.range.len(),
+                super::GroupKind::Constraints => constraint += group.range.len(),
                 _ => distance += group.range.len(),
             }
         }
         let large = distance - distances + constraint - constraints >= LARGE
             && members.len() == (last - first) as usize + 1;
-        // Small islands go by eights, which are what a flock takes.
-        let whole =
-            |task: &Task| task.islands.len().is_multiple_of(LANES) || members.len() > flock::MOST;
+        // Small islands go by eights, which are what an instance batch takes.
+        let whole = |task: &Task| {
+            task.islands.len().is_multiple_of(LANES) || members.len() > instances::MOST
+        };
         let full = |task: &Task| task.large || large || (work(task) >= share && whole(task));
         let begin = match tasks.last() {
             None => true,
@@ -89,7 +93,7 @@ pub(super) fn cut(plan: &Plan) -> Vec<Task> {
                 rows: first..first,
                 distances: distances..distances,
                 constraints: constraints..constraints,
-                flocks: 0..0,
+                instance_batches: 0..0,
                 large: false,
             });
         }

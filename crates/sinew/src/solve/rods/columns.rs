@@ -1,22 +1,23 @@
 //! Rods on particles as columns of x, y, z and w: what a grid is swept in.
 //!
-//! In columns, eight rods of a strip are eight loads, the formula, and six stores; packed, half of the work is turning particles into lanes and back.
-//! So a cluster, which fits into a core's first cache, is turned once, swept, and turned back; and where nothing else wants to see its particles
-//! meanwhile, it stays in columns for all substeps of a step ([`wave`](crate::solve)).
+//! In columns, eight rods of a strided batch are eight loads, the formula, and six stores; packed, half of the work is turning particles into lanes
+//! and back. So a cluster, which fits into a core's first cache, is turned once, swept, and turned back; and where nothing else wants to see its
+//! particles meanwhile, it stays in columns for all substeps of a step ([`wavefront`](crate::solve)).
 
 use core::ops::Range;
 
 use super::worse;
-use super::{Block, Rods, Strips, moved, stretch, stretch_of};
+use super::{RodBlock, Rods, StridedBatch, moved, stretch, stretch_of};
 use crate::constraints::project_rod;
 use crate::lanes::{Columns, InstructionSet, LANES, Lanes, OnPairs, Vector, Work, with};
 use crate::particles::Places;
 
-/// Where the strips and the blocks of a colour are.
+/// Where the strided batches and the blocks of a colour are.
 type Colour<'a> = (&'a Range<usize>, &'a Range<usize>);
 
 impl Rods {
-    /// Projects groups of rods (their strips and blocks) once, in their order, on the particles of `rows`; returns the largest error found, metres.
+    /// Projects groups of rods (their strided batches and blocks) once, in their order, on the particles of `rows`; returns the largest error found,
+    /// metres.
     pub(crate) fn sweep_columns<'a>(
         &self,
         places: &mut Places,
@@ -33,7 +34,7 @@ impl Rods {
         worst
     }
 
-    /// The same on particles that are in columns, in which `rows` are the first of the bundle and that of the columns.
+    /// The same on particles that are in columns, in which `rows` are the first of the cluster batch and that of the columns.
     pub(crate) fn sweep_turned<'a>(
         &self,
         columns: &mut Columns,
@@ -41,7 +42,7 @@ impl Rods {
         rows: (u32, u32),
         instructions: InstructionSet,
     ) -> f32 {
-        with(instructions, Sweep { rods: self, columns, groups, rows })
+        with(instructions, SweepColumns { rods: self, columns, groups, rows })
     }
 
     /// What is left to correct of the same: largest error, metres, and largest share of a rest length. Moves nothing.
@@ -67,29 +68,29 @@ impl Rods {
         rows: (u32, u32),
         instructions: InstructionSet,
     ) -> (f32, f32) {
-        with(instructions, Measure { rods: self, columns, groups, rows })
+        with(instructions, MeasureColumns { rods: self, columns, groups, rows })
     }
 }
 
 /// A sweep over particles in columns, as [`Rods::sweep_turned`] has it.
-struct Sweep<'a, G> {
+struct SweepColumns<'a, G> {
     rods: &'a Rods,
     columns: &'a mut Columns,
     groups: G,
     rows: (u32, u32),
 }
 
-impl<'a, G: Iterator<Item = Colour<'a>>> Work for Sweep<'_, G> {
+impl<'a, G: Iterator<Item = Colour<'a>>> Work for SweepColumns<'_, G> {
     type Output = f32;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
         let Self { rods, columns, groups, rows } = self;
         let (mut worst, mut parted) = (L::zero(), 0.0_f32);
-        for (strips, blocks) in groups {
-            for strips in &rods.strips[strips.clone()] {
+        for (strided_batches, blocks) in groups {
+            for strided_batches in &rods.strided_batches[strided_batches.clone()] {
                 let from = (rows.0 - rows.1) as usize / 2;
-                worst = rods.sweep_strips::<L>(columns, strips, from, worst, &mut parted);
+                worst = rods.sweep_strided::<L>(columns, strided_batches, from, worst, &mut parted);
             }
             for block in &rods.blocks[blocks.clone()] {
                 worst = sweep_block::<L>(columns, block, rows.1, worst, &mut parted);
@@ -100,14 +101,14 @@ impl<'a, G: Iterator<Item = Colour<'a>>> Work for Sweep<'_, G> {
 }
 
 /// What such a sweep would still find, as [`Rods::measure_turned`] has it.
-struct Measure<'a, G> {
+struct MeasureColumns<'a, G> {
     rods: &'a Rods,
     columns: &'a mut Columns,
     groups: G,
     rows: (u32, u32),
 }
 
-impl<'a, G: Iterator<Item = Colour<'a>>> Work for Measure<'_, G> {
+impl<'a, G: Iterator<Item = Colour<'a>>> Work for MeasureColumns<'_, G> {
     type Output = (f32, f32);
 
     #[inline(always)]
@@ -115,10 +116,10 @@ impl<'a, G: Iterator<Item = Colour<'a>>> Work for Measure<'_, G> {
         let Self { rods, columns, groups, rows } = self;
         let from = (rows.0 - rows.1) as usize / 2;
         let mut worst = (L::zero(), L::zero());
-        for (strips, blocks) in groups {
-            for strips in &rods.strips[strips.clone()] {
+        for (strided_batches, blocks) in groups {
+            for strided_batches in &rods.strided_batches[strided_batches.clone()] {
                 let view = columns.eights();
-                for pair in &rods.pairs[strips.full.start..strips.tails.end] {
+                for pair in &rods.pairs[strided_batches.full.start..strided_batches.tails.end] {
                     let ((a, b), rest) = (view.find(pair, from), L::load(&pair.numbers));
                     let (_, left, _) = stretch(view.load(a), view.load(b), rest);
                     let left = rest.le(rest).and(left);
@@ -138,23 +139,23 @@ impl<'a, G: Iterator<Item = Colour<'a>>> Work for Measure<'_, G> {
 }
 
 impl Rods {
-    /// The strips of a colour, of which the first row of their bundle is `from` lanes behind that of the columns.
+    /// The strided batches of a colour, of which the first row of their cluster batch is `from` lanes behind that of the columns.
     #[inline(always)]
-    fn sweep_strips<L: Lanes>(
+    fn sweep_strided<L: Lanes>(
         &self,
         columns: &mut Columns,
-        strips: &Strips,
+        strided_batches: &StridedBatch,
         from: usize,
         worst: L,
         parted: &mut f32,
     ) -> L {
-        let mut pull = Pull { worst, all_move: L::zero().same(L::zero()) };
-        columns.eights().each(&self.pairs[strips.full.clone()], from, &mut pull);
+        let mut pull = RodPull { worst, all_move: L::zero().same(L::zero()) };
+        columns.eights().each(&self.pairs[strided_batches.full.clone()], from, &mut pull);
         let mut tail = Tail(pull);
-        columns.eights().each(&self.pairs[strips.tails.clone()], from, &mut tail);
-        let Tail(Pull { worst, all_move }) = tail;
+        columns.eights().each(&self.pairs[strided_batches.tails.clone()], from, &mut tail);
+        let Tail(RodPull { worst, all_move }) = tail;
         if !all_move.all() {
-            for pair in &self.pairs[strips.full.start..strips.tails.end] {
+            for pair in &self.pairs[strided_batches.full.start..strided_batches.tails.end] {
                 let (a, b) = columns.eights().find(pair, from);
                 *parted = parted.max(part(columns, a, b, &pair.numbers));
             }
@@ -164,12 +165,12 @@ impl Rods {
 }
 
 /// Eights, and what they come to: the largest errors, and which lanes could always be projected.
-struct Pull<L> {
+struct RodPull<L> {
     worst: L,
     all_move: L,
 }
 
-impl<L: Lanes> OnPairs<L> for Pull<L> {
+impl<L: Lanes> OnPairs<L> for RodPull<L> {
     #[inline(always)]
     fn length(&self, [x, y, z]: [L; 3], [p, q, r]: [L; 3]) -> L {
         (Vector::new(x, y, z) - Vector::new(p, q, r)).length()
@@ -190,7 +191,7 @@ impl<L: Lanes> OnPairs<L> for Pull<L> {
 }
 
 /// The same of fewer than eight. What lies beyond the last rod may be anything, NaN too, and belongs to others.
-struct Tail<L>(Pull<L>);
+struct Tail<L>(RodPull<L>);
 
 impl<L: Lanes> OnPairs<L> for Tail<L> {
     #[inline(always)]
@@ -222,7 +223,7 @@ impl<L: Lanes> OnPairs<L> for Tail<L> {
 #[inline(always)]
 fn sweep_block<L: Lanes>(
     columns: &mut Columns,
-    block: &Block,
+    block: &RodBlock,
     first: u32,
     worst: L,
     parted: &mut f32,

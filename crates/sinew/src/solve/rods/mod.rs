@@ -20,22 +20,22 @@ use crate::lanes::{Columns, LANES, Lanes, Pair, Vector};
 /// The rods of a plan.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rods {
-    runs: Vec<Run>,
+    runs: Vec<RodRun>,
     /// Rest lengths of the runs, metres.
     rests: Vec<f32>,
     /// What is swept in columns: by colour.
-    strips: Vec<Strips>,
+    strided_batches: Vec<StridedBatch>,
     /// Their rods, with their rest lengths, NaN for lanes beyond the last rod.
     pairs: Vec<Pair>,
     /// Where odd rows begin in their columns.
     half: usize,
-    blocks: Vec<Block>,
+    blocks: Vec<RodBlock>,
 }
 
 /// Rods of one colour in step by two rows, so that both their first and their second ends are neighbours in a column. Their rows count from the first
-/// one of their bundle.
+/// one of their cluster batch.
 #[derive(Clone, Debug)]
-struct Strips {
+struct StridedBatch {
     /// Eights.
     full: Range<usize>,
     /// The last ones of each run, fewer than eight.
@@ -44,7 +44,7 @@ struct Strips {
 
 /// Rods in step: `(a, b), (a + s, b + s), (a + 2s, b + 2s), …`
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Run {
+struct RodRun {
     a: u32,
     b: u32,
     /// The step `s`, 1 or 2.
@@ -54,12 +54,12 @@ struct Run {
     count: u32,
 }
 
-/// Columns have room for so many bundles of the longest kind: for as many substeps, nearly.
+/// Columns have room for so many cluster batches of the longest kind: for as many substeps, nearly.
 const BUNDLES: usize = 16;
 
 /// Any eight rods of one colour. Where there are fewer, one stands there again: it computes the same and writes the same.
 #[derive(Clone, Copy, Debug)]
-struct Block {
+struct RodBlock {
     a: [u32; LANES],
     b: [u32; LANES],
     rest: [f32; LANES],
@@ -70,7 +70,7 @@ impl Rods {
     pub(crate) fn clear(&mut self) {
         self.runs.clear();
         self.rests.clear();
-        self.strips.clear();
+        self.strided_batches.clear();
         self.pairs.clear();
         self.half = 0;
         self.blocks.clear();
@@ -82,22 +82,23 @@ impl Rods {
         let (runs, blocks) = (self.runs.len(), self.blocks.len());
         let mut loose = Vec::new();
         if alone {
-            rods.chunks(1).for_each(|rod| self.blocks.push(Block::of(rod)));
+            rods.chunks(1).for_each(|rod| self.blocks.push(RodBlock::of(rod)));
         } else {
             self.find_runs(rods, &[1, 2], LANES / 2, &mut loose);
         }
-        loose.chunks(LANES).for_each(|rods| self.blocks.push(Block::of(rods)));
+        loose.chunks(LANES).for_each(|rods| self.blocks.push(RodBlock::of(rods)));
         (runs..self.runs.len(), blocks..self.blocks.len())
     }
 
-    /// The same for a bundle of so many rows that is swept in columns: returns which strips, and which blocks.
+    /// The same for a cluster batch of so many rows that is swept in columns: returns which strided batches, and which blocks.
     pub(crate) fn add_to_columns(
         &mut self,
         rods: &[Distance],
         alone: bool,
         rows: &Range<u32>,
     ) -> (Range<usize>, Range<usize>) {
-        let (strips, runs, rests) = (self.strips.len(), self.runs.len(), self.rests.len());
+        let (strided_batches, runs, rests) =
+            (self.strided_batches.len(), self.runs.len(), self.rests.len());
         let (_, blocks) = if alone { self.add(rods, true) } else { (0..0, 0..0) };
         let mut loose = Vec::new();
         for parity in if alone { 0..0 } else { 0..2 } {
@@ -106,7 +107,7 @@ impl Rods {
         }
         self.widen(rows.len());
         let (begin, mut tails) = (self.pairs.len(), Vec::new());
-        for Run { a, b, rests, count, .. } in self.runs.split_off(runs) {
+        for RodRun { a, b, rests, count, .. } in self.runs.split_off(runs) {
             let lengths = &self.rests[rests as usize..][..count as usize];
             for (some, along) in lengths.chunks(LANES).zip((0..).step_by(2 * LANES)) {
                 let mut eight = [f32::NAN; LANES];
@@ -118,14 +119,14 @@ impl Rods {
         }
         let full = begin..self.pairs.len();
         self.pairs.extend(tails);
-        self.strips.push(Strips { tails: full.end..self.pairs.len(), full });
+        self.strided_batches.push(StridedBatch { tails: full.end..self.pairs.len(), full });
         self.rests.truncate(rests);
         let first = if alone { blocks.start } else { self.blocks.len() };
-        loose.chunks(LANES).for_each(|rods| self.blocks.push(Block::of(rods)));
-        (strips..self.strips.len(), first..self.blocks.len())
+        loose.chunks(LANES).for_each(|rods| self.blocks.push(RodBlock::of(rods)));
+        (strided_batches..self.strided_batches.len(), first..self.blocks.len())
     }
 
-    /// Lets columns have room for some bundles of so many rows, which a [wave](super::wave) is on its way through.
+    /// Lets columns have room for some cluster batches of so many rows, which a [wavefront](super::wavefront) is on its way through.
     fn widen(&mut self, rows: usize) {
         let half = Columns::half(BUNDLES * rows.next_power_of_two());
         if half > self.half {
@@ -156,7 +157,7 @@ impl Rods {
             let count = if over >= worth { length } else { length - over };
             if count > 0 {
                 let ((a, b), rests) = (ends(first), self.rests.len() as u32);
-                self.runs.push(Run { a, b, step, rests, count: count as u32 });
+                self.runs.push(RodRun { a, b, step, rests, count: count as u32 });
                 self.rests.extend(rest[..count].iter().map(|rod| rod.rest));
                 self.rests.resize(self.rests.len().next_multiple_of(LANES), first.rest);
             }
@@ -169,13 +170,13 @@ impl Rods {
 
     /// The rest lengths of a run, eight by eight.
     #[inline(always)]
-    fn rests_of(&self, run: &Run) -> &[[f32; LANES]] {
+    fn rests_of(&self, run: &RodRun) -> &[[f32; LANES]] {
         let eights = (run.count as usize).div_ceil(LANES);
         self.rests[run.rests as usize..][..eights * LANES].as_chunks().0
     }
 }
 
-impl Block {
+impl RodBlock {
     /// One to eight rods.
     fn of(rods: &[Distance]) -> Self {
         let rod = |lane: usize| rods.get(lane).unwrap_or(&rods[0]);
@@ -254,12 +255,12 @@ pub(super) fn project_from_start<L: Lanes>(
     let (d, bond) = (a - b, Vector::of(from).0 - Vector::of(to).0);
     let (weights, along, short) = (wa + wb, d.dot(bond), rest * rest);
     let usable = (short * L::splat(1.0 / 3.0)).lt(along).and(L::zero().lt(weights)).and(may);
-    let (mut scale, mut way) =
+    let (mut scale, mut pattern) =
         ((d.length_squared() - short) / (L::splat(2.0) * weights * along), bond);
     // A division less, nearly always.
     if !usable.all() {
-        (scale, way) = (usable.select(scale, nearest), bond.or_else(usable, d));
+        (scale, pattern) = (usable.select(scale, nearest), bond.or_else(usable, d));
     }
-    let (a, b) = (a - way * (wa * scale), b + way * (wb * scale));
+    let (a, b) = (a - pattern * (wa * scale), b + pattern * (wb * scale));
     (a.with(wa), b.with(wb), error, moves.or(usable))
 }

@@ -4,8 +4,8 @@ use core::ops::Range;
 
 use glam::Vec4;
 
-use super::{Rods, Run, Strips, project, project_from_start};
-use crate::constraints::{Direction, project_rod};
+use super::{RodRun, Rods, StridedBatch, project, project_from_start};
+use crate::constraints::{GradientAt, project_rod};
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 use crate::particles::Places;
 
@@ -16,14 +16,16 @@ impl Rods {
         places: &mut Places,
         runs: Range<usize>,
         blocks: Range<usize>,
-        direction: Direction,
+        gradient_at: GradientAt,
         instructions: InstructionSet,
     ) -> f32 {
         let rods = self;
-        match direction {
-            Direction::Nearest => with(instructions, Sweep::<false> { rods, places, runs, blocks }),
-            Direction::StepStart => {
-                with(instructions, Sweep::<true> { rods, places, runs, blocks })
+        match gradient_at {
+            GradientAt::Current => {
+                with(instructions, SweepRods::<false> { rods, places, runs, blocks })
+            }
+            GradientAt::StepStart => {
+                with(instructions, SweepRods::<true> { rods, places, runs, blocks })
             }
         }
     }
@@ -36,31 +38,32 @@ impl Rods {
         blocks: Range<usize>,
         instructions: InstructionSet,
     ) -> (f32, f32) {
-        with(instructions, Measure { rods: self, positions, runs, blocks })
+        with(instructions, MeasureRods { rods: self, positions, runs, blocks })
     }
 
-    /// Projects strips of a bundle in columns, on particles as they lie: along where rods pointed when the substep began, which columns do not know.
-    pub(crate) fn sweep_strips_from_start(
+    /// Projects strided batches of a cluster batch in columns, on particles as they lie: along where rods pointed when the substep began, which
+    /// columns do not know.
+    pub(crate) fn sweep_strided_from_start(
         &self,
         places: &mut Places,
-        strips: Range<usize>,
+        strided_batches: Range<usize>,
         rows: &Range<u32>,
         instructions: InstructionSet,
     ) -> f32 {
-        let strips = &self.strips[strips];
-        with(instructions, FromStart { rods: self, places, strips, first: rows.start })
+        let strided_batches = &self.strided_batches[strided_batches];
+        with(instructions, FromStart { rods: self, places, strided_batches, first: rows.start })
     }
 }
 
 /// As [`Rods::sweep`] has it: `START` along where rods pointed when the substep began.
-struct Sweep<'a, 'b, const START: bool> {
+struct SweepRods<'a, 'b, const START: bool> {
     rods: &'a Rods,
     places: &'a mut Places<'b>,
     runs: Range<usize>,
     blocks: Range<usize>,
 }
 
-impl<const START: bool> Work for Sweep<'_, '_, START> {
+impl<const START: bool> Work for SweepRods<'_, '_, START> {
     type Output = f32;
 
     #[inline(always)]
@@ -68,13 +71,13 @@ impl<const START: bool> Work for Sweep<'_, '_, START> {
         let Self { rods, places, runs, blocks } = self;
         let (mut worst, mut parted) = (L::zero(), 0.0_f32);
         for run in &rods.runs[runs] {
-            let (rests, way) = (rods.rests_of(run), run.way());
+            let (rests, pattern) = (rods.rests_of(run), run.pattern());
             for (eight, rest) in rests.iter().enumerate() {
                 let along = (eight * LANES) as u32;
                 let whole = along + LANES as u32 <= run.count;
                 let (a, b) = (run.a + along * run.step, run.b + along * run.step);
                 let (a, b) = (places.at(a), places.at(b));
-                if !whole || way == Way::Rows {
+                if !whole || pattern == LoadPattern::Rows {
                     let left = run.count - along;
                     let rows = [run.rows(a, left), run.rows(b, left)];
                     let (found, together) =
@@ -82,15 +85,15 @@ impl<const START: bool> Work for Sweep<'_, '_, START> {
                     (worst, parted) = (found.max(worst), parted.max(together));
                     continue;
                 }
-                let (one, other) = load::<L>(places.position, way, a, b);
+                let (one, other) = load::<L>(places.position, pattern, a, b);
                 let rests = L::load(rest);
                 let (one, other, error, moves) = if START {
-                    let start = load::<L>(places.start, way, a, b);
+                    let start = load::<L>(places.start, pattern, a, b);
                     project_from_start(one, other, start, rests, L::zero().same(L::zero()))
                 } else {
                     project(one, other, rests)
                 };
-                if way == Way::Pairs {
+                if pattern == LoadPattern::Pairs {
                     L::put_pairs(places.position, a, one, other);
                 } else {
                     L::put_run(places.position, a, one);
@@ -113,14 +116,14 @@ impl<const START: bool> Work for Sweep<'_, '_, START> {
 }
 
 /// As [`Rods::measure`] has it.
-struct Measure<'a> {
+struct MeasureRods<'a> {
     rods: &'a Rods,
     positions: &'a [Vec4],
     runs: Range<usize>,
     blocks: Range<usize>,
 }
 
-impl Work for Measure<'_> {
+impl Work for MeasureRods<'_> {
     type Output = (f32, f32);
 
     #[inline(always)]
@@ -158,11 +161,11 @@ pub(in crate::solve) fn worse<L: Lanes>(
     (left.max(error), share.max(strain))
 }
 
-/// As [`Rods::sweep_strips_from_start`] has it; `first` is the first row of the bundle.
+/// As [`Rods::sweep_strided_from_start`] has it; `first` is the first row of the cluster batch.
 struct FromStart<'a, 'b> {
     rods: &'a Rods,
     places: &'a mut Places<'b>,
-    strips: &'a [Strips],
+    strided_batches: &'a [StridedBatch],
     first: u32,
 }
 
@@ -171,11 +174,11 @@ impl Work for FromStart<'_, '_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
-        let Self { rods, places, strips, first } = self;
+        let Self { rods, places, strided_batches, first } = self;
         let (mut worst, mut parted) = (L::zero(), 0.0_f32);
         let first = places.at(first) as u32;
-        for strips in strips {
-            for pair in &rods.pairs[strips.full.start..strips.tails.end] {
+        for strided_batches in strided_batches {
+            for pair in &rods.pairs[strided_batches.full.start..strided_batches.tails.end] {
                 let (mut ends, mut rest) = ([[0; LANES]; 2], pair.numbers);
                 for lane in 0..LANES {
                     // What stands there again to fill the lanes is the first.
@@ -214,7 +217,7 @@ fn eight_rods<L: Lanes, const START: bool>(
 
 /// How eight rods of a run are loaded.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Way {
+enum LoadPattern {
     /// Both ends from consecutive rows.
     Runs,
     /// From rows of which each is bound to the next.
@@ -223,13 +226,13 @@ enum Way {
     Rows,
 }
 
-impl Run {
+impl RodRun {
     #[inline(always)]
-    fn way(&self) -> Way {
+    fn pattern(&self) -> LoadPattern {
         match self.step {
-            1 => Way::Runs,
-            2 if self.b == self.a + 1 => Way::Pairs,
-            _ => Way::Rows,
+            1 => LoadPattern::Runs,
+            2 if self.b == self.a + 1 => LoadPattern::Pairs,
+            _ => LoadPattern::Rows,
         }
     }
 
@@ -254,8 +257,12 @@ impl Run {
 
 /// Both ends of eight rods of a run.
 #[inline(always)]
-fn load<L: Lanes>(packed: &[Vec4], way: Way, a: usize, b: usize) -> ([L; 4], [L; 4]) {
-    if way == Way::Pairs { L::pairs(packed, a) } else { (L::run(packed, a), L::run(packed, b)) }
+fn load<L: Lanes>(packed: &[Vec4], pattern: LoadPattern, a: usize, b: usize) -> ([L; 4], [L; 4]) {
+    if pattern == LoadPattern::Pairs {
+        L::pairs(packed, a)
+    } else {
+        (L::run(packed, a), L::run(packed, b))
+    }
 }
 
 /// Rows as places in slices that begin with the row `first`.

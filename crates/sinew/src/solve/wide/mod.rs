@@ -1,50 +1,52 @@
-//! Constraints other than hard rods, eight side by side: soft distances, ropes and struts, and most laws.
+//! Constraints other than hard rods, eight side by side: soft distances, ropes and struts, and most other kinds.
 //!
 //! As [rods](super::rods) are: those of one colour share no particle, so eight of them go at once, in any order. The formula of each is that of its
-//! scalar twin in [`constraints`](crate::constraints), to a few units in the last place; how hard it is, is one formula for all ([`temper`]).
+//! scalar twin in [`constraints`](crate::constraints), to a few units in the last place; how hard it is, is one formula for all ([`compliance`]).
 //!
-//! - `temper` is the softness of eight constraints, whatever each one's is;
-//! - `block` projects eight constraints of one law, by their values and gradients ([`Wide`](crate::constraints::Wide));
-//! - `lengths` projects eight distances;
-//! - `spots` is where the particles of eight are, in memory or in the lanes of a [flock](super::flock); `alike` are the constraints of those.
+//! - `compliance` is the softness of eight constraints, whatever each one's is;
+//! - `constraint_batch` projects eight constraints of one kind, by their values and gradients ([`Wide`](crate::constraints::Wide));
+//! - `distance_batch` projects eight distances;
+//! - `particle_access` is where the particles of eight are, in memory or in the lanes of an [instance batch](super::instances); `instanced` are the
+//!   constraints of those.
 
-mod alike;
-mod block;
-mod lengths;
-mod spots;
-mod temper;
+mod compliance;
+mod constraint_batch;
+mod distance_batch;
+mod instanced;
+mod particle_access;
 #[cfg(test)]
 mod tests;
 
 use core::ops::Range;
 
 use crate::constraints::{
-    Angles, Areas, Bends, Cones, Constraint, Distance, Hinges, Law, Pace, Tetrahedra, Wide,
+    Angles, Areas, Bends, Cones, Constraint, ConstraintKind, Distance, Hinges, SubstepContext,
+    Tetrahedra, Wide,
 };
 use crate::lanes::{InstructionSet, LANES, Lanes, with};
 use crate::particles::Places;
-pub(super) use alike::{Alike, Groups, Part};
-use block::Block;
-use lengths::Lengths;
-use temper::Temper;
+use compliance::PackedCompliance;
+use constraint_batch::ConstraintBatch;
+use distance_batch::DistanceBatch;
+pub(super) use instanced::{InstancedConstraints, InstancedGroup, InstancedGroups};
 
 /// The constraints of a plan that have wide kernels.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Laws {
-    tempers: Vec<Temper>,
-    lengths: Vec<Lengths>,
-    bends: Vec<Block<Bends, 4>>,
-    areas: Vec<Block<Areas, 3>>,
-    tetrahedra: Vec<Block<Tetrahedra, 4>>,
-    angles: Vec<Block<Angles, 3>>,
-    hinges: Vec<Block<Hinges, 4>>,
-    cones: Vec<Block<Cones, 5>>,
+pub(crate) struct ConstraintBatches {
+    compliances: Vec<PackedCompliance>,
+    distances: Vec<DistanceBatch>,
+    bends: Vec<ConstraintBatch<Bends, 4>>,
+    areas: Vec<ConstraintBatch<Areas, 3>>,
+    tetrahedra: Vec<ConstraintBatch<Tetrahedra, 4>>,
+    angles: Vec<ConstraintBatch<Angles, 3>>,
+    hinges: Vec<ConstraintBatch<Hinges, 4>>,
+    cones: Vec<ConstraintBatch<Cones, 5>>,
 }
 
 /// Which of them a group has.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Which {
-    list: List,
+    list: BatchList,
     blocks: Range<usize>,
     /// How many of the group's constraints are in a block: eight, or one where they share particles.
     each: usize,
@@ -52,8 +54,8 @@ pub(crate) struct Which {
 
 /// The lists that there are.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum List {
-    Lengths,
+enum BatchList {
+    Distances,
     Bends,
     Areas,
     Tetrahedra,
@@ -62,12 +64,12 @@ enum List {
     Cones,
 }
 
-impl Laws {
+impl ConstraintBatches {
     /// Forgets all, and keeps the memory.
     pub(crate) fn clear(&mut self) {
-        let Self { tempers, lengths, bends, areas, tetrahedra, angles, hinges, cones } = self;
-        tempers.clear();
-        lengths.clear();
+        let Self { compliances, distances, bends, areas, tetrahedra, angles, hinges, cones } = self;
+        compliances.clear();
+        distances.clear();
         bends.clear();
         areas.clear();
         tetrahedra.clear();
@@ -80,16 +82,26 @@ impl Laws {
     /// where there is no wide kernel for them, or not the same one for all.
     pub(crate) fn add(&mut self, constraints: &[Constraint], alone: bool) -> Option<Which> {
         let each = if alone { 1 } else { LANES };
-        let Self { tempers, bends, areas, tetrahedra, angles, hinges, cones, .. } = self;
-        let (list, blocks) = match &constraints.first()?.law {
-            Law::Bend(_) => (List::Bends, take(bends, tempers, constraints, each)?),
-            Law::Area(_) => (List::Areas, take(areas, tempers, constraints, each)?),
-            Law::Tetrahedron(_) => {
-                (List::Tetrahedra, take(tetrahedra, tempers, constraints, each)?)
+        let Self { compliances, bends, areas, tetrahedra, angles, hinges, cones, .. } = self;
+        let (list, blocks) = match &constraints.first()?.kind {
+            ConstraintKind::Bend(_) => {
+                (BatchList::Bends, take(bends, compliances, constraints, each)?)
             }
-            Law::Angle(_) => (List::Angles, take(angles, tempers, constraints, each)?),
-            Law::Hinge(_) => (List::Hinges, take(hinges, tempers, constraints, each)?),
-            Law::Cone(_) => (List::Cones, take(cones, tempers, constraints, each)?),
+            ConstraintKind::Area(_) => {
+                (BatchList::Areas, take(areas, compliances, constraints, each)?)
+            }
+            ConstraintKind::Tetrahedron(_) => {
+                (BatchList::Tetrahedra, take(tetrahedra, compliances, constraints, each)?)
+            }
+            ConstraintKind::Angle(_) => {
+                (BatchList::Angles, take(angles, compliances, constraints, each)?)
+            }
+            ConstraintKind::Hinge(_) => {
+                (BatchList::Hinges, take(hinges, compliances, constraints, each)?)
+            }
+            ConstraintKind::Cone(_) => {
+                (BatchList::Cones, take(cones, compliances, constraints, each)?)
+            }
             _ => return None,
         };
         Some(Which { list, blocks, each })
@@ -97,39 +109,48 @@ impl Laws {
 
     /// Takes distances, likewise.
     pub(crate) fn add_distances(&mut self, distances: &[Distance], alone: bool) -> Which {
-        let (first, each) = (self.lengths.len(), if alone { 1 } else { LANES });
+        let (first, each) = (self.distances.len(), if alone { 1 } else { LANES });
         for eight in distances.chunks(each) {
-            self.lengths.push(Lengths::of(eight, &mut self.tempers));
+            self.distances.push(DistanceBatch::of(eight, &mut self.compliances));
         }
-        Which { list: List::Lengths, blocks: first..self.lengths.len(), each }
+        Which { list: BatchList::Distances, blocks: first..self.distances.len(), each }
     }
 
-    /// Projects a group once; `multipliers` are what its constraints have summed up, in their order. Returns the largest error found, metres; of soft
-    /// ones, how far they moved.
+    /// Projects a group once; `all_multipliers` are what its constraints have summed up, in their order. Returns the largest error found, metres; of
+    /// soft ones, how far they moved.
     pub(crate) fn sweep(
         &self,
         places: &mut Places,
         which: &Which,
-        multipliers: &mut [f32],
-        pace: Pace,
+        all_multipliers: &mut [f32],
+        substep_context: SubstepContext,
         instructions: InstructionSet,
     ) -> f32 {
-        let (sums, range) = (multipliers.chunks_mut(which.each), which.blocks.clone());
-        let Self { tempers, lengths, bends, areas, tetrahedra, angles, hinges, cones } = self;
+        let (multipliers, range) = (all_multipliers.chunks_mut(which.each), which.blocks.clone());
+        let Self { compliances, distances, bends, areas, tetrahedra, angles, hinges, cones } = self;
         macro_rules! sweep {
             ($kernel:ident of $list:ident) => {{
                 let blocks = &$list[range];
-                with(instructions, $kernel::Sweep { blocks, tempers, places, sums, pace })
+                with(
+                    instructions,
+                    $kernel::SweepBatch {
+                        blocks,
+                        compliances,
+                        places,
+                        multipliers,
+                        substep_context,
+                    },
+                )
             }};
         }
         match which.list {
-            List::Lengths => sweep!(lengths of lengths),
-            List::Bends => sweep!(block of bends),
-            List::Areas => sweep!(block of areas),
-            List::Tetrahedra => sweep!(block of tetrahedra),
-            List::Angles => sweep!(block of angles),
-            List::Hinges => sweep!(block of hinges),
-            List::Cones => sweep!(block of cones),
+            BatchList::Distances => sweep!(distance_batch of distances),
+            BatchList::Bends => sweep!(constraint_batch of bends),
+            BatchList::Areas => sweep!(constraint_batch of areas),
+            BatchList::Tetrahedra => sweep!(constraint_batch of tetrahedra),
+            BatchList::Angles => sweep!(constraint_batch of angles),
+            BatchList::Hinges => sweep!(constraint_batch of hinges),
+            BatchList::Cones => sweep!(constraint_batch of cones),
         }
     }
 
@@ -141,34 +162,37 @@ impl Laws {
         instructions: InstructionSet,
     ) -> f32 {
         let range = which.blocks.clone();
-        let Self { tempers, lengths, bends, areas, tetrahedra, angles, hinges, cones } = self;
+        let Self { compliances, distances, bends, areas, tetrahedra, angles, hinges, cones } = self;
         macro_rules! measure {
             ($kernel:ident of $list:ident) => {
-                with(instructions, $kernel::Measure { blocks: &$list[range], tempers, places })
+                with(
+                    instructions,
+                    $kernel::MeasureBatch { blocks: &$list[range], compliances, places },
+                )
             };
         }
         match which.list {
-            List::Lengths => measure!(lengths of lengths),
-            List::Bends => measure!(block of bends),
-            List::Areas => measure!(block of areas),
-            List::Tetrahedra => measure!(block of tetrahedra),
-            List::Angles => measure!(block of angles),
-            List::Hinges => measure!(block of hinges),
-            List::Cones => measure!(block of cones),
+            BatchList::Distances => measure!(distance_batch of distances),
+            BatchList::Bends => measure!(constraint_batch of bends),
+            BatchList::Areas => measure!(constraint_batch of areas),
+            BatchList::Tetrahedra => measure!(constraint_batch of tetrahedra),
+            BatchList::Angles => measure!(constraint_batch of angles),
+            BatchList::Hinges => measure!(constraint_batch of hinges),
+            BatchList::Cones => measure!(constraint_batch of cones),
         }
     }
 }
 
 /// Appends blocks of `each` constraints, or nothing if not all of them fit.
 fn take<W: Wide<N>, const N: usize>(
-    blocks: &mut Vec<Block<W, N>>,
-    tempers: &mut Vec<Temper>,
+    blocks: &mut Vec<ConstraintBatch<W, N>>,
+    compliances: &mut Vec<PackedCompliance>,
     constraints: &[Constraint],
     each: usize,
 ) -> Option<Range<usize>> {
     let first = blocks.len();
     for some in constraints.chunks(each) {
-        let Some(block) = Block::of(some, tempers) else {
+        let Some(block) = ConstraintBatch::of(some, compliances) else {
             blocks.truncate(first);
             return None;
         };
@@ -177,12 +201,12 @@ fn take<W: Wide<N>, const N: usize>(
     Some(first..blocks.len())
 }
 
-/// The number of a temper, which is the last one's if they are the same: so bodies of one softness have one, which stays in the cache.
-fn number(tempers: &mut Vec<Temper>, temper: Temper) -> u32 {
-    if tempers.last() != Some(&temper) {
-        tempers.push(temper);
+/// The number of a packed compliance, which is the last one's if they are the same: so bodies of one softness have one, which stays in the cache.
+fn number(compliances: &mut Vec<PackedCompliance>, packed_compliance: PackedCompliance) -> u32 {
+    if compliances.last() != Some(&packed_compliance) {
+        compliances.push(packed_compliance);
     }
-    (tempers.len() - 1) as u32
+    (compliances.len() - 1) as u32
 }
 
 /// Rows as places in slices that begin with the row `first`; in `room` if they are others. Those in memory are left there: a copy would go into a
@@ -225,12 +249,12 @@ use each;
 
 /// What one to eight constraints have summed up; the first one's again where there are fewer.
 #[inline(always)]
-fn load_sums<L: Lanes>(sums: &[f32]) -> L {
-    match sums.try_into() {
+fn load_sums<L: Lanes>(multipliers: &[f32]) -> L {
+    match multipliers.try_into() {
         Ok(eight) => L::load(eight),
         Err(_) => {
-            let mut eight = [sums.first().copied().unwrap_or(0.0); LANES];
-            for (to, from) in eight.iter_mut().zip(sums) {
+            let mut eight = [multipliers.first().copied().unwrap_or(0.0); LANES];
+            for (to, from) in eight.iter_mut().zip(multipliers) {
                 *to = *from;
             }
             L::load(&eight)
@@ -240,11 +264,11 @@ fn load_sums<L: Lanes>(sums: &[f32]) -> L {
 
 /// Writes them back.
 #[inline(always)]
-fn store_sums<L: Lanes>(lanes: L, sums: &mut [f32]) {
-    if let Ok(eight) = <&mut [f32; LANES]>::try_from(&mut *sums) {
+fn store_sums<L: Lanes>(lanes: L, multipliers: &mut [f32]) {
+    if let Ok(eight) = <&mut [f32; LANES]>::try_from(&mut *multipliers) {
         lanes.store(eight);
     } else {
-        for (to, from) in sums.iter_mut().zip(lanes.array()) {
+        for (to, from) in multipliers.iter_mut().zip(lanes.array()) {
             *to = from;
         }
     }

@@ -5,19 +5,19 @@ mod limits;
 
 use glam::{Vec3, Vec4};
 
-use super::super::item::{Local, Manner, project_constraint, project_distance};
-use super::{Laws, Which};
+use super::super::constraint_ref::{Local, SolveMode, project_constraint, project_distance};
+use super::{ConstraintBatches, Which};
 use crate::constraints::checks::Random;
 use crate::constraints::{
-    Angle, Area, Bend, Bound, Cone, Constraint, Direction, Distance, Hinge, Law, Pace, Softness,
-    Tetrahedron,
+    Angle, Area, Bend, Bound, Cone, Constraint, ConstraintKind, Distance, GradientAt, Hinge,
+    Softness, SubstepContext, Tetrahedron,
 };
 use crate::lanes::InstructionSet;
 use crate::particles::Places;
 
 const SETS: [InstructionSet; 3] =
     [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2];
-const PACE: Pace = Pace { h: 1.0 / 120.0, sweeps: 6 };
+const PACE: SubstepContext = SubstepContext { h: 1.0 / 120.0, sweeps: 6 };
 const SOFT: [Softness; 7] = [
     Softness::Hard,
     Softness::Compliant { compliance: 1e-4, damping: 0.0 },
@@ -33,7 +33,7 @@ const SOFT: [Softness; 7] = [
 struct State {
     now: Vec<Vec4>,
     start: Vec<Vec4>,
-    sums: Vec<f32>,
+    multipliers: Vec<f32>,
 }
 
 impl State {
@@ -43,7 +43,7 @@ impl State {
         let inverse = |i: usize| if i % 7 == 3 { 0.0 } else { 1.0 / masses[i] };
         let now: Vec<_> = places.iter().enumerate().map(|(i, p)| p.extend(inverse(i))).collect();
         let start = now.iter().map(|q| *q + (random.vector() * 0.01).extend(0.0)).collect();
-        Self { now, start, sums: vec![0.0; constraints] }
+        Self { now, start, multipliers: vec![0.0; constraints] }
     }
 
     fn places(&mut self) -> Places<'_> {
@@ -54,30 +54,43 @@ impl State {
 
     fn bits(&self) -> Vec<u32> {
         let places = self.now.iter().flat_map(Vec4::to_array);
-        places.chain(self.sums.iter().copied()).map(f32::to_bits).collect()
+        places.chain(self.multipliers.iter().copied()).map(f32::to_bits).collect()
     }
 
     /// One sweep by the scalar kernels; the largest error.
-    fn one_by_one(&mut self, group: &Group, pace: Pace) -> f32 {
-        let mut sums = self.sums.clone();
-        let manner =
-            Manner { pace, direction: Direction::Nearest, instructions: InstructionSet::best() };
+    fn one_by_one(&mut self, group: &Group, substep_context: SubstepContext) -> f32 {
+        let mut multipliers = self.multipliers.clone();
+        let mode = SolveMode {
+            substep_context,
+            gradient_at: GradientAt::Current,
+            instructions: InstructionSet::best(),
+        };
         let (places, mut local) = (&mut self.places(), Local::default());
-        let each = sums.iter_mut().enumerate().map(|(i, sum)| match group {
-            Group::Laws(laws) => project_constraint(places, &laws[i], manner, sum, &mut local),
-            Group::Distances(distances) => project_distance(places, &distances[i], pace, sum),
+        let each = multipliers.iter_mut().enumerate().map(|(i, sum)| match group {
+            Group::Constraints(constraint_batches) => {
+                project_constraint(places, &constraint_batches[i], mode, sum, &mut local)
+            }
+            Group::Distances(distances) => {
+                project_distance(places, &distances[i], substep_context, sum)
+            }
         });
         let worst = each.fold(0.0, f32::max);
-        self.sums = sums;
+        self.multipliers = multipliers;
         worst
     }
 
     /// One sweep by the wide ones.
-    fn wide(&mut self, set: InstructionSet, group: &Group, pace: Pace) -> f32 {
-        let (laws, which) = group.wide();
-        let mut sums = self.sums.clone();
-        let worst = laws.sweep(&mut self.places(), &which, &mut sums, pace, set);
-        self.sums = sums;
+    fn wide(&mut self, set: InstructionSet, group: &Group, substep_context: SubstepContext) -> f32 {
+        let (constraint_batches, which) = group.wide();
+        let mut multipliers = self.multipliers.clone();
+        let worst = constraint_batches.sweep(
+            &mut self.places(),
+            &which,
+            &mut multipliers,
+            substep_context,
+            set,
+        );
+        self.multipliers = multipliers;
         worst
     }
 }
@@ -85,18 +98,18 @@ impl State {
 /// Constraints of one colour.
 #[derive(Clone, Debug)]
 enum Group {
-    Laws(Vec<Constraint>),
+    Constraints(Vec<Constraint>),
     Distances(Vec<Distance>),
 }
 
 impl Group {
-    fn wide(&self) -> (Laws, Which) {
-        let mut laws = Laws::default();
+    fn wide(&self) -> (ConstraintBatches, Which) {
+        let mut constraint_batches = ConstraintBatches::default();
         let which = match self {
-            Group::Laws(constraints) => laws.add(constraints, false).unwrap(),
-            Group::Distances(distances) => laws.add_distances(distances, false),
+            Group::Constraints(constraints) => constraint_batches.add(constraints, false).unwrap(),
+            Group::Distances(distances) => constraint_batches.add_distances(distances, false),
         };
-        (laws, which)
+        (constraint_batches, which)
     }
 }
 
@@ -121,8 +134,8 @@ fn assert_alike(name: &str, group: &Group, mut state: State, tolerance: f32) {
             let apart = (*a - *b).truncate().length();
             assert!(apart <= most && a.w == b.w, "{name}, {sweep}, particle {i}: {a} {b}");
         }
-        for (i, (a, b)) in scalar.sums.iter().zip(&wide.sums).enumerate() {
-            let most = 10.0 * tolerance * a.abs().max(before.sums[i].abs()) + 1e-7;
+        for (i, (a, b)) in scalar.multipliers.iter().zip(&wide.multipliers).enumerate() {
+            let most = 10.0 * tolerance * a.abs().max(before.multipliers[i].abs()) + 1e-7;
             assert!((a - b).abs() <= most, "{name}, {sweep}, sum {i}: {a} {b}");
         }
         let size = before.now.iter().map(|q| q.truncate().length()).fold(0.0, f32::max);
@@ -143,9 +156,9 @@ fn rows(count: usize, n: usize) -> Vec<Vec<u32>> {
 }
 
 /// Twenty-two constraints and a little: two full blocks and a part of one.
-fn laws(n: usize, law: &dyn Fn(usize) -> Law) -> Group {
+fn constraint_batches(n: usize, kind: &dyn Fn(usize) -> ConstraintKind) -> Group {
     let rows = rows(21, n).into_iter().enumerate();
-    Group::Laws(rows.map(|(k, rows)| Constraint::new(rows, law(k))).collect())
+    Group::Constraints(rows.map(|(k, rows)| Constraint::new(rows, kind(k))).collect())
 }
 
 fn distances(of: &dyn Fn(usize) -> Distance) -> Group {
@@ -155,42 +168,42 @@ fn distances(of: &dyn Fn(usize) -> Distance) -> Group {
 
 const FOUR: [Vec3; 4] = [Vec3::ZERO, Vec3::X, Vec3::new(0.3, 0.8, 0.0), Vec3::new(0.6, -0.5, 0.2)];
 
-fn bend(k: usize, softness: Softness) -> Law {
+fn bend(k: usize, softness: Softness) -> ConstraintKind {
     let mut places = FOUR;
     places[2].y += 0.01 * k as f32;
     places[3].z *= if k.is_multiple_of(3) { 0.0 } else { 1.0 };
-    Law::Bend(Bend::of(places).unwrap().with_softness(softness))
+    ConstraintKind::Bend(Bend::of(places).unwrap().with_softness(softness))
 }
 
-fn hinge(k: usize, softness: Softness) -> Law {
+fn hinge(k: usize, softness: Softness) -> ConstraintKind {
     let middle = k as f32 * 0.6 - 6.0;
     let half = if k.is_multiple_of(2) { 0.0 } else { 0.2 };
-    Law::Hinge(
+    ConstraintKind::Hinge(
         Hinge::between((middle - half).max(-6.2), (middle + half).min(6.2)).with_softness(softness),
     )
 }
 
-fn area(k: usize, softness: Softness) -> Law {
-    Law::Area(Area { rest: 0.05 * k as f32, softness })
+fn area(k: usize, softness: Softness) -> ConstraintKind {
+    ConstraintKind::Area(Area { rest: 0.05 * k as f32, softness })
 }
 
-fn tetrahedron(k: usize, softness: Softness) -> Law {
-    Law::Tetrahedron(Tetrahedron { rest: 0.05 * (k as f32 - 7.0), softness })
+fn tetrahedron(k: usize, softness: Softness) -> ConstraintKind {
+    ConstraintKind::Tetrahedron(Tetrahedron { rest: 0.05 * (k as f32 - 7.0), softness })
 }
 
-fn angle(k: usize, softness: Softness) -> Law {
+fn angle(k: usize, softness: Softness) -> ConstraintKind {
     let min = k as f32 * 0.12;
     let max = if k.is_multiple_of(2) { min } else { min + 0.5 };
-    Law::Angle(Angle::between(min, max).with_softness(softness))
+    ConstraintKind::Angle(Angle::between(min, max).with_softness(softness))
 }
 
-fn cone(k: usize, softness: Softness) -> Law {
+fn cone(k: usize, softness: Softness) -> ConstraintKind {
     let axis = Vec3::new(1.0, 0.3 * k as f32 - 3.0, 0.5);
-    Law::Cone(Cone { axis, max: 0.03 * (k % 12) as f32, softness })
+    ConstraintKind::Cone(Cone { axis, max: 0.03 * (k % 12) as f32, softness })
 }
 
-/// Every law that has a wide kernel, how many particles it has, and how near it comes to the scalar one.
-fn every() -> Vec<(&'static str, usize, fn(usize, Softness) -> Law, f32)> {
+/// Every kind that has a wide kernel, how many particles it has, and how near it comes to the scalar one.
+fn every() -> Vec<(&'static str, usize, fn(usize, Softness) -> ConstraintKind, f32)> {
     vec![
         ("bend", 4, bend, 2e-6),
         ("area", 3, area, 2e-6),
@@ -204,16 +217,16 @@ fn every() -> Vec<(&'static str, usize, fn(usize, Softness) -> Law, f32)> {
 
 #[test]
 fn every_law_does_what_its_scalar_twin_does_however_soft_it_is() {
-    for (name, n, law, tolerance) in every() {
+    for (name, n, kind, tolerance) in every() {
         let mut random = Random::new(71);
         for round in 0..6 {
             let places = random.positions(21 * n);
             for soft in SOFT {
-                let group = laws(n, &|k| law(k, soft));
+                let group = constraint_batches(n, &|k| kind(k, soft));
                 let state = State::at(&places, 21, &mut random);
                 assert_alike(&format!("{name} {soft:?} {round}"), &group, state, tolerance);
             }
-            let mixed = laws(n, &|k| law(k, SOFT[k % SOFT.len()]));
+            let mixed = constraint_batches(n, &|k| kind(k, SOFT[k % SOFT.len()]));
             let state = State::at(&places, 21, &mut random);
             assert_alike(&format!("{name}, mixed, {round}"), &mixed, state, tolerance);
         }
@@ -255,12 +268,12 @@ fn degenerate_sets_are_treated_as_the_scalar_laws_treat_them_and_spoil_no_neighb
         ("two in one place", |i, p| if i < 2 { Vec3::X } else { p }),
         ("the last two in one place", |i, p| if i > 1 { Vec3::X } else { p }),
     ];
-    for (name, n, law, tolerance) in every() {
+    for (name, n, kind, tolerance) in every() {
         let mut random = Random::new(73);
-        for (how, spoil) in spoil {
+        for (context, spoil) in spoil {
             for soft in SOFT {
-                let group = laws(n, &|k| law(k, soft));
-                let Group::Laws(constraints) = &group else { return };
+                let group = constraint_batches(n, &|k| kind(k, soft));
+                let Group::Constraints(constraints) = &group else { return };
                 let mut places = random.positions(21 * n);
                 for k in [0, 5, 20] {
                     for (i, &row) in constraints[k].rows.iter().enumerate() {
@@ -268,15 +281,15 @@ fn degenerate_sets_are_treated_as_the_scalar_laws_treat_them_and_spoil_no_neighb
                     }
                 }
                 let state = State::at(&places, 21, &mut random);
-                let title = format!("{name}, {how}, {soft:?}");
+                let title = format!("{name}, {context}, {soft:?}");
                 let mut wide = state.clone();
                 for _ in 0..4 {
                     wide.wide(InstructionSet::best(), &group, PACE);
                     assert!(wide.now.iter().all(|q| q.is_finite()), "{title}");
-                    assert!(wide.sums.iter().all(|sum| sum.is_finite()), "{title}");
+                    assert!(wide.multipliers.iter().all(|sum| sum.is_finite()), "{title}");
                 }
                 // From a nanometre it is thrown far, and what is summed up cancels to few digits.
-                let times = if how == "tiny" { 5000.0 } else { 20.0 };
+                let times = if context == "tiny" { 5000.0 } else { 20.0 };
                 assert_alike(&title, &group, state, times * tolerance);
             }
         }
@@ -285,12 +298,12 @@ fn degenerate_sets_are_treated_as_the_scalar_laws_treat_them_and_spoil_no_neighb
 
 #[test]
 fn a_particle_that_is_not_a_number_stops_its_own_constraint_and_no_other() {
-    for (name, n, law, _) in every() {
+    for (name, n, kind, _) in every() {
         for bad in [f32::NAN, f32::INFINITY, 1e30] {
             let mut random = Random::new(74);
             for soft in SOFT {
-                let group = laws(n, &|k| law(k, soft));
-                let Group::Laws(constraints) = &group else { return };
+                let group = constraint_batches(n, &|k| kind(k, soft));
+                let Group::Constraints(constraints) = &group else { return };
                 let sound = State::at(&random.positions(21 * n), 21, &mut random);
                 let (mut spoilt, mut sound, hit) = (sound.clone(), sound, &constraints[9].rows);
                 spoilt.now[hit[n - 1] as usize].x = bad;
@@ -305,7 +318,7 @@ fn a_particle_that_is_not_a_number_stops_its_own_constraint_and_no_other() {
                     // What is only far away may be moved, but not out of what is finite.
                     assert!(same || (bad == 1e30 && spoilt.now[row].is_finite()), "{name} {bad}");
                 }
-                assert!(spoilt.sums.iter().all(|sum| sum.is_finite()), "{name} {bad}");
+                assert!(spoilt.multipliers.iter().all(|sum| sum.is_finite()), "{name} {bad}");
             }
         }
     }
@@ -313,16 +326,19 @@ fn a_particle_that_is_not_a_number_stops_its_own_constraint_and_no_other() {
 
 #[test]
 fn what_is_measured_is_the_largest_error_of_the_hard_ones_alone() {
-    for (name, n, law, _) in every() {
+    for (name, n, kind, _) in every() {
         let mut random = Random::new(75);
         let mut state = State::at(&random.positions(21 * n), 21, &mut random);
-        let group = laws(n, &|k| law(k, SOFT[if k == 12 { 0 } else { 1 + k % 2 }]));
-        let Group::Laws(constraints) = &group else { return };
-        let (laws, which) = group.wide();
-        let found = laws.measure(&state.places(), &which, InstructionSet::best());
+        let group = constraint_batches(n, &|k| kind(k, SOFT[if k == 12 { 0 } else { 1 + k % 2 }]));
+        let Group::Constraints(constraints) = &group else { return };
+        let (constraint_batches, which) = group.wide();
+        let found = constraint_batches.measure(&state.places(), &which, InstructionSet::best());
         let (mut local, before) = (Local::default(), state.clone());
-        let expected =
-            super::super::item::constraint_error(&state.places(), &constraints[12], &mut local);
+        let expected = super::super::constraint_ref::constraint_error(
+            &state.places(),
+            &constraints[12],
+            &mut local,
+        );
         assert!((found - expected).abs() <= 1e-5 * expected, "{name}: {found} {expected}");
         assert_eq!(before.bits(), state.bits());
         assert!(expected > 0.0);

@@ -44,7 +44,7 @@ fn state(world: &World) -> (f32, f32) {
 fn five_hundred_balls_in_a_box_stay_a_heap_without_sinking_into_each_other() {
     let mut world = heap(500, 6, 0.5);
     for second in 1..=6 {
-        world.looks = 0;
+        world.rebuilds = 0;
         for _ in 0..60 {
             world.step(DT);
         }
@@ -53,7 +53,7 @@ fn five_hundred_balls_in_a_box_stay_a_heap_without_sinking_into_each_other() {
             "{second} s: {:.2} % of the radius, {:.3} mm/s, {} looks",
             overlap * 100.0,
             speed * 1e3,
-            world.looks
+            world.rebuilds
         );
     }
     let (overlap, speed) = state(&world);

@@ -1,7 +1,7 @@
 //! A small world with nothing in it but particles, rods and a box, and what pairs do in it.
 
 mod cloth;
-mod found;
+mod contacts;
 mod heap;
 mod order;
 mod two;
@@ -14,7 +14,7 @@ use crate::collide::{BodyContacts, ContactFilter, Material};
 use crate::integrate::{Derive, Integrator, derive, predict};
 use crate::lanes::InstructionSet;
 use crate::particles::{ParticleSeed, Particles};
-use crate::solve::Machine;
+use crate::solve::ExecutionContext;
 
 /// Particles, and what is done with them in a step.
 #[derive(Clone, Default)]
@@ -30,7 +30,7 @@ struct World {
     /// Corners of a box that holds all, with a coefficient of friction.
     room: Option<(Vec3, Vec3, f32)>,
     /// How often it looked.
-    looks: u32,
+    rebuilds: u32,
 }
 
 /// Substeps of a step.
@@ -53,7 +53,7 @@ impl World {
         let Self { particles, contacts, rest, pairs, filter, .. } = self;
         *filter = ContactFilter::untied(contacts);
         let nearby = Nearby::everywhere(contacts);
-        pairs.find(particles, (filter, &nearby), rest, aside, dt);
+        pairs.broad_phase(particles, (filter, &nearby), rest, aside, dt);
     }
 
     /// A step of `dt` seconds; returns the greatest overlap that was met, metres.
@@ -64,16 +64,16 @@ impl World {
         for _ in 0..SUBSTEPS {
             worst = worst.max(self.substep(h));
         }
-        self.looks += self.pairs.looks;
+        self.rebuilds += self.pairs.rebuilds;
         worst
     }
 
     fn substep(&mut self, h: f32) -> f32 {
-        let machine = Machine { instructions: InstructionSet::best(), workers: None };
+        let execution = ExecutionContext { instructions: InstructionSet::best(), workers: None };
         let Self { particles, pairs, filter, .. } = self;
         particles.clear_sums(0.0);
         particles.accelerate_all(self.gravity);
-        predict(particles, Integrator::Verlet, h, machine);
+        predict(particles, Integrator::Verlet, h, execution);
         for &(a, b, length) in &self.rods {
             pull(particles, a as usize, b as usize, length);
         }
@@ -82,7 +82,7 @@ impl World {
         }
         let worst = pairs.project(particles, filter, h);
         let Particles { position, start, velocity, .. } = particles;
-        derive(Derive { position, start, velocity, excess: &[], h, lag: h }, machine);
+        derive(Derive { position, start, velocity, momentum_drift: &[], h, lag: h }, execution);
         pairs.bounce(particles, h, self.gravity.length());
         worst
     }

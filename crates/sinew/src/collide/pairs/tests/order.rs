@@ -57,7 +57,7 @@ fn all_instructions_give_the_same_bits() {
             let rows = cluster(&mut world, Vec3::ONE, 0, |_| false);
             world.pairs.instructions = set;
             run(&mut world, 20);
-            assert!(world.looks > 40, "there are fast ones: {}", world.looks);
+            assert!(world.rebuilds > 40, "there are fast ones: {}", world.rebuilds);
             places(&world, &rows)
         });
     assert_eq!(results[0], results[1]);

@@ -110,7 +110,7 @@ fn a_box_of_triangles_touches_as_a_box_does() {
         let to = from + dice.place(Vec3::splat(0.1));
         let a = cuboid.touch(from, to, 0.1);
         for b in [hull.touch(from, to, 0.1), of_triangles.touch(from, to, 0.1)] {
-            let depth = |touch: Option<crate::collide::shape::Touch>| {
+            let depth = |touch: Option<crate::collide::shape::ShapeTouch>| {
                 touch.map_or(Vec3::ZERO, |t| t.normal * t.depth)
             };
             touched += usize::from(a.is_some());

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::super::Triangles;
 use super::super::crossing::Four;
-use super::super::members::EDGES;
+use super::super::participants::EDGES;
 use super::asks;
 use crate::collide::ContactFilter;
 use crate::collide::nearby::Nearby;
@@ -109,13 +109,13 @@ fn whatever_is_thrown_through_each_other_in_a_substep_has_not_passed_when_it_end
         // What is found where all began is outrun by all.
         let (ends, start) = (particles.position.clone(), particles.start.clone());
         particles.position = start;
-        triangles.find(&particles, &surfaces, (&filter, &nearby), &[], 1.0 / 60.0);
+        triangles.broad_phase(&particles, &surfaces, (&filter, &nearby), &[], 1.0 / 60.0);
         particles.position = ends;
         triangles.project(&mut particles, &filter);
         let after = passing(&particles, &surfaces);
         println!(
             "{way} m: {before} passing, {after} after {} looks, {} rounds",
-            triangles.looks, triangles.rounds
+            triangles.rebuilds, triangles.rounds
         );
         assert_eq!(after, 0, "{way} m, {before} before");
         let off = (moment(&particles) - began).length();

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{DT, Sheet, asks, body, empty, momentum, particle, with_material};
-use crate::collide::{BodyContacts, Party};
+use crate::collide::{BodyContacts, ContactParticipant};
 use crate::particles::ParticleSeed;
 use crate::simulation::Simulation;
 
@@ -143,7 +143,10 @@ fn free_bodies_keep_their_momentum_and_tell_of_their_contact() {
     for _ in 0..20 {
         let report = world.step(DT).unwrap();
         for impact in &report.impacts {
-            assert_eq!((impact.first, impact.second), (Party::Body(0), Party::Body(1)));
+            assert_eq!(
+                (impact.first, impact.second),
+                (ContactParticipant::Body(0), ContactParticipant::Body(1))
+            );
             // The sheet is pushed down when it is first hit.
             assert!(impulse > 0.0 || impact.normal.y < -0.9, "{impact:?}");
             impulse += f64::from(impact.impulse);

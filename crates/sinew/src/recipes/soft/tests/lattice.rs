@@ -9,10 +9,10 @@ fn boxed(size: Vec3, cells: [u32; 3]) -> SoftLatticeSpec {
 
 fn tetrahedra(world: &Simulation) -> impl Iterator<Item = (f32, f32)> {
     world.constraints().iter().filter_map(|c| {
-        let Law::Tetrahedron(law) = &c.law else { return None };
+        let ConstraintKind::Tetrahedron(kind) = &c.kind else { return None };
         let at = |k: usize| world.particles.position(c.rows[k] as usize);
         let now = constraints::Tetrahedron::of([at(0), at(1), at(2), at(3)]).rest;
-        Some((now, law.rest))
+        Some((now, kind.rest))
     })
 }
 

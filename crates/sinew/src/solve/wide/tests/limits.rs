@@ -5,7 +5,7 @@ use crate::constraints::checks::evaluate;
 use crate::constraints::{Cones, Equation, Hinges, Wide};
 use crate::lanes::{LANES, Lanes, Vector, Work, with};
 
-/// Whether a wide law is told to be kept at places, in all lanes.
+/// Whether a wide constraint is told to be kept at places, in all lanes.
 struct Told<'a, W, const N: usize>(&'a W, &'a [Vec3; N]);
 
 impl<W: Wide<N>, const N: usize> Work for Told<'_, W, N> {
@@ -21,15 +21,15 @@ impl<W: Wide<N>, const N: usize> Work for Told<'_, W, N> {
     }
 }
 
-/// Whether a limit is told to be kept, and whether it is by the scalar law.
+/// Whether a limit is told to be kept, and whether it is by the scalar one.
 fn told<W: Wide<N>, const N: usize>(constraint: &Constraint, places: &[Vec3; N]) -> (bool, bool) {
     let wide = W::of([constraint; LANES]).unwrap();
-    let law: &dyn Equation = match &constraint.law {
-        Law::Cone(law) => law,
-        Law::Hinge(law) => law,
+    let kind: &dyn Equation = match &constraint.kind {
+        ConstraintKind::Cone(kind) => kind,
+        ConstraintKind::Hinge(kind) => kind,
         _ => unreachable!("a limit"),
     };
-    (with(InstructionSet::best(), Told(&wide, places)), evaluate(law, places).0 == 0.0)
+    (with(InstructionSet::best(), Told(&wide, places)), evaluate(kind, places).0 == 0.0)
 }
 
 #[test]
@@ -47,9 +47,9 @@ fn a_limit_that_is_told_to_be_kept_is_kept_and_few_that_are_kept_are_not_told() 
         let (wide, low) = (3.1 * random.number().abs(), 3.0 * random.number());
         let rows = |n: u32| (0..n).collect();
         let cone = Cone { axis: random.vector(), max: wide, softness: Softness::Hard };
-        let cone = Constraint { rows: rows(5), law: Law::Cone(cone) };
+        let cone = Constraint { rows: rows(5), kind: ConstraintKind::Cone(cone) };
         let hinge = Hinge::between(low, low + wide);
-        let hinge = Constraint { rows: rows(4), law: Law::Hinge(hinge) };
+        let hinge = Constraint { rows: rows(4), kind: ConstraintKind::Hinge(hinge) };
         let [a, b, c, d, _] = places;
         let each = [told::<Cones, 5>(&cone, &places), told::<Hinges, 4>(&hinge, &[a, b, c, d])];
         for (which, (is_told, is_kept)) in each.into_iter().enumerate() {

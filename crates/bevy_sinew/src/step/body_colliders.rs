@@ -1,0 +1,175 @@
+//! Solids: rigid parts that collide by their shape, and the segments of ropes, told to the solver when those changed.
+
+use std::collections::BTreeSet;
+
+use bevy::prelude::*;
+use sinew::BodyCollider;
+
+use super::changes::census;
+use super::pins::sound;
+use super::segments::Segments;
+use crate::components::{
+    BodyContacts, BodyParticles, Collider, ContactShape, ContactsDisabled, CreationOrder,
+    ParticleBody, ResolvedShape, RigidPose, WindSurface,
+};
+use crate::messages::{Refusal, Refused};
+use crate::recipes::PartOf;
+use crate::rows::{GONE, Rows};
+use crate::world::{SinewWorld, Tables};
+
+/// What changes the shape of a part, or whose part it is.
+type Reshaped =
+    (With<RigidPose>, With<Collider>, Or<(Changed<Collider>, Changed<RigidPose>, Changed<PartOf>)>);
+
+/// Who says how it takes part in contacts, whether it is a body and built, and what triangles it has.
+type Asking = (
+    Entity,
+    &'static BodyContacts,
+    Has<ParticleBody>,
+    Has<BodyParticles>,
+    Option<&'static WindSurface>,
+);
+
+/// What decides by what a body, or something else with a pose, collides.
+type Shaped = (
+    Option<Ref<'static, BodyContacts>>,
+    Option<Ref<'static, ResolvedShape>>,
+    Has<ContactsDisabled>,
+);
+
+/// What was wrong, so that each is reported once; and how many there were.
+#[derive(Default)]
+pub(crate) struct Known {
+    shapes: BTreeSet<Entity>,
+    bodies: BTreeSet<Entity>,
+    counts: [usize; 4],
+}
+
+/// Lists the solids afresh if particles came or went or were set aside, or a body asks for something else, or a part has another shape, or, where a
+/// body collides by its segments, a rod or a particle is not what it was.
+///
+/// A part with a broken shape, or one of a kind that cannot move, is left out and reported, one with a particle that is gone or set aside is left
+/// out; their particles collide for themselves.
+pub(crate) fn compile_body_colliders(
+    mut world: ResMut<SinewWorld>,
+    mut messages: MessageWriter<Refused>,
+    contacts: Query<Ref<BodyContacts>>,
+    resolved: Query<Ref<ResolvedShape>>,
+    disabled: Query<Ref<ContactsDisabled>>,
+    shaped: Query<Shaped>,
+    asking: Query<Asking>,
+    reshaped: Query<(), Reshaped>,
+    mut parts: Query<(
+        Entity,
+        &CreationOrder,
+        &Collider,
+        Ref<RigidPose>,
+        Option<&PartOf>,
+        &mut Rows<RigidPose>,
+    )>,
+    mut segments: Segments,
+    mut known: Local<Known>,
+) {
+    let SinewWorld { simulation, tables } = &mut *world;
+    let Known { shapes, bodies, counts } = &mut *known;
+    let all = [census(&contacts), census(&resolved), census(&disabled)];
+    let changed = all.iter().any(|&(_, changed)| changed);
+    // What went is not told as a change; what came is one, so that their number says the rest.
+    let now = [all[0].0, all[1].0, all[2].0, parts.iter().len()];
+    let went = core::mem::replace(counts, now) != now;
+    let retied = || tables.retied || tables.properties_gathered || segments.are_off();
+    let anew = tables.stale || went || changed || !reshaped.is_empty();
+    // By what something collides; `None` if by nothing.
+    let shape = |owner: Entity| match shaped.get(owner) {
+        Ok((_, _, true)) => None,
+        Ok((Some(own), _, _)) if own.shape != ContactShape::Auto => Some(own.shape),
+        Ok((_, Some(resolved), _)) if resolved.shape != ContactShape::Particles => {
+            Some(resolved.shape)
+        }
+        _ => Some(ContactShape::Auto),
+    };
+    let bends = |owner: Entity| shape(owner) == Some(ContactShape::Segments);
+    let any_bends = || {
+        let asks = contacts.iter().any(|own| own.shape == ContactShape::Segments);
+        asks || resolved.iter().any(|own| own.shape == ContactShape::Segments)
+    };
+    if !(anew || any_bends() && retied()) {
+        return;
+    }
+    shapes.retain(|&entity| parts.contains(entity));
+    bodies.retain(|&entity| contacts.contains(entity));
+
+    let mut body_colliders: Vec<(CreationOrder, Entity, BodyCollider)> = Vec::new();
+    let mut owners: Vec<Entity> = Vec::new();
+    for (part, order, collider, pose, of, mut rows) in &mut parts {
+        let owner = of.map_or(part, |of| of.0);
+        let explicit = contacts.get(owner).map_or(ContactShape::Auto, |own| own.shape);
+        let by_parts = matches!(explicit, ContactShape::Auto | ContactShape::Solid);
+        if !by_parts || disabled.contains(owner) {
+            continue;
+        }
+        let rows = rows.resolve(tables, pose.is_changed(), pose.particles.iter().copied());
+        let (solid, reason) = match solid(tables, collider, (&pose, *order), rows) {
+            Ok(solid) => (solid, None),
+            Err(reason) => (None, Some(reason)),
+        };
+        owners.push(owner);
+        sound(shapes, &mut messages, part, reason);
+        body_colliders.extend(solid.map(|solid| (*order, part, solid)));
+    }
+    // What has rigid parts collides by those, unless it asks for segments.
+    owners.sort_unstable();
+    let with_parts = owners.clone();
+    let asks = |body: Entity| {
+        let explicit = contacts.get(body).is_ok_and(|own| own.shape == ContactShape::Segments);
+        bends(body) && (explicit || with_parts.binary_search(&body).is_err())
+    };
+    segments.list((&simulation.particles, tables), asks, &mut owners, &mut body_colliders);
+    body_colliders.sort_unstable_by_key(|&(order, part, _)| (order, part));
+    owners.sort_unstable();
+    for (body, own, is_body, is_built, surface) in &asking {
+        // One that is yet to be built waits.
+        let waits = is_body && !is_built;
+        let lacks = match own.shape {
+            ContactShape::Solid | ContactShape::Segments => owners.binary_search(&body).is_err(),
+            ContactShape::Triangles => surface.is_none_or(|own| own.triangles.is_empty()),
+            ContactShape::Auto | ContactShape::Particles => false,
+        };
+        let what = match own.shape {
+            ContactShape::Triangles => Refusal::NoTriangles,
+            ContactShape::Segments => Refusal::NoSegments,
+            _ => Refusal::NotSolid,
+        };
+        let reason = (lacks && !waits).then_some(what);
+        sound(bodies, &mut messages, body, reason);
+    }
+    tables.parts.clear();
+    tables.parts.extend(body_colliders.iter().map(|&(_, part, _)| part));
+    // Where rods may have changed, but none did, the solver need not be told.
+    let same =
+        || simulation.body_colliders().iter().eq(body_colliders.iter().map(|(_, _, solid)| solid));
+    if anew || !same() {
+        let list = simulation.body_colliders_mut();
+        list.clear();
+        list.extend(body_colliders.into_iter().map(|(_, _, solid)| solid));
+    }
+}
+
+/// The solid of a part; `None` while one of its particles is gone or set aside.
+fn solid(
+    tables: &Tables,
+    collider: &Collider,
+    (pose, order): (&RigidPose, CreationOrder),
+    rows: &[u32],
+) -> Result<Option<BodyCollider>, Refusal> {
+    let shape = collider.shape().map_err(|fault| Refusal::Collider(fault.into()))?;
+    let rest = pose.rest.as_slice().into();
+    let solid = BodyCollider { rows: rows.to_vec(), rest, shape, id: order.0 };
+    if !rows.iter().all(|&row| row != GONE && tables.is_sound(row as usize)) {
+        return Ok(None);
+    }
+    match solid.fault(tables.entities.len()) {
+        None => Ok(Some(solid)),
+        Some(fault) => Err(Refusal::Part(fault)),
+    }
+}

@@ -1,0 +1,329 @@
+//! Contact cache: the manifold and the friction anchor of each pair that touches, kept from one step to the next.
+//!
+//! # What for
+//!
+//! Friction that holds must know from where: positions alone say how far something slid in a substep, not how far it is from where it stuck, so that
+//! a stack on a slope would creep for ever (see `friction`). And where two touch need not be found again as long as they lie as they lay: in a heap
+//! at rest that is a quarter of the work.
+//!
+//! # When a manifold still holds
+//!
+//! It was found where the two were less than `reach` apart, and has all corners that were so near. Since then no point of the first one has moved by
+//! more than `δ = |Δt| + |Δφ| r` as seen from the second one, with `r` how far out the first one reaches. So it has all that are nearer than `reach -
+//! δ` now; if they may come nearer by `m` in this step, it holds while `δ + m ≤ reach`. Manifolds are looked for with a little more than `m`
+//! ([`SLACK`]), which is what that leaves. And it holds no longer when the two have turned or slid by half of what a manifold is good for within a
+//! step (`wide_contact`).
+//!
+//! # Whose it is
+//!
+//! All of it is live state, to be saved and restored with the particles. Contacts are named by the ids of those that touch
+//! ([`BodyCollider::id`](super::BodyCollider), [`Collider::id`](super::super::Collider)) and not by their places in lists, so that what comes and
+//! goes elsewhere changes nothing. A cache that is lost, or is of something else, counts as empty: friction then begins anew. Vectors are in the axes
+//! of the world, as they are from substep to substep (`friction`).
+
+use glam::Vec3;
+
+use super::super::Frame;
+use super::super::manifold::Manifold;
+use super::contacts::{Contact, set};
+use super::wide_contact::{WideContact, may_slide, may_turn, staleness_rate};
+
+/// How much farther than needed manifolds are looked for, as a share of the smaller one's size: two that have moved against each other by less than
+/// that keep theirs. More would list pairs that never touch.
+pub(super) const SLACK: f32 = 0.03;
+/// How stale a manifold may be when a step begins, as a share of what it may be within a step.
+const STALE: f32 = 0.5;
+/// Cosine of the angle between the normals of what touched and what touches, from which on that is the same contact.
+const SAME: f32 = 0.9;
+
+/// Contact cache: the manifolds and friction anchors of body colliders that touch. Live state, to be saved and restored with the particles. Empty by
+/// default, and then friction begins anew.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ContactCache {
+    /// Ascending by who touches, as long as ids of body colliders and of colliders ascend in their lists.
+    pub(super) contacts: Vec<CachedManifold>,
+}
+
+/// A manifold kept from step to step, and the friction anchor of the pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CachedManifold {
+    pub(super) key: ContactKey,
+    /// Of the two shapes, so that another one is not taken for it.
+    pub(super) content_hashes: [u64; 2],
+    pub(super) manifold: Manifold,
+    /// Where the first one was in the coordinates of the second one when that was found.
+    pub(super) seen_from: Frame,
+    /// How far apart what was looked for then; negative where one of the two is made of triangles, each with a manifold, which are found in each
+    /// step.
+    pub(super) reach: f32,
+    pub(super) friction_anchor: FrictionAnchor,
+}
+
+/// Who touches whom.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct ContactKey {
+    /// The first one's id.
+    pub(super) a: u64,
+    pub(super) other: Other,
+    /// Which triangle of those made of such.
+    pub(super) nth: u32,
+}
+
+impl ContactKey {
+    /// Whether it is of the same two.
+    fn is_of(&self, other: &Self) -> bool {
+        (self.a, self.other) == (other.a, other.other)
+    }
+}
+
+/// The second one: what it is, and its id.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Other {
+    BodyCollider(u64),
+    Collider(u64),
+    Plane(u64),
+    /// A box, and which of its walls.
+    Wall(u64, u32),
+}
+
+/// Friction anchor: the accumulated slip and impulse from which friction starts. Vectors in the axes of the world.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct FrictionAnchor {
+    /// How hard the two press each other, N: as an impulse in positions that is `F h²`.
+    force: f32,
+    /// How far what sticks is from where it stuck, metres, and turned, rad.
+    accumulated_slip: Vec3,
+    twist: f32,
+    up: Vec3,
+    arm: Vec3,
+    radius: f32,
+}
+
+impl ContactCache {
+    /// The manifolds of a body collider with those that come after it, and with static geometry; for an engine that keeps that with the body
+    /// collider.
+    pub fn of(&self, solid: u64) -> &[CachedManifold] {
+        let first = self.contacts.partition_point(|one| one.key.a < solid);
+        let own = &self.contacts[first..];
+        &own[..own.partition_point(|one| one.key.a == solid)]
+    }
+
+    /// Adds the manifolds of a body collider; to be called for one after the other, in the order of their ids. Those of another one are left out.
+    pub fn add(&mut self, solid: u64, contacts: &[CachedManifold]) {
+        self.contacts.extend(contacts.iter().filter(|one| one.key.a == solid));
+    }
+
+    /// Forgets everything; its memory is kept.
+    pub fn clear(&mut self) {
+        self.contacts.clear();
+    }
+
+    /// How many contacts it holds.
+    pub fn len(&self) -> usize {
+        self.contacts.len()
+    }
+
+    /// Whether it holds none.
+    pub fn is_empty(&self) -> bool {
+        self.contacts.is_empty()
+    }
+}
+
+impl CachedManifold {
+    /// How stale the manifold is: how far the two have turned and slid since it was found, as `WideContact` has it; `None` where it holds no longer.
+    /// `here` is where the first one is in the second one's coordinates now, `size` how far it reaches and the smaller one of the two, and `reach`
+    /// how near they may come.
+    pub(super) fn staleness(
+        &self,
+        here: &Frame,
+        (size, smaller): (f32, f32),
+        reach: f32,
+    ) -> Option<f32> {
+        let was = &self.seen_from;
+        let moved = (here.translation - was.translation).length();
+        let (p, q) = (&here.rotation, &was.rotation);
+        let square = (p.x_axis - q.x_axis).length_squared()
+            + (p.y_axis - q.y_axis).length_squared()
+            + (p.z_axis - q.z_axis).length_squared();
+        // |R - S|² = 8 sin² ½φ.
+        let turned = (0.5 * square).sqrt();
+        let manifold = &self.manifold;
+        let staleness = turned / may_turn(manifold) + moved / may_slide(manifold, smaller);
+        let staleness = staleness * staleness_rate(manifold);
+        (moved + turned * size + reach <= self.reach && staleness < STALE).then_some(staleness)
+    }
+
+    /// Whether a point of the two is nearer than so much, metres.
+    pub(super) fn is_near(&self, here: &Frame, reach: f32) -> bool {
+        let Self { manifold, seen_from, .. } = self;
+        let reach = reach + manifold.radii[0] + manifold.radii[1];
+        let anchors = |point| manifold.anchors(point, seen_from);
+        let apart = |[on_a, on_b]: [Vec3; 2]| manifold.normal.dot(here.point(on_a) - on_b);
+        manifold.points().iter().any(|point| apart(anchors(point)) <= reach)
+    }
+}
+
+impl FrictionAnchor {
+    /// Of a lane, in a substep of `h` seconds.
+    pub(super) fn of(wide: &WideContact, lane: usize, h: f32) -> Self {
+        let vector = |v: &[[f32; 8]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
+        let [x, y, z, twist] = &wide.accumulated_slip;
+        let friction_anchor = Self {
+            force: wide.friction_limit[lane] / (h * h),
+            accumulated_slip: Vec3::new(x[lane], y[lane], z[lane]),
+            twist: twist[lane],
+            up: vector(&wide.up),
+            arm: vector(&wide.arm),
+            radius: wide.radius[lane],
+        };
+        let sum = friction_anchor.accumulated_slip
+            + friction_anchor.up
+            + friction_anchor.arm
+            + friction_anchor.twist
+            + friction_anchor.radius;
+        let sound =
+            friction_anchor.force > 0.0 && friction_anchor.force < f32::INFINITY && sum.is_finite();
+        if sound { friction_anchor } else { Self::default() }
+    }
+
+    /// Whether anything is pressed.
+    pub(super) fn is_loaded(&self) -> bool {
+        self.force > 0.0
+    }
+
+    /// Into a lane.
+    pub(super) fn put(&self, wide: &mut WideContact, lane: usize, h: f32) {
+        let Self { force, accumulated_slip, twist, up, arm, radius } = *self;
+        wide.friction_limit[lane] = force * (h * h);
+        let [x, y, z, turned] = &mut wide.accumulated_slip;
+        (x[lane], y[lane], z[lane], turned[lane]) =
+            (accumulated_slip.x, accumulated_slip.y, accumulated_slip.z, twist);
+        set(&mut wide.up, lane, up);
+        set(&mut wide.arm, lane, arm);
+        wide.radius[lane] = radius;
+    }
+}
+
+/// The cache of the step before, and that of this step. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CacheBuilder {
+    was: Vec<CachedManifold>,
+    pub(super) now: Vec<CachedManifold>,
+    /// The first of those that were which is not yet behind.
+    next: usize,
+    /// How many of those that are now are in order; others came later.
+    sorted: usize,
+}
+
+impl CacheBuilder {
+    /// Takes over the cache.
+    pub(super) fn take(&mut self, cache: &mut ContactCache) {
+        core::mem::swap(&mut self.now, &mut cache.contacts);
+        cache.contacts.clear();
+    }
+
+    /// Gives it back.
+    pub(super) fn give(&mut self, cache: &mut ContactCache) {
+        self.settle();
+        core::mem::swap(&mut self.now, &mut cache.contacts);
+        self.now.clear();
+    }
+
+    /// Begins a step: what is cached is from the step before.
+    pub(super) fn begin(&mut self) {
+        core::mem::swap(&mut self.was, &mut self.now);
+        self.now.clear();
+        self.next = 0;
+    }
+
+    /// The cached manifold of a key; to be asked in ascending order.
+    pub(super) fn lookup(&mut self, key: &ContactKey) -> Option<&CachedManifold> {
+        while self.was.get(self.next).is_some_and(|one| one.key < *key) {
+            self.next += 1;
+        }
+        self.was.get(self.next).filter(|one| one.key == *key)
+    }
+
+    /// Keeps what was [looked up](Self::lookup) last, and says where; what it holds only if it is near.
+    pub(super) fn keep(&mut self, near: bool) -> u32 {
+        let place = self.now.len();
+        // At once to where it belongs: it has three hundred bytes.
+        self.now.extend_from_slice(&self.was[self.next..=self.next]);
+        if !near {
+            self.now[place].friction_anchor = FrictionAnchor::default();
+        }
+        place as u32
+    }
+
+    /// Carries the manifolds of a pair over as they were.
+    pub(super) fn carry_over(&mut self, key: &ContactKey) {
+        self.lookup(key);
+        let from = self.next;
+        while self.was.get(self.next).is_some_and(|one| one.key.is_of(key)) {
+            self.next += 1;
+        }
+        self.now.extend_from_slice(&self.was[from..self.next]);
+    }
+
+    /// What friction held at a place where something was found afresh, if that is the same contact; `frame` is the second one's.
+    pub(super) fn inherit_anchor(&mut self, place: usize, frame: &Frame) {
+        let (key, normal) = (self.now[place].key, frame.turn(self.now[place].manifold.normal));
+        if let Some(was) = self.lookup(&key).filter(|was| was.friction_anchor.up.dot(normal) > SAME)
+        {
+            self.now[place].friction_anchor = was.friction_anchor;
+        }
+    }
+
+    /// Which part of two a manifold is of.
+    pub(super) fn part(&self, one: &Contact) -> u32 {
+        self.now[one.cache_index as usize].key.nth
+    }
+
+    /// Says that all that is cached by now is in order.
+    pub(super) fn in_order(&mut self) {
+        self.sorted = self.now.len();
+    }
+
+    /// Inserts a missed manifold, and returns where.
+    pub(super) fn insert_missed(&mut self, one: CachedManifold) -> u32 {
+        let place = match self.now[..self.sorted].binary_search_by_key(&one.key, |one| one.key) {
+            Ok(place) => {
+                self.now[place] = one;
+                place
+            }
+            Err(_) => {
+                self.now.push(one);
+                self.now.len() - 1
+            }
+        };
+        place as u32
+    }
+
+    /// Puts what came later where it belongs.
+    fn settle(&mut self) {
+        let Self { was, now, sorted, .. } = self;
+        if now.len() <= *sorted {
+            return;
+        }
+        was.clear();
+        was.extend(now.drain(*sorted..));
+        sort(was);
+        // From behind, so that each is moved once.
+        let (mut from, mut to) = (now.len(), now.len() + was.len());
+        now.extend_from_slice(was);
+        for missed in was.iter().rev() {
+            while from > 0 && now[from - 1].key > missed.key {
+                (from, to) = (from - 1, to - 1);
+                now[to] = now[from];
+            }
+            to -= 1;
+            now[to] = *missed;
+        }
+    }
+}
+
+/// Puts them in the order of their keys. Compiled once: sorting is much code, and those that call this are compiled several times.
+#[inline(never)]
+pub(super) fn sort(remembered: &mut [CachedManifold]) {
+    remembered.sort_unstable_by_key(|one| one.key);
+}

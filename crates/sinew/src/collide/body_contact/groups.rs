@@ -1,0 +1,343 @@
+//! What contacts need to know of each body collider that does not change while it moves: masses, centre, inertia; laid out for eight body colliders
+//! at a time.
+//!
+//! # Particles that belong to several body colliders
+//!
+//! A particle that `k` body colliders share counts in each of them with a `k`-th of its mass, and is displaced by the `k`-th part of what each of
+//! them asks. A body collider whose particles have the shares `m/k` and are to be displaced by `d` brings the momentum `Σ (m/k) d`; what the
+//! particles really get is `Σ m (d/k)`, which is the same. So an elbow goes with the upper arm and the forearm by halves, and nothing is made of
+//! nothing.
+
+use core::ops::Range;
+
+use glam::Vec3;
+
+use super::initial_rotation::RotationReference;
+use super::mass_properties::{LINE, MassProperties};
+use super::turn::LaneArray;
+use super::{BodyCollider, BodyColliderFault};
+use crate::lanes::LANES;
+use crate::particles::Particles;
+
+/// One particle of each of eight body colliders.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slot {
+    pub(super) rows: [u32; LANES],
+    /// The mass that counts there, kg; 0 beyond the last particle of a body collider.
+    pub(super) pull: LaneArray,
+    /// Which part of the displacement it gets.
+    pub(super) share: LaneArray,
+    /// Where it rests, from the body collider's centre, metres.
+    pub(super) rest: [LaneArray; 3],
+}
+
+/// Eight body colliders.
+#[derive(Clone, Debug)]
+pub(super) struct BodyGroup {
+    pub(super) slots: Range<usize>,
+    /// Whether rows occur twice in it, or lanes are empty: then displacements are written one by one.
+    pub(super) scattered: bool,
+    /// Whether one of them shares particles with another body collider.
+    pub(super) shares: bool,
+    /// Whether one of them has a pinned particle.
+    pub(super) pinned: bool,
+    /// What their initial rotation is computed from; `None` where that is not the same for all.
+    pub(super) rotation_reference: Option<RotationReference>,
+    pub(super) mass: WideMass,
+}
+
+/// What eight body colliders weigh.
+#[derive(Clone, Debug, Default)]
+pub(super) struct WideMass {
+    /// One by the sum of what decides where the centre is.
+    pub(super) middle: LaneArray,
+    /// 1 where that are the pinned particles alone.
+    pub(super) held: LaneArray,
+    pub(super) inverse_mass: LaneArray,
+    /// xx, yy, zz, xy, xz, yz in the body collider's own axes about its centre, kg·m².
+    pub(super) inertia: [LaneArray; 6],
+    pub(super) inverse_inertia: [LaneArray; 6],
+    /// The same of all particles, pinned ones too: how it is led.
+    pub(super) led: [LaneArray; 6],
+    pub(super) regularisation: [LaneArray; 6],
+    /// 1 where momentum is to be kept to the last bit: nothing is pinned.
+    pub(super) free: LaneArray,
+}
+
+/// A body collider as it was compiled.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CompiledCollider {
+    /// Where its rows are in the list of all.
+    pub(super) entries: Range<usize>,
+    /// Whether it takes part at all.
+    pub(super) sound: bool,
+    /// Its centre in its own frame, metres.
+    pub(super) centre: Vec3,
+    /// How far its surface is from there at most, metres.
+    pub(super) reach: f32,
+    /// Two of its particles that say how it is turned: far out, and far from being in line.
+    pub(super) far: usize,
+    pub(super) side: Option<usize>,
+    /// Nothing can move it.
+    pub(super) immovable: bool,
+}
+
+/// All body colliders as they were compiled.
+#[derive(Clone, Debug, Default)]
+pub(super) struct BodyGroups {
+    pub(super) groups: Vec<BodyGroup>,
+    pub(super) slots: Vec<Slot>,
+    pub(super) parts: Vec<CompiledCollider>,
+    /// The row of each body collider among the bodies: those of as many particles are side by side, so that nobody waits for a torso of five among
+    /// limbs of three.
+    places: Vec<u32>,
+    /// The body collider of each of those rows.
+    order: Vec<u32>,
+    /// Rows of each body collider, one after the other.
+    pub(super) rows: Vec<u32>,
+    /// How many body colliders share each of those.
+    pub(super) sharers: Vec<u32>,
+    /// For each body collider those that it shares some with.
+    sharing: Vec<Vec<u32>>,
+    /// For each row of the simulation whether it belongs to a body collider.
+    pub(super) solid: Vec<bool>,
+    /// The inverse masses with which it was weighed.
+    weighed: Vec<f32>,
+}
+
+impl BodyGroups {
+    /// Lays out body colliders. Faulty ones keep their number and take no part.
+    pub(super) fn compile(&mut self, body_colliders: &[BodyCollider], particles: &Particles) {
+        let Self { groups, slots, parts, places, order, rows, sharers, sharing, solid, weighed } =
+            self;
+        groups.clear();
+        slots.clear();
+        parts.clear();
+        rows.clear();
+        weighed.clear();
+        solid.clear();
+        solid.resize(particles.len(), false);
+        let mut count = vec![0_u32; particles.len()];
+        for one in body_colliders {
+            let (first, sound) = (rows.len(), one.fault(particles.len()).is_none());
+            if sound {
+                rows.extend_from_slice(&one.rows);
+                for &row in &one.rows {
+                    solid[row as usize] = true;
+                    count[row as usize] += 1;
+                }
+            }
+            parts.push(CompiledCollider {
+                entries: first..rows.len(),
+                sound,
+                ..CompiledCollider::default()
+            });
+        }
+        sharers.clear();
+        sharers.extend(rows.iter().map(|&row| count[row as usize]));
+        *sharing = sharing_of(parts, rows, sharers);
+        weighed.resize(rows.len(), f32::NAN);
+        order.clear();
+        order.extend(0..parts.len() as u32);
+        order.sort_by_key(|&number| parts[number as usize].entries.len());
+        places.clear();
+        places.resize(parts.len(), 0);
+        for (place, &number) in order.iter().enumerate() {
+            places[number as usize] = place as u32;
+        }
+        for eight in order.chunks(LANES) {
+            let of = |lane: usize| eight.get(lane).map(|&number| &parts[number as usize]);
+            let each = || (0..LANES).filter_map(of);
+            let most = each().map(|part| part.entries.len()).max().unwrap_or(0);
+            let first = slots.len();
+            let spare = rows.first().copied().unwrap_or(0);
+            for place in 0..most {
+                let entry = |lane: usize| {
+                    let entries = of(lane).map_or(0..0, |part| part.entries.clone());
+                    entries
+                        .clone()
+                        .nth(place)
+                        .map(|i| (i, true))
+                        .or(entries.clone().next().map(|i| (i, false)))
+                };
+                let mut slot = Slot {
+                    rows: [spare; LANES],
+                    pull: [0.0; LANES],
+                    share: [0.0; LANES],
+                    rest: [[0.0; LANES]; 3],
+                };
+                for lane in 0..LANES {
+                    if let Some((i, real)) = entry(lane) {
+                        slot.rows[lane] = rows[i];
+                        slot.share[lane] = if real { 1.0 / sharers[i] as f32 } else { 0.0 };
+                    }
+                }
+                slots.push(slot);
+            }
+            let whole = eight.len() == LANES && each().all(|part| part.sound);
+            let entries = each().flat_map(|part| part.entries.clone());
+            let alone = entries.into_iter().all(|i| sharers[i] == 1);
+            groups.push(BodyGroup {
+                slots: first..slots.len(),
+                scattered: !(whole && alone),
+                shares: !alone,
+                pinned: false,
+                rotation_reference: None,
+                mass: WideMass::default(),
+            });
+        }
+        for (part, solid) in parts.iter_mut().zip(body_colliders).filter(|(part, _)| part.sound) {
+            (part.far, part.side) = apart(&solid.rest);
+        }
+        for (group, eight) in groups.iter_mut().zip(order.chunks(LANES)) {
+            let sound = |part: &&CompiledCollider| part.sound;
+            group.rotation_reference = RotationReference::of(
+                eight.iter().map(|&number| number as usize).filter_map(|number| {
+                    let part = Some(&parts[number]).filter(sound)?;
+                    Some((part, &rows[part.entries.clone()], &*body_colliders[number].rest))
+                }),
+            );
+        }
+    }
+
+    /// Weighs those body colliders again whose particles have other masses than they had. A function of the present masses alone.
+    pub(super) fn weigh(&mut self, body_colliders: &[BodyCollider], particles: &Particles) {
+        for (number, solid) in body_colliders.iter().enumerate() {
+            let Some(part) = self.parts.get(number).filter(|part| part.sound) else { continue };
+            let entries = part.entries.clone();
+            let now = |i: usize| particles.position[self.rows[i] as usize].w;
+            if entries.clone().any(|i| self.weighed[i].to_bits() != now(i).to_bits()) {
+                for i in entries {
+                    self.weighed[i] = particles.position[self.rows[i] as usize].w;
+                }
+                self.weigh_one(number, solid);
+            }
+        }
+    }
+
+    fn weigh_one(&mut self, number: usize, solid: &BodyCollider) {
+        let place = self.place(number);
+        let part = &mut self.parts[number];
+        let inverses = &self.weighed[part.entries.clone()];
+        let sharers = &self.sharers[part.entries.clone()];
+        let weights = MassProperties::of(&solid.rest, inverses, sharers);
+        part.centre = weights.centre.as_vec3();
+        let (low, high) = solid.shape.bounds();
+        part.reach = (low - part.centre).abs().max((high - part.centre).abs()).length();
+        part.immovable = weights.inverse_mass == 0.0 && weights.inverse == [[0.0; 3]; 3];
+        let (group, lane) = (&mut self.groups[place / LANES], place % LANES);
+        group.pinned |= weights.pins > 0;
+        let mass = &mut group.mass;
+        mass.middle[lane] = weights.middle as f32;
+        mass.held[lane] = if weights.pins > 0 { 1.0 } else { 0.0 };
+        mass.free[lane] = if weights.pins > 0 { 0.0 } else { 1.0 };
+        mass.inverse_mass[lane] = weights.inverse_mass as f32;
+        let put = |to: &mut [LaneArray; 6], from: [[f64; 3]; 3]| {
+            let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = from;
+            for (to, from) in to.iter_mut().zip([xx, yy, zz, xy, xz, yz]) {
+                to[lane] = from as f32;
+            }
+        };
+        put(&mut mass.inertia, weights.inertia);
+        put(&mut mass.inverse_inertia, weights.inverse);
+        put(&mut mass.led, weights.led);
+        put(&mut mass.regularisation, weights.regularisation);
+        for (slot, i) in self.slots[group.slots.clone()].iter_mut().zip(0..solid.rest.len()) {
+            slot.pull[lane] = weights.pull(inverses[i], sharers[i]) as f32;
+            let rest = (solid.rest[i].as_dvec3() - weights.centre).as_vec3();
+            for (to, from) in slot.rest.iter_mut().zip(rest.to_array()) {
+                to[lane] = from;
+            }
+        }
+    }
+
+    /// The inverse mass, 1/kg, with which a place of the list of all rows was weighed.
+    pub(super) fn weighed(&self, entry: usize) -> f32 {
+        self.weighed[entry]
+    }
+
+    /// Whether two body colliders have a particle in common.
+    pub(super) fn share_a_row(&self, a: usize, b: usize) -> bool {
+        self.sharing[a].contains(&(b as u32))
+    }
+
+    /// Whether no other body collider has any of its particles.
+    pub(super) fn is_alone(&self, a: usize) -> bool {
+        self.sharing[a].is_empty()
+    }
+
+    /// The row of a body collider among the bodies: its lane of its group.
+    #[inline(always)]
+    pub(super) fn place(&self, number: usize) -> usize {
+        self.places[number] as usize
+    }
+
+    /// The body collider in a lane of a group, if it is sound.
+    pub(super) fn sound_in(&self, group: usize, lane: usize) -> Option<usize> {
+        let number = *self.order.get(group * LANES + lane)? as usize;
+        self.parts[number].sound.then_some(number)
+    }
+
+    /// How many rows bodies need for the body colliders.
+    pub(super) fn padded(&self) -> usize {
+        self.groups.len() * LANES
+    }
+}
+
+/// For each body collider those that it has particles in common with.
+fn sharing_of(parts: &[CompiledCollider], rows: &[u32], sharers: &[u32]) -> Vec<Vec<u32>> {
+    let entries = parts.iter().zip(0..).flat_map(|(part, number)| {
+        part.entries.clone().filter(|&i| sharers[i] > 1).map(move |i| (rows[i], number))
+    });
+    let mut shared: Vec<(u32, u32)> = entries.collect();
+    shared.sort_unstable();
+    let mut sharing = vec![Vec::new(); parts.len()];
+    for same in shared.chunk_by(|one, other| one.0 == other.0) {
+        for (_, one) in same {
+            let others = same.iter().map(|(_, other)| *other).filter(|other| other != one);
+            sharing[*one as usize].extend(others);
+        }
+    }
+    sharing
+}
+
+impl BodyCollider {
+    /// Why it cannot collide among so many particles, or `None` if it can.
+    pub fn fault(&self, particles: usize) -> Option<BodyColliderFault> {
+        use super::super::shape::Kind;
+        if self.rows.is_empty() || self.rows.len() != self.rest.len() {
+            Some(BodyColliderFault::Count)
+        } else if self.rows.iter().any(|&row| row as usize >= particles) {
+            Some(BodyColliderFault::MissingParticle)
+        } else if self.rows.iter().enumerate().any(|(i, row)| self.rows[..i].contains(row)) {
+            Some(BodyColliderFault::SameParticle)
+        } else if self.rest.iter().any(|r| !r.is_finite()) {
+            Some(BodyColliderFault::Number)
+        } else if matches!(self.shape.kind(), Kind::HalfSpace | Kind::Mesh | Kind::HeightField) {
+            Some(BodyColliderFault::Shape)
+        } else {
+            None
+        }
+    }
+}
+
+/// The particle that is farthest from the first one, and the one that is farthest from the line through the two.
+fn apart(rest: &[Vec3]) -> (usize, Option<usize>) {
+    let arm = |i: usize| rest[i].as_dvec3() - rest[0].as_dvec3();
+    let mut far = (0, 0.0);
+    for i in 1..rest.len() {
+        let square = arm(i).length_squared();
+        if square > far.1 {
+            far = (i, square);
+        }
+    }
+    let along = arm(far.0);
+    let mut side = (None, LINE * far.1 * far.1);
+    for i in 1..rest.len() {
+        let square = along.cross(arm(i)).length_squared();
+        if square > side.1 {
+            side = (Some(i), square);
+        }
+    }
+    (far.0, side.0)
+}

@@ -1,0 +1,318 @@
+//! Body colliders and single particles that belong to none: a sphere of its radius against the shape, two-way.
+
+use glam::{Vec3, Vec4};
+
+use super::super::nearby::Nearby;
+use super::super::{CombinedMaterial, ContactParticipant, World};
+use super::ContactEvent;
+use super::bodies::{Bodies, ROTATION, SHIFT, TURN, rotation};
+use super::groups::BodyGroups;
+use super::narrow_phase::participant;
+use super::swept_bounds::SweptBounds;
+use crate::particles::{NO_BODY, Particles};
+
+/// Particles near body colliders. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Loose {
+    pairs: Vec<LooseContact>,
+    /// Particles and body colliders by where they begin along x.
+    rows: Vec<(f32, u32)>,
+    body_colliders: Vec<(f32, u32)>,
+    open: Vec<u32>,
+}
+
+/// A particle near a body collider.
+#[derive(Clone, Copy, Debug)]
+struct LooseContact {
+    solid: u32,
+    row: u32,
+    combined_material: CombinedMaterial,
+    reports_events: bool,
+    participants: [ContactParticipant; 2],
+    /// Of the substep: where it pressed, if it did; speed before, m/s.
+    force: f32,
+    normal: Vec3,
+    arm: Vec3,
+    approach: f32,
+    /// Of the step, kg·m.
+    total: f32,
+    point: Vec3,
+}
+
+impl Loose {
+    pub(super) fn clear(&mut self) {
+        self.pairs.clear();
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.pairs.is_empty()
+    }
+
+    /// Whether there is none in all of this step's world that could touch a body collider.
+    pub(super) fn none_collide(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// Finds which particles may come to touch which body colliders.
+    pub(super) fn broad_phase(
+        &mut self,
+        swept: &[SweptBounds],
+        groups: &BodyGroups,
+        particles: &Particles,
+        world: &World,
+        nearby: &Nearby,
+    ) {
+        let Self { pairs, rows, body_colliders, open } = self;
+        pairs.clear();
+        rows.clear();
+        body_colliders.clear();
+        open.clear();
+        let filter = world.filter;
+        let reach = |row: usize| {
+            let speed = particles.velocity[row].truncate().length();
+            particles.radius[row] + (speed + world.gravity * world.dt) * world.dt
+        };
+        for row in 0..particles.len() {
+            let solid = groups.solid.get(row).copied().unwrap_or(false);
+            if particles.radius[row] > 0.0 && !solid && nearby.has(particles.body[row]) {
+                let low = particles.position(row).x - reach(row);
+                if low.is_finite() {
+                    rows.push((low, row as u32));
+                }
+            }
+        }
+        if rows.is_empty() {
+            return;
+        }
+        let sound = swept.iter().enumerate().filter(|(_, swept)| swept.sound);
+        body_colliders.extend(sound.map(|(number, swept)| (swept.bounds.0.x, number as u32)));
+        let order = |a: &(f32, u32), b: &(f32, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+        rows.sort_unstable_by(order);
+        body_colliders.sort_unstable_by(order);
+        // A particle is wide, too: body colliders open where it ends, and close where it begins.
+        let mut next = 0;
+        let widest = rows.iter().map(|&(_, row)| reach(row as usize)).fold(0.0, f32::max) * 2.0;
+        for &(low, row) in rows.iter() {
+            while let Some(&(_, number)) =
+                body_colliders.get(next).filter(|solid| solid.0 <= low + widest)
+            {
+                open.push(number);
+                next += 1;
+            }
+            open.retain(|&number| swept[number as usize].bounds.1.x >= low);
+            let i = row as usize;
+            let (place, reach) = (particles.position(i), Vec3::splat(reach(i)));
+            let own = filter.body(particles.body[i]);
+            for &number in open.iter() {
+                let one = &swept[number as usize];
+                let (low, high) = (place - reach, place + reach);
+                let apart = low.cmpgt(one.bounds.1).any() || high.cmplt(one.bounds.0).any();
+                let (body, theirs) = (particles.body[i], filter.body(one.body));
+                if apart || !filter.rows_may_touch((body, row), (one.body, one.row)) {
+                    continue;
+                }
+                let who = if body == NO_BODY {
+                    ContactParticipant::Particle(row)
+                } else {
+                    ContactParticipant::Body(body)
+                };
+                pairs.push(LooseContact {
+                    solid: number,
+                    row,
+                    combined_material: theirs.material.against(&own.material),
+                    reports_events: own.events || theirs.events,
+                    participants: [who, participant(groups, number as usize, one.body)],
+                    force: 0.0,
+                    normal: Vec3::Y,
+                    arm: Vec3::ZERO,
+                    approach: 0.0,
+                    total: 0.0,
+                    point: Vec3::ZERO,
+                });
+            }
+        }
+        pairs.sort_unstable_by_key(|near| (near.solid, near.row));
+    }
+
+    /// Parts those that have met, one after the other.
+    pub(super) fn project(
+        &mut self,
+        particles: &mut Particles,
+        groups: &BodyGroups,
+        bodies: &mut Bodies,
+        world: &World,
+        h: f32,
+    ) {
+        for near in &mut self.pairs {
+            near.force = 0.0;
+            let (s, i) = (near.solid as usize, near.row as usize);
+            let part = &groups.parts[s];
+            let Some(&home) = groups.rows.get(part.entries.start) else { continue };
+            let lift = particles.origin[i] - particles.origin[home as usize];
+            let (q, p) = (particles.position[i], particles.start[i]);
+            let at = groups.place(s);
+            let (w, inverse_mass) = (q.w, bodies[at][SHIFT].w);
+            let body = ScalarBody::of(bodies, at);
+            let arm = q.truncate() + lift - (body.centre + body.step + body.shift);
+            let way = (q - p).truncate() - body.moved(arm);
+            // As seen from the body collider, which has turned a little further.
+            let r = rotation(bodies[at][ROTATION]);
+            let local = |v: Vec3| {
+                let v = v - body.turn.cross(v);
+                Vec3::new(r.x_axis.dot(v), r.y_axis.dot(v), r.z_axis.dot(v))
+            };
+            let to = local(arm) + part.centre;
+            let from = to - local(way);
+            let radius = particles.radius[i];
+            let shape = &world.body_colliders[s].shape;
+            let Some(touch) = shape.touch(from, to, radius) else { continue };
+            let n = r * touch.normal;
+            let n = n + body.turn.cross(n);
+            // Moments about where the substep began, which is what Verlet keeps.
+            let lever = p.truncate() + lift - body.centre;
+            let weight = |along: Vec3| {
+                let moment = lever.cross(along);
+                w + inverse_mass + moment.dot(body.spun(moment))
+            };
+            let stiff = weight(n);
+            if !(stiff > 0.0 && stiff.is_finite() && touch.depth.is_finite()) {
+                continue;
+            }
+            let force = touch.depth / stiff;
+            let slid = way + n * (touch.depth - way.dot(n));
+            let slid = slid - n * slid.dot(n);
+            let length = slid.length();
+            let mut impulse = n * force;
+            if length > 0.0 {
+                let along = slid / length;
+                let most = near.combined_material.friction * force;
+                impulse -= along * (length / weight(along)).min(most);
+            }
+            if !impulse.is_finite() {
+                continue;
+            }
+            particles.position[i] += (impulse * w).extend(0.0);
+            bodies[at][SHIFT] -= (impulse * inverse_mass).extend(0.0);
+            bodies[at][TURN] -= body.spun(lever.cross(impulse)).extend(0.0);
+            near.force = force;
+            near.normal = n;
+            near.arm = lever;
+            near.approach = way.dot(n) / h;
+            near.total += force;
+            near.point = particles.position(i) - n * radius;
+        }
+    }
+
+    /// Restitution, body collider by body collider; see `restitution`.
+    pub(super) fn bounce(
+        &mut self,
+        particles: &mut Particles,
+        groups: &BodyGroups,
+        bodies: &Bodies,
+        least: f32,
+    ) {
+        for near in &self.pairs {
+            if near.force <= 0.0
+                || near.combined_material.restitution <= 0.0
+                || near.approach >= -least
+            {
+                continue;
+            }
+            let (s, i) = (near.solid as usize, near.row as usize);
+            let part = &groups.parts[s];
+            let at = groups.place(s);
+            let body = ScalarBody::of(bodies, at);
+            let (slots, lane) = (&groups.slots[groups.groups[at / 8].slots.clone()], at % 8);
+            let rows = || {
+                let rows = groups.rows[part.entries.clone()].iter().zip(slots);
+                rows.map(|(&row, slot)| (row as usize, slot.pull[lane], slot.share[lane]))
+            };
+            let Some((home, _, _)) = rows().next() else { continue };
+            let lift = particles.origin[i] - particles.origin[home];
+            let mass: f32 = rows().map(|(_, m, _)| m).sum();
+            let arm = |particles: &Particles, row: usize| {
+                particles.position[row].truncate()
+                    + (particles.origin[row] - particles.origin[home])
+            };
+            let centre = rows().map(|(row, m, _)| arm(particles, row) * m).sum::<Vec3>() / mass;
+            let velocity =
+                rows().map(|(row, m, _)| particles.velocity(row) * m).sum::<Vec3>() / mass;
+            let spin = rows()
+                .map(|(row, m, _)| {
+                    (arm(particles, row) - centre).cross(particles.velocity(row) - velocity) * m
+                })
+                .sum::<Vec3>();
+            let spin = body.spun(spin);
+            let lever = particles.position[i].truncate() + lift - centre;
+            let (n, w, inverse_mass) = (near.normal, particles.position[i].w, bodies[at][SHIFT].w);
+            let moment = lever.cross(n);
+            let stiff = w + inverse_mass + moment.dot(body.spun(moment));
+            let speed = n.dot(particles.velocity(i) - velocity - spin.cross(lever));
+            let impulse = (-near.combined_material.restitution * near.approach - speed) / stiff;
+            if !(stiff > 0.0 && impulse.is_finite()) {
+                continue;
+            }
+            particles.velocity[i] += (n * (impulse * w)).extend(0.0);
+            let (shift, turn) = (n * (impulse * inverse_mass), body.spun(moment * impulse));
+            for (row, _, share) in rows() {
+                if particles.position[row].w > 0.0 {
+                    let by = (shift + turn.cross(arm(particles, row) - centre)) * share;
+                    particles.velocity[row] -= by.extend(0.0);
+                }
+            }
+        }
+    }
+
+    /// Notes what has touched what.
+    pub(super) fn note_contact_events(&mut self, contact_events: &mut Vec<ContactEvent>, h: f32) {
+        for near in self.pairs.iter_mut().filter(|near| near.reports_events && near.total > 0.0) {
+            let (participants, point, normal) = (near.participants, near.point, near.normal);
+            contact_events.push(ContactEvent {
+                participants,
+                point,
+                normal,
+                impulse: near.total / h,
+            });
+            near.total = 0.0;
+        }
+    }
+}
+
+/// A body collider by itself.
+pub(super) struct ScalarBody {
+    pub(super) centre: Vec3,
+    pub(super) step: Vec3,
+    shift: Vec3,
+    pub(super) spin: Vec3,
+    pub(super) turn: Vec3,
+    along: Vec3,
+    across: Vec3,
+}
+
+impl ScalarBody {
+    pub(super) fn of(bodies: &Bodies, row: usize) -> Self {
+        let [shift, turn, along, across, centre, step, spin, _] = bodies[row].map(Vec4::truncate);
+        Self { centre, step, shift, spin, turn, along, across }
+    }
+
+    /// Displacement since the substep began of what is at `arm` from the centre, metres.
+    fn moved(&self, arm: Vec3) -> Vec3 {
+        let middle = arm - self.spin.cross(arm) * 0.5;
+        self.step + self.shift + self.spin.cross(middle) + self.turn.cross(arm)
+    }
+
+    /// The velocity of what is there, m/s, if it was read with velocities.
+    pub(super) fn velocity_at(&self, arm: Vec3) -> Vec3 {
+        self.step + self.shift + (self.spin + self.turn).cross(arm)
+    }
+
+    /// The turn that a moment gives.
+    pub(super) fn spun(&self, v: Vec3) -> Vec3 {
+        let (a, c) = (self.along, self.across);
+        Vec3::new(
+            a.x * v.x + c.x * v.y + c.y * v.z,
+            c.x * v.x + a.y * v.y + c.z * v.z,
+            c.y * v.x + c.z * v.y + a.z * v.z,
+        )
+    }
+}

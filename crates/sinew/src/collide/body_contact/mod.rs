@@ -1,0 +1,327 @@
+//! Contacts of body colliders: boxes of eight particles, hulls of four, bones of two or three, that collide by a shape instead of particle by
+//! particle.
+//!
+//! A body collider is a set of particles and a shape in their common frame. Nothing of it moves by itself: in each substep its pose is extracted from
+//! where the particles were predicted, contacts correct that pose, and the particles are displaced as the pose was. What is between (what the
+//! particles do to each other) is the business of constraints.
+//!
+//! | file | what it is |
+//! |---|---|
+//! | `groups` | eight body colliders at a time, and particles that several share; `mass_properties`: what one weighs, pinned particles, rods |
+//! | `initial_rotation` | initial rotations; `extract_pose`: poses out of particles |
+//! | `apply_pose_delta` | the change of a pose back to the particles, with momentum |
+//! | `bodies` | what contacts know of a body collider, or of static geometry: columns |
+//! | `static_geometry` | colliders, planes and boxes |
+//! | `swept_bounds` | where a body collider goes in a step, with a speculative margin |
+//! | `broad_phase` | what may come to touch what in it; `missed_pairs`: and what does that has left its swept bounds |
+//! | `narrow_phase` | the manifolds of a pair: cached, or computed afresh |
+//! | `refresh` | the same within a step for a pair that has turned |
+//! | `contacts` | manifolds of a step: coloured, and packed into wide contacts |
+//! | `contact_cache` | what is kept from one step to the next |
+//! | `wide_contact` | eight manifolds of one colour |
+//! | `mass_ratio` | which of those are pressed more than once in a substep |
+//! | `normal_solve` | their normal impulses; `friction`: their friction, with `tangential_slip`; `patch_solve` solves the few unknowns of one manifold |
+//! | `restitution` | restitution, as one problem; `drag`: the lectures' friction |
+//! | `loose` | body colliders and single particles |
+//! | `rest_overlap` | parts of one body that overlap at rest, and never touch |
+//! | `constraint_residual` | what joints take back of it where body colliders share particles |
+//! | `segment` | ropes by their segments |
+//! | `contact_events` | contact events, for the report |
+//! | `turn` | rotations and symmetric matrices of eight body colliders |
+
+mod apply_pose_delta;
+mod bodies;
+mod broad_phase;
+mod constraint_residual;
+mod contact_cache;
+mod contact_events;
+mod contacts;
+mod drag;
+mod extract_pose;
+mod friction;
+mod groups;
+mod initial_rotation;
+mod loose;
+mod mass_properties;
+mod mass_ratio;
+mod missed_pairs;
+mod narrow_phase;
+mod normal_solve;
+mod patch_solve;
+mod refresh;
+mod rest_overlap;
+mod restitution;
+mod segment;
+mod static_geometry;
+mod swept_bounds;
+mod tangential_slip;
+#[cfg(test)]
+mod tests;
+mod turn;
+mod wide_contact;
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::manifold::{Clusters, Scratch};
+use super::nearby::Nearby;
+use super::{Kept, Shape, World};
+use crate::lanes::{InstructionSet, LANES, with};
+use crate::particles::Particles;
+use apply_pose_delta::{ApplyPoseDelta, SharedDeltas};
+use bodies::Bodies;
+use contact_cache::{CacheBuilder, FrictionAnchor};
+use contact_events::ContactEvent;
+use contacts::{Contact, SensorOverlap};
+use extract_pose::{ExtractPose, Gathered, OriginOffsets, PoseSums};
+use friction::{FrictionSolve, PredictImpulse};
+use groups::BodyGroups;
+use loose::Loose;
+use missed_pairs::MissedPairs;
+use normal_solve::NormalSolve;
+use rest_overlap::RestOverlaps;
+use restitution::Impacts;
+use static_geometry::StaticGeometry;
+use swept_bounds::{SweptBounds, WideSweptBounds};
+use wide_contact::WideContact;
+
+pub use contact_cache::{CachedManifold, ContactCache};
+
+/// How much overlap is recovered in a substep: so many times what gravity adds to it, and what this speed is, m/s. A tower of so many boxes needs
+/// that much, since a sweep hands a push on by one; more at once would be seen as a jump.
+const RECOVERED: (f32, f32) = (200.0, 2.0);
+/// How much of that may turn into speed.
+const MAX_DEPENETRATION: (f32, f32) = (20.0, 0.1);
+
+/// Particles that collide as one, by a shape.
+///
+/// Where it is and how it is turned follows from where its particles are; they must be held together by constraints. Two particles do not say how it
+/// is turned about their line; give such a body collider a shape that is round about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyCollider {
+    /// Rows of its particles. Several body colliders may share some; those never touch each other if they are of one body.
+    pub rows: Vec<u32>,
+    /// Where each of them is in the body collider's own frame, metres; as many as `rows`. Shared by body colliders of the same shape.
+    pub rest: Arc<[Vec3]>,
+    /// Its shape, in its own frame: anything without dents.
+    pub shape: Shape,
+    /// Its name in the contact cache ([`ContactCache`]): ascending in the list of body colliders, whatever comes and goes.
+    pub id: u64,
+}
+
+/// Why a body collider takes part in no contacts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BodyColliderFault {
+    /// It has no rows, or another number of rest positions.
+    #[error("it has no particles, or not as many rest positions")]
+    Count,
+    /// One of its rows is no particle.
+    #[error("one of its particles does not exist")]
+    MissingParticle,
+    /// One of its rows is there twice.
+    #[error("one of its particles is there twice")]
+    SameParticle,
+    /// A rest position is not finite.
+    #[error("a rest position is not finite")]
+    Number,
+    /// A half-space, a mesh or a heightfield: those are for static geometry.
+    #[error("a half-space, a mesh or a heightfield cannot move")]
+    Shape,
+}
+
+/// Contacts of body colliders in a step. Scratch: nothing of it lasts from one step to the next but what follows from body colliders and masses
+/// alone, and the memory, which is lent for a step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BodyContactSolver {
+    /// Which instructions its kernels use. It never changes a result.
+    pub(crate) instructions: InstructionSet,
+    groups: BodyGroups,
+    overlaps: RestOverlaps,
+    origin_offsets: OriginOffsets,
+    bodies: Bodies,
+    sums: Vec<PoseSums>,
+    wide_swept: Vec<WideSweptBounds>,
+    gathered: Vec<Gathered>,
+    static_geometry: Vec<StaticGeometry>,
+    floor: Option<Shape>,
+    swept: Vec<SweptBounds>,
+    clusters: Kept<Clusters>,
+    scratch: Kept<Scratch>,
+    bounds: Vec<(Vec3, Vec3)>,
+    /// Who has left its swept bounds in this substep.
+    outside_bounds: Vec<u32>,
+    missed: MissedPairs,
+    nearby: Vec<[u32; 2]>,
+    pairs: Vec<[u32; 2]>,
+    contacts: Vec<Contact>,
+    sensor_overlaps: Vec<SensorOverlap>,
+    wide_contacts: Vec<WideContact>,
+    cache: CacheBuilder,
+    loose: Loose,
+    shared: SharedDeltas,
+    contact_events: Vec<ContactEvent>,
+    used: Vec<u64>,
+    order: Vec<u32>,
+    begins: Vec<u32>,
+    loads: Vec<f32>,
+    impacts: Impacts,
+    /// Whether contacts were looked for since the last substep.
+    fresh: bool,
+    /// Length of the last substep, seconds.
+    h: f32,
+}
+
+impl BodyContactSolver {
+    /// Notes which rows belong to which body colliders. Faulty ones are left out.
+    pub(crate) fn compile(&mut self, body_colliders: &[BodyCollider], particles: &Particles) {
+        self.groups.compile(body_colliders, particles);
+        self.overlaps.reset();
+        self.wide_contacts.clear();
+        self.contacts.clear();
+        self.loose.clear();
+    }
+
+    /// For each row whether it belongs to a body collider.
+    pub(crate) fn rows(&self) -> &[bool] {
+        &self.groups.solid
+    }
+
+    /// Whether there are no body colliders.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.groups.parts.is_empty()
+    }
+
+    /// Between the constraints of a substep of `h` seconds and its velocities: moves body colliders out of what they ran into.
+    pub(crate) fn project(
+        &mut self,
+        particles: &mut Particles,
+        (world, nearby): (&World, &Nearby),
+        h: f32,
+        substep: u32,
+    ) {
+        if self.is_empty() || self.swept.len() != self.groups.parts.len() {
+            return;
+        }
+        self.h = h;
+        let share = |number: u32| number as f32 / world.substeps.max(1) as f32;
+        let (from, to) = (share(substep), share(substep + 1));
+        self.extract_poses(particles, to * world.dt);
+        if !self.outside_bounds.is_empty() {
+            self.find_missed_pairs(particles, world, nearby, from);
+        }
+        if self.wide_contacts.is_empty() && self.loose.is_empty() {
+            return;
+        }
+        self.place_static_geometry(world, from, to);
+        self.refresh_manifolds(world, from);
+        self.follow_kinematic_geometry(world, from);
+        let most = |(falls, speed): (f32, f32)| falls * world.gravity * h * h + speed * h;
+        let (recover, max_depenetration) = (most(RECOVERED), most(MAX_DEPENETRATION));
+        let elastic_pop = MAX_DEPENETRATION.0 * world.gravity * h * h;
+        let Self { wide_contacts, bodies, instructions, fresh, .. } = self;
+        if core::mem::take(fresh) {
+            with(*instructions, PredictImpulse { wide_contacts, bodies });
+        }
+        with(
+            *instructions,
+            FrictionSolve {
+                wide_contacts,
+                after: false,
+                max_correction: max_depenetration,
+                bodies,
+            },
+        );
+        let pops = [max_depenetration, elastic_pop];
+        let sweeps = wide_contacts.iter().map(|wide| wide.sweeps).max().unwrap_or(0);
+        for sweep in 0..sweeps {
+            with(*instructions, NormalSolve { wide_contacts, bodies, h, recover, pops, sweep });
+        }
+        with(
+            *instructions,
+            FrictionSolve { wide_contacts, after: true, max_correction: max_depenetration, bodies },
+        );
+        self.loose.project(particles, &self.groups, &mut self.bodies, world, h);
+        self.apply_pose_deltas(particles);
+        self.measure_residual(particles);
+    }
+
+    /// Gives the contact cache back at the end of a step.
+    pub(crate) fn keep(&mut self, cache: &mut ContactCache) {
+        self.note_friction_anchors(self.h);
+        self.cache.give(cache);
+    }
+
+    /// Notes the friction anchors after a substep of `h` seconds.
+    fn note_friction_anchors(&mut self, h: f32) {
+        let Self { wide_contacts, contacts, cache, .. } = self;
+        for wide in &*wide_contacts {
+            for (lane, number) in wide.number.iter().enumerate() {
+                if let Some(one) = contacts.get(*number as usize) {
+                    cache.now[one.cache_index as usize].friction_anchor =
+                        FrictionAnchor::of(wide, lane, h);
+                }
+            }
+        }
+    }
+
+    /// Poses as predicted, and how they got there, so many seconds after the step began; and who has left its swept bounds.
+    fn extract_poses(&mut self, particles: &Particles, time: f32) {
+        let Self {
+            groups,
+            origin_offsets,
+            bodies,
+            sums,
+            wide_swept,
+            gathered,
+            outside_bounds,
+            instructions,
+            ..
+        } = self;
+        outside_bounds.clear();
+        for (number, group) in groups.groups.iter().enumerate() {
+            let read = ExtractPose {
+                group,
+                slots: &groups.slots[group.slots.clone()],
+                origin_offsets: origin_offsets.of(group),
+                position: &particles.position,
+                other: &particles.start,
+                fresh: false,
+                bodies,
+                first: number * LANES,
+                sums: &mut sums[number],
+                wide_swept: Some((&wide_swept[number], time)),
+                gathered,
+            };
+            let left = with(*instructions, read);
+            if left != 0 {
+                let lanes = (0..LANES).filter(|lane| left >> lane & 1 == 1);
+                let body_colliders = lanes.filter_map(|lane| groups.sound_in(number, lane));
+                outside_bounds.extend(body_colliders.map(|number| number as u32));
+            }
+        }
+    }
+
+    /// Displaces the particles as their body colliders were.
+    fn apply_pose_deltas(&mut self, particles: &mut Particles) {
+        let Self { groups, origin_offsets, bodies, sums, instructions, shared, .. } = self;
+        shared.clear();
+        for (number, group) in groups.groups.iter().enumerate() {
+            let write = ApplyPoseDelta {
+                group,
+                slots: &groups.slots[group.slots.clone()],
+                origin_offsets: origin_offsets.of(group),
+                position: &mut particles.position,
+                velocity: None,
+                bodies,
+                first: number * LANES,
+                sums: &sums[number],
+                shared,
+            };
+            with(*instructions, write);
+        }
+        for (row, by) in shared.iter() {
+            particles.position[row as usize] += by;
+        }
+    }
+}

@@ -1,0 +1,316 @@
+//! Narrow phase: the manifolds of a pair, from the contact cache as long as they are valid, and otherwise computed afresh.
+
+use super::super::manifold::{Scratch, collide, is_of_triangles};
+use super::super::{BodyCollider, ContactParticipant, Frame, Shape, World};
+use super::BodyContactSolver;
+use super::contact_cache::{
+    CacheBuilder, CachedManifold, ContactKey, FrictionAnchor, Other, SLACK, sort,
+};
+use super::contacts::{Contact, SensorOverlap};
+use super::groups::BodyGroups;
+use super::missed_pairs::MissedPairs;
+use super::swept_bounds::SweptBounds;
+use super::wide_contact::TORSIONAL_RADIUS;
+use crate::particles::{NO_BODY, Particles};
+
+impl BodyContactSolver {
+    /// Computes the manifolds of a pair after a share of the step, or takes them from the cache; within a step those alone that the broad phase
+    /// missed.
+    #[inline]
+    pub(super) fn compare(
+        &mut self,
+        pair: [usize; 2],
+        particles: &Particles,
+        world: &World,
+        when: (f32, bool),
+    ) {
+        if pair[1] < self.swept.len() {
+            self.compare_solids(pair, particles, world, when);
+        } else {
+            self.compare_with_geometry(pair, world, when);
+        }
+    }
+
+    /// Two body colliders.
+    fn compare_solids(
+        &mut self,
+        [a, b]: [usize; 2],
+        particles: &Particles,
+        world: &World,
+        (share, missed): (f32, bool),
+    ) {
+        let Self { groups, overlaps, swept, contacts, cache, scratch, missed: known, .. } = self;
+        let (one, other) = (&swept[a], &swept[b]);
+        // Neighbours in a body are near each other all the time.
+        let same = one.body == other.body && one.body != NO_BODY;
+        if same && groups.share_a_row(a, b) {
+            return;
+        }
+        let filter = world.filter;
+        let (own, theirs) = (filter.body(one.body), filter.body(other.body));
+        let overlap = || {
+            overlaps.has(a, b)
+                || world.body_colliders[a].overlaps_at_rest(&world.body_colliders[b], particles)
+        };
+        let of = |swept: &SweptBounds| (swept.body, swept.row);
+        if !filter.rows_may_touch(of(one), of(other)) || same && overlap() {
+            return;
+        }
+        let (solid, with) = (&world.body_colliders[a], &world.body_colliders[b]);
+        let key = ContactKey { a: solid.id, other: Other::BodyCollider(with.id), nth: 0 };
+        let (part, their) = (&groups.parts[a], &groups.parts[b]);
+        if part.immovable && their.immovable {
+            if !missed {
+                cache.carry_over(&key);
+            }
+            return;
+        }
+        let offset = other.origin - one.origin;
+        let there = Frame { translation: other.frame.translation + offset, ..other.frame };
+        let (shapes, size) =
+            ([&solid.shape, &with.shape], (part.reach, part.reach.min(their.reach)));
+        // Joints of bones turn these on their points, and they crept on over the floor when that was held.
+        let torsional_radius =
+            if groups.is_alone(a) && groups.is_alone(b) { TORSIONAL_RADIUS * size.1 } else { 0.0 };
+        let meeting = || Contact {
+            a: a as u32,
+            b: b as u32,
+            geometry: None,
+            fixed: None,
+            cache_index: 0,
+            offset,
+            combined_material: own.material.against(&theirs.material),
+            reports_events: own.events || theirs.events,
+            participants: [participant(groups, a, one.body), participant(groups, b, other.body)],
+            colour: 0,
+            level: 0,
+            size: size.1,
+            staleness: 0.0,
+            torsional_radius,
+        };
+        // Within a step nobody is quite where he was expected.
+        let off = if missed { one.speculative_margin + other.speculative_margin } else { 0.0 };
+        let reach = one.reach_of(other, (1.0 - share) * world.dt) + off;
+        let (query, frames) = (PairQuery { key, shapes, size, reach }, [&one.frame, &there]);
+        if missed {
+            let pair = [a as u32, b as u32];
+            query.find_missed(frames, (pair, meeting), known, cache, contacts, &mut scratch.0);
+        } else {
+            query.narrow_phase(frames, meeting, cache, contacts, &mut scratch.0);
+        }
+    }
+
+    /// A body collider and static geometry.
+    fn compare_with_geometry(
+        &mut self,
+        [a, b]: [usize; 2],
+        world: &World,
+        (share, missed): (f32, bool),
+    ) {
+        let Self {
+            groups,
+            swept,
+            static_geometry,
+            contacts,
+            cache,
+            sensor_overlaps,
+            scratch,
+            missed: known,
+            ..
+        } = self;
+        let (one, number) = (&swept[a], b - swept.len());
+        let (solid, geometry) = (&world.body_colliders[a], &static_geometry[number]);
+        let own = world.filter.body(one.body);
+        let ignored = matches!(geometry.participant, ContactParticipant::Collider(collider)
+            if !world.filter.may_touch_collider(one.body, collider));
+        if ignored || !own.layers.meets(geometry.layers) {
+            return;
+        }
+        let frame = geometry.frame_at(world, share);
+        let here = geometry.seen_from(&frame, one.origin);
+        let reports_events = own.events || geometry.events;
+        let participants = || [participant(groups, a, one.body), geometry.participant];
+        if geometry.sensor {
+            if reports_events {
+                let seen_from = one.frame.from_within(&here);
+                let (shape, scratch) = (&solid.shape, &mut scratch.0);
+                collide(shape, &geometry.shape, &seen_from, 0.0, scratch, &mut |manifold| {
+                    if let Some(point) = manifold.points().first() {
+                        let normal = frame.turn(manifold.normal);
+                        let point = one.origin + one.frame.point(point.on_a);
+                        sensor_overlaps.push(SensorOverlap {
+                            participants: participants(),
+                            point,
+                            normal,
+                        });
+                    }
+                });
+            }
+            return;
+        }
+        let (part, key) =
+            (&groups.parts[a], ContactKey { a: solid.id, other: geometry.other, nth: 0 });
+        if part.immovable || is_nailed(groups, a, solid, [&one.frame, &here], &geometry.shape) {
+            if !missed {
+                cache.carry_over(&key);
+            }
+            return;
+        }
+        let row = (groups.padded() + number) as u32;
+        let meeting = || Contact {
+            a: a as u32,
+            b: row,
+            geometry: Some(number as u32),
+            fixed: geometry.moving.is_none().then_some(here.rotation),
+            cache_index: 0,
+            offset: here.translation,
+            combined_material: geometry.combined_material(&own.material),
+            reports_events,
+            participants: participants(),
+            colour: 0,
+            level: 0,
+            size: part.reach,
+            staleness: 0.0,
+            torsional_radius: if groups.is_alone(a) { TORSIONAL_RADIUS * part.reach } else { 0.0 },
+        };
+        let (shapes, size) = ([&solid.shape, &geometry.shape], (part.reach, part.reach));
+        let reach = one.reach((1.0 - share) * world.dt) + geometry.carries(one, world, share);
+        let (query, frames) = (PairQuery { key, shapes, size, reach }, [&one.frame, &here]);
+        if missed {
+            let pair = [a as u32, row];
+            query.find_missed(frames, (pair, meeting), known, cache, contacts, &mut scratch.0);
+        } else {
+            query.narrow_phase(frames, meeting, cache, contacts, &mut scratch.0);
+        }
+    }
+}
+
+/// Whether a segment is pinned in static geometry, or nearer to it than it is thick. What is nailed to a post does not run into it: about its pin a
+/// contact has no lever, and to come out there the segment would have to turn by any angle, and flings what hangs on it away.
+fn is_nailed(
+    groups: &BodyGroups,
+    number: usize,
+    solid: &BodyCollider,
+    [one, geometry]: [&Frame; 2],
+    shape: &Shape,
+) -> bool {
+    let part = &groups.parts[number];
+    let pinned = |i: &usize| groups.weighed(part.entries.start + i) == 0.0;
+    if part.side.is_some() || !(0..solid.rest.len()).any(|i| pinned(&i)) {
+        return false;
+    }
+    let (low, high) = solid.shape.bounds();
+    let thick = 0.5 * (high - low).min_element();
+    let is_near =
+        |i: usize| shape.nearest(geometry.local(one.point(solid.rest[i]))).distance < thick;
+    (0..solid.rest.len()).filter(pinned).any(is_near)
+}
+
+/// A body collider, and another one or static geometry.
+struct PairQuery<'a> {
+    key: ContactKey,
+    shapes: [&'a Shape; 2],
+    /// How far the first one reaches, and the smaller one of the two, metres.
+    size: (f32, f32),
+    /// How near they may come in the step, metres.
+    reach: f32,
+}
+
+impl PairQuery<'_> {
+    /// Adds their manifolds to the cache, and those that may come to press to the contacts, each as `meeting` has it.
+    #[inline(always)]
+    fn narrow_phase(
+        self,
+        [a, b]: [&Frame; 2],
+        meeting: impl Fn() -> Contact,
+        cache: &mut CacheBuilder,
+        contacts: &mut Vec<Contact>,
+        scratch: &mut Scratch,
+    ) {
+        let Self { key, shapes, size: (size, smaller), reach } = self;
+        let here = a.from_within(b);
+        let content_hashes = shapes.map(Shape::content_hash);
+        let of_triangles = shapes.into_iter().any(is_of_triangles);
+        let known = cache.lookup(&key).filter(|known| known.content_hashes == content_hashes);
+        let holds = known.and_then(|known| {
+            Some((known.staleness(&here, (size, smaller), reach)?, known.is_near(&here, reach)))
+        });
+        if let Some((staleness, near)) = holds {
+            let cache_index = cache.keep(near);
+            if near {
+                contacts.push(Contact { staleness, cache_index, ..meeting() });
+            }
+            return;
+        }
+        let (first, far) = (cache.now.len(), reach + SLACK * smaller);
+        collide(shapes[0], shapes[1], &here, far, scratch, &mut |manifold| {
+            let (key, manifold) = (ContactKey { nth: manifold.part, ..key }, *manifold);
+            let (reach, friction_anchor) =
+                (if of_triangles { -1.0 } else { far }, FrictionAnchor::default());
+            cache.now.push(CachedManifold {
+                key,
+                content_hashes,
+                manifold,
+                seen_from: here,
+                reach,
+                friction_anchor,
+            });
+        });
+        // Triangles come in any order.
+        if of_triangles {
+            sort(&mut cache.now[first..]);
+        }
+        for place in first..cache.now.len() {
+            cache.inherit_anchor(place, b);
+            if cache.now[place].is_near(&here, reach) {
+                contacts.push(Contact { cache_index: place as u32, ..meeting() });
+            }
+        }
+    }
+
+    /// The same within a step, for those that were not found before; the pair as it is in [`Contact`].
+    fn find_missed(
+        self,
+        [a, b]: [&Frame; 2],
+        (pair, meeting): ([u32; 2], impl Fn() -> Contact),
+        missed: &MissedPairs,
+        cache: &mut CacheBuilder,
+        contacts: &mut Vec<Contact>,
+        scratch: &mut Scratch,
+    ) {
+        let Self { key, shapes, reach, .. } = self;
+        let here = a.from_within(b);
+        let content_hashes = shapes.map(Shape::content_hash);
+        let of_triangles = shapes.into_iter().any(is_of_triangles);
+        if !of_triangles && missed.has(pair, 0, contacts, cache) {
+            return;
+        }
+        collide(shapes[0], shapes[1], &here, reach, scratch, &mut |manifold| {
+            if of_triangles && missed.has(pair, manifold.part, contacts, cache) {
+                return;
+            }
+            let (key, manifold) = (ContactKey { nth: manifold.part, ..key }, *manifold);
+            let (reach, friction_anchor) =
+                (if of_triangles { -1.0 } else { reach }, FrictionAnchor::default());
+            let one = CachedManifold {
+                key,
+                content_hashes,
+                manifold,
+                seen_from: here,
+                reach,
+                friction_anchor,
+            };
+            contacts.push(Contact { cache_index: cache.insert_missed(one), ..meeting() });
+        });
+    }
+}
+
+/// Who a body collider is, for the report.
+pub(super) fn participant(groups: &BodyGroups, number: usize, body: u32) -> ContactParticipant {
+    if body == NO_BODY {
+        let first = groups.parts[number].entries.start;
+        ContactParticipant::Particle(groups.rows.get(first).copied().unwrap_or_default())
+    } else {
+        ContactParticipant::Body(body)
+    }
+}

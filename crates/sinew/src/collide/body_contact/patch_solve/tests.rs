@@ -1,0 +1,119 @@
+//! What points are missing says nothing to the others.
+
+use super::super::turn::Symmetric;
+use super::{ContactPatch, PatchSide, solve_normal_impulses};
+use crate::constraints::checks::Random;
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
+
+/// Presses two points, alone and beside two that are missing, and compares the bits.
+struct Both<'a>(&'a mut Random);
+
+impl Work for Both<'_> {
+    /// The two answers.
+    type Output = ([[f32; LANES]; 2], [[f32; LANES]; 4]);
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        let Self(random) = self;
+        let mut some = |low: f32, high: f32| {
+            let half = 0.5 * (high - low);
+            L::load(&core::array::from_fn(|_| low + half * (1.0 + random.number())))
+        };
+        let (none, one) = (L::zero(), L::splat(1.0));
+        let (t, u) = (Vector::new(one, none, none), Vector::new(none, one, none));
+        let mut side = || {
+            let along = Vector::new(some(1.0, 9.0), some(1.0, 9.0), some(1.0, 9.0));
+            let across = Vector::new(some(-0.9, 0.9), some(-0.9, 0.9), some(-0.9, 0.9));
+            PatchSide::of(&Symmetric { along, across }, t, u)
+        };
+        let (a, b) = (side(), side());
+        let patch =
+            ContactPatch { weight: some(0.1, 3.0), a, b: Some(b), apart: (some(-1.0, 1.0), none) };
+        let c = [some(-1e-4, 1e-3), some(-1e-3, 1e-3)];
+        let at = [(some(-1.0, 1.0), some(-1.0, 1.0)), (some(-1.0, 1.0), some(-1.0, 1.0))];
+        let far = L::splat(-1e9);
+        let speculative_margin = (some(-1.0, 1.0), some(-1.0, 1.0));
+        let two = solve_normal_impulses(&patch, &c, &at);
+        let four = solve_normal_impulses(
+            &patch,
+            &[c[0], c[1], far, far],
+            &[at[0], at[1], speculative_margin, speculative_margin],
+        );
+        let store = |force: L| {
+            let mut to = [0.0; LANES];
+            force.store(&mut to);
+            to
+        };
+        (two.map(store), four.map(store))
+    }
+}
+
+#[test]
+fn two_points_press_as_they_do_beside_two_that_are_missing() {
+    let mut random = Random::new(7);
+    let mut pressed = [0; 3];
+    for _ in 0..500 {
+        let (two, four) = with(InstructionSet::Scalar, Both(&mut random));
+        for (i, far) in four.iter().enumerate() {
+            let wanted = two.get(i).map_or([0; LANES], |force| force.map(f32::to_bits));
+            assert_eq!(far.map(f32::to_bits), wanted, "point {i}");
+        }
+        for lane in 0..LANES {
+            pressed[two.iter().filter(|force| force[lane] > 0.0).count()] += 1;
+        }
+    }
+    assert!(pressed.iter().all(|&times| times > 200), "{pressed:?}: of each kind some");
+}
+
+/// Presses two points that are as good as one, at `distance` metres from each other.
+struct AsOne<'a> {
+    random: &'a mut Random,
+    distance: f32,
+}
+
+impl Work for AsOne<'_> {
+    /// The largest impulse, by what one point alone would need.
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let Self { random, distance } = self;
+        let (none, one) = (L::zero(), L::splat(1.0));
+        let (t, u) = (Vector::new(one, none, none), Vector::new(none, one, none));
+        let round = Symmetric {
+            along: Vector::new(one, one, one) * L::splat(1.6),
+            across: Vector::new(none, none, none),
+        };
+        let side = || PatchSide::of(&round, t, u);
+        let patch =
+            ContactPatch { weight: L::splat(0.4), a: side(), b: Some(side()), apart: (none, none) };
+        let near = |x: f32, random: &mut Random| {
+            L::load(&core::array::from_fn(|_| x + distance * random.number()))
+        };
+        let [x, y] = [0.0, 0.0].map(|_: f32| 0.4 * random.number());
+        let mut at = || (near(x, random), near(y, random));
+        let at = [at(), at()];
+        let force = solve_normal_impulses(&patch, &[one, one], &at);
+        let mut worst = 0.0_f32;
+        for force in force {
+            let mut to = [0.0; LANES];
+            force.store(&mut to);
+            worst = to.iter().fold(worst, |worst, force| worst.max(*force));
+        }
+        worst * 0.4
+    }
+}
+
+/// A manifold had the same corner twice. The middle of the two, rounded, was as far from them as they from each other, and the tilt that was made of
+/// that threw boxes out of a heap at a kilometre a second.
+#[test]
+fn points_that_are_as_good_as_one_press_as_one() {
+    let mut random = Random::new(3);
+    for distance in [0.0, 1e-9, 1e-8, 3e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3] {
+        for _ in 0..500 {
+            let random = &mut random;
+            let worst = with(InstructionSet::Scalar, AsOne { random, distance });
+            assert!(worst < 1.01, "{distance} m from each other: {worst}");
+        }
+    }
+}

@@ -1,0 +1,401 @@
+//! Restitution of body colliders, after the velocities are derived: one problem in velocities over all that touch (Moreau's law of impacts). Also
+//! drags (`drag`), and speed that came of recovering an overlap is taken off.
+//!
+//! # The law
+//!
+//! Positions have no elasticity: what is put on a surface leaves it with the speed that it lacked to get there. So with `v⁻` the speeds along the normals
+//! before contacts (negative when approaching), `v` those that the positions gave and `P ≥ 0` the impulses of the points that pressed in this substep, the
+//! velocities after it obey, at all points at once,
+//!
+//! ```text
+//! P ≥ 0,    v + e v⁻ ≥ 0,    P (v + e v⁻) = 0
+//! ```
+//!
+//! with `e` the restitution where `v⁻` was faster than `2gh`, which gravity alone gives to what lies still, and 0 elsewhere. What was parting may come
+//! to approach (`v⁻ > 0`, and others push): it bounces in a later substep. With one `e` everywhere energy changes by `½ Σ P (v⁻ + v) = ½ Σ P v⁻ (1 - e)`,
+//! and with `e = 1` by nothing, whatever touches what: a ball into two that touch, a row of balls. It is solved by projected Gauss–Seidel: manifold
+//! by manifold, each exactly (`patch_solve`), from the impulses that the positions took, so that one may end with less than it had. Moreau, *Unilateral
+//! Contact and Dry Friction in Finite Freedom Dynamics*, 1988.
+//!
+//! What came out of a deep overlap (see `normal_solve`) is left with no speed along the normal: of the impulse that it got, so much is taken back.
+//!
+//! # Where
+//!
+//! All of it happens where the substep began, which is where the normals are from. A normal that had turned meanwhile would not be the one along which
+//! the approach was measured: what bounces off obliquely would gain energy each time, and a gas of balls would heat up without end. Moments are kept
+//! about that place, too, and so two that bounced off each other go from there with their new velocities, `q = p + h v`, as if they had bounced when the
+//! substep began: then that is Verlet's own angular momentum. What is being pushed out of an old overlap stays where it was pushed to, and what bounced off
+//! static geometry, where there is no momentum to be kept, at the surface.
+//!
+//! # Who takes part
+//!
+//! Impacts spread from what was fast. A manifold is solved if it was fast itself, or if one of its body colliders was changed by more than [`QUIET`]
+//! since it was solved last; so a heap on which something falls is asked as far as it is felt, and what is elsewhere changes nothing.
+
+use super::BodyContactSolver;
+use super::apply_pose_delta::ApplyPoseDelta;
+use super::bodies::{Bodies, WideBody as Rows};
+use super::contacts::Contact;
+use super::drag::{drag, dragged};
+use super::extract_pose::ExtractPose;
+use super::normal_solve::{anchors, skins};
+use super::patch_solve::{ContactPatch, PatchSide, solve_normal_impulses};
+use super::tangential_slip::tangents;
+use super::turn::{Matrix, load};
+use super::wide_contact::{FAR, WideContact};
+use crate::lanes::{LANES, Lanes, Record, Vector, Work, with};
+use crate::particles::Particles;
+
+/// A change of a speed that is none, m/s: below what positions of a metre can hold in a substep.
+const QUIET: f32 = 1e-6;
+/// Rounds of Gauss and Seidel's, at the most. A row of five takes some thirty; what is left then is inelastic.
+const ROUNDS: u32 = 64;
+
+/// Which body colliders are part of an impact. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Impacts {
+    /// A bit for each body collider of each group that has been read with its velocities; and the groups of which there are any, in the order of
+    /// that.
+    read: Vec<u32>,
+    entered: Vec<u32>,
+    /// The rows of those as they were before.
+    kept: Vec<Record>,
+    /// A bit for each body collider of each group that is not moved to where it bounced to.
+    stays: Vec<u32>,
+    /// A bit for each body collider of each group that was changed in this round, and in the last one.
+    changed: Vec<u32>,
+    was_changed: Vec<u32>,
+}
+
+impl Impacts {
+    fn begin(&mut self, groups: usize) {
+        self.entered.clear();
+        self.kept.clear();
+        let Self { read, stays, changed, was_changed, .. } = self;
+        for bits in [read, stays, changed, was_changed] {
+            bits.clear();
+            bits.resize(groups, 0);
+        }
+    }
+
+    /// A bit for each manifold of a wide contact one of whose body colliders was changed in the last round.
+    fn stirred(&self, wide: &WideContact) -> u32 {
+        let is_changed = |row: u32| {
+            let bits = self.was_changed.get(row as usize / LANES).copied().unwrap_or(0);
+            bits >> (row as usize % LANES) & 1
+        };
+        let lanes = 0..LANES;
+        lanes.fold(0, |bits, i| bits | (is_changed(wide.a[i]) | is_changed(wide.b[i])) << i)
+    }
+}
+
+fn mark(bits: &mut [u32], row: u32) {
+    if let Some(bits) = bits.get_mut(row as usize / LANES) {
+        *bits |= 1 << (row as usize % LANES);
+    }
+}
+
+impl BodyContactSolver {
+    /// Gives what bounced its velocity.
+    pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
+        let least = 2.0 * gravity * h;
+        self.loose.bounce(particles, &self.groups, &self.bodies, least);
+        self.impacts.begin(self.groups.groups.len());
+        let mut wide_contacts = core::mem::take(&mut self.wide_contacts);
+        let mut any = false;
+        for round in 0..ROUNDS {
+            let mut stirred = false;
+            for wide in &mut wide_contacts {
+                // What has no restitution is asked once, and hands nothing on, unless an impact reaches it.
+                let (lanes, spread) = match round {
+                    0 => {
+                        let fast = if wide.kept { fast(wide, &self.contacts, least) } else { 0 };
+                        (wide.depenetrated | fast, fast)
+                    }
+                    _ if wide.kept => {
+                        let stirred = self.impacts.stirred(wide) & pressed(wide);
+                        (stirred, stirred)
+                    }
+                    _ => (0, 0),
+                };
+                if lanes == 0 {
+                    continue;
+                }
+                any = true;
+                self.enter(particles, wide, lanes);
+                let static_geometry = stands_in(wide, &self.contacts);
+                let stays = wide.depenetrated | static_geometry | !wide.elastic;
+                for lane in (0..LANES).filter(|lane| (lanes & stays) >> lane & 1 == 1) {
+                    mark(&mut self.impacts.stays, wide.a[lane]);
+                    mark(&mut self.impacts.stays, wide.b[lane]);
+                }
+                let changed = spread & self.solve_impacts(wide, (lanes, static_geometry), least, h);
+                stirred |= changed != 0;
+                for lane in (0..LANES).filter(|lane| changed >> lane & 1 == 1) {
+                    mark(&mut self.impacts.changed, wide.a[lane]);
+                    mark(&mut self.impacts.changed, wide.b[lane]);
+                }
+            }
+            let Impacts { changed, was_changed, .. } = &mut self.impacts;
+            core::mem::swap(changed, was_changed);
+            changed.fill(0);
+            if !stirred {
+                break;
+            }
+        }
+        for wide in wide_contacts.iter().filter(|wide| wide.kept) {
+            let slow = dragged(wide, &self.contacts);
+            if slow == 0 {
+                continue;
+            }
+            any = true;
+            self.enter(particles, wide, slow);
+            for lane in (0..LANES).filter(|lane| slow >> lane & 1 == 1) {
+                mark(&mut self.impacts.stays, wide.a[lane]);
+                mark(&mut self.impacts.stays, wide.b[lane]);
+                if let Some(one) = self.contacts.get(wide.number[lane] as usize) {
+                    drag(wide, lane, one, &mut self.bodies, h);
+                }
+            }
+        }
+        self.wide_contacts = wide_contacts;
+        if any {
+            self.leave(particles, h);
+        }
+    }
+
+    /// Reads the body colliders of some manifolds with their velocities, where the substep began, unless they have been.
+    fn enter(&mut self, particles: &Particles, wide: &WideContact, lanes: u32) {
+        let Self { groups, origin_offsets, bodies, sums, instructions, impacts, gathered, .. } =
+            self;
+        for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
+            for row in [wide.a[lane], wide.b[lane]] {
+                let number = row as usize / LANES;
+                let Some(bits) = impacts.read.get_mut(number) else { continue };
+                let is_new = *bits == 0;
+                *bits |= 1 << (row as usize % LANES);
+                if !is_new {
+                    continue;
+                }
+                let group = &groups.groups[number];
+                let rows = number * LANES..(number + 1) * LANES;
+                impacts.kept.extend_from_slice(&bodies.rows[rows]);
+                impacts.entered.push(number as u32);
+                let read = ExtractPose {
+                    group,
+                    slots: &groups.slots[group.slots.clone()],
+                    origin_offsets: origin_offsets.of(group),
+                    position: &particles.start,
+                    other: &particles.velocity,
+                    fresh: true,
+                    bodies,
+                    first: number * LANES,
+                    sums: &mut sums[number],
+                    wide_swept: None,
+                    gathered,
+                };
+                with(*instructions, read);
+            }
+        }
+    }
+
+    /// Solves some manifolds of a wide contact, and says which of them were changed.
+    fn solve_impacts(
+        &mut self,
+        wide: &mut WideContact,
+        (lanes, static_geometry): (u32, u32),
+        least: f32,
+        h: f32,
+    ) -> u32 {
+        let Self { contacts, bodies, instructions, .. } = self;
+        let one = |lane: usize| contacts.get(wide.number[lane] as usize);
+        let restitution = core::array::from_fn(|lane| {
+            one(lane).map_or(0.0, |one| one.combined_material.restitution)
+        });
+        with(
+            *instructions,
+            RestitutionSolve { wide, lanes, static_geometry, bodies, restitution, least, h },
+        )
+    }
+
+    /// Changes the velocities of the particles as those of their body colliders were, and where those are that bounced, in a substep of `h` seconds.
+    fn leave(&mut self, particles: &mut Particles, h: f32) {
+        let Self { groups, origin_offsets, bodies, sums, instructions, shared, impacts, .. } = self;
+        shared.clear();
+        let Particles { position, start, velocity, .. } = particles;
+        for (number, group) in groups.groups.iter().enumerate() {
+            if impacts.read[number] == 0 {
+                continue;
+            }
+            let write = ApplyPoseDelta {
+                group,
+                slots: &groups.slots[group.slots.clone()],
+                origin_offsets: origin_offsets.of(group),
+                position: start,
+                velocity: Some(velocity),
+                bodies,
+                first: number * LANES,
+                sums: &sums[number],
+                shared,
+            };
+            with(*instructions, write);
+        }
+        for (row, by) in shared.iter() {
+            velocity[row as usize] += by;
+        }
+        for number in 0..groups.groups.len() {
+            let bounced = impacts.read[number] & !impacts.stays[number];
+            for lane in (0..LANES).filter(|lane| bounced >> lane & 1 == 1) {
+                let solid = groups.sound_in(number, lane).map(|solid| &groups.parts[solid]);
+                let rows = solid.map_or(0..0, |part| part.entries.clone());
+                for row in groups.rows[rows].iter().map(|&row| row as usize) {
+                    if position[row].w > 0.0 {
+                        let gone = velocity[row].truncate() * h;
+                        position[row] = (start[row].truncate() + gone).extend(position[row].w);
+                    }
+                }
+            }
+        }
+        // Those that take part in none are left as they were read in the substep: it must not matter to them who is beside them.
+        for (&number, kept) in impacts.entered.iter().zip(impacts.kept.chunks(LANES)) {
+            let number = number as usize;
+            for (lane, row) in kept.iter().enumerate() {
+                if impacts.read[number] >> lane & 1 == 0 {
+                    bodies.rows[number * LANES + lane] = *row;
+                }
+            }
+        }
+    }
+}
+
+/// A bit for each manifold of a wide contact whose second one stands.
+fn stands_in(wide: &WideContact, contacts: &[Contact]) -> u32 {
+    let static_geometry = |lane: &usize| {
+        contacts.get(wide.number[*lane] as usize).is_some_and(|one| one.geometry.is_some())
+    };
+    (0..LANES).filter(static_geometry).fold(0, |bits, lane| bits | 1 << lane)
+}
+
+/// A bit for each manifold of a wide contact that bounces.
+fn fast(wide: &WideContact, contacts: &[Contact], least: f32) -> u32 {
+    let is_fast = |lane: usize| {
+        let pressed = |i: usize| wide.force[i][lane] > 0.0 && wide.approach[i][lane] < -least;
+        let one = contacts.get(wide.number[lane] as usize);
+        one.is_some_and(|one| one.combined_material.restitution > 0.0) && (0..POINTS).any(pressed)
+    };
+    (0..LANES).fold(0, |bits, lane| bits | u32::from(is_fast(lane)) << lane)
+}
+
+/// A bit for each manifold of a wide contact that pressed in this substep.
+fn pressed(wide: &WideContact) -> u32 {
+    (0..LANES).fold(0, |bits, lane| bits | u32::from(wide.sum[lane] > 0.0) << lane)
+}
+
+/// Points of a manifold, at the most.
+const POINTS: usize = 4;
+
+/// A wide contact whose body colliders have been read with their velocities.
+struct RestitutionSolve<'a> {
+    wide: &'a mut WideContact,
+    /// A bit for each manifold that it is about; those beside it are left alone.
+    lanes: u32,
+    /// And one for each whose second one stands.
+    static_geometry: u32,
+    bodies: &'a mut Bodies,
+    restitution: [f32; LANES],
+    least: f32,
+    h: f32,
+}
+
+impl Work for RestitutionSolve<'_> {
+    /// A bit for each manifold whose speeds were changed.
+    type Output = u32;
+
+    /// Written out once for all: few bounce, and what is left out in `normal_solve` (a third point, a second one that stays where it is) is the same
+    /// bits.
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> u32 {
+        let Self { wide, lanes, static_geometry, bodies, restitution, least, h } = self;
+        let (none, lanes) = (L::zero(), L::mask(lanes));
+        let mut a = Rows::<L>::load(bodies, &wide.a);
+        let mut b = Rows::<L>::load(bodies, &wide.b);
+        if wide.fixed {
+            // Its anchors are in the world's axes.
+            b.rotation = Matrix::of([none, none, none, L::splat(1.0)]);
+        }
+        let (static_geometry, share) = (L::mask(static_geometry), L::load(&wide.own));
+        let n = load::<L>(&wide.up);
+        let restitution = L::load(&restitution);
+        let apart = b.centre + load::<L>(&wide.offset) - a.centre;
+        let (on_a, on_b) = anchors::<L, POINTS>(wide, &a, Some(&b), apart);
+        let radii = [L::load(&wide.radii[0]), L::load(&wide.radii[1])];
+        let (t, u) = tangents(n);
+        // What stands was noted with its displacement.
+        let rate = static_geometry.select(L::splat(1.0 / h), L::splat(1.0));
+        let along = n.dot(a.step + a.shift - b.step * rate - b.shift);
+        let (turn_a, turn_b) = (a.spin + a.turn, b.spin * rate + b.turn);
+        let turn_a = (turn_a.dot(t), turn_a.dot(u));
+        let turn_b = (turn_b.dot(t), turn_b.dot(u));
+        let (apart_t, apart_u) = (apart.dot(t), apart.dot(u));
+        let own = PatchSide::of(&a.inverse_inertia, t, u);
+        let weight = a.inverse_mass + b.inverse_mass;
+        let theirs = PatchSide::of(&b.inverse_inertia, t, u);
+        let patch = ContactPatch { weight, a: own, b: Some(theirs), apart: (apart_t, apart_u) };
+        let stiff = patch.about(none, none);
+        let (mut c, mut force) = ([none; POINTS], [none; POINTS]);
+        let mut at = [(none, none); POINTS];
+        let mut had = Vector::new(none, none, none);
+        let mut fastest = none;
+        let skins = skins(wide, n, &radii, (&a, Some(&b)));
+        for i in 0..POINTS {
+            let (on_a, on_b) = (on_a[i] - skins[0], on_b[i] + skins[1]);
+            let arm = on_a.or_else(static_geometry, on_b + (on_a - on_b) * share);
+            let (x, y) = (arm.dot(t), arm.dot(u));
+            at[i] = (x, y);
+            let speed = along + (y * turn_a.0 - x * turn_a.1);
+            let speed = speed - ((y - apart_u) * turn_b.0 - (x - apart_t) * turn_b.1);
+            let approach = L::load(&wide.approach[i]);
+            let touches = lanes.and(approach.lt(L::splat(0.5 * FAR)));
+            let bounces = none.lt(restitution).and(L::splat(least).lt(approach.abs()));
+            let wanted = bounces.and(none - restitution * approach);
+            fastest = fastest.max(touches.and(bounces).and(approach.abs()));
+            force[i] = touches.and(L::load(&wide.force[i])) * L::splat(1.0 / h);
+            had += Vector::new(force[i], force[i] * x, force[i] * y);
+            c[i] = touches.select(wanted - speed, L::splat(-FAR));
+        }
+        // What pressed may press less, but not pull.
+        let had = stiff.times(had);
+        for i in 0..POINTS {
+            c[i] = c[i] + (had.x + at[i].0 * had.y + at[i].1 * had.z);
+        }
+        let all = solve_normal_impulses(&patch, &c, &at);
+        let (mut sum, mut x, mut y) = (none, none, none);
+        for i in 0..POINTS {
+            let more = all[i] - force[i];
+            sum = sum + more;
+            x = x + more * at[i].0;
+            y = y + more * at[i].1;
+        }
+        let good = lanes.and(sum.abs().lt(L::splat(1e30)));
+        let (sum, x, y) = (good.and(sum), good.and(x), good.and(y));
+        let moved = stiff.times(Vector::new(sum, x, y));
+        let mut change = none;
+        for i in 0..POINTS {
+            change = change.max((moved.x + at[i].0 * moved.y + at[i].1 * moved.z).abs());
+            let force = good.select(all[i] * L::splat(h), L::load(&wide.force[i]));
+            force.store(&mut wide.force[i]);
+        }
+        a.shift += n * (sum * a.inverse_mass);
+        a.turn += patch.a.turned(x, y);
+        let first = [a.shift.with(a.inverse_mass), a.turn.with(none)];
+        L::put_records(&mut bodies.rows, &wide.a, first);
+        if let Some(side) = &patch.b {
+            b.shift -= n * (sum * b.inverse_mass);
+            b.turn -= side.turned(x - apart_t * sum, y - apart_u * sum);
+            let second = [b.shift.with(b.inverse_mass), b.turn.with(none)];
+            L::put_records(&mut bodies.rows, &wide.b, second);
+        }
+        let quiet = L::splat(QUIET).max(fastest * L::splat(QUIET));
+        good.and(quiet.lt(change)).bits() & 0xFF
+    }
+}

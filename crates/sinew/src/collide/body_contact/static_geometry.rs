@@ -1,0 +1,189 @@
+//! Static and kinematic geometry: colliders, and the planes and boxes that hold everything, as half-spaces.
+
+use glam::{Mat3, Vec3};
+
+use super::super::shape::Kind;
+use super::super::{
+    Collider, CombinedMaterial, ContactParticipant, Frame, Layers, Material, Shape, World,
+};
+use super::contact_cache::Other;
+use super::swept_bounds::SweptBounds;
+use crate::constraints::{InsideBox, Plane};
+
+/// One of them.
+#[derive(Clone, Debug)]
+pub(super) struct StaticGeometry {
+    pub(super) shape: Shape,
+    pub(super) start: Frame,
+    /// Its number among the colliders, if it goes somewhere during the step.
+    pub(super) moving: Option<usize>,
+    material: Material,
+    /// Whether its own coefficients count alone, whatever touches it: so it is of planes and boxes.
+    alone: bool,
+    pub(super) layers: Layers,
+    pub(super) sensor: bool,
+    pub(super) events: bool,
+    pub(super) participant: ContactParticipant,
+    /// How it is named in the contact cache.
+    pub(super) other: Other,
+    /// Solid below its plane, without end.
+    pub(super) endless: bool,
+}
+
+/// Lists the valid ones.
+pub(super) fn list(
+    world: &World,
+    floor: &mut Option<Shape>,
+    static_geometry: &mut Vec<StaticGeometry>,
+) {
+    // Made once: a clone allocates nothing.
+    let floor = floor.get_or_insert_with(Shape::half_space);
+    static_geometry.clear();
+    for (number, collider) in world.colliders.iter().enumerate() {
+        if collider.is_valid() {
+            static_geometry.push(StaticGeometry::of(collider, number));
+        }
+    }
+    for (number, plane) in world.boundaries.planes.iter().enumerate() {
+        if plane.is_valid() {
+            let number = number as u32;
+            let other = Other::Plane(u64::from(number));
+            static_geometry.push(StaticGeometry::wall(
+                plane,
+                floor,
+                (ContactParticipant::Plane(number), other),
+            ));
+        }
+    }
+    for (number, bounding_box) in world.boundaries.boxes.iter().enumerate() {
+        if bounding_box.is_valid() {
+            let number = number as u32;
+            static_geometry.extend(walls(bounding_box).zip(0..).map(|(plane, wall)| {
+                let other = Other::Wall(u64::from(number), wall);
+                StaticGeometry::wall(&plane, floor, (ContactParticipant::Box(number), other))
+            }));
+        }
+    }
+}
+
+impl StaticGeometry {
+    fn of(collider: &Collider, number: usize) -> Self {
+        let Collider { shape, start, end, material, layers, sensor, events, id } = collider;
+        Self {
+            shape: shape.clone(),
+            start: *start,
+            moving: (start != end).then_some(number),
+            material: *material,
+            alone: false,
+            layers: *layers,
+            sensor: *sensor,
+            events: *events,
+            participant: ContactParticipant::Collider(number as u32),
+            other: Other::Collider(if *id > 0 { *id } else { number as u64 }),
+            endless: matches!(shape.kind(), Kind::HalfSpace),
+        }
+    }
+
+    fn wall(
+        plane: &Plane,
+        floor: &Shape,
+        (participant, other): (ContactParticipant, Other),
+    ) -> Self {
+        let n = plane.normal.normalize_or(Vec3::Y);
+        let x = n.any_orthonormal_vector();
+        let material =
+            Material::default().with_friction(plane.friction).with_restitution(plane.restitution);
+        Self {
+            shape: floor.clone(),
+            start: Frame {
+                translation: n * plane.offset,
+                rotation: Mat3::from_cols(x, n, x.cross(n)),
+            },
+            moving: None,
+            material: Material { drag: plane.drag, ..material },
+            alone: true,
+            layers: Layers::new(u32::MAX, u32::MAX),
+            sensor: false,
+            events: false,
+            participant,
+            other,
+            endless: true,
+        }
+    }
+
+    /// Where it is after a share of the step.
+    pub(super) fn frame_at(&self, world: &World, share: f32) -> Frame {
+        match self.moving.and_then(|number| world.colliders.get(number)) {
+            Some(collider) if share > 0.0 => collider.frame_at(share),
+            _ => self.start,
+        }
+    }
+
+    /// The same frame as seen from an origin, metres. Far out the numbers of the world have no digits, so that of an endless one is moved along its
+    /// plane to where it is nearest.
+    pub(super) fn seen_from(&self, frame: &Frame, origin: Vec3) -> Frame {
+        if !self.endless {
+            return Frame { translation: frame.translation - origin, ..*frame };
+        }
+        let n = frame.rotation.y_axis;
+        let height = n.as_dvec3().dot(frame.translation.as_dvec3() - origin.as_dvec3());
+        Frame { translation: n * height as f32, ..*frame }
+    }
+
+    /// All of it that a step takes it to, in the world; nothing of what has no end.
+    pub(super) fn bounds(&self, world: &World) -> (Vec3, Vec3) {
+        if self.endless {
+            return (Vec3::NAN, Vec3::NAN);
+        }
+        let (low, high) = self.shape.bounds_in(&self.start);
+        if self.moving.is_none() {
+            return (low, high);
+        }
+        let (low_end, high_end) = self.shape.bounds_in(&self.frame_at(world, 1.0));
+        (low.min(low_end), high.max(high_end))
+    }
+
+    /// Whether a body collider of a size, metres, may come to what has no end, from a share of the step on.
+    pub(super) fn is_below(&self, one: &SweptBounds, size: f32, world: &World, share: f32) -> bool {
+        let here = self.seen_from(&self.frame_at(world, share), one.origin);
+        let normal = here.rotation.y_axis;
+        let height = normal.dot(one.centre - here.translation);
+        let reach = one.reach_against(normal, (1.0 - share) * world.dt);
+        height <= size + reach + self.carries(one, world, share)
+    }
+
+    /// How far it takes a body collider with it that lies on it, from a share of the step on, metres.
+    pub(super) fn carries(&self, one: &SweptBounds, world: &World, share: f32) -> f32 {
+        if self.moving.is_none() {
+            return 0.0;
+        }
+        let (from, to) = (self.frame_at(world, share), self.frame_at(world, 1.0));
+        let point = one.centre + one.origin;
+        (to.point(from.local(point)) - point).length()
+    }
+
+    /// What becomes of its surface and another one.
+    pub(super) fn combined_material(&self, other: &Material) -> CombinedMaterial {
+        if self.alone {
+            let Material { friction, restitution, drag, .. } = self.material;
+            CombinedMaterial { friction, restitution, drag }
+        } else {
+            other.against(&self.material)
+        }
+    }
+}
+
+/// The six planes of a box, which face inward.
+fn walls(bounding_box: &InsideBox) -> impl Iterator<Item = Plane> {
+    let InsideBox { min, max, .. } = *bounding_box;
+    let wall = move |normal: Vec3, offset: f32| Plane {
+        normal,
+        offset,
+        friction: bounding_box.friction,
+        restitution: bounding_box.restitution,
+        ..Plane::ground(0.0)
+    };
+    Vec3::AXES
+        .into_iter()
+        .flat_map(move |axis| [wall(axis, axis.dot(min)), wall(-axis, -axis.dot(max))])
+}

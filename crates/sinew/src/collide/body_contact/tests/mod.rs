@@ -1,0 +1,122 @@
+//! What a world of body colliders does: rest, towers, slopes, conveyors, bounces, conservation, heaps, ragdolls.
+
+mod contact_cache;
+mod drag;
+mod heaps;
+mod kept;
+mod kinematic_geometry;
+mod loose;
+mod missed_pairs;
+mod rest;
+mod restitution;
+mod rolling;
+mod set_down;
+mod slopes;
+mod speculative_margin;
+mod static_geometry;
+mod twins;
+mod wedged;
+
+use glam::{Quat, Vec3};
+
+use crate::collide::{BodyCollider, BodyContacts, Collider, Frame, Material, Shape};
+use crate::recipes::{Blueprint, BoxLayout, BoxSpec, box_3d};
+use crate::simulation::Simulation;
+
+/// A world with gravity and ten substeps.
+fn world() -> Simulation {
+    let mut world = Simulation::default();
+    world.settings.substeps = 10;
+    world
+}
+
+/// Adds a box and returns its first row.
+fn add_box(world: &mut Simulation, size: Vec3, mass: f32, at: Vec3, turned: Quat) -> usize {
+    let spec = BoxSpec { size, mass, layout: BoxLayout::Equimomental, ..BoxSpec::default() };
+    let body = box_3d(&spec).unwrap();
+    add(world, &body, Shape::cuboid(size).unwrap(), at, turned)
+}
+
+/// Adds a body of one part as a body collider.
+fn add(world: &mut Simulation, body: &Blueprint, shape: Shape, at: Vec3, turned: Quat) -> usize {
+    let rows = body.transformed(turned, at).build(world).unwrap();
+    let part = &body.parts[0];
+    let rest = part.rest.clone().into();
+    let first = rows.start;
+    let rows = part.particles.iter().map(|&p| first as u32 + p).collect();
+    let id = world.body_colliders().len() as u64;
+    world.body_colliders_mut().push(BodyCollider { rows, rest, shape, id });
+    first
+}
+
+/// A rotation about an axis, rad.
+fn turn(axis: Vec3, angle: f32) -> Quat {
+    let axis = axis.normalize() * libm::sinf(0.5 * angle);
+    Quat::from_xyzw(axis.x, axis.y, axis.z, libm::cosf(0.5 * angle))
+}
+
+/// A floor, and bodies of the same material.
+fn floor(world: &mut Simulation, material: Material) {
+    let floor = Collider::fixed(Shape::half_space(), Frame::IDENTITY).with_material(material);
+    world.colliders.push(floor);
+    contacts(world, material);
+}
+
+fn rough(friction: f32) -> Material {
+    Material::default().with_friction(friction)
+}
+
+fn elastic(restitution: f32) -> Material {
+    Material::default().with_friction(0.0).with_restitution(restitution)
+}
+
+/// Makes every body of this.
+fn contacts(world: &mut Simulation, material: Material) {
+    world.contacts = vec![BodyContacts { material, ..Default::default() }; 2000];
+}
+
+fn step(world: &mut Simulation, seconds: f32) {
+    for _ in 0..(seconds * 60.0).round() as u32 {
+        world.step(1.0 / 60.0).unwrap();
+    }
+}
+
+/// Root of the mean square of the velocities, m/s.
+fn speed(world: &Simulation) -> f32 {
+    let particles = &world.particles;
+    let sum: f32 = (0..particles.len()).map(|i| particles.velocity(i).length_squared()).sum();
+    (sum / particles.len() as f32).sqrt()
+}
+
+/// Mean of eight rows.
+fn centre(world: &Simulation, first: usize) -> Vec3 {
+    (first..first + 8).map(|i| world.particles.position(i)).sum::<Vec3>() / 8.0
+}
+
+/// Mean velocity of eight rows, m/s.
+fn velocity(world: &Simulation, first: usize) -> Vec3 {
+    (first..first + 8).map(|i| world.particles.velocity(i)).sum::<Vec3>() / 8.0
+}
+
+/// Gives eight rows a velocity and a spin about their centre.
+fn throw(world: &mut Simulation, first: usize, velocity: Vec3, spin: Vec3) {
+    let centre = centre(world, first);
+    for i in first..first + 8 {
+        let arm = world.particles.position(i) - centre;
+        world.particles.set_velocity(i, velocity + spin.cross(arm));
+    }
+}
+
+/// Numbers from 0 to 1.
+struct Dice(u32);
+
+impl Dice {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (self.0 >> 8) as f32 / (1 << 24) as f32
+    }
+
+    fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.next(), self.next(), self.next())
+    }
+}

@@ -1,0 +1,275 @@
+//! Pairs that may come to touch: checked, in order, in colours, eight to a block.
+
+use glam::Vec3;
+
+use super::super::ContactFilter;
+use super::participants::Participants;
+use crate::lanes::LANES;
+
+/// What was found. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(super) struct NeighbourList {
+    /// Members, the lower one first; sorted.
+    pub(super) pairs: Vec<[u32; 2]>,
+    /// Of each the least distance that it may have, metres.
+    pub(super) reach: Vec<f32>,
+    /// As they were found.
+    found: Vec<([u32; 2], f32)>,
+    /// By the lower one; then where the pairs of each member end.
+    sorted: Vec<(u32, f32)>,
+    ends: Vec<u32>,
+    /// The colours that each member has taken, a bit each.
+    taken: Vec<u64>,
+    /// The colour of each pair.
+    colour: Vec<u8>,
+    /// The blocks, colour by colour.
+    pub(super) blocks: Vec<PairBlock>,
+    /// What must be added to the difference of two positions for their different origins, metres, where a block has such.
+    pub(super) offsets: Vec<[[f32; LANES]; 3]>,
+}
+
+/// Eight pairs that share no particle. Where there are fewer, the last one is repeated.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(super) struct PairBlock {
+    /// Rows of the first and of the second of each.
+    pub(super) rows: [[u32; LANES]; 2],
+    /// Least distance, metres.
+    pub(super) reach: [f32; LANES],
+    /// Coefficient of friction.
+    pub(super) friction: [f32; LANES],
+    /// Coefficient of restitution.
+    pub(super) restitution: [f32; LANES],
+    /// How many there are.
+    pub(super) count: u32,
+    /// Which are to be reported, a bit each.
+    pub(super) reported: u32,
+    /// Its place in `offsets`, or [`NO_OFFSET`].
+    pub(super) offset: u32,
+}
+
+/// Of a block whose particles all have the origin of their partner.
+pub(super) const NO_OFFSET: u32 = u32::MAX;
+
+/// Colours that a bit stands for. A pair for which none is left gets a block of its own, after all others.
+const COLOURS: usize = 64;
+
+impl NeighbourList {
+    pub(super) fn clear(&mut self) {
+        self.pairs.clear();
+        self.reach.clear();
+        self.blocks.clear();
+        self.offsets.clear();
+        self.found.clear();
+    }
+
+    /// Takes two that are about near enough, if they are, and if they may touch.
+    pub(super) fn consider(
+        &mut self,
+        (participants, filter): (&Participants, &ContactFilter),
+        i: usize,
+        other: usize,
+    ) {
+        let Some(reach) = participants.reach(filter, i, other) else { return };
+        let (low, high) = (i.min(other), i.max(other));
+        let pinned = participants.pinned[i] && participants.pinned[other];
+        if !pinned && is_near(participants, low, high, reach) {
+            self.found.push(([low as u32, high as u32], reach));
+        }
+    }
+
+    /// Puts all in order: by counting those of each lower one, and then those few by the higher.
+    pub(super) fn order(&mut self, count: usize) {
+        let Self { pairs, reach, found, sorted, ends, .. } = self;
+        ends.clear();
+        ends.resize(count + 1, 0);
+        for ([low, _], _) in found.iter() {
+            ends[*low as usize + 1] += 1;
+        }
+        let mut sum = 0;
+        for end in ends.iter_mut() {
+            sum += *end;
+            *end = sum;
+        }
+        sorted.resize(found.len(), (0, 0.0));
+        for &([low, high], reach) in found.iter() {
+            let at = &mut ends[low as usize];
+            sorted[*at as usize] = (high, reach);
+            *at += 1;
+        }
+        let mut begin = 0;
+        for (low, &end) in ends[..count].iter().enumerate() {
+            let own = &mut sorted[begin..end as usize];
+            begin = end as usize;
+            own.sort_unstable_by_key(|(high, _)| *high);
+            let mut last = None;
+            for &(high, distance) in own.iter() {
+                // Slots may hold several cells, and so be asked twice.
+                if last != Some(high) {
+                    pairs.push([low as u32, high]);
+                    reach.push(distance);
+                }
+                last = Some(high);
+            }
+        }
+    }
+
+    /// Colours the pairs in their order, each with the first colour that neither of its two has, and packs each colour into blocks.
+    pub(super) fn colour(&mut self, participants: &Participants, filter: &ContactFilter) {
+        let Self { pairs, taken, colour, blocks, .. } = self;
+        taken.clear();
+        taken.resize(participants.rows.len(), 0);
+        colour.clear();
+        let mut counts = [0_u32; COLOURS + 1];
+        for &[a, b] in pairs.iter() {
+            let both = taken[a as usize] | taken[b as usize];
+            let free = both.trailing_ones();
+            let bit = 1_u64.checked_shl(free).unwrap_or(0);
+            taken[a as usize] |= bit;
+            taken[b as usize] |= bit;
+            counts[free as usize] += 1;
+            colour.push(free as u8);
+        }
+        let mut firsts = [0_u32; COLOURS + 1];
+        let mut sum = 0;
+        for (first, &count) in firsts.iter_mut().zip(&counts[..COLOURS]) {
+            *first = sum;
+            sum += count.div_ceil(LANES as u32);
+        }
+        firsts[COLOURS] = sum;
+        blocks.clear();
+        blocks.resize((sum + counts[COLOURS]) as usize, PairBlock::EMPTY);
+        self.pack((participants, filter), firsts);
+    }
+
+    /// Puts each pair into the block where its colour has got to.
+    fn pack(
+        &mut self,
+        (participants, filter): (&Participants, &ContactFilter),
+        firsts: [u32; COLOURS + 1],
+    ) {
+        let Self { pairs, reach, colour, blocks, offsets, .. } = self;
+        let mut filled = [0_u32; COLOURS + 1];
+        let mut last = Meeting::none();
+        for ((&[a, b], &reach), &colour) in pairs.iter().zip(reach.iter()).zip(colour.iter()) {
+            let colour = colour as usize;
+            let number = filled[colour];
+            filled[colour] += 1;
+            let (block, lane) = if colour == COLOURS {
+                (firsts[colour] + number, 0)
+            } else {
+                (firsts[colour] + number / LANES as u32, number as usize % LANES)
+            };
+            let block = &mut blocks[block as usize];
+            let (a, b) = (a as usize, b as usize);
+            let bodies = [participants.body[a], participants.body[b]];
+            if last.bodies != bodies {
+                last = Meeting::of(filter, bodies);
+            }
+            block.put(lane, [participants.rows[a], participants.rows[b]], reach, &last);
+            let offset = participants.origin[a] - participants.origin[b];
+            if offset != Vec3::ZERO {
+                if block.offset == NO_OFFSET {
+                    block.offset = offsets.len() as u32;
+                    offsets.push([[0.0; LANES]; 3]);
+                }
+                let columns = &mut offsets[block.offset as usize];
+                for (column, part) in columns.iter_mut().zip(offset.to_array()) {
+                    column[lane] = part;
+                }
+            }
+        }
+        for block in blocks.iter_mut().filter(|block| block.count < LANES as u32) {
+            block.pad(offsets);
+        }
+    }
+}
+
+/// Whether two come so near that they may touch before one of them exceeds its skin; of fast ones, whether they do on the way that they came.
+fn is_near(participants: &Participants, i: usize, j: usize, reach: f32) -> bool {
+    let apart = participants.separation(i, j);
+    let (one, other) = (participants.home[i].w, participants.home[j].w);
+    let within = reach + one + other;
+    let distance = apart.length_squared();
+    // What is no number is not near.
+    #[allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN is not near, either")]
+    if !(distance < within * within) {
+        return false;
+    }
+    if participants.path.is_empty() {
+        return true;
+    }
+    let came = participants.path[i] - participants.path[j];
+    let length = came.length_squared();
+    // The nearest point of the way from `apart - came` to `apart`, and a share of the radii about it for what others do to the two meanwhile.
+    let back = if length > 0.0 { (apart.dot(came) / length).clamp(0.0, 1.0) } else { 0.0 };
+    let about = reach + 0.5 * (participants.radius[i] + participants.radius[j]);
+    (apart - came * back).length_squared() < about * about
+}
+
+/// What becomes of two bodies that meet.
+struct Meeting {
+    bodies: [u32; 2],
+    friction: f32,
+    restitution: f32,
+    reported: bool,
+}
+
+impl Meeting {
+    fn none() -> Self {
+        Self { bodies: [u32::MAX; 2], friction: 0.0, restitution: 0.0, reported: false }
+    }
+
+    fn of(filter: &ContactFilter, bodies: [u32; 2]) -> Self {
+        let [one, other] = bodies.map(|body| filter.body(body));
+        let combined_material = one.material.against(&other.material);
+        let reported = one.events || other.events;
+        Self {
+            bodies,
+            friction: combined_material.friction,
+            restitution: combined_material.restitution,
+            reported,
+        }
+    }
+}
+
+impl PairBlock {
+    const EMPTY: Self = Self {
+        rows: [[0; LANES]; 2],
+        reach: [0.0; LANES],
+        friction: [0.0; LANES],
+        restitution: [0.0; LANES],
+        count: 0,
+        reported: 0,
+        offset: NO_OFFSET,
+    };
+
+    /// Puts a pair into a lane.
+    #[inline(always)]
+    fn put(&mut self, lane: usize, rows: [u32; 2], reach: f32, meeting: &Meeting) {
+        self.rows[0][lane] = rows[0];
+        self.rows[1][lane] = rows[1];
+        self.reach[lane] = reach;
+        self.friction[lane] = meeting.friction;
+        self.restitution[lane] = meeting.restitution;
+        self.count = lane as u32 + 1;
+        self.reported |= u32::from(meeting.reported) << lane;
+    }
+
+    /// Repeats the last pair in the lanes that are left: they do what it does, and write what it writes.
+    fn pad(&mut self, offsets: &mut [[[f32; LANES]; 3]]) {
+        let Some(last) = (self.count as usize).checked_sub(1) else { return };
+        for rows in &mut self.rows {
+            let row = rows[last];
+            rows[last..].fill(row);
+        }
+        for column in [&mut self.reach, &mut self.friction, &mut self.restitution] {
+            let number = column[last];
+            column[last..].fill(number);
+        }
+        for column in offsets.get_mut(self.offset as usize).into_iter().flatten() {
+            let number = column[last];
+            column[last..].fill(number);
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! Which rows may touch which surfaces in a step.
+
+use glam::Vec3;
+
+use super::super::nearby;
+use super::super::stage::World;
+use super::surface::SurfaceForm;
+use super::{NormalImpulse, ParticleContacts, SurfaceCandidate};
+use crate::particles::Particles;
+use crate::solve::Plan;
+
+/// Memory of sorting candidates by row.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CandidateSort {
+    /// Row and candidate, surface by surface.
+    found: Vec<(u32, SurfaceCandidate)>,
+    /// Island by island, its box and its margin.
+    islands: Vec<(Vec3, Vec3)>,
+}
+
+impl ParticleContacts {
+    /// Finds them for a step of `dt` seconds under gravity of `g` m/s², and starts a press for each.
+    pub(crate) fn broad_phase(
+        &mut self,
+        particles: &Particles,
+        world: &World,
+        (dt, g): (f32, f32),
+        normal_impulses: &mut Vec<NormalImpulse>,
+    ) {
+        self.first.clear();
+        self.candidates.clear();
+        normal_impulses.clear();
+        if self.surfaces.is_empty() {
+            return;
+        }
+        let (plan, filter) = (world.plan, world.filter);
+        self.see(particles, plan, dt, g);
+        self.sort.found.clear();
+        let steps = self.frames.len() / self.surfaces.len();
+        for (number, surface) in self.surfaces.iter().enumerate() {
+            let (mut low, mut high) = (Vec3::NEG_INFINITY, Vec3::INFINITY);
+            if let SurfaceForm::Shape(shape) = &surface.form {
+                // A box around all places that it has in the step. Between two of them it is as good as straight.
+                (low, high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+                let instants = if surface.moves() { steps } else { 1 };
+                for frame in
+                    self.frames.iter().skip(number).step_by(self.surfaces.len()).take(instants)
+                {
+                    let (least, most) = shape.bounds_in(frame);
+                    (low, high) = (low.min(least), high.max(most));
+                }
+            }
+            for (island, &(least, most)) in plan.islands.iter().zip(&self.sort.islands) {
+                if least.cmpgt(high).any() || most.cmplt(low).any() {
+                    continue;
+                }
+                for &row in &plan.members[island.members.clone()] {
+                    let i = row as usize;
+                    let reach = self.last_seen[i].w.sqrt() + particles.radius[i];
+                    let at = particles.origin[i] + particles.position[i].truncate();
+                    let near = (at + reach).cmpge(low).all() && (at - reach).cmple(high).all();
+                    let solid = self.solid.get(i).is_some_and(|&solid| solid);
+                    let pinned = particles.position[i].w == 0.0;
+                    let body = filter.body(particles.body[i]);
+                    let meets = || {
+                        surface.layers.meets(body.layers)
+                            && surface.may_touch(filter, particles.body[i])
+                    };
+                    if !near || solid || pinned || !meets() {
+                        continue;
+                    }
+                    let combined_material = surface.combined_material(&body.material);
+                    let candidate = SurfaceCandidate {
+                        surface: number as u32,
+                        friction: combined_material.friction,
+                        restitution: combined_material.restitution,
+                        drag: combined_material.drag,
+                    };
+                    self.sort.found.push((row, candidate));
+                }
+            }
+        }
+        self.sort_by_row(particles.len());
+        normal_impulses.resize(self.candidates.len(), NormalImpulse::default());
+    }
+
+    /// Notes where each row is and how far it may go, and the box of each island.
+    fn see(&mut self, particles: &Particles, plan: &Plan, dt: f32, g: f32) {
+        self.last_seen.resize(particles.len(), glam::Vec4::ZERO);
+        self.sort.islands.clear();
+        for island in &plan.islands {
+            let rows = || plan.members[island.members.clone()].iter().map(|&row| row as usize);
+            // What is solid all over is nowhere.
+            if rows().all(|row| self.solid.get(row).is_some_and(|&solid| solid)) {
+                self.sort.islands.push((Vec3::INFINITY, Vec3::NEG_INFINITY));
+                continue;
+            }
+            let fastest = rows()
+                .map(|i| particles.velocity[i].truncate().length_squared())
+                .fold(0.0, f32::max)
+                .sqrt();
+            let reach = nearby::reach(fastest, g, dt);
+            let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+            for i in rows() {
+                self.last_seen[i] = particles.position[i].truncate().extend(reach * reach);
+                let at = particles.origin[i] + particles.position[i].truncate();
+                let around = reach + particles.radius[i];
+                (low, high) = (low.min(at - around), high.max(at + around));
+            }
+            self.sort.islands.push((low, high));
+        }
+    }
+
+    /// Puts the candidates in order of their rows, and of surfaces within a row: counted, then dealt out.
+    fn sort_by_row(&mut self, rows: usize) {
+        let Self { first, candidates, sort: CandidateSort { found, .. }, .. } = self;
+        first.resize(rows + 1, 0);
+        for &(row, _) in found.iter() {
+            first[row as usize + 1] += 1;
+        }
+        for row in 0..rows {
+            first[row + 1] += first[row];
+        }
+        candidates.resize(found.len(), SurfaceCandidate::default());
+        // Each row's place moves on as it fills, and ends where the next one's began.
+        for &(row, candidate) in found.iter() {
+            let place = &mut first[row as usize];
+            candidates[*place as usize] = candidate;
+            *place += 1;
+        }
+        first.rotate_right(1);
+        first[0] = 0;
+    }
+}

@@ -1,0 +1,291 @@
+//! Particle contacts: single particles against planes, boxes and colliders.
+//!
+//! Each particle is a sphere of its radius. In a substep it goes from where it was to where it was predicted and its constraints moved it; seen from
+//! a collider, which may itself move, that is a way from one point to another ([`Shape::touch`]). Where it overlaps at the end of the way, or passed
+//! through, it is put just outside, on the side that it came from, and the friction that goes with it takes its share of the sliding. Nothing gets
+//! through, however fast and however thin the shape is.
+//!
+//! Which particles may come near which collider is found once a step (`broad_phase`), with a margin of what the fastest of an island may cover. What
+//! has gone further all the same, flung by something, is tried against every collider.
+
+mod broad_phase;
+mod normal_impulse;
+mod restitution;
+mod surface;
+
+use glam::{Vec3, Vec4};
+
+use super::bounds::Bounds;
+use super::friction::friction;
+use super::{Collider, ContactFilter, Frame};
+use crate::constraints::{Boundaries, PlanarDrag, Plane};
+use crate::particles::{Particles, Places};
+
+pub(crate) use normal_impulse::{NormalImpulse, NormalImpulses};
+use surface::{ContactSurface, SurfaceForm};
+
+/// Everything that single particles touch, for one step. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ParticleContacts {
+    bounds: Bounds,
+    surfaces: Vec<ContactSurface>,
+    /// Where each surface is when each substep begins, and when the last one ends: all surfaces of one instant one after the other.
+    frames: Vec<Frame>,
+    /// The first candidate of each row, and their number; empty where there are no surfaces.
+    first: Vec<u32>,
+    candidates: Vec<SurfaceCandidate>,
+    /// Where each row was when it was looked for, from its origin, and the square of how far it may go from there, m².
+    last_seen: Vec<Vec4>,
+    /// Whether a row does not collide by itself: it belongs to a solid, which does in its place, or its body touches nothing. May be shorter than the
+    /// rows.
+    solid: Vec<bool>,
+    /// Whether contacts of each body are to be reported; empty if none's are.
+    reported: Vec<bool>,
+    sort: broad_phase::CandidateSort,
+}
+
+/// A surface that a row may touch in this step.
+#[derive(Clone, Copy, Debug, Default)]
+struct SurfaceCandidate {
+    surface: u32,
+    friction: f32,
+    restitution: f32,
+    drag: PlanarDrag,
+}
+
+impl ParticleContacts {
+    /// Takes what is valid for a step of so many substeps, and keeps its memory.
+    pub(crate) fn take(
+        &mut self,
+        boundaries: &Boundaries,
+        colliders: &[Collider],
+        filter: &ContactFilter,
+        substeps: u32,
+    ) {
+        self.bounds.take(boundaries);
+        let reported = filter.bodies().iter().any(|body| body.events);
+        self.reported.clear();
+        if reported {
+            self.reported.extend(filter.bodies().iter().map(|body| body.events));
+        }
+        surface::list(boundaries, colliders, reported, &mut self.surfaces);
+        // What is a surface is no plain plane or box.
+        self.bounds.planes.retain(|plane| !surface::is_asked(plane.restitution, reported));
+        self.bounds.boxes.retain(|room| !surface::is_asked(room.restitution, reported));
+        self.frames.clear();
+        for instant in 0..=substeps {
+            let share = instant as f32 / substeps as f32;
+            self.frames.extend(self.surfaces.iter().map(|surface| surface.frame_at(share)));
+        }
+    }
+
+    /// Which rows do not collide by themselves.
+    pub(crate) fn set_solid(&mut self, solid: &[bool]) {
+        self.solid.clear();
+        self.solid.extend_from_slice(solid);
+    }
+
+    /// Whether there is nothing to touch.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.bounds.is_empty() && self.surfaces.is_empty()
+    }
+
+    /// The planes that these rows touch by themselves, if there is nothing else for them to touch. Those of solids touch none.
+    pub(crate) fn planes_alone(&self, rows: core::ops::Range<u32>) -> Option<&[Plane]> {
+        // What is beyond the list is not of a solid.
+        let listed = &self.solid[(rows.start as usize).min(self.solid.len())..];
+        let listed = &listed[..rows.len().min(listed.len())];
+        let solid = listed.iter().filter(|&&solid| solid).count();
+        if solid == 0 {
+            return if self.surfaces.is_empty() { self.bounds.planes_alone() } else { None };
+        }
+        (solid == rows.len() && !self.bounds.has_plane_constraint()).then_some(&[])
+    }
+
+    /// Slows down what touches a plane with a drag, before a substep of `h` seconds is predicted.
+    pub(crate) fn drag(&self, particles: &mut Particles, h: f32) {
+        self.bounds.drag(particles, &self.solid, h);
+    }
+
+    /// Puts a row on the right side of everything, once, with friction, in substep number `substep`; returns how far out it was, metres.
+    #[inline]
+    pub(crate) fn project(
+        &self,
+        places: &mut Places,
+        normal_impulses: &mut NormalImpulses,
+        row: u32,
+        substep: u32,
+    ) -> f32 {
+        if places.position[places.at(row)].w == 0.0 {
+            return 0.0;
+        }
+        let mut worst = 0.0_f32;
+        if !self.is_solid(row) {
+            worst = self.bounds.project(places, row);
+            if !self.first.is_empty() {
+                worst = worst.max(self.leave(places, normal_impulses, row, substep));
+            }
+        }
+        worst.max(self.bounds.project_to_plane(places, row))
+    }
+
+    /// As [`Bounds::flatten`] has it.
+    pub(super) fn flatten(&self, particles: &mut Particles, moving: bool) {
+        self.bounds.flatten(particles, moving);
+    }
+
+    /// How far out a row is at the end of a step, metres, moving nothing.
+    #[inline]
+    pub(crate) fn error(&self, places: &Places, row: u32) -> f32 {
+        if self.is_solid(row) || places.position[places.at(row)].w == 0.0 {
+            return 0.0;
+        }
+        self.deepest(places, row)
+    }
+
+    fn deepest(&self, places: &Places, row: u32) -> f32 {
+        let Some(last) = self.frames.len().checked_sub(self.surfaces.len()) else { return 0.0 };
+        let mut worst = self.bounds.error(places, row);
+        for candidate in self.of(row).map(|i| &self.candidates[i as usize]) {
+            let number = candidate.surface as usize;
+            let (surface, frame) = (&self.surfaces[number], &self.frames[last + number]);
+            if !surface.sensor {
+                worst = worst.max(surface.depth(places, row, frame));
+            }
+        }
+        worst
+    }
+
+    /// The presses of the rows before one, and the others.
+    pub(crate) fn split<'a>(
+        &self,
+        normal_impulses: NormalImpulses<'a>,
+        row: u32,
+    ) -> (NormalImpulses<'a>, NormalImpulses<'a>) {
+        let number = self.first.get(row as usize).map_or(0, |&first| first);
+        normal_impulses.split_at(number)
+    }
+
+    /// Numbers of the candidates of a row.
+    #[inline]
+    fn of(&self, row: u32) -> core::ops::Range<u32> {
+        let row = row as usize;
+        if row + 1 < self.first.len() { self.first[row]..self.first[row + 1] } else { 0..0 }
+    }
+
+    #[inline]
+    fn is_solid(&self, row: u32) -> bool {
+        self.solid.get(row as usize).is_some_and(|&solid| solid)
+    }
+
+    /// Puts a row outside of the colliders near it.
+    fn leave(
+        &self,
+        places: &mut Places,
+        normal_impulses: &mut NormalImpulses,
+        row: u32,
+        substep: u32,
+    ) -> f32 {
+        let mut worst = 0.0_f32;
+        let began = substep as usize * self.surfaces.len();
+        let i = places.at(row);
+        let last_seen = self.last_seen[row as usize];
+        if (places.position[i] - last_seen).truncate().length_squared() > last_seen.w {
+            return self.leave_any(places, row, began);
+        }
+        for number in self.of(row) {
+            let candidate = &self.candidates[number as usize];
+            let contact = self.contact(places, row, candidate.surface as usize, began);
+            let Some(contact) = contact else { continue };
+            let press = normal_impulses.at(number);
+            press.take(places, row, &contact);
+            if self.surfaces[candidate.surface as usize].sensor {
+                continue;
+            }
+            worst = worst.max(contact.depth);
+            contact.resolve(places, row, candidate.friction);
+        }
+        worst
+    }
+
+    /// The same of any collider, for what was flung further than was foreseen.
+    #[cold]
+    fn leave_any(&self, places: &mut Places, row: u32, began: usize) -> f32 {
+        let mut worst = 0.0_f32;
+        for (number, surface) in self.surfaces.iter().enumerate() {
+            if surface.sensor {
+                continue;
+            }
+            if let Some(contact) = self.contact(places, row, number, began) {
+                worst = worst.max(contact.depth);
+                contact.resolve(places, row, surface.material.friction);
+            }
+        }
+        worst
+    }
+
+    /// How a row touches a surface in a substep, if it does.
+    #[inline]
+    fn contact(
+        &self,
+        places: &Places,
+        row: u32,
+        number: usize,
+        began: usize,
+    ) -> Option<ParticleContact> {
+        let i = places.at(row);
+        let (start, q, origin) = (places.start[i], places.position[i], places.origin[i]);
+        let radius = places.radius[i];
+        let surface = &self.surfaces[number];
+        match &surface.form {
+            SurfaceForm::Plane(plane) => ParticleContact::along(plane.correction(places, row)),
+            SurfaceForm::BoundingBox(room) => ParticleContact::along(room.correction(places, row)),
+            SurfaceForm::Shape(shape) => {
+                let [was, is] = [
+                    &self.frames[began + number],
+                    &self.frames[began + self.surfaces.len() + number],
+                ];
+                // Both seen from the row's own origin, which keeps the digits far out.
+                let (was, is) = (was.seen_from(origin), is.seen_from(origin));
+                let (from, to) = (was.local(start.truncate()), is.local(q.truncate()));
+                let touched = shape.touch(from, to, radius)?;
+                let normal = is.turn(touched.normal);
+                let settled = to + touched.normal * touched.depth;
+                let carried = is.point(settled) - was.point(settled);
+                Some(ParticleContact { normal, depth: touched.depth, carried })
+            }
+        }
+    }
+}
+
+/// A particle that is where it may not be.
+#[derive(Clone, Copy, Debug)]
+struct ParticleContact {
+    /// Unit vector to the allowed side.
+    normal: Vec3,
+    /// How far in it is, metres.
+    depth: f32,
+    /// How far the surface has gone there since the substep began, metres.
+    carried: Vec3,
+}
+
+impl ParticleContact {
+    /// Of a correction of something that stands still.
+    fn along(correction: Vec3) -> Option<Self> {
+        let depth = correction.length();
+        (depth > 0.0).then(|| Self { normal: correction / depth, depth, carried: Vec3::ZERO })
+    }
+
+    /// Puts a row outside, with the friction that goes with it.
+    #[inline]
+    fn resolve(&self, places: &mut Places, row: u32, coefficient: f32) {
+        let i = places.at(row);
+        let out = self.normal * self.depth;
+        let moved = (places.position[i] - places.start[i]).truncate() + out - self.carried;
+        let slid = moved - self.normal * moved.dot(self.normal);
+        places.displace(row, out + friction(slid, self.depth, coefficient));
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,57 @@
+//! A number made of what a shape is.
+
+use glam::Vec3;
+
+use super::Form;
+
+/// Of a form: Fowler, Noll and Vo's hash of its kind and its numbers.
+pub(super) fn of(form: &Form) -> u64 {
+    let alone = core::iter::empty();
+    match form {
+        Form::HalfSpace => mixed(1, alone),
+        Form::Ball(ball) => mixed(2, [Vec3::splat(ball.radius)]),
+        Form::Capsule(capsule) => mixed(3, [Vec3::new(capsule.radius, capsule.half_height, 0.0)]),
+        Form::Cuboid(cuboid) => mixed(4, [cuboid.half_size]),
+        Form::Cylinder(cylinder) => {
+            mixed(5, [Vec3::new(cylinder.radius, cylinder.half_height, 0.0)])
+        }
+        Form::Hull(hull) => mixed(6, hull.points.iter().copied()),
+        Form::Mesh(_) => mixed(7, alone),
+        Form::Heights(_) => mixed(8, alone),
+    }
+}
+
+fn mixed(kind: u64, numbers: impl IntoIterator<Item = Vec3>) -> u64 {
+    let mix = |hash: u64, word: u64| (hash ^ word).wrapping_mul(0x0100_0000_01b3);
+    let begin = mix(0xcbf2_9ce4_8422_2325, kind);
+    let numbers = numbers.into_iter().flat_map(|v| v.to_array());
+    numbers.fold(begin, |hash, number| mix(hash, u64::from(number.to_bits())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Shape;
+    use super::*;
+
+    #[test]
+    fn shapes_have_one_number_if_they_are_alike_and_others_otherwise() {
+        let corners = |x: f32| [Vec3::ZERO, Vec3::X * x, Vec3::Y, Vec3::Z];
+        let all = [
+            Shape::half_space(),
+            Shape::sphere(1.0).unwrap(),
+            Shape::sphere(1.5).unwrap(),
+            Shape::capsule(1.0, 3.0).unwrap(),
+            Shape::cylinder(1.0, 3.0).unwrap(),
+            Shape::cuboid(Vec3::splat(2.0)).unwrap(),
+            Shape::cuboid(Vec3::new(2.0, 2.0, 3.0)).unwrap(),
+            Shape::hull(&corners(1.0)).unwrap(),
+            Shape::hull(&corners(1.5)).unwrap(),
+        ];
+        for (i, one) in all.iter().enumerate() {
+            for (j, other) in all.iter().enumerate() {
+                assert_eq!(one.content_hash() == other.content_hash(), i == j, "{one:?} {other:?}");
+            }
+        }
+        assert_eq!(all[7].content_hash(), Shape::hull(&corners(1.0)).unwrap().content_hash());
+    }
+}

@@ -1,0 +1,193 @@
+//! Who takes part: the triangles of bodies that ask for them, their corners and edges, and the particles that may touch them.
+
+use glam::{DVec3, Vec3};
+
+use super::super::ContactFilter;
+use super::super::nearby::Nearby;
+use crate::particles::Particles;
+
+/// Those that take part. Particles are numbered in the order of their rows, and so are the triangles: the order in which they were listed, and which
+/// way round, is nobody's business.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TriangleParticipants {
+    /// Of each its row, ascending.
+    pub(super) rows: Vec<u32>,
+    /// Of each its body.
+    pub(super) body: Vec<u32>,
+    /// Metres.
+    pub(super) radius: Vec<f32>,
+    /// In the rest shape of its body, metres; NaN where there is none. Empty if nobody has any.
+    pub(super) rest: Vec<Vec3>,
+    /// Members, ascending in each; sorted, and each once.
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// Of each triangle what it stands for, a bit each: of its corners and then of its [`EDGES`] those that no triangle before it has.
+    pub(super) own: Vec<u8>,
+    /// Members that are no corner of a triangle.
+    pub(super) loose: Vec<u32>,
+    /// The member of each row that is one.
+    number: Vec<u32>,
+    /// Where the edges of each lower end begin, and for each the higher end and the bit that stands for it.
+    begins: Vec<u32>,
+    edges: Vec<(u32, u32)>,
+}
+
+/// Which corners each edge of a triangle joins.
+pub(super) const EDGES: [[usize; 2]; 3] = [[0, 1], [0, 2], [1, 2]];
+
+/// A row that is no member.
+const NOBODY: u32 = u32::MAX;
+
+/// A row that is a corner, before it is numbered.
+const CORNER: u32 = u32::MAX - 1;
+
+impl TriangleParticipants {
+    /// Takes who takes part of the bodies that are near others, and keeps its memory. Nobody does where there is no triangle.
+    pub(super) fn take(
+        &mut self,
+        particles: &Particles,
+        surfaces: &[[u32; 3]],
+        (filter, nearby): (&ContactFilter, &Nearby),
+        solid: &[bool],
+    ) {
+        for column in [&mut self.rows, &mut self.body, &mut self.loose] {
+            column.clear();
+        }
+        self.radius.clear();
+        self.rest.clear();
+        self.triangles.clear();
+        self.own.clear();
+        let asks = |body: u32| nearby.has(body) && filter.body(body).surface;
+        let any = (0..filter.bodies().len() as u32).any(asks);
+        if surfaces.is_empty() || !any {
+            return;
+        }
+        let is_loose = |row: usize| !solid.get(row).copied().unwrap_or(false);
+        for corners in surfaces {
+            let mut corners = *corners;
+            corners.sort_unstable();
+            let [a, b, c] = corners.map(|row| row as usize);
+            if a == b || b == c || c >= particles.len() {
+                continue;
+            }
+            let body = particles.body[a];
+            let one = particles.body[b] == body && particles.body[c] == body;
+            if one && asks(body) && [a, b, c].iter().all(|&row| is_loose(row)) {
+                self.triangles.push(corners);
+            }
+        }
+        if self.triangles.is_empty() {
+            return;
+        }
+        self.triangles.sort_unstable();
+        self.triangles.dedup();
+        self.number_rows(particles, nearby, is_loose);
+        self.share_out();
+    }
+
+    /// Numbers the particles, and the corners of triangles by them.
+    fn number_rows(
+        &mut self,
+        particles: &Particles,
+        nearby: &Nearby,
+        is_loose: impl Fn(usize) -> bool,
+    ) {
+        let Self { rows, body, radius, rest, triangles, loose, number, .. } = self;
+        number.clear();
+        number.resize(particles.len(), NOBODY);
+        for &row in triangles.iter().flatten() {
+            number[row as usize] = CORNER;
+        }
+        let columns = particles.body.iter().zip(&particles.radius);
+        for (row, ((&its_body, &its_radius), number)) in columns.zip(&mut *number).enumerate() {
+            if *number != CORNER {
+                // A radius of no number takes no part, either.
+                if !(nearby.has(its_body) && its_radius > 0.0 && is_loose(row)) {
+                    continue;
+                }
+                loose.push(rows.len() as u32);
+            }
+            *number = rows.len() as u32;
+            rows.push(row as u32);
+            body.push(its_body);
+            radius.push(if its_radius > 0.0 { its_radius } else { 0.0 });
+        }
+        for corner in triangles.iter_mut().flatten() {
+            *corner = number[*corner as usize];
+        }
+        if !particles.rest.is_empty() {
+            rest.extend(rows.iter().map(|&row| particles.rest[row as usize]));
+        }
+    }
+
+    /// Gives each corner and each edge to the first triangle that has it.
+    fn share_out(&mut self) {
+        let Self { rows, triangles, own, number, begins, edges, .. } = self;
+        own.resize(triangles.len(), 0);
+        // Corners: the column of numbers has served its purpose.
+        number.clear();
+        number.resize(rows.len(), NOBODY);
+        begins.clear();
+        begins.resize(rows.len() + 1, 0);
+        for (triangle, own) in triangles.iter().zip(&mut *own) {
+            for (place, &corner) in triangle.iter().enumerate() {
+                let owner = &mut number[corner as usize];
+                if *owner == NOBODY {
+                    *owner = corner;
+                    *own |= 1 << place;
+                }
+            }
+            for [low, _] in EDGES {
+                begins[triangle[low] as usize + 1] += 1;
+            }
+        }
+        // Edges: sorted by their lower end by counting, and then those few by the higher.
+        let mut sum = 0;
+        for begin in begins.iter_mut() {
+            sum += *begin;
+            *begin = sum;
+        }
+        edges.clear();
+        edges.resize(3 * triangles.len(), (0, 0));
+        for (which, triangle) in triangles.iter().enumerate() {
+            for (place, [low, high]) in EDGES.into_iter().enumerate() {
+                let at = &mut begins[triangle[low] as usize];
+                edges[*at as usize] = (triangle[high], (3 * which + place) as u32);
+                *at += 1;
+            }
+        }
+        let mut begin = 0;
+        // Each beginning has gone on to the next one's.
+        for &end in &begins[..rows.len()] {
+            let of_one = &mut edges[begin..end as usize];
+            begin = end as usize;
+            of_one.sort_unstable();
+            let mut last = NOBODY;
+            for &(high, bit) in of_one.iter() {
+                if high != last {
+                    own[bit as usize / 3] |= 8 << (bit % 3);
+                }
+                last = high;
+            }
+        }
+    }
+
+    /// Whether two members may touch.
+    pub(super) fn meet(&self, filter: &ContactFilter, i: u32, j: u32) -> bool {
+        let of = |i: u32| (self.body[i as usize], self.rows[i as usize]);
+        filter.rows_may_touch(of(i), of(j))
+    }
+
+    /// Where members are in the rest shape of their one body, metres; `None` of two bodies, or where one has no such place.
+    #[inline(always)]
+    pub(super) fn rest_of(&self, four: [u32; 4]) -> Option<[DVec3; 4]> {
+        let body = self.body[four[0] as usize];
+        if self.rest.is_empty() || self.body[four[3] as usize] != body {
+            return None;
+        }
+        let [a, b, c, d] = four;
+        let at = |i: u32| self.rest[i as usize];
+        let (a, b, c, d) = (at(a), at(b), at(c), at(d));
+        let good = a.is_finite() && b.is_finite() && c.is_finite() && d.is_finite();
+        good.then(|| [a.as_dvec3(), b.as_dvec3(), c.as_dvec3(), d.as_dvec3()])
+    }
+}

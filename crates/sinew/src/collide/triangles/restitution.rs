@@ -1,0 +1,117 @@
+//! After the velocities are derived: what two that touched part with; and what is reported.
+//!
+//! As among [`pairs`](crate::collide::pairs), with the points of contact in the place of the particles. With `u` the velocity along the normal that
+//! the two points had to each other before (the lower, the faster they came), the one they have now becomes `-e u` where they came faster than
+//! gravity alone makes what lies still (`u < -2gh`), and elsewhere is kept between `0` and `max(u, 0)`: neither nearing any more, nor parting faster
+//! than before, because what was pushed out of an overlap has not been thrown. An impulse `J` does it, of which each particle gets `kᵢ J`. What
+//! slides loses Coulomb's `μ δ/h`, and never more than the sliding there is.
+
+use glam::Vec3;
+
+use super::super::{ContactFilter, ContactParticipant, Impacts};
+use super::neighbour_list::TriangleCandidate;
+use super::participants::TriangleParticipants;
+use super::solve::{SubstepState, TriangleContact};
+use crate::particles::Particles;
+
+/// Four that touched.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TriangleHit {
+    rows: [u32; 4],
+    bodies: [u32; 2],
+    shares: [f32; 4],
+    normal: Vec3,
+    /// Half way between the two points, metres.
+    point: Vec3,
+    /// How fast they parted before, m/s; negative where they came nearer.
+    parting: f32,
+    /// What of the distance was missing, metres, all in all.
+    pub(super) overlap: f64,
+    /// `Σ w k²`, 1/kg.
+    inverse: f32,
+    pub(super) friction: f32,
+    restitution: f32,
+    /// In the end what the first one got along the normal, N·s.
+    impulse: f32,
+    pub(super) reported: bool,
+}
+
+impl TriangleHit {
+    /// A contact of which nothing has been seen in this substep yet. The velocities are still those that led to it.
+    pub(super) fn new(
+        participants: &TriangleParticipants,
+        filter: &ContactFilter,
+        candidate: &TriangleCandidate,
+    ) -> Self {
+        let bodies = [candidate.four[0], candidate.four[3]].map(|i| participants.body[i as usize]);
+        let [one, other] = bodies.map(|body| filter.body(body));
+        let combined_material = one.material.against(&other.material);
+        Self {
+            rows: candidate.four.map(|i| participants.rows[i as usize]),
+            bodies,
+            shares: [0.0; 4],
+            normal: Vec3::ZERO,
+            point: Vec3::ZERO,
+            parting: 0.0,
+            overlap: 0.0,
+            inverse: f32::INFINITY,
+            friction: combined_material.friction,
+            restitution: combined_material.restitution,
+            impulse: 0.0,
+            reported: one.events || other.events,
+        }
+    }
+
+    /// Notes how they touch now, and with how much more of an overlap.
+    pub(super) fn note(
+        &mut self,
+        particles: &Particles,
+        state: &SubstepState,
+        four: [u32; 4],
+        contact: &TriangleContact,
+        inverse: f64,
+    ) {
+        self.shares = contact.way.shares.map(|share| share as f32);
+        self.normal = contact.way.normal.as_vec3();
+        self.point = state.point(four, &contact.way);
+        self.parting = self.velocity(particles).dot(self.normal);
+        self.overlap += contact.overlap;
+        self.inverse = inverse as f32;
+    }
+
+    /// The velocity that the two points have to each other, m/s.
+    fn velocity(&self, particles: &Particles) -> Vec3 {
+        let of = |k: usize| particles.velocity(self.rows[k] as usize) * self.shares[k];
+        of(0) + of(1) + of(2) + of(3)
+    }
+
+    /// Gives the four the velocities that they part with after a substep of `h` seconds; what came slower than `least`, m/s, does not bounce.
+    pub(super) fn bounce(&mut self, particles: &mut Particles, h: f32, least: f32) {
+        let velocity = self.velocity(particles);
+        let now = velocity.dot(self.normal);
+        let wanted = if self.restitution > 0.0 && self.parting < -least {
+            -self.restitution * self.parting
+        } else {
+            now.min(self.parting.max(0.0)).max(0.0)
+        };
+        let along = velocity - self.normal * now;
+        let (length, most) = (along.length(), self.friction * self.overlap as f32 / h);
+        let held = if most < length { most / length } else { 1.0 };
+        let size = (wanted - now) / self.inverse;
+        self.impulse = size + self.overlap as f32 / (self.inverse * h);
+        let impulse = self.normal * size - along * (held / self.inverse);
+        for (&row, share) in self.rows.iter().zip(self.shares) {
+            let i = row as usize;
+            let by = particles.inverse_mass(i) * share;
+            if by != 0.0 {
+                particles.velocity[i] += (impulse * by).extend(0.0);
+            }
+        }
+    }
+
+    /// Reports it.
+    pub(super) fn report(&self, impacts: &mut Impacts) {
+        let participants = self.bodies.map(ContactParticipant::Body);
+        impacts.add(participants, self.point, self.normal, self.impulse, false);
+    }
+}

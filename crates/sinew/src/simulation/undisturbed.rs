@@ -1,0 +1,63 @@
+//! Steps in which nothing from outside but gravity acts: all substeps at once.
+
+use super::{Scratch, Simulation, execution};
+use crate::collide::Contacts;
+use crate::constraints::PlanarDrag;
+use crate::integrate::Integrator;
+use crate::solve;
+
+impl Simulation {
+    /// Whether the phases before integration do the same to all particles in every substep of this step, and nobody else works in between: then
+    /// [`take_substeps`](Self::take_substeps) may be called once, between `begin_step` and `end_step`, instead of the phases.
+    pub fn is_undisturbed(&self) -> bool {
+        let Self { particles, forces, boundaries, settings, .. } = self;
+        let quiet = forces.attractors.is_empty()
+            && forces.controls.is_empty()
+            && forces.springs.is_empty()
+            && forces.winds.is_empty()
+            && forces.air_flows.is_empty()
+            && forces.fluids.is_empty();
+        quiet
+            && !self.scratch.contacts.is_active()
+            && particles.column_summary.plain
+            && particles.column_summary.neutral
+            && settings.integrator == Integrator::Verlet
+            && !settings.statics
+            && self.compounds.is_empty()
+            && boundaries.pins.is_empty()
+            && boundaries.planes.iter().all(|plane| plane.drag == PlanarDrag::default())
+    }
+
+    /// All phases of all substeps that remain, to the same bits as one by one. To be called where [`is_undisturbed`](Self::is_undisturbed) says so;
+    /// otherwise it does nothing.
+    pub fn take_substeps(&mut self) {
+        if !self.is_undisturbed() {
+            return;
+        }
+        self.begin_substep();
+        self.accumulate_forces();
+        let (h, remaining) = (self.scratch.substep.length, self.scratch.substep.remaining);
+        let Self { particles, forces, instructions, workers, scratch, report, .. } = self;
+        let Scratch {
+            plan,
+            contacts: Contacts { particle_contacts, normal_impulses, .. },
+            solving,
+            ..
+        } = scratch;
+        let substep = report.substeps.saturating_sub(remaining);
+        let gravity = forces.gravity.length();
+        let execution = execution(*instructions, workers);
+        let common = solve::Common {
+            plan,
+            contacts: particle_contacts,
+            h,
+            lag: h,
+            gravity,
+            substep,
+            execution,
+        };
+        solve::advance_all(particles, normal_impulses, common, remaining, solving, report);
+        (0..remaining).for_each(|_| self.time += f64::from(h));
+        self.scratch.substep.remaining = 0;
+    }
+}

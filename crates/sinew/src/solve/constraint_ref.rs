@@ -1,0 +1,238 @@
+//! One constraint of the plan, whatever its kind: what the orders that pick constraints one by one work with.
+
+use glam::{Vec3, Vec4};
+
+use super::multipliers::MultiplierSlice;
+use super::plan::{GroupKind, Plan};
+use crate::constraints::{
+    Constraint, Distance, GradientAt, Points, SubstepContext, equation_energy, equation_error,
+    project, project_equation, project_rod, project_rod_from_start,
+};
+use crate::lanes::InstructionSet;
+use crate::particles::{Particles, Places};
+
+/// A constraint of the plan: its kind, and its number in the list of that kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct ConstraintRef {
+    pub(crate) kind: GroupKind,
+    pub(crate) number: u32,
+}
+
+/// How constraints are projected in this substep.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SolveMode {
+    pub(crate) substep_context: SubstepContext,
+    pub(crate) gradient_at: GradientAt,
+    /// For its kernels.
+    pub(crate) instructions: InstructionSet,
+}
+
+/// The particles of one constraint side by side, in its own order. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Local {
+    pub(crate) now: Vec<Vec4>,
+    pub(crate) starts: Vec<Vec4>,
+    pub(crate) gradients: Vec<Vec3>,
+}
+
+impl Local {
+    /// Takes copies of some particles.
+    #[inline]
+    pub(crate) fn take(&mut self, places: &Places, rows: &[u32]) {
+        self.now.clear();
+        self.starts.clear();
+        for &row in rows {
+            let i = places.at(row);
+            self.now.push(places.position[i]);
+            self.starts.push(places.start[i]);
+        }
+        self.gradients.resize(rows.len(), Vec3::ZERO);
+    }
+}
+
+impl ConstraintRef {
+    /// The rows of its particles. A distance writes them into `pair`.
+    pub(crate) fn rows<'a>(self, plan: &'a Plan, pair: &'a mut [u32; 2]) -> &'a [u32] {
+        let number = self.number as usize;
+        if self.kind == GroupKind::Constraints {
+            &plan.constraints[number].rows
+        } else {
+            let distance = &plan.distances[number];
+            *pair = [distance.a, distance.b];
+            pair
+        }
+    }
+
+    /// Whether it asks for another sweep while it does not hold.
+    pub(crate) fn is_hard(self, plan: &Plan) -> bool {
+        let number = self.number as usize;
+        match self.kind {
+            GroupKind::Rods => true,
+            GroupKind::Distances => plan.distances[number].softness.is_hard(),
+            GroupKind::Constraints => plan.constraints[number].kind.equation().softness().is_hard(),
+        }
+    }
+
+    /// Projects it once, on the particles themselves. Returns the error found, metres; of a soft one, how far it moved.
+    #[inline]
+    pub(crate) fn project(
+        self,
+        places: &mut Places,
+        plan: &Plan,
+        multipliers: &mut MultiplierSlice,
+        mode: SolveMode,
+        local: &mut Local,
+    ) -> f32 {
+        let number = self.number as usize;
+        match self.kind {
+            GroupKind::Rods => {
+                let d = plan.distances[number];
+                let (a, b) = (places.at(d.a) as u32, places.at(d.b) as u32);
+                match mode.gradient_at {
+                    GradientAt::Current => project_rod(places.position, a, b, d.rest),
+                    GradientAt::StepStart => {
+                        project_rod_from_start(places.position, places.start, a, b, d.rest)
+                    }
+                }
+            }
+            GroupKind::Distances => {
+                let (distance, lambda) = (&plan.distances[number], multipliers.distance(number));
+                project_distance(places, distance, mode.substep_context, lambda)
+            }
+            GroupKind::Constraints => {
+                let (constraint, lambda) =
+                    (&plan.constraints[number], multipliers.constraint(number));
+                project_constraint(places, constraint, mode, lambda, local)
+            }
+        }
+    }
+
+    /// Projects it once on the copies in `local`, whose inverse masses may be others.
+    pub(crate) fn project_local(
+        self,
+        plan: &Plan,
+        multipliers: &mut MultiplierSlice,
+        mode: SolveMode,
+        origin: Vec3,
+        local: &mut Local,
+    ) -> f32 {
+        let number = self.number as usize;
+        let Local { now, starts, gradients } = local;
+        if self.kind == GroupKind::Constraints {
+            let equation = plan.constraints[number].kind.equation();
+            let before = now.clone();
+            let points = Points { now: &before, starts, origin, gradient_at: mode.gradient_at };
+            let lambda = multipliers.constraint(number);
+            return project_equation(
+                equation,
+                &points,
+                gradients,
+                mode.substep_context,
+                lambda,
+                |i, step| {
+                    now[i] += step.extend(0.0);
+                },
+            );
+        }
+        let distance = Distance { a: 0, b: 1, ..plan.distances[number] };
+        if self.kind == GroupKind::Rods && mode.gradient_at == GradientAt::StepStart {
+            return project_rod_from_start(now, starts, 0, 1, distance.rest);
+        }
+        project(now, starts, &distance, mode.substep_context, multipliers.distance(number))
+    }
+
+    /// How far it is from being kept, metres, moving nothing; zero for a soft one.
+    pub(crate) fn error(self, places: &Places, plan: &Plan, local: &mut Local) -> f32 {
+        let number = self.number as usize;
+        if self.kind == GroupKind::Constraints {
+            return constraint_error(places, &plan.constraints[number], local);
+        }
+        distance_error(places, &plan.distances[number])
+    }
+}
+
+/// How far a hard distance is from being kept, metres; zero for a soft one, and between pinned particles.
+#[inline]
+pub(crate) fn distance_error(places: &Places, distance: &Distance) -> f32 {
+    let at = |row: u32| places.position[places.at(row)];
+    let (a, b) = (at(distance.a), at(distance.b));
+    if !distance.softness.is_hard() || a.w + b.w == 0.0 {
+        return 0.0;
+    }
+    distance.error(a.truncate(), b.truncate())
+}
+
+/// Energy that the soft distances and constraints of a plan store, J.
+pub(crate) fn soft_energy(particles: &mut Particles, plan: &Plan) -> f64 {
+    let places = &Places::all(particles);
+    let mut local = Local::default();
+    let soft = plan.distances.iter().filter(|d| !d.softness.is_hard());
+    let distances = soft.map(|d| {
+        let (a, b) = (places.position[d.a as usize], places.position[d.b as usize]);
+        let value = (a - b).truncate().length() - d.rest;
+        let held = d.bound.holds(value);
+        if held { 0.0 } else { f64::from(d.softness.energy(value, a.w + b.w)) }
+    });
+    let mut sum: f64 = distances.sum();
+    for constraint in &plan.constraints {
+        let equation = constraint.kind.equation();
+        if !equation.softness().is_hard() {
+            let rows = constraint.rows.as_slice();
+            local.take(places, rows);
+            let (origin, gradient_at) = (places.origin[rows[0] as usize], GradientAt::Current);
+            let points = Points { now: &local.now, starts: &local.starts, origin, gradient_at };
+            sum += f64::from(equation_energy(equation, &points, &mut local.gradients));
+        }
+    }
+    sum
+}
+
+/// Projects a distance by the general kernel.
+#[inline]
+pub(crate) fn project_distance(
+    places: &mut Places,
+    distance: &Distance,
+    substep_context: SubstepContext,
+    lambda: &mut f32,
+) -> f32 {
+    let (a, b) = (places.at(distance.a) as u32, places.at(distance.b) as u32);
+    let local = Distance { a, b, ..*distance };
+    project(places.position, places.start, &local, substep_context, lambda)
+}
+
+/// Projects a constraint by its equation.
+#[inline]
+pub(crate) fn project_constraint(
+    places: &mut Places,
+    constraint: &Constraint,
+    mode: SolveMode,
+    lambda: &mut f32,
+    local: &mut Local,
+) -> f32 {
+    let rows = constraint.rows.as_slice();
+    local.take(places, rows);
+    let origin = places.origin[places.at(rows[0])];
+    let gradient_at = mode.gradient_at;
+    let points = Points { now: &local.now, starts: &local.starts, origin, gradient_at };
+    let equation = constraint.kind.equation();
+    project_equation(
+        equation,
+        &points,
+        &mut local.gradients,
+        mode.substep_context,
+        lambda,
+        |i, step| {
+            places.displace(rows[i], step);
+        },
+    )
+}
+
+/// How far a constraint is from being kept, metres.
+pub(crate) fn constraint_error(places: &Places, constraint: &Constraint, local: &mut Local) -> f32 {
+    let rows = constraint.rows.as_slice();
+    local.take(places, rows);
+    let origin = places.origin[places.at(rows[0])];
+    let gradient_at = GradientAt::Current;
+    let points = Points { now: &local.now, starts: &local.starts, origin, gradient_at };
+    equation_error(constraint.kind.equation(), &points, &mut local.gradients)
+}

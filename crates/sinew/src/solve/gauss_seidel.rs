@@ -1,0 +1,147 @@
+//! Gauss–Seidel (the lectures' cascade): constraints enforced one after the other, colour by colour. The order never changes from substep to substep,
+//! because alternating it pumps energy.
+
+use core::ops::Range;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use super::constraint_ref::{SolveMode, project_constraint};
+use super::island::ThreadScratch;
+use super::multipliers::MultiplierSlice;
+use super::plan::{ClusterBatch, ConstraintGroup, GroupKind, Plan};
+use super::world::ExecutionContext;
+use crate::constraints::GradientAt;
+use crate::particles::Places;
+use crate::threads::{Pool, TASKS, each};
+
+/// Projects every constraint of some cluster batches once and returns the largest error found, metres; of soft ones, how far they moved.
+pub(super) fn sweep(
+    places: &mut Places,
+    plan: &Plan,
+    cluster_batches: Range<usize>,
+    multipliers: &mut MultiplierSlice,
+    mode: SolveMode,
+    thread_scratch: &mut ThreadScratch,
+) -> f32 {
+    let mut worst = 0.0_f32;
+    for cluster_batch in &plan.cluster_batches[cluster_batches] {
+        worst = worst.max(sweep_cluster_batch(
+            places,
+            plan,
+            cluster_batch,
+            multipliers,
+            mode,
+            thread_scratch,
+        ));
+    }
+    worst
+}
+
+fn sweep_cluster_batch(
+    places: &mut Places,
+    plan: &Plan,
+    cluster_batch: &ClusterBatch,
+    multipliers: &mut MultiplierSlice,
+    mode: SolveMode,
+    thread_scratch: &mut ThreadScratch,
+) -> f32 {
+    let groups = &plan.groups[cluster_batch.groups.clone()];
+    let (Plan { rods, constraints, .. }, instructions) = (plan, mode.instructions);
+    if cluster_batch.columns && mode.gradient_at == GradientAt::Current {
+        let (each, rows) = (groups.iter().map(ConstraintGroup::rods), cluster_batch.rows.clone());
+        return rods.sweep_columns(places, each, rows, &mut thread_scratch.columns, instructions);
+    }
+    let mut worst = 0.0_f32;
+    for group in groups {
+        let range = group.range.clone();
+        let found = match group.kind {
+            GroupKind::Rods => {
+                let (mut runs, blocks) = (group.runs.clone(), group.blocks.clone());
+                if cluster_batch.columns {
+                    let strided_batches = core::mem::replace(&mut runs, 0..0);
+                    let found = rods.sweep_strided_from_start(
+                        places,
+                        strided_batches,
+                        &cluster_batch.rows,
+                        instructions,
+                    );
+                    worst = worst.max(found);
+                }
+                rods.sweep(places, runs, blocks, mode.gradient_at, instructions)
+            }
+            GroupKind::Distances | GroupKind::Constraints => {
+                let lambdas = match group.kind {
+                    GroupKind::Distances => multipliers.of_distances(range.clone()),
+                    _ => multipliers.of_constraints(range.clone()),
+                };
+                if let Some(which) = &group.wide {
+                    plan.constraint_batches.sweep(
+                        places,
+                        which,
+                        lambdas,
+                        mode.substep_context,
+                        instructions,
+                    )
+                } else {
+                    let (each, local) =
+                        (constraints[range].iter().zip(lambdas), &mut thread_scratch.local);
+                    each.map(|(c, lambda)| project_constraint(places, c, mode, lambda, local))
+                        .fold(0.0, f32::max)
+                }
+            }
+        };
+        worst = worst.max(found);
+    }
+    worst
+}
+
+/// The same of one large island, by several workers: stage after stage, and in each stage clusters that share no particle side by side.
+pub(super) fn sweep_shared(
+    mut places: Places,
+    plan: &Plan,
+    cluster_batches: Range<usize>,
+    mut multipliers: MultiplierSlice,
+    mode: SolveMode,
+    execution: ExecutionContext,
+    thread_scratches: &Pool<ThreadScratch>,
+) -> f32 {
+    // Errors are not negative, and the bits of such numbers order as they do.
+    let worst = AtomicU32::new(0);
+    let mut number = cluster_batches.start;
+    for stage in
+        plan.cluster_batches[cluster_batches].chunk_by(|one, other| one.stage == other.stage)
+    {
+        let mut left = Some((places.lend(), multipliers.lend()));
+        let tasks = stage.chunks(stage.len().div_ceil(TASKS)).filter_map(|some| {
+            let begin = number;
+            number += some.len();
+            let (places, multipliers) = take(&mut left, plan, some)?;
+            Some((places, multipliers, begin..number))
+        });
+        each(execution.workers, tasks, |(mut places, mut multipliers, cluster_batches)| {
+            let found = thread_scratches.with(|thread_scratch| {
+                sweep(&mut places, plan, cluster_batches, &mut multipliers, mode, thread_scratch)
+            });
+            worst.fetch_max(found.to_bits(), Ordering::Relaxed);
+        });
+    }
+    f32::from_bits(worst.into_inner())
+}
+
+/// Takes the rows and the multipliers of some cluster batches of one stage from what is left.
+fn take<'a>(
+    left: &mut Option<(Places<'a>, MultiplierSlice<'a>)>,
+    plan: &Plan,
+    cluster_batches: &[ClusterBatch],
+) -> Option<(Places<'a>, MultiplierSlice<'a>)> {
+    let (places, multipliers) = left.take()?;
+    let (first, last) = (cluster_batches.first()?, cluster_batches.last()?);
+    let (_, places) = places.split_at(first.rows.start);
+    let (own, places) = places.split_at(last.rows.end);
+    let end = &plan.groups[last.groups.end - 1];
+    let (own_sums, multipliers) = match end.kind {
+        GroupKind::Constraints => multipliers.split(None, Some(end.range.end)),
+        _ => multipliers.split(Some(end.range.end), None),
+    };
+    *left = Some((places, multipliers));
+    Some((own, own_sums))
+}

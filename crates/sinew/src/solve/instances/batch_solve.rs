@@ -1,0 +1,261 @@
+//! Solves instance batches: through the solving of one substep, or through all substeps of a step.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use glam::{Vec3, Vec4};
+
+use super::lane_storage::{gather, scatter};
+use super::momentum_drift::{DeriveLanes, Take};
+use super::motion::PredictLanes;
+use super::{BatchContext, InstanceBatch, LaneCompaction, LaneStorage};
+use crate::constraints::Plane;
+use crate::lanes::{LANES, with};
+use crate::particles::ground;
+use crate::solve::island::{Common, ThreadScratch};
+use crate::solve::plan::Task;
+use crate::solve::{IslandReport, Order};
+
+/// Particles of the bodies side by side in all storage that is solved together, at most: with all that belongs to them they fit into a core's second
+/// cache.
+const STORED_PARTICLES: usize = 512;
+
+/// The instance batches of a task, to be solved. What cannot be in lanes in this step is left to others, and noted in the thread scratch's
+/// [`Remaining`](crate::solve::remaining::Remaining).
+pub(crate) struct BatchSolve<'a> {
+    pub(crate) common: Common<'a>,
+    pub(crate) task: &'a Task,
+    /// Columns from the task's first row on.
+    pub(crate) position: &'a mut [Vec4],
+    pub(crate) motion: BatchMotion<'a>,
+    pub(crate) origin: &'a [Vec3],
+    pub(crate) radius: &'a [f32],
+    pub(crate) reports: &'a mut [IslandReport],
+    pub(crate) thread_scratch: &'a mut ThreadScratch,
+}
+
+/// How far they are solved.
+pub(crate) enum BatchMotion<'a> {
+    /// Through the solving of a substep that has been predicted. Velocities are not derived: what has to be taken off then is noted for each
+    /// particle, m/s, or where there is no place for that, for each island in the thread scratch.
+    Substep { start: &'a [Vec4], velocity: &'a [Vec4], momentum_drift: &'a mut [Vec4] },
+    /// Through all substeps of a step.
+    Step(WholeStep<'a>),
+}
+
+/// What there is through the substeps of a step.
+pub(crate) struct WholeStep<'a> {
+    pub(crate) start: &'a mut [Vec4],
+    pub(crate) velocity: &'a mut [Vec4],
+    pub(crate) rounding: &'a mut [Vec4],
+    /// 1/s; may have one number for all.
+    pub(crate) damping: &'a [f32],
+    /// The same, of all besides.
+    pub(crate) air: f32,
+    /// Acceleration of all, m/s².
+    pub(crate) common: Vec3,
+    /// The most sweeps in each substep.
+    pub(crate) iteration_counts: &'a [AtomicU32],
+}
+
+impl<'a> BatchSolve<'a> {
+    /// Solves them.
+    pub(crate) fn run(mut self) {
+        let plan = self.common.plan;
+        let instance_batches = &plan.instance_batches.all[self.task.instance_batches.clone()];
+        let mut lane_compaction = core::mem::take(&mut self.thread_scratch.lane_compaction);
+        let (mut begin, mut found) =
+            (0, instance_batches.first().and_then(|first| self.planes(first)));
+        while begin < instance_batches.len() {
+            let (first, planes) = (&instance_batches[begin], found);
+            // Where each has but one sweep nobody waits for anybody.
+            let sweeps = plan.islands[first.islands.start].settings.max_sweeps;
+            let limit = if sweeps > 1 { STORED_PARTICLES / first.members as usize } else { 1 };
+            let mut end = begin + 1;
+            while let Some(batch) = instance_batches.get(end) {
+                found = self.planes(batch);
+                if found != planes || end - begin >= limit || !self.has_same_topology(first, batch)
+                {
+                    break;
+                }
+                end += 1;
+            }
+            if let Some(planes) = planes {
+                instance_batches[begin..end].iter().for_each(|batch| {
+                    self.thread_scratch.remaining.leave(batch.islands.clone(), batch.rows());
+                });
+                self.solve_batches(&instance_batches[begin..end], planes, &mut lane_compaction);
+            }
+            begin = end;
+        }
+        self.thread_scratch.lane_compaction = lane_compaction;
+    }
+
+    /// The planes that an instance batch touches, if its bodies can go through this step together.
+    fn planes(&self, batch: &InstanceBatch) -> Option<&'a [Plane]> {
+        let islands = &self.common.plan.islands[batch.islands.clone()];
+        let settings = &islands[0].settings;
+        let planes = self.common.contacts.planes_alone(batch.rows())?;
+        let apart = || {
+            let place = |row: u32| (row - self.task.rows.start) as usize;
+            let rows = place(batch.rows().start)..place(batch.rows().end);
+            let mut bodies = self.origin[rows].chunks(batch.members as usize);
+            bodies.any(|origins| origins.iter().any(|origin| *origin != origins[0]))
+        };
+        let ready = settings.order == Order::GaussSeidel
+            && !settings.timed
+            && islands.iter().all(|island| island.settings == *settings)
+            && !islands.iter().any(|island| island.rigid || island.asleep)
+            // A body whose particles have more than one origin has more than one height above a plane.
+            && (planes.is_empty() || !apart());
+        ready.then_some(planes)
+    }
+
+    /// Whether two instance batches are of the same bodies, which are to be solved in the same way.
+    fn has_same_topology(&self, one: &InstanceBatch, other: &InstanceBatch) -> bool {
+        let settings =
+            |batch: &InstanceBatch| self.common.plan.islands[batch.islands.start].settings;
+        one.has_same_topology(other) && settings(one) == settings(other)
+    }
+
+    fn solve_batches(
+        &mut self,
+        instance_batches: &[InstanceBatch],
+        planes: &[Plane],
+        lane_compaction: &mut LaneCompaction,
+    ) {
+        let Common { plan, h, execution, .. } = self.common;
+        let instructions = execution.instructions;
+        let settings = &plan.islands[instance_batches[0].islands.start].settings;
+        let context = BatchContext {
+            instance_batches: &plan.instance_batches,
+            batch: &instance_batches[0],
+            settings,
+            planes,
+            h,
+            instructions,
+        };
+        lane_compaction.make_room(instance_batches.len());
+        for (batch, storage) in instance_batches.iter().zip(lane_compaction.storages()) {
+            self.load(batch, planes, storage);
+        }
+        let substeps = if let BatchMotion::Step(whole) = &self.motion {
+            whole.iteration_counts.len()
+        } else {
+            1
+        };
+        for substep in 0..substeps {
+            if let BatchMotion::Step(whole) = &self.motion {
+                for storage in lane_compaction.storages() {
+                    // The last step may have been of another length, or none, but this one's substeps are alike.
+                    if substep < 2 {
+                        storage.note_losses(h);
+                    }
+                    with(instructions, PredictLanes { storage, a: whole.common, h });
+                }
+            }
+            lane_compaction.solve(&context);
+            for (batch, storage) in instance_batches.iter().zip(lane_compaction.storages()) {
+                let from = batch.islands.start - self.task.islands.start;
+                let reports = &mut self.reports[from..from + batch.islands.len()];
+                let sweeps = storage.convergence.report(reports);
+                if let BatchMotion::Step(whole) = &self.motion {
+                    whole.iteration_counts[substep].fetch_max(sweeps, Ordering::Relaxed);
+                    let (free, keeps_angular) = (storage.left(), context.keeps_spin(storage));
+                    with(instructions, DeriveLanes { storage, h, free, keeps_angular });
+                }
+            }
+        }
+        for (batch, storage) in instance_batches.iter().zip(lane_compaction.storages()) {
+            self.give_back(&context, batch, storage);
+        }
+    }
+
+    /// Takes an instance batch into a lane storage.
+    fn load(&self, batch: &InstanceBatch, planes: &[Plane], storage: &mut LaneStorage) {
+        let (begin, islands) = (self.task.rows.start, &self.common.plan.islands);
+        let islands = &islands[batch.islands.clone()];
+        self.note_heights(batch, planes, storage);
+        // In the lanes that are left, too, the last body is what it is: they write the same as its own.
+        let is_free = |lane: usize| islands[lane.min(islands.len() - 1)].free;
+        storage.free = (0..LANES).fold(0, |free, lane| free | u32::from(is_free(lane)) << lane);
+        let start = match &self.motion {
+            BatchMotion::Substep { start, .. } => *start,
+            BatchMotion::Step(whole) => &*whole.start,
+        };
+        let instructions = self.common.execution.instructions;
+        storage.load(batch, begin, self.position, start, instructions);
+        if let BatchMotion::Step(whole) = &self.motion {
+            gather(&mut storage.velocity, batch, begin, whole.velocity, instructions);
+            gather(&mut storage.rounding, batch, begin, whole.rounding, instructions);
+            note_rates(batch, begin, whole, storage);
+        }
+        if storage.free != 0 {
+            storage.note_masses();
+        }
+    }
+
+    /// Writes what has become of an instance batch.
+    fn give_back(
+        &mut self,
+        context: &BatchContext,
+        batch: &InstanceBatch,
+        storage: &mut LaneStorage,
+    ) {
+        let (begin, instructions) = (self.task.rows.start, context.instructions);
+        scatter(&storage.now, batch, begin, self.position, instructions);
+        match &mut self.motion {
+            BatchMotion::Substep { velocity, momentum_drift, .. } => {
+                let left = storage.left();
+                if left == 0 {
+                    return;
+                }
+                gather(&mut storage.velocity, batch, begin, velocity, instructions);
+                let (turning, parted) =
+                    (left & context.keeps_spin(storage), !momentum_drift.is_empty());
+                let momentum_drifts =
+                    with(instructions, Take { storage, h: context.h, turning, left, parted });
+                if parted {
+                    scatter(&storage.velocity, batch, begin, momentum_drift, instructions);
+                    return;
+                }
+                // No more of them than there are bodies.
+                let own = momentum_drifts.each(left & storage.mask());
+                let own = own.map(|(lane, one)| ((batch.islands.start + lane) as u32, one));
+                self.thread_scratch.momentum_drifts.extend(own);
+            }
+            BatchMotion::Step(whole) => {
+                scatter(&storage.start, batch, begin, whole.start, instructions);
+                scatter(&storage.velocity, batch, begin, whole.velocity, instructions);
+                scatter(&storage.rounding, batch, begin, whole.rounding, instructions);
+            }
+        }
+    }
+
+    /// Notes radii, and how high the origin of each body is above each plane.
+    fn note_heights(&self, batch: &InstanceBatch, planes: &[Plane], storage: &mut LaneStorage) {
+        storage.ground.clear();
+        storage.radius.clear();
+        if planes.is_empty() {
+            return;
+        }
+        let places = |i: u32| batch.places(self.task.rows.start, i).map(|place| place as usize);
+        let origins = places(0).map(|place| self.origin[place]);
+        let heights =
+            |plane: &Plane| origins.map(|origin| ground(origin, plane.normal, plane.offset));
+        storage.ground.extend(planes.iter().map(heights));
+        let radii = |i: u32| places(i).map(|place| self.radius[place]);
+        storage.radius.extend((0..batch.members).map(radii));
+    }
+}
+
+/// Notes at which rates velocities are lost.
+fn note_rates(batch: &InstanceBatch, begin: u32, whole: &WholeStep, storage: &mut LaneStorage) {
+    let own = |place: u32| match whole.damping {
+        [all] => *all,
+        each => each.get(place as usize).copied().unwrap_or(0.0),
+    };
+    let rates = |i: u32| batch.places(begin, i).map(|place| own(place) + (whole.air + 0.0));
+    storage.rate.clear();
+    storage.rate.extend((0..batch.members).map(rates));
+    storage.lost.resize(storage.rate.len(), [0.0; LANES]);
+}

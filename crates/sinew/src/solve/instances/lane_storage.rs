@@ -1,0 +1,257 @@
+//! Lane storage: the particles of an instance batch while it is solved, particle by particle, each of eight bodies in a lane.
+
+use glam::{Vec3, Vec4};
+
+use super::{ConvergenceMask, InstanceBatch};
+use crate::lanes::{InstructionSet, LANES, Lanes, Work, with};
+
+/// The particles of eight bodies. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LaneStorage {
+    /// Positions and inverse masses.
+    pub(crate) now: Vec<LaneParticles>,
+    /// Where the substep began.
+    pub(crate) start: Vec<LaneParticles>,
+    /// Velocities and lags.
+    pub(super) velocity: Vec<LaneParticles>,
+    pub(super) rounding: Vec<LaneParticles>,
+    /// Bodies that have converged, as they were then.
+    pub(super) kept: Vec<LaneParticles>,
+    /// Rates at which velocity is lost, 1/s, and the share that goes in a substep.
+    pub(super) rate: Vec<[f32; LANES]>,
+    pub(super) lost: Vec<[f32; LANES]>,
+    /// Metres.
+    pub(super) radius: Vec<[f32; LANES]>,
+    /// How high the origins of the bodies are above each plane, metres.
+    pub(super) ground: Vec<[f32; LANES]>,
+    /// Kilograms.
+    pub(super) mass: Vec<[f64; LANES]>,
+    /// Multipliers of soft constraints.
+    pub(crate) multipliers: Vec<[f32; LANES]>,
+    /// How many bodies there are. The lanes that are left have the last one again.
+    pub(super) bodies: usize,
+    /// A bit for each body to which nothing outside gives momentum.
+    pub(super) free: u32,
+    pub(super) convergence: ConvergenceMask,
+}
+
+/// `x y z w` of one particle of each body; on lines of the cache of its own.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct LaneParticles([[f32; LANES]; 4]);
+
+impl LaneParticles {
+    const ZERO: Self = Self([[0.0; LANES]; 4]);
+
+    #[inline(always)]
+    pub(crate) fn load<L: Lanes>(&self) -> [L; 4] {
+        let [x, y, z, w] = &self.0;
+        [L::load(x), L::load(y), L::load(z), L::load(w)]
+    }
+
+    /// Writes `x y z`.
+    #[inline(always)]
+    pub(crate) fn put<L: Lanes>(&mut self, [a, b, c, _]: [L; 4]) {
+        let [x, y, z, _] = &mut self.0;
+        a.store(x);
+        b.store(y);
+        c.store(z);
+    }
+
+    /// Writes all four.
+    #[inline(always)]
+    pub(super) fn set<L: Lanes>(&mut self, [a, b, c, d]: [L; 4]) {
+        let [x, y, z, w] = &mut self.0;
+        a.store(x);
+        b.store(y);
+        c.store(z);
+        d.store(w);
+    }
+
+    /// What stands in the fourth places.
+    pub(super) fn fourths(&self) -> &[f32; LANES] {
+        &self.0[3]
+    }
+
+    /// Takes one of other bodies.
+    fn take(&mut self, lane: usize, other: &Self, from: usize) {
+        for (column, other) in self.0.iter_mut().zip(&other.0) {
+            column[lane % LANES] = other[from % LANES];
+        }
+    }
+
+    /// Of one body.
+    pub(super) fn lane(&self, lane: usize) -> Vec4 {
+        let [x, y, z, w] = &self.0;
+        Vec4::new(x[lane], y[lane], z[lane], w[lane])
+    }
+
+    /// Writes `x y z` of one body.
+    pub(super) fn set_lane(&mut self, lane: usize, to: Vec3) {
+        for (column, number) in self.0.iter_mut().zip(to.to_array()) {
+            column[lane] = number;
+        }
+    }
+}
+
+impl LaneStorage {
+    /// Takes positions and starts from slices that begin with the row `begin`.
+    pub(super) fn load(
+        &mut self,
+        batch: &InstanceBatch,
+        begin: u32,
+        position: &[Vec4],
+        start: &[Vec4],
+        instructions: InstructionSet,
+    ) {
+        gather(&mut self.now, batch, begin, position, instructions);
+        gather(&mut self.start, batch, begin, start, instructions);
+        self.bodies = batch.islands.len();
+        self.kept.resize(self.now.len(), LaneParticles::ZERO);
+        self.multipliers.clear();
+        self.multipliers.resize(batch.multipliers, [0.0; LANES]);
+    }
+
+    /// A bit for each body.
+    pub(super) fn mask(&self) -> u32 {
+        (1 << self.bodies) - 1
+    }
+
+    /// A bit for each body to which nothing has given momentum in this substep.
+    pub(super) fn left(&self) -> u32 {
+        self.free & !self.convergence.touched
+    }
+
+    /// Makes room for eight bodies that are built as those of another lane storage, and has none.
+    pub(super) fn clear_as(&mut self, other: &Self) {
+        self.bodies = LANES;
+        self.convergence = ConvergenceMask { going: 0, ..ConvergenceMask::default() };
+        self.now.resize(other.now.len(), LaneParticles::ZERO);
+        self.start.resize(other.start.len(), LaneParticles::ZERO);
+        self.kept.resize(other.now.len(), LaneParticles::ZERO);
+        self.radius.resize(other.radius.len(), [0.0; LANES]);
+        self.ground.resize(other.ground.len(), [0.0; LANES]);
+        self.multipliers.resize(other.multipliers.len(), [0.0; LANES]);
+    }
+
+    /// Takes a body of another lane storage, with all that it is solved by.
+    pub(super) fn admit(&mut self, lane: usize, other: &Self, from: usize) {
+        for (spot, other) in self.start.iter_mut().zip(&other.start) {
+            spot.take(lane, other, from);
+        }
+        let columns = self.radius.iter_mut().zip(&other.radius);
+        for (column, other) in columns.chain(self.ground.iter_mut().zip(&other.ground)) {
+            column[lane] = other[from];
+        }
+        self.take(lane, other, from);
+    }
+
+    /// Takes a body back that has been solved elsewhere.
+    pub(super) fn take_back(&mut self, lane: usize, other: &Self, from: usize) {
+        let end = if lane + 1 == self.bodies { LANES } else { lane + 1 };
+        for lane in lane..end {
+            self.take(lane, other, from);
+        }
+    }
+
+    /// Takes what solving changes.
+    fn take(&mut self, lane: usize, other: &Self, from: usize) {
+        for (spot, other) in self.now.iter_mut().zip(&other.now) {
+            spot.take(lane, other, from);
+        }
+        for (sum, other) in self.multipliers.iter_mut().zip(&other.multipliers) {
+            sum[lane] = other[from];
+        }
+        self.convergence.take(lane, &other.convergence, from);
+    }
+
+    /// Keeps the bodies of a mask as they are now.
+    pub(super) fn keep(&mut self, which: u32) {
+        for lane in lanes(which) {
+            for (kept, now) in self.kept.iter_mut().zip(&self.now) {
+                kept.set_lane(lane, now.lane(lane).truncate());
+            }
+        }
+    }
+
+    /// Puts the bodies of a mask back to how they were kept.
+    pub(super) fn put_back(&mut self, which: u32) {
+        for lane in lanes(which) {
+            for (kept, now) in self.kept.iter().zip(&mut self.now) {
+                now.set_lane(lane, kept.lane(lane).truncate());
+            }
+        }
+    }
+}
+
+/// The lanes of a mask.
+fn lanes(which: u32) -> impl Iterator<Item = usize> {
+    (0..LANES).filter(move |lane| which >> lane & 1 != 0)
+}
+
+/// Takes the rows of an instance batch from a slice that begins with the row `begin`.
+pub(super) fn gather(
+    to: &mut Vec<LaneParticles>,
+    batch: &InstanceBatch,
+    begin: u32,
+    from: &[Vec4],
+    instructions: InstructionSet,
+) {
+    to.resize(batch.members as usize, LaneParticles::ZERO);
+    with(instructions, Gather { to, places: batch.places(begin, 0), from });
+}
+
+struct Gather<'a> {
+    to: &'a mut [LaneParticles],
+    places: [u32; LANES],
+    from: &'a [Vec4],
+}
+
+impl Work for Gather<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { to, mut places, from } = self;
+        for spot in to {
+            spot.set(L::rows(from, &places));
+            next(&mut places);
+        }
+    }
+}
+
+/// Gives them back.
+pub(super) fn scatter(
+    from: &[LaneParticles],
+    batch: &InstanceBatch,
+    begin: u32,
+    to: &mut [Vec4],
+    instructions: InstructionSet,
+) {
+    with(instructions, Scatter { from, places: batch.places(begin, 0), to });
+}
+
+struct Scatter<'a> {
+    from: &'a [LaneParticles],
+    places: [u32; LANES],
+    to: &'a mut [Vec4],
+}
+
+impl Work for Scatter<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { from, mut places, to } = self;
+        for spot in from {
+            L::put_rows(to, &places, spot.load());
+            next(&mut places);
+        }
+    }
+}
+
+/// The next particle of each body. Numbers made one by one would have to be waited for before they are read as one register.
+#[inline(always)]
+fn next(places: &mut [u32; LANES]) {
+    places.iter_mut().for_each(|place| *place += 1);
+}

@@ -1,0 +1,72 @@
+//! What is left to correct in eight bodies side by side: a body has too few rods of a colour for eight lanes here, too.
+
+use glam::Vec4;
+
+use super::lane_storage::{LaneParticles, gather};
+use super::{InstanceBatches, InstancePart, InstancedRod};
+use crate::lanes::{InstructionSet, LANES, Lanes, Work, with};
+use crate::solve::IslandReport;
+use crate::solve::rods::worse;
+
+impl InstanceBatches {
+    /// Measures the bodies of all instance batches but of those that were measured on their way, and notes that: the largest error of the hard
+    /// constraints of each, metres, and the largest strain of its rods. `lane_particles` is scratch.
+    pub(crate) fn measure(
+        &self,
+        position: &[Vec4],
+        lane_particles: &mut Vec<LaneParticles>,
+        reports: &mut [IslandReport],
+        instructions: InstructionSet,
+    ) {
+        for batch in &self.all {
+            let reports = &mut reports[batch.islands.clone()];
+            if reports.iter().all(|report| report.measured) {
+                continue;
+            }
+            gather(lane_particles, batch, 0, position, instructions);
+            let mut worst = [[0.0; LANES]; 2];
+            for part in &self.parts[batch.parts.clone()] {
+                let found = match part {
+                    InstancePart::Rods(range) => with(
+                        instructions,
+                        MeasureInstancedRods { rods: &self.rods[range.clone()], lane_particles },
+                    ),
+                    InstancePart::Constraints(part) => {
+                        self.instanced.measure(part, lane_particles, instructions)
+                    }
+                };
+                // The least is zero, and the larger of two numbers is the same wherever it is found.
+                for (worst, found) in worst.as_flattened_mut().iter_mut().zip(found.as_flattened())
+                {
+                    *worst = if *worst < *found { *found } else { *worst };
+                }
+            }
+            let [errors, strains] = worst;
+            for ((report, error), strain) in reports.iter_mut().zip(errors).zip(strains) {
+                (report.error, report.strain) = (error, strain);
+                report.measured = true;
+            }
+        }
+    }
+}
+
+/// The largest error of rods in each of eight bodies, metres, and the largest strain.
+struct MeasureInstancedRods<'a> {
+    rods: &'a [InstancedRod],
+    lane_particles: &'a [LaneParticles],
+}
+
+impl Work for MeasureInstancedRods<'_> {
+    type Output = [[f32; LANES]; 2];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> [[f32; LANES]; 2] {
+        let mut worst = (L::zero(), L::zero());
+        for rod in self.rods {
+            let (one, other) =
+                (&self.lane_particles[rod.a as usize], &self.lane_particles[rod.b as usize]);
+            worst = worse(worst, one.load(), other.load(), L::load(&rod.rest));
+        }
+        [worst.0.array(), worst.1.array()]
+    }
+}

@@ -1,0 +1,331 @@
+//! The velocities of eight bodies, less what their corrections gave them and should not have: as [`MomentumDrift`](crate::solve::momentum) has it of
+//! one, operation by operation, and in one go with the velocities themselves.
+
+use core::ops::{Add, Mul, Sub};
+
+use glam::DVec3;
+
+use super::LaneStorage;
+use crate::lanes::{Doubles, LANES, Lanes, Vector, Work};
+use crate::pose::{WORST, pseudo_solve};
+use crate::solve::momentum::MomentumDrift;
+
+/// Eight vectors of double precision.
+#[derive(Clone, Copy)]
+struct Double<D> {
+    x: D,
+    y: D,
+    z: D,
+}
+
+macro_rules! each {
+    ($($of:ident $operation:ident $sign:tt),*) => {$(
+        impl<D: Doubles> $of for Double<D> {
+            type Output = Self;
+            #[inline(always)]
+            fn $operation(self, other: Self) -> Self {
+                Self { x: self.x $sign other.x, y: self.y $sign other.y, z: self.z $sign other.z }
+            }
+        }
+    )*};
+}
+
+each!(Add add +, Sub sub -, Mul mul *);
+
+impl<D: Doubles> Double<D> {
+    #[inline(always)]
+    fn of<L: Lanes<Doubles = D>>(v: Vector<L>) -> Self {
+        Self { x: v.x.widen(), y: v.y.widen(), z: v.z.widen() }
+    }
+
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        Self { x: D::splat(x), y: D::splat(x), z: D::splat(x) }
+    }
+
+    /// The same vector in each.
+    #[inline(always)]
+    fn all(v: DVec3) -> Self {
+        Self { x: D::splat(v.x), y: D::splat(v.y), z: D::splat(v.z) }
+    }
+
+    #[inline(always)]
+    fn times(self, by: D) -> Self {
+        Self { x: self.x * by, y: self.y * by, z: self.z * by }
+    }
+
+    #[inline(always)]
+    fn over(self, by: D) -> Self {
+        Self { x: self.x / by, y: self.y / by, z: self.z / by }
+    }
+
+    #[inline(always)]
+    fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - other.y * self.z,
+            y: self.z * other.x - other.z * self.x,
+            z: self.x * other.y - other.x * self.y,
+        }
+    }
+
+    #[inline(always)]
+    fn arrays(self) -> [[f64; LANES]; 3] {
+        [self.x.array(), self.y.array(), self.z.array()]
+    }
+
+    #[inline(always)]
+    fn finite(self) -> u32 {
+        self.x.finite() & self.y.finite() & self.z.finite()
+    }
+}
+
+/// What eight bodies have to have taken off.
+pub(in crate::solve) struct WideMomentumDrift<D> {
+    anchor: Double<D>,
+    centre: Double<D>,
+    shift: Double<D>,
+    turn: Double<D>,
+}
+
+impl<D: Doubles> WideMomentumDrift<D> {
+    /// Eight times that of one body.
+    #[inline(always)]
+    pub(in crate::solve) fn all(one: &MomentumDrift) -> Self {
+        let MomentumDrift { anchor, centre, shift, turn } = *one;
+        let all = Double::all;
+        Self { anchor: all(anchor), centre: all(centre), shift: all(shift), turn: all(turn) }
+    }
+
+    /// What particles have to have taken off their velocities that were there when the substep began, m/s.
+    #[inline(always)]
+    pub(in crate::solve) fn share<L: Lanes<Doubles = D>>(&self, from: Vector<L>) -> Vector<L> {
+        let arm = Double::of(from) - self.anchor - self.centre;
+        let share = self.shift + self.turn.cross(arm);
+        Vector::new(L::narrow(share.x), L::narrow(share.y), L::narrow(share.z))
+    }
+
+    /// A bit for each body of which that is a number.
+    #[inline(always)]
+    fn sound(&self) -> u32 {
+        self.centre.finite() & self.shift.finite() & self.turn.finite()
+    }
+
+    /// In memory.
+    #[inline(always)]
+    fn bodies(&self) -> DriftLanes {
+        let Self { anchor, centre, shift, turn } = self;
+        let vectors = [anchor.arrays(), centre.arrays(), shift.arrays(), turn.arrays()];
+        DriftLanes { vectors, sound: self.sound() }
+    }
+}
+
+/// Excesses in memory: anchors, centres, shifts and turns, each as x, y and z.
+#[derive(Default)]
+pub(super) struct DriftLanes {
+    vectors: [[[f64; LANES]; 3]; 4],
+    sound: u32,
+}
+
+impl DriftLanes {
+    /// One by one, of the bodies with a bit.
+    pub(super) fn each(&self, which: u32) -> impl Iterator<Item = (usize, MomentumDrift)> {
+        let which = which & self.sound;
+        (0..LANES).filter(move |lane| which >> lane & 1 != 0).map(move |lane| {
+            let [anchor, centre, shift, turn] =
+                self.vectors.each_ref().map(|[x, y, z]| DVec3::new(x[lane], y[lane], z[lane]));
+            (lane, MomentumDrift { anchor, centre, shift, turn })
+        })
+    }
+}
+
+/// Derives the velocities in a lane storage at the end of a substep of `h` seconds. Of the bodies of the mask `free`, to which nothing was given,
+/// linear momentum is kept, and of those of `keeps_angular` angular momentum, too.
+pub(super) struct DeriveLanes<'a> {
+    pub(super) storage: &'a mut LaneStorage,
+    pub(super) h: f32,
+    pub(super) free: u32,
+    pub(super) keeps_angular: u32,
+}
+
+impl Work for DeriveLanes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { storage, h, free, keeps_angular } = self;
+        let momentum_drifts = if free != 0 {
+            Some(storage.momentum_drifts::<L>(h, free & keeps_angular))
+        } else {
+            None
+        };
+        let per_second = L::splat(1.0 / h);
+        let h = L::splat(h);
+        let LaneStorage { now, start, velocity, .. } = storage;
+        for ((now, start), velocity) in now.iter().zip(start).zip(velocity) {
+            let ((q, _), (from, _)) = (Vector::of(now.load::<L>()), Vector::of(start.load()));
+            let u = Vector::of(velocity.load::<L>()).0;
+            let mut v = u + (q - (from + u * h)) * per_second;
+            if let Some(momentum_drifts) = &momentum_drifts {
+                let share = momentum_drifts.share(from);
+                v = (v - share).or_else(L::mask(free & momentum_drifts.sound()), v);
+            }
+            velocity.put(v.with(h));
+        }
+    }
+}
+
+/// Finds what the bodies of the mask `left` in a lane storage have to have taken off after a substep of `h` seconds, of those of `turning` angular
+/// momentum, too; and puts it, m/s, in place of the velocities of their particles if it is to be `parted`, and nothing in those of other bodies.
+pub(super) struct Take<'a> {
+    pub(super) storage: &'a mut LaneStorage,
+    pub(super) h: f32,
+    pub(super) turning: u32,
+    pub(super) left: u32,
+    pub(super) parted: bool,
+}
+
+impl Work for Take<'_> {
+    type Output = DriftLanes;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> DriftLanes {
+        let Self { storage, h, turning, left: which, parted } = self;
+        let momentum_drifts = storage.momentum_drifts::<L>(h, turning);
+        if !parted {
+            return momentum_drifts.bodies();
+        }
+        let which = L::mask(which & momentum_drifts.sound());
+        for (start, velocity) in storage.start.iter().zip(&mut storage.velocity) {
+            let share = momentum_drifts.share(Vector::of(start.load::<L>()).0);
+            let [x, y, z] = [which.and(share.x), which.and(share.y), which.and(share.z)];
+            velocity.put(Vector::new(x, y, z).with(L::zero()));
+        }
+        DriftLanes::default()
+    }
+}
+
+impl LaneStorage {
+    /// What bodies have to have taken off before their velocities are derived; of those with a bit in `turning`, angular momentum, too.
+    #[inline(always)]
+    pub(super) fn momentum_drifts<L: Lanes>(
+        &self,
+        h: f32,
+        turning: u32,
+    ) -> WideMomentumDrift<L::Doubles> {
+        let per_second = L::splat(1.0 / h);
+        let h = L::splat(h);
+        let Self { now, start, velocity, mass, .. } = self;
+        // A match, for a closure is not made for the processor that it runs on.
+        let anchor = match start.first() {
+            None => Double::splat(0.0),
+            Some(first) => Double::of(Vector::of(first.load::<L>()).0),
+        };
+        let mut sums = WideMomentumSums::<L::Doubles>::none();
+        for (((now, start), velocity), mass) in now.iter().zip(start).zip(velocity).zip(mass) {
+            let ((q, _), (from, _)) = (Vector::of(now.load::<L>()), Vector::of(start.load()));
+            let u = Vector::of(velocity.load::<L>()).0;
+            let v = u + (q - (from + u * h)) * per_second;
+            let arm = Double::of(from) - anchor;
+            sums.add(L::Doubles::load(mass), arm, Double::of(v) - Double::of(u));
+        }
+        let (centre, shift, turn) = sums.answer(turning);
+        WideMomentumDrift { anchor, centre, shift, turn }
+    }
+}
+
+/// What is summed up over the bodies.
+struct WideMomentumSums<D> {
+    mass: D,
+    first: Double<D>,
+    squares: Double<D>,
+    products: Double<D>,
+    momentum: Double<D>,
+    angular: Double<D>,
+}
+
+impl<D: Doubles> WideMomentumSums<D> {
+    #[inline(always)]
+    fn none() -> Self {
+        let zero = Double::splat(0.0);
+        Self {
+            mass: zero.x,
+            first: zero,
+            squares: zero,
+            products: zero,
+            momentum: zero,
+            angular: zero,
+        }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, m: D, r: Double<D>, change: Double<D>) {
+        let (weighed, gained) = (r.times(m), change.times(m));
+        self.mass = self.mass + m;
+        self.first = self.first + weighed;
+        self.squares = self.squares + weighed * r;
+        self.products = self.products + weighed * Double { x: r.y, y: r.z, z: r.x };
+        self.momentum = self.momentum + gained;
+        self.angular = self.angular + r.cross(gained);
+    }
+
+    /// Barycentres, velocities and angular velocities; the last of those whose bits are set, zero of others.
+    #[inline(always)]
+    fn answer(&self, turning: u32) -> (Double<D>, Double<D>, Double<D>) {
+        let centre = self.first.over(self.mass);
+        let shift = self.momentum.over(self.mass);
+        if turning == 0 {
+            return (centre, shift, Double::splat(0.0));
+        }
+        let (c, m) = (centre, self.mass);
+        let s = self.squares - (c * c).times(m);
+        let p = self.products - (c * Double { x: c.y, y: c.z, z: c.x }).times(m);
+        let (xx, yy, zz) = (s.y + s.z, s.z + s.x, s.x + s.y);
+        let (xy, yz, xz) = (-p.x, -p.y, -p.z);
+        let b = self.angular - c.cross(self.momentum);
+        // As `pose::symmetric::solve`.
+        let (cxx, cyy, czz) = (yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy);
+        let (cxy, cxz, cyz) = (xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - xx * yz);
+        let determinant = xx * cxx + xy * cxy + xz * cxz;
+        let traces = (xx + yy + zz) * (cxx + cyy + czz);
+        let zero = D::splat(0.0);
+        let good = zero.lt(xx)
+            & zero.lt(czz)
+            & zero.lt(determinant)
+            & traces.le(D::splat(WORST) * determinant);
+        let x = Double {
+            x: cxx * b.x + cxy * b.y + cxz * b.z,
+            y: cxy * b.x + cyy * b.y + cyz * b.z,
+            z: cxz * b.x + cyz * b.y + czz * b.z,
+        };
+        let turn = x.times(D::splat(1.0) / determinant);
+        if good & turning == 0xFF {
+            return (centre, shift, turn);
+        }
+        let numbers = [xx, yy, zz, xy, yz, xz, b.x, b.y, b.z].map(Doubles::array);
+        let turn = [turn.x, turn.y, turn.z].map(Doubles::array);
+        let [x, y, z] = solve_singular(turn, &numbers, turning, good);
+        (centre, shift, Double { x: D::load(&x), y: D::load(&y), z: D::load(&z) })
+    }
+}
+
+/// Solves again, one by one, where the matrix is as good as singular; zero where nothing is asked for.
+#[cold]
+fn solve_singular(
+    mut turn: [[f64; LANES]; 3],
+    numbers: &[[f64; LANES]; 9],
+    turning: u32,
+    good: u32,
+) -> [[f64; LANES]; 3] {
+    for lane in (0..LANES).filter(|lane| (turning & good) >> lane & 1 == 0) {
+        let mut found = DVec3::ZERO;
+        if turning >> lane & 1 != 0 {
+            let [xx, yy, zz, xy, yz, xz, x, y, z] = numbers.map(|number| number[lane]);
+            let inertia = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+            found = pseudo_solve(inertia, DVec3::new(x, y, z));
+        }
+        for (column, number) in turn.iter_mut().zip(found.to_array()) {
+            column[lane] = number;
+        }
+    }
+    turn
+}

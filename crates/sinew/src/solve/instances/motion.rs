@@ -1,0 +1,73 @@
+//! Verlet's step for eight bodies: as [`PredictLanes`](crate::integrate::Predict) and [`DeriveLanes`](crate::integrate::Derive) have it, operation by
+//! operation.
+
+use glam::Vec3;
+
+use super::LaneStorage;
+use crate::integrate::loss;
+use crate::lanes::{LANES, Lanes, Vector, Work};
+
+impl LaneStorage {
+    /// Notes how much velocity is lost over a substep of `h` seconds by particles that had their last step as long ago as they say.
+    pub(super) fn note_losses(&mut self, h: f32) {
+        // Neighbours mostly share their damping.
+        let mut last = (0.0, 0.0);
+        let Self { velocity, rate, lost, .. } = self;
+        for ((velocity, rate), lost) in velocity.iter().zip(rate).zip(lost) {
+            let lags = velocity.fourths();
+            let exponents: [f32; LANES] =
+                core::array::from_fn(|lane| rate[lane] * ((lags[lane] + h) * 0.5));
+            if exponents == [last.0; LANES] {
+                *lost = [last.1; LANES];
+                continue;
+            }
+            for (lost, exponent) in lost.iter_mut().zip(exponents) {
+                if exponent != last.0 {
+                    last = (exponent, loss(exponent));
+                }
+                *lost = last.1;
+            }
+        }
+    }
+
+    /// Notes masses.
+    pub(super) fn note_masses(&mut self) {
+        self.mass.resize(self.now.len(), [0.0; LANES]);
+        for (mass, spot) in self.mass.iter_mut().zip(&self.now) {
+            *mass = spot.fourths().map(|inverse| 1.0 / f64::from(inverse));
+        }
+    }
+}
+
+/// Predicts where all in a lane storage go in a substep of `h` seconds, accelerated by `a`, m/s².
+pub(super) struct PredictLanes<'a> {
+    pub(super) storage: &'a mut LaneStorage,
+    pub(super) a: Vec3,
+    pub(super) h: f32,
+}
+
+impl Work for PredictLanes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let (a, h, zero) = (Vector::<L>::splat(self.a), L::splat(self.h), L::zero());
+        let LaneStorage { now, start, velocity, rounding, lost, .. } = self.storage;
+        let columns = now.iter_mut().zip(start).zip(velocity).zip(rounding).zip(lost);
+        for ((((now, start), velocity), rounding), lost) in columns {
+            let ((p, w), (v, lag)) =
+                (Vector::of(now.load::<L>()), Vector::of(velocity.load::<L>()));
+            let before = Vector::of(rounding.load::<L>()).0;
+            let moves = zero.lt(w);
+            let tau = (lag + h) * L::splat(0.5);
+            let change = a * tau - v * L::load(lost) + before;
+            let u = v + change;
+            let rounded = change - (u - v);
+            start.set(p.with(w));
+            rounding.put(rounded.or_else(moves, before).with(zero));
+            let still = Vector::new(zero, zero, zero);
+            velocity.set(u.or_else(moves, still).with(h));
+            now.put((p + u * h).or_else(moves, p).with(w));
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! Hard rods of eight bodies.
+
+use glam::Vec4;
+
+use super::InstancedRod;
+use super::lane_storage::LaneParticles;
+use crate::constraints::project_rod;
+use crate::lanes::{LANES, Lanes, Vector, Work};
+use crate::solve::rods::{project, project_from_start};
+
+/// Projects rods once, one after the other; returns the largest error found in each body, metres, or what it was before. Bodies of the mask `may` are
+/// corrected along where the rods pointed when the substep began; if there are none, `START` need not be. What becomes of those of the mask `aside`
+/// does not matter.
+pub(super) struct SweepInstancedRods<'a, const START: bool> {
+    pub(super) rods: &'a [InstancedRod],
+    pub(super) now: &'a mut [LaneParticles],
+    pub(super) start: &'a [LaneParticles],
+    pub(super) may: u32,
+    pub(super) aside: u32,
+    pub(super) worst: [f32; LANES],
+}
+
+impl<const START: bool> Work for SweepInstancedRods<'_, START> {
+    type Output = [f32; LANES];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> [f32; LANES] {
+        let Self { rods, now, start, may, aside, worst } = self;
+        let (may, aside, mut worst) = (L::mask(may), L::mask(aside), L::load(&worst));
+        for rod in rods {
+            let (a, b, rest) = (rod.a as usize, rod.b as usize, L::load(&rod.rest));
+            let (one, other) = (now[a].load::<L>(), now[b].load::<L>());
+            let (one, other, error, moves) = if START {
+                let start = (start[a].load::<L>(), start[b].load::<L>());
+                project_from_start(one, other, start, rest, may)
+            } else {
+                project(one, other, rest)
+            };
+            now[a].put(one);
+            now[b].put(other);
+            worst = error.max(worst);
+            let moves = moves.or(aside);
+            if !moves.all() {
+                worst = L::load(&part(rod, now, !moves.bits())).max(worst);
+            }
+        }
+        worst.array()
+    }
+}
+
+/// Those whose ends are in one place, or pinned, one after the other. Returns their errors.
+#[cold]
+fn part(rod: &InstancedRod, now: &mut [LaneParticles], stuck: u32) -> [f32; LANES] {
+    let mut found = [0.0; LANES];
+    let (a, b) = (rod.a as usize, rod.b as usize);
+    for lane in (0..LANES).filter(|lane| stuck >> lane & 1 != 0) {
+        let mut pair: [Vec4; 2] = [now[a].lane(lane), now[b].lane(lane)];
+        found[lane] = project_rod(&mut pair, 0, 1, rod.rest[lane]);
+        now[a].set_lane(lane, pair[0].truncate());
+        now[b].set_lane(lane, pair[1].truncate());
+    }
+    found
+}
+
+/// A mask of the bodies of which a rod turns so far in this substep that the direction that it had at the start says little about the one it needs:
+/// as `turns_too_fast` has it of an island, where `cos_squared` comes from.
+pub(super) struct TurnTooFast<'a> {
+    pub(super) rods: &'a [InstancedRod],
+    pub(super) now: &'a [LaneParticles],
+    pub(super) start: &'a [LaneParticles],
+    pub(super) cos_squared: f32,
+}
+
+impl Work for TurnTooFast<'_> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> u32 {
+        let mut fast = L::zero();
+        for rod in self.rods {
+            let (now, start) = (between::<L>(self.now, rod), between::<L>(self.start, rod));
+            let along = now.dot(start);
+            let squares = now.length_squared() * start.length_squared();
+            let back = along.lt(L::zero());
+            let turned = (along * along).lt(L::splat(self.cos_squared) * squares);
+            fast = fast.or(back).or(turned);
+        }
+        fast.bits()
+    }
+}
+
+/// From the first particle of a rod to the second.
+#[inline(always)]
+fn between<L: Lanes>(lane_particles: &[LaneParticles], rod: &InstancedRod) -> Vector<L> {
+    let (one, other) = (&lane_particles[rod.a as usize], &lane_particles[rod.b as usize]);
+    Vector::of(other.load::<L>()).0 - Vector::of(one.load::<L>()).0
+}

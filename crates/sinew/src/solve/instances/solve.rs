@@ -1,0 +1,139 @@
+//! Eight bodies, swept until each holds or its sweeps are spent: as [`solve`](crate::solve::island) does with one.
+
+use super::planes::ProjectPlanes;
+use super::{ConvergenceMask, InstanceBatch, InstanceBatches, InstancePart, LaneStorage, rods};
+use crate::constraints::{GradientAt, Plane, SubstepContext};
+use crate::lanes::{InstructionSet, LANES, with};
+use crate::solve::SolverSettings;
+use crate::solve::island::COS_SQUARED;
+
+/// What solving needs to know beside the lane storage.
+#[derive(Clone, Copy)]
+pub(super) struct BatchContext<'a> {
+    pub(super) instance_batches: &'a InstanceBatches,
+    /// One whose constraints those in the lane storage have.
+    pub(super) batch: &'a InstanceBatch,
+    pub(super) settings: &'a SolverSettings,
+    pub(super) planes: &'a [Plane],
+    /// Length of the substep, seconds.
+    pub(super) h: f32,
+    pub(super) instructions: InstructionSet,
+}
+
+impl BatchContext<'_> {
+    /// Begins a substep: none has been swept.
+    pub(super) fn begin(&self, storage: &mut LaneStorage) {
+        storage.convergence = ConvergenceMask::default();
+        storage.multipliers.fill([0.0; _]);
+        if self.settings.gradient_at == GradientAt::StepStart {
+            let mut fell_back = 0;
+            for part in &self.instance_batches.parts[self.batch.parts.clone()] {
+                if let InstancePart::Rods(range) = part {
+                    let rods = &self.instance_batches.rods[range.clone()];
+                    let (now, start, cos_squared) =
+                        (&storage.now[..], &storage.start[..], COS_SQUARED);
+                    let work = rods::TurnTooFast { rods, now, start, cos_squared };
+                    fell_back |= with(self.instructions, work);
+                }
+            }
+            storage.convergence.fell_back = fell_back;
+        }
+    }
+
+    /// A bit for each body of a lane storage whose corrections keep its angular momentum, or have to.
+    pub(super) fn keeps_spin(&self, storage: &LaneStorage) -> u32 {
+        if self.settings.keep_spin { u32::MAX } else { self.along_start(storage) }
+    }
+
+    /// A bit for each body of a lane storage that is corrected along the start of the substep.
+    fn along_start(&self, storage: &LaneStorage) -> u32 {
+        if self.settings.gradient_at == GradientAt::StepStart {
+            !storage.convergence.fell_back
+        } else {
+            0
+        }
+    }
+
+    /// Sweeps until no more bodies than `few` go on.
+    pub(super) fn sweep(&self, storage: &mut LaneStorage, few: u32) {
+        let Self { settings, planes, .. } = *self;
+        let most = settings.max_sweeps as f32;
+        let (mut kept, mut over) = (0, 0);
+        while (storage.convergence.going & storage.mask()).count_ones() > few {
+            if over != 0 {
+                storage.keep(over);
+                kept |= over;
+            }
+            let mut worst = self.once(storage);
+            let going = storage.convergence.going;
+            if !planes.is_empty() {
+                let depth = with(self.instructions, ProjectPlanes { planes, storage, going });
+                storage.convergence.touched |= going & bits(depth, |depth| 0.0 < depth);
+                for (worst, depth) in worst.iter_mut().zip(depth) {
+                    *worst = if *worst < depth { depth } else { *worst };
+                }
+            }
+            let convergence = &mut storage.convergence;
+            let good = going & bits(worst, |worst| worst <= settings.tolerance);
+            for (lane, sweeps) in convergence.sweeps.iter_mut().enumerate() {
+                *sweeps += (going >> lane & 1) as f32;
+            }
+            over = good | going & bits(convergence.sweeps, |sweeps| most <= sweeps);
+            convergence.converged |= good;
+            convergence.going &= !over;
+        }
+        if kept != 0 {
+            storage.put_back(kept);
+        }
+    }
+
+    /// Projects all constraints once; returns the largest error found in each body, metres.
+    fn once(&self, storage: &mut LaneStorage) -> [f32; LANES] {
+        let Self { instance_batches, batch, settings, h, instructions, .. } = *self;
+        let substep_context = SubstepContext { h, sweeps: settings.max_sweeps };
+        let (may, aside) = (self.along_start(storage), !storage.convergence.going);
+        let mut worst = [0.0; LANES];
+        for part in &instance_batches.parts[batch.parts.clone()] {
+            worst = match part {
+                InstancePart::Rods(range) => {
+                    let rods = &instance_batches.rods[range.clone()];
+                    let (now, start) = (&mut storage.now[..], &storage.start[..]);
+                    if may == 0 {
+                        let work = rods::SweepInstancedRods::<false> {
+                            rods,
+                            now,
+                            start,
+                            may,
+                            aside,
+                            worst,
+                        };
+                        with(instructions, work)
+                    } else {
+                        let work = rods::SweepInstancedRods::<true> {
+                            rods,
+                            now,
+                            start,
+                            may,
+                            aside,
+                            worst,
+                        };
+                        with(instructions, work)
+                    }
+                }
+                InstancePart::Constraints(part) => instance_batches.instanced.sweep(
+                    part,
+                    storage,
+                    substep_context,
+                    (aside, worst),
+                    instructions,
+                ),
+            };
+        }
+        worst
+    }
+}
+
+/// A bit for each number of which something holds.
+fn bits(numbers: [f32; LANES], holds: impl Fn(f32) -> bool) -> u32 {
+    numbers.iter().enumerate().fold(0, |bits, (lane, &x)| bits | u32::from(holds(x)) << lane)
+}

@@ -1,0 +1,220 @@
+//! Finds instance batches: consecutive islands of the same topology.
+
+use core::ops::Range;
+
+use super::{InstanceBatch, InstanceBatches, InstancePart, InstancedRod};
+use crate::constraints::{Constraint, Distance};
+use crate::lanes::LANES;
+use crate::solve::plan::{ConstraintGroup, GroupKind, Island, Plan, Task};
+use crate::solve::rods::ends;
+use crate::solve::wide::InstancedGroups;
+
+/// Eight bodies of so many particles, with their velocities and all, fit into a core's first cache: 32 kB and a half. Larger ones have enough of each
+/// colour to fill the lanes.
+pub(crate) const MOST: usize = 64;
+
+/// A batch costs what two or three of its bodies cost alone; less, where it is solved together with others.
+const LEAST: usize = 3;
+
+impl InstanceBatches {
+    /// Finds those of a plan, task by task, and tells the tasks which are theirs.
+    pub(crate) fn find(&mut self, plan: &mut Plan) {
+        let Self { all, parts, rods, instanced } = self;
+        all.clear();
+        parts.clear();
+        rods.clear();
+        instanced.clear();
+        let mut tasks = core::mem::take(&mut plan.tasks);
+        for task in &mut tasks {
+            task.instance_batches = self.find_in(plan, task);
+        }
+        plan.tasks = tasks;
+    }
+
+    fn find_in(&mut self, plan: &Plan, task: &Task) -> Range<usize> {
+        let first = self.all.len();
+        let mut islands = task.islands.clone();
+        while let Some(leader) = islands.next() {
+            if !suits(plan, &plan.islands[leader]) {
+                continue;
+            }
+            let mut end = leader + 1;
+            while end < islands.end && follows(plan, end) && is_like(plan, leader, end) {
+                end += 1;
+            }
+            for begin in (leader..end).step_by(LANES) {
+                let some = begin..end.min(begin + LANES);
+                let joins = |last: &InstanceBatch| {
+                    let are_twins = || is_same_topology(plan, last.islands.start, begin);
+                    last.topology.is_some() && last.islands.end == begin && are_twins()
+                };
+                if some.len() >= LEAST || self.all.last().is_some_and(joins) {
+                    self.add(plan, some);
+                }
+            }
+            islands.start = end;
+        }
+        first..self.all.len()
+    }
+
+    /// Takes some islands that are alike.
+    fn add(&mut self, plan: &Plan, islands: Range<usize>) {
+        let lanes: [&Island; LANES] =
+            core::array::from_fn(|lane| &plan.islands[(islands.start + lane).min(islands.end - 1)]);
+        let first = lanes.map(|island| plan.members[island.members.start]);
+        let (begin, mut multipliers) = (self.parts.len(), 0);
+        for number in 0..lanes[0].groups.len() {
+            let groups = lanes.map(|island| &plan.groups[island.groups.start + number]);
+            let group = groups[0];
+            if group.kind == GroupKind::Rods {
+                let each = groups.map(|group| &plan.distances[group.range.clone()]);
+                self.add_rods(each, first, begin);
+                continue;
+            }
+            // All have been looked at: those without are not alike.
+            let Some(which) = &group.wide else { continue };
+            let constraint_batches = &plan.constraint_batches;
+            let part = if group.kind == GroupKind::Distances {
+                let each = groups.map(|group| &plan.distances[group.range.clone()]);
+                Some(self.instanced.add_distances(&InstancedGroups {
+                    each,
+                    first,
+                    constraint_batches,
+                    which,
+                    multipliers,
+                }))
+            } else {
+                let each = groups.map(|group| &plan.constraints[group.range.clone()]);
+                self.instanced.add(&InstancedGroups {
+                    each,
+                    first,
+                    constraint_batches,
+                    which,
+                    multipliers,
+                })
+            };
+            let Some(part) = part else {
+                self.parts.truncate(begin);
+                return;
+            };
+            multipliers += group.range.len();
+            self.parts.push(InstancePart::Constraints(part));
+        }
+        let members = lanes[0].members.len() as u32;
+        let parts = begin..self.parts.len();
+        let topology = self.topology(plan, &islands);
+        self.all.push(InstanceBatch {
+            islands,
+            first: first[0],
+            members,
+            parts,
+            multipliers,
+            topology,
+        });
+    }
+
+    /// That of the last batch, if these are identical to its bodies; `None` if they are not to each other.
+    fn topology(&self, plan: &Plan, islands: &Range<usize>) -> Option<usize> {
+        let leader = islands.start;
+        let last =
+            self.all.last().filter(|last| is_same_topology(plan, last.islands.start, leader));
+        let identical = islands.clone().skip(1).all(|other| is_same_topology(plan, leader, other));
+        identical.then(|| last.and_then(|last| last.topology).unwrap_or(self.all.len()))
+    }
+
+    fn add_rods(&mut self, each: [&[Distance]; LANES], first: [u32; LANES], begin: usize) {
+        let start = self.rods.len();
+        for place in 0..each[0].len() {
+            let (a, b) = ends(&each[0][place]);
+            let rest = each.map(|rods| rods[place].rest);
+            self.rods.push(InstancedRod { a: a - first[0], b: b - first[0], rest });
+        }
+        match self.parts[begin..].last_mut() {
+            Some(InstancePart::Rods(rods)) => rods.end = self.rods.len(),
+            _ => self.parts.push(InstancePart::Rods(start..self.rods.len())),
+        }
+    }
+}
+
+/// Whether an island may be in an instance batch.
+fn suits(plan: &Plan, island: &Island) -> bool {
+    let members = &plan.members[island.members.clone()];
+    let (Some(&first), Some(&last)) = (members.first(), members.last()) else { return false };
+    let wide = |group: &ConstraintGroup| group.kind == GroupKind::Rods || group.wide.is_some();
+    !island.groups.is_empty()
+        && members.len() <= MOST
+        && (last - first) as usize + 1 == members.len()
+        && plan.groups[island.groups.clone()].iter().all(wide)
+        && plan.cluster_batches[island.cluster_batches.clone()]
+            .iter()
+            .all(|cluster_batch| !cluster_batch.columns)
+}
+
+/// Whether the rows of an island begin where those of the one before it end.
+fn follows(plan: &Plan, number: usize) -> bool {
+    let members = |number: usize| &plan.members[plan.islands[number].members.clone()];
+    match (members(number - 1).last(), members(number).first()) {
+        (Some(&last), Some(&first)) => last + 1 == first,
+        _ => false,
+    }
+}
+
+/// Whether two islands have the same constraints between the same of their particles, but for lengths and angles.
+fn is_like(plan: &Plan, one: usize, other: usize) -> bool {
+    let (one, other) = (&plan.islands[one], &plan.islands[other]);
+    if one.members.len() != other.members.len()
+        || one.groups.len() != other.groups.len()
+        || !suits(plan, other)
+    {
+        return false;
+    }
+    let first = |island: &Island| plan.members[island.members.start];
+    let shift = first(other) - first(one);
+    let groups = |island: &Island| &plan.groups[island.groups.clone()];
+    groups(one).iter().zip(groups(other)).all(|(one, other)| {
+        let cut = match (&one.wide, &other.wide) {
+            (Some(one), Some(other)) => one.is_like(other),
+            (None, None) => true,
+            _ => false,
+        };
+        if one.kind != other.kind || one.range.len() != other.range.len() || !cut {
+            return false;
+        }
+        let ranges = || (one.range.clone(), other.range.clone());
+        if one.kind == GroupKind::Constraints {
+            let (a, b) = ranges();
+            let pairs = plan.constraints[a].iter().zip(&plan.constraints[b]);
+            return pairs.into_iter().all(|(a, b)| are_constraints_alike(a, b, shift));
+        }
+        let (a, b) = ranges();
+        let mut pairs = plan.distances[a].iter().zip(&plan.distances[b]);
+        pairs.all(|(a, b)| {
+            (a.a + shift, a.b + shift) == (b.a, b.b)
+                && a.softness == b.softness
+                && a.bound == b.bound
+        })
+    })
+}
+
+/// Whether two islands are alike in lengths and angles, too.
+fn is_same_topology(plan: &Plan, one: usize, other: usize) -> bool {
+    let groups = |number: usize| &plan.groups[plan.islands[number].groups.clone()];
+    let lengths =
+        |group: &ConstraintGroup| plan.distances[group.range.clone()].iter().map(|d| d.rest);
+    let constraint_batches =
+        |group: &ConstraintGroup| plan.constraints[group.range.clone()].iter().map(|c| &c.kind);
+    is_like(plan, one, other)
+        && groups(one).iter().zip(groups(other)).all(|(one, other)| match one.kind {
+            GroupKind::Constraints => constraint_batches(one).eq(constraint_batches(other)),
+            GroupKind::Distances | GroupKind::Rods => lengths(one).eq(lengths(other)),
+        })
+}
+
+fn are_constraints_alike(one: &Constraint, other: &Constraint, shift: u32) -> bool {
+    let (equation, other_equation) = (one.kind.equation(), other.kind.equation());
+    one.rows.len() == other.rows.len()
+        && one.rows.iter().zip(&other.rows).all(|(&a, &b)| a + shift == b)
+        && core::mem::discriminant(&one.kind) == core::mem::discriminant(&other.kind)
+        && equation.softness() == other_equation.softness()
+        && equation.bound() == other_equation.bound()
+}

@@ -1,0 +1,117 @@
+//! Most-violated-first: a heap hands out the constraint whose error is largest; projecting it changes the errors of its neighbours alone.
+
+use std::collections::BinaryHeap;
+
+use super::constraint_ref::{ConstraintRef, Local, SolveMode};
+use super::multipliers::MultiplierSlice;
+use super::plan::{Island, Plan};
+use crate::particles::Places;
+
+/// What the heap needs beside the plan. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Queue {
+    /// Error (as bits, which order like the number, since it is not negative), place in the list reversed so that the first wins a tie, stamp.
+    heap: BinaryHeap<(u32, core::cmp::Reverse<u32>, u32)>,
+    /// How often each item's error was measured: an entry with an older stamp is out of date.
+    stamps: Vec<u32>,
+    /// The place of each particle among the members of the island, by row.
+    slots: Vec<u32>,
+    /// The items that bind each member: where they begin in `touching`.
+    begins: Vec<u32>,
+    touching: Vec<u32>,
+}
+
+/// As many projections as the island has constraints, always of the one that is violated most; returns the largest error found, metres.
+/// Soft constraints, which are not meant to be kept, take one turn each, first.
+pub(super) fn sweep(
+    places: &mut Places,
+    plan: &Plan,
+    multipliers: &mut MultiplierSlice,
+    island: &Island,
+    constraint_refs: &[ConstraintRef],
+    mode: SolveMode,
+    local: &mut Local,
+    queue: &mut Queue,
+    tolerance: f32,
+) -> f32 {
+    let mut pair = [0; 2];
+    queue.connect(plan, island, constraint_refs);
+    let mut worst = 0.0_f32;
+    for item in constraint_refs {
+        if !item.is_hard(plan) {
+            worst = worst.max(item.project(places, plan, multipliers, mode, local));
+        }
+    }
+    queue.heap.clear();
+    queue.stamps.clear();
+    queue.stamps.resize(constraint_refs.len(), 0);
+    for (place, item) in constraint_refs.iter().enumerate() {
+        let error = item.error(places, plan, local);
+        worst = worst.max(error);
+        queue.enter(place, error, tolerance);
+    }
+    let mut left = constraint_refs.len();
+    while left > 0 {
+        let Some((_, core::cmp::Reverse(place), stamp)) = queue.heap.pop() else { break };
+        if queue.stamps[place as usize] != stamp {
+            continue;
+        }
+        left -= 1;
+        let item = constraint_refs[place as usize];
+        item.project(places, plan, multipliers, mode, local);
+        for &row in item.rows(plan, &mut pair) {
+            let slot = queue.slots[row as usize] as usize;
+            let (begin, end) = (queue.begins[slot], queue.begins[slot + 1]);
+            for k in begin..end {
+                let neighbour = queue.touching[k as usize] as usize;
+                let error = constraint_refs[neighbour].error(places, plan, local);
+                queue.enter(neighbour, error, tolerance);
+            }
+        }
+    }
+    worst
+}
+
+impl Queue {
+    /// Lists the items that bind each particle of the island.
+    fn connect(&mut self, plan: &Plan, island: &Island, constraint_refs: &[ConstraintRef]) {
+        let Self { slots, begins, touching, .. } = self;
+        let members = &plan.members[island.members.clone()];
+        slots.resize(plan.rows, 0);
+        for (slot, &row) in members.iter().enumerate() {
+            slots[row as usize] = slot as u32;
+        }
+        let mut pair = [0; 2];
+        begins.clear();
+        begins.resize(members.len() + 1, 0);
+        for item in constraint_refs {
+            for &row in item.rows(plan, &mut pair) {
+                begins[slots[row as usize] as usize] += 1;
+            }
+        }
+        // Sums up to the end of each stretch, which is then filled from its back, until `begins` is where it begins.
+        let mut sum = 0;
+        for begin in begins.iter_mut() {
+            sum += *begin;
+            *begin = sum;
+        }
+        touching.clear();
+        touching.resize(sum as usize, 0);
+        for (place, item) in constraint_refs.iter().enumerate().rev() {
+            for &row in item.rows(plan, &mut pair) {
+                let begin = &mut begins[slots[row as usize] as usize];
+                *begin -= 1;
+                touching[*begin as usize] = place as u32;
+            }
+        }
+    }
+
+    /// Notes the present error of an item; what is within the tolerance does not queue up.
+    fn enter(&mut self, place: usize, error: f32, tolerance: f32) {
+        self.stamps[place] += 1;
+        if error > tolerance {
+            let entry = (error.to_bits(), core::cmp::Reverse(place as u32), self.stamps[place]);
+            self.heap.push(entry);
+        }
+    }
+}

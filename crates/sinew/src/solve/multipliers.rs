@@ -1,0 +1,85 @@
+//! Multipliers: what each soft constraint has summed up in a substep, apart from the plan, so that threads that share the plan each have their own.
+
+use core::ops::Range;
+
+/// The multipliers of consecutive distances and of consecutive constraints of a plan.
+pub(crate) struct MultiplierSlice<'a> {
+    /// Numbers of the first of either in the plan.
+    first_distance: usize,
+    first_constraint: usize,
+    distances: &'a mut [f32],
+    constraints: &'a mut [f32],
+}
+
+/// All multipliers of a plan.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Multipliers {
+    distances: Vec<f32>,
+    constraints: Vec<f32>,
+}
+
+impl Multipliers {
+    /// So many of either.
+    pub(crate) fn resize(&mut self, distances: usize, constraints: usize) {
+        self.distances.resize(distances, 0.0);
+        self.constraints.resize(constraints, 0.0);
+    }
+
+    /// All of them.
+    pub(crate) fn all(&mut self) -> MultiplierSlice<'_> {
+        MultiplierSlice {
+            first_distance: 0,
+            first_constraint: 0,
+            distances: &mut self.distances,
+            constraints: &mut self.constraints,
+        }
+    }
+}
+
+impl<'a> MultiplierSlice<'a> {
+    /// Those of distance number `i` of the plan.
+    #[inline]
+    pub(crate) fn distance(&mut self, i: usize) -> &mut f32 {
+        &mut self.distances[i - self.first_distance]
+    }
+
+    /// The same of constraint number `i`.
+    #[inline]
+    pub(crate) fn constraint(&mut self, i: usize) -> &mut f32 {
+        &mut self.constraints[i - self.first_constraint]
+    }
+
+    /// Those of several distances.
+    #[inline]
+    pub(crate) fn of_distances(&mut self, range: Range<usize>) -> &mut [f32] {
+        &mut self.distances[range.start - self.first_distance..range.end - self.first_distance]
+    }
+
+    /// Those of several constraints.
+    #[inline]
+    pub(crate) fn of_constraints(&mut self, range: Range<usize>) -> &mut [f32] {
+        &mut self.constraints
+            [range.start - self.first_constraint..range.end - self.first_constraint]
+    }
+
+    /// Those before the distance and the constraint of these numbers, and the others. `None` for none of a list.
+    pub(crate) fn split(self, distance: Option<usize>, constraint: Option<usize>) -> (Self, Self) {
+        let distance = distance.unwrap_or(self.first_distance);
+        let constraint = constraint.unwrap_or(self.first_constraint);
+        let (distances, more) = self.distances.split_at_mut(distance - self.first_distance);
+        let (constraints, others) =
+            self.constraints.split_at_mut(constraint - self.first_constraint);
+        let rest = MultiplierSlice {
+            first_distance: distance,
+            first_constraint: constraint,
+            distances: more,
+            constraints: others,
+        };
+        (MultiplierSlice { distances, constraints, ..self }, rest)
+    }
+
+    /// The same, lent on.
+    pub(crate) fn lend(&mut self) -> MultiplierSlice<'_> {
+        MultiplierSlice { distances: self.distances, constraints: self.constraints, ..*self }
+    }
+}

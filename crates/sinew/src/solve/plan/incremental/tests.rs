@@ -1,0 +1,217 @@
+//! An incrementally updated plan is the plan that compiling afresh would have given.
+
+use super::super::Distance;
+use super::super::changes::{Change, MOST};
+use super::*;
+use crate::constraints::{Bend, Bound, Constraint, ConstraintKind, Softness};
+
+/// A pseudo-random number below `below`, the next one of a sequence (xorshift).
+fn below(state: &mut u64, below: usize) -> usize {
+    *state ^= *state << 13;
+    *state ^= *state >> 7;
+    *state ^= *state << 17;
+    (*state % below as u64) as usize
+}
+
+/// The lists of a world, and what became different in them.
+#[derive(Clone, Default)]
+struct Lists {
+    distances: Vec<Distance>,
+    constraints: Vec<Constraint>,
+    particles: usize,
+    changes: Changes,
+}
+
+impl Lists {
+    /// A grid with rods along its edges and one diagonal each, ropes across every second cell, and bends over every third edge.
+    fn grid(side: u32) -> Self {
+        let mut lists = Self { particles: (side * side) as usize, ..Self::default() };
+        let at = |x: u32, y: u32| y * side + x;
+        for (x, y) in (0..side).flat_map(|y| (0..side).map(move |x| (x, y))) {
+            let mut tie = |dx: u32, dy: u32, bound: Bound| {
+                if x + dx < side && y + dy < side {
+                    let rod = Distance::new(at(x, y), at(x + dx, y + dy), 1.0);
+                    lists.distances.push(Distance { bound, ..rod });
+                }
+            };
+            tie(1, 0, Bound::Equal);
+            tie(0, 1, Bound::Equal);
+            tie(1, 1, Bound::Equal);
+            if x % 2 == 0 {
+                tie(2, 1, Bound::AtMost);
+            }
+            if x % 3 == 0 && x + 1 < side && y + 1 < side {
+                let rows = [at(x, y), at(x + 1, y + 1), at(x + 1, y), at(x, y + 1)];
+                lists.constraints.push(bend(&rows));
+            }
+        }
+        lists
+    }
+
+    /// A mesh without any order: rods between random particles that are not far apart.
+    fn tangle(particles: usize, rods: usize) -> Self {
+        let mut state = 0x9E37_79B9_7F4A_7C15;
+        let mut lists = Self { particles, ..Self::default() };
+        for _ in 0..rods {
+            let a = below(&mut state, particles);
+            let b = (a + 1 + below(&mut state, 9)) % particles;
+            lists.distances.push(Distance::new(a as u32, b as u32, 1.0));
+        }
+        lists
+    }
+
+    fn given(&self) -> Given<'_> {
+        let Self { distances, constraints, particles, .. } = self;
+        Given { distances, constraints, particles: *particles }
+    }
+
+    fn compiled(&self) -> Plan {
+        let mut plan = Plan::default();
+        plan.compile(self.given());
+        plan
+    }
+
+    fn remove_distance(&mut self, at: usize) {
+        let d = self.distances.remove(at);
+        let rows = Rows::from_slice(&[d.a, d.b]);
+        self.changes.note(Change::Removed(List::Distances, at, rows));
+    }
+
+    fn insert_distance(&mut self, at: usize, distance: Distance) {
+        self.distances.insert(at, distance);
+        self.changes.note(Change::Added(List::Distances, at));
+    }
+
+    fn remove_constraint(&mut self, at: usize) {
+        let rows = self.constraints.remove(at).rows;
+        self.changes.note(Change::Removed(List::Constraints, at, rows));
+    }
+
+    fn insert_constraint(&mut self, at: usize, constraint: Constraint) {
+        self.constraints.insert(at, constraint);
+        self.changes.note(Change::Added(List::Constraints, at));
+    }
+
+    /// One change, of whatever kind.
+    fn change(&mut self, state: &mut u64) {
+        let distances = self.distances.len();
+        match below(state, 5) {
+            0 | 1 if distances > 0 => self.remove_distance(below(state, distances)),
+            2 if !self.constraints.is_empty() => {
+                self.remove_constraint(below(state, self.constraints.len()));
+            }
+            3 => {
+                let corner = below(state, self.particles - 8) as u32;
+                let rows = [corner, corner + 1, corner + 2, corner + 7];
+                self.insert_constraint(below(state, self.constraints.len() + 1), bend(&rows));
+            }
+            _ => {
+                let (a, far) = (below(state, self.particles - 12), 1 + below(state, 11));
+                let (bound, rest) = match below(state, 8) {
+                    0 => (Bound::AtMost, 1.0),
+                    // A faulty one, which has a number and no place.
+                    1 => (Bound::Equal, f32::NAN),
+                    _ => (Bound::Equal, 2.0),
+                };
+                let rod = Distance::new(a as u32, (a + far) as u32, rest);
+                self.insert_distance(below(state, distances + 1), Distance { bound, ..rod });
+            }
+        }
+    }
+}
+
+fn bend(rows: &[u32; 4]) -> Constraint {
+    let bend = Bend { weights: [0.5, 0.5, -0.5, -0.5], rest: 0.0, softness: Softness::default() };
+    Constraint { rows: Rows::from_slice(rows), kind: ConstraintKind::Bend(bend) }
+}
+
+/// Mends a plan; whether that could be done, and then with what result.
+fn mended(plan: &mut Plan, lists: &mut Lists) -> bool {
+    let mut compiling = core::mem::take(&mut plan.compiling);
+    let mended = update_incrementally(plan, &mut compiling, &lists.given(), &lists.changes);
+    if mended {
+        plan.cut(&lists.given(), &compiling.keys);
+        let fresh = lists.compiled();
+        assert!(compiling.keys == fresh.compiling.keys, "keys differ");
+        assert_eq!(plan.distances, fresh.distances);
+        assert_eq!(plan.groups, fresh.groups);
+        assert_eq!(plan.cluster_batches, fresh.cluster_batches);
+        assert_eq!(plan.islands, fresh.islands);
+        assert_eq!(plan.tasks, fresh.tasks);
+    }
+    plan.compiling = compiling;
+    lists.changes.clear();
+    mended
+}
+
+#[test]
+fn a_tear_in_a_grid_is_mended_wherever_it_is() {
+    let whole = Lists::grid(24);
+    let plan = whole.compiled();
+    for at in (0..whole.distances.len()).step_by(7) {
+        let (mut lists, mut plan) = (whole.clone(), plan.clone());
+        lists.remove_distance(at);
+        assert!(mended(&mut plan, &mut lists), "distance {at}");
+    }
+    for at in (0..whole.constraints.len()).step_by(5) {
+        let (mut lists, mut plan) = (whole.clone(), plan.clone());
+        lists.remove_constraint(at);
+        assert!(mended(&mut plan, &mut lists), "constraint {at}");
+    }
+}
+
+#[test]
+fn five_hundred_changes_one_after_the_other_leave_the_plan_of_what_is_left() {
+    for (mut lists, most) in [(Lists::grid(24), 50), (Lists::tangle(600, 2400), 100)] {
+        let (mut plan, mut state, mut afresh) = (lists.compiled(), 88_172_645_463_325_252, 0);
+        for _ in 0..500 {
+            for _ in 0..=below(&mut state, 3) {
+                lists.change(&mut state);
+            }
+            if !mended(&mut plan, &mut lists) {
+                afresh += 1;
+                plan = lists.compiled();
+            }
+        }
+        assert!(afresh < most, "{afresh} of 500 were not mended");
+    }
+}
+
+#[test]
+fn what_falls_apart_or_grows_together_is_compiled_afresh() {
+    let rope = |first: u32| (first..first + 9).map(|a| Distance::new(a, a + 1, 1.0));
+    let mut lists = Lists { particles: 20, ..Lists::default() };
+    lists.distances = rope(0).chain(rope(10)).collect();
+    let mut plan = lists.compiled();
+    let mut torn = lists.clone();
+    torn.remove_distance(4);
+    assert!(!mended(&mut plan.clone(), &mut torn));
+    let mut tied = lists.clone();
+    tied.insert_distance(18, Distance::new(9, 10, 1.0));
+    assert!(!mended(&mut plan.clone(), &mut tied));
+    // Another length is no tear: the same two are bound again.
+    lists.remove_distance(4);
+    lists.insert_distance(4, Distance::new(4, 5, 2.0));
+    assert!(mended(&mut plan, &mut lists));
+}
+
+#[test]
+fn a_twin_takes_over_the_colour_of_the_stride() {
+    let mut lists = Lists::grid(24);
+    let mut plan = lists.compiled();
+    let twin = lists.distances[100];
+    lists.insert_distance(lists.distances.len(), twin);
+    assert!(mended(&mut plan, &mut lists));
+    lists.remove_distance(100);
+    assert!(mended(&mut plan, &mut lists));
+    lists.insert_distance(0, twin);
+    assert!(mended(&mut plan, &mut lists));
+}
+
+#[test]
+fn more_than_a_few_changes_are_compiled_afresh() {
+    let mut lists = Lists::grid(24);
+    let mut plan = lists.compiled();
+    (0..=MOST).for_each(|at| lists.remove_distance(3 * at));
+    assert!(!mended(&mut plan, &mut lists));
+}

@@ -1,0 +1,74 @@
+//! The rest: what of a task is left to those who take islands one by one, after instance batches and wavefronts have taken theirs.
+
+use core::ops::Range;
+
+use super::plan::Task;
+
+/// Islands of a task, and its rows.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Remaining {
+    pub(crate) islands: Vec<Range<usize>>,
+    pub(crate) rows: Vec<Range<u32>>,
+}
+
+impl Remaining {
+    /// All of a task.
+    pub(super) fn reset(&mut self, task: &Task) {
+        self.islands.clear();
+        self.rows.clear();
+        self.islands.push(task.islands.clone());
+        self.rows.push(task.rows.clone());
+    }
+
+    /// Whether nothing is left.
+    pub(super) fn is_empty(&self) -> bool {
+        self.islands.iter().all(Range::is_empty) && self.rows.iter().all(Range::is_empty)
+    }
+
+    /// Whether an island is among it.
+    pub(super) fn holds(&self, island: usize) -> bool {
+        self.islands.iter().any(|islands| islands.contains(&island))
+    }
+
+    /// Less some islands and their rows.
+    pub(super) fn leave(&mut self, islands: Range<usize>, rows: Range<u32>) {
+        cut(&mut self.islands, islands);
+        cut(&mut self.rows, rows);
+    }
+}
+
+/// Cuts a range out of the one that it is in, mostly the last. Nothing of it is no range: there may be many instance batches, and what is left is
+/// looked through for each island.
+fn cut<T: Copy + PartialOrd>(ranges: &mut Vec<Range<T>>, out: Range<T>) {
+    let all_in = |range: &Range<T>| range.start <= out.start && out.end <= range.end;
+    let Some(i) = ranges.iter().rposition(all_in) else { return };
+    let after = out.end..core::mem::replace(&mut ranges[i].end, out.start);
+    if ranges[i].is_empty() {
+        ranges[i] = after;
+    } else if !after.is_empty() {
+        ranges.insert(i + 1, after);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_leaves_is_not_among_it_and_all_else_is() {
+        let task = Task { islands: 2..9, rows: 20..90, ..Task::default() };
+        let mut rest = Remaining::default();
+        rest.reset(&task);
+        for island in [2, 5, 8, 4, 3] {
+            let first = 10 * island as u32;
+            rest.leave(island..island + 1, first..first + 10);
+        }
+        let left: Vec<usize> = (0..12).filter(|&island| rest.holds(island)).collect();
+        assert_eq!(left, [6, 7]);
+        let rows: Vec<u32> = rest.rows.iter().cloned().flatten().collect();
+        assert_eq!(rows, (60..80).collect::<Vec<u32>>());
+        assert!(!rest.is_empty());
+        rest.leave(6..8, 60..80);
+        assert!(rest.is_empty());
+    }
+}

@@ -1,0 +1,290 @@
+//! Wavefront (temporal blocking): all substeps of a step run through an island one behind the other, while its particles are in columns.
+//!
+//! One sweep over a large island reads all of it from memory, and the next one again. But what a substep does with a particle depends only on what
+//! its neighbours did: the second may begin at one end while the first is still on its way to the other. So the stages of a step, `predict`, each
+//! stage of the sweep, `derive` with the next `predict` and so on, follow each other at the distance of a cluster or two, and the particles between
+//! the first and the last are a few clusters, which a cache holds.
+//!
+//! **The bits are those of stage after stage.** A stage takes its tiles in the order of their rows, and a tile waits until all earlier stages are
+//! beyond its last row; so whatever touches a particle does so in the same order. What has to know the largest error of a whole sweep, whether
+//! another follows, cannot be overtaken; there the stages follow each other, and what is gained is that particles stay in columns.
+//!
+//! Several threads take a large island through a step as a [pipelined wavefront](pipelined_wavefront).
+
+mod pipeline;
+mod sliding_window;
+mod stages;
+
+use core::ops::Range;
+use core::sync::atomic::{AtomicU32, Ordering};
+use std::time::Instant;
+
+use super::island::ThreadScratch;
+use super::island_step::IslandStep;
+use super::plan::{ClusterBatch, ConstraintGroup, Plan};
+use super::{IslandReport, Order};
+use crate::constraints::GradientAt;
+use crate::integrate::{Pass, Predict, StepConstants};
+use crate::lanes::InstructionSet;
+pub(super) use pipeline::pipelined_wavefront;
+use sliding_window::SlidingWindow;
+use stages::{Stages, Tile, What};
+
+/// What a wavefront needs. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Wavefront {
+    window: SlidingWindow,
+    stages: Stages,
+    /// The largest error that each substep found, metres.
+    worst: Vec<f32>,
+    /// What is left at the end of the step: the largest error, metres, and the largest share of a rest length.
+    left: (f32, f32),
+}
+
+/// Takes the islands of a task through a step that can go as wavefronts, and out of what is left of the task. `iteration_counts` are the most sweeps
+/// in each substep.
+pub(super) fn run_wavefronts(
+    island_step: &mut IslandStep,
+    thread_scratch: &mut ThreadScratch,
+    iteration_counts: &[AtomicU32],
+) {
+    let mut remaining = core::mem::take(&mut thread_scratch.remaining);
+    let mut wavefront = core::mem::take(&mut thread_scratch.wavefront);
+    let begin = island_step.task.islands.start;
+    for number in island_step.task.islands.clone() {
+        if !remaining.holds(number) {
+            continue;
+        }
+        let step = island_step.step(number, iteration_counts.len(), &mut wavefront.stages);
+        let Some(step) = step else { continue };
+        let (plan, mut report) = (island_step.common.plan, island_step.reports[number - begin]);
+        let members = &plan.members[plan.islands[number].members.clone()];
+        let first = (members[0] - island_step.task.rows.start) as usize;
+        let instructions = island_step.common.execution.instructions;
+        let mut own = TaskStore { island_step, first };
+        let measured = (iteration_counts, true);
+        run_substeps(
+            &mut own,
+            (plan, number),
+            step,
+            &mut wavefront,
+            &mut report,
+            measured,
+            instructions,
+        );
+        island_step.reports[number - begin] = report;
+        remaining.leave(number..number + 1, members[0]..members[0] + members.len() as u32);
+    }
+    (thread_scratch.remaining, thread_scratch.wavefront) = (remaining, wavefront);
+}
+
+impl IslandStep<'_> {
+    /// How an island would go through so many substeps, if it can: clusters of rods in columns alone, which nothing but each other holds back.
+    fn step(&self, number: usize, substeps: usize, stages: &mut Stages) -> Option<StepConstants> {
+        let Self { common, outside, damping, .. } = self;
+        let plan = common.plan;
+        let island = &plan.islands[number];
+        let members = &plan.members[island.members.clone()];
+        let (first, last) = (*members.first()?, *members.last()?);
+        let fits = |cluster_batch: &ClusterBatch| {
+            let from = cluster_batch.rows.start.checked_sub(first);
+            cluster_batch.columns && from.is_some_and(|from| from.is_multiple_of(2))
+        };
+        let cluster_batches = island.cluster_batches.clone();
+        let held = island.asleep || island.rigid || island.free || island.groups.is_empty();
+        let touches = !common.contacts.is_empty() || common.contacts.bounces();
+        let fit = !held
+            && !touches
+            && island.settings.order == Order::GaussSeidel
+            && island.settings.gradient_at == GradientAt::Current
+            && members.len() == (last - first) as usize + 1
+            && plan.cluster_batches[cluster_batches.clone()].iter().all(fits);
+        let rate = match damping {
+            [] => 0.0,
+            [all] => *all,
+            _ => return None,
+        };
+        let rate = rate + (outside.air + 0.0);
+        if !fit {
+            return None;
+        }
+        stages.begin(&plan.cluster_batches[cluster_batches.clone()], cluster_batches.start);
+        // All of a small island has room. Of a large one, what is on its way has, unless it is whole sweeps.
+        let (rows, capacity) = (members.len(), SlidingWindow::capacity(plan.rods.half()));
+        let is_single_sweep = island.settings.max_sweeps == 1;
+        if rows > capacity
+            && !(is_single_sweep && stages.span(substeps, plan, first, rows) <= capacity)
+        {
+            return None;
+        }
+        StepConstants::new(outside.common, rate, common.h)
+    }
+}
+
+/// Where the particles of an island are kept. Rows count from the first of the island.
+trait Store {
+    /// Returns when all rows before one may be taken up.
+    fn wait(&mut self, end: usize);
+
+    /// Some rows, to be read or to be written.
+    fn lend(&mut self, rows: Range<usize>) -> Predict<'_>;
+
+    /// They are not needed any more; all rows before `settled` not at all.
+    fn put_back(&mut self, settled: Option<usize>);
+}
+
+/// In the columns of a task, which nobody else has.
+struct TaskStore<'a, 'b> {
+    island_step: &'a mut IslandStep<'b>,
+    /// The first row of the island in those.
+    first: usize,
+}
+
+impl Store for TaskStore<'_, '_> {
+    #[inline(always)]
+    fn wait(&mut self, _: usize) {}
+
+    #[inline(always)]
+    fn lend(&mut self, rows: Range<usize>) -> Predict<'_> {
+        self.island_step.predict(self.first + rows.start..self.first + rows.end)
+    }
+
+    #[inline(always)]
+    fn put_back(&mut self, _: Option<usize>) {}
+}
+
+/// Takes an island through some substeps: all at once if each has one sweep, or else sweep by sweep. Measures what is left then if those are the last
+/// of a step.
+fn run_substeps(
+    store: &mut impl Store,
+    (plan, number): (&Plan, usize),
+    step: StepConstants,
+    wavefront: &mut Wavefront,
+    report: &mut IslandReport,
+    (iteration_counts, measures): (&[AtomicU32], bool),
+    instructions: InstructionSet,
+) {
+    let settings = &plan.islands[number].settings;
+    let began = settings.timed.then(Instant::now);
+    let is_single_sweep = settings.max_sweeps == 1;
+    wavefront.window.begin(plan.rods.half());
+    wavefront.left = (0.0, 0.0);
+    wavefront.worst.clear();
+    wavefront.worst.resize(iteration_counts.len(), 0.0);
+    wavefront.stages.clear();
+    let (mut substep, mut sweeps) = (0, 0);
+    if is_single_sweep {
+        wavefront.stages.push_all(iteration_counts.len(), measures);
+    } else {
+        wavefront.stages.push(What::Begin);
+        wavefront.stages.push_sweep(0);
+    }
+    loop {
+        wavefront.run_tiles(store, (plan, number), step, iteration_counts.len(), instructions);
+        if is_single_sweep {
+            for (worst, iteration_counts) in wavefront.worst.iter().zip(iteration_counts) {
+                report.note(1, *worst <= settings.tolerance);
+                iteration_counts.fetch_max(1, Ordering::Relaxed);
+            }
+            break;
+        }
+        if substep == iteration_counts.len() {
+            break;
+        }
+        sweeps += 1;
+        let converged = wavefront.worst[substep] <= settings.tolerance;
+        wavefront.stages.clear();
+        if sweeps < settings.max_sweeps && !converged {
+            wavefront.worst[substep] = 0.0;
+            wavefront.stages.push_sweep(substep);
+            continue;
+        }
+        report.note(sweeps, converged);
+        iteration_counts[substep].fetch_max(sweeps, Ordering::Relaxed);
+        (substep, sweeps) = (substep + 1, 0);
+        if substep < iteration_counts.len() {
+            wavefront.stages.push(What::GoOn(substep));
+            wavefront.stages.push_sweep(substep);
+        } else {
+            wavefront.stages.push_end(measures);
+        }
+    }
+    if measures {
+        report.note_left(wavefront.left);
+    }
+    report.seconds += began.map_or(0.0, |began| began.elapsed().as_secs_f64());
+}
+
+impl IslandReport {
+    /// Notes how a substep went.
+    fn note(&mut self, sweeps: u32, converged: bool) {
+        self.sweeps += sweeps;
+        self.most_sweeps = self.most_sweeps.max(sweeps);
+        self.last_sweeps = sweeps;
+        self.converged &= converged;
+    }
+
+    /// Notes what is left of it at the end of a step.
+    fn note_left(&mut self, (error, strain): (f32, f32)) {
+        (self.error, self.strain, self.measured) = (error, strain, true);
+    }
+}
+
+impl Wavefront {
+    /// Does all stages.
+    fn run_tiles(
+        &mut self,
+        store: &mut impl Store,
+        (plan, number): (&Plan, usize),
+        step: StepConstants,
+        substeps: usize,
+        instructions: InstructionSet,
+    ) {
+        let members = plan.islands[number].members.clone();
+        let (first, all) = (plan.members[members.start], members.len());
+        let Self { window, stages, worst, left } = self;
+        stages.start(all);
+        while let Some(Tile { what, rows, cluster_batch, settled }) = stages.next(plan, first, all)
+        {
+            match what {
+                What::Begin => {
+                    window.admit(rows.end, settled);
+                    store.wait(rows.end);
+                    window.turn_in(rows.start, &store.lend(rows.clone()), instructions);
+                    store.put_back(None);
+                    let pass = Pass::Begin { last: substeps == 1 };
+                    window.moving.pass(pass, window.lanes(rows), step, instructions);
+                }
+                What::GoOn(substep) => {
+                    let pass = Pass::GoOn { last: substep + 1 == substeps };
+                    window.moving.pass(pass, window.lanes(rows), step, instructions);
+                }
+                What::Sweep { substep, .. } => {
+                    let cluster_batch = &plan.cluster_batches[cluster_batch];
+                    let groups =
+                        plan.groups[cluster_batch.groups.clone()].iter().map(ConstraintGroup::rods);
+                    let rows = (cluster_batch.rows.start, first + window.rows.start as u32);
+                    let columns = &mut window.moving.position;
+                    let found = plan.rods.sweep_turned(columns, groups, rows, instructions);
+                    worst[substep] = worst[substep].max(found);
+                }
+                What::Measure { .. } => {
+                    let cluster_batch = &plan.cluster_batches[cluster_batch];
+                    let groups =
+                        plan.groups[cluster_batch.groups.clone()].iter().map(ConstraintGroup::rods);
+                    let rows = (cluster_batch.rows.start, first + window.rows.start as u32);
+                    let columns = &mut window.moving.position;
+                    let (error, strain) =
+                        plan.rods.measure_turned(columns, groups, rows, instructions);
+                    *left = (left.0.max(error), left.1.max(strain));
+                }
+                What::Settle => {
+                    let lanes = window.lanes(rows.clone());
+                    window.moving.pass(Pass::Settle, lanes, step, instructions);
+                    window.turn_out(rows.start, store.lend(rows.clone()), instructions);
+                    store.put_back(Some(rows.end));
+                }
+            }
+        }
+    }
+}

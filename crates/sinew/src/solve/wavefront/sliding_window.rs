@@ -1,0 +1,75 @@
+//! The sliding window: the particles of an island that are in columns, from one that is not done yet to one that has just begun.
+//!
+//! Where a step is taken as a [wavefront](super), that is a small part of a large island, and stays in a core's second cache.
+
+use core::ops::Range;
+
+use crate::integrate::{Moving, Predict};
+use crate::lanes::InstructionSet;
+
+/// Rows here count from the first row of the island.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SlidingWindow {
+    pub(super) moving: Moving,
+    /// The first row, a multiple of 32, and where the rows end.
+    pub(super) rows: Range<usize>,
+    half: usize,
+}
+
+impl SlidingWindow {
+    /// So many rows have room where odd rows begin at `half`.
+    pub(super) fn capacity(half: usize) -> usize {
+        2 * half - 64
+    }
+
+    /// Begins with row 0.
+    pub(super) fn begin(&mut self, half: usize) {
+        (self.rows, self.half) = (0..0, half);
+        for columns in self.moving.each() {
+            columns.reset(half);
+        }
+    }
+
+    /// Lets the next rows in, up to one; those before `settled` may leave.
+    pub(super) fn admit(&mut self, end: usize, settled: usize) {
+        if end - self.rows.start > Self::capacity(self.half) {
+            let first = settled / 32 * 32;
+            debug_assert!(end - first <= Self::capacity(self.half), "a wave too long");
+            let kept = first - self.rows.start..self.rows.end - self.rows.start;
+            for columns in self.moving.each() {
+                columns.keep(kept.clone());
+            }
+            self.rows.start = first;
+        }
+        self.rows.end = end;
+        for columns in self.moving.each() {
+            columns.blank(end - self.rows.start);
+        }
+    }
+
+    /// Takes rows in.
+    pub(super) fn turn_in(&mut self, row: usize, packed: &Predict, instructions: InstructionSet) {
+        let row = row - self.rows.start;
+        let Moving { position, velocity, rounding, .. } = &mut self.moving;
+        position.turn_in(row, packed.position, instructions);
+        velocity.turn_in(row, packed.velocity, instructions);
+        rounding.turn_in(row, packed.rounding, instructions);
+    }
+
+    /// Gives rows back.
+    pub(super) fn turn_out(&mut self, row: usize, packed: Predict, instructions: InstructionSet) {
+        let row = row - self.rows.start;
+        let Moving { position, begun, velocity, rounding } = &mut self.moving;
+        position.turn_out(row, packed.position, instructions);
+        begun.turn_out(row, packed.start, instructions);
+        velocity.turn_out(row, packed.velocity, instructions);
+        rounding.turn_out(row, packed.rounding, instructions);
+    }
+
+    /// The lanes of some rows, of which the first is a multiple of 32.
+    pub(super) fn lanes(&self, rows: Range<usize>) -> [Range<usize>; 2] {
+        let (first, end) = (rows.start - self.rows.start, rows.end - self.rows.start);
+        let even = first / 2..end.div_ceil(2);
+        [even.clone(), self.half + even.start..self.half + even.end]
+    }
+}

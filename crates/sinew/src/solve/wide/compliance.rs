@@ -1,0 +1,200 @@
+//! How hard eight constraints are, each in its own way, by one formula.
+
+use crate::constraints::{Bound, Softness};
+use crate::lanes::{LANES, Lanes};
+
+/// The softness of eight constraints, but for their compliance, which more often differs from constraint to constraint (a bend's goes with its
+/// triangles) and is kept with them.
+///
+/// # One formula for every softness
+///
+/// `multiplier` in `softness.rs` has four. With `U` = `Σ w‖∇C‖²` = `W` for a frequency and 1 otherwise, the sum over the sweeps being `Λ = U λ`, all
+/// of them are
+///
+/// ```text
+/// Δλ = k (C - s Λ + γ ∇C·(q - p)) / ((1 + γ) W + s U)        ΔΛ = U Δλ
+///
+///                s                γ              k                  U
+/// hard           0                0              1                  1
+/// compliance     α/h²             αβ/h           1                  1
+/// frequency      1/(2πf h)²       2ζ/(2πf h)     1                  W
+/// share          0                0              1 - (1-k)^(1/n)    1
+/// ```
+///
+/// The first two columns are a number of the constraint over `h²` and `h`: its compliance (m/N, or s²) and its damping (s). Only the share needs a
+/// power, which is taken once for all blocks that are alike.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct PackedCompliance {
+    /// αβ or 2ζ/(2πf), s.
+    damping: [f32; LANES],
+    /// The share of the error that a substep takes away: 1 for what is not a share.
+    share: [f32; LANES],
+    /// 1 where `U` is `W`.
+    by_weights: [f32; LANES],
+    /// 1 where the sum is kept from sweep to sweep.
+    remembers: [f32; LANES],
+    /// 1 for the hard ones, which are to be kept.
+    hard: [f32; LANES],
+    /// 1 for ropes.
+    at_most: [f32; LANES],
+    /// 1 for struts.
+    at_least: [f32; LANES],
+    /// All are hard and remember nothing: all that the table has is `C/W`.
+    pub(super) plain: bool,
+    /// All are hard.
+    pub(super) all_hard: bool,
+    /// Some are damped, and need to know how far they have moved.
+    pub(super) damped: bool,
+    /// Some are frequencies.
+    frequencies: bool,
+    /// Some are shares.
+    pub(super) shares: bool,
+    /// Some are inequalities.
+    pub(super) limited: bool,
+}
+
+/// What kind of number a softness has in place of a compliance, m/N or s²: see [`PackedCompliance`].
+pub(super) fn compliance(softness: Softness) -> f32 {
+    match softness {
+        Softness::Compliant { compliance, .. } => compliance,
+        Softness::Frequency { hertz, .. } => {
+            let omega = core::f32::consts::TAU * hertz;
+            1.0 / (omega * omega)
+        }
+        Softness::Hard | Softness::Share(_) => 0.0,
+    }
+}
+
+fn damping(softness: Softness) -> f32 {
+    match softness {
+        Softness::Compliant { compliance, damping } => compliance * damping,
+        Softness::Frequency { hertz, ratio } => 2.0 * ratio / (core::f32::consts::TAU * hertz),
+        Softness::Hard | Softness::Share(_) => 0.0,
+    }
+}
+
+fn is_frequency(softness: Softness) -> bool {
+    matches!(softness, Softness::Frequency { .. })
+}
+
+impl PackedCompliance {
+    pub(super) fn of(softness: [Softness; LANES], bound: [Bound; LANES]) -> Self {
+        let flags = |holds: [bool; LANES]| holds.map(|holds| f32::from(u8::from(holds)));
+        let share = softness.map(|softness| match softness {
+            Softness::Share(share) => share,
+            _ => 1.0,
+        });
+        let damping = softness.map(damping);
+        let all_hard = softness.iter().all(|softness| softness.is_hard());
+        Self {
+            damping,
+            share,
+            by_weights: flags(softness.map(is_frequency)),
+            frequencies: softness.into_iter().any(is_frequency),
+            remembers: flags(softness.map(Softness::remembers)),
+            hard: flags(softness.map(Softness::is_hard)),
+            at_most: flags(bound.map(|bound| bound == Bound::AtMost)),
+            at_least: flags(bound.map(|bound| bound == Bound::AtLeast)),
+            plain: all_hard && !softness.iter().any(|softness| softness.remembers()),
+            all_hard,
+            damped: damping.iter().any(|&damping| damping != 0.0),
+            shares: share.iter().any(|&share| share != 1.0),
+            limited: bound.iter().any(|&bound| bound != Bound::Equal),
+        }
+    }
+
+    /// The same, asked by the formulas that another one asks for. What they ask for in vain changes a result by an ulp at most, but it may.
+    pub(super) fn asked_as(self, other: &Self) -> Self {
+        Self {
+            frequencies: other.frequencies,
+            plain: other.plain,
+            all_hard: other.all_hard,
+            damped: other.damped,
+            shares: other.shares,
+            limited: other.limited,
+            ..self
+        }
+    }
+
+    /// `1 - (1-k)^(1/n)` of each.
+    #[cold]
+    pub(super) fn each(&self, sweeps: u32) -> [f32; LANES] {
+        let mut each = [1.0; LANES];
+        for lane in 0..LANES {
+            each[lane] = if lane > 0 && self.share[lane] == self.share[lane - 1] {
+                each[lane - 1]
+            } else {
+                1.0 - libm::powf(1.0 - self.share[lane], 1.0 / sweeps as f32)
+            };
+        }
+        each
+    }
+
+    /// Where a bound asks for nothing.
+    #[inline(always)]
+    pub(super) fn holds<L: Lanes>(&self, value: L) -> L {
+        let zero = L::zero();
+        let below = flag::<L>(&self.at_most).and(value.le(zero));
+        below.or(flag::<L>(&self.at_least).and(zero.le(value)))
+    }
+
+    /// Where it is hard.
+    #[inline(always)]
+    pub(super) fn hard<L: Lanes>(&self) -> L {
+        flag(&self.hard)
+    }
+
+    /// `Δλ` of each constraint, and its new sum. Not for [`plain`](Self::plain) ones, of which the first is `value/weights` and the second stays
+    /// zero.
+    ///
+    /// An inequality only ever pushes one way, so its sum is held on that side of zero.
+    #[inline(always)]
+    pub(super) fn change<L: Lanes>(
+        &self,
+        asks: &Asks<L>,
+        compliance: &[f32; LANES],
+        each: &[f32; LANES],
+        h: f32,
+    ) -> (L, L) {
+        let Asks { value, weights, moved, sum } = *asks;
+        let one = L::splat(1.0);
+        let yields = L::load(compliance) * L::splat(1.0 / (h * h));
+        let gamma = L::load(&self.damping) * L::splat(1.0 / h);
+        let mut asked = value - yields * sum + gamma * moved;
+        let mut unit = one;
+        if self.frequencies {
+            unit = flag::<L>(&self.by_weights).select(weights, one);
+        }
+        if self.shares {
+            asked = L::load(each) * asked;
+        }
+        let mut change = asked / ((one + gamma) * weights + yields * unit);
+        let mut summed = change * unit;
+        if self.limited {
+            let (zero, all) = (L::zero(), summed + sum);
+            let most = flag::<L>(&self.at_most).select(zero.max(all) - sum, summed);
+            summed = flag::<L>(&self.at_least).select(zero.min(all) - sum, most);
+            change = summed / unit;
+        }
+        (change, flag::<L>(&self.remembers).and(sum + summed))
+    }
+}
+
+/// What constraints ask for where the particles are.
+#[derive(Clone, Copy)]
+pub(super) struct Asks<L> {
+    /// `C`.
+    pub(super) value: L,
+    /// `Σ w‖∇C‖²`.
+    pub(super) weights: L,
+    /// `∇C·(q - p)`: how `C` has changed in this substep. Matters to damped ones.
+    pub(super) moved: L,
+    /// What has been summed up.
+    pub(super) sum: L,
+}
+
+/// Numbers that are 1 or 0 as a mask.
+#[inline(always)]
+fn flag<L: Lanes>(flags: &[f32; LANES]) -> L {
+    L::zero().lt(L::load(flags))
+}

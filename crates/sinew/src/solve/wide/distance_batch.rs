@@ -1,0 +1,211 @@
+//! Eight distances side by side: soft ones, ropes and struts. What is hard both ways is a rod, with kernels of its own.
+
+use super::compliance::{Asks, PackedCompliance, compliance};
+use super::particle_access::{GatheredParticles, ParticleAccess, ParticleRead};
+use super::{less, load_sums, store_sums};
+use crate::constraints::{Bound, Distance, SubstepContext};
+use crate::lanes::{LANES, Lanes, Vector, Work};
+use crate::particles::Places;
+
+/// One to eight distances. Where there are fewer, the first stands there again.
+#[derive(Clone, Debug)]
+pub(super) struct DistanceBatch {
+    rows: [[u32; LANES]; 2],
+    pub(super) eight: WideDistance,
+}
+
+/// Eight distances but for their particles.
+#[derive(Clone, Debug)]
+pub(super) struct WideDistance {
+    rest: [f32; LANES],
+    compliance: [f32; LANES],
+    /// Of struts: the square of a length that is safely above the rest length, m². Infinite of others.
+    clear: [f32; LANES],
+    pub(super) packed_compliance: u32,
+}
+
+impl DistanceBatch {
+    pub(super) fn of(distances: &[Distance], compliances: &mut Vec<PackedCompliance>) -> Self {
+        let eight: [&Distance; LANES] =
+            core::array::from_fn(|lane| distances.get(lane).unwrap_or(&distances[0]));
+        let rows = [eight.map(|d| d.a), eight.map(|d| d.b)];
+        let (eight, packed_compliance) = WideDistance::of(eight);
+        Self {
+            rows,
+            eight: WideDistance {
+                packed_compliance: super::number(compliances, packed_compliance),
+                ..eight
+            },
+        }
+    }
+}
+
+impl WideDistance {
+    /// Eight distances, and their packed compliance, which has no number yet.
+    pub(super) fn of(eight: [&Distance; LANES]) -> (Self, PackedCompliance) {
+        let packed_compliance =
+            PackedCompliance::of(eight.map(|d| d.softness), eight.map(|d| d.bound));
+        let (rest, compliance) = (eight.map(|d| d.rest), eight.map(|d| compliance(d.softness)));
+        (
+            Self { rest, compliance, clear: eight.map(clear), packed_compliance: 0 },
+            packed_compliance,
+        )
+    }
+}
+
+/// Above this, a strut is longer than it has to be whatever was rounded on the way, m²: squares that are too small to have all their digits are not.
+fn clear(distance: &Distance) -> f32 {
+    match distance.bound {
+        Bound::AtLeast => (distance.rest * distance.rest * (1.0 + 1e-5)).max(1e-30),
+        _ => f32::INFINITY,
+    }
+}
+
+/// Projects blocks once, in their order; returns the largest error found, metres, of soft ones how far they moved. `multipliers` are cut to a block
+/// each.
+pub(super) struct SweepBatch<'a, 'b> {
+    pub(super) blocks: &'a [DistanceBatch],
+    pub(super) compliances: &'a [PackedCompliance],
+    pub(super) places: &'a mut Places<'b>,
+    pub(super) multipliers: core::slice::ChunksMut<'a, f32>,
+    pub(super) substep_context: SubstepContext,
+}
+
+impl Work for SweepBatch<'_, '_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let Self { blocks, compliances, places, multipliers, substep_context } = self;
+        let (mut each, mut each_of) = ([1.0; LANES], u32::MAX);
+        let mut worst = L::zero();
+        for (block, multipliers) in blocks.iter().zip(multipliers) {
+            let packed_compliance = &compliances[block.eight.packed_compliance as usize];
+            if block.eight.packed_compliance != each_of {
+                each = if packed_compliance.shares {
+                    packed_compliance.each(substep_context.sweeps)
+                } else {
+                    [1.0; LANES]
+                };
+                each_of = block.eight.packed_compliance;
+            }
+            let mut room = [[0; LANES]; 2];
+            let rows = less(&block.rows, places.first, &mut room);
+            let (position, start) = (&mut *places.position, places.start);
+            let mut particles = GatheredParticles { rows, position, start };
+            let context = (packed_compliance, &each, substep_context.h, L::zero());
+            worst = project::<L>(&block.eight, context, &mut particles, multipliers).max(worst);
+        }
+        worst.largest(0.0)
+    }
+}
+
+/// The largest error of the hard ones, metres, moving nothing.
+pub(super) struct MeasureBatch<'a, 'b> {
+    pub(super) blocks: &'a [DistanceBatch],
+    pub(super) compliances: &'a [PackedCompliance],
+    pub(super) places: &'a Places<'b>,
+}
+
+impl Work for MeasureBatch<'_, '_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let Self { blocks, compliances, places } = self;
+        let mut worst = L::zero();
+        for block in blocks {
+            let mut room = [[0; LANES]; 2];
+            let rows = less(&block.rows, places.first, &mut room);
+            let particles =
+                GatheredParticles { rows, position: &*places.position, start: places.start };
+            worst = left::<L>(&block.eight, compliances, &particles).0.max(worst);
+        }
+        worst.largest(0.0)
+    }
+}
+
+/// The errors of the hard ones of eight, metres, and as shares of their rest lengths.
+#[inline(always)]
+pub(super) fn left<L: Lanes>(
+    eight: &WideDistance,
+    compliances: &[PackedCompliance],
+    particles: &impl ParticleRead<2>,
+) -> (L, L) {
+    let (a, wa) = Vector::of(particles.now::<L>(0));
+    let (b, wb) = Vector::of(particles.now::<L>(1));
+    let (packed_compliance, rest) =
+        (&compliances[eight.packed_compliance as usize], L::load(&eight.rest));
+    let value = (a - b).length() - rest;
+    let asked = packed_compliance.hard::<L>().and(L::zero().lt(wa + wb));
+    let error = packed_compliance.holds(value).select(L::zero(), value.abs());
+    let left = asked.and(error);
+    (left, L::zero().lt(rest).and(left / rest))
+}
+
+/// Eight distances once, with their packed compliance, what each share is, the substep, seconds, and a mask of those of which nothing is asked; the
+/// errors found. As [`project`](crate::constraints::project): with `n = d/‖d‖`, `d = a - b`, the gradients are `±n`, so that `Σ w‖∇C‖² = w_a + w_b`.
+/// Coincident ends are pushed apart along the x axis, `a` towards +x.
+#[inline(always)]
+pub(super) fn project<L: Lanes>(
+    eight: &WideDistance,
+    (packed_compliance, each, h, aside): (&PackedCompliance, &[f32; LANES], f32, L),
+    particles: &mut impl ParticleAccess<2>,
+    multipliers: &mut [f32],
+) -> L {
+    let (a, wa) = Vector::of(particles.now::<L>(0));
+    let (b, wb) = Vector::of(particles.now::<L>(1));
+    let (zero, one, most) = (L::zero(), L::splat(1.0), L::splat(f32::MAX));
+    let d = a - b;
+    // Limbs are apart more often than not, and that can be told without a root.
+    let square = d.length_squared();
+    if packed_compliance.plain && L::load(&eight.clear).lt(square).or(aside).all() {
+        return zero;
+    }
+    let length = square.sqrt();
+    let value = length - L::load(&eight.rest);
+    let weights = wa + wb;
+    let sum = if packed_compliance.plain { zero } else { load_sums::<L>(multipliers) };
+    let mut active = zero.lt(weights).and(weights.le(most)).and(value.abs().le(most));
+    let holds = packed_compliance.holds(value);
+    active = sum.same(zero).and(holds).select(zero, active);
+    if !aside.select(zero, active).any() {
+        return zero;
+    }
+    let parted = zero.lt(length);
+    let inverse = one / length;
+    let n = Vector {
+        x: parted.select(d.x * inverse, one),
+        y: parted.and(d.y * inverse),
+        z: parted.and(d.z * inverse),
+    };
+    let change = if packed_compliance.plain {
+        value / weights
+    } else {
+        let mut moved = zero;
+        if packed_compliance.damped {
+            let (from, _) = Vector::of(particles.start::<L>(0));
+            let (to, _) = Vector::of(particles.start::<L>(1));
+            moved = n.dot(d - (from - to));
+        }
+        let asks = Asks { value, weights, moved, sum };
+        let (change, summed) = packed_compliance.change(&asks, &eight.compliance, each, h);
+        let sound = active.and(change.abs().le(most));
+        store_sums(sound.select(summed, sum), multipliers);
+        change
+    };
+    active = active.and(change.abs().le(most));
+    let (to_a, to_b) = (wa * change, wb * change);
+    let moved_a = (a - n * to_a).or_else(active, a);
+    let moved_b = (b + n * to_b).or_else(active, b);
+    particles.put(0, moved_a.with(wa));
+    particles.put(1, moved_b.with(wb));
+    let hard = holds.select(zero, value.abs());
+    let error = if packed_compliance.all_hard {
+        hard
+    } else {
+        // A soft one is not meant to be kept. It asks for another sweep as long as sweeps still move it.
+        packed_compliance.hard::<L>().select(hard, (change * weights).abs())
+    };
+    active.and(error)
+}
