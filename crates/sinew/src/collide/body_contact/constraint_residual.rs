@@ -5,13 +5,13 @@
 //! not hold: a ragdoll on the ground crept over it by up to a centimetre a second, for ever.
 //!
 //! So when the particles were displaced, such body colliders are read once more: how far their centres have gone since the substep began, and how
-//! they have turned, as in `extract_pose`. By what that differs from what contacts believe, they are farther from where they stuck (`friction`). What
+//! they have turned, as in `pose`. By what that differs from what contacts believe, they are farther from where they stuck (`friction`). What
 //! slides does not ask.
 
 use super::BodyContactSolver;
 use super::bodies::{Bodies, from_row};
-use super::extract_pose::{Gathered, ParticleSource};
 use super::groups::BodyGroup;
+use super::pose::{Gathered, ParticleSource};
 use super::tangential_slip::{moved_at, pair_of_rows};
 use super::turn::{Matrix, Symmetric, load, zero};
 use super::wide_contact::WideContact;

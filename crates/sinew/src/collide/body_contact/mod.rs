@@ -7,9 +7,8 @@
 //!
 //! | file | what it is |
 //! |---|---|
-//! | `groups` | eight body colliders at a time, and particles that several share; `mass_properties`: what one weighs, pinned particles, rods |
-//! | `initial_rotation` | initial rotations; `extract_pose`: poses out of particles |
-//! | `apply_pose_delta` | the change of a pose back to the particles, with momentum |
+//! | `groups` | eight body colliders at a time: particles that several share, what one weighs, pinned particles, rods |
+//! | `pose` | poses out of particles, from nothing and from the last substep's; and the change of a pose back to them, with momentum |
 //! | `bodies` | what contacts know of a body collider, or of static geometry: columns |
 //! | `static_geometry` | colliders, planes and boxes |
 //! | `swept_bounds` | where a body collider goes in a step, with a speculative margin |
@@ -29,7 +28,6 @@
 //! | `contact_events` | contact events, for the report |
 //! | `turn` | rotations and symmetric matrices of eight body colliders |
 
-mod apply_pose_delta;
 mod bodies;
 mod broad_phase;
 mod constraint_residual;
@@ -37,17 +35,15 @@ mod contact_cache;
 mod contact_events;
 mod contacts;
 mod drag;
-mod extract_pose;
 mod friction;
 mod groups;
-mod initial_rotation;
 mod loose;
-mod mass_properties;
 mod mass_ratio;
 mod missed_pairs;
 mod narrow_phase;
 mod normal_solve;
 mod patch_solve;
+mod pose;
 mod refresh;
 mod rest_overlap;
 mod restitution;
@@ -69,17 +65,16 @@ use super::nearby::Nearby;
 use super::{Kept, Shape, World};
 use crate::lanes::{InstructionSet, LANES, with};
 use crate::particles::Particles;
-use apply_pose_delta::{ApplyPoseDelta, SharedDeltas};
 use bodies::Bodies;
 use contact_cache::{CacheBuilder, FrictionAnchor};
 use contact_events::ContactEvent;
 use contacts::{Contact, SensorOverlap};
-use extract_pose::{ExtractPose, Gathered, OriginOffsets, PoseSums};
 use friction::{FrictionSolve, PredictImpulse};
 use groups::BodyGroups;
 use loose::Loose;
 use missed_pairs::MissedPairs;
 use normal_solve::NormalSolve;
+use pose::{ApplyPoseDelta, ExtractPose, Gathered, OriginOffsets, PoseSums, SharedDeltas};
 use rest_overlap::RestOverlaps;
 use restitution::Impacts;
 use static_geometry::StaticGeometry;

@@ -11,7 +11,7 @@
 //! ```
 //!
 //! Here the points of a manifold are solved together, and so is its friction (`patch_solve`), and what contacts did to a body collider is summed up
-//! as one shift and one turn, which the particles get in the end (`apply_pose_delta`). A turn within a substep is small: points are moved by it to
+//! as one shift and one turn, which the particles get in the end (`pose`). A turn within a substep is small: points are moved by it to
 //! first order, and what that leaves is corrected in the next substep.
 //!
 //! # Overlap

@@ -33,13 +33,12 @@
 //! since it was solved last; so a heap on which something falls is asked as far as it is felt, and what is elsewhere changes nothing.
 
 use super::BodyContactSolver;
-use super::apply_pose_delta::ApplyPoseDelta;
 use super::bodies::{Bodies, WideBody as Rows};
 use super::contacts::Contact;
 use super::drag::{drag, dragged};
-use super::extract_pose::ExtractPose;
 use super::normal_solve::{anchors, skins};
 use super::patch_solve::{ContactPatch, PatchSide, solve_normal_impulses};
+use super::pose::{ApplyPoseDelta, ExtractPose};
 use super::tangential_slip::tangents;
 use super::turn::{Matrix, load};
 use super::wide_contact::{FAR, WideContact};

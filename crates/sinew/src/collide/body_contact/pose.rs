@@ -1,0 +1,682 @@
+//! Poses of body colliders: from the particles to a pose when a substep has predicted them, and from the corrected pose back to the particles.
+//!
+//! What contacts correct is a pose, and what moves is particles. So the three ways between them are here, in their order: a first rotation from nothing
+//! when a step begins; the pose nearest to the particles, once afresh when contacts are looked for and once a substep from there on; and the change of a
+//! pose back to the particles, with momentum. All of it goes by eight body colliders at a time.
+//!
+//! # The initial rotation
+//!
+//! No rotation is kept from step to step, so that what is restored goes on to the same bits. Two of a body collider's particles, far out and far from
+//! being in line with the first one, say nearly how it is turned; the extraction makes that exact.
+//!
+//! # The extracted pose
+//!
+//! With `q` the predicted positions, `p` those at the substep's start and `m` the masses: the centres of both; the rotation nearest to
+//! `Σ m (q - q̄) rᵀ` by one or two of Newton's steps from the last substep's (derived in `pose/rotation.rs` of the crate, here in `f32`); and how it has
+//! turned since the start, which needs no second rotation:
+//!
+//! ```text
+//! φ = I⁻¹ Σ m r × (δ - δ̄)        r = q - q̄,  δ = q - p
+//! ```
+//!
+//! is the turn whose displacements `φ × r` are nearest to those of the particles. `Σ m (q - q̄)(p - p̄)ᵀ` is kept for the way back.
+//!
+//! # The way back, and momentum
+//!
+//! Each particle is displaced by what its body collider was shifted and turned, so that rods inside stay as they are and what is soft keeps its own
+//! deformation.
+//!
+//! The turn is a rotation `ΔR`, and `(ΔR - 1) r` with the arms `r = q - q̄` as the particles really are keeps momentum, because `Σ m r = 0`. Angular
+//! momentum, as Verlet keeps it, changes by `Σ m (p - p̄) × d`, and is to change by `T = I φ`, the moment of the impulses. What is missing comes of
+//! the rotation from `p` to `q`, of second order in the turn, and of particles that are not quite where the body collider has them; a further
+//! infinitesimal turn `ψ` makes up for it:
+//!
+//! ```text
+//! J ψ = T - Σ m (p - p̄) × (ΔR - 1)(q - q̄)        J = Σ m ((p - p̄)·(q - q̄) 1 - (q - q̄)(p - p̄)ᵀ)
+//! ```
+//!
+//! All of it follows from `Σ m (q - q̄)(p - p̄)ᵀ`, which was summed up when the body collider was read. So `d = shift + D (q - q̄)` with one matrix
+//! `D` a body collider. Velocities change in the same way, with `ψ × r` alone.
+
+use glam::{DMat3, DQuat, Mat3, Vec3, Vec4};
+
+use super::BodyContactSolver;
+use super::bodies::{Bodies, ROTATION, from_row, quaternion};
+use super::groups::{BodyGroup, BodyGroups, CompiledCollider, Slot, WideMass};
+use super::swept_bounds::WideSweptBounds;
+use super::turn::{LaneArray, Matrix, Symmetric, load, store, turn_further, zero};
+use crate::collide::World;
+use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work, with};
+use crate::particles::Particles;
+use crate::pose::rotation;
+
+/// A Newton step of this angle, squared, leaves an error of its cube, which is below the round-off.
+const DONE: f32 = 1e-5;
+/// The most steps, within a step and from nowhere.
+const STEPS: u32 = 3;
+const FRESH: u32 = 8;
+
+/// What the initial rotation of eight body colliders is computed from: the rows of their first particles, of those far out, and of those aside; and
+/// the frames that these make at rest.
+#[derive(Clone, Debug)]
+pub(super) struct RotationReference {
+    rows: [[u32; LANES]; 3],
+    rest: [[LaneArray; 3]; 3],
+}
+
+impl RotationReference {
+    /// Of as many body colliders as there are lanes, whose particles are not in line: each with its rows and where those rest.
+    pub(super) fn of<'a>(
+        eight: impl Iterator<Item = (&'a CompiledCollider, &'a [u32], &'a [Vec3])>,
+    ) -> Option<Self> {
+        let mut rotation_reference = Self { rows: [[0; LANES]; 3], rest: [[[0.0; LANES]; 3]; 3] };
+        let mut count = 0;
+        for (lane, (part, rows, rest)) in eight.enumerate() {
+            let side = part.side?;
+            for (to, from) in rotation_reference.rows.iter_mut().zip([0, part.far, side]) {
+                to[lane] = rows[from];
+            }
+            let frame = frame(rest[part.far] - rest[0], rest[side] - rest[0])?;
+            // Transposed.
+            for (to, from) in
+                rotation_reference.rest.iter_mut().zip(frame.transpose().to_cols_array_2d())
+            {
+                for (to, from) in to.iter_mut().zip(from) {
+                    to[lane] = from;
+                }
+            }
+            count += 1;
+        }
+        (count == LANES).then_some(rotation_reference)
+    }
+}
+
+impl BodyContactSolver {
+    /// Notes a rotation near that of each sound body collider.
+    pub(super) fn note_initial_rotations(&mut self, particles: &Particles, world: &World) {
+        let Self { groups, origin_offsets, bodies, instructions, .. } = self;
+        let mut turned = [Vec4::W; LANES];
+        for (number, group) in groups.groups.iter().enumerate() {
+            // Where particles of one body collider have origins of their own, none is computed so.
+            let rotation_reference =
+                group.rotation_reference.as_ref().filter(|_| origin_offsets.of(group).is_none());
+            let known = rotation_reference.map_or(0, |rotation_reference| {
+                let position = &particles.position;
+                with(
+                    *instructions,
+                    InitialRotation { rotation_reference, position, turned: &mut turned },
+                )
+            });
+            for (lane, &turned) in turned.iter().enumerate() {
+                let row = &mut bodies[number * LANES + lane];
+                if known >> lane & 1 == 1 {
+                    row[ROTATION] = turned;
+                } else if let Some(solid) = groups.sound_in(number, lane) {
+                    let rest = &world.body_colliders[solid].rest;
+                    row[ROTATION] = initial_rotation(groups, &groups.parts[solid], rest, particles);
+                }
+            }
+        }
+    }
+}
+
+/// How eight body colliders are turned, to the bits of [`initial_rotation`].
+struct InitialRotation<'a> {
+    rotation_reference: &'a RotationReference,
+    position: &'a [Vec4],
+    turned: &'a mut [Vec4; LANES],
+}
+
+impl Work for InitialRotation<'_> {
+    /// A bit for each that it is known of.
+    type Output = u32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> u32 {
+        let Self {
+            rotation_reference: RotationReference { rows: [first, far, side], rest },
+            position,
+            turned,
+        } = self;
+        let first = places::<L>(position, first);
+        let (far, side) = (places(position, far) - first, places(position, side) - first);
+        let (x, is_long) = unit(far);
+        let (z, is_wide) = unit(far.cross(side));
+        let [a, b, c] = rest;
+        let rest = Matrix { x: load(a), y: load(b), z: load(c) };
+        let q = unit_quaternion(&Matrix { x, y: z.cross(x), z }.times_matrix(&rest));
+        L::put_run(turned, 0, q);
+        is_long.and(is_wide).bits()
+    }
+}
+
+#[inline(always)]
+fn places<L: Lanes>(position: &[Vec4], rows: &[u32; LANES]) -> Vector<L> {
+    Vector::of(L::rows(position, rows)).0
+}
+
+/// A vector of length 1, and whether there is one.
+#[inline(always)]
+fn unit<L: Lanes>(v: Vector<L>) -> (Vector<L>, L) {
+    let inverse = L::splat(1.0) / v.length();
+    (v * inverse, L::zero().lt(inverse).and(inverse.lt(L::splat(f32::INFINITY))))
+}
+
+/// [`quaternion`] in lanes.
+#[inline(always)]
+fn unit_quaternion<L: Lanes>(m: &Matrix<L>) -> [L; 4] {
+    let (one, Matrix { x, y, z }) = (L::splat(1.0), *m);
+    let trace = x.x + y.y + z.z;
+    let real = [y.z - z.y, z.x - x.z, x.y - y.x, one + trace];
+    let by_x = [one + x.x - y.y - z.z, x.y + y.x, z.x + x.z, real[0]];
+    let by_y = [x.y + y.x, one + y.y - x.x - z.z, y.z + z.y, real[1]];
+    let by_z = [z.x + x.z, y.z + z.y, one + z.z - x.x - y.y, real[2]];
+    let is_real = L::zero().lt(trace);
+    let is_x = y.y.le(x.x).and(z.z.le(x.x));
+    let is_y = z.z.le(y.y);
+    let mut q = [one; 4];
+    for i in 0..4 {
+        q[i] = is_real.select(real[i], is_x.select(by_x[i], is_y.select(by_y[i], by_z[i])));
+    }
+    let [x, y, z, w] = q;
+    let length = (x * x + y * y + z * z + w * w).sqrt();
+    let good = L::zero().lt(length).and(length.lt(L::splat(f32::INFINITY)));
+    let none = L::zero();
+    for (i, q) in q.iter_mut().enumerate() {
+        *q = good.select(*q / length, if i == 3 { one } else { none });
+    }
+    q
+}
+
+/// A rotation near that of a body collider, from two of its particles: a function of where they are.
+fn initial_rotation(
+    groups: &BodyGroups,
+    part: &CompiledCollider,
+    rest: &[Vec3],
+    particles: &Particles,
+) -> Vec4 {
+    let rows = &groups.rows[part.entries.clone()];
+    let here = |i: usize| particles.separation(rows[i] as usize, rows[0] as usize);
+    let there = |i: usize| rest[i] - rest[0];
+    if let Some(side) = part.side {
+        let frames = (frame(there(part.far), there(side)), frame(here(part.far), here(side)));
+        if let (Some(from), Some(to)) = frames {
+            return quaternion(&(to * from.transpose()));
+        }
+    }
+    let ends = (there(part.far).try_normalize(), here(part.far).try_normalize());
+    let (Some(from), Some(to)) = ends else { return Vec4::W };
+    // The shortest arc; of a half turn any.
+    let (axis, real) = (from.cross(to), 1.0 + from.dot(to));
+    let q = if real > 1e-6 { axis.extend(real) } else { from.any_orthonormal_vector().extend(0.0) };
+    let length = (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w).sqrt();
+    q / length
+}
+
+/// The rotation of a body collider the slow and certain way.
+pub(super) fn certain(
+    groups: &BodyGroups,
+    number: usize,
+    rest: &[Vec3],
+    particles: &Particles,
+    near: Vec4,
+) -> Vec4 {
+    let part = &groups.parts[number];
+    let rows = &groups.rows[part.entries.clone()];
+    let place = groups.place(number);
+    let slots = &groups.slots[groups.groups[place / LANES].slots.clone()];
+    let points = || {
+        rows.iter().zip(rest).zip(slots).map(|((&row, rest), slot)| {
+            let here = particles.separation(row as usize, rows[0] as usize).as_dvec3();
+            (here, (*rest - part.centre).as_dvec3(), f64::from(slot.pull[place % LANES]))
+        })
+    };
+    let sum: f64 = points().map(|(_, _, m)| m).sum();
+    let middle = points().map(|(q, _, m)| q * (m / sum)).sum::<glam::DVec3>();
+    let mut moments = DMat3::ZERO;
+    for (q, r, m) in points() {
+        let a = (q - middle) * m;
+        moments += DMat3::from_cols(a * r.x, a * r.y, a * r.z);
+    }
+    let near = DQuat::from_xyzw(near.x.into(), near.y.into(), near.z.into(), near.w.into());
+    let q = rotation::nearest(moments, near.normalize());
+    let q = Vec4::new(q.x as f32, q.y as f32, q.z as f32, q.w as f32);
+    if q.is_finite() { q } else { Vec4::W }
+}
+
+/// A right-handed frame with its first axis along `a` and `b` in the plane of the first two.
+fn frame(a: Vec3, b: Vec3) -> Option<Mat3> {
+    let (x, z) = (a.try_normalize()?, a.cross(b).try_normalize()?);
+    Some(Mat3::from_cols(x, z.cross(x), z))
+}
+
+/// What a group keeps from reading for writing.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PoseSums {
+    /// Centres as predicted, metres from the origin.
+    pub(super) centre: [LaneArray; 3],
+    /// `Σ m (q - q̄)(p - p̄)ᵀ` by columns, kg·m².
+    pub(super) pairs: [[LaneArray; 3]; 3],
+}
+
+/// Where the particles are relative to the origin of their body collider's first one.
+#[derive(Clone, Debug, Default)]
+pub(super) struct OriginOffsets {
+    /// One for each slot; empty where all particles of each body collider have one origin, as those of an island do.
+    origin_offsets: Vec<[LaneArray; 3]>,
+}
+
+/// Reads a group.
+pub(super) struct ExtractPose<'a> {
+    pub(super) group: &'a BodyGroup,
+    pub(super) slots: &'a [Slot],
+    pub(super) origin_offsets: Option<&'a [[LaneArray; 3]]>,
+    pub(super) position: &'a [Vec4],
+    /// Positions at the start; or, afresh, velocities.
+    pub(super) other: &'a [Vec4],
+    pub(super) fresh: bool,
+    pub(super) bodies: &'a mut Bodies,
+    /// The first row of the group among the bodies.
+    pub(super) first: usize,
+    pub(super) sums: &'a mut PoseSums,
+    /// Their swept bounds, and the time since the step began, seconds; `None` afresh.
+    pub(super) wide_swept: Option<(&'a WideSweptBounds, f32)>,
+    /// Scratch.
+    pub(super) gathered: &'a mut Vec<Gathered>,
+}
+
+/// One particle of each of eight body colliders, gathered once for two passes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Gathered {
+    pub(super) position: [LaneArray; 3],
+    /// Displacement or velocity.
+    pub(super) moved: [LaneArray; 3],
+    inverse_mass: LaneArray,
+}
+
+impl Work for ExtractPose<'_> {
+    /// A bit for each lane: afresh, where the rotation could not be found; otherwise, where a body collider has left its swept bounds.
+    type Output = u32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> u32 {
+        let Self {
+            group,
+            slots,
+            origin_offsets,
+            position,
+            other,
+            fresh,
+            bodies,
+            first,
+            sums,
+            wide_swept,
+            gathered,
+        } = self;
+        let mass = &group.mass;
+        if slots.is_empty() {
+            return 0;
+        }
+        let source = ParticleSource { slots, origin_offsets, position, other, fresh };
+        let (centre, step) = source.centre::<L>(mass, gathered);
+        let (mut pairs, mut moments, mut momentum) =
+            (Matrix::<L>::zero(), Matrix::<L>::zero(), zero::<L>());
+        for (slot, kept) in slots.iter().zip(gathered) {
+            let (q, moved) = (load(&kept.position), load(&kept.moved));
+            let (w, pull) = (L::load(&kept.inverse_mass), L::load(&slot.pull));
+            let own = L::zero().lt(w).and(pull);
+            let (arm, moved) = (q - centre, moved - step);
+            moments.add_outer(arm * pull, load(&slot.rest));
+            momentum += arm.cross(moved) * pull;
+            let start = if fresh { arm } else { arm - moved };
+            pairs.add_outer(arm * own, start);
+        }
+        let rows = from_row(first);
+        let [.., rotation] = L::records::<FIELDS>(&bodies.rows, &rows);
+        let (q, residual) = nearest(mass, &moments, rotation, fresh);
+        let r = Matrix::of(q);
+        let inverse = Symmetric::load(&mass.inverse_inertia).turned(&r);
+        let led = if group.pinned { Symmetric::load(&mass.led).turned(&r) } else { inverse };
+        let spin = led.times(momentum);
+        let none = L::zero();
+        let start = if fresh { centre } else { centre - step };
+        let fields = [
+            zero::<L>().with(L::load(&mass.inverse_mass)),
+            zero::<L>().with(none),
+            inverse.along.with(none),
+            inverse.across.with(none),
+            start.with(none),
+            step.with(none),
+            spin.with(none),
+            q,
+        ];
+        L::put_records(&mut bodies.rows, &rows, fields);
+        store(centre, &mut sums.centre);
+        for (column, to) in [pairs.x, pairs.y, pairs.z].into_iter().zip(&mut sums.pairs) {
+            store(column, to);
+        }
+        wide_swept.map_or(residual, |(wide_swept, time)| wide_swept.left::<L>(centre, q, time))
+    }
+}
+
+/// Where particles are, and where they come from.
+pub(super) struct ParticleSource<'a> {
+    pub(super) slots: &'a [Slot],
+    pub(super) origin_offsets: Option<&'a [[LaneArray; 3]]>,
+    pub(super) position: &'a [Vec4],
+    pub(super) other: &'a [Vec4],
+    pub(super) fresh: bool,
+}
+
+impl ParticleSource<'_> {
+    /// Centres, and how far those have gone or how fast they go; and what was gathered.
+    #[inline(always)]
+    pub(super) fn centre<L: Lanes>(
+        &self,
+        mass: &WideMass,
+        gathered: &mut Vec<Gathered>,
+    ) -> (Vector<L>, Vector<L>) {
+        let held = L::zero().lt(L::load(&mass.held));
+        gathered.resize(self.slots.len(), Gathered::default());
+        let (mut near, mut sum, mut step) = (zero::<L>(), zero::<L>(), zero::<L>());
+        for (number, (slot, kept)) in self.slots.iter().zip(gathered).enumerate() {
+            let (q, moved, w) = self.gather::<L>(number);
+            if number == 0 {
+                near = q;
+            }
+            store(q, &mut kept.position);
+            store(moved, &mut kept.moved);
+            w.store(&mut kept.inverse_mass);
+            let (pull, free) = (L::load(&slot.pull), L::zero().lt(w));
+            let decides = held.select(free.select(L::zero(), pull), pull);
+            sum += (q - near) * decides;
+            step += moved * decides;
+        }
+        let middle = L::load(&mass.middle);
+        (near + sum * middle, step * middle)
+    }
+
+    /// Position, displacement or velocity, and inverse mass of one particle of each body collider.
+    #[inline(always)]
+    fn gather<L: Lanes>(&self, number: usize) -> (Vector<L>, Vector<L>, L) {
+        let slot = &self.slots[number];
+        let (mut q, w) = Vector::of(L::rows(self.position, &slot.rows));
+        let (other, _) = Vector::of(L::rows(self.other, &slot.rows));
+        let moved = if self.fresh { other } else { q - other };
+        if let Some(origin_offsets) = self.origin_offsets {
+            q += load(&origin_offsets[number]);
+        }
+        (q, moved, w)
+    }
+}
+
+/// The rotation nearest to the moments, from one that is near.
+#[inline(always)]
+fn nearest<L: Lanes>(
+    mass: &WideMass,
+    moments: &Matrix<L>,
+    from: [L; 4],
+    fresh: bool,
+) -> ([L; 4], u32) {
+    let regularisation = Symmetric::<L>::load(&mass.regularisation);
+    // Who is done waits for the others as it is: who is beside it must not matter.
+    let (mut q, mut going) = (from, L::zero().same(L::zero()));
+    for _ in 0..if fresh { FRESH } else { STEPS } {
+        let s = Matrix::of(q).transposed_times(moments);
+        let half = L::splat(-0.5);
+        let along = Vector::new(s.y.y + s.z.z, s.x.x + s.z.z, s.x.x + s.y.y);
+        let across =
+            Vector::new((s.x.y + s.y.x) * half, (s.x.z + s.z.x) * half, (s.y.z + s.z.y) * half);
+        let k = Symmetric {
+            along: along + regularisation.along,
+            across: across + regularisation.across,
+        };
+        let gradient = Vector::new(s.y.z - s.z.y, s.z.x - s.x.z, s.x.y - s.y.x);
+        let (w, pivot) = k.solve(gradient);
+        let square = w.length_squared();
+        // Where that is no maximum, the last one stays.
+        let good = L::zero().lt(pivot).and(square.le(L::splat(1e6)));
+        let good = going.and(good);
+        let one = L::splat(1.0);
+        let next = turn_further(q, w, one + (one + square).sqrt());
+        for (old, new) in q.iter_mut().zip(next) {
+            *old = good.select(new, *old);
+        }
+        going = good.and(square.lt(L::splat(DONE))).select(L::zero(), going);
+        if !going.any() {
+            break;
+        }
+    }
+    (q, going.bits() & 0xFF)
+}
+
+impl OriginOffsets {
+    /// Notes the origins of particles where they differ within a body collider.
+    pub(super) fn take(&mut self, groups: &BodyGroups, particles: &Particles) {
+        self.origin_offsets.clear();
+        let origin = |row: u32| particles.origin[row as usize];
+        let even = |part: &CompiledCollider| {
+            let rows = &groups.rows[part.entries.clone()];
+            let first = rows.first().map_or(Vec3::ZERO, |&first| origin(first));
+            rows.iter().all(|&row| origin(row) == first)
+        };
+        if groups.parts.iter().all(even) {
+            return;
+        }
+        for group in &groups.groups {
+            let slots = &groups.slots[group.slots.clone()];
+            for slot in slots {
+                let mut lift = [LaneArray::default(); 3];
+                for lane in 0..slot.rows.len() {
+                    let by = origin(slot.rows[lane]) - origin(slots[0].rows[lane]);
+                    for (to, from) in lift.iter_mut().zip(by.to_array()) {
+                        to[lane] = from;
+                    }
+                }
+                self.origin_offsets.push(lift);
+            }
+        }
+    }
+
+    /// Those of some slots.
+    pub(super) fn of(&self, group: &BodyGroup) -> Option<&[[LaneArray; 3]]> {
+        self.origin_offsets.get(group.slots.clone())
+    }
+}
+
+/// Changes of rows that several body colliders share, or that are alone in their eight: to be added when all are known. Slot by slot, and in each
+/// body collider by body collider: what is summed up of those that share a row must not depend on who else is in their eights.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SharedDeltas(Vec<Vec<(u32, Vec4)>>);
+
+impl SharedDeltas {
+    /// Forgets all, and keeps the memory.
+    pub(super) fn clear(&mut self) {
+        self.0.iter_mut().for_each(Vec::clear);
+    }
+
+    /// In their order.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (u32, Vec4)> {
+        self.0.iter().flatten().copied()
+    }
+
+    /// The list of a slot.
+    fn of(&mut self, slot: usize) -> &mut Vec<(u32, Vec4)> {
+        if self.0.len() <= slot {
+            self.0.resize_with(slot + 1, Vec::new);
+        }
+        &mut self.0[slot]
+    }
+}
+
+/// Changes the particles of a group.
+pub(super) struct ApplyPoseDelta<'a> {
+    pub(super) group: &'a BodyGroup,
+    pub(super) slots: &'a [Slot],
+    pub(super) origin_offsets: Option<&'a [[LaneArray; 3]]>,
+    pub(super) position: &'a mut [Vec4],
+    /// What is changed instead of the positions.
+    pub(super) velocity: Option<&'a mut [Vec4]>,
+    pub(super) bodies: &'a Bodies,
+    pub(super) first: usize,
+    pub(super) sums: &'a PoseSums,
+    pub(super) shared: &'a mut SharedDeltas,
+}
+
+impl Work for ApplyPoseDelta<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { group, slots, origin_offsets, position, mut velocity, .. } = self;
+        let Self { bodies, first, sums, shared, .. } = self;
+        let [shift, turn, .., rotation] = L::records::<FIELDS>(&bodies.rows, &from_row(first));
+        let (shift, turn) = (Vector::of(shift).0, Vector::of(turn).0);
+        let much = shift.length_squared() + turn.length_squared();
+        if !L::zero().lt(much).any() {
+            return;
+        }
+        let r = Matrix::of(rotation);
+        let field = field::<L>(group, turn, &r, sums, velocity.is_none());
+        let centre = load(&sums.centre);
+        for (number, slot) in slots.iter().enumerate() {
+            let (q, w) = Vector::of(L::rows(position, &slot.rows));
+            let arm = match origin_offsets {
+                Some(origin_offsets) => q + load(&origin_offsets[number]) - centre,
+                None => q - centre,
+            };
+            // Of a pinned one nothing.
+            let share = L::zero().lt(w).and(L::load(&slot.share));
+            let moved = (shift + field.times(arm)) * share;
+            if group.scattered {
+                let mut by = [Vec4::ZERO; LANES];
+                L::put_run(&mut by, 0, moved.with(L::zero()));
+                let shared = shared.of(number);
+                for (row, by) in slot.rows.iter().zip(by) {
+                    if by != Vec4::ZERO {
+                        shared.push((*row, by));
+                    }
+                }
+            } else if let Some(velocity) = &mut velocity {
+                let (v, lag) = Vector::of(L::rows(velocity, &slot.rows));
+                L::put_rows(velocity, &slot.rows, (v + moved).with(lag));
+            } else {
+                L::put_rows(position, &slot.rows, (q + moved).with(w));
+            }
+        }
+    }
+}
+
+/// `D`, which takes arms to displacements, of body colliders with the rotations `r`.
+#[inline(always)]
+fn field<L: Lanes>(
+    group: &BodyGroup,
+    turn: Vector<L>,
+    r: &Matrix<L>,
+    sums: &PoseSums,
+    rotates: bool,
+) -> Matrix<L> {
+    let (none, one) = (L::zero(), L::splat(1.0));
+    let mass = &group.mass;
+    let mut field = Matrix::zero();
+    if rotates {
+        // ΔR - 1 = 2 ([v] + [v]²) / (1 + v²) of the quaternion (v, 1), and [v]² = v vᵀ - v² 1.
+        let half = turn * L::splat(0.5);
+        let square = half.length_squared();
+        let factor = L::splat(2.0) / (one + square);
+        field.add_outer(half, half);
+        field.x.x = field.x.x - square;
+        field.y.y = field.y.y - square;
+        field.z.z = field.z.z - square;
+        add_cross(&mut field, half);
+        field = Matrix { x: field.x * factor, y: field.y * factor, z: field.z * factor };
+    }
+    let [x, y, z] = &sums.pairs;
+    let pairs = Matrix { x: load(x), y: load(y), z: load(z) };
+    let wanted = Symmetric::load(&mass.inertia).turned(r).times(turn);
+    let missing = wanted - field.times_matrix(&pairs).twice_axial();
+    let regularisation = Symmetric::load(&mass.regularisation).turned(r);
+    let trace = pairs.x.x + pairs.y.y + pairs.z.z;
+    let j = Matrix {
+        x: Vector::new(trace, none, none) - pairs.x
+            + Vector::new(regularisation.along.x, regularisation.across.x, regularisation.across.y),
+        y: Vector::new(none, trace, none) - pairs.y
+            + Vector::new(regularisation.across.x, regularisation.along.y, regularisation.across.z),
+        z: Vector::new(none, none, trace) - pairs.z
+            + Vector::new(regularisation.across.y, regularisation.across.z, regularisation.along.z),
+    };
+    let further = j.solve(missing);
+    // A part of the turn, or all of it; what is more is none.
+    let most = turn.length_squared() * L::splat(4.0);
+    let free = L::zero().lt(L::load(&mass.free));
+    let sound = free.and(further.length_squared().le(most));
+    let otherwise = if rotates { Vector::new(none, none, none) } else { turn };
+    add_cross(&mut field, further.or_else(sound, otherwise));
+    field
+}
+
+/// Adds `[v]`.
+#[inline(always)]
+fn add_cross<L: Lanes>(to: &mut Matrix<L>, v: Vector<L>) {
+    let none = L::zero();
+    to.x += Vector::new(none, v.z, none - v.y);
+    to.y += Vector::new(none - v.z, none, v.x);
+    to.z += Vector::new(v.y, none - v.x, none);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::InstructionSet;
+
+    /// Eight at a time, on any machine, the bits are those of one at a time; and of what is in line or nowhere nothing is said.
+    #[test]
+    fn eight_are_turned_as_each_alone_is() {
+        let mut state = 3_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 40) as f32 / (1_u64 << 23) as f32 - 1.0
+        };
+        let part = CompiledCollider { far: 1, side: Some(2), ..CompiledCollider::default() };
+        let mut odd = 0;
+        for round in 0..200 {
+            let mut three = || [(); 3].map(|()| Vec3::new(next(), next(), next()));
+            let rest = [(); LANES].map(|()| three());
+            let mut here = [(); LANES].map(|()| three());
+            match round % 4 {
+                // Turned by little; a half turn about each axis in turn; in line; nowhere.
+                0 => here = rest,
+                1 => here[0] = rest[0].map(|r| 2.0 * r * (r.x.abs() - r) - r),
+                2 => here[round % LANES][2] = here[round % LANES][0],
+                _ => here[round % LANES][1] = Vec3::NAN,
+            }
+            let rows: Vec<u32> = (0..3 * LANES as u32).collect();
+            let eight = (0..LANES).map(|lane| (&part, &rows[3 * lane..], &rest[lane][..]));
+            let Some(rotation_reference) = RotationReference::of(eight) else { continue };
+            let position: Vec<Vec4> =
+                here.iter().flatten().map(|place| place.extend(1.0)).collect();
+            for set in [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2] {
+                let mut turned = [Vec4::ZERO; LANES];
+                let (rotation_reference, position) = (&rotation_reference, &position[..]);
+                let known = with(
+                    set,
+                    InitialRotation { rotation_reference, position, turned: &mut turned },
+                );
+                for lane in 0..LANES {
+                    let ([a, b, c], [p, q, r]) = (rest[lane], here[lane]);
+                    let frames = (frame(b - a, c - a), frame(q - p, r - p));
+                    let (Some(from), Some(to)) = frames else {
+                        odd += 1;
+                        assert_eq!(known >> lane & 1, 0, "{set:?}, round {round}, lane {lane}");
+                        continue;
+                    };
+                    let alone = quaternion(&(to * from.transpose()));
+                    assert_eq!(known >> lane & 1, 1, "{set:?}, round {round}, lane {lane}");
+                    let bits = |q: Vec4| q.to_array().map(f32::to_bits);
+                    assert_eq!(bits(turned[lane]), bits(alone), "{set:?}, round {round}");
+                }
+            }
+        }
+        assert!(odd > 100, "{odd}");
+    }
+}
