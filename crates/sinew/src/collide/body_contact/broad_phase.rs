@@ -1,18 +1,47 @@
-//! Broad phase of body colliders: their swept bounds, the pairs of bounds that overlap, and the manifolds of the pairs.
+//! Broad phase of body colliders: where they go in a step, the pairs that may come to touch, and the pairs that were missed.
+//!
+//! When a step begins, each body collider gets swept bounds, the pairs of bounds that overlap are listed, and the narrow phase compares them.
+//!
+//! # Swept bounds
+//!
+//! They say where a body collider goes in a step, extrapolated from the pose and the velocity at the broad phase, with a speculative margin beside
+//! that path for spin and jolts. Pairs follow from their overlaps; a collider that leaves its bounds is searched for again.
+//!
+//! # Missed pairs
+//!
+//! What was found for a step holds as long as all go on as they went when it began, give or take what jolts may do. In a heap that tumbles there is
+//! always one that does not: it leaves its swept bounds, and is searched for by itself, from where it is, and what it may come to touch is added to
+//! what was found. What was found before stays: of two that turn or slide on each other others see to that (`narrow_phase`). So nobody minds, to the
+//! last bit, whether something far off has left its swept bounds.
+//!
+//! Missed manifolds have colours of their own, and are solved after all others.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
-use super::super::World;
 use super::super::nearby::Nearby;
+use super::super::{Frame, World};
 use super::BodyContactSolver;
-use super::bodies::{ROTATION, SHIFT};
-use super::contact_cache::ContactCache;
-use super::contacts::{colour, pack_contacts};
-use super::mass_ratio::set_levels;
+use super::bodies::{ROTATION, SHIFT, rotation};
+use super::contact_cache::{CacheBuilder, ContactCache};
 use super::pose::{ExtractPose, certain};
-use super::swept_bounds::{SweptBounds, WideSweptBounds};
-use crate::lanes::{LANES, Record, with};
+use super::turn::{LaneArray, load};
+use super::wide_contact::{
+    Contact, SWEEPS, WideContact, colour, keep_for_impacts, pack_contacts, put, set, set_levels,
+};
+use crate::lanes::{LANES, Lanes, Record, Vector, with};
 use crate::particles::{NO_BODY, Particles};
+
+/// How far from its path a body collider may be thrown in a step before contacts of it are looked for again, by what gravity alone does, `g dt²`. Of
+/// a hundred ragdolls that roll down stairs there are always some that are jolted by more; more than this lists pairs that never touch, which costs
+/// more than to look again at those few.
+const JOLTED: f32 = 2.0;
+/// The same by how far it goes: where there is no gravity, there are jolts all the same.
+const SWERVED: f32 = 0.1;
+/// And by its size, so that round-off is no jolt.
+const SHAKEN: f32 = 1e-3;
+
+/// From so many on that lie elsewhere than in the grid it is filled anew: each of them is compared with each that leaves its swept bounds.
+const MANY: usize = 128;
 
 impl BodyContactSolver {
     /// Finds at the start of a step everything that may come to touch in it.
@@ -177,5 +206,323 @@ impl BodyContactSolver {
             let (start, end) = (geometry.frame_at(world, from), geometry.frame_at(world, to));
             self.bodies.place(first + number, &start, &end);
         }
+    }
+}
+
+/// A body collider where contacts of it were looked for, and how it goes on from there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SweptBounds {
+    /// Its centre, from its origin, metres.
+    pub(super) centre: Vec3,
+    /// Its own frame, from its origin.
+    pub(super) frame: Frame,
+    /// Of its centre, m/s.
+    pub(super) velocity: Vec3,
+    /// Speculative margin: how far beside its path a point of it may get in the step, metres.
+    pub(super) speculative_margin: f32,
+    pub(super) origin: Vec3,
+    pub(super) body: u32,
+    /// Its first particle.
+    pub(super) row: u32,
+    /// In the world: all that it may get to.
+    pub(super) bounds: (Vec3, Vec3),
+    pub(super) sound: bool,
+}
+
+impl Default for SweptBounds {
+    fn default() -> Self {
+        Self {
+            centre: Vec3::ZERO,
+            frame: Frame::IDENTITY,
+            velocity: Vec3::ZERO,
+            speculative_margin: 0.0,
+            origin: Vec3::ZERO,
+            body: NO_BODY,
+            row: 0,
+            bounds: (Vec3::NAN, Vec3::NAN),
+            sound: false,
+        }
+    }
+}
+
+impl SweptBounds {
+    /// How much nearer it may come in so many seconds to static geometry, metres.
+    pub(super) fn reach(&self, time: f32) -> f32 {
+        self.velocity.length() * time + self.speculative_margin
+    }
+
+    /// The same of another one, which has its own path.
+    pub(super) fn reach_of(&self, other: &Self, time: f32) -> f32 {
+        (self.velocity - other.velocity).length() * time
+            + self.speculative_margin
+            + other.speculative_margin
+    }
+
+    /// How far it may get against a direction, metres.
+    pub(super) fn reach_against(&self, normal: Vec3, time: f32) -> f32 {
+        (-normal.dot(self.velocity)).max(0.0) * time + self.speculative_margin
+    }
+}
+
+/// The swept bounds of eight body colliders.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WideSweptBounds {
+    /// Where they would have been when the step began, metres from their origins; and how fast they go, m/s.
+    centre: [LaneArray; 3],
+    velocity: [LaneArray; 3],
+    rotation: [LaneArray; 4],
+    /// Metres; infinite for none.
+    speculative_margin: LaneArray,
+    /// How far out they reach, metres.
+    reach: LaneArray,
+}
+
+impl Default for WideSweptBounds {
+    fn default() -> Self {
+        let none = LaneArray::default();
+        let vector = [none; 3];
+        let (rotation, speculative_margin) = ([none; 4], [f32::INFINITY; LANES]);
+        Self { centre: vector, velocity: vector, rotation, speculative_margin, reach: none }
+    }
+}
+
+impl WideSweptBounds {
+    /// Notes a body collider that is where it was seen so many seconds after the step began.
+    fn put(&mut self, lane: usize, swept: &SweptBounds, q: Vec4, reach: f32, time: f32) {
+        set(&mut self.centre, lane, swept.centre - swept.velocity * time);
+        set(&mut self.velocity, lane, swept.velocity);
+        for (to, from) in self.rotation.iter_mut().zip(q.to_array()) {
+            to[lane] = from;
+        }
+        (self.speculative_margin[lane], self.reach[lane]) = (swept.speculative_margin, reach);
+    }
+
+    /// A bit for each that is farther beside its path than its margin, so many seconds after the step began.
+    #[inline(always)]
+    pub(super) fn left<L: Lanes>(&self, centre: Vector<L>, [x, y, z, w]: [L; 4], time: f32) -> u32 {
+        let [was_x, was_y, was_z, was_w] = &self.rotation;
+        let was = Vector::new(L::load(was_x), L::load(was_y), L::load(was_z));
+        let now = Vector::new(x, y, z);
+        // Half of it is the sine of half the angle.
+        let turned = now * L::load(was_w) - was * w - was.cross(now);
+        let turned = turned.length() * L::splat(2.0);
+        let there = load::<L>(&self.centre) + load::<L>(&self.velocity) * L::splat(time);
+        let gone = (centre - there).length() + turned * L::load(&self.reach);
+        L::load(&self.speculative_margin).lt(gone).bits() & 0xFF
+    }
+}
+
+impl BodyContactSolver {
+    /// Notes where a body collider is and how it goes on, after a share of the step. `rate` takes what was read as its step and its spin to speeds.
+    fn note(
+        &mut self,
+        number: usize,
+        particles: &Particles,
+        world: &World,
+        (share, rate): (f32, f32),
+    ) {
+        let Self { groups, bodies, swept, wide_swept, .. } = self;
+        let part = &groups.parts[number];
+        let first = groups.rows.get(part.entries.start);
+        let touches = |&&row: &&u32| !world.filter.body(particles.body[row as usize]).disabled;
+        let Some(&row) = first.filter(|_| part.sound).filter(touches) else {
+            swept[number] = SweptBounds::default();
+            return;
+        };
+        let (row, place) = (row as usize, groups.place(number));
+        let [.., centre, step, spin, _] = bodies[place].map(Vec4::truncate);
+        let (q, dt) = (bodies[place][ROTATION], world.dt);
+        let (velocity, left) = (step * rate, dt * (1.0 - share));
+        let way = velocity * left;
+        let spun = spin.length() * rate * part.reach * left;
+        let jolted = JOLTED * world.gravity * dt * dt;
+        let speculative_margin = spun + jolted + SWERVED * way.length() + SHAKEN * part.reach;
+        let origin = particles.origin[row];
+        let r = rotation(q);
+        let frame = Frame { translation: centre - r * part.centre, rotation: r };
+        let sound = centre.is_finite()
+            && way.is_finite()
+            && speculative_margin.is_finite()
+            && q.is_finite();
+        let (low, high) = world.body_colliders[number].shape.bounds_in(&frame);
+        // Far out the sum with the origin is rounded.
+        let wide = speculative_margin + 1e-6 * (origin.abs().max_element() + 1.0);
+        let (low, high) = (low + way.min(Vec3::ZERO), high + way.max(Vec3::ZERO));
+        let bounds = (low + origin - wide, high + origin + wide);
+        let bounds = if sound { bounds } else { (Vec3::NAN, Vec3::NAN) };
+        let body = particles.body[row];
+        let row = row as u32;
+        let one = SweptBounds {
+            centre,
+            frame,
+            velocity,
+            speculative_margin,
+            origin,
+            body,
+            row,
+            bounds,
+            sound,
+        };
+        swept[number] = one;
+        let eight = &mut wide_swept[place / LANES];
+        let lane = place % LANES;
+        if sound {
+            eight.put(lane, &one, q, part.reach, dt * share);
+        } else {
+            eight.speculative_margin[lane] = f32::INFINITY;
+        }
+    }
+}
+
+/// Pairs and manifolds that were found within a step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MissedPairs {
+    /// How many manifolds were found, and wide contacts made of them, when the step began: those behind them were missed by the broad phase.
+    contacts: usize,
+    pub(super) wide_contacts: usize,
+    /// [Classes](Contact::class) of the wide contacts of missed manifolds, ascending.
+    classes: Vec<usize>,
+    /// For each body collider which colours it has.
+    used: Vec<u64>,
+    /// The two of each missed manifold as they are in [`Contact`], and which part of them; sorted.
+    met: Vec<[u32; 3]>,
+    /// Who lies elsewhere than in the grid.
+    moved: Vec<u32>,
+    pairs: Vec<[u32; 2]>,
+}
+
+impl MissedPairs {
+    /// A step begins, for which so many manifolds were found.
+    pub(super) fn begin(&mut self, contacts: usize) {
+        self.contacts = contacts;
+        self.classes.clear();
+        self.used.clear();
+        self.met.clear();
+        self.moved.clear();
+    }
+
+    /// Whether a part of two was found.
+    pub(super) fn has(
+        &self,
+        [a, b]: [u32; 2],
+        part: u32,
+        contacts: &[Contact],
+        cache: &CacheBuilder,
+    ) -> bool {
+        let first = &contacts[..self.contacts];
+        let from = first.partition_point(|one| [one.a, one.b] < [a, b]);
+        let mut same = first[from..].iter().take_while(|one| [one.a, one.b] == [a, b]);
+        same.any(|one| cache.part(one) == part) || self.met.binary_search(&[a, b, part]).is_ok()
+    }
+}
+
+impl BodyContactSolver {
+    /// Finds the missed pairs of those that have left their swept bounds, from where they were after a share of the step.
+    pub(super) fn find_missed_pairs(
+        &mut self,
+        particles: &Particles,
+        world: &World,
+        nearby: &Nearby,
+        share: f32,
+    ) {
+        let mut outside_bounds = core::mem::take(&mut self.outside_bounds);
+        outside_bounds.sort_unstable();
+        for &number in &outside_bounds {
+            self.note(number as usize, particles, world, (share, 1.0 / self.h));
+            self.bounds[number as usize] = self.swept[number as usize].bounds;
+        }
+        let mut pairs = core::mem::take(&mut self.missed.pairs);
+        self.around(&outside_bounds, world, share, &mut pairs);
+        let first = self.contacts.len();
+        for &[a, b] in &pairs {
+            for number in [a, b].map(|number| number as usize) {
+                if let Some(part) = self.groups.parts.get(number).filter(|part| part.sound) {
+                    let place = self.groups.place(number);
+                    self.swept[number].frame = self.bodies.frame(place, part.centre);
+                }
+            }
+            self.compare([a as usize, b as usize], particles, world, (share, true));
+        }
+        (self.outside_bounds, self.missed.pairs) = (outside_bounds, pairs);
+        for number in first..self.contacts.len() {
+            self.pack_missed(number);
+        }
+        keep_for_impacts(&mut self.wide_contacts);
+        let Self { missed, contacts, cache, .. } = self;
+        missed.met.extend(contacts[first..].iter().map(|one| [one.a, one.b, cache.part(one)]));
+        missed.met.sort_unstable();
+        if !self.loose.none_collide() {
+            self.note_contact_events();
+            self.loose.broad_phase(&self.swept, &self.groups, particles, world, nearby);
+        }
+    }
+
+    /// Pairs of some body colliders and of whatever may come near them; sorted, each once.
+    fn around(&mut self, these: &[u32], world: &World, share: f32, pairs: &mut Vec<[u32; 2]>) {
+        let Self { swept, static_geometry, clusters, bounds, groups, missed, .. } = self;
+        pairs.clear();
+        if missed.moved.len() + these.len() > MANY {
+            clusters.0.fill(bounds);
+            missed.moved.clear();
+        } else {
+            missed.moved.extend(these);
+            missed.moved.sort_unstable();
+            missed.moved.dedup();
+        }
+        for &number in these {
+            clusters.0.around(number, bounds, &missed.moved, pairs);
+            let one = &swept[number as usize];
+            for (geometry, at) in
+                static_geometry.iter().zip(swept.len()..).filter(|(geometry, _)| geometry.endless)
+            {
+                let size = groups.parts[number as usize].reach;
+                if one.sound && geometry.is_below(one, size, world, share) {
+                    pairs.push([number, at as u32]);
+                }
+            }
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+    }
+
+    /// Puts a missed manifold into the first wide contact of its colour that has room.
+    fn pack_missed(&mut self, number: usize) {
+        let Self { missed, contacts, wide_contacts, groups, bodies, cache, h, .. } = self;
+        let one = &mut contacts[number];
+        let (a, b) = (one.a as usize, one.b as usize);
+        missed.used.resize(groups.parts.len(), 0);
+        let taken = missed.used[a] | missed.used.get(b).copied().unwrap_or(0);
+        one.colour = (!taken).trailing_zeros();
+        if one.colour < u64::BITS {
+            missed.used[a] |= 1 << one.colour;
+            if let Some(used) = missed.used.get_mut(b) {
+                *used |= 1 << one.colour;
+            }
+        } else {
+            // One by itself.
+            one.colour = u64::BITS + number as u32;
+        }
+        let free = |wide: &WideContact| wide.number.iter().position(|number| *number == u32::MAX);
+        let end = missed.classes.partition_point(|class| *class <= one.class());
+        let last = end.checked_sub(1).filter(|&last| missed.classes[last] == one.class());
+        let room =
+            last.and_then(|last| Some((last, free(&wide_contacts[missed.wide_contacts + last])?)));
+        let (place, lane) = room.unwrap_or((end, 0));
+        if room.is_none() {
+            missed.classes.insert(end, one.class());
+            let nothing = (bodies.rows.len() - 1) as u32;
+            wide_contacts.insert(
+                missed.wide_contacts + end,
+                WideContact::empty(nothing, one.fixed.is_some(), SWEEPS[one.level]),
+            );
+        }
+        let solid = b < groups.parts.len();
+        let rows = [groups.place(a), if solid { groups.place(b) } else { b }];
+        let centre =
+            |number: usize| groups.parts.get(number).map_or(Vec3::ZERO, |part| part.centre);
+        let known = &cache.now[one.cache_index as usize];
+        let to = (&mut wide_contacts[missed.wide_contacts + place], lane);
+        let rows = rows.map(|row| row as u32);
+        put(to, (number as u32, rows), (one, known), [centre(a), centre(b)], *h);
     }
 }

@@ -25,8 +25,7 @@ use glam::Vec3;
 
 use super::super::Frame;
 use super::super::manifold::Manifold;
-use super::contacts::{Contact, set};
-use super::wide_contact::{WideContact, may_slide, may_turn, staleness_rate};
+use super::wide_contact::{Contact, WideContact, may_slide, may_turn, set, staleness_rate};
 
 /// How much farther than needed manifolds are looked for, as a share of the smaller one's size: two that have moved against each other by less than
 /// that keep theirs. More would list pairs that never touch.

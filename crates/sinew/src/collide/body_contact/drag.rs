@@ -14,9 +14,8 @@
 use glam::Vec3;
 
 use super::bodies::{Bodies, SHIFT, TURN};
-use super::contacts::Contact;
 use super::loose::ScalarBody;
-use super::wide_contact::WideContact;
+use super::wide_contact::{Contact, WideContact};
 use crate::constraints::PlanarDrag;
 use crate::lanes::LANES;
 use crate::particles::rate_of_drag;

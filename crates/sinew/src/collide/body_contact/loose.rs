@@ -6,9 +6,9 @@ use super::super::nearby::Nearby;
 use super::super::{CombinedMaterial, ContactParticipant, World};
 use super::ContactEvent;
 use super::bodies::{Bodies, ROTATION, SHIFT, TURN, rotation};
+use super::broad_phase::SweptBounds;
 use super::groups::BodyGroups;
 use super::narrow_phase::participant;
-use super::swept_bounds::SweptBounds;
 use crate::particles::{NO_BODY, Particles};
 
 /// Particles near body colliders. Scratch.

@@ -11,18 +11,13 @@
 //! | `pose` | poses out of particles, from nothing and from the last substep's; and the change of a pose back to them, with momentum |
 //! | `bodies` | what contacts know of a body collider, or of static geometry: columns |
 //! | `static_geometry` | colliders, planes and boxes |
-//! | `swept_bounds` | where a body collider goes in a step, with a speculative margin |
-//! | `broad_phase` | what may come to touch what in it; `missed_pairs`: and what does that has left its swept bounds |
-//! | `narrow_phase` | the manifolds of a pair: cached, or computed afresh |
-//! | `refresh` | the same within a step for a pair that has turned |
-//! | `contacts` | manifolds of a step: coloured, and packed into wide contacts |
+//! | `broad_phase` | where a body collider goes in a step, what it may come to touch there, and what does that has left those bounds |
+//! | `narrow_phase` | the manifolds of a pair: cached, or computed afresh, or within a step once it has turned; and which overlap at rest, and never touch |
 //! | `contact_cache` | what is kept from one step to the next |
-//! | `wide_contact` | eight manifolds of one colour |
-//! | `mass_ratio` | which of those are pressed more than once in a substep |
+//! | `wide_contact` | contacts of a step: coloured, packed by eight, and which are pressed more than once in a substep |
 //! | `normal_solve` | their normal impulses; `friction`: their friction, with `tangential_slip`; `patch_solve` solves the few unknowns of one manifold |
 //! | `restitution` | restitution, as one problem; `drag`: the lectures' friction |
 //! | `loose` | body colliders and single particles |
-//! | `rest_overlap` | parts of one body that overlap at rest, and never touch |
 //! | `constraint_residual` | what joints take back of it where body colliders share particles |
 //! | `segment` | ropes by their segments |
 //! | `contact_events` | contact events, for the report |
@@ -33,23 +28,17 @@ mod broad_phase;
 mod constraint_residual;
 mod contact_cache;
 mod contact_events;
-mod contacts;
 mod drag;
 mod friction;
 mod groups;
 mod loose;
-mod mass_ratio;
-mod missed_pairs;
 mod narrow_phase;
 mod normal_solve;
 mod patch_solve;
 mod pose;
-mod refresh;
-mod rest_overlap;
 mod restitution;
 mod segment;
 mod static_geometry;
-mod swept_bounds;
 mod tangential_slip;
 #[cfg(test)]
 mod tests;
@@ -66,20 +55,18 @@ use super::{Kept, Shape, World};
 use crate::lanes::{InstructionSet, LANES, with};
 use crate::particles::Particles;
 use bodies::Bodies;
+use broad_phase::{MissedPairs, SweptBounds, WideSweptBounds};
 use contact_cache::{CacheBuilder, FrictionAnchor};
 use contact_events::ContactEvent;
-use contacts::{Contact, SensorOverlap};
 use friction::{FrictionSolve, PredictImpulse};
 use groups::BodyGroups;
 use loose::Loose;
-use missed_pairs::MissedPairs;
+use narrow_phase::RestOverlaps;
 use normal_solve::NormalSolve;
 use pose::{ApplyPoseDelta, ExtractPose, Gathered, OriginOffsets, PoseSums, SharedDeltas};
-use rest_overlap::RestOverlaps;
 use restitution::Impacts;
 use static_geometry::StaticGeometry;
-use swept_bounds::{SweptBounds, WideSweptBounds};
-use wide_contact::WideContact;
+use wide_contact::{Contact, SensorOverlap, WideContact};
 
 pub use contact_cache::{CachedManifold, ContactCache};
 

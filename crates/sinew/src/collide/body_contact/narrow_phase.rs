@@ -1,17 +1,37 @@
-//! Narrow phase: the manifolds of a pair, from the contact cache as long as they are valid, and otherwise computed afresh.
+//! Narrow phase: the manifolds of a pair.
+//!
+//! They are taken from the contact cache as long as they are valid, and otherwise computed afresh.
+//!
+//! # Refresh within a step
+//!
+//! Pairs that turn and slide on each other are compared again, where they are by then, and kinematic geometry is followed.
+//!
+//! # Overlap at rest
+//!
+//! Parts of one body that overlap in its rest shape never touch: a thigh and the pelvis that it goes into, two bones away. They are found when body
+//! colliders, bodies or rest places have changed, for the bodies that touch themselves. Those that are very many are segments of a rope, which are
+//! compared when they come near each other ([`overlaps_at_rest`](BodyCollider::overlaps_at_rest)).
+
+use glam::{Quat, Vec3};
 
 use super::super::manifold::{Scratch, collide, is_of_triangles};
-use super::super::{BodyCollider, ContactParticipant, Frame, Shape, World};
-use super::BodyContactSolver;
+use super::super::{ContactFilter, ContactParticipant, Frame, Shape, World};
+use super::broad_phase::{MissedPairs, SweptBounds};
 use super::contact_cache::{
     CacheBuilder, CachedManifold, ContactKey, FrictionAnchor, Other, SLACK, sort,
 };
-use super::contacts::{Contact, SensorOverlap};
 use super::groups::BodyGroups;
-use super::missed_pairs::MissedPairs;
-use super::swept_bounds::SweptBounds;
-use super::wide_contact::TORSIONAL_RADIUS;
+use super::wide_contact::{Contact, SensorOverlap, TORSIONAL_RADIUS, WideContact, put_manifold};
+use super::{BodyCollider, BodyContactSolver, Kept};
+use crate::lanes::LANES;
 use crate::particles::{NO_BODY, Particles};
+use crate::pose::pose;
+
+/// Parts of a body up to which all pairs are compared beforehand.
+const MOST: usize = 64;
+
+/// By how much two must be clear of each other in the rest shape to touch at all, as a share of how far the smaller one reaches.
+const CLEAR: f32 = 0.01;
 
 impl BodyContactSolver {
     /// Computes the manifolds of a pair after a share of the step, or takes them from the cache; within a step those alone that the broad phase
@@ -312,5 +332,208 @@ pub(super) fn participant(groups: &BodyGroups, number: usize, body: u32) -> Cont
         ContactParticipant::Particle(groups.rows.get(first).copied().unwrap_or_default())
     } else {
         ContactParticipant::Body(body)
+    }
+}
+
+impl BodyContactSolver {
+    /// Compares those again that have turned against each other, or slid on each other, by more than their points are good for; at the places where
+    /// this substep began, after a share of the step.
+    ///
+    /// Where the points of a manifold are farther apart than others may have come nearer than those meanwhile (`WideContact::elsewhere`), nothing
+    /// touches, and nothing is compared: so most that fly past each other never are.
+    pub(super) fn refresh_manifolds(&mut self, world: &World, share: f32) {
+        let Self {
+            groups,
+            swept,
+            static_geometry,
+            contacts,
+            wide_contacts,
+            bodies,
+            scratch,
+            cache,
+            ..
+        } = self;
+        let frame = |number: usize| bodies.frame(groups.place(number), groups.parts[number].centre);
+        let time = (1.0 - share) * world.dt;
+        for wide in wide_contacts {
+            // Nearly all are as they were: that is one question.
+            if (0..LANES).fold(true, |good, lane| good & holds(wide, lane)) {
+                continue;
+            }
+            for lane in 0..LANES {
+                if holds(wide, lane) {
+                    continue;
+                }
+                let Some(one) = contacts.get_mut(wide.number[lane] as usize) else { continue };
+                let known = &mut cache.now[one.cache_index as usize];
+                // Those of several are found once a step.
+                if known.reach < 0.0 {
+                    continue;
+                }
+                let (a, b) = (one.a as usize, one.b as usize);
+                let (shape, own) = (&world.body_colliders[a].shape, frame(a));
+                let geometry = one.geometry.map(|number| &static_geometry[number as usize]);
+                let (other, theirs, centre, reach) = match geometry {
+                    Some(geometry) => {
+                        let theirs = geometry.frame_at(world, share);
+                        let theirs = geometry.seen_from(&theirs, swept[a].origin);
+                        one.offset = theirs.translation;
+                        let reach =
+                            swept[a].reach(time) + geometry.carries(&swept[a], world, share);
+                        (&geometry.shape, theirs, Vec3::ZERO, reach)
+                    }
+                    None => {
+                        let theirs = frame(b);
+                        let reach = swept[a].reach_of(&swept[b], time);
+                        let translation = theirs.translation + one.offset;
+                        (
+                            &world.body_colliders[b].shape,
+                            Frame { translation, ..theirs },
+                            groups.parts[b].centre,
+                            reach,
+                        )
+                    }
+                };
+                let seen_from = own.from_within(&theirs);
+                known.manifold = Default::default();
+                (known.seen_from, known.reach) = (seen_from, reach);
+                collide(shape, other, &seen_from, reach, &mut scratch.0, &mut |manifold| {
+                    known.manifold = *manifold;
+                });
+                put_manifold(wide, lane, (one, known), [groups.parts[a].centre, centre]);
+            }
+        }
+    }
+
+    /// Where kinematic geometry is when a substep begins, as seen from what may touch them.
+    pub(super) fn follow_kinematic_geometry(&mut self, world: &World, from: f32) {
+        let Self { contacts, wide_contacts, static_geometry, swept, .. } = self;
+        if static_geometry.iter().all(|geometry| geometry.moving.is_none()) {
+            return;
+        }
+        for wide in wide_contacts {
+            for lane in 0..LANES {
+                let Some(one) = contacts.get(wide.number[lane] as usize) else { continue };
+                let Some(geometry) = one.geometry.map(|number| &static_geometry[number as usize])
+                else {
+                    continue;
+                };
+                if geometry.moving.is_some() {
+                    let frame = geometry.frame_at(world, from);
+                    let here = geometry.seen_from(&frame, swept[one.a as usize].origin).translation;
+                    for (to, from) in wide.offset.iter_mut().zip(here.to_array()) {
+                        to[lane] = from;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Whether a manifold is still good for what it is needed for.
+#[inline(always)]
+fn holds(wide: &WideContact, lane: usize) -> bool {
+    let staleness = wide.staleness[lane];
+    (staleness < 1.0) | (wide.elsewhere[lane] * staleness < wide.predicted_gap[lane])
+}
+
+/// The pairs that overlap at rest. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(super) struct RestOverlaps {
+    /// Numbers of body colliders, the lower first; sorted.
+    pairs: Vec<[u32; 2]>,
+    /// [Edits](Particles::edits) of the particles when they were found; `None` when body colliders have changed since.
+    seen: Option<u64>,
+    /// Body and number of each body collider; where those of the body at hand are at rest, and the boxes about them.
+    body_colliders: Vec<(u32, u32)>,
+    frames: Vec<(u32, Frame, (Vec3, Vec3))>,
+    scratch: Kept<Scratch>,
+}
+
+impl RestOverlaps {
+    /// Has them looked for anew.
+    pub(super) fn reset(&mut self) {
+        self.seen = None;
+    }
+
+    /// Whether two body colliders of one body overlap at rest, as far as that was found beforehand.
+    #[inline]
+    pub(super) fn has(&self, a: usize, b: usize) -> bool {
+        !self.pairs.is_empty() && self.pairs.binary_search(&[a as u32, b as u32]).is_ok()
+    }
+
+    /// Finds them, if anything has changed.
+    pub(super) fn update(
+        &mut self,
+        body_colliders: &[BodyCollider],
+        groups: &BodyGroups,
+        particles: &Particles,
+        filter: &ContactFilter,
+    ) {
+        if self.seen == Some(particles.edits()) {
+            return;
+        }
+        self.seen = Some(particles.edits());
+        self.pairs.clear();
+        self.body_colliders.clear();
+        if particles.rest.is_empty() {
+            return;
+        }
+        for (number, (solid, part)) in body_colliders.iter().zip(&groups.parts).enumerate() {
+            let body = solid.rows.first().map_or(NO_BODY, |&row| particles.body[row as usize]);
+            if part.sound && filter.body(body).with_itself {
+                self.body_colliders.push((body, number as u32));
+            }
+        }
+        self.body_colliders.sort_unstable();
+        let all = core::mem::take(&mut self.body_colliders);
+        for own in all.chunk_by(|one, other| one.0 == other.0) {
+            if (2..=MOST).contains(&own.len()) {
+                self.compare(own, body_colliders, groups, particles);
+            }
+        }
+        self.body_colliders = all;
+        self.pairs.sort_unstable();
+    }
+
+    /// Compares the body colliders of one body with each other.
+    fn compare(
+        &mut self,
+        own: &[(u32, u32)],
+        body_colliders: &[BodyCollider],
+        groups: &BodyGroups,
+        particles: &Particles,
+    ) {
+        let Self { frames, pairs, scratch, .. } = self;
+        frames.clear();
+        for &(_, number) in own {
+            let solid = &body_colliders[number as usize];
+            let points = solid.rows.iter().zip(&*solid.rest);
+            let points = points.map(|(&row, &rest)| (particles.rest[row as usize], rest, 1.0));
+            // Without a place at rest there is no frame either.
+            if let Some(contacts) = pose(points, Quat::IDENTITY) {
+                let frame = Frame::new(contacts.translation, contacts.rotation);
+                frames.push((number, frame, solid.shape.bounds_in(&frame)));
+            }
+        }
+        for (i, &(a, frame_a, bounds_a)) in frames.iter().enumerate() {
+            for &(b, frame_b, bounds_b) in &frames[i + 1..] {
+                let [one, other] = [a, b].map(|number| number as usize);
+                let apart =
+                    bounds_a.0.cmpgt(bounds_b.1).any() || bounds_b.0.cmpgt(bounds_a.1).any();
+                if apart || groups.share_a_row(one, other) {
+                    continue;
+                }
+                let (shape, with) = (&body_colliders[one].shape, &body_colliders[other].shape);
+                let clear = CLEAR * groups.parts[one].reach.min(groups.parts[other].reach);
+                let (here, mut overlap) = (frame_a.from_within(&frame_b), false);
+                collide(shape, with, &here, clear, &mut scratch.0, &mut |manifold| {
+                    overlap |= manifold.points().iter().any(|point| point.distance < clear);
+                });
+                if overlap {
+                    pairs.push([a.min(b), a.max(b)]);
+                }
+            }
+        }
     }
 }

@@ -42,8 +42,8 @@ use glam::{DMat3, DQuat, Mat3, Vec3, Vec4};
 
 use super::BodyContactSolver;
 use super::bodies::{Bodies, ROTATION, from_row, quaternion};
+use super::broad_phase::WideSweptBounds;
 use super::groups::{BodyGroup, BodyGroups, CompiledCollider, Slot, WideMass};
-use super::swept_bounds::WideSweptBounds;
 use super::turn::{LaneArray, Matrix, Symmetric, load, store, turn_further, zero};
 use crate::collide::World;
 use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work, with};

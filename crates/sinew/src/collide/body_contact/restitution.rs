@@ -34,14 +34,13 @@
 
 use super::BodyContactSolver;
 use super::bodies::{Bodies, WideBody as Rows};
-use super::contacts::Contact;
 use super::drag::{drag, dragged};
 use super::normal_solve::{anchors, skins};
 use super::patch_solve::{ContactPatch, PatchSide, solve_normal_impulses};
 use super::pose::{ApplyPoseDelta, ExtractPose};
 use super::tangential_slip::tangents;
 use super::turn::{Matrix, load};
-use super::wide_contact::{FAR, WideContact};
+use super::wide_contact::{Contact, FAR, WideContact};
 use crate::lanes::{LANES, Lanes, Record, Vector, Work, with};
 use crate::particles::Particles;
 

@@ -6,8 +6,8 @@ use super::super::shape::Kind;
 use super::super::{
     Collider, CombinedMaterial, ContactParticipant, Frame, Layers, Material, Shape, World,
 };
+use super::broad_phase::SweptBounds;
 use super::contact_cache::Other;
-use super::swept_bounds::SweptBounds;
 use crate::constraints::{InsideBox, Plane};
 
 /// One of them.

@@ -3,10 +3,10 @@
 use glam::Vec4;
 
 use super::super::bodies::{Bodies, CENTRE, ROTATION, SHIFT, SPIN, STEP};
-use super::super::contacts::set;
 use super::super::friction::{FrictionSolve, PredictImpulse};
 use super::super::normal_solve::NormalSolve;
 use super::super::wide_contact::WideContact;
+use super::super::wide_contact::set;
 use super::*;
 use crate::constraints::checks::Random;
 use crate::lanes::{InstructionSet, LANES, with};
