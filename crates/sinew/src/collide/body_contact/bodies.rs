@@ -31,7 +31,7 @@ pub(super) struct Bodies {
     /// How far contacts are expected to move each of them in this substep, metres, and to turn it, rad: two entries for each.
     pub(super) predicted: Vec<Vec4>,
     /// How far each of them has gone farther than contacts believe, metres, and how it has turned further, rad: two entries for each
-    /// (`constraint_residual`).
+    /// (`friction`).
     pub(super) residual: Vec<Vec4>,
 }
 

@@ -4,8 +4,8 @@
 //! in each substep, for ever. And friction tilts boxes, which must not be the last that is done to them. So all of a heap is held before all of it is
 //! pressed, against what pressed it in the substeps before; and only what has just met, or slides although it is pressed more than that, once more
 //! afterwards. Positions are held against `s`, how far the two surfaces have slid on each other since the substep began, at the centre of the
-//! pressure; and against the turn of one on the other. The impulse is at most `μ Σ λ`, its moment about the normal at most that times the radius of
-//! the patch; of what is a point, a hundredth of its size (`wide_contact::TORSIONAL_RADIUS`), without accumulated slip.
+//! pressure; and against the turn of one on the other ([`TangentialSlip`]). The impulse is at most `μ Σ λ`, its moment about the normal at most that
+//! times the radius of the patch; of what is a point, a hundredth of its size (`wide_contact::TORSIONAL_RADIUS`), without accumulated slip.
 //!
 //! # What is to come
 //!
@@ -22,21 +22,35 @@
 //! that each substep leaves. What lies still on a slope has accumulated as much slip as it takes for all of a stack to be held. A part of that is
 //! taken back in a substep ([`BACK`]), because what is moved back leaves with speed. What slides forgets ([`FADES`]), or friction would go on pulling
 //! to where it once stuck. All of it goes from step to step (`contact_cache`).
+//!
+//! # The constraint residual
+//!
+//! It is what joints take back of what contacts did. Friction that holds a bone must know how far that really went.
+//!
+//! A particle that `k` body colliders share is displaced by the `k`-th part of what each of them asks (`groups`). A pelvis, which others hang on by
+//! all of its particles, goes back by half of what it slid, where contacts believe that it went back by all of it. What they do not know of they do
+//! not hold: a ragdoll on the ground crept over it by up to a centimetre a second, for ever.
+//!
+//! So when the particles were displaced, such body colliders are read once more: how far their centres have gone since the substep began, and how
+//! they have turned, as in `pose`. By what that differs from what contacts believe, they are farther from where they stuck. What slides does not ask.
 
 use glam::Vec4;
 
-use super::bodies::Bodies;
-use super::tangential_slip::TangentialSlip;
-use super::turn::LaneArray;
+use super::BodyContactSolver;
+use super::bodies::{Bodies, WideSlidingBody, from_row};
+use super::groups::BodyGroup;
+use super::pose::{Gathered, ParticleSource};
+use super::turn::{LaneArray, Matrix, Symmetric, load, tangents, zero};
 use super::wide_contact::WideContact;
-use crate::lanes::{Lanes, Work};
+use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work, with};
+use crate::particles::Particles;
 
 /// Which part of the accumulated slip is taken back in a substep. With all of it a heap of a thousand boxes never rests (7 mm/s), with half of it at
 /// 1 to 3 mm/s, with a fifth at 0.1; with a twentieth a stack slips on a slope that is nearly too steep, before it is held.
-pub(super) const BACK: f32 = 0.2;
+const BACK: f32 = 0.2;
 /// What is left of it in a substep in which it slides. A stack on a slope that is nearly too steep slides for a few substeps in the one or other
 /// contact, and must not forget by that (with 0.9 it goes on for ever); what really slides has forgotten after some fifty substeps.
-pub(super) const FADES: f32 = 0.97;
+const FADES: f32 = 0.97;
 
 /// What presses is a mean over some substeps, of which this is the share of the newest one. In a heap contacts press twice as hard in one substep and
 /// not at all in the next; friction that did as they do would let go each time: a thousand boxes poured in any pose then go on at 1 to 8 mm/s for
@@ -176,4 +190,373 @@ impl Work for PredictImpulse<'_> {
             }
         }
     }
+}
+
+/// Response of friction to a slip.
+struct FrictionResponse<L> {
+    /// The displacement and the turn that it gives to the first one, and takes from the second one, if something can.
+    a: (Vector<L>, Vector<L>),
+    b: Option<(Vector<L>, Vector<L>)>,
+    /// Against how much of the pressure it had to act, kg·m.
+    friction_limit_used: L,
+    /// How far it takes the slip back.
+    back: Vector<L>,
+}
+
+/// Tangential slip of eight pairs.
+struct TangentialSlip<L> {
+    a: WideSlidingBody<L>,
+    /// `None` where it stays where it is.
+    b: Option<WideSlidingBody<L>>,
+    n: Vector<L>,
+    t: Vector<L>,
+    u: Vector<L>,
+    /// Where friction acts, from the centres of both.
+    arm: Vector<L>,
+    other: Vector<L>,
+    /// Along `t` and `u`, metres, and about `n`, rad: in this substep, and before.
+    slid: Vector<L>,
+    accumulated_slip: Vector<L>,
+}
+
+impl<L: Lanes> TangentialSlip<L> {
+    #[inline(always)]
+    fn of<const FIXED: bool>(wide: &WideContact, bodies: &Bodies) -> Self {
+        let a = WideSlidingBody::<L>::load(bodies, &wide.a);
+        let b = if FIXED { None } else { Some(WideSlidingBody::<L>::load(bodies, &wide.b)) };
+        let (n, arm) = (load::<L>(&wide.up), load::<L>(&wide.arm));
+        let mut apart = load::<L>(&wide.offset);
+        if let Some(b) = &b {
+            apart = b.centre + apart;
+        }
+        let other = arm - (apart - a.centre);
+        let (t, u) = tangents(n);
+        let (mut slid, mut turned) = (a.moved(arm), a.spin + a.turn);
+        if let Some(b) = &b {
+            slid -= b.moved(other);
+            turned = turned - b.spin - b.turn;
+        }
+        let twist = n.dot(turned);
+        let slid = Vector::new(slid.dot(t), slid.dot(u), twist);
+        let [x, y, z, turned] = &wide.accumulated_slip;
+        let accumulated_slip = Vector::new(L::load(x), L::load(y), L::load(z));
+        let accumulated_slip =
+            Vector::new(accumulated_slip.dot(t), accumulated_slip.dot(u), L::load(turned));
+        Self { a, b, n, t, u, arm, other, slid, accumulated_slip }
+    }
+
+    /// How far an impulse moves them apart, 1/kg.
+    #[inline(always)]
+    fn weight(&self) -> L {
+        match &self.b {
+            None => self.a.inverse_mass,
+            Some(b) => self.a.inverse_mass + b.inverse_mass,
+        }
+    }
+
+    /// What holds them against so much slip, as far as a sum `against` of the pressure lets it.
+    #[inline(always)]
+    #[allow(clippy::manual_map, reason = "a closure is not made for the processor that it runs on")]
+    fn answer(&self, wide: &WideContact, slid: Vector<L>, against: L) -> FrictionResponse<L> {
+        let Self { a, b, n, t, u, arm, other, .. } = self;
+        let axes = (*t, *u, *n);
+        let weight = self.weight();
+        let (own, stiff) = EffectiveMass::of(&a.inverse_inertia, *arm, axes);
+        let along = Vector::new(weight, weight, L::zero()) + stiff.along;
+        let mut stiff = Symmetric { along, ..stiff };
+        let mut theirs = None;
+        if let Some(b) = b {
+            let (yields, more) = EffectiveMass::of(&b.inverse_inertia, *other, axes);
+            stiff.along += more.along;
+            stiff.across += more.across;
+            theirs = Some((b.inverse_mass, yields));
+        }
+        let limit = against * L::load(&wide.friction);
+        let (f, much) = solve_friction(
+            &stiff,
+            slid,
+            limit,
+            (L::load(&wide.radius), L::load(&wide.torsional_radius)),
+        );
+        let good = f.length_squared().lt(L::splat(1e30));
+        let f = Vector::new(good.and(f.x), good.and(f.y), good.and(f.z));
+        let along = *t * f.x + *u * f.y;
+        FrictionResponse {
+            a: (along * a.inverse_mass, own.turned(f)),
+            b: match &theirs {
+                None => None,
+                Some((inverse_mass, yields)) => Some((along * *inverse_mass, yields.turned(f))),
+            },
+            friction_limit_used: good.and(against * much),
+            back: stiff.times(f),
+        }
+    }
+
+    /// Moves both by it.
+    #[inline(always)]
+    fn apply(&self, wide: &WideContact, answer: &FrictionResponse<L>, bodies: &mut Bodies) {
+        let Self { a, b, .. } = self;
+        let (shift, turn) = (a.shift + answer.a.0, a.turn + answer.a.1);
+        let first = [shift.with(a.inverse_mass), turn.with(a.depenetration_mark)];
+        L::put_records(&mut bodies.rows, &wide.a, first);
+        if let (Some(b), Some(answer)) = (b, &answer.b) {
+            let (shift, turn) = (b.shift - answer.0, b.turn - answer.1);
+            let second = [shift.with(b.inverse_mass), turn.with(b.depenetration_mark)];
+            L::put_records(&mut bodies.rows, &wide.b, second);
+        }
+    }
+
+    /// Notes that contacts are expected to press them with such sums, at the centre of the pressure.
+    #[inline(always)]
+    fn predict_impulse(&self, wide: &WideContact, sum: L, bodies: &mut Bodies) {
+        let push = self.n * sum;
+        add_predicted(&self.a, &wide.a, self.arm, push, bodies);
+        if let Some(b) = &self.b {
+            add_predicted(b, &wide.b, self.other, -push, bodies);
+        }
+    }
+
+    /// How far all that is expected to press will have them slide on each other.
+    #[inline(always)]
+    fn predicted(&self, wide: &WideContact, bodies: &Bodies) -> Vector<L> {
+        let (a, turned) = moved_at::<L>(&bodies.predicted, &wide.a, self.arm);
+        let (mut past, mut twisted) = (a, turned);
+        if self.b.is_some() {
+            let (b, other) = moved_at::<L>(&bodies.predicted, &wide.b, self.other);
+            (past, twisted) = (a - b, turned - other);
+        }
+        Vector::new(past.dot(self.t), past.dot(self.u), self.n.dot(twisted))
+    }
+
+    /// Remembers what is left of their slip where they stick; where they slide, what was before fades.
+    #[inline(always)]
+    fn keep(&self, wide: &mut WideContact, left: Vector<L>, sticks: L, most: f32) {
+        let Self { accumulated_slip, t, u, .. } = self;
+        let left = *accumulated_slip + left;
+        let size = (left.x * left.x + left.y * left.y).sqrt();
+        let size = size.max(left.z.abs() * L::load(&wide.radius));
+        let sticks = sticks.and(size.le(L::splat(most / BACK)));
+        wide.sticking = sticks.bits();
+        let left = left.or_else(sticks, *accumulated_slip * L::splat(FADES));
+        // A point does not know how it was turned.
+        let is_point = L::load(&wide.radius).lt(L::load(&wide.torsional_radius));
+        let twist = is_point.select(L::zero(), left.z);
+        let along = *t * left.x + *u * left.y;
+        for (to, from) in wide.accumulated_slip.iter_mut().zip([along.x, along.y, along.z, twist]) {
+            from.store(to);
+        }
+    }
+}
+
+/// What stops sliding `(x, y)` and twisting `z` at once, as far as Coulomb lets it: `limit` along the patch, `limit · radius` about its normal, and
+/// of both together what is within the ellipse of the two. And which part of the limit that is.
+///
+/// Where the radius is less than `torsional_radius`, metres, a point holds something. It stops twisting, too, by `limit · torsional_radius` at the
+/// most; but what turns on a point is held in its place as if it did not.
+#[inline(always)]
+fn solve_friction<L: Lanes>(
+    k: &Symmetric<L>,
+    slid: Vector<L>,
+    limit: L,
+    (radius, torsional_radius): (L, L),
+) -> (Vector<L>, L) {
+    let (none, one) = (L::zero(), L::splat(1.0));
+    let slides = none.lt(limit).and(none.lt(k.along.x)).and(none.lt(k.along.y));
+    let is_point = radius.lt(torsional_radius);
+    // What cannot be turned that way has no twist.
+    let twists = torsional_radius
+        .le(radius)
+        .and(none.lt(radius))
+        .and((L::splat(1e-6) * (k.along.x + k.along.y)).lt(k.along.z * radius * radius));
+    let way = -slid.z / k.along.z;
+    let most = limit * torsional_radius;
+    let twist = is_point.and(slides).and(none.lt(k.along.z)).and(way.max(-most).min(most));
+    let k = Symmetric {
+        along: Vector::new(
+            slides.select(k.along.x, one),
+            slides.select(k.along.y, one),
+            twists.and(slides).select(k.along.z, one),
+        ),
+        across: Vector::new(slides.and(k.across.x), twists.and(k.across.y), twists.and(k.across.z)),
+    };
+    let (f, pivot) = k.solve(Vector::new(-slid.x, -slid.y, -twists.and(slid.z)));
+    let limit = slides.select(limit, one);
+    let (along, about) =
+        ((f.x * f.x + f.y * f.y).sqrt() / limit, twists.and(f.z / (limit * radius)));
+    let much = (along * along + about * about).sqrt();
+    let good = slides.and(none.lt(pivot));
+    let scale = good.and(one.lt(much).select(one / much, one));
+    let f = f * scale;
+    (Vector::new(f.x, f.y, f.z + good.and(twist)), good.and(much.min(one)))
+}
+
+/// Notes that eight bodies are expected to be pushed so, at an arm from their centres.
+#[inline(always)]
+fn add_predicted<L: Lanes>(
+    body: &WideSlidingBody<L>,
+    rows: &[u32; LANES],
+    arm: Vector<L>,
+    push: Vector<L>,
+    bodies: &mut Bodies,
+) {
+    let [shifts, turns] = pair_of_rows(rows);
+    let turn = body.inverse_inertia.times(arm.cross(push));
+    let shift = Vector::of(L::rows(&bodies.predicted, &shifts)).0 + push * body.inverse_mass;
+    let turn = Vector::of(L::rows(&bodies.predicted, &turns)).0 + turn;
+    // Nothing that is not a number may get to others.
+    let good = (shift.length_squared() + turn.length_squared()).lt(L::splat(1e30));
+    let none = Vector::new(L::zero(), L::zero(), L::zero());
+    let (shift, turn) = (shift.or_else(good, none), turn.or_else(good, none));
+    L::put_rows(&mut bodies.predicted, &shifts, shift.with(L::zero()));
+    L::put_rows(&mut bodies.predicted, &turns, turn.with(L::zero()));
+}
+
+/// Effective mass: how a body gives way to impulses along two directions at an arm, and to a moment about a third: the turn that each of them gives
+/// it.
+struct EffectiveMass<L> {
+    t: Vector<L>,
+    u: Vector<L>,
+    n: Vector<L>,
+}
+
+impl<L: Lanes> EffectiveMass<L> {
+    /// And how far the three move it along each other; its centre stays.
+    #[inline(always)]
+    fn of(
+        inverse_inertia: &Symmetric<L>,
+        arm: Vector<L>,
+        (t, u, n): (Vector<L>, Vector<L>, Vector<L>),
+    ) -> (Self, Symmetric<L>) {
+        let (t, u) = (arm.cross(t), arm.cross(u));
+        let (by_t, by_u) = (inverse_inertia.times(t), inverse_inertia.times(u));
+        let by_n = inverse_inertia.times(n);
+        let along = Vector::new(t.dot(by_t), u.dot(by_u), n.dot(by_n));
+        let across = Vector::new(t.dot(by_u), t.dot(by_n), u.dot(by_n));
+        (Self { t: by_t, u: by_u, n: by_n }, Symmetric { along, across })
+    }
+
+    #[inline(always)]
+    fn turned(&self, f: Vector<L>) -> Vector<L> {
+        self.t * f.x + self.u * f.y + self.n * f.z
+    }
+}
+
+/// Where [`Bodies::predicted`] and [`Bodies::residual`] have the displacements and the turns of eight bodies.
+#[inline(always)]
+fn pair_of_rows(rows: &[u32; LANES]) -> [[u32; LANES]; 2] {
+    [rows.map(|row| 2 * row), rows.map(|row| 2 * row + 1)]
+}
+
+/// How far what is predicted of eight bodies, or their residual, moves points of these, and how it turns them.
+#[inline(always)]
+fn moved_at<L: Lanes>(of: &[Vec4], rows: &[u32; LANES], arm: Vector<L>) -> (Vector<L>, Vector<L>) {
+    let [shifts, turns] = pair_of_rows(rows);
+    let turn = Vector::of(L::rows(of, &turns)).0;
+    let shift = Vector::of(L::rows(of, &shifts)).0;
+    (shift + turn.cross(arm), turn)
+}
+
+impl BodyContactSolver {
+    /// Notes where body colliders did not go as contacts had them, because they share particles with others.
+    pub(super) fn measure_residual(&mut self, particles: &Particles) {
+        let Self { groups, origin_offsets, bodies, gathered, wide_contacts, instructions, .. } =
+            self;
+        let mut any = false;
+        for (number, group) in groups.groups.iter().enumerate().filter(|(_, group)| group.shares) {
+            let source = ParticleSource {
+                slots: &groups.slots[group.slots.clone()],
+                origin_offsets: origin_offsets.of(group),
+                position: &particles.position,
+                other: &particles.start,
+                fresh: false,
+            };
+            let first = number * LANES;
+            with(*instructions, MeasureResidual { group, source, bodies, first, gathered });
+            any = true;
+        }
+        if any {
+            with(*instructions, ApplyResidual { wide_contacts, bodies });
+        }
+    }
+}
+
+/// Compares where a group is with where contacts believe it to be.
+struct MeasureResidual<'a> {
+    group: &'a BodyGroup,
+    source: ParticleSource<'a>,
+    bodies: &'a mut Bodies,
+    /// The first row of the group among the bodies.
+    first: usize,
+    /// Scratch.
+    gathered: &'a mut Vec<Gathered>,
+}
+
+impl Work for MeasureResidual<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { group, source, bodies, first, gathered } = self;
+        let rows = from_row(first);
+        let [shift, turn, along, across, _, believed, spin, rotation] =
+            L::records::<FIELDS>(&bodies.rows, &rows);
+        let (centre, step) = source.centre::<L>(&group.mass, gathered);
+        let mut momentum = zero::<L>();
+        for (slot, kept) in source.slots.iter().zip(gathered) {
+            let (arm, moved) = (load(&kept.position) - centre, load(&kept.moved) - step);
+            momentum += arm.cross(moved) * L::load(&slot.pull);
+        }
+        let inverse = if group.pinned {
+            Symmetric::load(&group.mass.led).turned(&Matrix::of(rotation))
+        } else {
+            Symmetric { along: Vector::of(along).0, across: Vector::of(across).0 }
+        };
+        let off = step - Vector::of(believed).0 - Vector::of(shift).0;
+        let turned = inverse.times(momentum) - Vector::of(spin).0 - Vector::of(turn).0;
+        let [shifts, turns] = pair_of_rows(&rows);
+        L::put_rows(&mut bodies.residual, &shifts, off.with(L::zero()));
+        L::put_rows(&mut bodies.residual, &turns, turned.with(L::zero()));
+    }
+}
+
+/// Adds the residual to the accumulated slip of those that stick.
+struct ApplyResidual<'a> {
+    wide_contacts: &'a mut [WideContact],
+    bodies: &'a Bodies,
+}
+
+impl Work for ApplyResidual<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { wide_contacts, bodies } = self;
+        for wide in wide_contacts.iter_mut().filter(|wide| wide.sticking != 0) {
+            let sticks = L::mask(wide.sticking);
+            let (n, arm) = (load::<L>(&wide.up), load::<L>(&wide.arm));
+            let (mut past, mut turned) = moved_at::<L>(&bodies.residual, &wide.a, arm);
+            if !wide.fixed {
+                let (own, theirs) = (centre::<L>(bodies, &wide.a), centre::<L>(bodies, &wide.b));
+                let other = arm - (theirs + load::<L>(&wide.offset) - own);
+                let (b, back) = moved_at::<L>(&bodies.residual, &wide.b, other);
+                (past, turned) = (past - b, turned - back);
+            }
+            let twist = n.dot(turned);
+            // Nothing that is not a number is to be remembered.
+            let sound = (past.length_squared() + twist * twist).lt(L::splat(1e30));
+            let sticks = sticks.and(sound);
+            for (accumulated_slip, by) in
+                wide.accumulated_slip.iter_mut().zip([past.x, past.y, past.z, twist])
+            {
+                (L::load(accumulated_slip) + sticks.and(by)).store(accumulated_slip);
+            }
+        }
+    }
+}
+
+/// Centres of eight bodies when the substep began, metres from their origins.
+#[inline(always)]
+fn centre<L: Lanes>(bodies: &Bodies, rows: &[u32; LANES]) -> Vector<L> {
+    let [_, _, _, _, centre] = L::records(&bodies.rows, rows);
+    Vector::of(centre).0
 }

@@ -15,31 +15,27 @@
 //! | `narrow_phase` | the manifolds of a pair: cached, or computed afresh, or within a step once it has turned; and which overlap at rest, and never touch |
 //! | `contact_cache` | what is kept from one step to the next |
 //! | `wide_contact` | contacts of a step: coloured, packed by eight, and which are pressed more than once in a substep |
-//! | `normal_solve` | their normal impulses; `friction`: their friction, with `tangential_slip`; `patch_solve` solves the few unknowns of one manifold |
-//! | `restitution` | restitution, as one problem; `drag`: the lectures' friction |
+//! | `normal_solve` | their normal impulses, those of one manifold solved together |
+//! | `friction` | their friction: how far they have slid, what holds them, and what joints take back of it where body colliders share particles |
+//! | `restitution` | restitution, as one problem; and drags, the lectures' friction |
 //! | `loose` | body colliders and single particles |
-//! | `constraint_residual` | what joints take back of it where body colliders share particles |
 //! | `segment` | ropes by their segments |
 //! | `contact_events` | contact events, for the report |
-//! | `turn` | rotations and symmetric matrices of eight body colliders |
+//! | `turn` | rotations, symmetric matrices and directions of eight body colliders |
 
 mod bodies;
 mod broad_phase;
-mod constraint_residual;
 mod contact_cache;
 mod contact_events;
-mod drag;
 mod friction;
 mod groups;
 mod loose;
 mod narrow_phase;
 mod normal_solve;
-mod patch_solve;
 mod pose;
 mod restitution;
 mod segment;
 mod static_geometry;
-mod tangential_slip;
 #[cfg(test)]
 mod tests;
 mod turn;

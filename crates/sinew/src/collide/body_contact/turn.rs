@@ -1,4 +1,4 @@
-//! Rotations and symmetric matrices of eight body colliders side by side.
+//! Rotations, symmetric matrices and directions of eight body colliders side by side.
 
 use crate::lanes::{LANES, Lanes, Vector};
 
@@ -183,4 +183,15 @@ pub(super) fn turn_further<L: Lanes>([x, y, z, s]: [L; 4], v: Vector<L>, w: L) -
     let real = s * w - axis.dot(v);
     let inverse = L::splat(1.0) / (turned.length_squared() + real * real).sqrt();
     [turned.x * inverse, turned.y * inverse, turned.z * inverse, real * inverse]
+}
+
+/// Two unit vectors across a third and each other (Duff et al., *Building an Orthonormal Basis, Revisited*, 2017).
+#[inline(always)]
+pub(super) fn tangents<L: Lanes>(n: Vector<L>) -> (Vector<L>, Vector<L>) {
+    let (none, one) = (L::zero(), L::splat(1.0));
+    let sign = n.z.lt(none).select(-one, one);
+    let a = -one / (sign + n.z);
+    let b = n.x * n.y * a;
+    let t = Vector::new(one + sign * n.x * n.x * a, sign * b, -sign * n.x);
+    (t, Vector::new(b, sign + n.y * n.y * a, -n.y))
 }

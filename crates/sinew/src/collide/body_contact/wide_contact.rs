@@ -341,7 +341,7 @@ pub(super) struct WideContact {
     pub(super) friction_limit_used: LaneArray,
     pub(super) friction_limit: LaneArray,
     /// How far what sticks is from where it stuck, metres, and has turned about the normal, rad: pressing moved it after it was held,
-    /// and joints took a part of what held it (`constraint_residual`).
+    /// and joints took a part of what held it (`friction`).
     pub(super) accumulated_slip: [LaneArray; 4],
     /// A bit for each manifold that sticks.
     pub(super) sticking: u32,
