@@ -23,9 +23,9 @@ use core::ops::Range;
 
 use glam::{DVec3, Vec3};
 
+use super::BodyCollider;
 use super::pose::RotationReference;
 use super::turn::LaneArray;
-use super::{BodyCollider, BodyColliderFault};
 use crate::lanes::LANES;
 use crate::particles::Particles;
 use crate::pose::symmetric;
@@ -317,26 +317,6 @@ fn sharing_of(parts: &[CompiledCollider], rows: &[u32], sharers: &[u32]) -> Vec<
         }
     }
     sharing
-}
-
-impl BodyCollider {
-    /// Why it cannot collide among so many particles, or `None` if it can.
-    pub fn fault(&self, particles: usize) -> Option<BodyColliderFault> {
-        use super::super::shape::Kind;
-        if self.rows.is_empty() || self.rows.len() != self.rest.len() {
-            Some(BodyColliderFault::Count)
-        } else if self.rows.iter().any(|&row| row as usize >= particles) {
-            Some(BodyColliderFault::MissingParticle)
-        } else if self.rows.iter().enumerate().any(|(i, row)| self.rows[..i].contains(row)) {
-            Some(BodyColliderFault::SameParticle)
-        } else if self.rest.iter().any(|r| !r.is_finite()) {
-            Some(BodyColliderFault::Number)
-        } else if matches!(self.shape.kind(), Kind::HalfSpace | Kind::Mesh | Kind::HeightField) {
-            Some(BodyColliderFault::Shape)
-        } else {
-            None
-        }
-    }
 }
 
 /// The particle that is farthest from the first one, and the one that is farthest from the line through the two.

@@ -5,6 +5,9 @@
 //! where the particles were predicted, contacts correct that pose, and the particles are displaced as the pose was. What is between (what the
 //! particles do to each other) is the business of constraints.
 //!
+//! Here is what a body collider is, what a substep does with all of them, and what they have touched, for the report. A rope collides by its segments:
+//! a capsule between each two neighbours, so that nothing that is thinner than their gap passes between them. The rest is in files of its own:
+//!
 //! | file | what it is |
 //! |---|---|
 //! | `groups` | eight body colliders at a time: particles that several share, what one weighs, pinned particles, rods |
@@ -19,14 +22,11 @@
 //! | `friction` | their friction: how far they have slid, what holds them, and what joints take back of it where body colliders share particles |
 //! | `restitution` | restitution, as one problem; and drags, the lectures' friction |
 //! | `loose` | body colliders and single particles |
-//! | `segment` | ropes by their segments |
-//! | `contact_events` | contact events, for the report |
 //! | `turn` | rotations, symmetric matrices and directions of eight body colliders |
 
 mod bodies;
 mod broad_phase;
 mod contact_cache;
-mod contact_events;
 mod friction;
 mod groups;
 mod loose;
@@ -34,7 +34,6 @@ mod narrow_phase;
 mod normal_solve;
 mod pose;
 mod restitution;
-mod segment;
 mod static_geometry;
 #[cfg(test)]
 mod tests;
@@ -47,13 +46,14 @@ use glam::Vec3;
 
 use super::manifold::{Clusters, Scratch};
 use super::nearby::Nearby;
-use super::{Kept, Shape, World};
+use super::shape::Kind;
+use super::triangles::of_segments;
+use super::{ContactParticipant, Kept, Shape, ShapeFault, World};
 use crate::lanes::{InstructionSet, LANES, with};
 use crate::particles::Particles;
-use bodies::Bodies;
+use bodies::{Bodies, CENTRE};
 use broad_phase::{MissedPairs, SweptBounds, WideSweptBounds};
 use contact_cache::{CacheBuilder, FrictionAnchor};
-use contact_events::ContactEvent;
 use friction::{FrictionSolve, PredictImpulse};
 use groups::BodyGroups;
 use loose::Loose;
@@ -62,6 +62,7 @@ use normal_solve::NormalSolve;
 use pose::{ApplyPoseDelta, ExtractPose, Gathered, OriginOffsets, PoseSums, SharedDeltas};
 use restitution::Impacts;
 use static_geometry::StaticGeometry;
+use turn::LaneArray;
 use wide_contact::{Contact, SensorOverlap, WideContact};
 
 pub use contact_cache::{CachedManifold, ContactCache};
@@ -71,6 +72,10 @@ pub use contact_cache::{CachedManifold, ContactCache};
 const RECOVERED: (f32, f32) = (200.0, 2.0);
 /// How much of that may turn into speed.
 const MAX_DEPENETRATION: (f32, f32) = (20.0, 0.1);
+
+/// By how much two segments must be clear of each other in the rest shape to touch at all, as a share of how thick they are: those that just touch there would
+/// press for nothing.
+const CLEAR: f64 = 0.01;
 
 /// Particles that collide as one, by a shape.
 ///
@@ -106,6 +111,66 @@ pub enum BodyColliderFault {
     /// A half-space, a mesh or a heightfield: those are for static geometry.
     #[error("a half-space, a mesh or a heightfield cannot move")]
     Shape,
+}
+
+impl BodyCollider {
+    /// One segment of a rope: a capsule along the line of two particles, as thick as `radius` and as long as `length` between the centres of its
+    /// caps, both in metres. Segments that have a particle in common make a rope without gaps. See [`BodyCollider::id`] for `id`.
+    ///
+    /// Segments of one body touch each other, where the body touches itself, unless they overlap in its rest shape ([`Particles::set_rest`]): a rope
+    /// that is thicker than its segments are long does not press itself apart.
+    ///
+    /// # Errors
+    /// If the radius or the length is not between 1e-6 and 1e6 metres.
+    pub fn segment(rows: [u32; 2], length: f32, radius: f32, id: u64) -> Result<Self, ShapeFault> {
+        let half = 0.5 * length;
+        let shape = Shape::capsule(radius, length)?;
+        let rest = Arc::new([Vec3::Y * half, Vec3::Y * -half]);
+        Ok(Self { rows: rows.to_vec(), rest, shape, id })
+    }
+
+    /// Why it cannot collide among so many particles, or `None` if it can.
+    pub fn fault(&self, particles: usize) -> Option<BodyColliderFault> {
+        if self.rows.is_empty() || self.rows.len() != self.rest.len() {
+            Some(BodyColliderFault::Count)
+        } else if self.rows.iter().any(|&row| row as usize >= particles) {
+            Some(BodyColliderFault::MissingParticle)
+        } else if self.rows.iter().enumerate().any(|(i, row)| self.rows[..i].contains(row)) {
+            Some(BodyColliderFault::SameParticle)
+        } else if self.rest.iter().any(|r| !r.is_finite()) {
+            Some(BodyColliderFault::Number)
+        } else if matches!(self.shape.kind(), Kind::HalfSpace | Kind::Mesh | Kind::HeightField) {
+            Some(BodyColliderFault::Shape)
+        } else {
+            None
+        }
+    }
+
+    /// Whether two segments overlap in the rest shape of their body. Anything else does not, and neither do those whose particles have no place
+    /// there.
+    fn overlaps_at_rest(&self, other: &Self, particles: &Particles) -> bool {
+        let axis = |solid: &Self| {
+            let (&[a, b], Kind::Capsule { radius, .. }) = (&*solid.rows, solid.shape.kind()) else {
+                return None;
+            };
+            let place = |row: u32| particles.rest.get(row as usize).filter(|at| at.is_finite());
+            Some(([place(a)?.as_dvec3(), place(b)?.as_dvec3()], f64::from(radius)))
+        };
+        let (Some((one, radius)), Some((other, thick))) = (axis(self), axis(other)) else {
+            return false;
+        };
+        of_segments(one, other) < (radius + thick) * (1.0 + CLEAR)
+    }
+}
+
+/// A contact of this step that somebody listens to.
+#[derive(Clone, Copy, Debug)]
+struct ContactEvent {
+    participants: [ContactParticipant; 2],
+    point: Vec3,
+    normal: Vec3,
+    /// N·s.
+    impulse: f32,
 }
 
 /// Contacts of body colliders in a step. Scratch: nothing of it lasts from one step to the next but what follows from body colliders and masses
@@ -228,6 +293,73 @@ impl BodyContactSolver {
     pub(crate) fn keep(&mut self, cache: &mut ContactCache) {
         self.note_friction_anchors(self.h);
         self.cache.give(cache);
+    }
+
+    /// What has touched what.
+    pub(crate) fn report(&mut self, impacts: &mut super::Impacts) {
+        self.note_contact_events();
+        for contact_events in self.contact_events.drain(..) {
+            impacts.add(
+                contact_events.participants,
+                contact_events.point,
+                contact_events.normal,
+                contact_events.impulse,
+                false,
+            );
+        }
+        for sensor_overlaps in self.sensor_overlaps.drain(..) {
+            impacts.add(
+                sensor_overlaps.participants,
+                sensor_overlaps.point,
+                sensor_overlaps.normal,
+                0.0,
+                true,
+            );
+        }
+    }
+
+    /// How deep body colliders were in each other or in static geometry when the last substep began, metres: the first row of each, and what the
+    /// substep before has left.
+    pub(crate) fn overlaps(&self) -> impl Iterator<Item = (u32, f32)> {
+        let lanes = self.wide_contacts.iter().flat_map(|wide| wide.number.iter().zip(&wide.left));
+        let deep = lanes.filter(|(_, left)| **left > 0.0);
+        let groups = &self.groups;
+        deep.flat_map(move |(&number, &left)| {
+            let one = self.contacts.get(number as usize);
+            let body_colliders =
+                one.map(|one| [Some(one.a), one.geometry.is_none().then_some(one.b)]);
+            let parts = body_colliders.into_iter().flatten().flatten();
+            parts.map(move |solid| {
+                let first = groups.parts[solid as usize].entries.start;
+                (groups.rows[first], left)
+            })
+        })
+    }
+
+    /// Adds the contact events of the wide contacts so far.
+    fn note_contact_events(&mut self) {
+        let Self { contacts, wide_contacts, swept, bodies, groups, contact_events, h, .. } = self;
+        for wide in wide_contacts.iter_mut().filter(|wide| wide.kept) {
+            for lane in 0..LANES {
+                let Some(one) = contacts.get(wide.number[lane] as usize) else { continue };
+                if !one.reports_events || wide.total[lane] <= 0.0 {
+                    continue;
+                }
+                let vector = |v: &[LaneArray; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
+                let a = one.a as usize;
+                let centre = bodies[groups.place(a)][CENTRE].truncate();
+                let point = swept[a].origin + (centre + vector(&wide.arm));
+                let (normal, impulse) = (vector(&wide.up), wide.total[lane] / *h);
+                contact_events.push(ContactEvent {
+                    participants: one.participants,
+                    point,
+                    normal,
+                    impulse,
+                });
+            }
+            wide.total = [0.0; LANES];
+        }
+        self.loose.note_contact_events(contact_events, *h);
     }
 
     /// Notes the friction anchors after a substep of `h` seconds.
