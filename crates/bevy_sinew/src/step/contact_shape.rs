@@ -11,9 +11,9 @@ use crate::components::{
 use crate::rows::{GONE, Rows};
 use crate::world::SinewWorld;
 
-/// Radius that closes a surface, as a share of its longest edge. Between balls of that radius at the corners of an equilateral triangle there is a gap of
-/// no size, √3/6 = 0.289; between those of a right one it is closed from a quarter of its hypotenuse on.
-const CLOSES: f32 = 0.29;
+/// How far a place of a triangle may be from its nearest corner, as a share of the diameter of the balls there, for none as large to pass between them. A
+/// little less than all of it, so that rounding does not decide.
+const CLOSED: f32 = 0.995;
 
 /// What a body is made of that may close it.
 type Made = (
@@ -52,8 +52,8 @@ pub(crate) fn resolve_shapes(
         let triangles = surface.as_ref().map_or(&[][..], |surface| &surface.triangles);
         let rods = constraints.as_deref();
         let shape = if !triangles.is_empty() {
-            match parts.longest_edge(triangles) {
-                Some(edge) if radius < CLOSES * edge => ContactShape::Triangles,
+            match parts.widest_gap(triangles) {
+                Some(gap) if CLOSED * 2.0 * radius < gap => ContactShape::Triangles,
                 _ => ContactShape::Particles,
             }
         } else {
@@ -75,16 +75,14 @@ pub(crate) struct Parts<'w, 's> {
 }
 
 impl Parts<'_, '_> {
-    /// The longest edge of some triangles in the rest shape, metres; `None` where a corner has no place there.
-    fn longest_edge(&self, triangles: &[[Entity; 3]]) -> Option<f32> {
-        let mut longest = 0.0_f32;
+    /// How far a place in some triangles may be from its nearest corner in the rest shape, metres; `None` where a corner has no place there.
+    fn widest_gap(&self, triangles: &[[Entity; 3]]) -> Option<f32> {
+        let mut widest = 0.0_f32;
         for corners in triangles {
             let [a, b, c] = self.places.get_many(*corners).ok()?;
-            for (one, other) in [(a, b), (b, c), (c, a)] {
-                longest = longest.max(one.0.distance_squared(other.0));
-            }
+            widest = widest.max(gap([a.0, b.0, c.0]));
         }
-        Some(longest.sqrt())
+        Some(widest)
     }
 
     /// The longest rod of a chain, metres; `None` if it is none: a particle has more than two rods, or there are no rods.
@@ -102,5 +100,54 @@ impl Parts<'_, '_> {
         ends.sort_unstable();
         let is_chain = ends.windows(3).all(|three| three[0] != three[2]);
         longest.filter(|_| is_chain)
+    }
+}
+
+/// How far a place of a triangle may be from its nearest corner, in the unit of its places.
+///
+/// With the sides `a ≤ b ≤ c` that is its circumradius, `a b c / 4A`, where the centre of its circumcircle is in it: where no angle is obtuse. Otherwise the
+/// place is on the longest side, where the bisector of `a` or of `b` meets it: at `a/(2 cos β)` from their common corner, with `2 a c cos β = a² + c² - b²`.
+fn gap(corners: [Vec3; 3]) -> f32 {
+    let [p, q, r] = corners;
+    let mut squares = [p.distance_squared(q), q.distance_squared(r), r.distance_squared(p)];
+    squares.sort_unstable_by(f32::total_cmp);
+    let [a, b, c] = squares;
+    let area = 0.5 * (q - p).cross(r - p).length();
+    if c <= a + b && area > 0.0 {
+        return (a * b * c).sqrt() / (4.0 * area);
+    }
+    let along = |own: f32, other: f32| own * c.sqrt() / (own + c - other);
+    let far = along(a, b).max(along(b, a));
+    if far.is_finite() { far } else { 0.5 * c.sqrt() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_gap_of_a_triangle_is_where_its_corners_are_farthest() {
+        let triangles: [[[f32; 2]; 3]; 5] = [
+            [[0.0, 0.0], [1.0, 0.0], [0.5, 0.866_025_4]],
+            [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
+            [[0.0, 0.0], [3.0, 0.0], [1.0, 0.4]],
+            [[0.0, 0.0], [2.0, 0.1], [2.1, 0.0]],
+            [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]],
+        ];
+        for corners in triangles {
+            let [a, b, c] = corners.map(|[x, y]| Vec3::new(x, y, 0.0));
+            let mut far = 0.0_f32;
+            for i in 0..=400 {
+                for j in 0..=400 - i {
+                    let (u, v) = (i as f32 / 400.0, j as f32 / 400.0);
+                    let place = a + (b - a) * u + (c - a) * v;
+                    far = far.max(
+                        [a, b, c].map(|p| p.distance(place)).into_iter().fold(f32::MAX, f32::min),
+                    );
+                }
+            }
+            let gap = gap([a, b, c]);
+            assert!((gap - far).abs() < 5e-3, "{corners:?}: {gap}, and by looking {far}");
+        }
     }
 }

@@ -43,8 +43,9 @@ pub enum ContactShape {
     /// - otherwise its [triangles](Self::Triangles) if it has some, such as cloth and soft bodies;
     /// - otherwise its [segments](Self::Segments) if it is a chain of rods, such as a rope.
     ///
-    /// Particles close a surface where their [`Radius`](crate::Radius) is 0.29 of its longest edge or more in the rest shape, and a chain where it is half of
-    /// the longest rod. (For a surface that is known by [`RestPlace`]s, which recipes put on every particle.)
+    /// Particles close a surface where no place of a triangle is farther from its nearest corner than twice their [`Radius`](crate::Radius) in the rest
+    /// shape: from 0.29 of the edges of equilateral triangles on, and from 0.354 of the spacing of a square grid. They close a chain where it is half of the
+    /// longest rod. (For a surface that is known by [`RestPlace`]s, which recipes put on every particle.)
     #[default]
     Auto,
     /// Its particles, each a ball of its [`Radius`](crate::Radius).
