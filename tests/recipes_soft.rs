@@ -50,6 +50,44 @@ fn a_solid_weighs_and_turns_as_its_mesh_filled_with_its_density() {
 }
 
 #[test]
+fn what_is_round_weighs_as_that_and_rolls_down_a_slope_as_its_inertia_has_it() {
+    // A hull of a sphere's mesh has corners, and rolls as those let it.
+    let (radius, height, angle) = (0.5, 1.2, 0.35_f32);
+    let volume = core::f32::consts::PI * radius * radius;
+    let ball = SolidShape::Sphere { radius };
+    let capsule = SolidShape::Capsule { radius, length: height };
+    let cylinder = SolidShape::Cylinder { radius, height };
+    let caps = volume * radius * 4.0 / 3.0;
+    for (shape, volume, lag) in [
+        (ball, caps, Some(0.4)),
+        (capsule, volume * height + caps, None),
+        (cylinder, volume * height, Some(0.5)),
+    ] {
+        let mut app = app();
+        let turn = Quat::from_rotation_z(-angle);
+        let slope = Transform::from_rotation(turn).with_translation(turn * Vec3::Y * -0.5);
+        app.world_mut().spawn((Collider::cuboid(Vec3::new(60.0, 1.0, 20.0)), slope));
+        let lies = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
+        let at = Transform::from_translation(turn * Vec3::Y * radius).with_rotation(lies);
+        let body = app.world_mut().spawn((Solid::density(700.0).shaped(shape), at)).id();
+        tick(&mut app, 61);
+        let entity = app.world().entity(body);
+        let mass = entity.get::<Barycenter>().unwrap().mass;
+        assert!((mass / (700.0 * volume) - 1.0).abs() < 1e-4, "{mass}");
+        let (v, spin) = (
+            entity.get::<LinearVelocity>().unwrap().0.dot(turn * Vec3::X),
+            -entity.get::<AngularVelocity>().unwrap().0.z,
+        );
+        assert!((spin * radius / v - 1.0).abs() < 0.02, "it rolls: {v} {spin}");
+        if let Some(lag) = lag {
+            let expected = 9.81 * angle.sin() / (1.0 + lag) * 61.0 / 60.0;
+            assert!((v / expected - 1.0).abs() < 0.03, "{v} of {expected}");
+        }
+        assert_eq!(heard(&app), []);
+    }
+}
+
+#[test]
 fn a_solid_takes_its_size_from_its_scale_and_a_mirror_does_not_turn_it_inside_out() {
     let mut app = app();
     app.insert_resource(Gravity(Vec3::ZERO));

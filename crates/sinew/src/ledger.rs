@@ -8,7 +8,7 @@ use crate::simulation::Simulation;
 /// Energies in joules and momenta of all particles of finite mass, summed in `f64`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ledger {
-    /// `Σ ½ m v²`, J, with the velocity at the instant of the position.
+    /// `Σ ½ m v²`, J, with the velocity at the instant of the position, of what is free: what is held is taken to fall for half a substep.
     pub kinetic: f64,
     /// `-Σ m g · x`, J, zero at the origin, and `-Σ GM m/√(r² + ε²)` of the attractors, zero far from them.
     pub gravitational: f64,
@@ -41,7 +41,8 @@ pub(crate) fn take(simulation: &mut Simulation) -> Ledger {
         }
         let m = 1.0 / f64::from(w);
         let x = particles.origin[i].as_dvec3() + particles.position[i].truncate().as_dvec3();
-        let v: Vec3 = simulation.velocity_now(i);
+        // As the forces alone have it: what bodies do to each other sums up to nothing only where nothing is left out of one of them.
+        let v: Vec3 = simulation.free_velocity_now(i);
         let v = v.as_dvec3();
         ledger.kinetic += 0.5 * m * v.length_squared();
         ledger.gravitational += forces::gravity_energy(particles, &simulation.forces, i, m);

@@ -1,7 +1,8 @@
 //! Solids: rigid bodies of any shape, out of four or eight particles that weigh and turn exactly as they do.
 
 use bevy::prelude::*;
-use sinew::recipes::{Blueprint, SolidLayout, SolidSpec, solid};
+use sinew::Shape;
+use sinew::recipes::{Blueprint, SolidFault, SolidLayout, SolidSpec, solid};
 
 use super::build::{MeshShape, Recipe, attach};
 use super::rigid::pose_of;
@@ -15,12 +16,18 @@ use crate::messages::Refusal;
 /// where it is built, and then follows it; the scale is that of the shape. The mesh is drawn as it is, and others may share it. To have it float by
 /// its shape, give it [`Floats::mesh`](crate::Floats::mesh).
 ///
+/// What is round is best said so: a [`SolidShape::Sphere`], a `Capsule` or a `Cylinder` weighs, collides and rolls as exactly that, where the hull of its
+/// mesh has corners.
+///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// fn spawn(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
 ///     let top = meshes.add(Cone::new(0.3, 0.5));
 ///     commands.spawn((Solid::density(700.0), Mesh3d(top), Transform::from_xyz(0.0, 1.0, 0.0)));
+///     let ball = Solid::density(700.0).shaped(SolidShape::Sphere { radius: 0.3 });
+///     let mesh = meshes.add(Sphere::new(0.3));
+///     commands.spawn((ball, Mesh3d(mesh), Transform::from_xyz(1.0, 1.0, 0.0)));
 /// }
 /// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
@@ -48,6 +55,38 @@ pub enum SolidShape {
     Hull,
     /// The convex hull of these points, metres in the body's own frame. It needs no mesh.
     Points(Vec<Vec3>),
+    /// A ball of this radius, metres, about the origin. It needs no mesh.
+    Sphere {
+        /// Metres.
+        radius: f32,
+    },
+    /// A capsule along y, of this radius and, without its round ends, this length, metres, as Bevy's `Capsule3d`. It needs no mesh.
+    Capsule {
+        /// Metres.
+        radius: f32,
+        /// Of its straight part, metres.
+        length: f32,
+    },
+    /// A cylinder along y, of this radius and height, metres, as Bevy's `Cylinder`. It needs no mesh.
+    Cylinder {
+        /// Metres.
+        radius: f32,
+        /// Metres.
+        height: f32,
+    },
+}
+
+impl SolidShape {
+    /// What is round, in another size; `None` of what is made of points.
+    fn round(&self, scale: Vec3) -> Option<Result<Shape, SolidFault>> {
+        let shape = match *self {
+            Self::Sphere { radius } => Shape::sphere(radius),
+            Self::Capsule { radius, length } => Shape::capsule(radius, length),
+            Self::Cylinder { radius, height } => Shape::cylinder(radius, height),
+            Self::Mesh | Self::Hull | Self::Points(_) => return None,
+        };
+        Some(shape.and_then(|shape| shape.scaled(scale.abs())).map_err(|_| SolidFault::Size))
+    }
 }
 
 /// How much of a [`Solid`] or a [`SoftBody`](crate::SoftBody) there is.
@@ -116,21 +155,25 @@ impl Solid {
 
 impl Recipe for Solid {
     fn wants_mesh(&self) -> bool {
-        !matches!(self.shape, SolidShape::Points(_))
+        matches!(self.shape, SolidShape::Mesh | SolidShape::Hull)
     }
 
     fn blueprint(&self, mesh: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal> {
         let scaled = |points: &[Vec3]| points.iter().map(|&p| p * scale).collect::<Vec<_>>();
-        let shape = match (&self.shape, mesh) {
-            (SolidShape::Points(points), _) => sinew::recipes::SolidShape::Hull(scaled(points)),
-            (SolidShape::Hull, Some(mesh)) => {
+        let round = self.shape.round(scale).transpose()?;
+        let shape = match (round, &self.shape, mesh) {
+            (Some(round), ..) => sinew::recipes::SolidShape::Collider(round),
+            (None, SolidShape::Points(points), _) => {
+                sinew::recipes::SolidShape::Hull(scaled(points))
+            }
+            (None, SolidShape::Hull, Some(mesh)) => {
                 sinew::recipes::SolidShape::Hull(scaled(&mesh.positions))
             }
-            (SolidShape::Mesh, Some(mesh)) => sinew::recipes::SolidShape::Mesh {
+            (None, SolidShape::Mesh, Some(mesh)) => sinew::recipes::SolidShape::Mesh {
                 vertices: scaled(&mesh.positions),
                 triangles: mesh.faces(scale),
             },
-            (_, None) => return Err(Refusal::NoMesh),
+            _ => return Err(Refusal::NoMesh),
         };
         let layout = match self.particles {
             SolidParticles::Eight => SolidLayout::Box8,

@@ -47,6 +47,7 @@ pub(crate) use impact::Impacts;
 pub(crate) use manifold::{Broad, Scratch as ManifoldScratch, collide};
 pub(crate) use pairs::Pairs;
 pub(crate) use particle_contact::{NormalImpulse, NormalImpulses, ParticleContacts};
+pub(crate) use shape::Kind as ShapeKind;
 pub(crate) use stage::{Contacts, World};
 pub(crate) use triangles::Triangles;
 

@@ -18,7 +18,9 @@
 
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
+use super::hull::convex_hull;
 use super::nearest::bounds;
+use crate::collide::{Shape, ShapeKind};
 use crate::same_place::first_in_place;
 
 /// Volume, barycentre and second moments of what a closed mesh encloses, at uniform density.
@@ -61,6 +63,43 @@ const FLAT: f64 = 1e-12;
 const CANCELLED: f64 = 1e-12;
 
 impl MassProperties {
+    /// Those of a collider's shape; `None` of what has no inside or cannot move: a half space, a mesh, a height field.
+    ///
+    /// The mean of the squares along the axes of a ball is `r²/5`, of a box `a²/12`, of a cylinder along y `h²/12` and `r²/4` across. A capsule is a
+    /// cylinder and two halves of a ball. Those are `l/2 + t` from the middle, where `t` has the mean `3r/8` and its square the mean `r²/5`.
+    pub fn of_shape(shape: &Shape) -> Option<Self> {
+        let ball = |r: f64| core::f64::consts::PI * 4.0 / 3.0 * r * r * r;
+        let tube = |r: f64, h: f64| core::f64::consts::PI * r * r * h;
+        let (volume, spread) = match shape.kind() {
+            ShapeKind::Sphere { radius } => {
+                let r = f64::from(radius);
+                (ball(r), DVec3::splat(r * r / 5.0))
+            }
+            ShapeKind::Box { half_size } => {
+                let size = 2.0 * half_size.as_dvec3();
+                (size.element_product(), size * size / 12.0)
+            }
+            ShapeKind::Cylinder { radius, half_height } => {
+                let (r, h) = (f64::from(radius), 2.0 * f64::from(half_height));
+                (tube(r, h), DVec3::new(r * r / 4.0, h * h / 12.0, r * r / 4.0))
+            }
+            ShapeKind::Capsule { radius, half_height } => {
+                let (r, l) = (f64::from(radius), 2.0 * f64::from(half_height));
+                let (middle, ends) = (tube(r, l), ball(r));
+                let across = middle * r * r / 4.0 + ends * r * r / 5.0;
+                let far = l * l / 4.0 + 3.0 * l * r / 8.0 + r * r / 5.0;
+                let along = middle * l * l / 12.0 + ends * far;
+                (middle + ends, DVec3::new(across, along, across) / (middle + ends))
+            }
+            ShapeKind::Hull(points) => {
+                return Self::of_mesh(points, &convex_hull(points).ok()?).ok();
+            }
+            ShapeKind::HalfSpace | ShapeKind::Mesh | ShapeKind::HeightField => return None,
+        };
+        let spread = DMat3::from_diagonal(spread);
+        Some(Self { volume, barycentre: DVec3::ZERO, spread })
+    }
+
     /// The mass properties of a closed mesh of triangles, counter-clockwise from outside. It need not be convex, nor in one piece, and may
     /// have cavities whose triangles face into them. Vertices in the same place count as one, so seams of texture coordinates do no harm.
     ///

@@ -52,6 +52,8 @@ pub enum SolidShape {
     },
     /// The [convex hull](convex_hull) of points, metres: for a mesh that is not closed, or a collider without dents.
     Hull(Vec<Vec3>),
+    /// A sphere, a capsule, a box, a cylinder or a hull as colliders are: it weighs, turns and collides as exactly that. A ball of this kind rolls.
+    Collider(Shape),
 }
 
 /// How much of a solid there is.
@@ -84,6 +86,9 @@ pub enum SolidFault {
     /// Its points have no hull.
     #[error(transparent)]
     Hull(#[from] HullFault),
+    /// Its shape is a half space, a mesh or a height field: what has no inside, or cannot move.
+    #[error("its shape is a half space, a mesh or a height field, which cannot be a solid")]
+    Shape,
     /// Its longest side is out of range; or it is so thin (about 1 in 100 000), or so far from the zero of its coordinates, that `f32` cannot
     /// say where its particles are.
     #[error(
@@ -122,13 +127,25 @@ impl SolidShape {
         Ok(match self {
             Self::Mesh { vertices, triangles } => MassProperties::of_mesh(vertices, triangles)?,
             Self::Hull(points) => MassProperties::of_mesh(points, &convex_hull(points)?)?,
+            Self::Collider(shape) => MassProperties::of_shape(shape).ok_or(SolidFault::Shape)?,
         })
     }
 
-    fn points(&self) -> &[Vec3] {
+    /// The corners of its bounding box, metres.
+    fn bounds(&self) -> [Vec3; 2] {
         match self {
-            Self::Mesh { vertices, .. } => vertices,
-            Self::Hull(points) => points,
+            Self::Mesh { vertices: points, .. } | Self::Hull(points) => {
+                bounds(points.iter().copied())
+            }
+            Self::Collider(shape) => shape.bounds().into(),
+        }
+    }
+
+    /// What it collides by. Without dents: two hulls can be told apart quickly, whatever they look like.
+    fn collider(&self) -> Option<Shape> {
+        match self {
+            Self::Mesh { vertices: points, .. } | Self::Hull(points) => Shape::hull(points).ok(),
+            Self::Collider(shape) => Some(shape.clone()),
         }
     }
 }
@@ -147,7 +164,7 @@ pub fn solid(spec: &SolidSpec) -> Result<Blueprint, SolidFault> {
         return Err(SolidFault::Drag);
     }
     let properties = spec.shape.mass_properties()?;
-    let [low, high] = bounds(spec.shape.points().iter().copied());
+    let [low, high] = spec.shape.bounds();
     let size = high - low;
     let mass = match spec.bulk {
         Bulk::Mass(mass) => mass,
@@ -176,8 +193,7 @@ pub fn solid(spec: &SolidSpec) -> Result<Blueprint, SolidFault> {
             body.rod(a, b);
         }
     }
-    // Without dents: two hulls can be told apart quickly, whatever they look like.
-    let shape = Shape::hull(spec.shape.points()).ok();
+    let shape = spec.shape.collider();
     body.parts = vec![Part { name: "solid", particles: (0..count).collect(), rest, size, shape }];
     Ok(body)
 }

@@ -5,6 +5,7 @@ use super::super::mass;
 use super::super::{BoxLayout, BoxSpec, box_3d};
 use super::*;
 use crate::pose::{Motion, motion};
+use glam::DVec3;
 
 const LAYOUTS: [SolidLayout; 2] = [SolidLayout::Box8, SolidLayout::Tetrahedron4];
 
@@ -140,4 +141,50 @@ fn each_fault_is_told_apart_and_the_ends_of_the_ranges_are_accepted() {
             assert_at_rest(&solid(&SolidSpec { bulk: Bulk::Mass(mass), layout, ..spec }).unwrap());
         }
     }
+}
+
+#[test]
+fn round_solids_weigh_and_turn_as_formulas_have_it_and_collide_as_what_they_are() {
+    let (r, h) = (0.5_f32, 2.0_f32);
+    let capsule = {
+        // A cylinder of length h with half a ball at each end, whose middle is 3r/8 further out.
+        let (r, h) = (f64::from(r), f64::from(h));
+        let (tube, ball) = (r * r * h, 4.0 / 3.0 * r * r * r);
+        let (tube, ball) = (tube / (tube + ball), ball / (tube + ball));
+        let across = tube * (r * r / 4.0 + h * h / 12.0)
+            + ball * (0.4 * r * r + h * h / 4.0 + 3.0 * h * r / 8.0);
+        DVec3::new(across, tube * r * r / 2.0 + ball * 0.4 * r * r, across)
+    };
+    let [r2, h2] = [f64::from(r * r), f64::from(h * h)];
+    let across = r2 / 4.0 + h2 / 12.0;
+    let cases = [
+        (Shape::sphere(r).unwrap(), DVec3::splat(0.4 * r2)),
+        (Shape::cylinder(r, h).unwrap(), DVec3::new(across, r2 / 2.0, across)),
+        (Shape::capsule(r, h).unwrap(), capsule),
+        (Shape::cuboid(Vec3::new(1.0, 2.0, 3.0)).unwrap(), DVec3::new(13.0, 10.0, 5.0) / 12.0),
+    ];
+    for (shape, expected) in cases {
+        for layout in [SolidLayout::Box8, SolidLayout::Tetrahedron4] {
+            let spec = SolidSpec {
+                shape: SolidShape::Collider(shape.clone()),
+                bulk: Bulk::Mass(3.0),
+                layout,
+                ..SolidSpec::default()
+            };
+            let body = solid(&spec).unwrap();
+            let moment = |p: &ParticleSeed| {
+                let s = p.position.as_dvec3() * p.position.as_dvec3();
+                DVec3::new(s.y + s.z, s.z + s.x, s.x + s.y) * f64::from(p.mass)
+            };
+            let inertia: DVec3 = body.particles.iter().map(moment).sum();
+            assert!(
+                (inertia / 3.0 / expected - 1.0).abs().max_element() < 1e-5,
+                "{shape:?}: {inertia}"
+            );
+            assert_eq!(body.parts[0].shape.as_ref(), Some(&shape));
+        }
+    }
+    let flat =
+        SolidSpec { shape: SolidShape::Collider(Shape::half_space()), ..SolidSpec::default() };
+    assert_eq!(solid(&flat), Err(SolidFault::Shape));
 }
