@@ -30,6 +30,8 @@
 //! | `curtain` | a soft ball thrown against a curtain |
 //! | `net` | marbles in two coarse sheets, of which one collides by its triangles |
 //! | `slopes` | stacks on slopes: held where friction holds them |
+//! | `race` | what rolls down a slope, beside what slides |
+//! | `billiards` | balls that bounce without loss |
 //! | `bin` | 200 cubes of jelly in a bin |
 //! | `chain` | loops of rope that hang in each other by contact |
 //! | `rails` | coarse ropes across rails and each other, by particles and by segments |

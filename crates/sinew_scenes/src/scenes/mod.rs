@@ -2,6 +2,7 @@
 
 mod banner;
 pub(crate) mod belt;
+mod billiards;
 mod bin;
 mod boats;
 mod bricks;
@@ -21,6 +22,7 @@ mod net;
 mod orbits;
 mod pendulums;
 mod pile;
+mod race;
 mod ragdoll;
 mod rails;
 pub(crate) mod ropes;
@@ -83,6 +85,8 @@ pub const ALL: &[Scene] = &[
     curtain::SCENE,
     net::SCENE,
     slopes::SCENE,
+    race::SCENE,
+    billiards::SCENE,
     bin::SCENE,
     chain::SCENE,
     rails::SCENE,

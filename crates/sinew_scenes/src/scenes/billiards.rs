@@ -1,0 +1,78 @@
+//! Balls that bounce without loss: a break, and where it goes.
+
+use bevy::prelude::*;
+use bevy_sinew::Combine;
+use bevy_sinew::prelude::*;
+
+use super::{Scene, mesh};
+use crate::{InScene, Look, ball, rounded_box};
+
+pub(super) const SCENE: Scene = Scene {
+    name: "billiards",
+    title: "The break",
+    about: "fifteen balls that touch are hit by one: all contacts of the blow are solved as one problem, so that with restitution 1 no energy comes or goes",
+    eye: Vec3::new(0.0, 5.6, 4.6),
+    target: Vec3::new(0.2, 0.3, 0.1),
+    seconds: 6.0,
+    moment: 1.15,
+    spawn,
+};
+
+const RADIUS: f32 = 0.16;
+/// Of the cloth, metres; and how high it is.
+const TABLE: Vec2 = Vec2::new(5.6, 2.9);
+const HEIGHT: f32 = 0.4;
+
+fn spawn(world: &mut World) {
+    world.spawn((InScene, Ground::default()));
+    let smooth = SurfaceMaterial {
+        restitution: 1.0,
+        friction_rule: Combine::Multiply,
+        ..SurfaceMaterial::new(0.0)
+    };
+    let slab = Vec3::new(TABLE.x, HEIGHT, TABLE.y);
+    let cloth = mesh(world, rounded_box(slab, 0.02, 2));
+    let felt = (Collider::cuboid(slab), SurfaceMaterial::new(0.05));
+    let green = Look::color(0x2f6b4a).roughness(0.95);
+    let at = Transform::from_xyz(0.0, 0.5 * HEIGHT, 0.0);
+    world.spawn((InScene, Name::new("table"), felt, cloth, green, at));
+    let wood = Look::color(0x5d3f29).roughness(0.6);
+    for (x, z) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
+        let wide = 0.18;
+        let size = if x == 0.0 {
+            Vec3::new(TABLE.x + 2.0 * wide, HEIGHT + 0.24, wide)
+        } else {
+            Vec3::new(wide, HEIGHT + 0.24, TABLE.y)
+        };
+        let out = Vec3::new(x * (TABLE.x + wide), size.y, z * (TABLE.y + wide)) * 0.5;
+        let skin = mesh(world, rounded_box(size, 0.03, 2));
+        let cushion = (Collider::cuboid(size), smooth);
+        let at = Transform::from_translation(out);
+        world.spawn((InScene, Name::new("cushion"), cushion, skin, wood.clone(), at));
+    }
+    let skin = mesh(world, ball(RADIUS));
+    let mut add = |x: f32, z: f32, color: u32, velocity: Vec3| {
+        world.spawn((
+            InScene,
+            Name::new("ball"),
+            Solid::mass(0.2).shaped(SolidShape::Sphere { radius: RADIUS }),
+            smooth,
+            LinearVelocity(velocity),
+            skin.clone(),
+            Look::color(color).roughness(0.15),
+            Interpolate,
+            Transform::from_xyz(x, HEIGHT + RADIUS, z),
+        ));
+    };
+    let colors = [0xd9b26a, 0x4f7cac, 0xc0604d, 0x6b4f8a, 0xd98a3d, 0x3d7a5a, 0x8a3344, 0x26262b];
+    let mut number = 0;
+    for row in 0..5 {
+        for place in 0..=row {
+            let x = 0.7 + row as f32 * RADIUS * 3.0_f32.sqrt();
+            let z = (place as f32 - 0.5 * row as f32) * 2.0 * RADIUS;
+            add(x, z, colors[number % colors.len()], Vec3::ZERO);
+            number += 1;
+        }
+    }
+    add(-2.2, 0.03, 0xf0ece0, Vec3::X * 5.0);
+}

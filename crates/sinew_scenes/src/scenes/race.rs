@@ -1,0 +1,77 @@
+//! A ball, a cylinder and a block without friction, down one slope: what turns is slower, by how its mass is spread.
+
+use bevy::prelude::*;
+use bevy_sinew::Combine;
+use bevy_sinew::prelude::*;
+
+use super::{Scene, mesh};
+use crate::{InScene, Look, ball, cylinder, rounded_box};
+
+pub(super) const SCENE: Scene = Scene {
+    name: "race",
+    title: "A race downhill",
+    about: "on one slope a block on ice gets g sin θ, a rolling ball 5/7 of it and a rolling cylinder 2/3, whatever they weigh: what turns keeps a part of its energy for that",
+    eye: Vec3::new(1.5, 3.2, 8.2),
+    target: Vec3::new(0.2, 0.75, 0.0),
+    seconds: 5.0,
+    moment: 1.25,
+    spawn,
+};
+
+/// Of the slope, radians, and of its board, metres.
+const ANGLE: f32 = 0.2;
+const BOARD: Vec3 = Vec3::new(7.0, 0.12, 3.6);
+const RADIUS: f32 = 0.3;
+
+fn spawn(world: &mut World) {
+    world.spawn((InScene, Ground::default()));
+    let turn = Quat::from_rotation_z(-ANGLE);
+    let middle = Vec3::Y * 0.9;
+    let board = (Collider::cuboid(BOARD), mesh(world, rounded_box(BOARD, 0.02, 2)));
+    let place = Transform::from_translation(middle).with_rotation(turn);
+    let wood = Look::color(0x8a6a4b).roughness(0.9);
+    world.spawn((InScene, Name::new("slope"), board, wood, SurfaceMaterial::new(0.5), place));
+    for side in [-1.0, 1.0] {
+        let size = Vec3::new(0.12, 0.3, BOARD.z);
+        let top = place.transform_point(Vec3::new(side * 0.46 * BOARD.x, -0.5 * BOARD.y, 0.0));
+        let size = size.with_y(top.y);
+        let post = (Collider::cuboid(size), mesh(world, rounded_box(size, 0.02, 2)));
+        let at = Transform::from_translation(top.with_y(0.5 * top.y));
+        world.spawn((InScene, post, Look::color(0x6d5138).roughness(0.9), at));
+    }
+    let start = |z: f32, up: f32| middle + turn * Vec3::new(-0.42 * BOARD.x, 0.5 * BOARD.y + up, z);
+    let sphere = SolidShape::Sphere { radius: RADIUS };
+    let drum = SolidShape::Cylinder { radius: RADIUS, height: 0.6 };
+    let lies = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
+    let racers = [
+        ("ball", sphere, ball(RADIUS), Quat::IDENTITY, 0.0, 0xc0604d),
+        ("cylinder", drum, cylinder(RADIUS, 0.6), lies, 1.15, 0x4f7cac),
+    ];
+    for (name, shape, skin, turned, z, color) in racers {
+        let skin = mesh(world, skin);
+        world.spawn((
+            InScene,
+            Name::new(name),
+            Solid::density(600.0).shaped(shape),
+            SurfaceMaterial::new(0.5),
+            skin,
+            Look::color(color).roughness(0.35),
+            Interpolate,
+            Transform::from_translation(start(z, RADIUS)).with_rotation(turned),
+        ));
+    }
+    // What has no friction takes none from what it lies on, by this rule of two materials.
+    let ice = SurfaceMaterial { friction_rule: Combine::Multiply, ..SurfaceMaterial::new(0.0) };
+    let size = Vec3::new(0.6, 0.4, 0.6);
+    let skin = mesh(world, rounded_box(size, 0.03, 3));
+    world.spawn((
+        InScene,
+        Name::new("block on ice"),
+        ParticleBox::new(size).with_mass(50.0),
+        ice,
+        skin,
+        Look::color(0xbfd8e2).roughness(0.1),
+        Interpolate,
+        Transform::from_translation(start(-1.15, 0.5 * size.y)).with_rotation(turn),
+    ));
+}
