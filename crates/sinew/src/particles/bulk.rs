@@ -111,7 +111,7 @@ impl Particles {
         for (v, row) in self.velocity.iter_mut().zip(0..) {
             let speed = v.truncate();
             // Its square may be infinite where it is not.
-            if !(speed.length_squared() <= most * most) && speed.is_finite() {
+            if speed.length_squared() > most * most && speed.is_finite() {
                 let size = speed.abs().max_element();
                 *v = ((speed / size).normalize() * most).extend(v.w);
                 limited.push(row);
