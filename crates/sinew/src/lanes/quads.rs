@@ -2,7 +2,7 @@
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use glam::{BVec4A, Mat4, Vec4};
+use glam::{Mat4, Vec4};
 
 use super::doubles::Each;
 use super::{LANES, Lanes, PARITY, Record};
@@ -31,18 +31,6 @@ impl Neg for Quads {
     fn neg(self) -> Self {
         Self(-self.0, -self.1)
     }
-}
-
-/// All ones where a comparison holds.
-#[inline(always)]
-fn mask(holds: BVec4A) -> Vec4 {
-    Vec4::select(holds, Vec4::splat(f32::from_bits(u32::MAX)), Vec4::ZERO)
-}
-
-/// The comparison of which that is the mask. All ones are a NaN, zeros are not.
-#[inline(always)]
-fn holds(mask: Vec4) -> BVec4A {
-    mask.cmpne(mask)
 }
 
 /// Four rows of four numbers as four columns.
@@ -111,38 +99,37 @@ impl Lanes for Quads {
 
     #[inline(always)]
     fn lt(self, other: Self) -> Self {
-        Self(mask(self.0.cmplt(other.0)), mask(self.1.cmplt(other.1)))
+        Self(four::lt(self.0, other.0), four::lt(self.1, other.1))
     }
 
     #[inline(always)]
     fn le(self, other: Self) -> Self {
-        Self(mask(self.0.cmple(other.0)), mask(self.1.cmple(other.1)))
+        Self(four::le(self.0, other.0), four::le(self.1, other.1))
     }
 
     #[inline(always)]
     fn same(self, other: Self) -> Self {
-        Self(mask(self.0.cmpeq(other.0)), mask(self.1.cmpeq(other.1)))
+        Self(four::same(self.0, other.0), four::same(self.1, other.1))
     }
 
     #[inline(always)]
     fn and(self, other: Self) -> Self {
-        self.select(other, Self::zero())
+        Self(four::and(self.0, other.0), four::and(self.1, other.1))
     }
 
     #[inline(always)]
     fn or(self, other: Self) -> Self {
-        self.select(self, other)
+        Self(four::or(self.0, other.0), four::or(self.1, other.1))
     }
 
     #[inline(always)]
     fn select(self, yes: Self, no: Self) -> Self {
-        let four = |mask, yes, no| Vec4::select(holds(mask), yes, no);
-        Self(four(self.0, yes.0, no.0), four(self.1, yes.1, no.1))
+        Self(four::select(self.0, yes.0, no.0), four::select(self.1, yes.1, no.1))
     }
 
     #[inline(always)]
     fn bits(self) -> u32 {
-        holds(self.0).bitmask() | holds(self.1).bitmask() << 4
+        four::bits(self.0) | four::bits(self.1) << 4
     }
 
     #[inline(always)]
@@ -229,5 +216,96 @@ impl Lanes for Quads {
     #[inline(always)]
     fn with_fourths(self, other: Self) -> Self {
         Self(self.0.with_w(other.0.w), self.1.with_w(other.1.w))
+    }
+}
+
+/// Masks of four, which glam does not show as numbers: by SSE2's own operations, one each. Made of glam's, a comparison and what is selected by it are
+/// nine, and these kernels were half of the work of compiling this crate.
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code)]
+mod four {
+    use core::arch::x86_64::{
+        __m128, _mm_and_ps, _mm_andnot_ps, _mm_cmpeq_ps, _mm_cmple_ps, _mm_cmplt_ps,
+        _mm_movemask_ps, _mm_or_ps,
+    };
+
+    use glam::Vec4;
+
+    macro_rules! each {
+        ($($name:ident $operation:ident),*) => {$(
+            #[inline(always)]
+            pub(super) fn $name(a: Vec4, b: Vec4) -> Vec4 {
+                // SAFETY: every x86-64 has SSE2.
+                unsafe { $operation(a.into(), b.into()) }.into()
+            }
+        )*};
+    }
+
+    each!(lt _mm_cmplt_ps, le _mm_cmple_ps, same _mm_cmpeq_ps, and _mm_and_ps, or _mm_or_ps);
+
+    #[inline(always)]
+    pub(super) fn select(mask: Vec4, yes: Vec4, no: Vec4) -> Vec4 {
+        let mask: __m128 = mask.into();
+        // SAFETY: every x86-64 has SSE2.
+        unsafe { _mm_or_ps(_mm_and_ps(mask, yes.into()), _mm_andnot_ps(mask, no.into())) }.into()
+    }
+
+    #[inline(always)]
+    pub(super) fn bits(mask: Vec4) -> u32 {
+        // SAFETY: every x86-64 has SSE2.
+        unsafe { _mm_movemask_ps(mask.into()) as u32 }
+    }
+}
+
+/// The same by glam's operations, on whatever machine.
+#[cfg(not(target_arch = "x86_64"))]
+mod four {
+    use glam::{BVec4A, Vec4};
+
+    /// All ones where a comparison holds.
+    #[inline(always)]
+    fn mask(holds: BVec4A) -> Vec4 {
+        Vec4::select(holds, Vec4::splat(f32::from_bits(u32::MAX)), Vec4::ZERO)
+    }
+
+    /// The comparison of which that is the mask. All ones are a NaN, zeros are not.
+    #[inline(always)]
+    fn holds(mask: Vec4) -> BVec4A {
+        mask.cmpne(mask)
+    }
+
+    #[inline(always)]
+    pub(super) fn lt(a: Vec4, b: Vec4) -> Vec4 {
+        mask(a.cmplt(b))
+    }
+
+    #[inline(always)]
+    pub(super) fn le(a: Vec4, b: Vec4) -> Vec4 {
+        mask(a.cmple(b))
+    }
+
+    #[inline(always)]
+    pub(super) fn same(a: Vec4, b: Vec4) -> Vec4 {
+        mask(a.cmpeq(b))
+    }
+
+    #[inline(always)]
+    pub(super) fn and(mask: Vec4, of: Vec4) -> Vec4 {
+        select(mask, of, Vec4::ZERO)
+    }
+
+    #[inline(always)]
+    pub(super) fn or(one: Vec4, other: Vec4) -> Vec4 {
+        select(one, one, other)
+    }
+
+    #[inline(always)]
+    pub(super) fn select(mask: Vec4, yes: Vec4, no: Vec4) -> Vec4 {
+        Vec4::select(holds(mask), yes, no)
+    }
+
+    #[inline(always)]
+    pub(super) fn bits(mask: Vec4) -> u32 {
+        holds(mask).bitmask()
     }
 }
