@@ -81,22 +81,22 @@ impl Work for FrictionSolve<'_> {
             bodies.predicted.fill(Vec4::ZERO);
         }
         for wide in wide_contacts {
-            match (after, wide.fixed) {
-                (false, false) => friction_before::<L, false>(wide, bodies),
-                (false, true) => friction_before::<L, true>(wide, bodies),
-                (true, false) => friction_after::<L, false>(wide, bodies, max_correction),
-                (true, true) => friction_after::<L, true>(wide, bodies, max_correction),
+            if after {
+                friction_after::<L>(wide, bodies, max_correction);
+            } else {
+                friction_before::<L>(wide, bodies);
             }
         }
     }
 }
-/// Against what pressed it in the substeps before. `FIXED` is what the wide contact says of that, as in `normal_solve`.
+
+/// Against what pressed it in the substeps before.
 #[inline(always)]
-fn friction_before<L: Lanes, const FIXED: bool>(wide: &mut WideContact, bodies: &mut Bodies) {
+fn friction_before<L: Lanes>(wide: &mut WideContact, bodies: &mut Bodies) {
     let none = L::zero();
     let friction_limit = none.lt(L::load(&wide.friction)).and(L::load(&wide.friction_limit));
     let friction_limit_used = if none.lt(friction_limit).any() {
-        let slip = TangentialSlip::of::<FIXED>(wide, bodies);
+        let slip = TangentialSlip::of(wide, bodies);
         let slid = slip.slid + slip.accumulated_slip * L::splat(BACK);
         let answer = slip.answer(wide, slid, friction_limit);
         let slips = none.lt(friction_limit).and(friction_limit.le(answer.friction_limit_used));
@@ -116,11 +116,7 @@ fn friction_before<L: Lanes, const FIXED: bool>(wide: &mut WideContact, bodies: 
 
 /// Against what pressed it more than that, and what the anchor is to keep.
 #[inline(always)]
-fn friction_after<L: Lanes, const FIXED: bool>(
-    wide: &mut WideContact,
-    bodies: &mut Bodies,
-    max_correction: f32,
-) {
+fn friction_after<L: Lanes>(wide: &mut WideContact, bodies: &mut Bodies, max_correction: f32) {
     let none = L::zero();
     let friction_limit = none.lt(L::load(&wide.friction)).and(L::load(&wide.friction_limit));
     let (sum, mut friction_limit_used) = (L::load(&wide.sum), L::load(&wide.friction_limit_used));
@@ -134,7 +130,7 @@ fn friction_after<L: Lanes, const FIXED: bool>(
         wide.friction_limit = LaneArray::default();
         return;
     }
-    let slip = TangentialSlip::of::<FIXED>(wide, bodies);
+    let slip = TangentialSlip::of(wide, bodies);
     let (mut left, mut granted) = (slip.slid, friction_limit);
     let needs = friction_limit_used.lt(friction_limit).select(none, more);
     let needs = (friction_limit * L::splat(MORE)).lt(needs).and(needs);
@@ -175,19 +171,7 @@ impl Work for PredictImpulse<'_> {
             if !L::zero().lt(friction_limit).any() {
                 continue;
             }
-            if wide.fixed {
-                TangentialSlip::of::<true>(wide, bodies).predict_impulse(
-                    wide,
-                    friction_limit,
-                    bodies,
-                );
-            } else {
-                TangentialSlip::of::<false>(wide, bodies).predict_impulse(
-                    wide,
-                    friction_limit,
-                    bodies,
-                );
-            }
+            TangentialSlip::of(wide, bodies).predict_impulse(wide, friction_limit, bodies);
         }
     }
 }
@@ -221,9 +205,9 @@ struct TangentialSlip<L> {
 
 impl<L: Lanes> TangentialSlip<L> {
     #[inline(always)]
-    fn of<const FIXED: bool>(wide: &WideContact, bodies: &Bodies) -> Self {
+    fn of(wide: &WideContact, bodies: &Bodies) -> Self {
         let a = WideSlidingBody::<L>::load(bodies, &wide.a);
-        let b = if FIXED { None } else { Some(WideSlidingBody::<L>::load(bodies, &wide.b)) };
+        let b = if wide.fixed { None } else { Some(WideSlidingBody::<L>::load(bodies, &wide.b)) };
         let (n, arm) = (load::<L>(&wide.up), load::<L>(&wide.arm));
         let mut apart = load::<L>(&wide.offset);
         if let Some(b) = &b {

@@ -76,26 +76,24 @@ impl Work for NormalSolve<'_> {
             // Most have two points at the most, and what is missing has no say.
             let third = L::load(&wide.missing[2]).lt(L::splat(FAR));
             let how = (h, recover, pops, sweep);
-            match (third.any(), wide.fixed) {
-                (false, false) => solve_wide_contact::<L, 2, false>(wide, bodies, how),
-                (false, true) => solve_wide_contact::<L, 2, true>(wide, bodies, how),
-                (true, false) => solve_wide_contact::<L, 4, false>(wide, bodies, how),
-                (true, true) => solve_wide_contact::<L, 4, true>(wide, bodies, how),
+            if third.any() {
+                solve_wide_contact::<L, 4>(wide, bodies, how);
+            } else {
+                solve_wide_contact::<L, 2>(wide, bodies, how);
             }
         }
     }
 }
 
-/// `FIXED` is what the wide contact says of that: the same bits, without all that is nothing.
 #[inline(always)]
-fn solve_wide_contact<L: Lanes, const POINTS: usize, const FIXED: bool>(
+fn solve_wide_contact<L: Lanes, const POINTS: usize>(
     wide: &mut WideContact,
     bodies: &mut Bodies,
     (h, recover, [max_depenetration, elastic_pop], sweep): (f32, f32, [f32; 2], u32),
 ) {
     let (none, one) = (L::zero(), L::splat(1.0));
     let mut a = Rows::<L>::load(bodies, &wide.a);
-    let mut b = if FIXED { None } else { Some(Rows::<L>::load(bodies, &wide.b)) };
+    let mut b = if wide.fixed { None } else { Some(Rows::<L>::load(bodies, &wide.b)) };
     // From the first one's centre to the second one's, at the start; and how much that has grown. A match, for a closure is not made for the
     // processor that it runs on.
     let offset = load::<L>(&wide.offset);
