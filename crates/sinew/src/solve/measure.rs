@@ -20,7 +20,7 @@ pub(crate) fn measure(
     report: &mut SolverReport,
 ) {
     (report.error, report.strain) = (0.0, 0.0);
-    let places = Places::all(particles);
+    let mut places = Places::all(particles);
     plan.instance_batches.measure(
         places.position,
         &mut thread_scratch.lane_particles,
@@ -55,8 +55,11 @@ pub(crate) fn measure(
                 let constraint_batches =
                     group.wide.as_ref().filter(|_| group.kind == GroupKind::Constraints);
                 if let Some(which) = constraint_batches {
-                    error =
-                        error.max(plan.constraint_batches.measure(&places, which, instructions));
+                    error = error.max(plan.constraint_batches.measure(
+                        &mut places,
+                        which,
+                        instructions,
+                    ));
                     continue;
                 }
                 let (left, share) = match group.kind {

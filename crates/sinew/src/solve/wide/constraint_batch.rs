@@ -1,7 +1,9 @@
 //! Eight constraints of one kind, side by side: in which form they are kept, and how they are projected.
 
+use core::slice::ChunksMut;
+
 use super::compliance::{Asks, PackedCompliance, compliance};
-use super::particle_access::{GatheredParticles, ParticleAccess, ParticleRead};
+use super::particle_access::{GatheredParticles, ParticleAccess};
 use super::{each, less, load_sums, store_sums};
 use crate::constraints::{Constraint, SubstepContext, Wide};
 use crate::lanes::{LANES, Lanes, Vector, Work};
@@ -60,13 +62,14 @@ impl<W> WideConstraint<W> {
     }
 }
 
-/// Projects blocks once, in their order; returns the largest error found, metres, of soft ones how far they moved. `multipliers` are cut to a block
-/// each.
+/// Projects blocks once, in their order; returns the largest error found, metres, of soft ones how far they moved. Without multipliers it measures:
+/// nothing is moved, and what is returned is the largest error of the hard ones.
 pub(super) struct SweepBatch<'a, 'b, W, const N: usize> {
     pub(super) blocks: &'a [ConstraintBatch<W, N>],
     pub(super) compliances: &'a [PackedCompliance],
     pub(super) places: &'a mut Places<'b>,
-    pub(super) multipliers: core::slice::ChunksMut<'a, f32>,
+    /// Cut to a block each.
+    pub(super) multipliers: Option<ChunksMut<'a, f32>>,
     pub(super) substep_context: SubstepContext,
 }
 
@@ -75,10 +78,11 @@ impl<W: Wide<N>, const N: usize> Work for SweepBatch<'_, '_, W, N> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
-        let Self { blocks, compliances, places, multipliers, substep_context } = self;
+        let Self { blocks, compliances, places, mut multipliers, substep_context } = self;
         let (mut each, mut each_of) = ([1.0; LANES], u32::MAX);
         let mut worst = L::zero();
-        for (block, multipliers) in blocks.iter().zip(multipliers) {
+        for block in blocks {
+            let multipliers = multipliers.as_mut().and_then(Iterator::next);
             let packed_compliance = &compliances[block.eight.packed_compliance as usize];
             if block.eight.packed_compliance != each_of {
                 each = if packed_compliance.shares {
@@ -98,47 +102,6 @@ impl<W: Wide<N>, const N: usize> Work for SweepBatch<'_, '_, W, N> {
         }
         worst.largest(0.0)
     }
-}
-
-/// The largest error of the hard ones, metres, moving nothing.
-pub(super) struct MeasureBatch<'a, 'b, W, const N: usize> {
-    pub(super) blocks: &'a [ConstraintBatch<W, N>],
-    pub(super) compliances: &'a [PackedCompliance],
-    pub(super) places: &'a Places<'b>,
-}
-
-impl<W: Wide<N>, const N: usize> Work for MeasureBatch<'_, '_, W, N> {
-    type Output = f32;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> f32 {
-        let Self { blocks, compliances, places } = self;
-        let mut worst = L::zero();
-        for block in blocks {
-            let mut room = [[0; LANES]; N];
-            let rows = less(&block.rows, places.first, &mut room);
-            let particles =
-                GatheredParticles { rows, position: &*places.position, start: places.start };
-            worst = left::<L, W, N>(&block.eight, compliances, &particles).max(worst);
-        }
-        worst.largest(0.0)
-    }
-}
-
-/// The errors of the hard ones of eight, metres.
-#[inline(always)]
-pub(super) fn left<L: Lanes, W: Wide<N>, const N: usize>(
-    eight: &WideConstraint<W>,
-    compliances: &[PackedCompliance],
-    particles: &impl ParticleRead<N>,
-) -> L {
-    let (points, inverse) = load::<L, N>(particles);
-    if W::IS_LIMIT && eight.kind.is_kept(&points).all() {
-        return L::zero();
-    }
-    let found = solve::<L, W, N>(&eight.kind, &points, &inverse);
-    let hard = compliances[eight.packed_compliance as usize].hard::<L>();
-    hard.and(found.active).and(found.error)
 }
 
 /// What the equation says of eight constraints.
@@ -190,7 +153,7 @@ fn solve<L: Lanes, W: Wide<N>, const N: usize>(
 
 /// Where the particles are, and their inverse masses.
 #[inline(always)]
-fn load<L: Lanes, const N: usize>(particles: &impl ParticleRead<N>) -> ([Vector<L>; N], [L; N]) {
+fn load<L: Lanes, const N: usize>(particles: &impl ParticleAccess<N>) -> ([Vector<L>; N], [L; N]) {
     let mut points = [Vector::new(L::zero(), L::zero(), L::zero()); N];
     let mut inverse = [L::zero(); N];
     each!(i of N {
@@ -200,13 +163,13 @@ fn load<L: Lanes, const N: usize>(particles: &impl ParticleRead<N>) -> ([Vector<
 }
 
 /// Eight constraints once, with their packed compliance, what each share is, the substep, seconds, and a mask of those of which nothing is asked:
-/// what becomes of them does not matter. Returns the errors found.
+/// what becomes of them does not matter. Returns the errors found; without multipliers those of the hard ones, and nothing is moved.
 #[inline(always)]
 pub(super) fn project<L: Lanes, W: Wide<N>, const N: usize>(
     eight: &WideConstraint<W>,
     (packed_compliance, each, h, aside): (&PackedCompliance, &[f32; LANES], f32, L),
     particles: &mut impl ParticleAccess<N>,
-    multipliers: &mut [f32],
+    multipliers: Option<&mut [f32]>,
 ) -> L {
     let (points, inverse) = load::<L, N>(particles);
     if W::IS_LIMIT && eight.kind.is_kept(&points).or(aside).all() {
@@ -218,6 +181,9 @@ pub(super) fn project<L: Lanes, W: Wide<N>, const N: usize>(
     if !aside.select(L::zero(), active).any() {
         return L::zero();
     }
+    let Some(multipliers) = multipliers else {
+        return packed_compliance.hard::<L>().and(active).and(error);
+    };
     let zero = L::zero();
     let change = if packed_compliance.plain {
         value / weights

@@ -1,7 +1,9 @@
 //! Eight distances side by side: soft ones, ropes and struts. What is hard both ways is a rod, with kernels of its own.
 
+use core::slice::ChunksMut;
+
 use super::compliance::{Asks, PackedCompliance, compliance};
-use super::particle_access::{GatheredParticles, ParticleAccess, ParticleRead};
+use super::particle_access::{GatheredParticles, ParticleAccess};
 use super::{less, load_sums, store_sums};
 use crate::constraints::{Bound, Distance, SubstepContext};
 use crate::lanes::{LANES, Lanes, Vector, Work};
@@ -61,13 +63,13 @@ fn clear(distance: &Distance) -> f32 {
     }
 }
 
-/// Projects blocks once, in their order; returns the largest error found, metres, of soft ones how far they moved. `multipliers` are cut to a block
-/// each.
+/// Projects blocks once, or measures them, as that of other [constraints](super::constraint_batch::SweepBatch).
 pub(super) struct SweepBatch<'a, 'b> {
     pub(super) blocks: &'a [DistanceBatch],
     pub(super) compliances: &'a [PackedCompliance],
     pub(super) places: &'a mut Places<'b>,
-    pub(super) multipliers: core::slice::ChunksMut<'a, f32>,
+    /// Cut to a block each.
+    pub(super) multipliers: Option<ChunksMut<'a, f32>>,
     pub(super) substep_context: SubstepContext,
 }
 
@@ -76,10 +78,11 @@ impl Work for SweepBatch<'_, '_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
-        let Self { blocks, compliances, places, multipliers, substep_context } = self;
+        let Self { blocks, compliances, places, mut multipliers, substep_context } = self;
         let (mut each, mut each_of) = ([1.0; LANES], u32::MAX);
         let mut worst = L::zero();
-        for (block, multipliers) in blocks.iter().zip(multipliers) {
+        for block in blocks {
+            let multipliers = multipliers.as_mut().and_then(Iterator::next);
             let packed_compliance = &compliances[block.eight.packed_compliance as usize];
             if block.eight.packed_compliance != each_of {
                 each = if packed_compliance.shares {
@@ -94,73 +97,35 @@ impl Work for SweepBatch<'_, '_> {
             let (position, start) = (&mut *places.position, places.start);
             let mut particles = GatheredParticles { rows, position, start };
             let context = (packed_compliance, &each, substep_context.h, L::zero());
-            worst = project::<L>(&block.eight, context, &mut particles, multipliers).max(worst);
+            worst = project::<L>(&block.eight, context, &mut particles, multipliers).0.max(worst);
         }
         worst.largest(0.0)
     }
 }
 
-/// The largest error of the hard ones, metres, moving nothing.
-pub(super) struct MeasureBatch<'a, 'b> {
-    pub(super) blocks: &'a [DistanceBatch],
-    pub(super) compliances: &'a [PackedCompliance],
-    pub(super) places: &'a Places<'b>,
-}
-
-impl Work for MeasureBatch<'_, '_> {
-    type Output = f32;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> f32 {
-        let Self { blocks, compliances, places } = self;
-        let mut worst = L::zero();
-        for block in blocks {
-            let mut room = [[0; LANES]; 2];
-            let rows = less(&block.rows, places.first, &mut room);
-            let particles =
-                GatheredParticles { rows, position: &*places.position, start: places.start };
-            worst = left::<L>(&block.eight, compliances, &particles).0.max(worst);
-        }
-        worst.largest(0.0)
-    }
-}
-
-/// The errors of the hard ones of eight, metres, and as shares of their rest lengths.
-#[inline(always)]
-pub(super) fn left<L: Lanes>(
-    eight: &WideDistance,
-    compliances: &[PackedCompliance],
-    particles: &impl ParticleRead<2>,
-) -> (L, L) {
-    let (a, wa) = Vector::of(particles.now::<L>(0));
-    let (b, wb) = Vector::of(particles.now::<L>(1));
-    let (packed_compliance, rest) =
-        (&compliances[eight.packed_compliance as usize], L::load(&eight.rest));
-    let value = (a - b).length() - rest;
-    let asked = packed_compliance.hard::<L>().and(L::zero().lt(wa + wb));
-    let error = packed_compliance.holds(value).select(L::zero(), value.abs());
-    let left = asked.and(error);
-    (left, L::zero().lt(rest).and(left / rest))
-}
-
-/// Eight distances once, with their packed compliance, what each share is, the substep, seconds, and a mask of those of which nothing is asked; the
-/// errors found. As [`project`](crate::constraints::project): with `n = d/‖d‖`, `d = a - b`, the gradients are `±n`, so that `Σ w‖∇C‖² = w_a + w_b`.
-/// Coincident ends are pushed apart along the x axis, `a` towards +x.
+/// Eight distances once, with their packed compliance, what each share is, the substep, seconds, and a mask of those of which nothing is asked. As
+/// [`project`](crate::constraints::project): with `n = d/‖d‖`, `d = a - b`, the gradients are `±n`, so that `Σ w‖∇C‖² = w_a + w_b`. Coincident ends are
+/// pushed apart along the x axis, `a` towards +x.
+///
+/// Returns the errors found; without multipliers those of the hard ones, metres and as shares of their rest lengths, and nothing is moved.
 #[inline(always)]
 pub(super) fn project<L: Lanes>(
     eight: &WideDistance,
     (packed_compliance, each, h, aside): (&PackedCompliance, &[f32; LANES], f32, L),
     particles: &mut impl ParticleAccess<2>,
-    multipliers: &mut [f32],
-) -> L {
+    multipliers: Option<&mut [f32]>,
+) -> (L, L) {
     let (a, wa) = Vector::of(particles.now::<L>(0));
     let (b, wb) = Vector::of(particles.now::<L>(1));
     let (zero, one, most) = (L::zero(), L::splat(1.0), L::splat(f32::MAX));
     let d = a - b;
+    let Some(multipliers) = multipliers else {
+        return left(eight, packed_compliance, d.length(), wa + wb);
+    };
     // Limbs are apart more often than not, and that can be told without a root.
     let square = d.length_squared();
     if packed_compliance.plain && L::load(&eight.clear).lt(square).or(aside).all() {
-        return zero;
+        return (zero, zero);
     }
     let length = square.sqrt();
     let value = length - L::load(&eight.rest);
@@ -170,7 +135,7 @@ pub(super) fn project<L: Lanes>(
     let holds = packed_compliance.holds(value);
     active = sum.same(zero).and(holds).select(zero, active);
     if !aside.select(zero, active).any() {
-        return zero;
+        return (zero, zero);
     }
     let parted = zero.lt(length);
     let inverse = one / length;
@@ -207,5 +172,21 @@ pub(super) fn project<L: Lanes>(
         // A soft one is not meant to be kept. It asks for another sweep as long as sweeps still move it.
         packed_compliance.hard::<L>().select(hard, (change * weights).abs())
     };
-    active.and(error)
+    (active.and(error), zero)
+}
+
+/// The errors of the hard ones of eight that are so long, metres, and as shares of their rest lengths.
+#[inline(always)]
+fn left<L: Lanes>(
+    eight: &WideDistance,
+    packed_compliance: &PackedCompliance,
+    length: L,
+    weights: L,
+) -> (L, L) {
+    let rest = L::load(&eight.rest);
+    let value = length - rest;
+    let asked = packed_compliance.hard::<L>().and(L::zero().lt(weights));
+    let error = packed_compliance.holds(value).select(L::zero(), value.abs());
+    let left = asked.and(error);
+    (left, L::zero().lt(rest).and(left / rest))
 }

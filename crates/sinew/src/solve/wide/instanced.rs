@@ -5,8 +5,8 @@ use core::ops::Range;
 use super::compliance::PackedCompliance;
 use super::constraint_batch::{self, WideConstraint};
 use super::distance_batch::{self, WideDistance};
-use super::particle_access::{ParticleAccess, ParticleRead};
-use super::{BatchList, ConstraintBatches, Which, number};
+use super::particle_access::ParticleAccess;
+use super::{BatchList, ConstraintBatches, MEASURING, Which, number};
 use crate::constraints::{
     Angles, Areas, Bends, Cones, Constraint, Distance, Hinges, SubstepContext, Tetrahedra, Wide,
 };
@@ -117,34 +117,10 @@ impl InstancedConstraints {
         (aside, worst): (u32, LaneValues),
         instructions: InstructionSet,
     ) -> LaneValues {
-        let Self { compliances, distances, bends, areas, tetrahedra, angles, hinges, cones } = self;
-        let (range, multipliers) = (part.range.clone(), part.multipliers);
-        macro_rules! sweep {
-            ($list:ident) => {{
-                let list = &$list[range];
-                with(
-                    instructions,
-                    SweepInstanced {
-                        list,
-                        compliances,
-                        storage,
-                        multipliers,
-                        substep_context,
-                        aside,
-                        worst,
-                    },
-                )
-            }};
-        }
-        match part.list {
-            BatchList::Distances => sweep!(distances),
-            BatchList::Bends => sweep!(bends),
-            BatchList::Areas => sweep!(areas),
-            BatchList::Tetrahedra => sweep!(tetrahedra),
-            BatchList::Angles => sweep!(angles),
-            BatchList::Hinges => sweep!(hinges),
-            BatchList::Cones => sweep!(cones),
-        }
+        let LaneStorage { now, start, multipliers, .. } = storage;
+        let multipliers = Some(&mut multipliers[part.multipliers..]);
+        let task = Task { now, start, multipliers, substep_context, aside, worst };
+        self.pass(part, task, instructions)[0]
     }
 
     /// How far the hard ones of a group are from being kept in each body: the largest error, metres, and of distances the largest share of a rest
@@ -152,24 +128,36 @@ impl InstancedConstraints {
     pub(in crate::solve) fn measure(
         &self,
         part: &InstancedGroup,
-        now: &[LaneParticles],
+        now: &mut [LaneParticles],
+        instructions: InstructionSet,
+    ) -> [LaneValues; 2] {
+        let (start, multipliers, substep_context) = (&[][..], None, MEASURING);
+        let (aside, worst) = (0, LaneValues::default());
+        let task = Task { now, start, multipliers, substep_context, aside, worst };
+        self.pass(part, task, instructions)
+    }
+
+    fn pass(
+        &self,
+        part: &InstancedGroup,
+        task: Task,
         instructions: InstructionSet,
     ) -> [LaneValues; 2] {
         let Self { compliances, distances, bends, areas, tetrahedra, angles, hinges, cones } = self;
         let range = part.range.clone();
-        macro_rules! measure {
+        macro_rules! pass {
             ($list:ident) => {
-                with(instructions, MeasureInstanced { list: &$list[range], compliances, now })
+                with(instructions, SweepInstanced { list: &$list[range], compliances, task })
             };
         }
         match part.list {
-            BatchList::Distances => measure!(distances),
-            BatchList::Bends => measure!(bends),
-            BatchList::Areas => measure!(areas),
-            BatchList::Tetrahedra => measure!(tetrahedra),
-            BatchList::Angles => measure!(angles),
-            BatchList::Hinges => measure!(hinges),
-            BatchList::Cones => measure!(cones),
+            BatchList::Distances => pass!(distances),
+            BatchList::Bends => pass!(bends),
+            BatchList::Areas => pass!(areas),
+            BatchList::Tetrahedra => pass!(tetrahedra),
+            BatchList::Angles => pass!(angles),
+            BatchList::Hinges => pass!(hinges),
+            BatchList::Cones => pass!(cones),
         }
     }
 }
@@ -225,22 +213,29 @@ fn take<W: Wide<N>, const N: usize>(
 /// A number of each of eight bodies.
 type LaneValues = [f32; LANES];
 
-/// What there is to be done with one constraint of each of eight bodies.
+/// What is to be done with the constraints of eight bodies: to project them once, or without multipliers to measure them.
+struct Task<'a> {
+    now: &'a mut [LaneParticles],
+    /// Where they were when the substep began.
+    start: &'a [LaneParticles],
+    multipliers: Option<&'a mut [LaneValues]>,
+    substep_context: SubstepContext,
+    /// A mask of bodies of which nothing is asked.
+    aside: u32,
+    /// The largest error that was found before, metres.
+    worst: LaneValues,
+}
+
+/// One constraint of each of eight bodies.
 trait InstancedKernel<const N: usize> {
     /// Which packed compliance they have.
     fn packed_compliance(&self) -> u32;
-    /// As [`constraint_batch::project`] has it.
+    /// As [`constraint_batch::project`] has it, and what of distances is measured as a share of their rest lengths.
     fn project<L: Lanes>(
         &self,
         context: (&PackedCompliance, &LaneValues, f32, L),
         particles: &mut InstancedParticles<N>,
-        multipliers: &mut LaneValues,
-    ) -> L;
-    /// The errors of the hard ones, metres, and of distances as shares of their rest lengths.
-    fn left<L: Lanes>(
-        &self,
-        compliances: &[PackedCompliance],
-        particles: &InstancedRead<N>,
+        multipliers: Option<&mut [f32]>,
     ) -> (L, L);
 }
 
@@ -254,18 +249,9 @@ impl<W: Wide<N>, const N: usize> InstancedKernel<N> for WideConstraint<W> {
         &self,
         context: (&PackedCompliance, &LaneValues, f32, L),
         particles: &mut InstancedParticles<N>,
-        multipliers: &mut LaneValues,
-    ) -> L {
-        constraint_batch::project::<L, W, N>(self, context, particles, multipliers)
-    }
-
-    #[inline(always)]
-    fn left<L: Lanes>(
-        &self,
-        compliances: &[PackedCompliance],
-        particles: &InstancedRead<N>,
+        multipliers: Option<&mut [f32]>,
     ) -> (L, L) {
-        (constraint_batch::left::<L, W, N>(self, compliances, particles), L::zero())
+        (constraint_batch::project::<L, W, N>(self, context, particles, multipliers), L::zero())
     }
 }
 
@@ -279,42 +265,30 @@ impl InstancedKernel<2> for WideDistance {
         &self,
         context: (&PackedCompliance, &LaneValues, f32, L),
         particles: &mut InstancedParticles<2>,
-        multipliers: &mut LaneValues,
-    ) -> L {
-        distance_batch::project::<L>(self, context, particles, multipliers)
-    }
-
-    #[inline(always)]
-    fn left<L: Lanes>(
-        &self,
-        compliances: &[PackedCompliance],
-        particles: &InstancedRead<2>,
+        multipliers: Option<&mut [f32]>,
     ) -> (L, L) {
-        distance_batch::left::<L>(self, compliances, particles)
+        distance_batch::project::<L>(self, context, particles, multipliers)
     }
 }
 
-/// As [`InstancedConstraints::sweep`] has it, of one list.
+/// A task for one list: the largest errors, metres, and shares of rest lengths.
 struct SweepInstanced<'a, E, const N: usize> {
     list: &'a [InstancedConstraint<E, N>],
     compliances: &'a [PackedCompliance],
-    storage: &'a mut LaneStorage,
-    multipliers: usize,
-    substep_context: SubstepContext,
-    aside: u32,
-    worst: LaneValues,
+    task: Task<'a>,
 }
 
 impl<E: InstancedKernel<N>, const N: usize> Work for SweepInstanced<'_, E, N> {
-    type Output = LaneValues;
+    type Output = [LaneValues; 2];
 
     #[inline(always)]
-    fn run<L: Lanes>(self) -> LaneValues {
-        let Self { list, compliances, storage, multipliers, substep_context, aside, worst } = self;
+    fn run<L: Lanes>(self) -> [LaneValues; 2] {
+        let Self { list, compliances, task } = self;
+        let Task { now, start, multipliers, substep_context, aside, worst } = task;
         let (mut each, mut each_of) = ([1.0; LANES], u32::MAX);
-        let (aside, mut worst) = (L::mask(aside), L::load(&worst));
-        let LaneStorage { now, start, multipliers: all, .. } = storage;
-        for (own, sum) in list.iter().zip(&mut all[multipliers..]) {
+        let (aside, mut worst) = (L::mask(aside), (L::load(&worst), L::zero()));
+        let mut multipliers = multipliers.map(|all| all.iter_mut());
+        for own in list {
             let packed_compliance = &compliances[own.eight.packed_compliance() as usize];
             if own.eight.packed_compliance() != each_of {
                 each = if packed_compliance.shares {
@@ -324,65 +298,29 @@ impl<E: InstancedKernel<N>, const N: usize> Work for SweepInstanced<'_, E, N> {
                 };
                 each_of = own.eight.packed_compliance();
             }
+            let sums = multipliers.as_mut().and_then(Iterator::next).map(|sums| &mut sums[..]);
             let mut particles = InstancedParticles { at: &own.at, now, start };
             let context = (packed_compliance, &each, substep_context.h, aside);
-            worst = own.eight.project::<L>(context, &mut particles, sum).max(worst);
-        }
-        worst.array()
-    }
-}
-
-/// As [`InstancedConstraints::measure`] has it, of one list.
-struct MeasureInstanced<'a, E, const N: usize> {
-    list: &'a [InstancedConstraint<E, N>],
-    compliances: &'a [PackedCompliance],
-    now: &'a [LaneParticles],
-}
-
-impl<E: InstancedKernel<N>, const N: usize> Work for MeasureInstanced<'_, E, N> {
-    type Output = [LaneValues; 2];
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> [LaneValues; 2] {
-        let Self { list, compliances, now } = self;
-        let mut worst = (L::zero(), L::zero());
-        for own in list {
-            let particles = InstancedRead { at: &own.at, now };
-            let (left, share) = own.eight.left::<L>(compliances, &particles);
-            worst = (left.max(worst.0), share.max(worst.1));
+            let (error, share) = own.eight.project::<L>(context, &mut particles, sums);
+            worst = (error.max(worst.0), share.max(worst.1));
         }
         [worst.0.array(), worst.1.array()]
     }
 }
 
-/// The particles of one constraint of each of eight bodies, to be looked at.
-struct InstancedRead<'a, const N: usize> {
-    at: &'a [u32; N],
-    now: &'a [LaneParticles],
-}
-
-impl<const N: usize> ParticleRead<N> for InstancedRead<'_, N> {
-    #[inline(always)]
-    fn now<L: Lanes>(&self, i: usize) -> [L; 4] {
-        self.now[self.at[i] as usize].load()
-    }
-}
-
-/// The same, to be moved.
+/// The particles of one constraint of each of eight bodies.
 struct InstancedParticles<'a, const N: usize> {
     at: &'a [u32; N],
     now: &'a mut [LaneParticles],
     start: &'a [LaneParticles],
 }
 
-impl<const N: usize> ParticleRead<N> for InstancedParticles<'_, N> {
+impl<const N: usize> ParticleAccess<N> for InstancedParticles<'_, N> {
     #[inline(always)]
     fn now<L: Lanes>(&self, i: usize) -> [L; 4] {
         self.now[self.at[i] as usize].load()
     }
-}
 
-impl<const N: usize> ParticleAccess<N> for InstancedParticles<'_, N> {
     #[inline(always)]
     fn start<L: Lanes>(&self, i: usize) -> [L; 4] {
         self.start[self.at[i] as usize].load()

@@ -18,6 +18,7 @@ mod particle_access;
 mod tests;
 
 use core::ops::Range;
+use core::slice::ChunksMut;
 
 use crate::constraints::{
     Angles, Areas, Bends, Cones, Constraint, ConstraintKind, Distance, Hinges, SubstepContext,
@@ -126,9 +127,31 @@ impl ConstraintBatches {
         substep_context: SubstepContext,
         instructions: InstructionSet,
     ) -> f32 {
-        let (multipliers, range) = (all_multipliers.chunks_mut(which.each), which.blocks.clone());
+        let multipliers = Some(all_multipliers.chunks_mut(which.each));
+        self.pass(places, which, multipliers, substep_context, instructions)
+    }
+
+    /// How far the hard ones of a group are from being kept, metres, the largest; moves nothing.
+    pub(crate) fn measure(
+        &self,
+        places: &mut Places,
+        which: &Which,
+        instructions: InstructionSet,
+    ) -> f32 {
+        self.pass(places, which, None, MEASURING, instructions)
+    }
+
+    fn pass(
+        &self,
+        places: &mut Places,
+        which: &Which,
+        multipliers: Option<ChunksMut<f32>>,
+        substep_context: SubstepContext,
+        instructions: InstructionSet,
+    ) -> f32 {
+        let range = which.blocks.clone();
         let Self { compliances, distances, bends, areas, tetrahedra, angles, hinges, cones } = self;
-        macro_rules! sweep {
+        macro_rules! pass {
             ($kernel:ident of $list:ident) => {{
                 let blocks = &$list[range];
                 with(
@@ -144,44 +167,19 @@ impl ConstraintBatches {
             }};
         }
         match which.list {
-            BatchList::Distances => sweep!(distance_batch of distances),
-            BatchList::Bends => sweep!(constraint_batch of bends),
-            BatchList::Areas => sweep!(constraint_batch of areas),
-            BatchList::Tetrahedra => sweep!(constraint_batch of tetrahedra),
-            BatchList::Angles => sweep!(constraint_batch of angles),
-            BatchList::Hinges => sweep!(constraint_batch of hinges),
-            BatchList::Cones => sweep!(constraint_batch of cones),
-        }
-    }
-
-    /// How far the hard ones of a group are from being kept, metres, the largest; moves nothing.
-    pub(crate) fn measure(
-        &self,
-        places: &Places,
-        which: &Which,
-        instructions: InstructionSet,
-    ) -> f32 {
-        let range = which.blocks.clone();
-        let Self { compliances, distances, bends, areas, tetrahedra, angles, hinges, cones } = self;
-        macro_rules! measure {
-            ($kernel:ident of $list:ident) => {
-                with(
-                    instructions,
-                    $kernel::MeasureBatch { blocks: &$list[range], compliances, places },
-                )
-            };
-        }
-        match which.list {
-            BatchList::Distances => measure!(distance_batch of distances),
-            BatchList::Bends => measure!(constraint_batch of bends),
-            BatchList::Areas => measure!(constraint_batch of areas),
-            BatchList::Tetrahedra => measure!(constraint_batch of tetrahedra),
-            BatchList::Angles => measure!(constraint_batch of angles),
-            BatchList::Hinges => measure!(constraint_batch of hinges),
-            BatchList::Cones => measure!(constraint_batch of cones),
+            BatchList::Distances => pass!(distance_batch of distances),
+            BatchList::Bends => pass!(constraint_batch of bends),
+            BatchList::Areas => pass!(constraint_batch of areas),
+            BatchList::Tetrahedra => pass!(constraint_batch of tetrahedra),
+            BatchList::Angles => pass!(constraint_batch of angles),
+            BatchList::Hinges => pass!(constraint_batch of hinges),
+            BatchList::Cones => pass!(constraint_batch of cones),
         }
     }
 }
+
+/// What is measured has no substep: nothing of it is read.
+const MEASURING: SubstepContext = SubstepContext { h: 0.0, sweeps: 1 };
 
 /// Appends blocks of `each` constraints, or nothing if not all of them fit.
 fn take<W: Wide<N>, const N: usize>(

@@ -4,44 +4,29 @@ use glam::Vec4;
 
 use crate::lanes::{LANES, Lanes};
 
-/// The particles of eight constraints of `N` particles each, to be looked at.
-pub(in crate::solve) trait ParticleRead<const N: usize> {
-    /// `x y z w` of the eight at place `i` of their constraints. To be inlined always, as are those below.
+/// The particles of eight constraints of `N` particles each. What it does is to be inlined always.
+pub(in crate::solve) trait ParticleAccess<const N: usize> {
+    /// `x y z w` of the eight at place `i` of their constraints.
     fn now<L: Lanes>(&self, i: usize) -> [L; 4];
-}
-
-/// The same, to be moved.
-pub(in crate::solve) trait ParticleAccess<const N: usize>:
-    ParticleRead<N>
-{
-    /// `x y z w` where the substep began.
+    /// The same where the substep began.
     fn start<L: Lanes>(&self, i: usize) -> [L; 4];
     /// Writes those of now.
     fn put<L: Lanes>(&mut self, i: usize, eight: [L; 4]);
 }
 
 /// As they lie in memory.
-pub(super) struct GatheredParticles<'a, P, const N: usize> {
+pub(super) struct GatheredParticles<'a, const N: usize> {
     pub(super) rows: &'a [[u32; LANES]; N],
-    pub(super) position: P,
+    pub(super) position: &'a mut [Vec4],
     pub(super) start: &'a [Vec4],
 }
 
-impl<const N: usize> ParticleRead<N> for GatheredParticles<'_, &[Vec4], N> {
+impl<const N: usize> ParticleAccess<N> for GatheredParticles<'_, N> {
     #[inline(always)]
     fn now<L: Lanes>(&self, i: usize) -> [L; 4] {
         L::rows(self.position, &self.rows[i])
     }
-}
 
-impl<const N: usize> ParticleRead<N> for GatheredParticles<'_, &mut [Vec4], N> {
-    #[inline(always)]
-    fn now<L: Lanes>(&self, i: usize) -> [L; 4] {
-        L::rows(self.position, &self.rows[i])
-    }
-}
-
-impl<const N: usize> ParticleAccess<N> for GatheredParticles<'_, &mut [Vec4], N> {
     #[inline(always)]
     fn start<L: Lanes>(&self, i: usize) -> [L; 4] {
         L::rows(self.start, &self.rows[i])

@@ -332,7 +332,7 @@ fn what_is_measured_is_the_largest_error_of_the_hard_ones_alone() {
         let group = constraint_batches(n, &|k| kind(k, SOFT[if k == 12 { 0 } else { 1 + k % 2 }]));
         let Group::Constraints(constraints) = &group else { return };
         let (constraint_batches, which) = group.wide();
-        let found = constraint_batches.measure(&state.places(), &which, InstructionSet::best());
+        let found = constraint_batches.measure(&mut state.places(), &which, InstructionSet::best());
         let (mut local, before) = (Local::default(), state.clone());
         let expected = super::super::constraint_ref::constraint_error(
             &state.places(),
