@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use bevy::asset::AssetPlugin;
@@ -43,19 +45,36 @@ pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> ExitCode {
             .unwrap_or_else(|_| ProgressStyle::default_bar())
             .progress_chars("=> "),
     );
+    // A scene is a world of its own and has its own pictures, so each core plays another one; the table has them in their order.
+    let next = AtomicUsize::new(0);
+    let played = Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from).min(scenes.len()) {
+            scope.spawn(|| {
+                while let Some(&scene) = scenes.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    bar.set_message(scene.name);
+                    // Where nobody watches, as in a log, the bar hides, and a line for each scene says that work goes on.
+                    if bar.is_hidden() {
+                        println!("playing {} ...", scene.name);
+                    }
+                    let row = perform(scene, length(scene), options.fps, &options.out, &bar);
+                    let mut played = played.lock().unwrap_or_else(PoisonError::into_inner);
+                    played.push((scene.name, row));
+                }
+            });
+        }
+    });
+    let mut played = played.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let place = |name: &str| scenes.iter().position(|scene| scene.name == name);
+    played.sort_by_key(|(name, _)| place(name));
     let mut rows = Vec::new();
     let mut failed = false;
-    for scene in scenes {
-        bar.set_message(scene.name);
-        // Where nobody watches, as in a log, the bar hides, and a line for each scene says that work goes on.
-        if bar.is_hidden() {
-            println!("playing {} ...", scene.name);
-        }
-        match perform(scene, length(scene), options.fps, &options.out, &bar) {
+    for (name, row) in played {
+        match row {
             Ok(row) => rows.push(row),
             Err(error) => {
                 failed = true;
-                bar.suspend(|| eprintln!("gallery: {}: {error}", scene.name));
+                bar.suspend(|| eprintln!("gallery: {name}: {error}"));
             }
         }
     }
@@ -77,6 +96,7 @@ struct Row {
     particles: usize,
     constraints: usize,
     ticks: u64,
+    /// Wall time of a tick's substeps, while other scenes are played beside it.
     milliseconds: f64,
     /// Largest error of a hard constraint that any tick left, metres, and as a share of its length.
     error: f32,

@@ -10,7 +10,7 @@ use crate::{InScene, Look, ball, cylinder, rounded_box};
 pub(super) const SCENE: Scene = Scene {
     name: "race",
     title: "A race downhill",
-    about: "on one slope a block on ice gets g sin θ, a rolling ball 5/7 of it and a rolling cylinder 2/3, whatever they weigh: what turns keeps a part of its energy for that",
+    about: "down one slope a block on ice gets g sin θ, a ball 5/7 of it and a cylinder 2/3, whatever they weigh: to turn takes energy",
     eye: Vec3::new(1.5, 3.2, 8.2),
     target: Vec3::new(0.2, 0.75, 0.0),
     seconds: 5.0,
