@@ -42,7 +42,7 @@ impl ParticleContacts {
             if let SurfaceForm::Shape(shape) = &surface.form {
                 // A box around all places that it has in the step. Between two of them it is as good as straight.
                 (low, high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-                let instants = if surface.moves() { steps } else { 1 };
+                let instants = if surface.moves { steps } else { 1 };
                 for frame in
                     self.frames.iter().skip(number).step_by(self.surfaces.len()).take(instants)
                 {

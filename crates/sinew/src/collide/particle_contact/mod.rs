@@ -241,17 +241,19 @@ impl ParticleContacts {
             SurfaceForm::Plane(plane) => ParticleContact::along(plane.correction(places, row)),
             SurfaceForm::BoundingBox(room) => ParticleContact::along(room.correction(places, row)),
             SurfaceForm::Shape(shape) => {
-                let [was, is] = [
-                    &self.frames[began + number],
-                    &self.frames[began + self.surfaces.len() + number],
-                ];
-                // Both seen from the row's own origin, which keeps the digits far out.
-                let (was, is) = (was.seen_from(origin), is.seen_from(origin));
+                // Seen from the row's own origin, which keeps the digits far out.
+                let seen = |instant: usize| self.frames[instant + number].seen_from(origin);
+                let is = seen(began + self.surfaces.len());
+                // Most stand still, and then there is but one frame, and nothing is carried.
+                let was = if surface.moves { seen(began) } else { is };
                 let (from, to) = (was.local(start.truncate()), is.local(q.truncate()));
                 let touched = shape.touch(from, to, radius)?;
                 let normal = is.turn(touched.normal);
-                let settled = to + touched.normal * touched.depth;
-                let carried = is.point(settled) - was.point(settled);
+                let mut carried = Vec3::ZERO;
+                if surface.moves {
+                    let settled = to + touched.normal * touched.depth;
+                    carried = is.point(settled) - was.point(settled);
+                }
                 Some(ParticleContact { normal, depth: touched.depth, carried })
             }
         }

@@ -14,6 +14,8 @@ pub(super) struct ContactSurface {
     start: Frame,
     /// Where it goes during the step; the same if it does not.
     end: Frame,
+    /// Whether it goes anywhere during the step.
+    pub(super) moves: bool,
     pub(super) material: Material,
     /// Whether its own coefficients count alone, whatever touches it: so it is of planes and boxes.
     alone: bool,
@@ -87,6 +89,7 @@ impl ContactSurface {
             form,
             start: Frame::IDENTITY,
             end: Frame::IDENTITY,
+            moves: false,
             material,
             alone: true,
             layers: Layers::new(u32::MAX, u32::MAX),
@@ -101,6 +104,7 @@ impl ContactSurface {
             form: SurfaceForm::Shape(collider.shape.clone()),
             start: collider.start,
             end: collider.end,
+            moves: collider.start != collider.end,
             material: collider.material,
             alone: false,
             layers: collider.layers,
@@ -108,11 +112,6 @@ impl ContactSurface {
             events: collider.events,
             participant: ContactParticipant::Collider(number),
         }
-    }
-
-    /// Whether it goes anywhere during the step.
-    pub(super) fn moves(&self) -> bool {
-        self.start != self.end
     }
 
     /// Whether a body may touch it, as far as layers do not decide.
