@@ -6,7 +6,7 @@ use super::pairs::{convex, support};
 use super::*;
 
 /// A table of 2 x 8 x 8 triangles, which nobody should stumble over, and a landscape of the same.
-fn flat() -> [Shape; 2] {
+pub(super) fn flat() -> [Shape; 2] {
     let at = |i: u32, j: u32| i * 9 + j;
     let vertices =
         (0..81).map(|n| Vec3::new((n / 9) as f32 - 4.0, 0.0, (n % 9) as f32 - 4.0)).collect();

@@ -174,3 +174,24 @@ fn what_was_asked_before_changes_nothing() {
         }
     }
 }
+
+/// Where one centre is exactly in the other's surface, or in its centre, no direction leads from one to the other: a contact without a normal would press
+/// nowhere, and the two would stay in each other.
+#[test]
+fn shapes_with_a_centre_in_the_other_ones_surface_or_centre_have_a_normal() {
+    let shapes = convex();
+    let mut grounds = super::ground::flat().to_vec();
+    grounds.extend(shapes.iter().cloned());
+    let places = [Vec3::ZERO, Vec3::X * 0.5, Vec3::new(0.25, 0.0, 0.25), Vec3::Y * 0.5];
+    for (g, ground) in grounds.iter().enumerate() {
+        for (i, shape) in shapes.iter().enumerate() {
+            for place in places {
+                let frame = Frame { translation: place, ..Frame::IDENTITY };
+                for manifold in all(shape, ground, &frame, 0.05) {
+                    let length = manifold.normal.length();
+                    assert!((length - 1.0).abs() < 1e-4, "{i} in {g} at {place}: {length}");
+                }
+            }
+        }
+    }
+}
