@@ -24,6 +24,9 @@ pub struct SolverConfig {
     pub max_speed: f32,
     /// Whether what nothing outside holds keeps its angular momentum though corrections to the nearest point do not. Default so.
     pub keep_spin: bool,
+    /// Whether what hangs on a pin is also held to it by tethers ([`SolverSettings::tethers`](sinew::SolverSettings::tethers)), so that cloth and long ropes do
+    /// not stretch under their weight or in a wind. Default so.
+    pub tethers: bool,
     /// Whether velocities are forgotten in every substep, so that everything walks to rest: the lectures' statics. Default not.
     pub statics: bool,
     /// Whether the time that each body takes is measured, for its [`BodyReport`](crate::BodyReport). Default not.
@@ -106,6 +109,7 @@ impl Default for SolverConfig {
             integrator: Integrator::default(),
             max_speed: settings.max_speed,
             keep_spin: settings.keep_spin,
+            tethers: settings.tethers,
             statics: settings.statics,
             timed: settings.timed,
             threads: true,
@@ -124,6 +128,7 @@ impl From<SolverConfig> for SolverSettings {
             integrator: config.integrator.into(),
             max_speed: config.max_speed,
             keep_spin: config.keep_spin,
+            tethers: config.tethers,
             statics: config.statics,
             timed: config.timed,
         }

@@ -364,6 +364,8 @@ fn a_box_falls_into_a_sheet_held_at_four_corners_and_is_caught() {
     let mut cloth = cloth_grid(&spec).unwrap().transformed(level, Vec3::Y * 1.4);
     for corner in [0, 40, 41 * 40, 41 * 41 - 1] {
         cloth.pin(corner).unwrap();
+        // Cloth does not stretch: one that is spread taut is a trampoline, and what lands on it aslant hops off its side.
+        cloth.particles[corner as usize].position *= Vec3::new(0.97, 1.0, 0.97);
     }
     let contacts = BodyContacts { with_bodies: true, ..Default::default() };
     let sheet = cloth.build_colliding(&mut world, contacts).unwrap();

@@ -424,6 +424,12 @@ impl Simulation {
         (h > 0.0 && mean.is_finite()).then_some(mean)
     }
 
+    /// What the last step was solved by.
+    #[cfg(test)]
+    pub(crate) fn plan(&self) -> &solve::Plan {
+        &self.scratch.plan
+    }
+
     /// Energy that soft distances and constraints store, J.
     pub(crate) fn soft_energy(&mut self) -> f64 {
         solve::soft_energy(&mut self.particles, &self.scratch.plan)

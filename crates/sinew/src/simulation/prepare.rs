@@ -131,6 +131,7 @@ impl Simulation {
         for number in 0..plan.islands.len() {
             plan.islands[number].free = is_free(particles, plan, &plan.islands[number]);
         }
+        plan.tether(particles);
     }
 
     /// Lends out the rigid bodies of the step, which read the rest of the simulation.

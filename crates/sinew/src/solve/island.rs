@@ -13,6 +13,8 @@ use super::world::ExecutionContext;
 use super::{IslandReport, Order, gauss_seidel, jacobi, most_violated_first};
 use crate::collide::{NormalImpulses, ParticleContacts};
 use crate::constraints::{GradientAt, SubstepContext};
+use glam::Vec4;
+
 use crate::lanes::Columns;
 use crate::particles::Places;
 
@@ -21,6 +23,8 @@ use crate::particles::Places;
 pub(crate) struct ThreadScratch {
     pub(super) local: Local,
     pub(super) columns: Columns,
+    /// Where the pins of an island are that has tethers.
+    pub(super) pins: Vec<Vec4>,
     constraint_refs: Vec<ConstraintRef>,
     asked: jacobi::Asked,
     queue: most_violated_first::Queue,
@@ -99,7 +103,8 @@ impl Sweeper for InOrder<'_> {
         let Self { plan, island, thread_scratch } = self;
         if island.settings.order == Order::GaussSeidel {
             let cluster_batches = island.cluster_batches.clone();
-            return gauss_seidel::sweep(
+            let out = hold_tethers(plan, island, places, mode, thread_scratch);
+            let found = gauss_seidel::sweep(
                 places,
                 plan,
                 cluster_batches,
@@ -107,6 +112,7 @@ impl Sweeper for InOrder<'_> {
                 mode,
                 thread_scratch,
             );
+            return out.max(found);
         }
         let ThreadScratch { local, constraint_refs, asked, queue, .. } = *thread_scratch;
         if island.settings.order == Order::Jacobi {
@@ -179,6 +185,25 @@ pub(super) fn solve(
         if free { MomentumDrift::of(places, rows, h, keeps_angular) } else { None };
     report.seconds += began.map_or(0.0, |began| began.elapsed().as_secs_f64());
     momentum_drift
+}
+
+/// Holds what hangs on pins to what it may be away from them, once, before the rods have their say: returns how far out the farthest was, metres. Where
+/// corrections are to keep energy, along the start of the substep, there are none.
+pub(super) fn hold_tethers(
+    plan: &Plan,
+    island: &Island,
+    places: &mut Places,
+    mode: SolveMode,
+    thread_scratch: &mut ThreadScratch,
+) -> f32 {
+    let Some(tethers) = plan.tethers.of(island) else { return 0.0 };
+    if mode.gradient_at == GradientAt::StepStart {
+        return 0.0;
+    }
+    let pins = &mut thread_scratch.pins;
+    pins.clear();
+    pins.extend(tethers.pins(places.position, places.first));
+    tethers.project(places.position, places.first, pins, mode.instructions)
 }
 
 /// Starts the multipliers of an island afresh.

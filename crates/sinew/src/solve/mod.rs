@@ -6,7 +6,7 @@
 //!   sweeps are spent;
 //! - `instances` takes islands that are built alike side by side;
 //! - `wavefront` takes the substeps of a step through a large island of rods one behind the other, and several threads one behind the other, too;
-//! - `rods` takes hard rods eight by eight;
+//! - `rods` takes hard rods eight by eight; `tethers` hold what hangs on a pin through many of them;
 //! - `wide` takes most other constraints eight by eight;
 //! - `gauss_seidel`, `most_violated_first` and `jacobi` are the orders of a sweep;
 //! - `constraint_ref` is one constraint of the plan, whatever its kind;
@@ -31,6 +31,7 @@ mod remaining;
 mod report;
 mod rods;
 mod settings;
+mod tethers;
 mod wavefront;
 mod wide;
 mod world;

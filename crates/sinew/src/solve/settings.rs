@@ -44,6 +44,10 @@ pub struct SolverSettings {
     /// Whether what nothing outside holds keeps its angular momentum though its corrections do not: those to the nearest point bleed spin, and a skin
     /// under pressure even makes some. Default so; without it the lectures' loop is as it is. Linear momentum is always kept.
     pub keep_spin: bool,
+    /// Whether what hangs on a pin through many hard distances is also held to it at once by what they allow together (tethers, or long range attachments):
+    /// cloth and long ropes hang by their pins and not by how often they are swept. What is solved to the end is the same without. Only where corrections
+    /// are along [`GradientAt::Current`] and in [`Order::GaussSeidel`], and in islands of more than 64 particles. Default so.
+    pub tethers: bool,
     /// Whether velocities are forgotten in every substep, so that the state walks to rest (the lectures' statics, physics.md F9). Default not.
     pub statics: bool,
     /// Whether the time that each island takes is measured, for the report. It never changes a result. Default not.
@@ -61,6 +65,7 @@ impl Default for SolverSettings {
             integrator: Integrator::Verlet,
             max_speed: 500.0,
             keep_spin: true,
+            tethers: true,
             statics: false,
             timed: false,
         }

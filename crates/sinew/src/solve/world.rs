@@ -6,7 +6,7 @@ use glam::Vec4;
 
 use super::constraint_ref::SolveMode;
 use super::instances::{BatchMotion, BatchSolve};
-use super::island::{Common, InOrder, Sweeper, ThreadScratch, solve};
+use super::island::{Common, InOrder, Sweeper, ThreadScratch, hold_tethers, solve};
 use super::momentum::Note;
 use super::multipliers::{MultiplierSlice, Multipliers};
 use super::plan::{Island, Plan, Task};
@@ -302,9 +302,12 @@ impl Sweeper for SharedSweep<'_> {
         multipliers: &mut MultiplierSlice,
         mode: SolveMode,
     ) -> f32 {
+        let out = self.thread_scratches.with(|thread_scratch| {
+            hold_tethers(self.plan, self.island, places, mode, thread_scratch)
+        });
         let (places, multipliers, cluster_batches) =
             (places.lend(), multipliers.lend(), self.island.cluster_batches.clone());
-        gauss_seidel::sweep_shared(
+        let found = gauss_seidel::sweep_shared(
             places,
             self.plan,
             cluster_batches,
@@ -312,6 +315,7 @@ impl Sweeper for SharedSweep<'_> {
             mode,
             self.execution,
             self.thread_scratches,
-        )
+        );
+        out.max(found)
     }
 }

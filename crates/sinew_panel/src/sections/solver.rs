@@ -53,6 +53,8 @@ pub(crate) fn solver(ui: &mut Ui, panel: &mut PanelParams) {
     changed |= choice(ui, "Order", hint, &mut config.order, &orders);
     let hint = "What nothing holds keeps its angular momentum, though corrections to the nearest point lose it.";
     changed |= row(ui, "Keep spin", hint, |ui| ui.checkbox(&mut config.keep_spin, "").changed());
+    let hint = "Hold what hangs on a pin to it at once, by what the distances between allow: cloth and long ropes do not stretch.";
+    changed |= row(ui, "Tethers", hint, |ui| ui.checkbox(&mut config.tethers, "").changed());
     let hint = "Forgets velocities, so that everything walks to rest.";
     changed |= row(ui, "Statics", hint, |ui| ui.checkbox(&mut config.statics, "").changed());
     let hint = "Other threads help. They change how long it takes, and nothing else.";

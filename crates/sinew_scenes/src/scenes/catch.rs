@@ -32,8 +32,14 @@ fn spawn(world: &mut World) {
     world.spawn((
         InScene,
         Name::new("sheet"),
-        Cloth { radius: 0.03, density: 0.8, ..Cloth::grid(2.0, 2.0, 40, 40) }
-            .pinned(ClothPins::Corners),
+        // Knitted, so that it gives: cloth that does not stretch, spread taut, is a trampoline.
+        Cloth {
+            radius: 0.03,
+            density: 0.8,
+            stretch_compliance: 2e-4,
+            ..Cloth::grid(2.0, 2.0, 40, 40)
+        }
+        .pinned(ClothPins::Corners),
         Look::color(0xe4dccb).double_sided().roughness(0.95),
         Interpolate,
         Transform::from_xyz(0.0, 1.4, 0.0).with_rotation(flat),

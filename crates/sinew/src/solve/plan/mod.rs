@@ -31,6 +31,7 @@ use core::ops::Range;
 
 use super::instances::InstanceBatches;
 use super::rods::Rods;
+use super::tethers::Tethers;
 use super::wide::{ConstraintBatches, Which};
 use crate::constraints::{Constraint, Distance};
 use crate::solve::SolverSettings;
@@ -66,6 +67,8 @@ pub(crate) struct Plan {
     pub(crate) rows: usize,
     /// Islands that are built alike, to be solved side by side.
     pub(crate) instance_batches: InstanceBatches,
+    /// What hangs on pins is held to them by these, besides.
+    pub(crate) tethers: Tethers,
     compiling: Compiling,
 }
 
@@ -129,6 +132,8 @@ pub(crate) struct Island {
     pub(crate) free: bool,
     /// Whether it sleeps through this step.
     pub(crate) asleep: bool,
+    /// Which of the plan's [tethers](Tethers) are its own.
+    pub(crate) tethers: Option<u32>,
     /// How it is solved in this step: the world's settings, and those of the bodies in it.
     pub(crate) settings: SolverSettings,
 }
@@ -193,5 +198,6 @@ impl Plan {
         let mut instance_batches = core::mem::take(&mut self.instance_batches);
         instance_batches.find(self);
         self.instance_batches = instance_batches;
+        self.tethers.expire();
     }
 }

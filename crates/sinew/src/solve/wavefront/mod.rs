@@ -23,6 +23,8 @@ use super::island::ThreadScratch;
 use super::island_step::IslandStep;
 use super::plan::{ClusterBatch, ConstraintGroup, Plan};
 use super::{IslandReport, Order};
+use glam::Vec4;
+
 use crate::constraints::GradientAt;
 use crate::integrate::{Pass, Predict, StepConstants};
 use crate::lanes::InstructionSet;
@@ -35,6 +37,8 @@ use stages::{Stages, Tile, What};
 pub(super) struct Wavefront {
     window: SlidingWindow,
     stages: Stages,
+    /// Where the pins of an island are that has tethers.
+    pins: Vec<Vec4>,
     /// The largest error that each substep found, metres.
     worst: Vec<f32>,
     /// What is left at the end of the step: the largest error, metres, and the largest share of a rest length.
@@ -61,6 +65,7 @@ pub(super) fn run_wavefronts(
         let members = &plan.members[plan.islands[number].members.clone()];
         let first = (members[0] - island_step.task.rows.start) as usize;
         let instructions = island_step.common.execution.instructions;
+        island_step.gather_pins(number, &mut wavefront.pins);
         let mut own = TaskStore { island_step, first };
         let measured = (iteration_counts, true);
         run_substeps(
@@ -108,7 +113,7 @@ impl IslandStep<'_> {
         if !fit {
             return None;
         }
-        stages.begin(&plan.cluster_batches[cluster_batches.clone()], cluster_batches.start);
+        stages.begin(plan, island);
         // All of a small island has room. Of a large one, what is on its way has, unless it is whole sweeps.
         let (rows, capacity) = (members.len(), SlidingWindow::capacity(plan.rods.half()));
         let is_single_sweep = island.settings.max_sweeps == 1;
@@ -118,6 +123,16 @@ impl IslandStep<'_> {
             return None;
         }
         StepConstants::new(outside.common, rate, common.h)
+    }
+
+    /// Where the pins are that an island's tethers go to; none without. They stand: what is led goes phase after phase.
+    fn gather_pins(&mut self, number: usize, pins: &mut Vec<Vec4>) {
+        pins.clear();
+        let plan = self.common.plan;
+        if let Some(tethers) = plan.tethers.of(&plan.islands[number]) {
+            let rows = self.task.rows.clone();
+            pins.extend(tethers.pins(self.predict(0..rows.len()).position, rows.start));
+        }
     }
 }
 
@@ -242,7 +257,8 @@ impl Wavefront {
     ) {
         let members = plan.islands[number].members.clone();
         let (first, all) = (plan.members[members.start], members.len());
-        let Self { window, stages, worst, left } = self;
+        let Self { window, stages, pins, worst, left } = self;
+        let tethers = plan.tethers.of(&plan.islands[number]);
         stages.start(all);
         while let Some(Tile { what, rows, cluster_batch, settled }) = stages.next(plan, first, all)
         {
@@ -258,6 +274,12 @@ impl Wavefront {
                 What::GoOn(substep) => {
                     let pass = Pass::GoOn { last: substep + 1 == substeps };
                     window.moving.pass(pass, window.lanes(rows), step, instructions);
+                }
+                What::Tethers { substep } => {
+                    let Some(tethers) = tethers else { continue };
+                    let (columns, begin) = (&mut window.moving.position, window.rows.start);
+                    let out = tethers.project_columns(columns, begin, &rows, pins, instructions);
+                    worst[substep] = worst[substep].max(out);
                 }
                 What::Sweep { substep, .. } => {
                     let cluster_batch = &plan.cluster_batches[cluster_batch];

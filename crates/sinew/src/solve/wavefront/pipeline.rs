@@ -4,6 +4,7 @@
 //! substeps that follow, while the first is still on its way. It waits where it has caught up, and nowhere else. Between two threads a particle
 //! changes hands once, by what a step would keep of it: so the bits are those of one thread, which are those of stage after stage.
 
+use core::mem::take;
 use core::ops::Range;
 use core::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -54,6 +55,8 @@ pub(in crate::solve) fn pipelined_wavefront(
     let Some((step, substeps)) = found else { return false };
 
     let began = settings.timed.then(Instant::now);
+    let mut pins = thread_scratches.with(|thread_scratch| take(&mut thread_scratch.pins));
+    island_step.gather_pins(number, &mut pins);
     let chunk = rows.div_ceil(TASKS).next_multiple_of(TILE);
     let chunks: Few<_> = island_step.predict(0..rows).chunks(chunk).map(Mutex::new).collect();
     let settled: Few<_> = iteration_counts.chunks(substeps).map(|_| AtomicUsize::new(0)).collect();
@@ -64,11 +67,9 @@ pub(in crate::solve) fn pipelined_wavefront(
         let mut worker =
             PipelineWorker { chunks: &chunks, chunk, held: None, before, own: &settled[range] };
         thread_scratches.with(|thread_scratch| {
-            let (wavefront, cluster_batches) =
-                (&mut thread_scratch.wavefront, plan.islands[number].cluster_batches.clone());
-            wavefront
-                .stages
-                .begin(&plan.cluster_batches[cluster_batches.clone()], cluster_batches.start);
+            let wavefront = &mut thread_scratch.wavefront;
+            wavefront.stages.begin(plan, &plan.islands[number]);
+            wavefront.pins.clone_from(&pins);
             let iteration_counts = (iteration_counts, range + 1 == settled.len());
             run_substeps(
                 &mut worker,
@@ -82,6 +83,7 @@ pub(in crate::solve) fn pipelined_wavefront(
         });
     });
     drop(chunks);
+    thread_scratches.with(|thread_scratch| thread_scratch.pins = pins);
     let whole = &mut island_step.reports[0];
     for report in reports {
         whole.sweeps += report.sweeps;

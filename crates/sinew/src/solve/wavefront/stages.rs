@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use crate::solve::plan::{ClusterBatch, Plan};
+use crate::solve::plan::{Island, Plan};
 
 /// Stages over all rows of an island, one after the other, each in tiles in the order of their rows.
 #[derive(Clone, Debug, Default)]
@@ -10,6 +10,8 @@ pub(super) struct Stages {
     all: Vec<Stage>,
     /// The stages of a sweep: which of the plan's cluster batches.
     sweep_stages: Vec<Range<usize>>,
+    /// Whether a sweep begins with tethers.
+    tethered: bool,
     /// Which stage is looked at.
     at: usize,
 }
@@ -21,6 +23,8 @@ pub(super) enum What {
     Begin,
     /// Derives the velocities of a substep and predicts the next, whose number this is.
     GoOn(usize),
+    /// Holds what hangs on pins, before a sweep in a substep.
+    Tethers { substep: usize },
     /// Sweeps the cluster batches before one, in a substep.
     Sweep { end: usize, substep: usize },
     /// Measures what the cluster batches before one have left to correct.
@@ -62,8 +66,11 @@ struct Stage {
 pub(super) const TILE: usize = 1024;
 
 impl Stages {
-    /// Begins with an island of some cluster batches.
-    pub(super) fn begin(&mut self, cluster_batches: &[ClusterBatch], mut first: usize) {
+    /// Begins with an island.
+    pub(super) fn begin(&mut self, plan: &Plan, island: &Island) {
+        let cluster_batches = &plan.cluster_batches[island.cluster_batches.clone()];
+        let mut first = island.cluster_batches.start;
+        self.tethered = plan.tethers.of(island).is_some();
         self.all.clear();
         self.sweep_stages.clear();
         for stage in cluster_batches.chunk_by(|one, other| one.stage == other.stage) {
@@ -82,6 +89,9 @@ impl Stages {
 
     /// A sweep in a substep.
     pub(super) fn push_sweep(&mut self, substep: usize) {
+        if self.tethered {
+            self.push(What::Tethers { substep });
+        }
         let sweep_stages = self.sweep_stages.iter();
         self.all.extend(sweep_stages.map(|stage| {
             let what = What::Sweep { end: stage.end, substep };

@@ -1,0 +1,260 @@
+//! Tethers (long range attachments; Kim, Chentanez, Müller, *Long Range Attachments: A Method to Simulate Inextensible Clothing in Computer Games*, 2012):
+//! what hangs on a pin through many rods is held at once to no more than the way through them.
+//!
+//! A sweep hands a pull on by some rods, and a thread of N pieces under an acceleration `a` is stretched by about `N a h²` in one sweep of a substep.
+//! A tether is the bound that those rods imply together: a particle is no farther from its pin than the shortest way along the cloth. It asks for nothing
+//! that the rods do not ask for, so what is solved to the end is the same with and without, and it takes one projection where the rods take N sweeps.
+//! As its other end does not move, tethers need no colours.
+//!
+//! They follow from the rods and from what is pinned, and from nothing else: nobody adds them, nothing saves them, and a tear or an unpinned corner has
+//! others in the same step. Each particle has up to two: to the pin nearest to it, and to the farthest of two pins that are far from each other. A flag's
+//! outer end hangs by its upper corner as well as by the pin at its own height.
+//!
+//! Small islands do without: eight sweeps side by side in lanes reach through them.
+
+mod geodesic;
+mod project;
+#[cfg(test)]
+mod tests;
+
+use core::hash::Hasher;
+use core::ops::Range;
+
+use glam::Vec4;
+
+use super::instances::MOST;
+use super::plan::{GroupKind, Island, Plan};
+use crate::constraints::{Bound, Distance, Softness};
+use crate::lanes::LANES;
+use crate::particles::Particles;
+use geodesic::{Field, Web};
+
+/// The tethers of a plan. Derived from its rods and the pins; scratch, never saved.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tethers {
+    islands: Vec<IslandTethers>,
+    /// Whether the plan was compiled since they were made.
+    stale: bool,
+}
+
+/// Those of one island.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct IslandTethers {
+    /// A hash of the rods and of what is pinned. The same rods of another island, or of this one in another plan, have the same.
+    key: u64,
+    /// The rows of its pinned particles, ascending.
+    pins: Vec<u32>,
+    /// Of each member, to which of the pins, and how long, metres; infinite without.
+    each: Vec<[(u32, f32); 2]>,
+    blocks: Vec<TetherBlock>,
+}
+
+/// Tethers of eight members, each the second after the one before: as columns have them side by side.
+#[derive(Clone, Debug)]
+struct TetherBlock {
+    /// The first of the members, counted from that of the island.
+    member: u32,
+    /// Their rows. Where there are fewer than eight, the first again.
+    rows: [u32; LANES],
+    /// To which of the island's pins.
+    pins: [u32; LANES],
+    /// Metres; infinite where there is none.
+    length: [f32; LANES],
+}
+
+impl Tethers {
+    /// The plan has been compiled.
+    pub(super) fn expire(&mut self) {
+        self.stale = true;
+    }
+
+    /// Those by which an island is to be solved, if it has any.
+    pub(super) fn of(&self, island: &Island) -> Option<&IslandTethers> {
+        self.made(island).filter(|own| island.settings.tethers && !own.blocks.is_empty())
+    }
+
+    fn made(&self, island: &Island) -> Option<&IslandTethers> {
+        self.islands.get(island.tethers? as usize)
+    }
+}
+
+impl Plan {
+    /// Gives the islands their tethers for this step. Whether an island is free has been found.
+    pub(crate) fn tether(&mut self, particles: &Particles) {
+        let mut tethers = core::mem::take(&mut self.tethers);
+        let stale = core::mem::take(&mut tethers.stale);
+        let mut before = if stale { core::mem::take(&mut tethers.islands) } else { Vec::new() };
+        for number in 0..self.islands.len() {
+            let island = &mut self.islands[number];
+            if stale {
+                island.tethers = None;
+            }
+            let small = island.members.len() <= MOST;
+            if small || island.groups.is_empty() || island.rigid || !island.settings.tethers {
+                continue;
+            }
+            let island = &self.islands[number];
+            let members = &self.members[island.members.clone()];
+            let held = |row: &u32| particles.position[*row as usize].w == 0.0;
+            let own = tethers.made(island);
+            let pins = || members.iter().copied().filter(held);
+            if own.map_or(island.free, |own| own.pins.iter().copied().eq(pins())) {
+                continue;
+            }
+            let place = match island.tethers {
+                Some(place) => place as usize,
+                None => tethers.islands.len(),
+            };
+            let pins: Vec<u32> = if island.free { Vec::new() } else { pins().collect() };
+            let key = self.key(island, &pins);
+            let known = before.iter().position(|other| other.key == key);
+            let each = match known {
+                Some(at) => before.swap_remove(at).each,
+                None => self.lengths(island, &pins),
+            };
+            let blocks = blocks(members, &each);
+            let made = IslandTethers { key, pins, each, blocks };
+            if place == tethers.islands.len() {
+                tethers.islands.push(made);
+            } else {
+                tethers.islands[place] = made;
+            }
+            self.islands[number].tethers = Some(place as u32);
+        }
+        self.tethers = tethers;
+    }
+
+    /// The hard distances of an island that hold particles together, with the first row of its members.
+    fn hard(&self, island: &Island) -> (u32, impl Iterator<Item = &Distance>) {
+        let groups = self.groups[island.groups.clone()].iter();
+        let distances = groups
+            .filter(|group| group.kind != GroupKind::Constraints)
+            .flat_map(|group| &self.distances[group.range.clone()])
+            .filter(|d| d.softness == Softness::Hard && d.bound != Bound::AtLeast);
+        (self.members[island.members.start], distances)
+    }
+
+    fn key(&self, island: &Island, pins: &[u32]) -> u64 {
+        let mut hash = Fnv::default();
+        let (first, distances) = self.hard(island);
+        hash.write_u32(island.members.len() as u32);
+        for d in distances {
+            hash.write_u32(d.a - first);
+            hash.write_u32(d.b - first);
+            hash.write_u32(d.rest.to_bits());
+        }
+        pins.iter().for_each(|pin| hash.write_u32(pin - first));
+        hash.finish()
+    }
+
+    /// Of each member of an island, to which of the pins it is tethered, and how long that is.
+    fn lengths(&self, island: &Island, pins: &[u32]) -> Vec<[(u32, f32); 2]> {
+        let members = &self.members[island.members.clone()];
+        const NONE: (u32, f32) = (0, f32::INFINITY);
+        if pins.is_empty() {
+            return Vec::new();
+        }
+        let place = |row: u32| members.partition_point(|&member| member < row) as u32;
+        let (_, distances) = self.hard(island);
+        let rods: Vec<_> = distances.map(|d| (place(d.a), place(d.b), d.rest)).collect();
+        let web = Web::new(members.len(), &rods);
+        let sources: Vec<u32> = pins.iter().map(|&pin| place(pin)).collect();
+        let nearest = web.field(&sources);
+        // Two pins far from each other: the farthest from any, and the farthest from that.
+        let farthest = |from: &Field| {
+            let reached = (0..sources.len()).filter(|&pin| from.length(sources[pin]).is_finite());
+            reached.fold(0, |far, pin| {
+                if from.length(sources[pin]) > from.length(sources[far]) { pin } else { far }
+            })
+        };
+        let one = farthest(&web.field(&sources[..1]));
+        let from_one = web.field(&sources[one..=one]);
+        let other = farthest(&from_one);
+        let from_other = web.field(&sources[other..=other]);
+        let mut each: Vec<_> = (0..members.len() as u32)
+            .map(|member| {
+                let near = (nearest.source(member), nearest.length(member));
+                let ends = [(one as u32, &from_one), (other as u32, &from_other)];
+                let ends = ends.map(|(pin, field)| (pin, field.length(member)));
+                let far = ends.into_iter().filter(|end| end.0 != near.0 && end.1.is_finite());
+                let far = far.reduce(|a, b| if b.1 > a.1 { b } else { a });
+                [near, far.unwrap_or((near.0, f64::INFINITY))]
+            })
+            .map(|tethers| tethers.map(|(pin, length)| (pin, taut(length))))
+            .collect();
+        for &source in &sources {
+            each[source as usize] = [NONE; 2];
+        }
+        // What nothing hard leads to.
+        for tethers in &mut each {
+            *tethers = tethers.map(|own| if own.1.is_finite() { own } else { NONE });
+        }
+        each
+    }
+}
+
+/// How long a tether of a way of so many metres is: rounded up, for it must not ask for more than the rods do.
+fn taut(length: f64) -> f32 {
+    (length * (1.0 + 1e-6)) as f32
+}
+
+/// Puts the tethers of members eight by eight: first those to the nearest pins, then the others.
+fn blocks(members: &[u32], each: &[[(u32, f32); 2]]) -> Vec<TetherBlock> {
+    let mut blocks = Vec::new();
+    for begin in (0..each.len()).step_by(2 * LANES) {
+        for which in 0..2 {
+            for parity in 0..2 {
+                let member = |lane: usize| {
+                    let member = begin + parity + 2 * lane;
+                    if member < each.len() { member } else { begin + parity }
+                };
+                if begin + parity >= each.len() {
+                    continue;
+                }
+                let of = |lane: usize| each[member(lane)][which];
+                if (0..LANES).all(|lane| of(lane).1 == f32::INFINITY) {
+                    continue;
+                }
+                blocks.push(TetherBlock {
+                    member: (begin + parity) as u32,
+                    rows: core::array::from_fn(|lane| members[member(lane)]),
+                    pins: core::array::from_fn(|lane| of(lane).0),
+                    length: core::array::from_fn(|lane| of(lane).1),
+                });
+            }
+        }
+    }
+    blocks
+}
+
+impl IslandTethers {
+    /// Where its pins are, in columns that begin with the row `first`.
+    pub(super) fn pins(&self, position: &[Vec4], first: u32) -> impl Iterator<Item = Vec4> {
+        self.pins.iter().map(move |row| position[(row - first) as usize])
+    }
+
+    /// The blocks of some members, of which the first and the end are multiples of 16.
+    fn among(&self, members: &Range<usize>) -> &[TetherBlock] {
+        let place = |end: usize| self.blocks.partition_point(|block| (block.member as usize) < end);
+        &self.blocks[place(members.start)..place(members.end)]
+    }
+}
+
+/// Fowler, Noll and Vo's hash (FNV-1a), word by word: the same on every machine, which the standard library's need not be.
+#[derive(Default)]
+struct Fnv(u64);
+
+impl Hasher for Fnv {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.write_u32(u32::from(byte)));
+    }
+
+    fn write_u32(&mut self, word: u32) {
+        let mixed = (self.0 ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3);
+        self.0 = mixed ^ mixed >> 29;
+    }
+}

@@ -1,0 +1,108 @@
+//! Projecting tethers, eight by eight: on packed particles, and on particles in columns.
+
+use core::ops::Range;
+
+use glam::Vec4;
+
+use super::{IslandTethers, TetherBlock};
+use crate::lanes::{Columns, InstructionSet, LANES, Lanes, Vector, Work, with};
+
+impl IslandTethers {
+    /// Puts the particles of an island that are too far from their `pins` where they may be, in columns of positions that begin with row `first`. Returns
+    /// how far out the farthest was, metres.
+    pub(in crate::solve) fn project(
+        &self,
+        position: &mut [Vec4],
+        first: u32,
+        pins: &[Vec4],
+        instructions: InstructionSet,
+    ) -> f32 {
+        with(instructions, Project { blocks: &self.blocks, position, first, pins })
+    }
+
+    /// The same of some members that are in columns, which begin with the member `first`, an even number.
+    pub(in crate::solve) fn project_columns(
+        &self,
+        columns: &mut Columns,
+        first: usize,
+        members: &Range<usize>,
+        pins: &[Vec4],
+        instructions: InstructionSet,
+    ) -> f32 {
+        with(instructions, ProjectColumns { blocks: self.among(members), columns, first, pins })
+    }
+}
+
+struct Project<'a> {
+    blocks: &'a [TetherBlock],
+    position: &'a mut [Vec4],
+    first: u32,
+    pins: &'a [Vec4],
+}
+
+impl Work for Project<'_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let Self { blocks, position, first, pins } = self;
+        let mut worst = L::zero();
+        for block in blocks {
+            let mut rows = block.rows;
+            rows.iter_mut().for_each(|row| *row -= first);
+            let (p, w) = Vector::of(L::rows(position, &rows));
+            let (held, far, out) = hold(p, w, L::rows(pins, &block.pins), L::load(&block.length));
+            if out.any() {
+                L::put_rows(position, &rows, held.with(w));
+                worst = far.max(worst);
+            }
+        }
+        worst.largest(0.0)
+    }
+}
+
+struct ProjectColumns<'a> {
+    blocks: &'a [TetherBlock],
+    columns: &'a mut Columns,
+    first: usize,
+    pins: &'a [Vec4],
+}
+
+impl Work for ProjectColumns<'_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let Self { blocks, columns, first, pins } = self;
+        let mut worst = L::zero();
+        for block in blocks {
+            let at = columns.at(block.member - first as u32);
+            let mut eights = columns.eights();
+            let (p, w) = Vector::of(eights.load::<L>(at));
+            let (held, far, out) = hold(p, w, L::rows(pins, &block.pins), L::load(&block.length));
+            if out.any() {
+                eights.put(at, held.with(w));
+                worst = far.max(worst);
+            }
+        }
+        worst.largest(0.0)
+    }
+}
+
+/// Eight particles, each no farther from its pin than its tether is long; how far out they were, metres, and a mask of those that were.
+///
+/// `C = ‖d‖ - L ≤ 0` with `d = p - q` and a pin of infinite mass: all of the correction is the particle's, `Δp = -C d/‖d‖`.
+#[inline(always)]
+fn hold<L: Lanes>(p: Vector<L>, w: L, pin: [L; 4], length: L) -> (Vector<L>, L, L) {
+    let d = p - Vector::of(pin).0;
+    let square = d.length_squared();
+    let out = (length * length).lt(square).and(L::zero().lt(w));
+    if !out.any() {
+        return (p, L::zero(), out);
+    }
+    let distance = square.sqrt();
+    let far = distance - length;
+    ((p - d * (far / distance)).or_else(out, p), out.and(far), out)
+}
+
+const _: () = assert!(LANES == 8, "members are put eight by eight");

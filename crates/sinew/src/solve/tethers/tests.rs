@@ -1,0 +1,126 @@
+//! Tethers are as long as the way over the cloth, ask for no more than its rods do, and follow what is cut and what is pinned.
+
+use glam::{Quat, Vec3};
+
+use super::*;
+use crate::recipes::{Blueprint, ClothSpec, cloth_grid};
+use crate::{GradientAt, ParticleSeed, Simulation};
+
+/// A square metre of cloth of 20 × 20 cells, pinned at some particles, in a world that has begun a step.
+fn cloth(pins: &[u32], shaped: impl Fn(Vec3) -> Vec3) -> Simulation {
+    let mut cloth = cloth_grid(&ClothSpec::default()).unwrap();
+    for particle in &mut cloth.particles {
+        particle.position = shaped(particle.position);
+    }
+    let Blueprint { particles, distances, .. } = &mut cloth;
+    let at = |row: u32| particles[row as usize].position;
+    distances.iter_mut().for_each(|d| d.rest = at(d.a).distance(at(d.b)));
+    for &pin in pins {
+        particles[pin as usize] = particles[pin as usize].pinned();
+    }
+    let mut world = Simulation::default();
+    cloth.build(&mut world).unwrap();
+    world.begin_step(1.0 / 60.0).unwrap();
+    world
+}
+
+/// Each particle with a tether: its row, that of its pin, and how long it is.
+fn tethers(world: &Simulation) -> Vec<(usize, usize, f32)> {
+    let plan = world.plan();
+    let own = plan.tethers.of(&plan.islands[0]).unwrap();
+    let each = own.each.iter().enumerate();
+    let all = each.flat_map(|(row, tethers)| tethers.map(|(pin, length)| (row, pin, length)));
+    all.filter(|one| one.2.is_finite())
+        .map(|(row, pin, length)| (row, own.pins[pin as usize] as usize, length))
+        .collect()
+}
+
+#[test]
+fn in_flat_cloth_they_are_straight_lines() {
+    let world = cloth(&[0, 20], |p| p);
+    let all = tethers(&world);
+    assert_eq!(all.len(), 2 * (441 - 2));
+    for (row, pin, length) in all {
+        let straight = world.particles.position(row).distance(world.particles.position(pin));
+        assert!((length - straight).abs() < 1e-5, "{row} to {pin}: {length} for {straight}");
+    }
+}
+
+/// They are bounds that the rods imply: where all rods have their lengths, no tether is shorter than the particle is far from its pin.
+#[test]
+fn none_asks_for_more_than_the_rods_do() {
+    let dome = |p: Vec3| Vec3::new(p.x, p.y, 0.8 - 1.6 * (p.x * p.x + p.y * p.y));
+    let pleats = |p: Vec3| Vec3::new(p.x, p.y, 0.1 * (9.0 * p.x).abs().fract());
+    let shapes: [&dyn Fn(Vec3) -> Vec3; 2] = [&dome, &pleats];
+    for shape in shapes {
+        for pins in [&[0, 20][..], &[220], &[0, 5, 220, 440]] {
+            let world = cloth(pins, shape);
+            let (mut taut, all) = (0, tethers(&world));
+            for &(row, pin, length) in &all {
+                let far = world.particles.position(row).distance(world.particles.position(pin));
+                assert!(far <= length * (1.0 + 1e-6), "{row} to {pin}: {length} for {far}");
+                taut += usize::from(length < 1.3 * far);
+            }
+            assert!(2 * taut > all.len(), "{taut} of {} are of any use", all.len());
+        }
+    }
+}
+
+#[test]
+fn a_slit_is_gone_around_and_what_is_cut_off_is_free_in_the_same_step() {
+    let mut world = cloth(&[0], |p| p);
+    let crosses = |d: &Distance, rows: core::ops::Range<u32>| {
+        let (above, below) = (d.a.min(d.b) / 21, d.a.max(d.b) / 21);
+        let column = (d.a % 21).min(d.b % 21);
+        above < 10 && below >= 10 && rows.contains(&column)
+    };
+    world.distances_mut().retain(|d| !crosses(d, 0..20));
+    world.begin_step(1.0 / 60.0).unwrap();
+    // The lower left corner hangs by the right edge only.
+    let corner = tethers(&world).into_iter().find(|one| one.0 == 440 - 20).unwrap();
+    assert!(corner.2 > 1.9, "{}", corner.2);
+    world.distances_mut().retain(|d| !crosses(d, 0..21));
+    world.begin_step(1.0 / 60.0).unwrap();
+    let plan = world.plan();
+    let lower = &plan.islands[plan.island_of[440] as usize];
+    assert!(lower.free && plan.tethers.of(lower).is_none());
+    world.particles.position[0].w = 1.0;
+    world.begin_step(1.0 / 60.0).unwrap();
+    let plan = world.plan();
+    assert!(plan.islands.iter().all(|island| plan.tethers.of(island).is_none()));
+}
+
+/// By how much a rope of a hundred pieces is longer, with a weight of twice its own at its end, two seconds after it was hung up straight.
+fn hung(gradient_at: GradientAt) -> f32 {
+    let mut world = Simulation::default();
+    world.settings.gradient_at = gradient_at;
+    for n in 0..=100_u32 {
+        let at = Vec3::Y * (-0.05 * n as f32);
+        let mass = if n == 100 { 2.0 } else { 0.01 };
+        let seed = ParticleSeed::at(at).with_mass(mass);
+        world.particles.push(if n == 0 { seed.pinned() } else { seed }).unwrap();
+    }
+    world.distances_mut().extend((0..100).map(|n| Distance::new(n, n + 1, 0.05)));
+    (0..120).for_each(|_| {
+        world.step(1.0 / 60.0).unwrap();
+    });
+    -world.particles.position(100).y / 5.0 - 1.0
+}
+
+#[test]
+fn a_weight_on_a_long_rope_hangs_by_its_hook() {
+    let longer = hung(GradientAt::Current);
+    assert!(longer.abs() < 1e-3, "{longer}");
+    // Where energy is to be kept there are none, and the rope is as long as the sweeps let it be.
+    let swept = hung(GradientAt::StepStart);
+    assert!(swept > 0.05, "{swept}");
+}
+
+#[test]
+fn a_turned_world_has_the_same_tethers() {
+    let turn = Quat::from_rotation_z(0.3);
+    let (one, other) = (cloth(&[0, 20], |p| p), cloth(&[0, 20], |p| turn * p));
+    for (a, b) in tethers(&one).into_iter().zip(tethers(&other)) {
+        assert!(a.0 == b.0 && a.1 == b.1 && (a.2 - b.2).abs() < 1e-5, "{a:?} {b:?}");
+    }
+}
