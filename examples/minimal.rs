@@ -25,7 +25,7 @@ fn setup(
     let wood = MeshMaterial3d(materials.add(Color::srgb(0.8, 0.5, 0.2)));
     let cube = Mesh3d(meshes.add(Cuboid::from_length(0.6)));
     for i in 0..5 {
-        let body = ParticleBox::new(Vec3::splat(0.6)).with_mass(2.0);
+        let body = RigidBox::new(Vec3::splat(0.6)).with_mass(2.0);
         let place = Transform::from_xyz(0.8, 0.3 + 0.6 * i as f32, 0.0);
         commands.spawn((body, cube.clone(), wood.clone(), place));
     }

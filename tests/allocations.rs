@@ -98,9 +98,9 @@ fn ragdolls_and_boxes_that_are_pushed_allocate_nothing() {
         world.spawn(BoundingBox { size: Vec3::splat(12.0), ..default() });
         world.spawn((Ragdoll::default(), Transform::from_xyz(0.0, 1.5, 0.0)));
         let push = ControlForce { force: Vec3::new(0.0, 1.0, 0.0), ..default() };
-        world.spawn((ParticleBox::default(), push, Transform::from_xyz(2.0, 1.0, 0.0)));
+        world.spawn((RigidBox::default(), push, Transform::from_xyz(2.0, 1.0, 0.0)));
         let spin = Representation::Rigid(RigidIntegrator::default());
-        world.spawn((ParticleBox::default(), spin, Transform::from_xyz(4.0, 1.0, 0.0)));
+        world.spawn((RigidBox::default(), spin, Transform::from_xyz(4.0, 1.0, 0.0)));
     };
     assert_eq!(allocations(spawn), 0);
 }
@@ -124,11 +124,7 @@ fn charges_in_fields_allocate_nothing() {
 fn what_floats_allocates_nothing() {
     let spawn = |world: &mut World| {
         world.spawn((Fluid::default(), Transform::from_xyz(0.0, 0.3, 0.0)));
-        world.spawn((
-            ParticleBox::default(),
-            Floats::default(),
-            Transform::from_xyz(0.0, 1.0, 0.0),
-        ));
+        world.spawn((RigidBox::default(), Floats::default(), Transform::from_xyz(0.0, 1.0, 0.0)));
         world.spawn((Particle::at(Vec3::X * 3.0), Radius(0.1), Mass(2.0)));
     };
     assert_eq!(allocations(spawn), 0);
@@ -152,7 +148,7 @@ fn colliders_and_what_lies_on_them_allocate_nothing() {
         world.spawn((Collider::cuboid(Vec3::new(18.0, 1.0, 18.0)), floor, ChildOf(around)));
         world.spawn((Collider::sphere(0.5), Transform::from_xyz(4.0, 0.0, 0.0)));
         world.spawn((Collider::sphere(f32::NAN), SurfaceMaterial::default()));
-        world.spawn((ParticleBox::new(Vec3::splat(0.5)), Transform::default()));
+        world.spawn((RigidBox::new(Vec3::splat(0.5)), Transform::default()));
         world.spawn((Particle::at(Vec3::new(2.0, 0.0, 0.0)), Radius(0.1)));
         let cloth = Cloth { radius: 0.02, ..Cloth::grid(0.5, 0.5, 8, 8) };
         world.spawn((cloth, Transform::from_xyz(4.0, 1.0, 0.0)));
@@ -166,7 +162,7 @@ fn colliders_that_move_allocate_nothing() {
         let floor = (Collider::cuboid(Vec3::new(18.0, 1.0, 18.0)), Transform::default());
         world.spawn((floor, Lift));
         world.spawn((Collider::sphere(0.5), Lift, Transform::from_xyz(4.0, 0.0, 0.0)));
-        world.spawn((ParticleBox::new(Vec3::splat(0.5)), Transform::from_xyz(0.0, 1.0, 0.0)));
+        world.spawn((RigidBox::new(Vec3::splat(0.5)), Transform::from_xyz(0.0, 1.0, 0.0)));
     };
     assert_eq!(allocations(spawn), 0);
 }
@@ -177,7 +173,7 @@ fn bodies_that_lie_on_each_other_allocate_nothing() {
         world.spawn((Collider::cuboid(Vec3::new(18.0, 1.0, 18.0)), Transform::default()));
         for i in 0..3 {
             let at = Transform::from_xyz(0.0, 1.0 + 0.6 * i as f32, 0.0);
-            world.spawn((ParticleBox::new(Vec3::splat(0.5)), BodyContacts::default(), at));
+            world.spawn((RigidBox::new(Vec3::splat(0.5)), BodyContacts::default(), at));
         }
     };
     assert_eq!(allocations(spawn), 0);

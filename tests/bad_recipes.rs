@@ -43,8 +43,8 @@ const BAD: [f32; 6] = [0.0, -0.0, -1.0, f32::NAN, f32::INFINITY, 1e-30];
 fn recipes_with_a_broken_number_are_refused_once() {
     let mut cases = Vec::new();
     for bad in BAD {
-        cases.push(case(format!("box of {bad} m"), ParticleBox::new(Vec3::new(1.0, bad, 1.0))));
-        cases.push(case(format!("box of {bad} kg"), ParticleBox::default().with_mass(bad)));
+        cases.push(case(format!("box of {bad} m"), RigidBox::new(Vec3::new(1.0, bad, 1.0))));
+        cases.push(case(format!("box of {bad} kg"), RigidBox::default().with_mass(bad)));
         cases.push(case(format!("cloth {bad} m wide"), Cloth::grid(bad, 1.0, 4, 4)));
         cases.push(case(format!("cloth {bad} m high"), Cloth::grid(1.0, bad, 4, 4)));
         cases.push(case(format!("cloth of {bad} kg/m²"), Cloth { density: bad, ..default() }));
@@ -108,7 +108,7 @@ fn bodies_with_a_broken_transform_are_refused_once() {
     ];
     let mut cases = Vec::new();
     for (name, transform) in transforms {
-        cases.push(case(format!("box {name}"), (ParticleBox::default(), transform)));
+        cases.push(case(format!("box {name}"), (RigidBox::default(), transform)));
         cases.push(case(format!("rope {name}"), (Rope::default(), transform)));
         cases.push(case(format!("cloth {name}"), (Cloth::default(), transform)));
         cases.push(case(format!("figure {name}"), (Ragdoll::default(), transform)));
@@ -172,12 +172,12 @@ fn a_mesh_file_that_is_not_there_is_refused_once() {
 #[test]
 fn a_refused_body_is_built_once_its_recipe_is_mended() {
     let mut app = app();
-    let body = app.world_mut().spawn(ParticleBox::new(Vec3::NAN)).id();
+    let body = app.world_mut().spawn(RigidBox::new(Vec3::NAN)).id();
     let rope = app.world_mut().spawn((Rope::default(), Transform::from_scale(Vec3::ZERO))).id();
     tick(&mut app, 5);
     assert_eq!(heard(&app).len(), 2);
     forget(&mut app);
-    app.world_mut().get_mut::<ParticleBox>(body).unwrap().size = Vec3::ONE;
+    app.world_mut().get_mut::<RigidBox>(body).unwrap().size = Vec3::ONE;
     app.world_mut().entity_mut(rope).insert((Rope::default(), Transform::IDENTITY));
     tick(&mut app, 5);
     assert_eq!((particles_of(&app, body).len(), particles_of(&app, rope).len()), (8, 21));
@@ -191,13 +191,13 @@ fn a_body_that_is_changed_into_the_impossible_is_left_without_particles() {
     let world = app.world_mut();
     let cube = world.resource_mut::<Assets<Mesh>>().add(Mesh::from(Cuboid::default()));
     let bodies = [
-        world.spawn(ParticleBox::default()).id(),
+        world.spawn(RigidBox::default()).id(),
         world.spawn(Rope::default()).id(),
         world.spawn((Cloth::from_mesh(), Mesh3d(cube))).id(),
     ];
     tick(&mut app, 5);
     let world = app.world_mut();
-    world.get_mut::<ParticleBox>(bodies[0]).unwrap().mass = f32::NAN;
+    world.get_mut::<RigidBox>(bodies[0]).unwrap().mass = f32::NAN;
     let longer = Rope { segments: 30, ..default() };
     world.entity_mut(bodies[1]).insert((longer, Transform::from_xyz(f32::NAN, 0.0, 0.0)));
     world.entity_mut(bodies[2]).remove::<Mesh3d>().insert(Cloth::from_mesh());

@@ -13,8 +13,8 @@ fn floor() -> (Collider, Transform) {
 }
 
 /// A box of 0.4 m, whose height above the floor at rest is half of that.
-fn crate_at(x: f32, y: f32) -> (ParticleBox, Transform) {
-    (ParticleBox::new(Vec3::splat(0.4)), Transform::from_xyz(x, y, 0.0))
+fn crate_at(x: f32, y: f32) -> (RigidBox, Transform) {
+    (RigidBox::new(Vec3::splat(0.4)), Transform::from_xyz(x, y, 0.0))
 }
 
 fn height(app: &App, entity: Entity) -> f32 {
@@ -281,7 +281,7 @@ fn rigid_parts_have_the_shape_that_they_are_drawn_with_unless_the_game_gives_ano
     let boxed = world.spawn(crate_at(0.0, 1.0)).id();
     let own = world.spawn((crate_at(2.0, 1.0), Collider::sphere(0.2))).id();
     let points = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
-    let solid = Solid::default().shaped(SolidShape::Points(points.clone()));
+    let solid = RigidMesh::default().shaped(RigidShape::Points(points.clone()));
     let solid = world.spawn((solid, Transform::from_xyz(4.0, 1.0, 0.0))).id();
     let doll = world.spawn((Ragdoll::default(), Transform::from_xyz(6.0, 1.0, 0.0))).id();
     tick(&mut app, 2);
@@ -295,7 +295,7 @@ fn rigid_parts_have_the_shape_that_they_are_drawn_with_unless_the_game_gives_ano
     assert_eq!(limbs.count(), 8);
     // Built anew it has its new shape; what the game gave stays.
     for body in [boxed, own] {
-        app.world_mut().get_mut::<ParticleBox>(body).unwrap().size = Vec3::ONE;
+        app.world_mut().get_mut::<RigidBox>(body).unwrap().size = Vec3::ONE;
     }
     tick(&mut app, 1);
     assert_eq!(shape(&app, boxed), Some(Collider::cuboid(Vec3::ONE)));

@@ -205,7 +205,7 @@ fn fair(app: &mut App) {
     world.spawn((Collider::plane(), Transform::from_xyz(0.0, -0.5, 0.0)));
     for i in 0..3 {
         let at = Transform::from_xyz(0.3 * i as f32 - 0.3, 0.9 + 0.45 * i as f32, 0.0);
-        world.spawn((ParticleBox::new(Vec3::splat(0.3)), at, BodyContacts::default()));
+        world.spawn((RigidBox::new(Vec3::splat(0.3)), at, BodyContacts::default()));
     }
     for i in 0..10 {
         let place = Vec3::new(0.1 * i as f32 - 0.5, 1.2, 0.6);

@@ -23,9 +23,9 @@ fn weightless(mut app: App) -> App {
 }
 
 /// A solid brick of 1 × 2 × 3 m and 6 kg.
-pub(crate) fn brick() -> ParticleBox {
+pub(crate) fn brick() -> RigidBox {
     let particles = BoxParticles::Equimomental;
-    ParticleBox { size: Vec3::new(1.0, 2.0, 3.0), mass: 6.0, particles, ..default() }
+    RigidBox { size: Vec3::new(1.0, 2.0, 3.0), mass: 6.0, particles, ..default() }
 }
 
 /// Spawns something and lets it be built.
@@ -75,7 +75,7 @@ fn impulses_change_momentum_and_angular_momentum_by_exactly_themselves_near_and_
         let (mass, p1, l1) = momenta(&app, &all, at);
         assert!((mass - 6.0).abs() < 1e-6 && (p1 - p0 - PUSH.as_dvec3()).length() < 1e-5);
         // The barycentre is near `at`, not there: it has moved on.
-        let centre = app.world().get::<Barycenter>(body).unwrap().position - at;
+        let centre = app.world().get::<WorldCenterOfMass>(body).unwrap().position - at;
         let lever = centre.as_dvec3().cross(PUSH.as_dvec3());
         let rounding = if at == Vec3::ZERO { 1e-5 } else { 1e-2 };
         assert!((l1 - l0 - lever).length() < rounding, "no spin of its own: {}", l1 - l0 - lever);
@@ -143,9 +143,9 @@ fn a_velocity_set_in_free_fall_is_true_now_and_not_half_a_substep_ago() {
     let body = built(&mut app, brick(), Transform::default());
     tick(&mut app, 30);
     command(&mut app, body, |body| _ = body.set_linear_velocity(Vec3::ZERO));
-    let from = app.world().get::<Barycenter>(body).unwrap().position.y;
+    let from = app.world().get::<WorldCenterOfMass>(body).unwrap().position.y;
     tick(&mut app, 60);
-    let fallen = app.world().get::<Barycenter>(body).unwrap().position.y - from;
+    let fallen = app.world().get::<WorldCenterOfMass>(body).unwrap().position.y - from;
     let seconds = 60.0 * app.world().resource::<Time<Fixed>>().timestep().as_secs_f32();
     assert!((fallen + 0.5 * 9.81 * seconds * seconds).abs() < 1e-4, "{fallen}");
 }

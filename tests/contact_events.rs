@@ -10,9 +10,9 @@ fn floor() -> (Collider, Transform) {
     (Collider::cuboid(Vec3::new(10.0, 1.0, 10.0)), Transform::from_xyz(0.0, -0.5, 0.0))
 }
 
-fn crate_at(x: f32, y: f32) -> (ParticleBox, BodyContacts, Transform) {
+fn crate_at(x: f32, y: f32) -> (RigidBox, BodyContacts, Transform) {
     let place = Transform::from_xyz(x, y, 0.0);
-    (ParticleBox::new(Vec3::splat(0.4)), BodyContacts::default(), place)
+    (RigidBox::new(Vec3::splat(0.4)), BodyContacts::default(), place)
 }
 
 /// What observers have seen.

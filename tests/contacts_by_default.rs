@@ -11,8 +11,8 @@ fn height(app: &App, entity: Entity) -> f32 {
     app.world().get::<Transform>(entity).unwrap().translation.y
 }
 
-fn crate_at(x: f32, y: f32) -> (ParticleBox, Transform) {
-    (ParticleBox::new(Vec3::splat(0.4)), Transform::from_xyz(x, y, 0.0))
+fn crate_at(x: f32, y: f32) -> (RigidBox, Transform) {
+    (RigidBox::new(Vec3::splat(0.4)), Transform::from_xyz(x, y, 0.0))
 }
 
 #[test]
@@ -51,7 +51,7 @@ fn one_component_takes_a_body_a_ball_or_a_collider_out_of_all_contacts_and_back(
     let body = world.spawn(crate_at(0.0, 1.6)).id();
     tick(&mut app, 120);
     assert!(height(&app, ghost) < -5.0 && position(&app, ball).y < -5.0);
-    let pelvis = app.world().get::<Barycenter>(figure).unwrap().position.y;
+    let pelvis = app.world().get::<WorldCenterOfMass>(figure).unwrap().position.y;
     assert!(pelvis < -5.0, "a whole figure: {pelvis}");
     assert!((height(&app, body) - 0.2).abs() < 0.01, "past the shelf and the ghost");
     let sinew = app.world().resource::<SinewWorld>();
@@ -119,7 +119,7 @@ fn a_weight_tied_to_a_rope_and_a_rope_pinned_to_a_post_hang_in_peace() {
     let own = particles_of(&app, rope);
     app.world_mut().entity_mut(own[0]).insert(PinnedTo { entity: post, offset: Vec3::ZERO });
     let at = position(&app, own[20]);
-    let weight = ParticleBox::new(Vec3::splat(0.2)).with_mass(3.0);
+    let weight = RigidBox::new(Vec3::splat(0.2)).with_mass(3.0);
     let at = Transform::from_translation(at - Vec3::Y * 0.05);
     let weight = app.world_mut().spawn((weight, at)).id();
     tick(&mut app, 1);
@@ -152,7 +152,7 @@ fn what_of_a_body_meets_others_is_what_lets_nothing_through() {
     app.insert_resource(Gravity(Vec3::ZERO));
     let world = app.world_mut();
     let at = |x: f32| Transform::from_xyz(x, 0.0, 0.0);
-    world.spawn((ParticleBox::default(), at(0.0)));
+    world.spawn((RigidBox::default(), at(0.0)));
     let figure = world.spawn((Ragdoll::default(), at(3.0))).id();
     let fine = Cloth { radius: 0.06, ..Cloth::grid(1.0, 1.0, 8, 8) };
     let fine = world.spawn((fine, at(6.0))).id();

@@ -19,7 +19,7 @@ fn colliding_scene(app: &mut App) {
         let place = Transform::from_xyz(-1.2 + 0.1 * i as f32, 1.2 + 0.5 * i as f32, 0.0);
         let place = place.with_rotation(Quat::from_rotation_x(0.3 * i as f32));
         let size = Vec3::new(0.4, 0.3, 0.5);
-        world.spawn((ParticleBox::new(size), BodyContacts::default(), Sleep::default(), place));
+        world.spawn((RigidBox::new(size), BodyContacts::default(), Sleep::default(), place));
     }
     let figure = Transform::from_xyz(0.6, 1.0, 1.0).with_rotation(Quat::from_rotation_z(0.4));
     world.spawn((Ragdoll::default(), BodyContacts::default(), Sleep::default(), figure));
@@ -99,7 +99,7 @@ fn stack(app: &mut App) -> Vec<Entity> {
         let at = turned * Vec3::Y * (0.1 + 0.2 * n as f32);
         let place = Transform::from_translation(at).with_rotation(turned);
         let size = Vec3::new(1.0, 0.2, 1.0);
-        (ParticleBox::new(size), BodyContacts::default(), SurfaceMaterial::new(0.5), place)
+        (RigidBox::new(size), BodyContacts::default(), SurfaceMaterial::new(0.5), place)
     };
     (0..3).map(|n| app.world_mut().spawn(plate(n)).id()).collect()
 }

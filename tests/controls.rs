@@ -203,7 +203,7 @@ fn the_inertia_read_back_is_the_solid_boxs_and_turns_with_it() {
     let alone = ContactsDisabled;
     let straight = app.world_mut().spawn((brick(), alone, at(Quat::IDENTITY))).id();
     let turned = app.world_mut().spawn((brick(), alone, at(rotation))).id();
-    let corners = ParticleBox { particles: BoxParticles::Corners, ..brick() };
+    let corners = RigidBox { particles: BoxParticles::Corners, ..brick() };
     let corners = app.world_mut().spawn((corners, alone, at(Quat::IDENTITY))).id();
     tick(&mut app, 1);
     let read = |entity| app.world().get::<Inertia>(entity).unwrap().0;
@@ -213,5 +213,5 @@ fn the_inertia_read_back_is_the_solid_boxs_and_turns_with_it() {
     let turn = Mat3::from_quat(rotation);
     let expected = turn * solid * turn.transpose();
     assert!(read(turned).abs_diff_eq(expected, 1e-3), "{} {expected}", read(turned));
-    assert!((app.world().get::<Barycenter>(turned).unwrap().mass - 6.0).abs() < 1e-5);
+    assert!((app.world().get::<WorldCenterOfMass>(turned).unwrap().mass - 6.0).abs() < 1e-5);
 }

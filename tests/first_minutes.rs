@@ -15,7 +15,7 @@ fn two_boxes_dropped_one_onto_the_other_stand_one_on_the_other() {
     let mut app = app();
     let world = app.world_mut();
     world.spawn(Ground::default());
-    let boxed = |y: f32| (ParticleBox::new(Vec3::ONE), Transform::from_xyz(0.0, y, 0.0));
+    let boxed = |y: f32| (RigidBox::new(Vec3::ONE), Transform::from_xyz(0.0, y, 0.0));
     let (low, high) = (world.spawn(boxed(1.0)).id(), world.spawn(boxed(2.5)).id());
     tick(&mut app, 300);
     for (body, y) in [(low, 0.5), (high, 1.5)] {
@@ -30,7 +30,7 @@ fn every_recipe() -> Vec<(&'static str, fn(&mut World, f32) -> Entity, f32, f32)
         (
             "a small box",
             |w, y| {
-                w.spawn((ParticleBox::new(Vec3::splat(0.2)), Transform::from_xyz(0.0, y, 0.0))).id()
+                w.spawn((RigidBox::new(Vec3::splat(0.2)), Transform::from_xyz(0.0, y, 0.0))).id()
             },
             0.1,
             0.02,
@@ -45,9 +45,9 @@ fn every_recipe() -> Vec<(&'static str, fn(&mut World, f32) -> Entity, f32, f32)
                         [Vec3::new(0.0, a, b), Vec3::new(a, b, 0.0), Vec3::new(b, 0.0, a)]
                     })
                 });
-                let shape = SolidShape::Points(corners.flatten().collect());
+                let shape = RigidShape::Points(corners.flatten().collect());
                 let at = Transform::from_xyz(0.0, y, 0.0);
-                w.spawn((Solid::default().shaped(shape), at)).id()
+                w.spawn((RigidMesh::default().shaped(shape), at)).id()
             },
             0.15,
             0.02,
@@ -103,7 +103,7 @@ fn whatever_a_recipe_builds_lies_on_a_box_on_a_collider_and_on_a_ground() {
                 }
                 "a box" => {
                     world.spawn(Ground::default());
-                    let heavy = ParticleBox::new(Vec3::ONE).with_mass(100.0);
+                    let heavy = RigidBox::new(Vec3::ONE).with_mass(100.0);
                     world.spawn((heavy, Transform::from_xyz(0.0, 0.5, 0.0)));
                 }
                 _ => drop(world.spawn(Ground::default())),
@@ -123,7 +123,7 @@ fn a_figure_lies_on_a_box_and_a_loose_ball_on_both() {
     let mut app = app();
     let world = app.world_mut();
     world.spawn(Ground::default());
-    let table = ParticleBox::new(Vec3::new(2.0, 0.6, 3.0)).with_mass(500.0);
+    let table = RigidBox::new(Vec3::new(2.0, 0.6, 3.0)).with_mass(500.0);
     world.spawn((table, Transform::from_xyz(0.0, 0.3, 0.0)));
     let lying = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
     let at = Transform::from_xyz(0.0, 1.2, -0.6).with_rotation(lying);
@@ -145,7 +145,7 @@ fn a_body_that_is_a_child_is_where_its_parent_puts_it() {
     world.insert_resource(Gravity(Vec3::ZERO));
     let parent = world.spawn(Transform::from_xyz(10.0, 0.0, 0.0)).id();
     let at = Transform::from_xyz(0.0, 2.0, 0.0);
-    let body = world.spawn((ParticleBox::new(Vec3::ONE), at, ChildOf(parent))).id();
+    let body = world.spawn((RigidBox::new(Vec3::ONE), at, ChildOf(parent))).id();
     tick(&mut app, 3);
     let there = Vec3::new(10.0, 2.0, 0.0);
     assert!((middle(&app, body) - there).length() < 1e-5, "{}", middle(&app, body));
@@ -160,13 +160,13 @@ fn a_body_has_the_velocity_and_the_mass_and_feels_the_force_that_it_is_spawned_w
     let world = app.world_mut();
     world.insert_resource(Gravity(Vec3::ZERO));
     world.insert_resource(AirDrag(0.0));
-    let boxed = |y: f32| (ParticleBox::new(Vec3::ONE), Transform::from_xyz(0.0, y, 0.0));
+    let boxed = |y: f32| (RigidBox::new(Vec3::ONE), Transform::from_xyz(0.0, y, 0.0));
     let fast = world.spawn((boxed(0.0), LinearVelocity(Vec3::X * 5.0))).id();
     let heavy = world.spawn((boxed(3.0), Mass(500.0))).id();
     let pushed = world.spawn((boxed(6.0), Mass(10.0), ExternalForce(Vec3::X * 100.0))).id();
     tick(&mut app, 30);
     assert!((place(&app, fast).x - 2.5).abs() < 1e-3, "{}", place(&app, fast));
-    let mass = app.world().get::<Barycenter>(heavy).unwrap().mass;
+    let mass = app.world().get::<WorldCenterOfMass>(heavy).unwrap().mass;
     assert!((mass - 500.0).abs() < 1e-3, "{mass} kg");
     // v = F/m t.
     let speed = app.world().get::<LinearVelocity>(pushed).unwrap().0;
@@ -201,7 +201,7 @@ fn the_mouse_is_no_part_of_the_plugins_and_substeps_are_taken_at_once() {
     let substeps = world.resource::<Schedules>().get(SubstepSchedule).unwrap();
     assert_eq!(substeps.systems_len(), 7);
     let mut dragging = crate::support::app_with(bevy_sinew::MouseDragPlugin);
-    dragging.world_mut().spawn(ParticleBox::default());
+    dragging.world_mut().spawn(RigidBox::default());
     tick(&mut dragging, 2);
     let substeps = dragging.world().resource::<Schedules>().get(SubstepSchedule).unwrap();
     assert_eq!(substeps.systems_len(), 7, "nor does the mouse add one");

@@ -107,14 +107,14 @@ fn a_current_carries_a_ball_and_only_in_its_pool() {
 }
 
 /// How deep a box of 1 × 0.6 × 1 m and 240 kg lies in still water, as a share of its height, after it came to rest.
-fn draft(body: ParticleBox, floats: Floats, flatland: bool) -> f32 {
+fn draft(body: RigidBox, floats: Floats, flatland: bool) -> f32 {
     let mut app = bare_app();
     app.world_mut().spawn((Fluid { drag: 0.95, ..default() }, Transform::from_xyz(0.0, 2.0, 0.0)));
     if flatland {
         app.world_mut().spawn(Flatland);
     }
     let size = Vec3::new(1.0, 0.6, 1.0);
-    let crate_ = ParticleBox { size, mass: 240.0, ..body };
+    let crate_ = RigidBox { size, mass: 240.0, ..body };
     let crate_ = app.world_mut().spawn((crate_, floats, Transform::from_xyz(3.0, 2.2, 0.0))).id();
     tick(&mut app, 900);
     assert_eq!(heard(&app), []);
@@ -125,8 +125,8 @@ fn draft(body: ParticleBox, floats: Floats, flatland: bool) -> f32 {
 
 #[test]
 fn a_box_of_each_kind_floats_as_deep_as_its_density_asks_for() {
-    let corners = ParticleBox::default();
-    let solid = ParticleBox { particles: BoxParticles::Equimomental, ..default() };
+    let corners = RigidBox::default();
+    let solid = RigidBox { particles: BoxParticles::Equimomental, ..default() };
     let faces =
         [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let triangles: Vec<_> =
@@ -142,8 +142,8 @@ fn a_box_of_each_kind_floats_as_deep_as_its_density_asks_for() {
         (corners.clone(), Floats { shape: HullShape::Surface }, false),
         (solid.clone(), Floats::boxed(2.0 * half), false),
         (solid.clone(), mesh, false),
-        (ParticleBox { flat: true, ..corners }, Floats::OWN, true),
-        (ParticleBox { flat: true, ..solid }, Floats::OWN, true),
+        (RigidBox { flat: true, ..corners }, Floats::OWN, true),
+        (RigidBox { flat: true, ..solid }, Floats::OWN, true),
     ];
     for (body, floats, flat) in cases {
         close(draft(body, floats, flat), 0.4, 0.01);
@@ -154,7 +154,7 @@ fn a_box_of_each_kind_floats_as_deep_as_its_density_asks_for() {
 fn a_wide_raft_rights_itself() {
     let mut app = bare_app();
     app.world_mut().spawn((Fluid { drag: 0.9, ..default() }, Transform::default()));
-    let raft = ParticleBox::new(Vec3::new(3.0, 0.3, 2.0)).with_mass(900.0);
+    let raft = RigidBox::new(Vec3::new(3.0, 0.3, 2.0)).with_mass(900.0);
     let heeled = Transform::from_rotation(Quat::from_rotation_z(0.5) * Quat::from_rotation_x(-0.3));
     let raft = app.world_mut().spawn((raft, Floats::OWN, heeled)).id();
     tick(&mut app, 1200);
@@ -166,7 +166,7 @@ fn a_wide_raft_rights_itself() {
 fn without_its_hull_a_body_sinks_and_a_surface_may_lose_its_corners() {
     let mut app = bare_app();
     app.world_mut().spawn((Fluid::default(), Transform::default()));
-    let body = ParticleBox::default().with_mass(400.0);
+    let body = RigidBox::default().with_mass(400.0);
     let body = app.world_mut().spawn((body, Floats { shape: HullShape::Surface })).id();
     tick(&mut app, 2);
     let hulls = |app: &App| app.world().resource::<SinewWorld>().simulation().forces.hulls.len();
@@ -228,7 +228,7 @@ fn a_world_in_2d_stays_in_its_plane_and_falls_in_it() {
     app.world_mut().spawn(Wind { pressure: Vec3::Z * 50.0, ..default() });
     let thrown = Particle::at(Vec3::ZERO).with_velocity(Vec3::new(1.0, 0.0, 3.0));
     let stone = app.world_mut().spawn(thrown).id();
-    let body = ParticleBox { flat: true, ..default() };
+    let body = RigidBox { flat: true, ..default() };
     let body = app.world_mut().spawn((body, Transform::from_xyz(5.0, 0.0, 0.0))).id();
     let mut all = vec![stone];
     let apart = |app: &App, all: &[Entity], z: f32| {
@@ -255,7 +255,7 @@ fn without_gravity_of_their_own_bodies_and_particles_hang_and_with_twice_of_it_f
     let mut app = vacuum();
     let mut body = |x: f32, scale: f32| {
         let place = Transform::from_xyz(x, 0.0, 0.0);
-        app.world_mut().spawn((ParticleBox::default(), GravityScale(scale), place)).id()
+        app.world_mut().spawn((RigidBox::default(), GravityScale(scale), place)).id()
     };
     let bodies = [body(0.0, 0.0), body(3.0, 1.0), body(6.0, 2.0)];
     let stones = [0.0, 1.0, 2.0].map(|scale| {

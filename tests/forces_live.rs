@@ -38,8 +38,8 @@ fn scene(app: &mut App) -> Cast {
     let pool = Region::boxed(Vec3::new(12.0, 8.0, 12.0)).with_fade(0.5);
     let ball = (Particle::at(Vec3::new(2.0, 0.1, 2.0)), Radius(0.2), Mass(20.0), Charge(0.2));
     world.spawn(ball);
-    let body = ParticleBox::new(Vec3::new(1.5, 0.4, 1.0)).with_mass(300.0);
-    let body = ParticleBox { particles: BoxParticles::Equimomental, ..body };
+    let body = RigidBox::new(Vec3::new(1.5, 0.4, 1.0)).with_mass(300.0);
+    let body = RigidBox { particles: BoxParticles::Equimomental, ..body };
     Cast {
         wind: world.spawn((wind, Region::sphere(4.0).with_fade(2.0), place(0.5))).id(),
         air: world.spawn(AirFlow::steady(Vec3::new(2.0, 0.5, 1.0)).with_gusts(0.3)).id(),

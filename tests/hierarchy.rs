@@ -41,7 +41,7 @@ fn assert_near(found: &[Vec3], expected: &[Vec3]) {
 fn every_recipe_is_built_where_its_parents_put_it_and_as_large() {
     let own = Transform::from_xyz(0.2, -0.4, 0.6).with_rotation(Quat::from_rotation_y(0.3));
     let spawns: [fn(&mut World) -> Entity; 5] = [
-        |w| w.spawn(ParticleBox::new(Vec3::new(1.0, 0.5, 0.25))).id(),
+        |w| w.spawn(RigidBox::new(Vec3::new(1.0, 0.5, 0.25))).id(),
         |w| w.spawn(Rope::default()).id(),
         |w| w.spawn(Cloth::grid(1.0, 0.5, 6, 3)).id(),
         |w| w.spawn(SoftBody::cuboid(Vec3::splat(0.5), UVec3::splat(3))).id(),
@@ -92,7 +92,7 @@ fn what_a_parent_would_shear_is_refused_by_name_and_comes_back_when_that_is_mend
     let world = app.world_mut();
     let long = world.spawn(Transform::from_scale(Vec3::new(1.0, 3.0, 1.0))).id();
     let turned = Transform::from_rotation(Quat::from_rotation_z(FRAC_PI_4));
-    let body = world.spawn((ParticleBox::default(), turned, ChildOf(long))).id();
+    let body = world.spawn((RigidBox::default(), turned, ChildOf(long))).id();
     let cloth = world.spawn((Cloth::grid(1.0, 1.0, 2, 2), turned, ChildOf(long))).id();
     let wall = world.spawn((Collider::default(), turned, ChildOf(long))).id();
     let wind = (Wind::default(), Region::boxed(Vec3::ONE), turned);
@@ -123,7 +123,7 @@ fn a_parent_that_moves_carries_its_bodies_along_and_they_move_as_they_would_besi
         let world = app.world_mut();
         let lift = world.spawn(Transform::default()).id();
         let at = Transform::from_xyz(0.0, 1.0, 0.0).with_rotation(Quat::from_rotation_z(0.3));
-        let body = world.spawn((ParticleBox::default(), at, ChildOf(lift))).id();
+        let body = world.spawn((RigidBox::default(), at, ChildOf(lift))).id();
         app.add_systems(FixedUpdate, move |mut all: Query<&mut Transform, With<Children>>| {
             all.iter_mut().for_each(|mut transform| transform.translation += speed / 60.0);
         });
@@ -145,7 +145,7 @@ fn a_teleport_is_in_the_frame_of_the_parents() {
     for by_command in [false, true] {
         let mut app = space();
         let (parent, frame) = nested(app.world_mut());
-        let body = app.world_mut().spawn((ParticleBox::default(), ChildOf(parent))).id();
+        let body = app.world_mut().spawn((RigidBox::default(), ChildOf(parent))).id();
         tick(&mut app, 2);
         let to = Transform::from_xyz(-1.0, 0.5, 0.3).with_rotation(Quat::from_rotation_y(1.0));
         if by_command {
@@ -154,7 +154,7 @@ fn a_teleport_is_in_the_frame_of_the_parents() {
             *app.world_mut().get_mut::<Transform>(body).unwrap() = to;
         }
         tick(&mut app, 2);
-        let middle = app.world().get::<Barycenter>(body).unwrap().position;
+        let middle = app.world().get::<WorldCenterOfMass>(body).unwrap().position;
         let there = (frame * to).translation;
         assert!((middle - there).length() < 1e-4, "{middle} instead of {there}");
         let own = app.world().get::<Transform>(body).unwrap();
@@ -168,9 +168,9 @@ fn a_body_that_is_scaled_is_built_in_its_new_size_and_one_whose_parent_is_scaled
     let mut app = space();
     let world = app.world_mut();
     let parent = world.spawn(Transform::default()).id();
-    let child = (ParticleBox::default(), Transform::from_xyz(3.0, 0.0, 0.0), ChildOf(parent));
+    let child = (RigidBox::default(), Transform::from_xyz(3.0, 0.0, 0.0), ChildOf(parent));
     let child = world.spawn(child).id();
-    let alone = world.spawn((ParticleBox::default(), LinearVelocity(Vec3::Y))).id();
+    let alone = world.spawn((RigidBox::default(), LinearVelocity(Vec3::Y))).id();
     tick(&mut app, 2);
     let width = |app: &App, body| {
         let all = all_positions(app, body);
@@ -212,7 +212,7 @@ fn a_body_that_is_reparented_scaled_or_despawned_in_contact_ends_its_contacts_wi
         let world = app.world_mut();
         let ground = world.spawn((Ground::default(), ContactEvents)).id();
         let at = Transform::from_xyz(0.0, 0.5, 0.0);
-        let body = world.spawn((ParticleBox::new(Vec3::ONE), at, ContactEvents)).id();
+        let body = world.spawn((RigidBox::new(Vec3::ONE), at, ContactEvents)).id();
         tick(&mut app, 20);
         assert_eq!(app.world().get::<Touching>(body).unwrap().0, [ground], "{name}");
         change(app.world_mut(), body);
@@ -229,7 +229,7 @@ fn bodies_are_eased_whenever_they_are_told_to_be() {
     let mut app = space();
     // Frames of a third of a tick.
     app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(crate::support::TICK / 3));
-    let moving = || (ParticleBox::default(), LinearVelocity(Vec3::X * 6.0));
+    let moving = || (RigidBox::default(), LinearVelocity(Vec3::X * 6.0));
     let body = app.world_mut().spawn(moving()).id();
     let figure =
         (Ragdoll::default(), LinearVelocity(Vec3::X * 6.0), Transform::from_xyz(0.0, 9.0, 0.0));

@@ -134,10 +134,8 @@ fn a_loss_within_a_substep_or_between_frames_harms_nobody_else() {
 fn a_body_whose_observer_despawns_it_while_it_is_built_harms_nobody() {
     fn check(name: &str, watch: impl FnOnce(&mut App)) {
         let mut app = app();
-        let others = [app
-            .world_mut()
-            .spawn((ParticleBox::default(), Transform::from_xyz(9.0, 0.0, 0.0)))
-            .id()];
+        let others =
+            [app.world_mut().spawn((RigidBox::default(), Transform::from_xyz(9.0, 0.0, 0.0))).id()];
         tick(&mut app, 2);
         watch(&mut app);
         let body = app.world_mut().spawn(Cloth::default()).id();

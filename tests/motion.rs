@@ -14,8 +14,8 @@ fn space() -> App {
 }
 
 /// A box of 2 kg that turns as a full one does.
-fn boxed() -> ParticleBox {
-    ParticleBox::new(Vec3::new(1.0, 0.6, 0.4)).with_mass(2.0)
+fn boxed() -> RigidBox {
+    RigidBox::new(Vec3::new(1.0, 0.6, 0.4)).with_mass(2.0)
 }
 
 fn velocity(app: &App, body: Entity) -> Vec3 {

@@ -151,7 +151,7 @@ fn the_transform_of_an_eased_box_glides_and_the_simulation_does_not_notice() {
     let run = |eased: bool| {
         let mut app = app();
         let mut body =
-            app.world_mut().spawn((ParticleBox::default(), Transform::from_xyz(0.0, 5.0, 0.0)));
+            app.world_mut().spawn((RigidBox::default(), Transform::from_xyz(0.0, 5.0, 0.0)));
         if eased {
             body.insert(Interpolate);
         }

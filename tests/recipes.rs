@@ -20,11 +20,11 @@ fn every_recipe_builds_itself_where_its_transform_is() {
     app.insert_resource(Gravity(Vec3::ZERO));
     let at = Transform::from_xyz(5.0, 2.0, -3.0).with_rotation(Quat::from_rotation_y(1.0));
     let world = app.world_mut();
-    let flat = ParticleBox { flat: true, particles: BoxParticles::Corners, ..default() };
+    let flat = RigidBox { flat: true, particles: BoxParticles::Corners, ..default() };
     // One in the other.
     let alone = ContactsDisabled;
     let cases = [
-        (world.spawn((ParticleBox::default(), alone, at)).id(), 8, 28),
+        (world.spawn((RigidBox::default(), alone, at)).id(), 8, 28),
         (world.spawn((flat, alone, at)).id(), 4, 6),
         (world.spawn((Rope::default(), alone, at)).id(), 21, 20),
         // 5 × 4 particles: 16 + 15 threads, 2 × 12 diagonals, 12 + 10 bends.
@@ -56,7 +56,7 @@ fn a_box_turns_and_falls_and_its_transform_and_velocities_say_so() {
     let body = app
         .world_mut()
         .spawn((
-            ParticleBox::new(Vec3::new(1.0, 2.0, 3.0)).with_mass(4.0),
+            RigidBox::new(Vec3::new(1.0, 2.0, 3.0)).with_mass(4.0),
             Transform::from_xyz(0.0, 9.0, 0.0),
         ))
         .id();
@@ -79,7 +79,7 @@ fn a_box_turns_and_falls_and_its_transform_and_velocities_say_so() {
         (
             entity.get::<LinearVelocity>().unwrap().0,
             entity.get::<AngularVelocity>().unwrap().0,
-            *entity.get::<Barycenter>().unwrap(),
+            *entity.get::<WorldCenterOfMass>().unwrap(),
         )
     };
     let (linear, angular, centre) = get(&app);
@@ -155,7 +155,7 @@ fn a_transform_moved_by_somebody_else_teleports_the_body_and_keeps_its_motion() 
     app.insert_resource(Gravity(Vec3::ZERO)).insert_resource(AirDrag(0.0));
     let world = app.world_mut();
     let bodies = [
-        world.spawn((ParticleBox::default(), Transform::from_xyz(0.0, 1.0, 0.0))).id(),
+        world.spawn((RigidBox::default(), Transform::from_xyz(0.0, 1.0, 0.0))).id(),
         world.spawn((Cloth::default(), Transform::from_xyz(3.0, 1.0, 0.0))).id(),
         world
             .spawn((Rope { pin_start: false, ..default() }, Transform::from_xyz(6.0, 1.0, 0.0)))
@@ -210,7 +210,7 @@ fn a_cloth_is_not_teleported_by_ticks_that_nobody_else_touches() {
 fn a_transform_set_to_nan_moves_nothing_and_is_mended() {
     let mut app = app();
     let body =
-        app.world_mut().spawn((ParticleBox::default(), Transform::from_xyz(0.0, 9.0, 0.0))).id();
+        app.world_mut().spawn((RigidBox::default(), Transform::from_xyz(0.0, 9.0, 0.0))).id();
     tick(&mut app, 5);
     let broken = Transform {
         rotation: Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0),
@@ -229,7 +229,7 @@ fn despawning_a_body_takes_everything_with_it() {
     let count = |world: &mut World| world.query::<Entity>().iter(world).count();
     let before = count(world);
     let bodies = [
-        world.spawn(ParticleBox::default()).id(),
+        world.spawn(RigidBox::default()).id(),
         world.spawn(Rope::default()).id(),
         world.spawn(Cloth::default()).id(),
         world.spawn(Ragdoll::default()).id(),

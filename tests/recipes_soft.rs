@@ -19,12 +19,12 @@ fn a_solid_weighs_and_turns_as_its_mesh_filled_with_its_density() {
     let mut app = app();
     app.insert_resource(Gravity(Vec3::ZERO));
     let skin = mesh(&mut app, Cuboid::new(1.0, 2.0, 3.0));
-    let four = SolidParticles::Four;
+    let four = RigidParticles::Four;
     let at = Transform::from_xyz(4.0, 5.0, 6.0).with_rotation(Quat::from_rotation_x(0.5));
     for (solid, count) in [
-        (Solid::density(500.0), 8),
-        (Solid::density(500.0).shaped(SolidShape::Hull), 8),
-        (Solid { particles: four, ..Solid::mass(3000.0) }, 4),
+        (RigidMesh::density(500.0), 8),
+        (RigidMesh::density(500.0).shaped(RigidShape::Hull), 8),
+        (RigidMesh { particles: four, ..RigidMesh::mass(3000.0) }, 4),
     ] {
         // One in the other.
         let body = app.world_mut().spawn((solid, skin.clone(), ContactsDisabled, at)).id();
@@ -32,7 +32,7 @@ fn a_solid_weighs_and_turns_as_its_mesh_filled_with_its_density() {
         assert_eq!(particles_of(&app, body).len(), count);
         assert_eq!(constraints_of(&app, body), count * (count - 1) / 2);
         let entity = app.world().entity(body);
-        let centre = *entity.get::<Barycenter>().unwrap();
+        let centre = *entity.get::<WorldCenterOfMass>().unwrap();
         assert!((centre.mass - 3000.0).abs() < 0.1, "{}", centre.mass);
         assert!(centre.position.abs_diff_eq(at.translation, 1e-4), "{}", centre.position);
         let turn = Mat3::from_quat(at.rotation);
@@ -54,9 +54,9 @@ fn what_is_round_weighs_as_that_and_rolls_down_a_slope_as_its_inertia_has_it() {
     // A hull of a sphere's mesh has corners, and rolls as those let it.
     let (radius, height, angle) = (0.5, 1.2, 0.35_f32);
     let volume = core::f32::consts::PI * radius * radius;
-    let ball = SolidShape::Sphere { radius };
-    let capsule = SolidShape::Capsule { radius, length: height };
-    let cylinder = SolidShape::Cylinder { radius, height };
+    let ball = RigidShape::Sphere { radius };
+    let capsule = RigidShape::Capsule { radius, length: height };
+    let cylinder = RigidShape::Cylinder { radius, height };
     let caps = volume * radius * 4.0 / 3.0;
     for (shape, volume, lag) in [
         (ball, caps, Some(0.4)),
@@ -70,7 +70,7 @@ fn what_is_round_weighs_as_that_and_rolls_down_a_slope_as_its_inertia_has_it() {
         app.world_mut().spawn((Collider::cuboid(Vec3::new(60.0, 1.0, 20.0)), slope));
         let lies = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
         let at = Transform::from_translation(turn * Vec3::Y * radius).with_rotation(lies);
-        let body = app.world_mut().spawn((Solid::density(700.0).shaped(shape), at)).id();
+        let body = app.world_mut().spawn((RigidMesh::density(700.0).shaped(shape), at)).id();
         tick(&mut app, 30);
         let down =
             |app: &App| app.world().get::<LinearVelocity>(body).unwrap().0.dot(turn * Vec3::X);
@@ -78,7 +78,7 @@ fn what_is_round_weighs_as_that_and_rolls_down_a_slope_as_its_inertia_has_it() {
         tick(&mut app, 60);
         let v = down(&app);
         let entity = app.world().entity(body);
-        let mass = entity.get::<Barycenter>().unwrap().mass;
+        let mass = entity.get::<WorldCenterOfMass>().unwrap().mass;
         assert!((mass / (700.0 * volume) - 1.0).abs() < 1e-4, "{mass}");
         let spin = -entity.get::<AngularVelocity>().unwrap().0.z;
         assert!((spin * radius / v - 1.0).abs() < 0.02, "it rolls: {v} {spin}");
@@ -97,9 +97,9 @@ fn a_solid_takes_its_size_from_its_scale_and_a_mirror_does_not_turn_it_inside_ou
     let skin = mesh(&mut app, Cuboid::new(1.0, 1.0, 1.0));
     for scale in [Vec3::new(1.0, 2.0, 3.0), Vec3::new(-1.0, 2.0, 3.0)] {
         let at = Transform::from_xyz(0.0, 1.0, 0.0).with_scale(scale);
-        let body = app.world_mut().spawn((Solid::density(500.0), skin.clone(), at)).id();
+        let body = app.world_mut().spawn((RigidMesh::density(500.0), skin.clone(), at)).id();
         tick(&mut app, 2);
-        let mass = app.world().get::<Barycenter>(body).unwrap().mass;
+        let mass = app.world().get::<WorldCenterOfMass>(body).unwrap().mass;
         assert!((mass - 3000.0).abs() < 0.1, "{scale}: {mass}");
         assert_eq!(app.world().get::<Transform>(body).unwrap().scale, scale);
     }
@@ -112,12 +112,12 @@ fn a_solid_cone_that_is_thrown_keeps_its_spin() {
     app.insert_resource(Gravity(Vec3::ZERO)).insert_resource(AirDrag(0.0));
     let skin = mesh(&mut app, Cone::new(0.3, 0.6));
     let spin = Vec3::Y * 5.0;
-    let body = app.world_mut().spawn((Solid::mass(2.0), skin)).set_motion(Vec3::X, spin).id();
+    let body = app.world_mut().spawn((RigidMesh::mass(2.0), skin)).set_motion(Vec3::X, spin).id();
     tick(&mut app, 120);
     let entity = app.world().entity(body);
     let kept = entity.get::<AngularVelocity>().unwrap().0;
     assert!(kept.abs_diff_eq(spin, 0.02), "{kept}");
-    let centre = entity.get::<Barycenter>().unwrap().position;
+    let centre = entity.get::<WorldCenterOfMass>().unwrap().position;
     // The origin of Bevy's cone is half way up, the centre of mass a quarter.
     assert!(centre.abs_diff_eq(Vec3::new(2.0, -0.15, 0.0), 2e-3), "{centre}");
     assert_finite(&mut app);
@@ -131,21 +131,21 @@ fn solids_that_cannot_be_are_refused_once_and_have_no_particles() {
     // A plane has no inside, but a sheet of paper has no hull either.
     let sheet = mesh(&mut app, Plane3d::default().mesh().size(1.0, 1.0));
     let world = app.world_mut();
-    let point = SolidShape::Points(vec![Vec3::ZERO]);
+    let point = RigidShape::Points(vec![Vec3::ZERO]);
     let bad = [
-        world.spawn((Solid::mass(f32::NAN), skin.clone())).id(),
-        world.spawn((Solid::density(-1.0), skin.clone())).id(),
-        world.spawn((Solid { radius: -1.0, ..default() }, skin)).id(),
-        world.spawn((Solid::default(), sheet.clone())).id(),
-        world.spawn((Solid::default().shaped(SolidShape::Hull), sheet)).id(),
-        world.spawn(Solid::default().shaped(point)).id(),
-        world.spawn(Solid::default()).id(),
+        world.spawn((RigidMesh::mass(f32::NAN), skin.clone())).id(),
+        world.spawn((RigidMesh::density(-1.0), skin.clone())).id(),
+        world.spawn((RigidMesh { radius: -1.0, ..default() }, skin)).id(),
+        world.spawn((RigidMesh::default(), sheet.clone())).id(),
+        world.spawn((RigidMesh::default().shaped(RigidShape::Hull), sheet)).id(),
+        world.spawn(RigidMesh::default().shaped(point)).id(),
+        world.spawn(RigidMesh::default()).id(),
     ];
     tick(&mut app, 10);
     let said = heard(&app);
     assert_eq!(said.iter().map(|(entity, _)| *entity).collect::<Vec<_>>(), bad);
     for (body, reason) in said {
-        assert!(matches!(reason, Refusal::Solid(_) | Refusal::NoMesh), "{reason}");
+        assert!(matches!(reason, Refusal::RigidMesh(_) | Refusal::NoMesh), "{reason}");
         assert_eq!(particles_of(&app, body), []);
     }
 }
@@ -169,7 +169,7 @@ fn a_soft_ball_from_a_mesh_keeps_its_volume_on_the_ground_and_deforms_a_mesh_of_
     // An icosphere of 320 faces has 0.969 of the volume of its ball.
     let meant = 1.2 * 0.969 * core::f32::consts::PI / 6.0;
     assert!((volume / meant - 1.0).abs() < 0.02, "{volume} of {meant}");
-    assert!((app.world().get::<Barycenter>(body).unwrap().mass - 2.0).abs() < 1e-3);
+    assert!((app.world().get::<WorldCenterOfMass>(body).unwrap().mass - 2.0).abs() < 1e-3);
     let worn = mesh_of(&app, body);
     assert_ne!(worn, original);
     let shared = vertices(app.world().resource::<Assets<Mesh>>().get(&skin.0).unwrap());
@@ -207,7 +207,7 @@ fn soft_boxes_and_balls_make_their_own_mesh_and_stand_up_again() {
         let speed = app.world().get::<LinearVelocity>(body).unwrap().0.length();
         assert!(speed < 0.05 || vertices == 42, "the cube rests: {speed}");
     }
-    let mass = app.world().get::<Barycenter>(bodies[0].0).unwrap().mass;
+    let mass = app.world().get::<WorldCenterOfMass>(bodies[0].0).unwrap().mass;
     assert!((mass - 200.0 * 0.216).abs() < 0.01, "{mass}");
     assert_eq!(heard(&app), []);
 }

@@ -12,9 +12,9 @@ const RIGID: Representation = Representation::Rigid(RigidIntegrator::Leapfrog);
 fn tumbling(representation: Representation) -> (App, Entity) {
     let mut app = bare_app();
     app.insert_resource(Gravity(Vec3::ZERO)).insert_resource(AirDrag(0.0));
-    let box_ = ParticleBox {
+    let box_ = RigidBox {
         particles: BoxParticles::Equimomental,
-        ..ParticleBox::new(Vec3::new(1.0, 2.0, 3.0))
+        ..RigidBox::new(Vec3::new(1.0, 2.0, 3.0))
     };
     let body = app.world_mut().spawn((box_, representation)).id();
     tick(&mut app, 1);
@@ -27,7 +27,7 @@ fn tumbling(representation: Representation) -> (App, Entity) {
 fn whole(app: &App, body: Entity) -> (Vec3, Quat, Vec3, Vec3) {
     let entity = app.world().entity(body);
     let (transform, centre) =
-        (entity.get::<Transform>().unwrap(), entity.get::<Barycenter>().unwrap());
+        (entity.get::<Transform>().unwrap(), entity.get::<WorldCenterOfMass>().unwrap());
     let velocity = entity.get::<LinearVelocity>().unwrap().0;
     let spin = entity.get::<AngularVelocity>().unwrap().0;
     let inertia = entity.get::<Inertia>().unwrap().0;
@@ -79,7 +79,7 @@ fn a_rope_pulls_a_rigid_box_off_the_ground_and_lets_it_down() {
     let mut app = bare_app();
     app.world_mut().spawn(Ground::default());
     let place = Transform::from_xyz(0.0, 0.5, 0.0);
-    let body = app.world_mut().spawn((ParticleBox::new(Vec3::ONE), RIGID, place)).id();
+    let body = app.world_mut().spawn((RigidBox::new(Vec3::ONE), RIGID, place)).id();
     tick(&mut app, 60);
     let rest = app.world().get::<Transform>(body).unwrap().translation;
     assert!((rest.y - 0.5).abs() < 2e-3, "{rest}");

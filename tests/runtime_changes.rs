@@ -127,7 +127,7 @@ fn edits_of_position_velocity_mass_and_force_act_in_the_next_tick() {
 #[test]
 fn spawning_and_despawning_a_hundred_bodies_leaves_nothing_behind() {
     let mut app = app();
-    let stays = app.world_mut().spawn(ParticleBox::default()).id();
+    let stays = app.world_mut().spawn(RigidBox::default()).id();
     tick(&mut app, 3);
     let count = |app: &mut App| {
         let world = app.world_mut();
@@ -143,7 +143,7 @@ fn spawning_and_despawning_a_hundred_bodies_leaves_nothing_behind() {
         let sphere =
             world.resource_mut::<Assets<Mesh>>().add(Sphere::new(0.3).mesh().ico(2).unwrap());
         let bodies = [
-            world.spawn((ParticleBox::default(), at)).id(),
+            world.spawn((RigidBox::default(), at)).id(),
             world.spawn((Rope::default(), at)).id(),
             world.spawn((Cloth::grid(1.0, 1.0, 5, 5), at)).id(),
             world.spawn((Cloth::from_mesh(), Mesh3d(sphere), at)).id(),
@@ -198,8 +198,7 @@ fn what_is_spawned_despawned_and_changed_during_a_pause_counts_when_it_ends() {
     let old = app.world_mut().spawn((Cloth::default(), Transform::from_xyz(3.0, 0.0, 0.0))).id();
     tick(&mut app, 5);
     app.world_mut().resource_mut::<SinewControl>().paused = true;
-    let new =
-        app.world_mut().spawn((ParticleBox::default(), Transform::from_xyz(0.0, 1.0, 0.0))).id();
+    let new = app.world_mut().spawn((RigidBox::default(), Transform::from_xyz(0.0, 1.0, 0.0))).id();
     tick(&mut app, 3);
     assert_eq!(particles_of(&app, new).len(), 8, "built although time stands still");
     app.world_mut().despawn(old);

@@ -54,7 +54,7 @@ fn crates_land_turned_and_come_to_rest() {
     let mut app = playing("crate");
     tick(&mut app, 2);
     let world = app.world_mut();
-    let mut boxes = world.query_filtered::<&Transform, With<ParticleBox>>();
+    let mut boxes = world.query_filtered::<&Transform, With<RigidBox>>();
     let before: Vec<Transform> = boxes.iter(world).copied().collect();
     tick(&mut app, 900);
     let world = app.world_mut();
@@ -62,7 +62,7 @@ fn crates_land_turned_and_come_to_rest() {
         assert!(old.rotation.angle_between(new.rotation) > 0.3, "it turned");
         assert!(new.translation.y < 0.7 && new.translation.y > 0.25, "it lies: {new:?}");
     }
-    let mut motion = world.query_filtered::<&LinearVelocity, With<ParticleBox>>();
+    let mut motion = world.query_filtered::<&LinearVelocity, With<RigidBox>>();
     for velocity in motion.iter(world) {
         assert!(velocity.0.length() < 0.01, "it rests: {}", velocity.0);
     }
@@ -291,7 +291,7 @@ fn sheets_sink_at_the_speed_that_their_weight_asks_for_and_a_fan_blows_one_away(
         assert!((falls / expected - 1.0).abs() < 0.1, "{weight}: {falls} for {expected}");
     }
     tick(&mut app, 135);
-    let place = |i: usize| app.world().get::<Barycenter>(sheets[i]).unwrap().position.x;
+    let place = |i: usize| app.world().get::<WorldCenterOfMass>(sheets[i]).unwrap().position.x;
     assert!(place(3) > 2.6, "blown away: {}", place(3));
     assert_finite(&mut app);
 }
@@ -332,8 +332,7 @@ fn nothing_leaves_flatland_and_squares_turn_in_its_plane_alone() {
         for particle in world.query::<&Particle>().iter(world) {
             assert!(particle.position.z.abs() < 1e-5, "{particle:?}");
         }
-        let mut squares =
-            world.query_filtered::<(&Transform, &AngularVelocity), With<ParticleBox>>();
+        let mut squares = world.query_filtered::<(&Transform, &AngularVelocity), With<RigidBox>>();
         for (frame, spin) in squares.iter(world) {
             let facing = (frame.rotation * Vec3::Z).z;
             assert!(facing > 0.999, "{frame:?}");

@@ -102,7 +102,7 @@ fn minimal_plugins_alone_will_do() {
     let mut app = bare_app();
     app.world_mut().spawn(Ground::default());
     let body =
-        app.world_mut().spawn((ParticleBox::default(), Transform::from_xyz(0.0, 2.0, 0.0))).id();
+        app.world_mut().spawn((RigidBox::default(), Transform::from_xyz(0.0, 2.0, 0.0))).id();
     app.world_mut().spawn((Cloth::default(), Transform::from_xyz(3.0, 2.0, 0.0)));
     app.world_mut().spawn((Rope::default(), Transform::from_xyz(6.0, 2.0, 0.0)));
     tick(&mut app, 240);

@@ -49,7 +49,7 @@ macro_rules! for_each_state_component {
             LinearVelocity,
             AngularVelocity,
             ExtractedVelocity,
-            Barycenter,
+            WorldCenterOfMass,
             Inertia,
             ControlForce,
             ExternalTorque,
@@ -91,7 +91,7 @@ macro_rules! for_each_state_component {
 /// The recipes: descriptions, from which bodies were built.
 macro_rules! for_each_recipe {
     ($apply:ident) => {
-        $apply!(ParticleBox, Rope, Cloth, Ragdoll);
+        $apply!(RigidBox, Rope, Cloth, Ragdoll);
     };
 }
 

@@ -9,7 +9,7 @@ use crate::support::{bare_app, tick};
 fn spin_left(config: SolverConfig, own: BodySolver) -> f32 {
     let mut app = bare_app();
     app.insert_resource(Gravity(Vec3::ZERO)).insert_resource(AirDrag(0.0)).insert_resource(config);
-    let body = app.world_mut().spawn((ParticleBox::default(), own)).id();
+    let body = app.world_mut().spawn((RigidBox::default(), own)).id();
     tick(&mut app, 1);
     app.world_mut().entity_mut(body).set_angular_velocity(Vec3::Y * 10.0);
     tick(&mut app, 120);
@@ -100,7 +100,7 @@ fn five_kilometres_away_everything_happens_bit_for_bit_as_at_home() {
         let world = app.world_mut();
         world.spawn((Ground::default(), Transform::from_translation(offset)));
         let place = Transform::from_translation(offset + Vec3::Y * 2.0);
-        let body = world.spawn((ParticleBox::new(Vec3::ONE), place)).id();
+        let body = world.spawn((RigidBox::new(Vec3::ONE), place)).id();
         tick(&mut app, 1);
         let members = app.world().get::<bevy_sinew::BodyParticles>(body).unwrap();
         let members: Vec<_> = members.iter().collect();

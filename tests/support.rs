@@ -171,10 +171,7 @@ pub(crate) fn busy_scene(app: &mut App) -> Vec<Entity> {
     world.spawn((Fluid::default(), Transform::from_xyz(0.0, 0.3, 0.0)));
     let bodies = vec![
         world
-            .spawn((
-                ParticleBox::new(Vec3::new(0.4, 0.3, 0.5)),
-                Transform::from_xyz(-2.0, 2.0, 0.0),
-            ))
+            .spawn((RigidBox::new(Vec3::new(0.4, 0.3, 0.5)), Transform::from_xyz(-2.0, 2.0, 0.0)))
             .id(),
         world
             .spawn((

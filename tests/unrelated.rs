@@ -98,10 +98,8 @@ fn bodies_that_work_hard_far_away_do_not_change_a_bit() {
 fn one_light_body_is_the_same_alone_and_beside_a_busy_one() {
     let run = |busy: bool| {
         let mut app = app();
-        let body = app
-            .world_mut()
-            .spawn((ParticleBox::default(), Transform::from_xyz(0.0, 2.0, 0.0)))
-            .id();
+        let body =
+            app.world_mut().spawn((RigidBox::default(), Transform::from_xyz(0.0, 2.0, 0.0))).id();
         app.world_mut().spawn(Ground::default());
         if busy {
             app.world_mut().spawn((

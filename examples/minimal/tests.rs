@@ -52,7 +52,7 @@ fn the_tower_stands_until_the_ball_meets_it() {
     let mut app = app();
     let crates = |app: &mut App| {
         let world = app.world_mut();
-        let mut crates = world.query_filtered::<&Transform, With<ParticleBox>>();
+        let mut crates = world.query_filtered::<&Transform, With<RigidBox>>();
         crates.iter(world).map(|at| at.translation).collect::<Vec<_>>()
     };
     app.update();

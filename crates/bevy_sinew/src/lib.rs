@@ -14,7 +14,7 @@
 //!
 //! fn setup(mut commands: Commands) {
 //!     commands.spawn(Ground::default());
-//!     commands.spawn((ParticleBox::new(Vec3::ONE), Transform::from_xyz(0.0, 3.0, 0.0)));
+//!     commands.spawn((RigidBox::new(Vec3::ONE), Transform::from_xyz(0.0, 3.0, 0.0)));
 //! }
 //! ```
 //!
@@ -24,7 +24,7 @@
 //!   more.
 //! - A **spring** or a **constraint** is an entity: [`Spring`], [`DistanceConstraint`], [`AngleConstraint`], [`VolumeConstraint`], … and those of a
 //!   game's own ([`ParticleConstraint`]). Add, change or despawn one and the next tick knows.
-//! - A **body** is an entity with a recipe: [`ParticleBox`], [`Solid`], [`Rope`], [`Cloth`], [`SoftBody`], [`Articulated`], [`Ragdoll`]. It builds
+//! - A **body** is an entity with a recipe: [`RigidBox`], [`RigidMesh`], [`Rope`], [`Cloth`], [`SoftBody`], [`Articulated`], [`Ragdoll`]. It builds
 //!   its particles, and takes them with it.
 //! - What **moves a body** is its velocity ([`LinearVelocity`], [`AngularVelocity`]: spawned with it, or written at any time), a force
 //!   ([`ExternalForce`], [`ExternalTorque`], [`ControlForce`] for one at a point), an impulse ([`ExternalImpulse`]), or a command for any of them and for
@@ -35,7 +35,7 @@
 //!   [`CollisionLayers`] and [`Sensor`] say more. Whatever a recipe builds meets colliders and all other bodies: rigid ones by their shape, others by
 //!   what of them lets nothing through ([`ContactShape::Auto`]). [`BodyContacts`] says it otherwise, [`ContactsDisabled`] takes a body out.
 //! - A **parent** is honoured: bodies, colliders and regions stand where Bevy would draw them ([`ParticleBody`] says what holds for one that moves).
-//! - **Read back** are `Transform` ([`RigidPose`]), meshes ([`MeshFollow`], [`TubeMesh`]), [`LinearVelocity`], [`AngularVelocity`], [`Barycenter`],
+//! - **Read back** are `Transform` ([`RigidPose`]), meshes ([`MeshFollow`], [`TubeMesh`]), [`LinearVelocity`], [`AngularVelocity`], [`WorldCenterOfMass`],
 //!   [`Inertia`]; [`SinewWorld::report`] says how the solver fared, and [`Refused`] messages what it set aside.
 //!
 //! SI units throughout: metres, seconds, kilograms, newtons.
@@ -129,12 +129,12 @@ mod world;
 
 pub use commands::{BodyCommandsExt, BodyEdit, EditFault, PendingEdits};
 pub use components::{
-    AirDrag, AngularVelocity, Barycenter, BodyConstraints, BodyParticles, BodyReport, Bound,
-    BoundingBox, Charge, ConstraintOf, CreationOrder, DistanceConstraint, Drag, Electric,
-    ExternalForce, ExtractedTransform, ExtractedVelocity, Fluid, Gravity, GravityScale, Ground,
-    GroundDrag, Interpolate, LinearVelocity, Mass, MeshFollow, Particle, ParticleBody, ParticleOf,
-    ParticleRow, Pinned, PinnedTo, Radius, Representation, RigidIntegrator, RigidPose, Softness,
-    Spring, TubeMesh, Wind, WindSurface,
+    AirDrag, AngularVelocity, BodyConstraints, BodyParticles, BodyReport, Bound, BoundingBox,
+    Charge, ConstraintOf, CreationOrder, DistanceConstraint, Drag, Electric, ExternalForce,
+    ExtractedTransform, ExtractedVelocity, Fluid, Gravity, GravityScale, Ground, GroundDrag,
+    Interpolate, LinearVelocity, Mass, MeshFollow, Particle, ParticleBody, ParticleOf, ParticleRow,
+    Pinned, PinnedTo, Radius, Representation, RigidIntegrator, RigidPose, Softness, Spring,
+    TubeMesh, Wind, WindSurface, WorldCenterOfMass,
 };
 pub use components::{
     AirFlow, Attractor, ElectricField, Flatland, Floats, HullShape, Region, RegionShape,
@@ -160,8 +160,8 @@ pub use plugin::{SinewPlugin, SinewPlugins};
 pub use query::{QueryFilter, RayHit};
 pub use recipes::{
     Articulated, BodyPart, BodyParts, Bone, BoneJoint, BoxParticles, Bulk, Cloth, ClothPins,
-    ClothShape, PartOf, ParticleBox, Ragdoll, Rope, SoftBody, SoftShape, Solid, SolidParticles,
-    SolidShape,
+    ClothShape, PartOf, Ragdoll, RigidBox, RigidMesh, RigidParticles, RigidShape, Rope, SoftBody,
+    SoftShape,
 };
 pub use schedule::{
     PhaseSystems, SinewClock, SinewControl, SinewSystems, SinewTick, SubstepSchedule, TickTime,
@@ -176,14 +176,15 @@ pub use world::SinewWorld;
 /// What most games want in scope. [`Drag`] is left out, because Bevy's prelude has another one.
 pub mod prelude {
     pub use crate::{
-        AirDrag, AngularVelocity, Articulated, Barycenter, BodyPart, BodyReport, BodySolver, Bone,
-        BoneJoint, Bound, BoundingBox, Bulk, Charge, Cloth, ClothPins, ClothShape, ConstraintOf,
+        AirDrag, AngularVelocity, Articulated, BodyPart, BodyReport, BodySolver, Bone, BoneJoint,
+        Bound, BoundingBox, Bulk, Charge, Cloth, ClothPins, ClothShape, ConstraintOf,
         DistanceConstraint, Electric, ExternalForce, Fluid, GradientAt, Gravity, GravityScale,
         Ground, GroundDrag, Integrator, Interpolate, LinearVelocity, Mass, Order, Particle,
-        ParticleBody, ParticleBox, ParticleOf, ParticleRow, PhaseSystems, Pinned, PinnedTo, Radius,
-        Ragdoll, Refused, Representation, RigidIntegrator, RigidPose, Rope, SinewClock,
-        SinewControl, SinewPlugins, SinewSystems, SinewTick, SinewWorld, SoftBody, SoftShape,
-        Softness, Solid, SolidParticles, SolidShape, SolverConfig, Spring, SubstepSchedule, Wind,
+        ParticleBody, ParticleOf, ParticleRow, PhaseSystems, Pinned, PinnedTo, Radius, Ragdoll,
+        Refused, Representation, RigidBox, RigidIntegrator, RigidMesh, RigidParticles, RigidPose,
+        RigidShape, Rope, SinewClock, SinewControl, SinewPlugins, SinewSystems, SinewTick,
+        SinewWorld, SoftBody, SoftShape, Softness, SolverConfig, Spring, SubstepSchedule, Wind,
+        WorldCenterOfMass,
     };
     pub use crate::{
         AirFlow, Attractor, ElectricField, Flatland, Floats, HullShape, Region, RegionShape,

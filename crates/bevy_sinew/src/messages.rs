@@ -107,7 +107,7 @@ pub enum Refusal {
     Ragdoll(#[from] RagdollFault),
     /// See [`Refusal::Box`].
     #[error("cannot be built: {0}")]
-    Solid(#[from] SolidFault),
+    RigidMesh(#[from] SolidFault),
     /// See [`Refusal::Box`].
     #[error("cannot be built: {0}")]
     Soft(#[from] SoftFault),

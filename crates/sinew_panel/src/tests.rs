@@ -14,7 +14,7 @@ fn app(plugin: SinewPanelPlugin) -> App {
     app.insert_resource(TimeUpdateStrategy::ManualDuration(core::time::Duration::from_secs_f64(
         1.0 / 64.0,
     )));
-    app.world_mut().spawn((ParticleBox::new(Vec3::ONE), Transform::from_xyz(0.0, 3.0, 0.0)));
+    app.world_mut().spawn((RigidBox::new(Vec3::ONE), Transform::from_xyz(0.0, 3.0, 0.0)));
     app.world_mut().spawn((Wind::default(), Name::new("Breeze")));
     app.finish();
     app

@@ -22,7 +22,7 @@ pub(crate) use editor::{Editor, apply_pending};
 /// fn shoot(mut commands: Commands) {
 ///     // It takes effect when the body is built.
 ///     commands
-///         .spawn((ParticleBox::new(Vec3::splat(0.3)), Transform::from_xyz(0.0, 1.0, 0.0)))
+///         .spawn((RigidBox::new(Vec3::splat(0.3)), Transform::from_xyz(0.0, 1.0, 0.0)))
 ///         .apply_impulse(Vec3::new(4.0, 0.0, 0.0))
 ///         .set_angular_velocity(Vec3::Y * 3.0);
 /// }

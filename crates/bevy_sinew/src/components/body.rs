@@ -21,7 +21,7 @@ use crate::rows::Rows;
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Clone)]
 #[require(Transform, ExtractedTransform, Rows<BodyParticles>)]
-#[require(LinearVelocity, AngularVelocity, ExtractedVelocity, Barycenter, Inertia)]
+#[require(LinearVelocity, AngularVelocity, ExtractedVelocity, WorldCenterOfMass, Inertia)]
 #[require(ResolvedShape)]
 pub struct ParticleBody;
 
@@ -141,7 +141,7 @@ pub struct ExtractedVelocity(pub Option<(Vec3, Vec3)>);
 /// [`Mass`](super::Mass) that it would have if it were let go.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-pub struct Barycenter {
+pub struct WorldCenterOfMass {
     /// `Σ m x / Σ m`, metres.
     pub position: Vec3,
     /// `Σ m`, kilograms.
@@ -151,7 +151,7 @@ pub struct Barycenter {
 /// Inertia tensor of a body about its barycentre, kg·m², in the axes of the world, so it turns with the body. Written after each tick.
 ///
 /// It is that of the particles as points, `Σ m (r² 1 - r rᵀ)`: for a box with particles at its corners three times the solid's, for an
-/// [equimomental](crate::BoxParticles::Equimomental) one the solid's. Pinned particles count as in [`Barycenter`].
+/// [equimomental](crate::BoxParticles::Equimomental) one the solid's. Pinned particles count as in [`WorldCenterOfMass`].
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Inertia(pub Mat3);

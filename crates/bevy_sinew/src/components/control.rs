@@ -14,7 +14,7 @@ use crate::rows::Rows;
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// fn launch(mut commands: Commands) {
-///     let rocket = commands.spawn(ParticleBox::new(Vec3::new(0.3, 2.0, 0.3))).id();
+///     let rocket = commands.spawn(RigidBox::new(Vec3::new(0.3, 2.0, 0.3))).id();
 ///     // A nozzle at the bottom, which turns with the rocket.
 ///     let thrust = ControlForce::new(Vec3::Y * 30.0).on(rocket).at(Vec3::NEG_Y).local();
 ///     commands.spawn((Name::new("main engine"), thrust));

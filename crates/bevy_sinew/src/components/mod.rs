@@ -11,10 +11,10 @@ mod sleep;
 mod softness;
 
 pub use body::{
-    AngularVelocity, Barycenter, BodyConstraints, BodyParticles, BodyReport, ConstraintOf,
-    ExtractedTransform, ExtractedVelocity, GravityScale, Inertia, Interpolate, LinearVelocity,
-    MeshFollow, ParticleBody, ParticleOf, Representation, RigidIntegrator, RigidPose, TubeMesh,
-    WindSurface,
+    AngularVelocity, BodyConstraints, BodyParticles, BodyReport, ConstraintOf, ExtractedTransform,
+    ExtractedVelocity, GravityScale, Inertia, Interpolate, LinearVelocity, MeshFollow,
+    ParticleBody, ParticleOf, Representation, RigidIntegrator, RigidPose, TubeMesh, WindSurface,
+    WorldCenterOfMass,
 };
 pub use collide::{
     BodyContacts, Collider, ColliderFault, ColliderMotion, ColliderShape, CollisionLayers, Combine,
@@ -73,7 +73,7 @@ pub(crate) fn register(app: &mut App) {
         .register_type::<ExtractedVelocity>()
         .register_type::<LinearVelocity>()
         .register_type::<AngularVelocity>()
-        .register_type::<Barycenter>()
+        .register_type::<WorldCenterOfMass>()
         .register_type::<Inertia>()
         .register_type::<ControlForce>()
         .register_type::<ExternalTorque>()

@@ -8,8 +8,10 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 
 use super::*;
-use crate::components::{Barycenter, BodyConstraints, Collider, Gravity, LinearVelocity, Radius};
-use crate::recipes::{Cloth, ParticleBox, Ragdoll, Rope, SoftBody};
+use crate::components::{
+    BodyConstraints, Collider, Gravity, LinearVelocity, Radius, WorldCenterOfMass,
+};
+use crate::recipes::{Cloth, Ragdoll, RigidBox, Rope, SoftBody};
 use crate::{AngularVelocity, SinewPlugins};
 
 /// Where the pointer looks from, and whereto.
@@ -70,7 +72,7 @@ fn anchor_at(app: &App, grab: &Grab) -> Vec3 {
 #[test]
 fn a_click_into_the_middle_of_a_face_catches_the_crate_there() {
     let mut app = app();
-    let body = app.world_mut().spawn(ParticleBox::new(Vec3::splat(2.0)).with_mass(20.0)).id();
+    let body = app.world_mut().spawn(RigidBox::new(Vec3::splat(2.0)).with_mass(20.0)).id();
     run(&mut app, 2);
     aim(&mut app, 0.3, 0.2);
     let grab = press(&mut app).expect("its face is under the pointer");
@@ -93,7 +95,7 @@ fn a_click_into_the_middle_of_a_face_catches_the_crate_there() {
 #[test]
 fn every_body_is_caught_by_what_is_seen_of_it() {
     let spawns: [(&str, fn(&mut World) -> Entity); 5] = [
-        ("a box", |w| w.spawn(ParticleBox::default()).id()),
+        ("a box", |w| w.spawn(RigidBox::default()).id()),
         ("a cloth", |w| w.spawn(Cloth::grid(1.0, 1.0, 3, 3)).id()),
         ("a soft body", |w| w.spawn(SoftBody::cuboid(Vec3::ONE, UVec3::splat(3))).id()),
         ("a figure", |w| w.spawn((Ragdoll::default(), Transform::from_xyz(0.0, -1.2, 0.0))).id()),
@@ -134,7 +136,7 @@ fn a_rope_is_caught_beside_the_pointer_and_nothing_behind_a_wall_is() {
 #[test]
 fn a_press_on_something_above_is_not_for_the_world() {
     let mut app = app();
-    app.world_mut().spawn(ParticleBox::default());
+    app.world_mut().spawn(RigidBox::default());
     let button = app.world_mut().spawn_empty().id();
     // As a backend of a UI tells it: in every frame.
     app.add_systems(
@@ -155,7 +157,7 @@ fn a_press_on_something_above_is_not_for_the_world() {
 #[test]
 fn another_backend_may_tell_of_the_body_first() {
     let mut app = app();
-    let body = app.world_mut().spawn(ParticleBox::default()).id();
+    let body = app.world_mut().spawn(RigidBox::default()).id();
     // Its mesh, which is nearer than its shape and a child of it.
     let skin = app.world_mut().spawn(ChildOf(body)).id();
     app.add_systems(
@@ -173,7 +175,7 @@ fn another_backend_may_tell_of_the_body_first() {
 #[test]
 fn another_button_or_none_catches_nothing() {
     let mut app = app();
-    app.world_mut().spawn(ParticleBox::default());
+    app.world_mut().spawn(RigidBox::default());
     run(&mut app, 2);
     input(&mut app, PointerAction::Press(PointerButton::Secondary));
     assert_eq!(app.world().resource::<MouseDrag>().grabbed, None);
@@ -185,12 +187,12 @@ fn another_button_or_none_catches_nothing() {
 fn light_and_heavy_bodies_follow_as_eagerly() {
     let way = |mass: f32| {
         let mut app = app();
-        let body = app.world_mut().spawn(ParticleBox::default().with_mass(mass)).id();
+        let body = app.world_mut().spawn(RigidBox::default().with_mass(mass)).id();
         run(&mut app, 2);
         press(&mut app).expect("it is there");
         aim(&mut app, 1.0, 0.0);
         run(&mut app, 12);
-        app.world().get::<Barycenter>(body).unwrap().position
+        app.world().get::<WorldCenterOfMass>(body).unwrap().position
     };
     let (light, heavy) = (way(0.1), way(1000.0));
     assert!(light.x > 0.3, "{light}");
@@ -200,7 +202,7 @@ fn light_and_heavy_bodies_follow_as_eagerly() {
 #[test]
 fn a_crate_hangs_at_the_hand_and_one_at_rest_is_not_turned_by_being_caught() {
     let mut app = app();
-    let body = app.world_mut().spawn(ParticleBox::default().with_mass(20.0)).id();
+    let body = app.world_mut().spawn(RigidBox::default().with_mass(20.0)).id();
     run(&mut app, 2);
     aim(&mut app, 0.2, 0.3);
     let grab = press(&mut app).expect("its face is there");
@@ -214,14 +216,14 @@ fn a_crate_hangs_at_the_hand_and_one_at_rest_is_not_turned_by_being_caught() {
     // It sags by g/ω² = 5 cm.
     let held = anchor_at(&app, &grab);
     assert!((held - grab.target).length() < 0.1, "{held}");
-    let middle = app.world().get::<Barycenter>(body).unwrap().position;
+    let middle = app.world().get::<WorldCenterOfMass>(body).unwrap().position;
     assert!(middle.y < held.y, "it hangs from the hand");
 }
 
 #[test]
 fn what_is_held_may_go_and_the_hand_is_empty() {
     let mut app = app();
-    let body = app.world_mut().spawn(ParticleBox::default()).id();
+    let body = app.world_mut().spawn(RigidBox::default()).id();
     run(&mut app, 2);
     press(&mut app).expect("it is there");
     run(&mut app, 2);

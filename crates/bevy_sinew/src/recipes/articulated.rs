@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use sinew::recipes::{self, ArticulatedSpec, Blueprint, articulated};
 
 use super::build::{MeshShape, Recipe};
-use super::rigid::spawn_parts;
+use super::rigid_box::spawn_parts;
 use crate::components::{BodyContacts, CreationOrder, ParticleBody};
 use crate::messages::Refusal;
 use crate::step::frames::even_factor;

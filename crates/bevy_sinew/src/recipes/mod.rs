@@ -6,20 +6,20 @@ mod bind_mesh;
 mod build;
 mod cloth;
 mod ragdoll;
-mod rigid;
+mod rigid_box;
+mod rigid_mesh;
 mod rope;
 mod soft;
-mod solid;
 
 pub(crate) use build::Rescaled;
 
 pub use articulated::{Articulated, Bone, BoneJoint};
 pub use cloth::{Cloth, ClothPins, ClothShape};
 pub use ragdoll::{BodyPart, BodyParts, PartOf, Ragdoll};
-pub use rigid::{BoxParticles, ParticleBox};
+pub use rigid_box::{BoxParticles, RigidBox};
+pub use rigid_mesh::{Bulk, RigidMesh, RigidParticles, RigidShape};
 pub use rope::Rope;
 pub use soft::{SoftBody, SoftShape};
-pub use solid::{Bulk, Solid, SolidParticles, SolidShape};
 
 use bevy::prelude::*;
 
@@ -27,11 +27,11 @@ use crate::schedule::{SinewSystems, SinewTick};
 
 /// Adds the builders of all recipes.
 pub(crate) fn add(app: &mut App) {
-    app.register_type::<ParticleBox>()
+    app.register_type::<RigidBox>()
         .register_type::<Rope>()
         .register_type::<Cloth>()
         .register_type::<Ragdoll>()
-        .register_type::<Solid>()
+        .register_type::<RigidMesh>()
         .register_type::<SoftBody>()
         .register_type::<Articulated>()
         .register_type::<BodyPart>()
@@ -42,11 +42,11 @@ pub(crate) fn add(app: &mut App) {
         SinewTick,
         (
             build::notice_scale,
-            build::build::<ParticleBox>,
+            build::build::<RigidBox>,
             build::build::<Rope>,
             build::build::<Cloth>,
             build::build::<Ragdoll>,
-            build::build::<Solid>,
+            build::build::<RigidMesh>,
             build::build::<SoftBody>,
             build::build::<Articulated>,
         )

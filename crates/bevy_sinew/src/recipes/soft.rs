@@ -7,7 +7,7 @@ use sinew::recipes::{
 
 use super::bind_mesh::{own_copy, skin_of};
 use super::build::{MeshShape, Recipe, attach};
-use super::solid::Bulk;
+use super::rigid_mesh::Bulk;
 use crate::components::{CreationOrder, ParticleBody, Softness};
 use crate::messages::Refusal;
 use crate::step::frames::even_factor;

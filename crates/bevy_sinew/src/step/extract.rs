@@ -5,8 +5,8 @@ use sinew::pose::{Pose, motion, pose};
 
 use super::frames::{into, on_top};
 use crate::components::{
-    AngularVelocity, Barycenter, BodyParticles, BodyReport, ExtractedTransform, ExtractedVelocity,
-    Inertia, LinearVelocity, Particle, RigidPose,
+    AngularVelocity, BodyParticles, BodyReport, ExtractedTransform, ExtractedVelocity, Inertia,
+    LinearVelocity, Particle, RigidPose, WorldCenterOfMass,
 };
 use crate::rows::{GONE, Rows};
 use crate::world::SinewWorld;
@@ -90,7 +90,7 @@ pub(crate) fn extract_motion(
         &mut LinearVelocity,
         &mut AngularVelocity,
         &mut ExtractedVelocity,
-        &mut Barycenter,
+        &mut WorldCenterOfMass,
         &mut Inertia,
     )>,
 ) {

@@ -104,13 +104,13 @@ impl Combine {
     }
 }
 
-/// Which things may touch: two of them do if each is a member of a layer that the other minds. 32 layers, a bit each.
+/// Which things may touch: two of them do if each is a member of a layer that the other one collides with. 32 layers, a bit each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Layers {
     /// Layers that it is in. Default the first.
     pub memberships: u32,
-    /// Layers that it minds. Default all.
-    pub mask: u32,
+    /// Layers that it collides with. Default all.
+    pub filters: u32,
 }
 
 impl Default for Layers {
@@ -120,20 +120,20 @@ impl Default for Layers {
 }
 
 impl Layers {
-    const DEFAULT: Self = Self { memberships: 1, mask: u32::MAX };
+    const DEFAULT: Self = Self { memberships: 1, filters: u32::MAX };
 
     /// Touches nothing.
-    pub const NONE: Self = Self { memberships: 0, mask: 0 };
+    pub const NONE: Self = Self { memberships: 0, filters: 0 };
 
-    /// A member of the first of these layers that minds the second of them.
-    pub const fn new(memberships: u32, mask: u32) -> Self {
-        Self { memberships, mask }
+    /// A member of the first of these layers that collides with the second of them.
+    pub const fn new(memberships: u32, filters: u32) -> Self {
+        Self { memberships, filters }
     }
 
     /// Whether the two may touch.
     #[inline]
     pub const fn meets(self, other: Self) -> bool {
-        self.memberships & other.mask != 0 && other.memberships & self.mask != 0
+        self.memberships & other.filters != 0 && other.memberships & self.filters != 0
     }
 }
 

@@ -117,7 +117,7 @@ pub(super) fn u11(effort: &Effort) -> Vec<Row> {
         for n in 0..1000_u32 {
             let place = Vec3::new(1.5 * (n % 32) as f32, 0.5, 1.5 * (n / 32) as f32);
             let mut body =
-                world.spawn((ParticleBox::new(Vec3::ONE), Transform::from_translation(place)));
+                world.spawn((RigidBox::new(Vec3::ONE), Transform::from_translation(place)));
             if sleeps {
                 body.insert(Sleep::default());
             }
@@ -291,7 +291,7 @@ fn boxes(world: &mut World, poured: bool) {
         let drift = 0.13 * (layer % 3) as f32;
         let place = Vec3::new(x + drift, high, z - drift);
         let place = Transform::from_translation(place).with_rotation(turn);
-        world.spawn((ParticleBox::new(Vec3::ONE), place));
+        world.spawn((RigidBox::new(Vec3::ONE), place));
     }
     if poured {
         let (reach, high) = (9.5, 20.0);
@@ -366,7 +366,7 @@ fn of_all(world: &mut World) {
     for n in 0..60_u32 {
         let (layer, place) = (n / 20, n % 20);
         let place = Vec3::new(0.7 * place as f32, 0.3 + 0.6 * layer as f32, 0.0);
-        let crate_ = ParticleBox::new(Vec3::splat(0.5)).with_mass(5.0);
+        let crate_ = RigidBox::new(Vec3::splat(0.5)).with_mass(5.0);
         world.spawn((crate_, Transform::from_translation(place)));
     }
     // A river beside all that, a metre deep.
@@ -374,7 +374,7 @@ fn of_all(world: &mut World) {
     world.spawn((Fluid::flowing(Vec3::X), river, Transform::from_xyz(12.0, 1.0, -5.0)));
     for n in 0..10_u32 {
         let place = Transform::from_xyz(1.5 * n as f32, 1.2, -5.0);
-        let floater = ParticleBox::new(Vec3::splat(0.5)).with_mass(60.0);
+        let floater = RigidBox::new(Vec3::splat(0.5)).with_mass(60.0);
         world.spawn((floater, Floats::default(), place));
     }
 }

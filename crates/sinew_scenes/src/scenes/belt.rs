@@ -45,7 +45,7 @@ fn spawn(world: &mut World) {
         world.spawn((
             InScene,
             Name::new("crate"),
-            ParticleBox::new(Vec3::splat(0.36)).with_mass(3.0),
+            RigidBox::new(Vec3::splat(0.36)).with_mass(3.0),
             SurfaceMaterial::new(0.7),
             skin.clone(),
             Look::texture("textures/crate.png").roughness(0.8),

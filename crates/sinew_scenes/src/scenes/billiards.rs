@@ -55,7 +55,7 @@ fn spawn(world: &mut World) {
         world.spawn((
             InScene,
             Name::new("ball"),
-            Solid::mass(0.2).shaped(SolidShape::Sphere { radius: RADIUS }),
+            RigidMesh::mass(0.2).shaped(RigidShape::Sphere { radius: RADIUS }),
             smooth,
             LinearVelocity(velocity),
             skin.clone(),

@@ -60,7 +60,7 @@ fn float(world: &mut World, size: Vec3, share: f32, x: f32, turn: f32) -> Entity
     world
         .spawn((
             InScene,
-            ParticleBox { particles: BoxParticles::Equimomental, ..ParticleBox::new(size) }
+            RigidBox { particles: BoxParticles::Equimomental, ..RigidBox::new(size) }
                 .with_mass(WATER * share * size.element_product()),
             Floats::OWN,
             Interpolate,

@@ -40,7 +40,7 @@ fn spawn(world: &mut World) {
                 InScene,
                 Name::new("brick"),
                 // As hard to turn as a solid brick, which decides when it flips.
-                ParticleBox { particles: BoxParticles::Equimomental, ..ParticleBox::new(SIZE) },
+                RigidBox { particles: BoxParticles::Equimomental, ..RigidBox::new(SIZE) },
                 BodySolver { gradient_at: Some(gradient_at), ..default() },
                 representation,
                 skin,

@@ -49,7 +49,7 @@ fn spawn(world: &mut World) {
     world.spawn((
         InScene,
         Name::new("crate"),
-        ParticleBox::new(size).with_mass(4.0),
+        RigidBox::new(size).with_mass(4.0),
         skin,
         Look::texture("textures/crate.png").roughness(0.8),
         Interpolate,

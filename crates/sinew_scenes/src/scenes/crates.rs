@@ -30,7 +30,7 @@ fn spawn(world: &mut World) {
         world.spawn((
             InScene,
             Name::new("crate"),
-            ParticleBox::new(size).with_mass(12.0 * size.element_product()),
+            RigidBox::new(size).with_mass(12.0 * size.element_product()),
             skin,
             Look::texture("textures/crate.png").roughness(0.8),
             Interpolate,

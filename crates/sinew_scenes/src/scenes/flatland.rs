@@ -43,7 +43,7 @@ fn spawn(world: &mut World) {
             .spawn((
                 InScene,
                 Name::new("square"),
-                ParticleBox { flat: true, ..ParticleBox::new(size).with_mass(4.0 * edge * edge) },
+                RigidBox { flat: true, ..RigidBox::new(size).with_mass(4.0 * edge * edge) },
                 skin,
                 Look::color(color).roughness(0.5),
                 Interpolate,

@@ -45,7 +45,7 @@ fn crate_at(world: &mut World, skin: &Mesh3d, place: Transform) {
     world.spawn((
         InScene,
         Name::new("crate"),
-        ParticleBox::new(Vec3::splat(EDGE)).with_mass(5.0),
+        RigidBox::new(Vec3::splat(EDGE)).with_mass(5.0),
         SurfaceMaterial::new(0.6),
         skin.clone(),
         Look::texture("textures/crate.png").roughness(0.8),

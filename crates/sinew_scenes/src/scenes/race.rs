@@ -40,8 +40,8 @@ fn spawn(world: &mut World) {
         world.spawn((InScene, post, Look::color(0x6d5138).roughness(0.9), at));
     }
     let start = |z: f32, up: f32| middle + turn * Vec3::new(-0.42 * BOARD.x, 0.5 * BOARD.y + up, z);
-    let sphere = SolidShape::Sphere { radius: RADIUS };
-    let drum = SolidShape::Cylinder { radius: RADIUS, height: 0.6 };
+    let sphere = RigidShape::Sphere { radius: RADIUS };
+    let drum = RigidShape::Cylinder { radius: RADIUS, height: 0.6 };
     let lies = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
     let racers = [
         ("ball", sphere, ball(RADIUS), Quat::IDENTITY, 0.0, 0xc0604d),
@@ -52,7 +52,7 @@ fn spawn(world: &mut World) {
         world.spawn((
             InScene,
             Name::new(name),
-            Solid::density(600.0).shaped(shape),
+            RigidMesh::density(600.0).shaped(shape),
             SurfaceMaterial::new(0.5),
             skin,
             Look::color(color).roughness(0.35),
@@ -67,7 +67,7 @@ fn spawn(world: &mut World) {
     world.spawn((
         InScene,
         Name::new("block on ice"),
-        ParticleBox::new(size).with_mass(50.0),
+        RigidBox::new(size).with_mass(50.0),
         ice,
         skin,
         Look::color(0xbfd8e2).roughness(0.1),

@@ -41,7 +41,7 @@ fn spawn(world: &mut World) {
             world.spawn((
                 InScene,
                 Name::new("plate"),
-                ParticleBox::new(PLATE).with_mass(2.0),
+                RigidBox::new(PLATE).with_mass(2.0),
                 SurfaceMaterial::new(0.5),
                 skin.clone(),
                 Look::color(color).roughness(0.7),

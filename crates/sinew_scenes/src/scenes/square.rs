@@ -27,7 +27,7 @@ fn spawn(world: &mut World) {
         world.spawn((
             InScene,
             Name::new("square"),
-            ParticleBox { flat: true, ..ParticleBox::new(size).with_mass(2.0) },
+            RigidBox { flat: true, ..RigidBox::new(size).with_mass(2.0) },
             skin,
             Look::color(color).roughness(0.5),
             Interpolate,

@@ -56,7 +56,7 @@ fn spawn(world: &mut World) {
             let mut thrown = world.spawn((
                 InScene,
                 Name::new("box"),
-                ParticleBox { particles: BoxParticles::Equimomental, ..ParticleBox::new(size) },
+                RigidBox { particles: BoxParticles::Equimomental, ..RigidBox::new(size) },
                 skin.clone(),
                 Look::color(0x9aa1ab).roughness(0.6),
                 Interpolate,

@@ -38,8 +38,8 @@ pub enum Combine {
     Max,
 }
 
-/// Which things may touch: two of them do if each is a member of a layer that the other minds. 32 layers, a bit each. Without it, a member of layer 0
-/// that minds all.
+/// Which things may touch: two of them do if each is a member of a layer that the other one collides with. 32 layers, a bit each. Without it, a member of layer 0
+/// that collides with all.
 ///
 /// ```
 /// # use bevy_sinew::CollisionLayers;
@@ -54,8 +54,8 @@ pub enum Combine {
 pub struct CollisionLayers {
     /// Layers that it is in, a bit each. Default the first one, layer 0.
     pub memberships: u32,
-    /// Layers that it minds, a bit each. Default all.
-    pub mask: u32,
+    /// Layers that it collides with, a bit each. Default all.
+    pub filters: u32,
 }
 
 /// A [`Collider`](super::Collider) that only notices what touches it, and lets it through.
@@ -125,28 +125,28 @@ impl From<Combine> for sinew::Combine {
 
 impl Default for CollisionLayers {
     fn default() -> Self {
-        let Layers { memberships, mask } = Layers::default();
-        Self { memberships, mask }
+        let Layers { memberships, filters } = Layers::default();
+        Self { memberships, filters }
     }
 }
 
 impl CollisionLayers {
     /// Touches nothing.
-    pub const NONE: Self = Self { memberships: 0, mask: 0 };
+    pub const NONE: Self = Self { memberships: 0, filters: 0 };
 
-    /// A member of the first of these layers that minds the second of them, a bit each.
-    pub const fn new(memberships: u32, mask: u32) -> Self {
-        Self { memberships, mask }
+    /// A member of the first of these layers that collides with the second of them, a bit each.
+    pub const fn new(memberships: u32, filters: u32) -> Self {
+        Self { memberships, filters }
     }
 
     /// The same from the numbers of the layers, 0 to 31; others are no layers.
-    pub const fn of(memberships: &[u32], mask: &[u32]) -> Self {
-        Self { memberships: bits(memberships), mask: bits(mask) }
+    pub const fn of(memberships: &[u32], filters: &[u32]) -> Self {
+        Self { memberships: bits(memberships), filters: bits(filters) }
     }
 
-    /// A member of these layers, by their numbers, that minds all.
+    /// A member of these layers, by their numbers, that collides with all.
     pub const fn in_layers(memberships: &[u32]) -> Self {
-        Self { memberships: bits(memberships), mask: u32::MAX }
+        Self { memberships: bits(memberships), filters: u32::MAX }
     }
 
     /// Whether the two may touch.
@@ -156,7 +156,7 @@ impl CollisionLayers {
 
     /// The same for the solver.
     pub(crate) const fn layers(self) -> Layers {
-        Layers::new(self.memberships, self.mask)
+        Layers::new(self.memberships, self.filters)
     }
 }
 

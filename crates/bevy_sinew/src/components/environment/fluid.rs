@@ -59,7 +59,7 @@ pub struct Floats {
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum HullShape {
-    /// Its own: where a [`BodyPart`](crate::BodyPart) tells its size, a solid box of that size, as for a [`ParticleBox`](crate::ParticleBox),
+    /// Its own: where a [`BodyPart`](crate::BodyPart) tells its size, a solid box of that size, as for a [`RigidBox`](crate::RigidBox),
     /// wherever in it the particles are (a flat one is as thick as its `size.z`); of anything else the [`WindSurface`](crate::WindSurface). The
     /// default.
     #[default]

@@ -5,7 +5,7 @@ use sinew::Shape;
 use sinew::recipes::{Blueprint, SolidFault, SolidLayout, SolidSpec, solid};
 
 use super::build::{MeshShape, Recipe, attach};
-use super::rigid::pose_of;
+use super::rigid_box::pose_of;
 use crate::components::{Collider, CreationOrder, ParticleBody};
 use crate::messages::Refusal;
 
@@ -16,7 +16,7 @@ use crate::messages::Refusal;
 /// where it is built, and then follows it; the scale is that of the shape. The mesh is drawn as it is, and others may share it. To have it float by
 /// its shape, give it [`Floats::mesh`](crate::Floats::mesh).
 ///
-/// What is round is best said so: a [`SolidShape::Sphere`], a `Capsule` or a `Cylinder` weighs, collides and rolls as exactly that, where the hull of its
+/// What is round is best said so: a [`RigidShape::Sphere`], a `Capsule` or a `Cylinder` weighs, collides and rolls as exactly that, where the hull of its
 /// mesh has corners.
 ///
 /// ```
@@ -24,8 +24,8 @@ use crate::messages::Refusal;
 /// # use bevy_sinew::prelude::*;
 /// fn spawn(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
 ///     let top = meshes.add(Cone::new(0.3, 0.5));
-///     commands.spawn((Solid::density(700.0), Mesh3d(top), Transform::from_xyz(0.0, 1.0, 0.0)));
-///     let ball = Solid::density(700.0).shaped(SolidShape::Sphere { radius: 0.3 });
+///     commands.spawn((RigidMesh::density(700.0), Mesh3d(top), Transform::from_xyz(0.0, 1.0, 0.0)));
+///     let ball = RigidMesh::density(700.0).shaped(RigidShape::Sphere { radius: 0.3 });
 ///     let mesh = meshes.add(Sphere::new(0.3));
 ///     commands.spawn((ball, Mesh3d(mesh), Transform::from_xyz(1.0, 1.0, 0.0)));
 /// }
@@ -33,21 +33,22 @@ use crate::messages::Refusal;
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(ParticleBody, CreationOrder)]
-pub struct Solid {
+#[doc(alias = "Solid")]
+pub struct RigidMesh {
     /// What it looks like. Default its mesh.
-    pub shape: SolidShape,
+    pub shape: RigidShape,
     /// How much of it there is. Default 1 kg.
     pub bulk: Bulk,
     /// Which particles stand for it. Default eight.
-    pub particles: SolidParticles,
+    pub particles: RigidParticles,
     /// Radius of every particle, metres, 0 and up. Default 0.
     pub radius: f32,
 }
 
-/// The shape of a [`Solid`].
+/// The shape of a [`RigidMesh`].
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
-pub enum SolidShape {
+pub enum RigidShape {
     /// The inside of the entity's `Mesh3d`, once it is loaded: a closed surface that faces outwards, dents and all. The default.
     #[default]
     Mesh,
@@ -76,7 +77,7 @@ pub enum SolidShape {
     },
 }
 
-impl SolidShape {
+impl RigidShape {
     /// What is round, in another size; `None` of what is made of points.
     fn round(&self, scale: Vec3) -> Option<Result<Shape, SolidFault>> {
         let shape = match *self {
@@ -89,7 +90,7 @@ impl SolidShape {
     }
 }
 
-/// How much of a [`Solid`] or a [`SoftBody`](crate::SoftBody) there is.
+/// How much of a [`RigidMesh`] or a [`SoftBody`](crate::SoftBody) there is.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum Bulk {
@@ -99,10 +100,10 @@ pub enum Bulk {
     Density(f32),
 }
 
-/// Which particles stand for a [`Solid`].
+/// Which particles stand for a [`RigidMesh`].
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
-pub enum SolidParticles {
+pub enum RigidParticles {
     /// Eight, all 28 pairs tied. The default.
     #[default]
     Eight,
@@ -125,18 +126,18 @@ impl From<Bulk> for sinew::recipes::Bulk {
     }
 }
 
-impl Default for Solid {
+impl Default for RigidMesh {
     fn default() -> Self {
         Self {
-            shape: SolidShape::default(),
+            shape: RigidShape::default(),
             bulk: Bulk::default(),
-            particles: SolidParticles::default(),
+            particles: RigidParticles::default(),
             radius: 0.0,
         }
     }
 }
 
-impl Solid {
+impl RigidMesh {
     /// In the shape of its mesh, with a mass in kg.
     pub fn mass(mass: f32) -> Self {
         Self { bulk: Bulk::Mass(mass), ..default() }
@@ -148,14 +149,14 @@ impl Solid {
     }
 
     /// The same in another shape.
-    pub fn shaped(self, shape: SolidShape) -> Self {
+    pub fn shaped(self, shape: RigidShape) -> Self {
         Self { shape, ..self }
     }
 }
 
-impl Recipe for Solid {
+impl Recipe for RigidMesh {
     fn wants_mesh(&self) -> bool {
-        matches!(self.shape, SolidShape::Mesh | SolidShape::Hull)
+        matches!(self.shape, RigidShape::Mesh | RigidShape::Hull)
     }
 
     fn blueprint(&self, mesh: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal> {
@@ -163,10 +164,10 @@ impl Recipe for Solid {
         let round = self.shape.round(scale).transpose()?;
         let shape = match (round, &self.shape, mesh) {
             (Some(round), ..) => sinew::recipes::SolidShape::Collider(round),
-            (None, SolidShape::Points(points), _) => {
+            (None, RigidShape::Points(points), _) => {
                 sinew::recipes::SolidShape::Hull(scaled(points))
             }
-            (None, SolidShape::Hull, Some(mesh)) => {
+            (None, RigidShape::Hull, Some(mesh)) => {
                 sinew::recipes::SolidShape::Hull(scaled(&mesh.positions))
             }
             (None, SolidShape::Mesh, Some(mesh)) => sinew::recipes::SolidShape::Mesh {
@@ -176,8 +177,8 @@ impl Recipe for Solid {
             _ => return Err(Refusal::NoMesh),
         };
         let layout = match self.particles {
-            SolidParticles::Eight => SolidLayout::Box8,
-            SolidParticles::Four => SolidLayout::Tetrahedron4,
+            RigidParticles::Eight => SolidLayout::Box8,
+            RigidParticles::Four => SolidLayout::Tetrahedron4,
         };
         let spec =
             SolidSpec { shape, bulk: self.bulk.into(), layout, radius: self.radius, ..default() };

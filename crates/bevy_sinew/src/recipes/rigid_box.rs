@@ -15,7 +15,8 @@ use crate::recipes::{BodyPart, PartOf};
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(ParticleBody, CreationOrder)]
-pub struct ParticleBox {
+#[doc(alias = "ParticleBox")]
+pub struct RigidBox {
     /// Lengths of its edges, metres, 1e-6 to 1e6, before it is scaled. Default 1 each.
     pub size: Vec3,
     /// Mass of the whole box, kg. Default 1.
@@ -37,13 +38,13 @@ pub enum BoxParticles {
     Equimomental,
 }
 
-impl Default for ParticleBox {
+impl Default for RigidBox {
     fn default() -> Self {
         Self { size: Vec3::ONE, mass: 1.0, particles: BoxParticles::Corners, flat: false }
     }
 }
 
-impl ParticleBox {
+impl RigidBox {
     /// A box with edges of the given lengths, metres, and a mass of 1 kg.
     pub fn new(size: Vec3) -> Self {
         Self { size, ..default() }
@@ -55,7 +56,7 @@ impl ParticleBox {
     }
 }
 
-impl Recipe for ParticleBox {
+impl Recipe for RigidBox {
     fn blueprint(&self, _: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal> {
         let layout = match self.particles {
             BoxParticles::Corners => BoxLayout::Corners,
