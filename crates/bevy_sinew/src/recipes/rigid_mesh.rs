@@ -170,7 +170,7 @@ impl Recipe for RigidMesh {
             (None, RigidShape::Hull, Some(mesh)) => {
                 sinew::recipes::SolidShape::Hull(scaled(&mesh.positions))
             }
-            (None, SolidShape::Mesh, Some(mesh)) => sinew::recipes::SolidShape::Mesh {
+            (None, RigidShape::Mesh, Some(mesh)) => sinew::recipes::SolidShape::Mesh {
                 vertices: scaled(&mesh.positions),
                 triangles: mesh.faces(scale),
             },
