@@ -3,6 +3,7 @@
 //! What holds each of them is a component of this program. The simulation learns of it in one line, and solves it like its own.
 
 use bevy::prelude::*;
+use bevy_sinew::Charge;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::{ConstraintKind, Equation, Points};
 

@@ -5,6 +5,9 @@ use bevy::ecs::schedule::{Schedules, SingleThreadedExecutor};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{
+    AirFlow, Attractor, Charge, ContactShape, Electric, ElectricField, RigidIntegrator, SinewClock,
+};
 
 use crate::support::TICK;
 

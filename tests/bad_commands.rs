@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyEdit, EditFault, ExtractedTransform, PendingEdits, Refusal};
+use bevy_sinew::{BodyEdit, EditFault, ExtractedTransform, ParticleBody, PendingEdits, Refusal};
 
 use crate::commands::{PUSH, SPIN, brick, built, command, momenta, space};
 use crate::snapshot::Snapshot;

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::{DistanceFault, ParticleFault, SpringFault};
-use bevy_sinew::{Drag, Refusal};
+use bevy_sinew::{Charge, Drag, Refusal, Refused, SinewClock};
 
 use crate::support::{app, assert_finite, busy_scene, forget, hash_of, heard, tick};
 

@@ -3,7 +3,9 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::ContactParticipant;
-use bevy_sinew::{BodyParts, Refusal, RestPlace};
+use bevy_sinew::{
+    BodyParts, ColliderMotion, Combine, ContactShape, ParticleBody, Refusal, RestPlace,
+};
 
 use crate::support::{app, assert_finite, heard, particles_of, position, tick};
 

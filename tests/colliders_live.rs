@@ -3,7 +3,7 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{ColliderFault, Refusal};
+use bevy_sinew::{ColliderFault, ColliderMotion, Refusal, SinewClock};
 
 use crate::bad_input::refused;
 use crate::snapshot::{Snapshot, hashes, roll_back_in_every_tick};

@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy_sinew::Drag;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{Charge, ParticleBody, ParticleOf};
 
 use crate::support::{bare_app, tick};
 

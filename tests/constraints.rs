@@ -9,6 +9,10 @@ use bevy_sinew::Refusal;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::ConstraintFault;
 use bevy_sinew::sinew::constraints::{Area, Bend, Cone, Rigid, Tetrahedron, Volume};
+use bevy_sinew::{
+    AreaConstraint, BendConstraint, CollinearConstraint, ConeConstraint, CoplanarConstraint,
+    PatchConstraint, RigidConstraint, SizeCorrection, TetrahedronConstraint,
+};
 
 use crate::bad_input::{nail, refused};
 use crate::support::{app, busy_scene, forget, hash_of, heard, position, tick};
@@ -111,7 +115,7 @@ fn areas_and_volumes_grow_to_what_they_should_be() {
     world.spawn(AreaConstraint::new(triangle, 0.8));
     world.spawn(PatchConstraint::new(patch, FACES, 3.0));
     world.spawn(TetrahedronConstraint::new(tetrahedron, 0.3));
-    world.spawn(VolumeConstraint::new(mesh, FACES, 0.3).with_way(Way::Scaling));
+    world.spawn(VolumeConstraint::new(mesh, FACES, 0.3).with_correction(SizeCorrection::Scaling));
     tick(&mut app, 10);
     let close = |found: f32, meant: f32| assert!((found - meant).abs() < 1e-3, "{found} {meant}");
     close(Area::of(places(&app, triangle)).rest, 0.8);

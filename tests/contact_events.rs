@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy_sinew::SinewWorld;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{ParticleOf, QueryFilter, Touching};
 
 use crate::support::{app, heard, tick};
 

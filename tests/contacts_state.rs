@@ -3,6 +3,7 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{ContactCache, ContactShape};
 
 use crate::snapshot::{Snapshot, hashes, roll_back_in_every_tick};
 use crate::support::{app, hash, heard, tick};

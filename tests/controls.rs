@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BoxParticles, EditFault, Refusal};
+use bevy_sinew::{BoxParticles, ConstraintOf, EditFault, Inertia, Refusal};
 
 use crate::commands::{brick, space};
 use crate::snapshot::Snapshot;

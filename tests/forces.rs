@@ -2,7 +2,10 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BoxParticles, Refusal, WindSurface};
+use bevy_sinew::{
+    AirFlow, Attractor, BoxParticles, Charge, Electric, ElectricField, Flatland, GroundDrag,
+    HullShape, Refusal, WindSurface,
+};
 
 use crate::support::{bare_app, heard, particles_of, position, tick};
 

@@ -4,7 +4,10 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::{HullFault, ParticleFault};
-use bevy_sinew::{BoxParticles, CreationOrder, Refusal, WindSurface};
+use bevy_sinew::{
+    AirFlow, Attractor, BoxParticles, Charge, CreationOrder, Electric, ElectricField, Flatland,
+    HullShape, Refusal, WindSurface,
+};
 
 use crate::snapshot::Snapshot;
 use crate::support::{bare_app, bits, hash, heard, tick};

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_sinew::SinewClock;
 use bevy_sinew::prelude::*;
 
 use crate::support::{app, busy_scene, hash};

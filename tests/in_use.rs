@@ -5,7 +5,10 @@ use bevy::ecs::schedule::ScheduleConfigs;
 use bevy::ecs::system::ScheduleSystem;
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyConstraints, PinnedTo};
+use bevy_sinew::{
+    BodyConstraints, ConstraintOf, ParticleBody, ParticleOf, PinnedTo, SinewClock, SinewSystems,
+    SinewTick,
+};
 
 use crate::support::{app, assert_finite, busy_scene, hash_of, heard, particles_of, tick};
 

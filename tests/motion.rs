@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{Drag, ExtractedVelocity, Refusal, TickForces};
+use bevy_sinew::{Charge, Drag, ExtractedVelocity, Inertia, Refusal, TickForces};
 
 use crate::support::{app, bits, hash, heard, particles_of, tick};
 

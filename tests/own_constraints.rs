@@ -8,7 +8,11 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::constraints::Cone;
 use bevy_sinew::sinew::{ConstraintFault, ConstraintKind, Equation, Points};
-use bevy_sinew::{CreationOrder, Refusal};
+use bevy_sinew::{
+    AnyConstraint, AreaConstraint, BendConstraint, CollinearConstraint, ConeConstraint,
+    CoplanarConstraint, CreationOrder, PatchConstraint, Refusal, RigidConstraint, SizeCorrection,
+    TetrahedronConstraint,
+};
 
 use crate::constraints::FACES;
 use crate::snapshot::Snapshot;
@@ -262,7 +266,9 @@ fn one_of_each(world: &mut World) {
     world.spawn(AreaConstraint::new(three(3), 0.2).with_softness(soft));
     world.spawn(PatchConstraint::new(four(4), FACES, 0.7));
     world.spawn(TetrahedronConstraint::new(four(5), 0.03).with_softness(soft));
-    world.spawn(VolumeConstraint::new(four(6), FACES, 0.03).with_way(Way::Scaling));
+    world.spawn(
+        VolumeConstraint::new(four(6), FACES, 0.03).with_correction(SizeCorrection::Scaling),
+    );
     world.spawn(BendConstraint::new(four(7), [0.5, 0.5, -0.5, -0.5], 0.1));
     world.spawn(CoplanarConstraint::new(five(8)));
     world.spawn(CollinearConstraint::new(three(9)).with_softness(soft));

@@ -4,6 +4,7 @@ use bevy::ecs::schedule::ScheduleConfigs;
 use bevy::ecs::system::ScheduleSystem;
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{Charge, Electric, SinewClock, SinewSystems, SinewTick};
 
 use crate::support::{TICK, bare_app, position, tick};
 

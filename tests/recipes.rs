@@ -2,7 +2,9 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyConstraints, BodyParts, BoxParticles, MeshFollow, TubeMesh, WindSurface};
+use bevy_sinew::{
+    BodyConstraints, BodyParts, BoxParticles, MeshFollow, RigidPose, TubeMesh, WindSurface,
+};
 
 use crate::support::{app, assert_finite, heard, mesh_of, particles_of, position, tick, vertices};
 

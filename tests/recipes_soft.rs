@@ -2,7 +2,10 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyConstraints, BodyParts, MeshFollow, Refusal, WindSurface};
+use bevy_sinew::{
+    BodyConstraints, BodyParts, Bone, BoneJoint, Inertia, MeshFollow, Refusal, RigidParticles,
+    WindSurface,
+};
 
 use crate::support::{app, assert_finite, heard, mesh_of, particles_of, position, tick, vertices};
 

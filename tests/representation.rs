@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyParticles, BoxParticles, Inertia, Refusal, RigidIntegrator};
+use bevy_sinew::{BodyParticles, BoxParticles, Inertia, Refusal, RigidIntegrator, SinewClock};
 
 use crate::support::{bare_app, hash, heard, tick};
 

@@ -1,6 +1,7 @@
 //! Particles, springs, constraints and bodies come, change and go while time runs: no restart, and no leak.
 
 use bevy::prelude::*;
+use bevy_sinew::SinewClock;
 use bevy_sinew::prelude::*;
 
 use crate::support::{app, assert_finite, heard, particles_of, position, tick};

@@ -4,8 +4,12 @@ use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    BodyPart, CreationOrder, Drag, ExtractedTransform, ExtractedVelocity, MeshFollow, PartOf,
-    PendingEdits, RestPlace, TickForces, TubeMesh, WindSurface,
+    AirFlow, AnyConstraint, AreaConstraint, Attractor, BendConstraint, BodyPart, BodySolver,
+    Charge, ColliderMotion, CollinearConstraint, ConeConstraint, ConstraintOf, ContactCache,
+    CoplanarConstraint, CreationOrder, Drag, Electric, ElectricField, ExtractedTransform,
+    ExtractedVelocity, Flatland, GroundDrag, Inertia, MeshFollow, PartOf, ParticleBody, ParticleOf,
+    PatchConstraint, PendingEdits, RestPlace, RigidConstraint, RigidPose, SinewClock,
+    TetrahedronConstraint, TickForces, TubeMesh, WindSurface,
 };
 
 use crate::support::{hash, tick};

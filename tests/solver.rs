@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{BodyReport, BodySolver, GradientAt, Integrator};
 
 use crate::support::{bare_app, tick};
 

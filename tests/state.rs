@@ -3,6 +3,7 @@
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 use bevy_sinew::CreationOrder;
+use bevy_sinew::SinewClock;
 use bevy_sinew::prelude::*;
 
 use crate::snapshot::{Snapshot, hashes, roll_back_in_every_tick};

@@ -6,7 +6,7 @@ use bevy::app::Plugins;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyParticles, CreationOrder, Drag, Refusal};
+use bevy_sinew::{BodyParticles, Charge, CreationOrder, Drag, Electric, Refusal, Refused};
 
 /// One tick of the fixed schedule: 60 Hz.
 pub(crate) const TICK: Duration = Duration::from_nanos(16_666_667);

@@ -1,6 +1,7 @@
 //! What has nothing to do with a body does not change a bit of it: far bodies, junk entities, archetypes, the order of spawning.
 
 use bevy::prelude::*;
+use bevy_sinew::Charge;
 use bevy_sinew::Drag;
 use bevy_sinew::prelude::*;
 

@@ -15,7 +15,7 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy::world_serialization::WorldSerializationPlugin;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{Refusal, TickTime};
+use bevy_sinew::{Refusal, Refused, SinewClock, TickTime};
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_examples::assets_folder;
 use sinew_scenes::{Scene, ScenesPlugin};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use sinew::constraints::{
-    Angle, Area, Bend, Collinear, Cone, Coplanar, Hinge, Patch, Rigid, Tetrahedron, Volume, Way,
+    Angle, Area, Bend, Collinear, Cone, Coplanar, Hinge, Patch, Rigid, Tetrahedron, Volume, SizeCorrection,
 };
 use sinew::glam::Vec3;
 use sinew::{
@@ -135,7 +135,7 @@ fn kind(input: &mut Input, n: usize) -> ConstraintKind {
     let softness = softness(input);
     let (min, max) = (input.mostly(Input::ordinary), input.mostly(Input::ordinary));
     let rest = input.mostly(Input::positive);
-    let way = if input.flag() { Way::Gradient } else { Way::Scaling };
+    let correction = if input.flag() { SizeCorrection::Gradient } else { SizeCorrection::Scaling };
     let corner = |input: &mut Input| {
         let beyond = u32::from(input.rarely(16));
         input.below(n.max(1) as u32 + beyond)
@@ -148,9 +148,9 @@ fn kind(input: &mut Input, n: usize) -> ConstraintKind {
         1 => ConstraintKind::Hinge(Hinge { min, max, softness }),
         2 => ConstraintKind::Cone(Cone { axis: input.vector(), max, softness }),
         3 => ConstraintKind::Area(Area { rest, softness }),
-        4 => ConstraintKind::Patch(Patch { triangles, rest, way, softness }),
+        4 => ConstraintKind::Patch(Patch { triangles, rest, correction, softness }),
         5 => ConstraintKind::Tetrahedron(Tetrahedron { rest: min, softness }),
-        6 => ConstraintKind::Volume(Volume { triangles, rest, way, softness }),
+        6 => ConstraintKind::Volume(Volume { triangles, rest, correction, softness }),
         7 => ConstraintKind::Bend(Bend { weights: [min, max, rest, -rest], rest, softness }),
         8 => ConstraintKind::Coplanar(Coplanar { softness }),
         9 => ConstraintKind::Collinear(Collinear { softness }),

@@ -142,7 +142,7 @@ pub use components::{
 pub use components::{
     AngleConstraint, AnyConstraint, AreaConstraint, BendConstraint, CollinearConstraint,
     ConeConstraint, CoplanarConstraint, HingeConstraint, ParticleConstraint, PatchConstraint,
-    RigidConstraint, TetrahedronConstraint, VolumeConstraint, Way,
+    RigidConstraint, SizeCorrection, TetrahedronConstraint, VolumeConstraint,
 };
 pub use components::{
     BodyContacts, Collider, ColliderFault, ColliderMotion, ColliderShape, CollisionLayers, Combine,
@@ -173,31 +173,35 @@ pub use step::RegisterParticleConstraint;
 pub use threads::{ComputePool, SinewWorkers};
 pub use world::SinewWorld;
 
-/// What most games want in scope. [`Drag`] is left out, because Bevy's prelude has another one.
+/// What most games want in scope: some fifty names, none of which is in Bevy's prelude. Everything else is at the root of the crate.
+///
+/// Some of them are in Avian's prelude, too; the crate's [table](crate#beside-avian) says which.
 pub mod prelude {
+    // What a world is made of.
     pub use crate::{
-        AirDrag, AngularVelocity, Articulated, BodyPart, BodyReport, BodySolver, Bone, BoneJoint,
-        Bound, BoundingBox, Bulk, Charge, Cloth, ClothPins, ClothShape, ConstraintOf,
-        DistanceConstraint, Electric, ExternalForce, Fluid, GradientAt, Gravity, GravityScale,
-        Ground, GroundDrag, Integrator, Interpolate, LinearVelocity, Mass, Order, Particle,
-        ParticleBody, ParticleOf, ParticleRow, PhaseSystems, Pinned, PinnedTo, Radius, Ragdoll,
-        Refused, Representation, RigidBox, RigidIntegrator, RigidMesh, RigidParticles, RigidPose,
-        RigidShape, Rope, SinewClock, SinewControl, SinewPlugins, SinewSystems, SinewTick,
-        SinewWorld, SoftBody, SoftShape, Softness, SolverConfig, Spring, SubstepSchedule, Wind,
+        AirDrag, BoundingBox, Gravity, Ground, Interpolate, SinewControl, SinewPlugins, SinewWorld,
+        SolverConfig,
+    };
+    // Particles, and what holds them.
+    pub use crate::{
+        AngleConstraint, DistanceConstraint, GravityScale, HingeConstraint, Mass, Particle,
+        ParticleConstraint, ParticleRow, Pinned, PinnedTo, Radius, RegisterParticleConstraint,
+        Softness, Spring, VolumeConstraint,
+    };
+    // Bodies.
+    pub use crate::{
+        Articulated, Cloth, ClothPins, Ragdoll, Representation, RigidBox, RigidMesh, RigidShape,
+        Rope, SoftBody, SoftShape,
+    };
+    // Forces and motion.
+    pub use crate::{
+        AngularVelocity, BodyCommandsExt, ControlForce, ExternalForce, ExternalImpulse,
+        ExternalTorque, Floats, Fluid, LinearVelocity, PhaseSystems, Region, SubstepSchedule, Wind,
         WorldCenterOfMass,
     };
+    // Contacts.
     pub use crate::{
-        AirFlow, Attractor, ElectricField, Flatland, Floats, HullShape, Region, RegionShape,
-    };
-    pub use crate::{
-        AngleConstraint, AnyConstraint, AreaConstraint, BendConstraint, CollinearConstraint,
-        ConeConstraint, CoplanarConstraint, HingeConstraint, ParticleConstraint, PatchConstraint,
-        RegisterParticleConstraint, RigidConstraint, TetrahedronConstraint, VolumeConstraint, Way,
-    };
-    pub use crate::{BodyCommandsExt, ControlForce, ExternalImpulse, ExternalTorque, Inertia};
-    pub use crate::{
-        BodyContacts, Collider, ColliderMotion, CollisionLayers, Combine, ContactCache,
-        ContactEnded, ContactEvents, ContactShape, ContactStarted, ContactsDisabled, QueryFilter,
-        Sensor, Sleep, SurfaceMaterial, Touching,
+        BodyContacts, Collider, CollisionLayers, ContactEnded, ContactEvents, ContactStarted,
+        ContactsDisabled, Sensor, Sleep, SurfaceMaterial,
     };
 }

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_egui::egui::{self, Rect, pos2};
 use bevy_sinew::prelude::*;
+use bevy_sinew::{Charge, SinewClock};
 
 use super::*;
 

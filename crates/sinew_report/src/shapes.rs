@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use sinew::constraints::{Area, Bend, Collinear, Coplanar, Hinge, Patch, Tetrahedron, Volume, Way};
+use sinew::constraints::{
+    Area, Bend, Collinear, Coplanar, Hinge, Patch, SizeCorrection, Tetrahedron, Volume,
+};
 use sinew::glam::{DMat3, DVec3, Vec3};
 use sinew::{Constraint, ConstraintKind, Simulation};
 
@@ -146,12 +148,13 @@ fn a_mesh_gets_its_volume_back_and_the_gradient_costs_least() -> Vec<Row> {
             points.iter().map(|p| ((*p * squeezed).as_vec3(), 1.0)).collect();
         let rest: Vec<Vec3> = points.iter().map(|p| p.as_vec3()).collect();
         let mut costs = Vec::new();
-        for way in [Way::Scaling, Way::Gradient] {
-            let kind = ConstraintKind::Volume(Volume::of(triangles.clone(), &rest).with_way(way));
-            let sweeps = if way == Way::Scaling { 1 } else { 20 };
+        for correction in [SizeCorrection::Scaling, SizeCorrection::Gradient] {
+            let kind =
+                ConstraintKind::Volume(Volume::of(triangles.clone(), &rest).with_correction(correction));
+            let sweeps = if correction == SizeCorrection::Scaling { 1 } else { 20 };
             let (cost, world) = cost(&now, kind, sweeps);
             let found = volume(&places(&world), &triangles);
-            let what = format!("volume of a {name}, by {way:?}, {sweeps} sweeps");
+            let what = format!("volume of a {name}, by {correction:?}, {sweeps} sweeps");
             rows.push(Row::relative(what, "m³", exact, found, 2e-6));
             costs.push(cost);
         }
@@ -181,13 +184,13 @@ fn triangles_and_patches_get_their_area_back() -> Vec<Row> {
         places(&cost(&now[..3], ConstraintKind::Area(Area::of([rest[0], rest[1], rest[2]])), 20).1);
     let mut rows =
         vec![Row::relative("area of a triangle", "m²", 0.5, area(&one, &[0, 1, 2]), 2e-6)];
-    for way in [Way::Gradient, Way::Scaling] {
-        let patch = Patch::of(vec![[0, 1, 2], [1, 3, 2]], &rest).with_way(way);
+    for correction in [SizeCorrection::Gradient, SizeCorrection::Scaling] {
+        let patch = Patch::of(vec![[0, 1, 2], [1, 3, 2]], &rest).with_correction(correction);
         let both = |p: &[DVec3]| area(p, &[0, 1, 2]) + area(p, &[1, 3, 2]);
         let exact = both(&rest.map(Vec3::as_dvec3));
         let found = both(&places(&cost(&now, ConstraintKind::Patch(patch), 20).1));
         rows.push(Row::relative(
-            format!("area of a patch of two, by {way:?}"),
+            format!("area of a patch of two, by {correction:?}"),
             "m²",
             exact,
             found,
@@ -238,14 +241,15 @@ fn shapes_keep_momentum_and_angular_momentum() -> Vec<Row> {
         .collect();
     let flat = folded(0.0);
     let bend = Bend::of([flat[0].0, flat[1].0, flat[2].0, flat[3].0]).expect("two triangles");
-    let mesh = |way| ConstraintKind::Volume(Volume::of(triangles.clone(), &rest).with_way(way));
+    let mesh =
+        |correction| ConstraintKind::Volume(Volume::of(triangles.clone(), &rest).with_correction(correction));
     let patch = ConstraintKind::Patch(Patch::of(triangles.clone(), &rest));
     let mut rows = Vec::new();
     for (name, points, kind) in [
         ("a plane", cloud(), ConstraintKind::Coplanar(Coplanar::default())),
         ("a line", cloud(), ConstraintKind::Collinear(Collinear::default())),
-        ("a volume by its gradient", crumpled.clone(), mesh(Way::Gradient)),
-        ("a volume by scaling", crumpled.clone(), mesh(Way::Scaling)),
+        ("a volume by its gradient", crumpled.clone(), mesh(SizeCorrection::Gradient)),
+        ("a volume by scaling", crumpled.clone(), mesh(SizeCorrection::Scaling)),
         ("a patch's area", crumpled, patch),
         ("isometric bending", folded(0.8), ConstraintKind::Bend(bend)),
     ] {

@@ -24,7 +24,8 @@ pub use collide::{
 pub use constraint::{
     AngleConstraint, AnyConstraint, AreaConstraint, BendConstraint, Bound, CollinearConstraint,
     ConeConstraint, CoplanarConstraint, DistanceConstraint, HingeConstraint, ParticleConstraint,
-    PatchConstraint, RigidConstraint, Spring, TetrahedronConstraint, VolumeConstraint, Way,
+    PatchConstraint, RigidConstraint, SizeCorrection, Spring, TetrahedronConstraint,
+    VolumeConstraint,
 };
 pub use control::{ControlForce, ExternalImpulse, ExternalTorque, TickForces};
 pub use environment::{

@@ -17,6 +17,7 @@ use crate::step::frames::even_factor;
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{Bone, BoneJoint};
 /// # fn spawn(mut commands: Commands) {
 /// let post = Bone { pinned: true, ..Bone::new("post", Vec3::Y * 2.0, Vec3::Y) };
 /// let door = Bone::new("door", Vec3::Y * 2.0, Vec3::new(1.0, 2.0, 0.0))

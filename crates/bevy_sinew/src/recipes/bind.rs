@@ -151,7 +151,8 @@ fn fill_kind(
 #[cfg(test)]
 mod tests {
     use sinew::constraints::{
-        Angle, Area, Bend, Collinear, Cone, Coplanar, Hinge, Patch, Rigid, Tetrahedron, Volume, Way,
+        Angle, Area, Bend, Collinear, Cone, Coplanar, Hinge, Patch, Rigid, SizeCorrection,
+        Tetrahedron, Volume,
     };
     use sinew::{Constraint, Distance, Equation, ParticleSeed, Points, Softness};
 
@@ -181,14 +182,18 @@ mod tests {
             (
                 4,
                 ConstraintKind::Patch(
-                    Patch::of(faces, &places).with_way(Way::Scaling).with_softness(soft),
+                    Patch::of(faces, &places)
+                        .with_correction(SizeCorrection::Scaling)
+                        .with_softness(soft),
                 ),
             ),
             (4, ConstraintKind::Tetrahedron(Tetrahedron::of(places).with_softness(soft))),
             (
                 4,
                 ConstraintKind::Volume(
-                    Volume::of(faces, &places).with_way(Way::Scaling).with_softness(soft),
+                    Volume::of(faces, &places)
+                        .with_correction(SizeCorrection::Scaling)
+                        .with_softness(soft),
                 ),
             ),
             (4, ConstraintKind::Bend(Bend::of(places).unwrap().with_softness(soft))),

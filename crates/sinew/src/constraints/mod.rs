@@ -82,9 +82,9 @@ pub enum GradientAt {
     StepStart,
 }
 
-/// Along which way an area or a volume of many triangles is corrected (physics.md C7, C8).
+/// How an area or a volume of many triangles is corrected (physics.md C7, C8).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Way {
+pub enum SizeCorrection {
     /// Along its gradient: the least mass-weighted displacement, approached by Newton steps, and soft if it is asked to be. The default.
     #[default]
     Gradient,

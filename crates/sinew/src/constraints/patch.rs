@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use super::area::{area, keep_within_reach};
-use super::{ConstraintFault, Equation, Points, Softness, Way};
+use super::{ConstraintFault, Equation, Points, SizeCorrection, Softness};
 use crate::lanes::InstructionSet;
 
 /// The total area of a patch of triangles: one may grow while another shrinks.
@@ -17,8 +17,8 @@ pub struct Patch {
     pub triangles: Arc<[[u32; 3]]>,
     /// Area to keep, m², not negative.
     pub rest: f32,
-    /// Along which way it is corrected.
-    pub way: Way,
+    /// How it is corrected.
+    pub correction: SizeCorrection,
     /// How hard it is. A compliance is in m⁴/J along the gradient, and in m/N for scaling.
     pub softness: Softness,
 }
@@ -31,12 +31,12 @@ impl Patch {
         let corner = |i: u32| positions.get(i as usize).copied();
         let one = |t: &[u32; 3]| Some(area([corner(t[0])?, corner(t[1])?, corner(t[2])?]).0);
         let rest = triangles.iter().filter_map(one).map(f64::from).sum::<f64>() as f32;
-        Self { triangles, rest, way: Way::Gradient, softness: Softness::Hard }
+        Self { triangles, rest, correction: SizeCorrection::Gradient, softness: Softness::Hard }
     }
 
-    /// The same, corrected that way.
-    pub fn with_way(self, way: Way) -> Self {
-        Self { way, ..self }
+    /// The same with another correction.
+    pub fn with_correction(self, correction: SizeCorrection) -> Self {
+        Self { correction, ..self }
     }
 
     /// The same, as hard as that.
@@ -65,7 +65,7 @@ impl Equation for Patch {
         let best = InstructionSet::best();
         let sum = wide::area_of(&self.triangles, points.now, gradients, best);
         let now = sum as f32;
-        if self.way == Way::Scaling && self.rest <= 4.0 * now {
+        if self.correction == SizeCorrection::Scaling && self.rest <= 4.0 * now {
             return scale(points, (self.rest / now).sqrt(), gradients);
         }
         let value = (sum - f64::from(self.rest)) as f32;
@@ -157,39 +157,39 @@ mod tests {
         (places, triangles)
     }
 
-    fn patch(factor: f32, way: Way) -> Patch {
+    fn patch(factor: f32, correction: SizeCorrection) -> Patch {
         let (places, triangles) = sheet();
-        let patch = Patch::of(triangles, &places).with_way(way);
+        let patch = Patch::of(triangles, &places).with_correction(correction);
         Patch { rest: patch.rest * factor, ..patch }
     }
 
     #[test]
     fn the_gradient_is_that_of_the_whole_area() {
         let (places, _) = sheet();
-        assert!((patch(1.0, Way::Gradient).rest - 1.0).abs() < 0.2);
-        assert_gradients(&patch(0.5, Way::Gradient), &places);
-        assert_gradients(&patch(1.5, Way::Gradient), &places);
+        assert!((patch(1.0, SizeCorrection::Gradient).rest - 1.0).abs() < 0.2);
+        assert_gradients(&patch(0.5, SizeCorrection::Gradient), &places);
+        assert_gradients(&patch(1.5, SizeCorrection::Gradient), &places);
     }
 
     #[test]
     fn either_way_keeps_momentum_and_the_area_and_one_at_the_least_cost() {
         let (places, _) = sheet();
         let masses = Random::new(31).masses(9);
-        for way in [Way::Gradient, Way::Scaling] {
+        for correction in [SizeCorrection::Gradient, SizeCorrection::Scaling] {
             for factor in [0.3, 0.9, 1.1, 3.0, 20.0] {
-                assert_momentum_kept(&patch(factor, way), &places, &masses);
-                assert_kept(&patch(factor, way), &places, &masses, 1e-4);
+                assert_momentum_kept(&patch(factor, correction), &places, &masses);
+                assert_kept(&patch(factor, correction), &places, &masses, 1e-4);
             }
         }
-        assert_least(&patch(0.95, Way::Gradient), &places, &masses);
-        assert_least(&patch(1.05, Way::Gradient), &places, &masses);
+        assert_least(&patch(0.95, SizeCorrection::Gradient), &places, &masses);
+        assert_least(&patch(1.05, SizeCorrection::Gradient), &places, &masses);
     }
 
     #[test]
     fn one_scaling_makes_the_area_right_and_moves_each_particle_as_derived() {
         let (places, _) = sheet();
         let masses = Random::new(32).masses(9);
-        let equation = patch(1.7, Way::Scaling);
+        let equation = patch(1.7, SizeCorrection::Scaling);
         let mut particles = points_of(&places, &masses);
         particles.project(&equation);
         assert!(
@@ -210,7 +210,7 @@ mod tests {
         let (places, _) = sheet();
         let mut masses = vec![1.0; 9];
         masses[2] = f32::INFINITY;
-        let equation = patch(0.6, Way::Scaling);
+        let equation = patch(0.6, SizeCorrection::Scaling);
         let mut particles = points_of(&places, &masses);
         particles.project(&equation);
         assert_eq!(particles.positions()[2], places[2]);
@@ -220,23 +220,26 @@ mod tests {
     #[test]
     fn either_way_survives_every_degenerate_set() {
         let (places, _) = sheet();
-        for way in [Way::Gradient, Way::Scaling] {
+        for correction in [SizeCorrection::Gradient, SizeCorrection::Scaling] {
             for factor in [0.0, 0.5, 1e6] {
                 let soft = Softness::frequency(5.0, 0.5);
-                assert_survives(&patch(factor, way), &places);
-                assert_survives(&patch(factor, way).with_softness(soft), &places);
+                assert_survives(&patch(factor, correction), &places);
+                assert_survives(&patch(factor, correction).with_softness(soft), &places);
             }
         }
     }
 
     #[test]
     fn faults_are_told_apart() {
-        let good = patch(1.0, Way::Gradient);
+        let good = patch(1.0, SizeCorrection::Gradient);
         assert_eq!(good.fault(9), None);
         assert_eq!(good.fault(8), Some(ConstraintFault::Triangle));
         assert_eq!(good.fault(2), Some(ConstraintFault::Count));
-        assert_eq!(patch(-1.0, Way::Gradient).fault(9), Some(ConstraintFault::Number));
-        assert_eq!(patch(f32::NAN, Way::Gradient).fault(9), Some(ConstraintFault::Number));
+        assert_eq!(patch(-1.0, SizeCorrection::Gradient).fault(9), Some(ConstraintFault::Number));
+        assert_eq!(
+            patch(f32::NAN, SizeCorrection::Gradient).fault(9),
+            Some(ConstraintFault::Number)
+        );
         let twice = Patch { triangles: Arc::from([[0, 1, 1]]), ..good };
         assert_eq!(twice.fault(9), Some(ConstraintFault::SameParticle));
         assert_eq!(

@@ -77,7 +77,7 @@ fn volume([a, b, c, d]: [Vec3; 4]) -> (f32, [Vec3; 4]) {
 #[cfg(test)]
 mod tests {
     use super::super::checks::*;
-    use super::super::{Volume, Way};
+    use super::super::{SizeCorrection, Volume};
     use super::*;
     use crate::{Constraint, ConstraintKind, ParticleSeed, Simulation};
 
@@ -93,7 +93,7 @@ mod tests {
             let (one, gradients) =
                 evaluate(&Tetrahedron { rest: 0.0, softness: Softness::Hard }, &p);
             let mesh = Volume { rest: 0.0, ..Volume::of(faces, &p) };
-            assert_eq!(mesh.way, Way::Gradient);
+            assert_eq!(mesh.correction, SizeCorrection::Gradient);
             let (other, others) = evaluate(&mesh, &p);
             assert!((one - other).abs() < 1e-6);
             assert!(gradients.iter().zip(&others).all(|(a, b)| a.abs_diff_eq(*b, 1e-6)));

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::area::keep_within_reach;
 use super::patch::{scale, triangle_fault};
-use super::{ConstraintFault, Equation, Points, Softness, Way};
+use super::{ConstraintFault, Equation, Points, SizeCorrection, Softness};
 
 /// The volume inside a closed mesh of triangles: what keeps a balloon or a soft body full.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,8 +16,8 @@ pub struct Volume {
     pub triangles: Arc<[[u32; 3]]>,
     /// Volume to keep, m³.
     pub rest: f32,
-    /// Along which way it is corrected.
-    pub way: Way,
+    /// How it is corrected.
+    pub correction: SizeCorrection,
     /// How hard it is. A compliance is in m⁶/J along the gradient, and in m/N for scaling.
     pub softness: Softness,
 }
@@ -31,7 +31,7 @@ impl Volume {
         let corner = |i: u32| positions.get(i as usize).map(|p| (*p - first).as_dvec3());
         let one = |t: &[u32; 3]| Some(corner(t[0])?.dot(corner(t[1])?.cross(corner(t[2])?)));
         let rest = (triangles.iter().filter_map(one).sum::<f64>() / 6.0) as f32;
-        Self { triangles, rest, way: Way::Gradient, softness: Softness::Hard }
+        Self { triangles, rest, correction: SizeCorrection::Gradient, softness: Softness::Hard }
     }
 
     /// The same, blown up to `factor` times the volume that it would keep (1 changes nothing): what holds it back stands under pressure.
@@ -39,9 +39,9 @@ impl Volume {
         Self { rest: self.rest * factor, ..self }
     }
 
-    /// The same, corrected that way.
-    pub fn with_way(self, way: Way) -> Self {
-        Self { way, ..self }
+    /// The same with another correction.
+    pub fn with_correction(self, correction: SizeCorrection) -> Self {
+        Self { correction, ..self }
     }
 
     /// The same, as hard as that.
@@ -89,7 +89,7 @@ impl Equation for Volume {
         }
         let now = (sum / 6.0) as f32;
         let ratio = self.rest / now;
-        if self.way == Way::Scaling && (0.0..=8.0).contains(&ratio) {
+        if self.correction == SizeCorrection::Scaling && (0.0..=8.0).contains(&ratio) {
             return scale(points, libm::cbrtf(ratio), gradients);
         }
         let mut others = DVec3::ZERO;
@@ -148,8 +148,12 @@ mod tests {
         (places, triangles)
     }
 
-    fn volume(mesh: &(Vec<Vec3>, Vec<[u32; 3]>), factor: f32, way: Way) -> Volume {
-        Volume::of(mesh.1.clone(), &mesh.0).with_pressure(factor).with_way(way)
+    fn volume(
+        mesh: &(Vec<Vec3>, Vec<[u32; 3]>),
+        factor: f32,
+        correction: SizeCorrection,
+    ) -> Volume {
+        Volume::of(mesh.1.clone(), &mesh.0).with_pressure(factor).with_correction(correction)
     }
 
     /// A sphere of 18 particles pulled out of shape.
@@ -176,25 +180,25 @@ mod tests {
     #[test]
     fn the_gradient_is_that_of_the_volume_and_of_a_mesh_with_a_hole_too() {
         let mut mesh = potato();
-        assert_gradients(&volume(&mesh, 0.5, Way::Gradient), &mesh.0);
-        assert_gradients(&volume(&mesh, 2.0, Way::Gradient), &mesh.0);
+        assert_gradients(&volume(&mesh, 0.5, SizeCorrection::Gradient), &mesh.0);
+        assert_gradients(&volume(&mesh, 2.0, SizeCorrection::Gradient), &mesh.0);
         mesh.1.truncate(20);
-        assert_gradients(&volume(&mesh, 0.5, Way::Gradient), &mesh.0);
-        assert_momentum_kept(&volume(&mesh, 0.5, Way::Gradient), &mesh.0, &[]);
+        assert_gradients(&volume(&mesh, 0.5, SizeCorrection::Gradient), &mesh.0);
+        assert_momentum_kept(&volume(&mesh, 0.5, SizeCorrection::Gradient), &mesh.0, &[]);
     }
 
     #[test]
     fn either_way_keeps_momentum_and_the_volume_and_one_at_the_least_cost() {
         let mesh = potato();
         let masses = Random::new(42).masses(mesh.0.len());
-        for way in [Way::Gradient, Way::Scaling] {
+        for correction in [SizeCorrection::Gradient, SizeCorrection::Scaling] {
             for factor in [0.3, 0.9, 1.1, 3.0, 20.0] {
-                assert_momentum_kept(&volume(&mesh, factor, way), &mesh.0, &masses);
-                assert_kept(&volume(&mesh, factor, way), &mesh.0, &masses, 1e-4);
+                assert_momentum_kept(&volume(&mesh, factor, correction), &mesh.0, &masses);
+                assert_kept(&volume(&mesh, factor, correction), &mesh.0, &masses, 1e-4);
             }
         }
-        assert_least(&volume(&mesh, 0.95, Way::Gradient), &mesh.0, &masses);
-        assert_least(&volume(&mesh, 1.05, Way::Gradient), &mesh.0, &masses);
+        assert_least(&volume(&mesh, 0.95, SizeCorrection::Gradient), &mesh.0, &masses);
+        assert_least(&volume(&mesh, 1.05, SizeCorrection::Gradient), &mesh.0, &masses);
     }
 
     #[test]
@@ -202,7 +206,7 @@ mod tests {
         let mesh = potato();
         let masses = Random::new(43).masses(mesh.0.len());
         for factor in [0.2, 0.9, 1.5, 7.0] {
-            let equation = volume(&mesh, factor, Way::Scaling);
+            let equation = volume(&mesh, factor, SizeCorrection::Scaling);
             let mut particles = points_of(&mesh.0, &masses);
             particles.project(&equation);
             let now = Volume::of(mesh.1.clone(), &particles.positions()).rest;
@@ -212,16 +216,16 @@ mod tests {
 
     /// What a volume 1 % off costs by scaling, over what it costs along the gradient.
     fn dearer(mesh: &(Vec<Vec3>, Vec<[u32; 3]>), masses: &[f32]) -> f64 {
-        let cost = |way: Way| {
+        let cost = |correction: SizeCorrection| {
             let mut particles = points_of(&mesh.0, masses);
-            let equation = volume(mesh, 1.01, way);
+            let equation = volume(mesh, 1.01, correction);
             for _ in 0..20 {
                 particles.project(&equation);
             }
             assert!(particles.error(&equation) < 1e-5);
             particles.cost(&mesh.0)
         };
-        cost(Way::Scaling) / cost(Way::Gradient)
+        cost(SizeCorrection::Scaling) / cost(SizeCorrection::Gradient)
     }
 
     /// Twelve meridians and five parallels with poles: how a sphere is cut where nobody thinks about it.
@@ -262,8 +266,8 @@ mod tests {
     #[test]
     fn a_flat_mesh_fills_and_one_turned_inside_out_comes_back_either_way() {
         let mesh = sphere(1);
-        for way in [Way::Gradient, Way::Scaling] {
-            let equation = volume(&mesh, 1.0, way);
+        for correction in [SizeCorrection::Gradient, SizeCorrection::Scaling] {
+            let equation = volume(&mesh, 1.0, correction);
             for squash in [0.0, 1e-3, -0.2, -1.0] {
                 let places: Vec<Vec3> =
                     mesh.0.iter().map(|p| *p * Vec3::new(1.0, 1.0, squash)).collect();
@@ -280,9 +284,9 @@ mod tests {
     #[test]
     fn either_way_survives_every_degenerate_set() {
         let mesh = potato();
-        for way in [Way::Gradient, Way::Scaling] {
+        for correction in [SizeCorrection::Gradient, SizeCorrection::Scaling] {
             for factor in [-1.0, 0.0, 0.5, 1e6] {
-                let equation = volume(&mesh, factor, way);
+                let equation = volume(&mesh, factor, correction);
                 assert_survives(&equation, &mesh.0);
                 assert_survives(&equation.with_softness(Softness::frequency(5.0, 0.5)), &mesh.0);
             }
@@ -292,7 +296,7 @@ mod tests {
     #[test]
     fn faults_are_told_apart() {
         let mesh = sphere(0);
-        let good = volume(&mesh, 1.0, Way::Gradient);
+        let good = volume(&mesh, 1.0, SizeCorrection::Gradient);
         assert_eq!(good.fault(6), None);
         assert_eq!(good.fault(5), Some(ConstraintFault::Triangle));
         assert_eq!(good.fault(3), Some(ConstraintFault::Count));

@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{Combine, ParticleBody, ParticleOf, RigidPose, SinewClock};
 
 use super::{Scene, mesh};
 use crate::{InScene, Look, ball, rounded_box};

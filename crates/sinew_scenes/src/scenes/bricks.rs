@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy_sinew::BoxParticles;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{BodySolver, GradientAt, RigidIntegrator};
 
 use super::{Scene, mesh};
 use crate::{InScene, Look, ball, cylinder, rounded_box};

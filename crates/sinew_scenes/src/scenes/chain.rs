@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy_sinew::TubeMesh;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{Bound, ConstraintOf, ParticleBody, ParticleOf, RigidPose};
 
 use super::{Scene, mesh};
 use crate::{InScene, Look, ball};

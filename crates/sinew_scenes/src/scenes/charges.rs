@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy_sinew::TubeMesh;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{Charge, Electric};
 
 use super::{Scene, mesh};
 use crate::{InScene, Look, ball};

@@ -1,6 +1,7 @@
 //! A world of two dimensions: what is pushed out of it stays in it.
 
 use bevy::prelude::*;
+use bevy_sinew::Flatland;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};

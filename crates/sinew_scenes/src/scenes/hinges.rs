@@ -5,6 +5,7 @@ use core::f32::consts::PI;
 use bevy::prelude::*;
 use bevy_sinew::TubeMesh;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{BodySolver, Bone, BoneJoint, GradientAt};
 
 use super::Scene;
 use crate::{InScene, Look};

@@ -4,7 +4,7 @@ use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{MeshFollow, WindSurface};
+use bevy_sinew::{ConstraintOf, MeshFollow, ParticleBody, ParticleOf, WindSurface};
 
 use super::{Scene, mesh};
 use crate::{InScene, Look};

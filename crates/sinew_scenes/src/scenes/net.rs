@@ -1,6 +1,7 @@
 //! Marbles that fall into two coarse sheets, of which one collides by its triangles.
 
 use bevy::prelude::*;
+use bevy_sinew::ContactShape;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh, post};

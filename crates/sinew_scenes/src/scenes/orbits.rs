@@ -1,6 +1,7 @@
 //! Planets about a sun: an attractor, and nothing that says what an ellipse is.
 
 use bevy::prelude::*;
+use bevy_sinew::Attractor;
 use bevy_sinew::TubeMesh;
 use bevy_sinew::prelude::*;
 

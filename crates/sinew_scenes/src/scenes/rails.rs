@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy_sinew::TubeMesh;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{ConstraintOf, ContactShape, ParticleBody, ParticleOf};
 
 use super::{Scene, mesh, post};
 use crate::{InScene, Look, ball, cylinder};

@@ -2,7 +2,9 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyParticles, PinnedTo};
+use bevy_sinew::{
+    BodyParticles, ConstraintOf, ParticleBody, ParticleOf, PinnedTo, RigidPose, SinewClock,
+};
 
 use super::{Scene, mesh, post};
 use crate::{InScene, Look, ball};

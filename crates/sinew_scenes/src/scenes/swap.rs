@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy_sinew::BoxParticles;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{RigidIntegrator, SinewClock};
 
 use super::{Scene, mesh};
 use crate::{InScene, Look, rounded_box};

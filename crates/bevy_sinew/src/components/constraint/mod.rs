@@ -20,7 +20,9 @@ pub use any::AnyConstraint;
 pub use joints::{AngleConstraint, ConeConstraint, HingeConstraint};
 pub use pairs::{Bound, DistanceConstraint, Spring};
 pub use shapes::{BendConstraint, CollinearConstraint, CoplanarConstraint, RigidConstraint};
-pub use sizes::{AreaConstraint, PatchConstraint, TetrahedronConstraint, VolumeConstraint, Way};
+pub use sizes::{
+    AreaConstraint, PatchConstraint, SizeCorrection, TetrahedronConstraint, VolumeConstraint,
+};
 
 use bevy::prelude::*;
 use sinew::{ConstraintFault, ConstraintKind};

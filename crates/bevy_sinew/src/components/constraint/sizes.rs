@@ -8,10 +8,10 @@ use super::super::order::CreationOrder;
 use super::super::softness::Softness;
 use super::ParticleConstraint;
 
-/// Along which way an area or a volume of many triangles is corrected.
+/// How an area or a volume of many triangles is corrected.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
-pub enum Way {
+pub enum SizeCorrection {
     /// Along its gradient: the least mass-weighted displacement. The default.
     #[default]
     Gradient,
@@ -72,8 +72,8 @@ pub struct PatchConstraint {
     pub triangles: Vec<[u32; 3]>,
     /// Area to keep, m², 0 and up.
     pub rest: f32,
-    /// Along which way it is corrected; [`new`](Self::new) takes the gradient.
-    pub way: Way,
+    /// How it is corrected; [`new`](Self::new) takes the gradient.
+    pub correction: SizeCorrection,
     /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in m⁴/J along the gradient, and in m/N for scaling.
     pub softness: Softness,
 }
@@ -86,19 +86,25 @@ impl PatchConstraint {
         rest: f32,
     ) -> Self {
         let (particles, triangles) = (particles.into(), triangles.into());
-        Self { particles, triangles, rest, way: Way::Gradient, softness: Softness::Hard }
+        Self {
+            particles,
+            triangles,
+            rest,
+            correction: SizeCorrection::Gradient,
+            softness: Softness::Hard,
+        }
     }
 
     /// A kind of constraint of the solver between some particles: [`Patch::of`] keeps an area as it is.
     pub fn from_kind(particles: impl Into<Vec<Entity>>, kind: &Patch) -> Self {
         Self::new(particles, kind.triangles.to_vec(), kind.rest)
-            .with_way(kind.way.into())
+            .with_correction(kind.correction.into())
             .with_softness(kind.softness.into())
     }
 
-    /// The same, corrected that way.
-    pub fn with_way(self, way: Way) -> Self {
-        Self { way, ..self }
+    /// The same with another correction.
+    pub fn with_correction(self, correction: SizeCorrection) -> Self {
+        Self { correction, ..self }
     }
 
     /// The same, as hard as that.
@@ -116,7 +122,7 @@ impl ParticleConstraint for PatchConstraint {
         ConstraintKind::Patch(Patch {
             triangles: self.triangles.as_slice().into(),
             rest: self.rest,
-            way: self.way.into(),
+            correction: self.correction.into(),
             softness: self.softness.into(),
         })
     }
@@ -175,8 +181,8 @@ pub struct VolumeConstraint {
     pub triangles: Vec<[u32; 3]>,
     /// Volume to keep, m³. More than it has at rest is pressure.
     pub rest: f32,
-    /// Along which way it is corrected; [`new`](Self::new) takes the gradient.
-    pub way: Way,
+    /// How it is corrected; [`new`](Self::new) takes the gradient.
+    pub correction: SizeCorrection,
     /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in m⁶/J along the gradient, and in m/N for scaling.
     pub softness: Softness,
 }
@@ -189,19 +195,25 @@ impl VolumeConstraint {
         rest: f32,
     ) -> Self {
         let (particles, triangles) = (particles.into(), triangles.into());
-        Self { particles, triangles, rest, way: Way::Gradient, softness: Softness::Hard }
+        Self {
+            particles,
+            triangles,
+            rest,
+            correction: SizeCorrection::Gradient,
+            softness: Softness::Hard,
+        }
     }
 
     /// A kind of constraint of the solver between some particles: [`Volume::of`] keeps a volume as it is.
     pub fn from_kind(particles: impl Into<Vec<Entity>>, kind: &Volume) -> Self {
         Self::new(particles, kind.triangles.to_vec(), kind.rest)
-            .with_way(kind.way.into())
+            .with_correction(kind.correction.into())
             .with_softness(kind.softness.into())
     }
 
-    /// The same, corrected that way.
-    pub fn with_way(self, way: Way) -> Self {
-        Self { way, ..self }
+    /// The same with another correction.
+    pub fn with_correction(self, correction: SizeCorrection) -> Self {
+        Self { correction, ..self }
     }
 
     /// The same, as hard as that.
@@ -219,26 +231,26 @@ impl ParticleConstraint for VolumeConstraint {
         ConstraintKind::Volume(Volume {
             triangles: self.triangles.as_slice().into(),
             rest: self.rest,
-            way: self.way.into(),
+            correction: self.correction.into(),
             softness: self.softness.into(),
         })
     }
 }
 
-impl From<Way> for sinew::constraints::Way {
-    fn from(way: Way) -> Self {
-        match way {
-            Way::Gradient => Self::Gradient,
-            Way::Scaling => Self::Scaling,
+impl From<SizeCorrection> for sinew::constraints::SizeCorrection {
+    fn from(correction: SizeCorrection) -> Self {
+        match correction {
+            SizeCorrection::Gradient => Self::Gradient,
+            SizeCorrection::Scaling => Self::Scaling,
         }
     }
 }
 
-impl From<sinew::constraints::Way> for Way {
-    fn from(way: sinew::constraints::Way) -> Self {
-        match way {
-            sinew::constraints::Way::Gradient => Self::Gradient,
-            sinew::constraints::Way::Scaling => Self::Scaling,
+impl From<sinew::constraints::SizeCorrection> for SizeCorrection {
+    fn from(correction: sinew::constraints::SizeCorrection) -> Self {
+        match correction {
+            sinew::constraints::SizeCorrection::Gradient => Self::Gradient,
+            sinew::constraints::SizeCorrection::Scaling => Self::Scaling,
         }
     }
 }
