@@ -94,6 +94,51 @@
 //! [`register_particle_constraint`](RegisterParticleConstraint::register_particle_constraint): `examples/custom_constraint.rs` is all of it. The
 //! constraints that come with the plugin come in by the same door.
 //!
+//! # Beside Avian
+//!
+//! Avian is a rigid-body engine; both may run in one app, each with its own bodies. Nine names of the two preludes are the same. An explicit import wins
+//! over both globs, so one list settles it:
+//!
+//! ```ignore
+//! use avian3d::prelude::*;
+//! use bevy_sinew::prelude::*;
+//! use avian3d::prelude::{
+//!     AngularVelocity, Collider, CollisionLayers, Gravity, GravityScale, LinearVelocity, Mass, Sensor, SubstepSchedule,
+//! };
+//! use bevy_sinew::{
+//!     AngularVelocity as SinewAngularVelocity, Collider as SinewCollider, CollisionLayers as SinewLayers, Gravity as SinewGravity,
+//!     GravityScale as SinewGravityScale, LinearVelocity as SinewLinearVelocity, Mass as SinewMass, Sensor as SinewSensor,
+//!     SubstepSchedule as SinewSubsteps,
+//! };
+//! ```
+//!
+//! | Avian 0.7 | here | why it differs |
+//! |---|---|---|
+//! | `PhysicsPlugins` | [`SinewPlugins`] | |
+//! | `RigidBody::Dynamic` and `Collider` | a recipe: [`RigidBox`], [`RigidMesh`], … | a body is made of particles; the recipe brings mass, inertia and shape |
+//! | `RigidBody::Static`, `Kinematic` and `Collider` | [`Collider`] alone | what has no particles is moved by its `Transform` or stands |
+//! | `Friction`, `Restitution` | [`SurfaceMaterial`] | one component, with the lectures' planar friction in it |
+//! | `CollisionLayers { memberships, filters }` | the same, 32 bits each | |
+//! | `Sensor`, `CollisionStart`, `CollisionEnd`, `CollidingEntities` | [`Sensor`], [`ContactStarted`], [`ContactEnded`], [`Touching`] | asked for by [`ContactEvents`]; messages and entity events |
+//! | `LinearVelocity`, `AngularVelocity`, `Mass` | the same | sums over the body's particles; writing them changes the body |
+//! | `ComputedCenterOfMass` | [`WorldCenterOfMass`] | in the world, since a soft body has no fixed frame |
+//! | `ConstantForce`, `Forces` | [`ExternalForce`], [`ControlForce`], [`BodyCommandsExt`] | |
+//! | `DistanceJoint`, `SphericalJoint`, `RevoluteJoint`, `FixedJoint` | [`DistanceConstraint`], [`ConeConstraint`], [`HingeConstraint`], [`Articulated`] | constraints name particles; a shared particle is a ball joint |
+//! | `JointDamping`, compliance | [`Softness`] | compliance, frequency with damping, or share |
+//! | `Sleeping` | [`Sleep`] | |
+//! | `SubstepCount`, `SolverConfig` | [`SolverConfig`], [`BodySolver`] | a body may ask for its own |
+//! | `Position`, `Rotation` | `Transform` | extracted once a tick, and read again only where a game changed it |
+//! | `PhysicsSchedule`, `SubstepSchedule` | [`SinewTick`], [`SubstepSchedule`] | every phase is a set of [`PhaseSystems`] |
+//! | `PhysicsInterpolationPlugin` | [`Interpolate`] | the same crate behind it |
+//!
+//! # Features
+//!
+//! | feature | default | what it brings |
+//! |---|---|---|
+//! | `gizmos` | yes | particles and constraints as lines |
+//! | `drag` | yes | [`MouseDragPlugin`] |
+//! | `interpolation` | yes | [`Interpolate`], through `bevy_transform_interpolation` |
+//!
 //! # The map
 //!
 //! | folder | what it holds |

@@ -149,8 +149,9 @@ fn a_mesh_gets_its_volume_back_and_the_gradient_costs_least() -> Vec<Row> {
         let rest: Vec<Vec3> = points.iter().map(|p| p.as_vec3()).collect();
         let mut costs = Vec::new();
         for correction in [SizeCorrection::Scaling, SizeCorrection::Gradient] {
-            let kind =
-                ConstraintKind::Volume(Volume::of(triangles.clone(), &rest).with_correction(correction));
+            let kind = ConstraintKind::Volume(
+                Volume::of(triangles.clone(), &rest).with_correction(correction),
+            );
             let sweeps = if correction == SizeCorrection::Scaling { 1 } else { 20 };
             let (cost, world) = cost(&now, kind, sweeps);
             let found = volume(&places(&world), &triangles);
@@ -241,8 +242,9 @@ fn shapes_keep_momentum_and_angular_momentum() -> Vec<Row> {
         .collect();
     let flat = folded(0.0);
     let bend = Bend::of([flat[0].0, flat[1].0, flat[2].0, flat[3].0]).expect("two triangles");
-    let mesh =
-        |correction| ConstraintKind::Volume(Volume::of(triangles.clone(), &rest).with_correction(correction));
+    let mesh = |correction| {
+        ConstraintKind::Volume(Volume::of(triangles.clone(), &rest).with_correction(correction))
+    };
     let patch = ConstraintKind::Patch(Patch::of(triangles.clone(), &rest));
     let mut rows = Vec::new();
     for (name, points, kind) in [
