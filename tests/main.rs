@@ -64,6 +64,7 @@ mod motion;
 mod own_constraints;
 mod phases;
 mod pictures;
+mod prelude;
 mod recipes;
 mod recipes_soft;
 mod representation;

@@ -43,7 +43,7 @@ fn there_is_a_camera_and_a_light_and_whatever_moves_is_drawn() {
     let world = app.world_mut();
     assert_eq!(world.query::<&Camera3d>().iter(world).count(), 1);
     assert_eq!(world.query::<&DirectionalLight>().iter(world).count(), 1);
-    let mut bodies = world.query_filtered::<Has<Mesh3d>, With<ParticleBody>>();
+    let mut bodies = world.query_filtered::<Has<Mesh3d>, With<bevy_sinew::ParticleBody>>();
     assert!(bodies.iter(world).count() > 1 && bodies.iter(world).all(|drawn| drawn));
 }
 

@@ -61,6 +61,7 @@ pub struct BodySolver {
 /// Along which gradient a hard distance or a rigid shape is corrected.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum GradientAt {
     /// To the nearest point. Robust; bleeds spin. The default.
     #[default]
@@ -72,6 +73,7 @@ pub enum GradientAt {
 /// How the solver goes through the constraints of a body.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Order {
     /// One after the other, again and again (Gauss–Seidel). The default.
     #[default]
@@ -85,6 +87,7 @@ pub enum Order {
 /// How a world steps through time. [`sinew::integrate`] compares them.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Integrator {
     /// Order 2, keeps energy. The default.
     #[default]

@@ -190,9 +190,9 @@ pub use components::{
     RigidConstraint, SizeCorrection, TetrahedronConstraint, VolumeConstraint,
 };
 pub use components::{
-    BodyContacts, Collider, ColliderFault, ColliderMotion, ColliderShape, CollisionLayers, Combine,
-    ContactCache, ContactEnded, ContactEvents, ContactShape, ContactStarted, ContactsDisabled,
-    RestPlace, Sensor, Sleep, SurfaceMaterial, Touching,
+    BodyContacts, Collider, ColliderFault, ColliderMotion, ColliderShape, CollisionLayer,
+    CollisionLayers, Combine, ContactCache, ContactEnded, ContactEvents, ContactShape,
+    ContactStarted, ContactsDisabled, RestPlace, Sensor, Sleep, SurfaceMaterial, Touching,
 };
 pub use components::{ControlForce, ExternalImpulse, ExternalTorque, Inertia, TickForces};
 pub use config::{BodySolver, GradientAt, Integrator, Order, SolverConfig};
@@ -214,9 +214,10 @@ pub use schedule::{
 #[cfg(feature = "gizmos")]
 pub use show::{SinewGizmoConfigGroup, SinewGizmoPlugin};
 pub use sinew;
+pub use sinew_derive::CollisionLayer;
 pub use step::RegisterParticleConstraint;
 pub use threads::{ComputePool, SinewWorkers};
-pub use world::SinewWorld;
+pub use world::{ParticlesMut, SinewWorld};
 
 /// What most games want in scope: some fifty names, none of which is in Bevy's prelude. Everything else is at the root of the crate.
 ///

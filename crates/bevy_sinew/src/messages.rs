@@ -14,7 +14,8 @@ use crate::components::ColliderFault;
 /// Something was set aside, or put back. The rest of the simulation goes on as if it were not there.
 ///
 /// Sent once when it happens, and again only after it was mended and broke anew. It is logged as a warning as well.
-#[derive(Message, Clone, Debug, PartialEq)]
+#[derive(Message, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Clone, PartialEq)]
 pub struct Refused {
     /// The particle, spring, constraint or body.
     pub entity: Entity,
@@ -23,7 +24,9 @@ pub struct Refused {
 }
 
 /// Why something was refused. Its text reads on after the name of the entity.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Reflect, Clone, Debug, PartialEq, thiserror::Error)]
+#[reflect(opaque, Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Refusal {
     /// A particle with a bad number; it is left out until the number is mended.
     #[error("is set aside: {0}")]

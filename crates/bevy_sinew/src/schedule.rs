@@ -12,6 +12,7 @@ use crate::world::SinewWorld;
 /// sets: `.before(SinewSystems::Build)` there is before the tick, `.after(SinewSystems::Extract)` after it, and a place between two of them is a
 /// cycle, which Bevy refuses.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum SinewSystems {
     /// Recipes of new bodies become particles and constraints.
     Build,
@@ -30,6 +31,7 @@ pub enum SinewSystems {
 /// A game adds a force of its own to [`AccumulateForces`](Self::AccumulateForces) with `.in_set(...)`, or puts a system between two sets; it works on
 /// the columns of [`SinewWorld`].
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum PhaseSystems {
     /// Gravity, the game's own forces and springs are summed up; so is what a game adds to this set, in any order.
     AccumulateForces,

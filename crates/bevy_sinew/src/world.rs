@@ -1,6 +1,7 @@
 //! The solver's working copy of the components, and the tables that lead from one to the other. Scratch: it is refilled at the start
 //! of every tick, and nothing in it survives one.
 
+use core::ops::Deref;
 use std::collections::BTreeSet;
 
 use bevy::ecs::entity::EntityHashMap;
@@ -28,9 +29,9 @@ impl SinewWorld {
         &self.simulation.particles
     }
 
-    /// The particles of this substep, to add forces to or to move.
-    pub fn particles_mut(&mut self) -> &mut Particles {
-        &mut self.simulation.particles
+    /// The particles of this substep, to add forces to or to move. What there is of them follows from components alone.
+    pub fn particles_mut(&mut self) -> ParticlesMut<'_> {
+        ParticlesMut(&mut self.simulation.particles)
     }
 
     /// The simulation: settings, forces and constraints as gathered for this tick.
@@ -64,6 +65,71 @@ impl SinewWorld {
     /// Energies and momenta of everything, J, kg·m/s and kg·m²/s, as of the end of the last tick.
     pub fn ledger(&mut self) -> sinew::Ledger {
         self.simulation.ledger()
+    }
+}
+
+/// The particles of a substep as a game's system between two [phases](crate::PhaseSystems) may change them: forces, velocities and positions. It reads as
+/// [`Particles`] does. A row out of range panics, as an index does; a number that is not finite makes that particle alone non-finite, and the tick's end
+/// puts it back to where the tick began.
+pub struct ParticlesMut<'w>(&'w mut Particles);
+
+impl Deref for ParticlesMut<'_> {
+    type Target = Particles;
+
+    fn deref(&self) -> &Particles {
+        self.0
+    }
+}
+
+impl ParticlesMut<'_> {
+    /// Adds a force to particle `i` in this substep, N. Before [`Integrate`](crate::PhaseSystems::Integrate) only.
+    pub fn add_force(&mut self, i: usize, force: Vec3) {
+        self.0.add_force(i, force);
+    }
+
+    /// Adds an acceleration to particle `i` in this substep, m/s², whatever its mass. Before [`Integrate`](crate::PhaseSystems::Integrate) only.
+    pub fn add_acceleration(&mut self, i: usize, acceleration: Vec3) {
+        self.0.add_acceleration(i, acceleration);
+    }
+
+    /// Adds a drag of `rate` per second, 0 and up, towards a velocity, m/s, to particle `i` in this substep.
+    pub fn drag_towards(&mut self, i: usize, rate: f32, velocity: Vec3) {
+        self.0.drag_towards(i, rate, velocity);
+    }
+
+    /// Scales the gravity that particle `i` feels, for the rest of this tick.
+    pub fn scale_gravity(&mut self, i: usize, factor: f32) {
+        self.0.scale_gravity(i, factor);
+    }
+
+    /// Puts particle `i` somewhere, metres in the world. Its velocity stays.
+    pub fn set_position(&mut self, i: usize, position: Vec3) {
+        self.0.set_position(i, position);
+    }
+
+    /// Moves particle `i` by so much, metres. Its velocity stays.
+    pub fn displace(&mut self, i: usize, displacement: Vec3) {
+        self.0.displace(i, displacement);
+    }
+
+    /// Gives particle `i` a velocity, m/s.
+    pub fn set_velocity(&mut self, i: usize, velocity: Vec3) {
+        self.0.set_velocity(i, velocity);
+    }
+
+    /// Adds an impulse to particle `i`, N·s. A pinned particle does not feel it.
+    pub fn add_impulse(&mut self, i: usize, impulse: Vec3) {
+        self.0.add_impulse(i, impulse);
+    }
+
+    /// Adds an impulse, N·s, to some particles as a whole, at a point in the world, metres.
+    pub fn apply_impulse_at(&mut self, rows: &[u32], impulse: Vec3, point: Vec3) {
+        self.0.apply_impulse_at(rows, impulse, point);
+    }
+
+    /// Adds an angular impulse, N·m·s, to some particles about their barycentre.
+    pub fn apply_angular_impulse(&mut self, rows: &[u32], angular_impulse: Vec3) {
+        self.0.apply_angular_impulse(rows, angular_impulse);
     }
 }
 

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 /// One change to a body, a rigid part or a particle: [`BodyCommandsExt`](super::BodyCommandsExt) says what each does. It is an `EntityCommand`.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Clone, PartialEq)]
+#[non_exhaustive]
 pub enum BodyEdit {
     /// A force at the barycentre for the next tick, N.
     Force(Vec3),
@@ -58,6 +59,7 @@ impl BodyEdit {
 
 /// Why a command or a control force has no effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum EditFault {
     /// A number that it was given is NaN or infinite, or a rotation is none; or what comes of it is.
     #[error("a number of what is asked of it is not finite, or would not be")]

@@ -199,6 +199,7 @@ impl Default for GravityScale {
 /// and written back; whatever pulls at one of its particles pulls at all. The distances and constraints inside it rest meanwhile.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Representation {
     /// As particles that constraints hold together. The default.
     #[default]

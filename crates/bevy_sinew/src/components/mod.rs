@@ -17,9 +17,9 @@ pub use body::{
     WorldCenterOfMass,
 };
 pub use collide::{
-    BodyContacts, Collider, ColliderFault, ColliderMotion, ColliderShape, CollisionLayers, Combine,
-    ContactCache, ContactEnded, ContactEvents, ContactShape, ContactStarted, ContactsDisabled,
-    RestPlace, Sensor, SurfaceMaterial, Touching,
+    BodyContacts, Collider, ColliderFault, ColliderMotion, ColliderShape, CollisionLayer,
+    CollisionLayers, Combine, ContactCache, ContactEnded, ContactEvents, ContactShape,
+    ContactStarted, ContactsDisabled, RestPlace, Sensor, SurfaceMaterial, Touching,
 };
 pub use constraint::{
     AngleConstraint, AnyConstraint, AreaConstraint, BendConstraint, Bound, CollinearConstraint,

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 /// How hard a constraint is enforced; the same at any number of sweeps and substeps.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Softness {
     /// Exactly, as far as the sweeps go. The default.
     #[default]

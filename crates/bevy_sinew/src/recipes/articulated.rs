@@ -60,6 +60,7 @@ pub struct Bone {
 /// How a [`Bone`] is joined to its parent, at its head.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum BoneJoint {
     /// It turns about a point.
     Ball {

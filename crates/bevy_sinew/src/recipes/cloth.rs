@@ -35,6 +35,7 @@ pub struct Cloth {
 /// What a cloth is cut like.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum ClothShape {
     /// A rectangle about the origin of the body's xy plane, in equal cells; it is given a mesh with texture coordinates.
     Grid {
@@ -55,6 +56,7 @@ pub enum ClothShape {
 /// Which particles of a cloth are held where they are, in the body's own frame.
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum ClothPins {
     /// None: it falls.
     #[default]

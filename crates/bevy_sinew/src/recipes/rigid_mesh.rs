@@ -48,6 +48,7 @@ pub struct RigidMesh {
 /// The shape of a [`RigidMesh`].
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum RigidShape {
     /// The inside of the entity's `Mesh3d`, once it is loaded: a closed surface that faces outwards, dents and all. The default.
     #[default]

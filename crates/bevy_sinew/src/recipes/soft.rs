@@ -53,6 +53,7 @@ pub struct SoftBody {
 /// The shape of a [`SoftBody`].
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum SoftShape {
     /// The entity's `Mesh3d`, once it is loaded, as a skin around a volume: closed, facing outwards. Vertices at the same place become one particle.
     /// The entity is given a mesh of its own, so that others that share the handle keep theirs.

@@ -35,6 +35,7 @@ pub struct ContactsDisabled;
 /// What of a body touches others.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum ContactShape {
     /// What lets nothing through at the least cost. The default:
     ///

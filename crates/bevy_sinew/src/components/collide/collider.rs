@@ -74,6 +74,7 @@ pub struct ColliderShape(pub Shape);
 
 /// Why a collider is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ColliderFault {
     /// It is no shape, or is none when it is scaled as its transform asks for.
     #[error(transparent)]

@@ -19,7 +19,8 @@ pub struct ContactEvents;
 pub struct Touching(#[entities] pub Vec<Entity>);
 
 /// A contact that began in this tick, of an entity with [`ContactEvents`].
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
+#[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Clone, PartialEq)]
 pub struct ContactStarted {
     /// Who asked.
     pub entity: Entity,
@@ -37,7 +38,8 @@ pub struct ContactStarted {
 
 /// A contact that was there in the last tick and is not any more, of an entity with [`ContactEvents`]. The other one may be gone, and so may be the
 /// entity. The contacts of a body end, too, when it is built anew in another size or gets another parent; those that it has all the same begin again.
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Clone, PartialEq)]
 pub struct ContactEnded {
     /// Who asked.
     pub entity: Entity,

@@ -26,7 +26,7 @@ pub use collider::{Collider, ColliderFault, ColliderShape};
 pub use contact_cache::ContactCache;
 pub use events::{ContactEnded, ContactEvents, ContactStarted, Touching};
 pub use motion::ColliderMotion;
-pub use surface::{CollisionLayers, Combine, Sensor, SurfaceMaterial};
+pub use surface::{CollisionLayer, CollisionLayers, Combine, Sensor, SurfaceMaterial};
 
 pub(crate) use motion::PlacedCollider;
 

@@ -42,12 +42,16 @@ pub enum Combine {
 /// that collides with all.
 ///
 /// ```
-/// # use bevy_sinew::CollisionLayers;
-/// const WALLS: u32 = 0;
-/// const PLAYERS: u32 = 1;
-/// const GHOST: CollisionLayers = CollisionLayers::of(&[2], &[PLAYERS]);
-/// const PLAYER: CollisionLayers = CollisionLayers::of(&[PLAYERS], &[WALLS, 2]);
-/// assert!(GHOST.meets(PLAYER) && !GHOST.meets(CollisionLayers::default()));
+/// # use bevy_sinew::{CollisionLayer, CollisionLayers};
+/// #[derive(CollisionLayer, Clone, Copy)]
+/// enum Layer {
+///     Wall,
+///     Player,
+///     Ghost,
+/// }
+/// let ghost = CollisionLayers::of_layers([Layer::Ghost], [Layer::Player]);
+/// let player = CollisionLayers::of_layers([Layer::Player], [Layer::Wall, Layer::Ghost]);
+/// assert!(ghost.meets(player) && !ghost.meets(CollisionLayers::default()));
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Clone, PartialEq)]
@@ -56,6 +60,12 @@ pub struct CollisionLayers {
     pub memberships: u32,
     /// Layers that it collides with, a bit each. Default all.
     pub filters: u32,
+}
+
+/// A collision layer by a name: a variant of an enum that derives this, which makes it one of the layers 0 to 31.
+pub trait CollisionLayer {
+    /// Which layer it is, 0 to 31; others are no layers.
+    fn number(&self) -> u32;
 }
 
 /// A [`Collider`](super::Collider) that only notices what touches it, and lets it through.
@@ -144,6 +154,14 @@ impl CollisionLayers {
         Self { memberships: bits(memberships), filters: bits(filters) }
     }
 
+    /// The same from layers by their names.
+    pub fn of_layers<M: CollisionLayer, F: CollisionLayer>(
+        memberships: impl IntoIterator<Item = M>,
+        filters: impl IntoIterator<Item = F>,
+    ) -> Self {
+        Self { memberships: named(memberships), filters: named(filters) }
+    }
+
     /// A member of these layers, by their numbers, that collides with all.
     pub const fn in_layers(memberships: &[u32]) -> Self {
         Self { memberships: bits(memberships), filters: u32::MAX }
@@ -158,6 +176,10 @@ impl CollisionLayers {
     pub(crate) const fn layers(self) -> Layers {
         Layers::new(self.memberships, self.filters)
     }
+}
+
+fn named<L: CollisionLayer>(layers: impl IntoIterator<Item = L>) -> u32 {
+    layers.into_iter().fold(0, |sum, layer| sum | bits(&[layer.number()]))
 }
 
 const fn bits(layers: &[u32]) -> u32 {

@@ -58,6 +58,7 @@ pub struct Floats {
 /// The shape by which a body floats. All but surfaces need a [`RigidPose`](crate::RigidPose) on the same entity, and are in its frame, metres.
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum HullShape {
     /// Its own: where a [`BodyPart`](crate::BodyPart) tells its size, a solid box of that size, as for a [`RigidBox`](crate::RigidBox),
     /// wherever in it the particles are (a flat one is as thick as its `size.z`); of anything else the [`WindSurface`](crate::WindSurface). The

@@ -21,6 +21,7 @@ pub struct Region {
 /// A shape about the origin of its entity, metres.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum RegionShape {
     /// A box.
     Box {

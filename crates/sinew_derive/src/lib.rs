@@ -1,0 +1,77 @@
+//! The derive macro of `bevy_sinew`, which re-exports it: a crate of its own because the language asks for one. An enum without fields is read
+//! faster by hand than a parser for all of Rust is compiled, so it depends on nothing.
+
+use proc_macro::{Delimiter, Spacing, TokenStream, TokenTree};
+
+/// The most layers that there are: a bit each of 32.
+const MOST: usize = 32;
+
+/// Implements `bevy_sinew::CollisionLayer`: the variants are layers 0, 1, 2, … in the order in which they stand.
+///
+/// # Errors
+/// What is no enum, a variant with fields or a discriminant, a generic enum, one without variants, and one of more than 32 do not compile.
+#[proc_macro_derive(CollisionLayer, attributes(default))]
+pub fn collision_layer(input: TokenStream) -> TokenStream {
+    let code = match layers(input) {
+        Ok((name, variants)) => implementation(&name, &variants),
+        Err(what) => format!("::core::compile_error!({what:?});"),
+    };
+    code.parse().unwrap_or_default()
+}
+
+/// The name of the enum, and those of its variants.
+fn layers(input: TokenStream) -> Result<(String, Vec<String>), &'static str> {
+    let mut tokens = input.into_iter();
+    // Attributes and visibility stand before the keyword.
+    tokens
+        .find(|token| matches!(token, TokenTree::Ident(word) if word.to_string() == "enum"))
+        .ok_or("a collision layer is a variant of an enum")?;
+    let Some(TokenTree::Ident(name)) = tokens.next() else {
+        return Err("an enum has a name");
+    };
+    let Some(TokenTree::Group(body)) = tokens.next() else {
+        return Err("an enum of collision layers has no parameters");
+    };
+    if body.delimiter() != Delimiter::Brace {
+        return Err("an enum has variants");
+    }
+    let variants = variants(body.stream())?;
+    if variants.is_empty() || variants.len() > MOST {
+        return Err("there are 1 to 32 collision layers");
+    }
+    Ok((name.to_string(), variants))
+}
+
+fn variants(body: TokenStream) -> Result<Vec<String>, &'static str> {
+    let mut names = Vec::new();
+    let mut tokens = body.into_iter();
+    while let Some(token) = tokens.next() {
+        match token {
+            // An attribute: `#` and a group.
+            TokenTree::Punct(mark) if mark.as_char() == '#' && mark.spacing() == Spacing::Alone => {
+                tokens.next();
+            }
+            TokenTree::Ident(name) => {
+                names.push(name.to_string());
+                match tokens.next() {
+                    None => {}
+                    Some(TokenTree::Punct(mark)) if mark.as_char() == ',' => {}
+                    Some(_) => {
+                        return Err("a collision layer has neither fields nor a number of its own");
+                    }
+                }
+            }
+            _ => return Err("a collision layer is a variant of an enum"),
+        }
+    }
+    Ok(names)
+}
+
+fn implementation(name: &str, variants: &[String]) -> String {
+    let arms = variants.iter().enumerate();
+    let arms: String =
+        arms.map(|(number, variant)| format!("Self::{variant} => {number},")).collect();
+    format!(
+        "impl ::bevy_sinew::CollisionLayer for {name} {{ fn number(&self) -> u32 {{ match self {{ {arms} }} }} }}"
+    )
+}
