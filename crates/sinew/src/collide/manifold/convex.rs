@@ -45,7 +45,7 @@ pub(super) fn on_triangles(
     a_in_b: &Frame,
     reach: f32,
     scratch: &mut Scratch,
-    out: &mut impl FnMut(&Manifold),
+    out: &mut dyn FnMut(&Manifold),
 ) {
     if !a_in_b.translation.is_finite() {
         return;

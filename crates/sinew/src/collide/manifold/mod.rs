@@ -156,7 +156,7 @@ pub(crate) fn collide(
     a_in_b: &Frame,
     reach: f32,
     scratch: &mut Scratch,
-    out: &mut impl FnMut(&Manifold),
+    out: &mut dyn FnMut(&Manifold),
 ) {
     if rank(a.kind()) <= rank(b.kind()) {
         return in_order(a, b, a_in_b, reach, scratch, out);
@@ -176,14 +176,13 @@ pub(crate) fn is_of_triangles(shape: &Shape) -> bool {
 }
 
 /// The same for the two in the order of their rank, so that each pair of kinds is written once.
-#[inline(always)]
 fn in_order(
     a: &Shape,
     b: &Shape,
     a_in_b: &Frame,
     reach: f32,
     scratch: &mut Scratch,
-    out: &mut impl FnMut(&Manifold),
+    out: &mut dyn FnMut(&Manifold),
 ) {
     let found = match (a.kind(), b.kind()) {
         (Kind::HalfSpace | Kind::Mesh | Kind::HeightField, _) => return,
