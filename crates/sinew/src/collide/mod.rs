@@ -17,6 +17,7 @@
 //! | `friction` | Coulomb's law in positions |
 //! | `stage` | all of it in its order |
 //! | `impact` | what has touched what, for the report |
+//! | `words` | what has private parts as plain words, to be stored |
 
 mod body_contact;
 mod bounds;
@@ -33,6 +34,7 @@ mod particle_contact;
 mod shape;
 mod stage;
 mod triangles;
+mod words;
 
 pub use body_contact::{BodyCollider, BodyColliderFault, CachedManifold, ContactCache};
 pub use collider::Collider;

@@ -25,6 +25,7 @@ use glam::Vec3;
 
 use super::super::Frame;
 use super::super::manifold::Manifold;
+use super::super::words::{Reader, Write};
 use super::wide_contact::{Contact, WideContact, may_slide, may_turn, set, staleness_rate};
 
 /// How much farther than needed manifolds are looked for, as a share of the smaller one's size: two that have moved against each other by less than
@@ -129,6 +130,64 @@ impl ContactCache {
 }
 
 impl CachedManifold {
+    /// All of it as words, for whoever stores what contacts remember. Floats stand by their bits.
+    pub fn to_words(&self) -> Vec<u32> {
+        let Self { key, content_hashes, manifold, seen_from, reach, friction_anchor } = self;
+        let mut words = Vec::new();
+        words.long(key.a);
+        let (kind, id, wall) = match key.other {
+            Other::BodyCollider(id) => (0, id, 0),
+            Other::Collider(id) => (1, id, 0),
+            Other::Plane(id) => (2, id, 0),
+            Other::Wall(id, wall) => (3, id, wall),
+        };
+        words.push(kind);
+        words.long(id);
+        words.extend([wall, key.nth]);
+        content_hashes.iter().for_each(|&hash| words.long(hash));
+        manifold.write(&mut words);
+        words.vec3(seen_from.translation);
+        words.mat3(seen_from.rotation);
+        words.float(*reach);
+        let FrictionAnchor { force, accumulated_slip, twist, up, arm, radius } = friction_anchor;
+        words.float(*force);
+        words.vec3(*accumulated_slip);
+        words.float(*twist);
+        words.vec3(*up);
+        words.vec3(*arm);
+        words.float(*radius);
+        words
+    }
+
+    /// The same from its words. `None` if they are too few, too many, or of nothing that there is.
+    pub fn from_words(words: &[u32]) -> Option<Self> {
+        let mut reader = Reader(words);
+        let a = reader.long()?;
+        let (kind, id) = (reader.word()?, reader.long()?);
+        let (wall, nth) = (reader.word()?, reader.word()?);
+        let other = match kind {
+            0 => Other::BodyCollider(id),
+            1 => Other::Collider(id),
+            2 => Other::Plane(id),
+            3 => Other::Wall(id, wall),
+            _ => return None,
+        };
+        let key = ContactKey { a, other, nth };
+        let content_hashes = [reader.long()?, reader.long()?];
+        let manifold = Manifold::read(&mut reader)?;
+        let seen_from = Frame { translation: reader.vec3()?, rotation: reader.mat3()? };
+        let reach = reader.float()?;
+        let friction_anchor = FrictionAnchor {
+            force: reader.float()?,
+            accumulated_slip: reader.vec3()?,
+            twist: reader.float()?,
+            up: reader.vec3()?,
+            arm: reader.vec3()?,
+            radius: reader.float()?,
+        };
+        reader.all(Self { key, content_hashes, manifold, seen_from, reach, friction_anchor })
+    }
+
     /// How stale the manifold is: how far the two have turned and slid since it was found, as `WideContact` has it; `None` where it holds no longer.
     /// `here` is where the first one is in the second one's coordinates now, `size` how far it reaches and the smaller one of the two, and `reach`
     /// how near they may come.

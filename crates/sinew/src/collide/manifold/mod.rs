@@ -27,6 +27,7 @@ mod tests;
 use glam::Vec3;
 
 use super::shape::Kind;
+use super::words::{Reader, Write};
 use super::{Frame, Shape};
 
 pub(crate) use broad::{Broad, Clusters};
@@ -105,6 +106,38 @@ impl Manifold {
             (point.on_a, point.on_b) = (point.on_b, point.on_a);
         }
         manifold
+    }
+
+    /// Appends it as words.
+    pub(crate) fn write(&self, words: &mut Vec<u32>) {
+        let Self { normal, points, len, part, radii, axial, free, slope } = self;
+        words.vec3(*normal);
+        words.push(*len);
+        for point in points {
+            words.vec3(point.on_a);
+            words.vec3(point.on_b);
+            words.float(point.distance);
+        }
+        words.push(*part);
+        words.extend([radii[0].to_bits(), radii[1].to_bits()]);
+        words.extend(axial.map(u32::from));
+        words.extend([free.to_bits(), slope.to_bits()]);
+    }
+
+    /// Reads it from words.
+    pub(crate) fn read(reader: &mut Reader) -> Option<Self> {
+        let normal = reader.vec3()?;
+        let len = reader.word().filter(|&len| len <= 4)?;
+        let mut points = [Point::default(); 4];
+        for point in &mut points {
+            let (on_a, on_b) = (reader.vec3()?, reader.vec3()?);
+            *point = Point { on_a, on_b, distance: reader.float()? };
+        }
+        let part = reader.word()?;
+        let radii = [reader.float()?, reader.float()?];
+        let axial = [reader.word()? != 0, reader.word()? != 0];
+        let (free, slope) = (reader.float()?, reader.float()?);
+        Some(Self { normal, points, len, part, radii, axial, free, slope })
     }
 
     /// Whether one of the two is round.

@@ -56,12 +56,20 @@ impl Hull {
         let corners: Vec<Vec3> = used.iter().map(|&i| points[i as usize]).collect();
         let number = |i: u32| used.partition_point(|&other| other < i) as u32;
         let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(number)).collect();
+        Self::of_triangles(corners, &triangles)
+    }
+
+    /// Checks the size and makes the faces, where the corners and the triangles between them are known. The triangles of a hull make the same one again.
+    pub(super) fn of_triangles(
+        corners: Vec<Vec3>,
+        triangles: &[[u32; 3]],
+    ) -> Result<Self, ShapeFault> {
         let (low, high) = super::extent::around(&corners);
         let extent = (high - low).max_element();
         if !is_length(extent) {
             return Err(ShapeFault::Size);
         }
-        let hull = Self::merged(corners, &triangles, f64::from(extent) * IN_PLANE);
+        let hull = Self::merged(corners, triangles, f64::from(extent) * IN_PLANE);
         // A body thinner than rounding has no inside.
         let depth = |face: &Face| {
             let least =

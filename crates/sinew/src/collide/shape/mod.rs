@@ -11,6 +11,7 @@
 //! | `mesh`, `height` | triangles in any order; triangles over a grid |
 //! | `extent`, `scale` | the box around a shape; the same shape in another size |
 //! | `content_hash` | a number made of what a shape is |
+//! | `words` | a shape as plain words, to be stored |
 //! | `convert` | the shapes that `parry3d` knows, for what two solids do to each other |
 
 mod coarse;
@@ -28,6 +29,7 @@ mod scale;
 mod surface;
 mod tree;
 mod triangle;
+mod words;
 
 use std::sync::{Arc, OnceLock};
 
