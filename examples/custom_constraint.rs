@@ -15,8 +15,9 @@ const MINOR: f32 = 0.35;
 const MARBLE: f32 = 0.06;
 
 /// Keeps a particle on a torus around the z axis: plain data, to add, change or despawn while the game runs.
-#[derive(Component)]
+#[derive(Component, Clone)]
 struct OnTorus {
+    #[entities]
     particle: Entity,
     centre: Vec3,
     major: f32,

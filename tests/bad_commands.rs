@@ -2,10 +2,11 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyEdit, EditFault, ExtractedTransform, ParticleBody, PendingEdits, Refusal};
+use bevy_sinew::{
+    BodyEdit, EditFault, ExtractedTransform, ParticleBody, PendingEdits, Refusal, SinewSnapshot,
+};
 
 use crate::commands::{PUSH, SPIN, brick, built, command, momenta, space};
-use crate::snapshot::Snapshot;
 use crate::support::{forget, hash, heard, particles_of, position, tick};
 
 #[test]
@@ -106,9 +107,9 @@ fn edits_that_wait_are_part_of_the_state() {
     let late = app.world_mut().spawn(ParticleBody).id();
     app.world_mut().entity_mut(late).insert(bevy_sinew::CreationOrder::default());
     command(&mut app, late, |late| _ = late.apply_impulse(PUSH));
-    let saved = Snapshot::take(app.world_mut());
+    let saved = SinewSnapshot::capture(app.world());
     app.world_mut().get_mut::<PendingEdits>(late).unwrap().0.clear();
-    saved.put_back(app.world_mut());
+    saved.restore(app.world_mut()).unwrap();
     let kept = app.world().get::<PendingEdits>(late).unwrap();
     assert_eq!(kept.0, [BodyEdit::Impulse(PUSH)]);
 }

@@ -3,10 +3,10 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{ColliderFault, ColliderMotion, Refusal, SinewClock};
+use bevy_sinew::{ColliderFault, ColliderMotion, Refusal, SinewClock, SinewSnapshot};
 
 use crate::bad_input::refused;
-use crate::snapshot::{Snapshot, hashes, roll_back_in_every_tick};
+use crate::snapshot::{hashes, roll_back_in_every_tick};
 use crate::support::{app, assert_finite, busy_scene, forget, hash_of, heard, position, tick};
 
 const BAD: f32 = f32::NAN;
@@ -222,9 +222,9 @@ fn cloned_and_put_back_with_a_moving_collider_all_happens_again() {
     let mut app = app();
     fair(&mut app);
     tick(&mut app, 40);
-    let saved = Snapshot::take(app.world_mut());
+    let saved = SinewSnapshot::capture(app.world());
     let first = hashes(&mut app, 60);
-    saved.put_back(app.world_mut());
+    saved.restore(app.world_mut()).unwrap();
     assert_eq!(hashes(&mut app, 60), first);
     assert_eq!(heard(&app), []);
     assert_finite(&mut app);
@@ -235,11 +235,11 @@ fn a_fresh_app_that_is_given_the_colliders_goes_on_as_the_old_one_did() {
     let mut old = app();
     fair(&mut old);
     tick(&mut old, 40);
-    let saved = Snapshot::take(old.world_mut());
+    let saved = SinewSnapshot::capture(old.world());
     let expected = hashes(&mut old, 60);
     let mut new = app();
     new.add_systems(FixedUpdate, turn);
-    let map = saved.spawn(new.world_mut());
+    let map = saved.restore(new.world_mut()).unwrap();
     let world = old.world_mut();
     for entity in world.query_filtered::<Entity, With<Carousel>>().iter(world) {
         new.world_mut().entity_mut(map[&entity]).insert(Carousel);

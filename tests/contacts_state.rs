@@ -2,10 +2,11 @@
 //! again.
 
 use bevy::prelude::*;
+use bevy_sinew::SinewSnapshot;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{ContactCache, ContactShape};
 
-use crate::snapshot::{Snapshot, hashes, roll_back_in_every_tick};
+use crate::snapshot::{hashes, roll_back_in_every_tick};
 use crate::support::{app, hash, heard, tick};
 
 /// A ramp over a floor, boxes that tumble down it onto each other, a figure beside them, a sheet that folds up on a ball, marbles in a net, a rope
@@ -60,11 +61,11 @@ fn contacts_put_back_lead_to_the_same_bits_while_bodies_hit_each_other_and_when_
     // In the air, among the first hits, and when the first are asleep.
     for ticks in [20, 40, 240] {
         tick(&mut app, ticks);
-        let saved = Snapshot::take(app.world_mut());
+        let saved = SinewSnapshot::capture(app.world());
         let there = hash(&mut app);
         let first = hashes(&mut app, 60);
         slept.push(asleep(&mut app));
-        saved.put_back(app.world_mut());
+        saved.restore(app.world_mut()).unwrap();
         assert_eq!(hash(&mut app), there, "it is put back");
         assert_eq!(hashes(&mut app, 60), first, "after {ticks} more ticks");
     }
@@ -85,9 +86,9 @@ fn a_fresh_app_that_is_given_bodies_in_contact_goes_on_as_the_old_one_did() {
     let mut old = app();
     colliding_scene(&mut old);
     tick(&mut old, 60);
-    let saved = Snapshot::take(old.world_mut());
+    let saved = SinewSnapshot::capture(old.world());
     let mut new = app();
-    saved.spawn(new.world_mut());
+    saved.restore(new.world_mut()).unwrap();
     assert_eq!(hashes(&mut new, 60), hashes(&mut old, 60));
 }
 

@@ -2,10 +2,10 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BoxParticles, ConstraintOf, EditFault, Inertia, Refusal};
+use bevy_sinew::{BoxParticles, ConstraintOf, EditFault, Inertia, Refusal, SinewSnapshot};
 
 use crate::commands::{brick, space};
-use crate::snapshot::Snapshot;
+use crate::snapshot::clear;
 use crate::support::{hash, heard, tick};
 
 /// Of the brick of 1 × 2 × 3 m and 6 kg, kg·m².
@@ -182,14 +182,14 @@ fn a_rollback_under_control_goes_the_same_way_again() {
     let thrust = ControlForce::new(Vec3::Y * 9.0).on(body).at(Vec3::X * 0.3).local();
     app.world_mut().spawn(thrust);
     tick(&mut app, 20);
-    let saved = Snapshot::take(app.world_mut());
+    let saved = SinewSnapshot::capture(app.world());
     tick(&mut app, 20);
     let first = hash(&mut app);
-    saved.put_back(app.world_mut());
+    saved.restore(app.world_mut()).unwrap();
     tick(&mut app, 20);
     assert_eq!(hash(&mut app), first);
-    Snapshot::clear(app.world_mut());
-    saved.spawn(app.world_mut());
+    clear(app.world_mut());
+    saved.restore(app.world_mut()).unwrap();
     tick(&mut app, 20);
     assert_eq!(hash(&mut app), first, "under new ids");
 }

@@ -6,10 +6,9 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::{HullFault, ParticleFault};
 use bevy_sinew::{
     AirFlow, Attractor, BoxParticles, Charge, CreationOrder, Electric, ElectricField, Flatland,
-    HullShape, Refusal, WindSurface,
+    HullShape, Refusal, SinewSnapshot, WindSurface,
 };
 
-use crate::snapshot::Snapshot;
 use crate::support::{bare_app, bits, hash, heard, tick};
 
 /// Who is who in the scene.
@@ -107,13 +106,13 @@ fn each_number_edited_live_takes_effect_in_the_next_tick() {
         ("flat", |a, _| _ = a.world_mut().spawn(Flatland)),
     ];
     let (mut app, cast) = played(30);
-    let start = Snapshot::take(app.world_mut());
+    let start = SinewSnapshot::capture(app.world());
     tick(&mut app, 1);
     let unedited = hash(&mut app);
     // From the same instant under new ids, as some edits leave something behind.
     let after = |name: &str, change: Edit| {
         let mut app = bare_app();
-        let map = start.spawn(app.world_mut());
+        let map = start.restore(app.world_mut()).unwrap();
         let of = |entity: Entity| map[&entity];
         let cast = Cast {
             wind: of(cast.wind),
@@ -310,7 +309,7 @@ fn what_is_mended_acts_again_and_is_named_again_when_it_breaks_again() {
 #[test]
 fn all_forces_go_on_from_cloned_components_bit_for_bit() {
     let (mut app, _) = played(40);
-    let saved = Snapshot::take(app.world_mut());
+    let saved = SinewSnapshot::capture(app.world());
     let go_on = |app: &mut App| -> Vec<u64> {
         (0..60)
             .map(|_| {
@@ -320,10 +319,10 @@ fn all_forces_go_on_from_cloned_components_bit_for_bit() {
             .collect()
     };
     let first = go_on(&mut app);
-    saved.put_back(app.world_mut());
+    saved.restore(app.world_mut()).unwrap();
     assert_eq!(go_on(&mut app), first, "put back in place");
     let mut fresh = bare_app();
-    saved.spawn(fresh.world_mut());
+    saved.restore(fresh.world_mut()).unwrap();
     assert_eq!(go_on(&mut fresh), first, "in an app that never saw it");
     assert_eq!(heard(&app), []);
 }

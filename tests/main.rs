@@ -5,6 +5,10 @@
 //! | `allocations` | a warm tick asks for no memory |
 //! | `phases` | the phases run in their order, substeps times a tick, and a game's own systems fit in between |
 //! | `state` | all state lives in components: clone them, put them back, and everything happens again, bit for bit |
+//! | `saved` | the whole state is captured and put back, in place and into a fresh app: all goes on bit for bit |
+//! | `files` | snapshots go to RON and to bytes and back; what is broken or foreign is refused |
+//! | `rollback` | rollback netcode: each frame rolled back and simulated again is the same (with the feature `ggrs`) |
+//! | `state_list` | every component and resource of ours is in the list of what is state |
 //! | `bad_input` | what is wrong is set aside with one message that names it, and nothing else notices |
 //! | `bad_commands` | what cannot be done to a body is refused, and nothing changes |
 //! | `bad_recipes` | bodies that cannot be built say so once |
@@ -53,6 +57,7 @@ mod contact_events;
 mod contacts_by_default;
 mod contacts_state;
 mod controls;
+mod files;
 mod first_minutes;
 mod forces;
 mod forces_live;
@@ -68,13 +73,17 @@ mod prelude;
 mod recipes;
 mod recipes_soft;
 mod representation;
+#[cfg(feature = "ggrs")]
+mod rollback;
 mod runtime_changes;
+mod saved;
 mod scenes;
 mod schedules;
 mod segments;
 mod snapshot;
 mod solver;
 mod state;
+mod state_list;
 mod support;
 mod threads;
 mod torn;

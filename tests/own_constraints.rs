@@ -10,18 +10,19 @@ use bevy_sinew::sinew::constraints::Cone;
 use bevy_sinew::sinew::{ConstraintFault, ConstraintKind, Equation, Points};
 use bevy_sinew::{
     AnyConstraint, AreaConstraint, BendConstraint, CollinearConstraint, ConeConstraint,
-    CoplanarConstraint, CreationOrder, PatchConstraint, Refusal, RigidConstraint, SizeCorrection,
-    TetrahedronConstraint,
+    CoplanarConstraint, CreationOrder, PatchConstraint, Refusal, RigidConstraint, SinewSnapshot,
+    SizeCorrection, TetrahedronConstraint,
 };
 
 use crate::constraints::FACES;
-use crate::snapshot::Snapshot;
+use crate::snapshot::clear;
 use crate::support::{TICK, app, busy_scene, hash, heard, position, tick};
 
 /// Keeps a particle on a ball. It has hooks of its own: we must not need them.
 #[derive(Component, Clone)]
 #[component(on_add = count, on_remove = count)]
 struct OnBall {
+    #[entities]
     particle: Entity,
     centre: Vec3,
     radius: f32,
@@ -70,7 +71,7 @@ fn on_ball(particle: Entity) -> OnBall {
 }
 
 /// The same as a second type, about another centre.
-#[derive(Component)]
+#[derive(Component, Clone)]
 struct OnOther(OnBall);
 
 impl ParticleConstraint for OnOther {
@@ -155,7 +156,7 @@ fn registering_early_late_or_twice_comes_to_the_same() {
 /// How often any `Counted` was asked for its law.
 static ASKED: AtomicUsize = AtomicUsize::new(0);
 
-#[derive(Component)]
+#[derive(Component, Clone)]
 struct Counted(OnBall);
 
 impl ParticleConstraint for Counted {
@@ -294,12 +295,12 @@ fn constraints_cloned_and_put_back_go_on_bit_for_bit() {
             })
             .collect()
     };
-    let saved = Snapshot::take(app.world_mut());
+    let saved = SinewSnapshot::capture(app.world());
     let first = hashes(&mut app);
-    saved.put_back(app.world_mut());
+    saved.restore(app.world_mut()).unwrap();
     assert_eq!(hashes(&mut app), first, "in place");
-    Snapshot::clear(app.world_mut());
-    let map = saved.spawn(app.world_mut());
+    clear(app.world_mut());
+    let map = saved.restore(app.world_mut()).unwrap();
     assert_eq!(hashes(&mut app), first, "under new names");
     assert!(!map.is_empty());
     assert_eq!(heard(&app), []);

@@ -2,11 +2,10 @@
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
-use bevy_sinew::CreationOrder;
-use bevy_sinew::SinewClock;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{CreationOrder, SinewClock, SinewSnapshot};
 
-use crate::snapshot::{Snapshot, hashes, roll_back_in_every_tick};
+use crate::snapshot::{clear, hashes, roll_back_in_every_tick};
 use crate::support::{app, busy_scene, hash, heard, particles_of, tick};
 
 /// Asserts that two histories are equal, and says in which tick they part if not.
@@ -34,10 +33,10 @@ fn components_cloned_at_tick_100_and_put_back_at_200_lead_to_the_same_tick_200()
     let mut app = app();
     busy_scene(&mut app);
     tick(&mut app, 100);
-    let saved = Snapshot::take(app.world_mut());
+    let saved = SinewSnapshot::capture(app.world());
     let there = hash(&mut app);
     let first = hashes(&mut app, 100);
-    saved.put_back(app.world_mut());
+    saved.restore(app.world_mut()).unwrap();
     assert_eq!(hash(&mut app), there, "it is put back");
     assert_same(&hashes(&mut app, 100), &first);
     assert_eq!(app.world().resource::<SinewClock>().tick, 200);
@@ -49,9 +48,9 @@ fn the_comparison_notices_a_single_bit() {
     let mut app = app();
     let bodies = busy_scene(&mut app);
     tick(&mut app, 100);
-    let saved = Snapshot::take(app.world_mut());
+    let saved = SinewSnapshot::capture(app.world());
     let first = hashes(&mut app, 20);
-    saved.put_back(app.world_mut());
+    saved.restore(app.world_mut()).unwrap();
     let nudged = particles_of(&app, bodies[0])[3];
     let mut particle = app.world_mut().get_mut::<Particle>(nudged).unwrap();
     particle.position.x = particle.position.x.next_up();
@@ -63,19 +62,19 @@ fn what_was_torn_spawned_and_despawned_meanwhile_is_undone_by_restoring_under_ne
     let mut app = app();
     let bodies = busy_scene(&mut app);
     tick(&mut app, 100);
-    let saved = Snapshot::take(app.world_mut());
+    let saved = SinewSnapshot::capture(app.world());
     let first = hashes(&mut app, 100);
 
     // A hundred ticks of another history.
-    Snapshot::clear(app.world_mut());
-    let map = saved.spawn(app.world_mut());
+    clear(app.world_mut());
+    let map = saved.restore(app.world_mut()).unwrap();
     tick(&mut app, 10);
     app.world_mut().despawn(map[&bodies[1]]);
     app.world_mut().spawn((Cloth::default(), Transform::from_xyz(-3.0, 3.0, -3.0)));
     tick(&mut app, 50);
 
-    Snapshot::clear(app.world_mut());
-    saved.spawn(app.world_mut());
+    clear(app.world_mut());
+    saved.restore(app.world_mut()).unwrap();
     assert_same(&hashes(&mut app, 100), &first);
     assert_eq!(heard(&app), []);
 }
@@ -85,13 +84,13 @@ fn a_fresh_app_that_is_given_the_components_goes_on_as_the_old_one_did() {
     let mut old = app();
     busy_scene(&mut old);
     tick(&mut old, 100);
-    let saved = Snapshot::take(old.world_mut());
+    let saved = SinewSnapshot::capture(old.world());
     let expected = hashes(&mut old, 100);
 
     let mut new = app();
     // Other things were here before: ids and the order of archetypes differ.
     new.world_mut().spawn_batch((0..50).map(|i| (Name::new(format!("{i}")), Mass(1.0))));
-    saved.spawn(new.world_mut());
+    saved.restore(new.world_mut()).unwrap();
     assert_same(&hashes(&mut new, 100), &expected);
 }
 
@@ -101,8 +100,8 @@ fn restoring_a_body_does_not_build_it_again() {
     let bodies = busy_scene(&mut app);
     tick(&mut app, 30);
     let before: Vec<_> = bodies.iter().map(|&body| particles_of(&app, body)).collect();
-    let saved = Snapshot::with_recipes(app.world_mut());
-    saved.put_back(app.world_mut());
+    let saved = SinewSnapshot::capture(app.world());
+    saved.restore(app.world_mut()).unwrap();
     tick(&mut app, 1);
     let after: Vec<_> = bodies.iter().map(|&body| particles_of(&app, body)).collect();
     assert_eq!(before, after, "the same particles, not new ones");
@@ -124,9 +123,9 @@ fn the_order_of_creation_survives_being_restored() {
     let first = particles_of(&app, bodies[2]);
     let orders: Vec<_> = first.iter().map(|&p| order(&app, p)).collect();
     assert!(orders.is_sorted() && orders[0] < orders[1], "given one after the other");
-    let saved = Snapshot::take(app.world_mut());
-    Snapshot::clear(app.world_mut());
-    let map: EntityHashMap<Entity> = saved.spawn(app.world_mut());
+    let saved = SinewSnapshot::capture(app.world());
+    clear(app.world_mut());
+    let map: EntityHashMap<Entity> = saved.restore(app.world_mut()).unwrap();
     let again: Vec<_> = first.iter().map(|p| order(&app, map[p])).collect();
     assert_eq!(orders, again);
     // And what is created from now on comes after all of them.

@@ -259,6 +259,7 @@ fn wanted(
 /// Pulls a point between particles to a plane across an axis, through a target.
 #[derive(Component, Clone, Debug, PartialEq)]
 struct GrabConstraint {
+    #[entities]
     particles: Vec<Entity>,
     shares: Vec<f32>,
     axis: Vec3,

@@ -58,9 +58,19 @@
 //! 4. **Scatter**: the columns go back into [`Particle`].
 //! 5. **Extract**: transforms and velocities are read off.
 //!
-//! The ECS is the state. What is not in a component, in [`SinewClock`] or in the configuration resources does not survive a tick: save and restore
-//! those, and the simulation goes on bit for bit. [`ExtractedTransform`], [`ExtractedVelocity`], [`TickForces`], [`ColliderMotion`], [`ContactCache`]
-//! and [`CreationOrder`] are part of that; [`SinewWorld`] is not. A recipe may be put back with the rest: one that did not change builds nothing anew.
+//! # The ECS is the state
+//!
+//! What is not in a component or a resource does not survive a tick, and [`SinewWorld`] is scratch. Which types are state stands in one list,
+//! [`StateTypes`]: components of the simulation, its clock, its configuration, the counter of creation, and what a game adds by
+//! [`register_particle_constraint`](RegisterParticleConstraint::register_particle_constraint) and [`RegisterState`].
+//!
+//! - [`SinewSnapshot::capture`] takes all of it out of a world; [`SinewSnapshot::restore`] makes a world what it was, in place or in another app. The
+//!   simulation goes on bit for bit, and [`SinewSnapshot::hash`] proves it. Recipes are part of it: one that did not change builds nothing anew.
+//! - With the feature `serialize` a snapshot goes to RON or to bytes and back (`to_ron`, `to_bytes`, `from_ron`, `from_bytes`): `examples/save_load.rs`.
+//! - With the feature `ggrs` there is `SinewRollbackPlugin`, for netcode by `bevy_ggrs` 0.22: `examples/rollback.rs`.
+//!
+//! Not part of it are what is drawn (meshes, materials, easing between ticks) and messages. A body that is restored into another app has no `Mesh3d` there
+//! until the game gives it one, except for ropes, whose tubes are made anew.
 //!
 //! # Threads
 //!
@@ -90,7 +100,7 @@
 //!
 //! # A constraint of one's own
 //!
-//! A component that implements [`ParticleConstraint`], which says what must hold, and one line,
+//! A component that implements [`ParticleConstraint`], which says what must hold, marks its particles `#[entities]`, and one line,
 //! [`register_particle_constraint`](RegisterParticleConstraint::register_particle_constraint): `examples/custom_constraint.rs` is all of it. The
 //! constraints that come with the plugin come in by the same door.
 //!
@@ -151,6 +161,7 @@
 //! | `step` | layout, gather, links, representation, scatter, extract: components to columns and back |
 //! | `world` | the columns and tables, scratch of a tick |
 //! | `drag` | dragging bodies with the mouse: [`MouseDragPlugin`], to be added beside [`SinewPlugins`] |
+//! | `state` | which types are state; snapshots, files, rollback |
 //! | `show` | meshes, tubes and gizmos: nothing there is read back |
 //! | `messages` | what is said when something is wrong |
 //!
@@ -168,6 +179,7 @@ mod recipes;
 mod rows;
 mod schedule;
 mod show;
+mod state;
 mod step;
 mod threads;
 mod world;
@@ -215,6 +227,11 @@ pub use schedule::{
 pub use show::{SinewGizmoConfigGroup, SinewGizmoPlugin};
 pub use sinew;
 pub use sinew_derive::CollisionLayer;
+#[cfg(feature = "serialize")]
+pub use state::{LoadFault, SaveFault};
+pub use state::{RegisterState, RestoreFault, SinewSnapshot, StateRole, StateType, StateTypes};
+#[cfg(feature = "ggrs")]
+pub use state::{RollbackHistory, SinewRollbackPlugin};
 pub use step::RegisterParticleConstraint;
 pub use threads::{ComputePool, SinewWorkers};
 pub use world::{ParticlesMut, SinewWorld};

@@ -123,6 +123,7 @@ impl Plugin for SinewPlugin {
         app.add_observer(shares::take_back::<Charge>)
             .add_observer(shares::take_back::<Drag>)
             .add_observer(touching::note_orphan);
+        crate::state::add(app);
         links::register_ours(app);
         schedule::configure(app, self.tick);
         recipes::add(app);

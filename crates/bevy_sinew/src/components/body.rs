@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 
 use super::collide::ResolvedShape;
+use super::order::CreationOrder;
 use crate::rows::Rows;
 
 /// A body made of particles. Despawn it and its particles, springs and constraints go too.
@@ -54,7 +55,7 @@ pub struct BodyConstraints(Vec<Entity>);
 /// The best is in the sense of least mass-weighted squares ([`sinew::pose`]); the scale is left alone.
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default, Clone)]
-#[require(Transform, Rows<RigidPose>)]
+#[require(Transform, CreationOrder, Rows<RigidPose>)]
 pub struct RigidPose {
     /// The particles that carry it.
     #[entities]

@@ -13,8 +13,8 @@ use bevy::prelude::*;
 #[component(clone_behavior = Ignore, on_add = number)]
 pub struct CreationOrder(pub(crate) u64);
 
-/// The last number given.
-#[derive(Resource, Clone, Copy, Debug, Default)]
+/// The last number given. Part of the state, so that what is created after a rollback gets the number that it had.
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default)]
 pub(crate) struct CreationCounter(pub(crate) u64);
 
 /// Set when particles, springs or constraints came or went: the columns must be laid out afresh.

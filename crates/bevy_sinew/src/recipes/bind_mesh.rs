@@ -8,7 +8,7 @@ use sinew::recipes::Blueprint;
 use super::build::attach;
 
 /// The mesh that a body was made from, and its own copy, which it deforms: a later build starts from the former.
-#[derive(Component)]
+#[derive(Component, Clone)]
 pub(crate) struct MadeFrom {
     pub(crate) source: Handle<Mesh>,
     pub(crate) own: Handle<Mesh>,

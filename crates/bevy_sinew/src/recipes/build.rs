@@ -7,6 +7,7 @@ use bevy::ecs::component::Mutable;
 use bevy::ecs::relationship::RelationshipTarget;
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
+use bevy::reflect::{FromReflect, GetTypeRegistration, TypePath};
 use sinew::recipes::Blueprint;
 
 use crate::components::{
@@ -22,7 +23,9 @@ use crate::recipes::bind_mesh::source_mesh;
 use crate::step::frames::{Frames, Misplaced, in_world, is_even};
 
 /// A component that describes a body and can build it.
-pub(crate) trait Recipe: Component<Mutability = Mutable> + Clone + PartialEq {
+pub(crate) trait Recipe:
+    Component<Mutability = Mutable> + Clone + PartialEq + FromReflect + TypePath + GetTypeRegistration
+{
     /// The blueprint in the body's own frame, from the recipe and, where it asks for one, the mesh; in metres, that is, scaled.
     fn blueprint(&self, mesh: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal>;
 
@@ -65,23 +68,47 @@ impl MeshShape {
 #[derive(Component)]
 pub(crate) struct AwaitsMesh<R: Send + Sync + 'static>(PhantomData<fn() -> R>);
 
-/// What a body was last built from: a recipe that is put back unchanged, as a rollback does, builds nothing anew.
-#[derive(Component)]
+impl<R: Send + Sync + 'static> Clone for AwaitsMesh<R> {
+    fn clone(&self) -> Self {
+        Self(PhantomData)
+    }
+}
+
+/// What a body was last built from: a recipe that is put back unchanged, as a rollback does, builds nothing anew. Part of the state.
+#[derive(Component, Reflect, Clone)]
 pub(crate) struct Built<R: Send + Sync + 'static> {
     recipe: R,
-    mesh: Option<AssetId<Mesh>>,
+    #[reflect(ignore)]
+    mesh: SourceMesh,
     /// How it and its parents were scaled.
     scale: Vec3,
     /// The collider that it was given: whatever else it has is the game's.
     collider: Option<Collider>,
 }
 
+/// The mesh that a body was built from.
+#[derive(Clone, Copy, Debug, Default)]
+enum SourceMesh {
+    /// It came from another app, or from a file, where its mesh had another id: whatever mesh it has now is the one.
+    #[default]
+    Elsewhere,
+    /// That one, if any.
+    Here(Option<AssetId<Mesh>>),
+}
+
+impl<R: Send + Sync + 'static> Built<R> {
+    /// Forgets which mesh it was: the body comes from another app.
+    pub(crate) fn forget_mesh(&mut self) {
+        self.mesh = SourceMesh::Elsewhere;
+    }
+}
+
 /// Marks a body that is to be built anew because it was scaled, or because it has a place where it had none.
-#[derive(Component)]
+#[derive(Component, Clone)]
 pub(crate) struct Rescaled;
 
 /// A body that was refused because of where it was to be: it is tried again when that is elsewhere.
-#[derive(Component)]
+#[derive(Component, Clone)]
 pub(crate) struct AwaitsPlace {
     reason: Refusal,
     at: Result<Transform, Misplaced>,
@@ -146,7 +173,7 @@ pub(crate) fn build<R: Recipe>(
         entity.remove::<Rescaled>();
         match outcome {
             Ok(Outcome::Built(scale, collider)) => {
-                let built = Built { recipe, mesh, scale, collider };
+                let built = Built { recipe, mesh: SourceMesh::Here(mesh), scale, collider };
                 entity.insert(built).remove::<(AwaitsMesh<R>, AwaitsPlace)>();
             }
             Ok(Outcome::Waits) => {
@@ -190,8 +217,12 @@ fn awaits_place(
 fn stands<R: Recipe>(world: &World, body: Entity, recipe: &R) -> bool {
     let built = world.get::<Built<R>>(body).filter(|_| world.get::<BodyParticles>(body).is_some());
     built.is_some_and(|built| {
+        let same_mesh = match built.mesh {
+            SourceMesh::Elsewhere => true,
+            SourceMesh::Here(mesh) => mesh == wanted_mesh(world, body, recipe),
+        };
         built.recipe == *recipe
-            && built.mesh == wanted_mesh(world, body, recipe)
+            && same_mesh
             && in_world(world, body).map(|at| at.scale) == Ok(built.scale)
     })
 }

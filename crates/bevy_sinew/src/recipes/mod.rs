@@ -11,7 +11,8 @@ mod rigid_mesh;
 mod rope;
 mod soft;
 
-pub(crate) use build::Rescaled;
+pub(crate) use bind_mesh::MadeFrom;
+pub(crate) use build::{AwaitsMesh, AwaitsPlace, Built, Rescaled};
 
 pub use articulated::{Articulated, Bone, BoneJoint};
 pub use cloth::{Cloth, ClothPins, ClothShape};

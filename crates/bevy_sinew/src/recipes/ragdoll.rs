@@ -36,6 +36,7 @@ impl Default for Ragdoll {
 /// A rigid part of a body, such as a forearm: an entity whose `Transform` follows the particles that carry it. Its `Name` says which.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[require(CreationOrder)]
 pub struct BodyPart {
     /// Its size along its own axes, metres: a capsule along y has the diameter `size.x` and the whole length `size.y`.
     pub size: Vec3,

@@ -1,5 +1,6 @@
 //! Contacts that began and ended, told to whoever asked.
 
+use bevy::ecs::entity::MapEntities;
 use bevy::prelude::*;
 use sinew::Impact;
 
@@ -13,9 +14,9 @@ use crate::world::SinewWorld;
 /// What a tick told of one entity: who, whom, and how.
 type Told = (Entity, Entity, Impact, f32);
 
-/// What lost its parent since the last tick.
-#[derive(Resource, Default)]
-pub(crate) struct Orphans(Vec<Entity>);
+/// What lost its parent since the last tick. Part of the state.
+#[derive(Resource, MapEntities, Reflect, Clone, Debug, Default)]
+pub(crate) struct Orphans(#[entities] Vec<Entity>);
 
 /// Notes it. (An observer, for a tick may be too late to be told of what went.)
 pub(crate) fn note_orphan(

@@ -24,6 +24,7 @@ pub use sizes::{
     AreaConstraint, PatchConstraint, SizeCorrection, TetrahedronConstraint, VolumeConstraint,
 };
 
+use bevy::ecs::component::Mutable;
 use bevy::prelude::*;
 use sinew::{ConstraintFault, ConstraintKind};
 
@@ -39,14 +40,19 @@ use sinew::{ConstraintFault, ConstraintKind};
 /// it, silently. Constraints are solved in the order in which their entities were created ([`CreationOrder`](crate::CreationOrder), which comes with
 /// a registered component), whatever their types; several on one entity in the order in which their types were registered.
 ///
+/// A registered component is part of the [state](crate::StateTypes): it is captured and put back with the rest, onto other entities if the fields
+/// that name its particles are marked `#[entities]`. To have it written to files, too, derive `Reflect` and call
+/// [`register_state`](crate::RegisterState::register_state).
+///
 /// ```
 /// use bevy::prelude::*;
 /// use bevy_sinew::prelude::*;
 /// use bevy_sinew::sinew::{Equation, ConstraintKind, Points};
 ///
 /// /// Keeps a particle on a ball.
-/// #[derive(Component)]
+/// #[derive(Component, Clone)]
 /// struct OnBall {
+///     #[entities]
 ///     particle: Entity,
 ///     centre: Vec3,
 ///     radius: f32,
@@ -85,7 +91,7 @@ use sinew::{ConstraintFault, ConstraintKind};
 /// # app.finish();
 /// # app.update();
 /// ```
-pub trait ParticleConstraint: Component {
+pub trait ParticleConstraint: Component<Mutability = Mutable> + Clone {
     /// The particles that it binds, each once, in the order that its kind asks for.
     fn particles(&self) -> &[Entity];
 

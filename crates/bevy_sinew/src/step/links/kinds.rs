@@ -15,6 +15,7 @@ use crate::components::{
     PatchConstraint, RigidConstraint, TetrahedronConstraint, VolumeConstraint,
 };
 use crate::messages::Refusal;
+use crate::state::add_constraint;
 use crate::world::{SinewWorld, Tables};
 
 /// Numbers of the kinds that have lists of their own; registered ones follow.
@@ -34,6 +35,7 @@ pub trait RegisterParticleConstraint {
 impl RegisterParticleConstraint for App {
     fn register_particle_constraint<T: ParticleConstraint>(&mut self) -> &mut Self {
         let world = self.world_mut();
+        add_constraint::<T>(world);
         // It fails where `T` requires it already, which is well, and where some `T` are there: `Of::number` sees to those.
         let _ = world.try_register_required_components::<T, CreationOrder>();
         let kind = Box::new(Of::<T>::new(world));

@@ -1,0 +1,162 @@
+//! One number for the whole state: Fowler, Noll and Vo's hash over every value, seen by reflection, down to its numbers, bit by bit.
+
+use bevy::prelude::*;
+use bevy::reflect::{PartialReflect, ReflectRef};
+
+use super::snapshot::{Column, SinewSnapshot};
+use super::types::StateRole;
+use crate::components::{AnyConstraint, ColliderShape, ContactCache};
+
+/// Of a snapshot.
+pub(super) fn of(snapshot: &SinewSnapshot) -> u64 {
+    let mut hash = Hash { state: 0xcbf2_9ce4_8422_2325, orders: &snapshot.orders };
+    // By name: the order in which types were registered means nothing.
+    let mut columns: Vec<&Column> = snapshot.columns.iter().collect();
+    columns.retain(|column| column.kind.is_hashed());
+    columns.sort_by(|a, b| a.kind.name().cmp(b.kind.name()));
+    for column in columns {
+        hash.column(column);
+    }
+    hash.state
+}
+
+struct Hash<'a> {
+    state: u64,
+    orders: &'a [u64],
+}
+
+impl Hash<'_> {
+    fn column(&mut self, column: &Column) {
+        self.bytes(column.kind.name().as_bytes());
+        for (place, &number) in column.numbers.iter().enumerate() {
+            let order = self.orders.get(number as usize).copied().unwrap_or_default();
+            let is_resource = column.kind.role() == StateRole::Resource;
+            // What has no order of creation has no place that is the same everywhere.
+            if order == 0 && !is_resource {
+                continue;
+            }
+            self.word(order);
+            match column.values.view(place) {
+                Some(value) => self.value(value),
+                None => column.values.named(place).iter().for_each(|&entity| self.entity(entity)),
+            }
+        }
+    }
+
+    fn word(&mut self, word: u64) {
+        self.state = (self.state ^ word).wrapping_mul(0x0100_0000_01b3);
+        // The product carries upwards alone; so that high bits count in low ones, too.
+        self.state ^= self.state >> 32;
+    }
+
+    fn bytes(&mut self, bytes: &[u8]) {
+        self.word(bytes.len() as u64);
+        bytes.iter().for_each(|&byte| self.word(byte.into()));
+    }
+
+    /// An entity counts as its order of creation.
+    fn entity(&mut self, entity: Entity) {
+        let order = self.orders.get(entity.index_u32() as usize).copied();
+        self.word(order.unwrap_or(u64::MAX));
+    }
+
+    fn value(&mut self, value: &dyn PartialReflect) {
+        match value.reflect_ref() {
+            ReflectRef::Opaque(value) => self.leaf(value),
+            _ if is_leaf(value) => self.leaf(value),
+            ReflectRef::Struct(value) => {
+                value.iter_fields().for_each(|(_, field)| self.value(field))
+            }
+            ReflectRef::TupleStruct(value) => {
+                value.iter_fields().for_each(|field| self.value(field))
+            }
+            ReflectRef::Tuple(value) => value.iter_fields().for_each(|field| self.value(field)),
+            ReflectRef::Enum(value) => {
+                self.word(value.variant_index() as u64);
+                value.iter_fields().for_each(|field| self.value(field.value()));
+            }
+            ReflectRef::List(value) => {
+                self.word(value.len() as u64);
+                value.iter().for_each(|item| self.value(item));
+            }
+            ReflectRef::Array(value) => {
+                self.word(value.len() as u64);
+                value.iter().for_each(|item| self.value(item));
+            }
+            // Without an order of their own: as the sum of what they have.
+            ReflectRef::Map(value) => {
+                let items = value.iter().map(|(key, value)| {
+                    self.of(|hash| {
+                        hash.value(key);
+                        hash.value(value);
+                    })
+                });
+                let sum = items.fold(value.len() as u64, u64::wrapping_add);
+                self.word(sum);
+            }
+            ReflectRef::Set(value) => {
+                let items = value.iter().map(|item| self.of(|hash| hash.value(item)));
+                let sum = items.fold(value.len() as u64, u64::wrapping_add);
+                self.word(sum);
+            }
+            #[allow(unreachable_patterns, reason = "functions are reflected in some builds")]
+            _ => {}
+        }
+    }
+
+    /// Of something alone.
+    fn of(&self, add: impl FnOnce(&mut Self)) -> u64 {
+        let mut alone = Self { state: 0xcbf2_9ce4_8422_2325, orders: self.orders };
+        add(&mut alone);
+        alone.state
+    }
+
+    fn leaf(&mut self, value: &dyn PartialReflect) {
+        macro_rules! numbers {
+            ($($number:ty => $word:expr;)*) => {$(
+                if let Some(&number) = value.try_downcast_ref::<$number>() {
+                    let word: fn($number) -> u64 = $word;
+                    return self.word(word(number));
+                }
+            )*};
+        }
+        numbers! {
+            f32 => |x| x.to_bits().into();
+            u32 => u64::from;
+            bool => u64::from;
+            u64 => |x| x;
+            f64 => f64::to_bits;
+            usize => |x| x as u64;
+            i32 => |x| x as u64;
+            u8 => u64::from;
+            u16 => u64::from;
+            i64 => |x| x as u64;
+            i16 => |x| x as u64;
+            i8 => |x| x as u64;
+        }
+        if let Some(&entity) = value.try_downcast_ref::<Entity>() {
+            self.entity(entity);
+        } else if let Some(text) = value.try_downcast_ref::<String>() {
+            self.bytes(text.as_bytes());
+        } else if let Some(name) = value.try_downcast_ref::<Name>() {
+            self.bytes(name.as_str().as_bytes());
+        } else if let Some(ColliderShape(shape)) = value.try_downcast_ref::<ColliderShape>() {
+            shape.to_words().into_iter().for_each(|word| self.word(word.into()));
+        } else if let Some(ContactCache(cached)) = value.try_downcast_ref::<ContactCache>() {
+            let words = cached.iter().flat_map(|manifold| manifold.to_words());
+            words.for_each(|word| self.word(word.into()));
+        } else if let Some(any) = value.try_downcast_ref::<AnyConstraint>() {
+            any.particles.iter().for_each(|&entity| self.entity(entity));
+            self.bytes(format!("{:?}", any.kind).as_bytes());
+        } else {
+            // Of anything else what it says of itself.
+            self.word(value.reflect_hash().unwrap_or_default());
+            self.bytes(format!("{value:?}").as_bytes());
+        }
+    }
+}
+
+/// Whether reflection does not see what is in it, or more than counts.
+fn is_leaf(value: &dyn PartialReflect) -> bool {
+    value.try_downcast_ref::<ContactCache>().is_some() || value.try_downcast_ref::<Name>().is_some()
+}

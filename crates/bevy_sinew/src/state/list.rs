@@ -1,0 +1,141 @@
+//! The list: every component and resource of ours that is state. A type that is missing here is caught by a test, which reads the source of this crate
+//! (`tests/state_list.rs`, where those that are no state stand with the reason).
+
+use bevy::prelude::*;
+
+use super::eased::settled;
+use super::types;
+use super::values::{Options, empty, join, join_listed, kind, put_resource, supply};
+use crate::commands::PendingEdits;
+use crate::components::{
+    AirDrag, AirFlow, AngleConstraint, AngularVelocity, AnyConstraint, AreaConstraint, Attractor,
+    BendConstraint, BodyConstraints, BodyContacts, BodyParticles, BodyReport, BoundingBox, Charge,
+    Collider, ColliderMotion, CollinearConstraint, CollisionLayers, ConeConstraint, ConstraintOf,
+    ContactCache, ContactEvents, ContactsDisabled, ControlForce, CoplanarConstraint,
+    CreationCounter, CreationOrder, DistanceConstraint, Drag, Electric, ElectricField,
+    ExternalForce, ExternalImpulse, ExternalTorque, ExtractedTransform, ExtractedVelocity,
+    Flatland, Floats, Fluid, Gravity, GravityScale, Ground, GroundDrag, HingeConstraint, Inertia,
+    Interpolate, LinearVelocity, Mass, MeshFollow, Particle, ParticleBody, ParticleOf,
+    PatchConstraint, Pinned, PinnedTo, Radius, Region, Representation, RestPlace, RigidConstraint,
+    RigidPose, Sensor, Sleep, Spring, SurfaceMaterial, TetrahedronConstraint, TickForces, Touching,
+    TubeMesh, VolumeConstraint, Wind, WindSurface, WorldCenterOfMass,
+};
+use crate::config::{BodySolver, SolverConfig};
+use crate::recipes::{
+    Articulated, AwaitsMesh, AwaitsPlace, BodyPart, BodyParts, Built, Cloth, MadeFrom, PartOf,
+    Ragdoll, Rescaled, RigidBox, RigidMesh, Rope, SoftBody,
+};
+use crate::schedule::{SinewClock, SinewControl};
+use crate::state::types::StateRole;
+use crate::step::touching::Orphans;
+
+/// Components that make their entity part of the simulation, and are plain data.
+macro_rules! components {
+    ($app:ident: $($component:ty,)*) => {$(
+        $app.register_type::<$component>();
+        types::add($app.world_mut(), kind(Options::<$component>::reflected()));
+    )*};
+}
+
+/// Recipes, with what is known of how they were built.
+macro_rules! recipes {
+    ($app:ident: $($recipe:ty,)*) => {$(
+        components!($app: $recipe,);
+        $app.register_type::<Built<$recipe>>();
+        let built = Options::<Built<$recipe>>::reflected();
+        let (role, foreign) = (StateRole::Carried, Some(Built::forget_mesh as fn(&mut Built<$recipe>)));
+        types::add($app.world_mut(), kind(Options { role, foreign, ..built }));
+        let awaits = Options::<AwaitsMesh<$recipe>>::plain();
+        types::add($app.world_mut(), kind(Options { role: StateRole::Local, hashed: false, ..awaits }));
+    )*};
+}
+
+/// Who belongs to whom, and the lists of those who do, in the order in which they joined.
+macro_rules! relationships {
+    ($app:ident: $($relationship:ty => $list:ty,)*) => {$(
+        $app.register_type::<$relationship>().register_type::<$list>();
+        let joined = Options::<$relationship>::with(join::<$relationship>).viewed();
+        types::add($app.world_mut(), kind(joined));
+        let list = Options::<$list>::reflected();
+        let let_go = Some(empty::<$list> as fn(&mut World, Entity));
+        types::add($app.world_mut(), kind(Options { let_go, lists: true, ..list }));
+    )*};
+}
+
+macro_rules! resources {
+    ($app:ident: $($resource:ty,)*) => {$(
+        $app.register_type::<$resource>();
+        let options = Options::<$resource>::with(put_resource::<$resource>).viewed();
+        types::add($app.world_mut(), kind(Options { role: StateRole::Resource, ..options }));
+    )*};
+}
+
+/// Adds all that is state to the list of an app.
+pub(crate) fn add(app: &mut App) {
+    // The order of creation first: what requires it then finds it.
+    components!(app:
+        CreationOrder,
+        // Particles and what holds them together.
+        Particle, Mass, Pinned, PinnedTo, Radius, Charge, Drag, ExternalForce, RestPlace,
+        DistanceConstraint, Spring, AngleConstraint, HingeConstraint, ConeConstraint, AreaConstraint,
+        PatchConstraint, TetrahedronConstraint, VolumeConstraint, BendConstraint, CoplanarConstraint,
+        CollinearConstraint, RigidConstraint, AnyConstraint,
+        // Bodies.
+        ParticleBody, RigidPose, BodyPart, WindSurface, MeshFollow, TubeMesh, Interpolate,
+        ExtractedTransform, LinearVelocity, AngularVelocity, ExtractedVelocity, WorldCenterOfMass, Inertia,
+        ControlForce, ExternalTorque, ExternalImpulse, TickForces, PendingEdits,
+        GravityScale, GroundDrag, BodySolver, Representation, Sleep, Floats,
+        // Surroundings.
+        Wind, AirFlow, Fluid, Region, Attractor, ElectricField, Flatland, Ground, BoundingBox,
+        // Contacts.
+        Collider, ColliderMotion, ContactCache, SurfaceMaterial, CollisionLayers, Sensor, BodyContacts,
+        ContactsDisabled, ContactEvents,
+    );
+    recipes!(app: RigidBox, Rope, Cloth, Ragdoll, RigidMesh, SoftBody, Articulated,);
+    relationships!(app:
+        ParticleOf => BodyParticles,
+        ConstraintOf => BodyConstraints,
+        PartOf => BodyParts,
+    );
+    resources!(app:
+        SolverConfig, SinewClock, SinewControl, Gravity, AirDrag, Electric, CreationCounter, Orphans,
+    );
+    add_special(app);
+}
+
+/// Those of which something is special.
+fn add_special(app: &mut App) {
+    app.register_type::<(Touching, BodyReport, Transform, Name, ChildOf)>();
+    // Sorted by their entities, which have other ids elsewhere; and nobody is told that contacts end of what never was.
+    let ordered: Option<fn(&mut Touching)> = Some(|touching| touching.0.sort_unstable());
+    let let_go: Option<fn(&mut World, Entity)> = Some(|world, entity| {
+        if let Some(mut touching) = world.get_mut::<Touching>(entity) {
+            touching.0.clear();
+        }
+    });
+    let touching = Options { ordered, let_go, ..Options::<Touching>::reflected() };
+    // Asked for by being there; the numbers are of the wall clock, too.
+    let report = Options { hashed: false, ..Options::<BodyReport>::reflected() };
+    let role = StateRole::Carried;
+    let transform = Options::<Transform>::reflected();
+    let transform = Options { role, pruned: false, taken: Some(settled), ..transform };
+    let name = Options { role, pruned: false, ..Options::<Name>::reflected() };
+    let parent = Options { role, ..Options::<ChildOf>::with(join_listed::<ChildOf>).viewed() };
+    // Handles and marks of this very world.
+    let role = StateRole::Local;
+    let (pruned, hashed) = (false, false);
+    let mesh = Options::<Mesh3d>::with(supply::<Mesh3d>);
+    let made = Options::<MadeFrom>::with(supply::<MadeFrom>);
+    let rescaled = Options { role, hashed, ..Options::<Rescaled>::plain() };
+    let place = Options { role, hashed, ..Options::<AwaitsPlace>::plain() };
+    let world = app.world_mut();
+    types::add(world, kind(touching));
+    types::add(world, kind(report));
+    types::add(world, kind(transform));
+    types::add(world, kind(name));
+    types::add(world, kind(parent));
+    types::add(world, kind(Options { role, pruned, hashed, ..mesh }));
+    types::add(world, kind(Options { role, pruned, hashed, ..made }));
+    types::add(world, kind(rescaled));
+    types::add(world, kind(place));
+}

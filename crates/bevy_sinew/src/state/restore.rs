@@ -1,0 +1,201 @@
+//! A snapshot put back: what came since goes, what went since is there again, and what stayed has the values that it had.
+
+use bevy::ecs::component::ComponentId;
+use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
+use bevy::ecs::message::Messages;
+use bevy::prelude::*;
+
+use super::snapshot::{Places, SinewSnapshot, members};
+use super::types::{StateRole, StateTypes};
+use super::{eased, values::Kind};
+use crate::components::{ContactEnded, ContactStarted, TopologyChanged};
+
+/// Why a snapshot cannot be put back. Nothing has changed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RestoreFault {
+    /// The app has no [`SinewPlugin`](crate::SinewPlugin).
+    #[error("the world has no SinewPlugin")]
+    NoPlugin,
+    /// The snapshot has values of a type that is no state in this app: a game's own constraint that was not registered, for one.
+    #[error("{0} is no state in this world: it was not registered")]
+    Unregistered(String),
+}
+
+impl SinewSnapshot {
+    /// Makes the simulation of a world what it was when this was captured. Returns what each entity of the snapshot is now.
+    ///
+    /// In the world that it was captured in, what is still there stays the entity that it is; what has gone since is spawned again under another id;
+    /// and what has come since, and is part of the simulation, is despawned. In any other world all of it is spawned, and what the simulation had there
+    /// is despawned. Components that are no state stay on entities that stay. Messages of contacts that nobody has read yet are dropped: they
+    /// tell of what has not happened. Hooks and observers of the components that are inserted or removed run as ever.
+    ///
+    /// # Errors
+    /// A world without the plugin, or one in which a type of the snapshot was not registered. Nothing has changed then.
+    pub fn restore(&self, world: &mut World) -> Result<EntityHashMap<Entity>, RestoreFault> {
+        self.restore_onto(world, &EntityHashMap::default())
+    }
+
+    /// The same where some entities that have gone are known to be there again under other ids.
+    pub(crate) fn restore_onto(
+        &self,
+        world: &mut World,
+        known: &EntityHashMap<Entity>,
+    ) -> Result<EntityHashMap<Entity>, RestoreFault> {
+        self.check(world)?;
+        world.resource_scope(|world, types: Mut<StateTypes>| Ok(self.put(world, &types, known)))
+    }
+
+    /// Whether every type of it is registered.
+    fn check(&self, world: &World) -> Result<(), RestoreFault> {
+        let types = world.get_resource::<StateTypes>().ok_or(RestoreFault::NoPlugin)?;
+        let lacks = self.columns.iter().find(|column| types.find(column.kind.id()).is_none());
+        lacks.map_or(Ok(()), |column| Err(RestoreFault::Unregistered(column.kind.name().into())))
+    }
+
+    fn put(
+        &self,
+        world: &mut World,
+        types: &StateTypes,
+        known: &EntityHashMap<Entity>,
+    ) -> EntityHashMap<Entity> {
+        let foreign = self.world != Some(world.id());
+        let there = |world: &World, entity: Entity| world.get_entity(entity).is_ok();
+        let kept = self.entities.iter().map(|&entity| {
+            let own = (!foreign).then_some(entity).filter(|&own| there(world, own));
+            own.or(known.get(&entity).copied().filter(|&known| there(world, known)))
+        });
+        let kept: Vec<Option<Entity>> = kept.collect();
+
+        // Nobody is to be despawned along with others, nor to say that it ends.
+        let now = members(world, types);
+        for kind in &types.kinds {
+            now.iter().for_each(|&entity| kind.let_go(world, entity));
+        }
+        let stay: EntityHashSet = kept.iter().flatten().copied().collect();
+        for &entity in now.iter().filter(|entity| !stay.contains(*entity)) {
+            world.try_despawn(entity).ok();
+        }
+
+        // One that hung on what was despawned may have gone with it.
+        let entities: Vec<Entity> = kept
+            .into_iter()
+            .map(|kept| match kept.filter(|&kept| there(world, kept)) {
+                Some(kept) => kept,
+                None => world.spawn_empty().id(),
+            })
+            .collect();
+        self.put_columns(world, types, &entities, foreign);
+        entities.iter().for_each(|&entity| {
+            if let Ok(mut entity) = world.get_entity_mut(entity) {
+                eased::forget(&mut entity);
+            }
+        });
+        if let Some(mut changed) = world.get_resource_mut::<TopologyChanged>() {
+            changed.0 = true;
+        }
+        drop_messages::<ContactStarted>(world);
+        drop_messages::<ContactEnded>(world);
+        world.flush();
+        self.entities.iter().copied().zip(entities).collect()
+    }
+
+    /// Puts all values back, and takes away what was not there.
+    fn put_columns(
+        &self,
+        world: &mut World,
+        types: &StateTypes,
+        entities: &[Entity],
+        foreign: bool,
+    ) {
+        let mut had = Had::new(entities.len(), types.kinds.len());
+        let put = |world: &mut World, late: bool| {
+            for column in &self.columns {
+                let kind = &column.kind;
+                let is_list = kind.lists();
+                let local = foreign && kind.role() == StateRole::Local;
+                if local || is_list != late {
+                    continue;
+                }
+                let onto: Vec<Entity> = match kind.role() {
+                    StateRole::Resource => vec![Entity::PLACEHOLDER],
+                    _ => column.numbers.iter().map(|&number| entities[number as usize]).collect(),
+                };
+                column.values.put(world, &onto, entities, foreign);
+            }
+        };
+        for column in &self.columns {
+            if let Some(kind) = types.find(column.kind.id()) {
+                column.numbers.iter().for_each(|&number| had.note(number as usize, kind));
+            }
+        }
+        put(world, false);
+        // Whoever does not belong to anybody any more says so to lists that are empty, before those are put back.
+        had.prune(world, types, entities, false);
+        put(world, true);
+        had.prune(world, types, entities, true);
+        for kind in types.kinds.iter().filter(|kind| kind.role() == StateRole::Resource) {
+            if !self.columns.iter().any(|column| column.kind.id() == kind.id()) {
+                remove_resource(world, &**kind);
+            }
+        }
+    }
+}
+
+/// Which entity had which kinds of components: a bit each.
+struct Had {
+    stride: usize,
+    bits: Vec<u64>,
+}
+
+impl Had {
+    fn new(entities: usize, kinds: usize) -> Self {
+        let stride = kinds.div_ceil(64);
+        Self { stride, bits: vec![0; stride * entities] }
+    }
+
+    fn note(&mut self, entity: usize, kind: usize) {
+        if let Some(bits) = self.bits.get_mut(entity * self.stride + kind / 64) {
+            *bits |= 1 << (kind % 64);
+        }
+    }
+
+    fn has(&self, entity: usize, kind: usize) -> bool {
+        self.bits[entity * self.stride + kind / 64] & 1 << (kind % 64) != 0
+    }
+
+    /// Takes what they did not have from entities: lists of others, or anything else.
+    fn prune(&self, world: &mut World, types: &StateTypes, entities: &[Entity], lists: bool) {
+        let places = Places::new(world, types);
+        let goes = |place: usize, id: &ComponentId| {
+            let number = places.kind_of.get(id.index()).copied().flatten();
+            number.map(|number| number as usize).is_some_and(|number| {
+                let kind = &types.kinds[number];
+                kind.is_pruned() && kind.lists() == lists && !self.has(place, number)
+            })
+        };
+        for (place, &entity) in entities.iter().enumerate() {
+            let Ok(there) = world.get_entity(entity) else { continue };
+            let all = there.archetype().components().iter().copied();
+            let gone: Vec<ComponentId> = all.filter(|id| goes(place, id)).collect();
+            for id in gone {
+                // A hook of one before it may have despawned it.
+                if let Ok(mut entity) = world.get_entity_mut(entity) {
+                    entity.remove_by_id(id);
+                }
+            }
+        }
+    }
+}
+
+fn remove_resource(world: &mut World, kind: &dyn Kind) {
+    if let Some(id) = world.components().get_id(kind.id()) {
+        world.remove_resource_by_id(id);
+    }
+}
+
+fn drop_messages<M: Message>(world: &mut World) {
+    if let Some(mut messages) = world.get_resource_mut::<Messages<M>>() {
+        messages.clear();
+    }
+}

@@ -1,0 +1,116 @@
+//! Rollback netcode: the state is saved and loaded when `bevy_ggrs` says so.
+//!
+//! One snapshot a frame holds all of it, in place of a store for each type: so that bodies with thousands of entities need no mark on each, what was
+//! despawned comes back with its relationships, and nothing that is state can be forgotten.
+
+use std::collections::VecDeque;
+
+use bevy::ecs::entity::EntityHashMap;
+use bevy::prelude::*;
+use bevy_ggrs::{
+    ChecksumFlag, ChecksumPart, ConfirmedFrameCount, LoadWorld, LoadWorldSystems,
+    RollbackEntityMap, RollbackFrameCount, SaveWorld, SaveWorldSystems,
+};
+
+use super::SinewSnapshot;
+
+/// Has [`bevy_ggrs`] roll the simulation back: all that is in [`StateTypes`](crate::StateTypes), a game's registered constraints and whatever else it
+/// [registers](crate::RegisterState). A hash of it all goes into the checksum of each frame, by which desyncs are found.
+///
+/// The simulation runs in [`GgrsSchedule`](bevy_ggrs::GgrsSchedule), and entities of the simulation need no `Rollback`; a game that marks them all the
+/// same may do so, to have components of its own rolled back by `bevy_ggrs`. Those that name entities are mapped by its
+/// `update_component_with_map_entities` where a body had to be spawned again.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_ggrs::{GgrsConfig, GgrsPlugin, GgrsSchedule};
+/// # use bevy_sinew::{SinewPlugin, SinewRollbackPlugin};
+/// let mut app = App::new();
+/// app.add_plugins((
+///     MinimalPlugins,
+///     GgrsPlugin::<GgrsConfig<u8>>::default(),
+///     SinewPlugin::in_schedule(GgrsSchedule),
+///     SinewRollbackPlugin,
+/// ));
+/// ```
+pub struct SinewRollbackPlugin;
+
+impl Plugin for SinewRollbackPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<RollbackHistory>()
+            .add_systems(SaveWorld, save.in_set(SaveWorldSystems::Checksum))
+            .add_systems(LoadWorld, load.in_set(LoadWorldSystems::Data));
+    }
+}
+
+/// The frames that may yet be rolled back to.
+#[derive(Resource, Default)]
+pub struct RollbackHistory {
+    /// The oldest first.
+    frames: VecDeque<(i32, SinewSnapshot)>,
+    /// Who carries the checksum.
+    part: Option<Entity>,
+}
+
+/// More than any window of prediction.
+const MOST: usize = 256;
+
+impl RollbackHistory {
+    /// The state when a frame began, if that is held still.
+    pub fn at(&self, frame: i32) -> Option<&SinewSnapshot> {
+        self.frames.iter().find(|(held, _)| *held == frame).map(|(_, snapshot)| snapshot)
+    }
+
+    /// Adds a frame. Those after it are of a future that was undone; those before the confirmed one are not asked for any more.
+    fn push(&mut self, frame: i32, confirmed: i32, snapshot: SinewSnapshot) {
+        self.frames.retain(|&(held, _)| held < frame && held >= confirmed);
+        self.frames.push_back((frame, snapshot));
+        if self.frames.len() > MOST {
+            self.frames.pop_front();
+        }
+    }
+}
+
+fn save(world: &mut World) {
+    let frame = world.get_resource::<RollbackFrameCount>().map_or(0, |frame| frame.0);
+    let confirmed = world.get_resource::<ConfirmedFrameCount>().map_or(i32::MIN, |frame| frame.0);
+    let snapshot = SinewSnapshot::capture(world);
+    let sum = u128::from(snapshot.hash());
+    let mut history = world.resource_mut::<RollbackHistory>();
+    history.push(frame, confirmed, snapshot);
+    let known = history.part;
+    if let Some(mut part) = known.and_then(|part| world.get_mut::<ChecksumPart>(part)) {
+        part.0 = sum;
+        return;
+    }
+    let part = world.spawn((ChecksumPart(sum), ChecksumFlag::<SinewSnapshot>::default())).id();
+    world.resource_mut::<RollbackHistory>().part = Some(part);
+}
+
+fn load(world: &mut World) {
+    let frame = world.get_resource::<RollbackFrameCount>().map_or(0, |frame| frame.0);
+    let Some(snapshot) = world.resource::<RollbackHistory>().at(frame).cloned() else {
+        error!("sinew: frame {frame} was not saved, so the simulation cannot be rolled back to it");
+        return;
+    };
+    // Who was spawned again by `bevy_ggrs` itself is not spawned twice.
+    let known = world.get_resource::<RollbackEntityMap>();
+    let mut known: EntityHashMap<Entity> =
+        known.into_iter().flat_map(RollbackEntityMap::iter).collect();
+    let moved = match snapshot.restore_onto(world, &known) {
+        Ok(map) => map.into_iter().filter(|(old, new)| old != new),
+        Err(fault) => {
+            error!("sinew: frame {frame} cannot be put back: {fault}");
+            return;
+        }
+    };
+    let moved: EntityHashMap<Entity> = moved.collect();
+    if moved.is_empty() {
+        return;
+    }
+    for (_, snapshot) in &mut world.resource_mut::<RollbackHistory>().frames {
+        snapshot.rename(&moved);
+    }
+    known.extend(moved);
+    world.insert_resource(RollbackEntityMap::from(known));
+}

@@ -1,0 +1,153 @@
+//! The list of what is state, as a resource: ours, and what a game adds.
+
+use core::any::TypeId;
+use std::sync::Arc;
+
+use bevy::ecs::component::Mutable;
+use bevy::prelude::*;
+use bevy::reflect::{FromReflect, GetTypeRegistration, TypePath};
+
+use super::values::{Kind, Options, kind, put_resource};
+use crate::components::ParticleConstraint;
+
+/// Every type that is state: what a [`SinewSnapshot`](super::SinewSnapshot) holds. Ours are in it from the start; a game's own constraints come in by
+/// [`register_particle_constraint`](crate::RegisterParticleConstraint), and whatever else by [`RegisterState`].
+#[derive(Resource, Default)]
+pub struct StateTypes {
+    pub(super) kinds: Vec<Arc<dyn Kind>>,
+}
+
+/// What a type is to the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum StateRole {
+    /// A component that makes its entity part of the simulation.
+    Simulation,
+    /// A component that is captured where its entity is part of the simulation, or is named by what is.
+    Carried,
+    /// The same, but meaningless outside of its own world, such as a handle: put back there alone.
+    Local,
+    /// A resource.
+    Resource,
+}
+
+/// One entry of [`StateTypes`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct StateType<'a> {
+    /// The crate and the short name, such as `bevy_sinew::Particle`: what it is called in a file.
+    pub name: &'a str,
+    /// The Rust type.
+    pub id: TypeId,
+    /// What it is to the state.
+    pub role: StateRole,
+    /// Whether its values can be written to a file: whether it is reflected.
+    pub reflected: bool,
+}
+
+impl StateTypes {
+    /// All of them, in the order in which they were registered.
+    pub fn iter(&self) -> impl Iterator<Item = StateType<'_>> {
+        self.kinds.iter().map(|kind| {
+            let (name, id) = (kind.name(), kind.id());
+            StateType { name, id, role: kind.role(), reflected: kind.is_reflected() }
+        })
+    }
+
+    /// Whether a type is one of them.
+    pub fn contains<T: 'static>(&self) -> bool {
+        self.find(TypeId::of::<T>()).is_some()
+    }
+
+    pub(super) fn find(&self, id: TypeId) -> Option<usize> {
+        self.kinds.iter().position(|kind| kind.id() == id)
+    }
+
+    /// Adds a type. One that is there already is replaced if it was not reflected and this is.
+    pub(super) fn add(&mut self, kind: Arc<dyn Kind>) {
+        match self.find(kind.id()) {
+            None => self.kinds.push(kind),
+            Some(place) if kind.is_reflected() && !self.kinds[place].is_reflected() => {
+                let role = self.kinds[place].role();
+                self.kinds[place] = if role == kind.role() { kind } else { kind.with_role(role) };
+            }
+            Some(_) => {}
+        }
+    }
+}
+
+/// Adds a game's own components and resources to the state of the simulation, so that they are captured and put back with the rest.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::RegisterState;
+/// /// What is left of a crate.
+/// #[derive(Component, Reflect, Clone)]
+/// struct Health(u32);
+///
+/// # let mut app = App::new();
+/// # app.add_plugins((MinimalPlugins, SinewPlugins));
+/// app.register_state::<Health>();
+/// ```
+pub trait RegisterState {
+    /// Has a component captured and put back on the entities of the simulation, and written to files. Entities that it names go along if its fields
+    /// are marked `#[entities]`. A second call for one type does nothing.
+    ///
+    /// For a constraint that [`register_particle_constraint`](crate::RegisterParticleConstraint) has registered it adds that it can be written to
+    /// files.
+    fn register_state<C>(&mut self) -> &mut Self
+    where
+        C: Component<Mutability = Mutable> + Clone + FromReflect + TypePath + GetTypeRegistration;
+
+    /// The same for a component that is not reflected: it is captured and put back, and left out of files.
+    fn register_unsaved_state<C>(&mut self) -> &mut Self
+    where
+        C: Component<Mutability = Mutable> + Clone;
+
+    /// Has a resource captured, put back and written to files. One that is not there when it is captured is taken away when that is put back.
+    fn register_state_resource<R>(&mut self) -> &mut Self
+    where
+        R: Resource + Clone + FromReflect + TypePath + GetTypeRegistration;
+}
+
+impl RegisterState for App {
+    fn register_state<C>(&mut self) -> &mut Self
+    where
+        C: Component<Mutability = Mutable> + Clone + FromReflect + TypePath + GetTypeRegistration,
+    {
+        self.register_type::<C>();
+        let role = StateRole::Carried;
+        add(self.world_mut(), kind(Options { role, ..Options::<C>::reflected() }));
+        self
+    }
+
+    fn register_unsaved_state<C>(&mut self) -> &mut Self
+    where
+        C: Component<Mutability = Mutable> + Clone,
+    {
+        let plain = Options::<C>::plain();
+        add(self.world_mut(), kind(Options { role: StateRole::Carried, hashed: false, ..plain }));
+        self
+    }
+
+    fn register_state_resource<R>(&mut self) -> &mut Self
+    where
+        R: Resource + Clone + FromReflect + TypePath + GetTypeRegistration,
+    {
+        self.register_type::<R>();
+        let (role, put) = (StateRole::Resource, put_resource::<R>);
+        add(self.world_mut(), kind(Options { role, ..Options::with(put).viewed() }));
+        self
+    }
+}
+
+/// Adds a constraint of a registered type, which may be reflected or not.
+pub(crate) fn add_constraint<T: ParticleConstraint>(world: &mut World) {
+    let named = Some(T::particles as fn(&T) -> &[Entity]);
+    add(world, kind(Options { named, ..Options::<T>::plain() }));
+}
+
+pub(super) fn add(world: &mut World, kind: Arc<dyn Kind>) {
+    world.get_resource_or_init::<StateTypes>().add(kind);
+}

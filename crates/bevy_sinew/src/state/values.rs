@@ -1,0 +1,369 @@
+//! The values of one type of state: how they are taken out of a world and put back.
+//!
+//! What differs from type to type is a few functions, [`Options`]; all else works on every type in the same way, without knowing it. While a value is out
+//! of its world, the entities that it names are numbers of entities of the snapshot, so that it means the same anywhere.
+
+use core::any::{TypeId, type_name};
+use std::sync::Arc;
+
+use bevy::ecs::component::Mutable;
+use bevy::ecs::entity::{EntityHashMap, EntityMapper};
+use bevy::ecs::relationship::{Relationship, RelationshipHookMode, RelationshipTarget};
+use bevy::prelude::*;
+use bevy::reflect::{FromReflect, PartialReflect, TypePath};
+
+use super::types::StateRole;
+
+/// What is done with the values of one type.
+pub(super) struct Options<C> {
+    pub(super) role: StateRole,
+    /// Whether it is taken from entities that did not have it.
+    pub(super) pruned: bool,
+    /// Whether it counts in the hash.
+    pub(super) hashed: bool,
+    /// Whether it is a list of those who joined an entity.
+    pub(super) lists: bool,
+    /// Its name, and the value as reflection sees it, and back.
+    pub(super) reflection: Option<Reflection<C>>,
+    /// Puts a value where it belongs.
+    pub(super) put: fn(&mut World, Entity, C),
+    /// Makes of what is found in the world what is state.
+    pub(super) taken: Option<fn(&World, Entity, &mut C)>,
+    /// Brings it in order once its entities are known under other ids.
+    pub(super) ordered: Option<fn(&mut C)>,
+    /// Takes out what means nothing in another world.
+    pub(super) foreign: Option<fn(&mut C)>,
+    /// Has the component that is there let go of others, before anything is despawned.
+    pub(super) let_go: Option<fn(&mut World, Entity)>,
+    /// The particles that a constraint names.
+    pub(super) named: Option<fn(&C) -> &[Entity]>,
+}
+
+/// A type as reflection sees it.
+pub(super) struct Reflection<C> {
+    name: fn() -> String,
+    view: fn(&C) -> &dyn PartialReflect,
+    make: fn(&dyn PartialReflect) -> Option<C>,
+}
+
+impl<C> Clone for Reflection<C> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<C> Copy for Reflection<C> {}
+
+impl<C> Clone for Options<C> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<C> Copy for Options<C> {}
+
+impl<C: Component<Mutability = Mutable> + Clone> Options<C> {
+    /// Of a component that makes its entity part of the simulation, and is not reflected.
+    pub(super) fn plain() -> Self {
+        Self::with(assign::<C>)
+    }
+
+    /// The same of one that is reflected.
+    pub(super) fn reflected() -> Self
+    where
+        C: FromReflect + TypePath,
+    {
+        Self::plain().viewed()
+    }
+}
+
+impl<C: Component + Clone> Options<C> {
+    pub(super) fn with(put: fn(&mut World, Entity, C)) -> Self {
+        Self {
+            role: StateRole::Simulation,
+            pruned: true,
+            hashed: true,
+            lists: false,
+            reflection: None,
+            put,
+            taken: None,
+            ordered: None,
+            foreign: None,
+            let_go: None,
+            named: None,
+        }
+    }
+
+    /// The same, seen by reflection.
+    pub(super) fn viewed(self) -> Self
+    where
+        C: FromReflect + TypePath,
+    {
+        let name = || {
+            let of = C::crate_name().unwrap_or_default();
+            format!("{of}::{}", C::short_type_path())
+        };
+        // What is there whole is taken whole: reflection leaves out what it does not see.
+        let make = |value: &dyn PartialReflect| {
+            value.try_downcast_ref::<C>().cloned().or_else(|| C::from_reflect(value))
+        };
+        let reflection = Reflection { name, view: C::as_partial_reflect, make };
+        Self { reflection: Some(reflection), ..self }
+    }
+}
+
+/// Overwrites a component, or inserts it where it is not.
+fn assign<C: Component<Mutability = Mutable>>(world: &mut World, entity: Entity, value: C) {
+    let Ok(mut entity) = world.get_entity_mut(entity) else { return };
+    if let Some(mut own) = entity.get_mut::<C>() {
+        *own = value;
+        return;
+    }
+    entity.insert(value);
+}
+
+/// Inserts a component where it is not, and leaves it alone where it is.
+pub(super) fn supply<C: Component>(world: &mut World, entity: Entity, value: C) {
+    if let Ok(mut entity) = world.get_entity_mut(entity) {
+        entity.insert_if_new(value);
+    }
+}
+
+/// Joins an entity to another one, whose list is put back by itself.
+pub(super) fn join<R: Relationship>(world: &mut World, entity: Entity, value: R) {
+    let Ok(mut entity) = world.get_entity_mut(entity) else { return };
+    if entity.get::<R>().map(R::get) != Some(value.get()) {
+        entity.insert_with_relationship_hook_mode(value, RelationshipHookMode::Skip);
+    }
+}
+
+/// Joins an entity to another one, whose list follows.
+pub(super) fn join_listed<R: Relationship>(world: &mut World, entity: Entity, value: R) {
+    let Ok(mut entity) = world.get_entity_mut(entity) else { return };
+    if entity.get::<R>().map(R::get) != Some(value.get()) {
+        entity.insert(value);
+    }
+}
+
+/// Empties the list of those who joined an entity, so that none is despawned with it.
+pub(super) fn empty<T: RelationshipTarget<Collection = Vec<Entity>>>(
+    world: &mut World,
+    entity: Entity,
+) {
+    if let Some(mut list) = world.get_mut::<T>(entity) {
+        list.collection_mut_risky().clear();
+    }
+}
+
+pub(super) fn put_resource<R: Resource>(world: &mut World, _: Entity, value: R) {
+    world.insert_resource(value);
+}
+
+/// What is done with the entities that a value names.
+pub(super) enum Names<'a> {
+    /// They are noted.
+    Note(Vec<Entity>),
+    /// They become numbers; what has none becomes nobody.
+    Number(&'a EntityHashMap<u32>),
+    /// Numbers become those entities; a number that is none of them becomes nobody.
+    Read(&'a [Entity]),
+}
+
+impl Names<'_> {
+    fn noted(&self) -> Option<usize> {
+        if let Self::Note(noted) = self { Some(noted.len()) } else { None }
+    }
+}
+
+impl EntityMapper for Names<'_> {
+    fn get_mapped(&mut self, source: Entity) -> Entity {
+        let mapped = match self {
+            Self::Note(noted) => {
+                noted.push(source);
+                Some(source)
+            }
+            Self::Number(numbers) => {
+                numbers.get(&source).and_then(|&number| Entity::from_raw_u32(number))
+            }
+            Self::Read(entities) => entities.get(source.index_u32() as usize).copied(),
+        };
+        mapped.unwrap_or(Entity::PLACEHOLDER)
+    }
+
+    fn set_mapped(&mut self, _: Entity, _: Entity) {}
+}
+
+/// One type of state, seen without knowing it.
+pub(super) trait Kind: Send + Sync {
+    fn id(&self) -> TypeId;
+
+    fn name(&self) -> &str;
+
+    fn role(&self) -> StateRole;
+
+    fn is_pruned(&self) -> bool;
+
+    fn is_hashed(&self) -> bool;
+
+    fn is_reflected(&self) -> bool;
+
+    /// Whether it is a list of those who joined an entity.
+    fn lists(&self) -> bool;
+
+    /// The same in another role.
+    fn with_role(&self, role: StateRole) -> Arc<dyn Kind>;
+
+    /// Clones the values of some entities that have one; of a resource, that of the world.
+    fn take(&self, world: &World, entities: &[Entity]) -> Box<dyn Values>;
+
+    /// No values, to be [pushed](Values::push).
+    fn none(&self) -> Box<dyn Values>;
+
+    fn let_go(&self, world: &mut World, entity: Entity);
+}
+
+/// Values of one type, in the order of their entities.
+pub(super) trait Values: Send + Sync {
+    fn len(&self) -> usize;
+
+    /// Notes or renames the entities that they name.
+    fn map(&mut self, entities: &mut Names);
+
+    /// Puts them onto entities, as many as they are. `names` says which entity each number is.
+    fn put(&self, world: &mut World, onto: &[Entity], names: &[Entity], foreign: bool);
+
+    /// One as reflection sees it; `None` if its type is not reflected.
+    fn view(&self, place: usize) -> Option<&dyn PartialReflect>;
+
+    /// Adds what reflection has made. Whether it could be.
+    fn push(&mut self, value: &dyn PartialReflect) -> bool;
+
+    /// The particles that a constraint names, by their numbers.
+    fn named(&self, place: usize) -> &[Entity];
+}
+
+/// Makes a kind of what is done with its values.
+pub(super) fn kind<C: Component + Clone>(options: Options<C>) -> Arc<dyn Kind> {
+    let name = options.reflection.map_or_else(|| type_name::<C>().into(), |of| (of.name)());
+    Arc::new(Of { options, name })
+}
+
+struct Of<C> {
+    options: Options<C>,
+    name: String,
+}
+
+struct List<C> {
+    options: Options<C>,
+    values: Vec<C>,
+}
+
+impl<C: Component + Clone> Kind for Of<C> {
+    fn id(&self) -> TypeId {
+        TypeId::of::<C>()
+    }
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn role(&self) -> StateRole {
+        self.options.role
+    }
+
+    fn is_pruned(&self) -> bool {
+        self.options.pruned
+    }
+
+    fn is_hashed(&self) -> bool {
+        self.options.hashed
+    }
+
+    fn is_reflected(&self) -> bool {
+        self.options.reflection.is_some()
+    }
+
+    fn lists(&self) -> bool {
+        self.options.lists
+    }
+
+    fn with_role(&self, role: StateRole) -> Arc<dyn Kind> {
+        kind(Options { role, ..self.options })
+    }
+
+    fn take(&self, world: &World, entities: &[Entity]) -> Box<dyn Values> {
+        let mut values = Vec::with_capacity(entities.len());
+        for &entity in entities {
+            let Some(value) = world.get::<C>(entity) else { continue };
+            let mut value = value.clone();
+            if let Some(taken) = self.options.taken {
+                taken(world, entity, &mut value);
+            }
+            values.push(value);
+        }
+        Box::new(List { options: self.options, values })
+    }
+
+    fn none(&self) -> Box<dyn Values> {
+        Box::new(List { options: self.options, values: Vec::new() })
+    }
+
+    fn let_go(&self, world: &mut World, entity: Entity) {
+        if let Some(let_go) = self.options.let_go {
+            let_go(world, entity);
+        }
+    }
+}
+
+impl<C: Component + Clone> Values for List<C> {
+    fn len(&self) -> usize {
+        self.values.len()
+    }
+
+    fn map(&mut self, entities: &mut Names) {
+        for value in &mut self.values {
+            let before = entities.noted();
+            <C as Component>::map_entities(value, entities);
+            let named = self.options.named.map_or(0, |named| named(value).len());
+            if entities.noted().zip(before).is_some_and(|(now, before)| now < before + named) {
+                warn_once!(
+                    "sinew: {} names particles that are not marked #[entities]: it cannot be put back onto other entities",
+                    type_name::<C>()
+                );
+            }
+            if let Some(ordered) = self.options.ordered {
+                ordered(value);
+            }
+        }
+    }
+
+    fn put(&self, world: &mut World, onto: &[Entity], names: &[Entity], foreign: bool) {
+        for (value, &entity) in self.values.iter().zip(onto) {
+            let mut value = value.clone();
+            <C as Component>::map_entities(&mut value, &mut Names::Read(names));
+            if let Some(ordered) = self.options.ordered {
+                ordered(&mut value);
+            }
+            if let (true, Some(foreign)) = (foreign, self.options.foreign) {
+                foreign(&mut value);
+            }
+            (self.options.put)(world, entity, value);
+        }
+    }
+
+    fn view(&self, place: usize) -> Option<&dyn PartialReflect> {
+        Some((self.options.reflection?.view)(self.values.get(place)?))
+    }
+
+    fn push(&mut self, value: &dyn PartialReflect) -> bool {
+        let made = self.options.reflection.and_then(|reflection| (reflection.make)(value));
+        let is_made = made.is_some();
+        self.values.extend(made);
+        is_made
+    }
+
+    fn named(&self, place: usize) -> &[Entity] {
+        let named = self.options.named.zip(self.values.get(place));
+        named.map_or(&[], |(named, value)| named(value))
+    }
+}

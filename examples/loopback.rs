@@ -1,0 +1,50 @@
+//! A connection between two programs in one process, with lag and loss.
+
+use std::sync::{Arc, Mutex};
+
+use bevy_ggrs::ggrs::{Message, NonBlockingSocket};
+
+/// What is under way between all ends.
+#[derive(Clone, Default)]
+pub struct Net(Arc<Mutex<Packets>>);
+
+#[derive(Default)]
+struct Packets {
+    frame: u32,
+    /// Draws lots.
+    lot: u32,
+    /// When they arrive, from whom, and to whom.
+    under_way: Vec<(u32, usize, usize, Message)>,
+}
+
+impl Net {
+    /// Time passes.
+    pub fn next_frame(&self) {
+        self.0.lock().unwrap().frame += 1;
+    }
+
+    /// One end of it.
+    pub fn end(&self, me: usize) -> End {
+        End(me, self.clone())
+    }
+}
+
+/// One end: packets take 2 to 5 frames, overtake each other, and one in eight is lost.
+pub struct End(usize, Net);
+
+impl NonBlockingSocket<usize> for End {
+    fn send_to(&mut self, message: &Message, to: &usize) {
+        let packets = &mut *self.1.0.lock().unwrap();
+        packets.lot = packets.lot.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let (lost, lag) = (packets.lot >> 29 == 0, 2 + (packets.lot >> 16) % 4);
+        if !lost {
+            packets.under_way.push((packets.frame + lag, self.0, *to, message.clone()));
+        }
+    }
+
+    fn receive_all_messages(&mut self) -> Vec<(usize, Message)> {
+        let Packets { frame, under_way, .. } = &mut *self.1.0.lock().unwrap();
+        let arrived = under_way.extract_if(.., |packet| packet.2 == self.0 && packet.0 <= *frame);
+        arrived.map(|(_, from, _, message)| (from, message)).collect()
+    }
+}

@@ -1,0 +1,73 @@
+//! Save and load: a scene is saved to a file in the middle of things, loaded into another app, and goes on there to the last bit.
+//!
+//! `cargo run --example save_load` needs no window and ends by itself.
+
+use bevy::prelude::*;
+use bevy_sinew::prelude::*;
+use bevy_sinew::{RegisterState, SinewSnapshot};
+
+/// State of the game's own, on a body: it is saved along.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+struct Health(u32);
+
+fn game() -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, SinewPlugins)).register_state::<Health>();
+    // A frame is a tick, however long it takes.
+    let step = core::time::Duration::from_secs(1) / 60;
+    app.insert_resource(Time::<Fixed>::from_duration(step))
+        .insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(step));
+    app.finish();
+    app.cleanup();
+    app
+}
+
+fn spawn(world: &mut World) {
+    world.spawn(Ground::default());
+    world.spawn(Wind { pressure: Vec3::new(3.0, 0.0, 2.0), gusts: 0.8, ..default() });
+    for i in 0..5 {
+        let place = Transform::from_xyz(0.1 * i as f32, 0.5 + 0.5 * i as f32, 0.0);
+        world.spawn((RigidBox::new(Vec3::splat(0.4)), Health(100 - i), place));
+    }
+    let flag = Cloth::grid(1.5, 1.0, 20, 14).pinned(ClothPins::LeftEdge);
+    world.spawn((flag, Transform::from_xyz(2.0, 2.0, 0.0)));
+    world.spawn((Ragdoll::default(), Transform::from_xyz(-2.0, 1.5, 0.0)));
+}
+
+/// A hash of all there is: of every component and resource that is state.
+fn hash(app: &App) -> u64 {
+    SinewSnapshot::capture(app.world()).hash()
+}
+
+fn main() -> Result<(), Box<dyn core::error::Error>> {
+    let mut old = game();
+    spawn(old.world_mut());
+    (0..100).for_each(|_| old.update());
+
+    // Save: as text, to be read, or as bytes, to be small.
+    let saved = SinewSnapshot::capture(old.world());
+    let (text, bytes) = (saved.to_ron(old.world())?, saved.to_bytes(old.world())?);
+    let path = std::env::temp_dir().join(format!("sinew-{}.save", std::process::id()));
+    std::fs::write(&path, &bytes)?;
+    println!("{saved:?}: {} kB as text, {} kB as bytes", text.len() / 1000, bytes.len() / 1000);
+
+    // Load: what is broken is refused here, before anything changes.
+    let file = std::fs::read(&path)?;
+    std::fs::remove_file(&path)?;
+    let mut new = game();
+    SinewSnapshot::from_bytes(&file, new.world())?.restore(new.world_mut())?;
+    assert_eq!(hash(&new), hash(&old), "what was loaded is what was saved");
+    assert!(SinewSnapshot::from_bytes(&file[..file.len() / 2], new.world()).is_err());
+
+    for _ in 0..300 {
+        old.update();
+        new.update();
+        assert_eq!(hash(&new), hash(&old), "both go on alike");
+    }
+    let mut boxes = new.world_mut().query::<(&Health, &Transform)>();
+    for (health, transform) in boxes.iter(new.world()) {
+        println!("{health:?} at {:.3}", transform.translation);
+    }
+    println!("300 ticks later both are at {:#018x}", hash(&new));
+    Ok(())
+}

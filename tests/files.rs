@@ -1,0 +1,202 @@
+//! Snapshots go to RON and to bytes and come back bit for bit; what is broken or foreign is refused, and nothing changes.
+
+use bevy::prelude::*;
+use bevy_sinew::prelude::*;
+use bevy_sinew::sinew::{ConstraintKind, Equation, Points};
+use bevy_sinew::{AnyConstraint, LoadFault, SaveFault, SinewClock, SinewSnapshot};
+
+use crate::saved::{SCENES, future, game, played, whole};
+use crate::support::{busy_scene, heard, tick};
+
+type Write = fn(&SinewSnapshot, &World) -> Vec<u8>;
+type Read = fn(&[u8], &World) -> Result<SinewSnapshot, LoadFault>;
+
+/// Both formats, as bytes.
+const FORMATS: [(&str, Write, Read); 2] = [
+    (
+        "RON",
+        |saved, world| saved.to_ron(world).unwrap().into_bytes(),
+        |bytes, world| SinewSnapshot::from_ron(&String::from_utf8_lossy(bytes), world),
+    ),
+    (
+        "bytes",
+        |saved, world| saved.to_bytes(world).unwrap(),
+        |bytes, world| SinewSnapshot::from_bytes(bytes, world),
+    ),
+];
+
+#[test]
+fn every_scene_comes_back_from_both_formats_and_goes_on_as_it_did() {
+    for (name, scene, ticks) in SCENES {
+        let mut old = played(scene, ticks);
+        let saved = SinewSnapshot::capture(old.world());
+        let files = FORMATS.map(|(_, write, _)| write(&saved, old.world()));
+        let expected = future(&mut old, 60);
+        for ((format, write, read), file) in FORMATS.into_iter().zip(files) {
+            let mut new = game();
+            let loaded = read(&file, new.world()).unwrap();
+            assert_eq!(loaded.hash(), saved.hash(), "{name}, {format}");
+            assert_eq!(write(&loaded, new.world()), file, "{name}, {format}: written again");
+            loaded.restore(new.world_mut()).unwrap();
+            assert_eq!(whole(&new), saved.hash(), "{name}, {format}: put back");
+            assert_eq!(future(&mut new, 60), expected, "{name}, {format}: goes on");
+            assert_eq!(heard(&new), [], "{name}, {format}");
+        }
+    }
+}
+
+#[test]
+fn floats_at_the_ends_of_what_there_is_come_back_bit_for_bit() {
+    let floats = [-0.0, 0.0, 1e-45, -1e-45, f32::MIN_POSITIVE, f32::MAX, f32::MIN, 0.1, 1.0 / 3.0];
+    let mut app = game();
+    let spawned: Vec<Entity> = floats
+        .iter()
+        .map(|&x| app.world_mut().spawn((Particle::at(Vec3::new(x, -x, 1.0)), Radius(x))).id())
+        .collect();
+    let odd = SinewClock { tick: u64::MAX, seconds: -5e-324 };
+    app.insert_resource(odd);
+    let saved = SinewSnapshot::capture(app.world());
+    for (format, write, read) in FORMATS {
+        let file = write(&saved, app.world());
+        let mut new = game();
+        let map = read(&file, new.world()).unwrap().restore(new.world_mut()).unwrap();
+        assert_eq!(map.len(), floats.len());
+        let clock = new.world().resource::<SinewClock>();
+        assert_eq!((clock.tick, clock.seconds.to_bits()), (odd.tick, odd.seconds.to_bits()));
+        let world = new.world_mut();
+        let mut found: Vec<[u32; 3]> = Vec::new();
+        for (particle, radius) in world.query::<(&Particle, &Radius)>().iter(world) {
+            found.push([particle.position.x, particle.position.y, radius.0].map(f32::to_bits));
+        }
+        let mut expected: Vec<[u32; 3]> = floats.map(|x| [x, -x, x].map(f32::to_bits)).to_vec();
+        found.sort_unstable();
+        expected.sort_unstable();
+        assert_eq!(found, expected, "{format}");
+    }
+    assert_eq!(spawned.len(), floats.len());
+}
+
+/// A world with something in it, and a file of it.
+fn file_of(write: Write) -> (App, Vec<u8>) {
+    let mut app = game();
+    let world = app.world_mut();
+    world.spawn(Ground::default());
+    world.spawn((RigidBox::new(Vec3::splat(0.3)), Transform::from_xyz(0.0, 0.2, 0.0)));
+    world.spawn((Rope { segments: 3, ..default() }, Transform::from_xyz(1.0, 2.0, 0.0)));
+    tick(&mut app, 20);
+    let file = write(&SinewSnapshot::capture(app.world()), app.world());
+    (app, file)
+}
+
+#[test]
+fn a_file_that_is_cut_off_is_refused() {
+    for (format, write, read) in FORMATS {
+        let (app, file) = file_of(write);
+        let before = whole(&app);
+        for length in (0..file.len()).step_by(1 + file.len() / 300).chain([file.len() - 1]) {
+            let read = read(&file[..length], app.world());
+            assert!(read.is_err(), "{format}: {length} of {}", file.len());
+        }
+        let longer: Vec<u8> = file.iter().copied().chain(*b" 1").collect();
+        assert!(read(&longer, app.world()).is_err(), "{format}: more than there was");
+        assert!(read(&file, app.world()).is_ok(), "{format}");
+        assert_eq!(whole(&app), before);
+    }
+}
+
+#[test]
+fn a_file_with_a_byte_that_is_not_what_was_written_is_refused() {
+    let (app, file) = file_of(FORMATS[1].1);
+    let before = whole(&app);
+    for place in (0..file.len()).step_by(1 + file.len() / 500) {
+        for flip in [1, 0x80] {
+            let mut file = file.clone();
+            file[place] ^= flip;
+            assert!(SinewSnapshot::from_bytes(&file, app.world()).is_err(), "{flip} at {place}");
+        }
+    }
+    // Text with one digit that is another.
+    let (_, file) = file_of(FORMATS[0].1);
+    let text = String::from_utf8(file).unwrap();
+    let place = text.find("position").unwrap();
+    let digit = place + text[place..].find(|c: char| ('1'..='8').contains(&c)).unwrap();
+    let mut bytes = text.clone().into_bytes();
+    bytes[digit] += 1;
+    let changed = String::from_utf8(bytes).unwrap();
+    assert_eq!(SinewSnapshot::from_ron(&changed, app.world()).unwrap_err(), LoadFault::Hash);
+    assert_eq!(whole(&app), before);
+}
+
+#[test]
+fn what_is_foreign_of_another_version_or_not_registered_is_refused_by_name() {
+    let (app, file) = file_of(FORMATS[0].1);
+    let text = String::from_utf8(file).unwrap();
+    let read = |text: &str| SinewSnapshot::from_ron(text, app.world()).unwrap_err();
+    for foreign in ["(\"a story\", 1, 0, [], 0)", "(5, 1, 0, [], 0)"] {
+        assert_eq!(read(foreign), LoadFault::Foreign, "{foreign}");
+    }
+    for broken in ["", "()", "[1, 2]", "(resources: {}, entities: {})", "\u{0}"] {
+        assert!(matches!(read(broken), LoadFault::Broken(_) | LoadFault::Foreign), "{broken}");
+    }
+    let newer = text.replacen(", 1, ", ", 2, ", 1).replacen(",\n    1,", ",\n    2,", 1);
+    assert_ne!(newer, text);
+    assert_eq!(read(&newer), LoadFault::Version(2));
+    let strange = text.replace("bevy_sinew::Rope", "bevy_sinew::Chain");
+    assert_eq!(read(&strange), LoadFault::Unregistered("bevy_sinew::Chain".into()));
+
+    let bytes = |bytes: &[u8]| SinewSnapshot::from_bytes(bytes, app.world()).unwrap_err();
+    assert_eq!(bytes(b""), LoadFault::Foreign);
+    assert_eq!(bytes(b"\x89PNG\r\n\x1a\n and so on"), LoadFault::Foreign);
+    let (_, mut file) = file_of(FORMATS[1].1);
+    file[4] = 2;
+    assert_eq!(bytes(&file), LoadFault::Version(2));
+}
+
+/// A constraint that cannot be written: it is not reflected.
+#[derive(Component, Clone)]
+struct Unseen {
+    #[entities]
+    particle: Entity,
+}
+
+impl ParticleConstraint for Unseen {
+    fn particles(&self) -> &[Entity] {
+        core::slice::from_ref(&self.particle)
+    }
+
+    fn kind(&self) -> ConstraintKind {
+        ConstraintKind::custom(Nothing)
+    }
+}
+
+#[derive(Debug)]
+struct Nothing;
+
+impl Equation for Nothing {
+    fn evaluate(&self, _: &Points, _: &mut [Vec3]) -> f32 {
+        0.0
+    }
+}
+
+#[test]
+fn what_cannot_be_written_is_refused_by_name() {
+    let mut app = game();
+    app.register_particle_constraint::<Unseen>();
+    busy_scene(&mut app);
+    tick(&mut app, 3);
+    let particle = app.world_mut().spawn(Particle::default()).id();
+    let unseen = app.world_mut().spawn(Unseen { particle }).id();
+    let saved = SinewSnapshot::capture(app.world());
+    let fault = saved.to_ron(app.world()).unwrap_err();
+    assert!(matches!(&fault, SaveFault::NotReflected(name) if name.contains("Unseen")), "{fault}");
+    assert_eq!(saved.to_bytes(app.world()), Err(fault));
+    app.world_mut().despawn(unseen);
+    let any = AnyConstraint::new([particle], ConstraintKind::custom(Nothing));
+    let any = app.world_mut().spawn(any).id();
+    let saved = SinewSnapshot::capture(app.world());
+    for fault in [saved.to_ron(app.world()).err(), saved.to_bytes(app.world()).err()] {
+        assert!(matches!(&fault, Some(SaveFault::Unwritable(_))), "{fault:?}");
+    }
+    app.world_mut().despawn(any);
+    assert!(SinewSnapshot::capture(app.world()).to_ron(app.world()).is_ok());
+}
