@@ -148,6 +148,8 @@
 //! | `gizmos` | yes | particles and constraints as lines |
 //! | `drag` | yes | [`MouseDragPlugin`] |
 //! | `interpolation` | yes | [`Interpolate`], through `bevy_transform_interpolation` |
+//! | `serialize` | no | snapshots of the whole state to RON and to bytes, and back |
+//! | `ggrs` | no | `SinewRollbackPlugin`: rollback netcode by `bevy_ggrs` 0.22 |
 //!
 //! # The map
 //!
