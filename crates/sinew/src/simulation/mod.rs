@@ -430,6 +430,12 @@ impl Simulation {
         &self.scratch.plan
     }
 
+    /// What single particles may touch in the last step.
+    #[cfg(test)]
+    pub(crate) fn particle_contacts(&self) -> &crate::collide::ParticleContacts {
+        &self.scratch.contacts.particle_contacts
+    }
+
     /// Energy that soft distances and constraints store, J.
     pub(crate) fn soft_energy(&mut self) -> f64 {
         solve::soft_energy(&mut self.particles, &self.scratch.plan)

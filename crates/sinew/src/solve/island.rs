@@ -142,13 +142,13 @@ impl Sweeper for InOrder<'_> {
     }
 }
 
-/// Solves an island; returns what its corrections gave it and should not have.
+/// Solves the island of a number; returns what its corrections gave it and should not have.
 ///
 /// Constraints come first, contacts last: what must not be seen to fail, a foot in the ground, has the last word. A sweep's error is what it
 /// *found*, before it corrected it: reaching the tolerance therefore costs no extra pass, and is never claimed too early.
 pub(super) fn solve(
     common: Common,
-    island: &Island,
+    number: usize,
     places: &mut Places,
     multipliers: &mut MultiplierSlice,
     normal_impulses: &mut NormalImpulses,
@@ -156,6 +156,7 @@ pub(super) fn solve(
     mut sweeper: impl Sweeper,
 ) -> Option<MomentumDrift> {
     let Common { plan, h, execution, .. } = common;
+    let island = &plan.islands[number];
     let (settings, rows) = (&island.settings, &plan.members[island.members.clone()]);
     let began = settings.timed.then(Instant::now);
     let mut gradient_at = settings.gradient_at;
@@ -170,7 +171,7 @@ pub(super) fn solve(
     while sweeps < settings.max_sweeps && !converged {
         let found =
             if island.groups.is_empty() { 0.0 } else { sweeper.sweep(places, multipliers, mode) };
-        let depth = project_contacts(common, places, normal_impulses, rows);
+        let depth = project_contacts(common, places, normal_impulses, (number, rows));
         touched |= depth > 0.0;
         sweeps += 1;
         converged = found.max(depth) <= settings.tolerance;
@@ -250,17 +251,16 @@ fn turns_too_fast(places: &Places, plan: &Plan, island: &Island) -> bool {
     })
 }
 
-/// Projects some particles out of whatever stands in the world once; returns the deepest it found, metres.
+/// Projects the particles of an island out of whatever stands in the world once; returns the deepest it found, metres.
 fn project_contacts(
     common: Common,
     places: &mut Places,
     normal_impulses: &mut NormalImpulses,
-    rows: &[u32],
+    island: (usize, &[u32]),
 ) -> f32 {
     let Common { contacts, substep, .. } = common;
     if contacts.is_empty() {
         return 0.0;
     }
-    let depths = rows.iter().map(|&row| contacts.project(places, normal_impulses, row, substep));
-    depths.fold(0.0, f32::max)
+    contacts.project_island(places, normal_impulses, island, substep)
 }

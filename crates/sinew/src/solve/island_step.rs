@@ -264,7 +264,7 @@ impl IslandStep<'_> {
                 let sweeper = InOrder::new(plan, island, thread_scratch);
                 let momentum_drift = solve(
                     common,
-                    island,
+                    number,
                     &mut places,
                     &mut multipliers,
                     &mut normal_impulses,

@@ -27,7 +27,7 @@ pub(crate) fn measure(
         &mut report.islands,
         instructions,
     );
-    for (island, own) in plan.islands.iter().zip(&mut report.islands) {
+    for (number, (island, own)) in plan.islands.iter().zip(&mut report.islands).enumerate() {
         let (mut error, mut strain) = (0.0_f32, 0.0_f32);
         // What broke was put back after it was measured.
         let measured = core::mem::take(&mut own.measured) && report.frozen.is_empty();
@@ -79,9 +79,8 @@ pub(crate) fn measure(
             }
         }
         if !contacts.is_empty() {
-            let rows = plan.members[island.members.clone()].iter();
-            let deepest = rows.map(|&row| contacts.error(&places, row));
-            error = deepest.fold(error, f32::max);
+            let rows = &plan.members[island.members.clone()];
+            error = error.max(contacts.island_error(&places, number, rows));
         }
         (own.error, own.strain) = (error, strain);
         report.error = report.error.max(error);

@@ -180,7 +180,7 @@ impl TaskSlice<'_> {
             let sweeper = InOrder::new(plan, island, thread_scratch);
             let momentum_drift = solve(
                 common,
-                island,
+                number,
                 &mut places,
                 &mut multipliers,
                 &mut normal_impulses,
@@ -257,7 +257,8 @@ impl TaskSlice<'_> {
         let (Common { plan, execution, .. }, Some(report)) = (common, reports.first_mut()) else {
             return;
         };
-        let island = &plan.islands[task.islands.start];
+        let number = task.islands.start;
+        let island = &plan.islands[number];
         if island.asleep {
             return;
         }
@@ -265,7 +266,7 @@ impl TaskSlice<'_> {
         let momentum_drift = {
             let (places, multipliers, normal_impulses) =
                 (&mut places, &mut multipliers, &mut normal_impulses);
-            solve(common, island, places, multipliers, normal_impulses, report, sweeper)
+            solve(common, number, places, multipliers, normal_impulses, report, sweeper)
         };
         let rows = &plan.members[island.members.clone()];
         if !later.is_empty() {

@@ -15,7 +15,7 @@ pub(super) struct CandidateSort {
     /// Row and candidate, surface by surface.
     found: Vec<(u32, SurfaceCandidate)>,
     /// Island by island, its box and its margin.
-    islands: Vec<(Vec3, Vec3)>,
+    pub(super) islands: Vec<(Vec3, Vec3)>,
 }
 
 impl ParticleContacts {
@@ -30,11 +30,21 @@ impl ParticleContacts {
         self.first.clear();
         self.candidates.clear();
         normal_impulses.clear();
-        if self.surfaces.is_empty() {
+        self.reaches.clear();
+        if self.is_empty() {
             return;
         }
+        self.see(particles, world.plan, dt, g);
+        if !self.surfaces.is_empty() {
+            self.find_candidates(particles, world);
+            normal_impulses.resize(self.candidates.len(), NormalImpulse::default());
+        }
+        self.find_reaches(particles, world.plan);
+    }
+
+    /// Finds the surfaces that each row may touch.
+    fn find_candidates(&mut self, particles: &Particles, world: &World) {
         let (plan, filter) = (world.plan, world.filter);
-        self.see(particles, plan, dt, g);
         self.sort.found.clear();
         let steps = self.frames.len() / self.surfaces.len();
         for (number, surface) in self.surfaces.iter().enumerate() {
@@ -81,7 +91,6 @@ impl ParticleContacts {
             }
         }
         self.sort_by_row(particles.len());
-        normal_impulses.resize(self.candidates.len(), NormalImpulse::default());
     }
 
     /// Notes where each row is and how far it may go, and the box of each island.

@@ -10,6 +10,7 @@
 
 mod broad_phase;
 mod normal_impulse;
+mod reach;
 mod restitution;
 mod surface;
 
@@ -41,6 +42,11 @@ pub(crate) struct ParticleContacts {
     solid: Vec<bool>,
     /// Whether contacts of each body are to be reported; empty if none's are.
     reported: Vec<bool>,
+    /// Where the rows of each island that may touch anything are in the list of those, which is island by island.
+    reaches: Vec<core::ops::Range<usize>>,
+    touching: Vec<u32>,
+    /// Whether each row may come to a plane or a box that holds every particle; true of all in a world in 2D.
+    bounded: Vec<bool>,
     sort: broad_phase::CandidateSort,
 }
 
@@ -107,13 +113,14 @@ impl ParticleContacts {
         self.bounds.drag(particles, &self.solid, h);
     }
 
-    /// Puts a row on the right side of everything, once, with friction, in substep number `substep`; returns how far out it was, metres.
+    /// Puts a row on the right side of everything, once, with friction, in substep number `substep`; returns how far out it was, metres. One that is not
+    /// `bounded` is far from all planes and boxes that hold every particle.
     #[inline]
-    pub(crate) fn project(
+    fn project(
         &self,
         places: &mut Places,
         normal_impulses: &mut NormalImpulses,
-        row: u32,
+        (row, bounded): (u32, bool),
         substep: u32,
     ) -> f32 {
         if places.position[places.at(row)].w == 0.0 {
@@ -121,7 +128,9 @@ impl ParticleContacts {
         }
         let mut worst = 0.0_f32;
         if !self.is_solid(row) {
-            worst = self.bounds.project(places, row);
+            if bounded {
+                worst = self.bounds.project(places, row);
+            }
             if !self.first.is_empty() {
                 worst = worst.max(self.leave(places, normal_impulses, row, substep));
             }
@@ -136,16 +145,16 @@ impl ParticleContacts {
 
     /// How far out a row is at the end of a step, metres, moving nothing.
     #[inline]
-    pub(crate) fn error(&self, places: &Places, row: u32) -> f32 {
+    fn error(&self, places: &Places, row: u32, bounded: bool) -> f32 {
         if self.is_solid(row) || places.position[places.at(row)].w == 0.0 {
             return 0.0;
         }
-        self.deepest(places, row)
+        self.deepest(places, row, bounded)
     }
 
-    fn deepest(&self, places: &Places, row: u32) -> f32 {
+    fn deepest(&self, places: &Places, row: u32, bounded: bool) -> f32 {
         let Some(last) = self.frames.len().checked_sub(self.surfaces.len()) else { return 0.0 };
-        let mut worst = self.bounds.error(places, row);
+        let mut worst = if bounded { self.bounds.error(places, row) } else { 0.0 };
         for candidate in self.of(row).map(|i| &self.candidates[i as usize]) {
             let number = candidate.surface as usize;
             let (surface, frame) = (&self.surfaces[number], &self.frames[last + number]);

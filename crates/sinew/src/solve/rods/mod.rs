@@ -188,7 +188,7 @@ impl RodBlock {
     }
 }
 
-/// Both ends moved to the nearest point, the errors, and which of the rods could be projected.
+/// Both ends moved to the nearest point, the errors, and which of the rods were projected or have no end that moves.
 #[inline(always)]
 pub(super) fn project<L: Lanes>(one: [L; 4], other: [L; 4], rest: L) -> ([L; 4], [L; 4], L, L) {
     let (scale, error, moves) = stretch(one, other, rest);
@@ -213,8 +213,8 @@ fn run(rods: &[Distance], steps: &[u32]) -> (u32, usize) {
     (step, rods.iter().zip(0..).take_while(follows).count())
 }
 
-/// How far eight rods are to be moved: the multiplier `s` of their direction, the error, metres, and a mask of those that have a direction and
-/// something that can move.
+/// How far eight rods are to be moved: the multiplier `s` of their direction, the error, metres, and a mask of those of which nothing is left to do: they
+/// have a direction, or no end that moves.
 #[inline(always)]
 fn stretch<L: Lanes>(one: [L; 4], other: [L; 4], rest: L) -> (L, L, L) {
     let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));
@@ -227,9 +227,11 @@ fn stretch<L: Lanes>(one: [L; 4], other: [L; 4], rest: L) -> (L, L, L) {
 #[inline(always)]
 fn stretch_of<L: Lanes>(length: L, [wa, wb]: [L; 2], rest: L) -> (L, L, L) {
     let value = length - rest;
-    let divisor = length * (wa + wb);
+    let weights = wa + wb;
+    let divisor = length * weights;
     let moves = L::zero().lt(divisor);
-    (moves.and(value / divisor), moves.and(value.abs()), moves)
+    // Between two pins there is nothing to part, and along the edge of a flag there are many such rods.
+    (moves.and(value / divisor), moves.and(value.abs()), moves.or(weights.le(L::zero())))
 }
 
 /// Moves them: `a -= w_a s d`, `b += w_b s d`.
