@@ -155,6 +155,7 @@
 //!
 //! | folder | what it holds |
 //! |---|---|
+//! | [`guide`] | how the method works and how to use it, chapter by chapter |
 //! | `commands` | impulses, velocities, teleports and reversal of whole bodies |
 //! | `components` | what a game spawns, edits and reads: the state |
 //! | `recipes` | bodies that build themselves |
@@ -174,6 +175,7 @@ mod components;
 mod config;
 #[cfg(feature = "drag")]
 mod drag;
+pub mod guide;
 mod messages;
 mod plugin;
 mod query;

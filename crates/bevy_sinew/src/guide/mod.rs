@@ -1,0 +1,25 @@
+//! The guide: how the method works, and how to use it, chapter by chapter. The same chapters are an mdBook, `docs/guide` in the repository.
+//!
+//! | chapter | |
+//! |---|---|
+//! | [`method`] | how position-based dynamics works |
+//! | [`bodies`] | cloth, ropes, soft bodies, ragdolls, boxes; particles of your own |
+//! | [`contacts`] | what meets what; surfaces, layers, events |
+//! | [`forces`] | gravity, wind, water, charges |
+//! | [`tuning`] | it stretches, it jitters, it tunnels, it is slow |
+//! | [`units`] | units, and numbers for stuff |
+//! | [`determinism`] | the same bits; saving; networking |
+//! | [`extending`] | a force, a constraint, a recipe of your own |
+//! | [`coming_from`] | from Avian, rapier, Jolt or Obi |
+
+macro_rules! chapters {
+    ($($name:ident $file:literal),*) => {$(
+        #[doc = include_str!($file)]
+        pub mod $name {}
+    )*};
+}
+
+chapters!(
+    method "method.md", bodies "bodies.md", contacts "contacts.md", forces "forces.md", tuning "tuning.md", units "units.md",
+    determinism "determinism.md", extending "extending.md", coming_from "coming_from.md"
+);
