@@ -6,7 +6,7 @@ use bevy_ggrs::ggrs::{Message, NonBlockingSocket};
 
 /// What is under way between all ends.
 #[derive(Clone, Default)]
-pub struct Net(Arc<Mutex<Packets>>);
+pub(crate) struct Net(Arc<Mutex<Packets>>);
 
 #[derive(Default)]
 struct Packets {
@@ -18,25 +18,27 @@ struct Packets {
 }
 
 impl Net {
-    /// Time passes.
-    pub fn next_frame(&self) {
+    /// Time passes, and from now on packets take time and are lost: a session is begun over a good connection.
+    pub(crate) fn next_frame(&self) {
         self.0.lock().unwrap().frame += 1;
     }
 
     /// One end of it.
-    pub fn end(&self, me: usize) -> End {
+    pub(crate) fn end(&self, me: usize) -> End {
         End(me, self.clone())
     }
 }
 
 /// One end: packets take 2 to 5 frames, overtake each other, and one in eight is lost.
-pub struct End(usize, Net);
+pub(crate) struct End(usize, Net);
 
 impl NonBlockingSocket<usize> for End {
     fn send_to(&mut self, message: &Message, to: &usize) {
         let packets = &mut *self.1.0.lock().unwrap();
         packets.lot = packets.lot.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        let (lost, lag) = (packets.lot >> 29 == 0, 2 + (packets.lot >> 16) % 4);
+        let bad = packets.frame > 0;
+        let (lost, lag) = (bad && packets.lot >> 29 == 0, 2 + (packets.lot >> 16) % 4);
+        let lag = if bad { lag } else { 0 };
         if !lost {
             packets.under_way.push((packets.frame + lag, self.0, *to, message.clone()));
         }

@@ -27,7 +27,8 @@ fn push(inputs: Res<PlayerInputs<Game>>, mut boxes: Query<(&Player, &mut Externa
 }
 
 fn player(me: usize, net: &Net) -> App {
-    let session = SessionBuilder::<Game>::new().add_player(PlayerType::Local, me).unwrap();
+    let session = SessionBuilder::<Game>::new().with_max_prediction_window(16);
+    let session = session.add_player(PlayerType::Local, me).unwrap();
     let session = session.add_player(PlayerType::Remote(1 - me), 1 - me).unwrap();
     let session = session.start_p2p_session(net.end(me)).unwrap();
     let mut app = App::new();
@@ -58,7 +59,9 @@ fn main() {
     let net = Net::default();
     let mut players = [0, 1].map(|me| (player(me, &net), BTreeMap::new()));
     while players.iter().any(|(_, seen)| seen.keys().all(|&frame| frame < 300)) {
-        net.next_frame();
+        if players.iter().all(|(app, _)| app.world().resource::<RollbackFrameCount>().0 > 0) {
+            net.next_frame();
+        }
         for (app, seen) in &mut players {
             app.update();
             // The last frame of which a player has all inputs: no rollback goes behind it.

@@ -80,7 +80,7 @@ impl SinewSnapshot {
         })
     }
 
-    /// As bytes, as few as is simple: about a fifth of the text.
+    /// As bytes, as few as is simple: about an eighth of the text.
     ///
     /// # Errors
     /// As [`to_ron`](Self::to_ron).
