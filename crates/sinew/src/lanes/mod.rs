@@ -91,7 +91,8 @@ pub(crate) trait Work: Sized {
     type Output;
 
     /// Does it. To be marked `#[inline(always)]`, and so must be what it calls: what is not inlined is not compiled for the lanes' instructions, and
-    /// every operation becomes a call. A closure cannot be marked: one that has lanes in it may be called from one place alone.
+    /// every operation becomes a call. A closure cannot be marked: one that has lanes in it may be called from one place alone. And no `array::map` and
+    /// `array::from_fn`, but loops and patterns: what those do about a panic halfway is four functions more in each kernel, for each use and each set.
     fn run<L: Lanes>(self) -> Self::Output;
 
     /// Does it in eights, in a function of its own. It stands here because a compiler's units of code follow the types whose methods they are: as
@@ -243,8 +244,11 @@ pub(crate) trait Lanes:
     /// The mask that [`bits`](Self::bits) makes these bits of.
     #[inline(always)]
     fn mask(bits: u32) -> Self {
-        let set = |lane: usize| if bits >> lane & 1 == 0 { 0 } else { u32::MAX };
-        Self::load(&core::array::from_fn(|lane| f32::from_bits(set(lane))))
+        let mut mask = [0.0; LANES];
+        for lane in 0..LANES {
+            mask[lane] = f32::from_bits(if bits >> lane & 1 == 0 { 0 } else { u32::MAX });
+        }
+        Self::load(&mask)
     }
 
     /// The lesser of the two, `other` where either is NaN or both are zero.
@@ -295,6 +299,9 @@ pub(crate) trait Lanes:
 
 #[inline(always)]
 fn pair_rows(first: usize) -> ([u32; LANES], [u32; LANES]) {
-    let row = |k: usize| (first + k) as u32;
-    (core::array::from_fn(|k| row(2 * k)), core::array::from_fn(|k| row(2 * k + 1)))
+    let mut pairs = ([0; LANES], [0; LANES]);
+    for k in 0..LANES {
+        (pairs.0[k], pairs.1[k]) = ((first + 2 * k) as u32, (first + 2 * k + 1) as u32);
+    }
+    pairs
 }

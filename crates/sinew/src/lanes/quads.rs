@@ -44,16 +44,26 @@ fn transposed(rows: [Vec4; 4]) -> [Vec4; 4] {
 impl Quads {
     #[inline(always)]
     fn columns(of: impl Fn(usize) -> Vec4) -> [Self; 4] {
-        let low = transposed([of(0), of(1), of(2), of(3)]);
-        let high = transposed([of(4), of(5), of(6), of(7)]);
-        core::array::from_fn(|i| Self(low[i], high[i]))
+        let [a, b, c, d] = transposed([of(0), of(1), of(2), of(3)]);
+        let [e, f, g, h] = transposed([of(4), of(5), of(6), of(7)]);
+        [Self(a, e), Self(b, f), Self(c, g), Self(d, h)]
     }
 
     #[inline(always)]
     fn eight_rows(columns: [Self; 4]) -> [Vec4; LANES] {
-        let [a, b, c, d] = transposed(columns.map(|column| column.0));
-        let [e, f, g, h] = transposed(columns.map(|column| column.1));
+        let [x, y, z, w] = columns;
+        let [a, b, c, d] = transposed([x.0, y.0, z.0, w.0]);
+        let [e, f, g, h] = transposed([x.1, y.1, z.1, w.1]);
         [a, b, c, d, e, f, g, h]
+    }
+
+    /// Hands eight rows out, each with its number.
+    #[inline(always)]
+    fn each_row(columns: [Self; 4], mut put: impl FnMut(usize, Vec4)) {
+        let rows = Self::eight_rows(columns);
+        for i in 0..LANES {
+            put(i, rows[i]);
+        }
     }
 }
 
@@ -79,12 +89,16 @@ impl Lanes for Quads {
 
     #[inline(always)]
     fn widen(self) -> Each {
-        Each(self.array().map(f64::from))
+        let [a, b, c, d, e, f, g, h] = self.array();
+        Each([a.into(), b.into(), c.into(), d.into(), e.into(), f.into(), g.into(), h.into()])
     }
 
     #[inline(always)]
     fn narrow(from: Each) -> Self {
-        Self::load(&from.0.map(|x| x as f32))
+        let [a, b, c, d, e, f, g, h] = from.0;
+        Self::load(&[
+            a as f32, b as f32, c as f32, d as f32, e as f32, f as f32, g as f32, h as f32,
+        ])
     }
 
     #[inline(always)]
@@ -139,14 +153,16 @@ impl Lanes for Quads {
 
     #[inline(always)]
     fn put_rows(packed: &mut [Vec4], rows: &[u32; LANES], columns: [Self; 4]) {
-        for (value, &row) in Self::eight_rows(columns).into_iter().zip(rows) {
-            packed[row as usize] = value;
-        }
+        Self::each_row(columns, |i, value| packed[rows[i] as usize] = value);
     }
 
     #[inline(always)]
     fn records<const N: usize>(from: &[Record], rows: &[u32; LANES]) -> [[Self; 4]; N] {
-        core::array::from_fn(|field| Self::columns(|i| from[rows[i] as usize].0[field]))
+        let mut fields = [[Self::zero(); 4]; N];
+        for field in 0..N {
+            fields[field] = Self::columns(|i| from[rows[i] as usize].0[field]);
+        }
+        fields
     }
 
     #[inline(always)]
@@ -155,10 +171,8 @@ impl Lanes for Quads {
         rows: &[u32; LANES],
         columns: [[Self; 4]; N],
     ) {
-        for (field, columns) in columns.into_iter().enumerate() {
-            for (value, &row) in Self::eight_rows(columns).into_iter().zip(rows) {
-                to[row as usize].0[field] = value;
-            }
+        for field in 0..N {
+            Self::each_row(columns[field], |i, value| to[rows[i] as usize].0[field] = value);
         }
     }
 
@@ -171,9 +185,7 @@ impl Lanes for Quads {
     #[inline(always)]
     fn put_run_by_parity(packed: &mut [Vec4], first: usize, columns: [Self; 4]) {
         let packed = &mut packed[first..first + LANES];
-        for (row, &place) in Self::eight_rows(columns).into_iter().zip(&PARITY) {
-            packed[place] = row;
-        }
+        Self::each_row(columns, |i, value| packed[PARITY[i]] = value);
     }
 
     #[inline(always)]

@@ -87,7 +87,11 @@ impl Bodies {
 /// Eight rows from one on.
 #[inline(always)]
 pub(super) fn from_row(first: usize) -> [u32; LANES] {
-    core::array::from_fn(|lane| (first + lane) as u32)
+    let mut rows = [0; LANES];
+    for lane in 0..LANES {
+        rows[lane] = (first + lane) as u32;
+    }
+    rows
 }
 
 /// The columns of eight of them.

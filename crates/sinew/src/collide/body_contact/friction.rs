@@ -428,7 +428,11 @@ impl<L: Lanes> EffectiveMass<L> {
 /// Where [`Bodies::predicted`] and [`Bodies::residual`] have the displacements and the turns of eight bodies.
 #[inline(always)]
 fn pair_of_rows(rows: &[u32; LANES]) -> [[u32; LANES]; 2] {
-    [rows.map(|row| 2 * row), rows.map(|row| 2 * row + 1)]
+    let mut pair = [[0; LANES]; 2];
+    for lane in 0..LANES {
+        (pair[0][lane], pair[1][lane]) = (2 * rows[lane], 2 * rows[lane] + 1);
+    }
+    pair
 }
 
 /// How far what is predicted of eight bodies, or their residual, moves points of these, and how it turns them.
