@@ -15,6 +15,8 @@ use crate::particles::{NO_BODY, Particles};
 #[derive(Clone, Debug, Default)]
 pub(super) struct Loose {
     pairs: Vec<LooseContact>,
+    /// The same, as numbers of body colliders and of rows.
+    near: Vec<(u32, u32)>,
     /// Particles and body colliders by where they begin along x.
     rows: Vec<(f32, u32)>,
     body_colliders: Vec<(f32, u32)>,
@@ -62,8 +64,9 @@ impl Loose {
         world: &World,
         nearby: &Nearby,
     ) {
-        let Self { pairs, rows, body_colliders, open } = self;
+        let Self { pairs, near, rows, body_colliders, open } = self;
         pairs.clear();
+        near.clear();
         rows.clear();
         body_colliders.clear();
         open.clear();
@@ -102,36 +105,39 @@ impl Loose {
             open.retain(|&number| swept[number as usize].bounds.1.x >= low);
             let i = row as usize;
             let (place, reach) = (particles.position(i), Vec3::splat(reach(i)));
-            let own = filter.body(particles.body[i]);
+            let body = particles.body[i];
             for &number in open.iter() {
                 let one = &swept[number as usize];
                 let (low, high) = (place - reach, place + reach);
                 let apart = low.cmpgt(one.bounds.1).any() || high.cmplt(one.bounds.0).any();
-                let (body, theirs) = (particles.body[i], filter.body(one.body));
-                if apart || !filter.rows_may_touch((body, row), (one.body, one.row)) {
-                    continue;
+                if !apart && filter.rows_may_touch((body, row), (one.body, one.row)) {
+                    near.push((number, row));
                 }
-                let who = if body == NO_BODY {
-                    ContactParticipant::Particle(row)
-                } else {
-                    ContactParticipant::Body(body)
-                };
-                pairs.push(LooseContact {
-                    solid: number,
-                    row,
-                    combined_material: theirs.material.against(&own.material),
-                    reports_events: own.events || theirs.events,
-                    participants: [who, participant(groups, number as usize, one.body)],
-                    force: 0.0,
-                    normal: Vec3::Y,
-                    arm: Vec3::ZERO,
-                    approach: 0.0,
-                    total: 0.0,
-                    point: Vec3::ZERO,
-                });
             }
         }
-        pairs.sort_unstable_by_key(|near| (near.solid, near.row));
+        near.sort_unstable();
+        pairs.extend(near.iter().map(|&(solid, row)| {
+            let (body, theirs) = (particles.body[row as usize], swept[solid as usize].body);
+            let who = if body == NO_BODY {
+                ContactParticipant::Particle(row)
+            } else {
+                ContactParticipant::Body(body)
+            };
+            let (own, other) = (filter.body(body), filter.body(theirs));
+            LooseContact {
+                solid,
+                row,
+                combined_material: other.material.against(&own.material),
+                reports_events: own.events || other.events,
+                participants: [who, participant(groups, solid as usize, theirs)],
+                force: 0.0,
+                normal: Vec3::Y,
+                arm: Vec3::ZERO,
+                approach: 0.0,
+                total: 0.0,
+                point: Vec3::ZERO,
+            }
+        }));
     }
 
     /// Parts those that have met, one after the other.

@@ -235,13 +235,16 @@ fn welded(vertices: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]
 /// What tells inside from outside, if every edge is that of two triangles that go along it in opposite directions and the volume is positive; else
 /// nothing.
 fn pseudo(vertices: usize, triangles: &[[u32; 3]], pieces: &[Triangle]) -> Vec<Pseudo> {
-    let side = |t: &[u32; 3], k: usize| (t[k], t[(k + 1) % 3]);
-    let mut sides: Vec<((u32, u32), u32)> =
+    // Both ends as one number, the first one above.
+    let joined = |a: u32, b: u32| u64::from(a) << 32 | u64::from(b);
+    let side = |t: &[u32; 3], k: usize| joined(t[k], t[(k + 1) % 3]);
+    let mut sides: Vec<(u64, u32)> =
         (0..).zip(triangles).flat_map(|(i, t)| [0, 1, 2].map(|k| (side(t, k), i))).collect();
     sides.sort_unstable();
-    let opposite = |(a, b): (u32, u32)| {
-        let at = sides.partition_point(|(other, _)| *other < (b, a));
-        sides.get(at).filter(|(other, _)| *other == (b, a)).map(|(_, i)| *i as usize)
+    let opposite = |side: u64| {
+        let back = side.rotate_left(32);
+        let at = sides.partition_point(|(other, _)| *other < back);
+        sides.get(at).filter(|(other, _)| *other == back).map(|(_, i)| *i as usize)
     };
     let twice = sides.windows(2).any(|pair| pair[0].0 == pair[1].0);
     // About a corner of its own, so that a small mesh far from the origin keeps its digits.

@@ -121,7 +121,7 @@ impl Tree {
                 self.pending.push((first, half));
             } else {
                 // Which eight they are is settled, but not in which order they were left.
-                items.sort_unstable_by_key(|item| item.row);
+                by_row(items);
             }
             self.nodes.push(Node {
                 middle: (low + high) * 0.5,
@@ -203,6 +203,17 @@ impl Bunches {
         let bunch = self.at;
         self.at += nodes[bunch].whole();
         Some(bunch)
+    }
+}
+
+/// Puts the eight of a leaf in the order of their rows: by insertion, for so few.
+fn by_row(items: &mut [Item]) {
+    for end in 1..items.len() {
+        let mut at = end;
+        while at > 0 && items[at - 1].row > items[at].row {
+            items.swap(at - 1, at);
+            at -= 1;
+        }
     }
 }
 

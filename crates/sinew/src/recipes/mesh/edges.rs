@@ -50,8 +50,8 @@ impl Edges {
         for (lower, span) in (0..).zip(starts.windows(2)) {
             sides.clear();
             sides.extend(dealt_out[span[0] as usize..span[1] as usize].iter().map(side));
-            // A stable one keeps the triangles in order.
-            sides.sort_by_key(|side| side.0);
+            // Of equal sides the one of the first triangle comes first.
+            sides.sort_unstable();
             sides.dedup_by(|later, first| {
                 let same = later.0 == first.0;
                 if same {
@@ -171,7 +171,7 @@ impl Neighbours {
 
 /// Sorts items of which a handful each belong to one particle, and by a key among those: dealt out to the particles first, which takes a fraction
 /// of the time of sorting them all.
-pub(in crate::recipes) fn sort<T: Copy + Default>(
+pub(in crate::recipes) fn sort<T: Copy>(
     items: &mut Vec<T>,
     particles: usize,
     particle: impl Fn(&T) -> u32,
@@ -179,16 +179,22 @@ pub(in crate::recipes) fn sort<T: Copy + Default>(
 ) {
     let starts = dealt(particles, items.iter().map(&particle));
     let mut next = starts.clone();
-    let mut sorted = vec![T::default(); items.len()];
-    for item in items.iter() {
+    // Keys, and which items have them: equal ones stay in order, and sorting is compiled once and not for each kind of item.
+    let mut order = vec![(0, 0); items.len()];
+    for (number, item) in (0..).zip(items.iter()) {
         let place = &mut next[particle(item) as usize];
-        sorted[*place as usize] = *item;
+        order[*place as usize] = (key(item), number);
         *place += 1;
     }
+    sort_spans(&mut order, &starts);
+    *items = order.iter().map(|&(_, number)| items[number as usize]).collect();
+}
+
+/// Sorts each of the stretches between two starts.
+fn sort_spans(order: &mut [(u64, u32)], starts: &[u32]) {
     for span in starts.windows(2) {
-        sorted[span[0] as usize..span[1] as usize].sort_by_key(&key);
+        order[span[0] as usize..span[1] as usize].sort_unstable();
     }
-    *items = sorted;
 }
 
 /// Two numbers as one, the first one above.

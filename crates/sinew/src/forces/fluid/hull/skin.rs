@@ -129,16 +129,16 @@ impl Hull {
 
 /// The directed edges that no triangle runs along the other way.
 fn rim_of(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
-    let mut edges: Vec<(u32, u32, i32)> = triangles
+    let mut edges: Vec<([u32; 2], i32)> = triangles
         .iter()
         .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
-        .map(|(a, b)| if a < b { (a, b, 1) } else { (b, a, -1) })
+        .map(|(a, b)| if a < b { ([a, b], 1) } else { ([b, a], -1) })
         .collect();
     edges.sort_unstable();
     let mut rim = Vec::new();
-    for same in edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
-        let (a, b, _) = same[0];
-        let net: i32 = same.iter().map(|edge| edge.2).sum();
+    for same in edges.chunk_by(|x, y| x.0 == y.0) {
+        let ([a, b], _) = same[0];
+        let net: i32 = same.iter().map(|edge| edge.1).sum();
         // An edge of no length, of a triangle with the same corner twice, is none.
         if a != b {
             let edge = if net > 0 { [a, b] } else { [b, a] };
