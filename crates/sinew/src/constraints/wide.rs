@@ -38,9 +38,20 @@ pub(super) fn eight<'a, T>(
     constraints: [&'a Constraint; LANES],
     pick: impl Fn(&'a Constraint) -> Option<&'a T>,
 ) -> Option<[&'a T; LANES]> {
-    let found = constraints.map(pick);
-    let first = found[0]?;
-    found.iter().all(Option::is_some).then(|| found.map(|equation| equation.unwrap_or(first)))
+    let mut found = [pick(constraints[0])?; LANES];
+    for (to, constraint) in found.iter_mut().zip(constraints) {
+        *to = pick(constraint)?;
+    }
+    Some(found)
+}
+
+/// A number of each of eight: as `array::map`, by a tenth of the code.
+pub(super) fn numbers<T: Copy>(eight: [T; LANES], of: impl Fn(T) -> f32) -> [f32; LANES] {
+    let mut numbers = [0.0; LANES];
+    for (to, one) in numbers.iter_mut().zip(eight) {
+        *to = of(one);
+    }
+    numbers
 }
 
 /// How far the cosine of an angle must be above that of a limit for the angle to be below the limit whatever was rounded on the way.

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::Angle;
-use crate::constraints::wide::{Wide, beyond, eight, is_size};
+use crate::constraints::wide::{Wide, beyond, eight, is_size, numbers};
 use crate::constraints::{Constraint, ConstraintKind};
 use crate::lanes::{LANES, Lanes, Vector, atan2};
 
@@ -20,7 +20,10 @@ impl Wide<3> for Angles {
             ConstraintKind::Angle(equation) => Some(equation),
             _ => None,
         })?;
-        Some(Self { min: angles.map(|angle| angle.min), max: angles.map(|angle| angle.max) })
+        Some(Self {
+            min: numbers(angles, |angle| angle.min),
+            max: numbers(angles, |angle| angle.max),
+        })
     }
 
     #[inline(always)]

@@ -2,7 +2,7 @@
 
 use super::Area;
 use crate::constraints::angle::any_normal_wide;
-use crate::constraints::wide::{Wide, eight};
+use crate::constraints::wide::{Wide, eight, numbers};
 use crate::constraints::{Constraint, ConstraintKind};
 use crate::lanes::{LANES, Lanes, Vector};
 
@@ -18,7 +18,7 @@ impl Wide<3> for Areas {
             ConstraintKind::Area(equation) => Some(equation),
             _ => None,
         })?;
-        Some(Self { rest: areas.map(|area| area.rest) })
+        Some(Self { rest: numbers(areas, |area| area.rest) })
     }
 
     #[inline(always)]

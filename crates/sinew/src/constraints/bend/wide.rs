@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{Bend, FLAT};
-use crate::constraints::wide::{Wide, eight};
+use crate::constraints::wide::{Wide, eight, numbers};
 use crate::constraints::{Constraint, ConstraintKind};
 use crate::lanes::{LANES, Lanes, Vector};
 
@@ -22,8 +22,8 @@ impl Wide<4> for Bends {
             ConstraintKind::Bend(equation) => Some(equation),
             _ => None,
         })?;
-        let weights = core::array::from_fn(|i| bends.map(|bend| bend.weights[i]));
-        Some(Self { weights, rest: bends.map(|bend| bend.rest) })
+        let weights = [0, 1, 2, 3].map(|i| numbers(bends, |bend| bend.weights[i]));
+        Some(Self { weights, rest: numbers(bends, |bend| bend.rest) })
     }
 
     #[inline(always)]

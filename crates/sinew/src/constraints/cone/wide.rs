@@ -2,7 +2,7 @@
 
 use super::Cone;
 use crate::constraints::angle::{Turns, between_wide};
-use crate::constraints::wide::{CLEAR, Wide, eight, is_below};
+use crate::constraints::wide::{CLEAR, Wide, eight, is_below, numbers};
 use crate::constraints::{Constraint, ConstraintKind};
 use crate::lanes::{LANES, Lanes, Vector};
 
@@ -26,10 +26,10 @@ impl Wide<5> for Cones {
             _ => None,
         })?;
         Some(Self {
-            axis: core::array::from_fn(|i| cones.map(|cone| cone.axis[i])),
-            max: cones.map(|cone| cone.max),
-            clear: cones.map(|cone| libm::cosf(cone.max) + CLEAR),
-            own: constraints.map(|c| f32::from(u8::from(c.rows.len() == 4))),
+            axis: [0, 1, 2].map(|i| numbers(cones, |cone| cone.axis[i])),
+            max: numbers(cones, |cone| cone.max),
+            clear: numbers(cones, |cone| libm::cosf(cone.max) + CLEAR),
+            own: numbers(constraints, |c| f32::from(u8::from(c.rows.len() == 4))),
         })
     }
 

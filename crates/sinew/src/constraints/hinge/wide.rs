@@ -3,7 +3,7 @@
 use core::f32::consts::TAU;
 
 use super::Hinge;
-use crate::constraints::wide::{CLEAR, Wide, beyond, eight, is_below, is_size};
+use crate::constraints::wide::{CLEAR, Wide, beyond, eight, is_below, is_size, numbers};
 use crate::constraints::{Constraint, ConstraintKind};
 use crate::lanes::{LANES, Lanes, Vector, atan2};
 
@@ -32,10 +32,10 @@ impl Wide<4> for Hinges {
         let middle = |hinge: &Hinge| super::around(0.5 * (hinge.min + hinge.max));
         let half = |hinge: &Hinge| 0.5 * (hinge.max - hinge.min);
         Some(Self {
-            middle: hinges.map(middle),
-            half: hinges.map(half),
-            towards: [libm::cosf, libm::sinf].map(|of| hinges.map(|hinge| of(middle(hinge)))),
-            clear: hinges.map(|hinge| libm::cosf(half(hinge)) + CLEAR),
+            middle: numbers(hinges, middle),
+            half: numbers(hinges, half),
+            towards: [libm::cosf, libm::sinf].map(|of| numbers(hinges, |hinge| of(middle(hinge)))),
+            clear: numbers(hinges, |hinge| libm::cosf(half(hinge)) + CLEAR),
             is_limit: hinges.iter().any(|hinge| half(hinge) > 0.0),
         })
     }

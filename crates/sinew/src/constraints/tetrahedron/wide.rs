@@ -2,7 +2,7 @@
 
 use super::Tetrahedron;
 use crate::constraints::area::steeper;
-use crate::constraints::wide::{Wide, eight, is_size};
+use crate::constraints::wide::{Wide, eight, is_size, numbers};
 use crate::constraints::{Constraint, ConstraintKind};
 use crate::lanes::{LANES, Lanes, Vector};
 
@@ -18,7 +18,7 @@ impl Wide<4> for Tetrahedra {
             ConstraintKind::Tetrahedron(equation) => Some(equation),
             _ => None,
         })?;
-        Some(Self { rest: all.map(|tetrahedron| tetrahedron.rest) })
+        Some(Self { rest: numbers(all, |tetrahedron| tetrahedron.rest) })
     }
 
     /// See `volume`. The reach of a step is a third root; whether a gradient has to be steeper is asked without it, by the third power of the step,

@@ -31,15 +31,20 @@ impl<W: Wide<N>, const N: usize> ConstraintBatch<W, N> {
         constraints: &[Constraint],
         compliances: &mut Vec<PackedCompliance>,
     ) -> Option<Self> {
-        let eight: [&Constraint; LANES] =
-            core::array::from_fn(|lane| constraints.get(lane).unwrap_or(&constraints[0]));
-        let rows = eight.map(W::rows);
+        let mut eight = [&constraints[0]; LANES];
+        let mut rows = [[0; LANES]; N];
+        for lane in 0..LANES {
+            eight[lane] = constraints.get(lane).unwrap_or(&constraints[0]);
+            for (to, row) in rows.iter_mut().zip(W::rows(eight[lane])) {
+                to[lane] = row;
+            }
+        }
         let (eight, packed_compliance) = WideConstraint::of(eight)?;
         let eight = WideConstraint {
             packed_compliance: super::number(compliances, packed_compliance),
             ..eight
         };
-        Some(Self { rows: core::array::from_fn(|i| rows.map(|rows| rows[i])), eight })
+        Some(Self { rows, eight })
     }
 }
 
@@ -51,15 +56,17 @@ impl<W> WideConstraint<W> {
     where
         W: Wide<N>,
     {
-        let softness = eight.map(|c| c.kind.equation().softness());
-        let bound = eight.map(|c| c.kind.equation().bound());
-        let own = Self {
-            kind: W::of(eight)?,
-            compliance: softness.map(compliance),
-            packed_compliance: 0,
-        };
-        Some((own, PackedCompliance::of(softness, bound)))
+        let kind = W::of(eight)?;
+        let (compliance, packed_compliance) = compliances_of(eight);
+        Some((Self { kind, compliance, packed_compliance: 0 }, packed_compliance))
     }
+}
+
+/// What eight constraints of whatever kind yield by. Compiled once, not for each kind.
+fn compliances_of(eight: [&Constraint; LANES]) -> ([f32; LANES], PackedCompliance) {
+    let softness = eight.map(|c| c.kind.equation().softness());
+    let bound = eight.map(|c| c.kind.equation().bound());
+    (softness.map(compliance), PackedCompliance::of(softness, bound))
 }
 
 /// Projects blocks once, in their order; returns the largest error found, metres, of soft ones how far they moved. Without multipliers it measures:
