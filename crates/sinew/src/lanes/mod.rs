@@ -245,8 +245,8 @@ pub(crate) trait Lanes:
     #[inline(always)]
     fn mask(bits: u32) -> Self {
         let mut mask = [0.0; LANES];
-        for lane in 0..LANES {
-            mask[lane] = f32::from_bits(if bits >> lane & 1 == 0 { 0 } else { u32::MAX });
+        for (lane, set) in mask.iter_mut().enumerate() {
+            *set = f32::from_bits(if bits >> lane & 1 == 0 { 0 } else { u32::MAX });
         }
         Self::load(&mask)
     }

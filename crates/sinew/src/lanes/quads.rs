@@ -60,9 +60,8 @@ impl Quads {
     /// Hands eight rows out, each with its number.
     #[inline(always)]
     fn each_row(columns: [Self; 4], mut put: impl FnMut(usize, Vec4)) {
-        let rows = Self::eight_rows(columns);
-        for i in 0..LANES {
-            put(i, rows[i]);
+        for (i, &row) in Self::eight_rows(columns).iter().enumerate() {
+            put(i, row);
         }
     }
 }
@@ -159,8 +158,8 @@ impl Lanes for Quads {
     #[inline(always)]
     fn records<const N: usize>(from: &[Record], rows: &[u32; LANES]) -> [[Self; 4]; N] {
         let mut fields = [[Self::zero(); 4]; N];
-        for field in 0..N {
-            fields[field] = Self::columns(|i| from[rows[i] as usize].0[field]);
+        for (number, field) in fields.iter_mut().enumerate() {
+            *field = Self::columns(|i| from[rows[i] as usize].0[number]);
         }
         fields
     }
@@ -171,8 +170,8 @@ impl Lanes for Quads {
         rows: &[u32; LANES],
         columns: [[Self; 4]; N],
     ) {
-        for field in 0..N {
-            Self::each_row(columns[field], |i, value| to[rows[i] as usize].0[field] = value);
+        for (field, columns) in columns.iter().enumerate() {
+            Self::each_row(*columns, |i, value| to[rows[i] as usize].0[field] = value);
         }
     }
 

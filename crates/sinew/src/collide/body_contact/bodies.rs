@@ -88,8 +88,8 @@ impl Bodies {
 #[inline(always)]
 pub(super) fn from_row(first: usize) -> [u32; LANES] {
     let mut rows = [0; LANES];
-    for lane in 0..LANES {
-        rows[lane] = (first + lane) as u32;
+    for (lane, row) in rows.iter_mut().enumerate() {
+        *row = (first + lane) as u32;
     }
     rows
 }

@@ -429,8 +429,8 @@ impl<L: Lanes> EffectiveMass<L> {
 #[inline(always)]
 fn pair_of_rows(rows: &[u32; LANES]) -> [[u32; LANES]; 2] {
     let mut pair = [[0; LANES]; 2];
-    for lane in 0..LANES {
-        (pair[0][lane], pair[1][lane]) = (2 * rows[lane], 2 * rows[lane] + 1);
+    for (lane, row) in rows.iter().enumerate() {
+        (pair[0][lane], pair[1][lane]) = (2 * row, 2 * row + 1);
     }
     pair
 }

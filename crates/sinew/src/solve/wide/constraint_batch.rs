@@ -33,9 +33,9 @@ impl<W: Wide<N>, const N: usize> ConstraintBatch<W, N> {
     ) -> Option<Self> {
         let mut eight = [&constraints[0]; LANES];
         let mut rows = [[0; LANES]; N];
-        for lane in 0..LANES {
-            eight[lane] = constraints.get(lane).unwrap_or(&constraints[0]);
-            for (to, row) in rows.iter_mut().zip(W::rows(eight[lane])) {
+        for (lane, one) in eight.iter_mut().enumerate() {
+            *one = constraints.get(lane).unwrap_or(&constraints[0]);
+            for (to, row) in rows.iter_mut().zip(W::rows(one)) {
                 to[lane] = row;
             }
         }
