@@ -1,7 +1,9 @@
 //! A snapshot put back: what came since goes, what went since is there again, and what stayed has the values that it had.
 
+use std::collections::BTreeSet;
+
 use bevy::ecs::component::ComponentId;
-use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
+use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::message::Messages;
 use bevy::prelude::*;
 
@@ -72,7 +74,7 @@ impl SinewSnapshot {
         for kind in &types.kinds {
             now.iter().for_each(|&entity| kind.let_go(world, entity));
         }
-        let stay: EntityHashSet = kept.iter().flatten().copied().collect();
+        let stay: BTreeSet<Entity> = kept.iter().flatten().copied().collect();
         for &entity in now.iter().filter(|entity| !stay.contains(*entity)) {
             world.try_despawn(entity).ok();
         }

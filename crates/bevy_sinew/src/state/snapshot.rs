@@ -1,10 +1,11 @@
 //! The whole state at one instant, taken out of its world.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use bevy::ecs::archetype::Archetype;
 use bevy::ecs::component::ComponentId;
-use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
+use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::entity_disabling::DefaultQueryFilters;
 use bevy::ecs::world::WorldId;
 use bevy::prelude::*;
@@ -222,7 +223,7 @@ fn numbered(entities: &[Entity]) -> EntityHashMap<u32> {
 
 /// Those that are named and are no part of the simulation, and their parents; each once, by their ids.
 fn others(world: &World, mut named: Vec<Entity>, known: &EntityHashMap<u32>) -> Vec<Entity> {
-    let mut others = EntityHashSet::default();
+    let mut others = BTreeSet::new();
     while let Some(entity) = named.pop() {
         if known.contains_key(&entity) || world.get_entity(entity).is_err() {
             continue;
@@ -231,7 +232,5 @@ fn others(world: &World, mut named: Vec<Entity>, known: &EntityHashMap<u32>) -> 
             named.extend(world.get::<ChildOf>(entity).map(ChildOf::parent));
         }
     }
-    let mut others: Vec<Entity> = others.into_iter().collect();
-    others.sort_unstable();
-    others
+    others.into_iter().collect()
 }
