@@ -3,6 +3,8 @@
 //! | file | the story |
 //! |---|---|
 //! | `allocations` | a warm tick asks for no memory |
+//! | `attach` | what is tied by saying so: bones, ends of ropes, vertices, corners; built, kept, let go |
+//! | `breaking` | what breaks does so under the weight that physics says |
 //! | `phases` | the phases run in their order, substeps times a tick, and a game's own systems fit in between |
 //! | `state` | all state lives in components: clone them, put them back, and everything happens again, bit for bit |
 //! | `saved` | the whole state is captured and put back, in place and into a fresh app: all goes on bit for bit |
@@ -45,9 +47,11 @@
 //! `support` holds what they share.
 
 mod allocations;
+mod attach;
 mod bad_commands;
 mod bad_input;
 mod bad_recipes;
+mod breaking;
 mod colliders;
 mod colliders_live;
 mod columns;

@@ -20,6 +20,8 @@ fn the_prelude_stands_beside_that_of_bevy() {
         type_name::<(LinearVelocity, AngularVelocity, WorldCenterOfMass, PhaseSystems)>(),
         type_name::<(SubstepSchedule, Collider, SurfaceMaterial, CollisionLayers, Sensor)>(),
         type_name::<(BodyContacts, ContactsDisabled, ContactEvents, ContactStarted)>(),
+        type_name::<(Anchor, AttachTo, AttachmentOf, BodyAttachments, BodyBuilt, BreakAt)>(),
+        type_name::<(Broke, RopeEnd)>(),
         type_name::<(ContactEnded, Sleep, Transform, Commands, Query<Entity>)>(),
     ];
     for name in names {

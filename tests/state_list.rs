@@ -8,7 +8,7 @@ use bevy_sinew::{StateRole, StateTypes};
 use crate::support::app;
 
 /// Components and resources that are no state, and why not.
-const NO_STATE: [(&str, &str); 14] = [
+const NO_STATE: [(&str, &str); 16] = [
     ("ParticleRow", "scratch: given anew whenever particles come or go"),
     ("Rows", "scratch: resolved anew where what it is of has changed"),
     ("ResolvedShape", "scratch: found again where what it follows from has changed"),
@@ -23,6 +23,8 @@ const NO_STATE: [(&str, &str); 14] = [
     ("TickTime", "wall-clock time"),
     ("MouseDrag", "settings of a tool"),
     ("Pointing", "where the mouse is"),
+    ("JustBuilt", "scratch: emptied in the tick that filled it"),
+    ("Breakables", "scratch: listed anew where what it follows from has changed"),
 ];
 
 /// State that only comes with a plugin that these apps do not add.

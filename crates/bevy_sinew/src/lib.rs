@@ -156,6 +156,8 @@
 //! | folder | what it holds |
 //! |---|---|
 //! | [`guide`] | how the method works and how to use it, chapter by chapter |
+//! | `attach` | what ties bodies to each other and to what a game moves: [`AttachTo`] |
+//! | `breaking` | constraints that break at a force or a strain: [`BreakAt`] |
 //! | `commands` | impulses, velocities, teleports and reversal of whole bodies |
 //! | `components` | what a game spawns, edits and reads: the state |
 //! | `recipes` | bodies that build themselves |
@@ -170,6 +172,8 @@
 //!
 //! Everything physical is in the crate [`sinew`], which knows no engine.
 
+mod attach;
+mod breaking;
 mod commands;
 mod components;
 mod config;
@@ -188,6 +192,11 @@ mod step;
 mod threads;
 mod world;
 
+pub use attach::{
+    Anchor, AnchorConstraint, AttachFault, AttachTo, Attached, AttachmentJoints, AttachmentOf,
+    BodyAttachments, JointOf, RopeEnd,
+};
+pub use breaking::{BreakAt, Broke};
 pub use commands::{BodyCommandsExt, BodyEdit, EditFault, PendingEdits};
 pub use components::{
     AirDrag, AngularVelocity, BodyConstraints, BodyParticles, BodyReport, Bound, BoundingBox,
@@ -224,6 +233,7 @@ pub use recipes::{
     ClothShape, PartOf, Ragdoll, RigidBox, RigidMesh, RigidParticles, RigidShape, Rope, SoftBody,
     SoftShape,
 };
+pub use recipes::{BodyBuilt, BuiltBody, RopePoint, RopeTie};
 pub use schedule::{
     PhaseSystems, SinewClock, SinewControl, SinewSystems, SinewTick, SubstepSchedule, TickTime,
 };
@@ -270,5 +280,9 @@ pub mod prelude {
     pub use crate::{
         BodyContacts, Collider, CollisionLayers, ContactEnded, ContactEvents, ContactStarted,
         ContactsDisabled, Sensor, Sleep, SurfaceMaterial,
+    };
+    // Attachments.
+    pub use crate::{
+        Anchor, AttachTo, AttachmentOf, BodyAttachments, BodyBuilt, BreakAt, Broke, RopeEnd,
     };
 }

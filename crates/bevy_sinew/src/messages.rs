@@ -8,6 +8,7 @@ use sinew::recipes::{
 };
 use sinew::{ConstraintFault, DistanceFault, HullFault, ParticleFault, SpringFault};
 
+use crate::attach::AttachFault;
 use crate::commands::EditFault;
 use crate::components::ColliderFault;
 
@@ -50,6 +51,12 @@ pub enum Refusal {
     /// A particle pinned to an entity that is gone: it was let go.
     #[error("was let go: the entity it is pinned to, {0}, is gone or has no transform")]
     PinTarget(Entity),
+    /// An [`AttachTo`](crate::AttachTo) whose other entity is gone: it let go.
+    #[error("let go: the entity it was attached to, {0}, is gone")]
+    AttachTarget(Entity),
+    /// An [`AttachTo`](crate::AttachTo) that cannot take hold; it ties nothing until it is mended.
+    #[error("is not attached: {0}")]
+    Attach(AttachFault),
     /// A field, an attractor, a ground, a room or the like with a number (of its transform, of its [`Region`](crate::Region)) that is none, or out
     /// of range; it does nothing until that is mended.
     #[error("does nothing: a number of it or of its transform is not finite or out of range")]

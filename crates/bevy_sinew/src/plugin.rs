@@ -4,6 +4,8 @@ use bevy::app::PluginGroupBuilder;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::prelude::*;
 
+use crate::attach;
+use crate::breaking::{self, BreakAt, Breakables, Broke};
 use crate::commands;
 use crate::components::{self, AirDrag, Charge, CreationCounter, Drag, Electric, Gravity};
 use crate::components::{ContactEnded, ContactStarted, MeshFollow, TopologyChanged, TubeMesh};
@@ -97,6 +99,7 @@ impl Default for SinewPlugin {
 impl Plugin for SinewPlugin {
     fn build(&self, app: &mut App) {
         components::register(app);
+        attach::register(app);
         app.register_type::<SolverConfig>()
             .register_type::<BodySolver>()
             .register_type::<commands::PendingEdits>()
@@ -117,6 +120,9 @@ impl Plugin for SinewPlugin {
             .init_resource::<Gravity>()
             .init_resource::<AirDrag>()
             .init_resource::<Electric>()
+            .init_resource::<Breakables>()
+            .register_type::<BreakAt>()
+            .add_message::<Broke>()
             .add_message::<Refused>()
             .add_message::<ContactStarted>()
             .add_message::<ContactEnded>();
@@ -136,6 +142,7 @@ impl Plugin for SinewPlugin {
                     motion::follow_velocities,
                     commands::apply_pending,
                     motion::apply_impulses,
+                    attach::resolve::resolve_attachments,
                     layout::lay_out,
                     threads::lend,
                     gather::gather_particles,
@@ -157,6 +164,7 @@ impl Plugin for SinewPlugin {
                     hulls::compile_hulls,
                     links::collect_laws,
                     links::compile_links,
+                    breaking::gather_breakables,
                 )
                     .chain(),
             )
@@ -172,6 +180,7 @@ impl Plugin for SinewPlugin {
                 sleep::keep_sleep,
                 contact_cache::keep_contact_cache,
                 touching::tell_contacts,
+                breaking::break_constraints,
             )
                 .chain()
                 .in_set(SinewSystems::Scatter),

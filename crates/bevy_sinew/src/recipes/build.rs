@@ -17,9 +17,10 @@ use crate::components::{
 };
 use crate::config::BodySolver;
 use crate::messages::{Refusal, Refused};
-use crate::recipes::BodyParts;
 use crate::recipes::bind::{Joins, bind, fill, spawn_related};
 use crate::recipes::bind_mesh::source_mesh;
+use crate::recipes::built::JustBuilt;
+use crate::recipes::{BodyParts, BuiltBody};
 use crate::step::frames::{Frames, Misplaced, in_world, is_even};
 
 /// A component that describes a body and can build it.
@@ -28,6 +29,12 @@ pub(crate) trait Recipe:
 {
     /// The blueprint in the body's own frame, from the recipe and, where it asks for one, the mesh; in metres, that is, scaled.
     fn blueprint(&self, mesh: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal>;
+
+    /// The same with what it says of other entities looked up in the world; `None` while one of those is yet to be built.
+    fn located(&self, world: &World, body: Entity) -> Result<Option<Self>, Refusal> {
+        let _ = (world, body);
+        Ok(Some(self.clone()))
+    }
 
     /// Whether the body is made from the entity's mesh.
     fn wants_mesh(&self) -> bool {
@@ -64,7 +71,7 @@ impl MeshShape {
     }
 }
 
-/// Marks a body whose mesh is still loading.
+/// Marks a body whose mesh is still loading, or that is to be built from others that are not there yet.
 #[derive(Component)]
 pub(crate) struct AwaitsMesh<R: Send + Sync + 'static>(PhantomData<fn() -> R>);
 
@@ -156,10 +163,26 @@ pub(crate) fn build<R: Recipe>(
         Or<(Changed<R>, With<AwaitsMesh<R>>, With<Rescaled>)>,
     >,
 ) {
-    let mut bodies: Vec<(CreationOrder, Entity, R, bool)> = wanted
+    let bodies = wanted
         .iter(world)
         .map(|(entity, recipe, order, waits)| (*order, entity, recipe.clone(), waits))
         .collect();
+    build_all(world, bodies);
+}
+
+/// The same of those alone that wait, once more in the same tick: for others that were built meanwhile.
+pub(crate) fn build_waiting<R: Recipe>(
+    world: &mut World,
+    wanted: &mut QueryState<(Entity, &R, &CreationOrder), With<AwaitsMesh<R>>>,
+) {
+    let bodies = wanted
+        .iter(world)
+        .map(|(entity, recipe, order)| (*order, entity, recipe.clone(), true))
+        .collect();
+    build_all(world, bodies);
+}
+
+fn build_all<R: Recipe>(world: &mut World, mut bodies: Vec<(CreationOrder, Entity, R, bool)>) {
     bodies.sort_unstable_by_key(|(order, entity, ..)| (*order, *entity));
     for (_, body, recipe, waits) in bodies {
         // An observer of a body before it may have despawned this one.
@@ -175,6 +198,7 @@ pub(crate) fn build<R: Recipe>(
             Ok(Outcome::Built(scale, collider)) => {
                 let built = Built { recipe, mesh: SourceMesh::Here(mesh), scale, collider };
                 entity.insert(built).remove::<(AwaitsMesh<R>, AwaitsPlace)>();
+                world.get_resource_or_init::<JustBuilt>().0.push(body);
             }
             Ok(Outcome::Waits) => {
                 entity.insert_if_new(AwaitsMesh::<R>(PhantomData));
@@ -184,7 +208,7 @@ pub(crate) fn build<R: Recipe>(
                 if entity.get::<Collider>() == given::<R>(&entity) {
                     entity.remove::<Collider>();
                 }
-                entity.remove::<(AwaitsMesh<R>, Built<R>)>();
+                entity.remove::<(AwaitsMesh<R>, Built<R>, BuiltBody)>();
                 tear_down(world, body);
                 if awaits_place(world, body, &reason, at) {
                     continue;
@@ -260,6 +284,7 @@ fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<O
     if !transform.is_finite() || transform.scale.abs().min_element() == 0.0 {
         return Err(Refusal::Transform);
     }
+    let Some(recipe) = &recipe.located(world, body)? else { return Ok(Outcome::Waits) };
     let mesh = if recipe.wants_mesh() {
         match read_mesh(world, body)? {
             Some(mesh) => Some(mesh),

@@ -4,6 +4,7 @@ mod articulated;
 mod bind;
 mod bind_mesh;
 mod build;
+mod built;
 mod cloth;
 mod ragdoll;
 mod rigid_box;
@@ -15,11 +16,12 @@ pub(crate) use bind_mesh::MadeFrom;
 pub(crate) use build::{AwaitsMesh, AwaitsPlace, Built, Rescaled};
 
 pub use articulated::{Articulated, Bone, BoneJoint};
+pub use built::{BodyBuilt, BuiltBody};
 pub use cloth::{Cloth, ClothPins, ClothShape};
 pub use ragdoll::{BodyPart, BodyParts, PartOf, Ragdoll};
 pub use rigid_box::{BoxParticles, RigidBox};
 pub use rigid_mesh::{Bulk, RigidMesh, RigidParticles, RigidShape};
-pub use rope::Rope;
+pub use rope::{Rope, RopePoint, RopeTie};
 pub use soft::{SoftBody, SoftShape};
 
 use bevy::prelude::*;
@@ -37,7 +39,10 @@ pub(crate) fn add(app: &mut App) {
         .register_type::<Articulated>()
         .register_type::<BodyPart>()
         .register_type::<PartOf>()
-        .register_type::<BodyParts>();
+        .register_type::<BodyParts>()
+        .register_type::<BuiltBody>()
+        .init_resource::<built::JustBuilt>()
+        .add_message::<BodyBuilt>();
     // One after the other: the order in which bodies of one tick are numbered must not depend on the executor.
     app.add_systems(
         SinewTick,
@@ -50,6 +55,8 @@ pub(crate) fn add(app: &mut App) {
             build::build::<RigidMesh>,
             build::build::<SoftBody>,
             build::build::<Articulated>,
+            build::build_waiting::<Rope>,
+            built::announce,
         )
             .chain()
             .in_set(SinewSystems::Build),

@@ -1,12 +1,15 @@
 //! Ropes.
 
+use bevy::ecs::entity::MapEntities;
+use bevy::ecs::relationship::RelationshipTarget;
 use bevy::prelude::*;
 use sinew::recipes::{Blueprint, RopeSpec, rope};
 
 use super::build::{MeshShape, Recipe, attach};
+use crate::attach::{Anchor, AttachTo, AttachmentOf, BodyAttachments, RopeEnd, place_of};
 use crate::components::{Bound, CreationOrder, ParticleBody, TubeMesh};
 use crate::messages::Refusal;
-use crate::step::frames::even_factor;
+use crate::step::frames::{even_factor, in_world};
 
 /// A rope: a chain of particles, drawn as a tube. It collides by its segments, each a capsule from one particle to the next
 /// ([`ContactShape::Auto`](crate::ContactShape)).
@@ -34,6 +37,56 @@ pub struct Rope {
     pub pin_start: bool,
     /// Whether its end is held. Default not.
     pub pin_end: bool,
+    /// What its start is tied to, where it is then built instead of at `from`, and not held otherwise. Default nothing.
+    #[entities]
+    pub start: Option<RopeTie>,
+    /// The same of its end.
+    #[entities]
+    pub end: Option<RopeTie>,
+}
+
+/// What an end of a [`Rope`] is tied to. The rope is built from there, as soon as that is built, and has an [`AttachTo`](crate::AttachTo) that holds it.
+#[derive(Reflect, MapEntities, Clone, Debug, PartialEq)]
+#[reflect(Clone, PartialEq)]
+pub struct RopeTie {
+    /// The entity.
+    #[entities]
+    pub entity: Entity,
+    /// Where on it. Default its origin; of cloth, ropes and soft bodies, the particle that is nearest to the origin of the rope's own frame.
+    pub anchor: Anchor,
+}
+
+/// Where an end of a [`Rope`] is: a place in its own frame, metres, or what it is tied to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RopePoint {
+    /// A place, metres.
+    At(Vec3),
+    /// An entity.
+    Tied(RopeTie),
+}
+
+impl From<Vec3> for RopePoint {
+    fn from(place: Vec3) -> Self {
+        Self::At(place)
+    }
+}
+
+impl From<Entity> for RopePoint {
+    fn from(entity: Entity) -> Self {
+        Self::Tied(RopeTie { entity, anchor: Anchor::Whole })
+    }
+}
+
+impl From<(Entity, Anchor)> for RopePoint {
+    fn from((entity, anchor): (Entity, Anchor)) -> Self {
+        Self::Tied(RopeTie { entity, anchor })
+    }
+}
+
+impl From<(Entity, Vec3)> for RopePoint {
+    fn from((entity, point): (Entity, Vec3)) -> Self {
+        Self::Tied(RopeTie { entity, anchor: Anchor::Point(point) })
+    }
 }
 
 impl Default for Rope {
@@ -50,18 +103,92 @@ impl Default for Rope {
             compliance: spec.compliance,
             pin_start: true,
             pin_end: false,
+            start: None,
+            end: None,
         }
     }
 }
 
 impl Rope {
-    /// A rope between two points, metres, held at the first one.
-    pub fn between(from: Vec3, to: Vec3) -> Self {
-        Self { from, to, ..default() }
+    /// A rope from one point to another: each a place in its own frame, metres, or an entity, or an entity and a point or an [`Anchor`] of it. At a place it
+    /// is held where it starts, and not where it ends; to entities it is tied.
+    ///
+    /// ```
+    /// # use bevy::prelude::*;
+    /// # use bevy_sinew::prelude::*;
+    /// # fn spawn(mut commands: Commands) {
+    /// let hook = commands.spawn(Transform::from_xyz(0.0, 3.0, 0.0)).id();
+    /// let crate_ = commands.spawn((RigidBox::new(Vec3::splat(0.4)), Transform::from_xyz(0.0, 1.5, 0.0))).id();
+    /// // From the hook to the middle of the crate's lid, 5 % longer than that is far.
+    /// let lid = Anchor::Corner(Vec3::Y);
+    /// commands.spawn(Rope::between(hook, (crate_, lid)).with_slack(0.05));
+    /// # }
+    /// ```
+    pub fn between(from: impl Into<RopePoint>, to: impl Into<RopePoint>) -> Self {
+        let mut rope = Self::default();
+        match from.into() {
+            RopePoint::At(place) => rope.from = place,
+            RopePoint::Tied(tie) => rope.start = Some(tie),
+        }
+        match to.into() {
+            RopePoint::At(place) => rope.to = place,
+            RopePoint::Tied(tie) => rope.end = Some(tie),
+        }
+        rope
+    }
+
+    /// The same, longer than the gap between its ends by this share of it.
+    pub fn with_slack(self, slack: f32) -> Self {
+        Self { slack, ..self }
+    }
+
+    /// Ties an end: what it was tied to before, if the rope is built anew, or something new.
+    fn tie(world: &mut World, body: Entity, tie: Option<&RopeTie>, end: RopeEnd) {
+        let Some(RopeTie { entity, anchor }) = tie.cloned() else { return };
+        let part = Anchor::RopeEnd(end);
+        let wanted = AttachTo::new(entity).part(part.clone()).at(anchor).snapped();
+        let all = world.get::<BodyAttachments>(body);
+        let known = all.into_iter().flat_map(RelationshipTarget::iter).find_map(|attachment| {
+            let own = world.get::<AttachTo>(attachment)?;
+            (own.part == part && own.snap).then(|| (attachment, own.clone()))
+        });
+        match known {
+            // What else is said of it is the game's.
+            Some((attachment, own)) => {
+                let wanted = AttachTo { softness: own.softness, ..wanted };
+                if own != wanted {
+                    attach(world, attachment, wanted);
+                }
+            }
+            None => drop(world.spawn((wanted, AttachmentOf(body)))),
+        }
     }
 }
 
 impl Recipe for Rope {
+    fn located(&self, world: &World, body: Entity) -> Result<Option<Self>, Refusal> {
+        let mut rope = self.clone();
+        if self.start.is_none() && self.end.is_none() {
+            return Ok(Some(rope));
+        }
+        let frame = in_world(world, body)?;
+        let back = frame.compute_affine().inverse();
+        let ends = [(&mut rope.start, &mut rope.from), (&mut rope.end, &mut rope.to)];
+        for (tie, place) in ends {
+            // What is gone is let go of; the rope is built all the same.
+            tie.take_if(|tie| world.get_entity(tie.entity).is_err());
+            let Some(RopeTie { entity, anchor }) = tie else { continue };
+            let found = place_of(world, *entity, anchor, frame.translation);
+            match found.map_err(Refusal::Attach)? {
+                Some(found) => *place = back.transform_point3(found),
+                None => return Ok(None),
+            }
+        }
+        rope.pin_start &= rope.start.is_none();
+        rope.pin_end &= rope.end.is_none();
+        Ok(Some(rope))
+    }
+
     fn blueprint(&self, _: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal> {
         let spec = RopeSpec {
             from: self.from * scale,
@@ -82,5 +209,7 @@ impl Recipe for Rope {
     fn finish(&self, world: &mut World, body: Entity, _: &Blueprint, particles: &[Entity]) {
         let tube = TubeMesh { particles: particles.to_vec(), radius: self.radius, ..default() };
         attach(world, body, tube);
+        Self::tie(world, body, self.start.as_ref(), RopeEnd::First);
+        Self::tie(world, body, self.end.as_ref(), RopeEnd::Last);
     }
 }

@@ -6,6 +6,10 @@ use bevy::prelude::*;
 use super::eased::settled;
 use super::types;
 use super::values::{Options, empty, join, join_listed, kind, put_resource, supply};
+use crate::attach::{
+    AnchorConstraint, AttachTo, Attached, AttachmentJoints, AttachmentOf, BodyAttachments, JointOf,
+};
+use crate::breaking::BreakAt;
 use crate::commands::PendingEdits;
 use crate::components::{
     AirDrag, AirFlow, AngleConstraint, AngularVelocity, AnyConstraint, AreaConstraint, Attractor,
@@ -22,8 +26,8 @@ use crate::components::{
 };
 use crate::config::{BodySolver, SolverConfig};
 use crate::recipes::{
-    Articulated, AwaitsMesh, AwaitsPlace, BodyPart, BodyParts, Built, Cloth, MadeFrom, PartOf,
-    Ragdoll, Rescaled, RigidBox, RigidMesh, Rope, SoftBody,
+    Articulated, AwaitsMesh, AwaitsPlace, BodyPart, BodyParts, Built, BuiltBody, Cloth, MadeFrom,
+    PartOf, Ragdoll, Rescaled, RigidBox, RigidMesh, Rope, SoftBody,
 };
 use crate::schedule::{SinewClock, SinewControl};
 use crate::state::types::StateRole;
@@ -79,9 +83,10 @@ pub(crate) fn add(app: &mut App) {
         Particle, Mass, Pinned, PinnedTo, Radius, Charge, Drag, ExternalForce, RestPlace,
         DistanceConstraint, Spring, AngleConstraint, HingeConstraint, ConeConstraint, AreaConstraint,
         PatchConstraint, TetrahedronConstraint, VolumeConstraint, BendConstraint, CoplanarConstraint,
-        CollinearConstraint, RigidConstraint, AnyConstraint,
+        CollinearConstraint, RigidConstraint, AnyConstraint, AnchorConstraint, BreakAt,
+        AttachTo, Attached,
         // Bodies.
-        ParticleBody, RigidPose, BodyPart, WindSurface, MeshFollow, TubeMesh, Interpolate,
+        ParticleBody, BuiltBody, RigidPose, BodyPart, WindSurface, MeshFollow, TubeMesh, Interpolate,
         ExtractedTransform, LinearVelocity, AngularVelocity, ExtractedVelocity, WorldCenterOfMass, Inertia,
         ControlForce, ExternalTorque, ExternalImpulse, TickForces, PendingEdits,
         GravityScale, GroundDrag, BodySolver, Representation, Sleep, Floats,
@@ -96,6 +101,8 @@ pub(crate) fn add(app: &mut App) {
         ParticleOf => BodyParticles,
         ConstraintOf => BodyConstraints,
         PartOf => BodyParts,
+        AttachmentOf => BodyAttachments,
+        JointOf => AttachmentJoints,
     );
     resources!(app:
         SolverConfig, SinewClock, SinewControl, Gravity, AirDrag, Electric, CreationCounter, Orphans,

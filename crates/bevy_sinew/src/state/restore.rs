@@ -10,7 +10,9 @@ use bevy::prelude::*;
 use super::snapshot::{Places, SinewSnapshot, members};
 use super::types::{StateRole, StateTypes};
 use super::{eased, values::Kind};
+use crate::breaking::Broke;
 use crate::components::{ContactEnded, ContactStarted, TopologyChanged};
+use crate::recipes::BodyBuilt;
 
 /// Why a snapshot cannot be put back. Nothing has changed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -29,7 +31,7 @@ impl SinewSnapshot {
     ///
     /// In the world that it was captured in, what is still there stays the entity that it is; what has gone since is spawned again under another id;
     /// and what has come since, and is part of the simulation, is despawned. In any other world all of it is spawned, and what the simulation had there
-    /// is despawned. Components that are no state stay on entities that stay. Messages of contacts that nobody has read yet are dropped: they
+    /// is despawned. Components that are no state stay on entities that stay. Messages of contacts, breaks and builds that nobody has read yet are dropped: they
     /// tell of what has not happened. Hooks and observers of the components that are inserted or removed run as ever.
     ///
     /// # Errors
@@ -98,6 +100,8 @@ impl SinewSnapshot {
         }
         drop_messages::<ContactStarted>(world);
         drop_messages::<ContactEnded>(world);
+        drop_messages::<BodyBuilt>(world);
+        drop_messages::<Broke>(world);
         world.flush();
         self.entities.iter().copied().zip(entities).collect()
     }

@@ -1,8 +1,9 @@
-//! What never touches although no constraint joins it: a body and what it is pinned to, and a body and the colliders that are its children.
+//! What never touches although no constraint joins it: a body and what it is pinned or attached to, and a body and the colliders that are its children.
 
 use bevy::prelude::*;
 use sinew::ContactParticipant;
 
+use crate::attach::Attached;
 use crate::components::{BodyParticles, ParticleBody, ParticleRow, PinnedTo, PlacedCollider};
 use crate::recipes::PartOf;
 use crate::rows::{GONE, Rows};
@@ -12,6 +13,8 @@ use crate::world::SinewWorld;
 pub(crate) fn gather_ignored(
     mut world: ResMut<SinewWorld>,
     pins: Query<(&PinnedTo, &ParticleRow)>,
+    attached: Query<&Attached>,
+    rows: Query<&ParticleRow>,
     children: Query<(Entity, &PlacedCollider), With<ChildOf>>,
     placed: Query<&PlacedCollider>,
     bodies: Query<&Rows<BodyParticles>, With<ParticleBody>>,
@@ -38,6 +41,21 @@ pub(crate) fn gather_ignored(
         let held = body_of_row(row);
         let by = placed.get(pin.entity).ok().and_then(|placed| collider(pin.entity, placed));
         if let (Some(held), Some(by)) = (held, by.or_else(|| body(pin.entity))) {
+            list.push([held, by]);
+        }
+    }
+    for attached in &attached {
+        // Pins of particles are among those above.
+        if !attached.pinned.is_empty() {
+            continue;
+        }
+        let Ok(by) = placed.get(attached.entity) else { continue };
+        let particle = || {
+            let row = rows.get(attached.body).ok()?.get()?;
+            (row < particles.len()).then(|| body_of_row(row))?
+        };
+        let held = body(attached.body).or_else(particle);
+        if let (Some(held), Some(by)) = (held, collider(attached.entity, by)) {
             list.push([held, by]);
         }
     }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use smallvec::SmallVec;
 
 use super::{
-    Angle, Area, Bend, Collinear, Cone, Coplanar, Equation, Hinge, Patch, Rigid, Tetrahedron,
-    Volume,
+    AnchorDistance, Angle, Area, Bend, Collinear, Cone, Coplanar, Equation, Hinge, Patch, Rigid,
+    Tetrahedron, Volume,
 };
 
 /// The rows of the particles that a constraint binds, in its own order.
@@ -46,6 +46,8 @@ pub enum ConstraintKind {
     Collinear(Collinear),
     /// A rigid shape.
     Rigid(Rigid),
+    /// Two points that particles carry.
+    Anchors(AnchorDistance),
     /// A game's own.
     Custom(Arc<dyn Equation>),
 }
@@ -125,6 +127,7 @@ impl ConstraintKind {
             Self::Coplanar(kind) => kind.fault(particles),
             Self::Collinear(kind) => kind.fault(particles),
             Self::Rigid(kind) => kind.fault(particles),
+            Self::Anchors(kind) => kind.fault(particles),
             Self::Custom(_) => (particles == 0).then_some(ConstraintFault::Count),
         }
     }
@@ -143,7 +146,16 @@ impl ConstraintKind {
             Self::Coplanar(kind) => kind,
             Self::Collinear(kind) => kind,
             Self::Rigid(kind) => kind,
+            Self::Anchors(kind) => kind,
             Self::Custom(kind) => kind.as_ref(),
+        }
+    }
+
+    /// How many of its first particles are one of two things that it ties: what it pulls at. Of most kinds one.
+    pub(crate) fn first_side(&self) -> usize {
+        match self {
+            Self::Anchors(kind) => kind.a.weights.len(),
+            _ => 1,
         }
     }
 
@@ -160,6 +172,7 @@ impl ConstraintKind {
             Self::Hinge(_) => 7,
             Self::Cone(_) => 8,
             Self::Rigid(_) => 9,
+            Self::Anchors(_) => 10,
         }
     }
 }
@@ -179,6 +192,7 @@ impl PartialEq for ConstraintKind {
             (Self::Coplanar(a), Self::Coplanar(b)) => a == b,
             (Self::Collinear(a), Self::Collinear(b)) => a == b,
             (Self::Rigid(a), Self::Rigid(b)) => a == b,
+            (Self::Anchors(a), Self::Anchors(b)) => a == b,
             (Self::Custom(a), Self::Custom(b)) => Arc::ptr_eq(a, b),
             _ => false,
         }

@@ -14,6 +14,7 @@
 //! Every file holds a constraint's data, its value and gradient, the derivation above the kernel, and its tests.
 //! [`solve`](crate::solve) decides in which order the kernels run, and how often.
 
+mod anchor;
 mod angle;
 mod area;
 mod bend;
@@ -37,6 +38,7 @@ mod towards;
 mod volume;
 mod wide;
 
+pub use anchor::{Anchor, AnchorDistance, affine_weights};
 pub use angle::Angle;
 pub use area::Area;
 pub use bend::Bend;

@@ -53,6 +53,19 @@ impl Spring {
         }
     }
 
+    /// The force with which it pulls its ends together, `k (‖d‖ - L) + b (v·n)`, newtons, negative where it pushes; none if the spring is at fault, or its
+    /// ends coincide.
+    pub fn tension(&self, particles: &Particles) -> f32 {
+        if self.fault(particles.len()).is_some() {
+            return 0.0;
+        }
+        let (a, b) = (self.a as usize, self.b as usize);
+        let d = particles.separation(a, b);
+        let Some(n) = d.try_normalize() else { return 0.0 };
+        let v = particles.velocity(a) - particles.velocity(b);
+        self.stiffness * (d.length() - self.rest) + self.damping * v.dot(n)
+    }
+
     /// Potential energy `½ k (‖d‖ - L)²`, joules; none if the spring is at fault.
     pub fn energy(&self, particles: &Particles) -> f32 {
         if self.fault(particles.len()).is_some() {

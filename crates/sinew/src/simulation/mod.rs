@@ -1,6 +1,7 @@
 //! The simulation: particles, forces and constraints, and one method for each phase of a step.
 
 mod lists;
+mod loads;
 mod prepare;
 mod queries;
 mod sleep;
@@ -83,6 +84,7 @@ struct Scratch {
     filter: ContactFilter,
     contacts: Contacts,
     solving: solve::SolveScratch,
+    loads: solve::Loads,
     damping: solve::Damping,
     /// Of measuring what is left.
     thread_scratch: solve::ThreadScratch,
@@ -157,6 +159,7 @@ impl Simulation {
         self.particles.revalidate();
         self.scratch.substep = Substep { length: h, remaining: settings.substeps };
         self.share_origins();
+        self.find_loads();
         self.settle_islands(settings);
         self.set_checkpoint();
         self.scratch.length = dt;
@@ -246,7 +249,7 @@ impl Simulation {
         let Self { particles, settings, instructions, workers, scratch, report, .. } = self;
         let (forces, boundaries) = (&self.forces, &self.boundaries);
         let (colliders, body_colliders) = (&self.colliders, &self.body_colliders);
-        let Scratch { plan, filter, contacts, solving, substep, .. } = scratch;
+        let Scratch { plan, filter, contacts, solving, loads, substep, .. } = scratch;
         let execution = execution(*instructions, workers);
         let (gravity, lag) = (forces.gravity.length(), settings.integrator.lag(h));
         let substeps = report.substeps;
@@ -262,7 +265,7 @@ impl Simulation {
             substep,
             execution,
         };
-        solve::solve_all(particles, normal_impulses, common, open, solving, report);
+        solve::solve_all(particles, normal_impulses, common, open, (&mut *solving, loads), report);
         if open {
             let dt = h * substeps as f32;
             let world = World {
@@ -298,6 +301,7 @@ impl Simulation {
     /// Ends a step: puts rows that turned non-finite back to where the step began, at rest, slows down what is too fast, and measures the errors left.
     pub fn end_step(&mut self) {
         self.wake();
+        self.scratch.loads.end(&self.scratch.plan);
         let mut row = 0;
         while let Some(rows) = self.particles.next_broken(row) {
             row = rows.end;

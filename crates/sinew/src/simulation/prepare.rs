@@ -38,6 +38,7 @@ impl Simulation {
             contacts.compile(body_colliders, particles);
         }
         changes.clear();
+        scratch.loads.expire();
     }
 
     /// Compiles it with rigid bodies, each of which is one shape.
@@ -55,6 +56,14 @@ impl Simulation {
 
     /// The constraints less those among the particles of one compound, which its shape does away with; and the shapes.
     fn beside_compounds(&self) -> (Vec<Distance>, Vec<Constraint>) {
+        let [distances, constraints] = self.numbers_beside_compounds();
+        let distances = distances.iter().map(|&i| self.distances[i as usize]).collect();
+        let constraints = constraints.iter().map(|&i| self.constraints[i as usize].clone());
+        (distances, constraints.chain(self.compounds.iter().map(Compound::shape)).collect())
+    }
+
+    /// The numbers of the distances and of the constraints that are not among the particles of one compound.
+    pub(super) fn numbers_beside_compounds(&self) -> [Vec<u32>; 2] {
         let mut compound_of = vec![usize::MAX; self.particles.len()];
         for (number, compound) in self.compounds.iter().enumerate() {
             for &row in &compound.rows {
@@ -68,9 +77,9 @@ impl Simulation {
             let first = owners.next().flatten().filter(|&owner| owner != usize::MAX);
             first.is_some() && owners.all(|owner| owner == first)
         };
-        let distances = self.distances.iter().filter(|d| !inside(&[d.a, d.b])).copied().collect();
-        let constraints = self.constraints.iter().filter(|c| !inside(&c.rows)).cloned();
-        (distances, constraints.chain(self.compounds.iter().map(Compound::shape)).collect())
+        let distances = self.distances.iter().zip(0..).filter(|(d, _)| !inside(&[d.a, d.b]));
+        let constraints = self.constraints.iter().zip(0..).filter(|(c, _)| !inside(&c.rows));
+        [distances.map(|(_, i)| i).collect(), constraints.map(|(_, i)| i).collect()]
     }
 
     /// Gives the particles of each island one origin near them, which constraints rely on.

@@ -18,6 +18,7 @@ impl Simulation {
             && forces.air_flows.is_empty()
             && forces.fluids.is_empty();
         quiet
+            && self.scratch.loads.is_empty()
             && !self.scratch.contacts.is_active()
             && particles.column_summary.plain
             && particles.column_summary.neutral

@@ -220,7 +220,11 @@ fn reset_multipliers(plan: &Plan, island: &Island, multipliers: &mut MultiplierS
 }
 
 /// Lists the constraints of an island in solving order.
-fn list_constraint_refs(plan: &Plan, island: &Island, constraint_refs: &mut Vec<ConstraintRef>) {
+pub(super) fn list_constraint_refs(
+    plan: &Plan,
+    island: &Island,
+    constraint_refs: &mut Vec<ConstraintRef>,
+) {
     constraint_refs.clear();
     for group in &plan.groups[island.groups.clone()] {
         constraint_refs.extend(

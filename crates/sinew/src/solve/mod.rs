@@ -13,6 +13,7 @@
 //! - `remaining` is what instance batches and wavefronts leave of a task;
 //! - `momentum` keeps round-off out of what constraints cannot change; `damping` is friction inside a body;
 //! - `multipliers` are the multipliers of soft constraints; `measure` looks at what is left to correct;
+//! - `loads` measures with what force single constraints hold;
 //! - `report` says how it went, `settings` how hard to try.
 
 mod constraint_ref;
@@ -22,6 +23,7 @@ mod instances;
 mod island;
 mod island_step;
 mod jacobi;
+mod loads;
 mod measure;
 mod momentum;
 mod most_violated_first;
@@ -43,6 +45,7 @@ pub(crate) use constraint_ref::soft_energy;
 pub(crate) use damping::Damping;
 pub(crate) use island::{Common, ThreadScratch};
 pub(crate) use island_step::advance_all;
+pub(crate) use loads::Loads;
 pub(crate) use measure::measure;
 pub(crate) use momentum::is_free;
 pub(crate) use plan::{Change, Changes, Given, List, Plan};

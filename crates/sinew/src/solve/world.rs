@@ -7,7 +7,8 @@ use glam::Vec4;
 use super::constraint_ref::SolveMode;
 use super::instances::{BatchMotion, BatchSolve};
 use super::island::{Common, InOrder, Sweeper, ThreadScratch, hold_tethers, solve};
-use super::momentum::Note;
+use super::loads::Loads;
+use super::momentum::{MomentumDrift, Note};
 use super::multipliers::{MultiplierSlice, Multipliers};
 use super::plan::{Island, Plan, Task};
 use super::{IslandReport, Order, SolverReport, gauss_seidel};
@@ -24,6 +25,8 @@ pub(crate) struct SolveScratch {
     thread_scratches: Pool<ThreadScratch>,
     /// What particles have to have taken off when their velocities are derived, m/s, where that is done later; one for each row then.
     momentum_drift: Vec<Vec4>,
+    /// The same of islands whose loads are measured.
+    measured: Vec<(u32, MomentumDrift)>,
     /// The most sweeps in each substep of a whole step.
     iteration_counts: IterationCounts,
 }
@@ -60,12 +63,15 @@ pub(crate) fn solve_all(
     normal_impulses: &mut [NormalImpulse],
     common: Common,
     open: bool,
-    scratch: &mut SolveScratch,
+    (scratch, loads): (&mut SolveScratch, &mut Loads),
     report: &mut SolverReport,
 ) {
-    let SolveScratch { all_multipliers, thread_scratches, momentum_drift, .. } = scratch;
+    let SolveScratch { all_multipliers, thread_scratches, momentum_drift, measured, .. } = scratch;
     let Common { plan, execution, .. } = common;
     all_multipliers.resize(plan.distances.len(), plan.constraints.len());
+    measured.clear();
+    let reports = &mut report.islands[..];
+    loads.solve(common, particles, normal_impulses, all_multipliers, reports, measured);
     momentum_drift.clear();
     momentum_drift.resize(if open { particles.len() } else { 0 }, Vec4::ZERO);
     let mut left = Some((
@@ -118,6 +124,16 @@ pub(crate) fn solve_all(
     });
     for share in large {
         share.by_all(thread_scratches);
+    }
+    for (number, drift) in &*measured {
+        let rows = &plan.members[plan.islands[*number as usize].members.clone()];
+        let mut places = Places::all(particles);
+        if open {
+            let note = Note { momentum_drift: drift, places: &places, rows, to: momentum_drift };
+            with(execution.instructions, note);
+        } else {
+            drift.take_off(&mut places, rows);
+        }
     }
     let iteration_counts =
         report.islands.iter().map(|island| island.last_sweeps).max().unwrap_or(0);
@@ -174,7 +190,7 @@ impl TaskSlice<'_> {
         for number in remaining.islands.iter().cloned().flatten() {
             let report = &mut reports[number - task.islands.start];
             let island = &plan.islands[number];
-            if island.asleep {
+            if island.asleep || island.measured {
                 continue;
             }
             let sweeper = InOrder::new(plan, island, thread_scratch);
@@ -263,7 +279,10 @@ impl TaskSlice<'_> {
             return;
         }
         let sweeper = SharedSweep { plan, island, execution, thread_scratches };
-        let momentum_drift = {
+        // What is measured has been solved.
+        let momentum_drift = if island.measured {
+            None
+        } else {
             let (places, multipliers, normal_impulses) =
                 (&mut places, &mut multipliers, &mut normal_impulses);
             solve(common, number, places, multipliers, normal_impulses, report, sweeper)

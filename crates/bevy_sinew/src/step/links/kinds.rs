@@ -9,6 +9,7 @@ use bevy::prelude::*;
 
 use super::change_detection::ChangeDetector;
 use super::entry::{Entry, Place, update_incrementally};
+use crate::attach::AnchorConstraint;
 use crate::components::{
     AngleConstraint, AnyConstraint, AreaConstraint, BendConstraint, CollinearConstraint,
     ConeConstraint, CoplanarConstraint, CreationOrder, HingeConstraint, ParticleConstraint,
@@ -60,7 +61,8 @@ pub(crate) fn register_ours(app: &mut App) {
         .register_particle_constraint::<CoplanarConstraint>()
         .register_particle_constraint::<CollinearConstraint>()
         .register_particle_constraint::<RigidConstraint>()
-        .register_particle_constraint::<AnyConstraint>();
+        .register_particle_constraint::<AnyConstraint>()
+        .register_particle_constraint::<AnchorConstraint>();
 }
 
 /// The types that were registered, in that order, and what was collected of them for this tick.
@@ -88,6 +90,7 @@ impl Kinds {
                 let (places, entries) = (&mut tables.links.constraints, self.entries.drain(..));
                 tables.stale =
                     !update_incrementally(simulation, places, entries, (number, kind.detector()));
+                tables.links.version += 1;
             }
         }
         if tables.stale {

@@ -25,6 +25,51 @@ pub(crate) struct Links {
     springs: Vec<Place>,
     /// Whether all links there are do.
     sound: bool,
+    /// Counts the changes of the lists.
+    version: u64,
+}
+
+/// Where a link stands in the solver's lists.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum LinkAt {
+    /// The number of a distance.
+    Distance(usize),
+    /// Of a spring.
+    Spring(usize),
+    /// Of any other constraint.
+    Constraint(usize),
+}
+
+impl LinkAt {
+    pub(crate) fn distance(self) -> Option<usize> {
+        if let Self::Distance(number) = self { Some(number) } else { None }
+    }
+
+    pub(crate) fn constraint(self) -> Option<usize> {
+        if let Self::Constraint(number) = self { Some(number) } else { None }
+    }
+}
+
+impl Links {
+    /// How often the lists have changed.
+    pub(crate) fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// Finds all links of an entity.
+    pub(crate) fn find(&self, order: CreationOrder, entity: Entity, mut each: impl FnMut(LinkAt)) {
+        let lists: [(&[Place], fn(usize) -> LinkAt); 3] = [
+            (&self.distances, LinkAt::Distance),
+            (&self.springs, LinkAt::Spring),
+            (&self.constraints, LinkAt::Constraint),
+        ];
+        for (places, at) in lists {
+            let first =
+                places.partition_point(|place| (place.order, place.entity) < (order, entity));
+            let own = places[first..].iter().take_while(|place| place.entity == entity);
+            (first..).zip(own).for_each(|(number, _)| each(at(number)));
+        }
+    }
 }
 
 /// Notes whether distances, springs or surfaces came, went or changed; few distances are taken into account at once. No hook does: a body comes and
@@ -57,6 +102,7 @@ pub(crate) fn notice_links(
         let places = &mut tables.links.distances;
         tables.stale =
             !update_incrementally(simulation, places, entries, (kinds::DISTANCES, &detector));
+        tables.links.version += 1;
     }
 }
 
@@ -107,6 +153,7 @@ pub(crate) fn compile_links(
     validator.fill(&mut simulation.forces.springs, &mut links.springs, entries.collect());
     validator.fill(simulation.constraints_mut(), &mut links.constraints, kinds.take());
     links.sound = validator.passed_all();
+    links.version += 1;
     tables.reported_errors = validator.reported_errors();
     tables.links = links;
 

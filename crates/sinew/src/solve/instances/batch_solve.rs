@@ -104,7 +104,7 @@ impl<'a> BatchSolve<'a> {
         let ready = settings.order == Order::GaussSeidel
             && !settings.timed
             && islands.iter().all(|island| island.settings == *settings)
-            && !islands.iter().any(|island| island.rigid || island.asleep)
+            && !islands.iter().any(|island| island.rigid || island.asleep || island.measured)
             // A body whose particles have more than one origin has more than one height above a plane.
             && (planes.is_empty() || !apart());
         ready.then_some(planes)

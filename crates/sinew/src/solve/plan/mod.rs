@@ -132,6 +132,8 @@ pub(crate) struct Island {
     pub(crate) free: bool,
     /// Whether it sleeps through this step.
     pub(crate) asleep: bool,
+    /// Whether [loads](super::Loads) in it are measured, so that it is solved by itself.
+    pub(crate) measured: bool,
     /// Which of the plan's [tethers](Tethers) are its own.
     pub(crate) tethers: Option<u32>,
     /// How it is solved in this step: the world's settings, and those of the bodies in it.
@@ -190,6 +192,16 @@ impl Plan {
         if !mended {
             self.compile(given);
         }
+    }
+
+    /// The number, as given, of each distance and of each constraint of the plan.
+    pub(crate) fn numbers(&self) -> [Vec<u32>; 2] {
+        let mut numbers = [Vec::new(), Vec::new()];
+        for key in &self.compiling.keys {
+            let constraint = keys::Fields::of(key.group).kind() == GroupKind::Constraints;
+            numbers[usize::from(constraint)].push(key.number);
+        }
+        numbers
     }
 
     /// Copies what was given in the order of its keys, and finds what goes side by side.

@@ -23,17 +23,27 @@ use std::collections::BinaryHeap;
 pub(super) struct Web {
     /// Where the rods of each particle begin, and in the end their number.
     first: Vec<u32>,
-    /// The other end of each, and its length, metres.
-    rods: Vec<(u32, f64)>,
+    /// The other end of each, its number, and its length, metres.
+    rods: Vec<(u32, u32, f64)>,
 }
 
 /// How far each particle is from the nearest of some sources.
 pub(super) struct Field {
     length: Vec<f64>,
     source: Vec<u32>,
+    /// The particle before each on its way along rods, and the number of the rod between the two.
+    toward: Vec<(u32, u32)>,
 }
 
 impl Field {
+    /// The particles that rods lead to, less the sources, the farthest first, with the one before each on its way and the number of the rod between.
+    pub(super) fn inwards(&self) -> Vec<(u32, u32, u32)> {
+        let reached = |&i: &usize| self.length[i].is_finite() && self.toward[i].1 != u32::MAX;
+        let mut order: Vec<usize> = (0..self.length.len()).filter(reached).collect();
+        order.sort_by(|&a, &b| self.length[b].total_cmp(&self.length[a]).then(a.cmp(&b)));
+        order.into_iter().map(|i| (i as u32, self.toward[i].0, self.toward[i].1)).collect()
+    }
+
     /// Metres; infinite where no rods lead.
     pub(super) fn length(&self, particle: u32) -> f64 {
         self.length[particle as usize]
@@ -56,18 +66,18 @@ impl Web {
         for particle in 0..particles {
             first[particle + 1] += first[particle];
         }
-        let (mut next, mut all) = (first.clone(), vec![(0, 0.0); 2 * rods.len()]);
-        for &(a, b, rest) in rods {
+        let (mut next, mut all) = (first.clone(), vec![(0, 0, 0.0); 2 * rods.len()]);
+        for (&(a, b, rest), number) in rods.iter().zip(0..) {
             for (from, to) in [(a, b), (b, a)] {
                 let place = &mut next[from as usize];
-                all[*place as usize] = (to, f64::from(rest));
+                all[*place as usize] = (to, number, f64::from(rest));
                 *place += 1;
             }
         }
         Self { first, rods: all }
     }
 
-    fn rods_of(&self, particle: u32) -> &[(u32, f64)] {
+    fn rods_of(&self, particle: u32) -> &[(u32, u32, f64)] {
         let at = particle as usize;
         &self.rods[self.first[at] as usize..self.first[at + 1] as usize]
     }
@@ -76,6 +86,7 @@ impl Web {
     pub(super) fn field(&self, sources: &[u32]) -> Field {
         let particles = self.first.len() - 1;
         let (mut length, mut source) = (vec![f64::INFINITY; particles], vec![0; particles]);
+        let mut toward = vec![(0, u32::MAX); particles];
         let mut done = vec![false; particles];
         // Beside which particle each was seen last, and how long the rod between the two is.
         let mut beside = vec![(u32::MAX, 0.0_f64); particles];
@@ -90,28 +101,28 @@ impl Web {
                 continue;
             }
             let (a, own) = (length[near as usize], source[near as usize]);
-            for &(other, c) in self.rods_of(near) {
+            for &(other, _, c) in self.rods_of(near) {
                 beside[other as usize] = (near, c);
             }
-            for &(corner, p) in self.rods_of(near) {
+            for &(corner, number, p) in self.rods_of(near) {
                 let at = corner as usize;
                 if done[at] {
                     continue;
                 }
                 let mut best = a + p;
-                for &(other, q) in self.rods_of(corner) {
+                for &(other, _, q) in self.rods_of(corner) {
                     let (i, (seen, c)) = (other as usize, beside[other as usize]);
                     if seen == near && done[i] && source[i] == own {
                         best = best.min(across([a, length[i]], c, [p, q]));
                     }
                 }
                 if best < length[at] {
-                    (length[at], source[at]) = (best, own);
+                    (length[at], source[at], toward[at]) = (best, own, (near, number));
                     open.push(Reverse((best.to_bits(), corner)));
                 }
             }
         }
-        Field { length, source }
+        Field { length, source, toward }
     }
 }
 

@@ -26,7 +26,7 @@ use super::instances::MOST;
 use super::plan::{GroupKind, Island, Plan};
 use crate::constraints::{Bound, Distance, Softness};
 use crate::lanes::LANES;
-use crate::particles::Particles;
+use crate::particles::{Particles, Places};
 use geodesic::{Field, Web};
 
 /// The tethers of a plan. Derived from its rods and the pins; scratch, never saved.
@@ -47,6 +47,17 @@ pub(crate) struct IslandTethers {
     /// Of each member, to which of the pins, and how long, metres; infinite without.
     each: Vec<[(u32, f32); 2]>,
     blocks: Vec<TetherBlock>,
+    /// Along which rods they are, where that is asked for.
+    ways: Option<Ways>,
+}
+
+/// The ways of tethers along rods: to the nearest pin, and to either of two that are far from each other.
+#[derive(Clone, Debug)]
+struct Ways {
+    /// Which of the pins those two are.
+    far: [u32; 2],
+    /// Of each of the three, all members from the farthest on: which one, the one before it on its way, and the plan's number of the rod between.
+    inwards: [Vec<(u32, u32, u32)>; 3],
 }
 
 /// Tethers of eight members, each the second after the one before: as columns have them side by side.
@@ -70,7 +81,8 @@ impl Tethers {
 
     /// Those by which an island is to be solved, if it has any.
     pub(super) fn of(&self, island: &Island) -> Option<&IslandTethers> {
-        self.made(island).filter(|own| island.settings.tethers && !own.blocks.is_empty())
+        let wanted = island.settings.tethers;
+        self.made(island).filter(|own| wanted && !own.blocks.is_empty())
     }
 
     fn made(&self, island: &Island) -> Option<&IslandTethers> {
@@ -89,7 +101,11 @@ impl Plan {
             if stale {
                 island.tethers = None;
             }
-            let small = island.members.len() <= MOST;
+            // Of a small one, only if what it bears is measured.
+            let small = island.members.len() <= MOST && !island.measured;
+            if small {
+                island.tethers = None;
+            }
             if small || island.groups.is_empty() || island.rigid || !island.settings.tethers {
                 continue;
             }
@@ -113,7 +129,7 @@ impl Plan {
                 None => self.lengths(island, &pins),
             };
             let blocks = blocks(members, &each);
-            let made = IslandTethers { key, pins, each, blocks };
+            let made = IslandTethers { key, pins, each, blocks, ways: None };
             if place == tethers.islands.len() {
                 tethers.islands.push(made);
             } else {
@@ -121,7 +137,32 @@ impl Plan {
             }
             self.islands[number].tethers = Some(place as u32);
         }
+        for island in self.islands.iter().filter(|island| island.measured) {
+            let Some(place) = island.tethers else { continue };
+            let made = &mut tethers.islands[place as usize];
+            if made.ways.is_none() && !made.blocks.is_empty() {
+                made.ways = Some(self.ways(island, &made.pins));
+            }
+        }
         self.tethers = tethers;
+    }
+
+    /// The ways of the tethers of an island along its rods.
+    fn ways(&self, island: &Island, pins: &[u32]) -> Ways {
+        let fields = self.fields(island, pins);
+        // Numbers of hard distances, as `hard` lists them.
+        let groups = self.groups[island.groups.clone()].iter();
+        let numbers: Vec<u32> = groups
+            .filter(|group| group.kind != GroupKind::Constraints)
+            .flat_map(|group| group.range.clone())
+            .filter(|&number| is_hard(&self.distances[number]))
+            .map(|number| number as u32)
+            .collect();
+        let inwards = [&fields.nearest, &fields.from[0], &fields.from[1]].map(|field| {
+            let all = field.inwards().into_iter();
+            all.map(|(member, before, rod)| (member, before, numbers[rod as usize])).collect()
+        });
+        Ways { far: fields.far, inwards }
     }
 
     /// The hard distances of an island that hold particles together, with the first row of its members.
@@ -130,7 +171,7 @@ impl Plan {
         let distances = groups
             .filter(|group| group.kind != GroupKind::Constraints)
             .flat_map(|group| &self.distances[group.range.clone()])
-            .filter(|d| d.softness == Softness::Hard && d.bound != Bound::AtLeast);
+            .filter(|d| is_hard(d));
         (self.members[island.members.start], distances)
     }
 
@@ -147,13 +188,9 @@ impl Plan {
         hash.finish()
     }
 
-    /// Of each member of an island, to which of the pins it is tethered, and how long that is.
-    fn lengths(&self, island: &Island, pins: &[u32]) -> Vec<[(u32, f32); 2]> {
+    /// How far the members of an island are from its pins, of which there is one at least.
+    fn fields(&self, island: &Island, pins: &[u32]) -> Fields {
         let members = &self.members[island.members.clone()];
-        const NONE: (u32, f32) = (0, f32::INFINITY);
-        if pins.is_empty() {
-            return Vec::new();
-        }
         let place = |row: u32| members.partition_point(|&member| member < row) as u32;
         let (_, distances) = self.hard(island);
         let rods: Vec<_> = distances.map(|d| (place(d.a), place(d.b), d.rest)).collect();
@@ -171,10 +208,22 @@ impl Plan {
         let from_one = web.field(&sources[one..=one]);
         let other = farthest(&from_one);
         let from_other = web.field(&sources[other..=other]);
-        let mut each: Vec<_> = (0..members.len() as u32)
+        let far = [one as u32, other as u32];
+        Fields { sources, nearest, far, from: [from_one, from_other] }
+    }
+
+    /// Of each member of an island, to which of the pins it is tethered, and how long that is.
+    fn lengths(&self, island: &Island, pins: &[u32]) -> Vec<[(u32, f32); 2]> {
+        const NONE: (u32, f32) = (0, f32::INFINITY);
+        if pins.is_empty() {
+            return Vec::new();
+        }
+        let Fields { sources, nearest, far: [one, other], from: [from_one, from_other] } =
+            self.fields(island, pins);
+        let mut each: Vec<_> = (0..island.members.len() as u32)
             .map(|member| {
                 let near = (nearest.source(member), nearest.length(member));
-                let ends = [(one as u32, &from_one), (other as u32, &from_other)];
+                let ends = [(one, &from_one), (other, &from_other)];
                 let ends = ends.map(|(pin, field)| (pin, field.length(member)));
                 let far = ends.into_iter().filter(|end| end.0 != near.0 && end.1.is_finite());
                 let far = far.reduce(|a, b| if b.1 > a.1 { b } else { a });
@@ -191,6 +240,22 @@ impl Plan {
         }
         each
     }
+}
+
+/// How far members are from the pins of their island.
+struct Fields {
+    /// The pins among the members.
+    sources: Vec<u32>,
+    /// From the nearest of them.
+    nearest: Field,
+    /// Which two are far from each other, and how far members are from either.
+    far: [u32; 2],
+    from: [Field; 2],
+}
+
+/// Whether a distance is one that tethers may rely on.
+fn is_hard(d: &Distance) -> bool {
+    d.softness == Softness::Hard && d.bound != Bound::AtLeast
 }
 
 /// How long a tether of a way of so many metres is: rounded up, for it must not ask for more than the rods do.
@@ -231,6 +296,61 @@ impl IslandTethers {
     /// Where its pins are, in columns that begin with the row `first`.
     pub(super) fn pins(&self, position: &[Vec4], first: u32) -> impl Iterator<Item = Vec4> {
         self.pins.iter().map(move |row| position[(row - first) as usize])
+    }
+
+    /// Puts the members that are too far from their pins where they may be, one after the other, and adds what that took to what their tethers did, kg·m.
+    /// Returns how far out the farthest was, metres.
+    pub(super) fn project_noting(
+        &self,
+        places: &mut Places,
+        members: &[u32],
+        pins: &[Vec4],
+        did: &mut [[f64; 2]],
+    ) -> f32 {
+        let mut worst = 0.0_f32;
+        for ((&row, tethers), did) in members.iter().zip(&self.each).zip(did) {
+            for (&(pin, length), did) in tethers.iter().zip(did) {
+                let q = &mut places.position[(row - places.first) as usize];
+                let d = (*q - pins[pin as usize]).truncate();
+                let distance = d.length();
+                if q.w > 0.0 && distance > length {
+                    let far = distance - length;
+                    *did += f64::from(far) / f64::from(q.w);
+                    *q -= (d * (far / distance)).extend(0.0);
+                    worst = worst.max(far);
+                }
+            }
+        }
+        worst
+    }
+
+    /// Hands what the tethers of each member did, kg·m, on to the rods on their ways: each is told what it would have borne.
+    pub(super) fn hand_on(
+        &self,
+        did: &[[f64; 2]],
+        carried: &mut Vec<f64>,
+        mut bears: impl FnMut(u32, f64),
+    ) {
+        let Some(ways) = &self.ways else { return };
+        for (which, inwards) in ways.inwards.iter().enumerate() {
+            carried.clear();
+            carried.extend(did.iter().zip(&self.each).map(|(did, tethers)| match which {
+                0 => did[0],
+                _ => {
+                    let far = ways.far[which - 1];
+                    // Both may be one and the same.
+                    let first = which == 1 || ways.far[0] != far;
+                    if first && tethers[1].0 == far { did[1] } else { 0.0 }
+                }
+            }));
+            for &(member, before, rod) in inwards {
+                let force = carried[member as usize];
+                if force != 0.0 {
+                    bears(rod, force);
+                    carried[before as usize] += force;
+                }
+            }
+        }
     }
 
     /// The blocks of some members, of which the first and the end are multiples of 16.

@@ -1,0 +1,275 @@
+//! Carriers: which particles an anchor stands for, and how they carry a point.
+
+use bevy::ecs::relationship::RelationshipTarget;
+use bevy::prelude::*;
+use sinew::constraints::affine_weights;
+
+use super::{Anchor, RopeEnd};
+use crate::components::{
+    BodyParticles, MeshFollow, Particle, ParticleBody, RestPlace, RigidPose, TubeMesh,
+};
+use crate::recipes::{BodyPart, BodyParts};
+use crate::step::frames::in_world;
+
+/// Why an [`AttachTo`](super::AttachTo) does not take hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum AttachFault {
+    /// What is to be tied has no particles.
+    #[error("it stands on nothing that has particles, nor is it the attachment of such")]
+    NoParticles,
+    /// A part of the body that it does not have: a vertex beyond the last, a bone of another name, a region without particles, a corner of what is no box,
+    /// an end of what is no rope.
+    #[error("the body has no such part")]
+    NoSuchPart,
+    /// The same on the other entity.
+    #[error("the entity that it is to be attached to has no such anchor")]
+    NoSuchAnchor,
+    /// The other entity has neither particles nor a transform, or a parent shears it.
+    #[error("the entity that it is to be attached to has no place")]
+    NoPlace,
+    /// It would be tied to itself.
+    #[error("it would be attached to itself")]
+    Itself,
+    /// A number that is not finite, or a softness out of range.
+    #[error("one of its numbers is not finite or out of range")]
+    Number,
+}
+
+/// What carries the points of an entity.
+pub(super) enum Carrier {
+    /// Its transform alone, which is the game's.
+    Frame,
+    /// The particles of something rigid, and where they are in its frame.
+    Rigid { particles: Vec<Entity>, rest: Vec<Vec3> },
+    /// Particles that go their own ways.
+    Loose { particles: Vec<Entity> },
+}
+
+/// A point that particles carry.
+#[derive(Clone, Debug)]
+pub(super) struct Point {
+    pub(super) particles: Vec<Entity>,
+    pub(super) weights: Vec<f32>,
+    pub(super) rigid: bool,
+    /// Where it is now, metres.
+    pub(super) place: Vec3,
+}
+
+/// The entity that an anchor is on, and the anchor there: a bone is an entity of its own. `None` if that is not there yet.
+pub(super) fn locate(
+    world: &World,
+    entity: Entity,
+    anchor: &Anchor,
+) -> Result<Option<(Entity, Anchor)>, ()> {
+    let Anchor::Bone { name, point } = anchor else { return Ok(Some((entity, anchor.clone()))) };
+    let Some(parts) = world.get::<BodyParts>(entity) else {
+        return if is_yet_to_be_built(world, entity) { Ok(None) } else { Err(()) };
+    };
+    let named = |part: &Entity| world.get::<Name>(*part).is_some_and(|own| own.as_str() == name);
+    let part = parts.iter().find(named).ok_or(())?;
+    Ok(Some((part, Anchor::Point(*point))))
+}
+
+/// Where in the world an anchor is, metres; `None` of what is not built yet. Of particles that go their own ways it is the one nearest to a place, unless
+/// the anchor chooses.
+pub(crate) fn place_of(
+    world: &World,
+    entity: Entity,
+    anchor: &Anchor,
+    near: Vec3,
+) -> Result<Option<Vec3>, AttachFault> {
+    let missing = |()| AttachFault::NoSuchAnchor;
+    let Some((entity, anchor)) = locate(world, entity, anchor).map_err(missing)? else {
+        return Ok(None);
+    };
+    let carrier = Carrier::of(world, entity).map_err(|()| AttachFault::NoPlace)?;
+    let Some(carrier) = carrier else { return Ok(None) };
+    let place = match &carrier {
+        Carrier::Loose { .. } => {
+            carrier.loose_point(world, entity, &anchor, (near, true)).map(|point| point.place)
+        }
+        framed => match (framed, framed.local(world, entity, &anchor)) {
+            (_, None) => None,
+            (Carrier::Frame, Some(local)) => {
+                let frame = in_world(world, entity).map_err(|_| AttachFault::NoPlace)?;
+                Some(frame.transform_point(local))
+            }
+            (rigid, Some(local)) => rigid.rigid_point(world, local).map(|point| point.place),
+        },
+    };
+    place.map(Some).ok_or(AttachFault::NoSuchAnchor)
+}
+
+/// Whether something is a body without particles.
+fn is_yet_to_be_built(world: &World, entity: Entity) -> bool {
+    let members = world.get::<BodyParticles>(entity);
+    world.get::<ParticleBody>(entity).is_some() && members.is_none_or(RelationshipTarget::is_empty)
+}
+
+impl Carrier {
+    /// What carries the points of an entity; `None` of a body that is not built yet, and an error of what has neither particles nor a transform.
+    pub(super) fn of(world: &World, entity: Entity) -> Result<Option<Self>, ()> {
+        if world.get::<Particle>(entity).is_some() {
+            return Ok(Some(Self::Loose { particles: vec![entity] }));
+        }
+        if is_yet_to_be_built(world, entity) {
+            return Ok(None);
+        }
+        if let Some(pose) = world.get::<RigidPose>(entity)
+            && !pose.particles.is_empty()
+            && pose.particles.len() == pose.rest.len()
+        {
+            let (particles, rest) = (pose.particles.clone(), pose.rest.clone());
+            return Ok(Some(Self::Rigid { particles, rest }));
+        }
+        if let Some(members) = world.get::<BodyParticles>(entity) {
+            return Ok(Some(Self::Loose { particles: members.iter().collect() }));
+        }
+        world.get::<Transform>(entity).map(|_| Some(Self::Frame)).ok_or(())
+    }
+
+    /// The points of a body that an anchor chooses; none if it has no such part.
+    pub(super) fn points(&self, world: &World, body: Entity, anchor: &Anchor) -> Vec<Point> {
+        let single = |&particle: &Entity| Point::single(world, particle);
+        match self {
+            Self::Frame => Vec::new(),
+            Self::Rigid { particles, rest } => match local_point(world, body, anchor) {
+                Some(point) => Point::rigid(world, particles, rest, point).into_iter().collect(),
+                None => chosen_of(particles, rest, anchor).iter().filter_map(single).collect(),
+            },
+            Self::Loose { particles } => {
+                chosen(world, body, particles, anchor).iter().filter_map(single).collect()
+            }
+        }
+    }
+
+    /// Where in its frame an anchor of something rigid, or of a transform, is; `None` if it has no such anchor, or no frame.
+    pub(super) fn local(&self, world: &World, entity: Entity, anchor: &Anchor) -> Option<Vec3> {
+        if *anchor == Anchor::Whole {
+            return Some(Vec3::ZERO);
+        }
+        if let Some(point) = local_point(world, entity, anchor) {
+            return Some(point);
+        }
+        let Self::Rigid { particles, rest } = self else { return None };
+        let numbers: Vec<Vec3> = chosen_of(particles, rest, anchor)
+            .iter()
+            .filter_map(|one| particles.iter().position(|other| other == one))
+            .map(|i| rest[i])
+            .collect();
+        let count = numbers.len() as f32;
+        (count > 0.0).then(|| numbers.iter().sum::<Vec3>() / count)
+    }
+
+    /// The point of something rigid at a place in its frame.
+    pub(super) fn rigid_point(&self, world: &World, local: Vec3) -> Option<Point> {
+        let Self::Rigid { particles, rest } = self else { return None };
+        Point::rigid(world, particles, rest, local)
+    }
+
+    /// The point of particles that go their own ways at which something at `place` is tied: the middle of those that an anchor chooses, or, where that is not
+    /// to `snap`, the same place among them. `None` if there is no such anchor.
+    pub(super) fn loose_point(
+        &self,
+        world: &World,
+        entity: Entity,
+        anchor: &Anchor,
+        (place, snap): (Vec3, bool),
+    ) -> Option<Point> {
+        let Self::Loose { particles } = self else { return None };
+        let at = |particle: &Entity| world.get::<Particle>(*particle).map(|p| p.position);
+        let among = match anchor {
+            // The nearest of all.
+            Anchor::Whole => {
+                let far = |one: &Entity| at(one).map_or(f32::INFINITY, |at| at.distance(place));
+                let nearest = particles.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+                nearest.copied().into_iter().collect()
+            }
+            anchor => chosen(world, entity, particles, anchor),
+        };
+        let places: Vec<Vec3> = among.iter().map(at).collect::<Option<_>>()?;
+        let count = places.len() as f32;
+        let middle = places.iter().sum::<Vec3>() / count;
+        let weights = affine_weights(&places, if snap { middle } else { place });
+        Point::of(world, &among, weights, false)
+    }
+}
+
+impl Point {
+    fn single(world: &World, particle: Entity) -> Option<Self> {
+        Self::of(world, &[particle], vec![1.0], false)
+    }
+
+    fn rigid(world: &World, particles: &[Entity], rest: &[Vec3], local: Vec3) -> Option<Self> {
+        match particles {
+            [alone] => Self::single(world, *alone),
+            _ => Self::of(world, particles, affine_weights(rest, local), true),
+        }
+    }
+
+    fn of(world: &World, particles: &[Entity], weights: Vec<f32>, rigid: bool) -> Option<Self> {
+        if particles.is_empty() {
+            return None;
+        }
+        let mut place = Vec3::ZERO;
+        for (&particle, &weight) in particles.iter().zip(&weights) {
+            place += world.get::<Particle>(particle)?.position * weight;
+        }
+        Some(Self { particles: particles.to_vec(), weights, rigid, place })
+    }
+}
+
+/// A point that an anchor of something with a frame names.
+fn local_point(world: &World, entity: Entity, anchor: &Anchor) -> Option<Vec3> {
+    match *anchor {
+        Anchor::Point(point) => Some(point),
+        Anchor::Corner(signs) => {
+            let size = world.get::<BodyPart>(entity)?.size;
+            Some(size * 0.5 * signs.map(|sign| if sign == 0.0 { 0.0 } else { sign.signum() }))
+        }
+        _ => None,
+    }
+}
+
+/// The particles of something rigid that an anchor chooses.
+fn chosen_of(particles: &[Entity], rest: &[Vec3], anchor: &Anchor) -> Vec<Entity> {
+    match anchor {
+        Anchor::Whole => particles.to_vec(),
+        Anchor::Vertex(number) => particles.get(*number as usize).copied().into_iter().collect(),
+        anchor => {
+            let inside = |(_, place): &(_, &Vec3)| anchor.holds(**place) == Some(true);
+            particles.iter().zip(rest).filter(inside).map(|(&particle, _)| particle).collect()
+        }
+    }
+}
+
+/// The particles of a body that an anchor chooses.
+fn chosen(world: &World, body: Entity, particles: &[Entity], anchor: &Anchor) -> Vec<Entity> {
+    let built_at = |particle: &Entity| world.get::<RestPlace>(*particle).map(|place| place.0);
+    match anchor {
+        Anchor::Whole => particles.to_vec(),
+        Anchor::Vertex(number) => {
+            let vertices = world.get::<MeshFollow>(body).map(|follow| follow.vertices.as_slice());
+            vertices.unwrap_or(particles).get(*number as usize).copied().into_iter().collect()
+        }
+        Anchor::RopeEnd(end) => {
+            let Some(rope) = world.get::<TubeMesh>(body) else { return Vec::new() };
+            let end = match end {
+                RopeEnd::First => rope.particles.first(),
+                RopeEnd::Last => rope.particles.last(),
+            };
+            end.copied().into_iter().collect()
+        }
+        Anchor::Point(point) => {
+            let far = |one: &Entity| built_at(one).map_or(f32::INFINITY, |at| at.distance(*point));
+            let nearest = particles.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+            nearest.copied().into_iter().collect()
+        }
+        anchor => {
+            let inside =
+                |one: &&Entity| built_at(one).and_then(|at| anchor.holds(at)) == Some(true);
+            particles.iter().filter(inside).copied().collect()
+        }
+    }
+}

@@ -1,0 +1,302 @@
+//! Once a tick, before rows are laid out: attachments whose bodies are built take hold, those whose bodies were built anew do so again, and those whose
+//! other entity is gone let go.
+
+use std::collections::BTreeMap;
+
+use bevy::prelude::*;
+use sinew::pose::pose;
+
+use super::carrier::{AttachFault, Carrier, Point, locate};
+use super::{
+    Anchor, AnchorConstraint, AttachTo, Attached, AttachmentJoints, AttachmentOf, JointOf, release,
+};
+use crate::breaking::BreakAt;
+use crate::components::{
+    CreationOrder, DistanceConstraint, Mass, Particle, PinnedTo, Sleep, Softness,
+};
+use crate::messages::{Refusal, Refused};
+use crate::recipes::{BuiltBody, PartOf};
+use crate::step::frames::in_world;
+
+/// Attachments, in the order of creation.
+type All = QueryState<(Entity, &'static CreationOrder), With<AttachTo>>;
+
+/// What an attachment is to do.
+enum Outcome {
+    Stands,
+    Holds(Attached),
+    Waits,
+    /// The other entity is gone.
+    LetsGo,
+}
+
+/// Has attachments take hold, and let go.
+pub(crate) fn resolve_attachments(
+    world: &mut World,
+    all: &mut All,
+    mut order: Local<Vec<(CreationOrder, Entity)>>,
+    mut reported: Local<BTreeMap<Entity, AttachFault>>,
+) {
+    order.clear();
+    order.extend(all.iter(world).map(|(entity, order)| (*order, entity)));
+    order.sort_unstable();
+    reported.retain(|&entity, _| world.get::<AttachTo>(entity).is_some());
+    for &(_, attachment) in &*order {
+        let Some(to) = world.get::<AttachTo>(attachment) else { continue };
+        let body = world.get::<AttachmentOf>(attachment).map_or(attachment, |of| of.0);
+        if stands(world, attachment, body, to) {
+            continue;
+        }
+        let to = to.clone();
+        let outcome = attach(world, attachment, body, &to);
+        match outcome {
+            Ok(Outcome::Stands | Outcome::Waits) => {}
+            Ok(Outcome::Holds(attached)) => {
+                if let Ok(mut entity) = world.get_entity_mut(attachment) {
+                    entity.insert(attached);
+                }
+            }
+            Ok(Outcome::LetsGo) => {
+                say(world, attachment, Refusal::AttachTarget(to.entity));
+                if body == attachment {
+                    world.entity_mut(attachment).remove::<AttachTo>();
+                } else {
+                    world.try_despawn(attachment).ok();
+                }
+                // What its hook asked for.
+                world.flush();
+            }
+            Err(fault) => {
+                if reported.insert(attachment, fault) != Some(fault) {
+                    say(world, attachment, Refusal::Attach(fault));
+                }
+                continue;
+            }
+        }
+        reported.remove(&attachment);
+    }
+}
+
+fn say(world: &mut World, entity: Entity, reason: Refusal) {
+    warn!("sinew: entity {entity} {reason}");
+    world.write_message(Refused { entity, reason });
+}
+
+/// Whether an attachment holds as it is to: all that is asked of most in a warm tick.
+fn stands(world: &World, attachment: Entity, body: Entity, to: &AttachTo) -> bool {
+    let Some(attached) = world.get::<Attached>(attachment) else { return false };
+    // A pin bears no load that could be measured.
+    let held = attached.pinned.is_empty() || world.get::<BreakAt>(attachment).is_none();
+    held && world.get_entity(to.entity).is_ok()
+        && attached.builds == [builds(world, body), builds(world, to.entity)]
+        && attached.is_of(body, to)
+}
+
+/// How often something has been built; a part as often as its body.
+fn builds(world: &World, entity: Entity) -> u32 {
+    let body = world.get::<PartOf>(entity).map_or(entity, |of| of.0);
+    world.get::<BuiltBody>(body).map_or(0, |built| built.builds)
+}
+
+/// Ties what is to be tied; whatever was tied before is let go of first.
+fn attach(
+    world: &mut World,
+    attachment: Entity,
+    body: Entity,
+    to: &AttachTo,
+) -> Result<Outcome, AttachFault> {
+    if world.get_entity(to.entity).is_err() {
+        return Ok(Outcome::LetsGo);
+    }
+    let softness = sinew::Softness::from(to.softness);
+    if !(to.part.is_finite() && to.anchor.is_finite() && softness.is_valid()) {
+        return Err(AttachFault::Number);
+    }
+    let part = locate(world, body, &to.part).map_err(|()| AttachFault::NoSuchPart)?;
+    let hold = locate(world, to.entity, &to.anchor).map_err(|()| AttachFault::NoSuchAnchor)?;
+    let (Some((tied, part)), Some((holder, anchor))) = (part, hold) else {
+        return Ok(Outcome::Waits);
+    };
+    let carrier = Carrier::of(world, tied).map_err(|()| AttachFault::NoParticles)?;
+    let holds = Carrier::of(world, holder).map_err(|()| AttachFault::NoPlace)?;
+    let (Some(carrier), Some(holds)) = (carrier, holds) else { return Ok(Outcome::Waits) };
+    if matches!(carrier, Carrier::Frame) {
+        return Err(AttachFault::NoParticles);
+    }
+    let points = carrier.points(world, tied, &part);
+    if points.is_empty() {
+        return Err(AttachFault::NoSuchPart);
+    }
+    let before = world.get::<Attached>(attachment).cloned();
+    let kept = before.as_ref().filter(|before| before.is_of(body, to));
+    let holding = Holding { world, holder, carrier: &holds, anchor: &anchor };
+    let offsets = holding.offsets(&points, to.snap, kept.map(|kept| kept.offsets.as_slice()))?;
+    let others = holding.points(&points, &offsets, to.snap)?;
+    let itself = |point: &Point, other: &Option<Point>| {
+        let shares = |one: &Point, other: &Point| {
+            one.particles.iter().any(|particle| other.particles.contains(particle))
+        };
+        other.as_ref().is_some_and(|other| shares(point, other))
+    };
+    if points.iter().zip(&others).any(|(point, other)| itself(point, other)) {
+        return Err(AttachFault::Itself);
+    }
+    // From here on all is well, and it can change.
+    if let Some(before) = &before {
+        let joints = world.get::<AttachmentJoints>(attachment);
+        let joints: Vec<Entity> = joints.map(|all| all.iter().collect()).unwrap_or_default();
+        release(world, before, joints);
+    }
+    let mut pinned = Vec::new();
+    let pins = to.softness == Softness::Hard && world.get::<BreakAt>(attachment).is_none();
+    for ((point, other), &offset) in points.iter().zip(others).zip(&offsets) {
+        let pin = PinnedTo { entity: holder, offset };
+        match other {
+            Some(other) => join(world, attachment, point, &other, (to.snap, to.softness)),
+            None if point.particles.len() == 1 && pins => {
+                if let Ok(mut particle) = world.get_entity_mut(point.particles[0]) {
+                    particle.insert(pin);
+                    pinned.push(point.particles[0]);
+                }
+            }
+            None => {
+                let hand = (Particle::at(point.place), pin, JointOf(attachment));
+                let hand = world.spawn(hand).id();
+                let hand = Point {
+                    particles: vec![hand],
+                    weights: vec![1.0],
+                    rigid: false,
+                    place: point.place,
+                };
+                join(world, attachment, point, &hand, (true, to.softness));
+            }
+        }
+    }
+    for entity in [body, tied, to.entity, holder] {
+        let owner = world.get::<PartOf>(entity).map_or(entity, |of| of.0);
+        if let Some(mut sleep) = world.get_mut::<Sleep>(owner) {
+            sleep.wake();
+        }
+    }
+    if world.get_entity(attachment).is_err() {
+        return Ok(Outcome::Stands);
+    }
+    Ok(Outcome::Holds(Attached {
+        body,
+        entity: to.entity,
+        part: to.part.clone(),
+        anchor: to.anchor.clone(),
+        snap: to.snap,
+        softness: to.softness,
+        builds: [builds(world, body), builds(world, to.entity)],
+        offsets,
+        pinned,
+    }))
+}
+
+/// The other entity, and where it is held on to.
+struct Holding<'a> {
+    world: &'a World,
+    holder: Entity,
+    carrier: &'a Carrier,
+    anchor: &'a Anchor,
+}
+
+impl Holding<'_> {
+    /// Its frame in the world; of something rigid in metres, of a transform in its own units. `None` if it has none.
+    fn frame(&self) -> Result<Option<Transform>, AttachFault> {
+        let at = in_world(self.world, self.holder).map_err(|_| AttachFault::NoPlace)?;
+        let frame = match self.carrier {
+            Carrier::Loose { .. } => return Ok(None),
+            Carrier::Frame => at,
+            // The transform of a part that was just built is yet to be read off.
+            Carrier::Rigid { particles, rest } => {
+                let points = particles.iter().zip(rest).filter_map(|(&particle, &rest)| {
+                    let at = self.world.get::<Particle>(particle)?.position;
+                    Some((at, rest, self.world.get::<Mass>(particle)?.0))
+                });
+                let found = pose(points, at.rotation).ok_or(AttachFault::NoPlace)?;
+                Transform::from_translation(found.translation).with_rotation(found.rotation)
+            }
+        };
+        let sound = frame.is_finite() && frame.scale.abs().min_element() > 0.0;
+        if sound { Ok(Some(frame)) } else { Err(AttachFault::NoPlace) }
+    }
+
+    /// Where in its frame each point is to be kept. Those that it had `before` stay; where there are more or fewer points than then, their middle does.
+    fn offsets(
+        &self,
+        points: &[Point],
+        snap: bool,
+        before: Option<&[Vec3]>,
+    ) -> Result<Vec<Vec3>, AttachFault> {
+        let Some(frame) = self.frame()? else { return Ok(vec![Vec3::ZERO; points.len()]) };
+        let back = frame.compute_affine().inverse();
+        let now: Vec<Vec3> = points.iter().map(|p| back.transform_point3(p.place)).collect();
+        let middle = |all: &[Vec3]| all.iter().sum::<Vec3>() / all.len().max(1) as f32;
+        // Also of one that keeps its place: an anchor that is not there is refused.
+        let anchor = self.carrier.local(self.world, self.holder, self.anchor);
+        let anchor = anchor.ok_or(AttachFault::NoSuchAnchor)?;
+        let to = match before {
+            _ if snap => anchor,
+            Some(before) if before.len() == now.len() => return Ok(before.to_vec()),
+            Some(before) if !before.is_empty() => middle(before),
+            _ => return Ok(now),
+        };
+        let from = middle(&now);
+        Ok(now.into_iter().map(|place| to + (place - from)).collect())
+    }
+
+    /// The points of the other entity to which those are tied; none where it is led by its transform.
+    fn points(
+        &self,
+        points: &[Point],
+        offsets: &[Vec3],
+        snap: bool,
+    ) -> Result<Vec<Option<Point>>, AttachFault> {
+        let Self { world, holder, carrier, anchor } = self;
+        let other = |(point, &offset): (&Point, &Vec3)| match carrier {
+            Carrier::Frame => Ok(None),
+            Carrier::Rigid { .. } => {
+                carrier.rigid_point(world, offset).map(Some).ok_or(AttachFault::NoSuchAnchor)
+            }
+            Carrier::Loose { .. } => carrier
+                .loose_point(world, *holder, anchor, (point.place, snap))
+                .map(Some)
+                .ok_or(AttachFault::NoSuchAnchor),
+        };
+        points.iter().zip(offsets).map(other).collect()
+    }
+}
+
+/// Gaps up to this share of the distance to the origin are round-off.
+const CLOSED: f32 = 1e-5;
+
+/// Spawns what keeps two points together, or, if they are not to close up, as far apart as they are. A gap that is round-off is none.
+fn join(
+    world: &mut World,
+    attachment: Entity,
+    one: &Point,
+    other: &Point,
+    (close, softness): (bool, Softness),
+) {
+    let gap = one.place.distance(other.place);
+    let exact = gap <= CLOSED * one.place.abs().max_element().max(1.0);
+    // A rigid body carries every point: it has been given the one that is to be kept.
+    let rest = if close || exact || other.rigid { 0.0 } else { gap };
+    let of = JointOf(attachment);
+    if let ([a], [b]) = (one.particles.as_slice(), other.particles.as_slice()) {
+        let rod = DistanceConstraint::new(*a, *b, rest).with_softness(softness);
+        world.spawn((rod, of));
+        return;
+    }
+    let constraint = AnchorConstraint {
+        particles: one.particles.iter().chain(&other.particles).copied().collect(),
+        first: one.particles.len(),
+        weights: one.weights.iter().chain(&other.weights).copied().collect(),
+        rigid: [one.rigid, other.rigid],
+        rest,
+        softness,
+    };
+    world.spawn((constraint, of));
+}

@@ -1,0 +1,274 @@
+//! Constraints that break: at a force, or at a strain.
+
+use bevy::ecs::relationship::RelationshipTarget;
+use bevy::prelude::*;
+use sinew::Bound;
+
+use crate::attach::{AttachTo, AttachmentJoints, AttachmentOf};
+use crate::components::{BodyConstraints, ConstraintOf, CreationOrder};
+use crate::schedule::SinewClock;
+use crate::step::changes::census;
+use crate::step::links::LinkAt;
+use crate::world::SinewWorld;
+
+/// Breaks a constraint, a spring or an attachment when it has to hold more than this: a chain that a weight tears, a cloth that rips, a hook that gives way.
+///
+/// It stands on a [`DistanceConstraint`](crate::DistanceConstraint), a [`Spring`](crate::Spring) or any other constraint, which is despawned when it
+/// breaks; on an [`AttachTo`], which then lets go; or on a body, and then it is meant for each of its constraints (and for an attachment on the body
+/// itself), except for those that have their own. [`Broke`] says what broke.
+///
+/// The force is that of the physics, whatever the number of substeps and of sweeps: it is what the solver did in a tick, in the mean over its substeps,
+/// so that a rope that hangs at rest pulls at its hook with its weight. Constraints are looked at when a tick ends and what broke is gone in the next one;
+/// with it go the [tethers](sinew::SolverSettings::tethers) that ran along it. A number that is not finite, or negative, never breaks anything.
+///
+/// What bodies with such constraints are solved by is slower, one constraint after the other ([`measure_loads`](sinew::Simulation::measure_loads)).
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// fn spawn(mut commands: Commands) {
+///     // Its own weight is 1 N; it holds 20 N.
+///     let rope = Rope { mass: 0.1, ..Rope::between(Vec3::Y * 3.0, Vec3::Y) };
+///     commands.spawn((rope, BreakAt::force(20.0))).observe(|broke: On<Broke>| {
+///         info!("the rope broke at {} under {} N", broke.point, broke.force);
+///     });
+/// }
+/// # let mut app = App::new();
+/// # app.add_plugins((MinimalPlugins, SinewPlugins)).add_systems(Startup, spawn);
+/// # app.finish();
+/// # app.update();
+/// ```
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct BreakAt {
+    /// The tension at which it breaks, N, or the pressure where it holds its ends apart ([`Bound::AtLeast`](crate::Bound)). Of an attachment the force
+    /// between the two points; of any other constraint that on the first of its particles that is free. Default infinite: never.
+    pub force: f32,
+    /// How far it may be stretched, as a share of its rest length: 0.1 is by a tenth. What has no rest length has no strain. Default infinite: never.
+    pub strain: f32,
+}
+
+impl Default for BreakAt {
+    fn default() -> Self {
+        Self { force: f32::INFINITY, strain: f32::INFINITY }
+    }
+}
+
+impl BreakAt {
+    /// At a force, N.
+    pub fn force(force: f32) -> Self {
+        Self { force, ..default() }
+    }
+
+    /// At a strain, as a share of the rest length.
+    pub fn strain(strain: f32) -> Self {
+        Self { strain, ..default() }
+    }
+}
+
+/// A constraint, a spring or an attachment broke, because of its [`BreakAt`]: a message, and an event to be observed on what broke and, where that belongs to
+/// a body, on the body. It is still there when the event is sent, and is despawned right after.
+///
+/// What breaks in a tick is said at the end of [`SinewSystems::Scatter`](crate::SinewSystems::Scatter), after the contacts of the tick, in the order in
+/// which the constraints were created. The message is written once, with the constraint as its `entity`.
+#[derive(Message, EntityEvent, Reflect, Clone, Debug, PartialEq)]
+pub struct Broke {
+    /// Who is told: the constraint, or its body.
+    pub entity: Entity,
+    /// The constraint or the spring that broke, or the entity with the [`AttachTo`].
+    pub constraint: Entity,
+    /// The body that it belongs to, if it does.
+    pub body: Option<Entity>,
+    /// The particles that it bound.
+    pub particles: Vec<Entity>,
+    /// The middle of these, metres in the world.
+    pub point: Vec3,
+    /// With what force it held, N. Zero if that was not measured, because it has no limit.
+    pub force: f32,
+    /// By how much it was stretched, as a share of its rest length; zero of what has none.
+    pub strain: f32,
+}
+
+/// One that may break, and where in the solver's lists it is. Scratch.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Breakable {
+    at: LinkAt,
+    limits: BreakAt,
+    /// What breaks: the constraint, or the attachment that it is a joint of.
+    breaks: Entity,
+    body: Option<Entity>,
+}
+
+/// Those that may break, as of the lists of this tick.
+#[derive(Resource, Default)]
+pub(crate) struct Breakables {
+    all: Vec<(CreationOrder, Entity, Breakable)>,
+    version: u64,
+    count: usize,
+}
+
+/// Says which constraints may break, and has the loads of those measured that may by a force.
+pub(crate) fn gather_breakables(
+    mut world: ResMut<SinewWorld>,
+    mut breakables: ResMut<Breakables>,
+    limits: Query<Ref<BreakAt>>,
+    own: Query<
+        (Entity, &BreakAt, Option<&ConstraintOf>),
+        (Without<AttachTo>, Without<BodyConstraints>),
+    >,
+    bodies: Query<(Entity, &BreakAt, Ref<BodyConstraints>)>,
+    attachments: Query<
+        (Entity, &BreakAt, Ref<AttachmentJoints>, Option<&AttachmentOf>),
+        With<AttachTo>,
+    >,
+    limited: Query<(), With<BreakAt>>,
+    orders: Query<&CreationOrder>,
+) {
+    let SinewWorld { simulation, tables } = &mut *world;
+    let (count, changed) = census(&limits);
+    let went = core::mem::replace(&mut breakables.count, count) != count;
+    if count == 0 {
+        if went {
+            breakables.all.clear();
+            simulation.measure_loads([], []);
+        }
+        return;
+    }
+    let anew = changed
+        || went
+        || breakables.version != tables.links.version()
+        || bodies.iter().any(|(.., list)| list.is_changed())
+        || attachments.iter().any(|(_, _, joints, _)| joints.is_changed());
+    if !anew {
+        return;
+    }
+    breakables.version = tables.links.version();
+    let list = &mut breakables.all;
+    list.clear();
+    let mut add = |constraint: Entity, limits: &BreakAt, breaks: Entity, body: Option<Entity>| {
+        let Ok(&order) = orders.get(constraint) else { return };
+        tables.links.find(order, constraint, |at| {
+            list.push((order, constraint, Breakable { at, limits: *limits, breaks, body }));
+        });
+    };
+    for (constraint, limits, of) in &own {
+        add(constraint, limits, constraint, of.map(|of| of.0));
+    }
+    for (body, limits, constraints) in &bodies {
+        for constraint in constraints.iter().filter(|&constraint| !limited.contains(constraint)) {
+            add(constraint, limits, constraint, Some(body));
+        }
+    }
+    for (attachment, limits, joints, of) in &attachments {
+        for joint in joints.iter() {
+            add(joint, limits, attachment, Some(of.map_or(attachment, |of| of.0)));
+        }
+    }
+    list.sort_unstable_by_key(|&(order, entity, one)| (order, entity, one.at));
+    let by_force = || list.iter().map(|(.., one)| one).filter(|one| one.limits.force.is_finite());
+    let mut distances: Vec<usize> = by_force().filter_map(|one| one.at.distance()).collect();
+    let mut constraints: Vec<usize> = by_force().filter_map(|one| one.at.constraint()).collect();
+    distances.sort_unstable();
+    constraints.sort_unstable();
+    simulation.measure_loads(distances, constraints);
+}
+
+/// Breaks what had to hold too much.
+pub(crate) fn break_constraints(
+    world: Res<SinewWorld>,
+    clock: Res<SinewClock>,
+    breakables: Res<Breakables>,
+    mut commands: Commands,
+) {
+    // A fixed clock that stood still took no tick.
+    if breakables.all.is_empty() || clock.seconds == world.simulation.time {
+        return;
+    }
+    let mut broken: Vec<Broke> = Vec::new();
+    for (.., one) in &breakables.all {
+        // Of an attachment with several joints, the first that gives way.
+        if broken.iter().any(|known| known.constraint == one.breaks) {
+            continue;
+        }
+        broken.extend(one.broke(&world));
+    }
+    if !broken.is_empty() {
+        commands
+            .queue(move |world: &mut World| broken.into_iter().for_each(|one| snap(world, one)));
+    }
+}
+
+impl Breakable {
+    /// How it broke, if it did.
+    fn broke(&self, world: &SinewWorld) -> Option<Broke> {
+        let (simulation, tables) = (&world.simulation, &world.tables);
+        let particles = &simulation.particles;
+        let (mut ends, mut rest, mut sign) = (None, 0.0, 1.0);
+        let force = match self.at {
+            LinkAt::Distance(number) => {
+                let distance = simulation.distances().get(number)?;
+                (ends, rest) = (Some([distance.a, distance.b]), distance.rest);
+                if distance.bound == Bound::AtLeast {
+                    sign = -1.0;
+                }
+                simulation.distance_load(number).unwrap_or(0.0) * sign
+            }
+            LinkAt::Spring(number) => {
+                let spring = simulation.forces.springs.get(number)?;
+                (ends, rest) = (Some([spring.a, spring.b]), spring.rest);
+                spring.tension(particles)
+            }
+            LinkAt::Constraint(number) => simulation.constraint_load(number).unwrap_or(0.0),
+        };
+        let strain = match ends {
+            Some([a, b]) if rest > 0.0 => {
+                let length = particles.separation(a as usize, b as usize).length();
+                sign * (length - rest) / rest
+            }
+            _ => 0.0,
+        };
+        let exceeds = |value: f32, limit: f32| limit >= 0.0 && limit.is_finite() && value > limit;
+        if !exceeds(force, self.limits.force) && !exceeds(strain, self.limits.strain) {
+            return None;
+        }
+        let rows: &[u32] = match (&ends, self.at) {
+            (Some(ends), _) => ends,
+            (None, LinkAt::Constraint(number)) => &simulation.constraints().get(number)?.rows,
+            _ => return None,
+        };
+        let near = particles.position(*rows.first()? as usize);
+        let sum: Vec3 = rows.iter().map(|&row| particles.relative_to(row as usize, near)).sum();
+        Some(Broke {
+            entity: self.breaks,
+            constraint: self.breaks,
+            body: self.body,
+            particles: rows.iter().map(|&row| tables.entities[row as usize]).collect(),
+            point: near + sum / rows.len() as f32,
+            force,
+            strain,
+        })
+    }
+}
+
+/// Says that something broke, and takes it away.
+fn snap(world: &mut World, broke: Broke) {
+    let constraint = broke.constraint;
+    if world.get_entity(constraint).is_err() {
+        return;
+    }
+    let body = broke.body.filter(|&body| body != constraint);
+    world.write_message(broke.clone());
+    world.trigger(broke.clone());
+    if let Some(body) = body.filter(|&body| world.get_entity(body).is_ok()) {
+        world.trigger(Broke { entity: body, ..broke });
+    }
+    world.flush();
+    let Ok(mut entity) = world.get_entity_mut(constraint) else { return };
+    // An attachment on the body itself goes alone.
+    if entity.contains::<AttachTo>() && !entity.contains::<AttachmentOf>() {
+        entity.remove::<AttachTo>();
+        world.flush();
+    } else {
+        entity.despawn();
+    }
+}

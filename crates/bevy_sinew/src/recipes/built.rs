@@ -1,0 +1,84 @@
+//! Word that a body has been built: what a game waits for before it ties something to a particle, a bone or a vertex.
+
+use bevy::prelude::*;
+
+use crate::components::CreationOrder;
+
+/// A body was built from its recipe, for the first time or anew: a message, and an event to be observed on the body or on all of them.
+///
+/// It is sent when all bodies of the tick have been built, at the end of [`SinewSystems::Build`](crate::SinewSystems::Build), in the order in which the
+/// bodies were created; all have their particles, parts and constraints by then, and [`BuiltBody`]. What an observer spawns or attaches takes part in this
+/// very tick. While the simulation is paused bodies are built all the same, and say so.
+///
+/// A body that a game restores together with its recipe and its particles is not built, and sends nothing. Neither does one that the game put together
+/// from particles by itself.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::BodyParticles;
+/// fn spawn(mut commands: Commands) {
+///     commands.spawn(Rope::default()).observe(
+///         |built: On<BodyBuilt>, ropes: Query<&BodyParticles>, mut commands: Commands| {
+///             // The last particle of the rope carries a weight.
+///             if let Some(end) = ropes.get(built.entity).ok().and_then(|all| all.iter().last()) {
+///                 commands.entity(end).insert(Mass(2.0));
+///             }
+///         },
+///     );
+/// }
+/// # let mut app = App::new();
+/// # app.add_plugins((MinimalPlugins, SinewPlugins)).add_systems(Startup, spawn);
+/// # app.finish();
+/// # (0..3).for_each(|_| { std::thread::sleep(core::time::Duration::from_millis(20)); app.update() });
+/// # let world = app.world_mut();
+/// # assert!(world.query::<&Mass>().iter(world).any(|mass| mass.0 == 2.0));
+/// ```
+#[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BodyBuilt {
+    /// The body.
+    pub entity: Entity,
+    /// Whether it had been built before: its particles, parts and constraints are others now.
+    pub again: bool,
+}
+
+/// A body that stands as its recipe has it: it has its particles, its parts and its constraints. Kept by the plugin; part of the state.
+///
+/// It changes whenever the body is built anew, so that `Changed<BuiltBody>` says the same as [`BodyBuilt`] to a system, and it goes where the recipe asks
+/// for the impossible.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct BuiltBody {
+    /// How often it has been built, 1 and up.
+    pub builds: u32,
+}
+
+/// The bodies that were built in this tick, until it has been said.
+#[derive(Resource, Default)]
+pub(crate) struct JustBuilt(pub(crate) Vec<Entity>);
+
+/// Marks the bodies that were built in this tick, and says so.
+pub(crate) fn announce(world: &mut World) {
+    let Some(mut built) = world.get_resource_mut::<JustBuilt>().filter(|built| !built.0.is_empty())
+    else {
+        return;
+    };
+    let mut built = core::mem::take(&mut built.0);
+    built.sort_unstable_by_key(|&body| (world.get::<CreationOrder>(body).copied(), body));
+    built.dedup();
+    let mut events = Vec::with_capacity(built.len());
+    for entity in built {
+        let Ok(mut body) = world.get_entity_mut(entity) else { continue };
+        let builds = body.get::<BuiltBody>().map_or(0, |known| known.builds).saturating_add(1);
+        body.insert(BuiltBody { builds });
+        events.push(BodyBuilt { entity, again: builds > 1 });
+    }
+    for event in events {
+        // An observer of one before it may have despawned this one.
+        if world.get_entity(event.entity).is_ok() {
+            world.write_message(event);
+            world.trigger(event);
+            world.flush();
+        }
+    }
+}

@@ -1,0 +1,293 @@
+//! A distance between two anchors: points that particles carry, such as a corner of a box, a place on a bone or the middle of a patch of cloth.
+//!
+//! An anchor is an affine combination `x = Σ wᵢ xᵢ` of particles with `Σ wᵢ = 1`. It moves with them as a point of theirs does under any affine map,
+//! so with a rigid body exactly, and nothing about the frame of the body has to be found.
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+
+use super::{Bound, ConstraintFault, Equation, Points, Softness};
+use crate::pose::{pseudo_solve, symmetric};
+
+/// Two anchors stay a distance apart: `C = ‖x_a - x_b‖ - L`. With `L = 0` it is a ball joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnchorDistance {
+    /// The anchor of the first particles of the constraint.
+    pub a: Anchor,
+    /// The anchor of those that follow.
+    pub b: Anchor,
+    /// Length to keep, metres, 0 and up.
+    pub rest: f32,
+    /// Whether the length is kept both ways.
+    pub bound: Bound,
+    /// How hard it is.
+    pub softness: Softness,
+}
+
+/// A point that particles carry.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Anchor {
+    /// The share of each particle, which add up to 1. [`affine_weights`] finds them.
+    pub weights: Arc<[f32]>,
+    /// Whether the particles are a rigid body: it is pulled at the point as a rigid body is, and not particle by particle. Default not.
+    pub rigid: bool,
+}
+
+impl Anchor {
+    /// One particle.
+    pub fn particle() -> Self {
+        Self { weights: Arc::new([1.0]), rigid: false }
+    }
+
+    /// A point of some particles.
+    pub fn new(weights: impl Into<Arc<[f32]>>) -> Self {
+        Self { weights: weights.into(), rigid: false }
+    }
+
+    /// The same of a rigid body.
+    pub fn rigid(self) -> Self {
+        Self { rigid: true, ..self }
+    }
+
+    /// Where it is, metres from the origin, among the particles from number `first` on.
+    fn at(&self, first: usize, position: impl Fn(usize) -> Vec3) -> Vec3 {
+        let all = self.weights.iter().zip(first..);
+        all.map(|(&w, i)| position(i) * w).sum()
+    }
+
+    /// Writes how `n·x` changes with each particle. `n` is a unit vector.
+    ///
+    /// Of free particles that is `wᵢ n`. A rigid body answers a pull along `n` at `r` (from its barycentre) by `n/M` and a turn `I⁻¹ (r × n)`, so
+    /// particle i is given the share `mᵢ (n/M + (I⁻¹ (r × n)) × rᵢ)` of it: these add up to `n` and to the torque `r × n`, and what holds the body
+    /// together has nothing to correct. Levers are those at the start of the step where corrections are along it, which keeps the angular momentum.
+    fn gradients(&self, points: &Points, first: usize, n: Vec3, gradients: &mut [Vec3]) {
+        let numbers = first..first + self.weights.len();
+        let free = numbers.clone().all(|i| points.inverse_mass(i) > 0.0);
+        if !self.rigid || !free {
+            for (&w, gradient) in self.weights.iter().zip(gradients) {
+                *gradient = n * w;
+            }
+            return;
+        }
+        let start = points.gradient_at() == super::GradientAt::StepStart;
+        let at = |i: usize| if start { points.start(i) } else { points.at(i) };
+        let mass = |i: usize| f64::from(points.inverse_mass(i)).recip();
+        let (mut all, mut sum) = (0.0, DVec3::ZERO);
+        for i in numbers.clone() {
+            all += mass(i);
+            sum += at(i).as_dvec3() * mass(i);
+        }
+        let centre = sum / all;
+        let mut inertia = [[0.0; 3]; 3];
+        for i in numbers.clone() {
+            let r = (at(i).as_dvec3() - centre).to_array();
+            let square: f64 = r.iter().map(|x| x * x).sum();
+            for (row, x) in inertia.iter_mut().zip(r) {
+                row.iter_mut().zip(r).for_each(|(to, y)| *to -= mass(i) * x * y);
+            }
+            (0..3).for_each(|k| inertia[k][k] += mass(i) * square);
+        }
+        let n = n.as_dvec3();
+        let lever = self.at(first, at).as_dvec3() - centre;
+        let turn = pseudo_solve(inertia, lever.cross(n));
+        for (i, gradient) in numbers.zip(gradients) {
+            let r = at(i).as_dvec3() - centre;
+            *gradient = ((n / all + turn.cross(r)) * mass(i)).as_vec3();
+        }
+    }
+}
+
+impl AnchorDistance {
+    /// Two anchors in one place: a hard ball joint.
+    pub fn joint(a: Anchor, b: Anchor) -> Self {
+        Self { a, b, rest: 0.0, bound: Bound::Equal, softness: Softness::Hard }
+    }
+
+    /// The same at a distance, metres.
+    pub fn with_rest(self, rest: f32) -> Self {
+        Self { rest, ..self }
+    }
+
+    /// The same, as hard as that.
+    pub fn with_softness(self, softness: Softness) -> Self {
+        Self { softness, ..self }
+    }
+
+    /// Why it cannot bind `particles` particles, or `None` if it can.
+    pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
+        let sides = [&self.a, &self.b];
+        let sound = |anchor: &&Anchor| {
+            let sum: f32 = anchor.weights.iter().sum();
+            (sum - 1.0).abs() <= 1e-3 && anchor.weights.iter().all(|w| w.is_finite())
+        };
+        if sides.iter().any(|anchor| anchor.weights.is_empty())
+            || self.a.weights.len() + self.b.weights.len() != particles
+        {
+            Some(ConstraintFault::Count)
+        } else if !(sides.iter().all(sound) && self.rest.is_finite() && self.rest >= 0.0) {
+            Some(ConstraintFault::Number)
+        } else {
+            None
+        }
+    }
+}
+
+impl Equation for AnchorDistance {
+    fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
+        let second = self.a.weights.len();
+        if second + self.b.weights.len() != points.len() {
+            return 0.0;
+        }
+        let d = self.a.at(0, |i| points.at(i)) - self.b.at(second, |i| points.at(i));
+        let length = d.length();
+        if length == 0.0 && self.rest == 0.0 {
+            return 0.0;
+        }
+        // Anchors in one place that are to part have no direction: along x, as particles do.
+        let n = if length > 0.0 { d / length } else { Vec3::X };
+        let (first, others) = gradients.split_at_mut(second);
+        self.a.gradients(points, 0, n, first);
+        self.b.gradients(points, second, -n, others);
+        length - self.rest
+    }
+
+    fn bound(&self) -> Bound {
+        self.bound
+    }
+
+    fn softness(&self) -> Softness {
+        self.softness
+    }
+
+    fn is_length(&self) -> bool {
+        true
+    }
+}
+
+/// Particles that are flatter than this share of their length, squared, carry no point off their plane.
+const FLAT: f64 = 1e-6;
+
+/// The weights by which particles at these places, metres, carry a point: of all that add up to 1 and give the point, or the nearest to it that they can
+/// carry (on a line, say, or in a plane), those with the least sum of squares. Empty if there is no particle.
+pub fn affine_weights(places: &[Vec3], point: Vec3) -> Vec<f32> {
+    let count = places.len() as f64;
+    let centre = places.iter().map(|p| p.as_dvec3()).sum::<DVec3>() / count;
+    let mut moments = [[0.0; 3]; 3];
+    for place in places {
+        let r = (place.as_dvec3() - centre).to_array();
+        for (row, x) in moments.iter_mut().zip(r) {
+            row.iter_mut().zip(r).for_each(|(to, y)| *to += x * y);
+        }
+    }
+    let (values, axes) = symmetric::eigen(moments);
+    let most = values.iter().copied().fold(0.0, f64::max);
+    let to = point.as_dvec3() - centre;
+    let kept = values.into_iter().zip(axes).filter(|&(value, _)| value > FLAT * most);
+    let along: DVec3 = kept
+        .map(|(value, axis)| {
+            let axis = DVec3::from_array(axis);
+            axis * (axis.dot(to) / value)
+        })
+        .sum();
+    let weight = |place: &Vec3| (1.0 / count + (place.as_dvec3() - centre).dot(along)) as f32;
+    places.iter().map(weight).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::checks::{self, Random, points_of};
+    use super::*;
+
+    fn corners(size: Vec3) -> Vec<Vec3> {
+        let side = |i: usize, bit: usize| if i >> bit & 1 == 1 { 0.5 } else { -0.5 };
+        (0..8).map(|i| Vec3::new(side(i, 0), side(i, 1), side(i, 2)) * size).collect()
+    }
+
+    #[test]
+    fn weights_carry_the_point_wherever_the_particles_are_turned() {
+        let rest = corners(Vec3::new(1.0, 2.0, 0.5));
+        let point = Vec3::new(0.7, -1.4, 0.1);
+        let weights = affine_weights(&rest, point);
+        let turned = |p: Vec3| glam::Quat::from_rotation_y(0.7) * p + Vec3::new(3.0, 1.0, -2.0);
+        let carried: Vec3 = rest.iter().zip(&weights).map(|(&p, &w)| turned(p) * w).sum();
+        assert!(carried.abs_diff_eq(turned(point), 1e-5), "{carried}");
+        assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn flat_particles_carry_the_nearest_point_of_their_plane_and_one_carries_itself() {
+        let flat = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::X + Vec3::Y];
+        let weights = affine_weights(&flat, Vec3::new(0.3, 0.8, 5.0));
+        let carried: Vec3 = flat.iter().zip(&weights).map(|(&p, &w)| p * w).sum();
+        assert!(carried.abs_diff_eq(Vec3::new(0.3, 0.8, 0.0), 1e-5), "{carried}");
+        assert_eq!(affine_weights(&[Vec3::Y], Vec3::X), [1.0]);
+        assert_eq!(affine_weights(&[], Vec3::X), []);
+    }
+
+    #[test]
+    fn a_joint_of_two_boxes_closes_and_keeps_both_momenta_and_both_shapes() {
+        let (one, other) = (corners(Vec3::ONE), corners(Vec3::new(0.4, 0.8, 0.6)));
+        let a = Anchor::new(affine_weights(&one, Vec3::new(0.5, 0.2, 0.0))).rigid();
+        let b = Anchor::new(affine_weights(&other, Vec3::new(-0.2, 0.4, 0.3))).rigid();
+        let joint = AnchorDistance::joint(a, b);
+        let places: Vec<Vec3> = one
+            .iter()
+            .copied()
+            .chain(other.iter().map(|&p| p + Vec3::new(0.75, -0.18, -0.33)))
+            .collect();
+        let masses: Vec<f32> = (0..16).map(|i| if i < 8 { 0.5 } else { 0.1 }).collect();
+        assert_eq!(joint.fault(16), None);
+        checks::assert_momentum_kept(&joint, &places, &masses);
+        let mut particles = points_of(&places, &masses);
+        let before = particles.project(&joint);
+        // The pull is a rigid motion, to first order in how far it goes.
+        let length = |p: &[Vec3], i: usize, k: usize| p[i].distance(p[k]);
+        let after = particles.positions();
+        for (i, k) in [(0, 1), (0, 7), (2, 5), (8, 9), (8, 15)] {
+            let change = (length(&after, i, k) - length(&places, i, k)).abs();
+            assert!(before > 0.03 && change < 2.0 * before * before, "{i} {k}: {change}");
+        }
+        for _ in 0..5 {
+            particles.project(&joint);
+        }
+        assert!(particles.error(&joint) < 1e-5, "{}", particles.error(&joint));
+    }
+
+    #[test]
+    fn it_moves_a_rigid_body_by_its_inverse_mass_at_the_point() {
+        // A cube of 8 kg from its centre to a corner particle: n/M + (r × n) I⁻¹ (r × n) per unit of pull.
+        let (places, masses) = (corners(Vec3::ONE), [1.0; 8]);
+        let anchor = Anchor::new(affine_weights(&places, Vec3::new(0.5, 0.0, 0.0))).rigid();
+        let mut all = places.clone();
+        all.push(Vec3::new(0.5, 1.0, 0.0));
+        let masses: Vec<f32> = masses.into_iter().chain([f32::INFINITY]).collect();
+        let joint = AnchorDistance::joint(anchor, Anchor::particle());
+        let particles = points_of(&all, &masses);
+        let mut gradients = [Vec3::ZERO; 9];
+        joint.evaluate(&particles.points(), &mut gradients);
+        let w: f32 = gradients[..8].iter().map(|g| g.length_squared()).sum();
+        // I = 8 · (0.25 + 0.25) = 4 kg·m²; r × n = 0.5: 1/8 + 0.25/4.
+        assert!((w - (0.125 + 0.0625)).abs() < 1e-6, "{w}");
+    }
+
+    #[test]
+    fn the_gradient_of_free_particles_is_the_derivative() {
+        let mut random = Random::new(5);
+        let places: Vec<Vec3> = (0..6).map(|_| random.vector()).collect();
+        let joint =
+            AnchorDistance::joint(Anchor::new([0.2, 0.3, 0.5]), Anchor::new([0.7, -0.4, 0.7]))
+                .with_rest(0.1);
+        checks::assert_gradients(&joint, &places);
+    }
+
+    #[test]
+    fn faults_are_told_apart() {
+        let joint = AnchorDistance::joint(Anchor::particle(), Anchor::new([0.5, 0.5]));
+        assert_eq!(joint.fault(3), None);
+        assert_eq!(joint.fault(2), Some(ConstraintFault::Count));
+        let off = AnchorDistance::joint(Anchor::particle(), Anchor::new([0.5, 0.4]));
+        assert_eq!(off.fault(3), Some(ConstraintFault::Number));
+        assert_eq!(joint.with_rest(f32::NAN).fault(3), Some(ConstraintFault::Number));
+    }
+}
