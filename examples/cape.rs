@@ -11,7 +11,7 @@ struct Hero;
 struct Cape;
 
 fn main() {
-    // `--headless` is how tests run it: without a window, and as fast as it goes. In a window add `DefaultPlugins`, a camera and a mesh.
+    // It runs without a window, as fast as it goes. To see it, take `DefaultPlugins` instead, and add a camera and a light.
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, SinewPlugins));
     app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(1));

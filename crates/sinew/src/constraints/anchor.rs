@@ -248,7 +248,8 @@ mod tests {
             let change = (length(&after, i, k) - length(&places, i, k)).abs();
             assert!(before > 0.03 && change < 2.0 * before * before, "{i} {k}: {change}");
         }
-        for _ in 0..5 {
+        // It is pulled along its length alone, and gives way aside as well: each projection leaves a share of it.
+        for _ in 0..20 {
             particles.project(&joint);
         }
         assert!(particles.error(&joint) < 1e-5, "{}", particles.error(&joint));

@@ -1,7 +1,8 @@
 //! Loads: with what force single distances and constraints held in a step, for whoever wants something to break.
 //!
 //! The force is the sum of what a constraint did, `f = Σ m Δx / h²` over the sweeps of a substep, in the mean over the substeps of a step. Where what hangs
-//! on it is at rest it is the weight, however few sweeps there are and however far they are from done: what moves nothing balances.
+//! on it is at rest it is the weight, however few sweeps there are and however far they are from done: what moves nothing balances. In the first substep after
+//! a position or a velocity was set it is half of that, for so far Verlet falls there.
 //!
 //! [Tethers](super::tethers) carry what rods would have to hand on, and a rod beside one feels nothing. So an island with loads to be measured has what its
 //! tethers did counted as well, and each rod on the way of a tether is given the force of it: that is what the rods would hand on. Such an island has
