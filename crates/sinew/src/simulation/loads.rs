@@ -19,7 +19,9 @@ impl Simulation {
     /// let bob = world.particles.push(ParticleSeed { mass: 2.0, ..ParticleSeed::at(Vec3::NEG_Y) })?;
     /// world.distances_mut().push(Distance::new(hook, bob, 1.0));
     /// world.measure_loads([0], []);
-    /// world.step(1.0 / 60.0)?;
+    /// for _ in 0..2 {
+    ///     world.step(1.0 / 60.0)?;
+    /// }
     /// let weight = world.distance_load(0).unwrap();
     /// assert!((weight - 2.0 * 9.81).abs() < 0.2, "{weight} N");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
