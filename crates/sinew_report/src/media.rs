@@ -124,7 +124,7 @@ fn a_fluid_damps_by_the_submerged_share() -> Vec<Row> {
         .into()
 }
 
-/// SizeCorrection in 2 s down a slope of `slope` (tan θ) with friction 0.4.
+/// How far something slides in 2 s down a slope of `slope` (tan θ) with friction 0.4.
 fn slid(slope: f32) -> f64 {
     let mut world = Simulation::default();
     let normal = Vec3::new(slope, 1.0, 0.0);

@@ -65,10 +65,10 @@ impl Hash<'_> {
             ReflectRef::Opaque(value) => self.leaf(value),
             _ if is_leaf(value) => self.leaf(value),
             ReflectRef::Struct(value) => {
-                value.iter_fields().for_each(|(_, field)| self.value(field))
+                value.iter_fields().for_each(|(_, field)| self.value(field));
             }
             ReflectRef::TupleStruct(value) => {
-                value.iter_fields().for_each(|field| self.value(field))
+                value.iter_fields().for_each(|field| self.value(field));
             }
             ReflectRef::Tuple(value) => value.iter_fields().for_each(|field| self.value(field)),
             ReflectRef::Enum(value) => {
@@ -143,7 +143,7 @@ impl Hash<'_> {
         } else if let Some(ColliderShape(shape)) = value.try_downcast_ref::<ColliderShape>() {
             shape.to_words().into_iter().for_each(|word| self.word(word.into()));
         } else if let Some(ContactCache(cached)) = value.try_downcast_ref::<ContactCache>() {
-            let words = cached.iter().flat_map(|manifold| manifold.to_words());
+            let words = cached.iter().flat_map(sinew::CachedManifold::to_words);
             words.for_each(|word| self.word(word.into()));
         } else if let Some(any) = value.try_downcast_ref::<AnyConstraint>() {
             any.particles.iter().for_each(|&entity| self.entity(entity));

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use bevy::ecs::archetype::Archetype;
+use bevy::ecs::archetype::{Archetype, ArchetypeEntity};
 use bevy::ecs::component::ComponentId;
 use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::entity_disabling::DefaultQueryFilters;
@@ -188,7 +188,7 @@ impl Places {
     /// Those that are part of the simulation, with their order of creation less one: those that have none come last.
     fn members(&self, world: &World) -> Vec<(u64, Entity)> {
         let archetypes = world.archetypes().iter().filter(|archetype| self.is_member(archetype));
-        let entities = archetypes.flat_map(|archetype| archetype.entities());
+        let entities = archetypes.flat_map(Archetype::entities);
         let entities = entities.map(|entity| {
             let order = world.get::<CreationOrder>(entity.id()).map_or(0, |order| order.0);
             (order.wrapping_sub(1), entity.id())
@@ -201,7 +201,7 @@ impl Places {
         let mut holders = vec![Vec::new(); self.marks.len()];
         for archetype in world.archetypes().iter().filter(|archetype| self.is_member(archetype)) {
             for kind in self.kinds(archetype) {
-                let all = archetype.entities().iter().map(|entity| entity.id());
+                let all = archetype.entities().iter().map(ArchetypeEntity::id);
                 holders[kind].extend(all.map(|entity| (numbers[&entity], entity)));
             }
         }
