@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use sinew::constraints::{
-    Angle, Area, Bend, Collinear, Cone, Coplanar, Hinge, Patch, Rigid, Tetrahedron, Volume, SizeCorrection,
+    Angle, Area, Bend, Collinear, Cone, Coplanar, Hinge, Patch, Rigid, SizeCorrection, Tetrahedron,
+    Volume,
 };
 use sinew::glam::Vec3;
 use sinew::{
