@@ -26,7 +26,7 @@ fn a_contact_is_told_once_when_it_begins_and_once_when_it_ends() {
     app.init_resource::<Seen>();
     let world = app.world_mut();
     let ground = world.spawn(floor()).id();
-    let body = world.spawn((crate_at(0.0, 0.6), ContactEvents)).id();
+    let body = world.spawn((crate_at(0.0, 0.6), ContactEvents::default())).id();
     let quiet = world.spawn(crate_at(2.0, 0.6)).id();
     world.entity_mut(body).observe(|on: On<ContactStarted>, mut seen: ResMut<Seen>| {
         assert!(on.impulse > 0.0 && !on.sensor);
@@ -52,7 +52,7 @@ fn a_sensor_tells_who_passes_through() {
     let mut app = app();
     app.init_resource::<Seen>();
     let world = app.world_mut();
-    let gate = (Collider::cuboid(Vec3::new(2.0, 0.1, 2.0)), Sensor, ContactEvents);
+    let gate = (Collider::cuboid(Vec3::new(2.0, 0.1, 2.0)), Sensor, ContactEvents::default());
     let gate = world.spawn((gate, Transform::from_xyz(0.0, 1.0, 0.0))).id();
     world.add_observer(|on: On<ContactStarted>, mut seen: ResMut<Seen>| {
         seen.0.push((on.entity, on.other, on.sensor));

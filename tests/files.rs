@@ -53,7 +53,7 @@ fn floats_at_the_ends_of_what_there_is_come_back_bit_for_bit() {
         .iter()
         .map(|&x| app.world_mut().spawn((Particle::at(Vec3::new(x, -x, 1.0)), Radius(x))).id())
         .collect();
-    let odd = SinewClock { tick: u64::MAX, seconds: -5e-324 };
+    let odd = SinewClock { tick: u64::MAX, seconds: -5e-324, ahead: 0.0 };
     app.insert_resource(odd);
     let saved = SinewSnapshot::capture(app.world());
     for (format, write, read) in FORMATS {

@@ -212,7 +212,7 @@ fn bodies_that_are_despawned_in_the_tick_that_they_were_spawned_in_leave_nothing
     }
     // The recipe built it, and it goes before it was ever gathered.
     let world = app.world_mut();
-    world.insert_resource(SinewControl { paused: true, single_steps: 0 });
+    world.insert_resource(SinewControl { paused: true, ..default() });
     let body = world.spawn(Ragdoll::default()).id();
     tick(&mut app, 1);
     assert!(!particles_of(&app, body).is_empty());

@@ -16,6 +16,8 @@
 //! | `bad_recipes` | bodies that cannot be built say so once |
 //! | `columns` | the columns are what the components say, though little is copied in a warm tick |
 //! | `runtime_changes` | particles, springs, constraints and bodies come, change and go while time runs |
+//! | `every_setting` | integrators, orders, gradients, steps of any length, phases with conditions, surfaces for a wind |
+//! | `gameplay` | impulses of every tick, shapes on their way, the weight of what a game moves |
 //! | `first_minutes` | what a new user meets with nothing configured |
 //! | `hierarchy` | bodies, colliders and regions stand where their parents put them |
 //! | `motion` | velocities, forces and impulses go both ways; what a body says is shared out onto its particles |
@@ -36,9 +38,12 @@
 //! | `forces` | every force of the solver is a component or a resource that does what physics asks |
 //! | `forces_live` | forces edited, broken and rolled back while they are in use |
 //! | `frame_rate` | neither does the frame rate |
+//! | `message_order` | what a game hears of in a tick comes in the order of creation |
 //! | `models` | real meshes from outside become cloth |
 //! | `scenes` | the scenes of the gallery keep what their captions promise |
 //! | `schedules` | no two systems of ours race |
+//! | `statics` | bodies and worlds are brought to rest at once |
+//! | `time` | a speed and a pause of the simulation's own |
 //! | `segments` | ropes collide by their segments where they ask for it |
 //! | `threads` | neither does the number of threads |
 //! | `torn` | what comes, goes or changes one by one among thousands is mended into them |
@@ -61,13 +66,16 @@ mod contact_events;
 mod contacts_by_default;
 mod contacts_state;
 mod controls;
+mod every_setting;
 mod files;
 mod first_minutes;
 mod forces;
 mod forces_live;
 mod frame_rate;
+mod gameplay;
 mod hierarchy;
 mod in_use;
+mod message_order;
 mod models;
 mod motion;
 mod own_constraints;
@@ -88,8 +96,10 @@ mod snapshot;
 mod solver;
 mod state;
 mod state_list;
+mod statics;
 mod support;
 mod threads;
+mod time;
 mod torn;
 mod triangles;
 mod unrelated;

@@ -101,7 +101,7 @@ fn the_tube_of_a_rope_keeps_its_radius_around_its_particles() {
 #[test]
 fn a_cloth_that_is_spawned_while_time_stands_still_is_drawn_where_it_is() {
     let mut app = app();
-    app.insert_resource(SinewControl { paused: true, single_steps: 0 });
+    app.insert_resource(SinewControl { paused: true, ..default() });
     let cloth = app.world_mut().spawn((Cloth::default(), Transform::from_xyz(1.0, 2.0, 3.0))).id();
     let rope = app.world_mut().spawn(Rope::default()).id();
     tick(&mut app, 3);

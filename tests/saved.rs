@@ -108,7 +108,7 @@ fn heap(world: &mut World) {
     for i in 0..4 {
         let place = at(0.05 * i as f32, 0.3 + 0.4 * i as f32, 0.0);
         let place = place.with_rotation(Quat::from_rotation_z(0.1 * i as f32));
-        world.spawn((RigidBox::new(Vec3::new(0.4, 0.3, 0.5)), ContactEvents, place));
+        world.spawn((RigidBox::new(Vec3::new(0.4, 0.3, 0.5)), ContactEvents::default(), place));
     }
     world.spawn((Ragdoll::default(), at(1.5, 1.2, 0.0)));
 }
@@ -418,12 +418,12 @@ fn contacts_that_go_on_are_not_told_again_and_those_of_an_undone_future_not_at_a
             told.0.push((false, end.entity));
         });
     floor(app.world_mut());
-    let lying = (RigidBox::new(Vec3::splat(0.3)), ContactEvents, at(0.0, 0.15, 0.0));
+    let lying = (RigidBox::new(Vec3::splat(0.3)), ContactEvents::default(), at(0.0, 0.15, 0.0));
     let lying = app.world_mut().spawn(lying).id();
     tick(&mut app, 30);
     assert_eq!(app.world().resource::<Told>().0, [(true, lying)]);
     let saved = SinewSnapshot::capture(app.world());
-    let late = (RigidBox::new(Vec3::splat(0.3)), ContactEvents, at(3.0, 0.15, 0.0));
+    let late = (RigidBox::new(Vec3::splat(0.3)), ContactEvents::default(), at(3.0, 0.15, 0.0));
     app.world_mut().spawn(late);
     app.world_mut().entity_mut(lying).insert(LinearVelocity(Vec3::Y * 5.0));
     tick(&mut app, 20);

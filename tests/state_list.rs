@@ -8,7 +8,7 @@ use bevy_sinew::{StateRole, StateTypes};
 use crate::support::app;
 
 /// Components and resources that are no state, and why not.
-const NO_STATE: [(&str, &str); 16] = [
+const NO_STATE: [(&str, &str); 19] = [
     ("ParticleRow", "scratch: given anew whenever particles come or go"),
     ("Rows", "scratch: resolved anew where what it is of has changed"),
     ("ResolvedShape", "scratch: found again where what it follows from has changed"),
@@ -21,6 +21,9 @@ const NO_STATE: [(&str, &str); 16] = [
     ("RollbackHistory", "states that were"),
     ("SinewWorkers", "threads, which change no result"),
     ("TickTime", "wall-clock time"),
+    ("Pace", "scratch: counted anew in each fixed tick"),
+    ("PlayedTransform", "what is drawn between two ticks"),
+    ("RelaxWorld", "a command: done and taken off in the next tick"),
     ("MouseDrag", "settings of a tool"),
     ("Pointing", "where the mouse is"),
     ("JustBuilt", "scratch: emptied in the tick that filled it"),

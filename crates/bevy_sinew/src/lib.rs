@@ -35,6 +35,10 @@
 //!   [`CollisionLayers`] and [`Sensor`] say more. Whatever a recipe builds meets colliders and all other bodies: rigid ones by their shape, others by
 //!   what of them lets nothing through ([`ContactShape::Auto`]). [`BodyContacts`] says it otherwise, [`ContactsDisabled`] takes a body out.
 //! - A **parent** is honoured: bodies, colliders and regions stand where Bevy would draw them ([`ParticleBody`] says what holds for one that moves).
+//! - **Time** has a pause, single steps and a speed of its own: [`SinewControl`]. [`Relax`] and [`RelaxWorld`] bring a body or everything to rest without
+//!   waiting for it.
+//! - **Questions** to the world are asked through [`SinewQuery`]: rays, shapes on their way, overlaps, the nearest particle.
+//!   [`Weighs`] has what the game moves press on what it stands on.
 //! - **Read back** are `Transform` ([`RigidPose`]), meshes ([`MeshFollow`], [`TubeMesh`]), [`LinearVelocity`], [`AngularVelocity`], [`WorldCenterOfMass`],
 //!   [`Inertia`]; [`SinewWorld::report`] says how the solver fared, and [`Refused`] messages what it set aside.
 //!
@@ -71,6 +75,20 @@
 //!
 //! Not part of it are what is drawn (meshes, materials, easing between ticks) and messages. A body that is restored into another app has no `Mesh3d` there
 //! until the game gives it one, except for ropes, whose tubes are made anew.
+//!
+//! # The order of messages
+//!
+//! Within a tick, messages and events come in this order, the same in every run: it follows from the order of creation ([`CreationOrder`]), never from
+//! archetypes, queries or what entities are called.
+//!
+//! 1. **Build** and **Gather**: [`Refused`], part by part; where several bodies ask for the same thing ([`ExternalImpulse`], waiting commands), in the
+//!    order of creation. Then [`RelaxFinished`], the world first, then bodies in the order of creation.
+//! 2. **Scatter**: [`Refused`] for what went non-finite, row by row. Then contacts, one after the other of those with [`ContactEvents`], in the order of
+//!    creation: for each, what ended ([`ContactEnded`]), what began ([`ContactStarted`]), and what there is ([`ContactImpulse`]), each list by whom it
+//!    touches: bodies, loose particles, colliders, grounds, rooms, in the order of creation.
+//!
+//! Observers run when the commands of the system that sends are applied, in that same order. At a [speed](SinewControl::relative_speed) of 2, two whole ticks
+//! follow one another. What is despawned in between ends its contacts at once.
 //!
 //! # Threads
 //!
@@ -161,7 +179,8 @@
 //! | `commands` | impulses, velocities, teleports and reversal of whole bodies |
 //! | `components` | what a game spawns, edits and reads: the state |
 //! | `recipes` | bodies that build themselves |
-//! | `schedule` | the sets, the phases and the driver of the substeps |
+//! | `query` | questions to the world: rays, shapes on their way, what is near |
+//! | `schedule` | the sets, the phases, the driver of the substeps, and how fast time passes |
 //! | `threads` | who helps the solver: [`SinewWorkers`] |
 //! | `step` | layout, gather, links, representation, scatter, extract: components to columns and back |
 //! | `world` | the columns and tables, scratch of a tick |
@@ -198,6 +217,7 @@ pub use attach::{
 };
 pub use breaking::{BreakAt, Broke};
 pub use commands::{BodyCommandsExt, BodyEdit, EditFault, PendingEdits};
+pub use commands::{Relax, RelaxFinished, RelaxWorld, SinewCommandsExt};
 pub use components::{
     AirDrag, AngularVelocity, BodyConstraints, BodyParticles, BodyReport, Bound, BoundingBox,
     Charge, ConstraintOf, CreationOrder, DistanceConstraint, Drag, Electric, ExternalForce,
@@ -219,6 +239,7 @@ pub use components::{
     CollisionLayers, Combine, ContactCache, ContactEnded, ContactEvents, ContactShape,
     ContactStarted, ContactsDisabled, RestPlace, Sensor, Sleep, SurfaceMaterial, Touching,
 };
+pub use components::{ContactImpulse, Weighs};
 pub use components::{ControlForce, ExternalImpulse, ExternalTorque, Inertia, TickForces};
 pub use config::{BodySolver, GradientAt, Integrator, Order, SolverConfig};
 #[cfg(feature = "drag")]
@@ -227,7 +248,8 @@ pub use messages::{Refusal, Refused};
 #[cfg(feature = "interpolation")]
 pub use plugin::EasePlugin;
 pub use plugin::{SinewPlugin, SinewPlugins};
-pub use query::{QueryFilter, RayHit};
+pub use query::SinewQuery;
+pub use query::{QueryFilter, QueryHit};
 pub use recipes::{
     Articulated, BodyPart, BodyParts, Bone, BoneJoint, BoxParticles, Bulk, Cloth, ClothPins,
     ClothShape, PartOf, Ragdoll, RigidBox, RigidMesh, RigidParticles, RigidShape, Rope, SoftBody,
@@ -285,4 +307,6 @@ pub mod prelude {
     pub use crate::{
         Anchor, AttachTo, AttachmentOf, BodyAttachments, BodyBuilt, BreakAt, Broke, RopeEnd,
     };
+    // Time and questions.
+    pub use crate::{Relax, SinewCommandsExt, SinewQuery, Weighs};
 }

@@ -81,6 +81,9 @@ pub enum Refusal {
     /// until that is mended.
     #[error("is as without a SurfaceMaterial: a number of that is not finite or out of range")]
     Material,
+    /// A collider whose [`Weighs`](crate::Weighs) has a number that is not finite or is negative; it presses on nothing until that is mended.
+    #[error("presses on nothing: a number of its Weighs is not finite or is negative")]
+    Weight,
     /// A rigid part that cannot collide by its [`Collider`](crate::Collider), such as one that is a mesh; it collides by its particles.
     #[error("collides by its particles: {0}")]
     Part(sinew::BodyColliderFault),

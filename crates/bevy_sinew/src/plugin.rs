@@ -8,7 +8,9 @@ use crate::attach;
 use crate::breaking::{self, BreakAt, Breakables, Broke};
 use crate::commands;
 use crate::components::{self, AirDrag, Charge, CreationCounter, Drag, Electric, Gravity};
-use crate::components::{ContactEnded, ContactStarted, MeshFollow, TopologyChanged, TubeMesh};
+use crate::components::{
+    ContactEnded, ContactImpulse, ContactStarted, MeshFollow, TopologyChanged, TubeMesh, Weighs,
+};
 use crate::config::{BodySolver, SolverConfig};
 use crate::messages::Refused;
 use crate::recipes;
@@ -17,7 +19,7 @@ use crate::show::{mesh, tube};
 use crate::step::{
     bodies, body_colliders, colliders, contact_cache, contact_shape, controls, environment,
     extract, gather, hulls, ignored, layout, links, motion, pins, representation, scatter, shares,
-    sleep, teleports, touching,
+    sleep, teleports, touching, weights,
 };
 use crate::threads::{self, SinewWorkers};
 use crate::world::SinewWorld;
@@ -46,10 +48,26 @@ pub struct EasePlugin;
 #[cfg(feature = "interpolation")]
 impl Plugin for EasePlugin {
     fn build(&self, app: &mut App) {
+        use crate::show::ease;
         use bevy_transform_interpolation::TransformEasingSystems as Easing;
         use bevy_transform_interpolation::prelude::TransformInterpolationPlugin;
-        app.add_systems(SinewTick, crate::show::ease::opt_in.after(SinewSystems::Extract))
-            .add_observer(crate::show::ease::opt_out);
+        app.add_systems(SinewTick, ease::opt_in.after(SinewSystems::Extract))
+            .add_observer(ease::opt_out);
+        app.add_systems(
+            SinewTick,
+            ease::note_start
+                .after(SinewSystems::Scatter)
+                .before(SinewSystems::Extract)
+                .run_if(schedule::time_passes.and_then(anything_eased)),
+        )
+        .add_systems(FixedLast, ease::play.after(Easing::UpdateEnd).run_if(anything_eased))
+        .add_systems(
+            RunFixedMainLoop,
+            ease::ease_played
+                .after(Easing::Ease)
+                .before(Easing::UpdateEasingTick)
+                .run_if(schedule::is_uneven),
+        );
         // A game may have added it for its own transforms, and then it is the game's.
         if app.is_plugin_added::<TransformInterpolationPlugin>() {
             return;
@@ -84,7 +102,8 @@ pub struct SinewPlugin {
 }
 
 impl SinewPlugin {
-    /// Runs the tick in another schedule than `FixedPostUpdate`, such as the one of a rollback plugin. Its step is `Time::delta` there.
+    /// Runs the tick in another schedule than `FixedPostUpdate`, such as the one of a rollback plugin. Its step is `Time::delta` there; steps
+    /// should be alike, for ropes and cloth whip where they change by more than a fifth from one to the next.
     pub fn in_schedule(schedule: impl ScheduleLabel) -> Self {
         Self { tick: schedule.intern() }
     }
@@ -103,10 +122,14 @@ impl Plugin for SinewPlugin {
         app.register_type::<SolverConfig>()
             .register_type::<BodySolver>()
             .register_type::<commands::PendingEdits>()
+            .register_type::<commands::Relax>()
+            .register_type::<commands::RelaxWorld>()
             .register_type::<SinewControl>()
             .register_type::<SinewClock>()
             .register_type::<Refused>()
             .register_type::<ContactStarted>()
+            .register_type::<ContactImpulse>()
+            .register_type::<commands::RelaxFinished>()
             .register_type::<ContactEnded>()
             .init_resource::<CreationCounter>()
             .init_resource::<TopologyChanged>()
@@ -114,6 +137,7 @@ impl Plugin for SinewPlugin {
             .init_resource::<SinewClock>()
             .init_resource::<SinewControl>()
             .init_resource::<TickTime>()
+            .init_resource::<schedule::Pace>()
             .init_resource::<SinewWorkers>()
             .init_resource::<touching::Orphans>()
             .init_resource::<SolverConfig>()
@@ -125,7 +149,9 @@ impl Plugin for SinewPlugin {
             .add_message::<Broke>()
             .add_message::<Refused>()
             .add_message::<ContactStarted>()
-            .add_message::<ContactEnded>();
+            .add_message::<ContactEnded>()
+            .add_message::<ContactImpulse>()
+            .add_message::<commands::RelaxFinished>();
         app.add_observer(shares::take_back::<Charge>)
             .add_observer(shares::take_back::<Drag>)
             .add_observer(touching::note_orphan);
@@ -161,10 +187,12 @@ impl Plugin for SinewPlugin {
                     representation::compile_compounds,
                     body_colliders::compile_body_colliders,
                     contact_cache::gather_contact_cache,
+                    weights::gather_weights.run_if(any_with_component::<Weighs>),
                     hulls::compile_hulls,
                     links::collect_laws,
                     links::compile_links,
                     breaking::gather_breakables,
+                    commands::relax_asked.run_if(commands::is_asked),
                 )
                     .chain(),
             )

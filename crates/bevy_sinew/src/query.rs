@@ -1,5 +1,6 @@
-//! Questions to the world, for a game's systems: what a ray meets, what a shape overlaps, which particle is nearest.
+//! Questions to the world, for a game's systems: what a ray or a shape meets on its way, what a shape overlaps, which particle is nearest.
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use sinew::{ContactParticipant, Filter, Frame, Shape};
 
@@ -9,7 +10,7 @@ use crate::world::SinewWorld;
 /// What a [question](SinewWorld::cast_ray) is about. The default is everything but sensors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct QueryFilter {
-    /// What it minds, and what minds it; everything if `None`.
+    /// What it meets, and what meets it; everything if `None`.
     pub layers: Option<CollisionLayers>,
     /// Whether colliders are left out.
     pub no_colliders: bool,
@@ -21,14 +22,16 @@ pub struct QueryFilter {
     pub except: Option<Entity>,
 }
 
-/// What a ray met.
+/// What a ray or a shape met.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RayHit {
+#[doc(alias = "RayHit")]
+#[doc(alias = "ShapeHit")]
+pub struct QueryHit {
     /// Whom: a body, a loose particle or a collider.
     pub entity: Entity,
     /// The particle that was met, or that is nearest of what was; none of a collider.
     pub particle: Option<Entity>,
-    /// How far from where the ray began, metres.
+    /// How far from where it began, metres.
     pub distance: f32,
     /// Where, metres.
     pub point: Vec3,
@@ -36,19 +39,63 @@ pub struct RayHit {
     pub normal: Vec3,
 }
 
+/// All questions to the simulation, as a parameter of a system: those of [`SinewWorld`], which it hands on. Many systems may ask at once.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{QueryFilter, SinewQuery};
+/// fn land(query: SinewQuery, gears: Query<(Entity, &Collider, &Transform)>) {
+///     for (gear, shape, place) in &gears {
+///         let filter = QueryFilter { except: Some(gear), ..default() };
+///         let hit = query.cast_shape(shape, place.to_isometry(), Dir3::NEG_Y, 10.0, &filter);
+///         if let Some(hit) = hit {
+///             println!("{} is {} m below", hit.entity, hit.distance);
+///         }
+///     }
+/// }
+/// # let mut app = App::new();
+/// # app.add_plugins((MinimalPlugins, SinewPlugins)).add_systems(Update, land);
+/// # app.finish();
+/// # app.update();
+/// ```
+#[derive(SystemParam)]
+pub struct SinewQuery<'w> {
+    world: Res<'w, SinewWorld>,
+}
+
+impl core::ops::Deref for SinewQuery<'_> {
+    type Target = SinewWorld;
+
+    fn deref(&self) -> &SinewWorld {
+        &self.world
+    }
+}
+
 /// They look at the world as the last tick left it, one thing after the other: some nanoseconds for each particle and collider.
 impl SinewWorld {
     /// What a ray meets first within `max` metres: a collider, a rigid body by its shape, a surface from either side, or a particle's ball.
-    pub fn cast_ray(&self, ray: Ray3d, max: f32, filter: &QueryFilter) -> Option<RayHit> {
+    pub fn cast_ray(&self, ray: Ray3d, max: f32, filter: &QueryFilter) -> Option<QueryHit> {
         let filter = self.filter(filter);
         let hit = self.simulation.cast_ray(ray.origin, *ray.direction, max, &filter)?;
-        Some(RayHit {
-            entity: self.entity_of(hit.participant)?,
-            particle: hit.row.and_then(|row| self.entity_of(ContactParticipant::Particle(row))),
-            distance: hit.distance,
-            point: hit.point,
-            normal: hit.normal,
-        })
+        self.named(&hit)
+    }
+
+    /// What a shape without dents meets first that goes up to `max` metres from a place along a direction, without turning: a collider, a rigid body by its
+    /// shape, a surface from either side, or a particle's ball. What it overlaps at the start it meets at once, at a distance of 0. A shape with a broken
+    /// number meets nothing, and neither do planes, meshes and landscapes that are to go somewhere.
+    #[doc(alias = "sweep")]
+    pub fn cast_shape(
+        &self,
+        shape: &Collider,
+        place: Isometry3d,
+        direction: Dir3,
+        max: f32,
+        filter: &QueryFilter,
+    ) -> Option<QueryHit> {
+        let (shape, frame) = (shape.shape().ok()?, frame(place));
+        let filter = self.filter(filter);
+        self.named(&self.simulation.cast_shape(&shape, &frame, *direction, max, &filter)?)
     }
 
     /// Everyone who overlaps a shape at a place, once each, in the order in which they are found: colliders, rigid bodies, others. A shape with a
@@ -61,8 +108,7 @@ impl SinewWorld {
     ) -> Vec<Entity> {
         let mut found = Vec::new();
         let Ok(shape) = shape.shape() else { return found };
-        let frame = Frame::new(place.translation.into(), place.rotation);
-        self.overlapping_shape(&shape, &frame, filter, &mut found);
+        self.overlapping_shape(&shape, &frame(place), filter, &mut found);
         found
     }
 
@@ -76,6 +122,14 @@ impl SinewWorld {
         let filter = self.filter(filter);
         let (row, distance) = self.simulation.nearest_particle(point, max, &filter)?;
         Some((self.entity_of(ContactParticipant::Particle(row))?, distance))
+    }
+
+    /// The same with entities; `None` if whom it names is not known.
+    fn named(&self, hit: &sinew::Hit) -> Option<QueryHit> {
+        let sinew::Hit { participant, row, distance, point, normal } = *hit;
+        let entity = self.entity_of(participant)?;
+        let particle = row.and_then(|row| self.entity_of(ContactParticipant::Particle(row)));
+        Some(QueryHit { entity, particle, distance, point, normal })
     }
 
     fn overlapping_shape(
@@ -115,4 +169,8 @@ impl SinewWorld {
         })
         .or_else(|| tables.row_of.get(&entity).map(|&row| ContactParticipant::Particle(row)))
     }
+}
+
+fn frame(place: Isometry3d) -> Frame {
+    Frame::new(place.translation.into(), place.rotation)
 }

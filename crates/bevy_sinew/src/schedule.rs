@@ -60,20 +60,80 @@ pub struct SinewTick;
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct SubstepSchedule;
 
-/// Pauses the simulation, or lets it run tick by tick.
-#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[reflect(Resource, Default, Clone)]
+/// Pauses the simulation, lets it run tick by tick, or at a speed of its own. The game's clocks (`Time<Virtual>`, `Time<Fixed>`) are left alone, so
+/// that menus, cameras and animations go on as they do.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// fn slow_motion(mut control: ResMut<SinewControl>) {
+///     control.relative_speed = 0.25;
+/// }
+///
+/// fn frame_by_frame(mut control: ResMut<SinewControl>) {
+///     control.pause();
+///     control.step();
+/// }
+/// # let mut app = App::new();
+/// # app.add_plugins((MinimalPlugins, SinewPlugins));
+/// # app.add_systems(Startup, (slow_motion, frame_by_frame));
+/// # app.finish();
+/// # app.update();
+/// # assert!(app.world().resource::<SinewControl>().paused);
+/// ```
+///
+/// A tick is as long at any speed: at half of it every other fixed tick of the game has one of the simulation, at twice of it each has two. So what is
+/// stable stays stable, and what was simulated is the same, bit for bit, at any speed. [Interpolated](crate::Interpolate) bodies glide at all of
+/// them. What a game moves by its own clock (a kinematic [`Collider`](crate::Collider), what something is [`PinnedTo`](crate::PinnedTo)) is that much
+/// faster or slower to the simulation: multiply its speed by [`relative_speed`](Self::relative_speed) to have it slow down too.
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
 pub struct SinewControl {
-    /// Whether time stands still. Bodies that are spawned meanwhile are built all the same.
+    /// Whether time stands still. Bodies that are spawned meanwhile are built all the same. Default not.
     pub paused: bool,
-    /// Ticks to run although it is paused; each takes one off.
+    /// Ticks to run although it is paused; each takes one off. Default 0.
     pub single_steps: u32,
+    /// Simulated seconds for each second of the schedule that runs the tick, 0 (as paused) to [`MAX_SPEED`](Self::MAX_SPEED). More counts as that, less
+    /// and NaN as 0. Default 1. How many ticks a frame may take is bounded as ever, by `Time<Virtual>::max_delta` (0.25 s), times this.
+    #[doc(alias = "time_scale")]
+    #[doc(alias = "slow_motion")]
+    pub relative_speed: f32,
+}
+
+impl Default for SinewControl {
+    fn default() -> Self {
+        Self { paused: false, single_steps: 0, relative_speed: 1.0 }
+    }
 }
 
 impl SinewControl {
-    /// Whether the next tick is to be simulated.
+    /// The greatest [`relative_speed`](Self::relative_speed).
+    pub const MAX_SPEED: f32 = 16.0;
+
+    /// Whether the simulation goes on: it is not paused, at a speed that is not 0, or has single steps to take.
     pub fn running(&self) -> bool {
-        !self.paused || self.single_steps > 0
+        (!self.paused && self.speed() > 0.0) || self.single_steps > 0
+    }
+
+    /// Stops the simulation.
+    pub fn pause(&mut self) {
+        self.paused = true;
+    }
+
+    /// Lets it go on; single steps that were not taken are dropped.
+    pub fn unpause(&mut self) {
+        (self.paused, self.single_steps) = (false, 0);
+    }
+
+    /// Lets a paused simulation take one tick more.
+    pub fn step(&mut self) {
+        self.single_steps = self.single_steps.saturating_add(1);
+    }
+
+    /// The speed that counts: in its range.
+    fn speed(&self) -> f32 {
+        // In this order, NaN is 0.
+        self.relative_speed.max(0.0).min(Self::MAX_SPEED)
     }
 }
 
@@ -85,6 +145,21 @@ pub struct SinewClock {
     pub tick: u64,
     /// Seconds simulated; gusts of wind depend on it.
     pub seconds: f64,
+    /// Which part of the last tick is yet to be played, 0 to 1: at a [speed](SinewControl::relative_speed) that is no whole number, a tick is simulated when
+    /// the first part of it is due. Default 0, and 0 while time stands still.
+    pub ahead: f64,
+}
+
+/// What the tick at hand is one of, and what is drawn after it. Scratch.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub(crate) struct Pace {
+    /// Ticks that are left to be taken in this fixed tick, this one included; 0 if time stands still in it.
+    pub(crate) left: u32,
+    /// Whether the last fixed tick played anything but one whole tick or none: then what is drawn lies between other places than where the last tick began and
+    /// ended.
+    pub(crate) uneven: bool,
+    /// Whether a game has set a condition on one of the phases.
+    conditional: bool,
 }
 
 /// How long a tick took, for whoever shows it. Wall-clock time: never part of the state.
@@ -117,7 +192,7 @@ pub(crate) fn configure(app: &mut App, within: InternedScheduleLabel) {
         // While time stands still, bodies are built, gathered and extracted all the same: what is spawned or moved meanwhile is seen. The
         // condition stands on a set around the rest, so that it is asked once a tick and not once a part.
         schedule.configure_sets((substeps, scatter).in_set(TimePasses));
-        schedule.configure_sets(TimePasses.run_if(running));
+        schedule.configure_sets(TimePasses.run_if(time_passes));
         schedule.add_systems((
             run_substeps.in_set(substeps),
             count_tick.in_set(TimePasses).after(scatter).before(extract),
@@ -155,14 +230,56 @@ pub(crate) fn configure(app: &mut App, within: InternedScheduleLabel) {
 }
 
 /// Whether this tick is to be simulated.
-fn running(control: Res<SinewControl>) -> bool {
-    control.running()
+pub(crate) fn time_passes(pace: Res<Pace>) -> bool {
+    pace.left > 0
 }
 
-/// Runs a tick.
+/// Whether what is drawn lies elsewhere than between the ends of the last tick.
+#[cfg(feature = "interpolation")]
+pub(crate) fn is_uneven(pace: Res<Pace>) -> bool {
+    pace.uneven
+}
+
+/// Runs the ticks that are due: one at full speed. Where none is, what is spawned or moved is built, gathered and extracted all the same.
 fn run_tick(world: &mut World) {
-    let ran = world.try_run_schedule(SinewTick);
-    debug_assert!(ran.is_ok(), "the schedule of a tick was taken out from under its driver");
+    let due = ticks_due(world);
+    for taken in 0..due.max(1) {
+        world.resource_mut::<Pace>().left = due.saturating_sub(taken);
+        let ran = world.try_run_schedule(SinewTick);
+        debug_assert!(ran.is_ok(), "the schedule of a tick was taken out from under its driver");
+    }
+    let (ahead, uneven) = (world.resource::<SinewClock>().ahead, world.resource::<Pace>().uneven);
+    if uneven {
+        world.resource_mut::<SinewWorld>().play(ahead as f32, due > 0);
+    }
+}
+
+/// How many ticks are due in this fixed tick; counts the time that was played.
+fn ticks_due(world: &mut World) -> u32 {
+    let control = *world.resource::<SinewControl>();
+    let mut clock = world.resource_mut::<SinewClock>();
+    let before = clock.ahead;
+    let due = if control.paused || control.speed() == 0.0 {
+        // What is simulated is shown.
+        clock.ahead = 0.0;
+        control.single_steps.min(1)
+    } else {
+        let mut ahead = before - f64::from(control.speed());
+        let mut due = 0;
+        // No more than the greatest speed asks for, whatever somebody may have written there.
+        while ahead < 0.0 && due < SinewControl::MAX_SPEED as u32 {
+            ahead += 1.0;
+            due += 1;
+        }
+        clock.ahead = if (0.0..1.0).contains(&ahead) { ahead } else { 0.0 };
+        due
+    };
+    let even = before == 0.0 && clock.ahead == 0.0 && due <= 1;
+    let was_uneven = core::mem::replace(&mut world.resource_mut::<Pace>().uneven, !even);
+    if !even && !was_uneven {
+        world.resource_mut::<SinewWorld>().play(0.0, false);
+    }
+    due
 }
 
 /// The systems of ours in a substep.
@@ -187,8 +304,12 @@ fn run_substeps(world: &mut World) {
         (0..substeps).for_each(|_| sinew.simulation.time += length);
     } else {
         let ran = world.try_schedule_scope(SubstepSchedule, |world, schedule| {
-            // Where no system of a game works between the phases, and they do the same to all, nothing is lost by taking them at once.
-            if schedule.systems_len() == PHASES {
+            // Conditions of sets are seen until the schedule is built with them, which it is when it runs.
+            let sets = &schedule.graph().system_sets;
+            let mut pace = world.resource_mut::<Pace>();
+            pace.conditional |= sets.iter().any(|(_, _, conditions)| !conditions.is_empty());
+            // Where no system or condition of a game stands between the phases, and they do the same to all, nothing is lost by taking them at once.
+            if schedule.systems_len() == PHASES && !pace.conditional {
                 world.resource_mut::<SinewWorld>().simulation.take_substeps();
             }
             for _ in 0..world.resource::<SinewWorld>().substep().remaining {

@@ -23,6 +23,19 @@ pub struct SinewWorld {
     pub(crate) tables: Tables,
 }
 
+/// Between which places rows are drawn where time does not pass by one whole tick for each fixed tick. Nothing of the simulation depends on it.
+#[derive(Default)]
+pub(crate) struct Played {
+    /// Where the rows were when the last fixed tick ended, as far as that was played, metres.
+    from: Vec<Vec3>,
+    /// Where they were when this one ended.
+    to: Vec<Vec3>,
+    /// Where they were when the last tick began, metres.
+    began: Vec<Vec3>,
+    /// The layout of rows that they are in.
+    layout: u64,
+}
+
 impl SinewWorld {
     /// The particles of this substep. [`ParticleRow`](crate::ParticleRow) says which row is whose.
     pub fn particles(&self) -> &Particles {
@@ -60,6 +73,33 @@ impl SinewWorld {
             ContactParticipant::Box(number) => (&self.tables.boxes, number),
         };
         list.get(number as usize).copied()
+    }
+
+    /// Notes what a fixed tick has played of the last tick, of which the part `ahead` is yet to come; and where that began, if it has just been `taken`: a
+    /// gathering later, the simulation does not know.
+    pub(crate) fn play(&mut self, ahead: f32, taken: bool) {
+        let Self { simulation, tables: Tables { played, layout, .. } } = self;
+        let rows = simulation.particles.len();
+        if taken || played.began.len() != rows || played.layout != *layout {
+            played.began.clear();
+            played.began.extend((0..rows).map(|row| simulation.step_start(row)));
+        }
+        core::mem::swap(&mut played.from, &mut played.to);
+        played.to.clear();
+        played.to.extend(played.began.iter().enumerate().map(|(row, &before)| {
+            let now = simulation.particles.position(row);
+            now + (before - now) * ahead
+        }));
+        if played.layout != *layout || played.from.len() != played.to.len() {
+            played.layout = *layout;
+            played.from.clone_from(&played.to);
+        }
+    }
+
+    /// Where a row is a share of the way through the fixed tick, as far as that played, metres; `None` of one that is new.
+    pub(crate) fn played_at(&self, row: usize, share: f32) -> Option<Vec3> {
+        let (from, to) = (self.tables.played.from.get(row)?, self.tables.played.to.get(row)?);
+        Some(*from + (*to - *from) * share)
     }
 
     /// Energies and momenta of everything, J, kg·m/s and kg·m²/s, as of the end of the last tick.
@@ -172,6 +212,8 @@ pub(crate) struct Tables {
     pub(crate) stale: bool,
     /// Whether distances came, went or changed before this tick.
     pub(crate) retied: bool,
+    /// Where rows are drawn.
+    pub(crate) played: Played,
     /// Counts the layouts, so that whoever resolved entities into rows knows when to do so again.
     pub(crate) layout: u64,
 }

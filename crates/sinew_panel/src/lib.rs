@@ -38,7 +38,7 @@
 //!
 //! | section | reads | writes |
 //! |---|---|---|
-//! | Time | `SinewClock` | `SinewControl`, the relative speed of `Time<Virtual>` |
+//! | Time | `SinewClock` | `SinewControl` |
 //! | Solver | | `SolverConfig` |
 //! | World | | `Gravity`, `AirDrag`, every `Wind`, `Electric` if there are charges |
 //! | Report | `SinewWorld::report`, `TickTime` | |

@@ -18,12 +18,10 @@ use crate::widgets::section;
 /// A system that has it cannot ask for the same resources a second time: it finds them in the public fields.
 #[derive(SystemParam)]
 pub struct PanelParams<'w, 's> {
-    /// Pause and single steps.
+    /// Pause, single steps and speed.
     pub control: ResMut<'w, SinewControl>,
     /// Ticks and seconds.
     pub clock: Res<'w, SinewClock>,
-    /// The game's clock, for its speed.
-    pub virtual_time: Option<ResMut<'w, Time<Virtual>>>,
     /// The solver's settings.
     pub config: ResMut<'w, SolverConfig>,
     /// Gravity.

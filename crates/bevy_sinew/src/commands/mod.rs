@@ -6,13 +6,16 @@
 
 mod edit;
 mod editor;
+mod relax;
 
 pub use edit::{BodyEdit, EditFault};
+pub use relax::{Relax, RelaxFinished, RelaxWorld, SinewCommandsExt};
 
 use bevy::prelude::*;
 
 use editor::run;
 pub(crate) use editor::{Editor, apply_pending};
+pub(crate) use relax::{is_asked, relax_asked};
 
 /// Pushing, moving and turning back what is made of particles.
 ///
@@ -43,6 +46,9 @@ pub(crate) use editor::{Editor, apply_pending};
 pub trait BodyCommandsExt {
     /// Does one edit: what all the others here call.
     fn edit_body(&mut self, edit: BodyEdit) -> &mut Self;
+
+    /// Brings it to rest in the next tick, where it would come to rest in time: inserts a [`Relax`], which says more.
+    fn relax(&mut self) -> &mut Self;
 
     /// A force at the barycentre, N, for the next tick alone; several add up. A steady one is [`ExternalForce`](crate::ExternalForce).
     fn apply_force(&mut self, force: Vec3) -> &mut Self {
@@ -121,6 +127,10 @@ impl BodyCommandsExt for EntityCommands<'_> {
         // Whether the entity is still there turns out when it is done; that it is not is no reason to end the game.
         self.queue_silenced(edit)
     }
+
+    fn relax(&mut self) -> &mut Self {
+        self.try_insert(Relax::default())
+    }
 }
 
 impl BodyCommandsExt for EntityWorldMut<'_> {
@@ -128,6 +138,10 @@ impl BodyCommandsExt for EntityWorldMut<'_> {
         let entity = self.id();
         self.world_scope(|world| run(world, entity, edit));
         self
+    }
+
+    fn relax(&mut self) -> &mut Self {
+        self.insert(Relax::default())
     }
 }
 

@@ -2,9 +2,82 @@
 
 use bevy::prelude::*;
 use bevy_transform_interpolation::prelude::TransformInterpolation;
+use bevy_transform_interpolation::{RotationEasingState, TranslationEasingState};
 
 use crate::components::{Interpolate, Particle, RigidPose};
 use crate::recipes::{BodyParts, PartOf};
+use crate::schedule::SinewClock;
+
+/// Where something that is eased is drawn, at a speed of the simulation's own. The easing of transforms goes from one end of a fixed tick to the other,
+/// while that may play less of a tick or more. Nothing of the simulation depends on it.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub(crate) struct PlayedTransform {
+    /// Where the last tick began.
+    before: Transform,
+    /// What the last fixed tick ended with.
+    from: Transform,
+    /// What this one ended with.
+    to: Transform,
+}
+
+/// Notes where the tick begins.
+pub(crate) fn note_start(mut eased: Query<(&Transform, &mut PlayedTransform)>) {
+    for (transform, mut played) in &mut eased {
+        played.before = *transform;
+    }
+}
+
+/// Notes what a fixed tick has played.
+pub(crate) fn play(
+    mut commands: Commands,
+    clock: Res<SinewClock>,
+    mut eased: Query<(&Transform, &mut PlayedTransform), With<TransformInterpolation>>,
+    new: Query<
+        (Entity, &Transform),
+        (With<TransformInterpolation>, Written, Without<PlayedTransform>),
+    >,
+) {
+    let share = 1.0 - clock.ahead as f32;
+    for (now, mut played) in &mut eased {
+        played.from = played.to;
+        played.to = if share < 1.0 { between(&played.before, now, share) } else { *now };
+    }
+    for (entity, &now) in &new {
+        let played = PlayedTransform { before: now, from: now, to: now };
+        commands.entity(entity).try_insert(played);
+    }
+}
+
+/// Draws what is eased where the speed has it: in place of between the ends of the fixed tick.
+pub(crate) fn ease_played(
+    time: Res<Time<Fixed>>,
+    mut eased: Query<(
+        &mut Transform,
+        &PlayedTransform,
+        &TranslationEasingState,
+        &RotationEasingState,
+    )>,
+) {
+    let share = time.overstep_fraction();
+    for (mut transform, played, translation, rotation) in &mut eased {
+        let PlayedTransform { from, to, .. } = played;
+        // What a game has moved since is where the game has put it.
+        if translation.start.is_some() && translation.end.is_some() {
+            transform.translation = from.translation.lerp(to.translation, share);
+        }
+        if rotation.start.is_some() && rotation.end.is_some() {
+            transform.rotation = from.rotation.slerp(to.rotation, share);
+        }
+    }
+}
+
+fn between(from: &Transform, to: &Transform, share: f32) -> Transform {
+    Transform {
+        translation: from.translation.lerp(to.translation, share),
+        rotation: from.rotation.slerp(to.rotation, share),
+        scale: to.scale,
+    }
+}
 
 /// What has a transform that the simulation writes.
 type Written = (With<Transform>, Or<(With<RigidPose>, With<Particle>)>);
@@ -44,6 +117,7 @@ pub(crate) fn opt_out(
         if let Ok(mut eased) = commands.get_entity(eased) {
             eased.queue_silenced(|mut eased: EntityWorldMut| {
                 eased.remove_with_requires::<TransformInterpolation>();
+                eased.remove::<PlayedTransform>();
             });
         }
     }

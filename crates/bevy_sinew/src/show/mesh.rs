@@ -10,11 +10,11 @@ use bevy::prelude::*;
 use bevy::transform::helper::TransformHelper;
 use sinew::InstructionSet;
 
-use super::Frame;
+use super::{Easing, Frame};
 use crate::components::{Interpolate, MeshFollow};
 use crate::messages::{Refusal, Refused, refuse};
 use crate::rows::{GONE, Rows};
-use crate::schedule::{SinewClock, SinewControl};
+use crate::schedule::SinewClock;
 use crate::world::SinewWorld;
 
 /// A particle as a corner of triangles, in the frame of the mesh at hand.
@@ -30,8 +30,7 @@ pub(crate) struct Corner {
 pub(crate) fn deform_meshes(
     world: Res<SinewWorld>,
     clock: Res<SinewClock>,
-    control: Res<SinewControl>,
-    time: Res<Time<Fixed>>,
+    easing: Easing,
     meshes: Option<ResMut<Assets<Mesh>>>,
     mut messages: MessageWriter<Refused>,
     mut bodies: Query<(
@@ -48,12 +47,11 @@ pub(crate) fn deform_meshes(
     let Some(mut meshes) = meshes else { return };
     for (entity, follow, mut rows, handle, eased) in &mut bodies {
         let changed = follow.is_changed() || handle.is_changed();
-        if !changed && !eased && control.running() && rows.drawn == clock.tick {
+        if !changed && !eased && easing.running() && rows.drawn == clock.tick {
             continue;
         }
         rows.drawn = clock.tick;
-        // A world that stands still is drawn where it stands.
-        let ease = (eased && control.running()).then(|| time.overstep_fraction());
+        let ease = easing.now(eased);
         rows.resolve(&world.tables, follow.is_changed(), follow.vertices.iter().copied());
         let plain = rows.are_plain();
         let rows = rows.get();

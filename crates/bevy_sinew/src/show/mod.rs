@@ -12,10 +12,12 @@ mod wires;
 #[cfg(feature = "gizmos")]
 pub use gizmos::{SinewGizmoConfigGroup, SinewGizmoPlugin};
 
+use bevy::ecs::system::SystemParam;
 use bevy::math::{Mat3A, Vec3A};
 use bevy::prelude::*;
 use bevy::transform::helper::TransformHelper;
 
+use crate::schedule::{Pace, SinewControl};
 use crate::world::SinewWorld;
 
 /// The way from the world into an entity's own frame.
@@ -35,18 +37,52 @@ impl Frame {
         sound.then_some(Self { origin, linear })
     }
 
-    /// Where a row is drawn, in the frame: at the end of the last tick, or `ease` of the way there from its beginning.
+    /// Where a row is drawn, in the frame: at the end of the last tick, or somewhere on the way there.
     #[inline]
-    pub(crate) fn place(&self, world: &SinewWorld, row: u32, ease: Option<f32>) -> Vec3A {
+    pub(crate) fn place(&self, world: &SinewWorld, row: u32, ease: Option<Ease>) -> Vec3A {
         let i = row as usize;
-        let now = world.simulation.particles.relative_to(i, self.origin);
         let drawn = match ease {
-            Some(share) => {
+            Some(Ease { share, uneven: true }) => match world.played_at(i, share) {
+                Some(place) => place - self.origin,
+                None => world.simulation.particles.relative_to(i, self.origin),
+            },
+            Some(Ease { share, uneven: false }) => {
+                let now = world.simulation.particles.relative_to(i, self.origin);
                 let before = world.simulation.step_start(i) - self.origin;
                 before + (now - before) * share
             }
-            None => now,
+            None => world.simulation.particles.relative_to(i, self.origin),
         };
         self.linear * Vec3A::from(drawn)
+    }
+}
+
+/// What is drawn between two fixed ticks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ease {
+    /// Which part of the fixed tick has passed since it began, 0 to 1.
+    pub(crate) share: f32,
+    /// Whether that is another part of the simulation's own tick.
+    pub(crate) uneven: bool,
+}
+
+/// What says where between two ticks something is drawn.
+#[derive(SystemParam)]
+pub(crate) struct Easing<'w> {
+    control: Res<'w, SinewControl>,
+    pace: Res<'w, Pace>,
+    time: Res<'w, Time<Fixed>>,
+}
+
+impl Easing<'_> {
+    /// Whether time passes.
+    pub(crate) fn running(&self) -> bool {
+        self.control.running()
+    }
+
+    /// What is eased. A world that stands still is drawn where it stands.
+    pub(crate) fn now(&self, eased: bool) -> Option<Ease> {
+        let ease = || Ease { share: self.time.overstep_fraction(), uneven: self.pace.uneven };
+        (eased && self.running()).then(ease)
     }
 }

@@ -7,10 +7,10 @@ use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use bevy::transform::helper::TransformHelper;
 
-use super::Frame;
+use super::{Easing, Frame};
 use crate::components::{Interpolate, TubeMesh};
 use crate::rows::{GONE, Rows};
-use crate::schedule::{SinewClock, SinewControl};
+use crate::schedule::SinewClock;
 use crate::world::SinewWorld;
 
 /// Gives each [`TubeMesh`] a mesh of its own, and keeps it around its particles.
@@ -18,8 +18,7 @@ pub(crate) fn draw_tubes(
     mut commands: Commands,
     world: Res<SinewWorld>,
     clock: Res<SinewClock>,
-    control: Res<SinewControl>,
-    time: Res<Time<Fixed>>,
+    easing: Easing,
     meshes: Option<ResMut<Assets<Mesh>>>,
     mut tubes: Query<(
         Entity,
@@ -35,12 +34,11 @@ pub(crate) fn draw_tubes(
     let Some(mut meshes) = meshes else { return };
     for (entity, tube, mut rows, handle, eased) in &mut tubes {
         let drawn = handle.is_some() && !tube.is_changed() && rows.drawn == clock.tick;
-        if drawn && !eased && control.running() {
+        if drawn && !eased && easing.running() {
             continue;
         }
         rows.drawn = clock.tick;
-        // A world that stands still is drawn where it stands.
-        let ease = (eased && control.running()).then(|| time.overstep_fraction());
+        let ease = easing.now(eased);
         let rows = rows.resolve(&world.tables, tube.is_changed(), tube.particles.iter().copied());
         let Some(frame) = Frame::of(&transforms, entity) else { continue };
         middle.clear();

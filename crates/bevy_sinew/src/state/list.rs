@@ -10,7 +10,7 @@ use crate::attach::{
     AnchorConstraint, AttachTo, Attached, AttachmentJoints, AttachmentOf, BodyAttachments, JointOf,
 };
 use crate::breaking::BreakAt;
-use crate::commands::PendingEdits;
+use crate::commands::{PendingEdits, Relax};
 use crate::components::{
     AirDrag, AirFlow, AngleConstraint, AngularVelocity, AnyConstraint, AreaConstraint, Attractor,
     BendConstraint, BodyConstraints, BodyContacts, BodyParticles, BodyReport, BoundingBox, Charge,
@@ -22,7 +22,7 @@ use crate::components::{
     Interpolate, LinearVelocity, Mass, MeshFollow, Particle, ParticleBody, ParticleOf,
     PatchConstraint, Pinned, PinnedTo, Radius, Region, Representation, RestPlace, RigidConstraint,
     RigidPose, Sensor, Sleep, Spring, SurfaceMaterial, TetrahedronConstraint, TickForces, Touching,
-    TubeMesh, VolumeConstraint, Wind, WindSurface, WorldCenterOfMass,
+    TubeMesh, VolumeConstraint, Weighs, Wind, WindSurface, WorldCenterOfMass,
 };
 use crate::config::{BodySolver, SolverConfig};
 use crate::recipes::{
@@ -88,13 +88,13 @@ pub(crate) fn add(app: &mut App) {
         // Bodies.
         ParticleBody, BuiltBody, RigidPose, BodyPart, WindSurface, MeshFollow, TubeMesh, Interpolate,
         ExtractedTransform, LinearVelocity, AngularVelocity, ExtractedVelocity, WorldCenterOfMass, Inertia,
-        ControlForce, ExternalTorque, ExternalImpulse, TickForces, PendingEdits,
+        ControlForce, ExternalTorque, ExternalImpulse, TickForces, PendingEdits, Relax,
         GravityScale, GroundDrag, BodySolver, Representation, Sleep, Floats,
         // Surroundings.
         Wind, AirFlow, Fluid, Region, Attractor, ElectricField, Flatland, Ground, BoundingBox,
         // Contacts.
         Collider, ColliderMotion, ContactCache, SurfaceMaterial, CollisionLayers, Sensor, BodyContacts,
-        ContactsDisabled, ContactEvents,
+        ContactsDisabled, ContactEvents, Weighs,
     );
     recipes!(app: RigidBox, Rope, Cloth, Ragdoll, RigidMesh, SoftBody, Articulated,);
     relationships!(app:
@@ -113,14 +113,13 @@ pub(crate) fn add(app: &mut App) {
 /// Those of which something is special.
 fn add_special(app: &mut App) {
     app.register_type::<(Touching, BodyReport, Transform, Name, ChildOf)>();
-    // Sorted by their entities, which have other ids elsewhere; and nobody is told that contacts end of what never was.
-    let ordered: Option<fn(&mut Touching)> = Some(|touching| touching.0.sort_unstable());
+    // Nobody is told that contacts end of what never was.
     let let_go: Option<fn(&mut World, Entity)> = Some(|world, entity| {
         if let Some(mut touching) = world.get_mut::<Touching>(entity) {
             touching.0.clear();
         }
     });
-    let touching = Options { ordered, let_go, ..Options::<Touching>::reflected() };
+    let touching = Options { let_go, ..Options::<Touching>::reflected() };
     // Asked for by being there; the numbers are of the wall clock, too.
     let report = Options { hashed: false, ..Options::<BodyReport>::reflected() };
     let role = StateRole::Carried;

@@ -13,7 +13,7 @@ use crate::components::{
     CreationOrder, Particle, ParticleBody, PlacedCollider, RigidPose, Sensor, SurfaceMaterial,
 };
 use crate::messages::{Refusal, Refused};
-use crate::schedule::SinewClock;
+use crate::schedule::{Pace, SinewClock};
 use crate::world::SinewWorld;
 
 /// What stands by itself: on a body and its parts, a collider is what that collides by.
@@ -52,6 +52,7 @@ pub(crate) fn gather_colliders(
     mut messages: MessageWriter<Refused>,
     mut colliders: Query<Told, Stands>,
     frames: Frames,
+    pace: Res<Pace>,
     mut known: Local<Known>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
@@ -83,8 +84,9 @@ pub(crate) fn gather_colliders(
         let unseen = core::mem::replace(&mut placed.seen, *gathering) + 1 != *gathering;
         let reshaped = unseen || collider.is_changed() || placed.at.scale != at.scale;
         place(placed, &collider, at, reshaped);
+        share_way(placed, motion, pace.left);
         if let Some(made) = placed.made.as_deref_mut() {
-            made.start = motion.map_or(made.end, |motion| began(motion, &at, made.end));
+            made.start = motion.map_or(made.end, |motion| began(motion, &placed.at, made.end));
             made.material = material.map_or(default(), |&material| Material::from(material));
             made.layers = layers.copied().unwrap_or_default().layers();
             (made.sensor, made.events, made.id) = (sensor, events, order.0);
@@ -146,6 +148,24 @@ fn place(placed: &mut PlacedCollider, collider: &Collider, at: Transform, reshap
     if let Some(made) = placed.made.as_deref_mut().filter(|_| reshaped || moved) {
         made.end = Frame::new(at.translation, at.rotation);
     }
+}
+
+/// Where several ticks are taken in a row, each goes its part of the way: stops one short of where it is to be.
+fn share_way(placed: &mut PlacedCollider, motion: Option<&ColliderMotion>, left: u32) {
+    let Some(was) = motion.and_then(|motion| motion.0).filter(|_| left > 1) else { return };
+    let Some(made) = placed.made.as_deref_mut() else { return };
+    let to = isometry(&placed.at);
+    if was == to || !Frame::new(was.translation.into(), was.rotation).is_valid() {
+        return;
+    }
+    let share = 1.0 / left as f32;
+    let (a, b) = (Vec3::from(was.translation), placed.at.translation);
+    let (p, q) = (was.rotation, placed.at.rotation);
+    // The shorter way round.
+    let q = if p.dot(q) < 0.0 { -q } else { q };
+    placed.at.translation = a + (b - a) * share;
+    placed.at.rotation = (p * (1.0 - share) + q * share).normalize();
+    made.end = Frame::new(placed.at.translation, placed.at.rotation);
 }
 
 /// Where one that is at a place now was when the last tick ended; where it is if that is nowhere.

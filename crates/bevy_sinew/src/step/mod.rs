@@ -25,5 +25,6 @@ pub(crate) mod shares;
 pub(crate) mod sleep;
 pub(crate) mod teleports;
 pub(crate) mod touching;
+pub(crate) mod weights;
 
 pub use links::RegisterParticleConstraint;

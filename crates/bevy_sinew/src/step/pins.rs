@@ -8,6 +8,7 @@ use sinew::Pin;
 
 use crate::components::{Particle, ParticleRow, Pinned, PinnedTo};
 use crate::messages::{Refusal, Refused, refuse};
+use crate::schedule::Pace;
 use crate::world::SinewWorld;
 
 /// Leads particles that are pinned to a point, and those that are pinned to other entities; lets go of those whose entity is gone.
@@ -18,8 +19,10 @@ pub(crate) fn gather_pins(
     pinned: Query<(Entity, &Pinned, &ParticleRow), With<Particle>>,
     pinned_to: Query<(Entity, &PinnedTo, &ParticleRow), With<Particle>>,
     transforms: TransformHelper,
+    pace: Res<Pace>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
+    let particles = &simulation.particles;
     let pins = &mut simulation.boundaries.pins;
     pins.clear();
     for (entity, pin, row) in &pinned {
@@ -43,6 +46,13 @@ pub(crate) fn gather_pins(
             Ok(transform) => {
                 let target = transform.transform_point(pin.offset);
                 if target.is_finite() {
+                    // Of several ticks in a row, each goes its part of the way.
+                    let way = particles.relative_to(row, target);
+                    let target = if pace.left > 1 {
+                        target + way * (1.0 - 1.0 / pace.left as f32)
+                    } else {
+                        target
+                    };
                     pins.push(Pin { particle: row as u32, target });
                 }
             }

@@ -39,7 +39,8 @@ pub(crate) fn scatter(
     }
 }
 
-fn particle(state: ParticleState) -> Particle {
+/// A particle in a state.
+pub(crate) fn particle(state: ParticleState) -> Particle {
     let ParticleState { position, remainder, velocity, lag } = state;
     Particle { position, remainder, velocity, lag }
 }

@@ -5,8 +5,8 @@ use bevy::prelude::*;
 use sinew::Impact;
 
 use crate::components::{
-    Collider, ContactEnded, ContactEvents, ContactStarted, CreationOrder, Particle, ParticleBody,
-    Touching,
+    Collider, ContactEnded, ContactEvents, ContactImpulse, ContactStarted, CreationOrder, Particle,
+    ParticleBody, Touching,
 };
 use crate::recipes::Rescaled;
 use crate::world::SinewWorld;
@@ -35,7 +35,8 @@ pub(crate) fn tell_contacts(
     mut commands: Commands,
     mut started: MessageWriter<ContactStarted>,
     mut ended: MessageWriter<ContactEnded>,
-    mut asking: Query<(Entity, Option<&CreationOrder>, &mut Touching), With<ContactEvents>>,
+    mut impulses: MessageWriter<ContactImpulse>,
+    mut asking: Query<(Entity, Option<&CreationOrder>, &mut Touching, &ContactEvents)>,
     (moved, mut rescaled): (Query<Entity, Changed<ChildOf>>, RemovedComponents<Rescaled>),
     mut orphans: ResMut<Orphans>,
     mut anew: Local<Vec<Entity>>,
@@ -59,18 +60,21 @@ pub(crate) fn tell_contacts(
             }
         }
     }
-    told.sort_unstable_by_key(|&(entity, other, ..)| (entity, other));
+    // A stable sort: those of one are in the order of the report, which is that of creation, whatever entities are called.
+    told.sort_by_key(|&(entity, ..)| entity);
     order.clear();
-    order.extend(asking.iter().map(|(entity, order, _)| (order.copied(), entity)));
+    order.extend(asking.iter().map(|(entity, order, ..)| (order.copied(), entity)));
     order.sort_unstable();
     for &(_, entity) in &*order {
-        let Ok((_, _, mut touching)) = asking.get_mut(entity) else { continue };
+        let Ok((_, _, mut touching, events)) = asking.get_mut(entity) else { continue };
         let from = told.partition_point(|one| one.0 < entity);
         let now = &told[from..from + told[from..].partition_point(|one| one.0 == entity)];
         let is_new = |entity: &Entity| !anew.is_empty() && anew.binary_search(entity).is_ok();
         let goes_on = |other: &Entity| !is_new(&entity) && !is_new(other);
+        let every = (*events == ContactEvents::Every).then_some(now).unwrap_or_default();
         let unchanged = now.iter().map(|one| one.1).eq(touching.0.iter().copied());
         if unchanged && touching.0.iter().all(goes_on) {
+            report_impulses(every, &mut impulses, &mut commands);
             continue;
         }
         let is_over = |other: &&Entity| !goes_on(other) || !now.iter().any(|one| one.1 == **other);
@@ -87,7 +91,22 @@ pub(crate) fn tell_contacts(
             started.write(event);
             commands.trigger(event);
         }
+        report_impulses(every, &mut impulses, &mut commands);
         touching.0.clear();
         touching.0.extend(now.iter().map(|one| one.1));
+    }
+}
+
+/// Reports each contact of one who asked for all of them.
+fn report_impulses(
+    list: &[Told],
+    messages: &mut MessageWriter<ContactImpulse>,
+    commands: &mut Commands,
+) {
+    for &(entity, other, impact, sign) in list {
+        let Impact { point, normal, impulse, sensor, .. } = impact;
+        let event = ContactImpulse { entity, other, point, normal: normal * sign, impulse, sensor };
+        messages.write(event);
+        commands.trigger(event);
     }
 }

@@ -85,6 +85,11 @@ impl Particles {
         self.edits
     }
 
+    /// Counts a change of properties that was written into the columns.
+    pub(crate) fn note_edit(&mut self) {
+        self.edits = self.edits.wrapping_add(1);
+    }
+
     /// The states of some rows, in order; rows that are not there are left out. [`load`](Self::load) puts them back to the last bit.
     pub fn states(&self, rows: Range<usize>) -> impl Iterator<Item = ParticleState> + '_ {
         let rows = rows.start..rows.end.min(self.len());

@@ -58,6 +58,13 @@ impl Moving {
         }
     }
 
+    /// Brings all bodies to rest.
+    pub(crate) fn forget_velocities(&mut self) {
+        for body in self.bodies.iter_mut().flatten() {
+            (body.velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+        }
+    }
+
     /// Moves the bodies through `h` seconds, and puts their particles where that leaves them. The particles have been predicted one by one before,
     /// which is forgotten.
     pub(crate) fn predict(&mut self, particles: &mut Particles, compounds: &[Compound], h: f32) {

@@ -7,6 +7,7 @@ mod queries;
 mod sleep;
 mod statics;
 mod undisturbed;
+mod weight;
 
 pub use queries::{Filter, Hit};
 pub use sleep::Sleep;
@@ -227,6 +228,7 @@ impl Simulation {
         let Substep { length, remaining } = self.scratch.substep;
         if self.settings.statics {
             self.particles.velocity.fill(Vec4::ZERO);
+            self.scratch.moving.forget_velocities();
         }
         self.scratch.contacts.particle_contacts.drag(&mut self.particles, length);
         let execution = execution(self.instructions, &self.workers);

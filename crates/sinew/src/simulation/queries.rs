@@ -1,4 +1,4 @@
-//! Questions about where things are: what a ray meets, what a shape overlaps, which particle is nearest.
+//! Questions about where things are: what a ray or a shape meets on its way, what a shape overlaps, which particle is nearest.
 //!
 //! They look at the world as the last step left it, one thing after the other, in the order of their numbers: a question costs some nanoseconds for
 //! each particle and collider.
@@ -7,7 +7,8 @@ use glam::Vec3;
 
 use super::Simulation;
 use crate::collide::{
-    BodyCollider, ContactParticipant, Frame, Layers, ManifoldScratch, Shape, collide,
+    BodyCollider, ContactParticipant, Frame, Layers, ManifoldScratch, Obstacle, Shape, ShapeKind,
+    Way, collide,
 };
 use crate::particles::NO_BODY;
 use crate::pose::pose;
@@ -27,14 +28,14 @@ pub struct Filter {
     pub except: Option<ContactParticipant>,
 }
 
-/// What a ray met.
+/// What a ray or a shape met.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Whom.
     pub participant: ContactParticipant,
     /// The particle: that which was met, or the nearest corner of what was; none of a collider.
     pub row: Option<u32>,
-    /// How far from where the ray began, metres.
+    /// How far from where it began, metres.
     pub distance: f32,
     /// Where, metres.
     pub point: Vec3,
@@ -102,8 +103,123 @@ impl Simulation {
         ray.first
     }
 
-    /// Calls `found` with everyone who overlaps a shape, once each for colliders and body colliders, with the row for each particle. Particles are
-    /// balls of their radii.
+    /// What a shape without dents meets first that goes up to `max` metres along a direction, without turning: a collider, a body collider, a triangle of a
+    /// surface from either side, or a particle's ball. What it overlaps at the start it meets at once. A direction that has no length meets nothing, and
+    /// so do half-spaces, meshes and landscapes that are to go somewhere; a direction need not be a unit vector.
+    pub fn cast_shape(
+        &self,
+        shape: &Shape,
+        frame: &Frame,
+        direction: Vec3,
+        max: f32,
+        filter: &Filter,
+    ) -> Option<Hit> {
+        let direction = direction.try_normalize()?;
+        let way = Way { direction, length: max };
+        self.sweep(shape, frame, &way, filter)
+    }
+
+    /// The same, by how it goes. Of several that are met at once the first counts.
+    pub(super) fn sweep(
+        &self,
+        shape: &Shape,
+        frame: &Frame,
+        way: &Way,
+        filter: &Filter,
+    ) -> Option<Hit> {
+        let goes = !matches!(
+            shape.kind(),
+            ShapeKind::HalfSpace | ShapeKind::Mesh | ShapeKind::HeightField
+        );
+        if !(goes && frame.is_valid() && way.length >= 0.0) {
+            return None;
+        }
+        // Farther than this is nothing, and no box can be drawn around a way without end.
+        let mut way = Way { length: way.length.min(1e6), ..*way };
+        let (low, high) = shape.bounds_in(frame);
+        let by = way.direction * way.length;
+        let around = (low.min(low + by), high.max(high + by));
+        let mut first: Option<Hit> = None;
+        self.obstacles(around, filter, &mut |participant, row, obstacle| {
+            let Some(hit) = shape.sweep(frame, &way, obstacle) else { return };
+            if first.is_none_or(|first| hit.distance < first.distance) {
+                let crate::collide::SweepHit { distance, point, normal } = hit;
+                way.length = distance;
+                first = Some(Hit { participant, row, distance, point, normal });
+            }
+        });
+        first
+    }
+
+    /// Calls with everything that counts and may be in a box: colliders, body colliders, triangles, particles' balls.
+    pub(super) fn obstacles(
+        &self,
+        around: (Vec3, Vec3),
+        filter: &Filter,
+        call: &mut dyn FnMut(ContactParticipant, Option<u32>, &Obstacle),
+    ) {
+        let in_reach = |obstacle: &Obstacle| {
+            let (low, high) = obstacle.bounds();
+            low.cmple(around.1).all() && high.cmpge(around.0).all()
+        };
+        for (number, collider) in self.colliders.iter().enumerate() {
+            let obstacle = Obstacle::Shape(&collider.shape, collider.end);
+            if self.counts_collider(number, filter) && in_reach(&obstacle) {
+                call(ContactParticipant::Collider(number as u32), None, &obstacle);
+            }
+        }
+        if !filter.bodies {
+            return;
+        }
+        for solid in &self.body_colliders {
+            let Some((participant, row)) = self.counts_solid(solid, filter) else { continue };
+            let obstacle = match self.frame_near(solid, around) {
+                Some(frame) => Obstacle::Shape(&solid.shape, frame),
+                None => continue,
+            };
+            if in_reach(&obstacle) {
+                call(participant, Some(row), &obstacle);
+            }
+        }
+        for corners in &self.forces.surfaces {
+            let Some(participant) = self.counts_row(corners[0], filter) else { continue };
+            // A triangle whose particle is gone is none.
+            if corners.iter().any(|&row| row as usize >= self.particles.len()) {
+                continue;
+            }
+            let obstacle =
+                Obstacle::Triangle(corners.map(|row| self.particles.position(row as usize)));
+            // What is part of a body collider collides by that.
+            if !self.is_aside(corners[0]) && in_reach(&obstacle) {
+                call(participant, Some(corners[0]), &obstacle);
+            }
+        }
+        for row in 0..self.particles.len() as u32 {
+            let i = row as usize;
+            let obstacle = Obstacle::Ball(self.particles.position(i), self.particles.radius[i]);
+            if self.particles.radius[i] > 0.0
+                && in_reach(&obstacle)
+                && !self.is_aside(row)
+                && let Some(participant) = self.counts_row(row, filter)
+            {
+                call(participant, Some(row), &obstacle);
+            }
+        }
+    }
+
+    /// Where a body collider is, if it may be in a box: no point of it is farther from its first particle than that is from its zero, and its own
+    /// farthest point.
+    fn frame_near(&self, solid: &BodyCollider, around: (Vec3, Vec3)) -> Option<Frame> {
+        let (&row, &rest) = (solid.rows.first()?, solid.rest.first()?);
+        let (low, high) = solid.shape.bounds();
+        let reach = low.abs().max(high.abs()).length() + rest.length();
+        let at = self.particles.position(row as usize);
+        let near = (at - at.clamp(around.0, around.1)).length_squared() <= reach * reach;
+        if near { self.frame_of(solid) } else { None }
+    }
+
+    /// Calls `found` with everyone who overlaps a shape: once each for colliders and body colliders, with a row for each triangle of a surface and each
+    /// particle. Particles are balls of their radii, also of none.
     pub fn overlaps(
         &self,
         shape: &Shape,
@@ -131,6 +247,23 @@ impl Simulation {
                 .is_some_and(|theirs| overlap(shape, &solid.shape, &frame.from_within(&theirs)))
             {
                 found(participant, Some(row));
+            }
+        }
+        let (low, high) = shape.bounds_in(frame);
+        for corners in &self.forces.surfaces {
+            let Some(participant) = self.counts_row(corners[0], filter) else { continue };
+            if corners.iter().any(|&row| row as usize >= self.particles.len()) {
+                continue;
+            }
+            let triangle =
+                Obstacle::Triangle(corners.map(|row| self.particles.position(row as usize)));
+            let bounds = triangle.bounds();
+            let near = bounds.0.cmple(high).all() && bounds.1.cmpge(low).all();
+            if near
+                && !self.is_aside(corners[0])
+                && shape.nearest_contact(frame, 0.0, &triangle).is_some()
+            {
+                found(participant, Some(corners[0]));
             }
         }
         for row in 0..self.particles.len() as u32 {
@@ -192,7 +325,7 @@ impl Simulation {
     }
 
     /// Where a body collider is.
-    fn frame_of(&self, solid: &BodyCollider) -> Option<Frame> {
+    pub(super) fn frame_of(&self, solid: &BodyCollider) -> Option<Frame> {
         let points = solid.rows.iter().zip(&*solid.rest).filter_map(|(&row, &rest)| {
             let i = row as usize;
             (i < self.particles.len())
@@ -355,6 +488,81 @@ mod tests {
         world.forces.surfaces.insert(0, [0, 1, 1_000_000]);
         let hit = world.cast_ray(Vec3::ZERO, Vec3::X, 100.0, &Filter::default()).unwrap();
         assert_eq!(hit.participant, ContactParticipant::Body(0));
+    }
+
+    #[test]
+    fn a_shape_meets_the_first_thing_on_its_way_with_the_side_that_leads() {
+        let world = world();
+        let all = Filter::default();
+        let ball = Shape::sphere(0.5).unwrap();
+        let cast = |shape: &Shape, from: Vec3, direction: Vec3, filter: &Filter| {
+            world.cast_shape(shape, &Frame::at(from), direction, 100.0, filter)
+        };
+        let hit = cast(&ball, Vec3::ZERO, Vec3::X * 3.0, &all).unwrap();
+        assert_eq!(hit.participant, ContactParticipant::Body(0));
+        assert!((hit.distance - 4.0).abs() < 1e-4 && hit.normal.abs_diff_eq(-Vec3::X, 1e-3));
+        assert!((hit.point.x - 4.5).abs() < 1e-3, "{hit:?}");
+        let past = Filter { except: Some(ContactParticipant::Body(0)), ..all };
+        let hit = cast(&ball, Vec3::ZERO, Vec3::X, &past).unwrap();
+        assert_eq!(hit.participant, ContactParticipant::Body(1), "the cloth, by its triangles");
+        assert!((hit.distance - 9.5).abs() < 0.02, "{hit:?}");
+        let hit = cast(&ball, Vec3::ZERO, Vec3::Z, &all).unwrap();
+        assert!(matches!(hit.participant, ContactParticipant::Particle(_)));
+        assert!((hit.distance - 2.0).abs() < 1e-4, "{hit:?}");
+        // A box turned by 45 degrees comes down on an edge.
+        let tilted =
+            Frame::new(Vec3::Y * 3.0, glam::Quat::from_xyzw(0.0, 0.0, 0.3826834, 0.9238795));
+        let cube = Shape::cuboid(Vec3::ONE).unwrap();
+        let hit = world.cast_shape(&cube, &tilted, Vec3::NEG_Y, 100.0, &all).unwrap();
+        assert_eq!(hit.participant, ContactParticipant::Collider(0));
+        assert!((hit.distance - (4.0 - 0.5 * 2f32.sqrt())).abs() < 1e-4, "{hit:?}");
+        assert!(hit.normal.abs_diff_eq(Vec3::Y, 1e-4));
+        // In it from the start; too short; no way; none that can go.
+        let hit = cast(&ball, Vec3::new(5.0, 0.9, 0.0), Vec3::Y, &all).unwrap();
+        assert_eq!((hit.participant, hit.distance), (ContactParticipant::Body(0), 0.0));
+        assert_eq!(world.cast_shape(&ball, &Frame::IDENTITY, Vec3::X, 3.9, &all), None);
+        assert_eq!(cast(&ball, Vec3::ZERO, Vec3::ZERO, &all), None);
+        assert_eq!(cast(&ball, Vec3::NAN, Vec3::X, &all), None);
+        assert_eq!(cast(&Shape::half_space(), Vec3::Y * 9.0, Vec3::NEG_Y, &past), None);
+    }
+
+    /// What ends at the first hit is not in anything there, and was not on the way.
+    #[test]
+    fn a_cast_of_any_shape_ends_where_it_touches() {
+        let world = world();
+        let all = Filter::default();
+        let shapes = [
+            Shape::sphere(0.3).unwrap(),
+            Shape::capsule(0.2, 0.6).unwrap(),
+            Shape::cuboid(Vec3::new(0.3, 0.5, 0.7)).unwrap(),
+            Shape::cylinder(0.25, 0.5).unwrap(),
+        ];
+        let mut met = 0;
+        for (number, shape) in shapes.iter().enumerate() {
+            for step in 0..40 {
+                let angle = step as f32 * 0.157;
+                let turn = glam::Quat::from_xyzw(0.3, 0.1 * step as f32, -0.2, 1.0);
+                let from = Frame::new(Vec3::new(2.0, 1.5, 1.0), turn);
+                let direction = Vec3::new(libm::cosf(angle), -0.35, 0.5 * libm::sinf(angle));
+                let Some(hit) = world.cast_shape(shape, &from, direction, 50.0, &all) else {
+                    continue;
+                };
+                met += 1;
+                let direction = direction.normalize();
+                let mut found = false;
+                for (share, touches) in [(hit.distance - 2e-3, false), (hit.distance + 2e-3, true)]
+                {
+                    let there = Frame { translation: from.translation + direction * share, ..from };
+                    let mut any = false;
+                    world.overlaps(shape, &there, &all, |_, _| any = true);
+                    found |= any != touches;
+                }
+                // Grazing, two millimetres may not be enough.
+                assert!(!found || hit.normal.dot(direction).abs() < 0.1, "{number} {step} {hit:?}");
+                assert!(hit.normal.dot(direction) < 1e-3, "{hit:?}");
+            }
+        }
+        assert!(met > 80, "{met}");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use bevy_egui::egui::{Button, Slider, Ui, vec2};
 use crate::panel::PanelParams;
 use crate::widgets::{grouped, slider, value};
 
-/// Writes `SinewControl` and the relative speed of `Time<Virtual>`.
+/// Writes `SinewControl`.
 pub(crate) fn time(ui: &mut Ui, panel: &mut PanelParams) {
     let paused = panel.control.paused;
     ui.horizontal(|ui| {
@@ -22,16 +22,14 @@ pub(crate) fn time(ui: &mut Ui, panel: &mut PanelParams) {
             panel.control.single_steps = panel.control.single_steps.saturating_add(1);
         }
     });
-    if let Some(time) = &mut panel.virtual_time {
-        let mut speed = time.relative_speed();
-        let rail = Slider::new(&mut speed, 0.05..=4.0)
-            .logarithmic(true)
-            .custom_formatter(|x, _| format!("{x:.2}"))
-            .prefix("× ");
-        let hint = "Simulated seconds for each second on the wall, for the whole game.";
-        if slider(ui, "Speed", hint, rail) {
-            time.set_relative_speed(speed);
-        }
+    let mut speed = panel.control.relative_speed;
+    let rail = Slider::new(&mut speed, 0.05..=4.0)
+        .logarithmic(true)
+        .custom_formatter(|x, _| format!("{x:.2}"))
+        .prefix("× ");
+    let hint = "Simulated seconds for each second of the game, whose own clock is left alone.";
+    if slider(ui, "Speed", hint, rail) {
+        panel.control.relative_speed = speed;
     }
     let tick = grouped(panel.clock.tick);
     value(ui, "Tick", "Ticks simulated since the clock was set to zero.", &tick, "");

@@ -6,12 +6,31 @@ use bevy::prelude::*;
 
 /// Asks for the contacts of this body or collider to be told: as [`ContactStarted`] and [`ContactEnded`], which are messages to be read and events to
 /// be observed on this very entity, and as a list, [`Touching`]. Grounds and rooms take part as the other one.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::ContactImpulse;
+/// fn spawn(mut commands: Commands) {
+///     // A scale: what presses on it, in every tick.
+///     let scale = (Collider::cuboid(Vec3::ONE), ContactEvents::Every);
+///     commands.spawn(scale).observe(|on: On<ContactImpulse>, time: Res<Time<Fixed>>| {
+///         println!("{} N", on.impulse / time.timestep().as_secs_f32());
+///     });
+/// }
+/// ```
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Touching)]
-pub struct ContactEvents;
+pub enum ContactEvents {
+    /// When they begin and when they end. The default.
+    #[default]
+    Changes,
+    /// That, and in every tick each one that there is, with what it does, as [`ContactImpulse`].
+    Every,
+}
 
-/// Whom it touches, as of the last tick, in the order of their entities: kept by the plugin on whatever has [`ContactEvents`]. Part of the state:
+/// Whom it touches, as of the last tick: bodies, loose particles, colliders, grounds and rooms, each in the order of creation. Kept by the plugin on whatever has [`ContactEvents`]. Part of the state:
 /// save and restore it with the rest, or contacts that go on begin anew. Where it goes, because the entity does, its contacts end.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
@@ -31,6 +50,24 @@ pub struct ContactStarted {
     /// Unit vector there, from the other one to the one who asked.
     pub normal: Vec3,
     /// What the one who asked got along the normals in this tick, N·s; zero where one of them is a [`Sensor`](super::Sensor).
+    pub impulse: f32,
+    /// Whether one of them is a sensor.
+    pub sensor: bool,
+}
+
+/// A contact that there is in this tick, the first one included, of an entity with [`ContactEvents::Every`].
+#[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq)]
+pub struct ContactImpulse {
+    /// Who asked.
+    pub entity: Entity,
+    /// Whom it touches: a body, a loose particle, a collider, a ground or a room.
+    pub other: Entity,
+    /// Where, metres; of several places the one with the greatest impulse.
+    pub point: Vec3,
+    /// Unit vector there, from the other one to the one who asked.
+    pub normal: Vec3,
+    /// What the one who asked got along the normals in this tick, N·s: over the length of the tick, the mean force. Zero where one of them is a
+    /// [`Sensor`](super::Sensor), and of what sleeps.
     pub impulse: f32,
     /// Whether one of them is a sensor.
     pub sensor: bool,

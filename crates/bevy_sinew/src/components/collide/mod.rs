@@ -8,6 +8,7 @@
 //! | `contact_cache` | [`ContactCache`]: the cached manifolds of a rigid part |
 //! | `surface` | [`SurfaceMaterial`], [`CollisionLayers`]: on colliders and on bodies; [`Sensor`]: on colliders |
 //! | `events` | [`ContactEvents`]: what a game hears of contacts |
+//! | `weight` | [`Weighs`]: the weight of what the game moves |
 //! | `body` | [`BodyContacts`]: what of a body touches what; [`ContactsDisabled`]; [`RestPlace`] |
 //!
 //! All of it may be added, edited and removed at any time, and acts from the next tick on.
@@ -19,14 +20,16 @@ mod events;
 mod mesh;
 mod motion;
 mod surface;
+mod weight;
 
 pub(crate) use body::ResolvedShape;
 pub use body::{BodyContacts, ContactShape, ContactsDisabled, RestPlace};
 pub use collider::{Collider, ColliderFault, ColliderShape};
 pub use contact_cache::ContactCache;
-pub use events::{ContactEnded, ContactEvents, ContactStarted, Touching};
+pub use events::{ContactEnded, ContactEvents, ContactImpulse, ContactStarted, Touching};
 pub use motion::ColliderMotion;
 pub use surface::{CollisionLayer, CollisionLayers, Combine, Sensor, SurfaceMaterial};
+pub use weight::Weighs;
 
 pub(crate) use motion::PlacedCollider;
 
@@ -42,6 +45,7 @@ pub(super) fn register(app: &mut App) {
         .register_type::<Sensor>()
         .register_type::<ContactEvents>()
         .register_type::<Touching>()
+        .register_type::<Weighs>()
         .register_type::<BodyContacts>()
         .register_type::<ContactsDisabled>()
         .register_type::<RestPlace>();

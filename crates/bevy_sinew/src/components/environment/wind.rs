@@ -19,6 +19,11 @@ impl Default for AirDrag {
 
 /// A wind that presses on every [`WindSurface`](crate::WindSurface), whichever way that moves: the lectures' wind. It blows everywhere, or in the
 /// [`Region`](super::Region) on the same entity.
+///
+/// Each triangle is pressed by its area times the cosine of the angle at which the wind meets it, from whichever side. So a sheet feels its silhouette, and a
+/// closed body, which has a front and a back, feels it *twice*: give bodies half the pressure in a [`Region`](super::Region) of their own, or take an
+/// [`AirFlow`]. Cloth and soft bodies have a surface. Ropes, boxes and figures have none, and a wind passes them by: give them a
+/// [`WindSurface`](crate::WindSurface) of their particles, or let an [`AirFlow`] take them along, which acts on particles with a radius.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(CreationOrder)]
@@ -61,8 +66,8 @@ impl From<Wind> for sinew::Wind {
 
 /// Air with a velocity, everywhere or in the [`Region`](super::Region) on the same entity: things slow down, lift and fall in it as in air.
 ///
-/// It acts on the triangles of every [`WindSurface`](crate::WindSurface) by their velocity relative to it, and on loose particles with a
-/// [`Radius`](crate::Radius). Where several overlap there is air once: velocities add up, density and coefficients are those of the densest. A
+/// It acts on the triangles of every [`WindSurface`](crate::WindSurface) by their velocity relative to it, and on particles of no triangle with a
+/// [`Radius`](crate::Radius) as on balls: loose ones, and those of ropes, boxes and figures. Where several overlap there is air once: velocities add up, density and coefficients are those of the densest. A
 /// triangle stands for a sheet, with air on both sides: give the air around closed bodies half the coefficients.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]

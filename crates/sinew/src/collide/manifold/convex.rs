@@ -5,13 +5,13 @@
 
 use glam::Vec3;
 use parry3d::bounding_volume::BoundingVolume;
-use parry3d::math::{Pose, Rotation, Vector};
+use parry3d::math::{Pose, Vector};
 use parry3d::query::details::NormalConstraints;
 use parry3d::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
 use parry3d::shape::{Shape as ParryShape, Triangle, TrianglePseudoNormals};
 
 use super::super::Shape;
-use super::super::shape::Kind;
+use super::super::shape::{Kind, ours, pose};
 use super::features::{Convex, best_face, contacts, of_face};
 use super::reduce::reduced;
 use super::round::{limit, rim};
@@ -198,36 +198,4 @@ fn along_normal(
     let deepest = points.iter().map(|point| point.distance).fold(f32::INFINITY, f32::min);
     points.extend(nearest.filter(|nearest| nearest.distance < deepest - rounding));
     Some(reduced(normal, reach, &points))
-}
-
-/// A frame in the library's form. The quaternion of a rotation, by the largest of its four terms.
-fn pose(frame: &Frame) -> Pose {
-    let r = &frame.rotation;
-    let [x, y, z] = [r.x_axis, r.y_axis, r.z_axis];
-    let squares = [
-        1.0 + x.x + y.y + z.z,
-        1.0 + x.x - y.y - z.z,
-        1.0 - x.x + y.y - z.z,
-        1.0 - x.x - y.y + z.z,
-    ];
-    let (w, i, j, k) = if squares[0] >= 1.0 {
-        (squares[0], y.z - z.y, z.x - x.z, x.y - y.x)
-    } else if squares[1] >= squares[2] && squares[1] >= squares[3] {
-        (y.z - z.y, squares[1], x.y + y.x, z.x + x.z)
-    } else if squares[2] >= squares[3] {
-        (z.x - x.z, x.y + y.x, squares[2], y.z + z.y)
-    } else {
-        (x.y - y.x, z.x + x.z, y.z + z.y, squares[3])
-    };
-    let length = (w * w + i * i + j * j + k * k).sqrt();
-    let rotation = Rotation::from_xyzw(i / length, j / length, k / length, w / length);
-    Pose::from_parts(theirs(frame.translation), rotation)
-}
-
-fn ours(v: Vector) -> Vec3 {
-    Vec3::new(v.x, v.y, v.z)
-}
-
-fn theirs(v: Vec3) -> Vector {
-    Vector::new(v.x, v.y, v.z)
 }

@@ -2,7 +2,7 @@
 //! are those of another version of `glam`.
 
 use glam::Vec3;
-use parry3d::math::Vector;
+use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::shape as parry;
 use parry3d::utils::Array2;
 
@@ -10,6 +10,7 @@ use super::height::Heights;
 use super::hull::Hull;
 use super::mesh::Mesh;
 use super::{Form, Shape};
+use crate::collide::Frame;
 
 /// A shape of that library.
 pub(super) struct Twin(Box<dyn parry::Shape>);
@@ -26,7 +27,7 @@ fn twin(form: &Form) -> Box<dyn parry::Shape> {
         Form::HalfSpace => Box::new(parry::HalfSpace::new(Vector::Y)),
         Form::Ball(ball) => Box::new(parry::Ball::new(ball.radius)),
         Form::Capsule(c) => Box::new(parry::Capsule::new_y(c.half_height, c.radius)),
-        Form::Cuboid(cuboid) => Box::new(parry::Cuboid::new(vector(cuboid.half_size))),
+        Form::Cuboid(cuboid) => Box::new(parry::Cuboid::new(theirs(cuboid.half_size))),
         Form::Cylinder(c) => Box::new(parry::Cylinder::new(c.half_height, c.radius)),
         Form::Hull(hull) => of_hull(hull),
         Form::Mesh(mesh) => of_mesh(mesh),
@@ -76,9 +77,37 @@ fn of_heights(heights: &Heights) -> Box<dyn parry::Shape> {
 }
 
 fn vectors(points: &[Vec3]) -> Vec<Vector> {
-    points.iter().map(|&p| vector(p)).collect()
+    points.iter().map(|&p| theirs(p)).collect()
 }
 
-fn vector(v: Vec3) -> Vector {
+/// A frame in the library's form. The quaternion of a rotation, by the largest of its four terms.
+pub(crate) fn pose(frame: &Frame) -> Pose {
+    let r = &frame.rotation;
+    let [x, y, z] = [r.x_axis, r.y_axis, r.z_axis];
+    let squares = [
+        1.0 + x.x + y.y + z.z,
+        1.0 + x.x - y.y - z.z,
+        1.0 - x.x + y.y - z.z,
+        1.0 - x.x - y.y + z.z,
+    ];
+    let (w, i, j, k) = if squares[0] >= 1.0 {
+        (squares[0], y.z - z.y, z.x - x.z, x.y - y.x)
+    } else if squares[1] >= squares[2] && squares[1] >= squares[3] {
+        (y.z - z.y, squares[1], x.y + y.x, z.x + x.z)
+    } else if squares[2] >= squares[3] {
+        (z.x - x.z, x.y + y.x, squares[2], y.z + z.y)
+    } else {
+        (x.y - y.x, z.x + x.z, y.z + z.y, squares[3])
+    };
+    let length = (w * w + i * i + j * j + k * k).sqrt();
+    let rotation = Rotation::from_xyzw(i / length, j / length, k / length, w / length);
+    Pose::from_parts(theirs(frame.translation), rotation)
+}
+
+pub(crate) fn ours(v: Vector) -> Vec3 {
+    Vec3::new(v.x, v.y, v.z)
+}
+
+pub(crate) fn theirs(v: Vec3) -> Vector {
     Vector::new(v.x, v.y, v.z)
 }

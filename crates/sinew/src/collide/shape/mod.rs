@@ -12,6 +12,7 @@
 //! | `extent`, `scale` | the box around a shape; the same shape in another size |
 //! | `content_hash` | a number made of what a shape is |
 //! | `words` | a shape as plain words, to be stored |
+//! | `sweep` | what a shape meets on a straight way, and what it is near |
 //! | `convert` | the shapes that `parry3d` knows, for what two solids do to each other |
 
 mod coarse;
@@ -27,6 +28,7 @@ mod mesh;
 mod round;
 mod scale;
 mod surface;
+mod sweep;
 mod tree;
 mod triangle;
 mod words;
@@ -36,6 +38,9 @@ use std::sync::{Arc, OnceLock};
 use glam::Vec3;
 
 pub use fault::ShapeFault;
+
+pub(crate) use convert::{ours, pose};
+pub(crate) use sweep::{Obstacle, SweepHit, Way};
 
 use convex::Convex;
 use fault::{is_length, is_size};
