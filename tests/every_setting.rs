@@ -167,10 +167,8 @@ fn the_plugin_alone_simulates_the_same_bits_as_the_group() {
 /// Where nothing disturbed them, all substeps were taken at once, and the conditions were not asked.
 #[test]
 fn a_condition_on_the_set_of_a_phase_is_asked_in_every_substep() {
-    #[derive(Resource, Default)]
-    struct Asked(u32);
     let mut app = app();
-    app.init_resource::<Asked>().insert_resource(AirDrag(0.0));
+    app.insert_resource(AirDrag(0.0));
     app.configure_sets(
         SubstepSchedule,
         PhaseSystems::AccumulateForces.run_if(|mut asked: Local<u32>| {
@@ -253,9 +251,13 @@ fn ropes_and_figures_have_no_surface_for_a_wind_but_air_flows_around_their_parti
         (hash_of(&app, &bodies), bodies.map(middle))
     };
     let still = run(|_| {});
-    let wind = run(|world| drop(world.spawn(Wind { pressure: Vec3::X * 60.0, ..default() })));
+    let wind = run(|world| {
+        world.spawn(Wind { pressure: Vec3::X * 60.0, ..default() });
+    });
     assert_eq!(wind.0, still.0, "a wind passes them by, to the last bit");
-    let air = run(|world| drop(world.spawn(AirFlow::steady(Vec3::X * 10.0))));
+    let air = run(|world| {
+        world.spawn(AirFlow::steady(Vec3::X * 10.0));
+    });
     for (blown, still) in air.1.iter().zip(&still.1) {
         assert!(blown.x - still.x > 1e-3, "air takes them along: {blown} {still}");
     }

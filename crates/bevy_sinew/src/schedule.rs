@@ -133,7 +133,11 @@ impl SinewControl {
     /// The speed that counts: in its range.
     fn speed(&self) -> f32 {
         // In this order, NaN is 0.
-        self.relative_speed.max(0.0).min(Self::MAX_SPEED)
+        if self.relative_speed.is_nan() {
+            0.0
+        } else {
+            self.relative_speed.clamp(0.0, Self::MAX_SPEED)
+        }
     }
 }
 

@@ -71,7 +71,7 @@ pub(crate) fn tell_contacts(
         let now = &told[from..from + told[from..].partition_point(|one| one.0 == entity)];
         let is_new = |entity: &Entity| !anew.is_empty() && anew.binary_search(entity).is_ok();
         let goes_on = |other: &Entity| !is_new(&entity) && !is_new(other);
-        let every = (*events == ContactEvents::Every).then_some(now).unwrap_or_default();
+        let every = if *events == ContactEvents::Every { now } else { Default::default() };
         let unchanged = now.iter().map(|one| one.1).eq(touching.0.iter().copied());
         if unchanged && touching.0.iter().all(goes_on) {
             report_impulses(every, &mut impulses, &mut commands);
