@@ -7,15 +7,15 @@ use bevy_sinew::{BodyParticles, SinewClock};
 #[derive(Component)]
 struct Jelly;
 
-fn main() {
+fn main() -> AppExit {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, SinewPlugins));
     app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(1));
-    app.add_systems(Startup, setup).add_systems(FixedUpdate, watch).run();
+    app.add_systems(Startup, setup).add_systems(FixedUpdate, watch).run()
 }
 
 fn setup(mut commands: Commands) {
-    commands.spawn(Ground::default());
+    commands.spawn(Ground);
     let jelly = SoftBody { stiffness: 1.5e4, ..SoftBody::cuboid(Vec3::ONE, UVec3::splat(4)) };
     commands.spawn((Jelly, jelly, Transform::from_xyz(0.0, 2.0, 0.0)));
 }

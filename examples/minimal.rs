@@ -19,7 +19,7 @@ fn setup(
 
     let floor = meshes.add(Plane3d::default().mesh().size(30.0, 30.0));
     let grey = MeshMaterial3d(materials.add(Color::srgb(0.5, 0.5, 0.5)));
-    commands.spawn((Ground::default(), Mesh3d(floor), grey));
+    commands.spawn((Ground, Mesh3d(floor), grey));
 
     // Crates made of particles: their transforms follow them, and they stand on each other.
     let wood = MeshMaterial3d(materials.add(Color::srgb(0.8, 0.5, 0.2)));

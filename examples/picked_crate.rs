@@ -12,7 +12,7 @@ use bevy_sinew::{MouseDrag, MouseDragPlugin, SinewClock};
 #[derive(Resource, Default)]
 struct Aim(Vec2);
 
-fn main() {
+fn main() -> AppExit {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, PickingPlugin, InteractionPlugin));
     // That is all that a game adds to have things dragged.
@@ -21,11 +21,11 @@ fn main() {
     app.world_mut().register_component::<Window>();
     app.add_systems(Startup, setup).add_systems(PostUpdate, play);
     let pointing = point.after(RayMap::repopulate).before(PickingSystems::Backend);
-    app.add_systems(PreUpdate, pointing).run();
+    app.add_systems(PreUpdate, pointing).run()
 }
 
 fn setup(mut commands: Commands) {
-    commands.spawn(Ground::default());
+    commands.spawn(Ground);
     commands.spawn((RigidBox::new(Vec3::ONE).with_mass(20.0), Transform::from_xyz(0.0, 0.5, 0.0)));
     commands.spawn(PointerId::Mouse);
     let eye = Transform::from_xyz(0.0, 1.0, 10.0);

@@ -8,16 +8,16 @@ use bevy_sinew::prelude::*;
 #[derive(Component)]
 struct Crate(f32);
 
-fn main() {
+fn main() -> AppExit {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, SinewPlugins));
     app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(1));
-    app.add_systems(Startup, setup).add_systems(FixedUpdate, finish).run();
+    app.add_systems(Startup, setup).add_systems(FixedUpdate, finish).run()
 }
 
 fn setup(mut commands: Commands) {
     // The bed, and 2 m of water above it that flows along x within its banks.
-    commands.spawn((Ground::default(), Transform::from_xyz(0.0, -2.0, 0.0)));
+    commands.spawn((Ground, Transform::from_xyz(0.0, -2.0, 0.0)));
     let river = Region::boxed(Vec3::new(200.0, 20.0, 6.0));
     commands.spawn((Fluid::flowing(Vec3::X * 1.5), river));
     for (i, density) in [200.0, 400.0, 600.0, 800.0, 2500.0].into_iter().enumerate() {

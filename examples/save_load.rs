@@ -25,7 +25,7 @@ fn game() -> App {
 }
 
 fn spawn(world: &mut World) {
-    world.spawn(Ground::default());
+    world.spawn(Ground);
     world.spawn(Wind { pressure: Vec3::new(3.0, 0.0, 2.0), gusts: 0.8, ..default() });
     for i in 0..5 {
         let place = Transform::from_xyz(0.1 * i as f32, 0.5 + 0.5 * i as f32, 0.0);

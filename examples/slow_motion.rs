@@ -4,16 +4,16 @@ use bevy::prelude::*;
 use bevy_sinew::SinewClock;
 use bevy_sinew::prelude::*;
 
-fn main() {
+fn main() -> AppExit {
     // In a game: `DefaultPlugins`, a camera and meshes. Here nothing is drawn, a frame is a tick, and it ends by itself.
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, SinewPlugins));
     app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(1));
-    app.add_systems(Startup, setup).add_systems(FixedUpdate, direct).run();
+    app.add_systems(Startup, setup).add_systems(FixedUpdate, direct).run()
 }
 
 fn setup(mut commands: Commands) {
-    commands.spawn(Ground::default());
+    commands.spawn(Ground);
     for i in 0..6 {
         let wood = RigidBox::new(Vec3::splat(0.5));
         let at = Transform::from_xyz(0.1 * i as f32, 2.0 + 0.6 * i as f32, 0.0);

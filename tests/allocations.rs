@@ -69,7 +69,7 @@ fn nothing_at_all_allocates_nothing() {
 #[test]
 fn cloth_in_the_wind_with_its_mesh_allocates_nothing() {
     let spawn = |world: &mut World| {
-        world.spawn(Ground::default());
+        world.spawn(Ground);
         world.spawn(Wind { pressure: Vec3::new(2.0, 0.0, 1.0), gusts: 0.5, ..default() });
         world.spawn(AirFlow { velocity: Vec3::X, ..default() });
         let cloth = Cloth::grid(1.0, 1.0, 16, 16).pinned(ClothPins::TopCorners);
@@ -97,8 +97,8 @@ fn ropes_with_their_tubes_allocate_nothing() {
 #[test]
 fn ragdolls_and_boxes_that_are_pushed_allocate_nothing() {
     let spawn = |world: &mut World| {
-        world.spawn(Ground::default());
-        world.spawn(BoundingBox { size: Vec3::splat(12.0), ..default() });
+        world.spawn(Ground);
+        world.spawn(BoundingBox { size: Vec3::splat(12.0) });
         world.spawn((Ragdoll::default(), Transform::from_xyz(0.0, 1.5, 0.0)));
         let push = ControlForce { force: Vec3::new(0.0, 1.0, 0.0), ..default() };
         world.spawn((RigidBox::default(), push, Transform::from_xyz(2.0, 1.0, 0.0)));

@@ -141,9 +141,9 @@ fn surroundings_with_a_broken_number_are_named_once_and_do_nothing() {
         ("gusts", |w| w.spawn(Wind { gusts: f32::NAN, ..default() }).id()),
         ("fluid", |w| w.spawn(Fluid { density: f32::NAN, ..default() }).id()),
         ("nowhere", |w| w.spawn((Fluid::default(), Transform::from_translation(Vec3::NAN))).id()),
-        ("ground", |w| w.spawn(Ground { friction: -1.0, ..default() }).id()),
-        ("abyss", |w| w.spawn((Ground::default(), Transform::from_xyz(0.0, f32::NAN, 0.0))).id()),
-        ("room", |w| w.spawn(BoundingBox { size: Vec3::splat(-2.0), ..default() }).id()),
+        ("ground", |w| w.spawn((Ground, SurfaceMaterial::new(-1.0))).id()),
+        ("abyss", |w| w.spawn((Ground, Transform::from_xyz(0.0, f32::NAN, 0.0))).id()),
+        ("room", |w| w.spawn(BoundingBox { size: Vec3::splat(-2.0) }).id()),
         ("pin", |w| {
             let at = Vec3::new(0.0, 5.0, 5.0);
             w.spawn((Particle::at(at), Pinned::at(Vec3::NAN))).id()

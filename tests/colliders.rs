@@ -335,7 +335,7 @@ fn a_cloth_that_is_to_be_solid_says_once_that_it_is_not() {
 fn the_particles_of_a_body_know_their_places_and_those_that_take_part_in_contacts_have_names() {
     let mut app = app();
     let world = app.world_mut();
-    let ground = world.spawn(Ground::default()).id();
+    let ground = world.spawn(Ground).id();
     let room = world.spawn(BoundingBox::default()).id();
     let broken = world.spawn((Collider::sphere(f32::NAN), Transform::default())).id();
     let collider = world.spawn((Collider::sphere(0.1), Transform::from_xyz(0.0, -9.0, 0.0))).id();
@@ -349,14 +349,14 @@ fn the_particles_of_a_body_know_their_places_and_those_that_take_part_in_contact
     assert!((place(0).distance(place(1)) - 0.5).abs() < 1e-6);
     assert!(place(0).length() < 0.8, "in its own frame: {}", place(0));
     let sinew = app.world().resource::<SinewWorld>();
-    assert_eq!(sinew.entity_of(ContactParticipant::Plane(0)), Some(ground));
-    assert_eq!(sinew.entity_of(ContactParticipant::Box(0)), Some(room));
+    assert_eq!(sinew.entity_of(ContactParticipant::Collider(0)), Some(ground));
+    assert_eq!(sinew.entity_of(ContactParticipant::Collider(1)), Some(room));
     assert_eq!(
-        sinew.entity_of(ContactParticipant::Collider(0)),
+        sinew.entity_of(ContactParticipant::Collider(2)),
         Some(collider),
         "{broken} has no number"
     );
-    assert_eq!(sinew.entity_of(ContactParticipant::Collider(1)), None);
+    assert_eq!(sinew.entity_of(ContactParticipant::Collider(3)), None);
     assert_eq!(sinew.entity_of(ContactParticipant::Body(0)), Some(cloth));
     assert_eq!(sinew.entity_of(ContactParticipant::Body(1)), Some(ball));
     let row = app.world().get::<ParticleRow>(plain).unwrap().get().unwrap();

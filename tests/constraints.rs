@@ -129,7 +129,7 @@ fn areas_and_volumes_grow_to_what_they_should_be() {
 /// An octahedron of springy edges falls onto the ground. The least volume that it has meanwhile, as a share of what it began with.
 fn least_volume_of_a_ball(kept: bool) -> f32 {
     let mut app = app();
-    app.world_mut().spawn(Ground::default());
+    app.world_mut().spawn(Ground);
     let axes = [Vec3::X, Vec3::Y, Vec3::Z];
     let corners = [axes, axes.map(|axis| -axis)].concat();
     let corners: [Vec3; 6] = core::array::from_fn(|i| corners[i] * 0.5 + Vec3::Y);

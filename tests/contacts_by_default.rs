@@ -39,7 +39,7 @@ fn what_a_game_spawns_with_a_recipe_is_not_overridden_by_it() {
 fn one_component_takes_a_body_a_ball_or_a_collider_out_of_all_contacts_and_back() {
     let mut app = app();
     let world = app.world_mut();
-    let ground = world.spawn(Ground::default()).id();
+    let ground = world.spawn(Ground).id();
     let shelf = Transform::from_xyz(0.0, 0.9, 0.0);
     let shelf = (Collider::cuboid(Vec3::new(9.0, 0.2, 9.0)), shelf, ContactsDisabled);
     let shelf = world.spawn(shelf).id();
@@ -70,7 +70,7 @@ fn one_component_takes_a_body_a_ball_or_a_collider_out_of_all_contacts_and_back(
 fn layers_keep_bodies_apart_from_bodies_alone() {
     let mut app = app();
     let world = app.world_mut();
-    world.spawn(Ground::default());
+    world.spawn(Ground);
     let low = world.spawn((crate_at(0.0, 0.2), CollisionLayers::of(&[1], &[0]))).id();
     let high = world.spawn((crate_at(0.0, 0.8), CollisionLayers::of(&[2], &[0]))).id();
     let met = world.spawn((crate_at(0.0, 1.4), CollisionLayers::of(&[0], &[0, 2]))).id();
@@ -196,7 +196,7 @@ fn meeting_costs_no_bit_where_nobody_comes_near() {
     let run = |alone: bool| {
         let mut app = app();
         let world = app.world_mut();
-        world.spawn(Ground::default());
+        world.spawn(Ground);
         for i in 0..4 {
             let mut body = world.spawn(crate_at(3.0 * i as f32, 1.0));
             if alone {

@@ -50,7 +50,7 @@ fn steps_of_any_length_one_after_the_other_fall_along_the_parabola() {
 #[test]
 fn steps_of_any_length_leave_what_lies_where_it_is() {
     let mut app = stepped();
-    app.world_mut().spawn(Ground::default());
+    app.world_mut().spawn(Ground);
     let body = (RigidBox::default(), Transform::from_xyz(0.0, 0.5, 0.0));
     let body = app.world_mut().spawn(body).id();
     for frame in 0..600_u64 {
@@ -95,7 +95,7 @@ fn each_integrator_order_and_gradient_holds_a_box_a_rope_and_a_cloth() {
                 let config = SolverConfig { integrator, order, gradient_at, ..default() };
                 let world = app.world_mut();
                 world.insert_resource(config);
-                world.spawn(Ground::default());
+                world.spawn(Ground);
                 let body = (RigidBox::default(), Transform::from_xyz(0.0, 0.6, 0.0));
                 let body = world.spawn(body).id();
                 let rope = (Rope::default(), Transform::from_xyz(3.0, 3.0, 0.0));
@@ -137,7 +137,7 @@ fn a_rigid_body_of_each_integrator_falls_spins_and_comes_to_rest() {
         assert!((spin.y - 2.0).abs() < 0.15, "{integrator:?}: {spin}");
         // And lies, on a floor that is there where it is now.
         let below = app.world().get::<Transform>(body).unwrap().translation.y - 1.0;
-        app.world_mut().spawn((Ground::default(), Transform::from_xyz(0.0, below, 0.0)));
+        app.world_mut().spawn((Ground, Transform::from_xyz(0.0, below, 0.0)));
         app.world_mut().commands().entity(body).set_motion(Vec3::ZERO, Vec3::ZERO);
         tick(&mut app, 240);
         let still = app.world().get::<LinearVelocity>(body).unwrap().0.length();
@@ -213,8 +213,8 @@ fn a_box_slides_on_a_ground_with_a_drag_as_the_lectures_have_it() {
     for along in [0.2_f32, 0.5, 0.9] {
         let mut app = app();
         app.insert_resource(AirDrag(0.0));
-        let ice = Ground { friction: 0.0, ..default() };
-        app.world_mut().spawn((ice, GroundDrag { along, across: 0.0 }));
+        let drag = GroundDrag { along, across: 0.0 };
+        app.world_mut().spawn((Ground, SurfaceMaterial { drag, ..SurfaceMaterial::new(0.0) }));
         let slick = SurfaceMaterial::new(0.0);
         let body = (RigidBox::default(), slick, Transform::from_xyz(0.0, 0.5, 0.0));
         let body = app.world_mut().spawn((body, LinearVelocity(Vec3::X * 3.0))).id();

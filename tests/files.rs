@@ -80,7 +80,7 @@ fn floats_at_the_ends_of_what_there_is_come_back_bit_for_bit() {
 fn file_of(write: Write) -> (App, Vec<u8>) {
     let mut app = game();
     let world = app.world_mut();
-    world.spawn(Ground::default());
+    world.spawn(Ground);
     world.spawn((RigidBox::new(Vec3::splat(0.3)), Transform::from_xyz(0.0, 0.2, 0.0)));
     world.spawn((Rope { segments: 3, ..default() }, Transform::from_xyz(1.0, 2.0, 0.0)));
     tick(&mut app, 20);

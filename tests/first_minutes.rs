@@ -14,7 +14,7 @@ fn place(app: &App, entity: Entity) -> Vec3 {
 fn two_boxes_dropped_one_onto_the_other_stand_one_on_the_other() {
     let mut app = app();
     let world = app.world_mut();
-    world.spawn(Ground::default());
+    world.spawn(Ground);
     let boxed = |y: f32| (RigidBox::new(Vec3::ONE), Transform::from_xyz(0.0, y, 0.0));
     let (low, high) = (world.spawn(boxed(1.0)).id(), world.spawn(boxed(2.5)).id());
     tick(&mut app, 300);
@@ -102,11 +102,11 @@ fn whatever_a_recipe_builds_lies_on_a_box_on_a_collider_and_on_a_ground() {
                     world.spawn((shelf, Transform::from_xyz(0.0, 0.4, 0.0)));
                 }
                 "a box" => {
-                    world.spawn(Ground::default());
+                    world.spawn(Ground);
                     let heavy = RigidBox::new(Vec3::ONE).with_mass(100.0);
                     world.spawn((heavy, Transform::from_xyz(0.0, 0.5, 0.0)));
                 }
-                _ => drop(world.spawn(Ground::default())),
+                _ => drop(world.spawn(Ground)),
             }
             let body = spawn(world, top + height + 0.2);
             tick(&mut app, 120);
@@ -122,7 +122,7 @@ fn whatever_a_recipe_builds_lies_on_a_box_on_a_collider_and_on_a_ground() {
 fn a_figure_lies_on_a_box_and_a_loose_ball_on_both() {
     let mut app = app();
     let world = app.world_mut();
-    world.spawn(Ground::default());
+    world.spawn(Ground);
     let table = RigidBox::new(Vec3::new(2.0, 0.6, 3.0)).with_mass(500.0);
     world.spawn((table, Transform::from_xyz(0.0, 0.3, 0.0)));
     let lying = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);

@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    AirFlow, Attractor, BoxParticles, Charge, Electric, ElectricField, Flatland, GroundDrag,
-    HullShape, Refusal, WindSurface,
+    AirFlow, Attractor, BoxParticles, Charge, Combine, Electric, ElectricField, Flatland,
+    GroundDrag, HullShape, Refusal, WindSurface,
 };
 
 use crate::support::{bare_app, heard, particles_of, position, tick};
@@ -285,7 +285,9 @@ fn a_drag_along_the_ground_takes_its_share_of_a_sliding_block_each_second() {
     let mut app = bare_app();
     app.insert_resource(AirDrag(0.0));
     let drag = GroundDrag { along: 0.6, ..default() };
-    app.world_mut().spawn((Ground { friction: 0.0, ..default() }, drag));
+    let slippery =
+        SurfaceMaterial { friction: 0.0, friction_rule: Combine::Min, drag, ..default() };
+    app.world_mut().spawn((Ground, slippery));
     let block = Particle::at(Vec3::ZERO).with_velocity(Vec3::X * 3.0);
     let block = app.world_mut().spawn(block).id();
     tick(&mut app, 120);

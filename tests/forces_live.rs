@@ -195,15 +195,15 @@ fn a_broken_number_is_refused_once_and_all_goes_on_as_if_its_owner_were_not_ther
         ("softening", |a, _| put(a, Attractor::default().with_softening(-1.0))),
         ("nowhere", |a, _| put(a, (Attractor::default(), Transform::from_xyz(BAD, 0.0, 0.0)))),
         ("flatland", |a, _| put(a, (Flatland, Transform::from_xyz(0.0, 0.0, BAD)))),
-        ("ground", |a, _| {
-            put(a, (Ground { friction: BAD, ..default() }, AirFlow::steady(Vec3::ZERO)))
+        ("two things", |a, _| {
+            put(a, (Attractor::default().with_softening(BAD), AirFlow::steady(Vec3::ZERO)))
         }),
     ];
     for (name, breaks) in cases {
         let break_it = |app: &mut App, cast: &Cast| (breaks(app, cast), Refusal::Surroundings);
         // The last is two things at once, of which one is sound: air that is there.
         let sound = |app: &mut App, _: &Cast| {
-            if name == "ground" {
+            if name == "two things" {
                 app.world_mut().spawn(AirFlow::steady(Vec3::ZERO));
             }
         };

@@ -211,7 +211,7 @@ fn a_body_that_is_reparented_scaled_or_despawned_in_contact_ends_its_contacts_wi
             ended.0.push((on.entity, on.other));
         });
         let world = app.world_mut();
-        let ground = world.spawn((Ground::default(), ContactEvents::default())).id();
+        let ground = world.spawn((Ground, ContactEvents::default())).id();
         let at = Transform::from_xyz(0.0, 0.5, 0.0);
         let body = world.spawn((RigidBox::new(Vec3::ONE), at, ContactEvents::default())).id();
         tick(&mut app, 20);

@@ -18,6 +18,7 @@
 //! | `runtime_changes` | particles, springs, constraints and bodies come, change and go while time runs |
 //! | `every_setting` | integrators, orders, gradients, steps of any length, phases with conditions, surfaces for a wind |
 //! | `gameplay` | impulses of every tick, shapes on their way, the weight of what a game moves |
+//! | `grounds` | a ground and a room are colliders like others |
 //! | `first_minutes` | what a new user meets with nothing configured |
 //! | `hierarchy` | bodies, colliders and regions stand where their parents put them |
 //! | `motion` | velocities, forces and impulses go both ways; what a body says is shared out onto its particles |
@@ -73,6 +74,7 @@ mod forces;
 mod forces_live;
 mod frame_rate;
 mod gameplay;
+mod grounds;
 mod hierarchy;
 mod in_use;
 mod message_order;

@@ -102,7 +102,7 @@ fn drop_on_the_ground(name: &str, (positions, indices): (Vec<Vec3>, Vec<u32>)) {
     let place = Transform::from_xyz(0.0, 0.2 - min.y * scale, 0.0).with_scale(Vec3::splat(scale));
 
     let mut app = app();
-    app.world_mut().spawn(Ground::default());
+    app.world_mut().spawn(Ground);
     let handle = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
     let body = app.world_mut().spawn((Cloth::from_mesh(), Mesh3d(handle), place)).id();
     tick(&mut app, 60);

@@ -95,7 +95,7 @@ fn a_velocity_that_is_no_number_is_refused_and_the_body_goes_on() {
 fn nothing_that_is_only_read_changes_a_bit() {
     let run = |touched: bool| {
         let mut app = app();
-        app.world_mut().spawn(Ground::default());
+        app.world_mut().spawn(Ground);
         app.world_mut().spawn((boxed(), Transform::from_xyz(0.0, 1.0, 0.0)));
         app.world_mut().spawn((Ragdoll::default(), Transform::from_xyz(3.0, 1.0, 0.0)));
         if touched {
@@ -224,7 +224,7 @@ fn what_a_body_says_of_itself_is_shared_out_onto_its_particles() {
 fn a_body_that_is_put_back_is_not_pushed_again() {
     let run = |restores: bool| {
         let mut app = app();
-        app.world_mut().spawn(Ground::default());
+        app.world_mut().spawn(Ground);
         let said = (Mass(4.0), LinearVelocity(Vec3::X), ExternalImpulse::new(Vec3::Y));
         let at = Transform::from_xyz(0.0, 1.0, 0.0);
         let body = app.world_mut().spawn((boxed(), at, said)).id();

@@ -282,7 +282,7 @@ fn one_of_each(world: &mut World) {
 #[test]
 fn constraints_cloned_and_put_back_go_on_bit_for_bit() {
     let mut app = app();
-    app.world_mut().spawn(Ground::default());
+    app.world_mut().spawn(Ground);
     one_of_each(app.world_mut());
     tick(&mut app, 60);
     let simulation = app.world().resource::<SinewWorld>().simulation();

@@ -128,7 +128,7 @@ fn changing_a_recipe_builds_the_body_anew_and_leaves_nothing_of_the_old_one() {
 #[test]
 fn cloth_from_a_mesh_that_is_built_anew_starts_from_the_mesh_and_not_from_its_folds() {
     let mut app = app();
-    app.world_mut().spawn((Ground::default(), Transform::from_xyz(0.0, -1.0, 0.0)));
+    app.world_mut().spawn((Ground, Transform::from_xyz(0.0, -1.0, 0.0)));
     let sphere = Sphere::new(0.5).mesh().ico(3).unwrap();
     let original = vertices(&sphere);
     let handle = app.world_mut().resource_mut::<Assets<Mesh>>().add(sphere);
@@ -250,7 +250,7 @@ fn despawning_a_body_takes_everything_with_it() {
 #[test]
 fn a_ragdoll_has_named_parts_that_stay_with_its_particles() {
     let mut app = app();
-    app.world_mut().spawn(Ground::default());
+    app.world_mut().spawn(Ground);
     let body = app.world_mut().spawn((Ragdoll::default(), Transform::from_xyz(0.0, 0.5, 0.0))).id();
     tick(&mut app, 180);
     let parts: Vec<Entity> = app.world().get::<BodyParts>(body).unwrap().iter().collect();

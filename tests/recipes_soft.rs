@@ -156,7 +156,7 @@ fn solids_that_cannot_be_are_refused_once_and_have_no_particles() {
 #[test]
 fn a_soft_ball_from_a_mesh_keeps_its_volume_on_the_ground_and_deforms_a_mesh_of_its_own() {
     let mut app = app();
-    app.world_mut().spawn(Ground::default());
+    app.world_mut().spawn(Ground);
     let sphere = Sphere::new(0.5).mesh().ico(3).unwrap();
     let original = vertices(&sphere);
     let skin = mesh(&mut app, sphere);
@@ -188,7 +188,7 @@ fn a_soft_ball_from_a_mesh_keeps_its_volume_on_the_ground_and_deforms_a_mesh_of_
 #[test]
 fn soft_boxes_and_balls_make_their_own_mesh_and_stand_up_again() {
     let mut app = app();
-    app.world_mut().spawn(Ground::default());
+    app.world_mut().spawn(Ground);
     let cells = UVec3::new(3, 3, 3);
     let cube = SoftBody::cuboid(Vec3::splat(0.6), cells).with_density(200.0);
     let world = app.world_mut();

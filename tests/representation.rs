@@ -77,7 +77,7 @@ fn a_rigid_body_has_no_constraints_to_solve_and_particles_have_28() {
 #[test]
 fn a_rope_pulls_a_rigid_box_off_the_ground_and_lets_it_down() {
     let mut app = bare_app();
-    app.world_mut().spawn(Ground::default());
+    app.world_mut().spawn(Ground);
     let place = Transform::from_xyz(0.0, 0.5, 0.0);
     let body = app.world_mut().spawn((RigidBox::new(Vec3::ONE), RIGID, place)).id();
     tick(&mut app, 60);

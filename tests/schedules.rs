@@ -101,7 +101,7 @@ fn the_plugin_runs_in_a_schedule_of_the_games_choice() {
 #[test]
 fn minimal_plugins_alone_will_do() {
     let mut app = bare_app();
-    app.world_mut().spawn(Ground::default());
+    app.world_mut().spawn(Ground);
     let body =
         app.world_mut().spawn((RigidBox::default(), Transform::from_xyz(0.0, 2.0, 0.0))).id();
     app.world_mut().spawn((Cloth::default(), Transform::from_xyz(3.0, 2.0, 0.0)));

@@ -99,7 +99,7 @@ fn five_kilometres_away_everything_happens_bit_for_bit_as_at_home() {
     let scene = |offset: Vec3| {
         let mut app = bare_app();
         let world = app.world_mut();
-        world.spawn((Ground::default(), Transform::from_translation(offset)));
+        world.spawn((Ground, Transform::from_translation(offset)));
         let place = Transform::from_translation(offset + Vec3::Y * 2.0);
         let body = world.spawn((RigidBox::new(Vec3::ONE), place)).id();
         tick(&mut app, 1);

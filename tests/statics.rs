@@ -87,7 +87,7 @@ fn the_world_comes_to_rest_at_once() {
     let mut app = app();
     watch(&mut app);
     let world = app.world_mut();
-    world.spawn(Ground::default());
+    world.spawn(Ground);
     let crates = [0.0, 3.0].map(|x| {
         world.spawn((RigidBox::default(), Sleep::default(), Transform::from_xyz(x, 3.0, 0.0))).id()
     });

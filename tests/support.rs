@@ -165,8 +165,8 @@ pub(crate) fn mesh_of(app: &App, body: Entity) -> Vec<Vec3> {
 /// A bit of everything: a box, a rope, a flag, a ragdoll and a swarm of charges on springs, in wind, water and a room.
 pub(crate) fn busy_scene(app: &mut App) -> Vec<Entity> {
     let world = app.world_mut();
-    world.spawn(Ground::default());
-    world.spawn(BoundingBox { size: Vec3::splat(12.0), ..default() });
+    world.spawn(Ground);
+    world.spawn(BoundingBox { size: Vec3::splat(12.0) });
     world.spawn(Wind { pressure: Vec3::new(6.0, 0.0, 2.0), gusts: 0.5, ..default() });
     world.spawn((Fluid::default(), Transform::from_xyz(0.0, 0.3, 0.0)));
     let bodies = vec![

@@ -43,7 +43,7 @@ impl Workers for Own {
 /// Many bodies of all kinds, large enough that the solver has something to share out.
 fn crowd(app: &mut App) {
     let world = app.world_mut();
-    world.spawn(Ground::default());
+    world.spawn(Ground);
     world.spawn(Wind { pressure: Vec3::new(2.0, 0.0, 1.0), gusts: 0.5, ..default() });
     world.insert_resource(SolverConfig { substeps: 4, max_sweeps: 2, ..default() });
     for n in 0..8 {

@@ -101,7 +101,7 @@ fn one_light_body_is_the_same_alone_and_beside_a_busy_one() {
         let mut app = app();
         let body =
             app.world_mut().spawn((RigidBox::default(), Transform::from_xyz(0.0, 2.0, 0.0))).id();
-        app.world_mut().spawn(Ground::default());
+        app.world_mut().spawn(Ground);
         if busy {
             app.world_mut().spawn((
                 Cloth::default().pinned(ClothPins::TopCorners),
@@ -156,7 +156,7 @@ fn ropes_that_collide_by_their_segments_far_away_do_not_change_a_bit_of_a_figure
     let run = |among: bool| {
         let mut app = app();
         let world = app.world_mut();
-        world.spawn(Ground::default());
+        world.spawn(Ground);
         let tilted = Transform::from_xyz(2.0, 1.0, -2.0).with_rotation(Quat::from_rotation_z(0.4));
         let figure = world.spawn((Ragdoll::default(), tilted)).id();
         (0..60)

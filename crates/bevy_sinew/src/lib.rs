@@ -13,7 +13,7 @@
 //! }
 //!
 //! fn setup(mut commands: Commands) {
-//!     commands.spawn(Ground::default());
+//!     commands.spawn(Ground);
 //!     commands.spawn((RigidBox::new(Vec3::ONE), Transform::from_xyz(0.0, 3.0, 0.0)));
 //! }
 //! ```
@@ -30,8 +30,8 @@
 //!   ([`ExternalForce`], [`ExternalTorque`], [`ControlForce`] for one at a point), an impulse ([`ExternalImpulse`]), or a command for any of them and for
 //!   teleports ([`BodyCommandsExt`]). [`Mass`], [`Radius`], [`Charge`] and [`Drag`] on a body mean the body, and are shared out onto its particles.
 //! - The **surroundings** are [`Gravity`], [`AirDrag`], [`Electric`] (resources), [`Wind`], [`AirFlow`], [`Fluid`], [`ElectricField`] (entities,
-//!   everywhere or in a [`Region`]), [`Attractor`], [`Ground`], [`BoundingBox`] and, for a world in 2D, [`Flatland`]. A body [`Floats`] by its shape.
-//! - A **collider** is an entity with a shape, [`Collider`], that stands still or that the game moves by its `Transform`; [`SurfaceMaterial`],
+//!   everywhere or in a [`Region`]), [`Attractor`] and, for a world in 2D, [`Flatland`]. A body [`Floats`] by its shape.
+//! - A **collider** is an entity with a shape, [`Collider`], that stands still or that the game moves by its `Transform`; [`Ground`] and [`BoundingBox`] are names for two of them. [`SurfaceMaterial`],
 //!   [`CollisionLayers`] and [`Sensor`] say more. Whatever a recipe builds meets colliders and all other bodies: rigid ones by their shape, others by
 //!   what of them lets nothing through ([`ContactShape::Auto`]). [`BodyContacts`] says it otherwise, [`ContactsDisabled`] takes a body out.
 //! - A **parent** is honoured: bodies, colliders and regions stand where Bevy would draw them ([`ParticleBody`] says what holds for one that moves).
@@ -85,7 +85,7 @@
 //!    order of creation. Then [`RelaxFinished`], the world first, then bodies in the order of creation.
 //! 2. **Scatter**: [`Refused`] for what went non-finite, row by row. Then contacts, one after the other of those with [`ContactEvents`], in the order of
 //!    creation: for each, what ended ([`ContactEnded`]), what began ([`ContactStarted`]), and what there is ([`ContactImpulse`]), each list by whom it
-//!    touches: bodies, loose particles, colliders, grounds, rooms, in the order of creation.
+//!    touches: bodies, loose particles, colliders, in the order of creation.
 //!
 //! Observers run when the commands of the system that sends are applied, in that same order. At a [speed](SinewControl::relative_speed) of 2, two whole ticks
 //! follow one another. What is despawned in between ends its contacts at once.
@@ -125,7 +125,7 @@
 //! # Beside Avian
 //!
 //! Avian is a rigid-body engine; both may run in one app, each with its own bodies. Nine names of the two preludes are the same. An explicit import wins
-//! over both globs, so one list settles it:
+//! over both globs, so one list settles it (`tools/beside-avian` compiles it):
 //!
 //! ```ignore
 //! use avian3d::prelude::*;

@@ -57,7 +57,7 @@ pub enum Refusal {
     /// An [`AttachTo`](crate::AttachTo) that cannot take hold; it ties nothing until it is mended.
     #[error("is not attached: {0}")]
     Attach(AttachFault),
-    /// A field, an attractor, a ground, a room or the like with a number (of its transform, of its [`Region`](crate::Region)) that is none, or out
+    /// A field, an attractor or the like with a number (of its transform, of its [`Region`](crate::Region)) that is none, or out
     /// of range; it does nothing until that is mended.
     #[error("does nothing: a number of it or of its transform is not finite or out of range")]
     Surroundings,

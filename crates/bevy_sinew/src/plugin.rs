@@ -180,6 +180,7 @@ impl Plugin for SinewPlugin {
                     .chain(),
                 (
                     environment::gather_environment,
+                    colliders::size_rooms,
                     colliders::gather_colliders,
                     ignored::gather_ignored,
                     controls::gather_controls,

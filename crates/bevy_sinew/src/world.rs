@@ -62,15 +62,15 @@ impl SinewWorld {
         self.simulation.report()
     }
 
-    /// Who takes part in a contact of the [report](Self::report) of the last tick: a body, a loose particle, a collider, a ground or a room. It may
-    /// have been despawned since.
+    /// Who takes part in a contact of the [report](Self::report) of the last tick: a body, a loose particle or a collider. It may have been
+    /// despawned since.
     pub fn entity_of(&self, participant: ContactParticipant) -> Option<Entity> {
         let (list, number) = match participant {
             ContactParticipant::Body(number) => (&self.tables.bodies, number),
             ContactParticipant::Particle(row) => (&self.tables.entities, row),
             ContactParticipant::Collider(number) => (&self.tables.colliders, number),
-            ContactParticipant::Plane(number) => (&self.tables.planes, number),
-            ContactParticipant::Box(number) => (&self.tables.boxes, number),
+            // Grounds and rooms are colliders.
+            ContactParticipant::Plane(_) | ContactParticipant::Box(_) => return None,
         };
         list.get(number as usize).copied()
     }
@@ -198,10 +198,6 @@ pub(crate) struct Tables {
     pub(crate) colliders: Vec<Entity>,
     /// The part, or the rod, of each of `Simulation::body_colliders`.
     pub(crate) parts: Vec<Entity>,
-    /// The ground of each number in `Boundaries::planes`, in the order of creation.
-    pub(crate) planes: Vec<Entity>,
-    /// The room of each number in `Boundaries::boxes`, in the order of creation.
-    pub(crate) boxes: Vec<Entity>,
     /// Why a spring or a constraint is set aside: so that each is reported once.
     pub(crate) reported_errors: ReportedErrors,
     /// Pins with a broken number: so that each is reported once.

@@ -19,7 +19,7 @@ pub use body::{
 pub use collide::{
     BodyContacts, Collider, ColliderFault, ColliderMotion, ColliderShape, CollisionLayer,
     CollisionLayers, Combine, ContactCache, ContactEnded, ContactEvents, ContactShape,
-    ContactStarted, ContactsDisabled, RestPlace, Sensor, SurfaceMaterial, Touching,
+    ContactStarted, ContactsDisabled, GroundDrag, RestPlace, Sensor, SurfaceMaterial, Touching,
 };
 pub use collide::{ContactImpulse, Weighs};
 pub use constraint::{
@@ -31,7 +31,7 @@ pub use constraint::{
 pub use control::{ControlForce, ExternalImpulse, ExternalTorque, TickForces};
 pub use environment::{
     AirDrag, AirFlow, Attractor, BoundingBox, Electric, ElectricField, Flatland, Floats, Fluid,
-    Gravity, Ground, GroundDrag, HullShape, Region, RegionShape, Wind,
+    Gravity, Ground, HullShape, Region, RegionShape, Wind,
 };
 pub use order::CreationOrder;
 pub use particle::{

@@ -13,7 +13,7 @@ pub struct Sleep {
     pub still: f32,
     /// Whether it sleeps. To wake it by hand, take [`Sleep::default`].
     pub asleep: bool,
-    /// What surrounded it when that was last looked at: a number made of gravity and of all colliders, grounds, winds and fluids, which wake it when
+    /// What surrounded it when that was last looked at: a number made of gravity and of all colliders, winds and fluids, which wake it when
     /// they change. Default 0, when it has not been looked at.
     pub around: u64,
 }

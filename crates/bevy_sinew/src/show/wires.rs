@@ -77,7 +77,9 @@ fn outline(
                 gizmos.lineloop(round(Vec3::ZERO, side * r, y * r).map(apart).map(point), color);
             }
         }
-        Collider::Box { size } => gizmos.cube(boxed(Vec3::ZERO, size), color),
+        Collider::Box { size } | Collider::InsideBox { size } => {
+            gizmos.cube(boxed(Vec3::ZERO, size), color);
+        }
         Collider::Shape(ref shape) => {
             let (low, high) = shape.0.bounds();
             gizmos.cube(boxed((low + high) * 0.5, high - low), color);

@@ -18,11 +18,11 @@ use crate::components::{
     ContactCache, ContactEvents, ContactsDisabled, ControlForce, CoplanarConstraint,
     CreationCounter, CreationOrder, DistanceConstraint, Drag, Electric, ElectricField,
     ExternalForce, ExternalImpulse, ExternalTorque, ExtractedTransform, ExtractedVelocity,
-    Flatland, Floats, Fluid, Gravity, GravityScale, Ground, GroundDrag, HingeConstraint, Inertia,
-    Interpolate, LinearVelocity, Mass, MeshFollow, Particle, ParticleBody, ParticleOf,
-    PatchConstraint, Pinned, PinnedTo, Radius, Region, Representation, RestPlace, RigidConstraint,
-    RigidPose, Sensor, Sleep, Spring, SurfaceMaterial, TetrahedronConstraint, TickForces, Touching,
-    TubeMesh, VolumeConstraint, Weighs, Wind, WindSurface, WorldCenterOfMass,
+    Flatland, Floats, Fluid, Gravity, GravityScale, Ground, HingeConstraint, Inertia, Interpolate,
+    LinearVelocity, Mass, MeshFollow, Particle, ParticleBody, ParticleOf, PatchConstraint, Pinned,
+    PinnedTo, Radius, Region, Representation, RestPlace, RigidConstraint, RigidPose, Sensor, Sleep,
+    Spring, SurfaceMaterial, TetrahedronConstraint, TickForces, Touching, TubeMesh,
+    VolumeConstraint, Weighs, Wind, WindSurface, WorldCenterOfMass,
 };
 use crate::config::{BodySolver, SolverConfig};
 use crate::recipes::{
@@ -89,7 +89,7 @@ pub(crate) fn add(app: &mut App) {
         ParticleBody, BuiltBody, RigidPose, BodyPart, WindSurface, MeshFollow, TubeMesh, Interpolate,
         ExtractedTransform, LinearVelocity, AngularVelocity, ExtractedVelocity, WorldCenterOfMass, Inertia,
         ControlForce, ExternalTorque, ExternalImpulse, TickForces, PendingEdits, Relax,
-        GravityScale, GroundDrag, BodySolver, Representation, Sleep, Floats,
+        GravityScale, BodySolver, Representation, Sleep, Floats,
         // Surroundings.
         Wind, AirFlow, Fluid, Region, Attractor, ElectricField, Flatland, Ground, BoundingBox,
         // Contacts.

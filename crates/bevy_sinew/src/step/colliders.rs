@@ -9,8 +9,9 @@ use sinew::{Frame, Material};
 use super::frames::Frames;
 use super::pins::sound;
 use crate::components::{
-    Collider, ColliderFault, ColliderMotion, CollisionLayers, ContactEvents, ContactsDisabled,
-    CreationOrder, Particle, ParticleBody, PlacedCollider, RigidPose, Sensor, SurfaceMaterial,
+    BoundingBox, Collider, ColliderFault, ColliderMotion, CollisionLayers, ContactEvents,
+    ContactsDisabled, CreationOrder, Particle, ParticleBody, PlacedCollider, RigidPose, Sensor,
+    SurfaceMaterial,
 };
 use crate::messages::{Refusal, Refused};
 use crate::schedule::{Pace, SinewClock};
@@ -44,6 +45,13 @@ pub(crate) struct Known {
     listing: u64,
     /// Kept for its memory.
     ordered: Vec<(CreationOrder, Entity)>,
+}
+
+/// Has rooms be as large as they are said to be.
+pub(crate) fn size_rooms(mut rooms: Query<(&BoundingBox, &mut Collider), Changed<BoundingBox>>) {
+    for (room, mut collider) in &mut rooms {
+        collider.set_if_neq(room.collider());
+    }
 }
 
 /// Tells the solver of all colliders; one with something wrong is left out, and reported when that is news.

@@ -1,21 +1,21 @@
-//! The surroundings at gather: resources and entities become the force laws and the boundaries of the solver, every tick. There are a handful of
+//! The surroundings at gather: resources and entities become the force laws of the solver, and the plane of a world in 2D, every tick. There are a handful of
 //! each kind at most, so nothing is kept from tick to tick but which errors were reported.
 
 use std::collections::BTreeSet;
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use sinew::{InsideBox, PlanarDrag, Plane};
+use sinew::Plane;
 
 use super::frames::{Frames, Misplaced};
 use crate::components::{
-    AirDrag, AirFlow, Attractor, BoundingBox, CreationOrder, Electric, ElectricField, Flatland,
-    Fluid, Gravity, Ground, GroundDrag, Region, Wind,
+    AirDrag, AirFlow, Attractor, CreationOrder, Electric, ElectricField, Flatland, Fluid, Gravity,
+    Region, Wind,
 };
 use crate::config::SolverConfig;
 use crate::messages::{Refusal, Refused, refuse};
 use crate::schedule::SinewClock;
-use crate::world::{SinewWorld, Tables};
+use crate::world::SinewWorld;
 
 /// Copies the configuration and the surroundings; what has a broken number is left out, and reported when that is news.
 pub(crate) fn gather_environment(
@@ -25,21 +25,21 @@ pub(crate) fn gather_environment(
     clock: Res<SinewClock>,
     everywhere: Everywhere,
     fields: Fields,
-    bounds: Bounds,
+    sheets: Sheets,
     frames: Frames,
     mut known: Local<BTreeSet<Broken>>,
     mut scratch: Local<Scratch>,
 ) {
-    let SinewWorld { simulation, tables } = &mut *world;
+    let simulation = &mut world.simulation;
     simulation.settings = (*config).into();
     simulation.time = clock.seconds;
     let before = core::mem::take(&mut *known);
-    let Scratch { places, sheets } = &mut *scratch;
+    let Scratch { places, planes } = &mut *scratch;
     let mut validator =
         Validator { before, now: BTreeSet::new(), kind: 0, messages: &mut messages, places };
     everywhere.tell(&mut simulation.forces, &mut validator);
     fields.tell(&mut simulation.forces, &frames, &mut validator);
-    bounds.tell(&mut simulation.boundaries, sheets, &frames, &mut validator, tables);
+    simulation.boundaries.plane_constraint = sheet(&sheets, planes, &frames, &mut validator);
     *known = validator.now;
 }
 
@@ -126,62 +126,25 @@ impl Fields<'_, '_> {
     }
 }
 
-/// The surfaces that bound space.
-#[derive(SystemParam)]
-pub(crate) struct Bounds<'w, 's> {
-    grounds: Query<
-        'w,
-        's,
-        (Entity, &'static CreationOrder, &'static Ground, Option<&'static GroundDrag>),
-    >,
-    rooms: Query<'w, 's, (Entity, &'static CreationOrder, &'static BoundingBox)>,
-    sheets: Query<'w, 's, (Entity, &'static CreationOrder), With<Flatland>>,
-}
+/// The planes of worlds in 2D.
+type Sheets<'w, 's> = Query<'w, 's, (Entity, &'static CreationOrder), With<Flatland>>;
 
-impl Bounds<'_, '_> {
-    fn tell(
-        &self,
-        boundaries: &mut sinew::Boundaries,
-        sheets: &mut Vec<Plane>,
-        frames: &Frames,
-        validator: &mut Validator,
-        tables: &mut Tables,
-    ) {
-        let ground = |(entity, order, ground, drag): (_, &_, &Ground, Option<&GroundDrag>)| {
-            let drag = drag
-                .map_or(default(), |drag| PlanarDrag { along: drag.along, across: drag.across });
-            let Ground { friction, restitution } = *ground;
-            let plane = frames.of(entity).map(|frame| {
-                let (normal, offset) = plane(&frame, Vec3::Y);
-                Plane { normal, offset, friction, restitution, drag }
-            });
-            (*order, entity, plane)
-        };
-        validator.fill(&mut boundaries.planes, self.grounds.iter().map(ground), Plane::is_valid);
-        validator.name(&mut tables.planes);
-
-        let room = |(entity, order, room): (_, &_, &BoundingBox)| {
-            let BoundingBox { size, friction, restitution } = *room;
-            let inside = frames.of(entity).map(|frame| {
-                let (centre, half) = (frame.translation, 0.5 * size * frame.scale.abs());
-                let (min, max) = (centre - half, centre + half);
-                InsideBox { min, max, friction, restitution }
-            });
-            (*order, entity, inside)
-        };
-        validator.fill(&mut boundaries.boxes, self.rooms.iter().map(room), InsideBox::is_valid);
-        validator.name(&mut tables.boxes);
-
-        let sheet = |(entity, order): (_, &_)| {
-            let plane = frames.of(entity).map(|frame| {
-                let (normal, offset) = plane(&frame, Vec3::Z);
-                Plane { normal, offset, friction: 0.0, ..Plane::ground(0.0) }
-            });
-            (*order, entity, plane)
-        };
-        validator.fill(sheets, self.sheets.iter().map(sheet), Plane::is_valid);
-        boundaries.plane_constraint = sheets.first().copied();
-    }
+/// The plane that a world in 2D lies in: of several, the first that is sound.
+fn sheet(
+    sheets: &Sheets,
+    list: &mut Vec<Plane>,
+    frames: &Frames,
+    validator: &mut Validator,
+) -> Option<Plane> {
+    let sheet = |(entity, order): (_, &_)| {
+        let plane = frames.of(entity).map(|frame| {
+            let (normal, offset) = plane(&frame, Vec3::Z);
+            Plane { normal, offset, friction: 0.0, ..Plane::ground(0.0) }
+        });
+        (*order, entity, plane)
+    };
+    validator.fill(list, sheets.iter().map(sheet), Plane::is_valid);
+    list.first().copied()
 }
 
 /// The plane through an entity's origin that is square to one of its axes: its normal, and its distance from the world's origin along that.
@@ -195,7 +158,7 @@ fn plane(frame: &Transform, axis: Vec3) -> (Vec3, f32) {
 #[derive(Default)]
 pub(crate) struct Scratch {
     places: Vec<(CreationOrder, Entity, usize)>,
-    sheets: Vec<Plane>,
+    planes: Vec<Plane>,
 }
 
 /// An entity and the number of what is broken on it: it may be several things at once.
@@ -209,7 +172,7 @@ struct Validator<'a, 'w> {
     /// Counts what was asked for.
     kind: u32,
     messages: &'a mut MessageWriter<'w, Refused>,
-    /// Who the entries of the list at hand are of, and where each was before it was put in order; those of the sound ones first, once it is filled.
+    /// Who the entries of the list at hand are of, and where each was before it was put in order.
     places: &'a mut Vec<(CreationOrder, Entity, usize)>,
 }
 
@@ -243,24 +206,12 @@ impl Validator<'_, '_> {
             }
             list.swap(i, from);
         }
-        let (mut next, mut kept) = (0, 0);
+        let mut next = 0;
         list.retain(|entry| {
             let place = self.places[next];
             next += 1;
-            let sound = self.sound(place.1, valid(entry), || Refusal::Surroundings);
-            if sound {
-                self.places[kept] = place;
-                kept += 1;
-            }
-            sound
+            self.sound(place.1, valid(entry), || Refusal::Surroundings)
         });
-        self.places.truncate(kept);
-    }
-
-    /// Notes the entities of the list that was filled last.
-    fn name(&self, entities: &mut Vec<Entity>) {
-        entities.clear();
-        entities.extend(self.places.iter().map(|&(_, entity, _)| entity));
     }
 
     /// Whether a resource is sound; its entity is the one that is named.

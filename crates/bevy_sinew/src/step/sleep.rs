@@ -6,39 +6,44 @@ use bevy::prelude::*;
 use crate::components::{BodyParticles, Collider, Gravity, Sleep};
 use crate::rows::{GONE, Rows};
 use crate::world::SinewWorld;
-use crate::{Fluid, Ground, Wind};
+use crate::{CollisionLayers, ContactsDisabled, Fluid, Sensor, SurfaceMaterial, Wind};
 
 /// What surrounds bodies: where something of it changes, all wake.
 #[derive(SystemParam)]
 pub(crate) struct Surroundings<'w, 's> {
     gravity: Res<'w, Gravity>,
-    colliders: Query<'w, 's, &'static Collider>,
-    grounds: Query<'w, 's, &'static Ground>,
+    colliders: Query<'w, 's, Standing, (Without<Sensor>, Without<ContactsDisabled>)>,
     winds: Query<'w, 's, &'static Wind>,
     fluids: Query<'w, 's, &'static Fluid>,
     changed: Query<'w, 's, (), Touched>,
     known: Local<'s, Known>,
 }
 
-type Touched = Or<(Changed<Collider>, Changed<Ground>, Changed<Wind>, Changed<Fluid>)>;
+/// What of a collider matters to what lies on it.
+type Standing =
+    (&'static Collider, Option<&'static SurfaceMaterial>, Option<&'static CollisionLayers>);
+
+type Touched = Or<(
+    Changed<Collider>,
+    Changed<SurfaceMaterial>,
+    Changed<CollisionLayers>,
+    Changed<Wind>,
+    Changed<Fluid>,
+)>;
 
 /// The number of surroundings that nobody has touched since, and how many there were. It saves work and changes nothing: bodies keep the number that
 /// they know.
 #[derive(Default)]
 pub(crate) struct Known {
     number: u64,
-    counts: [usize; 4],
+    counts: [usize; 3],
 }
 
 impl Surroundings<'_, '_> {
     /// One number for all that surrounds bodies, of its values alone: put back as it was, it is the same.
     fn number(&mut self) -> u64 {
-        let counts = [
-            self.colliders.iter().len(),
-            self.grounds.iter().len(),
-            self.winds.iter().len(),
-            self.fluids.iter().len(),
-        ];
+        let counts =
+            [self.colliders.iter().len(), self.winds.iter().len(), self.fluids.iter().len()];
         let known = self.known.number != 0 && self.known.counts == counts;
         if !known || self.gravity.is_changed() || !self.changed.is_empty() {
             *self.known = Known { number: self.summed_up().max(1), counts };
@@ -50,12 +55,19 @@ impl Surroundings<'_, '_> {
     fn summed_up(&self) -> u64 {
         let mut sum = mixed(1, self.gravity.0.to_array());
         let mut add = |number: u64| sum = sum.wrapping_add(number);
-        for collider in &self.colliders {
-            let bounds = collider.shape().map(|shape| shape.bounds()).unwrap_or_default();
-            add(mixed(2, [bounds.0, bounds.1].into_iter().flat_map(|v| v.to_array())));
-        }
-        for ground in &self.grounds {
-            add(mixed(3, [ground.friction, ground.restitution]));
+        for (collider, material, layers) in &self.colliders {
+            let bounds = match *collider {
+                // Its bounds have no end.
+                Collider::InsideBox { size } => (-size, Vec3::INFINITY),
+                ref collider => collider.shape().map(|shape| shape.bounds()).unwrap_or_default(),
+            };
+            let SurfaceMaterial { friction, restitution, drag, .. } =
+                material.copied().unwrap_or_default();
+            let CollisionLayers { memberships, filters } = layers.copied().unwrap_or_default();
+            let made_of = [friction, restitution, drag.along, drag.across];
+            let layers = [memberships, filters].map(f32::from_bits);
+            let bounds = [bounds.0, bounds.1].into_iter().flat_map(|v| v.to_array());
+            add(mixed(2, bounds.chain(made_of).chain(layers)));
         }
         for Wind { pressure: p, gusts, gust_length, gust_period } in &self.winds {
             add(mixed(4, [p.x, p.y, p.z, *gusts, *gust_length, *gust_period]));

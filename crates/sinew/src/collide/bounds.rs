@@ -1,30 +1,93 @@
-//! Planes and boxes that hold every particle (physics.md C4), and the plane that a world in 2D lies in: enforced row by row.
+//! Planes and boxes that hold particles and do nothing else to them (physics.md C4), and the plane that a world in 2D lies in: enforced row by row,
+//! without looking for anything beforehand. What bounces, drags, moves or is listened to is a surface (`particle_contact::surface`).
 
+use super::Collider;
 use super::friction::push;
 use crate::constraints::{Boundaries, InsideBox, PlanarDrag, Plane, slow_down};
 use crate::particles::{Particles, Places, ground};
 
-/// The valid ones among the planes and boxes that bound every particle, and the plane of a world in 2D: scratch of a step.
+/// What bounds particles, class by class ([`BodyClasses`](super::body_classes::BodyClasses)), and the plane of a world in 2D: scratch of a step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bounds {
-    pub(super) planes: Vec<Plane>,
-    pub(super) boxes: Vec<InsideBox>,
+    classes: Vec<ClassBounds>,
+    /// Each plane and each box once, whoever it holds.
+    planes: Vec<Plane>,
+    boxes: Vec<InsideBox>,
     plane_constraint: Option<Plane>,
-    /// Planes with a drag, others among them that are no plain bounds.
+    /// Planes of the boundaries with a drag, others among them that are no plain bounds.
     drags: Vec<Plane>,
 }
 
+/// What holds one class, with the friction between the two.
+#[derive(Clone, Debug, Default)]
+struct ClassBounds {
+    planes: Vec<Plane>,
+    boxes: Vec<InsideBox>,
+}
+
+/// A plane or a box.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Bound {
+    Plane(Plane),
+    Box(InsideBox),
+}
+
+impl Bound {
+    /// What a collider is, if it is a plane, or a box along the axes, that stands still.
+    pub(super) fn of(collider: &Collider) -> Option<Self> {
+        if !collider.shape.is_endless() || collider.start != collider.end {
+            return None;
+        }
+        let frame = &collider.end;
+        if let Some(half) = collider.shape.inside_half_size() {
+            let (middle, level) = (frame.translation, frame.rotation == glam::Mat3::IDENTITY);
+            return level.then(|| Self::Box(InsideBox::new(middle - half, middle + half)));
+        }
+        let normal = frame.rotation.y_axis;
+        let offset = normal.dot(frame.translation);
+        Some(Self::Plane(Plane { normal, offset, ..Plane::ground(0.0) }))
+    }
+
+    fn with_friction(self, friction: f32) -> Self {
+        match self {
+            Self::Plane(plane) => Self::Plane(Plane { friction, ..plane }),
+            Self::Box(room) => Self::Box(InsideBox { friction, ..room }),
+        }
+    }
+}
+
 impl Bounds {
-    /// Takes what is valid, and keeps its memory.
-    pub(super) fn take(&mut self, boundaries: &Boundaries) {
+    /// Begins a step with so many classes, which nothing holds yet, and keeps its memory.
+    pub(super) fn begin(&mut self, boundaries: &Boundaries, classes: usize) {
+        self.classes.resize_with(classes, ClassBounds::default);
+        for class in &mut self.classes {
+            class.planes.clear();
+            class.boxes.clear();
+        }
         self.planes.clear();
-        self.planes.extend(boundaries.planes.iter().filter(|plane| plane.is_valid()));
-        self.drags.clear();
-        let drags = |plane: &&Plane| plane.drag != PlanarDrag::default();
-        self.drags.extend(self.planes.iter().filter(drags));
         self.boxes.clear();
-        self.boxes.extend(boundaries.boxes.iter().filter(|room| room.is_valid()));
+        self.drags.clear();
+        let drags = |plane: &&Plane| plane.is_valid() && plane.drag != PlanarDrag::default();
+        self.drags.extend(boundaries.planes.iter().filter(drags));
         self.plane_constraint = boundaries.plane_constraint.filter(Plane::is_valid);
+    }
+
+    /// Adds one that holds those classes for which `friction` says how much there is.
+    pub(super) fn hold_back(&mut self, bound: Bound, friction: impl Fn(usize) -> Option<f32>) {
+        let mut holds = false;
+        for (number, class) in self.classes.iter_mut().enumerate() {
+            let Some(friction) = friction(number) else { continue };
+            holds = true;
+            match bound.with_friction(friction) {
+                Bound::Plane(plane) => class.planes.push(plane),
+                Bound::Box(room) => class.boxes.push(room),
+            }
+        }
+        match bound {
+            Bound::Plane(plane) if holds => self.planes.push(plane),
+            Bound::Box(room) if holds => self.boxes.push(room),
+            _ => (),
+        }
     }
 
     /// Whether there is nothing to touch.
@@ -37,9 +100,15 @@ impl Bounds {
         self.plane_constraint.is_some()
     }
 
-    /// The planes, if there is nothing else.
-    pub(super) fn planes_alone(&self) -> Option<&[Plane]> {
-        (self.boxes.is_empty() && self.plane_constraint.is_none()).then_some(&self.planes)
+    /// The planes that hold a class, if nothing else does.
+    pub(super) fn planes_alone(&self, class: usize) -> Option<&[Plane]> {
+        let Some(class) = self.classes.get(class) else { return Some(&[]) };
+        (class.boxes.is_empty() && self.plane_constraint.is_none()).then_some(&class.planes)
+    }
+
+    /// The planes and the boxes, whoever they hold.
+    pub(super) fn all(&self) -> (&[Plane], &[InsideBox]) {
+        (&self.planes, &self.boxes)
     }
 
     /// Slows down what touches a plane with a drag, before a substep of `h` seconds is predicted.
@@ -47,15 +116,16 @@ impl Bounds {
         slow_down(particles, &self.drags, solid, h);
     }
 
-    /// Puts a row on the right side of every plane and box, once, with friction; returns how far out it was, metres.
+    /// Puts a row of a class on the right side of every plane and box, once, with friction; returns how far out it was, metres.
     #[inline]
-    pub(super) fn project(&self, places: &mut Places, row: u32) -> f32 {
+    pub(super) fn project(&self, places: &mut Places, row: u32, class: usize) -> f32 {
         let mut worst = 0.0_f32;
-        for plane in &self.planes {
+        let Some(ClassBounds { planes, boxes }) = self.classes.get(class) else { return worst };
+        for plane in planes {
             let out = plane.correction(places, row);
             worst = worst.max(push(places, row, out, plane.friction));
         }
-        for room in &self.boxes {
+        for room in boxes {
             let out = room.correction(places, row);
             worst = worst.max(push(places, row, out, room.friction));
         }
@@ -90,10 +160,14 @@ impl Bounds {
         }
     }
 
-    /// How far out a row is, metres, moving nothing.
-    pub(super) fn error(&self, places: &Places, row: u32) -> f32 {
-        let planes = self.planes.iter().map(|plane| plane.correction(places, row).length());
-        let boxes = self.boxes.iter().map(|room| room.correction(places, row).length());
+    /// How far out a row of a class is, metres, moving nothing.
+    pub(super) fn error(&self, places: &Places, row: u32, class: usize) -> f32 {
+        let (planes, boxes): (&[Plane], &[InsideBox]) = match self.classes.get(class) {
+            Some(class) => (&class.planes, &class.boxes),
+            None => (&[], &[]),
+        };
+        let planes = planes.iter().map(|plane| plane.correction(places, row).length());
+        let boxes = boxes.iter().map(|room| room.correction(places, row).length());
         let plane_constraint =
             self.plane_constraint.iter().map(|s| places.height(row, s.normal, s.offset).abs());
         planes.chain(boxes).chain(plane_constraint).fold(0.0, f32::max)
@@ -115,7 +189,14 @@ mod tests {
     }
 
     fn touch(plane: Plane, particles: &mut Particles) -> f32 {
-        Bounds { planes: vec![plane], ..Default::default() }.project(&mut Places::all(particles), 0)
+        hold(Bound::Plane(plane), plane.friction, particles)
+    }
+
+    fn hold(bound: Bound, friction: f32, particles: &mut Particles) -> f32 {
+        let mut bounds = Bounds::default();
+        bounds.begin(&Boundaries::default(), 1);
+        bounds.hold_back(bound, |_| Some(friction));
+        bounds.project(&mut Places::all(particles), 0, 0)
     }
 
     #[test]
@@ -133,10 +214,10 @@ mod tests {
     fn the_box_clamps_each_coordinate_and_centres_what_does_not_fit() {
         let room = InsideBox::new(Vec3::ZERO, Vec3::new(100.0, 1.0, 100.0));
         let mut out = one(Vec3::new(-5.0, 0.5, 120.0), Vec3::new(-5.0, 0.5, 120.0), 0.25);
-        Bounds { boxes: vec![room], ..Default::default() }.project(&mut Places::all(&mut out), 0);
+        hold(Bound::Box(room), room.friction, &mut out);
         assert!(out.position(0).abs_diff_eq(Vec3::new(0.25, 0.5, 99.75), 1e-4));
         let mut fat = one(Vec3::new(50.0, 0.9, 50.0), Vec3::new(50.0, 0.9, 50.0), 2.0);
-        Bounds { boxes: vec![room], ..Default::default() }.project(&mut Places::all(&mut fat), 0);
+        hold(Bound::Box(room), room.friction, &mut fat);
         assert_eq!(fat.position(0).y, 0.5);
     }
 }

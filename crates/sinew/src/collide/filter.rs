@@ -104,6 +104,11 @@ impl ContactFilter {
         self.ignored.is_empty() || self.ignored.binary_search(&[body, collider]).is_err()
     }
 
+    /// Whether a collider has a body that may not touch it, whatever its layers.
+    pub(crate) fn ignores_collider(&self, collider: u32) -> bool {
+        self.ignored.iter().any(|pair| pair[1] == collider)
+    }
+
     /// Whether a constraint joins two bodies, or they are not to touch all the same.
     #[inline]
     fn are_joined(&self, a: u32, b: u32) -> bool {

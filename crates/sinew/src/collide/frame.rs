@@ -64,6 +64,13 @@ impl Frame {
         Self { translation: self.translation - origin, ..*self }
     }
 
+    /// Something that is at `inner` as this frame sees it, in the world: `self ∘ inner`.
+    pub(crate) fn of(&self, inner: &Self) -> Self {
+        let columns = [inner.rotation.x_axis, inner.rotation.y_axis, inner.rotation.z_axis];
+        let [x, y, z] = columns.map(|axis| self.turn(axis));
+        Self { translation: self.point(inner.translation), rotation: Mat3::from_cols(x, y, z) }
+    }
+
     /// This one as seen from another: `other ∘ result = self`.
     pub fn from_within(&self, other: &Self) -> Self {
         let columns = [self.rotation.x_axis, self.rotation.y_axis, self.rotation.z_axis];
@@ -102,6 +109,8 @@ mod tests {
         let other = Frame::new(Vec3::ONE, Quat::from_xyzw(0.3, 0.1, -0.4, 1.0));
         let seen = frame.from_within(&other);
         assert!((other.point(seen.point(point)) - frame.point(point)).length() < 1e-5);
+        let again = other.of(&seen);
+        assert!(again.is_valid() && (again.point(point) - frame.point(point)).length() < 1e-5);
     }
 
     #[test]

@@ -8,7 +8,8 @@
 //! | `collider` | shapes that stand still or that the game moves |
 //! | `filter` | which things may touch: layers, joints, what bodies ask for |
 //! | `nearby` | broad phase over whole bodies: which of them may come to touch another one |
-//! | `bounds` | planes and boxes that hold every particle |
+//! | `body_classes` | bodies that static geometry treats alike |
+//! | `bounds` | planes and boxes that hold particles without ado |
 //! | `particle_contact` | single particles against colliders |
 //! | `pairs` | particles against particles: a grid, and what is near enough in it |
 //! | `triangles` | particles against triangles, and edges against edges, where a body asks for it: the finer tier |
@@ -19,6 +20,7 @@
 //! | `impact` | what has touched what, for the report |
 //! | `words` | what has private parts as plain words, to be stored |
 
+mod body_classes;
 mod body_contact;
 mod bounds;
 mod collider;

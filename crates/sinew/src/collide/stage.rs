@@ -67,7 +67,7 @@ impl Contacts {
         let World { boundaries, colliders, filter, substeps, dt, gravity, .. } = world;
         self.impacts.clear();
         self.set_aside(particles, filter);
-        self.particle_contacts.take(boundaries, colliders, filter, substeps);
+        self.particle_contacts.take(particles, (boundaries, colliders), filter, substeps);
         self.particle_contacts.set_solid(&self.aside);
         self.particle_contacts.broad_phase(
             particles,

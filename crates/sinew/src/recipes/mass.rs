@@ -94,7 +94,10 @@ impl MassProperties {
             ShapeKind::Hull(points) => {
                 return Self::of_mesh(points, &convex_hull(points).ok()?).ok();
             }
-            ShapeKind::HalfSpace | ShapeKind::Mesh | ShapeKind::HeightField => return None,
+            ShapeKind::HalfSpace
+            | ShapeKind::InsideBox
+            | ShapeKind::Mesh
+            | ShapeKind::HeightField => return None,
         };
         let spread = DMat3::from_diagonal(spread);
         Some(Self { volume, barycentre: DVec3::ZERO, spread })

@@ -129,7 +129,7 @@ impl Simulation {
     ) -> Option<Hit> {
         let goes = !matches!(
             shape.kind(),
-            ShapeKind::HalfSpace | ShapeKind::Mesh | ShapeKind::HeightField
+            ShapeKind::HalfSpace | ShapeKind::InsideBox | ShapeKind::Mesh | ShapeKind::HeightField
         );
         if !(goes && frame.is_valid() && way.length >= 0.0) {
             return None;

@@ -99,7 +99,7 @@ pub(super) fn ticks(effort: &Effort) -> Vec<Row> {
         Row { ours: Some(whole - bare), ..row }.noted(note)
     };
     let dolls = |world: &mut World| {
-        world.spawn(Ground::default());
+        world.spawn(Ground);
         for n in 0..10 {
             let place = Transform::from_xyz(2.0 * n as f32, 0.5, 0.0);
             world.spawn((Ragdoll::default(), place));

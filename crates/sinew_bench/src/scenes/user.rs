@@ -82,7 +82,7 @@ users!(
 pub(super) fn u10(effort: &Effort) -> Vec<Row> {
     let extras: [(&str, fn(&mut World)); 4] = [
         ("a ground", |world| {
-            world.spawn(Ground::default());
+            world.spawn(Ground);
         }),
         ("a far collider", |world| {
             world.spawn((Collider::sphere(1.0), Transform::from_xyz(100.0, -50.0, 0.0)));
@@ -135,7 +135,7 @@ pub(super) fn u11(effort: &Effort) -> Vec<Row> {
 fn nothing() {}
 
 fn with_ground(world: &mut World, fill: impl FnOnce(&mut World)) {
-    world.spawn(Ground::default());
+    world.spawn(Ground);
     fill(world);
 }
 

@@ -22,7 +22,7 @@ fn spawn(world: &mut World) {
     world.spawn((InScene, Wind { pressure, gusts: 0.9, gust_length: 1.7, gust_period: 1.7 }));
     world.insert_resource(AirDrag(0.6));
     world.insert_resource(SolverConfig { substeps: 24, ..default() });
-    world.spawn((InScene, Ground::default()));
+    world.spawn((InScene, Ground));
     let banner = world.resource::<AssetServer>().load("props/banner.glb#Mesh0/Primitive0");
     world.spawn((
         InScene,

@@ -33,7 +33,7 @@ pub(crate) fn lead_trays(clock: Res<SinewClock>, mut trays: Query<(&Tray, &mut T
 }
 
 fn spawn(world: &mut World) {
-    world.spawn((InScene, Ground { friction: 0.6, ..default() }));
+    world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
     let at = Vec3::new(0.0, 0.5, -0.9);
     let size = Vec3::new(2.0, 0.12, 0.9);
     let board = mesh(world, rounded_box(size, 0.02, 2));

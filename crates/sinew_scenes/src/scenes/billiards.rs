@@ -24,7 +24,7 @@ const TABLE: Vec2 = Vec2::new(5.6, 2.9);
 const HEIGHT: f32 = 0.4;
 
 fn spawn(world: &mut World) {
-    world.spawn((InScene, Ground::default()));
+    world.spawn((InScene, Ground));
     let smooth = SurfaceMaterial {
         restitution: 1.0,
         friction_rule: Combine::Multiply,

@@ -26,7 +26,7 @@ const ROOM: f32 = 2.9;
 fn spawn(world: &mut World) {
     world.insert_resource(SolverConfig { substeps: 8, max_sweeps: 2, ..default() });
     world.insert_resource(AirDrag(0.2));
-    world.spawn((InScene, Ground { friction: 0.5, ..default() }));
+    world.spawn((InScene, Ground, SurfaceMaterial::new(0.5)));
     let (high, thick) = (1.8, 0.06);
     let reach = 0.5 * (ROOM + thick);
     for (x, z) in [(reach, 0.0), (-reach, 0.0), (0.0, reach), (0.0, -reach)] {

@@ -28,7 +28,7 @@ const WATER: f32 = 1000.0;
 const CURRENT: f32 = 0.25;
 
 fn spawn(world: &mut World) {
-    world.spawn((InScene, Ground::default()));
+    world.spawn((InScene, Ground));
     world.spawn((
         InScene,
         Name::new("pool"),

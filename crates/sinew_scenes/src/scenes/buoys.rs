@@ -21,7 +21,7 @@ pub(super) const SCENE: Scene = Scene {
 const LEVEL: f32 = 0.6;
 
 fn spawn(world: &mut World) {
-    world.spawn((InScene, Ground::default()));
+    world.spawn((InScene, Ground));
     world.spawn((InScene, Fluid { drag: 0.85, ..default() }, Transform::from_xyz(0.0, LEVEL, 0.0)));
     // The water is a slab seen from the front, cut open, so that one sees how deep the balls sit.
     let depth = 1.2;

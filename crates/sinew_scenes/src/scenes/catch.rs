@@ -20,7 +20,7 @@ pub(super) const SCENE: Scene = Scene {
 fn spawn(world: &mut World) {
     world.insert_resource(SolverConfig { substeps: 20, ..default() });
     world.insert_resource(AirDrag(0.8));
-    world.spawn((InScene, Ground::default()));
+    world.spawn((InScene, Ground));
     for x in [-1.0, 1.0] {
         for z in [-1.0, 1.0] {
             let post = post(world, 0.03, 1.4);

@@ -29,7 +29,7 @@ const ROPE: f32 = 0.03;
 fn spawn(world: &mut World) {
     world.insert_resource(SolverConfig { substeps: 20, max_sweeps: 8, ..default() });
     world.insert_resource(AirDrag(0.3));
-    world.spawn((InScene, Ground::default()));
+    world.spawn((InScene, Ground));
     let colors = [0xc9a66b, 0xb8434e, 0x3f6f9f];
     for n in 0..LOOPS {
         // Each hangs in the one above, a quarter turned, with some slack.

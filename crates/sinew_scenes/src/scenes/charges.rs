@@ -29,7 +29,8 @@ fn spawn(world: &mut World) {
     let centre = Vec3::Y * (HALF + 0.05);
     world.spawn((
         InScene,
-        BoundingBox { size: Vec3::splat(2.0 * HALF), friction: 0.1, ..default() },
+        BoundingBox { size: Vec3::splat(2.0 * HALF) },
+        SurfaceMaterial::new(0.1),
         Transform::from_translation(centre),
     ));
     frame(world, centre);

@@ -18,7 +18,7 @@ pub(super) const SCENE: Scene = Scene {
 };
 
 fn spawn(world: &mut World) {
-    world.spawn((InScene, Ground { friction: 0.45, ..default() }));
+    world.spawn((InScene, Ground, SurfaceMaterial::new(0.45)));
     let crates = [
         (Vec3::new(0.0, 3.4, 0.0), Vec3::splat(1.0), Vec3::new(0.5, 0.3, 0.7)),
         (Vec3::new(-2.2, 2.2, 0.9), Vec3::new(0.8, 0.8, 0.8), Vec3::new(0.9, 1.0, 0.1)),

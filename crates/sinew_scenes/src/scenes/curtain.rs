@@ -20,7 +20,7 @@ pub(super) const SCENE: Scene = Scene {
 fn spawn(world: &mut World) {
     world.insert_resource(SolverConfig { substeps: 16, ..default() });
     world.insert_resource(AirDrag(0.3));
-    world.spawn((InScene, Ground { friction: 0.6, ..default() }));
+    world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
     let rod = post(world, 0.025, 2.4);
     let brass = Look::color(0xb08d57).metal();
     let across = Quat::from_rotation_z(core::f32::consts::FRAC_PI_2);

@@ -19,7 +19,7 @@ pub(super) const SCENE: Scene = Scene {
 
 fn spawn(world: &mut World) {
     world.insert_resource(AirDrag(0.5));
-    world.spawn((InScene, Ground { friction: 0.6, ..default() }));
+    world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
     let globe = mesh(world, ball(0.5));
     let place = Transform::from_xyz(-1.05, 0.75, 0.0);
     let stone = Look::color(0x8f9aa3).roughness(0.5);

@@ -27,7 +27,7 @@ const FAN: Vec3 = Vec3::new(1.15, 2.4, 0.0);
 fn spawn(world: &mut World) {
     // The air below does all the braking: by area and speed, not by a share of the velocity.
     world.insert_resource(AirDrag(0.0));
-    world.spawn((InScene, Ground { friction: 0.8, ..default() }));
+    world.spawn((InScene, Ground, SurfaceMaterial::new(0.8)));
     world.spawn((InScene, Name::new("still air"), AirFlow::default()));
     world.spawn((
         InScene,

@@ -31,7 +31,7 @@ fn spawn(world: &mut World) {
     world.insert_resource(AirDrag(0.75));
     // A 2 m flag in cells of 4 cm is 48 pieces from the pole to its end: short substeps carry the pull that far.
     world.insert_resource(SolverConfig { substeps: 30, max_sweeps: 2, ..default() });
-    world.spawn((InScene, Ground::default()));
+    world.spawn((InScene, Ground));
     world.spawn((
         InScene,
         Name::new("flag"),

@@ -23,9 +23,9 @@ const SLOPE: f32 = 0.45;
 
 fn spawn(world: &mut World) {
     world.spawn((InScene, Flatland));
-    world.spawn((InScene, Ground { friction: 0.4, ..default() }));
+    world.spawn((InScene, Ground, SurfaceMaterial::new(0.4)));
     let tilted = Quat::from_rotation_z(-SLOPE);
-    world.spawn((InScene, Ground { friction: 0.2, ..default() }, Transform::from_rotation(tilted)));
+    world.spawn((InScene, Ground, SurfaceMaterial::new(0.2), Transform::from_rotation(tilted)));
     // The slope ends at the origin, where the flat ground begins.
     let (length, thickness) = (4.6, 0.12);
     let plank = mesh(world, Cuboid::new(length, thickness, 0.6));

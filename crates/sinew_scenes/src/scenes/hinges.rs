@@ -29,7 +29,7 @@ const CONE: f32 = PI / 9.0;
 fn spawn(world: &mut World) {
     world.insert_resource(SolverConfig { substeps: 20, ..default() });
     world.insert_resource(AirDrag(0.1));
-    world.spawn((InScene, Ground::default()));
+    world.spawn((InScene, Ground));
     for (i, far) in FLAPS.into_iter().enumerate() {
         flap(world, Vec3::new(-3.1 + 1.05 * i as f32, 2.0, 0.0), far);
     }

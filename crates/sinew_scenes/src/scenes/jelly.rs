@@ -26,7 +26,7 @@ const SIDE: usize = 5;
 const GAP: f32 = 0.22;
 
 fn spawn(world: &mut World) {
-    world.spawn((InScene, Ground { friction: 0.5, ..default() }));
+    world.spawn((InScene, Ground, SurfaceMaterial::new(0.5)));
     for (place, turn, color) in [
         (Vec3::new(-0.7, 1.9, 0.3), Vec3::new(0.4, 0.3, 0.5), 0xd1495b),
         (Vec3::new(1.0, 1.3, -1.0), Vec3::new(0.1, 0.5, 0.9), 0x66a182),

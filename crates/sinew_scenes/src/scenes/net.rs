@@ -25,7 +25,7 @@ const CELLS: u32 = 8;
 fn spawn(world: &mut World) {
     world.insert_resource(SolverConfig { substeps: 12, ..default() });
     world.insert_resource(AirDrag(0.4));
-    world.spawn((InScene, Ground { friction: 0.5, ..default() }));
+    world.spawn((InScene, Ground, SurfaceMaterial::new(0.5)));
     let by = [(-1.0, ContactShape::Particles, 0xd9c9a8), (1.0, ContactShape::Triangles, 0x9fc2d8)];
     for (x, shape, color) in by {
         let middle = Vec3::new(x, 1.2, 0.0);

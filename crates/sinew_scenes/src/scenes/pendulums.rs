@@ -24,7 +24,7 @@ const COUNT: usize = 15;
 
 fn spawn(world: &mut World) {
     world.insert_resource(AirDrag(0.0));
-    world.spawn((InScene, Ground::default()));
+    world.spawn((InScene, Ground));
     let height = 1.75;
     let bar = post(world, 0.025, 2.5);
     let lying = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);

@@ -21,7 +21,7 @@ pub(super) const SCENE: Scene = Scene {
 const EDGE: f32 = 0.5;
 
 fn spawn(world: &mut World) {
-    world.spawn((InScene, Ground { friction: 0.6, ..default() }));
+    world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
     let skin = mesh(world, rounded_box(Vec3::splat(EDGE), 0.015, 2));
     // Layer by layer, each turned a little further, so that none falls straight onto the one below.
     for n in 0..72_u32 {

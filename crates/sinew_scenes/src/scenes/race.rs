@@ -24,7 +24,7 @@ const BOARD: Vec3 = Vec3::new(7.0, 0.12, 3.6);
 const RADIUS: f32 = 0.3;
 
 fn spawn(world: &mut World) {
-    world.spawn((InScene, Ground::default()));
+    world.spawn((InScene, Ground));
     let turn = Quat::from_rotation_z(-ANGLE);
     let middle = Vec3::Y * 0.9;
     let board = (Collider::cuboid(BOARD), mesh(world, rounded_box(BOARD, 0.02, 2)));

@@ -20,7 +20,7 @@ pub(super) const SCENE: Scene = Scene {
 fn spawn(world: &mut World) {
     world.insert_resource(AirDrag(0.2));
     world.insert_resource(SolverConfig { substeps: 20, max_sweeps: 8, ..default() });
-    world.spawn((InScene, Ground { friction: 0.6, ..default() }));
+    world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
     let figures = [
         (Vec3::new(0.0, 0.02, 0.0), 0.0, 0.0, 0xd9622b),
         (Vec3::new(-1.6, 0.9, -0.6), 0.8, 0.5, 0x2f8f83),

@@ -34,7 +34,7 @@ const TIE: f32 = BALL + 2.0 * THICK;
 fn spawn(world: &mut World) {
     world.insert_resource(SolverConfig { substeps: 20, max_sweeps: 8, ..default() });
     world.insert_resource(AirDrag(0.2));
-    world.spawn((InScene, Ground { friction: 0.5, ..default() }));
+    world.spawn((InScene, Ground, SurfaceMaterial::new(0.5)));
     for (x, shape) in [(-1.15, ContactShape::Particles), (1.15, ContactShape::Segments)] {
         let contacts = BodyContacts::default().shaped(shape);
         frame(world, x);

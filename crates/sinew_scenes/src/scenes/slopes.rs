@@ -23,7 +23,7 @@ const PLATE: Vec3 = Vec3::new(0.62, 0.12, 0.62);
 const PLATES: u32 = 6;
 
 fn spawn(world: &mut World) {
-    world.spawn((InScene, Ground { friction: 0.5, ..default() }));
+    world.spawn((InScene, Ground, SurfaceMaterial::new(0.5)));
     let board = mesh(world, rounded_box(SLOPE, 0.015, 2));
     let skin = mesh(world, rounded_box(PLATE, 0.012, 2));
     let slopes = [(-2.2, 10.0_f32, 0x7a9e7e), (0.0, 20.0, 0xd9b26a), (2.2, 30.0, 0xc0604d)];

@@ -19,7 +19,7 @@ pub(super) const SCENE: Scene = Scene {
 
 fn spawn(world: &mut World) {
     world.insert_resource(SolverConfig { substeps: 10, ..default() });
-    world.spawn((InScene, Ground { friction: 0.6, ..default() }));
+    world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
     let ball = mesh(world, Sphere::new(0.45).mesh().uv(18, 11));
     let taut = Look::texture("textures/ball.png").roughness(0.35);
     let skin = SoftBody { damping: 0.05, bend: 0.05, ..SoftBody::from_mesh() };

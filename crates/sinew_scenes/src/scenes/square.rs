@@ -18,7 +18,7 @@ pub(super) const SCENE: Scene = Scene {
 };
 
 fn spawn(world: &mut World) {
-    world.spawn((InScene, Ground { friction: 0.6, ..default() }));
+    world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
     let squares =
         [(-2.5, 2.6, 0.35, 0xe07a5f), (0.0, 3.3, 0.62, 0x3d7ea6), (2.5, 2.2, 1.2, 0xe9b44c)];
     for (x, y, turn, color) in squares {

@@ -25,7 +25,7 @@ const GOING: f32 = 0.42;
 fn spawn(world: &mut World) {
     world.insert_resource(AirDrag(0.2));
     world.insert_resource(SolverConfig { substeps: 16, max_sweeps: 8, ..default() });
-    world.spawn((InScene, Ground { friction: 0.6, ..default() }));
+    world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
     for n in 0..STEPS {
         let high = RISE * (STEPS - n) as f32;
         let size = Vec3::new(GOING, high, 3.4);

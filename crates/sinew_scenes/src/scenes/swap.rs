@@ -48,7 +48,7 @@ fn spawn(world: &mut World) {
     // As on the Moon, so that there is time to look.
     world.insert_resource(Gravity(Vec3::new(0.0, -1.62, 0.0)));
     world.insert_resource(AirDrag(0.0));
-    world.spawn((InScene, Ground { friction: 0.4, ..default() }));
+    world.spawn((InScene, Ground, SurfaceMaterial::new(0.4)));
     let sizes = [Vec3::new(0.5, 0.7, 1.0), Vec3::splat(0.7), Vec3::new(1.1, 0.35, 0.7)];
     for (i, size) in sizes.into_iter().enumerate() {
         let skin = mesh(world, rounded_box(size, 0.04, 3));

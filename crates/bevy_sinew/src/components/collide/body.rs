@@ -4,15 +4,15 @@ use bevy::prelude::*;
 
 /// How a body takes part in contacts, where that is not as by default: a loose particle is a body of its own.
 ///
-/// Without it a body touches colliders, [`Ground`](crate::Ground)s, [`BoundingBox`](crate::BoundingBox)es and all other bodies, by what holds for it
+/// Without it a body touches all colliders and all other bodies, by what holds for it
 /// ([`ContactShape::Auto`]), and not itself; a [`Ragdoll`](crate::Ragdoll) and an [`Articulated`](crate::Articulated) body have
 /// [`BodyContacts::ALL`], because their limbs touch each other, unless they are spawned with another one. Two bodies that a constraint joins do not touch
 /// each other; neither do a body and what it is [pinned to](crate::PinnedTo), or a collider that is a child of it; nor a single particle and what it is
 /// tied to, directly or through others.
 ///
 /// [`SurfaceMaterial`](super::SurfaceMaterial) and [`CollisionLayers`](super::CollisionLayers) on the body say what it is made of and what it may touch;
-/// [`ContactsDisabled`] takes it out of all contacts. Particles collide as balls of their [`Radius`](crate::Radius); those without one touch colliders and
-/// grounds as points, and no other body.
+/// [`ContactsDisabled`] takes it out of all contacts. Particles collide as balls of their [`Radius`](crate::Radius); those without one touch colliders as
+/// points, and no other body.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct BodyContacts {

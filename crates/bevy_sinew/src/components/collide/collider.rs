@@ -6,7 +6,8 @@ use sinew::{Shape, ShapeFault};
 use super::{ColliderMotion, ContactCache, PlacedCollider};
 use crate::components::CreationOrder;
 
-/// A shape that particles and bodies cannot enter: a floor, a wall, a hill, a lift.
+/// A shape that particles and bodies cannot enter: a floor, a wall, a hill, a lift. [`Ground`](crate::Ground) and [`BoundingBox`](crate::BoundingBox)
+/// are names for two of them.
 ///
 /// It is where the entity is, on top of its parents, turned and scaled as they are (what is round and is not scaled alike in all directions becomes a
 /// hull of 24 sides). It stands still, or goes where the game moves its `Transform` (a *kinematic* collider): over the tick it goes evenly from where
@@ -38,6 +39,11 @@ use crate::components::CreationOrder;
 pub enum Collider {
     /// All that is below the entity's local xz plane.
     HalfSpace,
+    /// All that is outside of a box: a room without a door. [`BoundingBox`](crate::BoundingBox) is a name for it.
+    InsideBox {
+        /// Lengths of the edges of the box, metres, along the entity's axes; positive.
+        size: Vec3,
+    },
     /// A ball.
     Sphere {
         /// Its radius, metres; positive.
@@ -109,6 +115,11 @@ impl Collider {
         Self::HalfSpace
     }
 
+    /// All that is outside of a box, from the lengths of its edges, metres.
+    pub fn inside_box(size: Vec3) -> Self {
+        Self::InsideBox { size }
+    }
+
     /// A ball of the given radius, metres.
     pub fn sphere(radius: f32) -> Self {
         Self::Sphere { radius }
@@ -170,6 +181,7 @@ impl Collider {
     pub fn shape(&self) -> Result<Shape, ShapeFault> {
         match *self {
             Self::HalfSpace => Ok(Shape::half_space()),
+            Self::InsideBox { size } => Shape::inside_box(size),
             Self::Sphere { radius } => Shape::sphere(radius),
             // Without a middle its ends are all of it.
             Self::Capsule { radius, length: 0.0 } => Shape::sphere(radius),

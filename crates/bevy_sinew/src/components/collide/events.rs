@@ -5,7 +5,7 @@ use bevy::ecs::world::DeferredWorld;
 use bevy::prelude::*;
 
 /// Asks for the contacts of this body or collider to be told: as [`ContactStarted`] and [`ContactEnded`], which are messages to be read and events to
-/// be observed on this very entity, and as a list, [`Touching`]. Grounds and rooms take part as the other one.
+/// be observed on this very entity, and as a list, [`Touching`].
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -30,7 +30,7 @@ pub enum ContactEvents {
     Every,
 }
 
-/// Whom it touches, as of the last tick: bodies, loose particles, colliders, grounds and rooms, each in the order of creation. Kept by the plugin on whatever has [`ContactEvents`]. Part of the state:
+/// Whom it touches, as of the last tick: bodies, loose particles and colliders, each in the order of creation. Kept by the plugin on whatever has [`ContactEvents`]. Part of the state:
 /// save and restore it with the rest, or contacts that go on begin anew. Where it goes, because the entity does, its contacts end.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
@@ -43,7 +43,7 @@ pub struct Touching(#[entities] pub Vec<Entity>);
 pub struct ContactStarted {
     /// Who asked.
     pub entity: Entity,
-    /// Whom it touches: a body, a loose particle, a collider, a ground or a room.
+    /// Whom it touches: a body, a loose particle or a collider.
     pub other: Entity,
     /// Where, metres; of several places the one with the greatest impulse.
     pub point: Vec3,
@@ -60,7 +60,7 @@ pub struct ContactStarted {
 pub struct ContactImpulse {
     /// Who asked.
     pub entity: Entity,
-    /// Whom it touches: a body, a loose particle, a collider, a ground or a room.
+    /// Whom it touches: a body, a loose particle or a collider.
     pub other: Entity,
     /// Where, metres; of several places the one with the greatest impulse.
     pub point: Vec3,

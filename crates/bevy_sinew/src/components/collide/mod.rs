@@ -28,7 +28,7 @@ pub use collider::{Collider, ColliderFault, ColliderShape};
 pub use contact_cache::ContactCache;
 pub use events::{ContactEnded, ContactEvents, ContactImpulse, ContactStarted, Touching};
 pub use motion::ColliderMotion;
-pub use surface::{CollisionLayer, CollisionLayers, Combine, Sensor, SurfaceMaterial};
+pub use surface::{CollisionLayer, CollisionLayers, Combine, GroundDrag, Sensor, SurfaceMaterial};
 pub use weight::Weighs;
 
 pub(crate) use motion::PlacedCollider;
@@ -41,6 +41,7 @@ pub(super) fn register(app: &mut App) {
         .register_type::<ColliderMotion>()
         .register_type::<ContactCache>()
         .register_type::<SurfaceMaterial>()
+        .register_type::<GroundDrag>()
         .register_type::<CollisionLayers>()
         .register_type::<Sensor>()
         .register_type::<ContactEvents>()

@@ -3,8 +3,6 @@
 use bevy::prelude::*;
 use sinew::{Layers, Material, PlanarDrag};
 
-use crate::components::GroundDrag;
-
 /// What the surface of a [`Collider`](super::Collider), a body or a loose particle is made of. Without it, the default.
 ///
 /// A body with a broken number is as one without it, a collider is set aside; either is reported once.
@@ -21,6 +19,17 @@ pub struct SurfaceMaterial {
     pub restitution_rule: Combine,
     /// The lectures' friction: shares of the velocity that what touches it loses per second. Of two surfaces the greater counts. Default none.
     pub drag: GroundDrag,
+}
+
+/// The lectures' friction of a [`SurfaceMaterial`]: a drag of its own along the surface and across it, for what touches it. Coulomb's friction acts
+/// besides: set that to 0 by [`Combine::Min`] to have this alone.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Default, Clone, PartialEq)]
+pub struct GroundDrag {
+    /// Share of the velocity along the surface that is lost per second, 0 to 1. Default 0.
+    pub along: f32,
+    /// Share of the velocity towards it or away that is lost per second, 0 to 1. Default 0.
+    pub across: f32,
 }
 
 /// How a coefficient of two surfaces is made of each one's. Where the two ask for different rules, the one later in this list counts.

@@ -1,54 +1,54 @@
-//! The surfaces that bound the space in which particles are.
+//! What bounds the space in which things are: a ground and a room, which are colliders by name, and the plane of a world in 2D.
 
 use bevy::prelude::*;
 
-use crate::components::CreationOrder;
+use crate::components::{Collider, CreationOrder};
 
-/// An endless plane that no particle sinks under: the entity's local xz plane, solid below.
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, Default, Clone, PartialEq)]
-#[require(Transform, CreationOrder)]
-pub struct Ground {
-    /// Coulomb's coefficient of friction μ, 0 and up. Default 0.5.
-    pub friction: f32,
-    /// Which part of its speed of approach a thing bounces back with, 0 to 1. Default 0.
-    pub restitution: f32,
-}
-
-impl Default for Ground {
-    fn default() -> Self {
-        Self { friction: 0.5, restitution: 0.0 }
-    }
-}
-
-/// The lectures' friction, beside a [`Ground`] on the same entity: a drag of its own along the ground and across it, for what touches it.
+/// An endless ground: the entity's local xz plane, solid below. It is a [`Collider`], [`Collider::HalfSpace`], by a shorter name: what it is made of
+/// ([`SurfaceMaterial`](crate::SurfaceMaterial)), whom it touches ([`CollisionLayers`](crate::CollisionLayers)) and who is told
+/// ([`ContactEvents`](crate::ContactEvents)) stands beside it, and it goes where the game moves its `Transform`.
 ///
-/// Coulomb's friction, [`Ground::friction`], acts besides: set that to 0 to have this alone.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// fn spawn(mut commands: Commands) {
+///     commands.spawn((Ground, SurfaceMaterial::new(0.8), Transform::from_xyz(0.0, -1.0, 0.0)));
+/// }
+/// ```
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-pub struct GroundDrag {
-    /// Share of the velocity along the ground that is lost per second, 0 to 1. Default 0.
-    pub along: f32,
-    /// Share of the velocity towards it or away that is lost per second, 0 to 1. Default 0.
-    pub across: f32,
-}
+#[require(Collider = Collider::HalfSpace, Transform, CreationOrder)]
+pub struct Ground;
 
-/// A room that no particle leaves: a box around the entity's position, its walls along the world's axes, scaled as the entity is.
+/// A room that nothing leaves: a box around the entity's origin, turned and scaled as the entity is, and solid all around. It is a [`Collider`],
+/// [`Collider::InsideBox`], which follows its size; what else holds for colliders holds for it.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// fn spawn(mut commands: Commands) {
+///     let aquarium = BoundingBox { size: Vec3::new(4.0, 2.0, 2.0) };
+///     commands.spawn((aquarium, SurfaceMaterial::new(0.1), Transform::from_xyz(0.0, 1.0, 0.0)));
+/// }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(Transform, CreationOrder)]
+#[require(Collider = Self::default().collider(), Transform, CreationOrder)]
 pub struct BoundingBox {
-    /// Lengths of its edges, metres. Default 10.
+    /// Lengths of its edges, metres; positive. Default 10.
     pub size: Vec3,
-    /// Coulomb's coefficient of friction μ on its walls, 0 and up. Default 0.5.
-    pub friction: f32,
-    /// Which part of its speed of approach a thing bounces back from a wall with, 0 to 1. Default 0.
-    pub restitution: f32,
 }
 
 impl Default for BoundingBox {
     fn default() -> Self {
-        Self { size: Vec3::splat(10.0), friction: 0.5, restitution: 0.0 }
+        Self { size: Vec3::splat(10.0) }
+    }
+}
+
+impl BoundingBox {
+    /// The collider that it is.
+    pub(crate) fn collider(self) -> Collider {
+        Collider::InsideBox { size: self.size }
     }
 }
 

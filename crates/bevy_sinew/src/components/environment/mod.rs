@@ -21,7 +21,7 @@ mod gravity;
 mod region;
 mod wind;
 
-pub use bounds::{BoundingBox, Flatland, Ground, GroundDrag};
+pub use bounds::{BoundingBox, Flatland, Ground};
 pub use electric::{Electric, ElectricField};
 pub use fluid::{Floats, Fluid, HullShape};
 pub use gravity::{Attractor, Gravity};
@@ -43,7 +43,6 @@ pub(super) fn register(app: &mut App) {
         .register_type::<ElectricField>()
         .register_type::<Region>()
         .register_type::<Ground>()
-        .register_type::<GroundDrag>()
         .register_type::<BoundingBox>()
         .register_type::<Flatland>();
 }

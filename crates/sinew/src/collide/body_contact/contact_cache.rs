@@ -80,7 +80,8 @@ impl ContactKey {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Other {
     BodyCollider(u64),
-    Collider(u64),
+    /// A collider, and which of its walls, of one that is made of several.
+    Collider(u64, u32),
     Plane(u64),
     /// A box, and which of its walls.
     Wall(u64, u32),
@@ -137,7 +138,7 @@ impl CachedManifold {
         words.long(key.a);
         let (kind, id, wall) = match key.other {
             Other::BodyCollider(id) => (0, id, 0),
-            Other::Collider(id) => (1, id, 0),
+            Other::Collider(id, wall) => (1, id, wall),
             Other::Plane(id) => (2, id, 0),
             Other::Wall(id, wall) => (3, id, wall),
         };
@@ -167,7 +168,7 @@ impl CachedManifold {
         let (wall, nth) = (reader.word()?, reader.word()?);
         let other = match kind {
             0 => Other::BodyCollider(id),
-            1 => Other::Collider(id),
+            1 => Other::Collider(id, wall),
             2 => Other::Plane(id),
             3 => Other::Wall(id, wall),
             _ => return None,

@@ -139,7 +139,10 @@ impl BodyCollider {
             Some(BodyColliderFault::SameParticle)
         } else if self.rest.iter().any(|r| !r.is_finite()) {
             Some(BodyColliderFault::Number)
-        } else if matches!(self.shape.kind(), Kind::HalfSpace | Kind::Mesh | Kind::HeightField) {
+        } else if matches!(
+            self.shape.kind(),
+            Kind::HalfSpace | Kind::InsideBox | Kind::Mesh | Kind::HeightField
+        ) {
             Some(BodyColliderFault::Shape)
         } else {
             None

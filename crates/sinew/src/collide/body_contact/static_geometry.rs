@@ -2,7 +2,6 @@
 
 use glam::{Mat3, Vec3};
 
-use super::super::shape::Kind;
 use super::super::{
     Collider, CombinedMaterial, ContactParticipant, Frame, Layers, Material, Shape, World,
 };
@@ -17,6 +16,8 @@ pub(super) struct StaticGeometry {
     pub(super) start: Frame,
     /// Its number among the colliders, if it goes somewhere during the step.
     pub(super) moving: Option<usize>,
+    /// Where it is in the coordinates of that one: of a wall of a room.
+    wall: Frame,
     material: Material,
     /// Whether its own coefficients count alone, whatever touches it: so it is of planes and boxes.
     alone: bool,
@@ -40,8 +41,16 @@ pub(super) fn list(
     let floor = floor.get_or_insert_with(Shape::half_space);
     static_geometry.clear();
     for (number, collider) in world.colliders.iter().enumerate() {
-        if collider.is_valid() {
-            static_geometry.push(StaticGeometry::of(collider, number));
+        if !collider.is_valid() {
+            continue;
+        }
+        if collider.shape.is_endless() {
+            let walls = collider.shape.half_spaces().zip(0..);
+            static_geometry.extend(
+                walls.map(|wall| StaticGeometry::of(collider, number, Some((wall, floor)))),
+            );
+        } else {
+            static_geometry.push(StaticGeometry::of(collider, number, None));
         }
     }
     for (number, plane) in world.boundaries.planes.iter().enumerate() {
@@ -67,11 +76,17 @@ pub(super) fn list(
 }
 
 impl StaticGeometry {
-    fn of(collider: &Collider, number: usize) -> Self {
+    /// A collider, or one of the half-spaces that it is made of, with the shape of those.
+    fn of(collider: &Collider, number: usize, wall: Option<((Frame, u32), &Shape)>) -> Self {
         let Collider { shape, start, end, material, layers, sensor, events, id } = collider;
+        let ((wall, nth), shape, endless) = match wall {
+            Some((wall, floor)) => (wall, floor, true),
+            None => ((Frame::IDENTITY, 0), shape, false),
+        };
         Self {
             shape: shape.clone(),
-            start: *start,
+            start: placed(start, &wall),
+            wall,
             moving: (start != end).then_some(number),
             material: *material,
             alone: false,
@@ -79,8 +94,8 @@ impl StaticGeometry {
             sensor: *sensor,
             events: *events,
             participant: ContactParticipant::Collider(number as u32),
-            other: Other::Collider(if *id > 0 { *id } else { number as u64 }),
-            endless: matches!(shape.kind(), Kind::HalfSpace),
+            other: Other::Collider(if *id > 0 { *id } else { number as u64 }, nth),
+            endless,
         }
     }
 
@@ -100,6 +115,7 @@ impl StaticGeometry {
                 rotation: Mat3::from_cols(x, n, x.cross(n)),
             },
             moving: None,
+            wall: Frame::IDENTITY,
             material: Material { drag: plane.drag, ..material },
             alone: true,
             layers: Layers::new(u32::MAX, u32::MAX),
@@ -114,7 +130,7 @@ impl StaticGeometry {
     /// Where it is after a share of the step.
     pub(super) fn frame_at(&self, world: &World, share: f32) -> Frame {
         match self.moving.and_then(|number| world.colliders.get(number)) {
-            Some(collider) if share > 0.0 => collider.frame_at(share),
+            Some(collider) if share > 0.0 => placed(&collider.frame_at(share), &self.wall),
             _ => self.start,
         }
     }
@@ -171,6 +187,11 @@ impl StaticGeometry {
             other.against(&self.material)
         }
     }
+}
+
+/// Where a wall is of what is at a frame. A half-space by itself is where that is, to the bit.
+fn placed(frame: &Frame, wall: &Frame) -> Frame {
+    if *wall == Frame::IDENTITY { *frame } else { frame.of(wall) }
 }
 
 /// The six planes of a box, which face inward.

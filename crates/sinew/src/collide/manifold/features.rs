@@ -145,7 +145,7 @@ impl Convex<'_> {
             Kind::Cylinder { radius, half_height } => {
                 radius * across_axis(direction).1 + half_height * direction.y.abs()
             }
-            Kind::HalfSpace | Kind::Mesh | Kind::HeightField => f32::INFINITY,
+            Kind::HalfSpace | Kind::InsideBox | Kind::Mesh | Kind::HeightField => f32::INFINITY,
         }
     }
 
@@ -230,9 +230,11 @@ impl Convex<'_> {
                 };
                 (0..ROUND).map(corner).collect()
             }
-            Kind::Sphere { .. } | Kind::HalfSpace | Kind::Mesh | Kind::HeightField => {
-                Feature::new()
-            }
+            Kind::Sphere { .. }
+            | Kind::HalfSpace
+            | Kind::InsideBox
+            | Kind::Mesh
+            | Kind::HeightField => Feature::new(),
         }
     }
 }

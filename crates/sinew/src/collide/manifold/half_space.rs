@@ -36,7 +36,7 @@ pub(super) fn collide(kind: Kind, frame: &Frame, reach: f32) -> Manifold {
             }
             manifold
         }
-        Kind::HalfSpace | Kind::Mesh | Kind::HeightField => Manifold::default(),
+        Kind::HalfSpace | Kind::InsideBox | Kind::Mesh | Kind::HeightField => Manifold::default(),
     }
 }
 

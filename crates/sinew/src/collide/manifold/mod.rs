@@ -108,6 +108,15 @@ impl Manifold {
         manifold
     }
 
+    /// The same where the second one is at a frame, in whose coordinates this is.
+    fn placed(mut self, at: &Frame) -> Self {
+        self.normal = at.turn(self.normal);
+        for point in &mut self.points[..self.len as usize] {
+            point.on_b = at.point(point.on_b);
+        }
+        self
+    }
+
     /// Appends it as words.
     pub(crate) fn write(&self, words: &mut Vec<u32>) {
         let Self { normal, points, len, part, radii, axial, free, slope } = self;
@@ -181,8 +190,8 @@ impl Manifold {
 
 /// Hands out where `a` and `b` are no further apart than `reach` metres (0 or more), given where `a` is in the coordinates of `b`.
 ///
-/// One manifold for two convex shapes, one for each triangle of a mesh or heightfield; none for two of those that cannot move (half-spaces,
-/// meshes, heightfields), and none where the frame is not finite.
+/// One manifold for two convex shapes, one for each triangle of a mesh or heightfield and for each wall of a room; none for two of those that cannot move (half-spaces,
+/// rooms, meshes, heightfields), and none where the frame is not finite.
 pub(crate) fn collide(
     a: &Shape,
     b: &Shape,
@@ -218,9 +227,19 @@ fn in_order(
     out: &mut dyn FnMut(&Manifold),
 ) {
     let found = match (a.kind(), b.kind()) {
-        (Kind::HalfSpace | Kind::Mesh | Kind::HeightField, _) => return,
+        (Kind::HalfSpace | Kind::InsideBox | Kind::Mesh | Kind::HeightField, _) => return,
         (kind, Kind::HalfSpace) => {
             Manifold { free: f32::INFINITY, ..half_space::collide(kind, a_in_b, reach) }
+        }
+        (kind, Kind::InsideBox) => {
+            for wall in b.half_spaces() {
+                let found = half_space::collide(kind, &a_in_b.from_within(&wall), reach);
+                let found = Manifold { free: f32::INFINITY, ..found };
+                if found.is_sound() {
+                    out(&found.placed(&wall).rounded([kind, Kind::InsideBox], a_in_b));
+                }
+            }
+            return;
         }
         (_, Kind::Mesh | Kind::HeightField) => {
             return convex::on_triangles(a, b, a_in_b, reach, scratch, out);
@@ -286,6 +305,7 @@ fn rank(kind: Kind) -> u8 {
         Kind::HalfSpace => 5,
         Kind::Mesh => 6,
         Kind::HeightField => 7,
+        Kind::InsideBox => 8,
     }
 }
 

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use super::super::nearby;
 use super::super::stage::World;
+use super::super::{CombinedMaterial, nearby};
 use super::surface::SurfaceForm;
 use super::{NormalImpulse, ParticleContacts, SurfaceCandidate};
 use crate::particles::Particles;
@@ -45,6 +45,7 @@ impl ParticleContacts {
     /// Finds the surfaces that each row may touch.
     fn find_candidates(&mut self, particles: &Particles, world: &World) {
         let (plan, filter) = (world.plan, world.filter);
+        let classes = self.classes.all().len();
         self.sort.found.clear();
         let steps = self.frames.len() / self.surfaces.len();
         for (number, surface) in self.surfaces.iter().enumerate() {
@@ -71,21 +72,18 @@ impl ParticleContacts {
                     let near = (at + reach).cmpge(low).all() && (at - reach).cmple(high).all();
                     let solid = self.solid.get(i).is_some_and(|&solid| solid);
                     let pinned = particles.position[i].w == 0.0;
-                    let body = filter.body(particles.body[i]);
-                    let meets = || {
-                        surface.layers.meets(body.layers)
-                            && surface.may_touch(filter, particles.body[i])
-                    };
-                    if !near || solid || pinned || !meets() {
+                    if !near || solid || pinned {
                         continue;
                     }
-                    let combined_material = surface.combined_material(&body.material);
-                    let candidate = SurfaceCandidate {
-                        surface: number as u32,
-                        friction: combined_material.friction,
-                        restitution: combined_material.restitution,
-                        drag: combined_material.drag,
+                    let material = self.materials[number * classes + self.classes.of(row)];
+                    let Some(CombinedMaterial { friction, restitution, drag }) = material else {
+                        continue;
                     };
+                    if !surface.may_touch(filter, particles.body[i]) {
+                        continue;
+                    }
+                    let surface = number as u32;
+                    let candidate = SurfaceCandidate { surface, friction, restitution, drag };
                     self.sort.found.push((row, candidate));
                 }
             }

@@ -16,9 +16,10 @@ mod surface;
 
 use glam::{Vec3, Vec4};
 
+use super::body_classes::BodyClasses;
 use super::bounds::Bounds;
 use super::friction::friction;
-use super::{Collider, ContactFilter, Frame};
+use super::{Collider, CombinedMaterial, ContactFilter, Frame};
 use crate::constraints::{Boundaries, PlanarDrag, Plane};
 use crate::particles::{Particles, Places};
 
@@ -28,8 +29,11 @@ use surface::{ContactSurface, SurfaceForm};
 /// Everything that single particles touch, for one step. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ParticleContacts {
+    classes: BodyClasses,
     bounds: Bounds,
     surfaces: Vec<ContactSurface>,
+    /// What becomes of the materials of each surface and each class of bodies, surface by surface; `None` where the one is no surface to the other.
+    materials: Vec<Option<CombinedMaterial>>,
     /// Where each surface is when each substep begins, and when the last one ends: all surfaces of one instant one after the other.
     frames: Vec<Frame>,
     /// The first candidate of each row, and their number; empty where there are no surfaces.
@@ -63,21 +67,19 @@ impl ParticleContacts {
     /// Takes what is valid for a step of so many substeps, and keeps its memory.
     pub(crate) fn take(
         &mut self,
-        boundaries: &Boundaries,
-        colliders: &[Collider],
+        particles: &Particles,
+        (boundaries, colliders): (&Boundaries, &[Collider]),
         filter: &ContactFilter,
         substeps: u32,
     ) {
-        self.bounds.take(boundaries);
+        self.classes.update(filter, particles);
         let reported = filter.bodies().iter().any(|body| body.events);
         self.reported.clear();
         if reported {
             self.reported.extend(filter.bodies().iter().map(|body| body.events));
         }
-        surface::list(boundaries, colliders, reported, &mut self.surfaces);
-        // What is a surface is no plain plane or box.
-        self.bounds.planes.retain(|plane| !surface::is_asked(plane.restitution, reported));
-        self.bounds.boxes.retain(|room| !surface::is_asked(room.restitution, reported));
+        let Self { classes, bounds, surfaces, materials, .. } = self;
+        surface::list((boundaries, colliders), filter, classes, bounds, surfaces, materials);
         self.frames.clear();
         for instant in 0..=substeps {
             let share = instant as f32 / substeps as f32;
@@ -103,9 +105,18 @@ impl ParticleContacts {
         let listed = &listed[..rows.len().min(listed.len())];
         let solid = listed.iter().filter(|&&solid| solid).count();
         if solid == 0 {
-            return if self.surfaces.is_empty() { self.bounds.planes_alone() } else { None };
+            let class = self.classes.of_all(rows)?;
+            let surface = |number: usize| self.material(number, class).is_some();
+            let plain = !(0..self.surfaces.len()).any(surface);
+            return if plain { self.bounds.planes_alone(class) } else { None };
         }
         (solid == rows.len() && !self.bounds.has_plane_constraint()).then_some(&[])
+    }
+
+    /// What becomes of the materials of a surface and of a class of bodies; `None` where it is no surface to those.
+    #[inline]
+    fn material(&self, surface: usize, class: usize) -> Option<&CombinedMaterial> {
+        self.materials.get(surface * self.classes.all().len() + class)?.as_ref()
     }
 
     /// Slows down what touches a plane with a drag, before a substep of `h` seconds is predicted.
@@ -129,7 +140,7 @@ impl ParticleContacts {
         let mut worst = 0.0_f32;
         if !self.is_solid(row) {
             if bounded {
-                worst = self.bounds.project(places, row);
+                worst = self.bounds.project(places, row, self.classes.of(row));
             }
             if !self.first.is_empty() {
                 worst = worst.max(self.leave(places, normal_impulses, row, substep));
@@ -154,7 +165,8 @@ impl ParticleContacts {
 
     fn deepest(&self, places: &Places, row: u32, bounded: bool) -> f32 {
         let Some(last) = self.frames.len().checked_sub(self.surfaces.len()) else { return 0.0 };
-        let mut worst = if bounded { self.bounds.error(places, row) } else { 0.0 };
+        let class = self.classes.of(row);
+        let mut worst = if bounded { self.bounds.error(places, row, class) } else { 0.0 };
         for candidate in self.of(row).map(|i| &self.candidates[i as usize]) {
             let number = candidate.surface as usize;
             let (surface, frame) = (&self.surfaces[number], &self.frames[last + number]);
@@ -217,17 +229,16 @@ impl ParticleContacts {
         worst
     }
 
-    /// The same of any collider, for what was flung further than was foreseen.
+    /// The same of any surface, for what was flung further than was foreseen.
     #[cold]
     fn leave_any(&self, places: &mut Places, row: u32, began: usize) -> f32 {
         let mut worst = 0.0_f32;
         for (number, surface) in self.surfaces.iter().enumerate() {
-            if surface.sensor {
-                continue;
-            }
+            let material = self.material(number, self.classes.of(row));
+            let Some(material) = material.filter(|_| !surface.sensor) else { continue };
             if let Some(contact) = self.contact(places, row, number, began) {
                 worst = worst.max(contact.depth);
-                contact.resolve(places, row, surface.material.friction);
+                contact.resolve(places, row, material.friction);
             }
         }
         worst

@@ -94,14 +94,12 @@ impl super::Bounds {
         }
         let slack = low.abs().max(high.abs()) * ROUNDED;
         let (low, high) = (low - slack, high + slack);
-        let planes = self.planes.iter().all(|plane| {
+        let (planes, boxes) = self.all();
+        let held = planes.iter().all(|plane| {
             let (n, offset) = (plane.normal.as_dvec3(), f64::from(plane.offset));
             let lowest = (n * low.as_dvec3()).min(n * high.as_dvec3()).element_sum();
             lowest >= offset + 1e-6 * offset.abs()
         });
-        let boxes = |room: &crate::constraints::InsideBox| {
-            low.cmpge(room.min).all() && high.cmple(room.max).all()
-        };
-        planes && self.boxes.iter().all(boxes)
+        held && boxes.iter().all(|room| low.cmpge(room.min).all() && high.cmple(room.max).all())
     }
 }

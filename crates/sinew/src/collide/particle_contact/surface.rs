@@ -1,10 +1,13 @@
-//! What a particle may touch and somebody asks about: colliders, and those planes and boxes that bounce or whose contacts are to be reported.
+//! What a particle may touch and has to be looked for: colliders, and those planes and boxes that do more than to hold it. What does not is a plain
+//! bound. Whether something is the one or the other is decided for each class of bodies by itself, so that nobody's path depends on what others ask for.
 
+use super::super::body_classes::{BodyClass, BodyClasses};
+use super::super::bounds::{Bound, Bounds};
 use super::super::collider::on_the_way;
 use super::super::{
     Collider, CombinedMaterial, ContactFilter, ContactParticipant, Frame, Layers, Material, Shape,
 };
-use crate::constraints::{Boundaries, InsideBox, Plane};
+use crate::constraints::{Boundaries, InsideBox, PlanarDrag, Plane};
 use crate::particles::Places;
 
 /// One of them.
@@ -33,46 +36,73 @@ pub(super) enum SurfaceForm {
     Shape(Shape),
 }
 
-/// Whether a plane or a box is more than a bound: it bounces, or its contacts are to be reported.
-pub(super) fn is_asked(restitution: f32, reported: bool) -> bool {
-    restitution > 0.0 || reported
-}
-
-/// Lists them, valid ones only.
+/// Lists what is valid: what holds a class of bodies and does no more to it goes to the bounds, all else to the surfaces, with what becomes of the
+/// materials of each surface and each class, surface by surface; `None` where a class does not touch it, or not as a surface.
 pub(super) fn list(
-    boundaries: &Boundaries,
-    colliders: &[Collider],
-    reported: bool,
+    (boundaries, colliders): (&Boundaries, &[Collider]),
+    filter: &ContactFilter,
+    classes: &BodyClasses,
+    bounds: &mut Bounds,
     surfaces: &mut Vec<ContactSurface>,
+    materials: &mut Vec<Option<CombinedMaterial>>,
 ) {
+    bounds.begin(boundaries, classes.all().len());
     surfaces.clear();
+    materials.clear();
+    let mut add = |surface: ContactSurface, bound: Option<Bound>| {
+        let combined = |class: &BodyClass| {
+            let meets = surface.layers.meets(class.layers);
+            meets.then(|| surface.combined_material(&class.material))
+        };
+        let is_bound = |class: &BodyClass, material: &CombinedMaterial| {
+            let CombinedMaterial { restitution, drag, .. } = *material;
+            let quiet = restitution <= 0.0 && drag == PlanarDrag::default();
+            bound.is_some() && quiet && !class.events
+        };
+        if let Some(bound) = bound {
+            bounds.hold_back(bound, |number| {
+                let class = &classes.all()[number];
+                let material = combined(class).filter(|material| is_bound(class, material))?;
+                Some(material.friction)
+            });
+        }
+        let first = materials.len();
+        materials.extend(
+            classes
+                .all()
+                .iter()
+                .map(|class| combined(class).filter(|material| !is_bound(class, material))),
+        );
+        if materials[first..].iter().any(Option::is_some) {
+            surfaces.push(surface);
+        } else {
+            materials.truncate(first);
+        }
+    };
     for (number, plane) in boundaries.planes.iter().enumerate() {
-        if plane.is_valid() && is_asked(plane.restitution, reported) {
-            let participant = ContactParticipant::Plane(number as u32);
-            let form = SurfaceForm::Plane(*plane);
-            surfaces.push(ContactSurface::bound(
-                form,
-                plane.friction,
-                plane.restitution,
-                participant,
-            ));
+        if plane.is_valid() {
+            let (form, participant) =
+                (SurfaceForm::Plane(*plane), ContactParticipant::Plane(number as u32));
+            let coefficients = (plane.friction, plane.restitution);
+            let surface = ContactSurface::bound(form, coefficients, participant);
+            add(surface, Some(Bound::Plane(*plane)));
         }
     }
-    for (number, bounding_box) in boundaries.boxes.iter().enumerate() {
-        if bounding_box.is_valid() && is_asked(bounding_box.restitution, reported) {
-            let participant = ContactParticipant::Box(number as u32);
-            let form = SurfaceForm::BoundingBox(*bounding_box);
-            surfaces.push(ContactSurface::bound(
-                form,
-                bounding_box.friction,
-                bounding_box.restitution,
-                participant,
-            ));
+    for (number, room) in boundaries.boxes.iter().enumerate() {
+        if room.is_valid() {
+            let (form, participant) =
+                (SurfaceForm::BoundingBox(*room), ContactParticipant::Box(number as u32));
+            let surface =
+                ContactSurface::bound(form, (room.friction, room.restitution), participant);
+            add(surface, Some(Bound::Box(*room)));
         }
     }
     for (number, collider) in colliders.iter().enumerate() {
         if collider.is_valid() {
-            surfaces.push(ContactSurface::of(collider, number as u32));
+            let number = number as u32;
+            let asked = collider.sensor || collider.events || filter.ignores_collider(number);
+            let bound = if asked { None } else { Bound::of(collider) };
+            add(ContactSurface::of(collider, number), bound);
         }
     }
 }
@@ -80,8 +110,7 @@ pub(super) fn list(
 impl ContactSurface {
     fn bound(
         form: SurfaceForm,
-        friction: f32,
-        restitution: f32,
+        (friction, restitution): (f32, f32),
         participant: ContactParticipant,
     ) -> Self {
         let material = Material::default().with_friction(friction).with_restitution(restitution);

@@ -2,9 +2,11 @@
 
 use glam::Vec3;
 
-use crate::particles::Places;
-use crate::recipes::{ClothSpec, cloth_grid};
-use crate::{Collider, Frame, Plane, Shape, Simulation, Wind};
+use crate::particles::{ParticleSeed, Places};
+use crate::recipes::{BoxSpec, ClothSpec, box_3d, cloth_grid};
+use crate::{
+    BodyContacts, Collider, Combine, Frame, Layers, Material, Plane, Shape, Simulation, Wind,
+};
 
 /// A cloth of 1 m × 1 m, hung by two corners 3 m above the ground there may be, in a wind.
 fn hung() -> Simulation {
@@ -98,5 +100,166 @@ fn what_is_flung_out_of_reach_meets_what_is_there() {
         }
         world.end_step();
         assert!(world.particles.position(last).y > 0.0, "{}", world.particles.position(last));
+    }
+}
+
+/// Boxes of particles that fall side by side onto something level at a height of 0, each of its own material.
+fn falling(contacts: impl Fn(u32) -> BodyContacts) -> Simulation {
+    let mut world = Simulation::default();
+    let cube = box_3d(&BoxSpec::default()).unwrap();
+    for i in 0..24 {
+        let at = Vec3::new(2.0 * i as f32, 0.8, 0.0);
+        let turned = glam::Quat::from_xyzw(0.1, 0.2, 0.3, 1.0).normalize();
+        let cube = cube.transformed(turned, at);
+        cube.build(&mut world).unwrap();
+        let rows = world.particles.len() - 8..world.particles.len();
+        for row in rows {
+            world.particles.set_velocity(row, Vec3::X * 2.0);
+            world.particles.set_body(row, Some(i));
+        }
+        world.contacts.push(contacts(i));
+    }
+    world
+}
+
+/// Positions after 40 steps.
+fn run(world: &mut Simulation) -> Vec<Vec3> {
+    for _ in 0..40 {
+        world.step(1.0 / 60.0).unwrap();
+    }
+    (0..world.particles.len()).map(|i| world.particles.position(i)).collect()
+}
+
+fn level() -> Collider {
+    Collider::fixed(Shape::half_space(), Frame::IDENTITY)
+}
+
+fn room() -> Collider {
+    let size = Vec3::new(200.0, 40.0, 200.0);
+    Collider::fixed(Shape::inside_box(size).unwrap(), Frame::at(Vec3::Y * 20.0))
+}
+
+/// Whether the boxes may go through a step eight at a time. All substeps may be taken at once in any case.
+fn plain(world: &mut Simulation, boxes: core::ops::Range<u32>) -> bool {
+    world.begin_step(1.0 / 60.0).unwrap();
+    assert!(world.is_undisturbed());
+    let contacts = world.particle_contacts().clone();
+    boxes.map(|i| contacts.planes_alone(8 * i..8 * i + 8)).all(|planes| planes.is_some())
+}
+
+#[test]
+fn a_collider_that_is_a_plane_or_a_box_holds_as_a_boundary_does_to_the_bit_and_in_the_same_way() {
+    let as_boundary = |box_: bool| {
+        let mut world = falling(|_| BodyContacts::default());
+        if box_ {
+            let (min, max) = (Vec3::new(-100.0, 0.0, -100.0), Vec3::new(100.0, 40.0, 100.0));
+            world.boundaries.boxes.push(crate::InsideBox::new(min, max));
+        } else {
+            world.boundaries.planes.push(Plane::ground(0.0));
+        }
+        world
+    };
+    for (box_, collider) in [(false, level()), (true, room())] {
+        let mut world = falling(|_| BodyContacts::default());
+        world.colliders.push(collider);
+        assert_eq!(plain(&mut world.clone(), 0..24), !box_, "eight at a time, but in a box");
+        let mut boundary = as_boundary(box_);
+        assert_eq!(plain(&mut boundary.clone(), 0..24), !box_);
+        assert!(run(&mut world) == run(&mut boundary), "box {box_}");
+    }
+}
+
+#[test]
+fn what_one_asks_for_changes_nobody_elses_way_nor_a_bit_of_him() {
+    let ice = Material { friction: 0.0, friction_rule: Combine::Min, ..Material::default() };
+    let rubber = Material::default().with_restitution(0.8);
+    let layers = Layers::new(2, 2);
+    let asks = [
+        BodyContacts { material: ice, ..BodyContacts::default() },
+        BodyContacts { material: rubber, ..BodyContacts::default() },
+        BodyContacts { layers, ..BodyContacts::default() },
+        BodyContacts { events: true, ..BodyContacts::default() },
+    ];
+    for collider in [level(), room()] {
+        let mut alike = falling(|_| BodyContacts::default());
+        alike.colliders.push(collider.clone());
+        let expected = run(&mut alike);
+        for own in asks {
+            // The last eight ask for something of their own.
+            let mut world = falling(|i| if i < 16 { BodyContacts::default() } else { own });
+            world.colliders.push(collider.clone());
+            let half_space = collider.shape == Shape::half_space();
+            assert_eq!(plain(&mut world.clone(), 0..16), half_space);
+            let found = run(&mut world);
+            assert!(found[..16 * 8] == expected[..16 * 8], "{own:?}");
+            let (theirs, others) = (&found[16 * 8..], &expected[16 * 8..]);
+            let low = theirs.iter().map(|at| at.y).fold(f32::INFINITY, f32::min);
+            let along = |list: &[Vec3]| list.iter().map(|at| at.x).sum::<f32>() / list.len() as f32;
+            let far = along(theirs) - along(others);
+            match own {
+                _ if own.layers == layers => assert!(low < -0.5, "falls through: {low}"),
+                _ if own.material == ice => assert!(far > 0.3 && low > -0.01, "slides: {far}"),
+                _ if own.material == rubber => {
+                    let high = theirs.iter().map(|at| at.y).sum::<f32>() / theirs.len() as f32;
+                    assert!(high > 0.55 && low > -0.05, "bounces: {high} {low}");
+                }
+                _ => assert!(far.abs() < 0.05 && low > -0.01, "the same but for rounding: {far}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn a_room_that_is_turned_moves_or_is_a_sensor_is_looked_for_and_does_what_it_should() {
+    let turned = Frame::new(Vec3::Y * 20.0, glam::Quat::from_xyzw(0.0, 1e-3, 0.0, 1.0));
+    let up = Frame::at(Vec3::Y * 20.01);
+    for (collider, holds) in [
+        (Collider { start: turned, end: turned, ..room() }, true),
+        (room().moving_to(up), true),
+        (Collider { sensor: true, ..room() }, false),
+        (Collider { layers: Layers::NONE, ..room() }, false),
+    ] {
+        let mut world = falling(|_| BodyContacts::default());
+        world.colliders.push(collider.clone());
+        for _ in 0..40 {
+            world.step(1.0 / 60.0).unwrap();
+            // It goes no farther.
+            world.colliders[0].start = world.colliders[0].end;
+        }
+        let low = (0..world.particles.len()).map(|i| world.particles.position(i).y);
+        let low = low.fold(f32::INFINITY, f32::min);
+        assert!(if holds { low > -0.02 } else { low < -0.5 }, "{low} {collider:?}");
+    }
+}
+
+/// It was tried against everything, whatever its layers, with the friction of the other one alone.
+#[test]
+fn what_is_flung_out_of_reach_keeps_its_layers() {
+    for layers in [Layers::new(2, 2), Layers::default()] {
+        let mut world = Simulation::default();
+        for (body, at) in [(0, Vec3::ZERO), (1, Vec3::Z * 50.0)] {
+            let row = world.particles.push(ParticleSeed::at(at).with_radius(0.1)).unwrap();
+            world.particles.set_body(row as usize, Some(body));
+            world.contacts.push(BodyContacts::default());
+        }
+        world.contacts[0].layers = layers;
+        // One that is near, and one in the way.
+        let meets = Layers::new(3, 3);
+        world.colliders.push(ball(Vec3::Y * 0.5).with_layers(meets));
+        let wall = Shape::cuboid(Vec3::new(0.2, 10.0, 10.0)).unwrap();
+        world.colliders.push(Collider::fixed(wall, Frame::at(Vec3::X * 5.0)));
+        let substeps = world.begin_step(1.0 / 60.0).unwrap();
+        for substep in 0..substeps {
+            world.begin_substep();
+            world.accumulate_forces();
+            if substep == 3 {
+                world.particles.set_velocity(0, Vec3::X * 6000.0);
+            }
+            world.integrate();
+            world.solve_constraints();
+        }
+        world.end_step();
+        let through = world.particles.position(0).x > 5.0;
+        assert_eq!(through, layers != Layers::default(), "{}", world.particles.position(0));
     }
 }

@@ -18,6 +18,7 @@ pub(super) fn of(form: &Form) -> u64 {
         Form::Hull(hull) => mixed(6, hull.points.iter().copied()),
         Form::Mesh(_) => mixed(7, alone),
         Form::Heights(_) => mixed(8, alone),
+        Form::InsideBox(room) => mixed(9, [room.half_size]),
     }
 }
 
@@ -38,6 +39,8 @@ mod tests {
         let corners = |x: f32| [Vec3::ZERO, Vec3::X * x, Vec3::Y, Vec3::Z];
         let all = [
             Shape::half_space(),
+            Shape::inside_box(Vec3::ONE).unwrap(),
+            Shape::inside_box(Vec3::splat(2.0)).unwrap(),
             Shape::sphere(1.0).unwrap(),
             Shape::sphere(1.5).unwrap(),
             Shape::capsule(1.0, 3.0).unwrap(),
@@ -52,6 +55,6 @@ mod tests {
                 assert_eq!(one.content_hash() == other.content_hash(), i == j, "{one:?} {other:?}");
             }
         }
-        assert_eq!(all[7].content_hash(), Shape::hull(&corners(1.0)).unwrap().content_hash());
+        assert_eq!(all[9].content_hash(), Shape::hull(&corners(1.0)).unwrap().content_hash());
     }
 }

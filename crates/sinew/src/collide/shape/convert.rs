@@ -25,6 +25,8 @@ impl Shape {
 fn twin(form: &Form) -> Box<dyn parry::Shape> {
     match form {
         Form::HalfSpace => Box::new(parry::HalfSpace::new(Vector::Y)),
+        // Asked wall by wall (`Obstacle::with`): that library has no such shape.
+        Form::InsideBox(_) => Box::new(parry::HalfSpace::new(Vector::Y)),
         Form::Ball(ball) => Box::new(parry::Ball::new(ball.radius)),
         Form::Capsule(c) => Box::new(parry::Capsule::new_y(c.half_height, c.radius)),
         Form::Cuboid(cuboid) => Box::new(parry::Cuboid::new(theirs(cuboid.half_size))),

@@ -8,10 +8,11 @@ use crate::collide::Frame;
 
 impl Shape {
     /// The lowest and the highest coordinates of the smallest box around it along its own axes, metres. A half space has no end but the one at the
-    /// top.
+    /// top, and what is outside of a box has none.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let half = match &self.form {
             Form::HalfSpace => return (-Vec3::INFINITY, Vec3::INFINITY.with_y(0.0)),
+            Form::InsideBox(_) => return (-Vec3::INFINITY, Vec3::INFINITY),
             Form::Hull(hull) => return around(&hull.points),
             Form::Mesh(mesh) => return mesh.bounds(),
             Form::Heights(heights) => return heights.bounds(),
@@ -28,6 +29,7 @@ impl Shape {
         let up = frame.rotation.y_axis;
         let half = match &self.form {
             Form::HalfSpace => return half_space(frame),
+            Form::InsideBox(_) => return (-Vec3::INFINITY, Vec3::INFINITY),
             Form::Hull(hull) => {
                 let mut hull = hull.points.iter().map(|&p| frame.point(p));
                 let first = hull.next().unwrap_or(frame.translation);

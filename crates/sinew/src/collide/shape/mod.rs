@@ -5,6 +5,7 @@
 //! | `fault` | why a shape is refused |
 //! | `convex` | a sphere against anything without dents: one rule for all of them, and how it follows |
 //! | `round`, `flat` | sphere, capsule and cylinder; box: nearest point and way in, in closed form |
+//! | `inside` | what is solid outside of a box, and the half-spaces of what is endless |
 //! | `hull` | the same for what is given by its corners |
 //! | `triangle`, `surface` | a sphere against triangles: nearest point, crossing, and the same rule for what has dents |
 //! | `tree`, `coarse` | which triangles are near; whether any are |
@@ -24,6 +25,7 @@ mod fault;
 mod flat;
 mod height;
 mod hull;
+mod inside;
 mod mesh;
 mod round;
 mod scale;
@@ -47,6 +49,7 @@ use fault::{is_length, is_size};
 use flat::Cuboid;
 use height::Heights;
 use hull::Hull;
+use inside::InsideBox;
 use mesh::Mesh;
 use round::{Ball, Capsule, Cylinder};
 
@@ -66,6 +69,7 @@ pub struct Shape {
 #[derive(Clone, Debug, PartialEq)]
 enum Form {
     HalfSpace,
+    InsideBox(InsideBox),
     Ball(Ball),
     Capsule(Capsule),
     Cuboid(Cuboid),
@@ -80,6 +84,8 @@ enum Form {
 pub(crate) enum Kind<'a> {
     /// Solid below y = 0.
     HalfSpace,
+    /// Solid outside of a box about the origin.
+    InsideBox,
     /// About the origin.
     Sphere { radius: f32 },
     /// Along y; the half height is that of the straight part.
@@ -129,6 +135,15 @@ impl Shape {
     /// All that is below y = 0: a floor without end.
     pub fn half_space() -> Self {
         Self::of(Form::HalfSpace)
+    }
+
+    /// All that is outside of a box about the origin: a room without a door. The size is that of the box, metres.
+    ///
+    /// # Errors
+    /// If a length is not between 1e-6 and 1e6 metres.
+    pub fn inside_box(size: Vec3) -> Result<Self, ShapeFault> {
+        is_size(size).then_some(()).ok_or(ShapeFault::Size)?;
+        Ok(Self::of(Form::InsideBox(InsideBox { half_size: 0.5 * size })))
     }
 
     /// A sphere about the origin.
@@ -212,6 +227,7 @@ impl Shape {
     pub(crate) fn touch(&self, from: Vec3, to: Vec3, radius: f32) -> Option<ShapeTouch> {
         match &self.form {
             Form::HalfSpace => ShapeTouch::new(Vec3::Y, radius - to.y),
+            Form::InsideBox(room) => room.touch(to, radius),
             Form::Ball(ball) => ball.touch(from, to, radius),
             Form::Capsule(capsule) => capsule.touch(from, to, radius),
             Form::Cuboid(cuboid) => cuboid.touch(from, to, radius),
@@ -232,6 +248,7 @@ impl Shape {
                 (origin.y >= 0.0 && direction.y < 0.0 && distance <= max)
                     .then_some(RayHit { distance, normal: Vec3::Y })
             }
+            Form::InsideBox(room) => room.cast(origin, direction, max),
             Form::Ball(ball) => ball.cast(origin, direction, max),
             Form::Capsule(capsule) => capsule.cast(origin, direction, max),
             Form::Cuboid(cuboid) => cuboid.cast(origin, direction, max),
@@ -248,6 +265,7 @@ impl Shape {
             Form::HalfSpace => {
                 Nearest { point: point.with_y(0.0), normal: Vec3::Y, distance: point.y }
             }
+            Form::InsideBox(room) => room.nearest(point),
             Form::Ball(ball) => ball.nearest(point),
             Form::Capsule(capsule) => capsule.nearest(point),
             Form::Cuboid(cuboid) => cuboid.nearest(point),
@@ -262,6 +280,7 @@ impl Shape {
     pub(crate) fn kind(&self) -> Kind<'_> {
         match &self.form {
             Form::HalfSpace => Kind::HalfSpace,
+            Form::InsideBox(_) => Kind::InsideBox,
             Form::Ball(ball) => Kind::Sphere { radius: ball.radius },
             Form::Capsule(Capsule { radius, half_height }) => {
                 Kind::Capsule { radius: *radius, half_height: *half_height }

@@ -2,13 +2,15 @@
 //!
 //! The library is asked in the coordinates of the other shape, so that no digit is lost far from the origin.
 
+use std::sync::LazyLock;
+
 use glam::Vec3;
 use parry3d::math::Pose;
 use parry3d::query::{self, DefaultQueryDispatcher, QueryDispatcher, ShapeCastOptions};
 use parry3d::shape as parry;
 
-use super::Shape;
 use super::convert::{ours, pose, theirs};
+use super::{Kind, Shape};
 use crate::collide::Frame;
 
 /// What a shape may meet, in coordinates of the world, metres.
@@ -33,6 +35,13 @@ pub(crate) struct SweepHit {
     pub(crate) normal: Vec3,
 }
 
+impl SweepHit {
+    /// The nearer one of two; of equals the first.
+    fn nearer(self, other: Self) -> Self {
+        if other.distance < self.distance { other } else { self }
+    }
+}
+
 /// How a shape goes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Way {
@@ -50,6 +59,20 @@ impl Obstacle<'_> {
             Self::Ball(centre, radius) => (*centre - *radius, *centre + *radius),
             Self::Triangle([a, b, c]) => (a.min(*b).min(*c), a.max(*b).max(*c)),
         }
+    }
+
+    /// The half-spaces of what is outside of a box, which is to be asked by them; `None` of anything else.
+    fn walls(&self) -> Option<[Self; 6]> {
+        let Self::Shape(room, frame) = self else { return None };
+        if !matches!(room.kind(), Kind::InsideBox) {
+            return None;
+        }
+        static FLOOR: LazyLock<Shape> = LazyLock::new(Shape::half_space);
+        let mut walls = [Self::Shape(&FLOOR, *frame); 6];
+        for (wall, own) in walls.iter_mut().zip(room.half_spaces()) {
+            *wall = Self::Shape(&FLOOR, frame.of(&own));
+        }
+        Some(walls)
     }
 
     /// The same for the library, and the frame in whose coordinates it is given.
@@ -71,6 +94,10 @@ impl Shape {
     pub(crate) fn sweep(&self, frame: &Frame, way: &Way, other: &Obstacle) -> Option<SweepHit> {
         if !(frame.is_valid() && way.direction.is_finite() && way.length >= 0.0) {
             return None;
+        }
+        if let Some(walls) = other.walls() {
+            let hits = walls.iter().filter_map(|wall| self.sweep(frame, way, wall));
+            return hits.reduce(SweepHit::nearer);
         }
         let options = ShapeCastOptions {
             max_time_of_impact: way.length,
@@ -107,6 +134,10 @@ impl Shape {
             let (distance, normal) = (found.distance - radius, -frame.turn(found.normal));
             let point = *centre + normal * *radius;
             return (distance <= reach).then_some(SweepHit { distance, point, normal });
+        }
+        if let Some(walls) = other.walls() {
+            let hits = walls.iter().filter_map(|wall| self.nearest_contact(frame, reach, wall));
+            return hits.reduce(SweepHit::nearer);
         }
         other.with(|shape, at| {
             let seen = pose(&frame.from_within(&at));

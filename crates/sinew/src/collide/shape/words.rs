@@ -16,6 +16,10 @@ impl Shape {
         let mut words = Vec::new();
         match &self.form {
             Form::HalfSpace => words.push(HALF_SPACE),
+            Form::InsideBox(room) => {
+                words.push(INSIDE_BOX);
+                words.vec3(2.0 * room.half_size);
+            }
             Form::Ball(ball) => {
                 words.push(BALL);
                 words.float(ball.radius);
@@ -60,6 +64,7 @@ impl Shape {
         let mut reader = Reader(words);
         let shape = match reader.word()? {
             HALF_SPACE => Self::half_space(),
+            INSIDE_BOX => Self::inside_box(reader.vec3()?).ok()?,
             BALL => Self::sphere(reader.float()?).ok()?,
             CAPSULE => Self::capsule(reader.float()?, reader.float()?).ok()?,
             CUBOID => Self::cuboid(reader.vec3()?).ok()?,
@@ -89,6 +94,7 @@ const CYLINDER: u32 = 5;
 const HULL: u32 = 6;
 const MESH: u32 = 7;
 const HEIGHTS: u32 = 8;
+const INSIDE_BOX: u32 = 9;
 
 fn triangles(words: &mut Vec<u32>, points: &[Vec3], triangles: &[[u32; 3]]) {
     words.push(points.len() as u32);
@@ -130,6 +136,7 @@ mod tests {
     fn shapes() -> Vec<Shape> {
         let mut shapes = vec![
             Shape::half_space(),
+            Shape::inside_box(Vec3::new(0.1, 3.0, 7.7)).unwrap(),
             Shape::sphere(0.1).unwrap(),
             Shape::capsule(0.3, 0.7).unwrap(),
             Shape::cuboid(Vec3::new(0.1, 1e-6, 3.3)).unwrap(),
@@ -176,7 +183,7 @@ mod tests {
             let more: Vec<u32> = words.iter().copied().chain([0]).collect();
             assert_eq!(Shape::from_words(&more), None);
         }
-        assert_eq!(Shape::from_words(&[9]), None);
+        assert_eq!(Shape::from_words(&[10]), None);
         assert_eq!(Shape::from_words(&[BALL, f32::NAN.to_bits()]), None);
         // A length that no memory would hold, and a corner that is not there.
         assert_eq!(Shape::from_words(&[HULL, u32::MAX]), None);
