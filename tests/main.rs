@@ -9,7 +9,8 @@
 //! | `state` | all state lives in components: clone them, put them back, and everything happens again, bit for bit |
 //! | `saved` | the whole state is captured and put back, in place and into a fresh app: all goes on bit for bit |
 //! | `files` | snapshots go to RON and to bytes and back; what is broken or foreign is refused |
-//! | `rollback` | rollback netcode: each frame rolled back and simulated again is the same (with the feature `ggrs`) |
+//! | `sync_test` | each frame rolled back and simulated again is the same, by snapshots |
+//! | `rollback` | the same through `bevy_ggrs` (with the feature `ggrs`) |
 //! | `state_list` | every component and resource of ours is in the list of what is state |
 //! | `bad_input` | what is wrong is set aside with one message that names it, and nothing else notices |
 //! | `bad_commands` | what cannot be done to a body is refused, and nothing changes |
@@ -100,6 +101,7 @@ mod state;
 mod state_list;
 mod statics;
 mod support;
+mod sync_test;
 mod threads;
 mod time;
 mod torn;

@@ -11,24 +11,16 @@ use bevy_ggrs::{
     GgrsConfig, GgrsPlugin, GgrsSchedule, LocalInputs, ReadInputs, RollbackFrameCount, Session,
     SyncTestMismatch,
 };
-use bevy_sinew::prelude::*;
-use bevy_sinew::{
-    BodyConstraints, RegisterState, SinewClock, SinewPlugin, SinewRollbackPlugin, StateTypes,
-};
+use bevy_sinew::Gravity;
+use bevy_sinew::{RegisterState, SinewPlugin, SinewRollbackPlugin, StateTypes};
+
+use crate::sync_test::{Counted, in_play, play, stage, ties};
 
 type Config = GgrsConfig<u8>;
 
 /// How often the states of one frame differed.
 #[derive(Resource, Default)]
 struct Mismatches(usize);
-
-/// State of the game, which it counts in every frame.
-#[derive(Resource, Reflect, Clone, Debug, Default)]
-struct Counted(u32);
-
-/// What was spawned in play, and when.
-#[derive(Component, Reflect, Clone, Debug)]
-struct Thrown(u64);
 
 /// A session that rolls every frame back by so many, once they are there.
 fn session(distance: usize) -> App {
@@ -51,8 +43,6 @@ fn session(distance: usize) -> App {
     .insert_resource(Session::SyncTest(session))
     .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_nanos(16_666_667)))
     .init_resource::<Mismatches>()
-    .init_resource::<Counted>()
-    .register_state::<Thrown>()
     .add_observer(|_: On<SyncTestMismatch>, mut found: ResMut<Mismatches>| found.0 += 1)
     .add_systems(ReadInputs, |mut commands: Commands| {
         commands.insert_resource(LocalInputs::<Config>(HashMap::from_iter([(0, 0)])));
@@ -60,44 +50,8 @@ fn session(distance: usize) -> App {
     .add_systems(GgrsSchedule, play.before(bevy_sinew::SinewSystems::Build));
     app.finish();
     app.cleanup();
-    let world = app.world_mut();
-    world.spawn((Collider::plane(), SurfaceMaterial::new(0.5)));
-    world.spawn((Wind { pressure: Vec3::X * 3.0, gusts: 0.7, ..default() }, Name::new("wind")));
-    let cloth = Cloth::grid(1.0, 1.0, 7, 7).pinned(ClothPins::TopEdge);
-    world.spawn((cloth, Transform::from_xyz(0.0, 1.5, 0.0)));
-    world.spawn((Rope { segments: 6, ..default() }, Transform::from_xyz(1.5, 2.0, 0.0)));
+    stage(&mut app);
     app
-}
-
-/// Bodies and particles come, fall onto each other, fall asleep and go; threads break.
-fn play(
-    mut commands: Commands,
-    clock: Res<SinewClock>,
-    mut counted: ResMut<Counted>,
-    thrown: Query<(Entity, &Thrown)>,
-    cloths: Query<&BodyConstraints, With<Cloth>>,
-) {
-    counted.0 += 1;
-    let tick = clock.tick;
-    let side = (tick % 7) as f32 * 0.1 - 0.3;
-    if tick % 31 == 5 {
-        let body = (RigidBox::new(Vec3::splat(0.3)), Sleep::default(), Thrown(tick));
-        commands.spawn((body, Transform::from_xyz(side, 2.0, 0.4)));
-    }
-    if tick % 17 == 3 {
-        let ball = Particle::at(Vec3::new(side, 1.0, 1.5)).with_velocity(Vec3::NEG_Z * 6.0);
-        commands.spawn((ball, Mass(0.05), Radius(0.05), Thrown(tick)));
-    }
-    if let (true, Some(ties)) = (tick % 23 == 11, cloths.iter().next())
-        && let Some(tie) = ties.iter().nth(tick as usize % ties.len().max(1))
-    {
-        commands.entity(tie).despawn();
-    }
-    for (entity, Thrown(when)) in &thrown {
-        if tick > when + 150 {
-            commands.entity(entity).despawn();
-        }
-    }
 }
 
 /// Runs so many frames. How often states differed, and how many frames there were.
@@ -114,19 +68,11 @@ fn a_thousand_frames_rolled_back_by_two_and_by_seven_are_the_same_each_time() {
         let (mismatches, frames) = run(&mut app, 1000);
         assert_eq!(mismatches, 0, "{distance}");
         assert!(frames >= 990, "{distance}: {frames}");
-        let world = app.world_mut();
-        let mut thrown = world.query::<&Thrown>();
-        assert!(thrown.iter(world).count() > 8, "{distance}: nothing is in play");
+        assert!(in_play(&mut app) > 8, "{distance}: nothing is in play");
         let mut whole = session(2);
         run(&mut whole, 5);
         assert!(ties(&mut app) < ties(&mut whole) - 20, "{distance}: nothing broke");
     }
-}
-
-/// How many constraints hold the cloth together.
-fn ties(app: &mut App) -> usize {
-    let mut cloths = app.world_mut().query_filtered::<&BodyConstraints, With<Cloth>>();
-    cloths.single(app.world()).unwrap().len()
 }
 
 #[test]
