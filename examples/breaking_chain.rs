@@ -13,12 +13,12 @@ struct Bucket;
 #[derive(Resource, Default)]
 struct Broken(Option<(f32, f32)>);
 
-fn main() {
+fn main() -> AppExit {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, SinewPlugins)).init_resource::<Broken>();
     app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(1));
     app.add_systems(Startup, setup).add_systems(FixedUpdate, (fill, finish));
-    app.add_observer(snap).run();
+    app.add_observer(snap).run()
 }
 
 fn setup(mut commands: Commands) {

@@ -10,12 +10,12 @@ struct Hero;
 #[derive(Component)]
 struct Cape;
 
-fn main() {
+fn main() -> AppExit {
     // It runs without a window, as fast as it goes. To see it, take `DefaultPlugins` instead, and add a camera and a light.
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, SinewPlugins));
     app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(1));
-    app.add_systems(Startup, setup).add_systems(FixedUpdate, (walk, finish).chain()).run();
+    app.add_systems(Startup, setup).add_systems(FixedUpdate, (walk, finish).chain()).run()
 }
 
 fn setup(mut commands: Commands) {

@@ -1,28 +1,22 @@
-//! A constraint of one's own: marbles that cannot leave the surface of a doughnut, not even where it overhangs.
-//!
-//! What holds each of them is a component of this program. The simulation learns of it in one line, and solves it like its own.
+//! A constraint of a game's own: marbles that cannot leave the surface of a doughnut, not even where it overhangs. What holds each of them is a
+//! component of this program; the simulation learns of it in one line, and solves it like its own.
 
 use bevy::prelude::*;
-use bevy_sinew::Charge;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::{ConstraintKind, Equation, Points};
-
-/// From the middle of the doughnut to the middle of its tube, metres.
-const MAJOR: f32 = 1.0;
-/// Radius of the tube, metres.
-const MINOR: f32 = 0.35;
-/// Radius of a marble, metres.
-const MARBLE: f32 = 0.06;
+use bevy_sinew::{Charge, SinewClock};
 
 /// Keeps a particle on a torus around the z axis: plain data, to add, change or despawn while the game runs.
 #[derive(Component, Clone)]
 struct OnTorus {
     #[entities]
     particle: Entity,
-    centre: Vec3,
-    major: f32,
-    minor: f32,
+    torus: Torus,
 }
+
+/// From the middle of the doughnut to that of its tube, and from there to its surface, metres.
+#[derive(Clone, Copy, Debug)]
+struct Torus(f32, f32);
 
 impl ParticleConstraint for OnTorus {
     fn particles(&self) -> &[Entity] {
@@ -30,26 +24,19 @@ impl ParticleConstraint for OnTorus {
     }
 
     fn kind(&self) -> ConstraintKind {
-        ConstraintKind::custom(Torus { centre: self.centre, major: self.major, minor: self.minor })
+        ConstraintKind::custom(self.torus)
     }
 }
 
 /// The same as an equation: how far the particle is from the surface, metres.
-#[derive(Debug)]
-struct Torus {
-    centre: Vec3,
-    major: f32,
-    minor: f32,
-}
-
 impl Equation for Torus {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
-        let from_centre = points.relative_to(0, self.centre);
+        let place = points.relative_to(0, Vec3::ZERO);
         // The nearest point in the middle of the tube; from there, straight out of it, the distance grows by a metre per metre.
-        let around = Vec3::new(from_centre.x, from_centre.y, 0.0).normalize_or(Vec3::X);
-        let from_middle = from_centre - around * self.major;
+        let around = place.with_z(0.0).normalize_or(Vec3::X);
+        let from_middle = place - around * self.0;
         gradients[0] = from_middle.normalize_or(around);
-        from_middle.length() - self.minor
+        from_middle.length() - self.1
     }
 
     fn is_length(&self) -> bool {
@@ -57,49 +44,32 @@ impl Equation for Torus {
     }
 }
 
-fn main() {
-    App::new()
-        .add_plugins((DefaultPlugins, SinewPlugins))
-        .register_particle_constraint::<OnTorus>() // That is all.
-        .add_systems(Startup, setup)
-        .run();
+fn main() -> AppExit {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin, SinewPlugins));
+    app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(1));
+    app.register_particle_constraint::<OnTorus>(); // That is all.
+    app.add_systems(Startup, setup).add_systems(FixedUpdate, finish).run()
 }
 
-fn setup(
-    mut commands: Commands,
-    mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
-) {
-    // Bevy's torus lies around the y axis; ours stands.
-    let doughnut = bevy::math::primitives::Torus { minor_radius: MINOR, major_radius: MAJOR };
-    commands.spawn((
-        Mesh3d(meshes.add(doughnut.mesh().major_resolution(96).minor_resolution(48))),
-        MeshMaterial3d(materials.add(Color::srgb(0.75, 0.5, 0.3))),
-        Transform::from_rotation(Quat::from_rotation_x(core::f32::consts::FRAC_PI_2)),
-    ));
-    let ball = meshes.add(Sphere::new(MARBLE));
-    for i in 0..24 {
-        // Near the top, in a row across the tube, each with a push of its own. They slide down, swing to and fro, and shy away from each other.
-        let side = (i as f32 - 11.5) / 11.5;
-        let place = Vec3::new(0.2 * side, MAJOR + MINOR + MARBLE, 0.25 * side);
-        let marble = (
-            Particle::at(place).with_velocity(Vec3::new(2.0 * side, 0.0, 1.0)),
-            Mass(0.05),
-            Charge(1.5e-6),
-            Mesh3d(ball.clone()),
-            MeshMaterial3d(materials.add(Color::hsl(15.0 * i as f32, 0.7, 0.5))),
-            // A particle with a transform is drawn where it is.
-            Transform::from_translation(place),
-        );
-        let particle = commands.spawn(marble).id();
-        commands.spawn(OnTorus {
-            particle,
-            centre: Vec3::ZERO,
-            major: MAJOR,
-            minor: MINOR + MARBLE,
-        });
+/// Near the top, in a row across the tube, each with a push of its own: they slide down and swing, and shy away from each other.
+fn setup(mut commands: Commands) {
+    for side in (0..24).map(|i| (i as f32 - 11.5) / 11.5) {
+        let marble = Particle::at(Vec3::new(0.2 * side, 1.4, 0.25 * side))
+            .with_velocity(Vec3::new(2.0 * side, 0.0, 1.0));
+        let particle = commands.spawn((marble, Mass(0.05), Charge(1.5e-6))).id();
+        commands.spawn(OnTorus { particle, torus: Torus(1.0, 0.41) });
     }
-    let (sun, eye) = (Transform::from_xyz(2.0, 4.0, 5.0), Transform::from_xyz(1.2, 0.8, 4.5));
-    commands.spawn((DirectionalLight::default(), sun.looking_at(Vec3::ZERO, Vec3::Y)));
-    commands.spawn((Camera3d::default(), eye.looking_at(Vec3::ZERO, Vec3::Y)));
+}
+
+/// After five seconds all of them are below, and still on it.
+fn finish(clock: Res<SinewClock>, all: Query<&Particle>, mut exit: MessageWriter<AppExit>) {
+    if clock.seconds < 5.0 {
+        return;
+    }
+    let off = |p: Vec3| ((p.truncate().length() - 1.0).hypot(p.z) - 0.41).abs();
+    let far = all.iter().map(|one| off(one.position)).fold(0.0, f32::max);
+    let low = all.iter().filter(|one| one.position.y < 0.0).count();
+    println!("{low} of 24 marbles are on the lower half, none farther from it than {far:.5} m");
+    exit.write(if far < 1e-3 && low == 24 { AppExit::Success } else { AppExit::error() });
 }

@@ -8,14 +8,14 @@ use bevy_sinew::{RigidPose, SinewClock};
 #[derive(Component)]
 struct Rocket(f32);
 
-fn main() {
+fn main() -> AppExit {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, SinewPlugins));
     app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(1));
     app.insert_resource(AirDrag(0.0));
     // In every substep, with gravity and the springs: in whatever order, forces add up.
     app.add_systems(SubstepSchedule, thrust.in_set(PhaseSystems::AccumulateForces));
-    app.add_systems(Startup, setup).add_systems(FixedUpdate, finish).run();
+    app.add_systems(Startup, setup).add_systems(FixedUpdate, finish).run()
 }
 
 fn setup(mut commands: Commands) {

@@ -13,11 +13,11 @@ struct Player;
 #[derive(Component)]
 struct Plank;
 
-fn main() {
+fn main() -> AppExit {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, SinewPlugins)).init_resource::<Lowest>();
     app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(1));
-    app.add_systems(Startup, setup).add_systems(FixedUpdate, (walk, watch).chain()).run();
+    app.add_systems(Startup, setup).add_systems(FixedUpdate, (walk, watch).chain()).run()
 }
 
 /// How deep the lowest plank has been, metres.
