@@ -125,7 +125,7 @@
 //! # Beside Avian
 //!
 //! Avian is a rigid-body engine; both may run in one app, each with its own bodies. Nine names of the two preludes are the same. An explicit import wins
-//! over both globs, so one list settles it (`tools/beside-avian` compiles it):
+//! over both globs, so one list settles it (`tests/beside-avian` compiles it):
 //!
 //! ```ignore
 //! use avian3d::prelude::*;

@@ -341,8 +341,9 @@ fn everything_comes_from_the_public_registry() {
 fn every_package_follows_the_workspace() {
     let mut offences = Vec::new();
     for file in repository() {
-        // The fuzzer's workspace is its own, so that nothing else needs a nightly compiler.
-        if !file.path.ends_with("/Cargo.toml") || file.path.starts_with("fuzz/") {
+        // The fuzzer's workspace is its own, so that nothing else needs a nightly compiler; and what compiles beside Avian, which asks for another Bevy.
+        let apart = ["fuzz/", "tests/beside-avian/"].iter().any(|own| file.path.starts_with(own));
+        if !file.path.ends_with("/Cargo.toml") || apart {
             continue;
         }
         let mut say = |what: &str| offences.push(format!("{}:1: {what}", file.path));
@@ -387,6 +388,29 @@ fn links_in_the_documents_lead_somewhere() {
     assert_none(&offences);
 }
 
+/// The files that a line includes, and modules elsewhere: what stands between quotes after a word for it.
+fn included(line: &str) -> Option<&str> {
+    let by = ["include!(\"", "include_str!(\"", "include_bytes!(\"", "#[path = \""];
+    let from = by.iter().find_map(|by| line.find(by).map(|at| at + by.len()))?;
+    line[from..].split('"').next()
+}
+
+/// A package holds its own folder alone.
+#[test]
+fn what_a_crate_includes_lies_within_it() {
+    let mut offences = Vec::new();
+    for file in repository().iter().filter(|f| f.is_rust() && f.path.starts_with("crates/")) {
+        // Below `crates/NAME`.
+        let depth = file.path.matches('/').count() - 2;
+        for (number, line) in (1..).zip(file.text.lines()) {
+            if let Some(path) = included(line).filter(|path| path.matches("../").count() > depth) {
+                offences.push(format!("{}:{number}: `{path}` is not in the package", file.path));
+            }
+        }
+    }
+    assert_none(&offences);
+}
+
 /// A rule that finds nothing any more would pass for ever: here is what each must find.
 #[test]
 fn the_rules_find_what_they_are_for() {
@@ -398,6 +422,7 @@ fn the_rules_find_what_they_are_for() {
     assert_eq!(left, ["1 let a = x.sin();", "6 let b = ;"]);
     assert!(calls("q = f32::powf(x, 2.0)", "powf") && calls("v.mul_add(a, b)", "mul_add"));
     assert!(!calls("libm::sin(x)", "sin") && !calls("x.sinew()", "sin") && !calls("sin(x)", "sin"));
+    assert_eq!(included("#[doc = include_str!(\"../a.md\")]"), Some("../a.md"));
     let home = concat!("/ho", "me/");
     assert!(names(&format!("see {home}me"), home) && !names(&format!("https://a.b{home}"), home));
 }

@@ -1,0 +1,86 @@
+//! A game that imports the preludes of Bevy, Avian 0.7 and Sinew whole, with the aliases that the crate docs of `bevy_sinew` list: where a name of
+//! ours clashes with one of theirs that is not on that list, this does not compile. Run by hand, when a name of the prelude or Avian's version changes:
+//!
+//! `cargo check --manifest-path tests/beside-avian/Cargo.toml`
+
+// A name that two globs bring may be no more than a warning.
+#![deny(warnings)]
+
+// The lists as the crate docs have them.
+use avian3d::prelude::*;
+use avian3d::prelude::{
+    AngularVelocity, Collider, CollisionLayers, Gravity, GravityScale, LinearVelocity, Mass,
+    Sensor, SubstepSchedule,
+};
+use bevy::prelude::*;
+use bevy_sinew::prelude::*;
+use bevy_sinew::{
+    AngularVelocity as SinewAngularVelocity, Collider as SinewCollider,
+    CollisionLayers as SinewLayers, Gravity as SinewGravity, GravityScale as SinewGravityScale,
+    LinearVelocity as SinewLinearVelocity, Mass as SinewMass, Sensor as SinewSensor,
+    SubstepSchedule as SinewSubsteps,
+};
+
+/// Every name of Sinew's prelude, and those that Avian has, too: a name that two globs bring is ambiguous where it is used.
+mod names {
+    use super::*;
+
+    pub fn of<T: ?Sized>() -> &'static str {
+        core::any::type_name::<T>()
+    }
+
+    pub fn ours() -> Vec<&'static str> {
+        vec![
+            of::<(SinewPlugins, SolverConfig, SinewGravity, AirDrag, Ground, BoundingBox)>(),
+            of::<(SinewControl, SinewWorld, Interpolate, Particle, SinewMass, Radius, Pinned)>(),
+            of::<(PinnedTo, SinewGravityScale, ParticleRow, DistanceConstraint, Spring)>(),
+            of::<(AngleConstraint, HingeConstraint, VolumeConstraint, Softness)>(),
+            of::<(RigidBox, RigidMesh, RigidShape, Rope, Cloth, ClothPins, SoftBody)>(),
+            of::<(SoftShape, Articulated, Ragdoll, Representation, Wind, Fluid, Floats)>(),
+            of::<(Region, ControlForce, ExternalForce, ExternalImpulse, ExternalTorque)>(),
+            of::<(SinewLinearVelocity, SinewAngularVelocity, WorldCenterOfMass, PhaseSystems)>(),
+            of::<(SinewSubsteps, SinewCollider, SurfaceMaterial, SinewLayers, SinewSensor)>(),
+            of::<(BodyContacts, ContactsDisabled, ContactEvents, ContactStarted, ContactEnded)>(),
+            of::<(Anchor, AttachTo, AttachmentOf, BodyAttachments, BodyBuilt, BreakAt)>(),
+            of::<(Broke, RopeEnd, Sleep, Relax, SinewQuery, Weighs)>(),
+        ]
+    }
+
+    /// Traits of the prelude: their methods are found beside Avian's.
+    pub fn traits(mut commands: Commands, bodies: Query<Entity, With<RigidBox>>) {
+        for body in &bodies {
+            commands.entity(body).apply_impulse(Vec3::Y);
+        }
+        commands.relax_world();
+    }
+
+    pub fn theirs() -> Vec<&'static str> {
+        vec![
+            of::<(PhysicsPlugins, RigidBody, Collider, CollisionLayers, Sensor, Mass, Gravity)>(),
+            of::<(LinearVelocity, AngularVelocity, GravityScale, SubstepSchedule, Friction)>(),
+            of::<(DistanceJoint, RevoluteJoint, SphericalJoint, FixedJoint, Position, Rotation)>(),
+            of::<(SubstepCount, Physics, ConstantForce, CollisionStart, CollisionEnd)>(),
+        ]
+    }
+}
+
+fn main() {
+    for name in names::ours().into_iter().chain(names::theirs()) {
+        println!("{name}");
+    }
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, SinewPlugins));
+    app.add_systems(Startup, |mut commands: Commands| {
+        // One of each, in one world.
+        commands.spawn((
+            RigidBody::Static,
+            Collider::cuboid(4.0, 0.2, 4.0),
+            CollisionLayers::default(),
+        ));
+        commands.spawn((SinewCollider::cuboid(Vec3::ONE), SinewLayers::default()));
+        commands.spawn((RigidBox::new(Vec3::ONE), Transform::from_xyz(0.0, 3.0, 0.0)));
+    });
+    app.add_systems(Update, names::traits);
+    app.finish();
+    app.update();
+}
