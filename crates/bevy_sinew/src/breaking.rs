@@ -71,6 +71,14 @@ impl BreakAt {
 ///
 /// What breaks in a tick is said at the end of [`SinewSystems::Scatter`](crate::SinewSystems::Scatter), after the contacts of the tick, in the order in
 /// which the constraints were created. The message is written once, with the constraint as its `entity`.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # let mut app = App::new();
+/// # app.add_plugins((MinimalPlugins, SinewPlugins));
+/// app.add_observer(|broke: On<Broke>| println!("{broke:?}"));
+/// ```
 #[derive(Message, EntityEvent, Reflect, Clone, Debug, PartialEq)]
 pub struct Broke {
     /// Who is told: the constraint, or its body.

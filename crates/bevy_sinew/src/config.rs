@@ -4,6 +4,14 @@ use bevy::prelude::*;
 use sinew::{BodySettings, SolverSettings};
 
 /// Settings of the solver for the whole world. Values outside their range are clamped to it.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # let mut app = App::new();
+/// # app.add_plugins((MinimalPlugins, SinewPlugins));
+/// app.insert_resource(SolverConfig { substeps: 20, ..default() });
+/// ```
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
 pub struct SolverConfig {
@@ -39,6 +47,17 @@ pub struct SolverConfig {
 ///
 /// Bodies that constraints connect are solved together: with the most sweeps and the smallest tolerance that any of them asks for, along the start
 /// of the step if all of them do, and in the order that the first of them wants.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{BodySolver};
+/// # fn spawn(mut commands: Commands) {
+/// // Stiffer than the rest of the world.
+/// let solver = BodySolver { max_sweeps: Some(40), ..default() };
+/// commands.spawn((Cloth::grid(1.0, 1.0, 16, 16), solver));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct BodySolver {

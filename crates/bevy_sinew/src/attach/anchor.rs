@@ -6,6 +6,19 @@ use bevy::prelude::*;
 ///
 /// Places are in the entity's own frame, metres. That of a body is the one in which its recipe builds it, scaled as the entity is: a region of a cloth is the
 /// same however the cloth hangs by now, and a point of a soft body or of a rope is its particle that was built nearest to it.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// let post = commands.spawn(Transform::from_xyz(0.0, 2.0, 0.0)).id();
+/// // The upper left corner of a banner, by where it is, and both ends of a rope.
+/// let corner = Anchor::Point(Vec3::new(-0.5, 0.5, 0.0));
+/// commands.spawn((Cloth::grid(1.0, 1.0, 8, 8), AttachTo::new(post).part(corner)));
+/// let end = Anchor::RopeEnd(RopeEnd::Start);
+/// commands.spawn((Rope::default(), AttachTo::new(post).part(end)));
+/// # }
+/// ```
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 #[non_exhaustive]

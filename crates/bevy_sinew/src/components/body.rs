@@ -66,6 +66,20 @@ pub struct RigidPose {
 
 /// Triangles of particles on which [`Wind`](super::Wind) presses, and by which the body that it is on collides if it asks for that
 /// ([`ContactShape::Triangles`](super::ContactShape)).
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{BodyBuilt, BodyParticles, WindSurface};
+/// /// A kite: the four corners of a flat box.
+/// fn on_built(built: On<BodyBuilt>, bodies: Query<&BodyParticles>, mut commands: Commands) {
+///     let Ok(particles) = bodies.get(built.entity) else { return };
+///     if let [a, b, c, d] = particles.iter().collect::<Vec<_>>()[..] {
+///         let triangles = vec![[a, b, c], [a, c, d]];
+///         commands.entity(built.entity).insert(WindSurface { triangles });
+///     }
+/// }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default, Clone)]
 pub struct WindSurface {
@@ -85,6 +99,21 @@ pub struct MeshFollow {
 }
 
 /// Draws a chain of particles as a tube: gives this entity a `Mesh3d` and keeps it around them.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{TubeMesh};
+/// # fn spawn(mut commands: Commands) {
+/// let chain: Vec<Entity> = (0..5).map(|i| {
+///     commands.spawn(Particle::at(Vec3::X * 0.2 * i as f32)).id()
+/// }).collect();
+/// for pair in chain.windows(2) {
+///     commands.spawn(DistanceConstraint::new(pair[0], pair[1], 0.2));
+/// }
+/// commands.spawn(TubeMesh { particles: chain, radius: 0.02, sides: 8 });
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug)]
 #[reflect(Component, Default, Clone)]
 #[require(Transform, Rows<TubeMesh>)]
@@ -106,6 +135,14 @@ impl Default for TubeMesh {
 
 /// Eases what is drawn of this body, or of this loose particle, between two ticks: its transforms and those of its parts (through
 /// `bevy_transform_interpolation`), and its mesh. It may come and go at any time.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// commands.spawn((RigidBox::default(), Interpolate));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Clone)]
 pub struct Interpolate;
@@ -120,6 +157,16 @@ pub struct ExtractedTransform(pub Option<Transform>);
 ///
 /// Spawned with a body it is its first motion; changed by a game, it changes the body's, at the beginning of the next tick: all its particles by the same,
 /// so that spin and inner motion stay. Pinned particles do not move. A number that is not finite is refused, and the body goes on as it did.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// // Thrown, with a spin.
+/// let motion = (LinearVelocity(Vec3::new(0.0, 4.0, -8.0)), AngularVelocity(Vec3::X * 6.0));
+/// commands.spawn((RigidBox::new(Vec3::splat(0.2)), motion));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct LinearVelocity(pub Vec3);
@@ -140,6 +187,16 @@ pub struct ExtractedVelocity(pub Option<(Vec3, Vec3)>);
 
 /// A body's centre of mass in the world, metres, and its total mass, kg. Written after each tick. A pinned particle counts with the
 /// [`Mass`](super::Mass) that it would have if it were let go.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// fn watch(bodies: Query<(&Name, &WorldCenterOfMass)>) {
+///     for (name, centre) in &bodies {
+///         println!("{name} of {} kg is at {}", centre.mass, centre.position);
+///     }
+/// }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct WorldCenterOfMass {
@@ -184,6 +241,15 @@ pub struct BodyReport {
 
 /// How strongly gravity pulls on a body or a particle, as a multiple of [`Gravity`](super::Gravity). Without it, 1; a body's and its particles'
 /// multiply.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// // A balloon on a string, which falls upwards.
+/// commands.spawn((RigidBox::new(Vec3::splat(0.3)), GravityScale(-0.5)));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, PartialOrd)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct GravityScale(pub f32);
@@ -198,6 +264,15 @@ impl Default for GravityScale {
 ///
 /// The particles are the state either way. A rigid one is read off them when a tick begins, moved as position, rotation and two velocities,
 /// and written back; whatever pulls at one of its particles pulls at all. The distances and constraints inside it rest meanwhile.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// // Moves as position, rotation and two velocities; its particles follow.
+/// commands.spawn((RigidBox::default(), Representation::Rigid(default())));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[non_exhaustive]

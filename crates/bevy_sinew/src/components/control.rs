@@ -71,6 +71,15 @@ impl ControlForce {
 
 /// A torque in N·m, along the world's axes, that the game exerts on a body or on a rigid part of one in every substep, until it is changed or removed.
 /// A torque at a point is the same; for one in the body's own frame there is [`ControlForce`]. What would turn a line about itself is lost.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// // A fan.
+/// commands.spawn((RigidBox::new(Vec3::new(1.0, 0.1, 0.1)), ExternalTorque(Vec3::Y * 0.5)));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct ExternalTorque(pub Vec3);
@@ -78,6 +87,16 @@ pub struct ExternalTorque(pub Vec3);
 /// An impulse on a body, a rigid part of one or a particle: it acts once, when the next tick begins, and is zero again. The same as
 /// [`apply_impulse`](crate::BodyCommandsExt::apply_impulse) and its like, for who writes components rather than commands. On a body that is not built yet
 /// it waits. A number that is not finite is refused and dropped.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// fn kick(mut balls: Query<&mut ExternalImpulse>) {
+///     for mut impulse in &mut balls {
+///         *impulse = ExternalImpulse::new(Vec3::new(0.0, 1.0, -3.0));
+///     }
+/// }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct ExternalImpulse {

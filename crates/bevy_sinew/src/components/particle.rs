@@ -17,6 +17,15 @@ use super::order::{CreationOrder, mark_topology};
 /// [`set_velocity`](Self::set_velocity) and [`add_impulse`](Self::add_impulse) change the velocity, [`reverse`](Self::reverse) sends it back.
 /// These are plain arithmetic: whether the numbers are any good is looked at when the next tick begins. What edits whole bodies, and refuses, is
 /// [`BodyCommandsExt`](crate::BodyCommandsExt).
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// let ball = Particle::at(Vec3::Y * 2.0).with_velocity(Vec3::X * 3.0);
+/// commands.spawn((ball, Mass(0.2), Radius(0.1)));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Mass, CreationOrder, ParticleRow)]
@@ -120,6 +129,16 @@ impl Default for Mass {
 }
 
 /// Holds a particle: it has infinite mass for everything else, and only its pin moves it.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// // One stays where it is, and one goes where the game leads it.
+/// commands.spawn((Particle::at(Vec3::Y), Pinned::default()));
+/// commands.spawn((Particle::at(Vec3::ZERO), Pinned::at(Vec3::X)));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Pinned {
@@ -140,6 +159,16 @@ impl Pinned {
 /// Holds a particle at a point of another entity, which may move: the end of a rope in a hand.
 ///
 /// Removing it (or despawning the other entity) lets go of the particle.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// let hand = commands.spawn(Transform::from_xyz(0.0, 1.5, 0.0)).id();
+/// let offset = Vec3::NEG_Y * 0.1;
+/// commands.spawn((Particle::at(Vec3::Y), PinnedTo { entity: hand, offset }));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 pub struct PinnedTo {
@@ -161,6 +190,17 @@ pub struct Radius(pub f32);
 /// Electric charge in coulombs. Without it, 0.
 ///
 /// On a body it is that of all its particles together, spread as their masses are, so that a uniform field turns nothing.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{Charge};
+/// # fn spawn(mut commands: Commands) {
+/// for (x, charge) in [(-0.5, 2e-6), (0.5, -2e-6)] {
+///     commands.spawn((Particle::at(Vec3::X * x), Mass(0.1), Charge(charge)));
+/// }
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Charge(pub f32);
@@ -168,12 +208,33 @@ pub struct Charge(pub f32);
 /// Share of its velocity that the particle loses per second, 0 to 1. Adds to [`AirDrag`](super::AirDrag) and to a fluid's. Without it, 0.
 ///
 /// On a body it is that of each of its particles, whatever its recipe says.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{Drag};
+/// # fn spawn(mut commands: Commands) {
+/// // A feather and a stone.
+/// commands.spawn((Particle::at(Vec3::Y), Mass(0.01), Drag(0.9)));
+/// commands.spawn((Particle::at(Vec3::X + Vec3::Y), Mass(1.0)));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Drag(pub f32);
 
 /// A force in newtons, along the world's axes, that the game exerts in every substep, until it is changed or removed: on a particle, or on a body or a
 /// rigid part of one as a whole, at the barycentre. [`ControlForce`](super::ControlForce) acts at a point, or in the body's own frame.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// // A balloon.
+/// let balloon = RigidBox::new(Vec3::splat(0.3)).with_mass(0.1);
+/// commands.spawn((balloon, ExternalForce(Vec3::Y * 1.5)));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct ExternalForce(pub Vec3);

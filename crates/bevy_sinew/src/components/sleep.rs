@@ -4,6 +4,17 @@ use bevy::prelude::*;
 
 /// Lets a body sleep: once it and all that touches it have been still for half a second, it is left out of the simulation, until something that moves
 /// comes near, it is pushed, or what surrounds it changes. Part of the state: save and restore it with the rest.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// for i in 0..10 {
+///     let at = Transform::from_xyz(0.0, 0.5 + i as f32, 0.0);
+///     commands.spawn((RigidBox::default(), Sleep::default(), at));
+/// }
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Sleep {

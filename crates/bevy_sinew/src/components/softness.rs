@@ -3,6 +3,17 @@
 use bevy::prelude::*;
 
 /// How hard a constraint is enforced; the same at any number of sweeps and substeps.
+///
+/// ```
+/// # use bevy_sinew::prelude::*;
+/// # use bevy::prelude::*;
+/// # fn soften(mut rods: Query<&mut DistanceConstraint>) {
+/// for mut rod in &mut rods {
+///     // Swings four times a second, and comes to rest without overshooting.
+///     rod.softness = Softness::frequency(4.0, 1.0);
+/// }
+/// # }
+/// ```
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 #[non_exhaustive]

@@ -14,6 +14,16 @@ use crate::messages::Refusal;
 ///
 /// It collides with everything but itself, by its triangles where its particles are too far apart to close it ([`ContactShape::Auto`](crate::ContactShape));
 /// [`BodyContacts::ALL`](crate::BodyContacts::ALL) has it touch itself, too.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// let flag = Cloth::grid(1.5, 1.0, 24, 16).pinned(ClothPins::LeftEdge);
+/// commands.spawn((flag, Transform::from_xyz(0.0, 3.0, 0.0)));
+/// commands.spawn(Wind { pressure: Vec3::X * 5.0, gusts: 0.4, ..default() });
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(ParticleBody, CreationOrder)]

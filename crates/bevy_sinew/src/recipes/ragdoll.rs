@@ -13,6 +13,15 @@ use crate::step::frames::even_factor;
 ///
 /// Each segment of the body becomes an entity with [`BodyPart`], whose transform follows it: give those a mesh. Segments that no joint connects collide
 /// with each other.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// let child = Ragdoll { height: 1.2, mass: 25.0, ..default() };
+/// commands.spawn((child, Transform::from_xyz(0.0, 0.5, 0.0)));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(ParticleBody, CreationOrder)]

@@ -12,6 +12,15 @@ use crate::recipes::{BodyPart, PartOf};
 ///
 /// Its `Transform` says where it is built and by how much it is scaled, and then follows it. It gets a [`BodyPart`] that tells its size, and collides by its
 /// shape.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// let crate_ = RigidBox::new(Vec3::new(0.6, 0.4, 0.4)).with_mass(12.0);
+/// commands.spawn((crate_, Transform::from_xyz(0.0, 2.0, 0.0)));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(ParticleBody, CreationOrder)]

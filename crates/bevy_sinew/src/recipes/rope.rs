@@ -13,6 +13,16 @@ use crate::step::frames::{even_factor, in_world};
 
 /// A rope: a chain of particles, drawn as a tube. It collides by its segments, each a capsule from one particle to the next
 /// ([`ContactShape::Auto`](crate::ContactShape)).
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// // Hangs from its start, with a tenth of its length in hand.
+/// let rope = Rope { pin_start: true, ..Rope::between(Vec3::ZERO, Vec3::X * 2.0) };
+/// commands.spawn((rope.with_slack(0.1), Transform::from_xyz(0.0, 3.0, 0.0)));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(ParticleBody, CreationOrder)]

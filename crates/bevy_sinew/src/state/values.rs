@@ -217,6 +217,7 @@ pub(super) trait Kind: Send + Sync {
     fn take(&self, world: &World, entities: &[Entity]) -> Box<dyn Values>;
 
     /// No values, to be [pushed](Values::push).
+    #[cfg_attr(not(feature = "serialize"), expect(dead_code))]
     fn none(&self) -> Box<dyn Values>;
 
     fn let_go(&self, world: &mut World, entity: Entity);
@@ -236,6 +237,7 @@ pub(super) trait Values: Send + Sync {
     fn view(&self, place: usize) -> Option<&dyn PartialReflect>;
 
     /// Adds what reflection has made. Whether it could be.
+    #[cfg_attr(not(feature = "serialize"), expect(dead_code))]
     fn push(&mut self, value: &dyn PartialReflect) -> bool;
 
     /// The particles that a constraint names, by their numbers.

@@ -13,6 +13,18 @@ use bevy::prelude::*;
 /// [`SurfaceMaterial`](super::SurfaceMaterial) and [`CollisionLayers`](super::CollisionLayers) on the body say what it is made of and what it may touch;
 /// [`ContactsDisabled`] takes it out of all contacts. Particles collide as balls of their [`Radius`](crate::Radius); those without one touch colliders as
 /// points, and no other body.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// // Folds onto itself.
+/// commands.spawn((Cloth::grid(1.0, 1.0, 20, 20), BodyContacts::ALL));
+/// // Meets what stands, and no other body.
+/// let ghost = BodyContacts { with_bodies: false, ..default() };
+/// commands.spawn((RigidBox::default(), ghost));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct BodyContacts {
@@ -28,6 +40,16 @@ pub struct BodyContacts {
 /// Takes a body, a loose particle or a [`Collider`](super::Collider) out of all contacts: it passes through everything, and everything through it, rays too.
 /// To have it pass through some things alone there are [`CollisionLayers`](super::CollisionLayers), and through other bodies alone
 /// [`BodyContacts::with_bodies`].
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// fn open(mut commands: Commands, doors: Query<Entity, With<Collider>>) {
+///     for door in &doors {
+///         commands.entity(door).insert(ContactsDisabled);
+///     }
+/// }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct ContactsDisabled;

@@ -6,6 +6,20 @@ use sinew::{Layers, Material, PlanarDrag};
 /// What the surface of a [`Collider`](super::Collider), a body or a loose particle is made of. Without it, the default.
 ///
 /// A body with a broken number is as one without it, a collider is set aside; either is reported once.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{Combine};
+/// # fn spawn(mut commands: Commands) {
+/// let rubber = SurfaceMaterial::new(1.0).with_restitution(0.7);
+/// let ball = RigidMesh::density(900.0).shaped(RigidShape::Sphere { radius: 0.1 });
+/// commands.spawn((ball, rubber, Transform::from_xyz(0.0, 2.0, 0.0)));
+/// // Slippery for everything.
+/// let ice = SurfaceMaterial::new(0.02).with_rules(Combine::Min, Combine::Average);
+/// commands.spawn((Ground, ice));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct SurfaceMaterial {
@@ -78,6 +92,15 @@ pub trait CollisionLayer {
 }
 
 /// A [`Collider`](super::Collider) that only notices what touches it, and lets it through.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// fn spawn(mut commands: Commands) {
+///     let goal = (Collider::cuboid(Vec3::new(3.0, 2.0, 1.0)), Sensor, ContactEvents::default());
+///     commands.spawn(goal).observe(|on: On<ContactStarted>| println!("{} is in", on.other));
+/// }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Sensor;

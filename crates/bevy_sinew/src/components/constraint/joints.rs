@@ -11,6 +11,17 @@ use super::ParticleConstraint;
 /// The angle at a joint of three particles stays between two limits.
 ///
 /// It has no side: a straight elbow may bend either way. What may bend one way only is a [`HingeConstraint`].
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// let at = [Vec3::X, Vec3::ZERO, Vec3::Y];
+/// let arm = at.map(|at| commands.spawn(Particle::at(at)).id());
+/// // Between 30 and 170 degrees.
+/// commands.spawn(AngleConstraint::new(arm, 0.52, 2.97));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]
@@ -122,6 +133,18 @@ impl ParticleConstraint for HingeConstraint {
 }
 
 /// A bone stays in a cone about an axis that is fixed in its parent: a shoulder or a hip. It says nothing about twist.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{ConeConstraint};
+/// # fn spawn(mut commands: Commands) {
+/// let at = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::NEG_Y];
+/// let rows = at.map(|at| commands.spawn(Particle::at(at)).id());
+/// // Between head, two more points of the parent, and the tip of the bone.
+/// commands.spawn(ConeConstraint::new(rows, Vec3::NEG_Y, 0.8));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]

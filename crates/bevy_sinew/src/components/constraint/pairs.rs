@@ -19,6 +19,18 @@ pub enum Bound {
 }
 
 /// Two particles stay a fixed distance apart: an entity of its own, to add, change or despawn at run time.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{Bound};
+/// # fn spawn(mut commands: Commands) {
+/// let [a, b] = [0.0, 1.0].map(|x| commands.spawn(Particle::at(Vec3::X * x)).id());
+/// // A rod of a metre, and a cord that holds no more than that.
+/// commands.spawn(DistanceConstraint::new(a, b, 1.0));
+/// commands.spawn(DistanceConstraint::new(a, b, 1.5).with_bound(Bound::AtMost));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]
@@ -60,6 +72,16 @@ impl DistanceConstraint {
 }
 
 /// A damped spring between two particles: an entity of its own.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// let hook = commands.spawn((Particle::at(Vec3::Y), Pinned::default())).id();
+/// let weight = commands.spawn((Particle::at(Vec3::ZERO), Mass(0.5))).id();
+/// commands.spawn(Spring::new(hook, weight, 0.8, 50.0).with_damping(0.5));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]

@@ -53,6 +53,17 @@ impl ParticleConstraint for BendConstraint {
 }
 
 /// Particles stay in one plane, wherever that is.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{CoplanarConstraint};
+/// # fn spawn(mut commands: Commands) {
+/// let at = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::new(1.0, 0.1, 1.0)];
+/// let corners = at.map(|at| commands.spawn(Particle::at(at)).id());
+/// commands.spawn(CoplanarConstraint::new(corners));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]
@@ -87,6 +98,16 @@ impl ParticleConstraint for CoplanarConstraint {
 }
 
 /// Particles stay on one line, wherever that is. It keeps neither their order nor their distances.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{CollinearConstraint};
+/// # fn spawn(mut commands: Commands) {
+/// let beads = [0.0, 0.5, 1.0].map(|x| commands.spawn(Particle::at(Vec3::X * x)).id());
+/// commands.spawn(CollinearConstraint::new(beads));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]
@@ -121,6 +142,17 @@ impl ParticleConstraint for CollinearConstraint {
 }
 
 /// Particles keep a rigid shape, all at once, wherever it is and however it is turned.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{RigidConstraint};
+/// # fn spawn(mut commands: Commands) {
+/// let rest = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+/// let corners = rest.map(|at| commands.spawn(Particle::at(at)).id());
+/// commands.spawn(RigidConstraint::new(corners, rest));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]

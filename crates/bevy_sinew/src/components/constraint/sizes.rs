@@ -20,6 +20,17 @@ pub enum SizeCorrection {
 }
 
 /// The area of a triangle stays as it is.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{AreaConstraint};
+/// # fn spawn(mut commands: Commands) {
+/// let at = [Vec3::ZERO, Vec3::X, Vec3::Y];
+/// let corners = at.map(|at| commands.spawn(Particle::at(at)).id());
+/// commands.spawn(AreaConstraint::new(corners, 0.5));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]
@@ -129,6 +140,17 @@ impl ParticleConstraint for PatchConstraint {
 }
 
 /// The signed volume of a tetrahedron stays as it is; one that was turned inside out comes back.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{TetrahedronConstraint};
+/// # fn spawn(mut commands: Commands) {
+/// let at = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+/// let corners = at.map(|at| commands.spawn(Particle::at(at)).id());
+/// commands.spawn(TetrahedronConstraint::new(corners, 1.0 / 6.0));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]
@@ -170,6 +192,18 @@ impl ParticleConstraint for TetrahedronConstraint {
 }
 
 /// The volume inside a closed mesh of particles stays as it is: what keeps a ball or a soft body full.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// let at = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+/// let corners = at.map(|at| commands.spawn(Particle::at(at)).id());
+/// // Counter-clockwise as seen from outside.
+/// let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// commands.spawn(VolumeConstraint::new(corners, faces, 1.0 / 6.0));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]

@@ -56,6 +56,16 @@ impl BoundingBox {
 /// where they are pinned.
 ///
 /// There is one world, and so one plane: of several, the one that was created first and is sound.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{Flatland};
+/// # fn spawn(mut commands: Commands) {
+/// commands.spawn(Flatland);
+/// commands.spawn((RigidBox { flat: true, ..default() }, Transform::from_xyz(0.0, 2.0, 0.0)));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Transform, CreationOrder)]

@@ -43,6 +43,15 @@ impl From<Electric> for sinew::Electric {
 /// A uniform electric field, everywhere or in the [`Region`](super::Region) on the same entity: between the plates of a capacitor.
 ///
 /// At the end of its region it is no gradient of anything (a true field bulges out there), so a charge that circles in and out may gain energy.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{ElectricField};
+/// # fn spawn(mut commands: Commands) {
+/// commands.spawn((ElectricField::new(Vec3::X * 1e5), Region::boxed(Vec3::splat(2.0))));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(CreationOrder)]

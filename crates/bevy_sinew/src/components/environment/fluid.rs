@@ -8,6 +8,16 @@ use crate::components::CreationOrder;
 ///
 /// Particles with a [`Radius`](crate::Radius) float in it as balls, and bodies that have [`Floats`] by their shape. For a pool, add a
 /// [`Region::boxed`](super::Region::boxed) twice as high as the pool is deep: the part above the surface stays empty.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// // A river: its surface is at the height of the entity.
+/// commands.spawn((Fluid::flowing(Vec3::X * 2.0), Transform::from_xyz(0.0, 1.0, 0.0)));
+/// commands.spawn((RigidBox::default(), Floats::default(), Transform::from_xyz(0.0, 2.0, 0.0)));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Transform, CreationOrder)]
@@ -47,6 +57,17 @@ impl Fluid {
 ///
 /// Without a skin or without particles that carry it, it is refused ([`Refusal::Hull`](crate::Refusal::Hull)), and its particles float as balls. A
 /// particle that is gone or set aside does not carry; a body that is yet to be built waits.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// // A raft of 40 kg that carries what lies on it.
+/// let raft = RigidBox::new(Vec3::new(2.0, 0.2, 2.0)).with_mass(40.0);
+/// commands.spawn((raft, Floats::default(), Transform::from_xyz(0.0, 0.2, 0.0)));
+/// commands.spawn(Fluid::default());
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(CreationOrder)]

@@ -5,6 +5,15 @@ use bevy::prelude::*;
 use crate::components::CreationOrder;
 
 /// Gravitational acceleration, m/s². Default `(0, -9.81, 0)`. [`GravityScale`](crate::GravityScale) makes exceptions.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # let mut app = App::new();
+/// # app.add_plugins((MinimalPlugins, SinewPlugins));
+/// // On the moon.
+/// app.insert_resource(Gravity(Vec3::NEG_Y * 1.62)).insert_resource(AirDrag(0.0));
+/// ```
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone)]
 pub struct Gravity(pub Vec3);
@@ -19,6 +28,16 @@ impl Default for Gravity {
 ///
 /// The acceleration at the distance `r` is `strength · r / (r² + softening²)^{3/2}`, times the particle's [`GravityScale`](crate::GravityScale). It
 /// comes on top of [`Gravity`]; in space, set that to zero.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{Attractor};
+/// # fn spawn(mut commands: Commands) {
+/// commands.insert_resource(Gravity(Vec3::ZERO));
+/// commands.spawn((Attractor::new(20.0).with_softening(0.1), Transform::from_xyz(0.0, 2.0, 0.0)));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Transform, CreationOrder)]

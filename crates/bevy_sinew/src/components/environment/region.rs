@@ -8,6 +8,16 @@ use crate::step::frames::{Misplaced, even_factor};
 /// Where the [`Wind`](super::Wind), the [`AirFlow`](super::AirFlow), the [`Fluid`](super::Fluid) and the [`ElectricField`](super::ElectricField) on
 /// the same entity act: in a shape about the entity's position, turned and scaled as the entity and its parents are (what is round, by the same in
 /// all directions). Without it they act everywhere.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// // A pool of 4 m by 4 m that is 2 m deep.
+/// let pool = Region::boxed(Vec3::new(4.0, 4.0, 4.0));
+/// commands.spawn((Fluid::default(), pool));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Transform)]

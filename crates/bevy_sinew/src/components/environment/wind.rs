@@ -24,6 +24,17 @@ impl Default for AirDrag {
 /// closed body, which has a front and a back, feels it *twice*: give bodies half the pressure in a [`Region`](super::Region) of their own, or take an
 /// [`AirFlow`]. Cloth and soft bodies have a surface. Ropes, boxes and figures have none, and a wind passes them by: give them a
 /// [`WindSurface`](crate::WindSurface) of their particles, or let an [`AirFlow`] take them along, which acts on particles with a radius.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn spawn(mut commands: Commands) {
+/// // Everywhere, and a fan's besides.
+/// commands.spawn(Wind { pressure: Vec3::X * 2.0, gusts: 0.5, ..default() });
+/// let fan = Wind { pressure: Vec3::Z * 20.0, gusts: 0.0, ..default() };
+/// commands.spawn((fan, Region::cylinder(0.5, 3.0), Transform::from_xyz(0.0, 1.0, 0.0)));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(CreationOrder)]
@@ -69,6 +80,16 @@ impl From<Wind> for sinew::Wind {
 /// It acts on the triangles of every [`WindSurface`](crate::WindSurface) by their velocity relative to it, and on particles of no triangle with a
 /// [`Radius`](crate::Radius) as on balls: loose ones, and those of ropes, boxes and figures. Where several overlap there is air once: velocities add up, density and coefficients are those of the densest. A
 /// triangle stands for a sheet, with air on both sides: give the air around closed bodies half the coefficients.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{AirFlow};
+/// # fn spawn(mut commands: Commands) {
+/// // What has a large silhouette falls slowly in it.
+/// commands.spawn(AirFlow::steady(Vec3::X * 3.0).with_gusts(0.3));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(CreationOrder)]
