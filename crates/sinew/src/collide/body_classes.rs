@@ -80,6 +80,12 @@ impl BodyClasses {
         self.of_row.get(row as usize).map_or(0, |&class| class as usize)
     }
 
+    /// The class of all rows, if they are of one.
+    #[inline]
+    pub(super) fn of_everyone(&self) -> Option<usize> {
+        self.of_row.is_empty().then_some(0)
+    }
+
     /// The class of some rows, if they are of one.
     pub(super) fn of_all(&self, rows: core::ops::Range<u32>) -> Option<usize> {
         let class = self.of(rows.start);

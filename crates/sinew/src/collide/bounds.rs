@@ -20,7 +20,7 @@ pub(super) struct Bounds {
 
 /// What holds one class, with the friction between the two.
 #[derive(Clone, Debug, Default)]
-struct ClassBounds {
+pub(super) struct ClassBounds {
     planes: Vec<Plane>,
     boxes: Vec<InsideBox>,
 }
@@ -116,20 +116,11 @@ impl Bounds {
         slow_down(particles, &self.drags, solid, h);
     }
 
-    /// Puts a row of a class on the right side of every plane and box, once, with friction; returns how far out it was, metres.
+    /// What holds a class.
     #[inline]
-    pub(super) fn project(&self, places: &mut Places, row: u32, class: usize) -> f32 {
-        let mut worst = 0.0_f32;
-        let Some(ClassBounds { planes, boxes }) = self.classes.get(class) else { return worst };
-        for plane in planes {
-            let out = plane.correction(places, row);
-            worst = worst.max(push(places, row, out, plane.friction));
-        }
-        for room in boxes {
-            let out = room.correction(places, row);
-            worst = worst.max(push(places, row, out, room.friction));
-        }
-        worst
+    pub(super) fn of(&self, class: usize) -> &ClassBounds {
+        const NOTHING: &ClassBounds = &ClassBounds { planes: Vec::new(), boxes: Vec::new() };
+        self.classes.get(class).unwrap_or(NOTHING)
     }
 
     /// Puts a row into the plane of a world in 2D; returns how far off it was, metres.
@@ -160,17 +151,34 @@ impl Bounds {
         }
     }
 
-    /// How far out a row of a class is, metres, moving nothing.
-    pub(super) fn error(&self, places: &Places, row: u32, class: usize) -> f32 {
-        let (planes, boxes): (&[Plane], &[InsideBox]) = match self.classes.get(class) {
-            Some(class) => (&class.planes, &class.boxes),
-            None => (&[], &[]),
-        };
-        let planes = planes.iter().map(|plane| plane.correction(places, row).length());
-        let boxes = boxes.iter().map(|room| room.correction(places, row).length());
-        let plane_constraint =
-            self.plane_constraint.iter().map(|s| places.height(row, s.normal, s.offset).abs());
-        planes.chain(boxes).chain(plane_constraint).fold(0.0, f32::max)
+    /// How far out of the plane of a world in 2D a row is, metres, moving nothing.
+    pub(super) fn out_of_plane(&self, places: &Places, row: u32) -> f32 {
+        let plane_constraint = self.plane_constraint.as_ref();
+        plane_constraint.map_or(0.0, |s| places.height(row, s.normal, s.offset).abs())
+    }
+}
+
+impl ClassBounds {
+    /// Puts a row on the right side of every plane and box, once, with friction; returns how far out it was, metres.
+    #[inline]
+    pub(super) fn project(&self, places: &mut Places, row: u32) -> f32 {
+        let mut worst = 0.0_f32;
+        for plane in &self.planes {
+            let out = plane.correction(places, row);
+            worst = worst.max(push(places, row, out, plane.friction));
+        }
+        for room in &self.boxes {
+            let out = room.correction(places, row);
+            worst = worst.max(push(places, row, out, room.friction));
+        }
+        worst
+    }
+
+    /// How far out a row is, metres, moving nothing.
+    pub(super) fn error(&self, places: &Places, row: u32) -> f32 {
+        let planes = self.planes.iter().map(|plane| plane.correction(places, row).length());
+        let boxes = self.boxes.iter().map(|room| room.correction(places, row).length());
+        planes.chain(boxes).fold(0.0, f32::max)
     }
 }
 
@@ -196,7 +204,7 @@ mod tests {
         let mut bounds = Bounds::default();
         bounds.begin(&Boundaries::default(), 1);
         bounds.hold_back(bound, |_| Some(friction));
-        bounds.project(&mut Places::all(particles), 0, 0)
+        bounds.of(0).project(&mut Places::all(particles), 0)
     }
 
     #[test]

@@ -17,7 +17,7 @@ mod surface;
 use glam::{Vec3, Vec4};
 
 use super::body_classes::BodyClasses;
-use super::bounds::Bounds;
+use super::bounds::{Bounds, ClassBounds};
 use super::friction::friction;
 use super::{Collider, CombinedMaterial, ContactFilter, Frame};
 use crate::constraints::{Boundaries, PlanarDrag, Plane};
@@ -124,14 +124,14 @@ impl ParticleContacts {
         self.bounds.drag(particles, &self.solid, h);
     }
 
-    /// Puts a row on the right side of everything, once, with friction, in substep number `substep`; returns how far out it was, metres. One that is not
-    /// `bounded` is far from all planes and boxes that hold every particle.
+    /// Puts a row on the right side of everything, once, with friction, in substep number `substep`; returns how far out it was, metres. One without
+    /// `bounds` is far from all planes and boxes that hold it.
     #[inline]
     fn project(
         &self,
         places: &mut Places,
         normal_impulses: &mut NormalImpulses,
-        (row, bounded): (u32, bool),
+        (row, bounds): (u32, Option<&ClassBounds>),
         substep: u32,
     ) -> f32 {
         if places.position[places.at(row)].w == 0.0 {
@@ -139,8 +139,8 @@ impl ParticleContacts {
         }
         let mut worst = 0.0_f32;
         if !self.is_solid(row) {
-            if bounded {
-                worst = self.bounds.project(places, row, self.classes.of(row));
+            if let Some(bounds) = bounds {
+                worst = bounds.project(places, row);
             }
             if !self.first.is_empty() {
                 worst = worst.max(self.leave(places, normal_impulses, row, substep));
@@ -156,17 +156,18 @@ impl ParticleContacts {
 
     /// How far out a row is at the end of a step, metres, moving nothing.
     #[inline]
-    fn error(&self, places: &Places, row: u32, bounded: bool) -> f32 {
+    fn error(&self, places: &Places, row: u32, bounds: Option<&ClassBounds>) -> f32 {
         if self.is_solid(row) || places.position[places.at(row)].w == 0.0 {
             return 0.0;
         }
-        self.deepest(places, row, bounded)
+        self.deepest(places, row, bounds)
     }
 
-    fn deepest(&self, places: &Places, row: u32, bounded: bool) -> f32 {
+    fn deepest(&self, places: &Places, row: u32, bounds: Option<&ClassBounds>) -> f32 {
         let Some(last) = self.frames.len().checked_sub(self.surfaces.len()) else { return 0.0 };
-        let class = self.classes.of(row);
-        let mut worst = if bounded { self.bounds.error(places, row, class) } else { 0.0 };
+        let mut worst = bounds.map_or(0.0, |bounds| {
+            bounds.error(places, row).max(self.bounds.out_of_plane(places, row))
+        });
         for candidate in self.of(row).map(|i| &self.candidates[i as usize]) {
             let number = candidate.surface as usize;
             let (surface, frame) = (&self.surfaces[number], &self.frames[last + number]);

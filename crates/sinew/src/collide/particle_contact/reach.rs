@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::super::bounds::ClassBounds;
 use super::{NormalImpulses, ParticleContacts};
 use crate::particles::{Particles, Places};
 use crate::solve::Plan;
@@ -16,9 +17,10 @@ impl ParticleContacts {
         substep: u32,
     ) -> f32 {
         let (rows, strays) = self.in_reach(places, number, rows);
+        let common = self.common_bounds();
         let depths = rows.iter().map(|&row| {
-            let bounded = strays || self.bounded[row as usize];
-            self.project(places, normal_impulses, (row, bounded), substep)
+            let bounds = self.bounds_of(row, strays, common);
+            self.project(places, normal_impulses, (row, bounds), substep)
         });
         depths.fold(0.0, f32::max)
     }
@@ -26,11 +28,31 @@ impl ParticleContacts {
     /// How far out the farthest of the rows of an island is at the end of a step, metres, moving nothing.
     pub(crate) fn island_error(&self, places: &Places, number: usize, rows: &[u32]) -> f32 {
         let (rows, strays) = self.in_reach(places, number, rows);
+        let common = self.common_bounds();
         let errors = rows.iter().map(|&row| {
-            let bounded = strays || self.bounded[row as usize];
-            self.error(places, row, bounded)
+            let bounds = self.bounds_of(row, strays, common);
+            self.error(places, row, bounds)
         });
         errors.fold(0.0, f32::max)
+    }
+
+    /// What bounds all rows alike, if they are of one class.
+    fn common_bounds(&self) -> Option<&ClassBounds> {
+        self.classes.of_everyone().map(|class| self.bounds.of(class))
+    }
+
+    /// What bounds a row; `None` of one that is far from all there is.
+    #[inline]
+    fn bounds_of<'a>(
+        &'a self,
+        row: u32,
+        strays: bool,
+        common: Option<&'a ClassBounds>,
+    ) -> Option<&'a ClassBounds> {
+        if !(strays || self.bounded[row as usize]) {
+            return None;
+        }
+        Some(common.unwrap_or_else(|| self.bounds.of(self.classes.of(row))))
     }
 
     /// Those of the rows of an island that may touch something now, and whether one has gone further than was looked: then that is any of them.
