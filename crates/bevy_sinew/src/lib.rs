@@ -272,7 +272,7 @@ pub use step::RegisterParticleConstraint;
 pub use threads::{ComputePool, SinewWorkers};
 pub use world::{ParticlesMut, SinewWorld};
 
-/// What most games want in scope: some fifty names, none of which is in Bevy's prelude. Everything else is at the root of the crate.
+/// What most games want in scope: some seventy names, none of which is in Bevy's prelude. Everything else is at the root of the crate.
 ///
 /// Some of them are in Avian's prelude, too; the crate's [table](crate#beside-avian) says which.
 pub mod prelude {

@@ -81,6 +81,7 @@ pub(super) struct InOrder<'a> {
 }
 
 impl<'a> InOrder<'a> {
+    #[inline]
     pub(super) fn new(
         plan: &'a Plan,
         island: &'a Island,
@@ -256,6 +257,7 @@ fn turns_too_fast(places: &Places, plan: &Plan, island: &Island) -> bool {
 }
 
 /// Projects the particles of an island out of whatever stands in the world once; returns the deepest it found, metres.
+#[inline]
 fn project_contacts(
     common: Common,
     places: &mut Places,

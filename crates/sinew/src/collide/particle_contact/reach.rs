@@ -9,6 +9,7 @@ use crate::solve::Plan;
 
 impl ParticleContacts {
     /// Puts all rows of island `number` on the right side of everything, once, with friction; returns how far out the farthest was, metres.
+    #[inline(never)]
     pub(crate) fn project_island(
         &self,
         places: &mut Places,
