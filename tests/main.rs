@@ -20,6 +20,7 @@
 //! | `every_setting` | integrators, orders, gradients, steps of any length, phases with conditions, surfaces for a wind |
 //! | `gameplay` | impulses of every tick, shapes on their way, the weight of what a game moves |
 //! | `grounds` | a ground and a room are colliders like others |
+//! | `character` | move and slide: a character of a game's own on grounds, against walls and bodies |
 //! | `first_minutes` | what a new user meets with nothing configured |
 //! | `hierarchy` | bodies, colliders and regions stand where their parents put them |
 //! | `motion` | velocities, forces and impulses go both ways; what a body says is shared out onto its particles |
@@ -59,6 +60,7 @@ mod bad_commands;
 mod bad_input;
 mod bad_recipes;
 mod breaking;
+mod character;
 mod colliders;
 mod colliders_live;
 mod columns;

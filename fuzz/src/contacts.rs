@@ -5,7 +5,7 @@ use sinew::recipes::{BoxSpec, box_3d};
 use sinew::{BodyCollider, Simulation, Sleep};
 use sinew::{
     BodyContacts, BodySettings, Collider, ContactParticipant, Filter, Frame, Layers, Material,
-    Shape,
+    Shape, SlideConfig,
 };
 
 use crate::input::Input;
@@ -116,6 +116,16 @@ fn ask(world: &Simulation, input: &mut Input) {
         assert!(hit.distance >= 0.0 && hit.distance <= most, "{hit:?}");
     }
     world.nearest_particle(from, most, &Filter::default());
+    if let Some(shape) = shape(input) {
+        let (place, all) = (frame(input), Filter::default());
+        if let Some(hit) = world.cast_shape(&shape, &place, way, most, &all) {
+            assert!(hit.distance >= 0.0 && hit.distance <= most, "{hit:?}");
+        }
+        let out = world.move_and_slide(&shape, &place, way, most, &SlideConfig::default(), &all);
+        let left = out.velocity.length();
+        assert!(left <= 1.001 * way.length() || !way.is_finite(), "{out:?}");
+        assert!(out.translation.is_finite() || !place.translation.is_finite(), "{out:?}");
+    }
 }
 
 fn shape(input: &mut Input) -> Option<Shape> {

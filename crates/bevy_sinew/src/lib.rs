@@ -37,7 +37,8 @@
 //! - A **parent** is honoured: bodies, colliders and regions stand where Bevy would draw them ([`ParticleBody`] says what holds for one that moves).
 //! - **Time** has a pause, single steps and a speed of its own: [`SinewControl`]. [`Relax`] and [`RelaxWorld`] bring a body or everything to rest without
 //!   waiting for it.
-//! - **Questions** to the world are asked through [`SinewQuery`]: rays, shapes on their way, overlaps, the nearest particle.
+//! - **Questions** to the world are asked through [`SinewQuery`]: rays, shapes on their way, overlaps, the nearest particle, and where a character comes to
+//!   ([`SinewWorld::move_and_slide`]).
 //!   [`Weighs`] has what the game moves press on what it stands on.
 //! - **Read back** are `Transform` ([`RigidPose`]), meshes ([`MeshFollow`], [`TubeMesh`]), [`LinearVelocity`], [`AngularVelocity`], [`WorldCenterOfMass`],
 //!   [`Inertia`]; [`SinewWorld::report`] says how the solver fared, and [`Refused`] messages what it set aside.
@@ -153,6 +154,7 @@
 //! | `ConstantForce`, `Forces` | [`ExternalForce`], [`ControlForce`], [`BodyCommandsExt`] | |
 //! | `DistanceJoint`, `SphericalJoint`, `RevoluteJoint`, `FixedJoint` | [`DistanceConstraint`], [`ConeConstraint`], [`HingeConstraint`], [`Articulated`] | constraints name particles; a shared particle is a ball joint |
 //! | `JointDamping`, compliance | [`Softness`] | compliance, frequency with damping, or share |
+//! | `SpatialQuery`, `MoveAndSlide` | [`SinewQuery`] | one parameter for all questions; its [`move_and_slide`](SinewWorld::move_and_slide) knows a floor from a wall |
 //! | `Sleeping` | [`Sleep`] | |
 //! | `SubstepCount`, `SolverConfig` | [`SolverConfig`], [`BodySolver`] | a body may ask for its own |
 //! | `Position`, `Rotation` | `Transform` | extracted once a tick, and read again only where a game changed it |
@@ -180,6 +182,7 @@
 //! | `components` | what a game spawns, edits and reads: the state |
 //! | `recipes` | bodies that build themselves |
 //! | `query` | questions to the world: rays, shapes on their way, what is near |
+//! | `move_and_slide` | the question of a character controller: how far, and along what |
 //! | `schedule` | the sets, the phases, the driver of the substeps, and how fast time passes |
 //! | `threads` | who helps the solver: [`SinewWorkers`] |
 //! | `step` | layout, gather, links, representation, scatter, extract: components to columns and back |
@@ -200,6 +203,7 @@ mod config;
 mod drag;
 pub mod guide;
 mod messages;
+mod move_and_slide;
 mod plugin;
 mod query;
 mod recipes;
@@ -245,6 +249,7 @@ pub use config::{BodySolver, GradientAt, Integrator, Order, SolverConfig};
 #[cfg(feature = "drag")]
 pub use drag::{Grab, MouseDrag, MouseDragPlugin};
 pub use messages::{Refusal, Refused};
+pub use move_and_slide::{MoveAndSlideConfig, MoveAndSlideOutput};
 #[cfg(feature = "interpolation")]
 pub use plugin::EasePlugin;
 pub use plugin::{SinewPlugin, SinewPlugins};

@@ -12,7 +12,7 @@ use crate::world::SinewWorld;
 pub struct QueryFilter {
     /// What it meets, and what meets it; everything if `None`.
     pub layers: Option<CollisionLayers>,
-    /// Whether colliders are left out.
+    /// Whether colliders are left out, grounds and bounding boxes among them.
     pub no_colliders: bool,
     /// Whether bodies and loose particles are left out.
     pub no_bodies: bool,
@@ -27,9 +27,9 @@ pub struct QueryFilter {
 #[doc(alias = "RayHit")]
 #[doc(alias = "ShapeHit")]
 pub struct QueryHit {
-    /// Whom: a body, a loose particle or a collider.
+    /// Whom: a body, a loose particle, a collider, a ground or a bounding box.
     pub entity: Entity,
-    /// The particle that was met, or that is nearest of what was; none of a collider.
+    /// The particle that was met, or that is nearest of what was; none of what stands by itself.
     pub particle: Option<Entity>,
     /// How far from where it began, metres.
     pub distance: f32,
@@ -72,18 +72,20 @@ impl core::ops::Deref for SinewQuery<'_> {
     }
 }
 
-/// They look at the world as the last tick left it, one thing after the other: some nanoseconds for each particle and collider.
+/// They look at the world as the last tick left it, one thing after the other: some nanoseconds for each particle and collider. What has been despawned since
+/// is still there for them, until the next tick.
 impl SinewWorld {
-    /// What a ray meets first within `max` metres: a collider, a rigid body by its shape, a surface from either side, or a particle's ball.
+    /// What a ray meets first within `max` metres: a collider, a ground, a wall of a bounding box from inside, a rigid body by its shape, a surface from either
+    /// side, or a particle's ball.
     pub fn cast_ray(&self, ray: Ray3d, max: f32, filter: &QueryFilter) -> Option<QueryHit> {
         let filter = self.filter(filter);
         let hit = self.simulation.cast_ray(ray.origin, *ray.direction, max, &filter)?;
         self.named(&hit)
     }
 
-    /// What a shape without dents meets first that goes up to `max` metres from a place along a direction, without turning: a collider, a rigid body by its
-    /// shape, a surface from either side, or a particle's ball. What it overlaps at the start it meets at once, at a distance of 0. A shape with a broken
-    /// number meets nothing, and neither do planes, meshes and landscapes that are to go somewhere.
+    /// What a shape without dents meets first that goes up to `max` metres from a place along a direction, without turning: a collider, a ground, a wall of a
+    /// bounding box, a rigid body by its shape, a surface from either side, or a particle's ball. It goes through nothing, however far it goes. What it overlaps
+    /// at the start it meets at once, at a distance of 0. A shape with a broken number meets nothing, and neither do planes, meshes and landscapes that are to go somewhere.
     #[doc(alias = "sweep")]
     pub fn cast_shape(
         &self,
@@ -125,7 +127,7 @@ impl SinewWorld {
     }
 
     /// The same with entities; `None` if whom it names is not known.
-    fn named(&self, hit: &sinew::Hit) -> Option<QueryHit> {
+    pub(crate) fn named(&self, hit: &sinew::Hit) -> Option<QueryHit> {
         let sinew::Hit { participant, row, distance, point, normal } = *hit;
         let entity = self.entity_of(participant)?;
         let particle = row.and_then(|row| self.entity_of(ContactParticipant::Particle(row)));
@@ -148,7 +150,7 @@ impl SinewWorld {
         });
     }
 
-    fn filter(&self, filter: &QueryFilter) -> Filter {
+    pub(crate) fn filter(&self, filter: &QueryFilter) -> Filter {
         let all = Filter::default();
         Filter {
             layers: filter.layers.map_or(all.layers, CollisionLayers::layers),
@@ -171,6 +173,6 @@ impl SinewWorld {
     }
 }
 
-fn frame(place: Isometry3d) -> Frame {
+pub(crate) fn frame(place: Isometry3d) -> Frame {
     Frame::new(place.translation.into(), place.rotation)
 }

@@ -104,6 +104,8 @@ pub use lanes::InstructionSet;
 pub use ledger::Ledger;
 pub use particles::{ParticleFault, ParticleSeed, ParticleState, Particles};
 pub use rigid::{Compound, RigidBody, RigidFault, RigidIntegrator};
-pub use simulation::{Filter, Hit, Relaxed, Simulation, Sleep, StepFault, Substep};
+pub use simulation::{
+    Filter, Hit, Relaxed, Simulation, Sleep, SlideConfig, SlideOutput, StepFault, Substep,
+};
 pub use solve::{BodySettings, IslandReport, Order, SolverReport, SolverSettings};
 pub use threads::Workers;

@@ -2,7 +2,7 @@
 
 use sinew::glam::Vec3;
 use sinew::recipes::{BoxSpec, ClothSpec, RagdollSpec, box_3d, cloth_grid, ragdoll};
-use sinew::{Bound, Distance, ParticleSeed, Pin, Plane, Simulation, Spring, Wind};
+use sinew::{BodyCollider, Bound, Distance, ParticleSeed, Pin, Plane, Simulation, Spring, Wind};
 
 fn on_the_ground() -> Simulation {
     let mut world = Simulation::default();
@@ -253,4 +253,17 @@ fn a_poisoned_sheet_leaves_every_bit_of_the_sheets_solved_after_it() {
         (225..world.particles.len()).map(|i| world.particles.seed(i)).collect::<Vec<_>>()
     };
     assert!(sheets(true) == sheets(false));
+}
+
+/// Found by fuzzing: its row was looked up before it was known to be there, if any particle had a place in a rest shape.
+#[test]
+fn a_body_collider_whose_particles_are_not_there_touches_nothing() {
+    let mut world = on_the_ground();
+    world.particles.push(ParticleSeed::at(Vec3::Y)).unwrap();
+    world.particles.set_rest(0, Some(Vec3::ZERO));
+    world.body_colliders_mut().push(BodyCollider::segment([7, 8], 1.0, 0.1, 1).unwrap());
+    for _ in 0..3 {
+        world.step(1e-2).unwrap();
+    }
+    assert!((world.particles.position(0).y - 1.0).abs() < 0.01);
 }

@@ -45,14 +45,14 @@ pub use impact::{ContactParticipant, Impact};
 pub use material::{BodyContacts, Combine, CombinedMaterial, Layers, Material};
 pub use shape::{Nearest, RayHit, Shape, ShapeFault};
 
-pub(crate) use body_contact::BodyContactSolver;
+pub(crate) use body_contact::{BodyContactSolver, half_spaces};
 pub(crate) use filter::ContactFilter;
 pub(crate) use impact::Impacts;
 pub(crate) use manifold::{Broad, Scratch as ManifoldScratch, collide};
 pub(crate) use pairs::Pairs;
 pub(crate) use particle_contact::{NormalImpulse, NormalImpulses, ParticleContacts};
 pub(crate) use shape::Kind as ShapeKind;
-pub(crate) use shape::{Obstacle, SweepHit, Way};
+pub(crate) use shape::{AtStart, Obstacle, SweepHit, Way};
 pub(crate) use stage::{Contacts, World};
 pub(crate) use triangles::Triangles;
 

@@ -5,12 +5,14 @@ mod loads;
 mod prepare;
 mod queries;
 mod sleep;
+mod slide;
 mod statics;
 mod undisturbed;
 mod weight;
 
 pub use queries::{Filter, Hit};
 pub use sleep::Sleep;
+pub use slide::{SlideConfig, SlideOutput};
 pub use statics::Relaxed;
 
 use std::sync::Arc;

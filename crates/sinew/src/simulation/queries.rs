@@ -7,8 +7,8 @@ use glam::Vec3;
 
 use super::Simulation;
 use crate::collide::{
-    BodyCollider, ContactParticipant, Frame, Layers, ManifoldScratch, Obstacle, Shape, ShapeKind,
-    Way, collide,
+    AtStart, BodyCollider, ContactParticipant, Frame, Layers, ManifoldScratch, Obstacle, Shape,
+    SweepHit, Way, collide, half_spaces,
 };
 use crate::particles::NO_BODY;
 use crate::pose::pose;
@@ -18,7 +18,7 @@ use crate::pose::pose;
 pub struct Filter {
     /// What it minds, and what minds it. Default everything.
     pub layers: Layers,
-    /// Whether colliders count. Default yes.
+    /// Whether colliders count, and planes and boxes of [`Boundaries`](crate::Boundaries), which are in all layers. Default yes.
     pub colliders: bool,
     /// Whether sensors count among them. Default not.
     pub sensors: bool,
@@ -33,7 +33,7 @@ pub struct Filter {
 pub struct Hit {
     /// Whom.
     pub participant: ContactParticipant,
-    /// The particle: that which was met, or the nearest corner of what was; none of a collider.
+    /// The particle: that which was met, or the nearest corner of what was; none of what stands by itself.
     pub row: Option<u32>,
     /// How far from where it began, metres.
     pub distance: f32,
@@ -56,8 +56,8 @@ impl Default for Filter {
 }
 
 impl Simulation {
-    /// What a ray meets first within `max` metres: a collider, a body collider, a triangle of a surface from either side, or a particle's ball. A
-    /// direction that has no length meets nothing; it need not be a unit vector.
+    /// What a ray meets first within `max` metres: a collider, a plane, a wall of a box from inside, a body collider, a triangle of a surface from either
+    /// side, or a particle's ball. A direction that has no length meets nothing; it need not be a unit vector.
     pub fn cast_ray(
         &self,
         origin: Vec3,
@@ -73,6 +73,9 @@ impl Simulation {
                 ray.shape(&collider.shape, &collider.end, participant, None);
             }
         }
+        self.walls(filter, &mut |participant, wall, frame| {
+            ray.shape(wall, &frame, participant, None);
+        });
         if !filter.bodies {
             return ray.first;
         }
@@ -103,8 +106,8 @@ impl Simulation {
         ray.first
     }
 
-    /// What a shape without dents meets first that goes up to `max` metres along a direction, without turning: a collider, a body collider, a triangle of a
-    /// surface from either side, or a particle's ball. What it overlaps at the start it meets at once. A direction that has no length meets nothing, and
+    /// What a shape without dents meets first that goes up to `max` metres along a direction, without turning: a collider, a plane, a wall of a box, a body
+    /// collider, a triangle of a surface from either side, or a particle's ball. It goes through nothing, however far it goes and however thin that is. What it overlaps at the start it meets at once. A direction that has no length meets nothing, and
     /// so do half-spaces, meshes and landscapes that are to go somewhere; a direction need not be a unit vector.
     pub fn cast_shape(
         &self,
@@ -115,8 +118,9 @@ impl Simulation {
         filter: &Filter,
     ) -> Option<Hit> {
         let direction = direction.try_normalize()?;
-        let way = Way { direction, length: max };
-        self.sweep(shape, frame, &way, filter)
+        let way =
+            Way { direction, length: max, clearance: 0.0, start: AtStart::Overlapped, along: &[] };
+        Some(self.sweep(shape, frame, &way, filter)?.hit())
     }
 
     /// The same, by how it goes. Of several that are met at once the first counts.
@@ -126,27 +130,26 @@ impl Simulation {
         frame: &Frame,
         way: &Way,
         filter: &Filter,
-    ) -> Option<Hit> {
-        let goes = !matches!(
-            shape.kind(),
-            ShapeKind::HalfSpace | ShapeKind::InsideBox | ShapeKind::Mesh | ShapeKind::HeightField
-        );
-        if !(goes && frame.is_valid() && way.length >= 0.0) {
+    ) -> Option<Swept> {
+        if !(frame.is_valid() && way.length >= 0.0) {
             return None;
         }
         // Farther than this is nothing, and no box can be drawn around a way without end.
         let mut way = Way { length: way.length.min(1e6), ..*way };
         let (low, high) = shape.bounds_in(frame);
         let by = way.direction * way.length;
-        let around = (low.min(low + by), high.max(high + by));
-        let mut first: Option<Hit> = None;
+        let around = (low.min(low + by) - way.clearance, high.max(high + by) + way.clearance);
+        let mut first: Option<Swept> = None;
         self.obstacles(around, filter, &mut |participant, row, obstacle| {
-            let Some(hit) = shape.sweep(frame, &way, obstacle) else { return };
-            if first.is_none_or(|first| hit.distance < first.distance) {
-                let crate::collide::SweepHit { distance, point, normal } = hit;
-                way.length = distance;
-                first = Some(Hit { participant, row, distance, point, normal });
+            let Some(at) = shape.sweep(frame, &way, obstacle) else { return };
+            let nearest = first.map_or(at.distance, |first| first.at.distance.min(at.distance));
+            if first.is_none_or(|first| at.is_before(&first.at, &way)) {
+                first = Some(Swept { participant, row, at });
             }
+            if let Some(first) = &mut first {
+                first.at.distance = nearest;
+            }
+            way.length = way.length.min(at.distance + way.at_once());
         });
         first
     }
@@ -168,6 +171,12 @@ impl Simulation {
                 call(ContactParticipant::Collider(number as u32), None, &obstacle);
             }
         }
+        self.walls(filter, &mut |participant, wall, frame| {
+            let obstacle = Obstacle::Shape(wall, frame);
+            if in_reach(&obstacle) {
+                call(participant, None, &obstacle);
+            }
+        });
         if !filter.bodies {
             return;
         }
@@ -207,6 +216,21 @@ impl Simulation {
         }
     }
 
+    /// Calls with the planes that count and with the walls of boxes, as half-spaces.
+    fn walls(&self, filter: &Filter, call: &mut dyn FnMut(ContactParticipant, &Shape, Frame)) {
+        let everywhere = Layers::new(u32::MAX, u32::MAX);
+        let none = self.boundaries.planes.is_empty() && self.boundaries.boxes.is_empty();
+        if none || !filter.colliders || !everywhere.meets(filter.layers) {
+            return;
+        }
+        let solid = Shape::half_space();
+        half_spaces(&self.boundaries, &mut |participant, frame| {
+            if filter.except != Some(participant) {
+                call(participant, &solid, frame);
+            }
+        });
+    }
+
     /// Where a body collider is, if it may be in a box: no point of it is farther from its first particle than that is from its zero, and its own
     /// farthest point.
     fn frame_near(&self, solid: &BodyCollider, around: (Vec3, Vec3)) -> Option<Frame> {
@@ -218,7 +242,7 @@ impl Simulation {
         if near { self.frame_of(solid) } else { None }
     }
 
-    /// Calls `found` with everyone who overlaps a shape: once each for colliders and body colliders, with a row for each triangle of a surface and each
+    /// Calls `found` with everyone who overlaps a shape: once each for colliders, planes and body colliders, for each wall of a box, with a row for each triangle of a surface and each
     /// particle. Particles are balls of their radii, also of none.
     pub fn overlaps(
         &self,
@@ -237,6 +261,11 @@ impl Simulation {
                 found(ContactParticipant::Collider(number as u32), None);
             }
         }
+        self.walls(filter, &mut |participant, wall, theirs| {
+            if overlap(shape, wall, &frame.from_within(&theirs)) {
+                found(participant, None);
+            }
+        });
         if !filter.bodies {
             return;
         }
@@ -255,14 +284,10 @@ impl Simulation {
             if corners.iter().any(|&row| row as usize >= self.particles.len()) {
                 continue;
             }
-            let triangle =
-                Obstacle::Triangle(corners.map(|row| self.particles.position(row as usize)));
-            let bounds = triangle.bounds();
+            let places = corners.map(|row| self.particles.position(row as usize));
+            let bounds = Obstacle::Triangle(places).bounds();
             let near = bounds.0.cmple(high).all() && bounds.1.cmpge(low).all();
-            if near
-                && !self.is_aside(corners[0])
-                && shape.nearest_contact(frame, 0.0, &triangle).is_some()
-            {
+            if near && !self.is_aside(corners[0]) && shape.meets_triangle(frame, &places) {
                 found(participant, Some(corners[0]));
             }
         }
@@ -338,6 +363,22 @@ impl Simulation {
     /// Whether a row does not collide by itself: it is part of a body collider, which is met in its place, or its body touches nothing.
     fn is_aside(&self, row: u32) -> bool {
         self.scratch.contacts.is_aside(row)
+    }
+}
+
+/// Whom a shape met on its way, and where.
+#[derive(Clone, Copy)]
+pub(super) struct Swept {
+    participant: ContactParticipant,
+    row: Option<u32>,
+    pub(super) at: SweepHit,
+}
+
+impl Swept {
+    /// The same for whoever asked.
+    pub(super) fn hit(&self) -> Hit {
+        let Self { participant, row, at: SweepHit { distance, point, normal, .. } } = *self;
+        Hit { participant, row, distance, point: point.as_vec3(), normal: normal.as_vec3() }
     }
 }
 

@@ -7,7 +7,9 @@
 use glam::{Mat3, Vec3};
 
 use super::{Filter, Simulation};
-use crate::collide::{ContactParticipant, Frame, ManifoldScratch, Obstacle, Shape, Way, collide};
+use crate::collide::{
+    AtStart, ContactParticipant, Frame, ManifoldScratch, Obstacle, Shape, Way, collide,
+};
 use crate::forces::Control;
 
 /// Where something stands on something.
@@ -112,22 +114,20 @@ impl Simulation {
                 return;
             }
             let Some(near) = shape.nearest_contact(frame, reach, obstacle) else { return };
-            let (Some(row), true) = (row, holds(near.normal)) else { return };
+            let (point, normal) = (near.point.as_vec3(), near.normal.as_vec3());
+            let (Some(row), true) = (row, holds(normal)) else { return };
             let rows = match obstacle {
-                Obstacle::Triangle(corners) => self.corner_shares(row, corners, near.point),
+                Obstacle::Triangle(corners) => self.corner_shares(row, corners, point),
                 _ => Some([(row, 1.0), (row, 0.0), (row, 0.0)]),
             };
             if let Some(rows) = rows {
-                found.push(Support {
-                    point: near.point,
-                    gap: near.distance,
-                    on: Carrier::Rows(rows),
-                });
+                found.push(Support { point, gap: near.distance, on: Carrier::Rows(rows) });
             }
         });
         // By how far it would fall onto each.
         let least = found.iter().map(|support| support.gap).fold(f32::INFINITY, f32::min);
-        let falls = Way { direction: down, length: reach };
+        let start = AtStart::Overlapped;
+        let falls = Way { direction: down, length: reach, clearance: 0.0, start, along: &[] };
         if found.is_empty() || self.sweep(shape, frame, &falls, filter).is_none() {
             return Vec::new();
         }

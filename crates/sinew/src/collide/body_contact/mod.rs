@@ -62,6 +62,7 @@ use normal_solve::NormalSolve;
 use pose::{ApplyPoseDelta, ExtractPose, Gathered, OriginOffsets, PoseSums, SharedDeltas};
 use restitution::Impacts;
 use static_geometry::StaticGeometry;
+pub(crate) use static_geometry::half_spaces;
 use turn::LaneArray;
 use wide_contact::{Contact, SensorOverlap, WideContact};
 

@@ -480,7 +480,9 @@ impl RestOverlaps {
             return;
         }
         for (number, (solid, part)) in body_colliders.iter().zip(&groups.parts).enumerate() {
-            let body = solid.rows.first().map_or(NO_BODY, |&row| particles.body[row as usize]);
+            // A row may be gone.
+            let first = solid.rows.first().and_then(|&row| particles.body.get(row as usize));
+            let body = first.copied().unwrap_or(NO_BODY);
             if part.sound && filter.body(body).with_itself {
                 self.body_colliders.push((body, number as u32));
             }

@@ -7,7 +7,7 @@ use super::super::{
 };
 use super::broad_phase::SweptBounds;
 use super::contact_cache::Other;
-use crate::constraints::{InsideBox, Plane};
+use crate::constraints::{Boundaries, InsideBox, Plane};
 
 /// One of them.
 #[derive(Clone, Debug)]
@@ -104,16 +104,11 @@ impl StaticGeometry {
         floor: &Shape,
         (participant, other): (ContactParticipant, Other),
     ) -> Self {
-        let n = plane.normal.normalize_or(Vec3::Y);
-        let x = n.any_orthonormal_vector();
         let material =
             Material::default().with_friction(plane.friction).with_restitution(plane.restitution);
         Self {
             shape: floor.clone(),
-            start: Frame {
-                translation: n * plane.offset,
-                rotation: Mat3::from_cols(x, n, x.cross(n)),
-            },
+            start: frame_of(plane),
             moving: None,
             wall: Frame::IDENTITY,
             material: Material { drag: plane.drag, ..material },
@@ -192,6 +187,26 @@ impl StaticGeometry {
 /// Where a wall is of what is at a frame. A half-space by itself is where that is, to the bit.
 fn placed(frame: &Frame, wall: &Frame) -> Frame {
     if *wall == Frame::IDENTITY { *frame } else { frame.of(wall) }
+}
+
+/// Calls with the valid planes, and with the walls of the valid boxes: with who each belongs to, and with the frame in which it is solid below y = 0.
+pub(crate) fn half_spaces(
+    boundaries: &Boundaries,
+    call: &mut dyn FnMut(ContactParticipant, Frame),
+) {
+    for (number, plane) in (0..).zip(&boundaries.planes).filter(|(_, plane)| plane.is_valid()) {
+        call(ContactParticipant::Plane(number), frame_of(plane));
+    }
+    for (number, bounding_box) in (0..).zip(&boundaries.boxes).filter(|(_, one)| one.is_valid()) {
+        walls(bounding_box).for_each(|wall| call(ContactParticipant::Box(number), frame_of(&wall)));
+    }
+}
+
+/// Where a plane is: its normal is y.
+fn frame_of(plane: &Plane) -> Frame {
+    let n = plane.normal.normalize_or(Vec3::Y);
+    let x = n.any_orthonormal_vector();
+    Frame { translation: n * plane.offset, rotation: Mat3::from_cols(x, n, x.cross(n)) }
 }
 
 /// The six planes of a box, which face inward.

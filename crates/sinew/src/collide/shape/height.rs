@@ -162,6 +162,32 @@ impl Heights {
         Nearest { point: close.point, normal, distance: sign * distance }
     }
 
+    /// Calls with the triangles within a box whose own boxes `keep` lets pass, by their lowest and highest coordinates.
+    pub(super) fn near(
+        &self,
+        (low, high): (Vec3, Vec3),
+        keep: &dyn Fn(Vec3, Vec3) -> bool,
+        call: &mut dyn FnMut([Vec3; 3]),
+    ) {
+        let cells = |axis: usize| {
+            let count = if axis == 0 { self.columns - 1 } else { self.rows - 1 };
+            // One more on either side, for rounding.
+            let first = (self.along(low[axis], axis) - 0.01).max(0.0) as usize;
+            let end = (self.along(high[axis], axis) + 1.01).max(0.0) as usize;
+            first.min(count)..end.min(count)
+        };
+        for column in cells(0) {
+            for row in cells(2) {
+                for triangle in self.cell(column, row) {
+                    let (low, high) = triangle.bounds();
+                    if keep(low, high) {
+                        call(triangle.corners);
+                    }
+                }
+            }
+        }
+    }
+
     /// What came through a side or the bottom goes back out there.
     fn wall(&self, from: Vec3, to: Vec3, reach: f32) -> Option<ShapeTouch> {
         let (low, high) = self.bounds;

@@ -132,6 +132,19 @@ impl Mesh {
         Some(RayHit { distance: crossing.share as f32 * length, normal })
     }
 
+    /// Calls with the triangles in boxes that `keep` lets pass, by their lowest and highest coordinates.
+    pub(super) fn near(&self, keep: &dyn Fn(Vec3, Vec3) -> bool, call: &mut dyn FnMut([Vec3; 3])) {
+        let mut cursor = 0;
+        while let Some(range) = self.tree.next(&mut cursor, keep) {
+            for piece in &self.pieces[range] {
+                let (low, high) = piece.bounds();
+                if keep(low, high) {
+                    call(piece.corners);
+                }
+            }
+        }
+    }
+
     /// See [`Shape::nearest`](super::Shape::nearest).
     pub(super) fn nearest(&self, p: Vec3) -> Nearest {
         let (distance, off) = self.coarse.near(p);

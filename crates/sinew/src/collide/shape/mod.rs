@@ -13,6 +13,7 @@
 //! | `extent`, `scale` | the box around a shape; the same shape in another size |
 //! | `content_hash` | a number made of what a shape is |
 //! | `words` | a shape as plain words, to be stored |
+//! | `gap` | how far two convex shapes are apart |
 //! | `sweep` | what a shape meets on a straight way, and what it is near |
 //! | `convert` | the shapes that `parry3d` knows, for what two solids do to each other |
 
@@ -23,6 +24,7 @@ mod convex;
 mod extent;
 mod fault;
 mod flat;
+mod gap;
 mod height;
 mod hull;
 mod inside;
@@ -42,7 +44,7 @@ use glam::Vec3;
 pub use fault::ShapeFault;
 
 pub(crate) use convert::{ours, pose};
-pub(crate) use sweep::{Obstacle, SweepHit, Way};
+pub(crate) use sweep::{AtStart, Obstacle, SweepHit, Way};
 
 use convex::Convex;
 use fault::{is_length, is_size};
