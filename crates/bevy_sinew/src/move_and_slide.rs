@@ -71,9 +71,9 @@ impl SinewWorld {
     /// [`BoundingBox`](crate::BoundingBox), bodies, cloth, loose particles. It goes through nothing, however fast it is, and keeps a skin's width off everything;
     /// what overlaps it at the start pushes it out first. It stands on a floor by its weight without sliding down.
     ///
-    /// Nothing is changed: the game keeps the new place and the velocity. Things are met where the last tick left them. It pushes nobody ([`Weighs`](crate::Weighs) has it press on what it
-    /// stands on), climbs no steps, and follows no platform: a game does that with [`cast_shape`](Self::cast_shape) and another call. A shape or a number that
-    /// is broken does not move, nor does one with dents.
+    /// Nothing is changed: the game keeps the new place and the velocity. Things are met where the last tick left them. It pushes nobody
+    /// ([`Weighs`](crate::Weighs) has it press on what it stands on), climbs no steps, and follows no platform: a game does that with
+    /// [`cast_shape`](Self::cast_shape) and another call. A shape or a number that is broken does not move, nor does one with dents.
     ///
     /// ```
     /// # use bevy::prelude::*;

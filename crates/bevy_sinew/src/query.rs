@@ -85,7 +85,8 @@ impl SinewWorld {
 
     /// What a shape without dents meets first that goes up to `max` metres from a place along a direction, without turning: a collider, a ground, a wall of a
     /// bounding box, a rigid body by its shape, a surface from either side, or a particle's ball. It goes through nothing, however far it goes. What it overlaps
-    /// at the start it meets at once, at a distance of 0. A shape with a broken number meets nothing, and neither do planes, meshes and landscapes that are to go somewhere.
+    /// at the start it meets at once, at a distance of 0. A shape with a broken number meets nothing, and neither do planes, meshes and landscapes that are
+    /// to go somewhere.
     #[doc(alias = "sweep")]
     pub fn cast_shape(
         &self,

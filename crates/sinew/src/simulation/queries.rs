@@ -107,8 +107,9 @@ impl Simulation {
     }
 
     /// What a shape without dents meets first that goes up to `max` metres along a direction, without turning: a collider, a plane, a wall of a box, a body
-    /// collider, a triangle of a surface from either side, or a particle's ball. It goes through nothing, however far it goes and however thin that is. What it overlaps at the start it meets at once. A direction that has no length meets nothing, and
-    /// so do half-spaces, meshes and landscapes that are to go somewhere; a direction need not be a unit vector.
+    /// collider, a triangle of a surface from either side, or a particle's ball. It goes through nothing, however far it goes and however thin that is. What
+    /// it overlaps at the start it meets at once. A direction that has no length meets nothing, and so do half-spaces, meshes and landscapes that are to go
+    /// somewhere; a direction need not be a unit vector.
     pub fn cast_shape(
         &self,
         shape: &Shape,
@@ -242,8 +243,8 @@ impl Simulation {
         if near { self.frame_of(solid) } else { None }
     }
 
-    /// Calls `found` with everyone who overlaps a shape: once each for colliders, planes and body colliders, for each wall of a box, with a row for each triangle of a surface and each
-    /// particle. Particles are balls of their radii, also of none.
+    /// Calls `found` with everyone who overlaps a shape: once each for colliders, planes and body colliders, for each wall of a box, with a row for each
+    /// triangle of a surface and each particle. Particles are balls of their radii, also of none.
     pub fn overlaps(
         &self,
         shape: &Shape,

@@ -76,8 +76,9 @@ impl SlideConfig {
 
 impl Simulation {
     /// Moves a shape without dents by a velocity, m/s, for `delta` seconds, as far as it can, sliding along what is in the way. Nothing is changed: the new
-    /// place and the velocity that is left are for the caller to keep. It goes through nothing, however fast it is, and no farther than 1e6 m. Numbers that are not finite, an `up` without
-    /// a direction, and shapes with dents do not move; a velocity of zero is still pushed out of what overlaps it. To be asked between steps.
+    /// place and the velocity that is left are for the caller to keep. It goes through nothing, however fast it is, and no farther than 1e6 m. Numbers that
+    /// are not finite, an `up` without a direction, and shapes with dents do not move; a velocity of zero is still pushed out of what overlaps it. To be
+    /// asked between steps.
     pub fn move_and_slide(
         &self,
         shape: &Shape,

@@ -166,8 +166,8 @@ impl<'a> Convex<'a> {
 }
 
 impl Convex<'_> {
-    /// A way out of another one whose core this one's touches or overlaps, as a gap below zero: the least far along a normal of a triangle, an axis of this one's, or
-    /// away from the other's middle. That parts them, though there may be a shorter way. `None` if a number is not finite.
+    /// A way out of another one whose core this one's touches or overlaps, as a gap below zero: the least far along a normal of a triangle, an axis of this
+    /// one's, or away from the other's middle. That parts them, though there may be a shorter way. `None` if a number is not finite.
     pub(super) fn way_out(&self, seen: &Relative, other: &Self) -> Option<Gap> {
         let mut ways: SmallVec<[DVec3; 16]> = SmallVec::new();
         let mut middle = DVec3::ZERO;
