@@ -9,7 +9,8 @@ use sinew::constraints::{
 use sinew::glam::Vec3;
 use sinew::{
     AirFlow, Attractor, BodySettings, Compound, Constraint, ConstraintKind, Control, GradientAt,
-    Integrator, Order, Region, RigidIntegrator, Simulation, Softness, SolverSettings,
+    Integrator, Order, Region, Representation, RigidIntegrator, Simulation, Softness,
+    SolverSettings,
 };
 
 use crate::input::Input;
@@ -92,6 +93,11 @@ pub(crate) fn operate(
                 gradient_at: input.flag().then(|| gradient_at(input)),
                 order: input.flag().then(|| order(input)),
                 damping: input.any(),
+                representation: if input.flag() {
+                    Representation::Auto
+                } else {
+                    Representation::Particles
+                },
             };
             world.bodies = vec![own];
             for i in 0..count {

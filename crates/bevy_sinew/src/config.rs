@@ -166,6 +166,8 @@ impl From<BodySolver> for BodySettings {
             gradient_at: body.gradient_at.map(Into::into),
             order: body.order.map(Into::into),
             damping: body.damping,
+            // Set from the component of that name.
+            representation: sinew::Representation::default(),
         }
     }
 }

@@ -7,6 +7,7 @@
 //! | `contacts` | slopes, bounces, and cloth on whatever there is |
 //! | `far` | far from the origin it is as at home |
 //! | `poured` | a thousand boxes in a heap |
+//! | `rigid_states` | compounds that move as one rigid state within a step |
 //! | `robustness` | what must not happen, whatever a caller does |
 //! | `same_bits` | the same bits on any instructions and any number of threads |
 //! | `segments` | ropes by their segments |
@@ -21,6 +22,7 @@ mod compounds;
 mod contacts;
 mod far;
 mod poured;
+mod rigid_states;
 mod robustness;
 mod same_bits;
 mod segments;

@@ -14,13 +14,14 @@ use sinew::recipes::{
 };
 use sinew::{
     AirFlow, BodyContacts, BodySettings, Collider, Distance, Fluid, Frame, InstructionSet,
-    Material, ParticleSeed, Plane, Shape, Simulation, Sleep, Softness, Spring, Wind, Workers,
+    Material, ParticleSeed, Plane, Representation, Shape, Simulation, Sleep, Softness, Spring,
+    Wind, Workers,
 };
 
 const TICKS: usize = 600;
 
 /// What each scene comes to.
-const HASHES: [(&str, fn() -> Simulation, u64); 8] = [
+const HASHES: [(&str, fn() -> Simulation, u64); 9] = [
     ("a flag in the wind over the ground", flag, 0x976b_8af3_363a_80c2),
     ("ropes, tethers and springs", ropes, 0x3ec5_45d5_8e06_2049),
     ("bricks that tumble", bricks, 0x2a42_1822_b58e_2836),
@@ -29,6 +30,7 @@ const HASHES: [(&str, fn() -> Simulation, u64); 8] = [
     ("a large cloth", large, 0xd284_20b0_3f09_2047),
     ("boxes and balls poured onto a ramp", heap, 0x108a_80f7_447f_884c),
     ("cloth and a figure on a ball and on stairs", drape, 0xb7a1_2316_493f_6cc0),
+    ("rigid states among particles", states, 0x4b8b_146c_623d_d425),
 ];
 
 #[test]
@@ -243,6 +245,29 @@ fn heap() -> Simulation {
         world.particles.set_body(row as usize, Some(balls));
     }
     world.settings.substeps = 5;
+    world
+}
+
+/// The same as rigid states, but for every fifth, and some of them high above in free flight, two of those on a rope.
+fn states() -> Simulation {
+    let mut world = heap();
+    let brick = box_3d(&BoxSpec { size: Vec3::new(0.1, 0.2, 0.3), ..Default::default() }).unwrap();
+    let first = world.particles.len() as u32;
+    let mut random = random();
+    for i in 0..21 {
+        let turned = Quat::from_xyzw(random(), random(), random(), 1.0).normalize();
+        let at = Vec3::new(0.5 * i as f32, 40.0, 0.0);
+        let contacts = BodyContacts { with_bodies: true, ..Default::default() };
+        let rows = brick.transformed(turned, at).build_colliding(&mut world, contacts).unwrap();
+        rows.for_each(|row| {
+            world.particles.set_velocity(row, Vec3::new(random(), random(), random()));
+        });
+    }
+    let apart = world.particles.separation(first as usize, first as usize + 8).length();
+    world.distances_mut().push(Distance::new(first, first + 8, apart));
+    for (_, settings) in world.bodies.iter_mut().enumerate().filter(|(body, _)| body % 5 != 4) {
+        settings.representation = Representation::Auto;
+    }
     world
 }
 

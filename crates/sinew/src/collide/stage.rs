@@ -3,7 +3,7 @@
 use super::nearby::Nearby;
 use super::{
     BodyCollider, BodyContactSolver, Collider, ContactCache, ContactFilter, Impact, Impacts,
-    NormalImpulse, Pairs, ParticleContacts, Triangles,
+    NormalImpulse, Pairs, ParticleContacts, RigidStep, Triangles,
 };
 use crate::constraints::Boundaries;
 use crate::lanes::InstructionSet;
@@ -94,9 +94,31 @@ impl Contacts {
         }
     }
 
+    /// The body colliders, of which some are rigid states.
+    pub(crate) fn rigid_states(&mut self) -> &mut BodyContactSolver {
+        &mut self.body_contact
+    }
+
+    /// Reads those of this step, and notes in the plan which islands they are. In a world in 2D there are none: single particles are held in its plane.
+    pub(crate) fn begin_rigid_states(
+        &mut self,
+        particles: &mut Particles,
+        plan: &mut Plan,
+        step: RigidStep,
+    ) {
+        let held = self.particle_contacts.holds_in_plane();
+        self.body_contact.begin_rigid_states(particles, plan, step, held);
+    }
+
+    /// Whether some of them are in this step.
+    pub(crate) fn has_rigid_states(&self) -> bool {
+        self.body_contact.has_rigid_states()
+    }
+
     /// Whether something may come to touch something else that moves, so that islands cannot go their ways alone.
     pub(crate) fn is_active(&self) -> bool {
-        !self.body_contact.is_empty() || !self.pairs.is_empty() || !self.triangles.is_empty()
+        let quiet = self.body_contact.is_empty() || self.body_contact.is_idle();
+        !quiet || !self.pairs.is_empty() || !self.triangles.is_empty()
     }
 
     /// Between the constraints of a substep of `h` seconds and its velocities.

@@ -44,6 +44,8 @@ mod columns;
 mod kicks;
 mod wide;
 
+use core::ops::Range;
+
 use crate::lanes::with;
 use crate::particles::Particles;
 use crate::solve::ExecutionContext;
@@ -76,19 +78,23 @@ impl Integrator {
     }
 }
 
-/// Predicts the next position of every particle that can move, from its acceleration, over a substep of `h` seconds.
+/// Predicts the next position of every particle in some rows that can move, from its acceleration, over a substep of `h` seconds.
 ///
 /// Afterwards [`Particles::start`] is where the substep began, and the velocity is the one that led from there to the prediction. A particle
-/// of infinite mass stays where it is.
+/// of infinite mass stays where it is. Other rows may be changed, too: whoever leaves them out writes them.
 pub(crate) fn predict(
     particles: &mut Particles,
     integrator: Integrator,
     h: f32,
+    rows: &[Range<usize>],
     execution: ExecutionContext,
 ) {
     // Media that move are rare, and so are the other integrators.
     if integrator == Integrator::Verlet && particles.drift.is_empty() {
-        predict_all(Predict::all(particles, h), execution);
+        let mut all = Predict::all(particles, h);
+        for rows in rows {
+            predict_all(all.lend(rows.clone()), execution);
+        }
     } else {
         kicks::predict(particles, integrator, h);
     }
@@ -151,7 +157,7 @@ mod tests {
     }
 
     fn step(particles: &mut Particles, h: f32) {
-        predict(particles, Integrator::Verlet, h, MACHINE);
+        predict(particles, Integrator::Verlet, h, core::slice::from_ref(&(0..1)), MACHINE);
         derive_all(particles, Integrator::Verlet, h);
     }
 
@@ -226,7 +232,7 @@ mod tests {
             particles.clear_sums(0.0);
             let pull = -particles.position(0);
             particles.add_acceleration(0, pull);
-            predict(&mut particles, integrator, h, MACHINE);
+            predict(&mut particles, integrator, h, core::slice::from_ref(&(0..1)), MACHINE);
             derive_all(&mut particles, integrator, h);
         }
         let x = particles.position(0);
@@ -271,7 +277,7 @@ mod tests {
             let integrator = if step % 20 < 10 { Integrator::Verlet } else { Integrator::Leapfrog };
             particles.clear_sums(0.0);
             particles.accelerate_all(G);
-            predict(&mut particles, integrator, h, MACHINE);
+            predict(&mut particles, integrator, h, core::slice::from_ref(&(0..1)), MACHINE);
             derive_all(&mut particles, integrator, h);
         }
         let exact = 4.0 * 1.5 - 0.5 * 9.81 * 1.5 * 1.5;

@@ -89,6 +89,9 @@ pub struct Particles {
     /// See `edits`.
     pub(crate) edits: u64,
     pub(crate) column_summary: ColumnSummary,
+    /// Whether somebody asks which rows others move, and which those are, the last one last.
+    watched: bool,
+    moved: Vec<u32>,
 }
 
 /// The body of a particle that belongs to none.
@@ -203,11 +206,13 @@ impl Particles {
     pub fn set_position(&mut self, i: usize, position: Vec3) {
         let local = position - self.origin[i];
         self.position[i] = local.extend(self.position[i].w);
+        self.note_moved(i);
     }
 
     /// Moves particle `i` by `displacement`, metres, without touching its velocity.
     pub fn displace(&mut self, i: usize, displacement: Vec3) {
         self.position[i] += displacement.extend(0.0);
+        self.note_moved(i);
     }
 
     /// Position of particle `i` at the start of the current substep, metres.
@@ -232,12 +237,32 @@ impl Particles {
     pub fn set_velocity(&mut self, i: usize, velocity: Vec3) {
         self.velocity[i] = velocity.extend(0.0);
         self.rounding[i] = Vec4::ZERO;
+        self.note_moved(i);
     }
 
     /// Adds an impulse, N·s: the momentum of the particle changes by exactly that. Pinned particles do not notice.
     pub fn add_impulse(&mut self, i: usize, impulse: Vec3) {
         let change = impulse * self.position[i].w;
         self.velocity[i] += change.extend(0.0);
+        self.note_moved(i);
+    }
+
+    /// Has rows be noted from now on that are moved or given a velocity, or not; forgets those so far.
+    pub(crate) fn watch(&mut self, watched: bool) {
+        self.watched = watched;
+        self.moved.clear();
+    }
+
+    /// Takes one row off those that were noted.
+    pub(crate) fn take_moved(&mut self) -> Option<u32> {
+        self.moved.pop()
+    }
+
+    #[inline]
+    fn note_moved(&mut self, i: usize) {
+        if self.watched {
+            self.moved.push(i as u32);
+        }
     }
 
     /// Inverse mass of particle `i`, 1/kg; 0 if it is pinned.
@@ -313,6 +338,7 @@ impl Particles {
         let (origin, local) = bulk::place(seed.position, seed.remainder);
         self.origin[i] = origin;
         self.position[i] = local.extend(1.0 / seed.mass);
+        self.note_moved(i);
         self.start[i] = self.position[i];
         self.velocity[i] = seed.velocity.extend(seed.lag);
         self.rounding[i] = Vec4::ZERO;

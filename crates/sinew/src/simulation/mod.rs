@@ -4,6 +4,7 @@ mod lists;
 mod loads;
 mod prepare;
 mod queries;
+mod rigid_states;
 mod sleep;
 mod slide;
 mod statics;
@@ -15,6 +16,7 @@ pub use sleep::Sleep;
 pub use slide::{SlideConfig, SlideOutput};
 pub use statics::Relaxed;
 
+use core::ops::Range;
 use std::sync::Arc;
 
 use glam::{Vec3, Vec4};
@@ -105,6 +107,10 @@ struct Scratch {
     first_velocity: Vec<Vec4>,
     /// Length of the last step, seconds.
     length: f32,
+    /// Rows that do not follow from rigid states in this step.
+    single_rows: Vec<Range<usize>>,
+    /// Whether nobody looks at the particles until the step ends, so that those of rigid states may be written then.
+    unseen: bool,
 }
 
 /// Where in a step the simulation is.
@@ -174,6 +180,7 @@ impl Simulation {
         self.scratch.damping.apply(&mut self.particles, &self.bodies, dt);
         self.with_moving(|moving, simulation| moving.read(simulation));
         self.begin_contacts();
+        self.begin_rigid_states();
         self.feel_winds();
         self.report.substeps = settings.substeps;
         self.report.sweeps = 0;
@@ -232,9 +239,13 @@ impl Simulation {
             self.particles.velocity.fill(Vec4::ZERO);
             self.scratch.moving.forget_velocities();
         }
+        self.release_moved();
         self.scratch.contacts.particle_contacts.drag(&mut self.particles, length);
+        self.predict_rigid_states();
         let execution = execution(self.instructions, &self.workers);
-        integrate::predict(&mut self.particles, self.settings.integrator, length, execution);
+        let (integrator, rows) = (self.settings.integrator, &self.scratch.single_rows);
+        integrate::predict(&mut self.particles, integrator, length, rows, execution);
+        self.write_rigid_states();
         self.scratch.moving.predict(&mut self.particles, &self.compounds, length);
         for pin in &self.boundaries.pins {
             let i = pin.particle as usize;
@@ -250,10 +261,11 @@ impl Simulation {
     /// Phase 6: enforces the constraints, derives the velocities from where the particles ended, and closes the substep.
     pub fn solve_constraints(&mut self) {
         let h = self.scratch.substep.length;
+        self.release_moved();
         let Self { particles, settings, instructions, workers, scratch, report, .. } = self;
         let (forces, boundaries) = (&self.forces, &self.boundaries);
         let (colliders, body_colliders) = (&self.colliders, &self.body_colliders);
-        let Scratch { plan, filter, contacts, solving, loads, substep, .. } = scratch;
+        let Scratch { plan, filter, contacts, solving, loads, substep, single_rows, .. } = scratch;
         let execution = execution(*instructions, workers);
         let (gravity, lag) = (forces.gravity.length(), settings.integrator.lag(h));
         let substeps = report.substeps;
@@ -293,10 +305,11 @@ impl Simulation {
                 substep,
                 execution,
             };
-            solve::settle_all(particles, normal_impulses, common, solving);
+            solve::settle_all(particles, normal_impulses, common, single_rows, solving);
             contacts.bounce(particles, h, gravity);
         }
         integrate::finish(particles, settings.integrator, h);
+        self.write_rigid_states();
         self.with_moving(|moving, simulation| moving.settle(simulation, h));
         self.time += f64::from(h);
         self.scratch.substep.remaining = self.scratch.substep.remaining.saturating_sub(1);
@@ -304,8 +317,12 @@ impl Simulation {
 
     /// Ends a step: puts rows that turned non-finite back to where the step began, at rest, slows down what is too fast, and measures the errors left.
     pub fn end_step(&mut self) {
+        if core::mem::take(&mut self.scratch.unseen) {
+            self.write_rigid_states();
+        }
         self.wake();
         self.scratch.loads.end(&self.scratch.plan);
+        self.particles.watch(false);
         let mut row = 0;
         while let Some(rows) = self.particles.next_broken(row) {
             row = rows.end;

@@ -28,7 +28,7 @@ impl Simulation {
             plan.compile(given);
         }
         let Self { particles, distances, constraints, body_colliders, scratch, .. } = self;
-        let Scratch { changes, contacts, filter, .. } = scratch;
+        let Scratch { changes, contacts, filter, plan, .. } = scratch;
         let given = Given { distances, constraints, particles: particles.len() };
         let body = |row: u32| particles.body.get(row as usize);
         if !changes.are_few() || changes.any_between(given, |a, b| body(a) != body(b)) {
@@ -37,6 +37,7 @@ impl Simulation {
         if !changes.are_few() || particles_came_or_went {
             contacts.compile(body_colliders, particles);
         }
+        contacts.rigid_states().find_rigid_islands(body_colliders, plan);
         changes.clear();
         scratch.loads.expire();
     }
@@ -86,32 +87,41 @@ impl Simulation {
     pub(super) fn share_origins(&mut self) {
         let Self { particles, scratch: Scratch { plan, checkpoint, anchors, .. }, .. } = self;
         anchors.clear();
-        for island in &plan.islands {
+        for number in 0..plan.islands.len() {
+            let island = &plan.islands[number];
             let rows = || plan.members[island.members.clone()].iter().map(|&row| row as usize);
-            let Some(first) = rows().find(|&i| particles.is_finite(i)) else { continue };
+            let first = rows().find(|&i| particles.is_finite(i));
             // From the digits that it has, not from the world position, which has fewer far out.
-            let origin = particles.origin[first] + snap(particles.position[first].truncate());
-            for i in rows() {
-                if particles.origin[i] == origin {
-                    continue;
-                }
-                let shift = (particles.origin[i] - origin).extend(0.0);
-                // What is so far off that the difference of two origins is none keeps its own: nothing can bind it.
-                if !shift.is_finite() {
-                    continue;
-                }
-                let (home, place) = (particles.origin[i], particles.position[i]);
-                particles.origin[i] = origin;
-                particles.position[i] += shift;
-                particles.start[i] += shift;
-                if place.w == 0.0 {
-                    let shifted = particles.position[i];
-                    anchors.push(Anchor { row: i, home, place, shifted });
-                }
-                if let Some(good) = checkpoint.get_mut(i) {
-                    *good += shift;
+            let origin = first
+                .map(|first| particles.origin[first] + snap(particles.position[first].truncate()));
+            let all = plan.stretch(island).map(|rows| &particles.origin[rows]);
+            let mut one_origin = all.is_some_and(|all| all.iter().all(|&own| Some(own) == origin));
+            if let Some(origin) = origin.filter(|_| !one_origin) {
+                one_origin = true;
+                for i in rows() {
+                    if particles.origin[i] == origin {
+                        continue;
+                    }
+                    let shift = (particles.origin[i] - origin).extend(0.0);
+                    // What is so far off that the difference of two origins is none keeps its own: nothing can bind it.
+                    if !shift.is_finite() {
+                        one_origin = false;
+                        continue;
+                    }
+                    let (home, place) = (particles.origin[i], particles.position[i]);
+                    particles.origin[i] = origin;
+                    particles.position[i] += shift;
+                    particles.start[i] += shift;
+                    if place.w == 0.0 {
+                        let shifted = particles.position[i];
+                        anchors.push(Anchor { row: i, home, place, shifted });
+                    }
+                    if let Some(good) = checkpoint.get_mut(i) {
+                        *good += shift;
+                    }
                 }
             }
+            plan.islands[number].one_origin = one_origin;
         }
     }
 
@@ -133,12 +143,38 @@ impl Simulation {
     /// Gives each island the settings that its bodies ask for.
     pub(super) fn settle_islands(&mut self, world: SolverSettings) {
         let Self { particles, bodies, scratch: Scratch { plan, substep, .. }, .. } = self;
-        for island in &mut plan.islands {
-            let members = &plan.members[island.members.clone()];
-            island.settings = settings_of(members, particles, bodies, (world, substep.length));
-        }
+        let h = substep.length;
+        let held = |position: &Vec4| position.w == 0.0;
+        // Neighbouring bodies mostly ask for the same.
+        let mut last: Option<(BodySettings, SolverSettings)> = None;
         for number in 0..plan.islands.len() {
-            plan.islands[number].free = is_free(particles, plan, &plan.islands[number]);
+            let island = &plan.islands[number];
+            let members = &plan.members[island.members.clone()];
+            let (is_held, body) = match plan.stretch(island) {
+                Some(rows) => {
+                    let (body, others) =
+                        (particles.body[rows.start], &particles.body[rows.clone()]);
+                    let is_one = others.iter().all(|&other| other == body);
+                    (particles.position[rows].iter().any(held), is_one.then_some(body))
+                }
+                None => {
+                    let position = |&row: &u32| &particles.position[row as usize];
+                    (members.iter().map(position).any(held), None)
+                }
+            };
+            let own = body.filter(|_| !is_held).and_then(|body| bodies.get(body as usize));
+            let settings = match (own, last) {
+                (Some(own), Some((asked, settings))) if asked == *own => settings,
+                (Some(own), _) => {
+                    let settings = own.over(world, h);
+                    last = Some((*own, settings));
+                    settings
+                }
+                (None, _) => settings_of(members, particles, bodies, (world, h)),
+            };
+            let island = &mut plan.islands[number];
+            island.settings = settings;
+            island.free = is_free(island, is_held);
         }
         plan.tether(particles);
     }

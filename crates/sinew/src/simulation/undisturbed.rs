@@ -10,18 +10,10 @@ impl Simulation {
     /// Whether the phases before integration do the same to all particles in every substep of this step, and nobody else works in between: then
     /// [`take_substeps`](Self::take_substeps) may be called once, between `begin_step` and `end_step`, instead of the phases.
     pub fn is_undisturbed(&self) -> bool {
-        let Self { particles, forces, boundaries, settings, .. } = self;
-        let quiet = forces.attractors.is_empty()
-            && forces.controls.is_empty()
-            && forces.springs.is_empty()
-            && forces.winds.is_empty()
-            && forces.air_flows.is_empty()
-            && forces.fluids.is_empty();
-        quiet
+        let Self { boundaries, settings, .. } = self;
+        self.is_quiet()
             && self.scratch.loads.is_empty()
             && !self.scratch.contacts.is_active()
-            && particles.column_summary.plain
-            && particles.column_summary.neutral
             && settings.integrator == Integrator::Verlet
             && !settings.statics
             && self.compounds.is_empty()
@@ -29,14 +21,30 @@ impl Simulation {
             && boundaries.planes.iter().all(|plane| plane.drag == PlanarDrag::default())
     }
 
+    /// Whether the forces of all substeps are the same on all particles, wherever those are.
+    fn is_quiet(&self) -> bool {
+        let Self { particles, forces, .. } = self;
+        let quiet = forces.attractors.is_empty()
+            && forces.controls.is_empty()
+            && forces.springs.is_empty()
+            && forces.winds.is_empty()
+            && forces.air_flows.is_empty()
+            && forces.fluids.is_empty();
+        quiet && particles.column_summary.plain && particles.column_summary.neutral
+    }
+
     /// All phases of all substeps that remain, to the same bits as one by one. To be called where [`is_undisturbed`](Self::is_undisturbed) says so;
-    /// otherwise it does nothing.
+    /// otherwise the phases are to follow, and nobody may look at particles between them.
     pub fn take_substeps(&mut self) {
+        self.scratch.unseen = self.is_quiet();
         if !self.is_undisturbed() {
             return;
         }
         self.begin_substep();
         self.accumulate_forces();
+        if !self.advance_idle_states() {
+            return;
+        }
         let (h, remaining) = (self.scratch.substep.length, self.scratch.substep.remaining);
         let Self { particles, forces, instructions, workers, scratch, report, .. } = self;
         let Scratch {

@@ -11,7 +11,8 @@ use smallvec::SmallVec;
 use super::instances::{BatchMotion, BatchSolve, WholeStep};
 use super::island::{Common, InOrder, ThreadScratch, solve};
 use super::multipliers::MultiplierSlice;
-use super::plan::Task;
+use super::plan::{Plan, Task};
+use super::remaining::Remaining;
 use super::wavefront::{pipelined_wavefront, run_wavefronts};
 use super::world::{ExecutionContext, SolveScratch, TaskSlice};
 use super::{IslandReport, SolverReport};
@@ -92,6 +93,7 @@ pub(crate) fn advance_all(
     each(execution.workers, small, |mut alone| {
         thread_scratches.with(|thread_scratch| {
             thread_scratch.begin(&alone.task);
+            leave_states(plan, &alone.task, &mut thread_scratch.remaining);
             if !alone.task.instance_batches.is_empty() {
                 alone.instance_batches(thread_scratch, iteration_counts).run();
             }
@@ -112,6 +114,26 @@ pub(crate) fn advance_all(
         report.most_sweeps = report.most_sweeps.max(iteration_counts);
     }
     report.converged &= report.islands.iter().all(|island| island.converged);
+}
+
+/// Leaves out what moves as rigid states, whose rows are one stretch each.
+fn leave_states(plan: &Plan, task: &Task, remaining: &mut Remaining) {
+    let mut islands = task.islands.clone();
+    while let Some(first) = islands.find(|&number| plan.islands[number].one_state) {
+        let mut end = first + 1;
+        let members = |number: usize| &plan.members[plan.islands[number].members.clone()];
+        let Some(&begin) = members(first).first() else { continue };
+        let mut rows = begin..begin + members(first).len() as u32;
+        while islands.end > end
+            && plan.islands[end].one_state
+            && members(end).first() == Some(&rows.end)
+        {
+            rows.end += members(end).len() as u32;
+            end += 1;
+        }
+        remaining.leave(first..end, rows);
+        islands.start = end;
+    }
 }
 
 /// What acts on all particles alike.
@@ -258,7 +280,7 @@ impl IslandStep<'_> {
             for number in islands() {
                 let report = &mut reports[number - task.islands.start];
                 let island = &plan.islands[number];
-                if island.asleep {
+                if island.is_left_alone() {
                     continue;
                 }
                 let sweeper = InOrder::new(plan, island, thread_scratch);

@@ -20,6 +20,10 @@ pub(crate) fn measure(
     report: &mut SolverReport,
 ) {
     (report.error, report.strain) = (0.0, 0.0);
+    // What moves as one rigid state has nothing left to correct.
+    for (island, own) in plan.islands.iter().zip(&mut report.islands) {
+        own.measured |= island.one_state;
+    }
     let mut places = Places::all(particles);
     plan.instance_batches.measure(
         places.position,

@@ -39,7 +39,7 @@ mod wide;
 mod world;
 
 pub use report::{IslandReport, SolverReport};
-pub use settings::{BodySettings, Order, SolverSettings};
+pub use settings::{BodySettings, Order, Representation, SolverSettings};
 
 pub(crate) use constraint_ref::soft_energy;
 pub(crate) use damping::Damping;
@@ -48,5 +48,5 @@ pub(crate) use island_step::advance_all;
 pub(crate) use loads::Loads;
 pub(crate) use measure::measure;
 pub(crate) use momentum::is_free;
-pub(crate) use plan::{Change, Changes, Given, List, Plan};
+pub(crate) use plan::{Change, Changes, Given, GroupKind, Island, List, Plan};
 pub(crate) use world::{ExecutionContext, SolveScratch, settle_all, solve_all};

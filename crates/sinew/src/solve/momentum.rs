@@ -13,11 +13,10 @@
 use glam::{DVec3, Vec3, Vec4};
 
 use super::instances::WideMomentumDrift;
-use super::plan::{ConstraintGroup, GroupKind, Island, Plan};
-use crate::constraints::ConstraintKind;
+use super::plan::Island;
 use crate::integrate::Integrator;
 use crate::lanes::{LANES, Lanes, Vector, Work};
-use crate::particles::{Particles, Places};
+use crate::particles::Places;
 use crate::pose::pseudo_solve;
 
 /// What the corrections of an island together gave it, and has to be taken off again.
@@ -142,21 +141,12 @@ impl MomentumSums {
     }
 }
 
-/// Whether an island has constraints, all of them between its own particles, and no particle that is held. To be asked once a step.
-pub(crate) fn is_free(particles: &Particles, plan: &Plan, island: &Island) -> bool {
-    // A game's own constraint may hold on to the world, and is of a group of its own.
-    let own = |group: &ConstraintGroup| {
-        let first = plan.constraints.get(group.range.start);
-        group.kind != GroupKind::Constraints
-            || !matches!(first.map(|c| &c.kind), Some(ConstraintKind::Custom(_)))
-    };
-    let groups = &plan.groups[island.groups.clone()];
+/// Whether an island has constraints, all of them between its own particles, and none of its particles is `held`.
+pub(crate) fn is_free(island: &Island, held: bool) -> bool {
     // Explicit Euler adds the forces of the substep after the constraints; an explicit rigid body's velocities are its own.
-    !groups.is_empty()
+    !held
+        && !island.groups.is_empty()
         && !island.rigid
+        && !island.custom
         && island.settings.integrator != Integrator::ExplicitEuler
-        && groups.iter().all(own)
-        && plan.members[island.members.clone()]
-            .iter()
-            .all(|&row| particles.position[row as usize].w > 0.0)
 }

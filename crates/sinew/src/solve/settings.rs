@@ -85,6 +85,21 @@ impl SolverSettings {
     }
 }
 
+/// How the rigid parts of a body move within a step. Their particles are the state either way, current between any two phases.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Representation {
+    /// A [rigid part](crate::BodyCollider) that only its own rods hold, each particle tied to each as long as the collider has them apart, is integrated
+    /// as one rigid body through the substeps, contacts included, and its particles follow: the same motion (discrete Moser–Veselov) without a sweep.
+    ///
+    /// It moves as particles while one of them is pinned or asleep, another constraint holds one of them, a load of a rod is measured, the island
+    /// does not keep spin ([`SolverSettings::keep_spin`], [`GradientAt::StepStart`]), the integrator is not Verlet, or it turns by more than half a radian in a
+    /// substep; for the rest of a step in which a position or a velocity of one was set between two phases; and in worlds in 2D.
+    Auto,
+    /// As particles that rods hold together: the lectures' boxes. The default.
+    #[default]
+    Particles,
+}
+
 /// What one body asks of the solver, where that differs from its world. What is `None` is as in the world.
 ///
 /// Bodies that constraints connect are solved together: with the most sweeps and the smallest tolerance that any of them asks for, along the start
@@ -111,6 +126,8 @@ pub struct BodySettings {
     /// does together, as a rigid body would, stays: it falls, flies and spins as without (Müller et al., *Position Based Dynamics*, 2007, section
     /// 3.5). A negative or non-finite one counts as 0.
     pub damping: f32,
+    /// How its rigid parts move within a step; default [`Representation::Particles`].
+    pub representation: Representation,
 }
 
 impl BodySettings {

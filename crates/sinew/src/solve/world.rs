@@ -1,5 +1,6 @@
 //! All islands: dealt out to the workers, and reported together.
 
+use core::ops::Range;
 use core::sync::atomic::AtomicU32;
 
 use glam::Vec4;
@@ -142,11 +143,12 @@ pub(crate) fn solve_all(
     report.converged &= report.islands.iter().all(|island| island.converged);
 }
 
-/// Derives the velocities after an `open` [`solve_all`].
+/// Derives the velocities of some rows after an `open` [`solve_all`].
 pub(crate) fn settle_all(
     particles: &mut Particles,
     normal_impulses: &mut [NormalImpulse],
     common: Common,
+    which: &[Range<usize>],
     scratch: &mut SolveScratch,
 ) {
     let rows = 0..particles.len() as u32;
@@ -154,7 +156,17 @@ pub(crate) fn settle_all(
     let (Places { position, start, velocity, .. }, momentum_drift) =
         (&mut places, &scratch.momentum_drift[..]);
     let Common { h, lag, execution, .. } = common;
-    derive(Derive { position, start, velocity, momentum_drift, h, lag }, execution);
+    for rows in which.iter().cloned() {
+        let derive_some = Derive {
+            position: &position[rows.clone()],
+            start: &start[rows.clone()],
+            velocity: &mut velocity[rows.clone()],
+            momentum_drift: &momentum_drift[rows],
+            h,
+            lag,
+        };
+        derive(derive_some, execution);
+    }
     if common.contacts.bounces() {
         let mut normal_impulses = NormalImpulses::all(normal_impulses);
         common.contacts.bounce(&mut places, &mut normal_impulses, rows, (h, common.gravity));
@@ -190,7 +202,7 @@ impl TaskSlice<'_> {
         for number in remaining.islands.iter().cloned().flatten() {
             let report = &mut reports[number - task.islands.start];
             let island = &plan.islands[number];
-            if island.asleep || island.measured {
+            if island.measured || island.is_left_alone() {
                 continue;
             }
             let sweeper = InOrder::new(plan, island, thread_scratch);
@@ -275,7 +287,7 @@ impl TaskSlice<'_> {
         };
         let number = task.islands.start;
         let island = &plan.islands[number];
-        if island.asleep {
+        if island.is_left_alone() {
             return;
         }
         let sweeper = SharedSweep { plan, island, execution, thread_scratches };

@@ -449,6 +449,7 @@ impl BodyContactSolver {
     pub(super) fn measure_residual(&mut self, particles: &Particles) {
         let Self { groups, origin_offsets, bodies, gathered, wide_contacts, instructions, .. } =
             self;
+        let rigid = &self.rigid;
         let mut any = false;
         for (number, group) in groups.groups.iter().enumerate().filter(|(_, group)| group.shares) {
             let source = ParticleSource {
@@ -458,8 +459,8 @@ impl BodyContactSolver {
                 other: &particles.start,
                 fresh: false,
             };
-            let first = number * LANES;
-            with(*instructions, MeasureResidual { group, source, bodies, first, gathered });
+            let (first, lanes) = (number * LANES, !rigid.lanes(number));
+            with(*instructions, MeasureResidual { lanes, group, source, bodies, first, gathered });
             any = true;
         }
         if any {
@@ -477,6 +478,8 @@ struct MeasureResidual<'a> {
     first: usize,
     /// Scratch.
     gathered: &'a mut Vec<Gathered>,
+    /// A bit for each that it is about: rigid states are where contacts believe them to be.
+    lanes: u32,
 }
 
 impl Work for MeasureResidual<'_> {
@@ -484,8 +487,8 @@ impl Work for MeasureResidual<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { group, source, bodies, first, gathered } = self;
-        let rows = from_row(first);
+        let Self { group, source, bodies, first, gathered, lanes } = self;
+        let (rows, lanes) = (from_row(first), L::mask(lanes));
         let [shift, turn, along, across, _, believed, spin, rotation] =
             L::records::<FIELDS>(&bodies.rows, &rows);
         let (centre, step) = source.centre::<L>(&group.mass, gathered);
@@ -501,6 +504,7 @@ impl Work for MeasureResidual<'_> {
         };
         let off = step - Vector::of(believed).0 - Vector::of(shift).0;
         let turned = inverse.times(momentum) - Vector::of(spin).0 - Vector::of(turn).0;
+        let (off, turned) = (off.or_else(lanes, zero()), turned.or_else(lanes, zero()));
         let [shifts, turns] = pair_of_rows(&rows);
         L::put_rows(&mut bodies.residual, &shifts, off.with(L::zero()));
         L::put_rows(&mut bodies.residual, &turns, turned.with(L::zero()));

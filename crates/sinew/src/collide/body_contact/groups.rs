@@ -45,6 +45,8 @@ pub(super) struct Slot {
     pub(super) pull: LaneArray,
     /// Which part of the displacement it gets.
     pub(super) share: LaneArray,
+    /// Its inverse mass, 1/kg.
+    pub(super) inverse_mass: LaneArray,
     /// Where it rests, from the body collider's centre, metres.
     pub(super) rest: [LaneArray; 3],
 }
@@ -59,6 +61,8 @@ pub(super) struct BodyGroup {
     pub(super) shares: bool,
     /// Whether one of them has a pinned particle.
     pub(super) pinned: bool,
+    /// A bit for each lane with a body collider that takes part.
+    pub(super) sound: u32,
     /// What their initial rotation is computed from; `None` where that is not the same for all.
     pub(super) rotation_reference: Option<RotationReference>,
     pub(super) mass: WideMass,
@@ -182,6 +186,7 @@ impl BodyGroups {
                     rows: [spare; LANES],
                     pull: [0.0; LANES],
                     share: [0.0; LANES],
+                    inverse_mass: [0.0; LANES],
                     rest: [[0.0; LANES]; 3],
                 };
                 for lane in 0..LANES {
@@ -200,6 +205,9 @@ impl BodyGroups {
                 scattered: !(whole && alone),
                 shares: !alone,
                 pinned: false,
+                sound: (0..LANES).fold(0, |bits, lane| {
+                    bits | u32::from(of(lane).is_some_and(|part| part.sound)) << lane
+                }),
                 rotation_reference: None,
                 mass: WideMass::default(),
             });
@@ -262,6 +270,7 @@ impl BodyGroups {
         put(&mut mass.regularisation, weights.regularisation);
         for (slot, i) in self.slots[group.slots.clone()].iter_mut().zip(0..solid.rest.len()) {
             slot.pull[lane] = weights.pull(inverses[i], sharers[i]) as f32;
+            slot.inverse_mass[lane] = inverses[i];
             let rest = (solid.rest[i].as_dvec3() - weights.centre).as_vec3();
             for (to, from) in slot.rest.iter_mut().zip(rest.to_array()) {
                 to[lane] = from;

@@ -4,11 +4,12 @@ use glam::{Vec3, Vec4};
 
 use super::super::nearby::Nearby;
 use super::super::{CombinedMaterial, ContactParticipant, World};
-use super::ContactEvent;
 use super::bodies::{Bodies, ROTATION, SHIFT, TURN, rotation};
 use super::broad_phase::SweptBounds;
 use super::groups::BodyGroups;
 use super::narrow_phase::participant;
+use super::rigid_islands::RigidIslands;
+use super::{BodyContactSolver, ContactEvent};
 use crate::particles::{NO_BODY, Particles};
 
 /// Particles near body colliders. Scratch.
@@ -215,6 +216,7 @@ impl Loose {
         particles: &mut Particles,
         groups: &BodyGroups,
         bodies: &Bodies,
+        rigid: &mut RigidIslands,
         least: f32,
     ) {
         for near in &self.pairs {
@@ -235,6 +237,18 @@ impl Loose {
             };
             let Some((home, _, _)) = rows().next() else { continue };
             let lift = particles.origin[i] - particles.origin[home];
+            if let Some((state, lane)) = rigid.of_row(at) {
+                let spin = body.spun(state.momentum(lane));
+                let (velocity, centre) = (state.velocity(lane), state.centre(lane));
+                let lever = particles.position[i].truncate() + lift - centre;
+                let (w, inverse_mass) = (particles.position[i].w, bodies[at][SHIFT].w);
+                let speeds = [velocity, spin.cross(lever)];
+                let answer = near.answer(particles, (&body, inverse_mass), lever, speeds);
+                let Some((impulse, moment)) = answer else { continue };
+                particles.velocity[i] += (near.normal * (impulse * w)).extend(0.0);
+                state.push(lane, near.normal * (-impulse * inverse_mass), moment * -impulse);
+                continue;
+            }
             let mass: f32 = rows().map(|(_, m, _)| m).sum();
             let arm = |particles: &Particles, row: usize| {
                 particles.position[row].truncate()
@@ -251,13 +265,9 @@ impl Loose {
             let spin = body.spun(spin);
             let lever = particles.position[i].truncate() + lift - centre;
             let (n, w, inverse_mass) = (near.normal, particles.position[i].w, bodies[at][SHIFT].w);
-            let moment = lever.cross(n);
-            let stiff = w + inverse_mass + moment.dot(body.spun(moment));
-            let speed = n.dot(particles.velocity(i) - velocity - spin.cross(lever));
-            let impulse = (-near.combined_material.restitution * near.approach - speed) / stiff;
-            if !(stiff > 0.0 && impulse.is_finite()) {
-                continue;
-            }
+            let speeds = [velocity, spin.cross(lever)];
+            let answer = near.answer(particles, (&body, inverse_mass), lever, speeds);
+            let Some((impulse, moment)) = answer else { continue };
             particles.velocity[i] += (n * (impulse * w)).extend(0.0);
             let (shift, turn) = (n * (impulse * inverse_mass), body.spun(moment * impulse));
             for (row, _, share) in rows() {
@@ -281,6 +291,34 @@ impl Loose {
             });
             near.total = 0.0;
         }
+    }
+}
+
+impl LooseContact {
+    /// The impulse along the normal that makes the two part as restitution has it, N·s, and its lever, metres, where the body collider goes with
+    /// `velocity`, m/s, and a part of that, `spun`, by its spin.
+    fn answer(
+        &self,
+        particles: &Particles,
+        (body, inverse_mass): (&ScalarBody, f32),
+        lever: Vec3,
+        [velocity, spun]: [Vec3; 2],
+    ) -> Option<(f32, Vec3)> {
+        let (n, i) = (self.normal, self.row as usize);
+        let moment = lever.cross(n);
+        let stiff = particles.position[i].w + inverse_mass + moment.dot(body.spun(moment));
+        let speed = n.dot(particles.velocity(i) - velocity - spun);
+        let impulse = (-self.combined_material.restitution * self.approach - speed) / stiff;
+        (stiff > 0.0 && impulse.is_finite()).then_some((impulse, moment))
+    }
+}
+
+impl BodyContactSolver {
+    /// Restitution of single particles, of which `least` is what bounces, m/s.
+    pub(super) fn bounce_loose(&mut self, particles: &mut Particles, h: f32, least: f32) {
+        let Self { loose, groups, bodies, rigid, instructions, .. } = self;
+        loose.bounce(particles, groups, bodies, rigid, least);
+        rigid.settle_pushed(groups, h, *instructions);
     }
 }
 

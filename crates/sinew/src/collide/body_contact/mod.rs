@@ -13,6 +13,7 @@
 //! | `groups` | eight body colliders at a time: particles that several share, what one weighs, pinned particles, rods |
 //! | `pose` | poses out of particles, from nothing and from the last substep's; and the change of a pose back to them, with momentum |
 //! | `bodies` | what contacts know of a body collider, or of static geometry: columns |
+//! | `rigid_islands`, `rigid_state` | body colliders that move as one rigid state, and their particles follow: which, and how |
 //! | `static_geometry` | colliders, planes and boxes |
 //! | `broad_phase` | where a body collider goes in a step, what it may come to touch there, and what does that has left those bounds |
 //! | `narrow_phase` | the manifolds of a pair: cached, or computed afresh, or within a step once it has turned; and which overlap at rest, and never touch |
@@ -34,6 +35,8 @@ mod narrow_phase;
 mod normal_solve;
 mod pose;
 mod restitution;
+mod rigid_islands;
+mod rigid_state;
 mod static_geometry;
 #[cfg(test)]
 mod tests;
@@ -61,12 +64,15 @@ use narrow_phase::RestOverlaps;
 use normal_solve::NormalSolve;
 use pose::{ApplyPoseDelta, ExtractPose, Gathered, OriginOffsets, PoseSums, SharedDeltas};
 use restitution::Impacts;
+use rigid_islands::RigidIslands;
+use rigid_state::{CorrectStates, ShowStates};
 use static_geometry::StaticGeometry;
 pub(crate) use static_geometry::half_spaces;
 use turn::LaneArray;
 use wide_contact::{Contact, SensorOverlap, WideContact};
 
 pub use contact_cache::{CachedManifold, ContactCache};
+pub(crate) use rigid_islands::RigidStep;
 
 /// How much overlap is recovered in a substep: so many times what gravity adds to it, and what this speed is, m/s. A tower of so many boxes needs
 /// that much, since a sweep hands a push on by one; more at once would be seen as a jump.
@@ -213,6 +219,7 @@ pub(crate) struct BodyContactSolver {
     begins: Vec<u32>,
     loads: Vec<f32>,
     impacts: Impacts,
+    rigid: RigidIslands,
     /// Whether contacts were looked for since the last substep.
     fresh: bool,
     /// Length of the last substep, seconds.
@@ -390,10 +397,14 @@ impl BodyContactSolver {
             gathered,
             outside_bounds,
             instructions,
+            rigid,
+            h,
             ..
         } = self;
         outside_bounds.clear();
         for (number, group) in groups.groups.iter().enumerate() {
+            let (first, wide_swept) = (number * LANES, Some((&wide_swept[number], time)));
+            let (mut left, lanes) = (0, rigid.lanes(number));
             let read = ExtractPose {
                 group,
                 slots: &groups.slots[group.slots.clone()],
@@ -402,12 +413,20 @@ impl BodyContactSolver {
                 other: &particles.start,
                 fresh: false,
                 bodies,
-                first: number * LANES,
+                first,
                 sums: &mut sums[number],
-                wide_swept: Some((&wide_swept[number], time)),
+                wide_swept,
                 gathered,
             };
-            let left = with(*instructions, read);
+            if lanes != group.sound {
+                left = with(*instructions, read) & !lanes;
+            }
+            if lanes != 0 {
+                let (state, mass) = (&rigid.states[number], &group.mass);
+                let show =
+                    ShowStates { mass, state, bodies, first, h: *h, at_start: false, wide_swept };
+                left |= with(*instructions, show);
+            }
             if left != 0 {
                 let lanes = (0..LANES).filter(|lane| left >> lane & 1 == 1);
                 let body_colliders = lanes.filter_map(|lane| groups.sound_in(number, lane));
@@ -418,11 +437,22 @@ impl BodyContactSolver {
 
     /// Displaces the particles as their body colliders were.
     fn apply_pose_deltas(&mut self, particles: &mut Particles) {
-        let Self { groups, origin_offsets, bodies, sums, instructions, shared, .. } = self;
+        let Self { groups, origin_offsets, bodies, sums, instructions, shared, rigid, h, .. } =
+            self;
         shared.clear();
         for (number, group) in groups.groups.iter().enumerate() {
+            let lanes = rigid.lanes(number);
+            if lanes != 0 {
+                let (state, mass) = (&mut rigid.states[number], &group.mass);
+                let first = number * LANES;
+                with(*instructions, CorrectStates { mass, state, bodies, first, h: *h });
+            }
+            if lanes == group.sound {
+                continue;
+            }
             let write = ApplyPoseDelta {
                 group,
+                lanes: !lanes,
                 slots: &groups.slots[group.slots.clone()],
                 origin_offsets: origin_offsets.of(group),
                 position: &mut particles.position,

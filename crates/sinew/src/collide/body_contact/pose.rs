@@ -512,6 +512,8 @@ impl SharedDeltas {
 /// Changes the particles of a group.
 pub(super) struct ApplyPoseDelta<'a> {
     pub(super) group: &'a BodyGroup,
+    /// A bit for each whose particles it is about: the others' follow from rigid states.
+    pub(super) lanes: u32,
     pub(super) slots: &'a [Slot],
     pub(super) origin_offsets: Option<&'a [[LaneArray; 3]]>,
     pub(super) position: &'a mut [Vec4],
@@ -529,9 +531,11 @@ impl Work for ApplyPoseDelta<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Self { group, slots, origin_offsets, position, mut velocity, .. } = self;
-        let Self { bodies, first, sums, shared, .. } = self;
+        let Self { lanes, bodies, first, sums, shared, .. } = self;
         let [shift, turn, .., rotation] = L::records::<FIELDS>(&bodies.rows, &from_row(first));
         let (shift, turn) = (Vector::of(shift).0, Vector::of(turn).0);
+        let lanes = L::mask(lanes);
+        let (shift, turn) = (shift.or_else(lanes, zero()), turn.or_else(lanes, zero()));
         let much = shift.length_squared() + turn.length_squared();
         if !L::zero().lt(much).any() {
             return;
@@ -546,7 +550,7 @@ impl Work for ApplyPoseDelta<'_> {
                 None => q - centre,
             };
             // Of a pinned one nothing.
-            let share = L::zero().lt(w).and(L::load(&slot.share));
+            let share = lanes.and(L::zero().lt(w)).and(L::load(&slot.share));
             let moved = (shift + field.times(arm)) * share;
             if group.scattered {
                 let mut by = [Vec4::ZERO; LANES];

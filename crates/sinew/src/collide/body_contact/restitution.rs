@@ -55,6 +55,7 @@ use super::bodies::{Bodies, SHIFT, TURN, WideBody as Rows};
 use super::loose::ScalarBody;
 use super::normal_solve::{ContactPatch, PatchSide, anchors, skins, solve_normal_impulses};
 use super::pose::{ApplyPoseDelta, ExtractPose};
+use super::rigid_state::{BounceStates, ShowStates};
 use super::turn::{Matrix, load, tangents};
 use super::wide_contact::{Contact, FAR, WideContact};
 use crate::constraints::PlanarDrag;
@@ -114,7 +115,7 @@ impl BodyContactSolver {
     /// Gives what bounced its velocity.
     pub(crate) fn bounce(&mut self, particles: &mut Particles, h: f32, gravity: f32) {
         let least = 2.0 * gravity * h;
-        self.loose.bounce(particles, &self.groups, &self.bodies, least);
+        self.bounce_loose(particles, h, least);
         self.impacts.begin(self.groups.groups.len());
         let mut wide_contacts = core::mem::take(&mut self.wide_contacts);
         let mut any = false;
@@ -183,6 +184,7 @@ impl BodyContactSolver {
     fn enter(&mut self, particles: &Particles, wide: &WideContact, lanes: u32) {
         let Self { groups, origin_offsets, bodies, sums, instructions, impacts, gathered, .. } =
             self;
+        let (rigid, h) = (&self.rigid, self.h);
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
             for row in [wide.a[lane], wide.b[lane]] {
                 let number = row as usize / LANES;
@@ -196,6 +198,7 @@ impl BodyContactSolver {
                 let rows = number * LANES..(number + 1) * LANES;
                 impacts.kept.extend_from_slice(&bodies.rows[rows]);
                 impacts.entered.push(number as u32);
+                let (lanes, first) = (rigid.lanes(number), number * LANES);
                 let read = ExtractPose {
                     group,
                     slots: &groups.slots[group.slots.clone()],
@@ -204,12 +207,20 @@ impl BodyContactSolver {
                     other: &particles.velocity,
                     fresh: true,
                     bodies,
-                    first: number * LANES,
+                    first,
                     sums: &mut sums[number],
                     wide_swept: None,
                     gathered,
                 };
-                with(*instructions, read);
+                if lanes != group.sound {
+                    with(*instructions, read);
+                }
+                if lanes != 0 {
+                    let (state, mass, wide_swept) = (&rigid.states[number], &group.mass, None);
+                    let show =
+                        ShowStates { mass, state, bodies, first, h, at_start: true, wide_swept };
+                    with(*instructions, show);
+                }
             }
         }
     }
@@ -236,14 +247,32 @@ impl BodyContactSolver {
     /// Changes the velocities of the particles as those of their body colliders were, and where those are that bounced, in a substep of `h` seconds.
     fn leave(&mut self, particles: &mut Particles, h: f32) {
         let Self { groups, origin_offsets, bodies, sums, instructions, shared, impacts, .. } = self;
+        let rigid = &mut self.rigid;
         shared.clear();
         let Particles { position, start, velocity, .. } = particles;
         for (number, group) in groups.groups.iter().enumerate() {
             if impacts.read[number] == 0 {
                 continue;
             }
+            let lanes = rigid.lanes(number);
+            if lanes != 0 {
+                let bounce = BounceStates {
+                    mass: &group.mass,
+                    state: &mut rigid.states[number],
+                    bodies,
+                    first: number * LANES,
+                    h,
+                    lanes: impacts.read[number],
+                    stays: impacts.stays[number],
+                };
+                with(*instructions, bounce);
+            }
+            if lanes == group.sound {
+                continue;
+            }
             let write = ApplyPoseDelta {
                 group,
+                lanes: !lanes,
                 slots: &groups.slots[group.slots.clone()],
                 origin_offsets: origin_offsets.of(group),
                 position: start,
@@ -259,7 +288,7 @@ impl BodyContactSolver {
             velocity[row as usize] += by;
         }
         for number in 0..groups.groups.len() {
-            let bounced = impacts.read[number] & !impacts.stays[number];
+            let bounced = impacts.read[number] & !impacts.stays[number] & !rigid.lanes(number);
             for lane in (0..LANES).filter(|lane| bounced >> lane & 1 == 1) {
                 let solid = groups.sound_in(number, lane).map(|solid| &groups.parts[solid]);
                 let rows = solid.map_or(0..0, |part| part.entries.clone());

@@ -98,6 +98,11 @@ impl ParticleContacts {
         self.bounds.is_empty() && self.surfaces.is_empty()
     }
 
+    /// Whether all particles are held in a plane: the world is in 2D.
+    pub(crate) fn holds_in_plane(&self) -> bool {
+        self.bounds.has_plane_constraint()
+    }
+
     /// The planes that these rows touch by themselves, if there is nothing else for them to touch. Those of solids touch none.
     pub(crate) fn planes_alone(&self, rows: core::ops::Range<u32>) -> Option<&[Plane]> {
         // What is beyond the list is not of a solid.

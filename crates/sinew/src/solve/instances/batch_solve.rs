@@ -93,6 +93,9 @@ impl<'a> BatchSolve<'a> {
     /// The planes that an instance batch touches, if its bodies can go through this step together.
     fn planes(&self, batch: &InstanceBatch) -> Option<&'a [Plane]> {
         let islands = &self.common.plan.islands[batch.islands.clone()];
+        if islands.iter().any(|island| island.rigid || island.measured || island.is_left_alone()) {
+            return None;
+        }
         let settings = &islands[0].settings;
         let planes = self.common.contacts.planes_alone(batch.rows())?;
         let apart = || {
@@ -104,7 +107,6 @@ impl<'a> BatchSolve<'a> {
         let ready = settings.order == Order::GaussSeidel
             && !settings.timed
             && islands.iter().all(|island| island.settings == *settings)
-            && !islands.iter().any(|island| island.rigid || island.asleep || island.measured)
             // A body whose particles have more than one origin has more than one height above a plane.
             && (planes.is_empty() || !apart());
         ready.then_some(planes)

@@ -42,7 +42,8 @@ impl InstanceBatches {
                 }
             }
             let [errors, strains] = worst;
-            for ((report, error), strain) in reports.iter_mut().zip(errors).zip(strains) {
+            let each = reports.iter_mut().zip(errors).zip(strains);
+            for ((report, error), strain) in each.filter(|((report, _), _)| !report.measured) {
                 (report.error, report.strain) = (error, strain);
                 report.measured = true;
             }

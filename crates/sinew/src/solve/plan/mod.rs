@@ -33,7 +33,7 @@ use super::instances::InstanceBatches;
 use super::rods::Rods;
 use super::tethers::Tethers;
 use super::wide::{ConstraintBatches, Which};
-use crate::constraints::{Constraint, Distance};
+use crate::constraints::{Constraint, ConstraintKind, Distance};
 use crate::solve::SolverSettings;
 pub(crate) use changes::{Change, Changes, List};
 use keys::Key;
@@ -128,16 +128,29 @@ pub(crate) struct Island {
     pub(crate) members: Range<usize>,
     /// Whether a compound in it moves as an explicit rigid body, which keeps its own momenta.
     pub(crate) rigid: bool,
+    /// Whether a game's own constraint is in it, which may hold on to the world.
+    pub(crate) custom: bool,
+    /// Whether all its particles have one origin in this step.
+    pub(crate) one_origin: bool,
     /// Whether nothing outside holds it in this step: its constraints are among its own particles, of which none is pinned.
     pub(crate) free: bool,
     /// Whether it sleeps through this step.
     pub(crate) asleep: bool,
     /// Whether [loads](super::Loads) in it are measured, so that it is solved by itself.
     pub(crate) measured: bool,
+    /// Whether it moves as one rigid state in this step: its constraints are not swept, and its particles follow.
+    pub(crate) one_state: bool,
     /// Which of the plan's [tethers](Tethers) are its own.
     pub(crate) tethers: Option<u32>,
     /// How it is solved in this step: the world's settings, and those of the bodies in it.
     pub(crate) settings: SolverSettings,
+}
+
+impl Island {
+    /// Whether nobody is to sweep its constraints in this step.
+    pub(crate) fn is_left_alone(&self) -> bool {
+        self.asleep || self.one_state
+    }
 }
 
 /// What a plan is compiled from.
@@ -211,5 +224,21 @@ impl Plan {
         instance_batches.find(self);
         self.instance_batches = instance_batches;
         self.tethers.expire();
+        let Self { islands, groups, constraints, .. } = self;
+        for island in islands {
+            // They are of groups of their own.
+            island.custom = groups[island.groups.clone()].iter().any(|group| {
+                let first = constraints.get(group.range.start);
+                group.kind == GroupKind::Constraints
+                    && matches!(first.map(|c| &c.kind), Some(ConstraintKind::Custom(_)))
+            });
+        }
+    }
+
+    /// The rows of an island's particles, where no other's are between them.
+    pub(crate) fn stretch(&self, island: &Island) -> Option<Range<usize>> {
+        let members = self.members.get(island.members.clone())?;
+        let (first, last) = (*members.first()? as usize, *members.last()? as usize);
+        (last + 1 - first == members.len()).then_some(first..last + 1)
     }
 }

@@ -96,7 +96,8 @@ impl IslandStep<'_> {
             cluster_batch.columns && from.is_some_and(|from| from.is_multiple_of(2))
         };
         let cluster_batches = island.cluster_batches.clone();
-        let held = island.asleep || island.rigid || island.free || island.groups.is_empty();
+        let held =
+            island.is_left_alone() || island.rigid || island.free || island.groups.is_empty();
         let touches = !common.contacts.is_empty() || common.contacts.bounces();
         let fit = !held
             && !touches

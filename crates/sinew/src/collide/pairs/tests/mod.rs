@@ -73,7 +73,13 @@ impl World {
         let Self { particles, pairs, filter, .. } = self;
         particles.clear_sums(0.0);
         particles.accelerate_all(self.gravity);
-        predict(particles, Integrator::Verlet, h, execution);
+        predict(
+            particles,
+            Integrator::Verlet,
+            h,
+            core::slice::from_ref(&(0..particles.len())),
+            execution,
+        );
         for &(a, b, length) in &self.rods {
             pull(particles, a as usize, b as usize, length);
         }

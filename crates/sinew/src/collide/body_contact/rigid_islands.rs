@@ -1,0 +1,373 @@
+//! Rigid islands: which body colliders are integrated as rigid states (`rigid_state`) in a step, and when their particles are read and written.
+//!
+//! A rigid island is an island of a plan whose particles are those of one body collider, each tied to each by rods as long as the collider has them
+//! apart: no other constraint acts on one of them. These are found when constraints or colliders have changed. In a step such an island moves as one rigid
+//! state if none of its particles is pinned or asleep, no load of its rods is measured, its body has [`Representation::Auto`], and its particles are where a
+//! rigid body has them. All of that follows from saved state, so a restored world goes on to the same bits.
+//!
+//! Its particles are written after each substep, or once a step where no system runs in between. Where one of them is moved between two phases, the island
+//! goes on as particles until the step ends.
+
+use glam::{Vec3, Vec4};
+
+use super::groups::BodyGroups;
+use super::rigid_state::{
+    AdvanceStates, ForceSums, PushStates, ReadStates, SumForces, WideRigidState, WriteStates,
+};
+use super::{BodyCollider, BodyContactSolver};
+use crate::constraints::{Distance, GradientAt, Pin};
+use crate::integrate::{Integrator, loss};
+use crate::lanes::{InstructionSet, LANES, with};
+use crate::particles::Particles;
+use crate::solve::{BodySettings, GroupKind, Island, Plan, Representation};
+
+/// The most particles of a rigid island: which are tied to which is noted in the bits of one number each.
+const MOST: usize = 64;
+
+/// How much a rod may differ from how far apart the collider has its ends, as a share of that.
+const LENGTHS: f32 = 1e-5;
+
+/// No island.
+const NONE: u32 = u32::MAX;
+
+/// Which body colliders are rigid states. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(super) struct RigidIslands {
+    /// The island of each body collider that is all there is of one; `NONE` for others.
+    islands: Vec<u32>,
+    /// The states of each group.
+    pub(super) states: Vec<WideRigidState>,
+    sums: ForceSums,
+    changes: Vec<[Vec4; LANES]>,
+    /// How many lanes are rigid states.
+    count: usize,
+    /// Whether all body colliders are rigid states, and none can touch anything in this step as long as all stay within their swept bounds.
+    idle: bool,
+    times: Vec<f32>,
+    /// Islands with pins, ascending.
+    pinned: Vec<u32>,
+}
+
+impl RigidIslands {
+    /// A bit for each lane of a group that is a rigid state.
+    #[inline(always)]
+    pub(super) fn lanes(&self, group: usize) -> u32 {
+        self.states.get(group).map_or(0, |state| state.lanes)
+    }
+
+    /// Settles those that were pushed, in a substep of `h` seconds.
+    pub(super) fn settle_pushed(
+        &mut self,
+        groups: &BodyGroups,
+        h: f32,
+        instructions: InstructionSet,
+    ) {
+        for (state, group) in self.states.iter_mut().zip(&groups.groups) {
+            if state.pushed != 0 {
+                with(instructions, PushStates { mass: &group.mass, state, h });
+            }
+        }
+    }
+
+    /// The state that a row of the bodies is a lane of, and the lane.
+    pub(super) fn of_row(&mut self, row: usize) -> Option<(&mut WideRigidState, usize)> {
+        let (group, lane) = (row / LANES, row % LANES);
+        self.states.get_mut(group).filter(|state| state.lanes >> lane & 1 == 1).map(|s| (s, lane))
+    }
+}
+
+/// Parameters of a step that rigid states depend on.
+#[derive(Clone, Copy)]
+pub(crate) struct RigidStep<'a> {
+    pub(crate) bodies: &'a [BodySettings],
+    pub(crate) pins: &'a [Pin],
+    /// Length of a substep, seconds.
+    pub(crate) h: f32,
+}
+
+impl BodyContactSolver {
+    /// Finds the body colliders that are all there is of an island. To be called when the plan or the body colliders have changed.
+    pub(crate) fn find_rigid_islands(&mut self, body_colliders: &[BodyCollider], plan: &Plan) {
+        let Self { groups, rigid, .. } = self;
+        rigid.islands.clear();
+        rigid.islands.extend(groups.parts.iter().zip(body_colliders).enumerate().map(
+            |(number, (part, solid))| {
+                let is_alone = groups.is_alone(number) && part.sound && part.side.is_some();
+                let island = solid.rows.first().and_then(|&row| plan.island_of.get(row as usize));
+                let found = island.copied().filter(|&island| {
+                    is_alone && is_all_of(solid, plan, &plan.islands[island as usize])
+                });
+                found.unwrap_or(NONE)
+            },
+        ));
+    }
+
+    /// Reads the rigid states of this step from their particles, after the broad phase, and marks their islands in the plan; none where
+    /// single particles are `held`.
+    pub(crate) fn begin_rigid_states(
+        &mut self,
+        particles: &mut Particles,
+        plan: &mut Plan,
+        step: RigidStep,
+        held: bool,
+    ) {
+        plan.islands.iter_mut().for_each(|island| island.one_state = false);
+        self.rigid.count = 0;
+        self.rigid.idle = false;
+        self.rigid.states.clear();
+        particles.watch(false);
+        if held
+            || self.rigid.islands.iter().all(|&island| island == NONE)
+            || self.bodies.rows.is_empty()
+        {
+            return;
+        }
+        let Self { groups, rigid, bodies, instructions, .. } = self;
+        rigid.states.resize(groups.groups.len(), WideRigidState::default());
+        let RigidIslands { islands, states, count, pinned, .. } = rigid;
+        pinned.clear();
+        let rows = step.pins.iter().map(|pin| pin.particle as usize);
+        pinned.extend(rows.filter_map(|row| plan.island_of.get(row).copied()));
+        pinned.sort_unstable();
+        for (number, (group, state)) in groups.groups.iter().zip(states).enumerate() {
+            let (mut asks, mut reach, mut tolerance) = (0, [0.0; LANES], [0.0; LANES]);
+            for lane in 0..LANES {
+                let Some(solid) = groups.sound_in(number, lane) else { continue };
+                let Some(island) = plan.islands.get(islands[solid] as usize) else { continue };
+                if pinned.binary_search(&islands[solid]).is_ok() {
+                    continue;
+                }
+                let part = &groups.parts[solid];
+                let rows = &groups.rows[part.entries.clone()];
+                let Some(rate) = rate_of(rows, particles, island, &step) else { continue };
+                asks |= 1 << lane;
+                (reach[lane], tolerance[lane]) = (part.reach, island.settings.tolerance);
+                state.set_rate(lane, rate);
+            }
+            if asks == 0 {
+                continue;
+            }
+            let read = ReadStates {
+                mass: &group.mass,
+                slots: &groups.slots[group.slots.clone()],
+                position: &particles.position,
+                velocity: &particles.velocity,
+                rounding: &particles.rounding,
+                bodies,
+                first: number * LANES,
+                reach,
+                tolerance,
+                state,
+                h: step.h,
+            };
+            state.lanes = asks & with(*instructions, read);
+            *count += state.lanes.count_ones() as usize;
+            for lane in (0..LANES).filter(|lane| state.lanes >> lane & 1 == 1) {
+                if let Some(solid) = groups.sound_in(number, lane) {
+                    plan.islands[islands[solid] as usize].one_state = true;
+                }
+            }
+        }
+        let sound = groups.parts.iter().filter(|part| part.sound).count();
+        rigid.idle = *count == sound && self.contacts.is_empty() && self.loose.is_empty();
+        particles.watch(*count > 0);
+    }
+
+    /// Whether there are rigid states in this step.
+    pub(crate) fn has_rigid_states(&self) -> bool {
+        self.rigid.count > 0
+    }
+
+    /// Whether no body collider can touch anything in this step, as far as the broad phase found, so that each moves by itself.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.rigid.idle
+    }
+
+    /// Islands of which a particle was moved from outside go on as particles. Clears the list of moved particles, and returns whether there was any.
+    pub(crate) fn release_moved(&mut self, particles: &mut Particles, plan: &mut Plan) -> bool {
+        let mut any = false;
+        while let Some(row) = particles.take_moved() {
+            let Some(&number) = plan.island_of.get(row as usize) else { continue };
+            let island = &mut plan.islands[number as usize];
+            if !core::mem::take(&mut island.one_state) {
+                continue;
+            }
+            let solid = self.rigid.islands.iter().position(|&island| island == number);
+            if let Some((state, lane)) =
+                solid.and_then(|solid| self.rigid.of_row(self.groups.place(solid)))
+            {
+                state.lanes &= !(1 << lane);
+                self.rigid.count -= 1;
+                self.rigid.idle = false;
+                any = true;
+            }
+        }
+        any
+    }
+
+    /// Moves the rigid states through one substep of `h` seconds, by the forces summed up on their particles.
+    pub(crate) fn predict_rigid_states(
+        &mut self,
+        particles: &Particles,
+        h: f32,
+        (substep, substeps): (u32, u32),
+    ) {
+        let Self { groups, rigid, wide_swept, instructions, .. } = self;
+        let RigidIslands { states, sums, changes, idle, times, .. } = rigid;
+        note_times(times, substep..substep + 1, h, substeps);
+        let uneven = particles.acceleration_dirty || particles.medium_dirty;
+        let groups = groups.groups.iter().map(|group| (group, &groups.slots[group.slots.clone()]));
+        for ((state, (group, slots)), wide_swept) in states.iter_mut().zip(groups).zip(wide_swept) {
+            if state.lanes == 0 {
+                continue;
+            }
+            if uneven {
+                changes.clear();
+                changes.extend(slots.iter().map(|slot| changes_of(particles, &slot.rows, h)));
+                with(*instructions, SumForces { mass: &group.mass, slots, state, changes, sums });
+            } else {
+                state.note_losses(particles.air, h);
+            }
+            let advance = AdvanceStates {
+                mass: &group.mass,
+                state,
+                common: particles.common,
+                sums: uneven.then_some(sums),
+                h,
+                wide_swept,
+                times,
+            };
+            *idle &= with(*instructions, advance) == 0;
+        }
+    }
+
+    /// Moves them through all substeps that remain, and notes where one leaves its swept bounds that they are not idle: then they are to be read again.
+    pub(crate) fn advance_idle_states(
+        &mut self,
+        particles: &Particles,
+        h: f32,
+        (substep, substeps): (u32, u32),
+    ) {
+        let Self { groups, rigid, wide_swept, instructions, .. } = self;
+        let RigidIslands { states, idle, times, .. } = rigid;
+        note_times(times, substep..substeps, h, substeps);
+        for ((state, group), wide_swept) in states.iter_mut().zip(&groups.groups).zip(wide_swept) {
+            state.note_losses(particles.air, h);
+            let advance = AdvanceStates {
+                mass: &group.mass,
+                state,
+                common: particles.common,
+                sums: None,
+                h,
+                wide_swept,
+                times,
+            };
+            *idle &= with(*instructions, advance) == 0;
+        }
+    }
+
+    /// Has contacts be solved in this step.
+    pub(crate) fn set_not_idle(&mut self) {
+        self.rigid.idle = false;
+    }
+
+    /// Writes the particles of the rigid states.
+    pub(crate) fn write_rigid_states(&self, particles: &mut Particles) {
+        let Self { groups, rigid, instructions, .. } = self;
+        for (group, state) in groups.groups.iter().zip(&rigid.states) {
+            if state.lanes != 0 {
+                let Particles { position, start, velocity, rounding, .. } = &mut *particles;
+                let slots = &groups.slots[group.slots.clone()];
+                let columns = [position, start, velocity, rounding].map(|column| &mut column[..]);
+                with(*instructions, WriteStates { group, slots, state, columns });
+            }
+        }
+    }
+}
+
+/// When some substeps of `h` seconds end, since the step began.
+fn note_times(times: &mut Vec<f32>, which: core::ops::Range<u32>, h: f32, substeps: u32) {
+    let dt = h * substeps as f32;
+    times.clear();
+    times.extend(which.map(|number| (number + 1) as f32 / substeps.max(1) as f32 * dt));
+}
+
+/// By how much the velocities of eight particles change in a substep of `h` seconds by what does not act on all alike, m/s: as `integrate` has it.
+fn changes_of(particles: &Particles, rows: &[u32; LANES], h: f32) -> [Vec4; LANES] {
+    let mut last = (0.0, 0.0);
+    rows.map(|row| {
+        let i = row as usize;
+        let (velocity, rate) = (particles.velocity[i], particles.rate(i));
+        let tau = (velocity.w + h) * 0.5;
+        let exponent = if tau > 0.0 { rate * tau } else { 0.0 };
+        if exponent != last.0 {
+            last = (exponent, loss(exponent));
+        }
+        let slip = match particles.drift.get(i) {
+            Some(&drift) if drift != Vec3::ZERO => velocity.truncate() - drift / rate,
+            _ => velocity.truncate(),
+        };
+        let own = if particles.acceleration_dirty {
+            particles.acceleration[i].truncate()
+        } else {
+            Vec3::ZERO
+        };
+        (own * tau - slip * last.1).extend(0.0)
+    })
+}
+
+/// The damping of the particles of an island that may move as a rigid state in this step, 1/s; `None` of one that may not.
+fn rate_of(rows: &[u32], particles: &Particles, island: &Island, step: &RigidStep) -> Option<f32> {
+    let settings = &island.settings;
+    let first = *rows.first()? as usize;
+    let rate = particles.damping[first];
+    let alike = |&row: &u32| particles.damping[row as usize] == rate;
+    let body = step.bodies.get(particles.body[first] as usize);
+    let asks = body.is_some_and(|body| body.representation == Representation::Auto);
+    let keeps_momenta = settings.keep_spin || settings.gradient_at == GradientAt::StepStart;
+    let may = island.free
+        && !island.asleep
+        && !island.rigid
+        && !island.measured
+        && island.one_origin
+        && asks
+        && keeps_momenta
+        && !settings.statics
+        && settings.integrator == Integrator::Verlet
+        && (particles.column_summary.damping.is_some() || rows.iter().all(alike));
+    may.then_some(rate)
+}
+
+/// Whether an island has the particles of a body collider, and rods alone that tie each of them to each as the collider has them.
+fn is_all_of(solid: &BodyCollider, plan: &Plan, island: &Island) -> bool {
+    let members = &plan.members[island.members.clone()];
+    let groups = &plan.groups[island.groups.clone()];
+    let (Some(&first), Some(&last), count) = (members.first(), members.last(), members.len())
+    else {
+        return false;
+    };
+    if count != solid.rows.len()
+        || count > MOST
+        || (last - first) as usize + 1 != count
+        || !solid.rows.iter().all(|row| (first..=last).contains(row))
+        || groups.iter().any(|group| group.kind != GroupKind::Rods)
+    {
+        return false;
+    }
+    let mut rest = [Vec3::ZERO; MOST];
+    for (&row, &place) in solid.rows.iter().zip(&*solid.rest) {
+        rest[(row - first) as usize] = place;
+    }
+    let mut tied = [0_u64; MOST];
+    let mut holds = |d: &Distance| {
+        let (a, b) = ((d.a - first) as usize, (d.b - first) as usize);
+        tied[a] |= 1 << b;
+        tied[b] |= 1 << a;
+        let apart = (rest[a].as_dvec3() - rest[b].as_dvec3()).length() as f32;
+        (d.rest - apart).abs() <= LENGTHS * apart
+    };
+    let rods = groups.iter().flat_map(|group| &plan.distances[group.range.clone()]);
+    let fit = rods.fold(true, |fit, d| holds(d) & fit);
+    let all = u64::MAX >> (MOST - count);
+    fit && tied[..count].iter().enumerate().all(|(i, &others)| others | 1 << i == all)
+}

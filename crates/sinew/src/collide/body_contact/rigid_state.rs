@@ -1,0 +1,798 @@
+//! Rigid states: a body collider whose particles only their own rods hold is integrated as one rigid body, and the particles follow.
+//!
+//! Which are rigid states is decided when a step begins (`rigid_islands`). Each is read off its particles then, goes through the substeps as a centre, a
+//! rotation, a velocity and an angular momentum, eight side by side, and its particles are written from that. The particles stay the state from step to step.
+//!
+//! # The free body
+//!
+//! What rods do to particles that Verlet moves, each corrected along where it was when the substep began (SHAKE), is known in closed form for all rods at
+//! once: the discrete Moser–Veselov equations, as in `rigid/verlet.rs` of the crate. With `r` the arms when the substep began, `Δ` the rotation through
+//! the substep and `Σ m r × v` the angular momentum, as Verlet keeps it,
+//!
+//! ```text
+//! h L = Σ m r × Δ r        q = q̄ + Δ r        v = v̄ + (Δ - 1) r / h
+//! ```
+//!
+//! `L` of the particles is the same number at both ends of a substep, so that reading and writing them changes nothing but round-off. With the unit
+//! quaternion `(v, w)` of `Δ`, and `I` the inertia,
+//!
+//! ```text
+//! h L = 2 (w I v + v × I v)        w = √(1 - v²)
+//! ```
+//!
+//! which Newton solves in the body's own axes, where `I` stands still, from its first two terms in a step or two. Momenta are kept, whatever that leaves;
+//! energy swings within bounds; the order is 2.
+//!
+//! # What contacts do to it
+//!
+//! Contacts shift and turn a pose, which is an impulse and its moment: `h L` grows by `I φ`, and the rotation is found anew from where the substep began.
+//! That is where rods would have put the particles (`pose`), without a sum over them.
+//!
+//! # Precision
+//!
+//! What `f32` drops of a sum of substeps is kept beside centre, rotation and velocity: a turn through a substep is a few thousandths, and rounded to what a
+//! quaternion has digits for, forty substeps of sixty ticks would lose more than the turn about a middle axis can stand. Sums over particles are taken about
+//! their mean, and what that mean is off by is summed up once more: weights that are rounded would else lose or gain the same share in every step. Where
+//! particles are written, momentum and angular momentum that are left after rounding are summed up as they will be read; what is missing is what was
+//! dropped of their velocities, and is read from there.
+
+use glam::{Vec3, Vec4};
+
+use super::bodies::{Bodies, ROTATION, from_row};
+use super::broad_phase::WideSweptBounds;
+use super::groups::{BodyGroup, Slot, WideMass};
+use super::turn::{LaneArray, Matrix, Symmetric, load, store, zero};
+use crate::integrate::loss;
+use crate::lanes::{FIELDS, LANES, Lanes, Record, Vector, Work};
+
+/// `v²` of the quaternion of a turn at the most: a quarter of a turn in a substep. What is faster turns by that.
+const MOST: f32 = 0.5;
+/// The same at the most when a step begins, half a radian: what is faster goes as particles.
+const FAST: f32 = 0.061;
+/// A Newton step of this share, squared, leaves an error of its square, which is round-off.
+const DONE: f32 = 1e-7;
+/// The most Newton steps.
+const STEPS: u32 = 6;
+/// How far a particle may be from its place, as a share of how far the body reaches, beside the tolerance of its rods.
+const MISPLACED: f32 = 1e-3;
+
+/// Eight rigid states. Fields of other lanes are undefined.
+#[derive(Clone, Debug, Default)]
+pub(super) struct WideRigidState {
+    /// A bit for each lane that is one.
+    pub(super) lanes: u32,
+    /// From the origin, metres; and what `f32` has dropped of that in this step.
+    centre: [LaneArray; 3],
+    remainder: [LaneArray; 3],
+    /// Mean velocity of the last substep, m/s, and what `f32` has dropped.
+    velocity: [LaneArray; 3],
+    rounding: [LaneArray; 3],
+    /// Angular momentum about the centre as Verlet keeps it, kg·m²/s.
+    momentum: [LaneArray; 3],
+    rotation: WideRotation,
+    /// Where the substep began.
+    start_centre: [LaneArray; 3],
+    start_rotation: WideRotation,
+    /// How it turned in the last substep, in its own axes.
+    turn: [LaneArray; 4],
+    /// Length of the last substep, seconds.
+    lag: LaneArray,
+    /// Damping of its particles, 1/s.
+    rate: LaneArray,
+    /// Exponents of a substep after the last one and of those after that, and which shares of the velocities are lost.
+    exponents: [LaneArray; 2],
+    lost: [LaneArray; 2],
+    /// A bit for each that was pushed.
+    pub(super) pushed: u32,
+}
+
+/// Eight rotations as they lie in memory.
+#[derive(Clone, Debug, Default)]
+struct WideRotation {
+    whole: [LaneArray; 4],
+    remainder: [LaneArray; 4],
+}
+
+/// A rotation in each lane: a quaternion of nearly unit length, and what `f32` has dropped of it in this step.
+#[derive(Clone, Copy)]
+struct Rotation<L> {
+    whole: [L; 4],
+    remainder: [L; 4],
+}
+
+impl<L: Lanes> Rotation<L> {
+    #[inline(always)]
+    fn load(from: &WideRotation) -> Self {
+        Self { whole: load_four(&from.whole), remainder: load_four(&from.remainder) }
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut WideRotation) {
+        store_four(self.whole, &mut to.whole);
+        store_four(self.remainder, &mut to.remainder);
+    }
+
+    /// Followed, in its own frame, by a turn of the unit quaternion `(v, w)`, `w` not negative. It stays as long as it is.
+    #[inline(always)]
+    fn further(self, v: Vector<L>, w: L) -> Self {
+        let [x, y, z, s] = self.whole;
+        let axis = Vector::new(x, y, z);
+        // w - 1, of which `w` has too few digits.
+        let less = -v.length_squared() / (L::splat(1.0) + w);
+        let by = v * s + axis * less + axis.cross(v);
+        let by = [by.x, by.y, by.z, s * less - axis.dot(v)];
+        let mut next = self;
+        for ((whole, remainder), by) in next.whole.iter_mut().zip(&mut next.remainder).zip(by) {
+            let (before, step) = (*whole, by + *remainder);
+            *whole = before + step;
+            *remainder = step - (*whole - before);
+        }
+        next
+    }
+
+    /// Further by a turn of a few roundings, of which `half` is a half, radians, in the axes of the world.
+    #[inline(always)]
+    fn nudged(self, half: Vector<L>) -> Self {
+        let [x, y, z, s] = self.whole;
+        let axis = Vector::new(x, y, z);
+        let by = half * s + half.cross(axis);
+        let [a, b, c, d] = self.remainder;
+        let remainder = [a + by.x, b + by.y, c + by.z, d - half.dot(axis)];
+        Self { remainder, ..self }
+    }
+
+    /// The turn that the remainder is, in the axes of the world, radians.
+    #[inline(always)]
+    fn nudge(&self) -> Vector<L> {
+        let ([x, y, z, s], [a, b, c, d]) = (self.whole, self.remainder);
+        let (axis, by) = (Vector::new(x, y, z), Vector::new(a, b, c));
+        (by * s - axis * d + axis.cross(by)) * L::splat(2.0)
+    }
+
+    #[inline(always)]
+    fn matrix(&self) -> Matrix<L> {
+        Matrix::of(self.whole)
+    }
+
+    /// Where a mask is set this one, elsewhere the other.
+    #[inline(always)]
+    fn or_else(self, mask: L, other: Self) -> Self {
+        let mut one = self;
+        for i in 0..4 {
+            one.whole[i] = mask.select(self.whole[i], other.whole[i]);
+            one.remainder[i] = mask.select(self.remainder[i], other.remainder[i]);
+        }
+        one
+    }
+}
+
+#[inline(always)]
+fn load_four<L: Lanes>(from: &[LaneArray; 4]) -> [L; 4] {
+    [L::load(&from[0]), L::load(&from[1]), L::load(&from[2]), L::load(&from[3])]
+}
+
+#[inline(always)]
+fn store_four<L: Lanes>(from: [L; 4], to: &mut [LaneArray; 4]) {
+    from[0].store(&mut to[0]);
+    from[1].store(&mut to[1]);
+    from[2].store(&mut to[2]);
+    from[3].store(&mut to[3]);
+}
+
+impl WideRigidState {
+    /// Notes the damping of a lane, 1/s.
+    pub(super) fn set_rate(&mut self, lane: usize, rate: f32) {
+        self.rate[lane] = rate;
+    }
+
+    /// Notes which shares of the velocities are lost over substeps of `h` seconds in air of the damping `air`, 1/s.
+    pub(super) fn note_losses(&mut self, air: f32, h: f32) {
+        for (which, (exponents, lost)) in self.exponents.iter_mut().zip(&mut self.lost).enumerate()
+        {
+            for lane in 0..LANES {
+                let lag = if which == 0 { self.lag[lane] } else { h };
+                let exponent = (self.rate[lane] + (air + 0.0)) * ((lag + h) * 0.5);
+                if exponent.to_bits() != exponents[lane].to_bits() {
+                    (exponents[lane], lost[lane]) = (exponent, loss(exponent));
+                }
+            }
+        }
+    }
+
+    /// Adds to the velocity of a lane, m/s, and to its angular momentum, kg·m²/s; to be settled by [`PushStates`].
+    pub(super) fn push(&mut self, lane: usize, velocity: Vec3, momentum: Vec3) {
+        for (to, by) in self.velocity.iter_mut().zip(velocity.to_array()) {
+            to[lane] += by;
+        }
+        for (to, by) in self.momentum.iter_mut().zip(momentum.to_array()) {
+            to[lane] += by;
+        }
+        self.pushed |= 1 << lane;
+    }
+
+    /// The velocity of a lane.
+    pub(super) fn velocity(&self, lane: usize) -> Vec3 {
+        Vec3::from(self.velocity.map(|one| one[lane]))
+    }
+
+    /// The same of its angular momentum.
+    pub(super) fn momentum(&self, lane: usize) -> Vec3 {
+        Vec3::from(self.momentum.map(|one| one[lane]))
+    }
+
+    /// Where the centre of a lane is now.
+    pub(super) fn centre(&self, lane: usize) -> Vec3 {
+        Vec3::from(self.centre.map(|one| one[lane]))
+    }
+}
+
+/// How a body turns in a substep, in its own axes, that has the angular momentum `momentum`, times `h`, there.
+#[inline(always)]
+fn turn_of<L: Lanes>(
+    momentum: Vector<L>,
+    inertia: &Symmetric<L>,
+    inverse: &Symmetric<L>,
+) -> (Vector<L>, L) {
+    let (one, two, half) = (L::splat(1.0), L::splat(2.0), L::splat(0.5));
+    let first = limited(inverse.times(momentum) * half);
+    let w = (one - first.length_squared()).sqrt();
+    let gyroscopic = first.cross(inertia.times(first)) * two;
+    let mut v = limited(inverse.times(momentum - gyroscopic) * (half / w));
+    let mut w = (one - v.length_squared()).sqrt();
+    let mut going = L::zero().same(L::zero());
+    let [x, y, z] = columns(inertia);
+    for _ in 0..STEPS {
+        let spun = inertia.times(v);
+        let missing = momentum * half - (spun * w + v.cross(spun));
+        let along = spun * (one / w);
+        let none = L::zero();
+        let matrix = Matrix {
+            x: x * w + v.cross(x) - Vector::new(none, spun.z, -spun.y) - along * v.x,
+            y: y * w + v.cross(y) - Vector::new(-spun.z, none, spun.x) - along * v.y,
+            z: z * w + v.cross(z) - Vector::new(spun.y, -spun.x, none) - along * v.z,
+        };
+        let further = matrix.solve(missing);
+        let next = v + further;
+        let square = next.length_squared();
+        // A lane that has converged, or would leave the range, keeps its value: the other lanes must not matter.
+        let good = going.and(square.le(L::splat(MOST)));
+        v = next.or_else(good, v);
+        w = good.select((one - square).sqrt(), w);
+        let done = further.length_squared().le(square * L::splat(DONE));
+        going = good.and(done.select(L::zero(), good));
+        if !going.any() {
+            break;
+        }
+    }
+    (v, w)
+}
+
+/// The rotation of a quaternion of nearly unit length. `1 + 1.2e-7`, the square of a length, has the root 1 in `f32`, so that making it unit leaves it as
+/// it is: particles would be written that much too far out in every step, and their momentum read twice that too large.
+#[inline(always)]
+fn rotation_of<L: Lanes>([x, y, z, w]: [L; 4]) -> Matrix<L> {
+    let twice = L::splat(2.0) / (x * x + y * y + z * z + w * w);
+    let (one, x2, y2, z2) = (L::splat(1.0), x * twice, y * twice, z * twice);
+    let (xx, yy, zz) = (x * x2, y * y2, z * z2);
+    let (xy, xz, yz) = (x * y2, x * z2, y * z2);
+    let (wx, wy, wz) = (w * x2, w * y2, w * z2);
+    Matrix {
+        x: Vector::new(one - (yy + zz), xy + wz, xz - wy),
+        y: Vector::new(xy - wz, one - (xx + zz), yz + wx),
+        z: Vector::new(xz + wy, yz - wx, one - (xx + yy)),
+    }
+}
+
+/// A turn that is not too far.
+#[inline(always)]
+fn limited<L: Lanes>(v: Vector<L>) -> Vector<L> {
+    let square = v.length_squared();
+    let most = L::splat(MOST);
+    v * square.le(most).select(L::splat(1.0), (most / square).sqrt())
+}
+
+#[inline(always)]
+fn columns<L: Lanes>(m: &Symmetric<L>) -> [Vector<L>; 3] {
+    let Symmetric { along: a, across: c } = *m;
+    [Vector::new(a.x, c.x, c.y), Vector::new(c.x, a.y, c.z), Vector::new(c.y, c.z, a.z)]
+}
+
+/// Reads the particles of eight body colliders when a step of substeps of `h` seconds begins.
+pub(super) struct ReadStates<'a> {
+    pub(super) mass: &'a WideMass,
+    pub(super) slots: &'a [Slot],
+    pub(super) position: &'a [Vec4],
+    pub(super) velocity: &'a [Vec4],
+    pub(super) rounding: &'a [Vec4],
+    /// Their rotations have been found.
+    pub(super) bodies: &'a Bodies,
+    pub(super) first: usize,
+    /// How far each of them reaches, and the tolerances of their rods, metres.
+    pub(super) reach: LaneArray,
+    pub(super) tolerance: LaneArray,
+    pub(super) state: &'a mut WideRigidState,
+    pub(super) h: f32,
+}
+
+impl Work for ReadStates<'_> {
+    /// A bit for each that moves as a rigid body does: its particles are in their places, had their last substep together, and it does not turn too fast.
+    type Output = u32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> u32 {
+        let Self { mass, slots, position, velocity, rounding, bodies, first, state, .. } = self;
+        let Some(slot) = slots.first() else { return 0 };
+        let (near, _) = Vector::of(L::rows(position, &slot.rows));
+        let (pace, lag) = Vector::of(L::rows(velocity, &slot.rows));
+        let (mut sum, mut speeds) = (zero::<L>(), zero::<L>());
+        let mut good = L::zero().le(lag);
+        for slot in slots {
+            let (q, _) = Vector::of(L::rows(position, &slot.rows));
+            let (v, own) = Vector::of(L::rows(velocity, &slot.rows));
+            let pull = L::load(&slot.pull);
+            sum += (q - near) * pull;
+            speeds += (v - pace) * pull;
+            good = good.and(own.same(lag));
+        }
+        let middle = L::load(&mass.middle);
+        let (centre, shift) = (near + sum * middle, pace + speeds * middle);
+        let moments = Moments::of(slots, centre, shift, |slot| {
+            let (q, _) = Vector::of(L::rows(position, &slot.rows));
+            let (v, _) = Vector::of(L::rows(velocity, &slot.rows));
+            let (dropped, _) = Vector::of(L::rows(rounding, &slot.rows));
+            (q, v, dropped)
+        });
+        let whole = L::records::<FIELDS>(&bodies.rows, &from_row(first))[ROTATION];
+        let r = Matrix::of(whole);
+        let (mut off, mut turned) = (L::zero(), zero::<L>());
+        for slot in slots {
+            let (q, _) = Vector::of(L::rows(position, &slot.rows));
+            let (rest, pull) = (r.times(load(&slot.rest)), L::load(&slot.pull));
+            let there = (q - centre) - rest;
+            turned += rest.cross(there) * pull;
+            off = off.max(L::zero().lt(pull).and(there.length_squared()));
+        }
+        let (inertia, inverse) =
+            (Symmetric::load(&mass.inertia), Symmetric::load(&mass.inverse_inertia));
+        let half = L::splat(0.5);
+        let nudge = r.times(inverse.times(r.transposed_times_vector(turned))) * half;
+        let rotation = Rotation { whole, remainder: [L::zero(); 4] }.nudged(nudge);
+        let own = r.transposed_times_vector(moments.momentum);
+        let fast = inverse.times(own) * (half * L::splat(self.h));
+        let (turn, real) = turn_of(own * lag, &inertia, &inverse);
+        let most = L::load(&self.reach) * L::splat(MISPLACED) + L::load(&self.tolerance);
+        // Also for NaN.
+        good = good.and(off.le(most * most)).and(fast.length_squared().le(L::splat(FAST)));
+        store(centre, &mut state.centre);
+        store(moments.centre * middle, &mut state.remainder);
+        store(shift, &mut state.velocity);
+        store(moments.velocity * middle, &mut state.rounding);
+        store(moments.momentum, &mut state.momentum);
+        rotation.store(&mut state.rotation);
+        store(centre, &mut state.start_centre);
+        rotation.store(&mut state.start_rotation);
+        store_four([turn.x, turn.y, turn.z, real], &mut state.turn);
+        lag.store(&mut state.lag);
+        good.bits() & 0xFF
+    }
+}
+
+/// Sums over the particles of eight bodies about a place and a velocity that are nearly their means.
+struct Moments<L> {
+    /// `Σ m q`, kg·m, and `Σ m v`, kg·m/s, beside those.
+    centre: Vector<L>,
+    velocity: Vector<L>,
+    /// `Σ m q × v`, kg·m²/s.
+    momentum: Vector<L>,
+}
+
+impl<L: Lanes> Moments<L> {
+    /// Where a particle of each slot is, its velocity, and what `f32` has dropped of that, is what `read` says.
+    #[inline(always)]
+    fn of(
+        slots: &[Slot],
+        centre: Vector<L>,
+        velocity: Vector<L>,
+        mut read: impl FnMut(&Slot) -> (Vector<L>, Vector<L>, Vector<L>),
+    ) -> Self {
+        let (mut off, mut faster, mut dropped) = (zero::<L>(), zero::<L>(), zero::<L>());
+        let (mut momentum, mut beside) = (zero::<L>(), zero::<L>());
+        for slot in slots {
+            let (q, v, rounded) = read(slot);
+            let (arm, gone, pull) = (q - centre, v - velocity, L::load(&slot.pull));
+            off += arm * pull;
+            faster += gone * pull;
+            dropped += rounded * pull;
+            momentum += arm.cross(gone) * pull;
+            beside += arm.cross(rounded) * pull;
+        }
+        Self { centre: off, velocity: faster + dropped, momentum: momentum + beside }
+    }
+}
+
+/// Forces that do not act on all particles alike: what they are summed up to of eight body colliders in a substep.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ForceSums {
+    /// Gain of velocity, m/s.
+    velocity: [LaneArray; 3],
+    /// Gain of angular momentum, kg·m²/s.
+    momentum: [LaneArray; 3],
+}
+
+/// Sums up what the particles of eight are accelerated by and lose in a substep of `h` seconds.
+pub(super) struct SumForces<'a> {
+    pub(super) mass: &'a WideMass,
+    pub(super) slots: &'a [Slot],
+    pub(super) state: &'a WideRigidState,
+    /// By how much the velocity of each particle of each slot changes, m/s.
+    pub(super) changes: &'a [[Vec4; LANES]],
+    pub(super) sums: &'a mut ForceSums,
+}
+
+impl Work for SumForces<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { mass, slots, state, changes, sums } = self;
+        let r = Rotation::<L>::load(&state.rotation).matrix();
+        let (mut velocity, mut momentum) = (zero::<L>(), zero::<L>());
+        for (slot, changes) in slots.iter().zip(changes) {
+            let (change, _) = Vector::of(L::run(changes, 0));
+            let gained = change * L::load(&slot.pull);
+            velocity += gained;
+            momentum += r.times(load(&slot.rest)).cross(gained);
+        }
+        store(velocity * L::load(&mass.inverse_mass), &mut sums.velocity);
+        store(momentum, &mut sums.momentum);
+    }
+}
+
+/// Takes eight through some substeps.
+pub(super) struct AdvanceStates<'a> {
+    pub(super) mass: &'a WideMass,
+    pub(super) state: &'a mut WideRigidState,
+    /// Acceleration of all, m/s².
+    pub(super) common: Vec3,
+    /// What forces do besides, for a single substep; losses are in it.
+    pub(super) sums: Option<&'a ForceSums>,
+    pub(super) h: f32,
+    /// Their swept bounds, and when each substep ends, seconds since the step began.
+    pub(super) wide_swept: &'a WideSweptBounds,
+    pub(super) times: &'a [f32],
+}
+
+impl Work for AdvanceStates<'_> {
+    /// A bit for each that has left its swept bounds.
+    type Output = u32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> u32 {
+        let Self { mass, state, common, sums, wide_swept, times, .. } = self;
+        let (inertia, inverse) =
+            (Symmetric::load(&mass.inertia), Symmetric::load(&mass.inverse_inertia));
+        let (a, h, half) = (Vector::<L>::splat(common), L::splat(self.h), L::splat(0.5));
+        let (mut centre, mut remainder) = (load::<L>(&state.centre), load::<L>(&state.remainder));
+        let (mut velocity, mut rounding) = (load::<L>(&state.velocity), load::<L>(&state.rounding));
+        let mut momentum = load::<L>(&state.momentum);
+        let mut rotation = Rotation::<L>::load(&state.rotation);
+        let mut lag = L::load(&state.lag);
+        let (mut start, mut turn) = ((centre, rotation), rotation.whole);
+        let mut left = 0;
+        for (number, &time) in times.iter().enumerate() {
+            let tau = (lag + h) * half;
+            lag = h;
+            let mut change = a * tau + rounding;
+            if let Some(sums) = sums {
+                change += load(&sums.velocity);
+                momentum += load(&sums.momentum);
+            } else {
+                let lost = L::load(&state.lost[number.min(1)]);
+                change -= velocity * lost;
+                momentum -= momentum * lost;
+            }
+            let next = velocity + change;
+            rounding = change - (next - velocity);
+            velocity = next;
+            start = (centre, rotation);
+            let step = velocity * h + remainder;
+            let there = centre + step;
+            remainder = step - (there - centre);
+            centre = there;
+            let own = rotation.matrix().transposed_times_vector(momentum) * h;
+            let (v, w) = turn_of(own, &inertia, &inverse);
+            rotation = rotation.further(v, w);
+            turn = [v.x, v.y, v.z, w];
+            left |= wide_swept.left::<L>(centre, rotation.whole, time);
+        }
+        store(centre, &mut state.centre);
+        store(remainder, &mut state.remainder);
+        store(velocity, &mut state.velocity);
+        store(rounding, &mut state.rounding);
+        store(momentum, &mut state.momentum);
+        rotation.store(&mut state.rotation);
+        store(start.0, &mut state.start_centre);
+        start.1.store(&mut state.start_rotation);
+        store_four(turn, &mut state.turn);
+        lag.store(&mut state.lag);
+        left & state.lanes
+    }
+}
+
+/// Writes the rows that contacts read: poses and velocities of eight.
+pub(super) struct ShowStates<'a> {
+    pub(super) mass: &'a WideMass,
+    pub(super) state: &'a WideRigidState,
+    pub(super) bodies: &'a mut Bodies,
+    pub(super) first: usize,
+    pub(super) h: f32,
+    /// With their velocities, where the substep began; otherwise as predicted.
+    pub(super) at_start: bool,
+    /// Their swept bounds, and the time since the step began, seconds.
+    pub(super) wide_swept: Option<(&'a WideSweptBounds, f32)>,
+}
+
+impl Work for ShowStates<'_> {
+    /// A bit for each that has left its swept bounds.
+    type Output = u32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> u32 {
+        let Self { mass, state, bodies, first, at_start, wide_swept, .. } = self;
+        let rotation = if at_start { &state.start_rotation } else { &state.rotation };
+        let rotation = load_four::<L>(&rotation.whole);
+        let inverse = Symmetric::load(&mass.inverse_inertia).turned(&Matrix::of(rotation));
+        let (velocity, momentum) = (load::<L>(&state.velocity), load::<L>(&state.momentum));
+        let (none, time) = (L::zero(), L::splat(if at_start { 1.0 } else { self.h }));
+        let fields = [
+            zero::<L>().with(L::load(&mass.inverse_mass)),
+            zero::<L>().with(none),
+            inverse.along.with(none),
+            inverse.across.with(none),
+            load::<L>(&state.start_centre).with(none),
+            (velocity * time).with(none),
+            inverse.times(momentum * time).with(none),
+            rotation,
+        ];
+        put(bodies, first, state.lanes, fields);
+        let centre = load::<L>(&state.centre);
+        wide_swept.map_or(0, |(swept, time)| swept.left::<L>(centre, rotation, time) & state.lanes)
+    }
+}
+
+/// Writes some of eight rows.
+#[inline(always)]
+fn put<L: Lanes>(bodies: &mut Bodies, first: usize, lanes: u32, fields: [[L; 4]; FIELDS]) {
+    let rows = from_row(first);
+    if lanes == 0xFF {
+        L::put_records(&mut bodies.rows, &rows, fields);
+        return;
+    }
+    let before: [Record; LANES] = core::array::from_fn(|lane| bodies.rows[first + lane]);
+    L::put_records(&mut bodies.rows, &rows, fields);
+    for (lane, before) in before.into_iter().enumerate().filter(|(lane, _)| lanes >> lane & 1 == 0)
+    {
+        bodies.rows[first + lane] = before;
+    }
+}
+
+/// Applies the pose deltas of contacts in a substep to eight.
+pub(super) struct CorrectStates<'a> {
+    pub(super) mass: &'a WideMass,
+    pub(super) state: &'a mut WideRigidState,
+    pub(super) bodies: &'a Bodies,
+    pub(super) first: usize,
+    pub(super) h: f32,
+}
+
+impl Work for CorrectStates<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { mass, state, bodies, first, .. } = self;
+        let [shift, turn, ..] = L::records::<FIELDS>(&bodies.rows, &from_row(first));
+        let (shift, turn) = (Vector::of(shift).0, Vector::of(turn).0);
+        let moved = L::zero().lt(shift.length_squared() + turn.length_squared());
+        if !moved.any() {
+            return;
+        }
+        let (inertia, inverse) =
+            (Symmetric::load(&mass.inertia), Symmetric::load(&mass.inverse_inertia));
+        let (h, per) = (L::splat(self.h), L::splat(1.0 / self.h));
+        let r = Rotation::<L>::load(&state.rotation).matrix();
+        let gained = r.times(inertia.times(r.transposed_times_vector(turn)));
+        let momentum = load::<L>(&state.momentum) + gained * per;
+        let start = Rotation::<L>::load(&state.start_rotation);
+        let own = start.matrix().transposed_times_vector(momentum) * h;
+        let (v, w) = turn_of(own, &inertia, &inverse);
+        let step = shift + load(&state.remainder);
+        let centre = load::<L>(&state.centre);
+        let there = centre + step;
+        store(load::<L>(&state.velocity) + shift * per, &mut state.velocity);
+        store(momentum, &mut state.momentum);
+        store(there, &mut state.centre);
+        store(step - (there - centre), &mut state.remainder);
+        start.further(v, w).store(&mut state.rotation);
+        store_four([v.x, v.y, v.z, w], &mut state.turn);
+    }
+}
+
+/// Gives eight the velocities that they bounced off with, of which contacts know where the substep began.
+pub(super) struct BounceStates<'a> {
+    pub(super) mass: &'a WideMass,
+    pub(super) state: &'a mut WideRigidState,
+    pub(super) bodies: &'a Bodies,
+    pub(super) first: usize,
+    pub(super) h: f32,
+    /// A bit for each that has new velocities, and for each of those that stays where it is.
+    pub(super) lanes: u32,
+    pub(super) stays: u32,
+}
+
+impl Work for BounceStates<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { mass, state, bodies, first, lanes, stays, .. } = self;
+        let lanes = L::mask(lanes & state.lanes);
+        let [shift, turn, ..] = L::records::<FIELDS>(&bodies.rows, &from_row(first));
+        let (shift, turn) = (Vector::of(shift).0, Vector::of(turn).0);
+        let inertia = Symmetric::load(&mass.inertia);
+        let r = Rotation::<L>::load(&state.start_rotation).matrix();
+        let gained = r.times(inertia.times(r.transposed_times_vector(turn)));
+        let (velocity, momentum) = (load::<L>(&state.velocity), load::<L>(&state.momentum));
+        let (faster, spun) = (velocity + shift, momentum + gained);
+        store(faster.or_else(lanes, velocity), &mut state.velocity);
+        store(spun.or_else(lanes, momentum), &mut state.momentum);
+        settle::<L>(mass, state, self.h, lanes, L::mask(stays));
+    }
+}
+
+/// Brings those up to date of which velocities have changed: with how they turned in the substep that ends, and where that took them, unless they stay.
+#[inline(always)]
+fn settle<L: Lanes>(mass: &WideMass, state: &mut WideRigidState, h: f32, lanes: L, stays: L) {
+    let (inertia, inverse) =
+        (Symmetric::load(&mass.inertia), Symmetric::load(&mass.inverse_inertia));
+    let (start, rotation) =
+        (Rotation::<L>::load(&state.start_rotation), Rotation::<L>::load(&state.rotation));
+    let momentum = load::<L>(&state.momentum) * L::splat(h);
+    // Backwards from where it stays, or forwards from where it was.
+    let back = -rotation.matrix().transposed_times_vector(momentum);
+    let forth = start.matrix().transposed_times_vector(momentum);
+    let (v, w) = turn_of(back.or_else(stays, forth), &inertia, &inverse);
+    let v = (-v).or_else(stays, v);
+    let goes = stays.select(L::zero(), lanes);
+    let centre = load::<L>(&state.centre);
+    let gone = load::<L>(&state.start_centre) + load::<L>(&state.velocity) * L::splat(h);
+    store(gone.or_else(goes, centre), &mut state.centre);
+    store(zero::<L>().or_else(goes, load(&state.remainder)), &mut state.remainder);
+    start.further(v, w).or_else(goes, rotation).store(&mut state.rotation);
+    let (turned, before) = ([v.x, v.y, v.z, w], load_four::<L>(&state.turn));
+    for i in 0..4 {
+        lanes.select(turned[i], before[i]).store(&mut state.turn[i]);
+    }
+}
+
+/// Settles those of eight that were pushed where they are.
+pub(super) struct PushStates<'a> {
+    pub(super) mass: &'a WideMass,
+    pub(super) state: &'a mut WideRigidState,
+    pub(super) h: f32,
+}
+
+impl Work for PushStates<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { mass, state, h } = self;
+        let lanes = L::mask(core::mem::take(&mut state.pushed));
+        settle::<L>(mass, state, h, lanes, lanes);
+    }
+}
+
+/// How eight bodies lie about their centres: a rotation, what is left of that, radians, and what is left of the centre, metres.
+struct Pose<L> {
+    r: Matrix<L>,
+    nudge: Vector<L>,
+    remainder: Vector<L>,
+}
+
+impl<L: Lanes> Pose<L> {
+    /// Where a particle of each is from the centre. A closure would not be compiled for the instructions at hand.
+    #[inline(always)]
+    fn arm(&self, rest: Vector<L>) -> Vector<L> {
+        let arm = self.r.times(rest);
+        arm + (self.nudge.cross(arm) + self.remainder)
+    }
+}
+
+/// Writes the particles of eight.
+pub(super) struct WriteStates<'a> {
+    pub(super) group: &'a BodyGroup,
+    pub(super) slots: &'a [Slot],
+    pub(super) state: &'a WideRigidState,
+    /// Positions, where the substep began, velocities, and what was rounded off those.
+    pub(super) columns: [&'a mut [Vec4]; 4],
+}
+
+impl Work for WriteStates<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { group, slots, state, columns: [position, start, velocity, rounding] } = self;
+        let lag = L::load(&state.lag);
+        let (turn, none, two) = (load_four::<L>(&state.turn), L::zero(), L::splat(2.0));
+        let v = Vector::new(turn[0], turn[1], turn[2]);
+        let (rotation, begun) =
+            (Rotation::<L>::load(&state.rotation), Rotation::<L>::load(&state.start_rotation));
+        let (r, nudge) = (rotation_of(rotation.whole), rotation.nudge());
+        let before = rotation_of(begun.whole);
+        // (1 - Δᵀ) r = 2 (w v × r - v × (v × r)).
+        let (square, along) = (v.length_squared(), v * turn[3]);
+        let back = Matrix {
+            x: Vector::new(square, along.z, -along.y) - v * v.x,
+            y: Vector::new(-along.z, square, along.x) - v * v.y,
+            z: Vector::new(along.y, -along.x, square) - v * v.z,
+        };
+        // Divided, not multiplied by what 1/h is rounded to: that would lose or gain the same in every step.
+        let per_second = |v: Vector<L>| {
+            let twice = v * two;
+            Vector::new(twice.x / lag, twice.y / lag, twice.z / lag)
+        };
+        let back = Matrix { x: per_second(back.x), y: per_second(back.y), z: per_second(back.z) };
+        let mut rates = r.times_matrix(&back);
+        let (centre, remainder) = (load::<L>(&state.centre), load::<L>(&state.remainder));
+        let (began, mean) = (load::<L>(&state.start_centre), load::<L>(&state.velocity));
+        let dropped = load::<L>(&state.rounding);
+        let inverse = Symmetric::load(&group.mass.inverse_inertia);
+        let pose = Pose { r, nudge, remainder };
+        // What all of that rounds of the momenta is given back: in a hundred steps it would else lose or gain the same a hundred times. What the
+        // velocities cannot hold of it is what `f32` drops of them.
+        let (mut more, mut faster) = (zero::<L>(), zero::<L>());
+        for _ in 0..2 {
+            rates = Matrix {
+                x: rates.x + more.cross(r.x),
+                y: rates.y + more.cross(r.y),
+                z: rates.z + more.cross(r.z),
+            };
+            let written = Moments::of(slots, centre, mean, |slot| {
+                let rest = load(&slot.rest);
+                (centre + pose.arm(rest), mean + rates.times(rest), zero())
+            });
+            let missing = r.transposed_times_vector(load::<L>(&state.momentum) - written.momentum);
+            more = r.times(inverse.times(missing));
+            faster = dropped - written.velocity * L::load(&group.mass.middle);
+        }
+        let whole = !group.scattered && state.lanes == 0xFF;
+        for slot in slots {
+            let (rest, w) = (load::<L>(&slot.rest), L::load(&slot.inverse_mass));
+            let arm = pose.arm(rest);
+            let fields = [
+                (centre + arm).with(w),
+                (began + before.times(rest)).with(w),
+                (mean + rates.times(rest)).with(lag),
+                (faster + more.cross(arm)).with(none),
+            ];
+            let columns = [&mut *position, &mut *start, &mut *velocity, &mut *rounding]
+                .into_iter()
+                .zip(fields);
+            for (column, field) in columns {
+                if whole {
+                    L::put_rows(column, &slot.rows, field);
+                    continue;
+                }
+                let mut eight = [Vec4::ZERO; LANES];
+                L::put_run(&mut eight, 0, field);
+                for (lane, own) in eight.into_iter().enumerate() {
+                    if state.lanes >> lane & 1 == 1 && slot.share[lane] > 0.0 {
+                        column[slot.rows[lane] as usize] = own;
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! Islands that move as one rigid state: when they are read, moved and written.
+
+use super::{Scratch, Simulation, Substep};
+use crate::collide::RigidStep;
+
+impl Simulation {
+    /// Reads those of this step.
+    pub(super) fn begin_rigid_states(&mut self) {
+        let Self { particles, bodies, boundaries, scratch, .. } = self;
+        let Scratch { plan, contacts, substep: Substep { length: h, .. }, .. } = scratch;
+        let step = RigidStep { bodies, pins: &boundaries.pins, h: *h };
+        contacts.begin_rigid_states(particles, plan, step);
+        self.scratch.unseen = false;
+        self.list_single_rows();
+    }
+
+    /// Lists the rows that do not follow from rigid states.
+    fn list_single_rows(&mut self) {
+        let Scratch { plan, single_rows, .. } = &mut self.scratch;
+        single_rows.clear();
+        let mut next = 0;
+        for island in plan.islands.iter().filter(|island| island.one_state) {
+            let members = &plan.members[island.members.clone()];
+            let first = members.first().map_or(next, |&first| first as usize);
+            if next < first {
+                single_rows.push(next..first);
+            }
+            next = first + members.len();
+        }
+        if next < self.particles.len() {
+            single_rows.push(next..self.particles.len());
+        }
+    }
+
+    /// Has those go on as particles that somebody else has moved.
+    pub(super) fn release_moved(&mut self) {
+        let Self { particles, scratch: Scratch { plan, contacts, .. }, .. } = self;
+        if contacts.has_rigid_states() && contacts.rigid_states().release_moved(particles, plan) {
+            self.list_single_rows();
+        }
+    }
+
+    /// Predicts them, before their particles are.
+    pub(super) fn predict_rigid_states(&mut self) {
+        let which = self.which_substep();
+        let Self { particles, scratch: Scratch { contacts, substep, .. }, .. } = self;
+        if contacts.has_rigid_states() {
+            contacts.rigid_states().predict_rigid_states(particles, substep.length, which);
+        }
+    }
+
+    /// Takes them through all substeps that remain, and says whether that went well: that nothing can have touched them.
+    pub(super) fn advance_idle_states(&mut self) -> bool {
+        let which = self.which_substep();
+        let Self { particles, scratch: Scratch { contacts, substep, .. }, .. } = self;
+        if contacts.has_rigid_states() {
+            contacts.rigid_states().advance_idle_states(particles, substep.length, which);
+            if !contacts.rigid_states().is_idle() {
+                // No particle has been written yet: they are what they were.
+                let unseen = self.scratch.unseen;
+                self.begin_rigid_states();
+                self.scratch.contacts.rigid_states().set_not_idle();
+                self.scratch.unseen = unseen;
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Writes their particles, unless nobody looks.
+    pub(super) fn write_rigid_states(&mut self) {
+        let Self { particles, scratch: Scratch { contacts, unseen, .. }, .. } = self;
+        if contacts.has_rigid_states() && !*unseen {
+            contacts.rigid_states().write_rigid_states(particles);
+        }
+    }
+
+    /// The number of the substep at hand, and how many there are in the step.
+    fn which_substep(&self) -> (u32, u32) {
+        let (remaining, all) = (self.scratch.substep.remaining, self.report.substeps);
+        (all.saturating_sub(remaining), all)
+    }
+}
