@@ -2,7 +2,10 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyParticles, BoxParticles, Inertia, Refusal, RigidIntegrator, SinewClock};
+use bevy_sinew::{
+    BodyParticles, BodyReport, BoxParticles, Inertia, Refusal, RigidIntegrator, SinewClock,
+    SinewSnapshot,
+};
 
 use crate::support::{bare_app, hash, heard, tick};
 
@@ -127,4 +130,88 @@ fn a_rigid_body_restored_from_its_components_goes_on_bit_for_bit() {
     }
     tick(&mut app, 60);
     assert_eq!(hash(&mut app), first);
+}
+
+/// A box that falls on another, which lies on the ground.
+fn falling_on(representation: Representation) -> (App, [Entity; 2]) {
+    let mut app = bare_app();
+    app.world_mut().spawn(Ground::default());
+    let size = Vec3::new(0.6, 0.4, 0.5);
+    let mut add = |y| {
+        let place = Transform::from_xyz(0.0, y, 0.0);
+        let body = (RigidBox::new(size), representation, place, BodyReport::default());
+        app.world_mut().spawn(body).id()
+    };
+    let bodies = [add(0.2), add(1.0)];
+    (app, bodies)
+}
+
+#[test]
+fn a_box_as_one_rigid_state_comes_to_rest_where_particles_do() {
+    let (mut rods, as_rods) = falling_on(Representation::Particles);
+    let (mut state, as_state) = falling_on(Representation::Auto);
+    let sweeps = |app: &App, body| app.world().get::<BodyReport>(body).unwrap().sweeps;
+    tick(&mut rods, 10);
+    tick(&mut state, 10);
+    assert!(sweeps(&rods, as_rods[1]) > 0, "rods are swept");
+    assert_eq!(sweeps(&state, as_state[1]), 0, "of a rigid state there is nothing to sweep");
+    tick(&mut rods, 230);
+    tick(&mut state, 230);
+    for (number, (a, b)) in as_rods.into_iter().zip(as_state).enumerate() {
+        let (a, b) = (rods.world().get::<Transform>(a), state.world().get::<Transform>(b));
+        let (a, b) = (a.unwrap(), b.unwrap());
+        let off = a.translation.distance(b.translation);
+        assert!(off < 1e-3, "box {number}: {off} m from {}", a.translation);
+        assert!((b.translation.y - 0.2 - 0.4 * number as f32).abs() < 2e-3, "{}", b.translation);
+        assert!(a.rotation.angle_between(b.rotation) < 2e-3, "box {number}: {}", b.rotation);
+    }
+}
+
+#[test]
+fn a_rigid_state_restored_from_a_snapshot_goes_on_bit_for_bit() {
+    let (mut app, _) = falling_on(Representation::Auto);
+    // In flight, at the impact, at rest.
+    for before in [5, 20, 100] {
+        tick(&mut app, before);
+        let saved = SinewSnapshot::capture(app.world());
+        let run = |app: &mut App| -> Vec<u64> {
+            let hash_after_a_tick = |_| {
+                tick(app, 1);
+                SinewSnapshot::capture(app.world()).hash()
+            };
+            (0..40).map(hash_after_a_tick).collect()
+        };
+        let first = run(&mut app);
+        saved.restore(app.world_mut()).unwrap();
+        assert_eq!(run(&mut app), first, "saved {before} ticks later");
+    }
+}
+
+#[test]
+fn a_change_to_one_rigid_state_and_back_is_taken_at_once() {
+    let (mut app, body) = tumbling(Representation::Particles);
+    app.world_mut().entity_mut(body).insert(BodyReport::default());
+    let sweeps = |app: &App| app.world().get::<BodyReport>(body).unwrap().sweeps;
+    tick(&mut app, 10);
+    let (_, _, momentum, turning) = whole(&app, body);
+    for (next, is_swept) in [
+        (Representation::Auto, false),
+        // As an explicit body it is a shape that is swept.
+        (RIGID, true),
+        (Representation::Auto, false),
+        (Representation::Particles, true),
+    ] {
+        app.world_mut().entity_mut(body).insert(next);
+        tick(&mut app, 10);
+        assert_eq!(sweeps(&app) > 0, is_swept, "{next:?}");
+        let (_, _, a, b) = whole(&app, body);
+        assert!((a - momentum).length() < 1e-4 * momentum.length(), "{next:?}: {a}");
+        assert!((b - turning).length() < 1e-3 * turning.length(), "{next:?}: {b}");
+    }
+    app.world_mut().entity_mut(body).insert(Representation::Auto);
+    tick(&mut app, 1);
+    assert_eq!(sweeps(&app), 0);
+    app.world_mut().entity_mut(body).remove::<Representation>();
+    tick(&mut app, 1);
+    assert!(sweeps(&app) > 0, "without the component it goes as particles");
 }

@@ -262,15 +262,14 @@ impl Default for GravityScale {
 
 /// How a rigid body moves: a body with a [`RigidPose`], such as a box. Change it at any time: position, rotation, momentum and angular momentum stay.
 ///
-/// The particles are the state either way. A rigid one is read off them when a tick begins, moved as position, rotation and two velocities,
-/// and written back; whatever pulls at one of its particles pulls at all. The distances and constraints inside it rest meanwhile.
+/// The particles are the state either way, current between any two phases.
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
 /// # fn spawn(mut commands: Commands) {
-/// // Moves as position, rotation and two velocities; its particles follow.
-/// commands.spawn((RigidBox::default(), Representation::Rigid(default())));
+/// // Moves as one rigid state while nothing ties it; its particles follow.
+/// commands.spawn((RigidBox::default(), Representation::Auto));
 /// # }
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -280,8 +279,23 @@ pub enum Representation {
     /// As particles that constraints hold together. The default.
     #[default]
     Particles,
-    /// As an explicit rigid body.
+    /// As one rigid state through the substeps of a tick while only its own rods hold its particles, which follow; as particles otherwise: while one
+    /// of them is pinned, attached or tied to something else, or asleep, or something in it can break ([`sinew::Representation::Auto`] has the whole list).
+    /// The motion is that of [`Particles`](Self::Particles) without solving the constraints, and costs a third to two thirds of it.
+    Auto,
+    /// As an explicit rigid body. It is read off its particles when a tick begins, moved as position, rotation and two velocities, and written back;
+    /// whatever pulls at one of its particles pulls at all. The distances and constraints inside it rest meanwhile.
     Rigid(RigidIntegrator),
+}
+
+impl Representation {
+    /// The solver's own representation of a body; explicit rigid bodies are compounds besides.
+    pub(crate) fn within_a_step(self) -> sinew::Representation {
+        match self {
+            Self::Auto => sinew::Representation::Auto,
+            Self::Particles | Self::Rigid(_) => sinew::Representation::Particles,
+        }
+    }
 }
 
 /// How an explicit rigid body steps through time. [`sinew::rigid`] compares them.

@@ -12,8 +12,8 @@ use super::changes::{ChangeTicks, census};
 use super::pins::sound;
 use crate::components::{
     BodyContacts, BodyParticles, CollisionLayers, ContactEvents, ContactShape, ContactsDisabled,
-    CreationOrder, GravityScale, Particle, ParticleOf, ParticleRow, Radius, ResolvedShape,
-    RestPlace, Sleep, SurfaceMaterial,
+    CreationOrder, GravityScale, Particle, ParticleOf, ParticleRow, Radius, Representation,
+    ResolvedShape, RestPlace, Sleep, SurfaceMaterial,
 };
 use crate::config::BodySolver;
 use crate::messages::{Refusal, Refused};
@@ -70,6 +70,7 @@ pub(crate) struct Bodies<'w, 's> {
             Option<Ref<'static, GravityScale>>,
             ToldRefs,
             Option<Ref<'static, ResolvedShape>>,
+            Option<Ref<'static, Representation>>,
         ),
     >,
     loose: Query<'w, 's, ToldRefs, Loose>,
@@ -78,7 +79,7 @@ pub(crate) struct Bodies<'w, 's> {
     events: Query<'w, 's, Ref<'static, ContactEvents>>,
     sleepers: Query<'w, 's, (), With<Sleep>>,
     disabled: Query<'w, 's, Ref<'static, ContactsDisabled>>,
-    counts: Local<'s, [usize; 12]>,
+    counts: Local<'s, [usize; 13]>,
 }
 
 impl Bodies<'_, '_> {
@@ -89,8 +90,11 @@ impl Bodies<'_, '_> {
 
     /// Whether one came, went or changed since the system that asks last ran.
     pub(crate) fn changed(&mut self) -> bool {
-        let (mut now, mut changed, mut with_itself) = ([0; 12], false, false);
-        for (members, solver, scale, (contacts, material, layers), resolved) in &self.all {
+        let (mut now, mut changed, mut with_itself) = ([0; 13], false, false);
+        for (members, solver, scale, told, resolved, representation) in &self.all {
+            let (contacts, material, layers) = told;
+            now[12] += usize::from(representation.is_some());
+            changed |= representation.is_some_and(|one| one.is_changed());
             now[0] += usize::from(solver.is_some());
             now[1] += usize::from(scale.is_some());
             now[2] += usize::from(contacts.is_some());
@@ -159,6 +163,7 @@ pub(crate) fn gather_bodies(
         &mut Rows<BodyParticles>,
         Option<&BodySolver>,
         Option<&GravityScale>,
+        Option<&Representation>,
         Told,
     )>,
     entities: Query<(Entity, Option<&CreationOrder>), Or<(With<BodyParticles>, Loose)>>,
@@ -182,10 +187,14 @@ pub(crate) fn gather_bodies(
     ordered.extend(entities.iter().map(|(entity, order)| (order.copied(), entity)));
     ordered.sort_unstable();
     for &(_, entity) in &*ordered {
-        if let Ok((members, mut rows, solver, scale, told)) = bodies.get_mut(entity) {
+        if let Ok((members, mut rows, solver, scale, representation, told)) = bodies.get_mut(entity)
+        {
             let rows = rows.resolve(tables, members.is_changed(), members.iter());
             let contacts = contacts(materials, &mut messages, entity, told);
-            let number = number(simulation, tables, entity, solver.copied(), contacts);
+            let own = solver.map_or(default(), |&solver| BodySettings::from(solver));
+            let representation = representation.copied().unwrap_or_default().within_a_step();
+            let own = BodySettings { representation, ..own };
+            let number = number(simulation, tables, entity, own, contacts);
             let scale = scale.map_or(1.0, |scale| scale.0);
             let reason = (!scale.is_finite()).then_some(Refusal::GravityScale);
             let sound = sound(scales, &mut messages, entity, reason);
@@ -205,7 +214,7 @@ pub(crate) fn gather_bodies(
             && let Some(row) = row.get().filter(|&row| row < simulation.particles.len())
         {
             let contacts = contacts(materials, &mut messages, entity, told);
-            let number = number(simulation, tables, entity, None, contacts);
+            let number = number(simulation, tables, entity, default(), contacts);
             simulation.particles.set_body(row, Some(number));
         }
     }
@@ -217,11 +226,11 @@ fn number(
     simulation: &mut sinew::Simulation,
     tables: &mut Tables,
     entity: Entity,
-    solver: Option<BodySolver>,
+    settings: BodySettings,
     contacts: sinew::BodyContacts,
 ) -> u32 {
     let number = simulation.bodies.len() as u32;
-    simulation.bodies.push(solver.map_or(default(), BodySettings::from));
+    simulation.bodies.push(settings);
     simulation.contacts.push(contacts);
     tables.bodies.push(entity);
     number
