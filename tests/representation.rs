@@ -135,7 +135,7 @@ fn a_rigid_body_restored_from_its_components_goes_on_bit_for_bit() {
 /// A box that falls on another, which lies on the ground.
 fn falling_on(representation: Representation) -> (App, [Entity; 2]) {
     let mut app = bare_app();
-    app.world_mut().spawn(Ground::default());
+    app.world_mut().spawn(Ground);
     let size = Vec3::new(0.6, 0.4, 0.5);
     let mut add = |y| {
         let place = Transform::from_xyz(0.0, y, 0.0);
