@@ -601,7 +601,7 @@ impl Work for CorrectStates<'_> {
             (Symmetric::load(&mass.inertia), Symmetric::load(&mass.inverse_inertia));
         let (h, per) = (L::splat(self.h), L::splat(1.0 / self.h));
         let r = Rotation::<L>::load(&state.rotation).matrix();
-        let gained = r.times(inertia.times(r.transposed_times_vector(turn)));
+        let gained = inertia.times_turned(&r, turn);
         let momentum = load::<L>(&state.momentum) + gained * per;
         let start = Rotation::<L>::load(&state.start_rotation);
         let own = start.matrix().transposed_times_vector(momentum) * h;
@@ -641,7 +641,7 @@ impl Work for BounceStates<'_> {
         let (shift, turn) = (Vector::of(shift).0, Vector::of(turn).0);
         let inertia = Symmetric::load(&mass.inertia);
         let r = Rotation::<L>::load(&state.start_rotation).matrix();
-        let gained = r.times(inertia.times(r.transposed_times_vector(turn)));
+        let gained = inertia.times_turned(&r, turn);
         let (velocity, momentum) = (load::<L>(&state.velocity), load::<L>(&state.momentum));
         let (faster, spun) = (velocity + shift, momentum + gained);
         store(faster.or_else(lanes, velocity), &mut state.velocity);

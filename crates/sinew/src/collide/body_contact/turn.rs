@@ -136,6 +136,12 @@ impl<L: Lanes> Symmetric<L> {
         )
     }
 
+    /// `R self Rᵀ v`: of an inertia in the axes of a body, the angular momentum of an angular velocity in the world.
+    #[inline(always)]
+    pub(super) fn times_turned(&self, r: &Matrix<L>, v: Vector<L>) -> Vector<L> {
+        r.times(self.times(r.transposed_times_vector(v)))
+    }
+
     /// `R self Rᵀ`.
     #[inline(always)]
     pub(super) fn turned(&self, r: &Matrix<L>) -> Self {
