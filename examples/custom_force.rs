@@ -33,7 +33,7 @@ fn thrust(
 ) {
     for (Rocket(thrust), pose) in &rockets {
         let rows: Vec<usize> =
-            rows.iter_many(&pose.particles).filter_map(|row| row.get()).collect();
+            pose.particles.iter().filter_map(|&p| rows.get(p).ok()?.get()).collect();
         let particles = world.particles();
         let tops = pose.rest.iter().zip(&rows).map(|(rest, &row)| particles.position(row) * rest.y);
         let axis = tops.sum::<Vec3>().normalize_or_zero();

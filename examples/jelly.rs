@@ -29,7 +29,7 @@ fn watch(
     mut exit: MessageWriter<AppExit>,
 ) {
     let Ok(members) = jellies.single() else { return };
-    let heights = || particles.iter_many(members.iter()).map(|p| p.position.y);
+    let heights = || members.iter().filter_map(|p| particles.get(p).ok()).map(|p| p.position.y);
     let low = heights().fold(f32::INFINITY, f32::min);
     let tall = heights().fold(f32::NEG_INFINITY, f32::max) - low;
     *least = Some(least.map_or(tall, |least| least.min(tall)));

@@ -10,6 +10,7 @@ use bevy_sinew::{
     SinewTick,
 };
 
+use crate::bevy_version::{OnAdd, OnInsert};
 use crate::support::{app, assert_finite, busy_scene, hash_of, heard, particles_of, tick};
 
 /// What is going to be despawned.
@@ -150,7 +151,7 @@ fn a_body_whose_observer_despawns_it_while_it_is_built_harms_nobody() {
     }
     check("on a particle", |app| {
         app.add_observer(
-            |put: On<Insert, ParticleOf>, of: Query<&ParticleOf>, mut commands: Commands| {
+            |put: OnInsert<ParticleOf>, of: Query<&ParticleOf>, mut commands: Commands| {
                 if let Ok(of) = of.get(put.entity) {
                     commands.entity(of.0).try_despawn();
                 }
@@ -159,7 +160,7 @@ fn a_body_whose_observer_despawns_it_while_it_is_built_harms_nobody() {
     });
     check("on a constraint", |app| {
         app.add_observer(
-            |put: On<Insert, ConstraintOf>, of: Query<&ConstraintOf>, mut commands: Commands| {
+            |put: OnInsert<ConstraintOf>, of: Query<&ConstraintOf>, mut commands: Commands| {
                 if let Ok(of) = of.get(put.entity) {
                     commands.entity(of.0).try_despawn();
                 }
@@ -168,17 +169,15 @@ fn a_body_whose_observer_despawns_it_while_it_is_built_harms_nobody() {
     });
     // Sooner: while it is being inserted, with everything else of its bundle.
     check("on a new particle", |app| {
-        app.add_observer(
-            |put: On<Add, Particle>, of: Query<&ParticleOf>, mut commands: Commands| {
-                if let Ok(of) = of.get(put.entity) {
-                    commands.entity(of.0).try_despawn();
-                }
-            },
-        );
+        app.add_observer(|put: OnAdd<Particle>, of: Query<&ParticleOf>, mut commands: Commands| {
+            if let Ok(of) = of.get(put.entity) {
+                commands.entity(of.0).try_despawn();
+            }
+        });
     });
     check("on a new constraint", |app| {
         app.add_observer(
-            |put: On<Add, DistanceConstraint>, of: Query<&ConstraintOf>, mut commands: Commands| {
+            |put: OnAdd<DistanceConstraint>, of: Query<&ConstraintOf>, mut commands: Commands| {
                 if let Ok(of) = of.get(put.entity) {
                     commands.entity(of.0).try_despawn();
                 }
@@ -186,12 +185,12 @@ fn a_body_whose_observer_despawns_it_while_it_is_built_harms_nobody() {
         );
     });
     check("on its surface", |app| {
-        app.add_observer(|put: On<Insert, bevy_sinew::WindSurface>, mut commands: Commands| {
+        app.add_observer(|put: OnInsert<bevy_sinew::WindSurface>, mut commands: Commands| {
             commands.entity(put.entity).try_despawn();
         });
     });
     check("on its mesh", |app| {
-        app.add_observer(|put: On<Insert, Mesh3d>, mut commands: Commands| {
+        app.add_observer(|put: OnInsert<Mesh3d>, mut commands: Commands| {
             commands.entity(put.entity).try_despawn();
         });
     });

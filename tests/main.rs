@@ -7,6 +7,7 @@
 //! | `breaking` | what breaks does so under the weight that physics says |
 //! | `phases` | the phases run in their order, substeps times a tick, and a game's own systems fit in between |
 //! | `state` | all state lives in components: clone them, put them back, and everything happens again, bit for bit |
+//! | `bevy_version` | what Bevy names differently from version to version |
 //! | `saved` | the whole state is captured and put back, in place and into a fresh app: all goes on bit for bit |
 //! | `files` | snapshots go to RON and to bytes and back; what is broken or foreign is refused |
 //! | `sync_test` | each frame rolled back and simulated again is the same, by snapshots |
@@ -59,6 +60,7 @@ mod attach;
 mod bad_commands;
 mod bad_input;
 mod bad_recipes;
+mod bevy_version;
 mod breaking;
 mod character;
 mod colliders;

@@ -12,11 +12,11 @@ use bevy::math::{DMat3, DVec3};
 use bevy::picking::PickingSystems;
 use bevy::picking::backend::ray::RayMap;
 use bevy::picking::backend::{HitData, PointerHits};
-use bevy::picking::events::{Pointer, Press};
 use bevy::picking::pointer::{PointerAction, PointerButton, PointerId, PointerInput};
 use bevy::prelude::*;
 use sinew::{ConstraintFault, ConstraintKind, Equation, Points, Softness};
 
+use crate::bevy_version::{OnPress, pointer};
 use crate::components::{
     BodyParticles, CreationOrder, Mass, Particle, ParticleConstraint, ParticleOf, ParticleRow,
     Pinned, RigidPose, WindSurface,
@@ -146,7 +146,7 @@ fn pick(
 /// Takes what a press is for, if it is one of ours. Another backend, such as that for meshes, may have told of the body before us: whoever did, it is for
 /// the body, a part of it, or what is drawn of either, and bubbles up from there.
 fn catch(
-    press: On<Pointer<Press>>,
+    press: OnPress,
     mut drag: ResMut<MouseDrag>,
     mut pointing: ResMut<Pointing>,
     parts: Query<&PartOf>,
@@ -157,7 +157,7 @@ fn catch(
     let target = press.entity;
     let body = parts.get(target).map_or(target, |of| of.0);
     let caught = pointing.under.iter().find(|caught| {
-        caught.pointer == press.pointer_id
+        caught.pointer == pointer(&press)
             && caught.camera == press.hit.camera
             && [target, body].contains(&caught.entity)
     });
@@ -373,7 +373,7 @@ impl Anchors<'_, '_> {
         let poses = parts.filter_map(|part| self.poses.get(part).ok());
         // Of several that share the particle, the one whose particles are nearest to the point.
         let near = |pose: &RigidPose| {
-            let places = self.weighed.iter_many(&pose.particles);
+            let places = pose.particles.iter().filter_map(|&own| self.weighed.get(own).ok());
             let (mut sum, mut count) = (Vec3::ZERO, 0.0_f32);
             places.for_each(|(own, _)| (sum, count) = (sum + own.position, count + 1.0));
             (sum / count.max(1.0)).distance_squared(point)

@@ -178,6 +178,7 @@
 //! | [`guide`] | how the method works and how to use it, chapter by chapter |
 //! | `attach` | what ties bodies to each other and to what a game moves: [`AttachTo`] |
 //! | `breaking` | constraints that break at a force or a strain: [`BreakAt`] |
+//! | `bevy_version` | what Bevy names differently from version to version |
 //! | `commands` | impulses, velocities, teleports and reversal of whole bodies |
 //! | `components` | what a game spawns, edits and reads: the state |
 //! | `recipes` | bodies that build themselves |
@@ -196,6 +197,7 @@
 
 mod attach;
 mod breaking;
+mod bevy_version;
 mod commands;
 mod components;
 mod config;

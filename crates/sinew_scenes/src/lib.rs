@@ -37,6 +37,7 @@
 //! | `rails` | coarse ropes across rails and each other, by particles and by segments |
 //! | `belt` | what lies on something that moves is carried; bounces |
 
+mod bevy_version;
 mod look;
 mod scenes;
 mod shapes;
@@ -49,6 +50,8 @@ use bevy::prelude::*;
 use bevy_sinew::{
     AirDrag, BodyPart, Electric, Gravity, PartOf, ParticleBody, SinewClock, SolverConfig,
 };
+
+use crate::bevy_version::OnAdd;
 
 /// What scenes need beside [`SinewPlugins`](bevy_sinew::SinewPlugins): the skin of ragdolls and whatever moves by a script of its own.
 ///
@@ -91,7 +94,7 @@ pub fn load(world: &mut World, scene: &Scene) {
 
 /// Gives each part of a ragdoll a skin, in the colour of the figure it belongs to.
 fn dress_part(
-    added: On<Add, BodyPart>,
+    added: OnAdd<BodyPart>,
     mut commands: Commands,
     parts: Query<(&BodyPart, &Name, &PartOf)>,
     bodies: Query<&Look, With<ParticleBody>>,

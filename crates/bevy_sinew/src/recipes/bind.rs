@@ -157,6 +157,7 @@ mod tests {
     use sinew::{Constraint, Distance, Equation, ParticleSeed, Points, Softness};
 
     use super::*;
+    use crate::bevy_version::OnAdd;
     use crate::components::{BodyConstraints, ParticleBody};
 
     #[derive(Debug)]
@@ -252,7 +253,7 @@ mod tests {
     fn it_stops_where_an_observer_despawned_the_body() {
         let mut world = World::new();
         let body = world.spawn(ParticleBody).id();
-        world.add_observer(move |_: On<Add, AreaConstraint>, mut commands: Commands| {
+        world.add_observer(move |_: OnAdd<AreaConstraint>, mut commands: Commands| {
             commands.entity(body).try_despawn();
         });
         let particles: Vec<Entity> = (0..4).map(|_| world.spawn_empty().id()).collect();

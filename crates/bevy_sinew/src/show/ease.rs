@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy_transform_interpolation::prelude::TransformInterpolation;
 use bevy_transform_interpolation::{RotationEasingState, TranslationEasingState};
 
+use crate::bevy_version::OnRemove;
 use crate::components::{Interpolate, Particle, RigidPose};
 use crate::recipes::{BodyParts, PartOf};
 use crate::schedule::SinewClock;
@@ -101,7 +102,7 @@ pub(crate) fn opt_in(
 
 /// Opts them out where [`Interpolate`] was taken away. (An observer, for a tick may be too late to be told of what went.)
 pub(crate) fn opt_out(
-    removed: On<Remove, Interpolate>,
+    removed: OnRemove<Interpolate>,
     mut commands: Commands,
     parts: Query<&BodyParts>,
     eased: Query<(), With<Interpolate>>,

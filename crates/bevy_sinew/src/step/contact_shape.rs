@@ -89,7 +89,7 @@ impl Parts<'_, '_> {
     fn longest_link(&self, body: Entity, constraints: &BodyConstraints) -> Option<f32> {
         let mut ends: Vec<Entity> = Vec::new();
         let mut longest = None::<f32>;
-        for rod in self.rods.iter_many(constraints.iter()) {
+        for rod in constraints.iter().filter_map(|rod| self.rods.get(rod).ok()) {
             let own = |end: Entity| self.owners.get(end).is_ok_and(|of| of.0 == body);
             if rod.bound == Bound::AtLeast || !own(rod.a) || !own(rod.b) {
                 continue;

@@ -6,6 +6,7 @@ use bevy::prelude::*;
 use sinew::{ParticleFault, ParticleSeed};
 
 use super::pins::sound;
+use crate::bevy_version::OnRemove;
 use crate::components::{BodyParticles, Charge, Drag, Mass, Particle, Radius};
 use crate::messages::{Refusal, Refused};
 
@@ -84,7 +85,7 @@ pub(crate) fn share_out(
 
 /// Takes from the particles of a body what was taken from it: its charge, its drag. (An observer, for a tick may be too late to be told of what went.)
 pub(crate) fn take_back<T: Component>(
-    removed: On<Remove, T>,
+    removed: OnRemove<T>,
     mut commands: Commands,
     bodies: Query<&BodyParticles>,
 ) {

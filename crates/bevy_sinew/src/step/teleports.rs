@@ -34,9 +34,10 @@ pub(crate) fn follow_teleports(
         if carry.is_none() {
             continue;
         }
-        let mut moved = particles.iter_many_mut(members.iter());
-        while let Some(mut particle) = moved.fetch_next() {
-            carry.take(&mut particle);
+        for member in members.iter() {
+            if let Ok(mut particle) = particles.get_mut(member) {
+                carry.take(&mut particle);
+            }
         }
         if let Some(mut sleep) = sleep {
             sleep.wake();

@@ -4,6 +4,7 @@ use bevy::ecs::entity::MapEntities;
 use bevy::prelude::*;
 use sinew::Impact;
 
+use crate::bevy_version::OnRemove;
 use crate::components::{
     Collider, ContactEnded, ContactEvents, ContactImpulse, ContactStarted, CreationOrder, Particle,
     ParticleBody, Touching,
@@ -20,7 +21,7 @@ pub(crate) struct Orphans(#[entities] Vec<Entity>);
 
 /// Notes it. (An observer, for a tick may be too late to be told of what went.)
 pub(crate) fn note_orphan(
-    removed: On<Remove, ChildOf>,
+    removed: OnRemove<ChildOf>,
     involved: Query<(), Or<(With<ParticleBody>, With<Collider>, With<Particle>)>>,
     mut orphans: ResMut<Orphans>,
 ) {

@@ -7,6 +7,7 @@ use bevy_sinew::{
 };
 
 use super::{Scene, mesh, post};
+use crate::bevy_version::OnAdd;
 use crate::{InScene, Look, ball};
 
 pub(super) const SCENE: Scene = Scene {
@@ -124,7 +125,7 @@ pub(crate) struct Lead {
 
 /// Ties what waits for a rope, once the rope is built.
 pub(crate) fn tie_ends(
-    built: On<Add, bevy_sinew::TubeMesh>,
+    built: OnAdd<bevy_sinew::TubeMesh>,
     mut commands: Commands,
     ropes: Query<&BodyParticles>,
     ties: Query<(Entity, &Tie)>,
