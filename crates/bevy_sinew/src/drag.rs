@@ -29,10 +29,29 @@ use crate::world::SinewWorld;
 
 /// Lets a pointer drag bodies and particles. It is not part of [`SinewPlugins`](crate::SinewPlugins): add it beside them. Inert in an app without picking
 /// (`DefaultPlugins` has it) or without a pointer, except for what a game does with [`MouseDrag`] itself.
+///
+/// ```no_run
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// use bevy_sinew::MouseDragPlugin;
+///
+/// App::new().add_plugins((DefaultPlugins, SinewPlugins, MouseDragPlugin)).run();
+/// ```
 #[derive(Default)]
 pub struct MouseDragPlugin;
 
 /// What is being dragged, and how. A game may set [`grabbed`](Self::grabbed) itself: a hand, a tractor beam.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::MouseDrag;
+/// # use bevy::picking::pointer::PointerButton;
+/// /// The right button drags, and gently.
+/// fn set_up(mut drag: ResMut<MouseDrag>) {
+///     drag.button = Some(PointerButton::Secondary);
+///     drag.frequency = 1.0;
+/// }
+/// ```
 #[derive(Resource, Clone, Debug)]
 pub struct MouseDrag {
     /// The button that grabs; `None` switches the pointer off. Default the primary one.

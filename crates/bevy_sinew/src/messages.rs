@@ -15,6 +15,18 @@ use crate::components::ColliderFault;
 /// Something was set aside, or put back. The rest of the simulation goes on as if it were not there.
 ///
 /// Sent once when it happens, and again only after it was mended and broke anew. It is logged as a warning as well.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::Refused;
+/// /// What is wrong with a level, where its author sees it.
+/// fn complain(mut refused: MessageReader<Refused>) {
+///     for refused in refused.read() {
+///         eprintln!("{} {}", refused.entity, refused.reason);
+///     }
+/// }
+/// ```
 #[derive(Message, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Clone, PartialEq)]
 pub struct Refused {

@@ -142,6 +142,17 @@ impl SinewControl {
 }
 
 /// Simulated time. Part of the state: save and restore it with the components.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::SinewClock;
+/// fn after_a_minute(clock: Res<SinewClock>, mut exit: MessageWriter<AppExit>) {
+///     if clock.seconds > 60.0 {
+///         exit.write(AppExit::Success);
+///     }
+/// }
+/// ```
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Resource, Default, Clone)]
 pub struct SinewClock {

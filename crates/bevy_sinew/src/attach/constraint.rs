@@ -10,6 +10,25 @@ use crate::components::{CreationOrder, ParticleConstraint, Softness};
 ///
 /// A point is `Σ wᵢ xᵢ` of some particles, the weights of which add up to 1 ([`affine_weights`](sinew::constraints::affine_weights) finds them): any point of a
 /// rigid body, in it or outside, the middle of a patch of cloth, or a single particle.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::AnchorConstraint;
+/// # fn example(mut commands: Commands) {
+/// // The middle of a rod hangs 1 m below a nail.
+/// let [a, b] = [-0.5, 0.5].map(|x| commands.spawn(Particle::at(Vec3::new(x, 0.0, 0.0))).id());
+/// commands.spawn(DistanceConstraint::new(a, b, 1.0));
+/// let nail = commands.spawn((Particle::at(Vec3::Y), Pinned::HERE)).id();
+/// commands.spawn(AnchorConstraint {
+///     particles: vec![a, b, nail],
+///     first: 2,
+///     weights: vec![0.5, 0.5, 1.0],
+///     rest: 1.0,
+///     ..default()
+/// });
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(CreationOrder)]

@@ -55,11 +55,34 @@ impl Default for Relax {
 
 /// Brings everything to rest at once: inserted as a resource, it acts in the next tick as [`Relax`] does on a body, before those, and is taken off.
 /// [`SinewCommandsExt::relax_world`] inserts it.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{Relax, RelaxWorld};
+/// # fn example(mut commands: Commands) {
+/// // A level begins with everything at rest.
+/// commands.relax_world();
+/// // The same in no more than so many steps.
+/// commands.insert_resource(RelaxWorld(Relax { max_steps: 200, ..default() }));
+/// # }
+/// ```
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
 pub struct RelaxWorld(pub Relax);
 
 /// How far a [`Relax`] or a [`RelaxWorld`] came: a message, and an event to be observed.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::RelaxFinished;
+/// fn ready(mut finished: MessageReader<RelaxFinished>) {
+///     for done in finished.read() {
+///         println!("{} after {} steps", if done.settled { "at rest" } else { "not yet" }, done.steps);
+///     }
+/// }
+/// ```
 #[derive(Message, Event, Reflect, Clone, Copy, Debug, PartialEq)]
 pub struct RelaxFinished {
     /// The body, part or particle; `None` for the whole world.

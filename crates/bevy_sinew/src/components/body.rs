@@ -33,6 +33,19 @@ pub struct ParticleBody;
 pub struct ParticleOf(#[entities] pub Entity);
 
 /// The particles of a body, in the order in which they joined it.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::BodyParticles;
+/// /// The lowest point of each cloth.
+/// fn lowest(cloths: Query<&BodyParticles, With<Cloth>>, particles: Query<&Particle>) {
+///     for members in &cloths {
+///         let heights = members.iter().filter_map(|p| particles.get(p).ok()).map(|p| p.position.y);
+///         println!("{} m", heights.fold(f32::INFINITY, f32::min));
+///     }
+/// }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default)]
 #[relationship_target(relationship = ParticleOf, linked_spawn)]
@@ -53,6 +66,20 @@ pub struct BodyConstraints(Vec<Entity>);
 /// Drives this entity's `Transform` with particles: after each tick it is the rotation and translation that best map `rest` onto them.
 ///
 /// The best is in the sense of least mass-weighted squares ([`sinew::pose`]); the scale is left alone.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::RigidPose;
+/// # fn example(mut commands: Commands) {
+/// // Two particles at the ends of a rod carry a picture of it, which lies along x in its own frame.
+/// let ends = [Vec3::ZERO, Vec3::Y];
+/// let particles = ends.map(|at| commands.spawn(Particle::at(at)).id());
+/// commands.spawn(DistanceConstraint::new(particles[0], particles[1], 1.0));
+/// let rest = vec![Vec3::X * -0.5, Vec3::X * 0.5];
+/// commands.spawn((RigidPose { particles: particles.into(), rest }, Transform::default()));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default, Clone)]
 #[require(Transform, CreationOrder, Rows<RigidPose>)]
@@ -89,6 +116,18 @@ pub struct WindSurface {
 }
 
 /// Drives the vertices of this entity's `Mesh3d` with particles; normals follow.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::MeshFollow;
+/// # fn example(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
+/// // A triangle of three particles.
+/// let [a, b, c] = [Vec3::ZERO, Vec3::X, Vec3::Y];
+/// let vertices = [a, b, c].map(|at| commands.spawn(Particle::at(at)).id()).to_vec();
+/// commands.spawn((MeshFollow { vertices }, Mesh3d(meshes.add(Triangle3d::new(a, b, c)))));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default, Clone)]
 #[require(Transform, Rows<MeshFollow>)]
@@ -175,6 +214,18 @@ pub struct LinearVelocity(pub Vec3);
 ///
 /// Spawned with a body, or changed by a game, it sets the body's, as [`LinearVelocity`] does; inner motion that is no spin stays. About a line on which all
 /// particles lie there is no spin.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn example(mut commands: Commands) {
+/// // A top, and what reads how fast bodies turn.
+/// commands.spawn((RigidBox::new(Vec3::new(0.4, 0.1, 0.4)), AngularVelocity(Vec3::Y * 20.0)));
+/// fn fastest(bodies: Query<&AngularVelocity>) -> f32 {
+///     bodies.iter().map(|spin| spin.0.length()).fold(0.0, f32::max)
+/// }
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct AngularVelocity(pub Vec3);
@@ -211,6 +262,16 @@ pub struct WorldCenterOfMass {
 /// It is that of the particles as points, `Σ m (r² 1 - r rᵀ)`: for a box with particles at its corners three times the solid's, for an
 /// [equimomental](crate::BoxParticles::Equimomental) one the solid's. Pinned particles count as in [`WorldCenterOfMass`].
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::Inertia;
+/// /// How hard a body is to turn about the vertical through its centre, kg·m².
+/// fn about_y(inertia: &Inertia) -> f32 {
+///     inertia.0.y_axis.y
+/// }
+/// ```
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Inertia(pub Mat3);
 
@@ -223,6 +284,20 @@ impl Default for Inertia {
 
 /// How the last tick of this body went in the solver. Add it to a body to have it filled; bodies that constraints connect share theirs.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::BodyReport;
+/// # fn example(mut commands: Commands) {
+/// commands.spawn((Cloth::grid(2.0, 2.0, 20, 20), BodyReport::default()));
+/// fn watch(cloths: Query<&BodyReport, With<Cloth>>) {
+///     for report in &cloths {
+///         println!("stretched by {:.1} % at the worst", 100.0 * report.strain);
+///     }
+/// }
+/// # }
+/// ```
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct BodyReport {
     /// Sweeps, summed over the substeps.

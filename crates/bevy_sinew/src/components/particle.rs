@@ -118,6 +118,16 @@ fn leave(mut world: DeferredWorld, context: HookContext) {
 /// Mass in kilograms, positive. Default 1.
 ///
 /// On a body it is that of all its particles together, whatever its recipe says: they are scaled to it, when it comes or changes, and keep their shares.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn example(mut commands: Commands) {
+/// commands.spawn((Particle::at(Vec3::Y), Mass(0.2)));
+/// // A body of 40 kg, all of it together.
+/// commands.spawn((RigidBox::new(Vec3::ONE), Mass(40.0)));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, PartialOrd)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Mass(pub f32);
@@ -183,6 +193,16 @@ pub struct PinnedTo {
 /// Without it, 0.
 ///
 /// On a body it is that of each of its particles, whatever its recipe says.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn example(mut commands: Commands) {
+/// // A marble, and a thick rope.
+/// commands.spawn((Particle::at(Vec3::Y), Radius(0.01)));
+/// commands.spawn((Rope::between(Vec3::ZERO, Vec3::X * 3.0), Radius(0.05)));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Radius(pub f32);

@@ -46,6 +46,16 @@ pub struct BodyBuilt {
 ///
 /// It changes whenever the body is built anew, so that `Changed<BuiltBody>` says the same as [`BodyBuilt`] to a system, and it goes where the recipe asks
 /// for the impossible.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::BuiltBody;
+/// /// How many bodies are there by now.
+/// fn count(built: Query<(), With<BuiltBody>>) -> usize {
+///     built.iter().count()
+/// }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct BuiltBody {

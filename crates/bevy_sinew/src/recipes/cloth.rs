@@ -64,6 +64,16 @@ pub enum ClothShape {
 }
 
 /// Which particles of a cloth are held where they are, in the body's own frame.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn example(mut commands: Commands) {
+/// // A flag on its pole, and a towel on one nail.
+/// commands.spawn(Cloth::grid(1.5, 1.0, 24, 16).pinned(ClothPins::LeftEdge));
+/// commands.spawn(Cloth::grid(0.5, 1.0, 10, 20).pinned(ClothPins::Particles(vec![0])));
+/// # }
+/// ```
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 #[non_exhaustive]

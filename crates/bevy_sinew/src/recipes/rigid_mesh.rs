@@ -46,6 +46,16 @@ pub struct RigidMesh {
 }
 
 /// The shape of a [`RigidMesh`].
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn example(mut commands: Commands) {
+/// commands.spawn(RigidMesh { shape: RigidShape::Sphere { radius: 0.3 }, ..default() });
+/// // Whatever the mesh beside it shows.
+/// commands.spawn((RigidMesh::default(), Mesh3d::default(), Mass(3.0)));
+/// # }
+/// ```
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 #[non_exhaustive]

@@ -51,6 +51,16 @@ pub struct SoftBody {
 }
 
 /// The shape of a [`SoftBody`].
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::SoftShape;
+/// # fn example(mut commands: Commands) {
+/// let shape = SoftShape::Ball { radius: 0.4, cells: 6 };
+/// commands.spawn(SoftBody { shape, ..default() });
+/// # }
+/// ```
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 #[non_exhaustive]

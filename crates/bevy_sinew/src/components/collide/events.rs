@@ -32,12 +32,32 @@ pub enum ContactEvents {
 
 /// Whom it touches, as of the last tick: bodies, loose particles and colliders, each in the order of creation. Kept by the plugin on whatever has [`ContactEvents`]. Part of the state:
 /// save and restore it with the rest, or contacts that go on begin anew. Where it goes, because the entity does, its contacts end.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::Touching;
+/// /// Whether a player, who has [`ContactEvents`], stands on anything.
+/// fn on_something(touching: &Touching) -> bool {
+///     !touching.0.is_empty()
+/// }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[component(on_remove = end_all)]
 pub struct Touching(#[entities] pub Vec<Entity>);
 
 /// A contact that began in this tick, of an entity with [`ContactEvents`].
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn example(mut commands: Commands) {
+/// commands.spawn((RigidBox::new(Vec3::ONE), ContactEvents::Changes)).observe(
+///     |hit: On<ContactStarted>| println!("{} hits {} with {} N·s", hit.entity, hit.other, hit.impulse),
+/// );
+/// # }
+/// ```
 #[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Clone, PartialEq)]
 pub struct ContactStarted {
@@ -56,6 +76,16 @@ pub struct ContactStarted {
 }
 
 /// A contact that there is in this tick, the first one included, of an entity with [`ContactEvents::Every`].
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::ContactImpulse;
+/// /// The hardest press of this tick, N·s.
+/// fn hardest(mut impulses: MessageReader<ContactImpulse>, mut most: Local<f32>) {
+///     *most = impulses.read().map(|contact| contact.impulse).fold(0.0, f32::max);
+/// }
+/// ```
 #[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq)]
 pub struct ContactImpulse {
     /// Who asked.
@@ -75,6 +105,16 @@ pub struct ContactImpulse {
 
 /// A contact that was there in the last tick and is not any more, of an entity with [`ContactEvents`]. The other one may be gone, and so may be the
 /// entity. The contacts of a body end, too, when it is built anew in another size or gets another parent; those that it has all the same begin again.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// fn listen(mut ended: MessageReader<ContactEnded>) {
+///     for end in ended.read() {
+///         println!("{} lets go of {}", end.entity, end.other);
+///     }
+/// }
+/// ```
 #[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Clone, PartialEq)]
 pub struct ContactEnded {

@@ -9,6 +9,21 @@ use super::super::softness::Softness;
 use super::ParticleConstraint;
 
 /// Two triangles that share an edge do not bend: isometric bending, cheaper and calmer than an angle, but blind to the side of a fold.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::BendConstraint;
+/// use bevy_sinew::sinew::constraints::Bend;
+/// # fn example(mut commands: Commands) {
+/// // Two triangles on either side of an edge, which stay as flat as they are.
+/// let at = [Vec3::ZERO, Vec3::Z, Vec3::NEG_X, Vec3::X];
+/// let corners = at.map(|at| commands.spawn(Particle::at(at)).id());
+/// if let Some(flat) = Bend::of(at) {
+///     commands.spawn(BendConstraint::from_kind(corners, &flat));
+/// }
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]

@@ -72,6 +72,18 @@ impl ParticleConstraint for AreaConstraint {
 }
 
 /// The total area of many triangles stays as it is: one may grow while another shrinks.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::PatchConstraint;
+/// # fn example(mut commands: Commands) {
+/// // A square of two triangles, which may shear but keeps its area of 1 m².
+/// let at = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Z, Vec3::Z];
+/// let corners = at.map(|at| commands.spawn(Particle::at(at)).id());
+/// commands.spawn(PatchConstraint::new(corners, [[0, 1, 2], [0, 2, 3]], 1.0));
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]

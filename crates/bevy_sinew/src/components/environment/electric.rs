@@ -5,6 +5,18 @@ use bevy::prelude::*;
 use crate::components::CreationOrder;
 
 /// Coulomb's law for particles with a [`Charge`](crate::Charge), and a field that acts on all of them.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::{Charge, Electric};
+/// # fn example(mut commands: Commands) {
+/// // Charges of a game's own making, without nine powers of ten; softened, so that those of opposite sign may meet.
+/// commands.insert_resource(Electric { constant: 1.0, softening: 0.1, ..default() });
+/// commands.spawn((Particle::at(Vec3::ZERO), Charge(2.0), Pinned::HERE));
+/// commands.spawn((Particle::at(Vec3::X), Charge(-1.0)));
+/// # }
+/// ```
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone)]
 pub struct Electric {

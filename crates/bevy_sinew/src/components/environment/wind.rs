@@ -7,6 +7,15 @@ use crate::components::CreationOrder;
 /// Share of their velocity that all particles lose to the air per second, 0 to 1. Default 0.1.
 ///
 /// That is the lectures' drag: it knows neither size nor shape. What slows down by its silhouette is an [`AirFlow`].
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # fn example(mut commands: Commands) {
+/// // Nothing slows down by itself, as in space.
+/// commands.insert_resource(AirDrag(0.0));
+/// # }
+/// ```
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone)]
 pub struct AirDrag(pub f32);
