@@ -1,8 +1,8 @@
 //! A chain of iron links holds a bucket that is filled until one of its joints breaks.
 
 use bevy::prelude::*;
-use bevy_sinew::SinewClock;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{BodyAttachments, SinewClock};
 
 /// What each joint holds, N.
 const STRENGTH: f32 = 300.0;

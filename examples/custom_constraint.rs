@@ -5,6 +5,7 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::{ConstraintKind, Equation, Points};
 use bevy_sinew::{Charge, SinewClock};
+use bevy_sinew::{ParticleConstraint, RegisterParticleConstraint};
 
 /// Keeps a particle on a torus around the z axis: plain data, to add, change or despawn while the game runs.
 #[derive(Component, Clone)]

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{RigidPose, SinewClock};
+use bevy_sinew::{ParticleRow, PhaseSystems, RigidPose, SinewClock, SubstepSchedule};
 
 /// A thrust along the body's own y axis, N.
 #[derive(Component)]

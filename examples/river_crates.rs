@@ -1,8 +1,8 @@
 //! Crates in a river: a current takes those that float along, and a heavy one lies on the bed.
 
 use bevy::prelude::*;
-use bevy_sinew::SinewClock;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{Region, SinewClock};
 
 /// A crate, by its density in kg/m³.
 #[derive(Component)]

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{MoveAndSlideConfig, QueryFilter, SinewClock};
+use bevy_sinew::{MoveAndSlideConfig, QueryFilter, SinewClock, Weighs};
 
 /// Someone whom the game moves: how fast he falls, m/s, and for how many ticks he stood on a plank.
 #[derive(Component, Default)]

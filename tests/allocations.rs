@@ -6,7 +6,8 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    AirFlow, Attractor, Charge, ContactShape, Electric, ElectricField, RigidIntegrator, SinewClock,
+    AirFlow, Attractor, BodyContacts, Charge, ContactShape, ControlForce, Electric, ElectricField,
+    Representation, RigidIntegrator, SinewClock,
 };
 
 use crate::support::TICK;

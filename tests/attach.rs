@@ -4,8 +4,8 @@ use bevy::ecs::relationship::RelationshipTarget;
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    AnchorConstraint, AttachFault, Attached, AttachmentJoints, BodyConstraints, BodyParticles,
-    BodyParts, Bone, BuiltBody, Refusal, SinewClock,
+    AnchorConstraint, Articulated, AttachFault, Attached, AttachmentJoints, BodyConstraints,
+    BodyParticles, BodyParts, Bone, BuiltBody, Refusal, RopeEnd, SinewClock,
 };
 
 use crate::support::{app, assert_finite, forget, heard, particles_of, position, tick};

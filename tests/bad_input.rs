@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::{DistanceFault, ParticleFault, SpringFault};
 use bevy_sinew::{Charge, Drag, Refusal, Refused, SinewClock};
+use bevy_sinew::{ParticleRow, PhaseSystems, SubstepSchedule};
 
 use crate::support::{app, assert_finite, busy_scene, forget, hash_of, heard, tick};
 

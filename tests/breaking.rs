@@ -3,7 +3,9 @@
 use bevy::ecs::relationship::RelationshipTarget;
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{AnchorConstraint, Attached, BodyConstraints, BodyParticles};
+use bevy_sinew::{
+    AnchorConstraint, Attached, AttachmentOf, BodyConstraints, BodyParticles, RopeEnd,
+};
 
 use crate::support::{app, hash, heard, particles_of, position, tick};
 

@@ -4,7 +4,7 @@ use core::time::Duration;
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{MoveAndSlideConfig, MoveAndSlideOutput, QueryFilter};
+use bevy_sinew::{ContactsDisabled, MoveAndSlideConfig, MoveAndSlideOutput, QueryFilter};
 
 use crate::support::{TICK, app, heard, tick};
 

@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::ContactParticipant;
+use bevy_sinew::{BodyContacts, ParticleRow};
 use bevy_sinew::{
     BodyParts, ColliderMotion, Combine, ContactShape, ParticleBody, Refusal, RestPlace,
 };

@@ -3,7 +3,7 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{ColliderFault, ColliderMotion, Refusal, SinewClock, SinewSnapshot};
+use bevy_sinew::{BodyContacts, ColliderFault, ColliderMotion, Refusal, SinewClock, SinewSnapshot};
 
 use crate::bad_input::refused;
 use crate::snapshot::{hashes, roll_back_in_every_tick};

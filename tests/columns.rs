@@ -1,9 +1,9 @@
 //! At the start of a tick the columns are what the components say, though a warm tick copies little.
 
 use bevy::prelude::*;
-use bevy_sinew::Drag;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{Charge, ParticleBody, ParticleOf};
+use bevy_sinew::{Drag, ParticleRow, PhaseSystems, SubstepSchedule};
 
 use crate::support::{bare_app, tick};
 

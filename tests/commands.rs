@@ -3,7 +3,7 @@
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyPart, BoxParticles, PendingEdits, RigidPose};
+use bevy_sinew::{BodyPart, BoxParticles, PendingEdits, RigidPose, WorldCenterOfMass};
 
 use crate::support::{app, bare_app, hash, hash_of, heard, mesh_of, particles_of, position, tick};
 

@@ -5,10 +5,10 @@ use core::time::Duration;
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy_sinew::Refusal;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::ConstraintFault;
 use bevy_sinew::sinew::constraints::{Area, Bend, Cone, Rigid, Tetrahedron, Volume};
+use bevy_sinew::{AngleConstraint, HingeConstraint, Refusal, VolumeConstraint};
 use bevy_sinew::{
     AreaConstraint, BendConstraint, CollinearConstraint, ConeConstraint, CoplanarConstraint,
     PatchConstraint, RigidConstraint, SizeCorrection, TetrahedronConstraint,

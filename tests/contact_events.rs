@@ -1,8 +1,8 @@
 //! What a game hears of contacts, what it may ask, and bodies that sleep.
 
 use bevy::prelude::*;
-use bevy_sinew::SinewWorld;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{BodyContacts, SinewWorld};
 use bevy_sinew::{ParticleOf, QueryFilter, Touching};
 
 use crate::support::{app, heard, tick};

@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::ContactParticipant;
+use bevy_sinew::{BodyContacts, ContactsDisabled, WorldCenterOfMass};
 use bevy_sinew::{BodyParts, ContactShape, QueryFilter};
 
 use crate::support::{app, hash, heard, particles_of, position, tick};

@@ -2,8 +2,8 @@
 //! again.
 
 use bevy::prelude::*;
-use bevy_sinew::SinewSnapshot;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{BodyContacts, SinewSnapshot};
 use bevy_sinew::{ContactCache, ContactShape};
 
 use crate::snapshot::{hashes, roll_back_in_every_tick};

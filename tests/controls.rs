@@ -2,7 +2,10 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BoxParticles, ConstraintOf, EditFault, Inertia, Refusal, SinewSnapshot};
+use bevy_sinew::{
+    BoxParticles, ConstraintOf, ContactsDisabled, ControlForce, EditFault, Inertia, Refusal,
+    Representation, SinewSnapshot, WorldCenterOfMass,
+};
 
 use crate::commands::{brick, space};
 use crate::snapshot::clear;

@@ -7,8 +7,8 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    AirFlow, BodyParticles, Bulk, GradientAt, GroundDrag, Integrator, Order, RigidIntegrator,
-    SinewClock, SinewPlugin, WindSurface,
+    AirFlow, BodyParticles, Bulk, GradientAt, GroundDrag, Integrator, Order, PhaseSystems,
+    Representation, RigidIntegrator, SinewClock, SinewPlugin, SubstepSchedule, WindSurface,
 };
 
 use crate::support::{

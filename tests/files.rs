@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::{ConstraintKind, Equation, Points};
 use bevy_sinew::{AnyConstraint, LoadFault, SaveFault, SinewClock, SinewSnapshot};
+use bevy_sinew::{ParticleConstraint, RegisterParticleConstraint};
 
 use crate::saved::{SCENES, future, game, played, whole};
 use crate::support::{busy_scene, heard, tick};

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyParts, Particle};
+use bevy_sinew::{BodyParts, Particle, SubstepSchedule, WorldCenterOfMass};
 
 use crate::support::{app, assert_finite, heard, particles_of, position, tick};
 

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
     AirFlow, Attractor, BoxParticles, Charge, Combine, Electric, ElectricField, Flatland,
-    GroundDrag, HullShape, Refusal, WindSurface,
+    GroundDrag, HullShape, Refusal, Region, WindSurface,
 };
 
 use crate::support::{bare_app, heard, particles_of, position, tick};

@@ -2,6 +2,7 @@
 //! go on from cloned components, bit for bit.
 
 use bevy::prelude::*;
+use bevy_sinew::Region;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::{HullFault, ParticleFault};
 use bevy_sinew::{

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{Combine, ContactImpulse, QueryFilter, Touching};
+use bevy_sinew::{Combine, ContactImpulse, ContactsDisabled, QueryFilter, Touching};
 
 use crate::support::{TICK, app, heard, tick};
 

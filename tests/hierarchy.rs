@@ -3,9 +3,9 @@
 use core::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use bevy::prelude::*;
-use bevy_sinew::Refusal;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{Attractor, Charge, ElectricField, Touching};
+use bevy_sinew::{Refusal, Region, WorldCenterOfMass};
 
 use crate::support::{app, forget, heard, particles_of, position, tick};
 

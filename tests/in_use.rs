@@ -6,8 +6,8 @@ use bevy::ecs::system::ScheduleSystem;
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    BodyConstraints, ConstraintOf, ParticleBody, ParticleOf, PinnedTo, SinewClock, SinewSystems,
-    SinewTick,
+    BodyConstraints, ConstraintOf, ParticleBody, ParticleOf, PhaseSystems, PinnedTo, SinewClock,
+    SinewSystems, SinewTick, SubstepSchedule,
 };
 
 use crate::bevy_version::{OnAdd, OnInsert};

@@ -2,7 +2,9 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{Charge, Drag, ExtractedVelocity, Inertia, Refusal, TickForces};
+use bevy_sinew::{
+    Charge, ContactsDisabled, ControlForce, Drag, ExtractedVelocity, Inertia, Refusal, TickForces,
+};
 
 use crate::support::{app, bits, hash, heard, particles_of, tick};
 

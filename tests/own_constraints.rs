@@ -9,6 +9,10 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::constraints::Cone;
 use bevy_sinew::sinew::{ConstraintFault, ConstraintKind, Equation, Points};
 use bevy_sinew::{
+    AngleConstraint, HingeConstraint, ParticleConstraint, RegisterParticleConstraint,
+    VolumeConstraint,
+};
+use bevy_sinew::{
     AnyConstraint, AreaConstraint, BendConstraint, CollinearConstraint, ConeConstraint,
     CoplanarConstraint, CreationOrder, PatchConstraint, Refusal, RigidConstraint, SinewSnapshot,
     SizeCorrection, TetrahedronConstraint,

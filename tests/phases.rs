@@ -4,7 +4,10 @@ use bevy::ecs::schedule::ScheduleConfigs;
 use bevy::ecs::system::ScheduleSystem;
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{Charge, Electric, SinewClock, SinewSystems, SinewTick};
+use bevy_sinew::{
+    Charge, Electric, ParticleRow, PhaseSystems, SinewClock, SinewSystems, SinewTick,
+    SubstepSchedule,
+};
 
 use crate::support::{TICK, bare_app, position, tick};
 

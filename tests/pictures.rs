@@ -4,9 +4,9 @@ use core::time::Duration;
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy_sinew::MeshFollow;
 use bevy_sinew::SinewClock;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{ContactsDisabled, MeshFollow};
 
 use crate::support::{TICK, app, assert_finite, heard, mesh_of, particles_of, position, tick};
 

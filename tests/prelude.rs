@@ -1,4 +1,4 @@
-//! The prelude: it names nothing that Bevy's does, so both may be imported whole.
+//! The prelude: it is short, and names nothing that Bevy's does, so both may be imported whole.
 
 use core::any::type_name;
 
@@ -6,27 +6,97 @@ use bevy::prelude::*;
 use bevy_sinew::CollisionLayer;
 use bevy_sinew::prelude::*;
 
-/// A name that stands in both would be ambiguous here, and not compile.
+/// The names of some types, and where they come from. A name that stands in both preludes would be ambiguous here, and not compile.
+macro_rules! types {
+    ($($name:ident),* $(,)?) => {
+        [$((stringify!($name), type_name::<$name>())),*]
+    };
+}
+
+/// The traits of the prelude, of which no type name is asked: here they would be ambiguous, too.
+const TRAITS: [&str; 2] = ["BodyCommandsExt", "SinewCommandsExt"];
+fn traits<'a>(entity: EntityCommands<'a>, world: Commands<'a, 'a>)
+where
+    EntityCommands<'a>: BodyCommandsExt,
+    Commands<'a, 'a>: SinewCommandsExt,
+{
+    let _ = (entity, world);
+}
+
+/// What the source exports there, sorted.
+fn exported() -> Vec<&'static str> {
+    let source = include_str!("../crates/bevy_sinew/src/lib.rs");
+    let (_, prelude) = source.split_once("pub mod prelude {").expect("there is a prelude");
+    let code = prelude.lines().filter(|line| !line.trim_start().starts_with("//"));
+    let words = code.flat_map(|line| line.split(|c: char| !c.is_alphanumeric() && c != '_'));
+    let mut names: Vec<_> =
+        words.filter(|word| word.starts_with(|c: char| c.is_uppercase())).collect();
+    names.sort_unstable();
+    names
+}
+
 #[test]
-fn the_prelude_stands_beside_that_of_bevy() {
-    let names = [
-        type_name::<(SinewPlugins, SolverConfig, Gravity, AirDrag, Ground, BoundingBox)>(),
-        type_name::<(SinewControl, SinewWorld, Interpolate, Particle, Mass, Radius, Pinned)>(),
-        type_name::<(PinnedTo, GravityScale, ParticleRow, DistanceConstraint, Spring)>(),
-        type_name::<(AngleConstraint, HingeConstraint, VolumeConstraint, Softness)>(),
-        type_name::<(RigidBox, RigidMesh, RigidShape, Rope, Cloth, ClothPins, SoftBody)>(),
-        type_name::<(SoftShape, Articulated, Ragdoll, Representation, Wind, Fluid, Floats)>(),
-        type_name::<(Region, ControlForce, ExternalForce, ExternalImpulse, ExternalTorque)>(),
-        type_name::<(LinearVelocity, AngularVelocity, WorldCenterOfMass, PhaseSystems)>(),
-        type_name::<(SubstepSchedule, Collider, SurfaceMaterial, CollisionLayers, Sensor)>(),
-        type_name::<(BodyContacts, ContactsDisabled, ContactEvents, ContactStarted)>(),
-        type_name::<(Anchor, AttachTo, AttachmentOf, BodyAttachments, BodyBuilt, BreakAt)>(),
-        type_name::<(Broke, RopeEnd)>(),
-        type_name::<(ContactEnded, Sleep, Transform, Commands, Query<Entity>)>(),
+fn the_prelude_has_some_fifty_names_and_stands_beside_that_of_bevy() {
+    let types = types![
+        AirDrag,
+        AngularVelocity,
+        Anchor,
+        AttachTo,
+        BodyBuilt,
+        BoundingBox,
+        BreakAt,
+        Broke,
+        Cloth,
+        ClothPins,
+        Collider,
+        CollisionLayers,
+        ContactEnded,
+        ContactEvents,
+        ContactStarted,
+        DistanceConstraint,
+        ExternalForce,
+        ExternalImpulse,
+        ExternalTorque,
+        Floats,
+        Fluid,
+        Gravity,
+        GravityScale,
+        Ground,
+        Interpolate,
+        LinearVelocity,
+        Mass,
+        Particle,
+        Pinned,
+        PinnedTo,
+        Radius,
+        Ragdoll,
+        RigidBox,
+        RigidMesh,
+        RigidShape,
+        Rope,
+        Sensor,
+        SinewControl,
+        SinewPlugins,
+        SinewQuery,
+        SinewWorld,
+        Sleep,
+        SoftBody,
+        Softness,
+        SolverConfig,
+        Spring,
+        SurfaceMaterial,
+        Wind,
     ];
-    for name in names {
-        assert!(name.contains("bevy"), "{name}");
+    for (name, from) in types {
+        assert!(from.contains("sinew"), "{name} is {from}");
     }
+    let _ = traits;
+    let mut listed: Vec<_> = types.iter().map(|(name, _)| *name).chain(TRAITS).collect();
+    listed.sort_unstable();
+    assert_eq!(listed, exported(), "the list above is the prelude");
+    assert!((45..=52).contains(&listed.len()), "{} names", listed.len());
+    // Bevy's own are as they were.
+    assert!(type_name::<(Transform, Commands, Query<Entity>)>().contains("bevy_ecs"));
 }
 
 #[derive(CollisionLayer, Clone, Copy, Default)]

@@ -3,7 +3,8 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    BodyConstraints, BodyParts, BoxParticles, MeshFollow, RigidPose, TubeMesh, WindSurface,
+    BodyConstraints, BodyParts, BoxParticles, ContactsDisabled, MeshFollow, RigidPose, TubeMesh,
+    WindSurface, WorldCenterOfMass,
 };
 
 use crate::support::{app, assert_finite, heard, mesh_of, particles_of, position, tick, vertices};

@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    BodyConstraints, BodyParts, Bone, BoneJoint, Inertia, MeshFollow, Refusal, RigidParticles,
-    WindSurface,
+    Articulated, BodyConstraints, BodyParts, Bone, BoneJoint, ContactsDisabled, Inertia,
+    MeshFollow, Refusal, RigidParticles, SoftShape, WindSurface, WorldCenterOfMass,
 };
 
 use crate::support::{app, assert_finite, heard, mesh_of, particles_of, position, tick, vertices};

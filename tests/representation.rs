@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    BodyParticles, BodyReport, BoxParticles, Inertia, Refusal, RigidIntegrator, SinewClock,
-    SinewSnapshot,
+    BodyParticles, BodyReport, BoxParticles, Inertia, Refusal, Representation, RigidIntegrator,
+    SinewClock, SinewSnapshot, WorldCenterOfMass,
 };
 
 use crate::support::{bare_app, hash, heard, tick};

@@ -7,6 +7,9 @@ use bevy::time::TimeUpdateStrategy;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::{ConstraintKind, Equation, Points};
 use bevy_sinew::{
+    Articulated, ParticleConstraint, Region, RegisterParticleConstraint, Representation,
+};
+use bevy_sinew::{
     Attractor, BodyConstraints, Bone, BoneJoint, Charge, CreationOrder, RegisterState,
     RestoreFault, RigidIntegrator, RigidParticles, SinewClock, SinewSnapshot,
 };

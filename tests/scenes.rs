@@ -2,7 +2,9 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyParts, Bound, CreationOrder, SinewClock, WindSurface};
+use bevy_sinew::{
+    BodyParts, Bound, CreationOrder, Representation, SinewClock, WindSurface, WorldCenterOfMass,
+};
 use sinew_scenes::ScenesPlugin;
 
 use crate::support::{app_with, assert_finite, particles_of, position, tick};

@@ -3,7 +3,7 @@
 use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel};
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{SinewClock, SinewTick};
+use bevy_sinew::{PhaseSystems, SinewClock, SinewTick, SubstepSchedule};
 
 use crate::support::{app, bare_app, tick};
 

@@ -2,7 +2,9 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{Bound, ContactCache, ContactShape, ParticleBody, ParticleOf, Refusal, TubeMesh};
+use bevy_sinew::{
+    BodyContacts, Bound, ContactCache, ContactShape, ParticleBody, ParticleOf, Refusal, TubeMesh,
+};
 use sinew_scenes::ScenesPlugin;
 
 use crate::snapshot::roll_back_in_every_tick;

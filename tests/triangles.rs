@@ -2,8 +2,8 @@
 //! components.
 
 use bevy::prelude::*;
-use bevy_sinew::Refusal;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{BodyContacts, Refusal};
 use bevy_sinew::{ContactShape, ParticleBody};
 
 use crate::support::{app, heard, particles_of, position, tick};

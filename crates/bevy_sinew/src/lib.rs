@@ -101,6 +101,8 @@
 //! ```
 //! # use bevy::prelude::*;
 //! # use bevy_sinew::prelude::*;
+//! use bevy_sinew::{ParticleRow, PhaseSystems, SubstepSchedule};
+//!
 //! #[derive(Component)]
 //! struct Rocket;
 //!
@@ -125,19 +127,18 @@
 //!
 //! # Beside Avian
 //!
-//! Avian is a rigid-body engine; both may run in one app, each with its own bodies. Nine names of the two preludes are the same. An explicit import wins
+//! Avian is a rigid-body engine; both may run in one app, each with its own bodies. Eight names of the two preludes are the same. An explicit import wins
 //! over both globs, so one list settles it (`tests/beside-avian` compiles it):
 //!
 //! ```ignore
 //! use avian3d::prelude::*;
 //! use bevy_sinew::prelude::*;
 //! use avian3d::prelude::{
-//!     AngularVelocity, Collider, CollisionLayers, Gravity, GravityScale, LinearVelocity, Mass, Sensor, SubstepSchedule,
+//!     AngularVelocity, Collider, CollisionLayers, Gravity, GravityScale, LinearVelocity, Mass, Sensor,
 //! };
 //! use bevy_sinew::{
 //!     AngularVelocity as SinewAngularVelocity, Collider as SinewCollider, CollisionLayers as SinewLayers, Gravity as SinewGravity,
 //!     GravityScale as SinewGravityScale, LinearVelocity as SinewLinearVelocity, Mass as SinewMass, Sensor as SinewSensor,
-//!     SubstepSchedule as SinewSubsteps,
 //! };
 //! ```
 //!
@@ -177,8 +178,8 @@
 //! |---|---|
 //! | [`guide`] | how the method works and how to use it, chapter by chapter |
 //! | `attach` | what ties bodies to each other and to what a game moves: [`AttachTo`] |
-//! | `breaking` | constraints that break at a force or a strain: [`BreakAt`] |
 //! | `bevy_version` | what Bevy names differently from version to version |
+//! | `breaking` | constraints that break at a force or a strain: [`BreakAt`] |
 //! | `commands` | impulses, velocities, teleports and reversal of whole bodies |
 //! | `components` | what a game spawns, edits and reads: the state |
 //! | `recipes` | bodies that build themselves |
@@ -196,8 +197,8 @@
 //! Everything physical is in the crate [`sinew`], which knows no engine.
 
 mod attach;
-mod breaking;
 mod bevy_version;
+mod breaking;
 mod commands;
 mod components;
 mod config;
@@ -279,7 +280,8 @@ pub use step::RegisterParticleConstraint;
 pub use threads::{ComputePool, SinewWorkers};
 pub use world::{ParticlesMut, SinewWorld};
 
-/// What most games want in scope: some seventy names, none of which is in Bevy's prelude. Everything else is at the root of the crate.
+/// What a game's first day wants in scope: some fifty names, none of which is in Bevy's prelude. Everything else is at the root of the crate: other
+/// constraints than rods and springs, phases and constraints of a game's own, regions, what says otherwise than the defaults.
 ///
 /// Some of them are in Avian's prelude, too; the crate's [table](crate#beside-avian) says which.
 pub mod prelude {
@@ -290,30 +292,23 @@ pub mod prelude {
     };
     // Particles, and what holds them.
     pub use crate::{
-        AngleConstraint, DistanceConstraint, GravityScale, HingeConstraint, Mass, Particle,
-        ParticleConstraint, ParticleRow, Pinned, PinnedTo, Radius, RegisterParticleConstraint,
-        Softness, Spring, VolumeConstraint,
+        DistanceConstraint, GravityScale, Mass, Particle, Pinned, PinnedTo, Radius, Softness,
+        Spring,
     };
     // Bodies.
-    pub use crate::{
-        Articulated, Cloth, ClothPins, Ragdoll, Representation, RigidBox, RigidMesh, RigidShape,
-        Rope, SoftBody, SoftShape,
-    };
+    pub use crate::{Cloth, ClothPins, Ragdoll, RigidBox, RigidMesh, RigidShape, Rope, SoftBody};
     // Forces and motion.
     pub use crate::{
-        AngularVelocity, BodyCommandsExt, ControlForce, ExternalForce, ExternalImpulse,
-        ExternalTorque, Floats, Fluid, LinearVelocity, PhaseSystems, Region, SubstepSchedule, Wind,
-        WorldCenterOfMass,
+        AngularVelocity, BodyCommandsExt, ExternalForce, ExternalImpulse, ExternalTorque, Floats,
+        Fluid, LinearVelocity, Wind,
     };
     // Contacts.
     pub use crate::{
-        BodyContacts, Collider, CollisionLayers, ContactEnded, ContactEvents, ContactStarted,
-        ContactsDisabled, Sensor, Sleep, SurfaceMaterial,
+        Collider, CollisionLayers, ContactEnded, ContactEvents, ContactStarted, Sensor, Sleep,
+        SurfaceMaterial,
     };
     // Attachments.
-    pub use crate::{
-        Anchor, AttachTo, AttachmentOf, BodyAttachments, BodyBuilt, BreakAt, Broke, RopeEnd,
-    };
+    pub use crate::{Anchor, AttachTo, BodyBuilt, BreakAt, Broke};
     // Time and questions.
-    pub use crate::{Relax, SinewCommandsExt, SinewQuery, Weighs};
+    pub use crate::{SinewCommandsExt, SinewQuery};
 }

@@ -9,8 +9,7 @@
 // The lists as the crate docs have them.
 use avian3d::prelude::*;
 use avian3d::prelude::{
-    AngularVelocity, Collider, CollisionLayers, Gravity, GravityScale, LinearVelocity, Mass,
-    Sensor, SubstepSchedule,
+    AngularVelocity, Collider, CollisionLayers, Gravity, GravityScale, LinearVelocity, Mass, Sensor,
 };
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
@@ -18,7 +17,6 @@ use bevy_sinew::{
     AngularVelocity as SinewAngularVelocity, Collider as SinewCollider,
     CollisionLayers as SinewLayers, Gravity as SinewGravity, GravityScale as SinewGravityScale,
     LinearVelocity as SinewLinearVelocity, Mass as SinewMass, Sensor as SinewSensor,
-    SubstepSchedule as SinewSubsteps,
 };
 
 /// Every name of Sinew's prelude, and those that Avian has, too: a name that two globs bring is ambiguous where it is used.
@@ -32,17 +30,13 @@ mod names {
     pub fn ours() -> Vec<&'static str> {
         vec![
             of::<(SinewPlugins, SolverConfig, SinewGravity, AirDrag, Ground, BoundingBox)>(),
-            of::<(SinewControl, SinewWorld, Interpolate, Particle, SinewMass, Radius, Pinned)>(),
-            of::<(PinnedTo, SinewGravityScale, ParticleRow, DistanceConstraint, Spring)>(),
-            of::<(AngleConstraint, HingeConstraint, VolumeConstraint, Softness)>(),
-            of::<(RigidBox, RigidMesh, RigidShape, Rope, Cloth, ClothPins, SoftBody)>(),
-            of::<(SoftShape, Articulated, Ragdoll, Representation, Wind, Fluid, Floats)>(),
-            of::<(Region, ControlForce, ExternalForce, ExternalImpulse, ExternalTorque)>(),
-            of::<(SinewLinearVelocity, SinewAngularVelocity, WorldCenterOfMass, PhaseSystems)>(),
-            of::<(SinewSubsteps, SinewCollider, SurfaceMaterial, SinewLayers, SinewSensor)>(),
-            of::<(BodyContacts, ContactsDisabled, ContactEvents, ContactStarted, ContactEnded)>(),
-            of::<(Anchor, AttachTo, AttachmentOf, BodyAttachments, BodyBuilt, BreakAt)>(),
-            of::<(Broke, RopeEnd, Sleep, Relax, SinewQuery, Weighs)>(),
+            of::<(SinewControl, SinewWorld, SinewQuery, Interpolate, SinewGravityScale)>(),
+            of::<(Particle, SinewMass, Radius, Pinned, PinnedTo, DistanceConstraint, Spring)>(),
+            of::<(Softness, RigidBox, RigidMesh, RigidShape, Rope, Cloth, ClothPins, SoftBody)>(),
+            of::<(Ragdoll, Wind, Fluid, Floats, ExternalForce, ExternalImpulse, ExternalTorque)>(),
+            of::<(SinewLinearVelocity, SinewAngularVelocity, SinewCollider, SurfaceMaterial)>(),
+            of::<(SinewLayers, SinewSensor, ContactEvents, ContactStarted, ContactEnded, Sleep)>(),
+            of::<(Anchor, AttachTo, BodyBuilt, BreakAt, Broke)>(),
         ]
     }
 

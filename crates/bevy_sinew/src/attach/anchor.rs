@@ -9,6 +9,7 @@ use bevy::prelude::*;
 ///
 /// ```
 /// # use bevy::prelude::*;
+/// # use bevy_sinew::RopeEnd;
 /// # use bevy_sinew::prelude::*;
 /// # fn spawn(mut commands: Commands) {
 /// let post = commands.spawn(Transform::from_xyz(0.0, 2.0, 0.0)).id();

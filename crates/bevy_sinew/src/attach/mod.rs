@@ -116,6 +116,7 @@ impl AttachTo {
 ///
 /// ```
 /// # use bevy::prelude::*;
+/// # use bevy_sinew::{BodyAttachments, RopeEnd};
 /// # use bevy_sinew::prelude::*;
 /// # use bevy_sinew::BodyAttachments;
 /// # fn spawn(mut commands: Commands, left: Entity, right: Entity) {

@@ -18,8 +18,8 @@ use crate::world::SinewWorld;
 ///
 /// ```
 /// # use bevy::prelude::*;
-/// # use bevy_sinew::prelude::*;
 /// # use bevy_sinew::Relax;
+/// # use bevy_sinew::prelude::*;
 /// fn build(mut commands: Commands) {
 ///     // A rope that hangs still from the first frame on.
 ///     let rope = Rope { to: Vec3::X, slack: 0.5, pin_start: true, pin_end: true, ..default() };

@@ -241,6 +241,7 @@ pub struct ExtractedVelocity(pub Option<(Vec3, Vec3)>);
 ///
 /// ```
 /// # use bevy::prelude::*;
+/// # use bevy_sinew::WorldCenterOfMass;
 /// # use bevy_sinew::prelude::*;
 /// fn watch(bodies: Query<(&Name, &WorldCenterOfMass)>) {
 ///     for (name, centre) in &bodies {
@@ -261,7 +262,6 @@ pub struct WorldCenterOfMass {
 ///
 /// It is that of the particles as points, `Σ m (r² 1 - r rᵀ)`: for a box with particles at its corners three times the solid's, for an
 /// [equimomental](crate::BoxParticles::Equimomental) one the solid's. Pinned particles count as in [`WorldCenterOfMass`].
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -272,6 +272,7 @@ pub struct WorldCenterOfMass {
 ///     inertia.0.y_axis.y
 /// }
 /// ```
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Inertia(pub Mat3);
 
@@ -283,7 +284,6 @@ impl Default for Inertia {
 }
 
 /// How the last tick of this body went in the solver. Add it to a body to have it filled; bodies that constraints connect share theirs.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -298,6 +298,7 @@ impl Default for Inertia {
 /// }
 /// # }
 /// ```
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct BodyReport {
     /// Sweeps, summed over the substeps.
@@ -341,6 +342,7 @@ impl Default for GravityScale {
 ///
 /// ```
 /// # use bevy::prelude::*;
+/// # use bevy_sinew::Representation;
 /// # use bevy_sinew::prelude::*;
 /// # fn spawn(mut commands: Commands) {
 /// // Moves as one rigid state while nothing ties it; its particles follow.

@@ -12,6 +12,7 @@ use crate::rows::Rows;
 ///
 /// ```
 /// # use bevy::prelude::*;
+/// # use bevy_sinew::ControlForce;
 /// # use bevy_sinew::prelude::*;
 /// fn launch(mut commands: Commands) {
 ///     let rocket = commands.spawn(RigidBox::new(Vec3::new(0.3, 2.0, 0.3))).id();

@@ -16,6 +16,7 @@ use crate::step::frames::even_factor;
 ///
 /// ```
 /// # use bevy::prelude::*;
+/// # use bevy_sinew::Articulated;
 /// # use bevy_sinew::prelude::*;
 /// # use bevy_sinew::{Bone, BoneJoint};
 /// # fn spawn(mut commands: Commands) {

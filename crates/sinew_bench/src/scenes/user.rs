@@ -8,8 +8,8 @@ use core::time::Duration;
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy_sinew::BodyParticles;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{BodyContacts, BodyParticles, PhaseSystems, Region, SubstepSchedule};
 
 use crate::measure::{Effort, stretch_of, time};
 use crate::row::{Row, Stretch, Unit};

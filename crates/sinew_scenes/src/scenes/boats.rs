@@ -1,8 +1,8 @@
 //! Boxes that float by their own shape, in a pool whose water flows.
 
 use bevy::prelude::*;
-use bevy_sinew::BoxParticles;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{BoxParticles, Region};
 
 use super::{Scene, mesh};
 use crate::{InScene, Look, cylinder, rounded_box};

@@ -1,9 +1,9 @@
 //! One throw, three ways to compute it: bricks that spin about their middle axis, which no brick does for long.
 
 use bevy::prelude::*;
-use bevy_sinew::BoxParticles;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{BodySolver, GradientAt, RigidIntegrator};
+use bevy_sinew::{BoxParticles, Representation};
 
 use super::{Scene, mesh};
 use crate::{InScene, Look, ball, cylinder, rounded_box};

@@ -1,6 +1,7 @@
 //! Cloth that falls over a ball and over a table.
 
 use bevy::prelude::*;
+use bevy_sinew::BodyContacts;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};

@@ -1,8 +1,8 @@
 //! Sheets that sink through still air, each at the speed that its weight asks for, and one that a fan blows away.
 
 use bevy::prelude::*;
-use bevy_sinew::AirFlow;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{AirFlow, Region};
 
 use super::{Scene, mesh, post};
 use crate::{InScene, Look};

@@ -3,8 +3,8 @@
 use core::f32::consts::PI;
 
 use bevy::prelude::*;
-use bevy_sinew::TubeMesh;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{Articulated, TubeMesh};
 use bevy_sinew::{BodySolver, Bone, BoneJoint, GradientAt};
 
 use super::Scene;

@@ -1,8 +1,8 @@
 //! Marbles that fall into two coarse sheets, of which one collides by its triangles.
 
 use bevy::prelude::*;
-use bevy_sinew::ContactShape;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{BodyContacts, ContactShape};
 
 use super::{Scene, mesh, post};
 use crate::{InScene, Look};

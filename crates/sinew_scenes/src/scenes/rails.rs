@@ -1,8 +1,8 @@
 //! Coarse ropes that fall across a thin rail and across each other; one half of the scene collides by particles, the other by segments.
 
 use bevy::prelude::*;
-use bevy_sinew::TubeMesh;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{BodyContacts, TubeMesh};
 use bevy_sinew::{ConstraintOf, ContactShape, ParticleBody, ParticleOf};
 
 use super::{Scene, mesh, post};

@@ -1,8 +1,8 @@
 //! Boxes that turn from particles into rigid bodies and back while they fly, and a twin of each that does not.
 
 use bevy::prelude::*;
-use bevy_sinew::BoxParticles;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{BoxParticles, Representation};
 use bevy_sinew::{RigidIntegrator, SinewClock};
 
 use super::{Scene, mesh};

@@ -16,6 +16,7 @@ use bevy::prelude::*;
 ///
 /// ```
 /// # use bevy::prelude::*;
+/// # use bevy_sinew::BodyContacts;
 /// # use bevy_sinew::prelude::*;
 /// # fn spawn(mut commands: Commands) {
 /// // Folds onto itself.
@@ -43,6 +44,7 @@ pub struct BodyContacts {
 ///
 /// ```
 /// # use bevy::prelude::*;
+/// # use bevy_sinew::ContactsDisabled;
 /// # use bevy_sinew::prelude::*;
 /// fn open(mut commands: Commands, doors: Query<Entity, With<Collider>>) {
 ///     for door in &doors {

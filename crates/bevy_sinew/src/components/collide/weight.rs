@@ -11,8 +11,8 @@ use bevy::prelude::*;
 ///
 /// ```
 /// # use bevy::prelude::*;
-/// # use bevy_sinew::prelude::*;
 /// # use bevy_sinew::Weighs;
+/// # use bevy_sinew::prelude::*;
 /// fn spawn(mut commands: Commands) {
 ///     let player = (Collider::capsule(0.3, 1.2), Weighs::new(80.0));
 ///     commands.spawn((player, Transform::from_xyz(0.0, 0.91, 0.0)));

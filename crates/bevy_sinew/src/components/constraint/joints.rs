@@ -14,6 +14,7 @@ use super::ParticleConstraint;
 ///
 /// ```
 /// # use bevy::prelude::*;
+/// # use bevy_sinew::AngleConstraint;
 /// # use bevy_sinew::prelude::*;
 /// # fn spawn(mut commands: Commands) {
 /// let at = [Vec3::X, Vec3::ZERO, Vec3::Y];
@@ -80,6 +81,7 @@ impl ParticleConstraint for AngleConstraint {
 ///
 /// ```
 /// # use bevy::prelude::*;
+/// # use bevy_sinew::HingeConstraint;
 /// # use bevy_sinew::prelude::*;
 /// # let mut world = World::new();
 /// # let [hand, shoulder, pin, end] = [(); 4].map(|()| world.spawn_empty().id());

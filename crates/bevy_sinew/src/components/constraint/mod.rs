@@ -46,6 +46,7 @@ use sinew::{ConstraintFault, ConstraintKind};
 ///
 /// ```
 /// use bevy::prelude::*;
+/// use bevy_sinew::{ParticleConstraint, RegisterParticleConstraint};
 /// use bevy_sinew::prelude::*;
 /// use bevy_sinew::sinew::{Equation, ConstraintKind, Points};
 ///

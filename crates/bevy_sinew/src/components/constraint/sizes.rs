@@ -207,6 +207,7 @@ impl ParticleConstraint for TetrahedronConstraint {
 ///
 /// ```
 /// # use bevy::prelude::*;
+/// # use bevy_sinew::VolumeConstraint;
 /// # use bevy_sinew::prelude::*;
 /// # fn spawn(mut commands: Commands) {
 /// let at = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];

@@ -58,6 +58,7 @@ impl From<Electric> for sinew::Electric {
 ///
 /// ```
 /// # use bevy::prelude::*;
+/// # use bevy_sinew::Region;
 /// # use bevy_sinew::prelude::*;
 /// # use bevy_sinew::{ElectricField};
 /// # fn spawn(mut commands: Commands) {

@@ -11,6 +11,7 @@ use crate::step::frames::{Misplaced, even_factor};
 ///
 /// ```
 /// # use bevy::prelude::*;
+/// # use bevy_sinew::Region;
 /// # use bevy_sinew::prelude::*;
 /// # fn spawn(mut commands: Commands) {
 /// // A pool of 4 m by 4 m that is 2 m deep.

@@ -36,6 +36,7 @@ impl Default for AirDrag {
 ///
 /// ```
 /// # use bevy::prelude::*;
+/// # use bevy_sinew::Region;
 /// # use bevy_sinew::prelude::*;
 /// # fn spawn(mut commands: Commands) {
 /// // Everywhere, and a fan's besides.
