@@ -118,7 +118,6 @@ impl AttachTo {
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::{BodyAttachments, RopeEnd};
 /// # use bevy_sinew::prelude::*;
-/// # use bevy_sinew::BodyAttachments;
 /// # fn spawn(mut commands: Commands, left: Entity, right: Entity) {
 /// let first = AttachTo::new(left).part(Anchor::RopeEnd(RopeEnd::First));
 /// let last = AttachTo::new(right).part(Anchor::RopeEnd(RopeEnd::Last));
