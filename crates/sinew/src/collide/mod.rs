@@ -50,7 +50,7 @@ pub(crate) use filter::ContactFilter;
 pub(crate) use impact::Impacts;
 pub(crate) use manifold::{Broad, Scratch as ManifoldScratch, collide};
 pub(crate) use pairs::Pairs;
-pub(crate) use particle_contact::{NormalImpulse, NormalImpulses, ParticleContacts};
+pub(crate) use particle_contact::{BatchContacts, NormalImpulse, NormalImpulses, ParticleContacts};
 pub(crate) use shape::Kind as ShapeKind;
 pub(crate) use shape::{AtStart, Obstacle, SweepHit, Way};
 pub(crate) use stage::{Contacts, World};

@@ -194,6 +194,7 @@ impl IslandStep<'_> {
             position: self.position,
             origin: self.origin,
             radius: self.radius,
+            normal_impulses: self.normal_impulses.lend(),
             reports: self.reports,
             motion: BatchMotion::Step(WholeStep {
                 start: self.start,

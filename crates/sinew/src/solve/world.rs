@@ -257,7 +257,7 @@ impl Common<'_> {
 impl TaskSlice<'_> {
     /// The instance batches in it.
     fn instance_batches<'b>(&'b mut self, thread_scratch: &'b mut ThreadScratch) -> BatchSolve<'b> {
-        let Self { places, momentum_drift, .. } = self;
+        let Self { places, momentum_drift, normal_impulses, .. } = self;
         let Places { position, start, velocity, origin, radius, .. } = places;
         BatchSolve {
             common: self.common,
@@ -266,6 +266,7 @@ impl TaskSlice<'_> {
             motion: BatchMotion::Substep { start, velocity, momentum_drift },
             origin,
             radius,
+            normal_impulses: normal_impulses.lend(),
             reports: self.reports,
             thread_scratch,
         }

@@ -54,6 +54,15 @@ pub(crate) struct ParticleContacts {
     sort: broad_phase::CandidateSort,
 }
 
+/// What bodies in lanes may touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct BatchContacts<'a> {
+    /// All of them, side by side.
+    pub(crate) planes: &'a [Plane],
+    /// Whether there are surfaces besides, which each row touches by itself.
+    pub(crate) surfaces: bool,
+}
+
 /// A surface that a row may touch in this step.
 #[derive(Clone, Copy, Debug, Default)]
 struct SurfaceCandidate {
@@ -103,8 +112,8 @@ impl ParticleContacts {
         self.bounds.has_plane_constraint()
     }
 
-    /// The planes that these rows touch by themselves, if there is nothing else for them to touch. Those of solids touch none.
-    pub(crate) fn planes_alone(&self, rows: core::ops::Range<u32>) -> Option<&[Plane]> {
+    /// What these rows may touch by themselves, if bodies in lanes can be put out of it. Those of solids touch nothing.
+    pub(crate) fn of_batch(&self, rows: core::ops::Range<u32>) -> Option<BatchContacts<'_>> {
         // What is beyond the list is not of a solid.
         let listed = &self.solid[(rows.start as usize).min(self.solid.len())..];
         let listed = &listed[..rows.len().min(listed.len())];
@@ -112,10 +121,12 @@ impl ParticleContacts {
         if solid == 0 {
             let class = self.classes.of_all(rows)?;
             let surface = |number: usize| self.material(number, class).is_some();
-            let plain = !(0..self.surfaces.len()).any(surface);
-            return if plain { self.bounds.planes_alone(class) } else { None };
+            let surfaces = (0..self.surfaces.len()).any(surface);
+            let planes = self.bounds.planes_alone(class)?;
+            return Some(BatchContacts { planes, surfaces });
         }
-        (solid == rows.len() && !self.bounds.has_plane_constraint()).then_some(&[])
+        let nowhere = solid == rows.len() && !self.bounds.has_plane_constraint();
+        nowhere.then_some(BatchContacts { planes: &[], surfaces: false })
     }
 
     /// What becomes of the materials of a surface and of a class of bodies; `None` where it is no surface to those.
@@ -147,9 +158,7 @@ impl ParticleContacts {
             if let Some(bounds) = bounds {
                 worst = bounds.project(places, row);
             }
-            if !self.first.is_empty() {
-                worst = worst.max(self.leave(places, normal_impulses, row, substep));
-            }
+            worst = worst.max(self.leave(places, normal_impulses, row, substep));
         }
         worst.max(self.bounds.project_to_plane(places, row))
     }
@@ -205,8 +214,9 @@ impl ParticleContacts {
         self.solid.get(row as usize).is_some_and(|&solid| solid)
     }
 
-    /// Puts a row outside of the colliders near it.
-    fn leave(
+    /// Puts a row outside of the surfaces near it; returns how far out it was, metres.
+    #[inline]
+    pub(super) fn leave(
         &self,
         places: &mut Places,
         normal_impulses: &mut NormalImpulses,
@@ -214,6 +224,9 @@ impl ParticleContacts {
         substep: u32,
     ) -> f32 {
         let mut worst = 0.0_f32;
+        if self.first.is_empty() {
+            return worst;
+        }
         let began = substep as usize * self.surfaces.len();
         let i = places.at(row);
         let last_seen = self.last_seen[row as usize];

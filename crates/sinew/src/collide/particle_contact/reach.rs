@@ -73,6 +73,31 @@ impl ParticleContacts {
         }
     }
 
+    /// Those of the rows of an island that may touch something, while none has gone further than was looked; `None` where nobody looked.
+    pub(crate) fn touching(&self, number: usize) -> Option<&[u32]> {
+        self.reaches.get(number).map(|reach| &self.touching[reach.clone()])
+    }
+
+    /// Where each row was when it was looked for, from its origin, and the square of how far it may go from there, m².
+    pub(crate) fn last_seen(&self) -> &[glam::Vec4] {
+        &self.last_seen
+    }
+
+    /// Puts a row that touches surfaces by itself outside of those, as [`project_island`](Self::project_island) does; returns how far out it was,
+    /// metres.
+    pub(crate) fn project_row(
+        &self,
+        places: &mut Places,
+        normal_impulses: &mut NormalImpulses,
+        row: u32,
+        substep: u32,
+    ) -> f32 {
+        if self.is_solid(row) || places.position[places.at(row)].w == 0.0 {
+            return 0.0;
+        }
+        self.leave(places, normal_impulses, row, substep)
+    }
+
     /// Finds them, when the boxes of the islands and the candidates of the rows are known.
     pub(super) fn find_reaches(&mut self, particles: &Particles, plan: &Plan) {
         let Self { first, last_seen, reaches, touching, bounded, bounds, sort, .. } = self;

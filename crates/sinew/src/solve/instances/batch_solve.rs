@@ -7,7 +7,9 @@ use glam::{Vec3, Vec4};
 use super::lane_storage::{gather, scatter};
 use super::momentum_drift::{DeriveLanes, Take};
 use super::motion::PredictLanes;
+use super::surfaces::SurfaceContext;
 use super::{BatchContext, InstanceBatch, LaneCompaction, LaneStorage};
+use crate::collide::{BatchContacts, NormalImpulses};
 use crate::constraints::Plane;
 use crate::lanes::{LANES, with};
 use crate::particles::ground;
@@ -29,6 +31,7 @@ pub(crate) struct BatchSolve<'a> {
     pub(crate) motion: BatchMotion<'a>,
     pub(crate) origin: &'a [Vec3],
     pub(crate) radius: &'a [f32],
+    pub(crate) normal_impulses: NormalImpulses<'a>,
     pub(crate) reports: &'a mut [IslandReport],
     pub(crate) thread_scratch: &'a mut ThreadScratch,
 }
@@ -64,40 +67,42 @@ impl<'a> BatchSolve<'a> {
         let instance_batches = &plan.instance_batches.all[self.task.instance_batches.clone()];
         let mut lane_compaction = core::mem::take(&mut self.thread_scratch.lane_compaction);
         let (mut begin, mut found) =
-            (0, instance_batches.first().and_then(|first| self.planes(first)));
+            (0, instance_batches.first().and_then(|first| self.contacts(first)));
         while begin < instance_batches.len() {
-            let (first, planes) = (&instance_batches[begin], found);
+            let (first, contacts) = (&instance_batches[begin], found);
             // Where each has but one sweep nobody waits for anybody.
             let sweeps = plan.islands[first.islands.start].settings.max_sweeps;
             let limit = if sweeps > 1 { STORED_PARTICLES / first.members as usize } else { 1 };
             let mut end = begin + 1;
             while let Some(batch) = instance_batches.get(end) {
-                found = self.planes(batch);
-                if found != planes || end - begin >= limit || !self.has_same_topology(first, batch)
+                found = self.contacts(batch);
+                if found != contacts
+                    || end - begin >= limit
+                    || !self.has_same_topology(first, batch)
                 {
                     break;
                 }
                 end += 1;
             }
-            if let Some(planes) = planes {
+            if let Some(contacts) = contacts {
                 instance_batches[begin..end].iter().for_each(|batch| {
                     self.thread_scratch.remaining.leave(batch.islands.clone(), batch.rows());
                 });
-                self.solve_batches(&instance_batches[begin..end], planes, &mut lane_compaction);
+                self.solve_batches(&instance_batches[begin..end], contacts, &mut lane_compaction);
             }
             begin = end;
         }
         self.thread_scratch.lane_compaction = lane_compaction;
     }
 
-    /// The planes that an instance batch touches, if its bodies can go through this step together.
-    fn planes(&self, batch: &InstanceBatch) -> Option<&'a [Plane]> {
+    /// What an instance batch may touch, if its bodies can go through this step together.
+    fn contacts(&self, batch: &InstanceBatch) -> Option<BatchContacts<'a>> {
         let islands = &self.common.plan.islands[batch.islands.clone()];
         if islands.iter().any(|island| island.rigid || island.measured || island.is_left_alone()) {
             return None;
         }
         let settings = &islands[0].settings;
-        let planes = self.common.contacts.planes_alone(batch.rows())?;
+        let contacts = self.common.contacts.of_batch(batch.rows())?;
         let apart = || {
             let place = |row: u32| (row - self.task.rows.start) as usize;
             let rows = place(batch.rows().start)..place(batch.rows().end);
@@ -108,8 +113,8 @@ impl<'a> BatchSolve<'a> {
             && !settings.timed
             && islands.iter().all(|island| island.settings == *settings)
             // A body whose particles have more than one origin has more than one height above a plane.
-            && (planes.is_empty() || !apart());
-        ready.then_some(planes)
+            && (contacts.planes.is_empty() || !apart());
+        ready.then_some(contacts)
     }
 
     /// Whether two instance batches are of the same bodies, which are to be solved in the same way.
@@ -122,23 +127,30 @@ impl<'a> BatchSolve<'a> {
     fn solve_batches(
         &mut self,
         instance_batches: &[InstanceBatch],
-        planes: &[Plane],
+        BatchContacts { planes, surfaces }: BatchContacts,
         lane_compaction: &mut LaneCompaction,
     ) {
         let Common { plan, h, execution, .. } = self.common;
         let instructions = execution.instructions;
         let settings = &plan.islands[instance_batches[0].islands.start].settings;
-        let context = BatchContext {
+        let (begin, origin, radius) = (self.task.rows.start, self.origin, self.radius);
+        let velocity = match &self.motion {
+            BatchMotion::Substep { velocity, .. } => Some(*velocity),
+            BatchMotion::Step(_) => None,
+        };
+        let of_surfaces = SurfaceContext { common: self.common, begin, origin, radius, velocity };
+        let mut context = BatchContext {
             instance_batches: &plan.instance_batches,
             batch: &instance_batches[0],
             settings,
             planes,
+            surfaces: surfaces.then_some(of_surfaces),
             h,
             instructions,
         };
         lane_compaction.make_room(instance_batches.len());
         for (batch, storage) in instance_batches.iter().zip(lane_compaction.storages()) {
-            self.load(batch, planes, storage);
+            self.load(batch, (planes, surfaces), storage);
         }
         let substeps = if let BatchMotion::Step(whole) = &self.motion {
             whole.iteration_counts.len()
@@ -155,7 +167,7 @@ impl<'a> BatchSolve<'a> {
                     with(instructions, PredictLanes { storage, a: whole.common, h });
                 }
             }
-            lane_compaction.solve(&context);
+            lane_compaction.solve(&context, &mut self.normal_impulses);
             for (batch, storage) in instance_batches.iter().zip(lane_compaction.storages()) {
                 let from = batch.islands.start - self.task.islands.start;
                 let reports = &mut self.reports[from..from + batch.islands.len()];
@@ -164,7 +176,13 @@ impl<'a> BatchSolve<'a> {
                     whole.iteration_counts[substep].fetch_max(sweeps, Ordering::Relaxed);
                     let (free, keeps_angular) = (storage.left(), context.keeps_spin(storage));
                     with(instructions, DeriveLanes { storage, h, free, keeps_angular });
+                    if let Some(surfaces) = &context.surfaces {
+                        surfaces.bounce(storage, &mut self.normal_impulses);
+                    }
                 }
+            }
+            if let Some(surfaces) = &mut context.surfaces {
+                surfaces.common.substep += 1;
             }
         }
         for (batch, storage) in instance_batches.iter().zip(lane_compaction.storages()) {
@@ -173,12 +191,19 @@ impl<'a> BatchSolve<'a> {
     }
 
     /// Takes an instance batch into a lane storage.
-    fn load(&self, batch: &InstanceBatch, planes: &[Plane], storage: &mut LaneStorage) {
+    fn load(
+        &self,
+        batch: &InstanceBatch,
+        (planes, surfaces): (&[Plane], bool),
+        storage: &mut LaneStorage,
+    ) {
         let (begin, islands) = (self.task.rows.start, &self.common.plan.islands);
         let islands = &islands[batch.islands.clone()];
         self.note_heights(batch, planes, storage);
         // In the lanes that are left, too, the last body is what it is: they write the same as its own.
         let is_free = |lane: usize| islands[lane.min(islands.len() - 1)].free;
+        let number = |lane: usize| batch.islands.start + lane.min(islands.len() - 1);
+        storage.islands = core::array::from_fn(|lane| number(lane) as u32);
         storage.free = (0..LANES).fold(0, |free, lane| free | u32::from(is_free(lane)) << lane);
         let start = match &self.motion {
             BatchMotion::Substep { start, .. } => *start,
@@ -186,6 +211,11 @@ impl<'a> BatchSolve<'a> {
         };
         let instructions = self.common.execution.instructions;
         storage.load(batch, begin, self.position, start, instructions);
+        storage.last_seen.clear();
+        if surfaces {
+            let last_seen = self.common.contacts.last_seen();
+            gather(&mut storage.last_seen, batch, 0, last_seen, instructions);
+        }
         if let BatchMotion::Step(whole) = &self.motion {
             gather(&mut storage.velocity, batch, begin, whole.velocity, instructions);
             gather(&mut storage.rounding, batch, begin, whole.rounding, instructions);

@@ -6,6 +6,7 @@
 //! body has alone, whatever is beside it, so nothing depends on which bodies were compacted together.
 
 use super::{BatchContext, LaneStorage};
+use crate::collide::NormalImpulses;
 use crate::lanes::LANES;
 
 /// Lane storage of instance batches that are solved together. Scratch.
@@ -43,16 +44,19 @@ impl LaneCompaction {
     }
 
     /// Solves all lane storages, which have been predicted.
-    pub(super) fn solve(&mut self, context: &BatchContext) {
+    pub(super) fn solve(&mut self, context: &BatchContext, normal_impulses: &mut NormalImpulses) {
         for storage in self.storages() {
             context.begin(storage);
         }
         self.compacted.clear_as(&self.storages[0]);
         let mut turn = 0;
         while let Some((storage, may_leave)) = self.take_turn(turn) {
+            // Who touches surfaces by rows of his own stays: what is known of those is known of his own lanes.
+            let may_leave =
+                may_leave && !context.surfaces.is_some_and(|surfaces| surfaces.touches(storage));
             // While others wait for a lane, as soon as one is free is soon enough.
             let few = if may_leave { LANES as u32 - 1 } else { 0 };
-            context.sweep(storage, few);
+            context.sweep(storage, normal_impulses, few);
             turn += 1;
         }
     }

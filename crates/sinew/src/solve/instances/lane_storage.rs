@@ -28,6 +28,10 @@ pub(crate) struct LaneStorage {
     pub(super) mass: Vec<[f64; LANES]>,
     /// Multipliers of soft constraints.
     pub(crate) multipliers: Vec<[f32; LANES]>,
+    /// Where each was when it was looked for what it may touch, and the square of how far it may go from there, m²; empty where there are no surfaces.
+    pub(super) last_seen: Vec<LaneParticles>,
+    /// The numbers of the bodies' islands.
+    pub(super) islands: [u32; LANES],
     /// How many bodies there are. The lanes that are left have the last one again.
     pub(super) bodies: usize,
     /// A bit for each body to which nothing outside gives momentum.
@@ -131,14 +135,17 @@ impl LaneStorage {
         self.kept.resize(other.now.len(), LaneParticles::ZERO);
         self.radius.resize(other.radius.len(), [0.0; LANES]);
         self.ground.resize(other.ground.len(), [0.0; LANES]);
+        self.last_seen.resize(other.last_seen.len(), LaneParticles::ZERO);
         self.multipliers.resize(other.multipliers.len(), [0.0; LANES]);
     }
 
     /// Takes a body of another lane storage, with all that it is solved by.
     pub(super) fn admit(&mut self, lane: usize, other: &Self, from: usize) {
-        for (spot, other) in self.start.iter_mut().zip(&other.start) {
+        let starts = self.start.iter_mut().zip(&other.start);
+        for (spot, other) in starts.chain(self.last_seen.iter_mut().zip(&other.last_seen)) {
             spot.take(lane, other, from);
         }
+        self.islands[lane] = other.islands[from];
         let columns = self.radius.iter_mut().zip(&other.radius);
         for (column, other) in columns.chain(self.ground.iter_mut().zip(&other.ground)) {
             column[lane] = other[from];

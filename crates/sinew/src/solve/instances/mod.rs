@@ -13,7 +13,7 @@
 //! - `topology` finds them when a plan is compiled;
 //! - `lane_storage` is where their particles are meanwhile;
 //! - `solve` sweeps them until each holds, `rods` and the plan's [constraint batches](super::wide) are what it does, `planes` puts them out of
-//!   planes, `convergence` is how it goes;
+//!   planes, `surfaces` out of colliders, `convergence` is how it goes;
 //! - `lane_compaction` lets those that take longer than the others of their batch go on together;
 //! - `motion` predicts and derives, `momentum_drift` keeps round-off out of their momenta;
 //! - `batch_solve` does all that, batch by batch;
@@ -29,6 +29,7 @@ mod motion;
 mod planes;
 mod rods;
 mod solve;
+mod surfaces;
 #[cfg(test)]
 mod tests;
 mod topology;

@@ -1,7 +1,9 @@
 //! Eight bodies, swept until each holds or its sweeps are spent: as [`solve`](crate::solve::island) does with one.
 
 use super::planes::ProjectPlanes;
+use super::surfaces::SurfaceContext;
 use super::{ConvergenceMask, InstanceBatch, InstanceBatches, InstancePart, LaneStorage, rods};
+use crate::collide::NormalImpulses;
 use crate::constraints::{GradientAt, Plane, SubstepContext};
 use crate::lanes::{InstructionSet, LANES, with};
 use crate::solve::SolverSettings;
@@ -15,6 +17,8 @@ pub(super) struct BatchContext<'a> {
     pub(super) batch: &'a InstanceBatch,
     pub(super) settings: &'a SolverSettings,
     pub(super) planes: &'a [Plane],
+    /// `None` where there are none to touch.
+    pub(super) surfaces: Option<SurfaceContext<'a>>,
     /// Length of the substep, seconds.
     pub(super) h: f32,
     pub(super) instructions: InstructionSet,
@@ -55,7 +59,12 @@ impl BatchContext<'_> {
     }
 
     /// Sweeps until no more bodies than `few` go on.
-    pub(super) fn sweep(&self, storage: &mut LaneStorage, few: u32) {
+    pub(super) fn sweep(
+        &self,
+        storage: &mut LaneStorage,
+        normal_impulses: &mut NormalImpulses,
+        few: u32,
+    ) {
         let Self { settings, planes, .. } = *self;
         let most = settings.max_sweeps as f32;
         let (mut kept, mut over) = (0, 0);
@@ -66,12 +75,19 @@ impl BatchContext<'_> {
             }
             let mut worst = self.once(storage);
             let going = storage.convergence.going;
-            if !planes.is_empty() {
-                let depth = with(self.instructions, ProjectPlanes { planes, storage, going });
+            let mut put_out = |storage: &mut LaneStorage, depth: [f32; LANES]| {
                 storage.convergence.touched |= going & bits(depth, |depth| 0.0 < depth);
                 for (worst, depth) in worst.iter_mut().zip(depth) {
                     *worst = if *worst < depth { depth } else { *worst };
                 }
+            };
+            if !planes.is_empty() {
+                let depth = with(self.instructions, ProjectPlanes { planes, storage, going });
+                put_out(storage, depth);
+            }
+            if let Some(surfaces) = &self.surfaces {
+                let depth = surfaces.project(storage, normal_impulses, going);
+                put_out(storage, depth);
             }
             let convergence = &mut storage.convergence;
             let good = going & bits(worst, |worst| worst <= settings.tolerance);

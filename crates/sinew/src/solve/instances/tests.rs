@@ -5,11 +5,13 @@ use std::sync::Arc;
 use glam::{Quat, Vec3};
 
 use crate::constraints::{Angle, Bend};
-use crate::recipes::{Blueprint, BoxSpec, RagdollSpec, RopeSpec, box_3d, ragdoll, rope};
+use crate::recipes::{
+    Blueprint, BoxSpec, RagdollSpec, RopeSpec, SoftLatticeSpec, box_3d, ragdoll, rope, soft_lattice,
+};
 use crate::solve::Given;
 use crate::{
-    Bound, Constraint, ConstraintKind, Distance, InstructionSet, IslandReport, ParticleSeed, Plane,
-    Simulation, Softness, Workers,
+    Bound, Collider, Constraint, ConstraintKind, Distance, Frame, InstructionSet, IslandReport,
+    Material, ParticleSeed, Plane, Shape, Simulation, Softness, Workers,
 };
 
 /// What a body is built of, and what is done to body number so many of a row of them.
@@ -138,6 +140,69 @@ fn so_they_have_on_the_ground_between_walls_and_with_other_settings() {
         compare(build, 8, |world| {
             let sheet = Plane::new(Vec3::Y * 0.3, Vec3::Y).unwrap();
             world.boundaries.plane_constraint = Some(sheet);
+        });
+    }
+}
+
+fn jellies(world: &mut Simulation, number: usize) {
+    let spec = SoftLatticeSpec { radius: 0.05, ..Default::default() };
+    place(world, &soft_lattice(&spec).unwrap(), number);
+}
+
+/// A ball that some fall on, a ground of its own drag that all reach, a thin wall that comes along, and something that only watches.
+fn crowd(world: &mut Simulation) {
+    let fixed = |shape: Result<Shape, crate::ShapeFault>, at: Vec3| {
+        Collider::fixed(shape.unwrap(), Frame::at(at))
+    };
+    let ball = fixed(Shape::sphere(0.6), Vec3::new(3.5, 0.2, 0.3));
+    let rough =
+        Material { drag: crate::PlanarDrag { along: 0.2, across: 0.0 }, ..Default::default() };
+    let ground = fixed(Shape::cuboid(Vec3::new(60.0, 0.5, 60.0)), Vec3::ZERO);
+    let wall = fixed(Shape::cuboid(Vec3::new(0.02, 3.0, 8.0)), Vec3::new(6.0, 1.0, 0.0));
+    let from_here = Frame::at(Vec3::new(6.05, 1.0, 0.0));
+    let watched = fixed(Shape::sphere(1.0), Vec3::new(8.0, 0.5, 2.0));
+    world.colliders.extend([
+        ball.with_material(Material::default().with_restitution(0.8)),
+        ground.with_material(rough),
+        wall.moving_to(from_here),
+        Collider { sensor: true, ..watched },
+    ]);
+}
+
+#[test]
+fn so_they_have_among_colliders() {
+    for build in [boxes, ropes, strips, jellies] {
+        for count in [3, 9, 17] {
+            compare(build, count, crowd);
+        }
+        // Phase by phase, where what is taken off velocities is kept for later, or not.
+        compare(build, 9, |world| {
+            crowd(world);
+            world.forces.winds.push(crate::Wind::steady(Vec3::X * 3.0));
+            world.boundaries.planes.push(Plane::ground(0.3));
+        });
+    }
+}
+
+/// One particle of a body is far from where it belongs: rods fling others further than is foreseen, and through whatever is there.
+fn torn(world: &mut Simulation, number: usize, build: Build) {
+    let row = world.particles.len() + 1;
+    build(world, number);
+    let at = world.particles.position(row);
+    world.particles.set_position(row, at + Vec3::new(0.5, 2.5, 0.0));
+}
+
+#[test]
+fn so_they_have_where_they_are_flung_among_colliders() {
+    let builds: [Build; 3] = [
+        |world, number| torn(world, number, boxes),
+        |world, number| torn(world, number, ropes),
+        |world, number| torn(world, number, strips),
+    ];
+    for build in builds {
+        compare(build, 9, |world| {
+            crowd(world);
+            world.settings.max_sweeps = 12;
         });
     }
 }

@@ -1,0 +1,152 @@
+//! Surfaces against eight bodies: one row of one body after the other, as [`project_island`](crate::collide::ParticleContacts::project_island) has it.
+//!
+//! Planes hold everybody, and go side by side. What stands about in the world touches few rows of few bodies; those are taken out of the lanes, put on
+//! the right side by the same formulas as any other row, and put back. A body of which one has gone further than was foreseen has all of its rows tried.
+
+use core::ops::Range;
+
+use glam::{Vec3, Vec4};
+
+use super::LaneStorage;
+use super::lane_storage::LaneParticles;
+use crate::collide::NormalImpulses;
+use crate::lanes::{LANES, Lanes, Vector, Work, with};
+use crate::particles::Places;
+use crate::solve::island::Common;
+
+/// What putting rows outside of surfaces needs to know of them.
+#[derive(Clone, Copy)]
+pub(super) struct SurfaceContext<'a> {
+    pub(super) common: Common<'a>,
+    /// The first row of the columns.
+    pub(super) begin: u32,
+    pub(super) origin: &'a [Vec3],
+    pub(super) radius: &'a [f32],
+    /// That of the rows before the substep, m/s; `None` where it is in the lanes.
+    pub(super) velocity: Option<&'a [Vec4]>,
+}
+
+impl SurfaceContext<'_> {
+    /// Whether a row of a body in these lanes may touch something, if none goes further than was foreseen.
+    pub(super) fn touches(&self, storage: &LaneStorage) -> bool {
+        let touching = |&island: &u32| self.common.contacts.touching(island as usize);
+        storage.islands[..storage.bodies]
+            .iter()
+            .any(|island| touching(island).is_none_or(|rows| !rows.is_empty()))
+    }
+
+    /// Puts the rows of the bodies that are still `going` outside of all surfaces once, with friction; returns the deepest of each body, metres.
+    pub(super) fn project(
+        &self,
+        storage: &mut LaneStorage,
+        normal_impulses: &mut NormalImpulses,
+        going: u32,
+    ) -> [f32; LANES] {
+        let Common { contacts, substep, execution, .. } = self.common;
+        let strayed = with(execution.instructions, Strayed { storage });
+        let mut deepest = [0.0; LANES];
+        for lane in (0..storage.bodies).filter(|lane| going >> lane & 1 != 0) {
+            let own = self.rows(storage, lane);
+            let touching = contacts.touching(storage.islands[lane] as usize);
+            let touching = touching.filter(|_| strayed >> lane & 1 == 0);
+            let (first, count) = (own.start, touching.map_or(own.len(), <[u32]>::len));
+            let mut depth = 0.0_f32;
+            for n in 0..count {
+                let row = touching.map_or(first + n as u32, |touching| touching[n]);
+                let found = self.at_row(storage, (lane, row, first), |places| {
+                    contacts.project_row(places, normal_impulses, row, substep)
+                });
+                depth = depth.max(found);
+            }
+            // The last body is in the lanes that are left, too.
+            deepest[lane..self.end(storage, lane)].fill(depth);
+        }
+        deepest
+    }
+
+    /// Gives the rows that touched something the velocity that they bounce off with, when velocities in the lanes have been derived.
+    pub(super) fn bounce(&self, storage: &mut LaneStorage, normal_impulses: &mut NormalImpulses) {
+        let Common { contacts, h, gravity, .. } = self.common;
+        for lane in 0..storage.bodies {
+            let first = self.rows(storage, lane).start;
+            for &row in contacts.touching(storage.islands[lane] as usize).unwrap_or_default() {
+                self.at_row(storage, (lane, row, first), |places| {
+                    contacts.bounce(places, normal_impulses, row..row + 1, (h, gravity));
+                });
+            }
+        }
+    }
+
+    /// The rows of the body in a lane.
+    fn rows(&self, storage: &LaneStorage, lane: usize) -> Range<u32> {
+        let plan = self.common.plan;
+        let island = &plan.islands[storage.islands[lane] as usize];
+        let first = plan.members[island.members.start];
+        first..first + island.members.len() as u32
+    }
+
+    /// The first lane behind those that a body has.
+    fn end(&self, storage: &LaneStorage, lane: usize) -> usize {
+        if lane + 1 == storage.bodies { LANES } else { lane + 1 }
+    }
+
+    /// Does something with a row of the body in a lane, whose first row is another, and takes what becomes of its position and its velocity.
+    #[inline]
+    fn at_row<T>(
+        &self,
+        storage: &mut LaneStorage,
+        (lane, row, first): (usize, u32, u32),
+        work: impl FnOnce(&mut Places) -> T,
+    ) -> T {
+        let (member, place) = ((row - first) as usize, (row - self.begin) as usize);
+        let was = storage.now[member].lane(lane);
+        let mut now = [was];
+        let start = [storage.start[member].lane(lane)];
+        // Compacted lanes have no velocities, and nothing that asks for one.
+        let column = self.velocity.is_none().then(|| storage.velocity.get(member)).flatten();
+        let own = column.map(|column| column.lane(lane));
+        let outside = self.velocity.map(|column| column[place]);
+        let before = own.or(outside).unwrap_or_default();
+        let mut velocity = [before];
+        let mut places = Places {
+            first: row,
+            position: &mut now,
+            start: &start,
+            origin: &self.origin[place..=place],
+            radius: &self.radius[place..=place],
+            velocity: &mut velocity,
+        };
+        let out = work(&mut places);
+        let end = self.end(storage, lane);
+        let put = |column: &mut LaneParticles, to: Vec4| {
+            (lane..end).for_each(|lane| column.set_lane(lane, to.truncate()));
+        };
+        if now[0] != was {
+            put(&mut storage.now[member], now[0]);
+        }
+        if own.is_some() && velocity[0] != before {
+            put(&mut storage.velocity[member], velocity[0]);
+        }
+        out
+    }
+}
+
+/// A bit for each body of which a particle has gone further than was foreseen.
+struct Strayed<'a> {
+    storage: &'a LaneStorage,
+}
+
+impl Work for Strayed<'_> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> u32 {
+        let LaneStorage { now, last_seen, .. } = self.storage;
+        let mut strayed = L::zero();
+        for (now, seen) in now.iter().zip(last_seen) {
+            let (now, (seen, most)) = (Vector::of(now.load::<L>()).0, Vector::of(seen.load::<L>()));
+            strayed = strayed.or(most.lt((now - seen).length_squared()));
+        }
+        strayed.bits()
+    }
+}
