@@ -18,6 +18,9 @@ struct Arguments {
     /// Writes the rows as JSON, too: an array with an object for each.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Writes the rows as a table in Markdown, too: those of `docs/speed.md` and of the README.
+    #[arg(long, value_name = "FILE")]
+    markdown: Option<PathBuf>,
     /// Measures how the cost grows from 1k to 4M constraints, and draws it as a PNG.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -71,6 +74,9 @@ fn measure(arguments: &Arguments, effort: &Effort) -> Vec<Row> {
 fn write(arguments: &Arguments, effort: &Effort, rows: &[Row]) -> Result<(), String> {
     if let Some(path) = &arguments.json {
         save(path, &table::json(rows))?;
+    }
+    if let Some(path) = &arguments.markdown {
+        save(path, &table::markdown(rows))?;
     }
     if let Some(path) = &arguments.plot {
         growth::draw(effort, path)?;

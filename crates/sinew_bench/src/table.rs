@@ -1,4 +1,4 @@
-//! The page as text, and as JSON for programs.
+//! The page as text, as Markdown for documents, and as JSON for programs.
 
 use crate::row::{Row, Stretch, Unit};
 
@@ -38,6 +38,30 @@ pub fn table(rows: &[Row]) -> String {
     }
     for row in rows.iter().filter(|row| !row.note.is_empty()) {
         page += &format!("{:4} {}: {}\n", row.id, row.scene, row.note);
+    }
+    page
+}
+
+/// The rows as a table in Markdown, with their settings and without columns in which nothing stands.
+pub fn markdown(rows: &[Row]) -> String {
+    let heads = HEADS.map(|head| if head.is_empty() { "#" } else { head });
+    let heads = heads.into_iter().chain(["substeps × sweeps", "what else"]);
+    let mut lines: Vec<Vec<String>> = vec![heads.map(String::from).collect()];
+    lines.extend(rows.iter().map(|row| {
+        let swept = format!("{} × {}", row.substeps, row.sweeps);
+        let settings = if row.substeps == 0 { String::new() } else { swept };
+        cells(row).into_iter().chain([settings, row.note.clone()]).collect()
+    }));
+    let used =
+        |column: &usize| lines[1..].iter().any(|line| !matches!(line[*column].as_str(), "" | "–"));
+    let columns: Vec<usize> = (0..lines[0].len()).filter(used).collect();
+    let mut page = String::new();
+    for (number, line) in lines.iter().enumerate() {
+        let cells: Vec<&str> = columns.iter().map(|&column| line[column].as_str()).collect();
+        page += &format!("| {} |\n", cells.join(" | "));
+        if number == 0 {
+            page += &format!("|{}\n", "---|".repeat(columns.len()));
+        }
     }
     page
 }
@@ -167,6 +191,21 @@ mod tests {
         assert!(text.contains(r#""scene": "a \"cloth\"""#), "{text}");
         assert!(text.contains(r#""ours_ns": 2.000000e0"#) && text.contains(r#""peer_ns": null"#));
         assert!(text.contains(r#""max_stretch": null"#) && text.contains(r#""ratio": 1.000000e1"#));
+    }
+
+    #[test]
+    fn a_document_gets_the_columns_in_which_something_stands_and_the_settings() {
+        let rows = [row().sized(7, 10, 4), Row { naive: None, ..row().noted("it rests") }];
+        let page = markdown(&rows);
+        let lines: Vec<_> = page.lines().collect();
+        let heads = "| # | scene | unit | ours | naive | naive/ours | stretch, ours | substeps × sweeps | what else |";
+        assert_eq!(lines[0], heads);
+        assert_eq!(lines[1], "|---|---|---|---|---|---|---|---|---|");
+        let first =
+            "| P1 | a \"cloth\" | ns/projection | 2.00 | 20.0 | 10.0× | 0.81 / ∞ % | 10 × 4 |  |";
+        assert_eq!(lines[2], first);
+        assert!(lines[3].ends_with("| – | – | 0.81 / ∞ % |  | it rests |"), "{page}");
+        assert_eq!(lines.len(), 4);
     }
 
     #[test]

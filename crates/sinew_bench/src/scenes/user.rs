@@ -208,7 +208,7 @@ impl Quality {
 
     fn speed(&self) -> String {
         let mean = (self.squares / f64::from(self.looks.max(1))).sqrt();
-        format!("its particles move at {:.1} mm/s (RMS of the last two seconds)", 1e3 * mean)
+        format!("RMS speed {:.1} mm/s", 1e3 * mean)
     }
 }
 
