@@ -1,14 +1,17 @@
 //! Colliders hold what falls on them, carry it when they move, and let through what they should; bodies collide by their shape or by their particles.
 
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::ContactParticipant;
 use bevy_sinew::{BodyContacts, ParticleRow};
 use bevy_sinew::{
-    BodyParts, ColliderMotion, Combine, ContactShape, ParticleBody, Refusal, RestPlace,
+    BodyParts, ColliderFault, ColliderMotion, Combine, ContactShape, ParticleBody, Refusal,
+    RestPlace,
 };
 
-use crate::support::{app, assert_finite, heard, particles_of, position, tick};
+use crate::support::{app, assert_finite, heard, particles_of, position, tick, vertices};
 
 /// A floor with its surface at y = 0.
 fn floor() -> (Collider, Transform) {
@@ -380,4 +383,45 @@ fn a_part_whose_collider_is_none_for_what_moves_says_so_once_and_collides_by_its
         app.world_mut().despawn(body);
     }
     assert_eq!(heard(&app).len(), 2);
+}
+
+/// A square of 1 m in the plane y = 0.
+fn four_corners(topology: PrimitiveTopology, indices: Option<Indices>) -> Mesh {
+    let positions = vec![[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0]];
+    let mut mesh = Mesh::new(topology, RenderAssetUsages::default());
+    mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
+    if let Some(indices) = indices {
+        mesh.insert_indices(indices);
+    }
+    mesh
+}
+
+#[test]
+fn lists_and_strips_of_a_mesh_have_their_triangles_all_facing_one_way() {
+    let [list, strip] = [PrimitiveTopology::TriangleList, PrimitiveTopology::TriangleStrip];
+    let corners = four_corners(list, None);
+    let positions: Vec<Vec3> = vertices(&corners);
+    let of = |triangles: &[[u32; 3]]| Collider::mesh(positions.clone(), triangles.to_vec());
+    let expected = of(&[[0, 2, 1], [1, 2, 3]]);
+    assert!(expected.is_ok());
+    assert_ne!(expected, of(&[[0, 2, 1], [1, 3, 2]]), "a triangle turned round is another mesh");
+    let listed = four_corners(list, Some(Indices::U16(vec![0, 2, 1, 1, 2, 3])));
+    assert_eq!(Collider::from_mesh(&listed), expected);
+    let stripped = four_corners(strip, Some(Indices::U32(vec![0, 2, 1, 3, 3])));
+    assert_eq!(Collider::from_mesh(&stripped), expected);
+    let bare = four_corners(strip, None);
+    assert_eq!(Collider::from_mesh(&bare), of(&[[0, 1, 2], [2, 1, 3]]));
+}
+
+#[test]
+fn a_mesh_that_has_no_triangles_is_refused() {
+    for unreadable in [
+        four_corners(PrimitiveTopology::LineList, None),
+        four_corners(PrimitiveTopology::TriangleList, Some(Indices::U16(vec![0, 1]))),
+        Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default()),
+    ] {
+        assert_eq!(Collider::from_mesh(&unreadable), Err(ColliderFault::UnreadableMesh));
+    }
+    let missing = four_corners(PrimitiveTopology::TriangleList, Some(Indices::U16(vec![0, 1, 9])));
+    assert!(matches!(Collider::from_mesh(&missing), Err(ColliderFault::Shape(_))));
 }

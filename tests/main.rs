@@ -33,6 +33,8 @@
 //! | `commands` | impulses, velocities, teleports and reversal of bodies do what they say, or nothing |
 //! | `controls` | control forces accelerate what they act on |
 //! | `in_use` | what is despawned while it is in use, before and after every set |
+//! | `mouse` | what a pointer catches, how it is held, and what is left alone |
+//! | `internals` | pieces of the plugin that no game can see |
 //! | `recipes` | boxes, ropes, cloth and ragdolls build themselves, are built anew when changed, and are teleported |
 //! | `recipes_soft` | solids of any shape, soft bodies and articulated ones build themselves |
 //! | `representation` | a body swaps between particles and a rigid body in any tick, and nothing jumps |
@@ -82,9 +84,11 @@ mod gameplay;
 mod grounds;
 mod hierarchy;
 mod in_use;
+mod internals;
 mod message_order;
 mod models;
 mod motion;
+mod mouse;
 mod own_constraints;
 mod phases;
 mod pictures;

@@ -2,13 +2,15 @@
 
 use core::time::Duration;
 
+use bevy::mesh::Indices;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy_sinew::SinewClock;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{ContactsDisabled, MeshFollow};
+use bevy_sinew::{ContactsDisabled, MeshFollow, SinewClock, TubeMesh};
 
-use crate::support::{TICK, app, assert_finite, heard, mesh_of, particles_of, position, tick};
+use crate::support::{
+    TICK, app, assert_finite, heard, mesh_of, particles_of, position, tick, vertices,
+};
 
 /// The largest distance between a cloth's vertices, brought into the world, and the particles that they follow.
 fn mesh_error(app: &App, body: Entity) -> f32 {
@@ -96,6 +98,48 @@ fn the_tube_of_a_rope_keeps_its_radius_around_its_particles() {
         let away = (frame * place).distance(particles[vertex / 9]);
         assert!((away - 0.03).abs() < 1e-4, "{away}");
     }
+}
+
+/// The mesh of a tube around loose particles, where nothing moves them.
+fn tube(places: &[Vec3], radius: f32, sides: u32) -> Mesh {
+    let mut app = app();
+    app.insert_resource(Gravity(Vec3::ZERO));
+    let world = app.world_mut();
+    let particles = places.iter().map(|&at| world.spawn(Particle::at(at)).id()).collect();
+    let tube = world.spawn(TubeMesh { particles, radius, sides }).id();
+    tick(&mut app, 2);
+    let handle = &app.world().get::<Mesh3d>(tube).expect("it has a mesh").0;
+    app.world().resource::<Assets<Mesh>>().get(handle).expect("its mesh is there").clone()
+}
+
+#[test]
+fn a_tube_stays_at_its_radius_and_faces_outwards() {
+    let middle: Vec<Vec3> =
+        (0..20).map(|i| Vec3::new(i as f32 * 0.1, (i as f32 * 0.3).sin() * 0.2, 0.0)).collect();
+    let mesh = tube(&middle, 0.03, 8);
+    let positions = vertices(&mesh);
+    assert_eq!(positions.len(), 20 * 9);
+    for (i, position) in positions.iter().enumerate() {
+        let distance = position.distance(middle[i / 9]);
+        assert!((distance - 0.03).abs() < 1e-5);
+    }
+    let normals = mesh.attribute(Mesh::ATTRIBUTE_NORMAL).and_then(|list| list.as_float3()).unwrap();
+    let indices: Vec<usize> = mesh.indices().unwrap().iter().collect();
+    // The sides, without the caps at the ends.
+    assert!(indices.len() > 3 * 19 * 16);
+    for t in indices.chunks(3).take(19 * 16) {
+        let [a, b, c] = [t[0], t[1], t[2]].map(|i| positions[i]);
+        let outwards = Vec3::from(normals[t[0]]);
+        assert!((b - a).cross(c - a).dot(outwards) > 0.0);
+    }
+}
+
+#[test]
+fn points_on_top_of_each_other_leave_a_tube_finite_and_one_alone_has_none() {
+    let mesh = tube(&[Vec3::ZERO, Vec3::ZERO, Vec3::Y, Vec3::ZERO], 0.1, 5);
+    assert_eq!(vertices(&mesh).len(), 4 * 6);
+    assert!(vertices(&mesh).iter().all(|place| place.is_finite()));
+    assert!(tube(&[Vec3::ZERO], 0.1, 5).indices().is_none_or(Indices::is_empty));
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Boxes, ropes, cloth and ragdolls build themselves, are built anew when they are changed, and are teleported by their transform.
 
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
@@ -267,4 +269,26 @@ fn a_ragdoll_has_named_parts_that_stay_with_its_particles() {
         }
         assert!(frame.translation.y < 0.6 && frame.translation.y > -0.01, "{name} lies: {frame:?}");
     }
+}
+
+#[test]
+fn the_pinned_vertices_of_a_mesh_are_held_however_its_particles_are_numbered() {
+    // Two rows of three vertices, column by column: not the order of the particles.
+    let place = |i: u32| Vec3::new((i / 2) as f32, (i % 2) as f32, 0.0);
+    let positions: Vec<Vec3> = (0..6).map(place).collect();
+    let indices = (0..2).flat_map(|column| [0, 2, 3, 0, 3, 1].map(|k| 2 * column + k)).collect();
+    let mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions.clone())
+        .with_inserted_indices(Indices::U32(indices));
+    let mut app = app();
+    let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
+    let pins = ClothPins::Particles(vec![1, 4, 99]);
+    let body = app.world_mut().spawn((Cloth::from_mesh().pinned(pins), Mesh3d(mesh))).id();
+    tick(&mut app, 3);
+    assert_eq!(particles_of(&app, body).len(), 6);
+    let held = |one: &Entity| app.world().get::<Pinned>(*one).is_some();
+    let held = particles_of(&app, body).into_iter().filter(held);
+    let mut held: Vec<Vec3> = held.map(|one| position(&app, one)).collect();
+    held.sort_by(|a, b| a.x.total_cmp(&b.x));
+    assert_eq!(held, [positions[1], positions[4]]);
 }

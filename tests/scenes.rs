@@ -5,9 +5,9 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{
     BodyParts, Bound, CreationOrder, Representation, SinewClock, WindSurface, WorldCenterOfMass,
 };
-use sinew_scenes::ScenesPlugin;
+use sinew_scenes::{ScenesPlugin, rounded_box};
 
-use crate::support::{app_with, assert_finite, particles_of, position, tick};
+use crate::support::{app_with, assert_finite, particles_of, position, tick, vertices};
 
 /// Plays a scene for `ticks` ticks and returns the largest error of a rod in any of them, as a share of its length.
 fn longest_error_of_rods(name: &str, ticks: u64) -> f32 {
@@ -383,4 +383,22 @@ fn stacks_on_slopes_stay_to_a_tenth_of_a_millimetre_where_friction_holds_them_an
     let slid = places(&app)[12..].iter().filter(|at| at.x > 2.6 && at.y < 0.6).count();
     assert!(slid >= 5, "{:?}", &places(&app)[12..]);
     assert_finite(&mut app);
+}
+
+#[test]
+fn a_rounded_box_is_inside_its_size_and_faces_outwards() {
+    let size = Vec3::new(1.0, 2.0, 0.6);
+    let mesh = rounded_box(size, 0.2, 4);
+    let positions = vertices(&mesh);
+    assert!(!positions.is_empty());
+    for p in &positions {
+        assert!(p.abs().cmple(size * 0.5 + 1e-5).all(), "{p}");
+    }
+    let indices: Vec<usize> = mesh.indices().expect("it has indices").iter().collect();
+    let mut volume = 0.0;
+    for t in indices.chunks(3) {
+        let [a, b, c] = [t[0], t[1], t[2]].map(|i| positions[i]);
+        volume += a.dot(b.cross(c)) / 6.0;
+    }
+    assert!(volume > 0.7 * 1.2 && volume < 1.2, "{volume}");
 }

@@ -469,6 +469,3 @@ fn beside(
     }
     best.map(|(_, entity, at)| (entity, at))
 }
-
-#[cfg(test)]
-mod tests;

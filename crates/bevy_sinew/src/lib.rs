@@ -280,6 +280,14 @@ pub use step::RegisterParticleConstraint;
 pub use threads::{ComputePool, SinewWorkers};
 pub use world::{ParticlesMut, SinewWorld};
 
+/// What the workspace's tests look at from outside and no game can see: tests within would have this crate compiled twice. No part of the interface.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::recipes::bind;
+    pub use crate::step::contact_shape::gap;
+    pub use crate::step::frames::compose;
+}
+
 /// What a game's first day wants in scope: some fifty names, none of which is in Bevy's prelude. Everything else is at the root of the crate: other
 /// constraints than rods and springs, phases and constraints of a game's own, regions, what says otherwise than the defaults.
 ///

@@ -82,31 +82,3 @@ fn stops(half: f32, radius: f32, detail: u32) -> Vec<f32> {
     stops.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
     stops
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use bevy::mesh::VertexAttributeValues;
-
-    #[test]
-    fn a_rounded_box_is_inside_its_size_and_faces_outwards() {
-        let size = Vec3::new(1.0, 2.0, 0.6);
-        let mesh = rounded_box(size, 0.2, 4);
-        let Some(VertexAttributeValues::Float32x3(positions)) =
-            mesh.attribute(Mesh::ATTRIBUTE_POSITION)
-        else {
-            panic!("no positions")
-        };
-        let positions: Vec<Vec3> = positions.iter().map(|&p| p.into()).collect();
-        for p in &positions {
-            assert!(p.abs().cmple(size * 0.5 + 1e-5).all(), "{p}");
-        }
-        let Some(Indices::U32(indices)) = mesh.indices() else { panic!("no indices") };
-        let mut volume = 0.0;
-        for t in indices.chunks(3) {
-            let [a, b, c] = [t[0], t[1], t[2]].map(|i| positions[i as usize]);
-            volume += a.dot(b.cross(c)) / 6.0;
-        }
-        assert!(volume > 0.7 * 1.2 && volume < 1.2, "{volume}");
-    }
-}

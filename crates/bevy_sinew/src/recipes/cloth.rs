@@ -231,24 +231,3 @@ fn grid_mesh(spec: &ClothSpec, blueprint: &Blueprint) -> Mesh {
             blueprint.triangles.iter().flatten().copied().collect(),
         ))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_pinned_vertices_of_a_mesh_are_held_however_its_particles_are_numbered() {
-        // Two rows of three vertices, column by column: not the order of the particles.
-        let place = |i: u32| Vec3::new((i / 2) as f32, (i % 2) as f32, 0.0);
-        let positions: Vec<Vec3> = (0..6).map(place).collect();
-        let indices =
-            (0..2).flat_map(|column| [0, 2, 3, 0, 3, 1].map(|k| 2 * column + k)).collect();
-        let mesh = MeshShape { positions, indices };
-        let pins = ClothPins::Particles(vec![1, 4, 99]);
-        let body = Cloth::from_mesh().pinned(pins).blueprint(Some(&mesh), Vec3::ONE).unwrap();
-        let held = body.particles.iter().filter(|p| p.mass.is_infinite());
-        let mut held: Vec<Vec3> = held.map(|p| p.position).collect();
-        held.sort_by(|a, b| a.x.total_cmp(&b.x));
-        assert_eq!(held, [mesh.positions[1], mesh.positions[4]]);
-    }
-}

@@ -144,35 +144,3 @@ impl Skin {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_tube_stays_at_its_radius_and_faces_outwards() {
-        let middle: Vec<Vec3> =
-            (0..20).map(|i| Vec3::new(i as f32 * 0.1, (i as f32 * 0.3).sin() * 0.2, 0.0)).collect();
-        let mut skin = Skin::default();
-        skin.wrap(&middle, 0.03, 8);
-        assert_eq!(skin.positions.len(), 20 * 9);
-        for (i, position) in skin.positions.iter().enumerate() {
-            let distance = Vec3::from(*position).distance(middle[i / 9]);
-            assert!((distance - 0.03).abs() < 1e-5);
-        }
-        for t in skin.indices.chunks(3).take(19 * 16) {
-            let [a, b, c] = [t[0], t[1], t[2]].map(|i| Vec3::from(skin.positions[i as usize]));
-            let outwards = Vec3::from(skin.normals[t[0] as usize]);
-            assert!((b - a).cross(c - a).dot(outwards) > 0.0);
-        }
-    }
-
-    #[test]
-    fn points_on_top_of_each_other_leave_it_finite() {
-        let mut skin = Skin::default();
-        skin.wrap(&[Vec3::ZERO, Vec3::ZERO, Vec3::Y, Vec3::ZERO], 0.1, 5);
-        assert!(skin.positions.iter().flatten().all(|x| x.is_finite()));
-        skin.wrap(&[Vec3::ZERO], 0.1, 5);
-        assert!(skin.indices.is_empty());
-    }
-}

@@ -91,7 +91,7 @@ pub(crate) fn is_even(scale: Vec3) -> bool {
 }
 
 /// What is at `inner` in a frame that is at `outer`; `None` if that shears it.
-fn compose(outer: &Transform, inner: &Transform) -> Option<Transform> {
+pub fn compose(outer: &Transform, inner: &Transform) -> Option<Transform> {
     let translation = outer.transform_point(inner.translation);
     let (s, r) = (outer.scale, inner.rotation);
     if is_even(s) || r == Quat::IDENTITY {
@@ -113,40 +113,4 @@ fn compose(outer: &Transform, inner: &Transform) -> Option<Transform> {
     let scale = Vec3::new(lengths[0] * mirror, lengths[1], lengths[2]) * inner.scale;
     let rotation = outer.rotation * Quat::from_mat3(&turned);
     Some(Transform { translation, rotation, scale })
-}
-
-#[cfg(test)]
-mod tests {
-    use core::f32::consts::FRAC_PI_2;
-
-    use super::*;
-
-    fn turned(angle: f32) -> Transform {
-        Transform::from_xyz(1.0, 2.0, 3.0).with_rotation(Quat::from_rotation_z(angle))
-    }
-
-    #[test]
-    fn what_a_parent_does_not_shear_is_where_bevy_puts_it() {
-        let even = turned(0.7).with_scale(Vec3::splat(2.0));
-        let long = turned(0.3).with_scale(Vec3::new(1.0, 4.0, 0.5));
-        let mirrored = turned(0.3).with_scale(Vec3::new(-1.0, 4.0, 0.5));
-        for (outer, inner) in [
-            (even, turned(0.4).with_scale(Vec3::new(1.0, 2.0, 3.0))),
-            (long, turned(0.0).with_scale(Vec3::new(3.0, 2.0, 1.0))),
-            (long, turned(FRAC_PI_2).with_scale(Vec3::new(3.0, 2.0, 1.0))),
-            (mirrored, turned(FRAC_PI_2)),
-        ] {
-            let found = compose(&outer, &inner).unwrap().compute_affine();
-            let true_one = outer.compute_affine() * inner.compute_affine();
-            assert!(found.abs_diff_eq(true_one, 1e-5), "{outer:?} {inner:?}: {found}");
-        }
-    }
-
-    #[test]
-    fn what_is_turned_in_a_parent_that_is_scaled_unevenly_has_no_place() {
-        let long = Transform::from_scale(Vec3::new(1.0, 2.0, 1.0));
-        assert_eq!(compose(&long, &turned(0.5)), None);
-        let flat = Transform::from_scale(Vec3::new(1.0, 0.0, 1.0));
-        assert_eq!(compose(&flat, &turned(0.5)), None);
-    }
 }

@@ -1,17 +1,11 @@
 //! What Bevy names differently from version to version: the one module of this crate that differs. This is the one for Bevy 0.20, which
 //! `tools/bevy-0.20/make` puts in the place of that for Bevy 0.19.
 
-#[cfg(test)]
-use bevy::ecs::lifecycle::Add;
 use bevy::ecs::lifecycle::Remove;
 use bevy::ecs::observer::On;
 
 /// A component of an entity goes.
 pub(crate) type OnRemove<'w, 't, T> = On<'w, 't, Remove<T>>;
-
-/// A component comes that the entity did not have.
-#[cfg(test)]
-pub(crate) type OnAdd<'w, 't, T> = On<'w, 't, Add<T>>;
 
 #[cfg(feature = "drag")]
 pub(crate) use pointers::{OnPress, pointer};

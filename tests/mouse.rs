@@ -1,18 +1,16 @@
 //! What a pointer catches, how it is held, and what is left alone. A pointer here has a ray in the world, but no window.
 
 use bevy::camera::NormalizedRenderTarget;
-use bevy::picking::backend::ray::RayId;
-use bevy::picking::pointer::Location;
-use bevy::picking::{InteractionPlugin, PickingPlugin};
+use bevy::picking::backend::ray::{RayId, RayMap};
+use bevy::picking::backend::{HitData, PointerHits};
+use bevy::picking::pointer::{Location, PointerAction, PointerButton, PointerId, PointerInput};
+use bevy::picking::{InteractionPlugin, Pickable, PickingPlugin, PickingSystems};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-
-use super::*;
-use crate::components::{
-    BodyConstraints, Collider, Gravity, LinearVelocity, Radius, WorldCenterOfMass,
+use bevy_sinew::prelude::*;
+use bevy_sinew::{
+    BodyConstraints, CreationOrder, Grab, MouseDrag, MouseDragPlugin, ParticleOf, WorldCenterOfMass,
 };
-use crate::recipes::{Cloth, Ragdoll, RigidBox, Rope, SoftBody};
-use crate::{AngularVelocity, SinewPlugins};
 
 /// Where the pointer looks from, and whereto.
 #[derive(Resource)]
@@ -69,11 +67,17 @@ fn anchor_at(app: &App, grab: &Grab) -> Vec3 {
     grab.anchor.iter().map(place).sum()
 }
 
+/// How many particles, bodies and constraints there are.
+fn count(app: &mut App) -> usize {
+    app.world_mut().query::<&CreationOrder>().iter(app.world()).count()
+}
+
 #[test]
 fn a_click_into_the_middle_of_a_face_catches_the_crate_there() {
     let mut app = app();
-    let body = app.world_mut().spawn(RigidBox::new(Vec3::splat(2.0)).with_mass(20.0)).id();
+    app.world_mut().spawn(RigidBox::new(Vec3::splat(2.0)).with_mass(20.0));
     run(&mut app, 2);
+    let before = count(&mut app);
     aim(&mut app, 0.3, 0.2);
     let grab = press(&mut app).expect("its face is under the pointer");
     let caught = Vec3::new(0.3, 0.2, 1.0);
@@ -84,12 +88,11 @@ fn a_click_into_the_middle_of_a_face_catches_the_crate_there() {
     run(&mut app, 240);
     let held = anchor_at(&app, &grab);
     assert!(held.distance(Vec3::new(2.3, 1.2, 1.0)) < 0.02, "{held}");
+    assert_eq!(count(&mut app), before + 3, "a constraint along each axis holds it");
     input(&mut app, PointerAction::Release(PointerButton::Primary));
     assert_eq!(app.world().resource::<MouseDrag>().grabbed, None);
     run(&mut app, 2);
-    let count = app.world_mut().query::<&GrabConstraint>().iter(app.world()).count();
-    assert_eq!(count, 0, "nothing of it is left");
-    let _ = body;
+    assert_eq!(count(&mut app), before, "nothing of it is left");
 }
 
 #[test]
@@ -211,7 +214,7 @@ fn a_crate_hangs_at_the_hand_and_one_at_rest_is_not_turned_by_being_caught() {
     let spin = app.world().get::<AngularVelocity>(body).unwrap().0.length();
     assert!(speed < 1e-3 && spin < 1e-3, "{speed} {spin}");
     app.insert_resource(Gravity(Vec3::NEG_Y * 9.81));
-    app.insert_resource(crate::AirDrag(0.9));
+    app.insert_resource(AirDrag(0.9));
     run(&mut app, 300);
     // It sags by g/ω² = 5 cm.
     let held = anchor_at(&app, &grab);
@@ -229,25 +232,42 @@ fn what_is_held_may_go_and_the_hand_is_empty() {
     run(&mut app, 2);
     app.world_mut().despawn(body);
     run(&mut app, 5);
-    let count = app.world_mut().query::<&GrabConstraint>().iter(app.world()).count();
-    assert_eq!(count, 0);
+    assert_eq!(count(&mut app), 0);
     assert!(app.world_mut().query::<&BodyConstraints>().iter(app.world()).next().is_none());
+}
+
+/// Which of some balls a press takes, each given by its place as the pointer has it, from which it looks along -z, and its radius.
+fn taken_of(balls: &[(Vec3, f32)], wall: Option<f32>) -> Option<usize> {
+    let mut app = app();
+    let eye = Vec3::Z * 10.0;
+    let world = app.world_mut();
+    let spawn = |&(place, radius): &(Vec3, f32)| {
+        world.spawn((Particle::at(eye + place), Radius(radius))).id()
+    };
+    let all: Vec<Entity> = balls.iter().map(spawn).collect();
+    if let Some(depth) = wall {
+        let place = Transform::from_xyz(0.0, 0.0, eye.z - depth);
+        app.world_mut().spawn((Collider::cuboid(Vec3::new(4.0, 4.0, 0.1)), place));
+    }
+    app.insert_resource(Aim(Ray3d::new(eye, Dir3::NEG_Z)));
+    run(&mut app, 2);
+    let grab = press(&mut app)?;
+    assert_eq!(grab.anchor.len(), 1, "{grab:?}");
+    all.iter().position(|&one| one == grab.anchor[0].0)
 }
 
 #[test]
 fn the_pointer_takes_what_is_under_it_and_the_nearer_of_two() {
-    let entity = |number| Entity::from_raw_u32(number).expect("a small number");
-    let ray = Ray3d::new(Vec3::ZERO, Dir3::NEG_Z);
-    let near = (entity(1), Vec3::new(0.01, 0.0, -2.0), 0.0);
-    let far = (entity(2), Vec3::new(0.0, 0.0, -6.0), 0.0);
-    let behind = (entity(3), Vec3::Z, 1.0);
-    let aside = (entity(4), Vec3::new(1.0, 0.0, -2.0), 0.1);
-    let all = [behind, far, aside, near].into_iter();
-    let picked = beside(ray, 0.04, f32::INFINITY, all);
-    assert_eq!(picked.map(|(entity, _)| entity), Some(near.0));
-    assert!(beside(ray, 0.04, f32::INFINITY, [behind, aside].into_iter()).is_none());
-    assert!(beside(ray, 0.04, 5.0, [far].into_iter()).is_none(), "something stands before it");
-    let ball = (entity(5), Vec3::new(0.4, 0.0, -2.0), 0.5);
-    let picked = beside(ray, 0.04, f32::INFINITY, [ball].into_iter());
-    assert!(picked.is_some(), "a ball is as wide as it is");
+    let near = (Vec3::new(0.01, 0.0, -2.0), 0.0);
+    let far = (Vec3::new(0.0, 0.0, -6.0), 0.0);
+    let behind = (Vec3::Z, 0.9);
+    let aside = (Vec3::new(1.0, 0.0, -2.0), 0.1);
+    assert_eq!(taken_of(&[behind, far, aside, near], None), Some(3));
+    assert_eq!(taken_of(&[behind, aside], None), None);
+    assert_eq!(taken_of(&[far], None), Some(0));
+    assert_eq!(taken_of(&[far], Some(5.0)), None, "something stands before it");
+    let ball = (Vec3::new(0.4, 0.0, -2.0), 0.5);
+    assert_eq!(taken_of(&[ball], None), Some(0), "a ball is as wide as it is");
+    let beside = (Vec3::new(0.55, 0.0, -2.0), 0.5);
+    assert_eq!(taken_of(&[beside], None), Some(0), "and as near beside the pointer");
 }
