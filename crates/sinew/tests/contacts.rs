@@ -404,3 +404,69 @@ fn what_lies_still_falls_asleep_and_wakes_when_it_is_hit() {
     println!("{:?}", world.sleep);
     assert!(world.sleep.iter().all(|body| body.asleep), "{:?}", world.sleep);
 }
+
+#[test]
+fn where_all_sleep_one_substep_has_the_bits_of_all_of_them() {
+    let sleepers = |world: &mut Simulation| {
+        world.colliders.push(slope(0.0, 0.5));
+        for n in 0..3 {
+            brick(world, Vec3::ONE, 1.0, Vec3::Y * (n as f32 + 0.5), Quat::IDENTITY);
+        }
+        ball(world, Vec3::new(5.0, 0.5, 0.0), Vec3::ZERO, 0.5, Material::default());
+        world.sleep.resize(4, Sleep::allowed());
+        run(world, 2.0, DT);
+        assert!(world.sleep.iter().all(|body| body.asleep), "{:?}", world.sleep);
+    };
+    let lift = |world: &mut Simulation| {
+        let (at, to) = (Frame::at(Vec3::X * 50.0), Frame::at(Vec3::new(50.0, 1.0, 0.0)));
+        world.colliders.push(Collider { end: to, ..Collider::fixed(slope(0.0, 0.5).shape, at) });
+    };
+    let falling = |world: &mut Simulation| {
+        ball(world, Vec3::new(-20.0, 5.0, 0.0), Vec3::ZERO, 0.5, Material::default());
+    };
+    let sweep = |world: &mut Simulation| world.particles.set_velocity(0, Vec3::X);
+    type Change<'a> = &'a dyn Fn(&mut Simulation);
+    let pinned = |world: &mut Simulation| {
+        world.particles.push(ParticleSeed::at(Vec3::Y * 9.0).pinned()).unwrap();
+    };
+    let cases: [(&str, Change, u32); 5] = [
+        ("nothing", &|_| {}, 1),
+        ("a pinned particle, whose sweeps are counted", &pinned, 10),
+        ("something that the game moves", &lift, 10),
+        ("something that falls", &falling, 10),
+        ("a sleeper that is pushed", &sweep, 10),
+    ];
+    for (name, change, left) in cases {
+        let mut whole = Simulation::default();
+        sleepers(&mut whole);
+        change(&mut whole);
+        let mut phases = whole.clone();
+        for _ in 0..3 {
+            whole.begin_step(DT).unwrap();
+            let substeps = phases.begin_step(DT).unwrap();
+            whole.take_substeps();
+            assert_eq!(whole.substep().remaining, left, "{name}: substeps to be taken");
+            for (world, count) in [(&mut whole, left), (&mut phases, substeps)] {
+                for _ in 0..count {
+                    world.begin_substep();
+                    world.accumulate_forces();
+                    world.apply_wind();
+                    world.apply_buoyancy();
+                    world.apply_electric();
+                    world.integrate();
+                    world.solve_constraints();
+                }
+                world.end_step();
+            }
+            for i in 0..whole.particles.len() {
+                let of = |world: &Simulation| {
+                    (world.particles.seed(i), world.velocity_now(i), world.particles.lag(i))
+                };
+                assert_eq!(of(&whole), of(&phases), "{name}, particle {i}");
+            }
+            assert_eq!(whole.report(), phases.report(), "{name}");
+            assert_eq!(whole.contact_cache, phases.contact_cache, "{name}");
+            assert_eq!((whole.time, &whole.sleep), (phases.time, &phases.sleep), "{name}");
+        }
+    }
+}

@@ -37,6 +37,8 @@ pub(crate) struct World<'a> {
     pub(crate) substeps: u32,
     /// Magnitude of gravity, m/s².
     pub(crate) gravity: f32,
+    /// Whether nothing moves in this step, neither particles nor colliders, and nobody listens to contacts.
+    pub(crate) at_rest: bool,
 }
 
 impl Contacts {

@@ -111,6 +111,8 @@ struct Scratch {
     single_rows: Vec<Range<usize>>,
     /// Whether nobody looks at the particles until the step ends, so that those of rigid states may be written then.
     unseen: bool,
+    /// Whether nothing moves in this step.
+    at_rest: bool,
 }
 
 /// Where in a step the simulation is.
@@ -177,6 +179,7 @@ impl Simulation {
             self.scratch.first_velocity.extend_from_slice(&self.particles.velocity);
         }
         self.put_to_sleep(dt);
+        self.scratch.at_rest = self.is_at_rest();
         self.scratch.damping.apply(&mut self.particles, &self.bodies, dt);
         self.with_moving(|moving, simulation| moving.read(simulation));
         self.begin_contacts();
@@ -265,6 +268,7 @@ impl Simulation {
         let Self { particles, settings, instructions, workers, scratch, report, .. } = self;
         let (forces, boundaries) = (&self.forces, &self.boundaries);
         let (colliders, body_colliders) = (&self.colliders, &self.body_colliders);
+        let at_rest = scratch.at_rest;
         let Scratch { plan, filter, contacts, solving, loads, substep, single_rows, .. } = scratch;
         let execution = execution(*instructions, workers);
         let (gravity, lag) = (forces.gravity.length(), settings.integrator.lag(h));
@@ -293,6 +297,7 @@ impl Simulation {
                 dt,
                 substeps,
                 gravity,
+                at_rest,
             };
             contacts.project(particles, &world, h, substep);
             let Contacts { particle_contacts, normal_impulses, .. } = contacts;

@@ -211,13 +211,25 @@ impl Simulation {
             ..
         } = self;
         let links = (&self.distances[..], &self.constraints[..]);
+        let listens = colliders.iter().any(|collider| collider.events)
+            || contacts.iter().any(|body| body.events);
         let scratch = &mut self.scratch;
+        let at_rest = scratch.at_rest && !listens;
         let Substep { length, remaining: substeps } = scratch.substep;
         let (dt, gravity) = (length * substeps as f32, forces.gravity.length());
         let (plan, filter) = (&scratch.plan, &mut scratch.filter);
         filter.update(particles, contacts, &self.ignored, plan, links);
-        let world =
-            World { boundaries, colliders, body_colliders, filter, plan, dt, substeps, gravity };
+        let world = World {
+            boundaries,
+            colliders,
+            body_colliders,
+            filter,
+            plan,
+            dt,
+            substeps,
+            gravity,
+            at_rest,
+        };
         scratch.contacts.use_instructions(self.instructions);
         scratch.contacts.begin((particles, &forces.surfaces), world, contact_cache);
     }

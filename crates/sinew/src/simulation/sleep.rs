@@ -177,8 +177,12 @@ impl Simulation {
     /// Joins islands that touch, and those of a body.
     fn group(&self, sleepers: &mut SleepScratch) {
         let Self { particles, scratch, .. } = self;
-        let SleepScratch { bounds, pairs, broad, parent, first_of, .. } = sleepers;
-        broad.pairs(bounds, pairs);
+        let SleepScratch { bounds, activities, pairs, broad, parent, first_of, .. } = sleepers;
+        pairs.clear();
+        // Where all lie still and have done so for long, each group sleeps, whoever is in it.
+        if !activities.iter().all(|island| !island.active && island.still >= SECONDS) {
+            broad.pairs(bounds, pairs);
+        }
         parent.clear();
         parent.extend(0..bounds.len() as u32);
         for &[a, b] in pairs.iter() {

@@ -60,12 +60,16 @@ impl BodyContactSolver {
         self.sensor_overlaps.clear();
         self.h = world.dt / world.substeps.max(1) as f32;
         self.groups.weigh(world.body_colliders, particles);
-        self.overlaps.update(world.body_colliders, &self.groups, particles, world.filter);
-        self.origin_offsets.take(&self.groups, particles);
         super::static_geometry::list(world, &mut self.floor, &mut self.static_geometry);
         let rows = self.groups.padded() + self.static_geometry.len() + 1;
         self.bodies.resize(rows);
         self.sums.resize(self.groups.groups.len(), Default::default());
+        if world.at_rest {
+            self.rest();
+            return;
+        }
+        self.overlaps.update(world.body_colliders, &self.groups, particles, world.filter);
+        self.origin_offsets.take(&self.groups, particles);
         self.note_initial_rotations(particles, world);
         self.extract_poses_afresh(particles, world);
         self.wide_swept.clear();
@@ -117,6 +121,20 @@ impl BodyContactSolver {
         pack_contacts(contacts, (nothing, colours), [order, begins], wide_contacts, (row, centre));
         self.missed.wide_contacts = wide_contacts.len();
         self.fresh = true;
+    }
+
+    /// Nothing moves: nothing is looked for, and the cache stays as it is.
+    fn rest(&mut self) {
+        self.cache.in_order();
+        self.wide_swept.clear();
+        self.wide_swept.resize(self.groups.groups.len(), WideSweptBounds::default());
+        self.swept.clear();
+        self.contacts.clear();
+        self.wide_contacts.clear();
+        self.loose.clear();
+        self.outside_bounds.clear();
+        self.missed.begin(0);
+        self.missed.wide_contacts = 0;
     }
 
     /// Poses and velocities.

@@ -31,6 +31,7 @@ fn substeps(
         dt: 1.0 / 60.0,
         substeps: 10,
         gravity: 9.81,
+        at_rest: false,
     };
     body_colliders.broad_phase(particles, &seen, &nearby, &mut Default::default());
     for number in 0..count {
