@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, save_to_disk};
 use bevy::time::TimeUpdateStrategy;
@@ -14,7 +15,7 @@ use super::Programme;
 
 /// Simulated time a frame until the moment of the picture.
 const STRIDE: Duration = Duration::from_millis(125);
-/// Frames drawn at the moment of the picture before it is taken: textures reach the GPU, and the panel its final layout.
+/// Frames of the panel alone at the moment of the picture: textures reach the GPU, and the panel its final layout.
 const STILL: u32 = 4;
 /// Frames to wait at most for the moment and for the file: a loading asset or a full disk must not hang CI.
 const PATIENCE: u32 = 2_000;
@@ -39,7 +40,25 @@ enum State {
     Start,
     Playing,
     Still(u32),
+    /// The scene is drawn once, which makes its pipelines and bins.
+    Drawn,
     Saving(PathBuf),
+}
+
+/// Textures that are on their way from a file.
+#[derive(SystemParam)]
+struct Textures<'w> {
+    server: Res<'w, AssetServer>,
+    materials: Res<'w, Assets<StandardMaterial>>,
+}
+
+impl Textures<'_> {
+    fn are_loading(&self) -> bool {
+        let textures =
+            self.materials.iter().filter_map(|(_, look)| look.base_color_texture.as_ref());
+        let mut states = textures.filter_map(|texture| self.server.get_load_state(texture));
+        states.any(|state| state.is_loading())
+    }
 }
 
 fn shoot(
@@ -49,6 +68,7 @@ fn shoot(
     mut time: ResMut<TimeUpdateStrategy>,
     mut camera: Single<&mut Camera, With<PanOrbitCamera>>,
     clock: Res<SinewClock>,
+    textures: Textures,
     mut exit: MessageWriter<AppExit>,
 ) {
     let series = &mut *series;
@@ -71,25 +91,27 @@ fn shoot(
             }
             programme.wanted = Some(scene);
             *time = TimeUpdateStrategy::ManualDuration(STRIDE);
-            // A software renderer draws a frame in seconds: nothing is drawn until it is to be seen.
-            camera.is_active = false;
             State::Playing
         }
         State::Playing if clock.seconds < f64::from(scene.moment) => return,
         State::Playing => {
             *time = TimeUpdateStrategy::ManualDuration(Duration::ZERO);
-            camera.is_active = true;
             State::Still(0)
         }
         State::Still(frames) if *frames < STILL => State::Still(frames + 1),
-        State::Still(_) => {
+        State::Still(_) if textures.are_loading() => return,
+        State::Still(_) => State::Drawn,
+        State::Drawn => {
             let path = series.folder.join(format!("{}.png", scene.name));
             // An older picture must not pass for this one.
             let _ = std::fs::remove_file(&path);
             commands.spawn(Screenshot::primary_window()).observe(save_to_disk(path.clone()));
             State::Saving(path)
         }
-        State::Saving(path) if !path.exists() => return,
+        State::Saving(path) if !path.exists() => {
+            camera.is_active = false;
+            return;
+        }
         State::Saving(path) => {
             println!("{}", path.display());
             series.next += 1;
@@ -97,5 +119,7 @@ fn shoot(
             State::Start
         }
     };
+    // A software renderer draws a frame in seconds: the scene is drawn once before its picture, once for it, and not while the file is written.
+    camera.is_active = matches!(next, State::Drawn | State::Saving(_));
     series.state = next;
 }
