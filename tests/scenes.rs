@@ -5,7 +5,7 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{
     BodyParts, Bound, CreationOrder, Representation, SinewClock, WindSurface, WorldCenterOfMass,
 };
-use sinew_scenes::{ScenesPlugin, rounded_box};
+use sinew_scenes::{Heading, OnStage, ScenesPlugin, rounded_box};
 
 use crate::support::{app_with, assert_finite, particles_of, position, tick, vertices};
 
@@ -401,4 +401,82 @@ fn a_rounded_box_is_inside_its_size_and_faces_outwards() {
         volume += a.dot(b.cross(c)) / 6.0;
     }
     assert!(volume > 0.7 * 1.2 && volume < 1.2, "{volume}");
+}
+
+/// Loads a scene with these values of its sliders, runs it until its number is due, and returns the number and what the formula says.
+fn reading(scene: &'static sinew_scenes::Scene, values: &[f32]) -> [f64; 2] {
+    let lesson = scene.lesson.unwrap();
+    let mut app = app_with(ScenesPlugin);
+    sinew_scenes::load_with(app.world_mut(), scene, values);
+    tick(&mut app, (lesson.after * 60.0).round() as u64);
+    assert_finite(&mut app);
+    let stage = app.world().resource::<OnStage>();
+    stage.reading.unwrap_or_else(|| panic!("{}: nothing was measured", scene.name))
+}
+
+#[test]
+fn the_number_of_each_lesson_is_the_one_of_its_formula_wherever_its_sliders_stand() {
+    let (mut lessons, mut wrong) = (0, Vec::new());
+    for scene in sinew_scenes::ALL {
+        let Some(lesson) = scene.lesson else { continue };
+        lessons += 1;
+        assert!((3..=5).contains(&lesson.sliders.len()), "{}: sliders", scene.name);
+        let defaults: Vec<f32> = lesson.sliders.iter().map(|slider| slider.default).collect();
+        let mut tried = vec![defaults.clone()];
+        for (i, slider) in lesson.sliders.iter().enumerate() {
+            let [least, most] = slider.range;
+            assert!((least..=most).contains(&slider.default), "{}: {slider:?}", scene.name);
+            tried.extend(slider.range.map(|end| {
+                let mut values = defaults.clone();
+                values[i] = end;
+                values
+            }));
+        }
+        for values in tried {
+            let [measured, expected] = reading(scene, &values);
+            if !lesson.agrees(measured, expected) {
+                let name = scene.name;
+                wrong
+                    .push(format!("{name} with {values:?}: {measured}, by the formula {expected}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert!(lessons >= 5, "{lessons} scenes have a lesson");
+}
+
+#[test]
+fn every_heading_has_scenes_and_every_name_is_used_once() {
+    for heading in Heading::ALL {
+        assert!(sinew_scenes::ALL.iter().any(|scene| scene.heading == heading), "{heading:?}");
+    }
+    let mut names: Vec<&str> = sinew_scenes::ALL.iter().map(|scene| scene.name).collect();
+    names.sort_unstable();
+    assert!(names.windows(2).all(|pair| pair[0] != pair[1]), "{names:?}");
+}
+
+#[test]
+fn values_of_sliders_stay_within_their_ranges() {
+    let mut app = app_with(ScenesPlugin);
+    let scene = sinew_scenes::find("race").unwrap();
+    let sliders = scene.lesson.unwrap().sliders;
+    sinew_scenes::load_with(app.world_mut(), scene, &[f32::NAN, 1e9]);
+    let values = &app.world().resource::<OnStage>().values;
+    assert_eq!(values[..], [sliders[0].default, sliders[1].range[1], sliders[2].default]);
+}
+
+#[test]
+fn the_guide_lists_every_scene_under_a_topic_and_none_that_is_not_there() {
+    let chapter = include_str!("../crates/bevy_sinew/src/guide/gallery.md");
+    let rows = chapter.lines().filter(|line| line.starts_with("| ") && line.contains('`'));
+    let mut listed: Vec<&str> = rows.flat_map(|row| row.split('`').skip(1).step_by(2)).collect();
+    assert!(listed.len() > 30, "{listed:?}");
+    for name in &listed {
+        assert!(sinew_scenes::find(name).is_some(), "the guide lists {name}, which is no scene");
+    }
+    listed.sort_unstable();
+    for scene in sinew_scenes::ALL {
+        let found = listed.binary_search(&scene.name);
+        assert!(found.is_ok(), "the guide lists {} under no topic", scene.name);
+    }
 }

@@ -18,7 +18,7 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{Refusal, Refused, SinewClock, TickTime};
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_examples::assets_folder;
-use sinew_scenes::{Scene, ScenesPlugin};
+use sinew_scenes::{OnStage, Scene, ScenesPlugin};
 
 use crate::Options;
 use crate::draw::{self, Image};
@@ -87,7 +87,11 @@ pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> ExitCode {
         failed = true;
     }
     println!("\nPictures: {}/*.png, *.gif", options.out.display());
-    if failed || rows.iter().any(|row| !row.finite) { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+    if failed || rows.iter().any(|row| !row.finite || verdict(row).ends_with("NO")) {
+        ExitCode::FAILURE
+    } else {
+        ExitCode::SUCCESS
+    }
 }
 
 /// How a scene went.
@@ -103,6 +107,8 @@ struct Row {
     strain: f32,
     /// Energy at the start and at the end, joules.
     energy: [f64; 2],
+    /// The number of its lesson and what the formula says, when it was due; `None` before that and for a scene without.
+    lesson: Option<[f64; 2]>,
     finite: bool,
 }
 
@@ -127,6 +133,7 @@ fn perform(
         error: 0.0,
         strain: 0.0,
         energy: [0.0; 2],
+        lesson: None,
         finite: true,
     };
     let films = (seconds * fps as f32).ceil().max(1.0) as usize;
@@ -151,6 +158,15 @@ fn perform(
     }
     write_pictures(scene, &film, &sheet, fps, out).map_err(|error| error.to_string())?;
     Ok(row)
+}
+
+/// The number of a scene's lesson beside that of its formula, and whether they agree; nothing where it was not due.
+fn verdict(row: &Row) -> String {
+    let lesson = sinew_scenes::find(row.name).and_then(|scene| scene.lesson);
+    let Some((lesson, [measured, expected])) = lesson.zip(row.lesson) else { return String::new() };
+    let agrees = if lesson.agrees(measured, expected) { "yes" } else { "NO" };
+    let (number, unit) = (lesson.number, lesson.unit);
+    format!("{number}: {measured:.3} {unit}, by the formula {expected:.3} {unit}: {agrees}")
 }
 
 /// An app with everything that a scene needs and nothing that needs a GPU or a display.
@@ -213,7 +229,7 @@ fn tick(app: &mut App, row: &mut Row) {
         .count();
     row.finite &= diverged == 0;
     row.milliseconds += world.resource::<TickTime>().substeps.as_secs_f64() * 1e3;
-    let mut sinew = world.resource_mut::<SinewWorld>();
+    let sinew = world.resource::<SinewWorld>();
     row.ticks += 1;
     row.particles = sinew.particles().len();
     let simulation = sinew.simulation();
@@ -221,6 +237,14 @@ fn tick(app: &mut App, row: &mut Row) {
     row.constraints = laws + simulation.forces.springs.len();
     row.error = row.error.max(sinew.report().error);
     row.strain = row.strain.max(sinew.report().strain);
+    if row.lesson.is_none() {
+        let stage = world.resource::<OnStage>();
+        let due = stage.scene.lesson.is_some_and(|lesson| {
+            world.resource::<SinewClock>().seconds + 1e-6 >= f64::from(lesson.after)
+        });
+        row.lesson = stage.reading.filter(|_| due);
+    }
+    let mut sinew = world.resource_mut::<SinewWorld>();
     if row.ticks == 1 {
         row.energy[0] = sinew.ledger().energy();
     }
@@ -255,7 +279,7 @@ fn write_pictures(
 
 fn table(rows: &[Row]) -> String {
     let mut text = format!(
-        "{:<10} {:>9} {:>11} {:>6} {:>8} {:>10} {:>8} {:>11} {:>11}  finite\n",
+        "{:<10} {:>9} {:>11} {:>6} {:>8} {:>10} {:>8} {:>11} {:>11}  finite  lesson\n",
         "scene",
         "particles",
         "constraints",
@@ -268,7 +292,7 @@ fn table(rows: &[Row]) -> String {
     );
     for row in rows {
         text += &format!(
-            "{:<10} {:>9} {:>11} {:>6} {:>8.3} {:>10.3} {:>6.2} % {:>11.4} {:>11.4}  {}\n",
+            "{:<10} {:>9} {:>11} {:>6} {:>8.3} {:>10.3} {:>6.2} % {:>11.4} {:>11.4}  {:<6}  {}\n",
             row.name,
             row.particles,
             row.constraints,
@@ -279,6 +303,7 @@ fn table(rows: &[Row]) -> String {
             row.energy[0],
             row.energy[1],
             if row.finite { "yes" } else { "NO" },
+            verdict(row),
         );
     }
     text

@@ -45,7 +45,7 @@ fn main() -> ExitCode {
     let options = Options::parse();
     if options.list {
         for scene in sinew_scenes::ALL {
-            println!("{:<10} {}", scene.name, scene.about);
+            println!("{:<10} {}: {}", scene.name, scene.heading.title(), scene.about);
         }
         return ExitCode::SUCCESS;
     }

@@ -36,12 +36,18 @@
 //! | `chain` | loops of rope that hang in each other by contact |
 //! | `rails` | coarse ropes across rails and each other, by particles and by segments |
 //! | `belt` | what lies on something that moves is carried; bounces |
+//! | `loads` | rod, spring and compliant rod under one load |
+//! | `catenary` | a hanging rope at rest on its catenary |
+//! | `repose` | blocks on a slope: the angle of repose |
+//! | `capacitor` | a charged pendulum between two plates |
 
 mod bevy_version;
+mod lesson;
 mod look;
 mod scenes;
 mod shapes;
 
+pub use lesson::{Heading, Lesson, OnStage, SceneSlider};
 pub use look::Look;
 pub use scenes::{ALL, Scene, find};
 pub use shapes::{ball, capsule, cylinder, rounded_box};
@@ -61,6 +67,7 @@ pub struct ScenesPlugin;
 impl Plugin for ScenesPlugin {
     fn build(&self, app: &mut App) {
         app.register_type::<Look>().add_observer(dress_part).add_observer(scenes::ropes::tie_ends);
+        app.add_systems(Last, lesson::measure);
         app.add_systems(
             FixedUpdate,
             (scenes::ropes::wave_hand, scenes::swap::swap_bodies, scenes::belt::lead_trays),
@@ -73,8 +80,21 @@ impl Plugin for ScenesPlugin {
 #[reflect(Component, Default, Clone)]
 pub struct InScene;
 
-/// Clears the last scene away and spawns another, from the beginning: time zero, settings as the scene wants them.
-pub fn load(world: &mut World, scene: &Scene) {
+/// Clears the last scene away and spawns another, from the beginning: time zero, settings as the scene wants them, sliders at their defaults.
+pub fn load(world: &mut World, scene: &'static Scene) {
+    let sliders = scene.lesson.map_or(&[][..], |lesson| lesson.sliders);
+    let values: Vec<f32> = sliders.iter().map(|slider| slider.default).collect();
+    load_with(world, scene, &values);
+}
+
+/// The same with values for its sliders, in their order. A value that is out of its slider's range is moved into it; one that is missing is the default.
+pub fn load_with(world: &mut World, scene: &'static Scene, values: &[f32]) {
+    let sliders = scene.lesson.map_or(&[][..], |lesson| lesson.sliders);
+    let within = |(i, slider): (usize, &SceneSlider)| {
+        let value = values.get(i).copied().filter(|value| value.is_finite());
+        value.unwrap_or(slider.default).clamp(slider.range[0], slider.range[1])
+    };
+    let values = sliders.iter().enumerate().map(within).collect();
     let mut old = world.query_filtered::<Entity, With<InScene>>();
     let old: Vec<Entity> = old.iter(world).collect();
     for entity in old {
@@ -83,6 +103,7 @@ pub fn load(world: &mut World, scene: &Scene) {
             entity.despawn();
         }
     }
+    world.insert_resource(OnStage { scene, values, reading: None });
     world.insert_resource(SinewClock::default());
     world.insert_resource(SolverConfig::default());
     world.insert_resource(Gravity::default());

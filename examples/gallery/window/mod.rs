@@ -25,6 +25,8 @@ struct Programme {
     begun: bool,
     /// Load this one (again) before the next frame.
     wanted: Option<&'static Scene>,
+    /// With these values of its sliders; `None`: their defaults.
+    values: Option<Vec<f32>>,
 }
 
 /// Opens the window and stays until it is closed; `Err` says why there can be none.
@@ -72,8 +74,13 @@ fn open(first: &'static Scene, for_pictures: bool) -> App {
     ));
     stage::add(&mut app);
     ui::add(&mut app);
-    app.insert_resource(Programme { current: first, begun: false, wanted: Some(first) })
-        .add_systems(First, change_scene);
+    app.insert_resource(Programme {
+        current: first,
+        begun: false,
+        wanted: Some(first),
+        values: None,
+    })
+    .add_systems(First, change_scene);
     app
 }
 
@@ -84,6 +91,11 @@ fn change_scene(world: &mut World) {
     let moved = !programme.begun || programme.current.name != scene.name;
     programme.begun = true;
     programme.current = scene;
-    sinew_scenes::load(world, scene);
+    // A restart keeps the sliders where the visitor put them.
+    let values = world.resource_mut::<Programme>().values.clone();
+    match values {
+        Some(values) => sinew_scenes::load_with(world, scene, &values),
+        None => sinew_scenes::load(world, scene),
+    }
     stage::aim(world, scene, moved);
 }

@@ -90,6 +90,7 @@ fn shoot(
                 return;
             }
             programme.wanted = Some(scene);
+            programme.values = None;
             *time = TimeUpdateStrategy::ManualDuration(STRIDE);
             State::Playing
         }

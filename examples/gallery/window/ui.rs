@@ -12,7 +12,7 @@ use bevy_egui::{
 use bevy_panorbit_camera::PanOrbitCamera;
 use bevy_sinew::{MouseDrag, SinewControl};
 use sinew_panel::{DOCK_WIDTH, PanelParams, PanelSide, SinewPanelPlugin, dock, show, style};
-use sinew_scenes::ALL;
+use sinew_scenes::{ALL, Heading, OnStage, Scene};
 
 use super::Programme;
 
@@ -47,6 +47,7 @@ fn draw(
     mut contexts: EguiContexts,
     mut panel: PanelParams,
     mut programme: ResMut<Programme>,
+    stage: Option<Res<OnStage>>,
     mut styled: Local<bool>,
 ) -> Result {
     let ctx = contexts.ctx_mut()?;
@@ -60,20 +61,17 @@ fn draw(
         let current = programme.current;
         ui.label(egui::RichText::new(current.about).weak());
         ui.add_space(6.0);
-        egui::Grid::new("scenes").num_columns(2).spacing([6.0, 4.0]).show(ui, |ui| {
-            let width = (ui.available_width() - 6.0) * 0.5;
-            for (i, scene) in ALL.iter().enumerate() {
-                let chosen = scene.name == current.name;
-                let button = egui::Button::selectable(chosen, scene.name)
-                    .min_size(egui::vec2(width.max(110.0), 22.0));
-                if ui.add(button).on_hover_text(scene.title).clicked() {
-                    programme.wanted = Some(scene);
-                }
-                if i % 2 == 1 {
-                    ui.end_row();
-                }
+        if let Some(values) = stage.as_deref().and_then(|stage| lesson(ui, stage)) {
+            programme.wanted = Some(current);
+            programme.values = Some(values);
+        }
+        for heading in Heading::ALL {
+            ui.label(egui::RichText::new(heading.title()).strong());
+            if let Some(scene) = scenes_of(ui, heading, current) {
+                programme.wanted = Some(scene);
+                programme.values = None;
             }
-        });
+        }
         ui.add_space(4.0);
         ui.horizontal(|ui| {
             if ui.button("Restart").on_hover_text("R").clicked() {
@@ -85,6 +83,55 @@ fn draw(
         show(ui, &mut panel);
     });
     Ok(())
+}
+
+/// The scenes under a heading, as buttons in two columns; the one that was clicked.
+fn scenes_of(ui: &mut egui::Ui, heading: Heading, current: &Scene) -> Option<&'static Scene> {
+    let mut wanted = None;
+    egui::Grid::new(heading.title()).num_columns(2).spacing([6.0, 4.0]).show(ui, |ui| {
+        let width = (ui.available_width() - 6.0) * 0.5;
+        for (i, scene) in ALL.iter().filter(|scene| scene.heading == heading).enumerate() {
+            let chosen = scene.name == current.name;
+            let button = egui::Button::selectable(chosen, scene.name)
+                .min_size(egui::vec2(width.max(110.0), 22.0));
+            if ui.add(button).on_hover_text(scene.title).clicked() {
+                wanted = Some(scene);
+            }
+            if i % 2 == 1 {
+                ui.end_row();
+            }
+        }
+    });
+    wanted
+}
+
+/// What to try and to watch, the formula, the sliders and the number; the values of the sliders if the visitor moved one.
+fn lesson(ui: &mut egui::Ui, stage: &OnStage) -> Option<Vec<f32>> {
+    let lesson = stage.scene.lesson?;
+    ui.label(format!("Try: {}.", lesson.try_this));
+    ui.label(format!("Watch: {}.", lesson.watch));
+    ui.add_space(4.0);
+    ui.label(egui::RichText::new(lesson.formula).monospace());
+    ui.add_space(4.0);
+    let mut values = stage.values.clone();
+    let mut moved = false;
+    for (slider, value) in lesson.sliders.iter().zip(&mut values) {
+        let suffix =
+            if slider.unit.is_empty() { String::new() } else { format!(" {}", slider.unit) };
+        let rail = egui::Slider::new(value, slider.range[0]..=slider.range[1])
+            .text(slider.label)
+            .suffix(suffix);
+        moved |= ui.add(rail).on_hover_text("The scene starts again with it.").changed();
+    }
+    ui.add_space(4.0);
+    if let Some([measured, expected]) = stage.reading {
+        let unit = lesson.unit;
+        ui.label(egui::RichText::new(lesson.number).strong());
+        ui.label(format!("measured {measured:.3} {unit}, by the formula {expected:.3} {unit}"))
+            .on_hover_text(format!("Compared {} s after the start.", lesson.after));
+    }
+    ui.add_space(6.0);
+    moved.then_some(values)
 }
 
 fn keys(
@@ -102,9 +149,11 @@ fn keys(
     }
     if keys.just_pressed(KeyCode::ArrowRight) {
         programme.wanted = Some(&ALL[(current + 1) % ALL.len()]);
+        programme.values = None;
     }
     if keys.just_pressed(KeyCode::ArrowLeft) {
         programme.wanted = Some(&ALL[(current + ALL.len() - 1) % ALL.len()]);
+        programme.values = None;
     }
     if keys.just_pressed(KeyCode::Space) {
         control.paused = !control.paused;

@@ -11,6 +11,7 @@
 //! | [`determinism`] | the same bits; saving; networking |
 //! | [`extending`] | a force, a constraint, a recipe of your own |
 //! | [`coming_from`] | from Avian, rapier, Jolt or Obi |
+//! | [`gallery`] | the scenes of the gallery, by the topics of the lectures |
 
 macro_rules! chapters {
     ($($name:ident $file:literal),*) => {$(
@@ -21,5 +22,5 @@ macro_rules! chapters {
 
 chapters!(
     method "method.md", bodies "bodies.md", contacts "contacts.md", forces "forces.md", tuning "tuning.md", units "units.md",
-    determinism "determinism.md", extending "extending.md", coming_from "coming_from.md"
+    determinism "determinism.md", extending "extending.md", coming_from "coming_from.md", gallery "gallery.md"
 );

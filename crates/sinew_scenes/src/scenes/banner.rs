@@ -4,16 +4,18 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, post};
-use crate::{InScene, Look};
+use crate::{Heading, InScene, Look};
 
 pub(super) const SCENE: Scene = Scene {
     name: "banner",
+    heading: Heading::Soft,
     title: "Cloth from any mesh",
     about: "an irregular glTF mesh with a seam in its texture; the seam is welded, so it does not tear",
     eye: Vec3::new(1.3, 1.9, 4.4),
     target: Vec3::new(0.0, 1.5, 0.0),
     seconds: 6.0,
     moment: 3.0,
+    lesson: None,
     spawn,
 };
 

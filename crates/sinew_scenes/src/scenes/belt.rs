@@ -5,16 +5,18 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{Combine, ParticleBody, ParticleOf, RigidPose, SinewClock};
 
 use super::{Scene, mesh};
-use crate::{InScene, Look, ball, rounded_box};
+use crate::{Heading, InScene, Look, ball, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "belt",
+    heading: Heading::Contacts,
     title: "Moved and bounced",
     about: "a tray that goes to and fro carries crates by friction alone; five balls bounce to e² of their height",
     eye: Vec3::new(2.4, 2.6, 6.0),
     target: Vec3::new(0.0, 0.8, 0.0),
     seconds: 6.0,
     moment: 1.4,
+    lesson: None,
     spawn,
 };
 

@@ -5,16 +5,18 @@ use bevy_sinew::Combine;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{InScene, Look, ball, rounded_box};
+use crate::{Heading, InScene, Look, ball, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "billiards",
+    heading: Heading::Contacts,
     title: "The break",
     about: "fifteen balls that touch are hit by one: all contacts of the blow are solved as one problem, so that with restitution 1 no energy comes or goes",
     eye: Vec3::new(0.0, 5.6, 4.6),
     target: Vec3::new(0.2, 0.3, 0.1),
     seconds: 6.0,
     moment: 1.15,
+    lesson: None,
     spawn,
 };
 

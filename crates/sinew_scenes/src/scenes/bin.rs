@@ -4,16 +4,18 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{InScene, Look, rounded_box};
+use crate::{Heading, InScene, Look, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "bin",
+    heading: Heading::Soft,
     title: "A bin of jelly",
     about: "200 soft cubes, each of tetrahedra, that press against each other and against the walls",
     eye: Vec3::new(3.0, 4.2, 5.4),
     target: Vec3::new(0.0, 0.8, 0.0),
     seconds: 5.0,
     moment: 3.0,
+    lesson: None,
     spawn,
 };
 

@@ -5,16 +5,18 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{BoxParticles, Region};
 
 use super::{Scene, mesh};
-use crate::{InScene, Look, cylinder, rounded_box};
+use crate::{Heading, InScene, Look, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "boats",
+    heading: Heading::Forces,
     title: "Hulls in a current",
     about: "crates float a quarter, a half and three quarters deep, as their density says; the raft stays level, the tall box turns over; all drift",
     eye: Vec3::new(0.4, 3.8, 9.7),
     target: Vec3::new(0.0, 0.95, 0.0),
     seconds: 8.0,
     moment: 4.2,
+    lesson: None,
     spawn,
 };
 

@@ -6,16 +6,18 @@ use bevy_sinew::{BodySolver, GradientAt, RigidIntegrator};
 use bevy_sinew::{BoxParticles, Representation};
 
 use super::{Scene, mesh};
-use crate::{InScene, Look, ball, cylinder, rounded_box};
+use crate::{Heading, InScene, Look, ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "bricks",
+    heading: Heading::Constraints,
     title: "Bricks in space (Dzhanibekov)",
     about: "orange, the lectures' loop, loses its spin; blue, corrected along the start of the step, flips every 3.9 s, and so does green, a rigid body",
     eye: Vec3::new(0.0, 4.7, 13.8),
     target: Vec3::new(0.0, 2.7, 0.0),
     seconds: 8.0,
     moment: 3.9,
+    lesson: None,
     spawn,
 };
 

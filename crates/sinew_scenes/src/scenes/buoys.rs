@@ -4,16 +4,18 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{InScene, Look, ball};
+use crate::{Heading, InScene, Look, ball};
 
 pub(super) const SCENE: Scene = Scene {
     name: "buoys",
+    heading: Heading::Forces,
     title: "Floating balls",
     about: "from cork to stone: each floats as deep as its density says, and one sinks",
     eye: Vec3::new(0.4, 2.0, 6.6),
     target: Vec3::new(0.0, 0.55, 0.0),
     seconds: 6.0,
     moment: 1.4,
+    lesson: None,
     spawn,
 };
 

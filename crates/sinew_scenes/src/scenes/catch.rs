@@ -4,16 +4,18 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh, post};
-use crate::{InScene, Look, rounded_box};
+use crate::{Heading, InScene, Look, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "catch",
+    heading: Heading::Contacts,
     title: "Caught in a sheet",
     about: "a crate lands in a cloth held at four corners: each pulls at the other",
     eye: Vec3::new(2.6, 2.6, 4.4),
     target: Vec3::new(0.0, 1.0, 0.0),
     seconds: 5.0,
     moment: 1.0,
+    lesson: None,
     spawn,
 };
 

@@ -6,16 +6,18 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{Bound, ConstraintOf, ParticleBody, ParticleOf, RigidPose};
 
 use super::{Scene, mesh};
-use crate::{InScene, Look, ball};
+use crate::{Heading, InScene, Look, ball};
 
 pub(super) const SCENE: Scene = Scene {
     name: "chain",
+    heading: Heading::Contacts,
     title: "A chain of loops",
     about: "loops of rope hang in each other by contact alone; the lowest carries a ball of two kilograms",
     eye: Vec3::new(1.9, 2.0, 4.4),
     target: Vec3::new(0.0, 1.8, 0.0),
     seconds: 5.0,
     moment: 1.6,
+    lesson: None,
     spawn,
 };
 

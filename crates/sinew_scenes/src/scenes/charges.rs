@@ -6,16 +6,18 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{Charge, Electric};
 
 use super::{Scene, mesh};
-use crate::{InScene, Look, ball};
+use crate::{Heading, InScene, Look, ball};
 
 pub(super) const SCENE: Scene = Scene {
     name: "charges",
+    heading: Heading::Forces,
     title: "Electric charges",
     about: "48 charges in a box without gravity: red ones and blue ones attract, like ones repel",
     eye: Vec3::new(2.9, 2.5, 3.7),
     target: Vec3::new(0.0, 1.15, 0.0),
     seconds: 6.0,
     moment: 2.5,
+    lesson: None,
     spawn,
 };
 

@@ -4,16 +4,18 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{InScene, Look, rounded_box};
+use crate::{Heading, InScene, Look, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "crate",
+    heading: Heading::Bodies,
     title: "Falling crates",
     about: "8 particles and 28 distances each: nobody integrates a rotation, and yet they turn",
     eye: Vec3::new(3.6, 3.4, 7.6),
     target: Vec3::new(0.0, 1.5, -0.4),
     seconds: 5.0,
     moment: 1.0,
+    lesson: None,
     spawn,
 };
 

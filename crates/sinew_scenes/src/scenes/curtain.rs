@@ -4,16 +4,18 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh, post};
-use crate::{InScene, Look};
+use crate::{Heading, InScene, Look};
 
 pub(super) const SCENE: Scene = Scene {
     name: "curtain",
+    heading: Heading::Contacts,
     title: "A ball against a curtain",
     about: "a soft ball flies into a hanging cloth, is slowed down and drops",
     eye: Vec3::new(3.4, 1.9, 4.2),
     target: Vec3::new(-0.1, 1.1, 0.0),
     seconds: 4.0,
     moment: 0.62,
+    lesson: None,
     spawn,
 };
 

@@ -5,16 +5,18 @@ use bevy_sinew::BodyContacts;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{InScene, Look, ball, rounded_box};
+use crate::{Heading, InScene, Look, ball, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "drape",
+    heading: Heading::Soft,
     title: "Draped cloth",
     about: "64 × 64 cells each, over a ball and over a table's edges; folds lie on folds",
     eye: Vec3::new(0.2, 2.3, 4.6),
     target: Vec3::new(0.0, 0.65, 0.0),
     seconds: 5.0,
     moment: 2.6,
+    lesson: None,
     spawn,
 };
 

@@ -5,16 +5,18 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{AirFlow, Region};
 
 use super::{Scene, mesh, post};
-use crate::{InScene, Look};
+use crate::{Heading, InScene, Look};
 
 pub(super) const SCENE: Scene = Scene {
     name: "feathers",
+    heading: Heading::Forces,
     title: "Falling through air",
     about: "four times the weight falls twice as fast: √(2σg/ρC) for sheets of 0.1, 0.4 and 1.6 kg/m²; the fourth passes a fan",
     eye: Vec3::new(-2.6, 6.4, 7.4),
     target: Vec3::new(0.25, 1.6, 0.0),
     seconds: 4.0,
     moment: 0.9,
+    lesson: None,
     spawn,
 };
 

@@ -4,16 +4,18 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh, post};
-use crate::{InScene, Look, ball};
+use crate::{Heading, InScene, Look, ball};
 
 pub(super) const SCENE: Scene = Scene {
     name: "flag",
+    heading: Heading::Forces,
     title: "A flag in the wind",
     about: "1 500 particles of cotton, held along one edge; a fresh breeze presses on every triangle",
     eye: Vec3::new(1.9, 2.5, 4.6),
     target: Vec3::new(0.75, 2.05, 0.0),
     seconds: 6.0,
     moment: 3.2,
+    lesson: None,
     spawn,
 };
 

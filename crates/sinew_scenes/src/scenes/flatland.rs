@@ -5,16 +5,18 @@ use bevy_sinew::Flatland;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{InScene, Look, rounded_box};
+use crate::{Heading, InScene, Look, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "flatland",
+    heading: Heading::Bodies,
     title: "Flatland",
     about: "a world in 2D: squares fall, slide and tumble, a rope swings; all of them were pushed towards the camera, and none comes",
     eye: Vec3::new(1.5, 2.6, 8.4),
     target: Vec3::new(-0.1, 1.45, 0.0),
     seconds: 5.0,
     moment: 0.9,
+    lesson: None,
     spawn,
 };
 

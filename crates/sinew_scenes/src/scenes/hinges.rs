@@ -8,16 +8,18 @@ use bevy_sinew::{Articulated, TubeMesh};
 use bevy_sinew::{BodySolver, Bone, BoneJoint, GradientAt};
 
 use super::Scene;
-use crate::{InScene, Look};
+use crate::{Heading, InScene, Look};
 
 pub(super) const SCENE: Scene = Scene {
     name: "hinges",
+    heading: Heading::Constraints,
     title: "Hinges, elbows, cones",
     about: "each flap stops at its red mark; the orange elbow never bends backward, the grey one does; each bone of the tail stays within 20° of the last",
     eye: Vec3::new(1.8, 2.3, 8.4),
     target: Vec3::new(0.2, 1.5, 0.0),
     seconds: 6.0,
     moment: 1.9,
+    lesson: None,
     spawn,
 };
 

@@ -7,16 +7,18 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{ConstraintOf, MeshFollow, ParticleBody, ParticleOf, WindSurface};
 
 use super::{Scene, mesh};
-use crate::{InScene, Look};
+use crate::{Heading, InScene, Look};
 
 pub(super) const SCENE: Scene = Scene {
     name: "jelly",
+    heading: Heading::Soft,
     title: "A jelly of springs",
     about: "125 particles and some 700 damped springs; its skin is a mesh that follows the outer ones",
     eye: Vec3::new(1.6, 1.9, 4.6),
     target: Vec3::new(0.0, 0.75, -0.2),
     seconds: 5.0,
     moment: 0.62,
+    lesson: None,
     spawn,
 };
 

@@ -7,7 +7,9 @@ mod bin;
 mod boats;
 mod bricks;
 mod buoys;
+mod capacitor;
 mod catch;
+mod catenary;
 mod chain;
 mod charges;
 mod crates;
@@ -18,6 +20,7 @@ mod flag;
 mod flatland;
 mod hinges;
 mod jelly;
+mod loads;
 mod net;
 mod orbits;
 mod pendulums;
@@ -25,6 +28,7 @@ mod pile;
 mod race;
 mod ragdoll;
 mod rails;
+mod repose;
 pub(crate) mod ropes;
 mod slopes;
 mod soft;
@@ -35,13 +39,15 @@ pub(crate) mod swap;
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use crate::cylinder;
+use crate::{Heading, Lesson, cylinder};
 
 /// A scene: what it is called, where to look at it from, and how to spawn it.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene {
     /// What it is called on a command line.
     pub name: &'static str,
+    /// The heading that it stands under.
+    pub heading: Heading,
     /// What it is called on a picture.
     pub title: &'static str,
     /// One sentence on what there is to see.
@@ -54,6 +60,8 @@ pub struct Scene {
     pub seconds: f32,
     /// When it is best photographed, seconds.
     pub moment: f32,
+    /// What to try in it, and the number that a formula predicts, if there is one.
+    pub lesson: Option<Lesson>,
     /// Spawns everything; each root carries [`InScene`](crate::InScene).
     pub spawn: fn(&mut World),
 }
@@ -91,6 +99,10 @@ pub const ALL: &[Scene] = &[
     chain::SCENE,
     rails::SCENE,
     belt::SCENE,
+    loads::SCENE,
+    catenary::SCENE,
+    repose::SCENE,
+    capacitor::SCENE,
 ];
 
 /// The scene of that name.

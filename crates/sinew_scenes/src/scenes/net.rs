@@ -5,16 +5,18 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{BodyContacts, ContactShape};
 
 use super::{Scene, mesh, post};
-use crate::{InScene, Look};
+use crate::{Heading, InScene, Look};
 
 pub(super) const SCENE: Scene = Scene {
     name: "net",
+    heading: Heading::Contacts,
     title: "Caught in coarse sheets",
     about: "the left sheet collides by its particles, and marbles fall between them; the right one by its triangles, and keeps them all",
     eye: Vec3::new(0.7, 2.7, 4.3),
     target: Vec3::new(0.0, 1.05, 0.0),
     seconds: 4.0,
     moment: 2.2,
+    lesson: None,
     spawn,
 };
 

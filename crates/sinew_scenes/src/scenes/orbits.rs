@@ -6,16 +6,18 @@ use bevy_sinew::TubeMesh;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{InScene, Look, ball};
+use crate::{Heading, InScene, Look, ball};
 
 pub(super) const SCENE: Scene = Scene {
     name: "orbits",
+    heading: Heading::Integration,
     title: "Orbits",
     about: "each planet stays on the ellipse that Kepler drew for it; the red one needs as long as the green one, but dives in to a fifth of its distance",
     eye: Vec3::new(0.0, 4.3, 4.3),
     target: Vec3::new(-0.1, 1.15, 0.15),
     seconds: 7.0,
     moment: 2.2,
+    lesson: None,
     spawn,
 };
 

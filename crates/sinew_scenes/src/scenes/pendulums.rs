@@ -6,16 +6,18 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{ConstraintOf, ParticleBody, ParticleOf};
 
 use super::{Scene, mesh, post};
-use crate::{InScene, Look, ball};
+use crate::{Heading, InScene, Look, ball};
 
 pub(super) const SCENE: Scene = Scene {
     name: "pendulums",
+    heading: Heading::Constraints,
     title: "Pendulum wave",
     about: "15 rods whose periods differ by one swing in 24 seconds: the same formula, side by side",
     eye: Vec3::new(2.6, 1.7, 2.2),
     target: Vec3::new(0.0, 1.35, 0.0),
     seconds: 8.0,
     moment: 4.6,
+    lesson: None,
     spawn,
 };
 

@@ -4,16 +4,18 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{InScene, Look, rounded_box};
+use crate::{Heading, InScene, Look, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "pile",
+    heading: Heading::Contacts,
     title: "A pile of crates",
     about: "boxes of particles that collide by their shape: poured into a heap, and stacked into a tower",
     eye: Vec3::new(5.2, 3.6, 8.6),
     target: Vec3::new(0.3, 1.1, 0.0),
     seconds: 6.0,
     moment: 4.5,
+    lesson: None,
     spawn,
 };
 

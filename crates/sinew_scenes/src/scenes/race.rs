@@ -1,32 +1,58 @@
 //! A ball, a cylinder and a block without friction, down one slope: what turns is slower, by how its mass is spread.
 
 use bevy::prelude::*;
-use bevy_sinew::Combine;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{Combine, SinewClock};
 
 use super::{Scene, mesh};
-use crate::{InScene, Look, ball, cylinder, rounded_box};
+use crate::lesson::{of_named, values};
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "race",
+    heading: Heading::Contacts,
     title: "A race downhill",
     about: "down one slope a block on ice gets g sin θ, a ball 5/7 of it and a cylinder 2/3, whatever they weigh: to turn takes energy",
     eye: Vec3::new(1.5, 3.2, 8.2),
     target: Vec3::new(0.2, 0.75, 0.0),
     seconds: 5.0,
     moment: 1.25,
+    lesson: Some(Lesson {
+        try_this: "change the angle, the density or the radius: only the angle changes who is how fast",
+        watch: "the block on ice leads, the ball follows, the cylinder is last: the more of the mass is far from the axis, the slower",
+        formula: "a = g sin θ / (1 + I/mr²): 1, 5/7 and 2/3 of g sin θ for block, ball, cylinder",
+        sliders: &[
+            SceneSlider { label: "Angle", unit: "°", range: [6.0, 16.0], default: 11.5 },
+            SceneSlider {
+                label: "Density", unit: "kg/m³", range: [100.0, 2000.0], default: 600.0
+            },
+            SceneSlider { label: "Radius", unit: "m", range: [0.15, 0.35], default: 0.3 },
+        ],
+        number: "Acceleration of the cylinder",
+        unit: "m/s²",
+        after: 1.0,
+        measure: |world| {
+            let seconds = world.resource::<SinewClock>().seconds;
+            let velocity: LinearVelocity = of_named(world, "cylinder")?;
+            (seconds > 0.0).then(|| f64::from(velocity.0.length()) / seconds)
+        },
+        expect: |values, _| 2.0 / 3.0 * 9.81 * libm::sin(f64::from(values[0]).to_radians()),
+        tolerance: [0.02, 0.02],
+    }),
     spawn,
 };
 
-/// Of the slope, radians, and of its board, metres.
-const ANGLE: f32 = 0.2;
+/// The board of the slope, metres.
 const BOARD: Vec3 = Vec3::new(7.0, 0.12, 3.6);
-const RADIUS: f32 = 0.3;
 
 fn spawn(world: &mut World) {
+    let [degrees, density, radius] = values(world);
+    // The formula has no air.
+    world.insert_resource(AirDrag(0.0));
     world.spawn((InScene, Ground));
-    let turn = Quat::from_rotation_z(-ANGLE);
-    let middle = Vec3::Y * 0.9;
+    let turn = Quat::from_rotation_z(-degrees.to_radians());
+    // High enough for the lower edge of the steepest.
+    let middle = Vec3::Y * (0.2 + 0.5 * BOARD.x * libm::sinf(degrees.to_radians()));
     let board = (Collider::cuboid(BOARD), mesh(world, rounded_box(BOARD, 0.02, 2)));
     let place = Transform::from_translation(middle).with_rotation(turn);
     let wood = Look::color(0x8a6a4b).roughness(0.9);
@@ -40,24 +66,24 @@ fn spawn(world: &mut World) {
         world.spawn((InScene, post, Look::color(0x6d5138).roughness(0.9), at));
     }
     let start = |z: f32, up: f32| middle + turn * Vec3::new(-0.42 * BOARD.x, 0.5 * BOARD.y + up, z);
-    let sphere = RigidShape::Sphere { radius: RADIUS };
-    let drum = RigidShape::Cylinder { radius: RADIUS, height: 0.6 };
+    let sphere = RigidShape::Sphere { radius };
+    let drum = RigidShape::Cylinder { radius, height: 0.6 };
     let lies = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
     let racers = [
-        ("ball", sphere, ball(RADIUS), Quat::IDENTITY, 0.0, 0xc0604d),
-        ("cylinder", drum, cylinder(RADIUS, 0.6), lies, 1.15, 0x4f7cac),
+        ("ball", sphere, ball(radius), Quat::IDENTITY, 0.0, 0xc0604d),
+        ("cylinder", drum, cylinder(radius, 0.6), lies, 1.15, 0x4f7cac),
     ];
     for (name, shape, skin, turned, z, color) in racers {
         let skin = mesh(world, skin);
         world.spawn((
             InScene,
             Name::new(name),
-            RigidMesh::density(600.0).shaped(shape),
+            RigidMesh::density(density).shaped(shape),
             SurfaceMaterial::new(0.5),
             skin,
             Look::color(color).roughness(0.35),
             Interpolate,
-            Transform::from_translation(start(z, RADIUS)).with_rotation(turned),
+            Transform::from_translation(start(z, radius)).with_rotation(turned),
         ));
     }
     // What has no friction takes none from what it lies on, by this rule of two materials.

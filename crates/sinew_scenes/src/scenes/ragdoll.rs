@@ -4,16 +4,18 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::Scene;
-use crate::{InScene, Look};
+use crate::{Heading, InScene, Look};
 
 pub(super) const SCENE: Scene = Scene {
     name: "ragdoll",
+    heading: Heading::Bodies,
     title: "Ragdolls",
     about: "22 particles, 33 bones, 20 struts and 22 limits of angles each; nobody holds them up",
     eye: Vec3::new(0.9, 1.9, 6.4),
     target: Vec3::new(0.0, 0.9, -0.3),
     seconds: 5.0,
     moment: 0.5,
+    lesson: None,
     spawn,
 };
 

@@ -6,16 +6,18 @@ use bevy_sinew::{BodyContacts, TubeMesh};
 use bevy_sinew::{ConstraintOf, ContactShape, ParticleBody, ParticleOf};
 
 use super::{Scene, mesh, post};
-use crate::{InScene, Look, ball, cylinder};
+use crate::{Heading, InScene, Look, ball, cylinder};
 
 pub(super) const SCENE: Scene = Scene {
     name: "rails",
+    heading: Heading::Contacts,
     title: "Over rails and ropes",
     about: "on the left ropes collide by their particles, and rail and line pass between those; on the right by their segments, and hang",
     eye: Vec3::new(1.0, 1.95, 4.5),
     target: Vec3::new(0.05, 0.98, 0.0),
     seconds: 5.0,
     moment: 3.2,
+    lesson: None,
     spawn,
 };
 

@@ -8,16 +8,18 @@ use bevy_sinew::{
 
 use super::{Scene, mesh, post};
 use crate::bevy_version::OnAdd;
-use crate::{InScene, Look, ball};
+use crate::{Heading, InScene, Look, ball};
 
 pub(super) const SCENE: Scene = Scene {
     name: "ropes",
+    heading: Heading::Soft,
     title: "Ropes",
     about: "a slack line, a swinging lantern, and a whip in a moving hand",
     eye: Vec3::new(0.9, 1.9, 6.6),
     target: Vec3::new(0.25, 1.25, 0.0),
     seconds: 6.0,
     moment: 2.6,
+    lesson: None,
     spawn,
 };
 

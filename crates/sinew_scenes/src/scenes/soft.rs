@@ -4,16 +4,18 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{InScene, Look};
+use crate::{Heading, InScene, Look};
 
 pub(super) const SCENE: Scene = Scene {
     name: "soft",
+    heading: Heading::Soft,
     title: "Soft bodies",
     about: "balls kept full by their volume, the striped one pumped up; cubes of tetrahedra, soft and stiff: all squash, and come back",
     eye: Vec3::new(0.4, 2.2, 7.3),
     target: Vec3::new(0.0, 0.7, 0.0),
     seconds: 4.2,
     moment: 0.62,
+    lesson: None,
     spawn,
 };
 

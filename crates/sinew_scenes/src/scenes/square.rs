@@ -4,16 +4,18 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{InScene, Look, rounded_box};
+use crate::{Heading, InScene, Look, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "square",
+    heading: Heading::Bodies,
     title: "The box of the lectures",
     about: "4 particles and 6 distances in a plane: falling and landing, it starts to turn by itself",
     eye: Vec3::new(0.8, 2.0, 7.4),
     target: Vec3::new(0.0, 1.45, 0.0),
     seconds: 5.0,
     moment: 1.0,
+    lesson: None,
     spawn,
 };
 

@@ -4,16 +4,18 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{InScene, Look, rounded_box};
+use crate::{Heading, InScene, Look, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "stairs",
+    heading: Heading::Contacts,
     title: "Down the stairs",
     about: "ragdolls whose bones collide with the steps and with each other",
     eye: Vec3::new(4.4, 3.0, 6.4),
     target: Vec3::new(0.4, 1.0, 0.0),
     seconds: 5.0,
     moment: 1.5,
+    lesson: None,
     spawn,
 };
 

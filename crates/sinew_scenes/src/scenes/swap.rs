@@ -6,16 +6,18 @@ use bevy_sinew::{BoxParticles, Representation};
 use bevy_sinew::{RigidIntegrator, SinewClock};
 
 use super::{Scene, mesh};
-use crate::{InScene, Look, rounded_box};
+use crate::{Heading, InScene, Look, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "swap",
+    heading: Heading::Bodies,
     title: "Particles or rigid, at any time",
     about: "the front row changes what it is every second: orange as particles, blue as a rigid body; it keeps up with the grey row, which never changes",
     eye: Vec3::new(1.6, 4.2, 8.8),
     target: Vec3::new(0.0, 2.0, 0.0),
     seconds: 6.0,
     moment: 1.6,
+    lesson: None,
     spawn,
 };
 
