@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{BodyContacts, SinewWorld};
-use bevy_sinew::{ParticleOf, QueryFilter, Touching};
+use bevy_sinew::{BodyParticles, ParticleOf, QueryFilter, Touching, WorldCenterOfMass};
 
 use crate::support::{app, heard, tick};
 
@@ -112,4 +112,56 @@ fn bodies_that_lie_still_sleep_and_wake_when_they_are_pushed_or_the_floor_goes()
     let height = |app: &App, entity| app.world().get::<Transform>(entity).unwrap().translation.y;
     assert!(height(&app, body) < 0.0 && height(&app, other) < 0.0, "they fall");
     assert_eq!(heard(&app), []);
+}
+
+#[test]
+fn what_sleeps_is_not_written() {
+    let mut app = app();
+    let world = app.world_mut();
+    world.spawn(floor());
+    let crates: Vec<Entity> = (0..9)
+        .map(|n| {
+            let (body, contacts, _) = crate_at(0.0, 0.0);
+            let place = Vec3::new(0.8 * (n % 3) as f32, 0.2, 0.8 * (n / 3) as f32);
+            world.spawn((body, contacts, Sleep::default(), Transform::from_translation(place))).id()
+        })
+        .collect();
+    tick(&mut app, 120);
+    let written = |app: &App, body: Entity| {
+        let world = app.world();
+        let first = world.get::<BodyParticles>(body).unwrap().iter().next().unwrap();
+        let [particle, transform, motion] = [
+            world.entity(first).get_ref::<Particle>().unwrap().last_changed(),
+            world.entity(body).get_ref::<Transform>().unwrap().last_changed(),
+            world.entity(body).get_ref::<LinearVelocity>().unwrap().last_changed(),
+        ];
+        [particle, transform, motion].map(|tick| tick.get())
+    };
+    let all = |app: &App| crates.iter().map(|&body| written(app, body)).collect::<Vec<_>>();
+    let before = all(&app);
+    tick(&mut app, 10);
+    assert_eq!(all(&app), before, "nothing of a sleeper is written");
+}
+
+#[test]
+fn the_transform_of_a_sleeper_follows_what_a_game_writes_to_its_particles() {
+    let mut app = app();
+    let world = app.world_mut();
+    world.spawn(floor());
+    let body = world.spawn((crate_at(0.0, 0.2), Sleep::default())).id();
+    tick(&mut app, 120);
+    assert!(app.world().get::<Sleep>(body).unwrap().asleep);
+    let particles: Vec<Entity> = app.world().get::<BodyParticles>(body).unwrap().iter().collect();
+    for particle in particles {
+        app.world_mut().get_mut::<Particle>(particle).unwrap().position.x += 2.0;
+    }
+    tick(&mut app, 2);
+    let place = *app.world().get::<Transform>(body).unwrap();
+    assert!((place.translation.x - 2.0).abs() < 1e-3, "{place:?}");
+    assert!((app.world().get::<WorldCenterOfMass>(body).unwrap().position.x - 2.0).abs() < 1e-3);
+    // Pushed, it wakes.
+    let first = app.world().get::<BodyParticles>(body).unwrap().iter().next().unwrap();
+    app.world_mut().get_mut::<Particle>(first).unwrap().velocity = Vec3::Y;
+    tick(&mut app, 1);
+    assert!(!app.world().get::<Sleep>(body).unwrap().asleep);
 }

@@ -203,6 +203,7 @@ impl Plugin for SinewPlugin {
         app.add_systems(
             SinewTick,
             (
+                sleep::note_sleepers,
                 scatter::scatter,
                 colliders::keep_places,
                 controls::drop_tick_forces,

@@ -44,6 +44,11 @@ impl<T: Send + Sync + 'static> Rows<T> {
         &self.rows
     }
 
+    /// The rows, if they were resolved in this layout; none otherwise.
+    pub(crate) fn current(&self, tables: &Tables) -> &[u32] {
+        if self.layout == tables.layout { &self.rows } else { &[] }
+    }
+
     /// The rows as they were last resolved.
     pub(crate) fn get(&self) -> &[u32] {
         &self.rows

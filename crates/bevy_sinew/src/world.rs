@@ -4,6 +4,7 @@
 use core::ops::Deref;
 use std::collections::BTreeSet;
 
+use bevy::ecs::change_detection::Tick;
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 use sinew::{ContactParticipant, ParticleFault, Particles, Simulation, SolverReport};
@@ -210,8 +211,47 @@ pub(crate) struct Tables {
     pub(crate) retied: bool,
     /// Where rows are drawn.
     pub(crate) played: Played,
+    /// Which particles were written to since they were last gathered, by row, and whether it may have been any.
+    pub(crate) touched: Touched,
+    /// The bodies that sleep, by number: from the end of gathering on as they were, from scattering on those that slept through the tick.
+    pub(crate) asleep: Vec<bool>,
+    /// Those of them of which nothing was written: what is extracted of them stays as it is.
+    pub(crate) unmoved: Vec<bool>,
+    /// When the contact cache was last kept, and how many there were who might remember something; `None` if the parts are not the same since.
+    pub(crate) cache_kept: Option<(Tick, usize)>,
     /// Counts the layouts, so that whoever resolved entities into rows knows when to do so again.
     pub(crate) layout: u64,
+}
+
+/// Which particles were written to since they were last gathered.
+#[derive(Default)]
+pub(crate) struct Touched {
+    /// Whether it may have been any.
+    pub(crate) all: bool,
+    /// Their rows, in any order.
+    pub(crate) rows: Vec<u32>,
+}
+
+impl SinewWorld {
+    /// Whether all of some rows are of bodies in a list, which goes by their numbers.
+    fn all_in(&self, bodies: &[bool], rows: &[u32]) -> bool {
+        let listed = |&row: &u32| {
+            let body = self.simulation.particles.body(row as usize);
+            body.is_some_and(|body| bodies.get(body as usize) == Some(&true))
+        };
+        let particles = self.simulation.particles.len();
+        !rows.is_empty() && rows.iter().all(|row| (*row as usize) < particles && listed(row))
+    }
+
+    /// Whether all of some rows slept through the tick.
+    pub(crate) fn slept_through(&self, rows: &[u32]) -> bool {
+        self.all_in(&self.tables.asleep, rows)
+    }
+
+    /// Whether what was extracted of some rows in the last tick holds.
+    pub(crate) fn are_unmoved(&self, rows: &[u32]) -> bool {
+        self.all_in(&self.tables.unmoved, rows)
+    }
 }
 
 impl Tables {

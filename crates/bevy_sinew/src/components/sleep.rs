@@ -3,7 +3,8 @@
 use bevy::prelude::*;
 
 /// Lets a body sleep: once it and all that touches it have been still for half a second, it is left out of the simulation, until something that moves
-/// comes near, it is pushed, or what surrounds it changes. Part of the state: save and restore it with the rest.
+/// comes near, it is pushed, or what surrounds it changes. Meanwhile nothing of it is written, and Bevy sees no change of it. Part of the state: save and
+/// restore it with the rest.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -96,6 +96,7 @@ pub(crate) fn compile_body_colliders(
     if !(anew || any_bends() && retied()) {
         return;
     }
+    tables.cache_kept = None;
     shapes.retain(|&entity| parts.contains(entity));
     bodies.retain(|&entity| contacts.contains(entity));
 

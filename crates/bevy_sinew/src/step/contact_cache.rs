@@ -1,13 +1,25 @@
 //! What contacts remember goes from the parts to the solver before a tick, and back after it.
 
+use bevy::ecs::change_detection::Tick;
+use bevy::ecs::system::SystemChangeTick;
 use bevy::prelude::*;
 
 use crate::components::ContactCache;
 use crate::world::SinewWorld;
 
-/// Tells the solver what each part remembers.
-pub(crate) fn gather_contact_cache(mut world: ResMut<SinewWorld>, memories: Query<&ContactCache>) {
+/// Tells the solver what each part remembers, unless that is what it left.
+pub(crate) fn gather_contact_cache(
+    mut world: ResMut<SinewWorld>,
+    memories: Query<&ContactCache>,
+    kept: Query<Ref<ContactCache>>,
+    ticks: SystemChangeTick,
+) {
     let SinewWorld { simulation, tables } = &mut *world;
+    if let Some(then) = tables.cache_kept.take()
+        && is_as_kept(&kept, then, ticks.this_run())
+    {
+        return;
+    }
     simulation.contact_cache.clear();
     for (number, &part) in tables.parts.iter().enumerate() {
         if let (Some(solid), Ok(own)) =
@@ -20,14 +32,37 @@ pub(crate) fn gather_contact_cache(mut world: ResMut<SinewWorld>, memories: Quer
 }
 
 /// Keeps what each part is to remember.
-pub(crate) fn keep_contact_cache(world: Res<SinewWorld>, mut memories: Query<&mut ContactCache>) {
-    let SinewWorld { simulation, tables } = &*world;
+pub(crate) fn keep_contact_cache(
+    mut world: ResMut<SinewWorld>,
+    mut memories: Query<&mut ContactCache>,
+    ticks: SystemChangeTick,
+) {
+    let SinewWorld { simulation, tables } = &mut *world;
+    let mut all = true;
     for (solid, &part) in simulation.body_colliders().iter().zip(&tables.parts) {
         let now = simulation.contact_cache.of(solid.id);
-        let Ok(mut own) = memories.get_mut(part) else { continue };
+        let Ok(mut own) = memories.get_mut(part) else {
+            all = false;
+            continue;
+        };
         if own.0 != now {
             own.0.clear();
             own.0.extend_from_slice(now);
         }
     }
+    tables.cache_kept = all.then(|| (ticks.this_run(), memories.iter().len()));
+}
+
+/// Whether nobody remembers anything else than when it was kept, or is new or gone.
+fn is_as_kept(kept: &Query<Ref<ContactCache>>, (then, before): (Tick, usize), now: Tick) -> bool {
+    let Ok(tables) = kept.contiguous_iter() else { return false };
+    let mut count = 0;
+    for column in tables {
+        let changed = column.changed_ticks_slice();
+        count += changed.len();
+        if changed.iter().any(|tick| tick.is_newer_than(then, now)) {
+            return false;
+        }
+    }
+    count == before
 }

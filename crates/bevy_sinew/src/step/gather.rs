@@ -2,7 +2,8 @@
 //!
 //! A warm tick copies what moves, the [`Particle`]s, table by table. What rarely changes (masses, radii, charges and so on) stands in the columns
 //! already, and is copied again for the tables in which Bevy saw a change; for all, where something was taken away, which leaves no mark behind. So
-//! what is written around Bevy's change detection is not seen, except in a [`Particle`].
+//! what is written around Bevy's change detection is not seen, except in a [`Particle`]. A `Particle` that sleeps is not scattered, so that its change
+//! tick says whether somebody else wrote to it.
 
 use bevy::ecs::change_detection::ContiguousRef;
 use bevy::prelude::*;
@@ -15,12 +16,12 @@ use crate::components::{
     Radius,
 };
 use crate::messages::{Refusal, Refused, refuse};
-use crate::world::SinewWorld;
+use crate::world::{SinewWorld, Tables};
 
 /// All that is said of a particle.
 type Told = (
     Entity,
-    &'static Particle,
+    Ref<'static, Particle>,
     &'static ParticleRow,
     Ref<'static, Mass>,
     Option<Ref<'static, Pinned>>,
@@ -35,7 +36,7 @@ type Told = (
 /// The same of a table: as many entries in each column as there are entities.
 type Table<'w> = (
     &'w [Entity],
-    &'w [Particle],
+    ContiguousRef<'w, Particle>,
     &'w [ParticleRow],
     ContiguousRef<'w, Mass>,
     Option<ContiguousRef<'w, Pinned>>,
@@ -81,6 +82,7 @@ pub(crate) fn gather_particles(
     all |= added | bodies.changed() | (world.tables.edits != world.simulation.particles.edits());
     // What bodies say comes on top of what their particles say, for all of them or for none.
     all |= changed && bodies.any();
+    note_touched(&mut world, &particles, all || changed);
     loop {
         let is_new = gather_tables(&mut world, &mut messages, &particles, all);
         if all || !(is_new && bodies.any()) {
@@ -89,6 +91,22 @@ pub(crate) fn gather_particles(
         all = true;
     }
     world.tables.properties_gathered = all;
+}
+
+/// Notes which particles were written to since, if one sleeps.
+fn note_touched(world: &mut SinewWorld, particles: &Query<Told>, all: bool) {
+    let Tables { touched, asleep, .. } = &mut world.tables;
+    touched.rows.clear();
+    touched.all = all || !asleep.contains(&true);
+    if touched.all {
+        return;
+    }
+    for table in particles.contiguous_iter().into_iter().flatten() {
+        let change_ticks = ChangeTicks::of(&table.1);
+        if change_ticks.any_changed() {
+            touched.rows.extend(change_ticks.changed().map(|place| table.2[place].0));
+        }
+    }
 }
 
 /// Whether it was news that one is set aside, or is not any more.
@@ -100,7 +118,7 @@ fn gather_tables(
 ) -> bool {
     let mut is_new = false;
     for table in particles.contiguous_iter().into_iter().flatten() {
-        let (states, rows) = (table.1, table.2);
+        let (states, rows) = (&*table.1, table.2);
         if all || properties_changed(&table) {
             (0..rows.len()).for_each(|i| is_new |= gather_one(world, messages, &table, i));
             continue;

@@ -7,15 +7,21 @@ use crate::components::{Particle, ParticleRow};
 use crate::messages::{Refusal, Refused, refuse};
 use crate::world::SinewWorld;
 
-/// Writes position, velocity and lag of every particle that took part; one that was set aside keeps what it has.
+/// Writes position, velocity and lag of every particle that took part; one that was set aside, or slept, keeps what it has.
 pub(crate) fn scatter(
     world: Res<SinewWorld>,
     mut messages: MessageWriter<Refused>,
     mut particles: Query<(&mut Particle, &ParticleRow)>,
+    mut awake: Local<Vec<bool>>,
 ) {
     let (columns, tables) = (&world.simulation.particles, &world.tables);
-    // Table by table, all of a table marked as changed at once. Not with one set aside among them: that one did not change.
-    if tables.set_aside == 0
+    list_awake(&world, &mut awake);
+    // Table by table, all of a table marked as changed at once. Not with one set aside among them, or asleep: that one did not change.
+    if !awake.is_empty() {
+        if awake.contains(&true) {
+            scatter_awake(&world, &mut particles, &awake);
+        }
+    } else if tables.set_aside == 0
         && let Ok(found) = particles.contiguous_iter_mut()
     {
         for (mut states, rows) in found {
@@ -36,6 +42,48 @@ pub(crate) fn scatter(
     }
     for &row in &world.simulation.report().frozen {
         refuse(&mut messages, tables.entities[row as usize], Refusal::Diverged);
+    }
+}
+
+/// Lists for each row whether it is to be written, if some are not because they sleep.
+fn list_awake(world: &SinewWorld, awake: &mut Vec<bool>) {
+    let SinewWorld { simulation, tables } = world;
+    awake.clear();
+    if !tables.asleep.contains(&true) {
+        return;
+    }
+    let sleeps = |body: u32| tables.asleep.get(body as usize) == Some(&true);
+    awake
+        .extend((0..simulation.particles.len()).map(|row| {
+            tables.is_sound(row) && !simulation.particles.body(row).is_some_and(sleeps)
+        }));
+}
+
+/// Writes some rows, and marks those alone as changed.
+fn scatter_awake(
+    world: &SinewWorld,
+    particles: &mut Query<(&mut Particle, &ParticleRow)>,
+    awake: &[bool],
+) {
+    let columns = &world.simulation.particles;
+    let Ok(found) = particles.contiguous_iter_mut() else { return };
+    for (mut states, rows) in found {
+        let is_awake = |row: &ParticleRow| row.get().filter(|&row| awake.get(row) == Some(&true));
+        let written = states.bypass_change_detection().iter_mut().zip(rows);
+        let mut any = false;
+        for (to, row) in written {
+            let Some(row) = is_awake(row) else { continue };
+            any = true;
+            columns.states(row..row + 1).for_each(|from| *to = particle(from));
+        }
+        if any {
+            let now = states.this_run_tick();
+            for (tick, row) in states.changed_ticks_slice_mut().iter_mut().zip(rows) {
+                if is_awake(row).is_some() {
+                    *tick = now;
+                }
+            }
+        }
     }
 }
 

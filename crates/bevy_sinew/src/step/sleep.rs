@@ -92,8 +92,10 @@ pub(crate) fn gather_sleep(
     mut surroundings: Surroundings,
     mut bodies: Query<(&Rows<BodyParticles>, &mut Sleep)>,
 ) {
-    let simulation = &mut world.simulation;
+    let SinewWorld { simulation, tables } = &mut *world;
     simulation.sleep.clear();
+    tables.asleep.clear();
+    tables.unmoved.clear();
     if bodies.is_empty() {
         return;
     }
@@ -112,6 +114,29 @@ pub(crate) fn gather_sleep(
             let Sleep { speed, still, asleep, .. } = *sleep;
             *own = sinew::Sleep { allowed: true, speed, still, asleep };
         }
+    }
+    tables.asleep.extend(simulation.sleep.iter().map(|body| body.asleep));
+    if !tables.touched.all {
+        tables.unmoved.clone_from(&tables.asleep);
+        for &row in &tables.touched.rows {
+            let known = (row as usize) < simulation.particles.len();
+            let body = known.then(|| simulation.particles.body(row as usize)).flatten();
+            if let Some(own) = body.and_then(|body| tables.unmoved.get_mut(body as usize)) {
+                *own = false;
+            }
+        }
+    }
+}
+
+/// Notes, after the step, who slept through all of it. Those need not be written: they are as they were gathered.
+pub(crate) fn note_sleepers(mut world: ResMut<SinewWorld>) {
+    let SinewWorld { simulation, tables } = &mut *world;
+    let after = simulation.sleep.iter();
+    for (was, now) in tables.asleep.iter_mut().zip(after.clone()) {
+        *was &= now.asleep;
+    }
+    for (unmoved, now) in tables.unmoved.iter_mut().zip(after) {
+        *unmoved &= now.asleep;
     }
 }
 
