@@ -135,7 +135,7 @@ fn what_sleeps_is_not_written() {
             world.entity(body).get_ref::<Transform>().unwrap().last_changed(),
             world.entity(body).get_ref::<LinearVelocity>().unwrap().last_changed(),
         ];
-        [particle, transform, motion].map(|tick| tick.get())
+        [particle, transform, motion].map(bevy::ecs::change_detection::Tick::get)
     };
     let all = |app: &App| crates.iter().map(|&body| written(app, body)).collect::<Vec<_>>();
     let before = all(&app);
