@@ -1,6 +1,6 @@
 //! Rollback netcode: two players push their boxes about over a connection with lag and loss, and both see the same to the last bit.
 //!
-//! `cargo run --example rollback --features sinew_examples/ggrs` needs no window and ends by itself.
+//! `cargo run --example rollback` needs no window and ends by itself.
 
 mod loopback;
 

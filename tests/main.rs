@@ -11,7 +11,7 @@
 //! | `saved` | the whole state is captured and put back, in place and into a fresh app: all goes on bit for bit |
 //! | `files` | snapshots go to RON and to bytes and back; what is broken or foreign is refused |
 //! | `sync_test` | each frame rolled back and simulated again is the same, by snapshots |
-//! | `rollback` | the same through `bevy_ggrs` (with the feature `ggrs`) |
+//! | `rollback` | the same through `bevy_ggrs` (with the feature `ggrs`, as by default) |
 //! | `state_list` | every component and resource of ours is in the list of what is state |
 //! | `bad_input` | what is wrong is set aside with one message that names it, and nothing else notices |
 //! | `bad_commands` | what cannot be done to a body is refused, and nothing changes |
