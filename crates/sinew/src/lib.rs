@@ -28,8 +28,8 @@
 //! 6. **`solve_constraints`**: what must hold, holds: rods keep their length, nothing sinks into the ground. The solver moves the
 //!    *positions* ([`constraints`], [`solve`]); the velocities follow from them, and so do spin, collision and friction, which nobody wrote down.
 //!
-//! A box or a ball that nothing but its own rods ties may go through the step as one rigid body, without a sweep, and its particles follow
-//! ([`Representation`]).
+//! A box or a ball that collides by its shape and that nothing but its own rods ties goes through the step as one rigid body, without a sweep, and its
+//! particles follow ([`Representation`]).
 //!
 //! Where nothing but gravity acts from outside, [`step`](Simulation::step) takes all substeps of an island at once, while its particles are in a
 //! core's cache.

@@ -220,7 +220,7 @@ fn sheet(columns: u32, rows: u32, width: f32) -> Simulation {
     world
 }
 
-/// Solids against each other and against a box that turns, balls among them, all of them bouncing.
+/// Solids as particles, against each other and against a box that turns, balls among them, all of them bouncing.
 fn heap() -> Simulation {
     let mut world = Simulation::default();
     let mut random = random();
@@ -234,6 +234,7 @@ fn heap() -> Simulation {
         let turned = Quat::from_xyzw(random(), random(), random(), 1.0).normalize();
         let at = Vec3::new(random(), 0.4 + i as f32 * 0.25, random());
         brick.transformed(turned, at).build_colliding(&mut world, contacts).unwrap();
+        world.bodies[i].representation = Representation::Particles;
     }
     let balls = world.bodies.len() as u32;
     world.bodies.push(BodySettings::default());
@@ -265,8 +266,10 @@ fn states() -> Simulation {
     }
     let apart = world.particles.separation(first as usize, first as usize + 8).length();
     world.distances_mut().push(Distance::new(first, first + 8, apart));
-    for (_, settings) in world.bodies.iter_mut().enumerate().filter(|(body, _)| body % 5 != 4) {
-        settings.representation = Representation::Auto;
+    for (body, settings) in world.bodies.iter_mut().enumerate() {
+        let is_state = body % 5 != 4;
+        settings.representation =
+            if is_state { Representation::Auto } else { Representation::Particles };
     }
     world
 }

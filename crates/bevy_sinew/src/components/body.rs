@@ -338,28 +338,28 @@ impl Default for GravityScale {
 
 /// How a rigid body moves: a body with a [`RigidPose`], such as a box. Change it at any time: position, rotation, momentum and angular momentum stay.
 ///
-/// The particles are the state either way, current between any two phases.
+/// The particles are the state either way, current between any two phases. A body without the component has the default, [`Auto`](Self::Auto).
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::Representation;
 /// # use bevy_sinew::prelude::*;
 /// # fn spawn(mut commands: Commands) {
-/// // Moves as one rigid state while nothing ties it; its particles follow.
-/// commands.spawn((RigidBox::default(), Representation::Auto));
+/// // A box whose particles are moved one by one, and held together by rods.
+/// commands.spawn((RigidBox::default(), Representation::Particles));
 /// # }
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Representation {
-    /// As particles that constraints hold together. The default.
-    #[default]
-    Particles,
     /// As one rigid state through the substeps of a tick while only its own rods hold its particles, which follow; as particles otherwise: while one
     /// of them is pinned, attached or tied to something else, or asleep, or something in it can break ([`sinew::Representation::Auto`] has the whole list).
-    /// The motion is that of [`Particles`](Self::Particles) without solving the constraints, and costs a third to two thirds of it.
+    /// The motion is that of [`Particles`](Self::Particles) without solving the constraints. The default.
+    #[default]
     Auto,
+    /// As particles that constraints hold together: the lectures' boxes.
+    Particles,
     /// As an explicit rigid body. It is read off its particles when a tick begins, moved as position, rotation and two velocities, and written back;
     /// whatever pulls at one of its particles pulls at all. The distances and constraints inside it rest meanwhile.
     Rigid(RigidIntegrator),

@@ -93,10 +93,10 @@ pub enum Representation {
     ///
     /// It moves as particles while one of them is pinned or asleep, another constraint holds one of them, a load of a rod is measured, the island
     /// does not keep spin ([`SolverSettings::keep_spin`], [`GradientAt::StepStart`]), the integrator is not Verlet, or it turns by more than half a radian in a
-    /// substep; for the rest of a step in which a position or a velocity of one was set between two phases; and in worlds in 2D.
-    Auto,
-    /// As particles that rods hold together: the lectures' boxes. The default.
+    /// substep; for the rest of a step in which a position or a velocity of one was set between two phases; and in worlds in 2D. The default.
     #[default]
+    Auto,
+    /// As particles that rods hold together: the lectures' boxes.
     Particles,
 }
 
@@ -126,7 +126,7 @@ pub struct BodySettings {
     /// does together, as a rigid body would, stays: it falls, flies and spins as without (Müller et al., *Position Based Dynamics*, 2007, section
     /// 3.5). A negative or non-finite one counts as 0.
     pub damping: f32,
-    /// How its rigid parts move within a step; default [`Representation::Particles`].
+    /// How its rigid parts move within a step; default [`Representation::Auto`].
     pub representation: Representation,
 }
 

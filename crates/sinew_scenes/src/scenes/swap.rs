@@ -65,10 +65,10 @@ fn spawn(world: &mut World) {
                 Interpolate,
                 Transform::from_xyz(2.2 * along, 0.9, z),
             ));
-            thrown.set_motion(Vec3::Y * up, Vec3::new(1.6, 0.9, 0.4 - along));
+            let now = Representation::Particles;
+            thrown.insert(now).set_motion(Vec3::Y * up, Vec3::new(1.6, 0.9, 0.4 - along));
             if swaps {
-                let now = Representation::Particles;
-                thrown.insert((Swaps, now, look_of(now)));
+                thrown.insert((Swaps, look_of(now)));
             }
         }
     }

@@ -322,8 +322,9 @@ fn rate_of(rows: &[u32], particles: &Particles, island: &Island, step: &RigidSte
     let first = *rows.first()? as usize;
     let rate = particles.damping[first];
     let alike = |&row: &u32| particles.damping[row as usize] == rate;
-    let body = step.bodies.get(particles.body[first] as usize);
-    let asks = body.is_some_and(|body| body.representation == Representation::Auto);
+    // Particles of no body, and those of one without settings, move by the default ones.
+    let body = step.bodies.get(particles.body[first] as usize).copied().unwrap_or_default();
+    let asks = body.representation == Representation::Auto;
     let keeps_momenta = settings.keep_spin || settings.gradient_at == GradientAt::StepStart;
     let may = island.free
         && !island.asleep
