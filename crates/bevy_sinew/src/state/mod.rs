@@ -8,6 +8,7 @@
 //! | `snapshot` | [`SinewSnapshot`]: all of it at one instant |
 //! | `restore` | a snapshot put back, in place or into another app |
 //! | `hash` | one number for all of it |
+//! | `size` | how much memory it takes |
 //! | `file` | snapshots as RON and as bytes, with the feature `serialize` |
 //! | `rollback` | rollback netcode, with the feature `ggrs` |
 //! | `eased` | what is drawn between two ticks is no state |
@@ -20,6 +21,7 @@ mod list;
 mod restore;
 #[cfg(feature = "ggrs")]
 mod rollback;
+mod size;
 mod snapshot;
 mod types;
 mod values;

@@ -10,9 +10,9 @@ use bevy::ecs::entity_disabling::DefaultQueryFilters;
 use bevy::ecs::world::WorldId;
 use bevy::prelude::*;
 
-use super::hash;
 use super::types::{StateRole, StateTypes};
 use super::values::{Kind, Names, Values};
+use super::{hash, size};
 use crate::components::CreationOrder;
 
 /// The whole state of the simulation at one instant: every component and resource in [`StateTypes`]. Cheap to clone.
@@ -133,9 +133,14 @@ impl SinewSnapshot {
         hash::of(self)
     }
 
-    /// Has it call entities as they are called now.
-    #[cfg(feature = "ggrs")]
-    pub(super) fn rename(&mut self, moved: &EntityHashMap<Entity>) {
+    /// Memory that it takes, bytes: an estimate, within some percent. Clones share it.
+    pub fn memory_bytes(&self) -> usize {
+        size::of(self)
+    }
+
+    /// Calls its entities by the ids that another snapshot's [`restore`](Self::restore) gave them: entities that are not in the map keep theirs. For a game that
+    /// keeps several snapshots of one world. What was despawned is spawned again once, and the next snapshot is put back onto that.
+    pub fn rename(&mut self, moved: &EntityHashMap<Entity>) {
         for entity in &mut self.entities {
             *entity = moved.get(entity).copied().unwrap_or(*entity);
         }

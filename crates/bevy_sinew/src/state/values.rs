@@ -233,6 +233,9 @@ pub(super) trait Values: Send + Sync {
     /// Puts them onto entities, as many as they are. `names` says which entity each number is.
     fn put(&self, world: &mut World, onto: &[Entity], names: &[Entity], foreign: bool);
 
+    /// Bytes that they take, each of the same size, and whether any of them may own more on the heap.
+    fn bytes(&self) -> (usize, bool);
+
     /// One as reflection sees it; `None` if its type is not reflected.
     fn view(&self, place: usize) -> Option<&dyn PartialReflect>;
 
@@ -351,6 +354,10 @@ impl<C: Component + Clone> Values for List<C> {
             }
             (self.options.put)(world, entity, value);
         }
+    }
+
+    fn bytes(&self) -> (usize, bool) {
+        (size_of_val(self.values.as_slice()), core::mem::needs_drop::<C>())
     }
 
     fn view(&self, place: usize) -> Option<&dyn PartialReflect> {
