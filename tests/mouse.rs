@@ -9,7 +9,8 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    BodyConstraints, CreationOrder, Grab, MouseDrag, MouseDragPlugin, ParticleOf, WorldCenterOfMass,
+    BodyConstraints, CreationOrder, Grab, MouseDrag, MouseDragPlugin, ParticleOf, SinewSnapshot,
+    WorldCenterOfMass,
 };
 
 /// Where the pointer looks from, and whereto.
@@ -93,6 +94,29 @@ fn a_click_into_the_middle_of_a_face_catches_the_crate_there() {
     assert_eq!(app.world().resource::<MouseDrag>().grabbed, None);
     run(&mut app, 2);
     assert_eq!(count(&mut app), before, "nothing of it is left");
+}
+
+#[test]
+fn a_press_while_time_stands_still_holds_nothing_and_changes_no_state() {
+    let mut app = app();
+    app.world_mut().spawn(RigidBox::new(Vec3::splat(2.0)));
+    run(&mut app, 2);
+    app.world_mut().resource_mut::<SinewControl>().pause();
+    run(&mut app, 2);
+    let hash = |app: &App| SinewSnapshot::capture(app.world()).hash();
+    let before = hash(&app);
+    assert!(press(&mut app).is_some(), "it is caught all the same");
+    run(&mut app, 2);
+    assert_eq!(hash(&app), before);
+    // It is held from the first tick on that is simulated.
+    let there = count(&mut app);
+    app.world_mut().resource_mut::<SinewControl>().step();
+    run(&mut app, 1);
+    assert_eq!(count(&mut app), there + 3);
+    app.world_mut().resource_mut::<SinewControl>().unpause();
+    input(&mut app, PointerAction::Release(PointerButton::Primary));
+    run(&mut app, 2);
+    assert_eq!(count(&mut app), there);
 }
 
 #[test]

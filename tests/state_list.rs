@@ -8,7 +8,7 @@ use bevy_sinew::{StateRole, StateTypes};
 use crate::support::app;
 
 /// Components and resources that are no state, and why not.
-const NO_STATE: [(&str, &str); 19] = [
+const NO_STATE: [(&str, &str); 20] = [
     ("ParticleRow", "scratch: given anew whenever particles come or go"),
     ("Rows", "scratch: resolved anew where what it is of has changed"),
     ("ResolvedShape", "scratch: found again where what it follows from has changed"),
@@ -26,6 +26,7 @@ const NO_STATE: [(&str, &str); 19] = [
     ("RelaxWorld", "a command: done and taken off in the next tick"),
     ("MouseDrag", "settings of a tool"),
     ("Pointing", "where the mouse is"),
+    ("WatchedContacts", "what a tool looks at"),
     ("JustBuilt", "scratch: emptied in the tick that filled it"),
     ("Breakables", "scratch: listed anew where what it follows from has changed"),
 ];

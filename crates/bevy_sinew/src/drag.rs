@@ -23,7 +23,7 @@ use crate::components::{
 };
 use crate::query::QueryFilter;
 use crate::recipes::{BodyParts, PartOf};
-use crate::schedule::{SinewSystems, SinewTick};
+use crate::schedule::{SinewSystems, SinewTick, time_passes};
 use crate::step::RegisterParticleConstraint;
 use crate::world::SinewWorld;
 
@@ -107,7 +107,8 @@ impl Plugin for MouseDragPlugin {
                 (pick.in_set(PickingSystems::Backend), follow_pointer.after(PickingSystems::Hover))
                     .run_if(resource_exists::<Messages<PointerInput>>),
             )
-            .add_systems(SinewTick, hold.before(SinewSystems::Build));
+            // Where time stands still nothing is pulled, and looking at a body changes nothing.
+            .add_systems(SinewTick, hold.before(SinewSystems::Build).run_if(time_passes));
     }
 }
 

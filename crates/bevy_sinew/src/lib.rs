@@ -246,7 +246,7 @@ pub use components::{
     CollisionLayers, Combine, ContactCache, ContactEnded, ContactEvents, ContactShape,
     ContactStarted, ContactsDisabled, RestPlace, Sensor, Sleep, SurfaceMaterial, Touching,
 };
-pub use components::{ContactImpulse, Weighs};
+pub use components::{ContactImpulse, WatchedContacts, Weighs};
 pub use components::{ControlForce, ExternalImpulse, ExternalTorque, Inertia, TickForces};
 pub use config::{BodySolver, GradientAt, Integrator, Order, SolverConfig};
 #[cfg(feature = "drag")]

@@ -9,7 +9,8 @@ use crate::breaking::{self, BreakAt, Breakables, Broke};
 use crate::commands;
 use crate::components::{self, AirDrag, Charge, CreationCounter, Drag, Electric, Gravity};
 use crate::components::{
-    ContactEnded, ContactImpulse, ContactStarted, MeshFollow, TopologyChanged, TubeMesh, Weighs,
+    ContactEnded, ContactImpulse, ContactStarted, MeshFollow, TopologyChanged, TubeMesh,
+    WatchedContacts, Weighs,
 };
 use crate::config::{BodySolver, SolverConfig};
 use crate::messages::Refused;
@@ -145,6 +146,8 @@ impl Plugin for SinewPlugin {
             .init_resource::<AirDrag>()
             .init_resource::<Electric>()
             .init_resource::<Breakables>()
+            .init_resource::<WatchedContacts>()
+            .register_type::<WatchedContacts>()
             .register_type::<BreakAt>()
             .add_message::<Broke>()
             .add_message::<Refused>()

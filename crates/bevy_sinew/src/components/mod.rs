@@ -21,7 +21,7 @@ pub use collide::{
     CollisionLayers, Combine, ContactCache, ContactEnded, ContactEvents, ContactShape,
     ContactStarted, ContactsDisabled, GroundDrag, RestPlace, Sensor, SurfaceMaterial, Touching,
 };
-pub use collide::{ContactImpulse, Weighs};
+pub use collide::{ContactImpulse, WatchedContacts, Weighs};
 pub use constraint::{
     AngleConstraint, AnyConstraint, AreaConstraint, BendConstraint, Bound, CollinearConstraint,
     ConeConstraint, CoplanarConstraint, DistanceConstraint, HingeConstraint, ParticleConstraint,

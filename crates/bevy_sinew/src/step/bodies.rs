@@ -13,7 +13,7 @@ use super::pins::sound;
 use crate::components::{
     BodyContacts, BodyParticles, CollisionLayers, ContactEvents, ContactShape, ContactsDisabled,
     CreationOrder, GravityScale, Particle, ParticleOf, ParticleRow, Radius, Representation,
-    ResolvedShape, RestPlace, Sleep, SurfaceMaterial,
+    ResolvedShape, RestPlace, Sleep, SurfaceMaterial, WatchedContacts,
 };
 use crate::config::BodySolver;
 use crate::messages::{Refusal, Refused};
@@ -79,6 +79,7 @@ pub(crate) struct Bodies<'w, 's> {
     events: Query<'w, 's, Ref<'static, ContactEvents>>,
     sleepers: Query<'w, 's, (), With<Sleep>>,
     disabled: Query<'w, 's, Ref<'static, ContactsDisabled>>,
+    watched: Res<'w, WatchedContacts>,
     counts: Local<'s, [usize; 13]>,
 }
 
@@ -90,7 +91,8 @@ impl Bodies<'_, '_> {
 
     /// Whether one came, went or changed since the system that asks last ran.
     pub(crate) fn changed(&mut self) -> bool {
-        let (mut now, mut changed, mut with_itself) = ([0; 13], false, false);
+        let mut changed = self.watched.is_changed();
+        let (mut now, mut with_itself) = ([0; 13], false);
         for (members, solver, scale, told, resolved, representation) in &self.all {
             let (contacts, material, layers) = told;
             now[12] += usize::from(representation.is_some());
@@ -169,6 +171,7 @@ pub(crate) fn gather_bodies(
     entities: Query<(Entity, Option<&CreationOrder>), Or<(With<BodyParticles>, Loose)>>,
     loose: Query<(&ParticleRow, Told), Loose>,
     places: Query<&RestPlace>,
+    watched: Res<WatchedContacts>,
     mut known: Local<Known>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
@@ -187,10 +190,12 @@ pub(crate) fn gather_bodies(
     ordered.extend(entities.iter().map(|(entity, order)| (order.copied(), entity)));
     ordered.sort_unstable();
     for &(_, entity) in &*ordered {
+        let is_watched = watched.all || watched.body == Some(entity);
         if let Ok((members, mut rows, solver, scale, representation, told)) = bodies.get_mut(entity)
         {
             let rows = rows.resolve(tables, members.is_changed(), members.iter());
-            let contacts = contacts(materials, &mut messages, entity, told);
+            let mut contacts = contacts(materials, &mut messages, entity, told);
+            contacts.events |= is_watched;
             let own = solver.map_or(default(), |&solver| BodySettings::from(solver));
             let representation = representation.copied().unwrap_or_default().within_a_step();
             let own = BodySettings { representation, ..own };
@@ -213,7 +218,8 @@ pub(crate) fn gather_bodies(
         } else if let Ok((row, told)) = loose.get(entity)
             && let Some(row) = row.get().filter(|&row| row < simulation.particles.len())
         {
-            let contacts = contacts(materials, &mut messages, entity, told);
+            let mut contacts = contacts(materials, &mut messages, entity, told);
+            contacts.events |= is_watched;
             let number = number(simulation, tables, entity, default(), contacts);
             simulation.particles.set_body(row, Some(number));
         }

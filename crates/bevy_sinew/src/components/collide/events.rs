@@ -47,6 +47,31 @@ pub enum ContactEvents {
 #[component(on_remove = end_all)]
 pub struct Touching(#[entities] pub Vec<Entity>);
 
+/// Whose contacts the [report](crate::SinewWorld::report) lists although they have no [`ContactEvents`]: for tools that show them. Nothing is sent, and nothing
+/// of the state or of the motion changes.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::WatchedContacts;
+/// fn touches(watched: Res<WatchedContacts>, world: Res<SinewWorld>) {
+///     for impact in &world.report().impacts {
+///         let two = [impact.first, impact.second].map(|one| world.entity_of(one));
+///         if two.contains(&watched.body) {
+///             println!("{} N·s at {}", impact.impulse, impact.point);
+///         }
+///     }
+/// }
+/// ```
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
+pub struct WatchedContacts {
+    /// Of one body or loose particle. Default none.
+    pub body: Option<Entity>,
+    /// Of all. Default not.
+    pub all: bool,
+}
+
 /// A contact that began in this tick, of an entity with [`ContactEvents`].
 ///
 /// ```

@@ -26,7 +26,9 @@ pub(crate) use body::ResolvedShape;
 pub use body::{BodyContacts, ContactShape, ContactsDisabled, RestPlace};
 pub use collider::{Collider, ColliderFault, ColliderShape};
 pub use contact_cache::ContactCache;
-pub use events::{ContactEnded, ContactEvents, ContactImpulse, ContactStarted, Touching};
+pub use events::{
+    ContactEnded, ContactEvents, ContactImpulse, ContactStarted, Touching, WatchedContacts,
+};
 pub use motion::ColliderMotion;
 pub use surface::{CollisionLayer, CollisionLayers, Combine, GroundDrag, Sensor, SurfaceMaterial};
 pub use weight::Weighs;
