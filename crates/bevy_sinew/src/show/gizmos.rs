@@ -1,15 +1,75 @@
-//! Lines for whoever debugs: particles, constraints coloured by strain, springs; colliders are in `wires`.
+//! Lines for whoever debugs, in layers: particles, constraints coloured by strain, springs and more; colliders are in `wires`.
 
 use bevy::gizmos::config::{GizmoConfigGroup, GizmoConfigStore};
 use bevy::prelude::*;
 
 use super::wires::draw_colliders;
-use crate::components::{ParticleRow, Pinned, Spring};
+use crate::components::{
+    BodyParticles, ParticleRow, Pinned, Sleep, Spring, WatchedContacts, WorldCenterOfMass,
+};
 use crate::world::SinewWorld;
 
-/// Configures the lines of [`SinewGizmoPlugin`]: switch them on through Bevy's `GizmoConfigStore`. Off by default.
-#[derive(Default, Reflect, GizmoConfigGroup)]
-pub struct SinewGizmoConfigGroup;
+/// Configures the lines of [`SinewGizmoPlugin`]: switch them on through Bevy's `GizmoConfigStore`, and choose their layers. Off by default.
+///
+/// ```
+/// # use bevy::gizmos::config::GizmoConfigStore;
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::SinewGizmoConfigGroup;
+/// fn show_contacts(mut store: ResMut<GizmoConfigStore>) {
+///     let (config, layers) = store.config_mut::<SinewGizmoConfigGroup>();
+///     config.enabled = true;
+///     layers.contacts = true;
+/// }
+/// ```
+#[derive(Reflect, GizmoConfigGroup, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Default, Clone, PartialEq)]
+pub struct SinewGizmoConfigGroup {
+    /// Particles as balls of their radius: blue, or orange if they are pinned. Default on.
+    pub particles: bool,
+    /// Distances as lines, green where they hold to red from 2 % of strain on. Default on.
+    pub strain: bool,
+    /// Springs as yellow lines. Default on.
+    pub springs: bool,
+    /// Outlines of colliders: grey, green if they are sensors, blue of rigid parts, red if they are set aside. Default on.
+    pub colliders: bool,
+    /// From where each particle was when the last tick began to where it is. Default off.
+    pub previous: bool,
+    /// The way of each particle in the next [`VELOCITY_SECONDS`](Self::VELOCITY_SECONDS), at its velocity. Default off.
+    pub velocities: bool,
+    /// Contacts of the last tick: a line along the normal, as long as its impulse is hard: [`METRES_PER_IMPULSE`](Self::METRES_PER_IMPULSE). Asks for the
+    /// contacts of all bodies ([`WatchedContacts::all`]). Default off.
+    pub contacts: bool,
+    /// Particles in a colour for each island: for what is solved together. Default off.
+    pub islands: bool,
+    /// Bodies that sleep as a violet box around their particles. Default off.
+    pub sleepers: bool,
+    /// The box around the particles of each body, and its centre of mass. Default off.
+    pub bounds: bool,
+}
+
+impl Default for SinewGizmoConfigGroup {
+    fn default() -> Self {
+        Self {
+            particles: true,
+            strain: true,
+            springs: true,
+            colliders: true,
+            previous: false,
+            velocities: false,
+            contacts: false,
+            islands: false,
+            sleepers: false,
+            bounds: false,
+        }
+    }
+}
+
+impl SinewGizmoConfigGroup {
+    /// How far ahead a velocity is drawn, seconds.
+    pub const VELOCITY_SECONDS: f32 = 0.1;
+    /// Length of the line of a contact, m/(N·s), besides the 0.05 m that each has.
+    pub const METRES_PER_IMPULSE: f32 = 0.1;
+}
 
 /// Draws particles and what connects them, and colliders. Does nothing in an app without gizmos.
 #[derive(Default)]
@@ -32,20 +92,67 @@ impl Plugin for SinewGizmoPlugin {
             .config_mut::<SinewGizmoConfigGroup>();
         config.enabled = false;
         config.depth_bias = -0.5;
-        app.add_systems(PostUpdate, (draw, draw_colliders).run_if(switched_on));
+        app.add_systems(
+            PostUpdate,
+            (
+                watch,
+                draw_particles.run_if(shows(|layers| layers.particles || layers.islands)),
+                draw_strain.run_if(shows(|layers| layers.strain)),
+                draw_springs.run_if(shows(|layers| layers.springs)),
+                draw_colliders.run_if(shows(|layers| layers.colliders)),
+                draw_motion.run_if(shows(|layers| layers.previous || layers.velocities)),
+                draw_contacts.run_if(shows(|layers| layers.contacts)),
+                draw_boxes.run_if(shows(|layers| layers.sleepers || layers.bounds)),
+            ),
+        );
     }
 }
 
-fn switched_on(store: Res<GizmoConfigStore>) -> bool {
-    store.config::<SinewGizmoConfigGroup>().0.enabled
+/// Whether the lines are on, and a layer is.
+fn shows(
+    layer: fn(&SinewGizmoConfigGroup) -> bool,
+) -> impl FnMut(Res<GizmoConfigStore>) -> bool + Clone {
+    move |store| {
+        let (config, layers) = store.config::<SinewGizmoConfigGroup>();
+        config.enabled && layer(layers)
+    }
 }
 
-fn draw(
+/// Asks for contacts while they are drawn.
+fn watch(
+    store: Res<GizmoConfigStore>,
+    mut watched: ResMut<WatchedContacts>,
+    mut asked: Local<bool>,
+) {
+    let wanted = shows(|layers| layers.contacts)(store);
+    if wanted != *asked {
+        (*asked, watched.all) = (wanted, wanted);
+    }
+}
+
+fn draw_particles(
     mut gizmos: Gizmos<SinewGizmoConfigGroup>,
     world: Res<SinewWorld>,
-    springs: Query<&Spring>,
     rows: Query<(&ParticleRow, Has<Pinned>)>,
 ) {
+    let particles = world.particles();
+    let by_island = gizmos.config_ext.islands;
+    for (row, pinned) in &rows {
+        let Some(i) = row.get().filter(|&i| i < particles.len()) else { continue };
+        let radius = particles.radius(i).max(0.01);
+        let color = match world.simulation().island_of(i).filter(|_| by_island && !pinned) {
+            // The golden angle apart, so that neighbours differ.
+            Some(island) => Color::hsl((island as f32 * 137.508).rem_euclid(360.0), 0.85, 0.6),
+            None if pinned => Color::srgb(1.0, 0.6, 0.1),
+            None => Color::srgb(0.4, 0.8, 1.0),
+        };
+        gizmos
+            .sphere(Isometry3d::from_translation(particles.position(i)), radius, color)
+            .resolution(8);
+    }
+}
+
+fn draw_strain(mut gizmos: Gizmos<SinewGizmoConfigGroup>, world: Res<SinewWorld>) {
     let particles = world.particles();
     for distance in world.simulation().distances() {
         let (a, b) =
@@ -55,21 +162,85 @@ fn draw(
         let hue = 120.0 * (1.0 - (strain / 0.02).min(1.0));
         gizmos.line(a, b, Color::hsl(hue, 0.9, 0.5));
     }
-    for (row, pinned) in &rows {
-        let Some(i) = row.get().filter(|&i| i < particles.len()) else { continue };
-        let radius = particles.radius(i).max(0.01);
-        let color = if pinned { Color::srgb(1.0, 0.6, 0.1) } else { Color::srgb(0.4, 0.8, 1.0) };
-        gizmos
-            .sphere(Isometry3d::from_translation(particles.position(i)), radius, color)
-            .resolution(8);
-    }
+}
+
+fn draw_springs(
+    mut gizmos: Gizmos<SinewGizmoConfigGroup>,
+    world: Res<SinewWorld>,
+    springs: Query<&Spring>,
+    rows: Query<&ParticleRow>,
+) {
+    let particles = world.particles();
+    let place = |entity| {
+        let row = rows.get(entity).ok()?.get()?;
+        (row < particles.len()).then(|| particles.position(row))
+    };
     for spring in &springs {
-        let place = |entity| {
-            let row = rows.get(entity).ok()?.0.get()?;
-            (row < particles.len()).then(|| particles.position(row))
-        };
         if let (Some(a), Some(b)) = (place(spring.a), place(spring.b)) {
             gizmos.line(a, b, Color::srgb(0.9, 0.9, 0.2));
+        }
+    }
+}
+
+/// Where particles come from, and where they go.
+fn draw_motion(mut gizmos: Gizmos<SinewGizmoConfigGroup>, world: Res<SinewWorld>) {
+    let SinewGizmoConfigGroup { previous, velocities, .. } = *gizmos.config_ext;
+    let simulation = world.simulation();
+    for i in 0..world.particles().len() {
+        let now = world.particles().position(i);
+        if previous {
+            gizmos.line(simulation.step_start(i), now, Color::srgb(0.85, 0.85, 0.85));
+        }
+        if velocities {
+            let ahead = simulation.velocity_now(i) * SinewGizmoConfigGroup::VELOCITY_SECONDS;
+            if ahead.length_squared() > 1e-8 && ahead.is_finite() {
+                gizmos.arrow(now, now + ahead, Color::srgb(0.3, 0.9, 0.95));
+            }
+        }
+    }
+}
+
+/// Where bodies touch, and how hard; sensors green.
+fn draw_contacts(mut gizmos: Gizmos<SinewGizmoConfigGroup>, world: Res<SinewWorld>) {
+    for impact in &world.report().impacts {
+        let long = 0.05 + SinewGizmoConfigGroup::METRES_PER_IMPULSE * impact.impulse;
+        let color =
+            if impact.sensor { Color::srgb(0.3, 0.9, 0.5) } else { Color::srgb(1.0, 0.85, 0.2) };
+        let at = Isometry3d::from_translation(impact.point);
+        gizmos.sphere(at, 0.02, color).resolution(8);
+        gizmos.arrow(impact.point, impact.point + impact.normal * long.min(2.0), color);
+    }
+}
+
+/// The boxes around bodies.
+fn draw_boxes(
+    mut gizmos: Gizmos<SinewGizmoConfigGroup>,
+    world: Res<SinewWorld>,
+    bodies: Query<(&BodyParticles, &WorldCenterOfMass, Option<&Sleep>)>,
+    rows: Query<&ParticleRow>,
+) {
+    let particles = world.particles();
+    let SinewGizmoConfigGroup { sleepers, bounds, .. } = *gizmos.config_ext;
+    for (members, centre, sleep) in &bodies {
+        let asleep = sleepers && sleep.is_some_and(|sleep| sleep.asleep);
+        if !asleep && !bounds {
+            continue;
+        }
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for row in members.iter().filter_map(|one| rows.get(one).ok()?.get()) {
+            if row < particles.len() {
+                let (place, radius) = (particles.position(row), particles.radius(row));
+                (low, high) = (low.min(place - radius), high.max(place + radius));
+            }
+        }
+        if !(low.cmple(high).all() && low.is_finite() && high.is_finite()) {
+            continue;
+        }
+        let color = if asleep { Color::srgb(0.7, 0.45, 1.0) } else { Color::srgb(0.6, 0.65, 0.7) };
+        let size = Transform::from_translation((low + high) * 0.5).with_scale(high - low);
+        gizmos.cube(size, color);
+        if bounds {
+            gizmos.axes(Transform::from_translation(centre.position), 0.1);
         }
     }
 }

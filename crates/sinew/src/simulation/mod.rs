@@ -385,8 +385,12 @@ impl Simulation {
 
     /// How the last step of the island of particle `i` went: of everything that constraints connect it with.
     pub fn island_report(&self, i: usize) -> Option<&IslandReport> {
-        let number = *self.scratch.plan.island_of.get(i)?;
-        self.report.islands.get(number as usize)
+        self.report.islands.get(self.island_of(i)? as usize)
+    }
+
+    /// The number of the island of particle `i` in the last step, by which [`SolverReport::islands`] is sorted.
+    pub fn island_of(&self, i: usize) -> Option<u32> {
+        self.scratch.plan.island_of.get(i).copied()
     }
 
     /// Mass of the island of particle `i`, kg: of all that constraints connect it with, without what is pinned. Zero before the first step.
