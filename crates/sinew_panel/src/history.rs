@@ -85,6 +85,11 @@ impl EnergyHistory {
         }
     }
 
+    /// Forgets what came after a tick.
+    pub fn truncate(&mut self, tick: u64) {
+        self.samples.truncate(self.samples.partition_point(|&(known, _)| known <= tick));
+    }
+
     /// The samples, oldest first.
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = &EnergySample> + ExactSizeIterator {
         self.samples.iter().map(|(_, sample)| sample)
@@ -175,6 +180,18 @@ mod tests {
         let mut history = filled(100);
         history.push(1, at(DT));
         assert_eq!(history.len(), 1);
+    }
+
+    #[test]
+    fn what_came_after_a_tick_is_forgotten() {
+        let mut history = filled(100);
+        history.truncate(40);
+        assert_eq!(history.len(), 40);
+        assert_eq!(history.last().unwrap().seconds, 40.0 * DT);
+        history.rewind(40);
+        assert_eq!(history.len(), 40);
+        history.truncate(0);
+        assert!(history.is_empty());
     }
 
     #[test]

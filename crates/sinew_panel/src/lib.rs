@@ -38,15 +38,48 @@
 //!
 //! | section | reads | writes |
 //! |---|---|---|
-//! | Time | `SinewClock` | `SinewControl` |
+//! | Time | `SinewClock`, [`Recording`] | `SinewControl`, and everything where you go back |
+//! | Selected body | the components of the [`Selection`], contacts in `SinewWorld::report` | `Representation`, `Sleep`; despawns a constraint |
 //! | Solver | | `SolverConfig` |
 //! | World | | `Gravity`, `AirDrag`, every `Wind`, `Electric` if there are charges |
 //! | Report | `SinewWorld::report`, `TickTime` | |
 //! | Energy | [`EnergyHistory`], sampled from `SinewWorld::ledger` | |
-//! | View | | `enabled` of `SinewGizmoConfigGroup`, if there are gizmos |
+//! | View | | `enabled` and the layers of `SinewGizmoConfigGroup`, if there are gizmos |
+//! | Settings | a file | that file, or all that is in [`PanelSettings`] |
 //!
 //! It writes where the user's hand is and nowhere else: opening it changes nothing. Energies cost one more summation of the forces in a tick, and
-//! only while their section is open.
+//! only while their section is open. Recording costs one copy of the state in a tick, and only while the panel is shown and Record is ticked.
+//!
+//! # Time backwards
+//!
+//! While the panel is shown, it records the state of the last ticks: 600 of them and 512 MiB at the most ([`RecordingConfig`]). The button Back, its key or
+//! the slider below puts the world back to one of them and pauses. Run or Step goes on from there, bit for bit as before: the panel compares what is simulated
+//! again with what it recorded, and says whether it is the same. With the first tick that differs, because you changed a setting, dragged a body, or the game
+//! acted, the recorded ticks from there on are dropped.
+//!
+//! - What goes back is the state of the simulation ([`StateTypes`](bevy_sinew::StateTypes)), settings and gravity included. Pause and speed are yours.
+//! - **A game's own state does not go back**: scores, timers, cameras, what it spawned without particles. [`RegisterState`](bevy_sinew::RegisterState) adds
+//!   components and resources to the state, and the event [`WentBack`] says when to do the rest.
+//! - Input is not recorded. Bodies that were despawned come back under new ids, with their meshes; a material comes back with them if it is registered
+//!   (`app.register_unsaved_state::<MeshMaterial3d<StandardMaterial>>()`).
+//! - [`Recording`] does the same from code, without a panel: [`RecordWhen::Always`], [`Recording::go_to`].
+//!
+//! # The selected body
+//!
+//! A press on a body in the game's view selects it: the panel reads what [`MouseDragPlugin`](bevy_sinew::MouseDragPlugin) catches, so add that plugin; or set
+//! [`Selection`]. The panel shows its mass, its motion, its energies, how well its constraints hold, and what it touches, and cuts the rod or spring that is
+//! nearest to where it was clicked. What is selected is marked by lines in an app that has gizmos: a cross at its centre, and what would be cut in red. Escape or
+//! a click into the void selects nothing. Selecting changes nothing of the motion; only a drag does.
+//!
+//! # Keys
+//!
+//! | key | what it does | where it is set |
+//! |---|---|---|
+//! | F1 | hides and shows the docked panel | [`SinewPanel::key`] |
+//! | F2 | stops and starts simulated time | [`PanelKeys::pause`] |
+//! | F3 | goes back by one recorded tick | [`PanelKeys::back`] |
+//! | F4 | simulates one tick while paused | [`PanelKeys::step`] |
+//! | Escape | selects nothing | [`PanelKeys::deselect`] |
 //!
 //! # Where there is no screen
 //!
@@ -59,15 +92,25 @@
 //! |---|---|
 //! | `panel` | what the panel reads and writes, the order of its sections, the sampling |
 //! | `sections` | one file a section |
+//! | `settings` | what the panel sets, as a file |
 //! | `widgets` | rows, sliders, numbers, headers |
 //! | `history` | the ring buffer of energies |
+//! | `recording` | the snapshots of the last ticks, and the way back to them |
+//! | `keys` | the keys |
+//! | `selection` | the body that was clicked, and what is known of it |
+//! | `mark` | lines at the selected body |
 //! | `dock` | the place at the edge of the screen |
 //! | `style` | colours, fonts, spacing |
 
 mod dock;
 mod history;
+mod keys;
+mod mark;
 mod panel;
+mod recording;
 mod sections;
+mod selection;
+mod settings;
 mod style;
 #[cfg(test)]
 mod tests;
@@ -75,7 +118,6 @@ mod widgets;
 
 use std::sync::Arc;
 
-use bevy::app::RunFixedMainLoopSystems;
 use bevy::asset::{Asset, Assets, Handle};
 use bevy::image::Image;
 use bevy::input::InputPlugin;
@@ -88,7 +130,12 @@ use bevy_sinew::SinewWorld;
 
 pub use dock::{DOCK_WIDTH, PanelSide, dock};
 pub use history::{EnergyHistory, EnergySample};
+pub use keys::PanelKeys;
+pub use mark::SinewPanelGizmos;
 pub use panel::{PanelParams, show};
+pub use recording::{RecordWhen, RecordedTick, Recording, RecordingConfig, Replay, WentBack};
+pub use selection::Selection;
+pub use settings::{PanelSettings, SettingsFault};
 pub use style::style;
 
 use panel::PanelState;
@@ -146,14 +193,32 @@ impl SinewPanelPlugin {
 
 impl Plugin for SinewPanelPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<EnergyHistory>().init_resource::<PanelState>();
+        app.init_resource::<EnergyHistory>()
+            .init_resource::<PanelState>()
+            .init_resource::<PanelKeys>()
+            .init_resource::<Recording>()
+            .init_resource::<RecordingConfig>()
+            .init_resource::<Selection>()
+            .register_type::<(PanelKeys, RecordingConfig, Selection)>()
+            .add_observer(selection::follow_back);
         let simulated = resource_exists::<SinewWorld>;
+        let follow = || {
+            (panel::sample, recording::record.run_if(recording::is_on)).chain().run_if(simulated)
+        };
         // Once a tick where ticks are fixed; the second time serves worlds that tick in a schedule of their own, and finds nothing to do elsewhere.
-        app.add_systems(FixedLast, panel::sample.run_if(simulated))
-            .add_systems(Last, panel::sample.run_if(simulated))
+        app.add_systems(FixedLast, follow())
             .add_systems(
-                RunFixedMainLoop,
-                panel::forget_who_looked.in_set(RunFixedMainLoopSystems::AfterFixedMainLoop),
+                Last,
+                (recording::travel.run_if(simulated).run_if(recording::is_wanted), follow())
+                    .chain(),
+            )
+            .add_systems(
+                Update,
+                (
+                    (keys::press, selection::select, selection::watch).chain().run_if(simulated),
+                    panel::forget_who_looked,
+                )
+                    .chain(),
             );
         if !add_egui(app) {
             info!("no window or no renderer: the panel is not drawn");
@@ -165,6 +230,11 @@ impl Plugin for SinewPanelPlugin {
                 draw.run_if(|panel: Res<SinewPanel>| panel.shown).run_if(simulated),
             );
         }
+    }
+
+    /// Not while building: the gizmos of a plugin that comes later are there by now.
+    fn finish(&self, app: &mut App) {
+        mark::add(app);
     }
 }
 

@@ -10,7 +10,11 @@ use bevy_sinew::{
 };
 
 use crate::history::{EnergyHistory, EnergySample};
+use crate::keys::PanelKeys;
+use crate::recording::{Recording, RecordingConfig};
 use crate::sections;
+use crate::selection::{Selected, Selection};
+use crate::settings::PanelSettings;
 use crate::widgets::section;
 
 /// Everything that [`show`] reads and writes, for a system of a game to ask for.
@@ -50,11 +54,21 @@ pub struct PanelParams<'w, 's> {
     pub gizmos: Option<ResMut<'w, GizmoConfigStore>>,
     /// The energies of the last seconds.
     pub history: Res<'w, EnergyHistory>,
+    /// The ticks of the last seconds.
+    pub recording: ResMut<'w, Recording>,
+    /// When and how much is recorded.
+    pub recording_config: ResMut<'w, RecordingConfig>,
+    /// The keys, which stand in the panel.
+    pub keys: Res<'w, PanelKeys>,
+    /// What is selected.
+    pub selection: ResMut<'w, Selection>,
+    pub(crate) selected: Selected<'w, 's>,
+    pub(crate) commands: Commands<'w, 's>,
     pub(crate) state: ResMut<'w, PanelState>,
 }
 
 /// What the panel remembers. Never part of the simulation's state.
-#[derive(Resource, Default)]
+#[derive(Resource)]
 pub(crate) struct PanelState {
     /// Gravity before it was switched off.
     pub(crate) gravity: Option<Vec3>,
@@ -64,13 +78,38 @@ pub(crate) struct PanelState {
     tick: u64,
     /// Somebody looks at the plot: worth summing up the energies.
     energy: bool,
+    /// Somebody looks at the panel.
+    pub(crate) shown: bool,
+    /// Somebody did in the last frame.
+    pub(crate) was_shown: bool,
+    /// Where settings are saved.
+    pub(crate) settings_path: String,
+    /// How that went.
+    pub(crate) settings_said: Option<Result<String, String>>,
+}
+
+impl Default for PanelState {
+    fn default() -> Self {
+        Self {
+            gravity: None,
+            milliseconds: 0.0,
+            tick: 0,
+            energy: false,
+            shown: false,
+            was_shown: false,
+            settings_path: PanelSettings::default_path().to_string_lossy().into_owned(),
+            settings_said: None,
+        }
+    }
 }
 
 /// Draws the sections into any `Ui`, such as a side panel of a game's own. See the [crate docs](crate) for an example.
 ///
 /// It takes the width that is there; 260 points and more look well.
 pub fn show(ui: &mut Ui, panel: &mut PanelParams) {
+    panel.state.shown = true;
     section(ui, "Time", |ui| sections::time(ui, panel));
+    section(ui, "Selected body", |ui| sections::selected(ui, panel));
     section(ui, "Solver", |ui| sections::solver(ui, panel));
     section(ui, "World", |ui| sections::surroundings(ui, panel));
     section(ui, "Report", |ui| sections::report(ui, panel));
@@ -79,6 +118,7 @@ pub fn show(ui: &mut Ui, panel: &mut PanelParams) {
     if sections::has_lines(panel) {
         section(ui, "View", |ui| sections::lines(ui, panel));
     }
+    section(ui, "Settings", |ui| sections::files(ui, panel));
 }
 
 /// Follows the ticks: the time they took, and their energies while somebody looks.
@@ -105,7 +145,8 @@ pub(crate) fn sample(
     }
 }
 
-/// Asks anew each frame whether somebody looks at the plot.
+/// Asks anew each frame whether somebody looks.
 pub(crate) fn forget_who_looked(mut state: ResMut<PanelState>) {
-    state.energy = false;
+    state.was_shown = state.shown;
+    (state.energy, state.shown) = (false, false);
 }

@@ -9,7 +9,10 @@ use bevy_sinew::{Charge, SinewClock};
 
 use super::*;
 
-fn app(plugin: SinewPanelPlugin) -> App {
+/// Height of the screen, points: high enough for all sections, for what is scrolled out of sight cannot be clicked.
+const HEIGHT: f32 = 2400.0;
+
+pub(crate) fn app(plugin: SinewPanelPlugin) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, SinewPlugins, plugin));
     app.insert_resource(TimeUpdateStrategy::ManualDuration(core::time::Duration::from_secs_f64(
@@ -21,11 +24,22 @@ fn app(plugin: SinewPanelPlugin) -> App {
     app
 }
 
-/// Draws the panel once, on a screen of 1280 × 720, and says what it covers.
+/// Draws the panel once, on a screen 1280 wide, and says what it covers.
 fn draw_once(app: &mut App, ctx: &egui::Context, side: PanelSide) -> (egui::FullOutput, Rect) {
-    let (ctx, screen) = (ctx.clone(), Rect::from_min_max(pos2(0.0, 0.0), pos2(1280.0, 720.0)));
+    draw_with(app, ctx, side, Vec::new())
+}
+
+/// The same after events of a pointer or a keyboard.
+pub(crate) fn draw_with(
+    app: &mut App,
+    ctx: &egui::Context,
+    side: PanelSide,
+    events: Vec<egui::Event>,
+) -> (egui::FullOutput, Rect) {
+    let (ctx, screen) = (ctx.clone(), Rect::from_min_max(pos2(0.0, 0.0), pos2(1280.0, HEIGHT)));
     let draw = move |mut params: PanelParams| {
-        let input = egui::RawInput { screen_rect: Some(screen), ..default() };
+        let input =
+            egui::RawInput { screen_rect: Some(screen), events: events.clone(), ..default() };
         let mut covered = Rect::NOTHING;
         let output = ctx.run_ui(input, |root| {
             let ctx = root.ctx().clone();
@@ -38,6 +52,43 @@ fn draw_once(app: &mut App, ctx: &egui::Context, side: PanelSide) -> (egui::Full
         (output, covered)
     };
     app.world_mut().run_system_once(draw).expect("the panel's parameters are there")
+}
+
+/// Where a text stands in the panel: the middle of the first one that contains it.
+pub(crate) fn find_text(output: &egui::FullOutput, text: &str) -> Option<egui::Pos2> {
+    fn find(shape: &egui::Shape, text: &str) -> Option<egui::Pos2> {
+        match shape {
+            egui::Shape::Text(shape) if shape.galley.text().contains(text) => {
+                Some(shape.pos + shape.galley.size() * 0.5)
+            }
+            egui::Shape::Vec(shapes) => shapes.iter().find_map(|shape| find(shape, text)),
+            _ => None,
+        }
+    }
+    output.shapes.iter().find_map(|clipped| find(&clipped.shape, text))
+}
+
+/// Presses and releases the pointer at a place of the panel, with a frame of the app between each two.
+pub(crate) fn click(app: &mut App, ctx: &egui::Context, at: egui::Pos2) {
+    let button = |pressed| egui::Event::PointerButton {
+        pos: at,
+        button: egui::PointerButton::Primary,
+        pressed,
+        modifiers: egui::Modifiers::NONE,
+    };
+    for event in [egui::Event::PointerMoved(at), button(true), button(false)] {
+        draw_with(app, ctx, PanelSide::Right, vec![event]);
+        app.update();
+    }
+}
+
+/// Clicks on what has a text on it.
+pub(crate) fn click_text(app: &mut App, ctx: &egui::Context, text: &str) {
+    // The first time it is only measured.
+    draw_with(app, ctx, PanelSide::Right, Vec::new());
+    let (output, _) = draw_with(app, ctx, PanelSide::Right, Vec::new());
+    let at = find_text(&output, text).unwrap_or_else(|| panic!("no \"{text}\" in the panel"));
+    click(app, ctx, at);
 }
 
 #[test]
@@ -122,6 +173,13 @@ fn looking_changes_nothing() {
 fn nothing_sticks_out_of_the_panel() {
     let mut app = app(SinewPanelPlugin::embedded());
     app.world_mut().spawn((Particle::default(), Charge(1e-6)));
+    let mut bodies = app.world_mut().query_filtered::<Entity, With<RigidBox>>();
+    let body = bodies.iter(app.world()).next().expect("it has a box");
+    app.world_mut()
+        .entity_mut(body)
+        .insert(Name::new("a name that is far too long for a panel of this width"));
+    app.world_mut().resource_mut::<Selection>().select(body);
+    app.insert_resource(SolverConfig { substeps: 11, ..default() });
     let ctx = egui::Context::default();
     for side in [PanelSide::Left, PanelSide::Right] {
         let mut widths = Vec::new();

@@ -1,6 +1,7 @@
 //! The few shapes that every section is made of: a header that folds, a row with a label column, a number with its unit.
 
 use bevy_egui::egui::collapsing_header::CollapsingState;
+use bevy_egui::egui::emath::Numeric;
 use bevy_egui::egui::{
     self, Align, Align2, Color32, Label, Layout, Response, Sense, Slider, Stroke, TextStyle, Ui,
     UiBuilder, vec2,
@@ -10,6 +11,8 @@ use bevy_egui::egui::{
 const LABEL: f32 = 84.0;
 /// Width of the number beside a slider, points: room for ten characters, or it grows and pushes the edge of everything below.
 const VALUE: f32 = 84.0;
+/// Width of the button that resets a number, points.
+const RESET: f32 = 16.0;
 /// Width of the column of units, points.
 const UNIT: f32 = 30.0;
 
@@ -61,31 +64,72 @@ pub(crate) fn row<R>(ui: &mut Ui, label: &str, hint: &str, add: impl FnOnce(&mut
 ///
 /// A value out of the slider's range stays as it is until then: looking at a world must not change it.
 pub(crate) fn slider(ui: &mut Ui, label: &str, hint: &str, slider: Slider<'_>) -> bool {
+    row(ui, label, hint, |ui| rail(ui, hint, slider, 0.0))
+}
+
+/// The same with a button that puts the number back to its default, and is there where it is another one.
+pub(crate) fn number<N: Numeric>(
+    ui: &mut Ui,
+    label: &str,
+    hint: &str,
+    number: &mut N,
+    default: N,
+    make: impl FnOnce(&mut N) -> Slider<'_>,
+) -> bool {
     row(ui, label, hint, |ui| {
-        let rail = ui.available_width() - VALUE - ui.spacing().item_spacing.x;
-        ui.spacing_mut().slider_width = rail.max(24.0);
-        ui.spacing_mut().interact_size.x = VALUE;
-        let response = ui.add(slider.clamping(egui::SliderClamping::Edits));
-        response.on_hover_text(hint).changed()
+        let space = RESET + ui.spacing().item_spacing.x;
+        let changed = rail(ui, hint, make(number), space);
+        let name = format!("the default, {}", default.to_f64());
+        let reset = reset(ui, *number != default, &name);
+        if reset {
+            *number = default;
+        }
+        changed || reset
     })
 }
 
-/// A row with one number to drag for each axis. Returns whether the user changed one.
+fn rail(ui: &mut Ui, hint: &str, slider: Slider<'_>, space: f32) -> bool {
+    let rail = ui.available_width() - VALUE - ui.spacing().item_spacing.x - space;
+    ui.spacing_mut().slider_width = rail.max(24.0);
+    ui.spacing_mut().interact_size.x = VALUE;
+    let response = ui.add(slider.clamping(egui::SliderClamping::Edits));
+    response.on_hover_text(hint).changed()
+}
+
+/// A small button that resets what is left of it. Its place is kept where there is nothing to reset, so that nothing moves.
+fn reset(ui: &mut Ui, differs: bool, to: &str) -> bool {
+    let size = vec2(RESET, ui.spacing().interact_size.y);
+    if !differs {
+        ui.allocate_exact_size(size, Sense::hover());
+        return false;
+    }
+    let button = egui::Button::new("⟲").min_size(size).small().frame(false);
+    ui.add_sized(size, button).on_hover_text(format!("Back to {to}.")).clicked()
+}
+
+/// A row with one number to drag for each axis, and a button that puts them back to their defaults. Returns whether the user changed one.
 pub(crate) fn vector(
     ui: &mut Ui,
     label: &str,
     hint: &str,
     axes: [&mut f32; 3],
+    default: [f32; 3],
     speed: f64,
 ) -> bool {
     row(ui, label, hint, |ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
-        let width = ((ui.available_width() - 8.0) / 3.0).floor();
+        let width = ((ui.available_width() - RESET - 12.0) / 3.0).floor();
         ui.spacing_mut().interact_size.x = width.max(24.0);
         let mut changed = false;
-        for (axis, name) in axes.into_iter().zip(["x", "y", "z"]) {
+        let [x, y, z] = axes;
+        for (axis, name) in [&mut *x, &mut *y, &mut *z].into_iter().zip(["x", "y", "z"]) {
             let drag = egui::DragValue::new(axis).speed(speed).fixed_decimals(2);
             changed |= ui.add(drag).on_hover_text(format!("{name}: {hint}")).changed();
+        }
+        let [a, b, c] = default;
+        if reset(ui, [*x, *y, *z] != default, &format!("{a}, {b}, {c}")) {
+            (*x, *y, *z) = (a, b, c);
+            changed = true;
         }
         changed
     })
@@ -94,6 +138,42 @@ pub(crate) fn vector(
 /// A row with a number that is only read: right-aligned, with its unit in a column of its own, so that nothing moves as it changes.
 pub(crate) fn value(ui: &mut Ui, label: &str, hint: &str, number: &str, unit: &str) {
     colored_value(ui, None, label, hint, number, unit, None);
+}
+
+/// A row with three numbers that are only read, and their unit behind the label, in three significant digits.
+pub(crate) fn vector_value(
+    ui: &mut Ui,
+    label: &str,
+    unit: &str,
+    hint: &str,
+    vector: bevy::math::Vec3,
+) {
+    let (rect, response) = readout_space(ui);
+    let visuals = ui.visuals();
+    let body = TextStyle::Body.resolve(ui.style());
+    let small = TextStyle::Small.resolve(ui.style());
+    let mono = TextStyle::Monospace.resolve(ui.style());
+    let (text, weak, strong) =
+        (visuals.text_color(), visuals.weak_text_color(), visuals.strong_text_color());
+    let painter = ui.painter();
+    let written = painter.text(rect.left_center(), Align2::LEFT_CENTER, label, body, text);
+    let place = written.right_center() + vec2(6.0, 0.0);
+    painter.text(place, Align2::LEFT_CENTER, unit, small, weak);
+    let numbers = vector.to_array().map(|x| format!("{:>7}", short(x.into()))).concat();
+    painter.text(rect.right_center(), Align2::RIGHT_CENTER, numbers, mono, strong);
+    response.on_hover_text(hint);
+}
+
+/// A number in three significant digits, and no more than two behind the point.
+pub(crate) fn short(number: f64) -> String {
+    match number.abs() {
+        size if size >= 99_999.5 => format!("{number:.0e}"),
+        size if size >= 99.95 => format!("{number:.0}"),
+        size if size >= 9.995 => format!("{number:.1}"),
+        // No minus before what is zero when it is written.
+        size if size < 0.005 => "0.00".into(),
+        _ => format!("{number:.2}"),
+    }
 }
 
 /// The same, with a coloured dot before the label and a colour for the number.
@@ -169,6 +249,22 @@ mod tests {
         assert_eq!(grouped(1_000), "1 000");
         assert_eq!(grouped(65_536), "65 536");
         assert_eq!(grouped(1_234_567), "1 234 567");
+    }
+
+    #[test]
+    fn a_short_number_has_at_most_six_characters() {
+        for (number, text) in [
+            (0.0, "0.00"),
+            (-0.001, "0.00"),
+            (9.996, "10.0"),
+            (-12.345, "-12.3"),
+            (99.96, "100"),
+            (-99_999.0, "-99999"),
+            (1.0e7, "1e7"),
+        ] {
+            assert_eq!(short(number), text);
+            assert!(text.len() <= 6);
+        }
     }
 
     #[test]

@@ -54,7 +54,8 @@ pub use shapes::{ball, capsule, cylinder, rounded_box};
 
 use bevy::prelude::*;
 use bevy_sinew::{
-    AirDrag, BodyPart, Electric, Gravity, PartOf, ParticleBody, SinewClock, SolverConfig,
+    AirDrag, BodyPart, Electric, Gravity, PartOf, ParticleBody, RegisterState, SinewClock,
+    SolverConfig,
 };
 
 use crate::bevy_version::OnAdd;
@@ -66,6 +67,8 @@ pub struct ScenesPlugin;
 
 impl Plugin for ScenesPlugin {
     fn build(&self, app: &mut App) {
+        // What is put back has its looks again, and goes with its scene. Neither is part of what is compared or saved.
+        app.register_unsaved_state::<Look>().register_unsaved_state::<InScene>();
         app.register_type::<Look>().add_observer(dress_part).add_observer(scenes::ropes::tie_ends);
         app.add_systems(Last, lesson::measure);
         app.add_systems(

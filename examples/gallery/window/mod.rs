@@ -13,6 +13,7 @@ use bevy::render::RenderPlugin;
 use bevy::window::WindowResolution;
 use bevy_sinew::{MouseDragPlugin, SinewPlugins};
 use sinew_examples::assets_folder;
+use sinew_panel::{Recording, Selection};
 use sinew_scenes::{Scene, ScenesPlugin};
 
 use crate::Options;
@@ -97,5 +98,7 @@ fn change_scene(world: &mut World) {
         Some(values) => sinew_scenes::load_with(world, scene, &values),
         None => sinew_scenes::load(world, scene),
     }
+    world.resource_mut::<Recording>().clear();
+    world.resource_mut::<Selection>().clear();
     stage::aim(world, scene, moved);
 }

@@ -157,15 +157,25 @@ fn checker() -> Image {
     image
 }
 
+/// The look that an entity has its material of. Going back in time writes all looks, and hardly any is another one then.
+#[derive(Component)]
+struct Dressed(Look);
+
 /// Gives everything with a look its material.
 fn dress(
     mut commands: Commands,
-    changed: Query<(Entity, &Look), (Changed<Look>, With<Mesh3d>)>,
-    arrived: Query<(Entity, &Look), (Added<Mesh3d>, Without<MeshMaterial3d<StandardMaterial>>)>,
+    changed: Query<(Entity, &Look, Option<&Dressed>), (Changed<Look>, With<Mesh3d>)>,
+    arrived: Query<
+        (Entity, &Look, Option<&Dressed>),
+        (Added<Mesh3d>, Without<MeshMaterial3d<StandardMaterial>>),
+    >,
     server: Res<AssetServer>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    for (entity, look) in changed.iter().chain(&arrived) {
+    for (entity, look, dressed) in changed.iter().chain(&arrived) {
+        if dressed.is_some_and(|dressed| dressed.0 == *look) {
+            continue;
+        }
         let material = StandardMaterial {
             base_color: look.color,
             base_color_texture: look.texture.as_ref().map(|path| server.load(path.clone())),
@@ -175,6 +185,7 @@ fn dress(
             metallic: look.metallic,
             ..default()
         };
-        commands.entity(entity).try_insert(MeshMaterial3d(materials.add(material)));
+        let material = MeshMaterial3d(materials.add(material));
+        commands.entity(entity).try_insert((material, Dressed(look.clone())));
     }
 }

@@ -10,8 +10,10 @@ use bevy_egui::{
     EguiContexts, EguiGlobalSettings, EguiPlugin, EguiPrimaryContextPass, PrimaryEguiContext, egui,
 };
 use bevy_panorbit_camera::PanOrbitCamera;
-use bevy_sinew::{MouseDrag, SinewControl};
-use sinew_panel::{DOCK_WIDTH, PanelParams, PanelSide, SinewPanelPlugin, dock, show, style};
+use bevy_sinew::MouseDrag;
+use sinew_panel::{
+    DOCK_WIDTH, PanelKeys, PanelParams, PanelSide, SinewPanelPlugin, dock, show, style,
+};
 use sinew_scenes::{ALL, Heading, OnStage, Scene};
 
 use super::Programme;
@@ -21,6 +23,12 @@ pub(super) fn add(app: &mut App) {
     app.add_plugins((EguiPlugin::default(), SinewPanelPlugin::embedded()));
     // Egui draws through whichever camera comes first otherwise, and would be squeezed into its share of the window.
     app.world_mut().resource_mut::<EguiGlobalSettings>().auto_create_primary_context = false;
+    app.insert_resource(PanelKeys {
+        pause: Some(KeyCode::Space),
+        back: Some(KeyCode::KeyB),
+        step: Some(KeyCode::KeyN),
+        ..default()
+    });
     app.add_systems(Startup, spawn_camera)
         .add_systems(EguiPrimaryContextPass, draw)
         .add_systems(Update, (keys, leave_room, share_pointer));
@@ -77,7 +85,8 @@ fn draw(
             if ui.button("Restart").on_hover_text("R").clicked() {
                 programme.wanted = Some(current);
             }
-            ui.label(egui::RichText::new("Drag anything. Space pauses, N steps").weak().small());
+            let keys = "Drag anything. ← → other scene, R restart";
+            ui.label(egui::RichText::new(keys).weak().small());
         });
         ui.separator();
         show(ui, &mut panel);
@@ -138,7 +147,6 @@ fn keys(
     keys: Res<ButtonInput<KeyCode>>,
     egui: Res<EguiWantsInput>,
     mut programme: ResMut<Programme>,
-    mut control: ResMut<SinewControl>,
 ) {
     if egui.wants_keyboard_input() {
         return;
@@ -154,12 +162,6 @@ fn keys(
     if keys.just_pressed(KeyCode::ArrowLeft) {
         programme.wanted = Some(&ALL[(current + ALL.len() - 1) % ALL.len()]);
         programme.values = None;
-    }
-    if keys.just_pressed(KeyCode::Space) {
-        control.paused = !control.paused;
-    }
-    if keys.just_pressed(KeyCode::KeyN) && control.paused {
-        control.single_steps += 1;
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::any::TypeId;
 
-use bevy_egui::egui::Ui;
+use bevy_egui::egui::{Grid, Ui};
 use bevy_sinew::SinewGizmoConfigGroup;
 
 use crate::panel::PanelParams;
@@ -57,18 +57,57 @@ pub(crate) fn has_lines(panel: &PanelParams) -> bool {
     panel.gizmos.as_ref().is_some_and(|store| store.get_config_dyn(&group).is_some())
 }
 
-/// Writes `enabled` of `SinewGizmoConfigGroup`.
+/// Writes `enabled` and the layers of `SinewGizmoConfigGroup`.
 pub(crate) fn lines(ui: &mut Ui, panel: &mut PanelParams) {
     let Some(store) = &mut panel.gizmos else { return };
     let group = TypeId::of::<SinewGizmoConfigGroup>();
-    let Some(mut on) = store.get_config_dyn(&group).map(|(config, _)| config.enabled) else {
-        return;
-    };
-    let hint = "Draws particles, springs and distances; red means 2 % of strain or more.";
-    let changed = row(ui, "Lines", hint, |ui| {
-        ui.checkbox(&mut on, "Particles and strain").on_hover_text(hint).changed()
+    let found = store.get_config_dyn(&group).and_then(|(config, layers)| {
+        Some((config.enabled, *layers.downcast_ref::<SinewGizmoConfigGroup>()?))
     });
-    if changed && let Some((config, _)) = store.get_config_mut_dyn(&group) {
-        config.enabled = on;
+    let Some((was_on, before)) = found else { return };
+    let (mut on, mut layers) = (was_on, before);
+    let hint = "Draws the layers below into the game's view.";
+    row(ui, "Lines", hint, |ui| ui.checkbox(&mut on, "Shown").on_hover_text(hint));
+    ui.add_enabled_ui(on, |ui| checkboxes(ui, &mut layers));
+    if (on, layers) == (was_on, before) {
+        return;
     }
+    if let Some((config, own)) = store.get_config_mut_dyn(&group) {
+        config.enabled = on;
+        if let Some(own) = own.downcast_mut::<SinewGizmoConfigGroup>() {
+            *own = layers;
+        }
+    }
+}
+
+/// One for each layer, in two columns.
+fn checkboxes(ui: &mut Ui, layers: &mut SinewGizmoConfigGroup) {
+    let ahead = SinewGizmoConfigGroup::VELOCITY_SECONDS;
+    let velocities = format!("The way of each particle in the next {ahead} s.");
+    let long = SinewGizmoConfigGroup::METRES_PER_IMPULSE;
+    let contacts =
+        format!("Contacts along their normals, {long} m for each N·s; slows the solver a little.");
+    let all: [(&mut bool, &str, &str); 10] = [
+        (&mut layers.particles, "Particles", "Balls of their radius, orange if pinned."),
+        (&mut layers.strain, "Strain", "Distances: green where they hold, red from 2 % on."),
+        (&mut layers.springs, "Springs", "Springs, yellow."),
+        (&mut layers.colliders, "Colliders", "Outlines: sensors green, set aside red."),
+        (&mut layers.previous, "Last tick", "From where each particle was a tick ago."),
+        (&mut layers.velocities, "Velocities", &velocities),
+        (&mut layers.contacts, "Contacts", &contacts),
+        (&mut layers.islands, "Islands", "A colour for what is solved together."),
+        (&mut layers.sleepers, "Sleepers", "Violet boxes around what sleeps."),
+        (&mut layers.bounds, "Bounds", "Boxes around bodies, and their centres of mass."),
+    ];
+    Grid::new("sinew_layers").num_columns(2).min_col_width(ui.available_width() * 0.45).show(
+        ui,
+        |ui| {
+            for (i, (layer, name, hint)) in all.into_iter().enumerate() {
+                ui.checkbox(layer, name).on_hover_text(hint);
+                if i % 2 == 1 {
+                    ui.end_row();
+                }
+            }
+        },
+    );
 }

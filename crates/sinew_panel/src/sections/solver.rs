@@ -5,29 +5,34 @@ use bevy_egui::egui::{Button, ComboBox, Slider, Ui, vec2};
 use bevy_sinew::{GradientAt, Integrator, Order, SolverConfig};
 
 use crate::panel::PanelParams;
-use crate::widgets::{row, slider};
+use crate::widgets::{number, row};
 
 /// Writes `SolverConfig`.
 pub(crate) fn solver(ui: &mut Ui, panel: &mut PanelParams) {
     let mut config = *panel.config;
 
-    let rail = Slider::new(&mut config.substeps, 1..=64);
+    let default = SolverConfig::default();
+
     let hint =
         "Parts that a tick is cut into: more make bodies stiffer, and cost time in proportion.";
-    let mut changed = slider(ui, "Substeps", hint, rail);
-
-    let rail = Slider::new(&mut config.max_sweeps, 1..=100).logarithmic(true);
+    let mut changed =
+        number(ui, "Substeps", hint, &mut config.substeps, default.substeps, |value| {
+            Slider::new(value, 1..=64)
+        });
     let hint = "The most rounds over all constraints in a substep.";
-    changed |= slider(ui, "Max sweeps", hint, rail);
-
+    changed |=
+        number(ui, "Max sweeps", hint, &mut config.max_sweeps, default.max_sweeps, |value| {
+            Slider::new(value, 1..=100).logarithmic(true)
+        });
     let mut millimetres = config.tolerance * 1e3;
-    let rail = Slider::new(&mut millimetres, 0.0..=10.0)
-        .logarithmic(true)
-        .smallest_positive(1e-3)
-        .custom_formatter(|x, _| if x < 1.0 { format!("{x:.4}") } else { format!("{x:.2}") })
-        .suffix(" mm");
     let hint = "Error at which a substep stops sweeping early.";
-    if slider(ui, "Tolerance", hint, rail) {
+    if number(ui, "Tolerance", hint, &mut millimetres, default.tolerance * 1e3, |value| {
+        Slider::new(value, 0.0..=10.0)
+            .logarithmic(true)
+            .smallest_positive(1e-3)
+            .custom_formatter(|x, _| if x < 1.0 { format!("{x:.4}") } else { format!("{x:.2}") })
+            .suffix(" mm")
+    }) {
         config.tolerance = millimetres * 1e-3;
         changed = true;
     }
@@ -77,7 +82,7 @@ pub(crate) fn solver(ui: &mut Ui, panel: &mut PanelParams) {
 }
 
 /// A drop-down of a few names. Whether another one was chosen.
-fn choice<T: Copy + PartialEq>(
+pub(super) fn choice<T: Copy + PartialEq>(
     ui: &mut Ui,
     label: &str,
     hint: &str,

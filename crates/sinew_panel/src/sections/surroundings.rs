@@ -2,10 +2,10 @@
 
 use bevy::prelude::*;
 use bevy_egui::egui::{Label, RichText, Slider, Ui};
-use bevy_sinew::{AirFlow, Fluid, Gravity, Wind};
+use bevy_sinew::{AirDrag, AirFlow, Electric, Fluid, Gravity, Wind};
 
 use crate::panel::PanelParams;
-use crate::widgets::{row, slider, vector};
+use crate::widgets::{number, row, vector};
 
 /// Density of air, kg/m³, to tell a pressure's speed.
 const AIR: f32 = 1.225;
@@ -15,9 +15,10 @@ pub(crate) fn surroundings(ui: &mut Ui, panel: &mut PanelParams) {
     gravity(ui, panel);
 
     let mut air = panel.air.0;
-    let rail = Slider::new(&mut air, 0.0..=1.0).fixed_decimals(2).suffix(" /s");
     let hint = "Share of their velocity that all particles lose to the air per second.";
-    if slider(ui, "Air drag", hint, rail) {
+    if number(ui, "Air drag", hint, &mut air, AirDrag::default().0, |value| {
+        Slider::new(value, 0.0..=1.0).fixed_decimals(2).suffix(" /s")
+    }) {
         panel.air.0 = air;
     }
 
@@ -48,15 +49,19 @@ pub(crate) fn surroundings(ui: &mut Ui, panel: &mut PanelParams) {
     if !panel.charges.is_empty() {
         subtitle(ui, "Charges");
         let mut law = *panel.electric;
-        let rail = Slider::new(&mut law.constant, 0.0..=1e12)
-            .logarithmic(true)
-            .smallest_positive(1.0)
-            .custom_formatter(|k, _| format!("{k:.2e}"));
+        let default = Electric::default();
         let hint = "Coulomb's constant K, N·m²/C²: the force of two charges is K·q·q/d².";
-        let mut changed = slider(ui, "Constant", hint, rail);
-        let rail = Slider::new(&mut law.softening, 0.0..=1.0).fixed_decimals(3).suffix(" m");
+        let mut changed =
+            number(ui, "Constant", hint, &mut law.constant, default.constant, |value| {
+                Slider::new(value, 0.0..=1e12)
+                    .logarithmic(true)
+                    .smallest_positive(1.0)
+                    .custom_formatter(|k, _| format!("{k:.2e}"))
+            });
         let hint = "Distance within which the force of two charges is softened.";
-        changed |= slider(ui, "Softening", hint, rail);
+        changed |= number(ui, "Softening", hint, &mut law.softening, default.softening, |value| {
+            Slider::new(value, 0.0..=1.0).fixed_decimals(3).suffix(" m")
+        });
         if changed {
             panel.electric.set_if_neq(law);
         }
@@ -80,7 +85,7 @@ fn gravity(ui: &mut Ui, panel: &mut PanelParams) {
         panel.gravity.0 = gravity;
     }
     let Vec3 { x, y, z } = &mut gravity;
-    if vector(ui, "", hint, [x, y, z], 0.05) {
+    if vector(ui, "", hint, [x, y, z], Gravity::default().0.to_array(), 0.05) {
         panel.gravity.0 = gravity;
     }
 }
@@ -105,47 +110,58 @@ fn blow(ui: &mut Ui, title: &str, wind: &Wind) -> Option<Wind> {
 
     let speed = (2.0 * aim.strength / AIR).sqrt();
     let hint = format!("Dynamic pressure: ½ρv², now a breeze of {speed:.1} m/s.");
-    let rail = Slider::new(&mut aim.strength, 0.0..=200.0)
-        .logarithmic(true)
-        .smallest_positive(0.1)
-        .custom_formatter(|x, _| format!("{x:.1}"))
-        .suffix(" Pa");
-    let mut aimed = slider(ui, "Pressure", &hint, rail);
-
-    let rail = Slider::new(&mut aim.heading, -180.0..=180.0).fixed_decimals(0).suffix(" °");
+    let default = Wind::default();
+    let usual = Aim::of(default.pressure);
+    let mut aimed = number(ui, "Pressure", &hint, &mut aim.strength, usual.strength, |value| {
+        Slider::new(value, 0.0..=200.0)
+            .logarithmic(true)
+            .smallest_positive(0.1)
+            .custom_formatter(|x, _| format!("{x:.1}"))
+            .suffix(" Pa")
+    });
     let hint = "Where it blows to, about the vertical: 0° along x, 90° along −z.";
-    aimed |= slider(ui, "Heading", hint, rail);
-
-    let rail = Slider::new(&mut aim.tilt, -90.0..=90.0).fixed_decimals(0).suffix(" °");
-    aimed |= slider(ui, "Tilt", "How much it blows upwards.", rail);
+    aimed |= number(ui, "Heading", hint, &mut aim.heading, usual.heading, |value| {
+        Slider::new(value, -180.0..=180.0).fixed_decimals(0).suffix(" °")
+    });
+    let hint = "How much it blows upwards.";
+    aimed |= number(ui, "Tilt", hint, &mut aim.tilt, usual.tilt, |value| {
+        Slider::new(value, -90.0..=90.0).fixed_decimals(0).suffix(" °")
+    });
     if aimed {
         wind.pressure = aim.pressure();
         ui.data_mut(|data| data.insert_temp(memory, (aim.heading, aim.tilt)));
     }
 
-    let rail = Slider::new(&mut wind.gusts, 0.0..=1.0).fixed_decimals(2);
     let hint = "How much gusts add and take, as a share of the pressure.";
-    let gusty = slider(ui, "Gusts", hint, rail);
+    let gusty = number(ui, "Gusts", hint, &mut wind.gusts, default.gusts, |value| {
+        Slider::new(value, 0.0..=1.0).fixed_decimals(2)
+    });
     (aimed || gusty).then_some(wind)
 }
 
 /// The sliders of a flow of air: what it becomes.
 fn stream(ui: &mut Ui, mut flow: AirFlow) -> AirFlow {
+    let default = AirFlow::default();
     let Vec3 { x, y, z } = &mut flow.velocity;
-    vector(ui, "Velocity", "Velocity of the air, m/s.", [x, y, z], 0.05);
-    let rail = Slider::new(&mut flow.gusts, 0.0..=1.0).fixed_decimals(2);
+    let hint = "Velocity of the air, m/s.";
+    vector(ui, "Velocity", hint, [x, y, z], default.velocity.to_array(), 0.05);
     let hint = "How much gusts add and take, as a share of the speed.";
-    slider(ui, "Gusts", hint, rail);
+    number(ui, "Gusts", hint, &mut flow.gusts, default.gusts, |value| {
+        Slider::new(value, 0.0..=1.0).fixed_decimals(2)
+    });
     flow
 }
 
 /// The sliders of a fluid: what it becomes.
 fn pour(ui: &mut Ui, mut fluid: Fluid) -> Fluid {
+    let default = Fluid::default();
     let Vec3 { x, y, z } = &mut fluid.current;
-    vector(ui, "Current", "Velocity of the fluid, m/s.", [x, y, z], 0.05);
-    let rail = Slider::new(&mut fluid.drag, 0.0..=1.0).fixed_decimals(2).suffix(" /s");
+    let hint = "Velocity of the fluid, m/s.";
+    vector(ui, "Current", hint, [x, y, z], default.current.to_array(), 0.05);
     let hint = "Share of its velocity that a submerged particle loses per second.";
-    slider(ui, "Drag", hint, rail);
+    number(ui, "Drag", hint, &mut fluid.drag, default.drag, |value| {
+        Slider::new(value, 0.0..=1.0).fixed_decimals(2).suffix(" /s")
+    });
     fluid
 }
 

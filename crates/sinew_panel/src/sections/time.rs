@@ -1,16 +1,30 @@
-//! Pause, single step, speed, and the clock.
+//! Pause, single step, speed, the clock, and the way back.
 
-use bevy_egui::egui::{Button, Slider, Ui, vec2};
+use bevy_egui::egui::{Button, Label, RichText, Slider, Ui, vec2};
 
 use crate::panel::PanelParams;
-use crate::widgets::{grouped, slider, value};
+use crate::recording::{RecordWhen, Replay};
+use crate::style::{GOOD, WARN};
+use crate::widgets::{grouped, number, row, slider, value};
 
-/// Writes `SinewControl`.
+/// What does not go back, for the hint of whatever goes.
+const NOT_BACK: &str = "Bodies, settings and gravity go back. What the game keeps elsewhere stays as it is, unless it is registered (RegisterState), \
+    and keys and clicks are not repeated.";
+
+/// Writes `SinewControl`, `Recording` and `RecordingConfig`.
 pub(crate) fn time(ui: &mut Ui, panel: &mut PanelParams) {
     let paused = panel.control.paused;
     ui.horizontal(|ui| {
-        let width = (ui.available_width() - ui.spacing().item_spacing.x) / 2.0;
+        let width = (ui.available_width() - 2.0 * ui.spacing().item_spacing.x) / 3.0;
+        let width = width.floor();
         let size = vec2(width, 24.0);
+        let can = panel.recording.can_go_back();
+        let back = ui.add_enabled(can, Button::new("⏮  Back").min_size(size));
+        let hint = format!("Goes back by one recorded tick and pauses. {NOT_BACK}");
+        let back = back.on_hover_text(hint).on_disabled_hover_text("No earlier tick is recorded.");
+        if back.clicked() {
+            panel.recording.go_back();
+        }
         let pause = Button::new(if paused { "▶  Run" } else { "⏸  Pause" }).min_size(size);
         if ui.add(pause).on_hover_text("Stops and starts simulated time.").clicked() {
             panel.control.paused = !paused;
@@ -19,20 +33,88 @@ pub(crate) fn time(ui: &mut Ui, panel: &mut PanelParams) {
         let hint = "Simulates one tick.";
         let step = step.on_hover_text(hint).on_disabled_hover_text("Pause first, then step.");
         if step.clicked() {
-            panel.control.single_steps = panel.control.single_steps.saturating_add(1);
+            panel.control.step();
         }
     });
+    let keys = panel.keys.line();
+    if !keys.is_empty() {
+        ui.add(Label::new(RichText::new(keys).weak().small()).truncate());
+    }
     let mut speed = panel.control.relative_speed;
-    let rail = Slider::new(&mut speed, 0.05..=4.0)
-        .logarithmic(true)
-        .custom_formatter(|x, _| format!("{x:.2}"))
-        .prefix("× ");
     let hint = "Simulated seconds for each second of the game, whose own clock is left alone.";
-    if slider(ui, "Speed", hint, rail) {
+    if number(ui, "Speed", hint, &mut speed, 1.0, |value| {
+        Slider::new(value, 0.05..=4.0)
+            .logarithmic(true)
+            .custom_formatter(|x, _| format!("{x:.2}"))
+            .prefix("× ")
+    }) {
         panel.control.relative_speed = speed;
     }
     let tick = grouped(panel.clock.tick);
     value(ui, "Tick", "Ticks simulated since the clock was set to zero.", &tick, "");
     let seconds = format!("{:.3}", panel.clock.seconds);
     value(ui, "Time", "Seconds simulated; gusts of wind depend on it.", &seconds, "s");
+    recorded(ui, panel);
+}
+
+/// The recording: whether there is one, how much, and where in it the simulation stands.
+fn recorded(ui: &mut Ui, panel: &mut PanelParams) {
+    let mut on = panel.recording_config.when != RecordWhen::Never;
+    let hint = "Keeps the state of the last ticks, to go back to; takes time and memory.";
+    let ticks = grouped(panel.recording.len() as u64);
+    let megabytes = panel.recording.bytes() as f64 * 1e-6;
+    let size = RichText::new(format!("{ticks} ticks, {megabytes:.1} MB")).monospace();
+    if row(ui, "Record", hint, |ui| ui.checkbox(&mut on, size).on_hover_text(hint).changed()) {
+        panel.recording_config.when = if on { RecordWhen::Shown } else { RecordWhen::Never };
+        if !on {
+            panel.recording.clear();
+        }
+    }
+    let (first, last) = {
+        let mut ticks = panel.recording.ticks();
+        let Some(first) = ticks.next() else { return problem(ui, panel) };
+        (first, ticks.next_back().unwrap_or(first))
+    };
+    let mut tick = panel.clock.tick;
+    let rail = Slider::new(&mut tick, first.tick..=last.tick.max(first.tick + 1));
+    let hint = format!("Recorded ticks: pauses and goes there. {NOT_BACK}");
+    if slider(ui, "Go to tick", &hint, rail) {
+        panel.recording.go_to(tick);
+    }
+    if panel.control.paused && panel.clock.tick < last.tick {
+        let back = last.seconds - panel.clock.seconds;
+        let text =
+            format!("{back:.3} s before the last tick. The game's own state did not go back.");
+        note(ui, RichText::new(text).weak().small(), NOT_BACK);
+    }
+    match panel.recording.replay() {
+        Replay::None => {}
+        Replay::Same(ticks) => {
+            let ticks = grouped(ticks);
+            let text = RichText::new(format!("Simulated again: {ticks} ticks, the same bits."));
+            note(
+                ui,
+                text.color(GOOD).small(),
+                "Compared with the recording by a hash of all state.",
+            );
+        }
+        Replay::Differs(tick) => {
+            let tick = grouped(tick);
+            let text = RichText::new(format!("Differs from tick {tick} on: later ones dropped."));
+            let hint = "Something was changed since: a setting, a body, or what the game does.";
+            note(ui, text.color(WARN).small(), hint);
+        }
+    }
+    problem(ui, panel);
+}
+
+fn problem(ui: &mut Ui, panel: &PanelParams) {
+    if let Some(problem) = panel.recording.problem() {
+        let text = RichText::new(format!("Recording: {problem}.")).color(WARN).small();
+        ui.add(Label::new(text).wrap());
+    }
+}
+
+fn note(ui: &mut Ui, text: RichText, hint: &str) {
+    ui.add(Label::new(text).wrap()).on_hover_text(hint);
 }
