@@ -148,7 +148,7 @@ impl Contacts {
 
     /// Adds to the report how deep body colliders are in each other and in what stands: of an island whose tolerance that exceeds, that it has not
     /// converged.
-    pub(crate) fn measure(&self, plan: &Plan, report: &mut SolverReport) {
+    pub(crate) fn measure(&mut self, plan: &Plan, report: &mut SolverReport) {
         for (row, left) in self.body_contact.overlaps() {
             let Some(&number) = plan.island_of.get(row as usize) else { continue };
             let island = &mut report.islands[number as usize];

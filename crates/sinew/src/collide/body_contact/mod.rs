@@ -218,6 +218,8 @@ pub(crate) struct BodyContactSolver {
     order: Vec<u32>,
     begins: Vec<u32>,
     loads: Vec<f32>,
+    /// Of each row of a body collider, how deep it is in another, metres.
+    deepest: Vec<f32>,
     impacts: Impacts,
     rigid: RigidIslands,
     /// Whether contacts were looked for since the last substep.
@@ -329,21 +331,24 @@ impl BodyContactSolver {
         }
     }
 
-    /// How deep body colliders were in each other or in static geometry when the last substep began, metres: the first row of each, and what the
-    /// substep before has left.
-    pub(crate) fn overlaps(&self) -> impl Iterator<Item = (u32, f32)> {
-        let lanes = self.wide_contacts.iter().flat_map(|wide| wide.number.iter().zip(&wide.left));
-        let deep = lanes.filter(|(_, left)| **left > 0.0);
-        let groups = &self.groups;
-        deep.flat_map(move |(&number, &left)| {
-            let one = self.contacts.get(number as usize);
-            let body_colliders =
-                one.map(|one| [Some(one.a), one.geometry.is_none().then_some(one.b)]);
-            let parts = body_colliders.into_iter().flatten().flatten();
-            parts.map(move |solid| {
-                let first = groups.parts[solid as usize].entries.start;
-                (groups.rows[first], left)
-            })
+    /// How deep body colliders were in each other or in static geometry when the last substep began, metres: the first row of each that was, and the most
+    /// that the substep before has left.
+    pub(crate) fn overlaps(&mut self) -> impl Iterator<Item = (u32, f32)> {
+        let Self { wide_contacts, groups, deepest, .. } = self;
+        deepest.clear();
+        deepest.resize(groups.padded(), 0.0);
+        for wide in wide_contacts.iter() {
+            for (&row, &left) in wide.a.iter().chain(&wide.b).zip(wide.left.iter().cycle()) {
+                // What stands, and nothing, have the rows behind those of body colliders.
+                if let Some(deepest) = deepest.get_mut(row as usize) {
+                    *deepest = deepest.max(left);
+                }
+            }
+        }
+        let groups = &*groups;
+        deepest.iter().enumerate().filter(|(_, left)| **left > 0.0).filter_map(|(row, &left)| {
+            let solid = groups.sound_in(row / LANES, row % LANES)?;
+            Some((groups.rows[groups.parts[solid].entries.start], left))
         })
     }
 

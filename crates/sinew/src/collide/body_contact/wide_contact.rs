@@ -249,6 +249,7 @@ pub(super) fn put_manifold(
     }
 }
 
+#[inline(always)]
 pub(super) fn set(to: &mut [LaneArray; 3], lane: usize, from: Vec3) {
     for (to, from) in to.iter_mut().zip(from.to_array()) {
         to[lane] = from;
