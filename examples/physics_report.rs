@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::{self, available_parallelism};
 use std::time::Instant;
 
 use clap::Parser;
 use sinew_report::plots::plots;
-use sinew_report::{CHAPTERS, Row, cases, json, table};
+use sinew_report::{CHAPTERS, Case, Row, cases, json, table};
 
 /// Runs every check of the physics and prints what was expected and what was measured; a wrong verdict exits with 1.
 #[derive(Parser)]
@@ -37,29 +39,46 @@ fn main() -> ExitCode {
     if wrong == 0 && !rows.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// Runs the cases and prints a table for each chapter, as soon as it is complete.
+/// Runs the cases, one at a time on each core, and prints a table for each chapter.
 fn judge(only: Option<&str>) -> Vec<Row> {
-    let wanted = |id: &str, title: &str| {
-        only.is_none_or(|text| id == text || title.contains(&text.to_lowercase()))
+    let is_wanted = |case: &&'static Case| {
+        only.is_none_or(|text| case.id == text || case.title().contains(&text.to_lowercase()))
     };
-    let (total, mut done, mut all) = (cases().count(), 0, Vec::new());
-    let start = Instant::now();
+    let wanted: Vec<_> = cases().filter(is_wanted).collect();
+    let mut measured = measure(&wanted).into_iter();
+    let mut all = Vec::new();
     for chapter in CHAPTERS {
-        let mut rows = Vec::new();
-        for case in chapter.cases() {
-            done += 1;
-            if wanted(case.id, &case.title()) {
-                let seconds = start.elapsed().as_secs_f32();
-                eprintln!("{seconds:5.1} s  {done:3}/{total}  {}: {}", case.id, case.title());
-                rows.extend(case.rows());
-            }
-        }
+        let count = chapter.cases().filter(is_wanted).count();
+        let rows: Vec<_> = measured.by_ref().take(count).flatten().collect();
         if !rows.is_empty() {
             println!("\n{}\n\n{}", chapter.title, table(&rows));
         }
         all.extend(rows);
     }
     all
+}
+
+/// The rows of each case, in the order of the cases, whichever is ready first. The last ones, contacts, take the longest: they come first, so that no core
+/// waits for one of them at the end.
+fn measure(cases: &[&Case]) -> Vec<Vec<Row>> {
+    let (start, next) = (Instant::now(), AtomicUsize::new(0));
+    let work = || {
+        let mut mine = Vec::new();
+        loop {
+            let taken = next.fetch_add(1, Ordering::Relaxed) + 1;
+            let Some(n) = cases.len().checked_sub(taken) else { return mine };
+            mine.push((n, cases[n].rows()));
+            let (seconds, count) = (start.elapsed().as_secs_f32(), cases.len());
+            eprintln!("{seconds:5.1} s  {taken:3}/{count}  {}: {}", cases[n].id, cases[n].title());
+        }
+    };
+    let cores = available_parallelism().map_or(1, usize::from);
+    let mut rows: Vec<_> = thread::scope(|scope| {
+        let workers: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
+        workers.into_iter().flat_map(|worker| worker.join().expect("no case panics")).collect()
+    });
+    rows.sort_by_key(|(n, _)| *n);
+    rows.into_iter().map(|(_, rows)| rows).collect()
 }
 
 /// Writes what was asked for beside the table.

@@ -10,8 +10,9 @@
 //! | `bevy_version` | what Bevy names differently from version to version |
 //! | `saved` | the whole state is captured and put back, in place and into a fresh app: all goes on bit for bit |
 //! | `files` | snapshots go to RON and to bytes and back; what is broken or foreign is refused |
-//! | `sync_test` | each frame rolled back and simulated again is the same, by snapshots |
-//! | `rollback` | the same through `bevy_ggrs` (with the feature `ggrs`, as by default) |
+//! | `rollback_game` | the game of the next two |
+//! | `rollback` | each frame rolled back and simulated again is the same, through `bevy_ggrs` (with the feature `ggrs`, as by default) |
+//! | `sync_test` | the same by snapshots alone (without that feature) |
 //! | `state_list` | every component and resource of ours is in the list of what is state |
 //! | `bad_input` | what is wrong is set aside with one message that names it, and nothing else notices |
 //! | `bad_commands` | what cannot be done to a body is refused, and nothing changes |
@@ -98,6 +99,7 @@ mod recipes_soft;
 mod representation;
 #[cfg(feature = "ggrs")]
 mod rollback;
+mod rollback_game;
 mod runtime_changes;
 mod saved;
 mod scenes;
@@ -109,6 +111,7 @@ mod state;
 mod state_list;
 mod statics;
 mod support;
+#[cfg(not(feature = "ggrs"))]
 mod sync_test;
 mod threads;
 mod time;

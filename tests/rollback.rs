@@ -14,7 +14,7 @@ use bevy_ggrs::{
 use bevy_sinew::Gravity;
 use bevy_sinew::{RegisterState, SinewPlugin, SinewRollbackPlugin, StateTypes};
 
-use crate::sync_test::{Counted, in_play, play, stage, ties};
+use crate::rollback_game::{Counted, in_play, play, stage, ties};
 
 type Config = GgrsConfig<u8>;
 

@@ -1,83 +1,21 @@
 //! Rollback without a netcode library: what a sync-test session of GGRS does, by snapshots alone. Every frame is rolled back by so many frames and
-//! simulated again from there, with a checksum of each state against the first one of that frame. (`rollback` is the same game through `bevy_ggrs`.)
+//! simulated again from there, with a checksum of each state against the first one of that frame. (`rollback` plays the same game through `bevy_ggrs`; this
+//! is for where there is none, as with Bevy 0.20.)
 
 use std::collections::VecDeque;
 
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
-use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    BodyConstraints, RegisterState, SinewClock, SinewPlugin, SinewSnapshot, SinewSystems,
-    StateTypes,
+    Gravity, RegisterState, SinewClock, SinewPlugin, SinewSnapshot, SinewSystems, StateTypes,
 };
 
+use crate::rollback_game::{Counted, in_play, play, stage, ties};
 use crate::support::TICK;
 
 /// A frame of the game.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 struct Frame;
-
-/// State of the game, which it counts in every frame.
-#[derive(Resource, Reflect, Clone, Debug, Default)]
-pub(crate) struct Counted(pub(crate) u32);
-
-/// What was spawned in play, and when.
-#[derive(Component, Reflect, Clone, Debug)]
-pub(crate) struct Thrown(u64);
-
-/// Spawns what there is at the start of the game.
-pub(crate) fn stage(app: &mut App) {
-    app.init_resource::<Counted>().register_state::<Thrown>();
-    let world = app.world_mut();
-    world.spawn((Ground, SurfaceMaterial::new(0.5)));
-    world.spawn((Wind { pressure: Vec3::X * 3.0, gusts: 0.7, ..default() }, Name::new("wind")));
-    let cloth = Cloth::grid(1.0, 1.0, 7, 7).pinned(ClothPins::TopEdge);
-    world.spawn((cloth, Transform::from_xyz(0.0, 1.5, 0.0)));
-    world.spawn((Rope { segments: 6, ..default() }, Transform::from_xyz(1.5, 2.0, 0.0)));
-}
-
-/// Bodies and particles come, fall onto each other, fall asleep and go; threads break.
-pub(crate) fn play(
-    mut commands: Commands,
-    clock: Res<SinewClock>,
-    mut counted: ResMut<Counted>,
-    thrown: Query<(Entity, &Thrown)>,
-    cloths: Query<&BodyConstraints, With<Cloth>>,
-) {
-    counted.0 += 1;
-    let tick = clock.tick;
-    let side = (tick % 7) as f32 * 0.1 - 0.3;
-    if tick % 31 == 5 {
-        let body = (RigidBox::new(Vec3::splat(0.3)), Sleep::default(), Thrown(tick));
-        commands.spawn((body, Transform::from_xyz(side, 2.0, 0.4)));
-    }
-    if tick % 17 == 3 {
-        let ball = Particle::at(Vec3::new(side, 1.0, 1.5)).with_velocity(Vec3::NEG_Z * 6.0);
-        commands.spawn((ball, Mass(0.05), Radius(0.05), Thrown(tick)));
-    }
-    if let (true, Some(ties)) = (tick % 23 == 11, cloths.iter().next())
-        && let Some(tie) = ties.iter().nth(tick as usize % ties.len().max(1))
-    {
-        commands.entity(tie).despawn();
-    }
-    for (entity, Thrown(when)) in &thrown {
-        if tick > when + 150 {
-            commands.entity(entity).despawn();
-        }
-    }
-}
-
-/// How many constraints hold the cloth together.
-pub(crate) fn ties(app: &mut App) -> usize {
-    let mut cloths = app.world_mut().query_filtered::<&BodyConstraints, With<Cloth>>();
-    cloths.single(app.world()).unwrap().len()
-}
-
-/// What was thrown and is still there.
-pub(crate) fn in_play(app: &mut App) -> usize {
-    let world = app.world_mut();
-    world.query::<&Thrown>().iter(world).count()
-}
 
 fn game() -> App {
     let mut app = App::new();

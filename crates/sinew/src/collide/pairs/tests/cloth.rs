@@ -46,27 +46,35 @@ fn folded(radius: f32, gap: f32, speed: f32) -> World {
     world
 }
 
-/// The least distance of two that are not neighbours, as a share of the thickness, and how many of the upper half are lower than what is under them.
+/// The least distance of two that are not neighbours, as a share of the thickness and not above two, and how many of the upper half are lower than what
+/// is under them.
 fn layers(world: &World, radius: f32) -> (f32, usize) {
-    let (mut least, mut swapped) = (f32::MAX, 0);
-    let p: Vec<_> = (0..SIDE * SIDE).map(|i| world.particles.position(i)).collect();
-    for i in 0..p.len() {
-        let (mut under, mut nearest) = (f32::MAX, 0.0);
-        for j in 0..i {
-            let rest = (world.rest[i] - world.rest[j]).length();
-            if rest < 2.5 * SPACING {
+    // Only what is within two thicknesses of each other matters: along x, those are few.
+    let reach = 4.0 * radius;
+    let mut along: Vec<_> = (0..SIDE * SIDE).map(|i| (world.particles.position(i), i)).collect();
+    along.sort_by(|one, other| one.0.x.total_cmp(&other.0.x));
+    let mut least = reach;
+    // Of each, how far aside the nearest of the lower half is, and how much lower.
+    let mut under = vec![(f32::MAX, 0.0); SIDE * SIDE];
+    let is_upper = |i: usize| i / SIDE >= SIDE / 2;
+    for (n, &(p, i)) in along.iter().enumerate() {
+        for &(q, j) in along[n + 1..].iter().take_while(|(q, _)| q.x - p.x < reach) {
+            if (world.rest[i] - world.rest[j]).length() < 2.5 * SPACING {
                 continue;
             }
-            let d = p[i] - p[j];
+            let d = p - q;
             least = least.min(d.length());
-            let flat = Vec3::new(d.x, 0.0, d.z).length();
-            if flat < under && i / SIDE >= SIDE / 2 && j / SIDE < SIDE / 2 {
-                (under, nearest) = (flat, d.y);
+            if is_upper(i) != is_upper(j) {
+                let (above, height) = if is_upper(i) { (i, d.y) } else { (j, -d.y) };
+                let flat = Vec3::new(d.x, 0.0, d.z).length();
+                if flat < under[above].0 {
+                    under[above] = (flat, height);
+                }
             }
         }
-        swapped += usize::from(under < 0.75 * SPACING && nearest < 0.0);
     }
-    (least / (2.0 * radius), swapped)
+    let is_swapped = |&&(flat, height): &&(f32, f32)| flat < 0.75 * SPACING && height < 0.0;
+    (least / (2.0 * radius), under.iter().filter(is_swapped).count())
 }
 
 #[test]
