@@ -85,28 +85,35 @@ fn draw(
             if ui.button("Restart").on_hover_text("R").clicked() {
                 programme.wanted = Some(current);
             }
-            let keys = "Drag anything. ← → other scene, R restart";
-            ui.label(egui::RichText::new(keys).weak().small());
+            let keys = egui::RichText::new("R restarts, arrows: other scenes").weak().small();
+            ui.add(egui::Label::new(keys).truncate());
         });
+        let pointer =
+            egui::RichText::new("Drag anything; a click shows it in numbers.").weak().small();
+        ui.add(egui::Label::new(pointer).truncate());
         ui.separator();
         show(ui, &mut panel);
     });
     Ok(())
 }
 
-/// The scenes under a heading, as buttons in two columns; the one that was clicked.
+/// Columns of buttons: as many as names fit side by side, so that the controls below are seen on a screen of 720 pixels, too.
+const COLUMNS: usize = 3;
+
+/// The scenes under a heading, as buttons in columns; the one that was clicked.
 fn scenes_of(ui: &mut egui::Ui, heading: Heading, current: &Scene) -> Option<&'static Scene> {
     let mut wanted = None;
-    egui::Grid::new(heading.title()).num_columns(2).spacing([6.0, 4.0]).show(ui, |ui| {
-        let width = (ui.available_width() - 6.0) * 0.5;
+    egui::Grid::new(heading.title()).num_columns(COLUMNS).spacing([4.0, 2.0]).show(ui, |ui| {
+        let gaps = 4.0 * (COLUMNS - 1) as f32;
+        let width = ((DOCK_WIDTH - 28.0 - gaps) / COLUMNS as f32).floor();
         for (i, scene) in ALL.iter().filter(|scene| scene.heading == heading).enumerate() {
             let chosen = scene.name == current.name;
-            let button = egui::Button::selectable(chosen, scene.name)
-                .min_size(egui::vec2(width.max(110.0), 22.0));
+            let button =
+                egui::Button::selectable(chosen, scene.name).min_size(egui::vec2(width, 20.0));
             if ui.add(button).on_hover_text(scene.title).clicked() {
                 wanted = Some(scene);
             }
-            if i % 2 == 1 {
+            if i % COLUMNS == COLUMNS - 1 {
                 ui.end_row();
             }
         }
