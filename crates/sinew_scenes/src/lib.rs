@@ -40,17 +40,30 @@
 //! | `catenary` | a hanging rope at rest on its catenary |
 //! | `repose` | blocks on a slope: the angle of repose |
 //! | `capacitor` | a charged pendulum between two plates |
+//! | `integrators` | one spring by four integrators, and their energies |
+//! | `reversal` | balls that are turned back in time |
+//! | `timestep` | a step that changes in flight, and Verlet's previous position |
+//! | `orders` | contradictory constraints by three orders of solving |
+//! | `inertia` | corners against equimomental particles |
+//! | `planar` | planar friction beside Coulomb's |
+//! | `car` | a torque on the wheels against a force on the body |
+//! | `impulses` | an impulse, a force that lasts, and a teleport |
+//! | `masses` | a distance between equal and unequal masses |
+//! | `volumes` | a volume by scaling and by its gradient |
+//! | `damping` | velocity damping, exact and approximated |
+//! | `straight` | collinear beads and coplanar corners |
 
 mod bevy_version;
 mod lesson;
 mod look;
+mod rounds;
 mod scenes;
 mod shapes;
 
 pub use lesson::{Heading, Lesson, OnStage, SceneSlider};
 pub use look::Look;
 pub use scenes::{ALL, Scene, find};
-pub use shapes::{ball, capsule, cylinder, rounded_box};
+pub use shapes::{ball, capsule, coil, cylinder, rounded_box};
 
 use bevy::prelude::*;
 use bevy_sinew::{
@@ -73,8 +86,20 @@ impl Plugin for ScenesPlugin {
         app.add_systems(Last, lesson::measure);
         app.add_systems(
             FixedUpdate,
-            (scenes::ropes::wave_hand, scenes::swap::swap_bodies, scenes::belt::lead_trays),
+            (
+                scenes::ropes::wave_hand,
+                scenes::swap::swap_bodies,
+                scenes::belt::lead_trays,
+                scenes::reversal::turn_back,
+                scenes::timestep::change_step,
+                scenes::car::drive,
+                scenes::impulses::push,
+                scenes::damping::damp,
+            ),
         );
+        // What is drawn of a tick, when it is over.
+        let drawn = (scenes::integrators::step_oscillators, scenes::orders::draw_errors);
+        app.add_systems(FixedLast, drawn);
     }
 }
 

@@ -1,5 +1,7 @@
 //! The few shapes that scenes are drawn with.
 
+use core::f32::consts::TAU;
+
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
@@ -21,6 +23,34 @@ pub fn capsule(radius: f32, length: f32) -> Mesh {
 /// A cylinder along y, metres.
 pub fn cylinder(radius: f32, height: f32) -> Mesh {
     Cylinder::new(radius, height).mesh().resolution(24).build()
+}
+
+/// A coil spring along x from the origin, metres: the radius of its turns and of its wire, its length, and how many turns.
+pub fn coil(radius: f32, wire: f32, length: f32, turns: u32) -> Mesh {
+    const STOPS: u32 = 14;
+    const SIDES: u32 = 6;
+    let pitch = length / (turns.max(1) as f32 * TAU);
+    let (mut positions, mut normals, mut uvs, mut indices) = (vec![], vec![], vec![], vec![]);
+    for i in 0..=turns * STOPS {
+        let angle = i as f32 / STOPS as f32 * TAU;
+        let (sin, cos) = libm::sincosf(angle);
+        let out = Vec3::new(0.0, cos, sin);
+        let along = Vec3::new(pitch, -radius * sin, radius * cos).normalize_or(Vec3::X);
+        let (side, middle) = (along.cross(out), Vec3::X * (pitch * angle) + out * radius);
+        for k in 0..=SIDES {
+            let share = k as f32 / SIDES as f32;
+            let (sin, cos) = libm::sincosf(share * TAU);
+            let normal = out * cos + side * sin;
+            positions.push((middle + normal * wire).to_array());
+            normals.push(normal.to_array());
+            uvs.push([share, angle / TAU]);
+        }
+    }
+    let ring = SIDES + 1;
+    for a in (0..turns * STOPS).flat_map(|i| (0..SIDES).map(move |k| i * ring + k)) {
+        indices.extend([a, a + 1, a + ring, a + 1, a + ring + 1, a + ring]);
+    }
+    triangles(positions, normals, uvs, indices)
 }
 
 /// A box about the origin with rounded edges, metres: `detail` facets across each rounding. Every face shows the whole texture.
@@ -61,6 +91,15 @@ pub fn rounded_box(size: Vec3, radius: f32, detail: u32) -> Mesh {
             }
         }
     }
+    triangles(positions, normals, uvs, indices)
+}
+
+fn triangles(
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+    uvs: Vec<[f32; 2]>,
+    indices: Vec<u32>,
+) -> Mesh {
     Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
         .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)

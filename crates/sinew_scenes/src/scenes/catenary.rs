@@ -4,9 +4,9 @@ use bevy::prelude::*;
 use bevy_sinew::BodyParticles;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, mesh, post};
+use super::{Scene, curve, post};
 use crate::lesson::{of_named, values};
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, cylinder};
+use crate::{Heading, InScene, Lesson, Look, SceneSlider};
 
 pub(super) const SCENE: Scene = Scene {
     name: "catenary",
@@ -92,16 +92,11 @@ fn spawn(world: &mut World) {
     world.spawn((InScene, Name::new("hanging rope"), rope.with_slack(slack), hemp, Interpolate));
     // The curve of the formula, before the rope.
     let a = parameter(f64::from(span), f64::from(span * (1.0 + slack))) as f32;
-    let curve = |i: u32| {
+    let curve_at = |i: u32| {
         let x = span * (i as f32 / PIECES as f32 - 0.5);
         let lift = a * (libm::coshf(x / a) - libm::coshf(half / a));
         Vec3::new(x, TOP + lift, 2.0 * ROPE)
     };
-    for i in 0..PIECES {
-        let (from, to) = (curve(i), curve(i + 1));
-        let piece = mesh(world, cylinder(0.005, from.distance(to)));
-        let turn = Quat::from_rotation_arc(Vec3::Y, (to - from).normalize());
-        let at = Transform::from_translation(0.5 * (from + to)).with_rotation(turn);
-        world.spawn((InScene, piece, Look::color(0xd0342c), at));
-    }
+    let points: Vec<Vec3> = (0..=PIECES).map(curve_at).collect();
+    curve(world, &points, 0.005, Look::color(0xd0342c));
 }

@@ -8,38 +8,50 @@ mod boats;
 mod bricks;
 mod buoys;
 mod capacitor;
+pub(crate) mod car;
 mod catch;
 mod catenary;
 mod chain;
 mod charges;
 mod crates;
 mod curtain;
+pub(crate) mod damping;
 mod drape;
 mod feathers;
 mod flag;
 mod flatland;
 mod hinges;
+pub(crate) mod impulses;
+mod inertia;
+pub(crate) mod integrators;
 mod jelly;
 mod loads;
+mod masses;
 mod net;
 mod orbits;
+pub(crate) mod orders;
 mod pendulums;
 mod pile;
+mod planar;
 mod race;
 mod ragdoll;
 mod rails;
 mod repose;
+pub(crate) mod reversal;
 pub(crate) mod ropes;
 mod slopes;
 mod soft;
 mod square;
 mod stairs;
+mod straight;
 pub(crate) mod swap;
+pub(crate) mod timestep;
+mod volumes;
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use crate::{Heading, Lesson, cylinder};
+use crate::{Heading, InScene, Lesson, Look, cylinder, rounded_box};
 
 /// A scene: what it is called, where to look at it from, and how to spawn it.
 #[derive(Clone, Copy, Debug)]
@@ -103,6 +115,18 @@ pub const ALL: &[Scene] = &[
     catenary::SCENE,
     repose::SCENE,
     capacitor::SCENE,
+    integrators::SCENE,
+    reversal::SCENE,
+    timestep::SCENE,
+    orders::SCENE,
+    inertia::SCENE,
+    planar::SCENE,
+    car::SCENE,
+    impulses::SCENE,
+    masses::SCENE,
+    volumes::SCENE,
+    damping::SCENE,
+    straight::SCENE,
 ];
 
 /// The scene of that name.
@@ -113,6 +137,35 @@ pub fn find(name: &str) -> Option<&'static Scene> {
 /// A post or a rail along its y axis, from its radius and its height, metres: as it is drawn it is met.
 fn post(world: &mut World, radius: f32, height: f32) -> (Mesh3d, Collider) {
     (mesh(world, cylinder(radius, height)), Collider::cylinder(radius, height))
+}
+
+/// Height of the upper side of a [`floor`], metres: a little above the ground that a renderer draws.
+const FLOOR: f32 = 0.03;
+
+/// A floor of the scene's own about the origin, from its lengths along x and z in metres; solid, its upper side at [`FLOOR`].
+fn floor(world: &mut World, size: Vec2, look: Look) -> Entity {
+    let size = Vec3::new(size.x, 0.2, size.y);
+    let slab = (mesh(world, rounded_box(size, 0.015, 2)), Collider::cuboid(size));
+    let at = Transform::from_xyz(0.0, FLOOR - 0.5 * size.y, 0.0);
+    world.spawn((InScene, Name::new("floor"), slab, look, at)).id()
+}
+
+/// A line through points, metres, as a stick for each piece between two of them. It is drawn alone: nothing meets it.
+fn curve(world: &mut World, points: &[Vec3], radius: f32, look: Look) {
+    let stick = |pair: &[Vec3]| {
+        let (from, to) = (pair[0], pair[1]);
+        let turn = Quat::from_rotation_arc(Vec3::Y, (to - from).normalize_or(Vec3::Y));
+        let at = Transform::from_translation(0.5 * (from + to)).with_rotation(turn);
+        cylinder(radius, from.distance(to)).transformed_by(at)
+    };
+    let mut sticks = points.windows(2).map(stick);
+    let Some(mut line) = sticks.next() else { return };
+    for next in sticks {
+        // All sticks have the same attributes, so nothing is refused.
+        line.merge(&next).ok();
+    }
+    let line = mesh(world, line);
+    world.spawn((InScene, line, look, Transform::default()));
 }
 
 /// Adds a mesh to the app's assets.

@@ -6,7 +6,8 @@ use bevy_sinew::TubeMesh;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{Heading, InScene, Look, ball};
+use crate::lesson::values;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
 
 pub(super) const SCENE: Scene = Scene {
     name: "orbits",
@@ -17,18 +18,59 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(-0.1, 1.15, 0.15),
     seconds: 7.0,
     moment: 2.2,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "make the red planet's ellipse longer or rounder, and the sun heavier: a year goes as √(a³/GM), whatever the eccentricity",
+        watch: "red is fast near the sun and slow far from it, and yet comes round with green, whose circle is as wide as red's ellipse is long",
+        formula: "r = a (1 − e cos E), with E − e sin E = t √(GM/a³)",
+        sliders: &[
+            SceneSlider { label: "GM", unit: "m³/s²", range: [2.0, 6.0], default: 4.0 },
+            SceneSlider { label: "Half axis", unit: "m", range: [0.9, 1.4], default: 1.25 },
+            SceneSlider { label: "Eccentricity", unit: "", range: [0.0, 0.8], default: 2.0 / 3.0 },
+        ],
+        number: "From the sun to the red planet",
+        unit: "m",
+        after: 3.0,
+        measure: |world| {
+            let mut red = world.query_filtered::<&Particle, With<Red>>();
+            red.iter(world).next().map(|red| f64::from(red.position.distance(SUN)))
+        },
+        expect: |values, seconds| {
+            let [strength, axis, e] = [values[0], values[1], values[2]].map(f64::from);
+            let mean = seconds * libm::sqrt(strength / (axis * axis * axis));
+            axis * (1.0 - e * libm::cos(eccentric_anomaly(e, mean)))
+        },
+        tolerance: [2e-3, 5e-3],
+    }),
     spawn,
 };
 
-/// Gravitational parameter of the sun, m³/s²: at 1 m, a year is 3.1 s.
-const STRENGTH: f32 = 4.0;
-/// Where it stands.
+/// Where the sun stands, metres.
 const SUN: Vec3 = Vec3::new(0.0, 1.3, 0.0);
 /// Particles that a drawn orbit is strung on.
 const BEADS: usize = 96;
+/// Colour of the planet whose ellipse the sliders change.
+const RED: u32 = 0xd1495b;
+
+/// The planet whose ellipse the sliders change.
+#[derive(Component, Clone, Copy, Debug)]
+struct Red;
+
+/// The root of Kepler's equation `E - e sin E = mean`, radians, by bisection: it grows with E.
+fn eccentric_anomaly(eccentricity: f64, mean: f64) -> f64 {
+    let (mut low, mut high) = (mean - 1.0, mean + 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if middle - eccentricity * libm::sin(middle) < mean {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
 
 fn spawn(world: &mut World) {
+    let [strength, red_axis, red_eccentricity] = values(world);
     world.insert_resource(Gravity(Vec3::ZERO));
     world.insert_resource(AirDrag(0.0));
     let skin = mesh(world, ball(0.16));
@@ -36,7 +78,7 @@ fn spawn(world: &mut World) {
     world.spawn((
         InScene,
         Name::new("sun"),
-        Attractor::new(STRENGTH).with_softening(0.0),
+        Attractor::new(strength).with_softening(0.0),
         skin,
         gold,
         Transform::from_translation(SUN),
@@ -46,7 +88,7 @@ fn spawn(world: &mut World) {
         (0.45, 0.0, 0.0, 0.1, 0.045, 0x8d99ae),
         (0.8, 0.0, 2.0, -0.05, 0.07, 0x3d7ea6),
         (1.25, 0.0, 4.0, 0.08, 0.08, 0x66a182),
-        (1.25, 2.0 / 3.0, 0.6, -0.25, 0.06, 0xd1495b),
+        (red_axis, red_eccentricity, 0.6, -0.25, 0.06, RED),
         (1.75, 0.1, 5.2, 0.03, 0.11, 0xd9a441),
     ];
     for (axis, eccentricity, turn, tilt, radius, color) in planets {
@@ -57,9 +99,9 @@ fn spawn(world: &mut World) {
         world.spawn((InScene, thread, look.clone()));
         // It begins where it is nearest and fastest: v² = GM (1 + e) / (a (1 - e)).
         let place = SUN + plane * Vec3::X * (axis * (1.0 - eccentricity));
-        let speed = (STRENGTH / axis * (1.0 + eccentricity) / (1.0 - eccentricity)).sqrt();
+        let speed = (strength / axis * (1.0 + eccentricity) / (1.0 - eccentricity)).sqrt();
         let skin = mesh(world, ball(radius));
-        world.spawn((
+        let mut planet = world.spawn((
             InScene,
             Name::new("planet"),
             Particle::at(place).with_velocity(plane * Vec3::NEG_Z * speed),
@@ -67,6 +109,9 @@ fn spawn(world: &mut World) {
             skin,
             look,
         ));
+        if color == RED {
+            planet.insert(Red);
+        }
     }
 }
 
