@@ -237,7 +237,7 @@ pub(crate) fn record(world: &mut World) {
         let place = recording.first_from(tick);
         match recording.snapshots.get(place) {
             // Between two that were recorded at another speed.
-            Some(known) if known.at.tick > tick => return,
+            Some(known) if known.at.tick > tick => (),
             Some(known) => {
                 let snapshot = capture(world);
                 if known.snapshot.hash() == snapshot.hash() {

@@ -59,7 +59,6 @@ impl PanelParams<'_, '_> {
             electric_softening: self.electric.softening,
             speed: self.control.relative_speed,
             recording: *self.recording_config,
-            ..default()
         }
     }
 

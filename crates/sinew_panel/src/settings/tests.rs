@@ -28,7 +28,6 @@ fn unusual() -> PanelSettings {
         electric_softening: 0.01,
         speed: 0.25,
         recording: RecordingConfig { when: RecordWhen::Never, max_ticks: 7, max_bytes: 1 << 20 },
-        ..default()
     }
 }
 

@@ -64,7 +64,7 @@ pub(crate) struct ToAndFro {
 /// Turns control forces round. A function of the simulation's time alone.
 pub(crate) fn drive(clock: Res<SinewClock>, mut forces: Query<(&ToAndFro, &mut ControlForce)>) {
     let passed = into_round(clock.seconds, 4.0 * PUSH) + 1e-4;
-    let sign = if passed < PUSH || passed >= 3.0 * PUSH { 1.0 } else { -1.0 };
+    let sign = if (PUSH..3.0 * PUSH).contains(&passed) { -1.0 } else { 1.0 };
     for (drive, mut force) in &mut forces {
         force.force = drive.force * sign;
         force.torque = drive.torque * sign;

@@ -42,7 +42,7 @@ pub(super) const SCENE: Scene = Scene {
                 .iter()
                 .filter_map(along)
                 .fold((f64::MAX, f64::MIN), |(least, most), x| (least.min(x), most.max(x)));
-            (least < most).then(|| most - least)
+            (least < most).then_some(most - least)
         },
         expect: |values, _| f64::from(values[1]) * libm::cbrt(f64::from(values[0])),
         tolerance: [0.0, 0.01],
