@@ -1,1 +1,3 @@
-//! The suites that run Sinew in a Bevy app with `MinimalPlugins`. They are one test binary, `app`: see `main.rs`.
+//! The suites that run Sinew in a Bevy app with `MinimalPlugins`. They are one test binary, `app`: see `main.rs`. Here is what tests of other crates use, too.
+
+pub mod pointer;

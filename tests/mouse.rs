@@ -1,54 +1,22 @@
 //! What a pointer catches, how it is held, and what is left alone. A pointer here has a ray in the world, but no window.
 
-use bevy::camera::NormalizedRenderTarget;
-use bevy::picking::backend::ray::{RayId, RayMap};
 use bevy::picking::backend::{HitData, PointerHits};
-use bevy::picking::pointer::{Location, PointerAction, PointerButton, PointerId, PointerInput};
-use bevy::picking::{InteractionPlugin, Pickable, PickingPlugin, PickingSystems};
+use bevy::picking::pointer::{PointerAction, PointerButton, PointerId};
+use bevy::picking::{Pickable, PickingSystems};
 use bevy::prelude::*;
-use bevy::time::TimeUpdateStrategy;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    BodyConstraints, CreationOrder, Grab, MouseDrag, MouseDragPlugin, ParticleOf, SinewSnapshot,
-    WorldCenterOfMass,
+    BodyConstraints, CreationOrder, Grab, MouseDrag, ParticleOf, SinewSnapshot, WorldCenterOfMass,
 };
+use sinew_tests::pointer::{self, Aim, act, aim};
 
-/// Where the pointer looks from, and whereto.
-#[derive(Resource)]
-struct Aim(Ray3d);
-
-/// An app without gravity, in which a pointer looks along -z from 10 m away.
 fn app() -> App {
-    let mut app = App::new();
-    app.add_plugins((MinimalPlugins, PickingPlugin, InteractionPlugin));
-    app.add_plugins((SinewPlugins, MouseDragPlugin));
-    let step = app.world().resource::<Time<Fixed>>().timestep();
-    app.insert_resource(TimeUpdateStrategy::ManualDuration(step));
-    app.insert_resource(Gravity(Vec3::ZERO));
-    app.insert_resource(Aim(Ray3d::new(Vec3::Z * 10.0, Dir3::NEG_Z)));
-    let camera = (Camera::default(), GlobalTransform::from(Transform::from_xyz(0.0, 0.0, 10.0)));
-    let camera = app.world_mut().spawn(camera).id();
-    app.world_mut().spawn(PointerId::Mouse);
-    // Pointer events bubble up to the window, and not at all where there is no such component.
-    app.world_mut().register_component::<Window>();
-    let rays = move |aim: Res<Aim>, mut rays: ResMut<RayMap>| {
-        rays.map.insert(RayId::new(camera, PointerId::Mouse), aim.0);
-    };
-    app.add_systems(PreUpdate, rays.after(RayMap::repopulate).before(PickingSystems::Backend));
-    app.finish();
-    app.cleanup();
-    app
+    pointer::app(())
 }
 
 fn input(app: &mut App, action: PointerAction) {
-    let target = NormalizedRenderTarget::None { width: 100, height: 100 };
-    let location = Location { target, position: Vec2::splat(50.0) };
-    app.world_mut().write_message(PointerInput::new(PointerId::Mouse, location, action));
+    act(app, action, Vec2::splat(50.0));
     app.update();
-}
-
-fn aim(app: &mut App, x: f32, y: f32) {
-    app.insert_resource(Aim(Ray3d::new(Vec3::new(x, y, 10.0), Dir3::NEG_Z)));
 }
 
 /// Presses where the pointer is; what is held then.

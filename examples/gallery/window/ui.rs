@@ -203,3 +203,32 @@ fn share_pointer(
         camera.enabled = free;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use ab_glyph::{Font, FontRef};
+    use epaint_default_fonts::{EMOJI_ICON, HACK_REGULAR, NOTO_EMOJI_REGULAR, UBUNTU_LIGHT};
+
+    use super::*;
+
+    /// What egui's fonts lack it draws as an empty box: the formula of `integrators` once ended with one, for a raised n.
+    #[test]
+    fn every_letter_of_a_scene_is_in_the_fonts_that_draw_it() {
+        let fonts = [UBUNTU_LIGHT, HACK_REGULAR, NOTO_EMOJI_REGULAR, EMOJI_ICON]
+            .map(|font| FontRef::try_from_slice(font).expect("a font that egui ships"));
+        let is_drawn = |letter: char| fonts.iter().any(|font| font.glyph_id(letter).0 != 0);
+        let mut missing = Vec::new();
+        for scene in ALL {
+            let mut texts = vec![scene.name, scene.title, scene.about];
+            if let Some(lesson) = scene.lesson {
+                let own =
+                    [lesson.try_this, lesson.watch, lesson.formula, lesson.number, lesson.unit];
+                texts.extend(own);
+                texts.extend(lesson.sliders.iter().flat_map(|slider| [slider.label, slider.unit]));
+            }
+            let letters = texts.into_iter().flat_map(str::chars);
+            missing.extend(letters.filter(|&letter| !is_drawn(letter)).map(|c| (scene.name, c)));
+        }
+        assert!(missing.is_empty(), "{missing:?}");
+    }
+}

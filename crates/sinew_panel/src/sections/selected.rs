@@ -28,7 +28,7 @@ pub(crate) fn selected(ui: &mut Ui, panel: &mut PanelParams) {
     });
     ui.add(Label::new(title).truncate()).on_hover_text(said);
     let Some(readout) = panel.selected.readout(&panel.world, body) else {
-        let text = "It is gone. Where you go back to before that it is there again.";
+        let text = "It is gone. Going back in time brings it back.";
         ui.add(Label::new(RichText::new(text).weak().small()).wrap());
         return;
     };
@@ -149,7 +149,7 @@ fn represented(ui: &mut Ui, panel: &mut PanelParams, body: Entity, now: Represen
         (Representation::Rigid(RigidIntegrator::Verlet), "Rigid, Verlet"),
         (Representation::Rigid(RigidIntegrator::Euler), "Rigid, Euler"),
     ];
-    let hint = "As what it moves. Position, rotation and momenta stay when it is changed.";
+    let hint = "How it moves. Position, rotation and momenta stay when it is changed.";
     if choice(ui, "Moves as", hint, &mut chosen, &names) {
         panel.commands.entity(body).insert(chosen);
     }

@@ -1,46 +1,19 @@
 //! What a pointer selects, what is shown of it, and that looking changes nothing.
 
-use bevy::camera::NormalizedRenderTarget;
 use bevy::ecs::system::RunSystemOnce;
-use bevy::picking::backend::ray::{RayId, RayMap};
-use bevy::picking::pointer::{Location, PointerId};
-use bevy::picking::{InteractionPlugin, PickingPlugin, PickingSystems};
 use bevy::prelude::*;
-use bevy::time::TimeUpdateStrategy;
 use bevy_egui::egui;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{ContactStarted, MouseDragPlugin, RigidIntegrator, SinewSnapshot};
+use bevy_sinew::{ContactStarted, RigidIntegrator, SinewSnapshot};
+use sinew_tests::pointer::{self, act, aim};
 
 use super::*;
 use crate::recording::{RecordWhen, Recording, RecordingConfig};
 use crate::tests::{click_text, draw_with, find_text};
 use crate::{PanelSide, SinewPanelPlugin};
 
-/// Where the pointer looks from, and whereto.
-#[derive(Resource)]
-struct Aim(Ray3d);
-
-/// An app without gravity, in which a pointer looks along -z from 10 m away.
 fn app() -> App {
-    let mut app = App::new();
-    app.add_plugins((MinimalPlugins, PickingPlugin, InteractionPlugin));
-    app.add_plugins((SinewPlugins, MouseDragPlugin, SinewPanelPlugin::embedded()));
-    let step = app.world().resource::<Time<Fixed>>().timestep();
-    app.insert_resource(TimeUpdateStrategy::ManualDuration(step));
-    app.insert_resource(Gravity(Vec3::ZERO));
-    app.insert_resource(Aim(Ray3d::new(Vec3::Z * 10.0, Dir3::NEG_Z)));
-    let camera = (Camera::default(), GlobalTransform::from(Transform::from_xyz(0.0, 0.0, 10.0)));
-    let camera = app.world_mut().spawn(camera).id();
-    app.world_mut().spawn(PointerId::Mouse);
-    // Pointer events bubble up to the window, and not at all where there is no such component.
-    app.world_mut().register_component::<Window>();
-    let rays = move |aim: Res<Aim>, mut rays: ResMut<RayMap>| {
-        rays.map.insert(RayId::new(camera, PointerId::Mouse), aim.0);
-    };
-    app.add_systems(PreUpdate, rays.after(RayMap::repopulate).before(PickingSystems::Backend));
-    app.finish();
-    app.cleanup();
-    app
+    pointer::app(SinewPanelPlugin::embedded())
 }
 
 /// A frame in which somebody looks at the panel.
@@ -51,15 +24,13 @@ fn frame(app: &mut App, ctx: &egui::Context) -> egui::FullOutput {
 }
 
 fn input(app: &mut App, ctx: &egui::Context, action: PointerAction, at: Vec2) {
-    let target = NormalizedRenderTarget::None { width: 100, height: 100 };
-    let location = Location { target, position: at };
-    app.world_mut().write_message(PointerInput::new(PointerId::Mouse, location, action));
+    act(app, action, at);
     frame(app, ctx);
 }
 
 /// Clicks where a ray through (x, y) along -z goes; the pointer moves by some pixels meanwhile.
 fn click_at(app: &mut App, ctx: &egui::Context, x: f32, y: f32, moved: f32) {
-    app.insert_resource(Aim(Ray3d::new(Vec3::new(x, y, 10.0), Dir3::NEG_Z)));
+    aim(app, x, y);
     let (button, at) = (PointerButton::Primary, Vec2::splat(50.0));
     input(app, ctx, PointerAction::Press(button), at);
     input(app, ctx, PointerAction::Release(button), at + Vec2::X * moved);
@@ -113,11 +84,8 @@ fn a_press_selects_and_a_click_into_the_void_or_the_key_does_not() {
     let output = frame(&mut app, &ctx);
     assert!(find_text(&output, "It is gone").is_some());
     app.world_mut().resource_mut::<Selection>().clear();
-    app.insert_resource(Aim(Ray3d::new(Vec3::new(4.0, 0.2, 10.0), Dir3::NEG_Z)));
-    let target = NormalizedRenderTarget::None { width: 100, height: 100 };
-    let location = Location { target, position: Vec2::splat(50.0) };
-    let action = PointerAction::Press(PointerButton::Primary);
-    app.world_mut().write_message(PointerInput::new(PointerId::Mouse, location, action));
+    aim(&mut app, 4.0, 0.2);
+    act(&mut app, PointerAction::Press(PointerButton::Primary), Vec2::splat(50.0));
     app.update();
     assert_eq!(selected(&app), None);
 }
