@@ -21,7 +21,7 @@ pub(super) const SCENE: Scene = Scene {
     lesson: Some(Lesson {
         try_this: "turn the drag up: the approximation gets worse; a heavier bead is damped as well as a light one, because drag is a share and no force",
         watch: "after a second blue has the share 1 − d of its speed left; the others have more, and the more, the shorter their step: it tends to exp(−d)",
-        formula: "v = v₀ (1 − d)ᵗ for every step, by c = (1 − d)ʰ and not by 1 − d h",
+        formula: "v = v₀ (1 − d)^t for every step, by c = (1 − d)^h and not by 1 − d h",
         sliders: &[
             SceneSlider { label: "Speed", unit: "m/s", range: [1.0, 2.4], default: 2.0 },
             SceneSlider { label: "Lost in a second", unit: "", range: [0.4, 0.95], default: 0.8 },

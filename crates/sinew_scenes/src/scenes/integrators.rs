@@ -21,7 +21,7 @@ pub(super) const SCENE: Scene = Scene {
     lesson: Some(Lesson {
         try_this: "take more steps in a second: red gains less, and never nothing; a harder spring or a lighter ball swings faster, and it gains more",
         watch: "the white line is the energy at the start: yellow swings about it, green and blue keep to it, and their balls go side by side",
-        formula: "E = E₀ (1 + ω²h²)ⁿ for explicit Euler, with ω² = k/m",
+        formula: "E = E₀ (1 + ω²h²)^n for explicit Euler, with ω² = k/m",
         sliders: &[
             SceneSlider { label: "Steps", unit: "1/s", range: [60.0, 480.0], default: 120.0 },
             SceneSlider { label: "Stiffness", unit: "N/m", range: [10.0, 30.0], default: 25.0 },

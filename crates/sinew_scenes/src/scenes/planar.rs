@@ -20,7 +20,7 @@ pub(super) const SCENE: Scene = Scene {
     lesson: Some(Lesson {
         try_this: "throw the blocks faster: twice the speed goes twice as far by planar friction, four times as far by Coulomb's",
         watch: "orange stops dead on its mark; blue slows down by a share, creeps towards its own, and is never quite there",
-        formula: "v = v₀ (1 − d)ᵗ by planar friction, v₀ − μ g t by Coulomb's",
+        formula: "v = v₀ (1 − d)^t by planar friction, v₀ − μ g t by Coulomb's",
         sliders: &[
             SceneSlider { label: "Speed", unit: "m/s", range: [1.0, 2.6], default: 2.2 },
             SceneSlider { label: "Lost in a second", unit: "", range: [0.45, 0.9], default: 0.6 },

@@ -26,7 +26,7 @@ pub(super) const SCENE: Scene = Scene {
     lesson: Some(Lesson {
         try_this: "pump harder, or make the pancakes flatter: orange keeps its shape, blue gets round",
         watch: "both have the same volume in the end; the gradient displaces the least, and on a pancake that is up and down; the posts are as far apart as the scaled one grows",
-        formula: "scaled: width ∛(V/V₀); by gradient: dᵢ ∝ ∂V/∂xᵢ, the least Σ m d²",
+        formula: "scaled: width ∛(V/V₀); by gradient: each corner by d ∝ ∂V/∂x, the least Σ m d²",
         sliders: &[
             SceneSlider { label: "Volume", unit: "times", range: [1.2, 3.0], default: 2.0 },
             SceneSlider { label: "Width", unit: "m", range: [0.8, 1.2], default: 1.1 },
