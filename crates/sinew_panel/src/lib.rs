@@ -48,11 +48,12 @@
 //! | Settings | a file | that file, or all that is in [`PanelSettings`] |
 //!
 //! It writes where the user's hand is and nowhere else: opening it changes nothing. Energies cost one more summation of the forces in a tick, and
-//! only while their section is open. Recording costs one copy of the state in a tick, and only while the panel is shown and Record is ticked.
+//! only while their section is open. Recording costs a copy of the state, 1 ms a tick at the most in the long run
+//! ([`RecordingConfig::max_microseconds`]), and only while the panel is shown and Record is ticked.
 //!
 //! # Time backwards
 //!
-//! While the panel is shown, it records the state of the last ticks: 600 of them and 512 MiB at the most ([`RecordingConfig`]). The button Back, its key or
+//! While the panel is shown, it records the state of the last ticks: 600 of them and 512 MiB at the most, and of a large scene every few ticks ([`RecordingConfig`]). The button Back, its key or
 //! the slider below puts the world back to one of them and pauses. Run or Step goes on from there, bit for bit as before: the panel compares what is simulated
 //! again with what it recorded, and says whether it is the same. With the first tick that differs, because you changed a setting, dragged a body, or the game
 //! acted, the recorded ticks from there on are dropped.

@@ -9,10 +9,11 @@ use super::*;
 use crate::tests::{app, click, click_text, draw_with, find_text};
 use crate::{PanelSide, SinewPanelPlugin};
 
-/// Something of everything: a stack that rests on friction, a rope, a cloth in a wind. Always recorded.
+/// Something of everything: a stack that rests on friction, a rope, a cloth in a wind. Always recorded, every tick.
 fn busy() -> App {
     let mut app = app(SinewPanelPlugin::embedded());
-    app.world_mut().resource_mut::<RecordingConfig>().when = RecordWhen::Always;
+    let mut config = app.world_mut().resource_mut::<RecordingConfig>();
+    (config.when, config.max_microseconds) = (RecordWhen::Always, u32::MAX);
     let world = app.world_mut();
     world.spawn((Ground, SurfaceMaterial::new(0.6)));
     for i in 0..3 {
@@ -95,6 +96,33 @@ fn it_goes_back_at_any_speed_and_leaves_the_speed_alone() {
         assert_eq!(recording(&app).ticks().map(|at| at.tick).collect::<Vec<_>>(), ticks);
         assert_eq!(capture(app.world_mut()).hash(), end, "at {speed}");
     }
+}
+
+/// A snapshot of a thousand boxes takes three times as long as their tick: a panel that took one in each had a frame last four times as long.
+#[test]
+fn what_takes_longer_than_it_may_is_recorded_every_few_ticks() {
+    let mut app = busy();
+    app.world_mut().resource_mut::<RecordingConfig>().max_microseconds = 1;
+    let kept = recording(&app).len();
+    hashes(&mut app, 50);
+    let few = recording(&app).len() - kept;
+    assert!((1..10).contains(&few), "{few} of 50");
+    // By hand each one is, from the last that was recorded to where it stands.
+    while recording(&app).ticks().next_back().map(|at| at.tick) == Some(tick(&app)) {
+        app.update();
+    }
+    let (here, end) = (tick(&app), capture(app.world_mut()).hash());
+    let before = recording(&app).ticks().next_back().unwrap();
+    app.world_mut().resource_mut::<Recording>().go_back();
+    app.update();
+    assert_eq!(tick(&app), before.tick);
+    let kept = recording(&app).len();
+    while tick(&app) < here {
+        app.world_mut().resource_mut::<SinewControl>().step();
+        app.update();
+    }
+    assert_eq!(recording(&app).len() - kept, (here - before.tick) as usize);
+    assert_eq!(capture(app.world_mut()).hash(), end, "the same bits, recorded or not");
 }
 
 #[test]

@@ -60,7 +60,7 @@ pub(crate) fn time(ui: &mut Ui, panel: &mut PanelParams) {
 /// The recording: whether there is one, how much, and where in it the simulation stands.
 fn recorded(ui: &mut Ui, panel: &mut PanelParams) {
     let mut on = panel.recording_config.when != RecordWhen::Never;
-    let hint = "Keeps the state of the last ticks, to go back to; takes time and memory.";
+    let hint = "Keeps the state of the last ticks, to go back to: of a large scene every few ticks, as to keep it takes time and memory.";
     let ticks = grouped(panel.recording.len() as u64);
     let megabytes = panel.recording.bytes() as f64 * 1e-6;
     let size = RichText::new(format!("{ticks} ticks, {megabytes:.1} MB")).monospace();

@@ -222,7 +222,8 @@ fn it_sleeps_wakes_and_changes_what_it_moves_as() {
 fn a_body_that_came_back_under_another_id_is_still_selected() {
     let ctx = egui::Context::default();
     let mut app = app();
-    app.world_mut().resource_mut::<RecordingConfig>().when = RecordWhen::Always;
+    let mut config = app.world_mut().resource_mut::<RecordingConfig>();
+    (config.when, config.max_microseconds) = (RecordWhen::Always, u32::MAX);
     let body = app.world_mut().spawn((RigidBox::new(Vec3::ONE), Name::new("box"))).id();
     (0..5).for_each(|_| _ = frame(&mut app, &ctx));
     app.world_mut().despawn(body);

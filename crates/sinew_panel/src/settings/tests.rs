@@ -27,7 +27,12 @@ fn unusual() -> PanelSettings {
         electric_constant: 1e3,
         electric_softening: 0.01,
         speed: 0.25,
-        recording: RecordingConfig { when: RecordWhen::Never, max_ticks: 7, max_bytes: 1 << 20 },
+        recording: RecordingConfig {
+            when: RecordWhen::Never,
+            max_microseconds: 250,
+            max_ticks: 7,
+            max_bytes: 1 << 20,
+        },
     }
 }
 
