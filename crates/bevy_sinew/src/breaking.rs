@@ -5,66 +5,10 @@ use bevy::prelude::*;
 use sinew::Bound;
 
 use crate::attach::{AttachTo, AttachmentJoints, AttachmentOf};
-use crate::components::{BodyConstraints, ConstraintOf, CreationOrder};
+use crate::changes::census;
+use crate::components::{BodyConstraints, BreakAt, ConstraintOf, CreationOrder};
 use crate::schedule::SinewClock;
-use crate::step::changes::census;
-use crate::step::links::LinkAt;
-use crate::world::SinewWorld;
-
-/// Breaks a constraint, a spring or an attachment when it has to hold more than this: a chain that a weight tears, a cloth that rips, a hook that gives way.
-///
-/// It stands on a [`DistanceConstraint`](crate::DistanceConstraint), a [`Spring`](crate::Spring) or any other constraint, which is despawned when it
-/// breaks; on an [`AttachTo`], which then lets go; or on a body, and then it is meant for each of its constraints (and for an attachment on the body
-/// itself), except for those that have their own. [`Broke`] says what broke.
-///
-/// The force is that of the physics, whatever the number of substeps and of sweeps: it is what the solver did in a tick, in the mean over its substeps,
-/// so that a rope that hangs at rest pulls at its hook with its weight. Constraints are looked at when a tick ends and what broke is gone in the next one;
-/// with it go the [tethers](sinew::SolverSettings::tethers) that ran along it. A number that is not finite, or negative, never breaks anything.
-///
-/// What bodies with such constraints are solved by is slower, one constraint after the other ([`measure_loads`](sinew::Simulation::measure_loads)).
-///
-/// ```
-/// # use bevy::prelude::*;
-/// # use bevy_sinew::prelude::*;
-/// fn spawn(mut commands: Commands) {
-///     // Its own weight is 1 N; it holds 20 N.
-///     let rope = Rope { mass: 0.1, ..Rope::between(Vec3::Y * 3.0, Vec3::Y) };
-///     commands.spawn((rope, BreakAt::force(20.0))).observe(|broke: On<Broke>| {
-///         info!("the rope broke at {} under {} N", broke.point, broke.force);
-///     });
-/// }
-/// # let mut app = App::new();
-/// # app.add_plugins((MinimalPlugins, SinewPlugins)).add_systems(Startup, spawn);
-/// # app.finish();
-/// # app.update();
-/// ```
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, Default, Clone, PartialEq)]
-pub struct BreakAt {
-    /// The tension at which it breaks, N, or the pressure where it holds its ends apart ([`Bound::AtLeast`](crate::Bound)). Of an attachment the force
-    /// between the two points; of any other constraint that on the first of its particles that is free. Default infinite: never.
-    pub force: f32,
-    /// How far it may be stretched, as a share of its rest length: 0.1 is by a tenth. What has no rest length has no strain. Default infinite: never.
-    pub strain: f32,
-}
-
-impl Default for BreakAt {
-    fn default() -> Self {
-        Self { force: f32::INFINITY, strain: f32::INFINITY }
-    }
-}
-
-impl BreakAt {
-    /// At a force, N.
-    pub fn force(force: f32) -> Self {
-        Self { force, ..default() }
-    }
-
-    /// At a strain, as a share of the rest length.
-    pub fn strain(strain: f32) -> Self {
-        Self { strain, ..default() }
-    }
-}
+use crate::world::{LinkAt, SinewWorld};
 
 /// A constraint, a spring or an attachment broke, because of its [`BreakAt`]: a message, and an event to be observed on what broke and, where that belongs to
 /// a body, on the body. It is still there when the event is sent, and is despawned right after.
@@ -144,13 +88,13 @@ pub(crate) fn gather_breakables(
     }
     let anew = changed
         || went
-        || breakables.version != tables.links.version()
+        || breakables.version != tables.links.version
         || bodies.iter().any(|(.., list)| list.is_changed())
         || attachments.iter().any(|(_, _, joints, _)| joints.is_changed());
     if !anew {
         return;
     }
-    breakables.version = tables.links.version();
+    breakables.version = tables.links.version;
     let list = &mut breakables.all;
     list.clear();
     let mut add = |constraint: Entity, limits: &BreakAt, breaks: Entity, body: Option<Entity>| {

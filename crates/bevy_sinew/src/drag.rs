@@ -18,11 +18,10 @@ use sinew::{ConstraintFault, ConstraintKind, Equation, Points, Softness};
 
 use crate::bevy_version::{OnPress, pointer};
 use crate::components::{
-    BodyParticles, CreationOrder, Mass, Particle, ParticleConstraint, ParticleOf, ParticleRow,
-    Pinned, RigidPose, WindSurface,
+    BodyParticles, BodyParts, CreationOrder, Mass, PartOf, Particle, ParticleConstraint,
+    ParticleOf, ParticleRow, Pinned, RigidPose, WindSurface,
 };
 use crate::query::QueryFilter;
-use crate::recipes::{BodyParts, PartOf};
 use crate::schedule::{SinewSystems, SinewTick, time_passes};
 use crate::step::RegisterParticleConstraint;
 use crate::world::SinewWorld;

@@ -180,8 +180,12 @@
 //! | `attach` | what ties bodies to each other and to what a game moves: [`AttachTo`] |
 //! | `bevy_version` | what Bevy names differently from version to version |
 //! | `breaking` | constraints that break at a force or a strain: [`BreakAt`] |
+//! | `carry` | taking particles along with what is moved |
+//! | `changes` | whether anything in a table changed |
 //! | `commands` | impulses, velocities, teleports and reversal of whole bodies |
 //! | `components` | what a game spawns, edits and reads: the state |
+//! | `frames` | where entities are in the world, on top of their parents |
+//! | `rows` | which rows a list of particles stands in |
 //! | `recipes` | bodies that build themselves |
 //! | `query` | questions to the world: rays, shapes on their way, what is near |
 //! | `move_and_slide` | the question of a character controller: how far, and along what |
@@ -199,11 +203,14 @@
 mod attach;
 mod bevy_version;
 mod breaking;
+mod carry;
+mod changes;
 mod commands;
 mod components;
 mod config;
 #[cfg(feature = "drag")]
 mod drag;
+mod frames;
 pub mod guide;
 mod messages;
 mod move_and_slide;
@@ -219,11 +226,11 @@ mod threads;
 mod world;
 
 pub use attach::{
-    Anchor, AnchorConstraint, AttachFault, AttachTo, Attached, AttachmentJoints, AttachmentOf,
-    BodyAttachments, JointOf, RopeEnd,
+    Anchor, AnchorConstraint, AttachTo, Attached, AttachmentJoints, AttachmentOf, BodyAttachments,
+    JointOf, RopeEnd,
 };
-pub use breaking::{BreakAt, Broke};
-pub use commands::{BodyCommandsExt, BodyEdit, EditFault, PendingEdits};
+pub use breaking::Broke;
+pub use commands::{BodyCommandsExt, BodyEdit, PendingEdits};
 pub use commands::{Relax, RelaxFinished, RelaxWorld, SinewCommandsExt};
 pub use components::{
     AirDrag, AngularVelocity, BodyConstraints, BodyParticles, BodyReport, Bound, BoundingBox,
@@ -246,12 +253,13 @@ pub use components::{
     CollisionLayers, Combine, ContactCache, ContactEnded, ContactEvents, ContactShape,
     ContactStarted, ContactsDisabled, RestPlace, Sensor, Sleep, SurfaceMaterial, Touching,
 };
+pub use components::{BodyPart, BodyParts, BreakAt, BuiltBody, PartOf};
 pub use components::{ContactImpulse, WatchedContacts, Weighs};
 pub use components::{ControlForce, ExternalImpulse, ExternalTorque, Inertia, TickForces};
 pub use config::{BodySolver, GradientAt, Integrator, Order, SolverConfig};
 #[cfg(feature = "drag")]
 pub use drag::{Grab, MouseDrag, MouseDragPlugin};
-pub use messages::{Refusal, Refused};
+pub use messages::{AttachFault, EditFault, Refusal, Refused};
 pub use move_and_slide::{MoveAndSlideConfig, MoveAndSlideOutput};
 #[cfg(feature = "interpolation")]
 pub use plugin::EasePlugin;
@@ -259,11 +267,10 @@ pub use plugin::{SinewPlugin, SinewPlugins};
 pub use query::SinewQuery;
 pub use query::{QueryFilter, QueryHit};
 pub use recipes::{
-    Articulated, BodyPart, BodyParts, Bone, BoneJoint, BoxParticles, Bulk, Cloth, ClothPins,
-    ClothShape, PartOf, Ragdoll, RigidBox, RigidMesh, RigidParticles, RigidShape, Rope, SoftBody,
-    SoftShape,
+    Articulated, Bone, BoneJoint, BoxParticles, Bulk, Cloth, ClothPins, ClothShape, Ragdoll,
+    RigidBox, RigidMesh, RigidParticles, RigidShape, Rope, SoftBody, SoftShape,
 };
-pub use recipes::{BodyBuilt, BuiltBody, RopePoint, RopeTie};
+pub use recipes::{BodyBuilt, RopePoint, RopeTie};
 pub use schedule::{
     PhaseSystems, SinewClock, SinewControl, SinewSystems, SinewTick, SubstepSchedule, TickTime,
 };
@@ -283,9 +290,9 @@ pub use world::{ParticlesMut, SinewWorld};
 /// What the workspace's tests look at from outside and no game can see: tests within would have this crate compiled twice. No part of the interface.
 #[doc(hidden)]
 pub mod internals {
+    pub use crate::frames::compose;
     pub use crate::recipes::bind;
     pub use crate::step::contact_shape::gap;
-    pub use crate::step::frames::compose;
 }
 
 /// What a game's first day wants in scope: some fifty names, none of which is in Bevy's prelude. Everything else is at the root of the crate: other

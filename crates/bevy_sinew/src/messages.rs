@@ -8,9 +8,8 @@ use sinew::recipes::{
 };
 use sinew::{ConstraintFault, DistanceFault, HullFault, ParticleFault, SpringFault};
 
-use crate::attach::AttachFault;
-use crate::commands::EditFault;
 use crate::components::ColliderFault;
+use crate::frames::Misplaced;
 
 /// Something was set aside, or put back. The rest of the simulation goes on as if it were not there.
 ///
@@ -161,6 +160,59 @@ pub enum Refusal {
     /// A mesh that failed to load.
     #[error("cannot be built: its mesh failed to load")]
     MeshLoad,
+}
+
+impl From<Misplaced> for Refusal {
+    fn from(misplaced: Misplaced) -> Self {
+        match misplaced {
+            Misplaced::Sheared => Self::Sheared,
+            Misplaced::Uneven => Self::UnevenScale,
+        }
+    }
+}
+
+/// Why a command or a control force has no effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EditFault {
+    /// A number that it was given is NaN or infinite, or a rotation is none; or what comes of it is.
+    #[error("a number of what is asked of it is not finite, or would not be")]
+    NotFinite,
+    /// It is neither a body nor a rigid part nor a particle, or is gone.
+    #[error("it is neither a body nor a particle")]
+    NoParticles,
+    /// A body to be teleported that has no `Transform`, or one that is no place.
+    #[error("its Transform, from which it would be moved, is missing or not finite")]
+    NoTransform,
+    /// A body that waits for its particles with more edits than [`PendingEdits::MOST`](crate::PendingEdits::MOST), or for its tick with more forces at
+    /// points than [`TickForces::MOST`](crate::TickForces::MOST).
+    #[error("too many edits wait for its particles, or for the next tick")]
+    TooMany,
+}
+
+/// Why an [`AttachTo`](crate::AttachTo) does not take hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum AttachFault {
+    /// What is to be tied has no particles.
+    #[error("it stands on nothing that has particles, nor is it the attachment of such")]
+    NoParticles,
+    /// A part of the body that it does not have: a vertex beyond the last, a bone of another name, a region without particles, a corner of what is no box,
+    /// an end of what is no rope.
+    #[error("the body has no such part")]
+    NoSuchPart,
+    /// The same on the other entity.
+    #[error("the entity that it is to be attached to has no such anchor")]
+    NoSuchAnchor,
+    /// The other entity has neither particles nor a transform, or a parent shears it.
+    #[error("the entity that it is to be attached to has no place")]
+    NoPlace,
+    /// It would be tied to itself.
+    #[error("it would be attached to itself")]
+    Itself,
+    /// A number that is not finite, or a softness out of range.
+    #[error("one of its numbers is not finite or out of range")]
+    Number,
 }
 
 /// What is set aside and why, by entity and by the number of which of its links: so that each is reported once.

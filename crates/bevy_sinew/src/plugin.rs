@@ -5,11 +5,11 @@ use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::prelude::*;
 
 use crate::attach;
-use crate::breaking::{self, BreakAt, Breakables, Broke};
+use crate::breaking::{self, Breakables, Broke};
 use crate::commands;
 use crate::components::{self, AirDrag, Charge, CreationCounter, Drag, Electric, Gravity};
 use crate::components::{
-    ContactEnded, ContactImpulse, ContactStarted, MeshFollow, TopologyChanged, TubeMesh,
+    BreakAt, ContactEnded, ContactImpulse, ContactStarted, MeshFollow, TopologyChanged, TubeMesh,
     WatchedContacts, Weighs,
 };
 use crate::config::{BodySolver, SolverConfig};
@@ -140,7 +140,7 @@ impl Plugin for SinewPlugin {
             .init_resource::<TickTime>()
             .init_resource::<schedule::Pace>()
             .init_resource::<SinewWorkers>()
-            .init_resource::<touching::Orphans>()
+            .init_resource::<components::Orphans>()
             .init_resource::<SolverConfig>()
             .init_resource::<Gravity>()
             .init_resource::<AirDrag>()

@@ -170,7 +170,7 @@ impl SinewWorld {
         body.or_else(|| {
             among(&tables.colliders).map(|number| ContactParticipant::Collider(number as u32))
         })
-        .or_else(|| tables.row_of.get(&entity).map(|&row| ContactParticipant::Particle(row)))
+        .or_else(|| tables.layout.row_of.get(&entity).map(|&row| ContactParticipant::Particle(row)))
     }
 }
 

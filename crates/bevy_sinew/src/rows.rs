@@ -2,9 +2,17 @@
 
 use core::marker::PhantomData;
 
+use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
-use crate::world::Tables;
+/// Which row each particle has.
+#[derive(Default)]
+pub(crate) struct Layout {
+    /// Counts the layouts, so that whoever resolved entities into rows knows when to do so again.
+    pub(crate) number: u64,
+    /// The row of each particle: for rebuilding what names particles; never read in a tick without changes.
+    pub(crate) row_of: EntityHashMap<u32>,
+}
 
 /// The rows of the particles that the component `T` of the same entity names, in its order. Scratch.
 #[derive(Component)]
@@ -31,22 +39,22 @@ impl<T: Send + Sync + 'static> Rows<T> {
     /// The rows, resolved afresh if `named` changed or the particles were laid out anew. [`GONE`] for what is no particle (any more).
     pub(crate) fn resolve(
         &mut self,
-        tables: &Tables,
+        layout: &Layout,
         changed: bool,
         named: impl Iterator<Item = Entity>,
     ) -> &[u32] {
-        if changed || self.layout != tables.layout {
-            self.layout = tables.layout;
+        if changed || self.layout != layout.number {
+            self.layout = layout.number;
             self.plain = None;
             self.rows.clear();
-            self.rows.extend(named.map(|entity| *tables.row_of.get(&entity).unwrap_or(&GONE)));
+            self.rows.extend(named.map(|entity| *layout.row_of.get(&entity).unwrap_or(&GONE)));
         }
         &self.rows
     }
 
     /// The rows, if they were resolved in this layout; none otherwise.
-    pub(crate) fn current(&self, tables: &Tables) -> &[u32] {
-        if self.layout == tables.layout { &self.rows } else { &[] }
+    pub(crate) fn current(&self, layout: &Layout) -> &[u32] {
+        if self.layout == layout.number { &self.rows } else { &[] }
     }
 
     /// The rows as they were last resolved.

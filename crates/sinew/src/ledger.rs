@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::forces;
-use crate::simulation::Simulation;
+use crate::forces::{self, Forces};
+use crate::particles::Particles;
 
 /// Energies in joules and momenta of all particles of finite mass, summed in `f64`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,10 +29,8 @@ impl Ledger {
     }
 }
 
-/// Reads the ledger off a simulation whose accelerations are those of its present positions.
-pub(crate) fn take(simulation: &mut Simulation) -> Ledger {
-    let soft = simulation.soft_energy();
-    let particles = &simulation.particles;
+/// Sums up the ledger of particles whose accelerations are those of their present positions; `soft` is what soft distances and constraints store, J.
+pub(crate) fn take(particles: &Particles, forces: &Forces, soft: f64) -> Ledger {
     let mut ledger = Ledger::default();
     for i in 0..particles.len() {
         let w = particles.inverse_mass(i);
@@ -42,16 +40,15 @@ pub(crate) fn take(simulation: &mut Simulation) -> Ledger {
         let m = 1.0 / f64::from(w);
         let x = particles.origin[i].as_dvec3() + particles.position[i].truncate().as_dvec3();
         // As the forces alone have it: what bodies do to each other sums up to nothing only where nothing is left out of one of them.
-        let v: Vec3 = simulation.free_velocity_now(i);
+        let v: Vec3 = particles.free_velocity_now(i);
         let v = v.as_dvec3();
         ledger.kinetic += 0.5 * m * v.length_squared();
-        ledger.gravitational += forces::gravity_energy(particles, &simulation.forces, i, m);
+        ledger.gravitational += forces::gravity_energy(particles, forces, i, m);
         ledger.momentum += m * v;
         ledger.angular_momentum += m * x.cross(v);
     }
-    let springs = &simulation.forces.springs;
-    ledger.elastic = springs.iter().map(|s| f64::from(s.energy(particles))).sum();
+    ledger.elastic = forces.springs.iter().map(|s| f64::from(s.energy(particles))).sum();
     ledger.elastic += soft;
-    ledger.electric = forces::electric_energy(particles, &simulation.forces);
+    ledger.electric = forces::electric_energy(particles, forces);
     ledger
 }

@@ -51,10 +51,13 @@
 //! | [`integrate`] | Verlet, leapfrog and the Eulers: formulas, derivation, properties |
 //! | [`forces`] | gravity, controls, springs, wind and air, fluids and hulls, charges and fields: a room each |
 //! | [`constraints`] | distances, angles, areas, volumes, bending, shapes, bounds, a game's own: data, value, gradient, kernel, a file each |
+//! | `settings` | how hard to try: for a world, and for single bodies in it |
+//! | `islands` | which particles constraints connect |
 //! | [`collide`] | contacts: colliders, particles among each other and against triangles, compounds as solids, friction and restitution |
-//! | [`solve`] | the plan (islands, clusters, colours), three orders of a sweep, two directions of a correction, kernels for eight at a time, the report |
+//! | [`solve`] | the plan (clusters, colours), three orders of a sweep, two directions of a correction, kernels for eight at a time, the report |
 //! | `lanes` | eight numbers side by side, on whatever instructions there are, to the same bits; the only `unsafe` |
 //! | `threads` | tasks, and the [`Workers`] that a caller may lend |
+//! | `convex_hull` | the smallest body without dents around points |
 //! | `same_place` | which vertices of a mesh are one |
 //! | `union_find` | which of many belong together: islands, sleepers, zones, pieces of a mesh |
 //! | [`pose`] | transform, velocity, spin and inertia out of particles |
@@ -73,8 +76,10 @@
 
 pub mod collide;
 pub mod constraints;
+pub(crate) mod convex_hull;
 pub mod forces;
 pub mod integrate;
+pub(crate) mod islands;
 pub(crate) mod lanes;
 pub mod ledger;
 pub mod particles;
@@ -82,6 +87,7 @@ pub mod pose;
 pub mod recipes;
 pub mod rigid;
 pub(crate) mod same_place;
+pub(crate) mod settings;
 pub mod simulation;
 pub mod solve;
 pub(crate) mod threads;
@@ -107,8 +113,9 @@ pub use lanes::InstructionSet;
 pub use ledger::Ledger;
 pub use particles::{ParticleFault, ParticleSeed, ParticleState, Particles};
 pub use rigid::{Compound, RigidBody, RigidFault, RigidIntegrator};
+pub use settings::{BodySettings, Order, Representation, SolverSettings};
 pub use simulation::{
     Filter, Hit, Relaxed, Simulation, Sleep, SlideConfig, SlideOutput, StepFault, Substep,
 };
-pub use solve::{BodySettings, IslandReport, Order, Representation, SolverReport, SolverSettings};
+pub use solve::{IslandReport, SolverReport};
 pub use threads::Workers;

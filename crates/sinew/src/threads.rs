@@ -10,6 +10,8 @@ use std::sync::{Mutex, PoisonError};
 
 use smallvec::SmallVec;
 
+use crate::lanes::InstructionSet;
+
 /// Threads that work for a simulation.
 ///
 /// ```
@@ -41,6 +43,13 @@ pub trait Workers: Send + Sync + Debug {
     fn threads(&self) -> usize {
         2
     }
+}
+
+/// What the machine lends.
+#[derive(Clone, Copy)]
+pub(crate) struct ExecutionContext<'a> {
+    pub(crate) instructions: InstructionSet,
+    pub(crate) workers: Option<&'a dyn Workers>,
 }
 
 /// The most tasks that something is cut into: enough that a few threads end at nearly the same time, and few enough to be listed without a heap.

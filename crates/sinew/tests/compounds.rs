@@ -33,7 +33,7 @@ fn swap_to_particles(world: &mut Simulation) {
 
 fn body(world: &Simulation, spec: &BoxSpec) -> RigidBody {
     let rows: Vec<usize> = (0..8).collect();
-    RigidBody::from_rows(world, &rows, &REST(spec), Quat::IDENTITY).unwrap()
+    RigidBody::from_rows(&world.particles, &rows, &REST(spec), Quat::IDENTITY).unwrap()
 }
 
 /// Height of the barycentre in the world, metres.

@@ -24,6 +24,7 @@ pub mod kernels;
 pub mod measure;
 pub mod naive;
 pub mod peers;
+pub(crate) mod places;
 pub mod row;
 pub mod scenes;
 pub mod table;

@@ -4,8 +4,8 @@ use bevy::prelude::*;
 use bevy_egui::input::EguiWantsInput;
 use bevy_sinew::SinewControl;
 
-use crate::panel::PanelState;
 use crate::recording::Recording;
+use crate::state::PanelState;
 
 /// The keys that work while the panel is shown and egui does not want the keyboard, as where somebody types a number; `None` switches one off. The panel
 /// names them. A resource that may be changed at any time.

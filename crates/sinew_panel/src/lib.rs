@@ -108,10 +108,12 @@ mod history;
 mod keys;
 mod mark;
 mod panel;
+mod params;
 mod recording;
 mod sections;
 mod selection;
 mod settings;
+mod state;
 mod style;
 #[cfg(test)]
 mod tests;
@@ -133,13 +135,14 @@ pub use dock::{DOCK_WIDTH, PanelSide, dock};
 pub use history::{EnergyHistory, EnergySample};
 pub use keys::PanelKeys;
 pub use mark::SinewPanelGizmos;
-pub use panel::{PanelParams, show};
+pub use panel::show;
+pub use params::PanelParams;
 pub use recording::{RecordWhen, RecordedTick, Recording, RecordingConfig, Replay, WentBack};
 pub use selection::Selection;
 pub use settings::{PanelSettings, SettingsFault};
 pub use style::style;
 
-use panel::PanelState;
+use state::PanelState;
 
 /// Adds the panel, and `EguiPlugin` if the app has none yet. Must come after the plugins that make the window, such as `DefaultPlugins`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -4,8 +4,8 @@ use bevy::gizmos::config::{GizmoConfigGroup, GizmoConfigStore};
 use bevy::prelude::*;
 use bevy_sinew::SinewWorld;
 
-use crate::panel::PanelState;
 use crate::selection::{Selected, Selection, contacts};
+use crate::state::PanelState;
 
 /// Configures the lines at the selected body, through Bevy's `GizmoConfigStore`. On by default.
 #[derive(Default, Reflect, GizmoConfigGroup)]

@@ -1,107 +1,14 @@
-//! The panel itself: what it reads and writes, and the order of its sections.
+//! The panel itself: the order of its sections.
 
-use bevy::ecs::system::SystemParam;
-use bevy::gizmos::config::GizmoConfigStore;
 use bevy::prelude::*;
 use bevy_egui::egui::Ui;
-use bevy_sinew::{
-    AirDrag, AirFlow, Charge, CreationOrder, Electric, Fluid, Gravity, SinewClock, SinewControl,
-    SinewWorld, SolverConfig, TickTime, Wind,
-};
+use bevy_sinew::{SinewClock, SinewWorld, TickTime};
 
 use crate::history::{EnergyHistory, EnergySample};
-use crate::keys::PanelKeys;
-use crate::recording::{Recording, RecordingConfig};
+use crate::params::PanelParams;
 use crate::sections;
-use crate::selection::{Selected, Selection};
-use crate::settings::PanelSettings;
+use crate::state::PanelState;
 use crate::widgets::section;
-
-/// Everything that [`show`] reads and writes, for a system of a game to ask for.
-///
-/// A system that has it cannot ask for the same resources a second time: it finds them in the public fields.
-#[derive(SystemParam)]
-pub struct PanelParams<'w, 's> {
-    /// Pause, single steps and speed.
-    pub control: ResMut<'w, SinewControl>,
-    /// Ticks and seconds.
-    pub clock: Res<'w, SinewClock>,
-    /// The solver's settings.
-    pub config: ResMut<'w, SolverConfig>,
-    /// Gravity.
-    pub gravity: ResMut<'w, Gravity>,
-    /// The air's drag.
-    pub air: ResMut<'w, AirDrag>,
-    /// The law of charges.
-    pub electric: ResMut<'w, Electric>,
-    /// Every wind.
-    pub winds:
-        Query<'w, 's, (Entity, &'static CreationOrder, &'static mut Wind, Option<&'static Name>)>,
-    /// Every flow of air.
-    pub flows: Query<
-        'w,
-        's,
-        (Entity, &'static CreationOrder, &'static mut AirFlow, Option<&'static Name>),
-    >,
-    /// Every fluid.
-    pub fluids:
-        Query<'w, 's, (Entity, &'static CreationOrder, &'static mut Fluid, Option<&'static Name>)>,
-    /// Every charge.
-    pub charges: Query<'w, 's, (), With<Charge>>,
-    /// The solver's columns and its report.
-    pub world: Res<'w, SinewWorld>,
-    /// The switch of the lines.
-    pub gizmos: Option<ResMut<'w, GizmoConfigStore>>,
-    /// The energies of the last seconds.
-    pub history: Res<'w, EnergyHistory>,
-    /// The ticks of the last seconds.
-    pub recording: ResMut<'w, Recording>,
-    /// When and how much is recorded.
-    pub recording_config: ResMut<'w, RecordingConfig>,
-    /// The keys, which stand in the panel.
-    pub keys: Res<'w, PanelKeys>,
-    /// What is selected.
-    pub selection: ResMut<'w, Selection>,
-    pub(crate) selected: Selected<'w, 's>,
-    pub(crate) commands: Commands<'w, 's>,
-    pub(crate) state: ResMut<'w, PanelState>,
-}
-
-/// What the panel remembers. Never part of the simulation's state.
-#[derive(Resource)]
-pub(crate) struct PanelState {
-    /// Gravity before it was switched off.
-    pub(crate) gravity: Option<Vec3>,
-    /// Duration of a tick's substeps, smoothed.
-    pub(crate) milliseconds: f32,
-    /// The last tick that was looked at.
-    tick: u64,
-    /// Somebody looks at the plot: worth summing up the energies.
-    energy: bool,
-    /// Somebody looks at the panel.
-    pub(crate) shown: bool,
-    /// Somebody did in the last frame.
-    pub(crate) was_shown: bool,
-    /// Where settings are saved.
-    pub(crate) settings_path: String,
-    /// How that went.
-    pub(crate) settings_said: Option<Result<String, String>>,
-}
-
-impl Default for PanelState {
-    fn default() -> Self {
-        Self {
-            gravity: None,
-            milliseconds: 0.0,
-            tick: 0,
-            energy: false,
-            shown: false,
-            was_shown: false,
-            settings_path: PanelSettings::default_path().to_string_lossy().into_owned(),
-            settings_said: None,
-        }
-    }
-}
 
 /// Draws the sections into any `Ui`, such as a side panel of a game's own. See the [crate docs](crate) for an example.
 ///

@@ -17,8 +17,8 @@ use bevy_sinew::{
 };
 
 use crate::keys::PanelKeys;
-use crate::panel::PanelState;
 use crate::recording::WentBack;
+use crate::state::PanelState;
 
 /// What is selected. A resource that a game may set, too.
 ///

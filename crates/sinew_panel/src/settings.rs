@@ -12,6 +12,7 @@ use bevy::reflect::{FromReflect, TypeRegistry};
 use bevy_sinew::SolverConfig;
 
 use crate::recording::RecordingConfig;
+use crate::state::default_settings_path;
 
 /// The format of the file. One of another format is refused.
 const VERSION: u32 = 1;
@@ -151,8 +152,7 @@ impl PanelSettings {
 
     /// Where settings are saved unless somebody says otherwise: `settings.ron` beside the program, or in the working directory where that is not known.
     pub fn default_path() -> PathBuf {
-        let program = std::env::current_exe().unwrap_or_default();
-        program.parent().unwrap_or(Path::new("")).join("settings.ron")
+        default_settings_path()
     }
 
     /// What is out of its range.

@@ -193,11 +193,13 @@ fn a_swap_there_and_back_changes_nothing() -> Vec<Row> {
     };
     let (before, ledger) = (state(&world), world.ledger());
     let rest = rest_of(&body);
-    let solid = RigidBody::from_rows(&world, &rows, &rest, Quat::IDENTITY).expect("a compound");
+    let solid =
+        RigidBody::from_rows(&world.particles, &rows, &rest, Quat::IDENTITY).expect("a compound");
     let (p, l) = (solid.momentum(), solid.angular_momentum_about_zero());
     solid.write_rows(&mut world.particles, &rows, &rest).expect("the same rows");
     let once = state(&world);
-    let again = RigidBody::from_rows(&world, &rows, &rest, solid.rotation).expect("a compound");
+    let again =
+        RigidBody::from_rows(&world.particles, &rows, &rest, solid.rotation).expect("a compound");
     again.write_rows(&mut world.particles, &rows, &rest).expect("the same rows");
     let twice = state(&world);
     type State = Vec<(Vec3, Vec3)>;

@@ -6,35 +6,11 @@ use sinew::constraints::affine_weights;
 
 use super::{Anchor, RopeEnd};
 use crate::components::{
-    BodyParticles, MeshFollow, Particle, ParticleBody, RestPlace, RigidPose, TubeMesh,
+    BodyPart, BodyParticles, BodyParts, MeshFollow, Particle, ParticleBody, RestPlace, RigidPose,
+    TubeMesh,
 };
-use crate::recipes::{BodyPart, BodyParts};
-use crate::step::frames::in_world;
-
-/// Why an [`AttachTo`](super::AttachTo) does not take hold.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum AttachFault {
-    /// What is to be tied has no particles.
-    #[error("it stands on nothing that has particles, nor is it the attachment of such")]
-    NoParticles,
-    /// A part of the body that it does not have: a vertex beyond the last, a bone of another name, a region without particles, a corner of what is no box,
-    /// an end of what is no rope.
-    #[error("the body has no such part")]
-    NoSuchPart,
-    /// The same on the other entity.
-    #[error("the entity that it is to be attached to has no such anchor")]
-    NoSuchAnchor,
-    /// The other entity has neither particles nor a transform, or a parent shears it.
-    #[error("the entity that it is to be attached to has no place")]
-    NoPlace,
-    /// It would be tied to itself.
-    #[error("it would be attached to itself")]
-    Itself,
-    /// A number that is not finite, or a softness out of range.
-    #[error("one of its numbers is not finite or out of range")]
-    Number,
-}
+use crate::frames::in_world;
+use crate::messages::AttachFault;
 
 /// What carries the points of an entity.
 pub(super) enum Carrier {

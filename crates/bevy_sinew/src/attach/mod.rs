@@ -13,7 +13,6 @@ mod constraint;
 pub(crate) mod resolve;
 
 pub use anchor::{Anchor, RopeEnd};
-pub use carrier::AttachFault;
 pub(crate) use carrier::place_of;
 pub use constraint::AnchorConstraint;
 

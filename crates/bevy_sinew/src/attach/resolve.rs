@@ -6,17 +6,16 @@ use std::collections::BTreeMap;
 use bevy::prelude::*;
 use sinew::pose::pose;
 
-use super::carrier::{AttachFault, Carrier, Point, locate};
+use super::carrier::{Carrier, Point, locate};
 use super::{
     Anchor, AnchorConstraint, AttachTo, Attached, AttachmentJoints, AttachmentOf, JointOf, release,
 };
-use crate::breaking::BreakAt;
 use crate::components::{
-    CreationOrder, DistanceConstraint, Mass, Particle, PinnedTo, Sleep, Softness,
+    BreakAt, BuiltBody, CreationOrder, DistanceConstraint, Mass, PartOf, Particle, PinnedTo, Sleep,
+    Softness,
 };
-use crate::messages::{Refusal, Refused};
-use crate::recipes::{BuiltBody, PartOf};
-use crate::step::frames::in_world;
+use crate::frames::in_world;
+use crate::messages::{AttachFault, Refusal, Refused};
 
 /// Attachments, in the order of creation.
 type All = QueryState<(Entity, &'static CreationOrder), With<AttachTo>>;

@@ -56,22 +56,3 @@ impl BodyEdit {
         }
     }
 }
-
-/// Why a command or a control force has no effect.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum EditFault {
-    /// A number that it was given is NaN or infinite, or a rotation is none; or what comes of it is.
-    #[error("a number of what is asked of it is not finite, or would not be")]
-    NotFinite,
-    /// It is neither a body nor a rigid part nor a particle, or is gone.
-    #[error("it is neither a body nor a particle")]
-    NoParticles,
-    /// A body to be teleported that has no `Transform`, or one that is no place.
-    #[error("its Transform, from which it would be moved, is missing or not finite")]
-    NoTransform,
-    /// A body that waits for its particles with more edits than [`PendingEdits::MOST`](super::PendingEdits::MOST), or for its tick with more forces at
-    /// points than [`TickForces::MOST`](crate::TickForces::MOST).
-    #[error("too many edits wait for its particles, or for the next tick")]
-    TooMany,
-}

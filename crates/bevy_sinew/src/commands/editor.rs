@@ -5,14 +5,14 @@ use bevy::prelude::*;
 use sinew::pose::{Motion, motion};
 use sinew::{ParticleSeed, Particles};
 
-use super::{BodyEdit, EditFault, PendingEdits};
+use super::{BodyEdit, PendingEdits};
+use crate::carry::Carry;
 use crate::components::{
     BodyParticles, CreationOrder, ExtractedTransform, Mass, Particle, ParticleBody, Pinned,
     PinnedTo, RigidPose, TickForces,
 };
-use crate::messages::{Refusal, Refused, refuse};
-use crate::step::carry::Carry;
-use crate::step::frames::{into, on_top};
+use crate::frames::{into, on_top};
+use crate::messages::{EditFault, Refusal, Refused, refuse};
 
 /// Does an edit at once. Without the plugin there is nobody to do it.
 pub(super) fn run(world: &mut World, entity: Entity, edit: BodyEdit) {

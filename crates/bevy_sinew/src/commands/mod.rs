@@ -8,7 +8,7 @@ mod edit;
 mod editor;
 mod relax;
 
-pub use edit::{BodyEdit, EditFault};
+pub use edit::BodyEdit;
 pub use relax::{Relax, RelaxFinished, RelaxWorld, SinewCommandsExt};
 
 use bevy::prelude::*;
@@ -39,7 +39,7 @@ pub(crate) use relax::{is_asked, relax_asked};
 /// built yet keeps what it is told for the tick in which they are ([`PendingEdits`]). Particles that are [pinned](crate::Pinned) do not notice,
 /// except that a teleport takes them along; those that are set aside for a bad number are left alone.
 ///
-/// What cannot be done changes nothing and is refused with one [`Refused`](crate::Refused) message ([`EditFault`] says why). An entity that is
+/// What cannot be done changes nothing and is refused with one [`Refused`](crate::Refused) message ([`EditFault`](crate::EditFault) says why). An entity that is
 /// gone is passed over in silence.
 ///
 /// What is read back of the body ([`LinearVelocity`](crate::LinearVelocity), …) follows after the next tick.

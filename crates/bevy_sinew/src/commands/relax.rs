@@ -2,10 +2,8 @@
 
 use bevy::prelude::*;
 
-use super::EditFault;
 use crate::components::{BodyParticles, CreationOrder, Particle, ParticleBody, RigidPose, Sleep};
-use crate::messages::{Refusal, Refused, refuse};
-use crate::step::scatter::particle;
+use crate::messages::{EditFault, Refusal, Refused, refuse};
 use crate::world::SinewWorld;
 
 /// Brings a body, a rigid part or a particle to rest at once, where it would come to rest in time: a bridge hangs through, a curtain in its folds, a crate
@@ -200,7 +198,7 @@ pub(crate) fn relax_asked(
         });
         for (row, state) in states {
             if let Ok(mut to) = particles.get_mut(tables.entities[row]) {
-                to.set_if_neq(particle(state));
+                to.set_if_neq(state.into());
             }
         }
         match entity {

@@ -397,3 +397,45 @@ impl From<RigidIntegrator> for sinew::RigidIntegrator {
         }
     }
 }
+
+/// A rigid part of a body, such as a forearm: an entity whose `Transform` follows the particles that carry it. Its `Name` says which.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(CreationOrder)]
+pub struct BodyPart {
+    /// Its size along its own axes, metres: a capsule along y has the diameter `size.x` and the whole length `size.y`.
+    pub size: Vec3,
+}
+
+/// Says to which body a part belongs.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Component, Clone, PartialEq)]
+#[relationship(relationship_target = BodyParts)]
+pub struct PartOf(#[entities] pub Entity);
+
+/// The rigid parts of a body that has several; they go when it goes.
+#[derive(Component, Reflect, Clone, Debug, Default)]
+#[reflect(Component, Default)]
+#[relationship_target(relationship = PartOf, linked_spawn)]
+pub struct BodyParts(Vec<Entity>);
+
+/// A body that stands as its recipe has it: it has its particles, its parts and its constraints. Kept by the plugin; part of the state.
+///
+/// It changes whenever the body is built anew, so that `Changed<BuiltBody>` says the same as [`BodyBuilt`](crate::BodyBuilt) to a system, and it goes where the recipe asks
+/// for the impossible.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::BuiltBody;
+/// /// How many bodies are there by now.
+/// fn count(built: Query<(), With<BuiltBody>>) -> usize {
+///     built.iter().count()
+/// }
+/// ```
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct BuiltBody {
+    /// How often it has been built, 1 and up.
+    pub builds: u32,
+}

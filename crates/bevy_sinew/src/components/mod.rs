@@ -11,10 +11,10 @@ mod sleep;
 mod softness;
 
 pub use body::{
-    AngularVelocity, BodyConstraints, BodyParticles, BodyReport, ConstraintOf, ExtractedTransform,
-    ExtractedVelocity, GravityScale, Inertia, Interpolate, LinearVelocity, MeshFollow,
-    ParticleBody, ParticleOf, Representation, RigidIntegrator, RigidPose, TubeMesh, WindSurface,
-    WorldCenterOfMass,
+    AngularVelocity, BodyConstraints, BodyPart, BodyParticles, BodyParts, BodyReport, BuiltBody,
+    ConstraintOf, ExtractedTransform, ExtractedVelocity, GravityScale, Inertia, Interpolate,
+    LinearVelocity, MeshFollow, PartOf, ParticleBody, ParticleOf, Representation, RigidIntegrator,
+    RigidPose, TubeMesh, WindSurface, WorldCenterOfMass,
 };
 pub use collide::{
     BodyContacts, Collider, ColliderFault, ColliderMotion, ColliderShape, CollisionLayer,
@@ -23,10 +23,10 @@ pub use collide::{
 };
 pub use collide::{ContactImpulse, WatchedContacts, Weighs};
 pub use constraint::{
-    AngleConstraint, AnyConstraint, AreaConstraint, BendConstraint, Bound, CollinearConstraint,
-    ConeConstraint, CoplanarConstraint, DistanceConstraint, HingeConstraint, ParticleConstraint,
-    PatchConstraint, RigidConstraint, SizeCorrection, Spring, TetrahedronConstraint,
-    VolumeConstraint,
+    AngleConstraint, AnyConstraint, AreaConstraint, BendConstraint, Bound, BreakAt,
+    CollinearConstraint, ConeConstraint, CoplanarConstraint, DistanceConstraint, HingeConstraint,
+    ParticleConstraint, PatchConstraint, RigidConstraint, SizeCorrection, Spring,
+    TetrahedronConstraint, VolumeConstraint,
 };
 pub use control::{ControlForce, ExternalImpulse, ExternalTorque, TickForces};
 pub use environment::{
@@ -41,7 +41,7 @@ pub use particle::{
 pub use sleep::Sleep;
 pub use softness::Softness;
 
-pub(crate) use collide::{PlacedCollider, ResolvedShape};
+pub(crate) use collide::{Orphans, PlacedCollider, ResolvedShape};
 pub(crate) use control::ResolvedTarget;
 pub(crate) use order::{CreationCounter, TopologyChanged};
 
@@ -53,6 +53,10 @@ pub(crate) fn register(app: &mut App) {
     constraint::register(app);
     environment::register(app);
     app.register_type::<Particle>()
+        .register_type::<BodyPart>()
+        .register_type::<PartOf>()
+        .register_type::<BodyParts>()
+        .register_type::<BuiltBody>()
         .register_type::<Mass>()
         .register_type::<Pinned>()
         .register_type::<PinnedTo>()

@@ -4,6 +4,7 @@ use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::world::DeferredWorld;
 use bevy::math::DVec3;
 use bevy::prelude::*;
+use sinew::ParticleState;
 
 use super::order::{CreationOrder, mark_topology};
 
@@ -40,6 +41,20 @@ pub struct Particle {
     pub velocity: Vec3,
     /// Length of the substep over which `velocity` is the mean, seconds; 0 says that the velocity is true now.
     pub lag: f32,
+}
+
+impl From<ParticleState> for Particle {
+    fn from(state: ParticleState) -> Self {
+        let ParticleState { position, remainder, velocity, lag } = state;
+        Self { position, remainder, velocity, lag }
+    }
+}
+
+impl From<Particle> for ParticleState {
+    fn from(particle: Particle) -> Self {
+        let Particle { position, remainder, velocity, lag } = particle;
+        Self { position, remainder, velocity, lag }
+    }
 }
 
 impl Particle {

@@ -6,8 +6,8 @@ use sinew::recipes::{self, ArticulatedSpec, Blueprint, articulated};
 use super::build::{MeshShape, Recipe};
 use super::rigid_box::spawn_parts;
 use crate::components::{BodyContacts, CreationOrder, ParticleBody};
+use crate::frames::even_factor;
 use crate::messages::Refusal;
-use crate::step::frames::even_factor;
 
 /// A body of rigid bones that are joined: a chain, a door, a lamp, an animal.
 ///

@@ -11,17 +11,16 @@ use bevy::reflect::{FromReflect, GetTypeRegistration, TypePath};
 use sinew::recipes::Blueprint;
 
 use crate::components::{
-    BodyContacts, BodyParticles, Collider, ConstraintOf, CreationOrder, Drag, ExtractedTransform,
-    ExtractedVelocity, Mass, MeshFollow, Particle, ParticleBody, ParticleOf, Pinned, Radius,
-    RestPlace, WindSurface,
+    BodyContacts, BodyParticles, BodyParts, BuiltBody, Collider, ConstraintOf, CreationOrder, Drag,
+    ExtractedTransform, ExtractedVelocity, Mass, MeshFollow, Particle, ParticleBody, ParticleOf,
+    Pinned, Radius, RestPlace, WindSurface,
 };
 use crate::config::BodySolver;
+use crate::frames::{Frames, Misplaced, in_world, is_even};
 use crate::messages::{Refusal, Refused};
 use crate::recipes::bind::{Joins, bind, fill, spawn_related};
 use crate::recipes::bind_mesh::source_mesh;
 use crate::recipes::built::JustBuilt;
-use crate::recipes::{BodyParts, BuiltBody};
-use crate::step::frames::{Frames, Misplaced, in_world, is_even};
 
 /// A component that describes a body and can build it.
 pub(crate) trait Recipe:

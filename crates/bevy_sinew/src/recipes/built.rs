@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use crate::components::CreationOrder;
+use crate::components::{BuiltBody, CreationOrder};
 
 /// A body was built from its recipe, for the first time or anew: a message, and an event to be observed on the body or on all of them.
 ///
@@ -40,27 +40,6 @@ pub struct BodyBuilt {
     pub entity: Entity,
     /// Whether it had been built before: its particles, parts and constraints are others now.
     pub again: bool,
-}
-
-/// A body that stands as its recipe has it: it has its particles, its parts and its constraints. Kept by the plugin; part of the state.
-///
-/// It changes whenever the body is built anew, so that `Changed<BuiltBody>` says the same as [`BodyBuilt`] to a system, and it goes where the recipe asks
-/// for the impossible.
-///
-/// ```
-/// # use bevy::prelude::*;
-/// # use bevy_sinew::prelude::*;
-/// # use bevy_sinew::BuiltBody;
-/// /// How many bodies are there by now.
-/// fn count(built: Query<(), With<BuiltBody>>) -> usize {
-///     built.iter().count()
-/// }
-/// ```
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[reflect(Component, Default, Clone, PartialEq)]
-pub struct BuiltBody {
-    /// How often it has been built, 1 and up.
-    pub builds: u32,
 }
 
 /// The bodies that were built in this tick, until it has been said.

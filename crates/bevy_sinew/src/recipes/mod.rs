@@ -18,9 +18,9 @@ pub(crate) use build::{AwaitsMesh, AwaitsPlace, Built, Rescaled};
 pub use bind::bind;
 
 pub use articulated::{Articulated, Bone, BoneJoint};
-pub use built::{BodyBuilt, BuiltBody};
+pub use built::BodyBuilt;
 pub use cloth::{Cloth, ClothPins, ClothShape};
-pub use ragdoll::{BodyPart, BodyParts, PartOf, Ragdoll};
+pub use ragdoll::Ragdoll;
 pub use rigid_box::{BoxParticles, RigidBox};
 pub use rigid_mesh::{Bulk, RigidMesh, RigidParticles, RigidShape};
 pub use rope::{Rope, RopePoint, RopeTie};
@@ -39,10 +39,6 @@ pub(crate) fn add(app: &mut App) {
         .register_type::<RigidMesh>()
         .register_type::<SoftBody>()
         .register_type::<Articulated>()
-        .register_type::<BodyPart>()
-        .register_type::<PartOf>()
-        .register_type::<BodyParts>()
-        .register_type::<BuiltBody>()
         .init_resource::<built::JustBuilt>()
         .add_message::<BodyBuilt>();
     // One after the other: the order in which bodies of one tick are numbered must not depend on the executor.

@@ -6,12 +6,12 @@ use sinew::recipes::{Blueprint, RagdollSpec, ragdoll};
 use super::build::{MeshShape, Recipe};
 use super::rigid_box::spawn_parts;
 use crate::components::{BodyContacts, CreationOrder, ParticleBody};
+use crate::frames::even_factor;
 use crate::messages::Refusal;
-use crate::step::frames::even_factor;
 
 /// A standing human figure, its soles at the origin of its transform, facing +z.
 ///
-/// Each segment of the body becomes an entity with [`BodyPart`], whose transform follows it: give those a mesh. Segments that no joint connects collide
+/// Each segment of the body becomes an entity with [`BodyPart`](crate::BodyPart), whose transform follows it: give those a mesh. Segments that no joint connects collide
 /// with each other.
 ///
 /// ```
@@ -41,27 +41,6 @@ impl Default for Ragdoll {
         Self { height: spec.height, mass: spec.mass, damping: spec.damping }
     }
 }
-
-/// A rigid part of a body, such as a forearm: an entity whose `Transform` follows the particles that carry it. Its `Name` says which.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
-#[reflect(Component, Default, Clone, PartialEq)]
-#[require(CreationOrder)]
-pub struct BodyPart {
-    /// Its size along its own axes, metres: a capsule along y has the diameter `size.x` and the whole length `size.y`.
-    pub size: Vec3,
-}
-
-/// Says to which body a part belongs.
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
-#[reflect(Component, Clone, PartialEq)]
-#[relationship(relationship_target = BodyParts)]
-pub struct PartOf(#[entities] pub Entity);
-
-/// The rigid parts of a body that has several; they go when it goes.
-#[derive(Component, Reflect, Clone, Debug, Default)]
-#[reflect(Component, Default)]
-#[relationship_target(relationship = PartOf, linked_spawn)]
-pub struct BodyParts(Vec<Entity>);
 
 impl Recipe for Ragdoll {
     fn contacts(&self) -> Option<BodyContacts> {

@@ -4,9 +4,8 @@ use bevy::prelude::*;
 use sinew::recipes::{Blueprint, BoxLayout, BoxSpec, Part, box_2d, box_3d};
 
 use super::build::{MeshShape, Recipe, attach};
-use crate::components::{Collider, CreationOrder, ParticleBody, RigidPose};
+use crate::components::{BodyPart, Collider, CreationOrder, PartOf, ParticleBody, RigidPose};
 use crate::messages::Refusal;
-use crate::recipes::{BodyPart, PartOf};
 
 /// A box of particles held by distances: 8 particles and 28 distances, or 4 and 6 when it is flat.
 ///

@@ -8,8 +8,8 @@ use sinew::recipes::{Blueprint, RopeSpec, rope};
 use super::build::{MeshShape, Recipe, attach};
 use crate::attach::{Anchor, AttachTo, AttachmentOf, BodyAttachments, RopeEnd, place_of};
 use crate::components::{Bound, CreationOrder, ParticleBody, TubeMesh};
+use crate::frames::{even_factor, in_world};
 use crate::messages::Refusal;
-use crate::step::frames::{even_factor, in_world};
 
 /// A rope: a chain of particles, drawn as a tube. It collides by its segments, each a capsule from one particle to the next
 /// ([`ContactShape::Auto`](crate::ContactShape)).

@@ -9,8 +9,8 @@ use super::bind_mesh::{own_copy, skin_of};
 use super::build::{MeshShape, Recipe, attach};
 use super::rigid_mesh::Bulk;
 use crate::components::{CreationOrder, ParticleBody, Softness};
+use crate::frames::even_factor;
 use crate::messages::Refusal;
-use crate::step::frames::even_factor;
 
 /// A soft body: a ball full of air, a cushion, a cube of jelly. It deforms a mesh: its own, or the one it was made from.
 ///

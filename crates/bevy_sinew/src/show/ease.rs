@@ -5,8 +5,7 @@ use bevy_transform_interpolation::prelude::TransformInterpolation;
 use bevy_transform_interpolation::{RotationEasingState, TranslationEasingState};
 
 use crate::bevy_version::OnRemove;
-use crate::components::{Interpolate, Particle, RigidPose};
-use crate::recipes::{BodyParts, PartOf};
+use crate::components::{BodyParts, Interpolate, PartOf, Particle, RigidPose};
 use crate::schedule::SinewClock;
 
 /// Where something that is eased is drawn, at a speed of the simulation's own. The easing of transforms goes from one end of a fixed tick to the other,

@@ -52,7 +52,7 @@ pub(crate) fn deform_meshes(
         }
         rows.drawn = clock.tick;
         let ease = easing.now(eased);
-        rows.resolve(&world.tables, follow.is_changed(), follow.vertices.iter().copied());
+        rows.resolve(&world.tables.layout, follow.is_changed(), follow.vertices.iter().copied());
         let plain = rows.are_plain();
         let rows = rows.get();
         let Some(frame) = Frame::of(&transforms, entity) else { continue };

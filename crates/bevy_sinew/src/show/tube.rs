@@ -39,7 +39,8 @@ pub(crate) fn draw_tubes(
         }
         rows.drawn = clock.tick;
         let ease = easing.now(eased);
-        let rows = rows.resolve(&world.tables, tube.is_changed(), tube.particles.iter().copied());
+        let rows =
+            rows.resolve(&world.tables.layout, tube.is_changed(), tube.particles.iter().copied());
         let Some(frame) = Frame::of(&transforms, entity) else { continue };
         middle.clear();
         let there = rows.iter().filter(|&&row| row != GONE);

@@ -9,29 +9,28 @@ use super::values::{Options, empty, join, join_listed, kind, put_resource, suppl
 use crate::attach::{
     AnchorConstraint, AttachTo, Attached, AttachmentJoints, AttachmentOf, BodyAttachments, JointOf,
 };
-use crate::breaking::BreakAt;
 use crate::commands::{PendingEdits, Relax};
 use crate::components::{
     AirDrag, AirFlow, AngleConstraint, AngularVelocity, AnyConstraint, AreaConstraint, Attractor,
-    BendConstraint, BodyConstraints, BodyContacts, BodyParticles, BodyReport, BoundingBox, Charge,
-    Collider, ColliderMotion, CollinearConstraint, CollisionLayers, ConeConstraint, ConstraintOf,
-    ContactCache, ContactEvents, ContactsDisabled, ControlForce, CoplanarConstraint,
-    CreationCounter, CreationOrder, DistanceConstraint, Drag, Electric, ElectricField,
-    ExternalForce, ExternalImpulse, ExternalTorque, ExtractedTransform, ExtractedVelocity,
-    Flatland, Floats, Fluid, Gravity, GravityScale, Ground, HingeConstraint, Inertia, Interpolate,
-    LinearVelocity, Mass, MeshFollow, Particle, ParticleBody, ParticleOf, PatchConstraint, Pinned,
-    PinnedTo, Radius, Region, Representation, RestPlace, RigidConstraint, RigidPose, Sensor, Sleep,
-    Spring, SurfaceMaterial, TetrahedronConstraint, TickForces, Touching, TubeMesh,
-    VolumeConstraint, Weighs, Wind, WindSurface, WorldCenterOfMass,
+    BendConstraint, BodyConstraints, BodyContacts, BodyPart, BodyParticles, BodyParts, BodyReport,
+    BoundingBox, BreakAt, BuiltBody, Charge, Collider, ColliderMotion, CollinearConstraint,
+    CollisionLayers, ConeConstraint, ConstraintOf, ContactCache, ContactEvents, ContactsDisabled,
+    ControlForce, CoplanarConstraint, CreationCounter, CreationOrder, DistanceConstraint, Drag,
+    Electric, ElectricField, ExternalForce, ExternalImpulse, ExternalTorque, ExtractedTransform,
+    ExtractedVelocity, Flatland, Floats, Fluid, Gravity, GravityScale, Ground, HingeConstraint,
+    Inertia, Interpolate, LinearVelocity, Mass, MeshFollow, Orphans, PartOf, Particle,
+    ParticleBody, ParticleOf, PatchConstraint, Pinned, PinnedTo, Radius, Region, Representation,
+    RestPlace, RigidConstraint, RigidPose, Sensor, Sleep, Spring, SurfaceMaterial,
+    TetrahedronConstraint, TickForces, Touching, TubeMesh, VolumeConstraint, Weighs, Wind,
+    WindSurface, WorldCenterOfMass,
 };
 use crate::config::{BodySolver, SolverConfig};
 use crate::recipes::{
-    Articulated, AwaitsMesh, AwaitsPlace, BodyPart, BodyParts, Built, BuiltBody, Cloth, MadeFrom,
-    PartOf, Ragdoll, Rescaled, RigidBox, RigidMesh, Rope, SoftBody,
+    Articulated, AwaitsMesh, AwaitsPlace, Built, Cloth, MadeFrom, Ragdoll, Rescaled, RigidBox,
+    RigidMesh, Rope, SoftBody,
 };
 use crate::schedule::{SinewClock, SinewControl};
 use crate::state::types::StateRole;
-use crate::step::touching::Orphans;
 
 /// Components that make their entity part of the simulation, and are plain data.
 macro_rules! components {

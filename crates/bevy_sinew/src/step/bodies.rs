@@ -8,8 +8,8 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use sinew::{BodySettings, Material};
 
-use super::changes::{ChangeTicks, census};
 use super::pins::sound;
+use crate::changes::{ChangeTicks, census};
 use crate::components::{
     BodyContacts, BodyParticles, CollisionLayers, ContactEvents, ContactShape, ContactsDisabled,
     CreationOrder, GravityScale, Particle, ParticleOf, ParticleRow, Radius, Representation,
@@ -193,7 +193,7 @@ pub(crate) fn gather_bodies(
         let is_watched = watched.all || watched.body == Some(entity);
         if let Ok((members, mut rows, solver, scale, representation, told)) = bodies.get_mut(entity)
         {
-            let rows = rows.resolve(tables, members.is_changed(), members.iter());
+            let rows = rows.resolve(&tables.layout, members.is_changed(), members.iter());
             let mut contacts = contacts(materials, &mut messages, entity, told);
             contacts.events |= is_watched;
             let own = solver.map_or(default(), |&solver| BodySettings::from(solver));

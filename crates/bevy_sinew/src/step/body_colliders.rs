@@ -5,15 +5,14 @@ use std::collections::BTreeSet;
 use bevy::prelude::*;
 use sinew::BodyCollider;
 
-use super::changes::census;
 use super::pins::sound;
 use super::segments::Segments;
+use crate::changes::census;
 use crate::components::{
-    BodyContacts, BodyParticles, Collider, ContactShape, ContactsDisabled, CreationOrder,
+    BodyContacts, BodyParticles, Collider, ContactShape, ContactsDisabled, CreationOrder, PartOf,
     ParticleBody, ResolvedShape, RigidPose, WindSurface,
 };
 use crate::messages::{Refusal, Refused};
-use crate::recipes::PartOf;
 use crate::rows::{GONE, Rows};
 use crate::world::{SinewWorld, Tables};
 
@@ -109,7 +108,7 @@ pub(crate) fn compile_body_colliders(
         if !by_parts || disabled.contains(owner) {
             continue;
         }
-        let rows = rows.resolve(tables, pose.is_changed(), pose.particles.iter().copied());
+        let rows = rows.resolve(&tables.layout, pose.is_changed(), pose.particles.iter().copied());
         let (solid, reason) = match solid(tables, collider, (&pose, *order), rows) {
             Ok(solid) => (solid, None),
             Err(reason) => (None, Some(reason)),

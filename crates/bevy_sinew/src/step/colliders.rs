@@ -6,13 +6,13 @@ use std::collections::BTreeSet;
 use bevy::prelude::*;
 use sinew::{Frame, Material};
 
-use super::frames::Frames;
 use super::pins::sound;
 use crate::components::{
     BoundingBox, Collider, ColliderFault, ColliderMotion, CollisionLayers, ContactEvents,
     ContactsDisabled, CreationOrder, Particle, ParticleBody, PlacedCollider, RigidPose, Sensor,
     SurfaceMaterial,
 };
+use crate::frames::Frames;
 use crate::messages::{Refusal, Refused};
 use crate::schedule::{Pace, SinewClock};
 use crate::world::SinewWorld;

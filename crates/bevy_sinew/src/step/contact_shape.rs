@@ -37,7 +37,7 @@ pub(crate) fn resolve_shapes(
         return;
     }
     for (body, members, mut rows, surface, constraints, mut resolved) in &mut bodies {
-        let rows = rows.resolve(tables, members.is_changed(), members.iter());
+        let rows = rows.resolve(&tables.layout, members.is_changed(), members.iter());
         let there = rows.iter().filter(|&&row| row != GONE);
         let radius = there.map(|&row| particles.radius(row as usize)).fold(f32::INFINITY, f32::min);
         // What has a surface may be torn at any time, and its rods do not matter.
@@ -46,7 +46,7 @@ pub(crate) fn resolve_shapes(
             (None, Some(constraints)) => constraints.is_changed(),
             (None, None) => false,
         };
-        if !new && resolved.layout == tables.layout && resolved.radius == radius {
+        if !new && resolved.layout == tables.layout.number && resolved.radius == radius {
             continue;
         }
         let triangles = surface.as_ref().map_or(&[][..], |surface| &surface.triangles);
@@ -62,7 +62,7 @@ pub(crate) fn resolve_shapes(
                 _ => ContactShape::Particles,
             }
         };
-        resolved.set_if_neq(ResolvedShape { shape, layout: tables.layout, radius });
+        resolved.set_if_neq(ResolvedShape { shape, layout: tables.layout.number, radius });
     }
 }
 

@@ -8,14 +8,13 @@ use bevy::prelude::*;
 use sinew::forces::Control;
 use sinew::pose::Pose;
 
-use super::frames::Frames;
 use super::pins::sound;
-use crate::commands::EditFault;
 use crate::components::{
     BodyParticles, ControlForce, CreationOrder, ExternalForce, ExternalTorque, Particle,
     ParticleBody, ParticleRow, ResolvedTarget, RigidPose, TickForces,
 };
-use crate::messages::{Refusal, Refused};
+use crate::frames::Frames;
+use crate::messages::{EditFault, Refusal, Refused};
 use crate::rows::{GONE, Rows};
 use crate::schedule::SinewClock;
 use crate::world::{SinewWorld, Tables};
@@ -73,7 +72,7 @@ pub(crate) fn gather_controls(
         resolved.0 = Some(target);
         // Asked only if it changed, so that a warm tick looks up no particle.
         let named = core::iter::once(target).flat_map(|target| particles_of(&targets, target));
-        let rows = rows.resolve(tables, changed, named);
+        let rows = rows.resolve(&tables.layout, changed, named);
 
         // The lists of rows and the names are kept from tick to tick.
         if used == list.len() {
@@ -181,10 +180,10 @@ impl Wholes<'_, '_> {
             let particle = row.map(|row| [row.0]);
             let rows = match (members, posed, &particle) {
                 (Some((members, rows)), ..) => {
-                    rows.into_inner().resolve(tables, members.is_changed(), members.iter())
+                    rows.into_inner().resolve(&tables.layout, members.is_changed(), members.iter())
                 }
                 (None, Some((posed, rows)), _) => rows.into_inner().resolve(
-                    tables,
+                    &tables.layout,
                     posed.is_changed(),
                     posed.particles.iter().copied(),
                 ),

@@ -7,12 +7,12 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use sinew::Plane;
 
-use super::frames::{Frames, Misplaced};
 use crate::components::{
     AirDrag, AirFlow, Attractor, CreationOrder, Electric, ElectricField, Flatland, Fluid, Gravity,
     Region, Wind,
 };
 use crate::config::SolverConfig;
+use crate::frames::{Frames, Misplaced};
 use crate::messages::{Refusal, Refused, refuse};
 use crate::schedule::SinewClock;
 use crate::world::SinewWorld;

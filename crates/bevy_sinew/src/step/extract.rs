@@ -3,11 +3,11 @@
 use bevy::prelude::*;
 use sinew::pose::{Pose, motion, pose};
 
-use super::frames::{into, on_top};
 use crate::components::{
     AngularVelocity, BodyParticles, BodyReport, ExtractedTransform, ExtractedVelocity, Inertia,
     Interpolate, LinearVelocity, Particle, RigidPose, WorldCenterOfMass,
 };
+use crate::frames::{into, on_top};
 use crate::rows::{GONE, Rows};
 use crate::world::SinewWorld;
 
@@ -29,7 +29,7 @@ pub(crate) fn extract_poses(
     mut order: Local<Vec<(usize, Entity)>>,
 ) {
     for ((rigid, mut rows), mut transform, known, eased) in &mut roots.p0() {
-        let here = rows.current(&world.tables);
+        let here = rows.current(&world.tables.layout);
         if !eased && !rigid.is_changed() && world.are_unmoved(here) {
             continue;
         }
@@ -89,7 +89,7 @@ fn found(
     before: Quat,
 ) -> Option<Pose> {
     let (particles, tables) = (&world.simulation.particles, &world.tables);
-    let rows = rows.resolve(tables, rigid.is_changed(), rigid.particles.iter().copied());
+    let rows = rows.resolve(&tables.layout, rigid.is_changed(), rigid.particles.iter().copied());
     let sound = |row: u32| row != GONE && tables.refused[row as usize].is_none();
     // Relative to a point near them: far out, positions in the world have no digits for how a body is turned.
     let &first = rows.iter().find(|&&row| sound(row))?;
@@ -119,10 +119,10 @@ pub(crate) fn extract_motion(
     for (members, mut rows, mut linear, mut angular, mut known, mut barycenter, mut inertia) in
         &mut bodies
     {
-        if !members.is_changed() && world.are_unmoved(rows.current(tables)) {
+        if !members.is_changed() && world.are_unmoved(rows.current(&tables.layout)) {
             continue;
         }
-        let rows = rows.resolve(tables, members.is_changed(), members.iter());
+        let rows = rows.resolve(&tables.layout, members.is_changed(), members.iter());
         let sound = |row: u32| row != GONE && tables.refused[row as usize].is_none();
         let Some(&first) = rows.iter().find(|&&row| sound(row)) else { continue };
         let near = simulation.particles.position(first as usize);
@@ -177,7 +177,7 @@ pub(crate) fn extract_reports(
     mut bodies: Query<(Ref<BodyParticles>, &mut Rows<BodyParticles>, &mut BodyReport)>,
 ) {
     for (members, mut rows, mut report) in &mut bodies {
-        let rows = rows.resolve(&world.tables, members.is_changed(), members.iter());
+        let rows = rows.resolve(&world.tables.layout, members.is_changed(), members.iter());
         let Some(&first) = rows.iter().find(|&&row| row != GONE) else { continue };
         let Some(island) = world.simulation.island_report(first as usize) else { continue };
         *report = BodyReport {

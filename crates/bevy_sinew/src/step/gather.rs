@@ -7,16 +7,16 @@
 
 use bevy::ecs::change_detection::ContiguousRef;
 use bevy::prelude::*;
-use sinew::{ParticleFault, ParticleSeed, ParticleState};
+use sinew::{ParticleFault, ParticleSeed};
 
 use super::bodies::Bodies;
-use super::changes::ChangeTicks;
+use crate::changes::ChangeTicks;
 use crate::components::{
     Charge, Drag, ExternalForce, GravityScale, Mass, Particle, ParticleRow, Pinned, PinnedTo,
     Radius,
 };
 use crate::messages::{Refusal, Refused, refuse};
-use crate::world::{SinewWorld, Tables};
+use crate::world::{Held, SinewWorld, Tables};
 
 /// All that is said of a particle.
 type Told = (
@@ -48,14 +48,6 @@ type Table<'w> = (
     Option<ContiguousRef<'w, GravityScale>>,
 );
 
-/// What properties the columns hold: of which rows, and of how many particles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Held {
-    layout: u64,
-    /// How many particles there are with each of the components that say them.
-    counts: [usize; 8],
-}
-
 /// Copies every particle into its row; a faulty one is set aside, and reported when that is news.
 pub(crate) fn gather_particles(
     mut world: ResMut<SinewWorld>,
@@ -65,7 +57,7 @@ pub(crate) fn gather_particles(
 ) {
     // All of these are kept in tables.
     let Ok(tables) = particles.contiguous_iter() else { return };
-    let mut held = Held { layout: world.tables.layout, ..default() };
+    let mut held = Held { layout: world.tables.layout.number, ..default() };
     let (mut changed, mut added) = (false, false);
     for table in tables {
         let change_ticks = change_ticks(&table);
@@ -127,7 +119,7 @@ fn gather_tables(
         while i < rows.len() {
             let run = world.tables.sound_run(&rows[i..]);
             let first = rows[i].0 as usize;
-            let some = states[i..i + run].iter().map(state);
+            let some = states[i..i + run].iter().map(|&particle| particle.into());
             let loaded = world.simulation.particles.load(first, some);
             i += loaded;
             // What stopped it is a particle that is or was set aside.
@@ -188,11 +180,6 @@ fn gather_one(
     simulation.particles.set_external_force(row, external);
     tables.mass[row] = mass[i].0;
     is_new
-}
-
-fn state(particle: &Particle) -> ParticleState {
-    let Particle { position, remainder, velocity, lag } = *particle;
-    ParticleState { position, remainder, velocity, lag }
 }
 
 /// Whether anything but positions and velocities changed in a table. That one is pinned counts, where to does not.

@@ -6,10 +6,9 @@ use bevy::prelude::*;
 use sinew::{Hull, HullFault, Skin};
 
 use crate::components::{
-    BodyParticles, CreationOrder, Floats, HullShape, ParticleBody, RigidPose, WindSurface,
+    BodyPart, BodyParticles, CreationOrder, Floats, HullShape, ParticleBody, RigidPose, WindSurface,
 };
 use crate::messages::{Refusal, Refused, refuse};
-use crate::recipes::BodyPart;
 use crate::world::{SinewWorld, Tables};
 
 /// What a hull may be made of.

@@ -4,8 +4,9 @@ use bevy::prelude::*;
 use sinew::ContactParticipant;
 
 use crate::attach::Attached;
-use crate::components::{BodyParticles, ParticleBody, ParticleRow, PinnedTo, PlacedCollider};
-use crate::recipes::PartOf;
+use crate::components::{
+    BodyParticles, PartOf, ParticleBody, ParticleRow, PinnedTo, PlacedCollider,
+};
 use crate::rows::{GONE, Rows};
 use crate::world::SinewWorld;
 

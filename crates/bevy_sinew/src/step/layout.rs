@@ -37,7 +37,7 @@ pub(crate) fn lay_out(
     if unchanged {
         return;
     }
-    tables.layout += 1;
+    tables.layout.number += 1;
     carry_over(simulation, tables, &order);
     for (row, (_, entity)) in order.iter().enumerate() {
         if let Ok((_, _, mut its_row)) = particles.get_mut(*entity) {
@@ -52,7 +52,7 @@ fn carry_over(simulation: &mut Simulation, tables: &mut Tables, order: &[(Creati
     columns.resize(order.len());
     let mut refused = vec![None; order.len()];
     for (row, (_, entity)) in order.iter().enumerate() {
-        if let Some(&old) = tables.row_of.get(entity) {
+        if let Some(&old) = tables.layout.row_of.get(entity) {
             let position = simulation.particles.position(old as usize);
             columns.set_position(row, position);
             refused[row] = tables.refused[old as usize];
@@ -66,7 +66,7 @@ fn carry_over(simulation: &mut Simulation, tables: &mut Tables, order: &[(Creati
     tables.mass.resize(order.len(), 0.0);
     tables.entities.clear();
     tables.entities.extend(order.iter().map(|(_, entity)| *entity));
-    tables.row_of.clear();
+    tables.layout.row_of.clear();
     let rows = tables.entities.iter().zip(0..);
-    tables.row_of.extend(rows.map(|(entity, row)| (*entity, row)));
+    tables.layout.row_of.extend(rows.map(|(entity, row)| (*entity, row)));
 }

@@ -2,15 +2,12 @@
 
 pub(crate) mod bodies;
 pub(crate) mod body_colliders;
-pub(crate) mod carry;
-pub(crate) mod changes;
 pub(crate) mod colliders;
 pub(crate) mod contact_cache;
 pub(crate) mod contact_shape;
 pub(crate) mod controls;
 pub(crate) mod environment;
 pub(crate) mod extract;
-pub(crate) mod frames;
 pub(crate) mod gather;
 pub(crate) mod hulls;
 pub(crate) mod ignored;

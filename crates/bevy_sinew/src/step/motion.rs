@@ -2,12 +2,12 @@
 
 use bevy::prelude::*;
 
-use crate::commands::{BodyEdit, EditFault, Editor};
+use crate::commands::{BodyEdit, Editor};
 use crate::components::{
     AngularVelocity, BodyParticles, CreationOrder, ExternalImpulse, ExtractedVelocity,
     LinearVelocity, Particle, RigidPose, Sleep,
 };
-use crate::messages::{Refusal, Refused, refuse};
+use crate::messages::{EditFault, Refusal, Refused, refuse};
 
 /// What is asked of a body, in the order of creation.
 type Asked = (Option<CreationOrder>, Entity, BodyEdit);

@@ -32,7 +32,7 @@ pub(crate) fn compile_compounds(
     let mut compounds = Vec::new();
     for (order, representation, pose, mut rows) in &mut bodies {
         let Representation::Rigid(integrator) = *representation else { continue };
-        let rows = rows.resolve(tables, pose.is_changed(), pose.particles.iter().copied());
+        let rows = rows.resolve(&tables.layout, pose.is_changed(), pose.particles.iter().copied());
         let sound = |&row: &u32| row != GONE && tables.refused[row as usize].is_none();
         if rows.len() == pose.rest.len() && rows.iter().all(sound) {
             let rows = rows.iter().map(|&row| row as usize);

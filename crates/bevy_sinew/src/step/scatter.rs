@@ -1,7 +1,6 @@
 //! Scatter: the columns back into the components, at the end of a tick.
 
 use bevy::prelude::*;
-use sinew::ParticleState;
 
 use crate::components::{Particle, ParticleRow};
 use crate::messages::{Refusal, Refused, refuse};
@@ -30,14 +29,14 @@ pub(crate) fn scatter(
                 let run = tables.sound_run(&rows[i..]).max(1);
                 let first = rows[i].0 as usize;
                 let read = columns.states(first..first.saturating_add(run));
-                states[i..i + run].iter_mut().zip(read).for_each(|(to, from)| *to = particle(from));
+                states[i..i + run].iter_mut().zip(read).for_each(|(to, from)| *to = from.into());
                 i += run;
             }
         }
     } else {
         for (mut to, row) in &mut particles {
             let Some(row) = row.get().filter(|&row| tables.is_sound(row)) else { continue };
-            columns.states(row..row + 1).for_each(|from| *to = particle(from));
+            columns.states(row..row + 1).for_each(|from| *to = from.into());
         }
     }
     for &row in &world.simulation.report().frozen {
@@ -74,7 +73,7 @@ fn scatter_awake(
         for (to, row) in written {
             let Some(row) = is_awake(row) else { continue };
             any = true;
-            columns.states(row..row + 1).for_each(|from| *to = particle(from));
+            columns.states(row..row + 1).for_each(|from| *to = from.into());
         }
         if any {
             let now = states.this_run_tick();
@@ -85,10 +84,4 @@ fn scatter_awake(
             }
         }
     }
-}
-
-/// A particle in a state.
-pub(crate) fn particle(state: ParticleState) -> Particle {
-    let ParticleState { position, remainder, velocity, lag } = state;
-    Particle { position, remainder, velocity, lag }
 }

@@ -2,9 +2,9 @@
 
 use bevy::prelude::*;
 
-use super::carry::Carry;
-use super::frames::Frames;
+use crate::carry::Carry;
 use crate::components::{BodyParticles, ExtractedTransform, Particle, Sleep};
+use crate::frames::Frames;
 
 /// Moves the particles of bodies that are elsewhere in the world than the simulation left them: that is a teleport of the whole body.
 ///

@@ -1,13 +1,12 @@
 //! Contacts that began and ended, told to whoever asked.
 
-use bevy::ecs::entity::MapEntities;
 use bevy::prelude::*;
 use sinew::Impact;
 
 use crate::bevy_version::OnRemove;
 use crate::components::{
-    Collider, ContactEnded, ContactEvents, ContactImpulse, ContactStarted, CreationOrder, Particle,
-    ParticleBody, Touching,
+    Collider, ContactEnded, ContactEvents, ContactImpulse, ContactStarted, CreationOrder, Orphans,
+    Particle, ParticleBody, Touching,
 };
 use crate::recipes::Rescaled;
 use crate::world::SinewWorld;
@@ -15,11 +14,7 @@ use crate::world::SinewWorld;
 /// What a tick told of one entity: who, whom, and how.
 type Told = (Entity, Entity, Impact, f32);
 
-/// What lost its parent since the last tick. Part of the state.
-#[derive(Resource, MapEntities, Reflect, Clone, Debug, Default)]
-pub(crate) struct Orphans(#[entities] Vec<Entity>);
-
-/// Notes it. (An observer, for a tick may be too late to be told of what went.)
+/// Notes what lost its parent. (An observer, for a tick may be too late to be told of what went.)
 pub(crate) fn note_orphan(
     removed: OnRemove<ChildOf>,
     involved: Query<(), Or<(With<ParticleBody>, With<Collider>, With<Particle>)>>,

@@ -11,8 +11,8 @@
 
 use super::{BodyContacts, ContactParticipant};
 use crate::constraints::{Constraint, Distance};
+use crate::islands::Islands;
 use crate::particles::{NO_BODY, Particles};
-use crate::solve::Plan;
 
 /// Which things may touch in a step. Scratch, but for what constraints join, which is found when those have changed.
 #[derive(Clone, Debug, Default)]
@@ -50,13 +50,13 @@ impl ContactFilter {
         particles: &Particles,
         contacts: &[BodyContacts],
         ignored: &[[ContactParticipant; 2]],
-        plan: &Plan,
+        islands: &Islands,
         (distances, constraints): (&[Distance], &[Constraint]),
     ) {
         self.bodies.clear();
         self.bodies.extend_from_slice(contacts);
         self.islands.clear();
-        self.islands.extend_from_slice(&plan.island_of);
+        self.islands.extend_from_slice(&islands.of);
         self.count_particles(particles);
         if self.seen != Some(particles.edits()) {
             self.seen = Some(particles.edits());

@@ -6,9 +6,9 @@ use super::{
     NormalImpulse, Pairs, ParticleContacts, RigidStep, Triangles,
 };
 use crate::constraints::Boundaries;
+use crate::islands::Islands;
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
-use crate::solve::{Plan, SolverReport};
 
 /// Contacts of a step. Scratch.
 #[derive(Clone, Debug, Default)]
@@ -31,7 +31,7 @@ pub(crate) struct World<'a> {
     pub(crate) colliders: &'a [Collider],
     pub(crate) body_colliders: &'a [BodyCollider],
     pub(crate) filter: &'a ContactFilter,
-    pub(crate) plan: &'a Plan,
+    pub(crate) islands: &'a Islands,
     /// Length of the step, seconds, and its substeps.
     pub(crate) dt: f32,
     pub(crate) substeps: u32,
@@ -101,15 +101,15 @@ impl Contacts {
         &mut self.body_contact
     }
 
-    /// Reads those of this step, and notes in the plan which islands they are. In a world in 2D there are none: single particles are held in its plane.
+    /// Reads those of this step, and notes which islands they are. In a world in 2D there are none: single particles are held in its plane.
     pub(crate) fn begin_rigid_states(
         &mut self,
         particles: &mut Particles,
-        plan: &mut Plan,
+        islands: &mut Islands,
         step: RigidStep,
     ) {
         let held = self.particle_contacts.holds_in_plane();
-        self.body_contact.begin_rigid_states(particles, plan, step, held);
+        self.body_contact.begin_rigid_states(particles, islands, step, held);
     }
 
     /// Whether some of them are in this step.
@@ -146,17 +146,9 @@ impl Contacts {
         self.particle_contacts.flatten(particles, true);
     }
 
-    /// Adds to the report how deep body colliders are in each other and in what stands: of an island whose tolerance that exceeds, that it has not
-    /// converged.
-    pub(crate) fn measure(&mut self, plan: &Plan, report: &mut SolverReport) {
-        for (row, left) in self.body_contact.overlaps() {
-            let Some(&number) = plan.island_of.get(row as usize) else { continue };
-            let island = &mut report.islands[number as usize];
-            island.error = island.error.max(left);
-            island.converged &= left <= plan.islands[number as usize].settings.tolerance;
-            report.error = report.error.max(left);
-            report.converged &= island.converged;
-        }
+    /// How deep body colliders are in each other and in what stands, metres, with a row of each.
+    pub(crate) fn overlaps(&mut self) -> impl Iterator<Item = (u32, f32)> {
+        self.body_contact.overlaps()
     }
 
     /// Gives the contact cache back.

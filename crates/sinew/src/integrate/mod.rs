@@ -48,8 +48,7 @@ use core::ops::Range;
 
 use crate::lanes::with;
 use crate::particles::Particles;
-use crate::solve::ExecutionContext;
-use crate::threads::{TASKS, each};
+use crate::threads::{ExecutionContext, TASKS, each};
 
 pub(crate) use columns::{Moving, Pass, StepConstants};
 pub(crate) use wide::{Derive, Predict, loss};

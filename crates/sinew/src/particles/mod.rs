@@ -227,6 +227,13 @@ impl Particles {
         self.velocity[i].truncate()
     }
 
+    /// Velocity of particle `i` at the instant of its position, m/s, under the forces that are summed up for it alone. It follows from what is state, and so
+    /// does what is made of it.
+    #[inline]
+    pub(crate) fn free_velocity_now(&self, i: usize) -> Vec3 {
+        self.velocity(i) + self.acceleration(i) * (0.5 * self.lag(i))
+    }
+
     /// Length in seconds of the substep over which [`velocity`](Self::velocity) is the mean; 0 for a velocity that was set.
     #[inline]
     pub fn lag(&self, i: usize) -> f32 {

@@ -13,7 +13,7 @@ use super::{LENGTHS, MASSES, is_drag};
 use crate::collide::Shape;
 use crate::constraints::{Constraint, ConstraintKind, Rigid};
 use crate::particles::ParticleSeed;
-use crate::solve::BodySettings;
+use crate::settings::BodySettings;
 
 /// A body of bones to build. The default has none, and is refused.
 #[derive(Clone, Debug, Default, PartialEq)]

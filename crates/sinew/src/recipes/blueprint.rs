@@ -6,7 +6,7 @@ use glam::{Mat3, Quat, Vec3};
 use crate::collide::Shape;
 use crate::constraints::{Constraint, ConstraintFault, Distance, DistanceFault};
 use crate::particles::{ParticleFault, ParticleSeed};
-use crate::solve::BodySettings;
+use crate::settings::BodySettings;
 
 /// Particles and what holds them together, in the body's own coordinates (metres). Indices count from 0 within the blueprint.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -18,9 +18,9 @@
 
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
-use super::hull::convex_hull;
 use super::nearest::bounds;
 use crate::collide::{Shape, ShapeKind};
+use crate::convex_hull::convex_hull;
 use crate::same_place::first_in_place;
 
 /// Volume, barycentre and second moments of what a closed mesh encloses, at uniform density.

@@ -14,7 +14,7 @@ use super::{LENGTHS, MASSES};
 use crate::collide::Shape as Solid;
 use crate::constraints::{Bound, Cone, Constraint, ConstraintKind, Distance, Hinge};
 use crate::particles::ParticleSeed;
-use crate::solve::BodySettings;
+use crate::settings::BodySettings;
 
 /// A ragdoll to build. The default is an adult of 1.75 m and 75 kg.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -16,7 +16,7 @@ use super::solid::Bulk;
 use super::{LENGTHS, MASSES, is_drag, is_radius};
 use crate::constraints::{self, Constraint, ConstraintKind, Distance, Softness, Volume};
 use crate::particles::ParticleSeed;
-use crate::solve::BodySettings;
+use crate::settings::BodySettings;
 
 /// A skin that is kept full: a ball, a cushion, a balloon. The default weighs 1 kg and stretches like a balloon.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -17,11 +17,11 @@
 use glam::Vec3;
 
 use super::blueprint::{Blueprint, Part};
-use super::hull::{HullFault, convex_hull};
 use super::mass::{MassFault, MassProperties};
 use super::nearest::bounds;
 use super::{LENGTHS, MASSES, is_drag, is_radius};
 use crate::collide::Shape;
+use crate::convex_hull::{HullFault, convex_hull};
 use crate::particles::ParticleSeed;
 
 /// A solid to build. The default is empty, and refused: it has no shape.

@@ -14,7 +14,6 @@ use glam::{DVec3, Quat, Vec3, Vec4};
 use super::{RigidBody, RigidIntegrator};
 use crate::constraints::{Constraint, ConstraintKind, Rigid};
 use crate::particles::Particles;
-use crate::simulation::Simulation;
 
 /// Which particles move as one rigid body.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,11 +50,9 @@ impl Compound {
 
 impl Moving {
     /// Reads the bodies off their particles, at the beginning of a step.
-    pub(crate) fn read(&mut self, simulation: &Simulation) {
+    pub(crate) fn read(&mut self, particles: &Particles, compounds: &[Compound]) {
         self.bodies.clear();
-        for compound in simulation.compounds() {
-            self.bodies.push(read_one(simulation, compound));
-        }
+        self.bodies.extend(compounds.iter().map(|compound| read_one(particles, compound)));
     }
 
     /// Brings all bodies to rest.
@@ -100,26 +97,22 @@ impl Moving {
     }
 
     /// Closes a substep of `h` seconds: bodies that were pushed take that up, and all particles have the velocities of their bodies.
-    pub(crate) fn settle(&mut self, simulation: &mut Simulation, h: f32) {
+    pub(crate) fn settle(&mut self, particles: &mut Particles, compounds: &[Compound], h: f32) {
         let mut placed = self.placed.iter();
-        let compounds = core::mem::take(simulation.compounds_unmarked());
         for (compound, slot) in compounds.iter().zip(&mut self.bodies) {
             if slot.is_none() {
                 continue;
             }
             let placed = placed.by_ref().take(compound.rows.len());
-            if let Some(push) = Push::of(&simulation.particles, compound, placed) {
-                *slot = slot.as_ref().and_then(|body| pushed(simulation, compound, body, &push, h));
+            if let Some(push) = Push::of(particles, compound, placed) {
+                *slot = slot.as_ref().and_then(|body| pushed(particles, compound, body, &push, h));
             }
             if let Some(body) = slot
-                && body
-                    .write_rows(&mut simulation.particles, &compound.rows, &compound.rest)
-                    .is_err()
+                && body.write_rows(particles, &compound.rows, &compound.rest).is_err()
             {
                 *slot = None;
             }
         }
-        *simulation.compounds_unmarked() = compounds;
     }
 }
 
@@ -155,17 +148,16 @@ impl Push {
 
 /// The body where its particles are now, with the impulses of what moved them there.
 fn pushed(
-    simulation: &Simulation,
+    particles: &Particles,
     compound: &Compound,
     body: &RigidBody,
     push: &Push,
     h: f32,
 ) -> Option<RigidBody> {
-    let mut found = read_one(simulation, compound)?;
+    let mut found = read_one(particles, compound)?;
     let first = *compound.rows.first()?;
     // The particles are relative to the origin of their island, the body to its own.
-    let centre =
-        (found.origin - simulation.particles.origin[first]).as_dvec3() + found.position.as_dvec3();
+    let centre = (found.origin - particles.origin[first]).as_dvec3() + found.position.as_dvec3();
     (found.velocity, found.angular_velocity) = (body.velocity, body.angular_velocity);
     found.apply_impulse((push.linear / f64::from(h)).as_vec3());
     found.apply_angular_impulse(
@@ -175,11 +167,10 @@ fn pushed(
 }
 
 /// The body of a compound, if it can be one.
-fn read_one(simulation: &Simulation, compound: &Compound) -> Option<RigidBody> {
-    let held =
-        |&i: &usize| i >= simulation.particles.len() || simulation.particles.inverse_mass(i) == 0.0;
+fn read_one(particles: &Particles, compound: &Compound) -> Option<RigidBody> {
+    let held = |&i: &usize| i >= particles.len() || particles.inverse_mass(i) == 0.0;
     if compound.rows.iter().any(held) {
         return None;
     }
-    RigidBody::from_rows(simulation, &compound.rows, &compound.rest, Quat::IDENTITY).ok()
+    RigidBody::from_rows(particles, &compound.rows, &compound.rest, Quat::IDENTITY).ok()
 }

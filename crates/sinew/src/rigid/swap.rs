@@ -26,7 +26,6 @@ use super::principal::Principal;
 use super::{RigidBody, RigidFault};
 use crate::particles::Particles;
 use crate::pose::pose;
-use crate::simulation::Simulation;
 
 impl RigidBody {
     /// The rigid body that a compound is: position (metres from `origin`, which is in whole metres), velocity (m/s, true at the instant of the
@@ -105,25 +104,24 @@ impl RigidBody {
         })
     }
 
-    /// The rigid body that the particles in `rows` of a simulation are, with their velocities at the instant of the positions; otherwise as
+    /// The rigid body that the particles in `rows` are, with their velocities at the instant of the positions; otherwise as
     /// [`from_particles`](Self::from_particles). The particles stay where they are: whoever swaps takes them out, or pins them.
     ///
     /// # Errors
     /// As `from_particles`; and [`RigidFault::Particles`] for a row that is not there.
     pub fn from_rows(
-        simulation: &Simulation,
+        particles: &Particles,
         rows: &[usize],
         rest: &[Vec3],
         previous: Quat,
     ) -> Result<Self, RigidFault> {
-        let particles = &simulation.particles;
         if rows.iter().any(|&i| i >= particles.len()) {
             return Err(RigidFault::Particles);
         }
         let Some(&first) = rows.first() else { return Err(RigidFault::Particles) };
         let origin = particles.origin[first];
         let point = |&i: &usize| {
-            (particles.relative_to(i, origin), simulation.free_velocity_now(i), particles.mass(i))
+            (particles.relative_to(i, origin), particles.free_velocity_now(i), particles.mass(i))
         };
         Self::from_particles(origin, rows.iter().map(point), rest, previous)
     }

@@ -227,8 +227,9 @@ fn a_compound_in_a_simulation_far_away_becomes_a_body_flies_on_and_comes_back() 
     };
     let fly = |origin: Vec3| {
         let (mut world, rows) = (build(origin), [0, 1, 2, 3]);
-        let body =
-            |world: &Simulation| RigidBody::from_rows(world, &rows, &rest, Quat::IDENTITY).unwrap();
+        let body = |world: &Simulation| {
+            RigidBody::from_rows(&world.particles, &rows, &rest, Quat::IDENTITY).unwrap()
+        };
         for _ in 0..30 {
             world.step(1.0 / 60.0).unwrap();
         }
@@ -284,6 +285,6 @@ fn what_makes_no_body_is_refused() {
         let written = body.write_rows(&mut world.particles, &rows, &rest);
         assert_eq!(written, Err(RigidFault::Particles));
     }
-    assert!(RigidBody::from_rows(&world, &[1], &[Vec3::X], Quat::IDENTITY).is_err());
+    assert!(RigidBody::from_rows(&world.particles, &[1], &[Vec3::X], Quat::IDENTITY).is_err());
     assert_eq!(world.particles.position(0), Vec3::ONE);
 }

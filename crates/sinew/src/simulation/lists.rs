@@ -107,11 +107,6 @@ impl Simulation {
         &mut self.compounds
     }
 
-    /// The same, for who puts back what it took.
-    pub(crate) fn compounds_unmarked(&mut self) -> &mut Vec<Compound> {
-        &mut self.compounds
-    }
-
     /// The compounds that collide by their shape.
     pub fn body_colliders(&self) -> &[BodyCollider] {
         &self.body_colliders

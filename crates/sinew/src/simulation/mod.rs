@@ -30,8 +30,9 @@ use crate::forces::{self, Forces};
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
 use crate::rigid::{Compound, Moving};
-use crate::solve::{self, BodySettings, Changes, IslandReport, Plan, SolverReport, SolverSettings};
-use crate::threads::Workers;
+use crate::settings::{BodySettings, SolverSettings};
+use crate::solve::{self, Changes, IslandReport, Plan, SolverReport};
+use crate::threads::{ExecutionContext, Workers};
 use crate::{integrate, ledger};
 
 /// A world of particles.
@@ -181,7 +182,7 @@ impl Simulation {
         self.put_to_sleep(dt);
         self.scratch.at_rest = self.is_at_rest();
         self.scratch.damping.apply(&mut self.particles, &self.bodies, dt);
-        self.with_moving(|moving, simulation| moving.read(simulation));
+        self.scratch.moving.read(&self.particles, &self.compounds);
         self.begin_contacts();
         self.begin_rigid_states();
         self.feel_winds();
@@ -190,7 +191,7 @@ impl Simulation {
         self.report.most_sweeps = 0;
         self.report.converged = true;
         self.report.islands.clear();
-        self.report.islands.resize(self.scratch.plan.islands.len(), IslandReport::default());
+        self.report.islands.resize(self.scratch.plan.islands.list.len(), IslandReport::default());
         Ok(settings.substeps)
     }
 
@@ -293,7 +294,7 @@ impl Simulation {
                 colliders,
                 body_colliders,
                 filter,
-                plan,
+                islands: &plan.islands,
                 dt,
                 substeps,
                 gravity,
@@ -315,7 +316,7 @@ impl Simulation {
         }
         integrate::finish(particles, settings.integrator, h);
         self.write_rigid_states();
-        self.with_moving(|moving, simulation| moving.settle(simulation, h));
+        self.scratch.moving.settle(&mut self.particles, &self.compounds, h);
         self.time += f64::from(h);
         self.scratch.substep.remaining = self.scratch.substep.remaining.saturating_sub(1);
     }
@@ -356,7 +357,7 @@ impl Simulation {
             thread_scratch,
             report,
         );
-        contacts.measure(plan, report);
+        solve::measure_overlaps(contacts.overlaps(), &plan.islands, report);
         contacts.keep(&mut self.contact_cache);
         let impacts = contacts.report(&self.particles, substep.length);
         report.impacts.clear();
@@ -390,14 +391,16 @@ impl Simulation {
 
     /// The number of the island of particle `i` in the last step, by which [`SolverReport::islands`] is sorted.
     pub fn island_of(&self, i: usize) -> Option<u32> {
-        self.scratch.plan.island_of.get(i).copied()
+        self.scratch.plan.islands.of.get(i).copied()
     }
 
     /// Mass of the island of particle `i`, kg: of all that constraints connect it with, without what is pinned. Zero before the first step.
     pub fn island_mass(&self, i: usize) -> f32 {
         let plan = &self.scratch.plan;
-        let island = plan.island_of.get(i).and_then(|&number| plan.islands.get(number as usize));
-        let members = island.map_or(&[][..], |island| &plan.members[island.members.clone()]);
+        let island =
+            plan.islands.of.get(i).and_then(|&number| plan.islands.list.get(number as usize));
+        let members =
+            island.map_or(&[][..], |island| &plan.islands.members[island.members.clone()]);
         let masses = members.iter().filter_map(|&row| {
             let w = self.particles.position.get(row as usize)?.w;
             (w > 0.0).then(|| 1.0 / f64::from(w))
@@ -407,12 +410,12 @@ impl Simulation {
 
     /// The most groups that an island has in the plan: constraints of one kind and one colour, which share no particle.
     pub fn colours(&self) -> usize {
-        self.scratch.plan.islands.iter().map(|island| island.groups.len()).max().unwrap_or(0)
+        self.scratch.plan.islands.list.iter().map(|island| island.groups.len()).max().unwrap_or(0)
     }
 
     /// Number of islands: sets of particles that constraints connect, a loose particle being one by itself.
     pub fn islands(&self) -> usize {
-        self.scratch.plan.islands.len()
+        self.scratch.plan.islands.list.len()
     }
 
     /// Velocity of particle `i` at the instant of its position, m/s: the mean velocity of the last substep, carried half a substep further.
@@ -423,7 +426,7 @@ impl Simulation {
     /// there it is free, or something has hit it.
     #[inline]
     pub fn velocity_now(&self, i: usize) -> Vec3 {
-        let (free, lag) = (self.free_velocity_now(i), self.particles.lag(i));
+        let (free, lag) = (self.particles.free_velocity_now(i), self.particles.lag(i));
         let a = self.particles.acceleration(i);
         let Some(mean) = self.mean_acceleration(i) else { return free };
         let (size, square) = (mean.length(), a.length_squared());
@@ -432,12 +435,6 @@ impl Simulation {
         }
         let held = (2.0 - 2.0 * size / square.sqrt()).min(1.0);
         free + (mean - a) * (0.5 * lag * held)
-    }
-
-    /// The same under the forces alone. It follows from what is state, and so does what is made of it.
-    #[inline]
-    pub(crate) fn free_velocity_now(&self, i: usize) -> Vec3 {
-        self.particles.velocity(i) + self.particles.acceleration(i) * (0.5 * self.particles.lag(i))
     }
 
     /// By what particle `i` was accelerated in the mean of the last step, m/s², by all there is; `None` where that is not known.
@@ -485,7 +482,8 @@ impl Simulation {
         self.apply_wind();
         self.apply_buoyancy();
         self.apply_electric();
-        let ledger = ledger::take(self);
+        let soft = self.soft_energy();
+        let ledger = ledger::take(&self.particles, &self.forces, soft);
         self.restore_anchors();
         ledger
     }
@@ -495,6 +493,6 @@ impl Simulation {
 fn execution(
     instructions: InstructionSet,
     workers: &Option<Arc<dyn Workers>>,
-) -> solve::ExecutionContext<'_> {
-    solve::ExecutionContext { instructions, workers: workers.as_deref() }
+) -> ExecutionContext<'_> {
+    ExecutionContext { instructions, workers: workers.as_deref() }
 }

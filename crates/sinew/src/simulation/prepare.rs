@@ -7,8 +7,9 @@ use crate::collide::World;
 use crate::constraints::{Constraint, Distance};
 use crate::forces;
 use crate::particles::{Particles, snap};
-use crate::rigid::{Compound, Moving};
-use crate::solve::{BodySettings, Given, SolverSettings, is_free};
+use crate::rigid::Compound;
+use crate::settings::{BodySettings, SolverSettings};
+use crate::solve::{Given, is_free};
 
 impl Simulation {
     /// Brings the plan up to date with the lists.
@@ -37,7 +38,11 @@ impl Simulation {
         if !changes.are_few() || particles_came_or_went {
             contacts.compile(body_colliders, particles);
         }
-        contacts.rigid_states().find_rigid_islands(body_colliders, plan);
+        contacts.rigid_states().find_rigid_islands(
+            body_colliders,
+            &plan.islands,
+            |solid, island| plan.ties_all_of(solid, island),
+        );
         changes.clear();
         scratch.loads.expire();
     }
@@ -49,8 +54,8 @@ impl Simulation {
         let plan = &mut self.scratch.plan;
         plan.compile(Given { distances: &distances, constraints: &constraints, particles });
         for &row in self.compounds.iter().flat_map(|compound| &compound.rows) {
-            if let Some(&island) = plan.island_of.get(row) {
-                plan.islands[island as usize].rigid = true;
+            if let Some(&island) = plan.islands.of.get(row) {
+                plan.islands.list[island as usize].rigid = true;
             }
         }
     }
@@ -87,9 +92,10 @@ impl Simulation {
     pub(super) fn share_origins(&mut self) {
         let Self { particles, scratch: Scratch { plan, checkpoint, anchors, .. }, .. } = self;
         anchors.clear();
-        for number in 0..plan.islands.len() {
-            let island = &plan.islands[number];
-            let rows = || plan.members[island.members.clone()].iter().map(|&row| row as usize);
+        for number in 0..plan.islands.list.len() {
+            let island = &plan.islands.list[number];
+            let rows =
+                || plan.islands.members[island.members.clone()].iter().map(|&row| row as usize);
             let first = rows().find(|&i| particles.is_finite(i));
             // From the digits that it has, not from the world position, which has fewer far out.
             let origin = first
@@ -121,7 +127,7 @@ impl Simulation {
                     }
                 }
             }
-            plan.islands[number].one_origin = one_origin;
+            plan.islands.list[number].one_origin = one_origin;
         }
     }
 
@@ -147,9 +153,9 @@ impl Simulation {
         let held = |position: &Vec4| position.w == 0.0;
         // Neighbouring bodies mostly ask for the same.
         let mut last: Option<(BodySettings, SolverSettings)> = None;
-        for number in 0..plan.islands.len() {
-            let island = &plan.islands[number];
-            let members = &plan.members[island.members.clone()];
+        for number in 0..plan.islands.list.len() {
+            let island = &plan.islands.list[number];
+            let members = &plan.islands.members[island.members.clone()];
             let (is_held, body) = match plan.stretch(island) {
                 Some(rows) => {
                     let (body, others) =
@@ -172,20 +178,11 @@ impl Simulation {
                 }
                 (None, _) => settings_of(members, particles, bodies, (world, h)),
             };
-            let island = &mut plan.islands[number];
+            let island = &mut plan.islands.list[number];
             island.settings = settings;
             island.free = is_free(island, is_held);
         }
         plan.tether(particles);
-    }
-
-    /// Lends out the rigid bodies of the step, which read the rest of the simulation.
-    pub(super) fn with_moving(&mut self, use_it: impl FnOnce(&mut Moving, &mut Self)) {
-        if !self.compounds.is_empty() {
-            let mut moving = core::mem::take(&mut self.scratch.moving);
-            use_it(&mut moving, self);
-            self.scratch.moving = moving;
-        }
     }
 
     /// Notes a good state for each row to go back to.
@@ -218,13 +215,13 @@ impl Simulation {
         let Substep { length, remaining: substeps } = scratch.substep;
         let (dt, gravity) = (length * substeps as f32, forces.gravity.length());
         let (plan, filter) = (&scratch.plan, &mut scratch.filter);
-        filter.update(particles, contacts, &self.ignored, plan, links);
+        filter.update(particles, contacts, &self.ignored, &plan.islands, links);
         let world = World {
             boundaries,
             colliders,
             body_colliders,
             filter,
-            plan,
+            islands: &plan.islands,
             dt,
             substeps,
             gravity,

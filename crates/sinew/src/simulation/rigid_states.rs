@@ -9,7 +9,7 @@ impl Simulation {
         let Self { particles, bodies, boundaries, scratch, .. } = self;
         let Scratch { plan, contacts, substep: Substep { length: h, .. }, .. } = scratch;
         let step = RigidStep { bodies, pins: &boundaries.pins, h: *h };
-        contacts.begin_rigid_states(particles, plan, step);
+        contacts.begin_rigid_states(particles, &mut plan.islands, step);
         self.scratch.unseen = false;
         self.list_single_rows();
     }
@@ -19,8 +19,8 @@ impl Simulation {
         let Scratch { plan, single_rows, .. } = &mut self.scratch;
         single_rows.clear();
         let mut next = 0;
-        for island in plan.islands.iter().filter(|island| island.one_state) {
-            let members = &plan.members[island.members.clone()];
+        for island in plan.islands.list.iter().filter(|island| island.one_state) {
+            let members = &plan.islands.members[island.members.clone()];
             let first = members.first().map_or(next, |&first| first as usize);
             if next < first {
                 single_rows.push(next..first);
@@ -35,7 +35,9 @@ impl Simulation {
     /// Has those go on as particles that somebody else has moved.
     pub(super) fn release_moved(&mut self) {
         let Self { particles, scratch: Scratch { plan, contacts, .. }, .. } = self;
-        if contacts.has_rigid_states() && contacts.rigid_states().release_moved(particles, plan) {
+        if contacts.has_rigid_states()
+            && contacts.rigid_states().release_moved(particles, &mut plan.islands)
+        {
             self.list_single_rows();
         }
     }

@@ -88,7 +88,7 @@ struct IslandActivity {
 impl Simulation {
     /// Finds which bodies sleep in a step of `dt` seconds, and puts them to sleep.
     pub(super) fn put_to_sleep(&mut self, dt: f32) {
-        self.scratch.plan.islands.iter_mut().for_each(|island| island.asleep = false);
+        self.scratch.plan.islands.list.iter_mut().for_each(|island| island.asleep = false);
         if !self.sleep.iter().any(|body| body.allowed) {
             return;
         }
@@ -124,11 +124,11 @@ impl Simulation {
         sleepers.bounds.clear();
         sleepers.activities.clear();
         let plan = &scratch.plan;
-        for island in &plan.islands {
+        for island in &plan.islands.list {
             let mut activity =
                 IslandActivity { active: false, allowed: true, still: f32::INFINITY };
             let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-            for &row in &plan.members[island.members.clone()] {
+            for &row in &plan.islands.members[island.members.clone()] {
                 let i = row as usize;
                 if particles.position[i].w == 0.0 {
                     continue;
@@ -158,7 +158,7 @@ impl Simulation {
         }
         for pin in &self.boundaries.pins {
             let i = pin.particle as usize;
-            let Some(&island) = plan.island_of.get(i) else { continue };
+            let Some(&island) = plan.islands.of.get(i) else { continue };
             sleepers.activities[island as usize].active |=
                 particles.relative_to(i, pin.target).length() > 1e-6;
         }
@@ -190,7 +190,7 @@ impl Simulation {
         }
         first_of.clear();
         first_of.resize(self.sleep.len(), u32::MAX);
-        for (row, &island) in scratch.plan.island_of.iter().enumerate() {
+        for (row, &island) in scratch.plan.islands.of.iter().enumerate() {
             if let Some(first) = first_of.get_mut(particles.body[row] as usize) {
                 if *first == u32::MAX {
                     *first = island;
@@ -212,13 +212,13 @@ impl Simulation {
         }
         let Self { particles, sleep, scratch, .. } = self;
         let plan = &mut scratch.plan;
-        for number in 0..plan.islands.len() {
+        for number in 0..plan.islands.list.len() {
             let group = activities[root(parent, number as u32) as usize];
-            let island = &mut plan.islands[number];
+            let island = &mut plan.islands.list[number];
             let free = sleepers.bounds[number].0.is_finite();
             let may = activities[number].allowed && free;
             island.asleep = may && !group.active && group.still >= SECONDS;
-            for &row in &plan.members[island.members.clone()] {
+            for &row in &plan.islands.members[island.members.clone()] {
                 let i = row as usize;
                 let Some(body) = sleep.get_mut(particles.body[i] as usize) else { continue };
                 // Of many particles of a body the first tells.

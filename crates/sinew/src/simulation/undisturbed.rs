@@ -39,7 +39,7 @@ impl Simulation {
     /// substep finds what the one before has found, and leaves it.
     pub(super) fn is_at_rest(&self) -> bool {
         let Self { particles, boundaries, colliders, compounds, settings, scratch, .. } = self;
-        let islands = &scratch.plan.islands;
+        let islands = &scratch.plan.islands.list;
         // What sleeps counts as pinned.
         let stays = |(position, velocity): (&Vec4, &Vec4)| {
             position.w == 0.0 && velocity.truncate() == Vec3::ZERO
@@ -70,7 +70,8 @@ impl Simulation {
     pub fn take_substeps(&mut self) {
         self.scratch.unseen = self.is_quiet();
         // A single particle that is pinned has its sweeps counted in every substep.
-        if self.scratch.at_rest && self.scratch.plan.islands.iter().all(|island| island.asleep) {
+        if self.scratch.at_rest && self.scratch.plan.islands.list.iter().all(|island| island.asleep)
+        {
             self.pass_to_last_substep();
         }
         if !self.is_undisturbed() {

@@ -15,8 +15,8 @@ use core::ops::Range;
 use glam::DVec3;
 
 use super::momentum::MomentumSums;
-use super::settings::BodySettings;
 use crate::particles::Particles;
+use crate::settings::BodySettings;
 
 /// What is summed up over each body that has such friction, and nobody saves.
 #[derive(Clone, Debug, Default)]

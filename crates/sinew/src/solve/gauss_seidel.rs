@@ -8,10 +8,9 @@ use super::constraint_ref::{SolveMode, project_constraint};
 use super::island::ThreadScratch;
 use super::multipliers::MultiplierSlice;
 use super::plan::{ClusterBatch, ConstraintGroup, GroupKind, Plan};
-use super::world::ExecutionContext;
 use crate::constraints::GradientAt;
 use crate::particles::Places;
-use crate::threads::{Pool, TASKS, each};
+use crate::threads::{ExecutionContext, Pool, TASKS, each};
 
 /// Projects every constraint of some cluster batches once and returns the largest error found, metres; of soft ones, how far they moved.
 pub(super) fn sweep(

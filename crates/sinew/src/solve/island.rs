@@ -6,17 +6,19 @@ use super::constraint_ref::{ConstraintRef, Local, SolveMode};
 use super::instances::{LaneCompaction, LaneParticles};
 use super::momentum::MomentumDrift;
 use super::multipliers::MultiplierSlice;
-use super::plan::{GroupKind, Island, Plan, Task};
+use super::plan::{GroupKind, Plan, Task};
 use super::remaining::Remaining;
 use super::wavefront::Wavefront;
-use super::world::ExecutionContext;
-use super::{IslandReport, Order, gauss_seidel, jacobi, most_violated_first};
+use super::{IslandReport, gauss_seidel, jacobi, most_violated_first};
 use crate::collide::{NormalImpulses, ParticleContacts};
 use crate::constraints::{GradientAt, SubstepContext};
+use crate::islands::Island;
 use glam::Vec4;
 
 use crate::lanes::Columns;
 use crate::particles::Places;
+use crate::settings::Order;
+use crate::threads::ExecutionContext;
 
 /// What a thread needs while it solves. Scratch.
 #[derive(Clone, Debug, Default)]
@@ -157,8 +159,8 @@ pub(super) fn solve(
     mut sweeper: impl Sweeper,
 ) -> Option<MomentumDrift> {
     let Common { plan, h, execution, .. } = common;
-    let island = &plan.islands[number];
-    let (settings, rows) = (&island.settings, &plan.members[island.members.clone()]);
+    let island = &plan.islands.list[number];
+    let (settings, rows) = (&island.settings, &plan.islands.members[island.members.clone()]);
     let began = settings.timed.then(Instant::now);
     let mut gradient_at = settings.gradient_at;
     if gradient_at == GradientAt::StepStart && turns_too_fast(places, plan, island) {

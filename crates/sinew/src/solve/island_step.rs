@@ -14,13 +14,13 @@ use super::multipliers::MultiplierSlice;
 use super::plan::{Plan, Task};
 use super::remaining::Remaining;
 use super::wavefront::{pipelined_wavefront, run_wavefronts};
-use super::world::{ExecutionContext, SolveScratch, TaskSlice};
+use super::world::{SolveScratch, TaskSlice};
 use super::{IslandReport, SolverReport};
 use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::integrate::{Derive, Predict, predict_all};
 use crate::lanes::with;
 use crate::particles::{Particles, Places};
-use crate::threads::{Pool, each};
+use crate::threads::{ExecutionContext, Pool, each};
 
 /// Predicts, solves and derives, so many substeps of `h` seconds. Forces have been summed up, and are the same in all of them.
 pub(crate) fn advance_all(
@@ -119,13 +119,14 @@ pub(crate) fn advance_all(
 /// Leaves out what moves as rigid states, whose rows are one stretch each.
 fn leave_states(plan: &Plan, task: &Task, remaining: &mut Remaining) {
     let mut islands = task.islands.clone();
-    while let Some(first) = islands.find(|&number| plan.islands[number].one_state) {
+    while let Some(first) = islands.find(|&number| plan.islands.list[number].one_state) {
         let mut end = first + 1;
-        let members = |number: usize| &plan.members[plan.islands[number].members.clone()];
+        let members =
+            |number: usize| &plan.islands.members[plan.islands.list[number].members.clone()];
         let Some(&begin) = members(first).first() else { continue };
         let mut rows = begin..begin + members(first).len() as u32;
         while islands.end > end
-            && plan.islands[end].one_state
+            && plan.islands.list[end].one_state
             && members(end).first() == Some(&rows.end)
         {
             rows.end += members(end).len() as u32;
@@ -280,7 +281,7 @@ impl IslandStep<'_> {
             let mut sweeps = 0;
             for number in islands() {
                 let report = &mut reports[number - task.islands.start];
-                let island = &plan.islands[number];
+                let island = &plan.islands.list[number];
                 if island.is_left_alone() {
                     continue;
                 }
@@ -308,8 +309,8 @@ impl IslandStep<'_> {
                 with(instructions, derive);
             }
             for (number, momentum_drift) in thread_scratch.momentum_drifts.drain(..) {
-                let members = plan.islands[number as usize].members.clone();
-                momentum_drift.take_off(&mut places, &plan.members[members]);
+                let members = plan.islands.list[number as usize].members.clone();
+                momentum_drift.take_off(&mut places, &plan.islands.members[members]);
             }
             if common.contacts.bounces() {
                 let moment = (h, common.gravity);

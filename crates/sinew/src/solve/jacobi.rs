@@ -8,7 +8,8 @@ use glam::Vec3;
 
 use super::constraint_ref::{ConstraintRef, Local, SolveMode};
 use super::multipliers::MultiplierSlice;
-use super::plan::{Island, Plan};
+use super::plan::Plan;
+use crate::islands::Island;
 use crate::particles::Places;
 
 /// What is asked of each particle. Scratch.
@@ -31,7 +32,7 @@ pub(super) fn sweep(
 ) -> f32 {
     asked.sum.resize(plan.rows, Vec3::ZERO);
     asked.count.resize(plan.rows, 0);
-    let members = plan.members[island.members.clone()].to_vec();
+    let members = plan.islands.members[island.members.clone()].to_vec();
     for &row in &members {
         asked.sum[row as usize] = Vec3::ZERO;
         asked.count[row as usize] = 0;

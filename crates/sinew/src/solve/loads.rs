@@ -18,9 +18,10 @@ use super::constraint_ref::{ConstraintRef, Local, SolveMode};
 use super::island::{Common, Sweeper, list_constraint_refs, solve};
 use super::momentum::MomentumDrift;
 use super::multipliers::{MultiplierSlice, Multipliers};
-use super::plan::{GroupKind, Island, Plan};
+use super::plan::{GroupKind, Plan};
 use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::constraints::GradientAt;
+use crate::islands::Island;
 use crate::particles::{Particles, Places};
 
 /// Stands where a number has no place.
@@ -130,17 +131,17 @@ impl Loads {
         self.stale = false;
         self.distances.find(distances);
         self.constraints.find(constraints);
-        plan.islands.iter_mut().for_each(|island| island.measured = false);
+        plan.islands.list.iter_mut().for_each(|island| island.measured = false);
         let sound = |&&place: &&u32| place != NONE;
         for &place in self.distances.places.iter().filter(sound) {
             let row = plan.distances[place as usize].a;
-            plan.islands[plan.island_of[row as usize] as usize].measured = true;
+            plan.islands.list[plan.islands.of[row as usize] as usize].measured = true;
         }
         for &place in self.constraints.places.iter().filter(sound) {
             let row = plan.constraints[place as usize].rows[0];
-            plan.islands[plan.island_of[row as usize] as usize].measured = true;
+            plan.islands.list[plan.islands.of[row as usize] as usize].measured = true;
         }
-        let numbered = plan.islands.iter().zip(0..);
+        let numbered = plan.islands.list.iter().zip(0..);
         self.islands.clear();
         self.islands.extend(numbered.filter(|(island, _)| island.measured).map(|(_, n)| n));
     }
@@ -149,7 +150,7 @@ impl Loads {
     pub(crate) fn begin(&mut self, plan: &Plan) {
         self.distances.begin();
         self.constraints.begin();
-        let members = self.islands.iter().map(|&n| plan.islands[n as usize].members.len());
+        let members = self.islands.iter().map(|&n| plan.islands.list[n as usize].members.len());
         self.tethers.clear();
         self.tethers.resize(members.sum(), [0.0; 2]);
     }
@@ -169,7 +170,7 @@ impl Loads {
         let mut first = 0;
         for at in 0..self.islands.len() {
             let number = self.islands[at];
-            let island = &plan.islands[number as usize];
+            let island = &plan.islands.list[number as usize];
             let tethers = first..first + island.members.len();
             first = tethers.end;
             if island.asleep {
@@ -204,7 +205,7 @@ impl Loads {
         let Self { distances, islands, tethers, carried, .. } = self;
         let mut first = 0;
         for &number in &*islands {
-            let island = &plan.islands[number as usize];
+            let island = &plan.islands.list[number as usize];
             let own = &tethers[first..first + island.members.len()];
             first += own.len();
             let Some(made) = plan.tethers.of(island) else { continue };
@@ -273,7 +274,7 @@ impl Sweeper for MeasuredSweep<'_> {
         if mode.gradient_at == GradientAt::Current
             && let Some(made) = plan.tethers.of(island)
         {
-            let members = &plan.members[island.members.clone()];
+            let members = &plan.islands.members[island.members.clone()];
             let pins: Vec<_> = made.pins(places.position, places.first).collect();
             worst = made.project_noting(places, members, &pins, tethers);
         }

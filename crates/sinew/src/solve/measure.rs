@@ -6,6 +6,7 @@ use super::island::ThreadScratch;
 use super::plan::{ConstraintGroup, GroupKind, Plan};
 use crate::collide::ParticleContacts;
 use crate::constraints::Distance;
+use crate::islands::Islands;
 use crate::lanes::InstructionSet;
 use crate::particles::{Particles, Places};
 
@@ -21,7 +22,7 @@ pub(crate) fn measure(
 ) {
     (report.error, report.strain) = (0.0, 0.0);
     // What moves as one rigid state has nothing left to correct.
-    for (island, own) in plan.islands.iter().zip(&mut report.islands) {
+    for (island, own) in plan.islands.list.iter().zip(&mut report.islands) {
         own.measured |= island.one_state;
     }
     let mut places = Places::all(particles);
@@ -31,7 +32,7 @@ pub(crate) fn measure(
         &mut report.islands,
         instructions,
     );
-    for (number, (island, own)) in plan.islands.iter().zip(&mut report.islands).enumerate() {
+    for (number, (island, own)) in plan.islands.list.iter().zip(&mut report.islands).enumerate() {
         let (mut error, mut strain) = (0.0_f32, 0.0_f32);
         // What broke was put back after it was measured.
         let measured = core::mem::take(&mut own.measured) && report.frozen.is_empty();
@@ -83,7 +84,7 @@ pub(crate) fn measure(
             }
         }
         if !contacts.is_empty() {
-            let rows = &plan.members[island.members.clone()];
+            let rows = &plan.islands.members[island.members.clone()];
             error = error.max(contacts.island_error(&places, number, rows));
         }
         (own.error, own.strain) = (error, strain);
@@ -101,4 +102,21 @@ fn distance_errors(places: &Places, distances: &[Distance]) -> (f32, f32) {
         strain = if d.rest > 0.0 { strain.max(left / d.rest) } else { strain };
     }
     (error, strain)
+}
+
+/// Adds how deep body colliders are in each other and in what stands, metres, given with a row of each: an island whose tolerance that exceeds has not
+/// converged.
+pub(crate) fn measure_overlaps(
+    overlaps: impl Iterator<Item = (u32, f32)>,
+    islands: &Islands,
+    report: &mut SolverReport,
+) {
+    for (row, left) in overlaps {
+        let Some(&number) = islands.of.get(row as usize) else { continue };
+        let island = &mut report.islands[number as usize];
+        island.error = island.error.max(left);
+        island.converged &= left <= islands.list[number as usize].settings.tolerance;
+        report.error = report.error.max(left);
+        report.converged &= island.converged;
+    }
 }

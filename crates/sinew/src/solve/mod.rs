@@ -1,6 +1,6 @@
 //! Solving: in which order the kernels of the [constraints](crate::constraints) run, and how often.
 //!
-//! - `plan` compiles the constraints into islands, and each island into groups of one kind and colour, and updates them incrementally where few
+//! - `plan` compiles the constraints island by island into groups of one kind and colour, and updates them incrementally where few
 //!   constraints were added or removed;
 //! - `world` deals islands out to threads, `island_step` for whole steps; `island` solves one: until the largest error in it is small enough or the
 //!   sweeps are spent;
@@ -14,7 +14,7 @@
 //! - `momentum` keeps round-off out of what constraints cannot change; `damping` is friction inside a body;
 //! - `multipliers` are the multipliers of soft constraints; `measure` looks at what is left to correct;
 //! - `loads` measures with what force single constraints hold;
-//! - `report` says how it went, `settings` how hard to try.
+//! - `report` says how it went.
 
 mod constraint_ref;
 mod damping;
@@ -32,21 +32,19 @@ mod plan;
 mod remaining;
 mod report;
 mod rods;
-mod settings;
 mod tethers;
 mod wavefront;
 mod wide;
 mod world;
 
 pub use report::{IslandReport, SolverReport};
-pub use settings::{BodySettings, Order, Representation, SolverSettings};
 
 pub(crate) use constraint_ref::soft_energy;
 pub(crate) use damping::Damping;
 pub(crate) use island::{Common, ThreadScratch};
 pub(crate) use island_step::advance_all;
 pub(crate) use loads::Loads;
-pub(crate) use measure::measure;
+pub(crate) use measure::{measure, measure_overlaps};
 pub(crate) use momentum::is_free;
-pub(crate) use plan::{Change, Changes, Given, GroupKind, Island, List, Plan};
-pub(crate) use world::{ExecutionContext, SolveScratch, settle_all, solve_all};
+pub(crate) use plan::{Change, Changes, Given, List, Plan};
+pub(crate) use world::{SolveScratch, settle_all, solve_all};

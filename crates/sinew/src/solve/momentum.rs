@@ -13,8 +13,8 @@
 use glam::{DVec3, Vec3, Vec4};
 
 use super::instances::WideMomentumDrift;
-use super::plan::Island;
 use crate::integrate::Integrator;
+use crate::islands::Island;
 use crate::lanes::{LANES, Lanes, Vector, Work};
 use crate::particles::Places;
 use crate::pose::pseudo_solve;

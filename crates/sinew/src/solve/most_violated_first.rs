@@ -4,7 +4,8 @@ use std::collections::BinaryHeap;
 
 use super::constraint_ref::{ConstraintRef, Local, SolveMode};
 use super::multipliers::MultiplierSlice;
-use super::plan::{Island, Plan};
+use super::plan::Plan;
+use crate::islands::Island;
 use crate::particles::Places;
 
 /// What the heap needs beside the plan. Scratch.
@@ -76,7 +77,7 @@ impl Queue {
     /// Lists the items that bind each particle of the island.
     fn connect(&mut self, plan: &Plan, island: &Island, constraint_refs: &[ConstraintRef]) {
         let Self { slots, begins, touching, .. } = self;
-        let members = &plan.members[island.members.clone()];
+        let members = &plan.islands.members[island.members.clone()];
         slots.resize(plan.rows, 0);
         for (slot, &row) in members.iter().enumerate() {
             slots[row as usize] = slot as u32;

@@ -19,7 +19,7 @@ pub struct SolverReport {
     pub strain: f32,
     /// Rows that turned non-finite and were put back to where the step began, at rest.
     pub frozen: Vec<u32>,
-    /// Rows that were slowed down to [the most speed](super::SolverSettings::max_speed).
+    /// Rows that were slowed down to [the most speed](crate::SolverSettings::max_speed).
     pub too_fast: Vec<u32>,
     /// What has touched what, where a body or a collider asked for it: a line for each two, sorted by who they are.
     pub impacts: Vec<Impact>,
@@ -44,7 +44,7 @@ pub struct IslandReport {
     pub error: f32,
     /// Largest error left in a hard distance as a share of its rest length.
     pub strain: f32,
-    /// Time that solving it took, seconds; zero unless [`SolverSettings::timed`](super::SolverSettings::timed). Not part of any state.
+    /// Time that solving it took, seconds; zero unless [`SolverSettings::timed`](crate::SolverSettings::timed). Not part of any state.
     pub seconds: f64,
     /// Whether what is left has been measured on the way. Taken back when the step ends.
     pub(crate) measured: bool,

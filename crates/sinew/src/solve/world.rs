@@ -11,13 +11,15 @@ use super::island::{Common, InOrder, Sweeper, ThreadScratch, hold_tethers, solve
 use super::loads::Loads;
 use super::momentum::{MomentumDrift, Note};
 use super::multipliers::{MultiplierSlice, Multipliers};
-use super::plan::{Island, Plan, Task};
-use super::{IslandReport, Order, SolverReport, gauss_seidel};
+use super::plan::{Plan, Task};
+use super::{IslandReport, SolverReport, gauss_seidel};
 use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::integrate::{Derive, derive};
-use crate::lanes::{InstructionSet, with};
+use crate::islands::Island;
+use crate::lanes::with;
 use crate::particles::{Particles, Places};
-use crate::threads::{Pool, Workers, each};
+use crate::settings::Order;
+use crate::threads::{ExecutionContext, Pool, each};
 
 /// What solving needs and nobody saves.
 #[derive(Clone, Debug, Default)]
@@ -48,13 +50,6 @@ impl SolveScratch {
     ) -> (&mut Multipliers, &Pool<ThreadScratch>, &mut Vec<AtomicU32>) {
         (&mut self.all_multipliers, &self.thread_scratches, &mut self.iteration_counts.0)
     }
-}
-
-/// What the machine lends.
-#[derive(Clone, Copy)]
-pub(crate) struct ExecutionContext<'a> {
-    pub(crate) instructions: InstructionSet,
-    pub(crate) workers: Option<&'a dyn Workers>,
 }
 
 /// Sweeps each island until the largest error met in it is within its tolerance, at most `max_sweeps` times; then derives the velocities, unless that
@@ -103,7 +98,7 @@ pub(crate) fn solve_all(
         })
     });
     let splits = |share: &TaskSlice| {
-        let order = plan.islands[share.task.islands.start].settings.order;
+        let order = plan.islands.list[share.task.islands.start].settings.order;
         share.task.large && execution.workers.is_some() && order == Order::GaussSeidel
     };
     let mut large = smallvec::SmallVec::<[TaskSlice; 4]>::new();
@@ -127,7 +122,7 @@ pub(crate) fn solve_all(
         share.by_all(thread_scratches);
     }
     for (number, drift) in &*measured {
-        let rows = &plan.members[plan.islands[*number as usize].members.clone()];
+        let rows = &plan.islands.members[plan.islands.list[*number as usize].members.clone()];
         let mut places = Places::all(particles);
         if open {
             let note = Note { momentum_drift: drift, places: &places, rows, to: momentum_drift };
@@ -201,7 +196,7 @@ impl TaskSlice<'_> {
         let remaining = core::mem::take(&mut thread_scratch.remaining);
         for number in remaining.islands.iter().cloned().flatten() {
             let report = &mut reports[number - task.islands.start];
-            let island = &plan.islands[number];
+            let island = &plan.islands.list[number];
             if island.measured || island.is_left_alone() {
                 continue;
             }
@@ -219,7 +214,7 @@ impl TaskSlice<'_> {
             if later.is_empty() {
                 thread_scratch.momentum_drifts.push((number as u32, momentum_drift));
             } else {
-                let rows = &plan.members[island.members.clone()];
+                let rows = &plan.islands.members[island.members.clone()];
                 with(
                     instructions,
                     Note { momentum_drift: &momentum_drift, places: &places, rows, to: later },
@@ -234,8 +229,8 @@ impl TaskSlice<'_> {
         let (h, lag) = (common.h, common.lag);
         with(instructions, Derive { position, start, velocity, momentum_drift, h, lag });
         for (number, momentum_drift) in thread_scratch.momentum_drifts.drain(..) {
-            let members = plan.islands[number as usize].members.clone();
-            momentum_drift.take_off(&mut places, &plan.members[members]);
+            let members = plan.islands.list[number as usize].members.clone();
+            momentum_drift.take_off(&mut places, &plan.islands.members[members]);
         }
         common.bounce(&mut places, &mut normal_impulses, &task);
     }
@@ -287,7 +282,7 @@ impl TaskSlice<'_> {
             return;
         };
         let number = task.islands.start;
-        let island = &plan.islands[number];
+        let island = &plan.islands.list[number];
         if island.is_left_alone() {
             return;
         }
@@ -300,7 +295,7 @@ impl TaskSlice<'_> {
                 (&mut places, &mut multipliers, &mut normal_impulses);
             solve(common, number, places, multipliers, normal_impulses, report, sweeper)
         };
-        let rows = &plan.members[island.members.clone()];
+        let rows = &plan.islands.members[island.members.clone()];
         if !later.is_empty() {
             if let Some(momentum_drift) = &momentum_drift {
                 with(

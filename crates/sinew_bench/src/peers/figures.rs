@@ -6,8 +6,8 @@ use sinew::pose::Pose;
 use sinew::recipes::{Blueprint, Part, RagdollParticle as P, RagdollSpec, ragdoll};
 
 use crate::measure::{Cube, World};
+use crate::places::{places, stacked, stairs};
 use crate::row::Stretch;
-use crate::scenes::bodies::{places, stacked, stairs};
 
 /// A world of rigid bodies.
 pub(super) struct Rigid {

@@ -8,6 +8,7 @@ use super::calm;
 use crate::measure::{Effort, Ours, Race, World};
 use crate::naive::Naive;
 use crate::peers;
+use crate::places::{places, stacked, stairs};
 use crate::row::{Row, Unit};
 
 /// Boxes along a side of their square: about as many as P5's pile has.
@@ -115,16 +116,6 @@ pub fn heap(edge: u32) -> Simulation {
     world
 }
 
-/// Where the boxes of a heap begin, metres.
-pub fn stacked(edge: u32) -> impl Iterator<Item = Vec3> {
-    (0..edge * edge * edge).map(move |n| {
-        let (x, y, z) = (n % edge, n / (edge * edge), n / edge % edge);
-        // Every second layer is moved by a quarter of a box, so that they do not stay columns.
-        let aside = 0.25 * (y % 2) as f32;
-        Vec3::new(1.05 * x as f32 + aside, 0.6 + 1.1 * y as f32, 1.05 * z as f32 + aside)
-    })
-}
-
 /// `side × side` ragdolls that fall from 1 m, and the sweeps that they ask for.
 pub fn dolls(side: u32) -> (Simulation, u32) {
     let mut world = Simulation::default();
@@ -153,18 +144,4 @@ pub fn dolls_on_stairs(side: u32) -> (Simulation, u32) {
     }
     let sweeps = doll.settings.max_sweeps.unwrap_or(world.settings.max_sweeps);
     (world, sweeps)
-}
-
-/// Half the sizes and the places of stairs that go down below the [`places`], metres: two for each row of ragdolls.
-pub fn stairs(side: u32) -> impl Iterator<Item = (Vec3, Vec3)> {
-    let half = Vec3::new(0.5, 5.0, side as f32 + 10.0);
-    (0..2 * side + 20).map(move |n| {
-        let down = Vec3::new(n as f32 - 0.5, -0.2 * n as f32, side as f32 - 1.0);
-        (half, down - Vec3::Y * half.y)
-    })
-}
-
-/// Places on a square with 2 m between them.
-pub fn places(side: u32) -> impl Iterator<Item = Vec3> {
-    (0..side * side).map(move |n| Vec3::new((n % side) as f32, 0.0, (n / side) as f32) * 2.0)
 }

@@ -11,7 +11,7 @@ use bevy::prelude::*;
 use bevy_sinew::{SinewClock, SinewControl, SinewSnapshot};
 
 use crate::history::EnergyHistory;
-use crate::panel::PanelState;
+use crate::state::PanelState;
 
 /// When and how much the panel records. A resource that may be changed at any time.
 ///

@@ -5,7 +5,7 @@ use std::path::Path;
 use bevy::prelude::*;
 use bevy_egui::egui::{Button, Label, RichText, TextEdit, Ui, vec2};
 
-use crate::panel::PanelParams;
+use crate::params::PanelParams;
 use crate::settings::PanelSettings;
 use crate::style::{GOOD, WARN};
 

@@ -5,7 +5,7 @@ use std::any::TypeId;
 use bevy_egui::egui::{Grid, Ui};
 use bevy_sinew::SinewGizmoConfigGroup;
 
-use crate::panel::PanelParams;
+use crate::params::PanelParams;
 use crate::style::{GOOD, WARN};
 use crate::widgets::{colored_value, grouped, row, value};
 

@@ -7,7 +7,7 @@ use bevy_sinew::{Representation, RigidIntegrator, Sleep};
 
 use super::solver::choice;
 use crate::keys;
-use crate::panel::PanelParams;
+use crate::params::PanelParams;
 use crate::selection::contacts;
 use crate::style::{GOOD, WARN};
 use crate::widgets::{colored_value, grouped, prefix, short, value, vector_value};

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_egui::egui::{Button, ComboBox, Slider, Ui, vec2};
 use bevy_sinew::{GradientAt, Integrator, Order, SolverConfig};
 
-use crate::panel::PanelParams;
+use crate::params::PanelParams;
 use crate::widgets::{number, row};
 
 /// Writes `SolverConfig`.

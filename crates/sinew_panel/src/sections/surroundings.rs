@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_egui::egui::{Label, RichText, Slider, Ui};
 use bevy_sinew::{AirDrag, AirFlow, Electric, Fluid, Gravity, Wind};
 
-use crate::panel::PanelParams;
+use crate::params::PanelParams;
 use crate::widgets::{number, row, vector};
 
 /// Density of air, kg/m³, to tell a pressure's speed.

@@ -2,7 +2,7 @@
 
 use bevy_egui::egui::{Button, Label, RichText, Slider, Ui, vec2};
 
-use crate::panel::PanelParams;
+use crate::params::PanelParams;
 use crate::recording::{RecordWhen, Replay};
 use crate::style::{GOOD, WARN};
 use crate::widgets::{grouped, number, row, slider, value};

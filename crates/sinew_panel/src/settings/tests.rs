@@ -6,8 +6,8 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{Integrator, Order};
 
 use super::*;
-use crate::panel::PanelState;
 use crate::recording::RecordWhen;
+use crate::state::PanelState;
 use crate::tests::{app, click_text, draw_with, find_text};
 use crate::{PanelSide, SinewPanelPlugin};
 

@@ -1,5 +1,6 @@
 //! What a game hears of contacts: who touches whom, and when that began and ended.
 
+use bevy::ecs::entity::MapEntities;
 use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::world::DeferredWorld;
 use bevy::prelude::*;
@@ -159,3 +160,7 @@ fn end_all(mut world: DeferredWorld, context: HookContext) {
         world.trigger(event);
     }
 }
+
+/// What lost its parent since the last tick. Part of the state.
+#[derive(Resource, MapEntities, Reflect, Clone, Debug, Default)]
+pub(crate) struct Orphans(#[entities] pub(crate) Vec<Entity>);

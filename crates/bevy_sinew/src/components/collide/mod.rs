@@ -33,6 +33,7 @@ pub use motion::ColliderMotion;
 pub use surface::{CollisionLayer, CollisionLayers, Combine, GroundDrag, Sensor, SurfaceMaterial};
 pub use weight::Weighs;
 
+pub(crate) use events::Orphans;
 pub(crate) use motion::PlacedCollider;
 
 use bevy::prelude::*;

@@ -6,17 +6,20 @@
 //! | `joints` | angles: [`AngleConstraint`], [`HingeConstraint`], [`ConeConstraint`] |
 //! | `sizes` | areas and volumes: [`AreaConstraint`], [`PatchConstraint`], [`TetrahedronConstraint`], [`VolumeConstraint`] |
 //! | `shapes` | [`BendConstraint`], [`CoplanarConstraint`], [`CollinearConstraint`], [`RigidConstraint`] |
+//! | `break_at` | at what force or strain one breaks: [`BreakAt`] |
 //! | `any` | any kind, without a component of its own: [`AnyConstraint`] |
 //!
 //! Distances and springs are so many that they have lists of their own. All others come in by one door, [`ParticleConstraint`], and so do a game's.
 
 mod any;
+mod break_at;
 mod joints;
 mod pairs;
 mod shapes;
 mod sizes;
 
 pub use any::AnyConstraint;
+pub use break_at::BreakAt;
 pub use joints::{AngleConstraint, ConeConstraint, HingeConstraint};
 pub use pairs::{Bound, DistanceConstraint, Spring};
 pub use shapes::{BendConstraint, CollinearConstraint, CoplanarConstraint, RigidConstraint};

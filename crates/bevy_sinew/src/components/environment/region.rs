@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use sinew::Extent;
 
-use crate::step::frames::{Misplaced, even_factor};
+use crate::frames::{Misplaced, even_factor};
 
 /// Where the [`Wind`](super::Wind), the [`AirFlow`](super::AirFlow), the [`Fluid`](super::Fluid) and the [`ElectricField`](super::ElectricField) on
 /// the same entity act: in a shape about the entity's position, turned and scaled as the entity and its parents are (what is round, by the same in

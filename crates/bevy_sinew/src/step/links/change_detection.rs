@@ -3,7 +3,7 @@
 use bevy::ecs::query::ArchetypeFilter;
 use bevy::prelude::*;
 
-use crate::step::changes::ChangeTicks;
+use crate::changes::ChangeTicks;
 
 /// Of more than these it is as well to compile everything.
 const MOST: usize = 16;

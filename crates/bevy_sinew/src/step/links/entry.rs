@@ -5,9 +5,8 @@ use sinew::constraints::Rows;
 use sinew::{ConstraintFault, DistanceFault, Simulation, SpringFault};
 
 use super::change_detection::ChangeDetector;
-use crate::components::CreationOrder;
 use crate::messages::{Refusal, Refused, ReportedErrors, refuse};
-use crate::world::Tables;
+use crate::world::{Place, Tables};
 
 /// Something that the solver has a list of, among rows.
 pub(super) trait Link: Sized {
@@ -66,14 +65,6 @@ impl Incremental for sinew::Constraint {
     fn remove(simulation: &mut Simulation, at: usize) {
         simulation.remove_constraint(at);
     }
-}
-
-/// Whose link it is, and where it stands in its list: by creation, and for several on one entity by their kind.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Place {
-    pub(super) order: CreationOrder,
-    pub(super) entity: Entity,
-    pub(super) kind: usize,
 }
 
 /// A link with its place, and what became of it.

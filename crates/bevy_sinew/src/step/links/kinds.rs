@@ -8,7 +8,7 @@ use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
 
 use super::change_detection::ChangeDetector;
-use super::entry::{Entry, Place, update_incrementally};
+use super::entry::{Entry, update_incrementally};
 use crate::attach::AnchorConstraint;
 use crate::components::{
     AngleConstraint, AnyConstraint, AreaConstraint, BendConstraint, CollinearConstraint,
@@ -17,7 +17,7 @@ use crate::components::{
 };
 use crate::messages::Refusal;
 use crate::state::add_constraint;
-use crate::world::{SinewWorld, Tables};
+use crate::world::{Place, SinewWorld, Tables};
 
 /// Numbers of the kinds that have lists of their own; registered ones follow.
 pub(super) const DISTANCES: usize = 0;

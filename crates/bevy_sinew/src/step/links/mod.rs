@@ -10,67 +10,12 @@ pub(crate) use kinds::{Kinds, register_ours};
 
 use bevy::prelude::*;
 
-use super::changes::census;
+use crate::changes::census;
 use crate::components::{CreationOrder, DistanceConstraint, Spring, WindSurface};
 use crate::messages::Refused;
-use crate::world::{SinewWorld, Tables};
+use crate::world::{Place, SinewWorld, Tables};
 use change_detection::ChangeDetector;
-use entry::{Entry, Place, Validator, update_incrementally};
-
-/// Whose links stand in the solver's lists, place by place.
-#[derive(Default)]
-pub(crate) struct Links {
-    distances: Vec<Place>,
-    constraints: Vec<Place>,
-    springs: Vec<Place>,
-    /// Whether all links there are do.
-    sound: bool,
-    /// Counts the changes of the lists.
-    version: u64,
-}
-
-/// Where a link stands in the solver's lists.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum LinkAt {
-    /// The number of a distance.
-    Distance(usize),
-    /// Of a spring.
-    Spring(usize),
-    /// Of any other constraint.
-    Constraint(usize),
-}
-
-impl LinkAt {
-    pub(crate) fn distance(self) -> Option<usize> {
-        if let Self::Distance(number) = self { Some(number) } else { None }
-    }
-
-    pub(crate) fn constraint(self) -> Option<usize> {
-        if let Self::Constraint(number) = self { Some(number) } else { None }
-    }
-}
-
-impl Links {
-    /// How often the lists have changed.
-    pub(crate) fn version(&self) -> u64 {
-        self.version
-    }
-
-    /// Finds all links of an entity.
-    pub(crate) fn find(&self, order: CreationOrder, entity: Entity, mut each: impl FnMut(LinkAt)) {
-        let lists: [(&[Place], fn(usize) -> LinkAt); 3] = [
-            (&self.distances, LinkAt::Distance),
-            (&self.springs, LinkAt::Spring),
-            (&self.constraints, LinkAt::Constraint),
-        ];
-        for (places, at) in lists {
-            let first =
-                places.partition_point(|place| (place.order, place.entity) < (order, entity));
-            let own = places[first..].iter().take_while(|place| place.entity == entity);
-            (first..).zip(own).for_each(|(number, _)| each(at(number)));
-        }
-    }
-}
+use entry::{Entry, Validator, update_incrementally};
 
 /// Notes whether distances, springs or surfaces came, went or changed; few distances are taken into account at once. No hook does: a body comes and
 /// goes with tens of thousands of them.

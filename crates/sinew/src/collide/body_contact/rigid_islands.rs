@@ -1,6 +1,6 @@
 //! Rigid islands: which body colliders are integrated as rigid states (`rigid_state`) in a step, and when their particles are read and written.
 //!
-//! A rigid island is an island of a plan whose particles are those of one body collider, each tied to each by rods as long as the collider has them
+//! A rigid island is one whose particles are those of one body collider, each tied to each by rods as long as the collider has them
 //! apart: no other constraint acts on one of them. These are found when constraints or colliders have changed. In a step such an island moves as one rigid
 //! state if none of its particles is pinned or asleep, no load of its rods is measured, its body has [`Representation::Auto`], and its particles are where a
 //! rigid body has them. All of that follows from saved state, so a restored world goes on to the same bits.
@@ -15,17 +15,12 @@ use super::rigid_state::{
     AdvanceStates, ForceSums, PushStates, ReadStates, SumForces, WideRigidState, WriteStates,
 };
 use super::{BodyCollider, BodyContactSolver};
-use crate::constraints::{Distance, GradientAt, Pin};
+use crate::constraints::{GradientAt, Pin};
 use crate::integrate::{Integrator, loss};
+use crate::islands::{Island, Islands};
 use crate::lanes::{InstructionSet, LANES, with};
 use crate::particles::Particles;
-use crate::solve::{BodySettings, GroupKind, Island, Plan, Representation};
-
-/// The most particles of a rigid island: which are tied to which is noted in the bits of one number each.
-const MOST: usize = 64;
-
-/// How much a rod may differ from how far apart the collider has its ends, as a share of that.
-const LENGTHS: f32 = 1e-5;
+use crate::settings::{BodySettings, Representation};
 
 /// No island.
 const NONE: u32 = u32::MAX;
@@ -86,32 +81,38 @@ pub(crate) struct RigidStep<'a> {
 }
 
 impl BodyContactSolver {
-    /// Finds the body colliders that are all there is of an island. To be called when the plan or the body colliders have changed.
-    pub(crate) fn find_rigid_islands(&mut self, body_colliders: &[BodyCollider], plan: &Plan) {
+    /// Finds the body colliders that are all there is of an island; `tied` says whether the constraints of an island tie a body collider's particles as that
+    /// has them, and nothing else. To be called when constraints or body colliders have changed.
+    pub(crate) fn find_rigid_islands(
+        &mut self,
+        body_colliders: &[BodyCollider],
+        islands: &Islands,
+        tied: impl Fn(&BodyCollider, &Island) -> bool,
+    ) {
         let Self { groups, rigid, .. } = self;
         rigid.islands.clear();
         rigid.islands.extend(groups.parts.iter().zip(body_colliders).enumerate().map(
             |(number, (part, solid))| {
                 let is_alone = groups.is_alone(number) && part.sound && part.side.is_some();
-                let island = solid.rows.first().and_then(|&row| plan.island_of.get(row as usize));
-                let found = island.copied().filter(|&island| {
-                    is_alone && is_all_of(solid, plan, &plan.islands[island as usize])
-                });
+                let island = solid.rows.first().and_then(|&row| islands.of.get(row as usize));
+                let found = island
+                    .copied()
+                    .filter(|&island| is_alone && tied(solid, &islands.list[island as usize]));
                 found.unwrap_or(NONE)
             },
         ));
     }
 
-    /// Reads the rigid states of this step from their particles, after the broad phase, and marks their islands in the plan; none where
+    /// Reads the rigid states of this step from their particles, after the broad phase, and marks their islands; none where
     /// single particles are `held`.
     pub(crate) fn begin_rigid_states(
         &mut self,
         particles: &mut Particles,
-        plan: &mut Plan,
+        all: &mut Islands,
         step: RigidStep,
         held: bool,
     ) {
-        plan.islands.iter_mut().for_each(|island| island.one_state = false);
+        all.list.iter_mut().for_each(|island| island.one_state = false);
         self.rigid.count = 0;
         self.rigid.idle = false;
         self.rigid.states.clear();
@@ -127,13 +128,13 @@ impl BodyContactSolver {
         let RigidIslands { islands, states, count, pinned, .. } = rigid;
         pinned.clear();
         let rows = step.pins.iter().map(|pin| pin.particle as usize);
-        pinned.extend(rows.filter_map(|row| plan.island_of.get(row).copied()));
+        pinned.extend(rows.filter_map(|row| all.of.get(row).copied()));
         pinned.sort_unstable();
         for (number, (group, state)) in groups.groups.iter().zip(states).enumerate() {
             let (mut asks, mut reach, mut tolerance) = (0, [0.0; LANES], [0.0; LANES]);
             for lane in 0..LANES {
                 let Some(solid) = groups.sound_in(number, lane) else { continue };
-                let Some(island) = plan.islands.get(islands[solid] as usize) else { continue };
+                let Some(island) = all.list.get(islands[solid] as usize) else { continue };
                 if pinned.binary_search(&islands[solid]).is_ok() {
                     continue;
                 }
@@ -164,7 +165,7 @@ impl BodyContactSolver {
             *count += state.lanes.count_ones() as usize;
             for lane in (0..LANES).filter(|lane| state.lanes >> lane & 1 == 1) {
                 if let Some(solid) = groups.sound_in(number, lane) {
-                    plan.islands[islands[solid] as usize].one_state = true;
+                    all.list[islands[solid] as usize].one_state = true;
                 }
             }
         }
@@ -184,11 +185,11 @@ impl BodyContactSolver {
     }
 
     /// Islands of which a particle was moved from outside go on as particles. Clears the list of moved particles, and returns whether there was any.
-    pub(crate) fn release_moved(&mut self, particles: &mut Particles, plan: &mut Plan) -> bool {
+    pub(crate) fn release_moved(&mut self, particles: &mut Particles, all: &mut Islands) -> bool {
         let mut any = false;
         while let Some(row) = particles.take_moved() {
-            let Some(&number) = plan.island_of.get(row as usize) else { continue };
-            let island = &mut plan.islands[number as usize];
+            let Some(&number) = all.of.get(row as usize) else { continue };
+            let island = &mut all.list[number as usize];
             if !core::mem::take(&mut island.one_state) {
                 continue;
             }
@@ -337,38 +338,4 @@ fn rate_of(rows: &[u32], particles: &Particles, island: &Island, step: &RigidSte
         && settings.integrator == Integrator::Verlet
         && (particles.column_summary.damping.is_some() || rows.iter().all(alike));
     may.then_some(rate)
-}
-
-/// Whether an island has the particles of a body collider, and rods alone that tie each of them to each as the collider has them.
-fn is_all_of(solid: &BodyCollider, plan: &Plan, island: &Island) -> bool {
-    let members = &plan.members[island.members.clone()];
-    let groups = &plan.groups[island.groups.clone()];
-    let (Some(&first), Some(&last), count) = (members.first(), members.last(), members.len())
-    else {
-        return false;
-    };
-    if count != solid.rows.len()
-        || count > MOST
-        || (last - first) as usize + 1 != count
-        || !solid.rows.iter().all(|row| (first..=last).contains(row))
-        || groups.iter().any(|group| group.kind != GroupKind::Rods)
-    {
-        return false;
-    }
-    let mut rest = [Vec3::ZERO; MOST];
-    for (&row, &place) in solid.rows.iter().zip(&*solid.rest) {
-        rest[(row - first) as usize] = place;
-    }
-    let mut tied = [0_u64; MOST];
-    let mut holds = |d: &Distance| {
-        let (a, b) = ((d.a - first) as usize, (d.b - first) as usize);
-        tied[a] |= 1 << b;
-        tied[b] |= 1 << a;
-        let apart = (rest[a].as_dvec3() - rest[b].as_dvec3()).length() as f32;
-        (d.rest - apart).abs() <= LENGTHS * apart
-    };
-    let rods = groups.iter().flat_map(|group| &plan.distances[group.range.clone()]);
-    let fit = rods.fold(true, |fit, d| holds(d) & fit);
-    let all = u64::MAX >> (MOST - count);
-    fit && tied[..count].iter().enumerate().all(|(i, &others)| others | 1 << i == all)
 }

@@ -6,8 +6,8 @@ use super::super::stage::World;
 use super::super::{CombinedMaterial, nearby};
 use super::surface::SurfaceForm;
 use super::{NormalImpulse, ParticleContacts, SurfaceCandidate};
+use crate::islands::Islands;
 use crate::particles::Particles;
-use crate::solve::Plan;
 
 /// Memory of sorting candidates by row.
 #[derive(Clone, Debug, Default)]
@@ -34,17 +34,17 @@ impl ParticleContacts {
         if self.is_empty() {
             return;
         }
-        self.see(particles, world.plan, dt, g);
+        self.see(particles, world.islands, dt, g);
         if !self.surfaces.is_empty() {
             self.find_candidates(particles, world);
             normal_impulses.resize(self.candidates.len(), NormalImpulse::default());
         }
-        self.find_reaches(particles, world.plan);
+        self.find_reaches(particles, world.islands);
     }
 
     /// Finds the surfaces that each row may touch.
     fn find_candidates(&mut self, particles: &Particles, world: &World) {
-        let (plan, filter) = (world.plan, world.filter);
+        let (islands, filter) = (world.islands, world.filter);
         let classes = self.classes.all().len();
         self.sort.found.clear();
         let steps = self.frames.len() / self.surfaces.len();
@@ -61,11 +61,11 @@ impl ParticleContacts {
                     (low, high) = (low.min(least), high.max(most));
                 }
             }
-            for (island, &(least, most)) in plan.islands.iter().zip(&self.sort.islands) {
+            for (island, &(least, most)) in islands.list.iter().zip(&self.sort.islands) {
                 if least.cmpgt(high).any() || most.cmplt(low).any() {
                     continue;
                 }
-                for &row in &plan.members[island.members.clone()] {
+                for &row in &islands.members[island.members.clone()] {
                     let i = row as usize;
                     let reach = self.last_seen[i].w.sqrt() + particles.radius[i];
                     let at = particles.origin[i] + particles.position[i].truncate();
@@ -92,11 +92,11 @@ impl ParticleContacts {
     }
 
     /// Notes where each row is and how far it may go, and the box of each island.
-    fn see(&mut self, particles: &Particles, plan: &Plan, dt: f32, g: f32) {
+    fn see(&mut self, particles: &Particles, islands: &Islands, dt: f32, g: f32) {
         self.last_seen.resize(particles.len(), glam::Vec4::ZERO);
         self.sort.islands.clear();
-        for island in &plan.islands {
-            let rows = || plan.members[island.members.clone()].iter().map(|&row| row as usize);
+        for island in &islands.list {
+            let rows = || islands.members[island.members.clone()].iter().map(|&row| row as usize);
             // What is solid all over is nowhere.
             if rows().all(|row| self.solid.get(row).is_some_and(|&solid| solid)) {
                 self.sort.islands.push((Vec3::INFINITY, Vec3::NEG_INFINITY));

@@ -4,8 +4,8 @@ use glam::Vec3;
 
 use super::super::bounds::ClassBounds;
 use super::{NormalImpulses, ParticleContacts};
+use crate::islands::Islands;
 use crate::particles::{Particles, Places};
-use crate::solve::Plan;
 
 impl ParticleContacts {
     /// Puts all rows of island `number` on the right side of everything, once, with friction; returns how far out the farthest was, metres.
@@ -99,17 +99,17 @@ impl ParticleContacts {
     }
 
     /// Finds them, when the boxes of the islands and the candidates of the rows are known.
-    pub(super) fn find_reaches(&mut self, particles: &Particles, plan: &Plan) {
+    pub(super) fn find_reaches(&mut self, particles: &Particles, islands: &Islands) {
         let Self { first, last_seen, reaches, touching, bounded, bounds, sort, .. } = self;
         reaches.clear();
         touching.clear();
         bounded.clear();
         bounded.resize(particles.len(), false);
-        for (island, &(low, high)) in plan.islands.iter().zip(&sort.islands) {
+        for (island, &(low, high)) in islands.list.iter().zip(&sort.islands) {
             let begin = touching.len();
             let held = bounds.hold(low, high);
             if !(held && first.is_empty()) {
-                for &row in &plan.members[island.members.clone()] {
+                for &row in &islands.members[island.members.clone()] {
                     let i = row as usize;
                     if !held {
                         let at = particles.origin[i] + particles.position[i].truncate();

@@ -34,8 +34,8 @@ fn ball(at: Vec3) -> Collider {
 fn asked(world: &mut Simulation) -> Vec<u32> {
     world.begin_step(1.0 / 60.0).unwrap();
     let (contacts, plan) = (world.particle_contacts().clone(), world.plan().clone());
-    let number = plan.island_of[0] as usize;
-    let rows = &plan.members[plan.islands[number].members.clone()];
+    let number = plan.islands.of[0] as usize;
+    let rows = &plan.islands.members[plan.islands.list[number].members.clone()];
     contacts.in_reach(&Places::all(&mut world.particles), number, rows).0.to_vec()
 }
 

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use glam::Vec3;
 
-use crate::recipes::HullFault;
+use crate::convex_hull::HullFault;
 
 /// Why a shape is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

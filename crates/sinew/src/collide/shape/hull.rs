@@ -9,7 +9,7 @@ use super::convex::{Convex, Entry};
 use super::fault::{is_length, stray};
 use super::triangle::{Feature, Triangle};
 use super::{Nearest, ShapeFault, ShapeTouch};
-use crate::recipes::{HullFault, convex_hull};
+use crate::convex_hull::{HullFault, convex_hull};
 
 /// Corners and faces.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Mass properties against closed forms, and what is refused.
 
-use super::super::hull::convex_hull;
 use super::*;
+use crate::convex_hull::convex_hull;
 use glam::{DQuat, Quat};
 
 /// How far apart two symmetric matrices are, relative to the trace of the second.

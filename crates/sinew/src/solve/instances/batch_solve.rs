@@ -13,9 +13,10 @@ use crate::collide::{BatchContacts, NormalImpulses};
 use crate::constraints::Plane;
 use crate::lanes::{LANES, with};
 use crate::particles::ground;
+use crate::settings::Order;
+use crate::solve::IslandReport;
 use crate::solve::island::{Common, ThreadScratch};
 use crate::solve::plan::Task;
-use crate::solve::{IslandReport, Order};
 
 /// Particles of the bodies side by side in all storage that is solved together, at most: with all that belongs to them they fit into a core's second
 /// cache.
@@ -71,7 +72,7 @@ impl<'a> BatchSolve<'a> {
         while begin < instance_batches.len() {
             let (first, contacts) = (&instance_batches[begin], found);
             // Where each has but one sweep nobody waits for anybody.
-            let sweeps = plan.islands[first.islands.start].settings.max_sweeps;
+            let sweeps = plan.islands.list[first.islands.start].settings.max_sweeps;
             let limit = if sweeps > 1 { STORED_PARTICLES / first.members as usize } else { 1 };
             let mut end = begin + 1;
             while let Some(batch) = instance_batches.get(end) {
@@ -97,7 +98,7 @@ impl<'a> BatchSolve<'a> {
 
     /// What an instance batch may touch, if its bodies can go through this step together.
     fn contacts(&self, batch: &InstanceBatch) -> Option<BatchContacts<'a>> {
-        let islands = &self.common.plan.islands[batch.islands.clone()];
+        let islands = &self.common.plan.islands.list[batch.islands.clone()];
         if islands.iter().any(|island| island.rigid || island.measured || island.is_left_alone()) {
             return None;
         }
@@ -120,7 +121,7 @@ impl<'a> BatchSolve<'a> {
     /// Whether two instance batches are of the same bodies, which are to be solved in the same way.
     fn has_same_topology(&self, one: &InstanceBatch, other: &InstanceBatch) -> bool {
         let settings =
-            |batch: &InstanceBatch| self.common.plan.islands[batch.islands.start].settings;
+            |batch: &InstanceBatch| self.common.plan.islands.list[batch.islands.start].settings;
         one.has_same_topology(other) && settings(one) == settings(other)
     }
 
@@ -132,7 +133,7 @@ impl<'a> BatchSolve<'a> {
     ) {
         let Common { plan, h, execution, .. } = self.common;
         let instructions = execution.instructions;
-        let settings = &plan.islands[instance_batches[0].islands.start].settings;
+        let settings = &plan.islands.list[instance_batches[0].islands.start].settings;
         let (begin, origin, radius) = (self.task.rows.start, self.origin, self.radius);
         let velocity = match &self.motion {
             BatchMotion::Substep { velocity, .. } => Some(*velocity),
@@ -197,7 +198,7 @@ impl<'a> BatchSolve<'a> {
         (planes, surfaces): (&[Plane], bool),
         storage: &mut LaneStorage,
     ) {
-        let (begin, islands) = (self.task.rows.start, &self.common.plan.islands);
+        let (begin, islands) = (self.task.rows.start, &self.common.plan.islands.list);
         let islands = &islands[batch.islands.clone()];
         self.note_heights(batch, planes, storage);
         // In the lanes that are left, too, the last body is what it is: they write the same as its own.

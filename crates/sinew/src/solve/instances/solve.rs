@@ -6,7 +6,7 @@ use super::{ConvergenceMask, InstanceBatch, InstanceBatches, InstancePart, LaneS
 use crate::collide::NormalImpulses;
 use crate::constraints::{GradientAt, Plane, SubstepContext};
 use crate::lanes::{InstructionSet, LANES, with};
-use crate::solve::SolverSettings;
+use crate::settings::SolverSettings;
 use crate::solve::island::COS_SQUARED;
 
 /// What solving needs to know beside the lane storage.

@@ -80,8 +80,8 @@ impl SurfaceContext<'_> {
     /// The rows of the body in a lane.
     fn rows(&self, storage: &LaneStorage, lane: usize) -> Range<u32> {
         let plan = self.common.plan;
-        let island = &plan.islands[storage.islands[lane] as usize];
-        let first = plan.members[island.members.start];
+        let island = &plan.islands.list[storage.islands[lane] as usize];
+        let first = plan.islands.members[island.members.start];
         first..first + island.members.len() as u32
     }
 

@@ -4,8 +4,9 @@ use core::ops::Range;
 
 use super::{InstanceBatch, InstanceBatches, InstancePart, InstancedRod};
 use crate::constraints::{Constraint, Distance};
+use crate::islands::Island;
 use crate::lanes::LANES;
-use crate::solve::plan::{ConstraintGroup, GroupKind, Island, Plan, Task};
+use crate::solve::plan::{ConstraintGroup, GroupKind, Plan, Task};
 use crate::solve::rods::ends;
 use crate::solve::wide::InstancedGroups;
 
@@ -35,7 +36,7 @@ impl InstanceBatches {
         let first = self.all.len();
         let mut islands = task.islands.clone();
         while let Some(leader) = islands.next() {
-            if !suits(plan, &plan.islands[leader]) {
+            if !suits(plan, &plan.islands.list[leader]) {
                 continue;
             }
             let mut end = leader + 1;
@@ -59,9 +60,10 @@ impl InstanceBatches {
 
     /// Takes some islands that are alike.
     fn add(&mut self, plan: &Plan, islands: Range<usize>) {
-        let lanes: [&Island; LANES] =
-            core::array::from_fn(|lane| &plan.islands[(islands.start + lane).min(islands.end - 1)]);
-        let first = lanes.map(|island| plan.members[island.members.start]);
+        let lanes: [&Island; LANES] = core::array::from_fn(|lane| {
+            &plan.islands.list[(islands.start + lane).min(islands.end - 1)]
+        });
+        let first = lanes.map(|island| plan.islands.members[island.members.start]);
         let (begin, mut multipliers) = (self.parts.len(), 0);
         for number in 0..lanes[0].groups.len() {
             let groups = lanes.map(|island| &plan.groups[island.groups.start + number]);
@@ -138,7 +140,7 @@ impl InstanceBatches {
 
 /// Whether an island may be in an instance batch.
 fn suits(plan: &Plan, island: &Island) -> bool {
-    let members = &plan.members[island.members.clone()];
+    let members = &plan.islands.members[island.members.clone()];
     let (Some(&first), Some(&last)) = (members.first(), members.last()) else { return false };
     let wide = |group: &ConstraintGroup| group.kind == GroupKind::Rods || group.wide.is_some();
     !island.groups.is_empty()
@@ -152,7 +154,7 @@ fn suits(plan: &Plan, island: &Island) -> bool {
 
 /// Whether the rows of an island begin where those of the one before it end.
 fn follows(plan: &Plan, number: usize) -> bool {
-    let members = |number: usize| &plan.members[plan.islands[number].members.clone()];
+    let members = |number: usize| &plan.islands.members[plan.islands.list[number].members.clone()];
     match (members(number - 1).last(), members(number).first()) {
         (Some(&last), Some(&first)) => last + 1 == first,
         _ => false,
@@ -161,14 +163,14 @@ fn follows(plan: &Plan, number: usize) -> bool {
 
 /// Whether two islands have the same constraints between the same of their particles, but for lengths and angles.
 fn is_like(plan: &Plan, one: usize, other: usize) -> bool {
-    let (one, other) = (&plan.islands[one], &plan.islands[other]);
+    let (one, other) = (&plan.islands.list[one], &plan.islands.list[other]);
     if one.members.len() != other.members.len()
         || one.groups.len() != other.groups.len()
         || !suits(plan, other)
     {
         return false;
     }
-    let first = |island: &Island| plan.members[island.members.start];
+    let first = |island: &Island| plan.islands.members[island.members.start];
     let shift = first(other) - first(one);
     let groups = |island: &Island| &plan.groups[island.groups.clone()];
     groups(one).iter().zip(groups(other)).all(|(one, other)| {
@@ -198,7 +200,7 @@ fn is_like(plan: &Plan, one: usize, other: usize) -> bool {
 
 /// Whether two islands are alike in lengths and angles, too.
 fn is_same_topology(plan: &Plan, one: usize, other: usize) -> bool {
-    let groups = |number: usize| &plan.groups[plan.islands[number].groups.clone()];
+    let groups = |number: usize| &plan.groups[plan.islands.list[number].groups.clone()];
     let lengths =
         |group: &ConstraintGroup| plan.distances[group.range.clone()].iter().map(|d| d.rest);
     let constraint_batches =

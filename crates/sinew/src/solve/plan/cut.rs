@@ -23,13 +23,14 @@ impl Plan {
         self.rods.clear();
         self.constraint_batches.clear();
         self.islands
+            .list
             .iter_mut()
             .for_each(|island| (island.groups, island.cluster_batches) = (0..0, 0..0));
         for keys in keys.chunk_by(|one, other| {
             Fields::cluster_batch(one.group) == Fields::cluster_batch(other.group)
         }) {
             let found = Fields::of(keys[0].group);
-            let island = &mut self.islands[found.island as usize];
+            let island = &mut self.islands.list[found.island as usize];
             if island.cluster_batches.is_empty() {
                 island.groups = self.groups.len()..self.groups.len();
                 island.cluster_batches = self.cluster_batches.len()..self.cluster_batches.len();
@@ -40,12 +41,12 @@ impl Plan {
             let begin =
                 match self.cluster_batches.last().filter(|_| !island.cluster_batches.is_empty()) {
                     Some(last) if last.stage == stage => last.rows.end,
-                    _ => self.members[island.members.start],
+                    _ => self.islands.members[island.members.start],
                 };
             let (rows, columns) =
                 self.take_cluster_batch(distances, constraints, keys, found, begin);
             let groups = first..self.groups.len();
-            let island = &mut self.islands[found.island as usize];
+            let island = &mut self.islands.list[found.island as usize];
             (island.groups.end, island.cluster_batches.end) =
                 (groups.end, island.cluster_batches.end + 1);
             self.cluster_batches.push(ClusterBatch { groups, stage, rows, columns });
@@ -85,7 +86,8 @@ impl Plan {
             && rows.len() <= 2 * keys.len();
         if columns {
             // Strides are mostly even numbers: where the island's rows begin a line of the cache, most eights do.
-            let origin = self.members[self.islands[found.island as usize].members.start];
+            let origin =
+                self.islands.members[self.islands.list[found.island as usize].members.start];
             rows.start -= (rows.start - origin) % 32;
             rows.start = rows.start.max(first);
         }

@@ -111,7 +111,7 @@ impl IncrementalUpdate<'_> {
     fn uncoloured(&mut self, list: List, number: u32) -> Option<Key> {
         let (rows, rank) = self.given.rows_and_rank(list, number as usize);
         let (fields, ends) = self.compiling.fields(self.plan, &rows, rank);
-        let together = rows.iter().all(|&row| self.plan.island_of[row as usize] == fields.island);
+        let together = rows.iter().all(|&row| self.plan.islands.of[row as usize] == fields.island);
         let group = Fields { colour: UNKNOWN, ..fields }.key();
         let reach = &mut self.compiling.reaches[fields.island as usize];
         *reach = (*reach).max(ends.1 - ends.0);

@@ -20,9 +20,9 @@ mod clusters;
 mod colours;
 mod cut;
 mod incremental;
-mod islands;
 mod keys;
 mod place;
+mod rigid;
 mod tasks;
 #[cfg(test)]
 mod tests;
@@ -34,7 +34,7 @@ use super::rods::Rods;
 use super::tethers::Tethers;
 use super::wide::{ConstraintBatches, Which};
 use crate::constraints::{Constraint, ConstraintKind, Distance};
-use crate::solve::SolverSettings;
+use crate::islands::{Island, Islands};
 pub(crate) use changes::{Change, Changes, List};
 use keys::Key;
 use place::Compiling;
@@ -57,12 +57,8 @@ pub(crate) struct Plan {
     pub(crate) cluster_batches: Vec<ClusterBatch>,
     /// What threads may do side by side.
     pub(crate) tasks: Vec<Task>,
-    /// The islands, in the order of their first particles. Every particle is in one.
-    pub(crate) islands: Vec<Island>,
-    /// The rows of the particles, island after island, ascending in each.
-    pub(crate) members: Vec<u32>,
-    /// The number of each particle's island.
-    pub(crate) island_of: Vec<u32>,
+    /// The islands.
+    pub(crate) islands: Islands,
     /// How many rows it was compiled for.
     pub(crate) rows: usize,
     /// Islands that are built alike, to be solved side by side.
@@ -117,42 +113,6 @@ pub(crate) enum GroupKind {
     Rods,
 }
 
-/// Particles that constraints connect, and those constraints.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Island {
-    /// Where its groups are among the plan's.
-    pub(crate) groups: Range<usize>,
-    /// Where its cluster batches are.
-    pub(crate) cluster_batches: Range<usize>,
-    /// Where its particles are among the plan's members.
-    pub(crate) members: Range<usize>,
-    /// Whether a compound in it moves as an explicit rigid body, which keeps its own momenta.
-    pub(crate) rigid: bool,
-    /// Whether a game's own constraint is in it, which may hold on to the world.
-    pub(crate) custom: bool,
-    /// Whether all its particles have one origin in this step.
-    pub(crate) one_origin: bool,
-    /// Whether nothing outside holds it in this step: its constraints are among its own particles, of which none is pinned.
-    pub(crate) free: bool,
-    /// Whether it sleeps through this step.
-    pub(crate) asleep: bool,
-    /// Whether [loads](super::Loads) in it are measured, so that it is solved by itself.
-    pub(crate) measured: bool,
-    /// Whether it moves as one rigid state in this step: its constraints are not swept, and its particles follow.
-    pub(crate) one_state: bool,
-    /// Which of the plan's [tethers](Tethers) are its own.
-    pub(crate) tethers: Option<u32>,
-    /// How it is solved in this step: the world's settings, and those of the bodies in it.
-    pub(crate) settings: SolverSettings,
-}
-
-impl Island {
-    /// Whether nobody is to sweep its constraints in this step.
-    pub(crate) fn is_left_alone(&self) -> bool {
-        self.asleep || self.one_state
-    }
-}
-
 /// What a plan is compiled from.
 #[derive(Clone, Copy)]
 pub(crate) struct Given<'a> {
@@ -188,7 +148,7 @@ impl Plan {
         for (c, _) in given.constraints.iter().zip(&sound).filter(|(_, sound)| **sound) {
             c.rows.iter().for_each(|&row| connected.unite(c.rows[0], row));
         }
-        connected.number(&mut self.islands, &mut self.island_of, &mut self.members);
+        connected.number(&mut self.islands);
         compiling.place_all(self, &given, &sound);
         self.cut(&given, &compiling.keys);
         self.compiling = compiling;
@@ -225,7 +185,7 @@ impl Plan {
         self.instance_batches = instance_batches;
         self.tethers.expire();
         let Self { islands, groups, constraints, .. } = self;
-        for island in islands {
+        for island in &mut islands.list {
             // They are of groups of their own.
             island.custom = groups[island.groups.clone()].iter().any(|group| {
                 let first = constraints.get(group.range.start);
@@ -237,7 +197,7 @@ impl Plan {
 
     /// The rows of an island's particles, where no other's are between them.
     pub(crate) fn stretch(&self, island: &Island) -> Option<Range<usize>> {
-        let members = self.members.get(island.members.clone())?;
+        let members = self.islands.members.get(island.members.clone())?;
         let (first, last) = (*members.first()? as usize, *members.last()? as usize);
         (last + 1 - first == members.len()).then_some(first..last + 1)
     }

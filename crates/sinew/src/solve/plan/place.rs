@@ -2,10 +2,10 @@
 
 use super::clusters::{Clusters, Place};
 use super::colours::{Class, Colours, Strides};
-use super::islands::Connected;
 use super::keys::{DISTANCES, Fields, Key, RIGID, RODS};
 use super::{Given, Plan};
 use crate::constraints::{Bound, Constraint, ConstraintKind, Distance};
+use crate::islands::Connected;
 
 /// What compiling needs; kept for its memory, and for the next [incremental update](super::incremental).
 #[derive(Clone, Debug, Default)]
@@ -38,9 +38,9 @@ impl Compiling {
         self.colours.reset(plan.rows);
         self.clusters.clear();
         self.reaches.clear();
-        self.reaches.resize(plan.islands.len(), 0);
+        self.reaches.resize(plan.islands.list.len(), 0);
         self.strides.clear();
-        for island in 0..plan.islands.len() {
+        for island in 0..plan.islands.list.len() {
             self.place_distances(plan, given.distances, island);
         }
         for ((constraint, number), _) in
@@ -53,7 +53,7 @@ impl Compiling {
 
     /// Where a constraint among these particles goes, but for its colour, and its first and last place in its island.
     pub(super) fn fields(&self, plan: &Plan, rows: &[u32], rank: u32) -> (Fields, (u32, u32)) {
-        let island = plan.island_of[rows[0] as usize];
+        let island = plan.islands.of[rows[0] as usize];
         let ends = self.ends(rows);
         let Place { phase, cluster } = self.clusters[island as usize].place(ends.0, ends.1);
         (Fields { island, rank, phase, cluster, colour: 0 }, ends)
@@ -67,8 +67,8 @@ impl Compiling {
 
     fn number_slots(&mut self, plan: &Plan) {
         self.slots.resize(plan.rows, 0);
-        for island in &plan.islands {
-            for (slot, &row) in (0..).zip(&plan.members[island.members.clone()]) {
+        for island in &plan.islands.list {
+            for (slot, &row) in (0..).zip(&plan.islands.members[island.members.clone()]) {
                 self.slots[row as usize] = slot;
             }
         }
@@ -78,8 +78,8 @@ impl Compiling {
     fn sort_by_island(&mut self, plan: &Plan, given: &Given) {
         let Self { begins, of_island, .. } = self;
         begins.clear();
-        begins.resize(plan.islands.len() + 1, 0);
-        let island = |d: &Distance| plan.island_of[d.a as usize] as usize;
+        begins.resize(plan.islands.list.len() + 1, 0);
+        let island = |d: &Distance| plan.islands.of[d.a as usize] as usize;
         for (d, _) in given.sound_distances() {
             begins[island(d)] += 1;
         }
@@ -137,7 +137,7 @@ impl Compiling {
         distances: impl Iterator<Item = &'a Distance> + Clone,
         scratch: &mut Vec<u32>,
     ) -> (Clusters, Strides) {
-        let members = plan.islands[island].members.len();
+        let members = plan.islands.list[island].members.len();
         let ends = |d: &Distance| self.ends(&[d.a, d.b]);
         let clusters = Clusters::of(members, distances.clone().map(ends));
         (clusters, Strides::of(distances.filter(|d| is_rod(d)).map(ends), scratch))

@@ -66,8 +66,8 @@ pub(super) fn cut(plan: &Plan) -> Vec<Task> {
     // Rows that begun islands reach to.
     let mut reach = 0;
     let (mut distance, mut constraint) = (0, 0);
-    for (number, island) in plan.islands.iter().enumerate() {
-        let members = &plan.members[island.members.clone()];
+    for (number, island) in plan.islands.list.iter().enumerate() {
+        let members = &plan.islands.members[island.members.clone()];
         let (Some(&first), Some(&last)) = (members.first(), members.last()) else { continue };
         let (distances, constraints) = (distance, constraint);
         for group in &plan.groups[island.groups.clone()] {

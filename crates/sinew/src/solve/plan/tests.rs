@@ -48,9 +48,10 @@ fn islands_are_what_distances_connect_and_loose_particles_are_islands_too() {
     let distances = [Distance::new(4, 1, 1.0), Distance::new(0, 3, 1.0), Distance::new(3, 5, 1.0)];
     let mut plan = Plan::default();
     compile(&mut plan, &distances, 7);
-    let members: Vec<_> = plan.islands.iter().map(|i| &plan.members[i.members.clone()]).collect();
+    let members: Vec<_> =
+        plan.islands.list.iter().map(|i| &plan.islands.members[i.members.clone()]).collect();
     assert_eq!(members, [&[0, 3, 5][..], &[1, 4], &[2], &[6]]);
-    let groups: Vec<_> = plan.islands.iter().map(|i| i.groups.len()).collect();
+    let groups: Vec<_> = plan.islands.list.iter().map(|i| i.groups.len()).collect();
     assert_eq!(groups, [2, 1, 0, 0]);
     assert_eq!(plan.distances, [distances[1], distances[2], distances[0]]);
 }

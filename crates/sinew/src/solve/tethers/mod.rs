@@ -23,8 +23,9 @@ use core::ops::Range;
 use glam::Vec4;
 
 use super::instances::MOST;
-use super::plan::{GroupKind, Island, Plan};
+use super::plan::{GroupKind, Plan};
 use crate::constraints::{Bound, Distance, Softness};
+use crate::islands::Island;
 use crate::lanes::LANES;
 use crate::particles::{Particles, Places};
 use geodesic::{Field, Web};
@@ -96,8 +97,8 @@ impl Plan {
         let mut tethers = core::mem::take(&mut self.tethers);
         let stale = core::mem::take(&mut tethers.stale);
         let mut before = if stale { core::mem::take(&mut tethers.islands) } else { Vec::new() };
-        for number in 0..self.islands.len() {
-            let island = &mut self.islands[number];
+        for number in 0..self.islands.list.len() {
+            let island = &mut self.islands.list[number];
             if stale {
                 island.tethers = None;
             }
@@ -109,8 +110,8 @@ impl Plan {
             if small || island.groups.is_empty() || island.rigid || !island.settings.tethers {
                 continue;
             }
-            let island = &self.islands[number];
-            let members = &self.members[island.members.clone()];
+            let island = &self.islands.list[number];
+            let members = &self.islands.members[island.members.clone()];
             let held = |row: &u32| particles.position[*row as usize].w == 0.0;
             let own = tethers.made(island);
             let pins = || members.iter().copied().filter(held);
@@ -135,9 +136,9 @@ impl Plan {
             } else {
                 tethers.islands[place] = made;
             }
-            self.islands[number].tethers = Some(place as u32);
+            self.islands.list[number].tethers = Some(place as u32);
         }
-        for island in self.islands.iter().filter(|island| island.measured) {
+        for island in self.islands.list.iter().filter(|island| island.measured) {
             let Some(place) = island.tethers else { continue };
             let made = &mut tethers.islands[place as usize];
             if made.ways.is_none() && !made.blocks.is_empty() {
@@ -172,7 +173,7 @@ impl Plan {
             .filter(|group| group.kind != GroupKind::Constraints)
             .flat_map(|group| &self.distances[group.range.clone()])
             .filter(|d| is_hard(d));
-        (self.members[island.members.start], distances)
+        (self.islands.members[island.members.start], distances)
     }
 
     fn key(&self, island: &Island, pins: &[u32]) -> u64 {
@@ -190,7 +191,7 @@ impl Plan {
 
     /// How far the members of an island are from its pins, of which there is one at least.
     fn fields(&self, island: &Island, pins: &[u32]) -> Fields {
-        let members = &self.members[island.members.clone()];
+        let members = &self.islands.members[island.members.clone()];
         let place = |row: u32| members.partition_point(|&member| member < row) as u32;
         let (_, distances) = self.hard(island);
         let rods: Vec<_> = distances.map(|d| (place(d.a), place(d.b), d.rest)).collect();

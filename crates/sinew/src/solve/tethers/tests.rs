@@ -27,7 +27,7 @@ fn cloth(pins: &[u32], shaped: impl Fn(Vec3) -> Vec3) -> Simulation {
 /// Each particle with a tether: its row, that of its pin, and how long it is.
 fn tethers(world: &Simulation) -> Vec<(usize, usize, f32)> {
     let plan = world.plan();
-    let own = plan.tethers.of(&plan.islands[0]).unwrap();
+    let own = plan.tethers.of(&plan.islands.list[0]).unwrap();
     let each = own.each.iter().enumerate();
     let all = each.flat_map(|(row, tethers)| tethers.map(|(pin, length)| (row, pin, length)));
     all.filter(|one| one.2.is_finite())
@@ -82,12 +82,12 @@ fn a_slit_is_gone_around_and_what_is_cut_off_is_free_in_the_same_step() {
     world.distances_mut().retain(|d| !crosses(d, 0..21));
     world.begin_step(1.0 / 60.0).unwrap();
     let plan = world.plan();
-    let lower = &plan.islands[plan.island_of[440] as usize];
+    let lower = &plan.islands.list[plan.islands.of[440] as usize];
     assert!(lower.free && plan.tethers.of(lower).is_none());
     world.particles.position[0].w = 1.0;
     world.begin_step(1.0 / 60.0).unwrap();
     let plan = world.plan();
-    assert!(plan.islands.iter().all(|island| plan.tethers.of(island).is_none()));
+    assert!(plan.islands.list.iter().all(|island| plan.tethers.of(island).is_none()));
 }
 
 /// By how much a rope of a hundred pieces is longer, with a weight of twice its own at its end, two seconds after it was hung up straight.

@@ -19,15 +19,16 @@ use core::ops::Range;
 use core::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
+use super::IslandReport;
 use super::island::ThreadScratch;
 use super::island_step::IslandStep;
 use super::plan::{ClusterBatch, ConstraintGroup, Plan};
-use super::{IslandReport, Order};
 use glam::Vec4;
 
 use crate::constraints::GradientAt;
 use crate::integrate::{Pass, Predict, StepConstants};
 use crate::lanes::InstructionSet;
+use crate::settings::Order;
 pub(super) use pipeline::pipelined_wavefront;
 use sliding_window::SlidingWindow;
 use stages::{Stages, Tile, What};
@@ -62,7 +63,7 @@ pub(super) fn run_wavefronts(
         let step = island_step.step(number, iteration_counts.len(), &mut wavefront.stages);
         let Some(step) = step else { continue };
         let (plan, mut report) = (island_step.common.plan, island_step.reports[number - begin]);
-        let members = &plan.members[plan.islands[number].members.clone()];
+        let members = &plan.islands.members[plan.islands.list[number].members.clone()];
         let first = (members[0] - island_step.task.rows.start) as usize;
         let instructions = island_step.common.execution.instructions;
         island_step.gather_pins(number, &mut wavefront.pins);
@@ -88,8 +89,8 @@ impl IslandStep<'_> {
     fn step(&self, number: usize, substeps: usize, stages: &mut Stages) -> Option<StepConstants> {
         let Self { common, outside, damping, .. } = self;
         let plan = common.plan;
-        let island = &plan.islands[number];
-        let members = &plan.members[island.members.clone()];
+        let island = &plan.islands.list[number];
+        let members = &plan.islands.members[island.members.clone()];
         let (first, last) = (*members.first()?, *members.last()?);
         let fits = |cluster_batch: &ClusterBatch| {
             let from = cluster_batch.rows.start.checked_sub(first);
@@ -130,7 +131,7 @@ impl IslandStep<'_> {
     fn gather_pins(&mut self, number: usize, pins: &mut Vec<Vec4>) {
         pins.clear();
         let plan = self.common.plan;
-        if let Some(tethers) = plan.tethers.of(&plan.islands[number]) {
+        if let Some(tethers) = plan.tethers.of(&plan.islands.list[number]) {
             let rows = self.task.rows.clone();
             pins.extend(tethers.pins(self.predict(0..rows.len()).position, rows.start));
         }
@@ -180,7 +181,7 @@ fn run_substeps(
     (iteration_counts, measures): (&[AtomicU32], bool),
     instructions: InstructionSet,
 ) {
-    let settings = &plan.islands[number].settings;
+    let settings = &plan.islands.list[number].settings;
     let began = settings.timed.then(Instant::now);
     let is_single_sweep = settings.max_sweeps == 1;
     wavefront.window.begin(plan.rods.half());
@@ -256,10 +257,10 @@ impl Wavefront {
         substeps: usize,
         instructions: InstructionSet,
     ) {
-        let members = plan.islands[number].members.clone();
-        let (first, all) = (plan.members[members.start], members.len());
+        let members = plan.islands.list[number].members.clone();
+        let (first, all) = (plan.islands.members[members.start], members.len());
         let Self { window, stages, pins, worst, left } = self;
-        let tethers = plan.tethers.of(&plan.islands[number]);
+        let tethers = plan.tethers.of(&plan.islands.list[number]);
         stages.start(all);
         while let Some(Tile { what, rows, cluster_batch, settled }) = stages.next(plan, first, all)
         {

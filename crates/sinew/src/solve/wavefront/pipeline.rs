@@ -35,7 +35,7 @@ pub(in crate::solve) fn pipelined_wavefront(
 ) -> bool {
     let Common { plan, execution, .. } = island_step.common;
     let number = island_step.task.islands.start;
-    let settings = &plan.islands[number].settings;
+    let settings = &plan.islands.list[number].settings;
     let rows = island_step.task.rows.len();
     let threads = match settings.max_sweeps {
         1 => execution.workers.map_or(1, Workers::threads),
@@ -68,7 +68,7 @@ pub(in crate::solve) fn pipelined_wavefront(
             PipelineWorker { chunks: &chunks, chunk, held: None, before, own: &settled[range] };
         thread_scratches.with(|thread_scratch| {
             let wavefront = &mut thread_scratch.wavefront;
-            wavefront.stages.begin(plan, &plan.islands[number]);
+            wavefront.stages.begin(plan, &plan.islands.list[number]);
             wavefront.pins.clone_from(&pins);
             let iteration_counts = (iteration_counts, range + 1 == settled.len());
             run_substeps(

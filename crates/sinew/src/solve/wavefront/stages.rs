@@ -2,7 +2,8 @@
 
 use core::ops::Range;
 
-use crate::solve::plan::{Island, Plan};
+use crate::islands::Island;
+use crate::solve::plan::Plan;
 
 /// Stages over all rows of an island, one after the other, each in tiles in the order of their rows.
 #[derive(Clone, Debug, Default)]

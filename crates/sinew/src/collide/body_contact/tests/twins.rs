@@ -7,9 +7,9 @@ use super::heaps::pour;
 use super::*;
 use crate::collide::nearby::Nearby;
 use crate::collide::{ContactFilter, World};
+use crate::islands::Islands;
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
-use crate::solve::Plan;
 
 /// Some substeps of contacts alone, by hand.
 fn substeps(
@@ -18,7 +18,7 @@ fn substeps(
     particles: &mut Particles,
     count: u32,
 ) {
-    let plan = Plan::default();
+    let islands = Islands::default();
     let filter = ContactFilter::untied(&world.contacts);
     let nearby = Nearby::everywhere(&world.contacts);
     let h = 1.0 / 600.0;
@@ -27,7 +27,7 @@ fn substeps(
         colliders: &world.colliders,
         body_colliders: world.body_colliders(),
         filter: &filter,
-        plan: &plan,
+        islands: &islands,
         dt: 1.0 / 60.0,
         substeps: 10,
         gravity: 9.81,

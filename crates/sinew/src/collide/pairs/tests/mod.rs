@@ -14,7 +14,7 @@ use crate::collide::{BodyContacts, ContactFilter, Material};
 use crate::integrate::{Derive, Integrator, derive, predict};
 use crate::lanes::InstructionSet;
 use crate::particles::{ParticleSeed, Particles};
-use crate::solve::ExecutionContext;
+use crate::threads::ExecutionContext;
 
 /// Particles, and what is done with them in a step.
 #[derive(Clone, Default)]

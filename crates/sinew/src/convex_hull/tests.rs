@@ -31,7 +31,8 @@ fn assert_hull(points: &[Vec3]) -> usize {
     }
     assert!(sides.iter().all(|&(a, b)| sides.contains(&(b, a))), "it is open");
     assert_eq!(corners.len() + faces.len(), sides.len() / 2 + 2, "Euler's formula");
-    let [low, high] = bounds(points.iter().copied());
+    let low = points.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+    let high = points.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
     let size = f64::from((high - low).max_element());
     for t in &faces {
         let [a, b, c] = t.map(|i| points[i as usize].as_dvec3());

@@ -7,8 +7,6 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-use crate::messages::Refusal;
-
 /// Transforms and parents, to be read.
 #[derive(SystemParam)]
 pub(crate) struct Frames<'w, 's> {
@@ -23,15 +21,6 @@ pub(crate) enum Misplaced {
     Sheared,
     /// It is round, or a figure of one proportion, and is scaled differently in different directions.
     Uneven,
-}
-
-impl From<Misplaced> for Refusal {
-    fn from(misplaced: Misplaced) -> Self {
-        match misplaced {
-            Misplaced::Sheared => Self::Sheared,
-            Misplaced::Uneven => Self::UnevenScale,
-        }
-    }
 }
 
 impl Frames<'_, '_> {

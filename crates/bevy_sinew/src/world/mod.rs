@@ -1,18 +1,20 @@
 //! The solver's working copy of the components, and the tables that lead from one to the other. Scratch: it is refilled at the start
 //! of every tick, and nothing in it survives one.
 
+mod links;
+
+pub(crate) use links::{LinkAt, Links, Place};
+
 use core::ops::Deref;
 use std::collections::BTreeSet;
 
 use bevy::ecs::change_detection::Tick;
-use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 use sinew::{ContactParticipant, ParticleFault, Particles, Simulation, SolverReport};
 
 use crate::components::ParticleRow;
 use crate::messages::ReportedErrors;
-use crate::step::gather::Held;
-use crate::step::links::Links;
+use crate::rows::Layout;
 
 /// The columns that the phases work on, for the systems of a game that join in between [phases](crate::PhaseSystems).
 ///
@@ -80,8 +82,9 @@ impl SinewWorld {
     /// gathering later, the simulation does not know.
     pub(crate) fn play(&mut self, ahead: f32, taken: bool) {
         let Self { simulation, tables: Tables { played, layout, .. } } = self;
+        let layout = layout.number;
         let rows = simulation.particles.len();
-        if taken || played.began.len() != rows || played.layout != *layout {
+        if taken || played.began.len() != rows || played.layout != layout {
             played.began.clear();
             played.began.extend((0..rows).map(|row| simulation.step_start(row)));
         }
@@ -91,8 +94,8 @@ impl SinewWorld {
             let now = simulation.particles.position(row);
             now + (before - now) * ahead
         }));
-        if played.layout != *layout || played.from.len() != played.to.len() {
-            played.layout = *layout;
+        if played.layout != layout || played.from.len() != played.to.len() {
+            played.layout = layout;
             played.from.clone_from(&played.to);
         }
     }
@@ -179,8 +182,6 @@ impl ParticlesMut<'_> {
 pub(crate) struct Tables {
     /// The particle of each row, in the order of creation.
     pub(crate) entities: Vec<Entity>,
-    /// The row of each particle: for rebuilding what names particles; never read in a tick without changes.
-    pub(crate) row_of: EntityHashMap<u32>,
     /// Why a row is set aside, if it is.
     pub(crate) refused: Vec<Option<ParticleFault>>,
     /// How many rows are set aside.
@@ -219,8 +220,16 @@ pub(crate) struct Tables {
     pub(crate) unmoved: Vec<bool>,
     /// When the contact cache was last kept, and how many there were who might remember something; `None` if the parts are not the same since.
     pub(crate) cache_kept: Option<(Tick, usize)>,
-    /// Counts the layouts, so that whoever resolved entities into rows knows when to do so again.
+    /// Which row each particle has.
+    pub(crate) layout: Layout,
+}
+
+/// What properties the columns hold: of which rows, and of how many particles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Held {
     pub(crate) layout: u64,
+    /// How many particles there are with each of the components that say them.
+    pub(crate) counts: [usize; 8],
 }
 
 /// Which particles were written to since they were last gathered.
@@ -257,7 +266,7 @@ impl SinewWorld {
 impl Tables {
     /// Whether an entity is a particle that is set aside.
     pub(crate) fn is_set_aside(&self, entity: Entity) -> bool {
-        self.row_of.get(&entity).is_some_and(|&row| self.refused[row as usize].is_some())
+        self.layout.row_of.get(&entity).is_some_and(|&row| self.refused[row as usize].is_some())
     }
 
     /// Whether a row is there, and not set aside.
@@ -277,7 +286,7 @@ impl Tables {
 
     /// The row of a particle that takes part, or `None` if it is gone or set aside.
     pub(crate) fn sound_row(&self, entity: Entity) -> Option<u32> {
-        let row = *self.row_of.get(&entity)?;
+        let row = *self.layout.row_of.get(&entity)?;
         self.refused[row as usize].is_none().then_some(row)
     }
 }

@@ -16,8 +16,6 @@ use std::collections::BTreeSet;
 
 use glam::{DVec3, Vec3};
 
-use super::nearest::bounds;
-
 /// Why points have no hull.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum HullFault {
@@ -114,7 +112,8 @@ fn dot(a: Node, b: Node) -> i128 {
 
 /// The points in steps of the grid from the middle of their bounding box.
 fn on_grid(points: &[Vec3]) -> Vec<Node> {
-    let [low, high] = bounds(points.iter().copied()).map(Vec3::as_dvec3);
+    let low = points.iter().copied().fold(Vec3::INFINITY, Vec3::min).as_dvec3();
+    let high = points.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max).as_dvec3();
     let (middle, reach) = ((low + high) * 0.5, (high - low).max_element() * 0.5);
     let scale = if reach > 0.0 { STEPS / reach } else { 0.0 };
     let node = |p: &Vec3| ((p.as_dvec3() - middle) * scale).round().to_array().map(|x| x as i64);

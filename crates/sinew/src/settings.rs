@@ -38,7 +38,7 @@ pub struct SolverSettings {
     /// How a step through time is made. Default [`Integrator::Verlet`].
     pub integrator: Integrator,
     /// The most that anything may move at, m/s, default 500: what a step leaves faster is slowed down to it, and the
-    /// [report](super::SolverReport::too_fast) names it. What cannot be met, such as a short rod between two particles that are far apart, flings things, and
+    /// [report](crate::SolverReport::too_fast) names it. What cannot be met, such as a short rod between two particles that are far apart, flings things, and
     /// this bounds how far. Zero, a negative or a non-finite one is no limit.
     pub max_speed: f32,
     /// Whether what nothing outside holds keeps its angular momentum though its corrections do not: those to the nearest point bleed spin, and a skin

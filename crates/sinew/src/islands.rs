@@ -1,0 +1,105 @@
+//! Islands: particles that constraints connect, found by union-find. Each is solved by itself, with settings of its own; contacts ask who is in which.
+
+use core::ops::Range;
+
+use crate::settings::SolverSettings;
+use crate::union_find::{root, unite};
+
+/// The islands of a world. Scratch, never saved.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Islands {
+    /// In the order of their first particles. Every particle is in one.
+    pub(crate) list: Vec<Island>,
+    /// The rows of the particles, island after island, ascending in each.
+    pub(crate) members: Vec<u32>,
+    /// The number of each particle's island.
+    pub(crate) of: Vec<u32>,
+}
+
+/// Particles that constraints connect, and those constraints.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Island {
+    /// Where its groups are among the plan's.
+    pub(crate) groups: Range<usize>,
+    /// Where its cluster batches are.
+    pub(crate) cluster_batches: Range<usize>,
+    /// Where its particles are among the plan's members.
+    pub(crate) members: Range<usize>,
+    /// Whether a compound in it moves as an explicit rigid body, which keeps its own momenta.
+    pub(crate) rigid: bool,
+    /// Whether a game's own constraint is in it, which may hold on to the world.
+    pub(crate) custom: bool,
+    /// Whether all its particles have one origin in this step.
+    pub(crate) one_origin: bool,
+    /// Whether nothing outside holds it in this step: its constraints are among its own particles, of which none is pinned.
+    pub(crate) free: bool,
+    /// Whether it sleeps through this step.
+    pub(crate) asleep: bool,
+    /// Whether loads of constraints in it are measured, so that it is solved by itself.
+    pub(crate) measured: bool,
+    /// Whether it moves as one rigid state in this step: its constraints are not swept, and its particles follow.
+    pub(crate) one_state: bool,
+    /// Which of the plan's tethers are its own.
+    pub(crate) tethers: Option<u32>,
+    /// How it is solved in this step: the world's settings, and those of the bodies in it.
+    pub(crate) settings: SolverSettings,
+}
+
+impl Island {
+    /// Whether nobody is to sweep its constraints in this step.
+    pub(crate) fn is_left_alone(&self) -> bool {
+        self.asleep || self.one_state
+    }
+}
+
+/// Which particles constraints connect.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Connected {
+    /// Towards the first particle of the island.
+    parent: Vec<u32>,
+}
+
+impl Connected {
+    /// Lets every one of so many particles stand alone.
+    pub(crate) fn reset(&mut self, particles: usize) {
+        self.parent.clear();
+        self.parent.extend(0..particles as u32);
+    }
+
+    /// Joins the islands of two particles, towards the smaller row, so that the root of an island is its first particle.
+    pub(crate) fn unite(&mut self, a: u32, b: u32) {
+        unite(&mut self.parent, a, b);
+    }
+
+    /// Numbers the islands by their first particles, and lists the members of each, ascending.
+    pub(crate) fn number(&mut self, islands: &mut Islands) {
+        let Islands { list, members, of } = islands;
+        let particles = self.parent.len();
+        list.clear();
+        of.clear();
+        for row in 0..particles as u32 {
+            let first = root(&mut self.parent, row);
+            let number = if first == row {
+                list.push(Island::default());
+                list.len() as u32 - 1
+            } else {
+                of[first as usize]
+            };
+            of.push(number);
+            list[number as usize].members.end += 1;
+        }
+        let mut begin = 0;
+        for island in list.iter_mut() {
+            let count = island.members.end;
+            island.members = begin..begin;
+            begin += count;
+        }
+        members.clear();
+        members.resize(particles, 0);
+        for (row, &number) in of.iter().enumerate() {
+            let span = &mut list[number as usize].members;
+            members[span.end] = row as u32;
+            span.end += 1;
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! Which islands are nothing but a rigid body: all of its particles are tied to each other as its collider has them, and nothing else acts on one.
+
+use glam::Vec3;
+
+use super::{GroupKind, Plan};
+use crate::collide::BodyCollider;
+use crate::constraints::Distance;
+use crate::islands::Island;
+
+/// The most particles of a rigid island: which are tied to which is noted in the bits of one number each.
+const MOST: usize = 64;
+
+/// How much a rod may differ from how far apart the collider has its ends, as a share of that.
+const LENGTHS: f32 = 1e-5;
+
+impl Plan {
+    /// Whether an island has the particles of a body collider, and rods alone that tie each of them to each as the collider has them.
+    pub(crate) fn ties_all_of(&self, solid: &BodyCollider, island: &Island) -> bool {
+        let members = &self.islands.members[island.members.clone()];
+        let groups = &self.groups[island.groups.clone()];
+        let (Some(&first), Some(&last), count) = (members.first(), members.last(), members.len())
+        else {
+            return false;
+        };
+        if count != solid.rows.len()
+            || count > MOST
+            || (last - first) as usize + 1 != count
+            || !solid.rows.iter().all(|row| (first..=last).contains(row))
+            || groups.iter().any(|group| group.kind != GroupKind::Rods)
+        {
+            return false;
+        }
+        let mut rest = [Vec3::ZERO; MOST];
+        for (&row, &place) in solid.rows.iter().zip(&*solid.rest) {
+            rest[(row - first) as usize] = place;
+        }
+        let mut tied = [0_u64; MOST];
+        let mut holds = |d: &Distance| {
+            let (a, b) = ((d.a - first) as usize, (d.b - first) as usize);
+            tied[a] |= 1 << b;
+            tied[b] |= 1 << a;
+            let apart = (rest[a].as_dvec3() - rest[b].as_dvec3()).length() as f32;
+            (d.rest - apart).abs() <= LENGTHS * apart
+        };
+        let rods = groups.iter().flat_map(|group| &self.distances[group.range.clone()]);
+        let fit = rods.fold(true, |fit, d| holds(d) & fit);
+        let all = u64::MAX >> (MOST - count);
+        fit && tied[..count].iter().enumerate().all(|(i, &others)| others | 1 << i == all)
+    }
+}

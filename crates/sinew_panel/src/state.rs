@@ -1,0 +1,47 @@
+//! What the panel remembers from frame to frame.
+
+use std::path::{Path, PathBuf};
+
+use bevy::prelude::*;
+
+/// What the panel remembers. Never part of the simulation's state.
+#[derive(Resource)]
+pub(crate) struct PanelState {
+    /// Gravity before it was switched off.
+    pub(crate) gravity: Option<Vec3>,
+    /// Duration of a tick's substeps, smoothed.
+    pub(crate) milliseconds: f32,
+    /// The last tick that was looked at.
+    pub(crate) tick: u64,
+    /// Somebody looks at the plot: worth summing up the energies.
+    pub(crate) energy: bool,
+    /// Somebody looks at the panel.
+    pub(crate) shown: bool,
+    /// Somebody did in the last frame.
+    pub(crate) was_shown: bool,
+    /// Where settings are saved.
+    pub(crate) settings_path: String,
+    /// How that went.
+    pub(crate) settings_said: Option<Result<String, String>>,
+}
+
+impl Default for PanelState {
+    fn default() -> Self {
+        Self {
+            gravity: None,
+            milliseconds: 0.0,
+            tick: 0,
+            energy: false,
+            shown: false,
+            was_shown: false,
+            settings_path: default_settings_path().to_string_lossy().into_owned(),
+            settings_said: None,
+        }
+    }
+}
+
+/// `settings.ron` beside the program, or in the working directory where that is not known.
+pub(crate) fn default_settings_path() -> PathBuf {
+    let program = std::env::current_exe().unwrap_or_default();
+    program.parent().unwrap_or(Path::new("")).join("settings.ron")
+}
