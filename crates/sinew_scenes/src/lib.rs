@@ -52,7 +52,9 @@
 //! | `volumes` | a volume by scaling and by its gradient |
 //! | `damping` | velocity damping, exact and approximated |
 //! | `straight` | collinear beads and coplanar corners |
+//! | `step` | one step of position based dynamics in slow motion |
 
+mod arrow;
 mod bevy_version;
 mod lesson;
 mod look;
@@ -98,7 +100,11 @@ impl Plugin for ScenesPlugin {
             ),
         );
         // What is drawn of a tick, when it is over.
-        let drawn = (scenes::integrators::step_oscillators, scenes::orders::draw_errors);
+        let drawn = (
+            scenes::integrators::step_oscillators,
+            scenes::orders::draw_errors,
+            scenes::step::show_step,
+        );
         app.add_systems(FixedLast, drawn);
     }
 }

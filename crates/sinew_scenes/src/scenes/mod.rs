@@ -43,6 +43,7 @@ mod slopes;
 mod soft;
 mod square;
 mod stairs;
+pub(crate) mod step;
 mod straight;
 pub(crate) mod swap;
 pub(crate) mod timestep;
@@ -127,6 +128,7 @@ pub const ALL: &[Scene] = &[
     volumes::SCENE,
     damping::SCENE,
     straight::SCENE,
+    step::SCENE,
 ];
 
 /// The scene of that name.
