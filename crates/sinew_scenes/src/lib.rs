@@ -53,6 +53,7 @@
 //! | `damping` | velocity damping, exact and approximated |
 //! | `straight` | collinear beads and coplanar corners |
 //! | `step` | one step of position based dynamics in slow motion |
+//! | `verlet` | Verlet frame by frame: the next position out of two |
 
 mod arrow;
 mod bevy_version;
@@ -104,6 +105,7 @@ impl Plugin for ScenesPlugin {
             scenes::integrators::step_oscillators,
             scenes::orders::draw_errors,
             scenes::step::show_step,
+            scenes::verlet::show_frame,
         );
         app.add_systems(FixedLast, drawn);
     }

@@ -47,6 +47,7 @@ pub(crate) mod step;
 mod straight;
 pub(crate) mod swap;
 pub(crate) mod timestep;
+pub(crate) mod verlet;
 mod volumes;
 
 use bevy::prelude::*;
@@ -129,6 +130,7 @@ pub const ALL: &[Scene] = &[
     damping::SCENE,
     straight::SCENE,
     step::SCENE,
+    verlet::SCENE,
 ];
 
 /// The scene of that name.
