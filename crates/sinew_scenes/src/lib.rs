@@ -54,6 +54,7 @@
 //! | `straight` | collinear beads and coplanar corners |
 //! | `step` | one step of position based dynamics in slow motion |
 //! | `verlet` | Verlet frame by frame: the next position out of two |
+//! | `plane` | a plane as an equation and as an inequality |
 
 mod arrow;
 mod bevy_version;
@@ -98,6 +99,7 @@ impl Plugin for ScenesPlugin {
                 scenes::car::drive,
                 scenes::impulses::push,
                 scenes::damping::damp,
+                rounds::begin_anew,
             ),
         );
         // What is drawn of a tick, when it is over.

@@ -1,7 +1,7 @@
 //! What a scene does again and again as time goes by: turn back, begin anew, push the other way.
 
 use bevy::prelude::*;
-use bevy_sinew::SinewClock;
+use bevy_sinew::{Particle, SinewClock};
 
 /// Rounds of equal length in simulated time. Whole quarters of a second ([`quarters`]) end with a tick, be it of 1/60 or of 1/64 s.
 #[derive(Component, Clone, Copy, Debug)]
@@ -25,6 +25,29 @@ impl Rounds {
             self.ended = ended;
             ended
         })
+    }
+}
+
+/// A loose particle that begins anew when a round ends.
+#[derive(Component, Clone, Debug)]
+pub(crate) struct Again {
+    rounds: Rounds,
+    start: Particle,
+}
+
+impl Again {
+    /// Begins anew as it is, after each of so many seconds.
+    pub(crate) fn after(period: f64, start: Particle) -> Self {
+        Self { rounds: Rounds::of(period), start }
+    }
+}
+
+/// Lets what is due begin anew.
+pub(crate) fn begin_anew(clock: Res<SinewClock>, mut again: Query<(&mut Again, &mut Particle)>) {
+    for (mut again, mut particle) in &mut again {
+        if again.rounds.ended(&clock).is_some() {
+            *particle = again.start;
+        }
     }
 }
 

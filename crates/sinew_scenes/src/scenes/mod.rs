@@ -33,6 +33,7 @@ pub(crate) mod orders;
 mod pendulums;
 mod pile;
 mod planar;
+mod plane;
 mod race;
 mod ragdoll;
 mod rails;
@@ -131,6 +132,7 @@ pub const ALL: &[Scene] = &[
     straight::SCENE,
     step::SCENE,
     verlet::SCENE,
+    plane::SCENE,
 ];
 
 /// The scene of that name.
