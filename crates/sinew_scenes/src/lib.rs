@@ -55,6 +55,7 @@
 //! | `step` | one step of position based dynamics in slow motion |
 //! | `verlet` | Verlet frame by frame: the next position out of two |
 //! | `plane` | a plane as an equation and as an inequality |
+//! | `throws` | one throw in vacuum, air, water and honey |
 
 mod arrow;
 mod bevy_version;

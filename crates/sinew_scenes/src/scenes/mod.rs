@@ -47,6 +47,7 @@ mod stairs;
 pub(crate) mod step;
 mod straight;
 pub(crate) mod swap;
+mod throws;
 pub(crate) mod timestep;
 pub(crate) mod verlet;
 mod volumes;
@@ -133,6 +134,7 @@ pub const ALL: &[Scene] = &[
     step::SCENE,
     verlet::SCENE,
     plane::SCENE,
+    throws::SCENE,
 ];
 
 /// The scene of that name.
