@@ -56,6 +56,7 @@
 //! | `verlet` | Verlet frame by frame: the next position out of two |
 //! | `plane` | a plane as an equation and as an inequality |
 //! | `throws` | one throw in vacuum, air, water and honey |
+//! | `least` | the least mass-weighted displacement, and others |
 
 mod arrow;
 mod bevy_version;
@@ -109,6 +110,7 @@ impl Plugin for ScenesPlugin {
             scenes::orders::draw_errors,
             scenes::step::show_step,
             scenes::verlet::show_frame,
+            scenes::least::draw_costs,
         );
         app.add_systems(FixedLast, drawn);
     }

@@ -25,6 +25,7 @@ pub(crate) mod impulses;
 mod inertia;
 pub(crate) mod integrators;
 mod jelly;
+pub(crate) mod least;
 mod loads;
 mod masses;
 mod net;
@@ -135,6 +136,7 @@ pub const ALL: &[Scene] = &[
     verlet::SCENE,
     plane::SCENE,
     throws::SCENE,
+    least::SCENE,
 ];
 
 /// The scene of that name.
