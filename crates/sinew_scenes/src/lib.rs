@@ -57,6 +57,7 @@
 //! | `plane` | a plane as an equation and as an inequality |
 //! | `throws` | one throw in vacuum, air, water and honey |
 //! | `least` | the least mass-weighted displacement, and others |
+//! | `areas` | an area by scaling and by its gradient |
 
 mod arrow;
 mod bevy_version;

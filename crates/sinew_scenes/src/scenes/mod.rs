@@ -1,5 +1,6 @@
 //! The list of scenes.
 
+mod areas;
 mod banner;
 pub(crate) mod belt;
 mod billiards;
@@ -137,6 +138,7 @@ pub const ALL: &[Scene] = &[
     plane::SCENE,
     throws::SCENE,
     least::SCENE,
+    areas::SCENE,
 ];
 
 /// The scene of that name.

@@ -1,0 +1,128 @@
+//! Two flat patches that grow to the same area: one is scaled, the other goes along the gradient.
+
+use core::f32::consts::TAU;
+
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+use bevy_sinew::prelude::*;
+use bevy_sinew::sinew::constraints::Patch;
+use bevy_sinew::{
+    BodyParticles, ConstraintOf, MeshFollow, ParticleBody, ParticleOf, PatchConstraint,
+    SizeCorrection,
+};
+
+use super::{FLOOR, Scene, floor, mesh, post};
+use crate::lesson::{of_named, values};
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
+
+pub(super) const SCENE: Scene = Scene {
+    name: "areas",
+    heading: Heading::Soft,
+    title: "Area by scaling and by gradient",
+    about: "two flat ellipses grow to the same area: scaled (orange), one keeps its shape; by the gradient (blue), each bit of the rim goes straight out",
+    eye: Vec3::new(0.0, 1.35, 4.4),
+    target: Vec3::new(0.0, 0.95, 0.0),
+    seconds: 3.0,
+    moment: 2.4,
+    lesson: Some(Lesson {
+        try_this: "make the ellipses thin, or their area large: orange has to go far to the sides, blue hardly at all",
+        watch: "both have the same area in the end, and the gradient displaces the least; the posts are as far apart as the scaled one becomes wide",
+        formula: "scaled: width √(A/A₀); by gradient: each corner by d ∝ ∂A/∂x, the least Σ m d²",
+        sliders: &[
+            SceneSlider { label: "Area", unit: "times", range: [1.2, 2.5], default: 1.8 },
+            SceneSlider { label: "Width", unit: "m", range: [0.8, 1.2], default: 1.1 },
+            SceneSlider { label: "Height", unit: "m", range: [0.25, 0.6], default: 0.35 },
+        ],
+        number: "Width of the scaled ellipse",
+        unit: "m",
+        after: 2.5,
+        measure: |world| {
+            let particles: BodyParticles = of_named(world, "scaled")?;
+            let along = |p: Entity| world.get::<Particle>(p).map(|p| f64::from(p.position.x));
+            let (least, most) = particles
+                .iter()
+                .filter_map(along)
+                .fold((f64::MAX, f64::MIN), |(least, most), x| (least.min(x), most.max(x)));
+            (least < most).then_some(most - least)
+        },
+        expect: |values, _| f64::from(values[1]) * libm::sqrt(f64::from(values[0])),
+        tolerance: [0.0, 0.01],
+    }),
+    spawn,
+};
+
+/// Particles of the rim.
+const AROUND: u32 = 28;
+/// How fast they grow, Hz.
+const HERTZ: f32 = 1.2;
+/// Height of their middles, metres.
+const HIGH: f32 = 0.95;
+
+fn spawn(world: &mut World) {
+    let [times, width, height] = values(world);
+    world.insert_resource(Gravity(Vec3::ZERO));
+    // Nearly statics: what has grown is not to swing on.
+    world.insert_resource(AirDrag(0.999));
+    floor(world, Vec2::new(5.0, 1.8), Look::color(0x4f6b62).roughness(0.9));
+    let size = Vec3::new(4.6, 1.8, 0.06);
+    let board = mesh(world, rounded_box(size, 0.02, 2));
+    let at = Transform::from_xyz(0.0, FLOOR + 0.5 * size.y, -0.4);
+    world.spawn((InScene, board, Look::color(0xe9e3d5).roughness(0.9), at));
+    // The middle, and the rim about it, counter-clockwise as it is seen.
+    let mut points = vec![Vec3::ZERO];
+    points.extend((0..AROUND).map(|i| {
+        let (sin, cos) = libm::sincosf(TAU * i as f32 / AROUND as f32);
+        Vec3::new(0.5 * width * cos, 0.5 * height * sin, 0.0)
+    }));
+    let triangles: Vec<[u32; 3]> = (0..AROUND).map(|i| [0, 1 + i, 1 + (i + 1) % AROUND]).collect();
+    let area = Patch::of(triangles.as_slice(), &points).rest;
+    // As heavy as the rim about it, so that all of the rim moves as one line would.
+    let mass = |i: usize| match i {
+        0 => 1.0,
+        _ => {
+            let around = AROUND as usize;
+            let [before, after] = [(i + around - 2) % around, i % around].map(|k| points[1 + k]);
+            before.distance(after)
+        }
+    };
+    for (name, x, correction, color) in [
+        ("scaled", -1.1, SizeCorrection::Scaling, 0xe07a3a),
+        ("by gradient", 1.1, SizeCorrection::Gradient, 0x4f8fc0),
+    ] {
+        let middle = Vec3::new(x, HIGH, 0.0);
+        let vertices = points.iter().map(|&point| (middle + point).to_array());
+        let skin = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vertices.collect::<Vec<_>>())
+            .with_inserted_indices(Indices::U32(triangles.concat()))
+            .with_computed_smooth_normals();
+        let skin = mesh(world, skin);
+        let look = Look::color(color).roughness(0.5).double_sided();
+        let body =
+            world.spawn((InScene, Name::new(name), ParticleBody, skin, look, Interpolate)).id();
+        let particles: Vec<Entity> = points
+            .iter()
+            .enumerate()
+            .map(|(i, &point)| {
+                let particle = (Particle::at(middle + point), Mass(mass(i)), ParticleOf(body));
+                world.spawn(particle).id()
+            })
+            .collect();
+        let full = PatchConstraint::new(particles.clone(), triangles.clone(), times * area)
+            .with_correction(correction)
+            .with_softness(Softness::frequency(HERTZ, 1.0));
+        world.spawn((full, ConstraintOf(body)));
+        world.entity_mut(body).insert(MeshFollow { vertices: particles });
+        // Where the rim was.
+        let rim = (0..=AROUND).map(|i| middle + points[1 + (i % AROUND) as usize] + Vec3::Z * 0.02);
+        let rim: Vec<Vec3> = rim.collect();
+        super::curve(world, &rim, 0.008, Look::color(0xf3f1ea));
+        // As far apart as the scaled one becomes wide.
+        let out = 0.5 * width * libm::sqrtf(times) + 0.02;
+        for side in [-1.0, 1.0] {
+            let stand = post(world, 0.015, 1.5);
+            let at = Transform::from_xyz(x + side * out, FLOOR + 0.75, 0.0);
+            world.spawn((InScene, stand, Look::color(0x4a4f55), at));
+        }
+    }
+}
