@@ -58,6 +58,7 @@
 //! | `throws` | one throw in vacuum, air, water and honey |
 //! | `least` | the least mass-weighted displacement, and others |
 //! | `areas` | an area by scaling and by its gradient |
+//! | `spins` | rotations by three integrators, and their energies |
 
 mod arrow;
 mod bevy_version;
@@ -112,6 +113,7 @@ impl Plugin for ScenesPlugin {
             scenes::step::show_step,
             scenes::verlet::show_frame,
             scenes::least::draw_costs,
+            scenes::spins::step_bricks,
         );
         app.add_systems(FixedLast, drawn);
     }

@@ -44,6 +44,7 @@ pub(crate) mod reversal;
 pub(crate) mod ropes;
 mod slopes;
 mod soft;
+pub(crate) mod spins;
 mod square;
 mod stairs;
 pub(crate) mod step;
@@ -139,6 +140,7 @@ pub const ALL: &[Scene] = &[
     throws::SCENE,
     least::SCENE,
     areas::SCENE,
+    spins::SCENE,
 ];
 
 /// The scene of that name.
