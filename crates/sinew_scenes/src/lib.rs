@@ -114,6 +114,8 @@ impl Plugin for ScenesPlugin {
             scenes::verlet::show_frame,
             scenes::least::draw_costs,
             scenes::spins::step_bricks,
+            scenes::capacitor::draw_forces,
+            scenes::masses::draw_ways,
         );
         app.add_systems(FixedLast, drawn);
     }

@@ -6,6 +6,7 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{Charge, ConstraintOf, ElectricField, ParticleBody, ParticleOf, Region};
 
 use super::{Scene, mesh, post};
+use crate::arrow::Arrow;
 use crate::lesson::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, rounded_box};
 
@@ -13,14 +14,14 @@ pub(super) const SCENE: Scene = Scene {
     name: "capacitor",
     heading: Heading::Forces,
     title: "A pendulum in a capacitor",
-    about: "a charged ball between two plates: its string comes to rest along the sum of weight and electric force, the red line",
+    about: "a charged ball between two plates: its string comes to rest along the red line, the sum (red) of its weight (yellow) and the electric force (blue)",
     eye: Vec3::new(0.8, 1.7, 4.2),
     target: Vec3::new(0.0, 1.1, 0.0),
     seconds: 5.0,
     moment: 3.5,
     lesson: Some(Lesson {
         try_this: "turn up the field or the charge: the string leans further; turn up the mass: it leans less",
-        watch: "forces add up: the string rests along their sum, which the red line draws; the grey ball without charge hangs straight down",
+        watch: "forces add up: the red arrow is the sum of the other two, and the string rests along it, where the red line is; the grey ball without charge hangs straight down",
         formula: "tan φ = q E / (m g)",
         sliders: &[
             SceneSlider { label: "Field", unit: "kN/C", range: [20.0, 200.0], default: 150.0 },
@@ -48,8 +49,35 @@ const LENGTH: f32 = 0.95;
 const GAP: f32 = 0.95;
 /// Radius of the balls, metres.
 const RADIUS: f32 = 0.07;
+/// How long the sum of the forces is drawn, metres.
+const SUM: f32 = 0.55;
 /// How far behind the charged ball the other one hangs, metres.
 const BEHIND: f32 = -0.3;
+
+/// The forces on a ball, drawn: its weight, the electric force, and their sum.
+#[derive(Component, Clone, Copy, Debug)]
+pub(crate) struct ForceArrows {
+    /// The electric force, N.
+    electric: Vec3,
+    arrows: [Arrow; 3],
+}
+
+/// Draws the forces, each by its share of the sum.
+pub(crate) fn draw_forces(
+    gravity: Res<Gravity>,
+    balls: Query<(&ForceArrows, &Particle, &Mass)>,
+    mut drawn: Query<&mut Transform>,
+) {
+    for (forces, ball, mass) in &balls {
+        let weight = gravity.0 * mass.0;
+        let sum = weight + forces.electric;
+        let scale = SUM / sum.length().max(1e-6);
+        let from = ball.position + Vec3::Z * (RADIUS + 0.02);
+        for (arrow, force) in forces.arrows.iter().zip([weight, forces.electric, sum]) {
+            arrow.point(&mut drawn, Some([from, from + force * scale]));
+        }
+    }
+}
 
 fn hook() -> Vec3 {
     Vec3::Y * HANG
@@ -122,6 +150,13 @@ fn spawn(world: &mut World) {
             ))
             .id();
         world.spawn((DistanceConstraint::new(end, bob, LENGTH), ConstraintOf(body)));
+        if charge > 0.0 {
+            let arrows = [0xe9b44c, 0x2e86ab, 0xd0342c]
+                .map(|color| Arrow::spawn(world, 0.012, Look::color(color).roughness(0.5)));
+            // kN/C by C.
+            let electric = Vec3::X * (field * 1e3 * charge);
+            world.entity_mut(bob).insert(ForceArrows { electric, arrows });
+        }
         let string = TubeMesh { particles: vec![end, bob], radius: 0.008, sides: 6 };
         world.entity_mut(body).insert(string);
     }

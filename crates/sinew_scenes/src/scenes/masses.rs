@@ -5,6 +5,7 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{ConstraintOf, ParticleBody, ParticleOf, TubeMesh};
 
 use super::{FLOOR, Scene, floor, mesh};
+use crate::arrow::Arrow;
 use crate::lesson::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder, rounded_box};
 
@@ -16,10 +17,10 @@ pub(super) const SCENE: Scene = Scene {
     eye: Vec3::new(0.1, 2.4, 4.3),
     target: Vec3::new(0.0, 0.25, 0.05),
     seconds: 3.0,
-    moment: 1.6,
+    moment: 0.4,
     lesson: Some(Lesson {
         try_this: "change the two masses of the pair in front: the barycentre, the white mark, stays where it is",
-        watch: "the rings on the floor are where the formula says that the balls come to rest; the sum of m d is zero in every correction",
+        watch: "the arrows are the displacements that are left, and the rings on the floor where the formula says that the balls come to rest; the sum of m d is zero in every correction",
         formula: "d_a = m_b/(m_a + m_b) (D − L), d_b = m_a/(m_a + m_b) (D − L)",
         sliders: &[
             SceneSlider { label: "Left mass", unit: "kg", range: [1.0, 8.0], default: 4.0 },
@@ -49,6 +50,25 @@ pub(super) const SCENE: Scene = Scene {
 /// Length of a rod, metres, and how fast it pulls, Hz.
 const LENGTH: f32 = 1.0;
 const HERTZ: f32 = 0.7;
+
+/// The displacement that the formula gives a ball, as far as it is left.
+#[derive(Component, Clone, Copy, Debug)]
+pub(crate) struct Way {
+    /// Where the ball comes to rest, metres.
+    to: Vec3,
+    /// How high over the ball the arrow is, metres.
+    above: f32,
+    arrow: Arrow,
+}
+
+/// Draws what is left of the displacements.
+pub(crate) fn draw_ways(balls: Query<(&Way, &Particle)>, mut drawn: Query<&mut Transform>) {
+    for (way, ball) in &balls {
+        let left = [ball.position, way.to].map(|end| end + Vec3::Y * way.above);
+        let worth = left[0].distance(left[1]) > 0.01;
+        way.arrow.point(&mut drawn, worth.then_some(left));
+    }
+}
 
 /// By how much the rods are too long at first, metres.
 fn excess(world: &World) -> f32 {
@@ -98,7 +118,9 @@ fn pair(
         let skin = mesh(world, ball(size));
         let particle = (Particle::at(at), Mass(masses[i]), Radius(size), ParticleOf(body));
         let drawn = (Transform::from_translation(at), skin, look);
-        let mut ball = world.spawn((Name::new(names[i]), particle, drawn));
+        let arrow = Arrow::spawn(world, 0.016, Look::color(0xd9622b).roughness(0.5));
+        let way = Way { to: at.with_x(rests[i]), above: size + 0.06, arrow };
+        let mut ball = world.spawn((Name::new(names[i]), particle, drawn, way));
         if pinned && i == 0 {
             ball.insert(Pinned::HERE);
         }

@@ -25,12 +25,7 @@ pub(super) const SCENE: Scene = Scene {
         sliders: &[
             SceneSlider { label: "Speed", unit: "m/s", range: [4.0, 6.3], default: 6.0 },
             SceneSlider { label: "Angle", unit: "°", range: [30.0, 60.0], default: 50.0 },
-            SceneSlider {
-                label: "Water takes",
-                unit: "a second",
-                range: [0.5, 0.95],
-                default: 0.8,
-            },
+            SceneSlider { label: "Water takes", unit: "/s", range: [0.5, 0.95], default: 0.8 },
             SceneSlider { label: "Ball", unit: "kg/m³", range: [3000.0, 8000.0], default: 5000.0 },
         ],
         number: "Range in water",
