@@ -46,7 +46,7 @@ fn read_obj(text: &str) -> (Vec<Vec3>, Vec<u32>) {
 }
 
 /// All triangles of a glTF file, in one list, in the coordinates of its meshes.
-fn read_gltf(path: &PathBuf) -> (Vec<Vec3>, Vec<u32>) {
+pub(crate) fn read_gltf(path: &PathBuf) -> (Vec<Vec3>, Vec<u32>) {
     let data = gltf::Gltf::open(path).unwrap();
     let buffers: Vec<Vec<u8>> = data
         .buffers()
@@ -86,17 +86,20 @@ fn decode(text: &str) -> Vec<u8> {
     sextets.chunks(4).flat_map(four).collect()
 }
 
+/// A mesh of these corners and triangles.
+pub(crate) fn mesh_from(positions: &[Vec3], indices: Vec<u32>) -> Mesh {
+    let positions: Vec<[f32; 3]> = positions.iter().map(Vec3::to_array).collect();
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+        .with_inserted_indices(Indices::U32(indices))
+}
+
 /// Lets a mesh fall as cloth on the ground for a second and looks at what is left of it.
 fn drop_on_the_ground(name: &str, (positions, indices): (Vec<Vec3>, Vec<u32>)) {
     let (min, max) =
         positions.iter().fold((Vec3::MAX, Vec3::MIN), |(min, max), &p| (min.min(p), max.max(p)));
     let count = positions.len();
-    let mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(
-            Mesh::ATTRIBUTE_POSITION,
-            positions.iter().map(Vec3::to_array).collect::<Vec<_>>(),
-        )
-        .with_inserted_indices(Indices::U32(indices));
+    let mesh = mesh_from(&positions, indices);
     // A metre across, two hand's breadths above the ground.
     let scale = 1.0 / (max - min).max_element();
     let place = Transform::from_xyz(0.0, 0.2 - min.y * scale, 0.0).with_scale(Vec3::splat(scale));

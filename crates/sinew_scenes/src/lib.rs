@@ -64,6 +64,7 @@ mod arrow;
 mod bevy_version;
 mod lesson;
 mod look;
+mod readings;
 mod rounds;
 mod scenes;
 mod shapes;

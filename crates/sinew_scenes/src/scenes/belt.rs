@@ -4,8 +4,9 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{Combine, ParticleBody, ParticleOf, RigidPose, SinewClock};
 
-use super::{Scene, mesh};
-use crate::{Heading, InScene, Look, ball, rounded_box};
+use super::{Scene, curve, mesh};
+use crate::lesson::{of_named, values};
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "belt",
@@ -16,7 +17,28 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.0, 0.8, 0.0),
     seconds: 6.0,
     moment: 1.4,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "change how much of its speed the ball in the middle bounces back with, or from how high it falls",
+        watch: "each bounce gives back the share e of the speed and so e² of the height, up to the red mark; the crates go with the tray, for friction asks less than μ g of them",
+        formula: "v' = −e v, so h' = e² h",
+        sliders: &[
+            SceneSlider { label: "Restitution", unit: "", range: [0.3, 1.0], default: 0.7 },
+            SceneSlider { label: "Fall", unit: "m", range: [0.8, 2.0], default: 1.64 },
+            SceneSlider { label: "Gravity", unit: "m/s²", range: [3.7, 9.81], default: 9.81 },
+        ],
+        number: "Height of the ball in the middle",
+        unit: "m",
+        after: 1.1,
+        measure: |world| {
+            let ball: Particle = of_named(world, "middle ball")?;
+            Some(f64::from(ball.position.y - RADIUS - PLATE))
+        },
+        expect: |values, seconds| {
+            let [restitution, fall, gravity] = [values[0], values[1], values[2]].map(f64::from);
+            height(restitution, fall, gravity, seconds)
+        },
+        tolerance: [0.01, 0.01],
+    }),
     spawn,
 };
 
@@ -34,7 +56,33 @@ pub(crate) fn lead_trays(clock: Res<SinewClock>, mut trays: Query<(&Tray, &mut T
     }
 }
 
+/// Radius of a ball, and height of the plate that they bounce on, metres.
+const RADIUS: f32 = 0.12;
+const PLATE: f32 = 0.04;
+
+/// How high over the plate a ball is that fell from `fall` metres and bounces without air.
+fn height(restitution: f64, fall: f64, gravity: f64, seconds: f64) -> f64 {
+    let first = libm::sqrt(2.0 * fall / gravity);
+    if seconds < first {
+        return fall - 0.5 * gravity * seconds * seconds;
+    }
+    let (mut since, mut speed) = (seconds - first, gravity * first);
+    for _ in 0..100 {
+        speed *= restitution;
+        let lasts = 2.0 * speed / gravity;
+        if since < lasts {
+            return speed * since - 0.5 * gravity * since * since;
+        }
+        since -= lasts;
+    }
+    0.0
+}
+
 fn spawn(world: &mut World) {
+    let [restitution, fall, gravity] = values(world);
+    world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
+    // The formula has no air.
+    world.insert_resource(AirDrag(0.0));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
     let at = Vec3::new(0.0, 0.5, -0.9);
     let size = Vec3::new(2.0, 0.12, 0.9);
@@ -56,8 +104,8 @@ fn spawn(world: &mut World) {
             Transform::from_translation(at + Vec3::new(x, high - 0.5, 0.0)),
         ));
     }
-    let floor = Transform::from_xyz(0.0, 0.02, 0.9);
-    let slab = Vec3::new(3.4, 0.04, 0.8);
+    let floor = Transform::from_xyz(0.0, 0.5 * PLATE, 0.9);
+    let slab = Vec3::new(3.4, PLATE, 0.8);
     let plate = mesh(world, rounded_box(slab, 0.01, 2));
     let steel = (Collider::cuboid(slab), Look::color(0x9aa4ad).metal());
     world.spawn((
@@ -67,9 +115,12 @@ fn spawn(world: &mut World) {
         plate,
         floor,
     ));
-    let skin = mesh(world, ball(0.12));
-    for (n, restitution) in [0.0, 0.4, 0.7, 0.9, 1.0].into_iter().enumerate() {
-        let place = Vec3::new(0.6 * n as f32 - 1.2, 1.8, 0.9);
+    let skin = mesh(world, ball(RADIUS));
+    let high = PLATE + RADIUS + restitution * restitution * fall;
+    let mark = [-0.2, 0.2].map(|side| Vec3::new(side, high, 0.9 - RADIUS - 0.02));
+    curve(world, &mark, 0.01, Look::color(0xd0342c));
+    for (n, restitution) in [0.0, 0.4, restitution, 0.9, 1.0].into_iter().enumerate() {
+        let place = Vec3::new(0.6 * n as f32 - 1.2, PLATE + RADIUS + fall, 0.9);
         let body = world
             .spawn((
                 InScene,
@@ -82,8 +133,10 @@ fn spawn(world: &mut World) {
                 Transform::from_translation(place),
             ))
             .id();
-        let ball =
-            world.spawn((Particle::at(place), Mass(0.3), Radius(0.12), ParticleOf(body))).id();
+        let particle = (Particle::at(place), Mass(0.3), Radius(RADIUS), ParticleOf(body));
+        let ball = world
+            .spawn((Name::new(if n == 2 { "middle ball" } else { "bouncing" }), particle))
+            .id();
         world.entity_mut(body).insert(RigidPose { particles: vec![ball], rest: vec![Vec3::ZERO] });
     }
 }

@@ -5,7 +5,9 @@ use bevy_sinew::Combine;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{Heading, InScene, Look, ball, rounded_box};
+use crate::lesson::values;
+use crate::readings::all_named;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "billiards",
@@ -16,7 +18,32 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.2, 0.3, 0.1),
     seconds: 6.0,
     moment: 1.15,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "hit harder, or further off the middle: the balls fly elsewhere, and together have the energy of the one that came",
+        watch: "fifteen balls that touch share one blow: as many unknowns as contacts, solved together, or energy would be lost or made",
+        formula: "Σ ½ m v² = ½ m v₀²",
+        sliders: &[
+            SceneSlider { label: "Speed", unit: "m/s", range: [2.0, 8.0], default: 5.0 },
+            SceneSlider { label: "Off the middle", unit: "m", range: [-0.15, 0.15], default: 0.03 },
+            SceneSlider { label: "Mass of a ball", unit: "kg", range: [0.1, 1.0], default: 0.2 },
+        ],
+        number: "Energy of all balls",
+        unit: "J",
+        after: 2.0,
+        measure: |world| {
+            let [_, _, mass] = values(world);
+            let balls = all_named(world, "ball");
+            let square = |ball: &Entity| {
+                world.get::<LinearVelocity>(*ball).map(|v| v.0.as_dvec3().length_squared())
+            };
+            let squares: f64 = balls.iter().filter_map(square).sum();
+            (!balls.is_empty()).then_some(0.5 * f64::from(mass) * squares)
+        },
+        expect: |values, _| {
+            0.5 * f64::from(values[2]) * f64::from(values[0]) * f64::from(values[0])
+        },
+        tolerance: [0.0, 0.005],
+    }),
     spawn,
 };
 
@@ -26,6 +53,9 @@ const TABLE: Vec2 = Vec2::new(5.6, 2.9);
 const HEIGHT: f32 = 0.4;
 
 fn spawn(world: &mut World) {
+    let [speed, off, mass] = values(world);
+    // The formula has no air.
+    world.insert_resource(AirDrag(0.0));
     world.spawn((InScene, Ground));
     let smooth = SurfaceMaterial {
         restitution: 1.0,
@@ -57,7 +87,7 @@ fn spawn(world: &mut World) {
         world.spawn((
             InScene,
             Name::new("ball"),
-            RigidMesh::mass(0.2).shaped(RigidShape::Sphere { radius: RADIUS }),
+            RigidMesh::mass(mass).shaped(RigidShape::Sphere { radius: RADIUS }),
             smooth,
             LinearVelocity(velocity),
             skin.clone(),
@@ -76,5 +106,5 @@ fn spawn(world: &mut World) {
             number += 1;
         }
     }
-    add(-2.2, 0.03, 0xf0ece0, Vec3::X * 5.0);
+    add(-2.2, off, 0xf0ece0, Vec3::X * speed);
 }

@@ -4,7 +4,9 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{Heading, InScene, Look, rounded_box};
+use crate::lesson::values;
+use crate::readings::points_of;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "bin",
@@ -15,7 +17,32 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.0, 0.8, 0.0),
     seconds: 5.0,
     moment: 3.0,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "make the jelly stiffer, denser or rougher",
+        watch: "each cube gives way where it is pressed and swells elsewhere; walls and ground push with whatever it takes, and no particle gets through",
+        formula: "|x| ≤ room/2, |z| ≤ room/2, y ≥ 0 for the middle of every particle",
+        sliders: &[
+            SceneSlider { label: "Stiffness", unit: "kPa", range: [5.0, 20.0], default: 8.0 },
+            SceneSlider { label: "Density", unit: "kg/m³", range: [50.0, 150.0], default: 100.0 },
+            SceneSlider { label: "Friction", unit: "", range: [0.2, 0.9], default: 0.5 },
+        ],
+        number: "Deepest middle in wall or ground",
+        unit: "mm",
+        after: 0.75,
+        measure: |world| {
+            let points = points_of(world, "jelly");
+            let deep = |p: &Vec3| {
+                let out = p.x.abs().max(p.z.abs());
+                // From its inner or its outer side; over the rim there is no wall.
+                let wall = (out - 0.5 * ROOM).min(0.5 * ROOM + THICK - out);
+                let wall = if p.y < HIGH { wall } else { 0.0 };
+                f64::from(wall.max(-p.y).max(0.0))
+            };
+            Some(points.iter().map(deep).reduce(f64::max)? * 1e3)
+        },
+        expect: |_, _| 0.0,
+        tolerance: [0.1, 0.0],
+    }),
     spawn,
 };
 
@@ -24,21 +51,26 @@ const EDGE: f32 = 0.26;
 
 /// Inside of the bin from wall to wall, metres.
 const ROOM: f32 = 2.9;
+/// Height and thickness of the walls, and radius of a particle, metres: half of the way between two of them, so that the skin has no holes.
+const HIGH: f32 = 1.8;
+const THICK: f32 = 0.06;
+const RADIUS: f32 = EDGE / 4.0;
 
 fn spawn(world: &mut World) {
+    let [stiffness, density, friction] = values(world);
+    let surface = SurfaceMaterial::new(friction);
     world.insert_resource(SolverConfig { substeps: 8, max_sweeps: 2, ..default() });
     world.insert_resource(AirDrag(0.2));
-    world.spawn((InScene, Ground, SurfaceMaterial::new(0.5)));
-    let (high, thick) = (1.8, 0.06);
-    let reach = 0.5 * (ROOM + thick);
+    world.spawn((InScene, Ground, surface));
+    let reach = 0.5 * (ROOM + THICK);
     for (x, z) in [(reach, 0.0), (-reach, 0.0), (0.0, reach), (0.0, -reach)] {
-        let along = ROOM + 2.0 * thick;
+        let along = ROOM + 2.0 * THICK;
         let size =
-            if z == 0.0 { Vec3::new(thick, high, along) } else { Vec3::new(along, high, thick) };
+            if z == 0.0 { Vec3::new(THICK, HIGH, along) } else { Vec3::new(along, HIGH, THICK) };
         let wall = mesh(world, rounded_box(size, 0.01, 2));
         let tin = Look::color(0x6d7780).metal();
-        let place = Transform::from_xyz(x, 0.5 * high, z);
-        world.spawn((InScene, Collider::cuboid(size), wall, tin, place));
+        let place = Transform::from_xyz(x, 0.5 * HIGH, z);
+        world.spawn((InScene, Collider::cuboid(size), surface, wall, tin, place));
     }
     let colors = [0xd1495b, 0x66a182, 0xe9b44c, 0x8e6bb0, 0x2f8f83];
     for n in 0..200_u32 {
@@ -48,16 +80,16 @@ fn spawn(world: &mut World) {
         let at = Vec3::new(x + drift, 0.35 + 0.36 * layer as f32, z - drift);
         let turn = Quat::from_euler(EulerRot::XYZ, 0.3 * n as f32, 0.5 * n as f32, 0.2 * n as f32);
         let cube = SoftBody {
-            stiffness: 8e3,
+            stiffness: stiffness * 1e3,
             damping: 0.6,
-            // Half of the way between two particles: the skin has no holes.
-            radius: EDGE / 4.0,
-            ..SoftBody::cuboid(Vec3::splat(EDGE), UVec3::splat(2))
+            radius: RADIUS,
+            ..SoftBody::cuboid(Vec3::splat(EDGE), UVec3::splat(2)).with_density(density)
         };
         world.spawn((
             InScene,
             Name::new("jelly"),
             cube,
+            surface,
             Look::color(colors[n as usize % colors.len()]).roughness(0.3),
             Interpolate,
             Transform::from_translation(at).with_rotation(turn),

@@ -5,7 +5,9 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{BoxParticles, Region};
 
 use super::{Scene, mesh};
-use crate::{Heading, InScene, Look, cylinder, rounded_box};
+use crate::lesson::values;
+use crate::readings::of_place;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "boats",
@@ -16,7 +18,26 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.0, 0.95, 0.0),
     seconds: 8.0,
     moment: 4.2,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "load the crate in the middle, build it higher, or let the water flow",
+        watch: "a hull pushes aside as much water as it weighs: it sits as deep as the share of its density in the water's, in still water and in a current",
+        formula: "draught = height ρ_crate / ρ_water",
+        sliders: &[
+            SceneSlider { label: "Density", unit: "kg/m³", range: [250.0, 750.0], default: 500.0 },
+            SceneSlider { label: "Height", unit: "m", range: [0.4, 0.6], default: 0.5 },
+            SceneSlider { label: "Current", unit: "m/s", range: [0.0, 0.3], default: 0.25 },
+        ],
+        number: "Draught of the middle crate",
+        unit: "mm",
+        after: 6.0,
+        measure: |world| {
+            let frame: Transform = of_place(world, "crate", 1)?;
+            let [_, height, _] = values(world);
+            Some(f64::from(DEPTH - (frame.translation.y - 0.5 * height)) * 1e3)
+        },
+        expect: |values, _| f64::from(values[1] * values[0] / WATER) * 1e3,
+        tolerance: [2.0, 0.01],
+    }),
     spawn,
 };
 
@@ -26,15 +47,14 @@ const DEPTH: f32 = 1.2;
 const HALF: Vec2 = Vec2::new(4.7, 1.6);
 /// Density of the water, kg/m³.
 const WATER: f32 = 1000.0;
-/// Velocity of the water, m/s.
-const CURRENT: f32 = 0.25;
 
 fn spawn(world: &mut World) {
+    let [density, height, current] = values(world);
     world.spawn((InScene, Ground));
     world.spawn((
         InScene,
         Name::new("pool"),
-        Fluid::flowing(Vec3::X * CURRENT),
+        Fluid::flowing(Vec3::X * current),
         Region::boxed(2.0 * Vec3::new(HALF.x, DEPTH, HALF.y)),
         Transform::from_xyz(0.0, DEPTH, 0.0),
     ));
@@ -42,10 +62,18 @@ fn spawn(world: &mut World) {
     let slab = mesh(world, Cuboid::new(2.0 * HALF.x, DEPTH, HALF.y));
     let blue = Look::color(0x4d9bc1).roughness(0.15);
     world.spawn((InScene, slab, blue, Transform::from_xyz(0.0, DEPTH * 0.5, -HALF.y * 0.5)));
-    for (i, share) in [0.25, 0.5, 0.75].into_iter().enumerate() {
+    let crates = [(0.25, 0.5), (density / WATER, height), (0.75, 0.5)];
+    for (i, (share, height)) in crates.into_iter().enumerate() {
         // Wide enough to float upright at any density: width² > 6 height² s (1 - s).
-        let crate_ = float(world, Vec3::new(0.8, 0.5, 0.8), share, -1.5 + 1.1 * i as f32, 0.0);
-        let skin = mesh(world, rounded_box(Vec3::new(0.8, 0.5, 0.8), 0.02, 2));
+        let size = Vec3::new(0.8, height, 0.8);
+        let crate_ = float(world, size, share, -1.5 + 1.1 * i as f32, 0.0);
+        if i == 1 {
+            // Nearly where it will rest: with little water about it, a light hull bobs for long.
+            let high = DEPTH + (0.5 - 0.95 * share) * height;
+            let place = Transform::from_xyz(-0.4, high, 0.0);
+            world.entity_mut(crate_).insert(place);
+        }
+        let skin = mesh(world, rounded_box(size, 0.02, 2));
         let wood = Look::texture("textures/crate.png").roughness(0.8);
         world.entity_mut(crate_).insert((Name::new("crate"), skin, wood));
     }

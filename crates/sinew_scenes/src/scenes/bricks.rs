@@ -2,11 +2,13 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{BodyParticles, BoxParticles, Representation};
 use bevy_sinew::{BodySolver, GradientAt, RigidIntegrator};
-use bevy_sinew::{BoxParticles, Representation};
 
 use super::{Scene, mesh};
-use crate::{Heading, InScene, Look, ball, cylinder, rounded_box};
+use crate::lesson::values;
+use crate::readings::all_named;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "bricks",
@@ -17,16 +19,55 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.0, 2.7, 0.0),
     seconds: 8.0,
     moment: 3.9,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "throw them faster, or tilted further: the further off its axis, the sooner a brick flips",
+        watch: "nothing turns a brick in space, so its angular momentum stays what it was, though its axis goes over and back; the blue one's 28 distances keep it by themselves",
+        formula: "L = Σ m r × v = I ω is constant",
+        sliders: &[
+            SceneSlider { label: "Spin", unit: "rad/s", range: [2.0, 7.0], default: 6.0 },
+            SceneSlider { label: "Tilt", unit: "rad", range: [0.0, 0.1], default: 0.01 },
+            SceneSlider { label: "Mass", unit: "kg", range: [1.0, 10.0], default: 1.0 },
+        ],
+        number: "Angular momentum of the blue brick",
+        unit: "kg m²/s",
+        after: 2.0,
+        measure: |world| {
+            let brick = *all_named(world, "brick").get(1)?;
+            angular_momentum(world, brick)
+        },
+        expect: |values, _| {
+            let [spin, tilt, mass] = [values[0], values[1], values[2]].map(f64::from);
+            let [x, y, z] = SIZE.to_array().map(f64::from);
+            let momenta = [tilt * (y * y + z * z), x * x + z * z];
+            mass * spin / 12.0 * libm::hypot(momenta[0], momenta[1])
+        },
+        tolerance: [0.0, 0.005],
+    }),
     spawn,
 };
 
 /// Edges of a brick, metres: its middle axis is y, and stands upright.
 const SIZE: Vec3 = Vec3::new(1.0, 2.0, 3.0);
-/// How they are thrown, rad/s: about the middle axis, a hundredth of it off.
-const SPIN: Vec3 = Vec3::new(0.06, 6.0, 0.0);
+
+/// Σ m r × v of a body about its barycentre, kg m²/s.
+fn angular_momentum(world: &World, body: Entity) -> Option<f64> {
+    let state = |p: Entity| {
+        let (particle, mass) = (world.get::<Particle>(p)?, world.get::<Mass>(p)?);
+        Some((particle.position.as_dvec3(), particle.velocity.as_dvec3(), f64::from(mass.0)))
+    };
+    let states: Vec<_> =
+        world.get::<BodyParticles>(body)?.iter().map(state).collect::<Option<_>>()?;
+    let mass: f64 = states.iter().map(|(_, _, m)| m).sum();
+    let centre = states.iter().map(|(at, _, m)| at * *m).sum::<bevy::math::DVec3>() / mass;
+    let about =
+        |(at, v, m): &(bevy::math::DVec3, bevy::math::DVec3, f64)| (at - centre).cross(*v) * *m;
+    Some(states.iter().map(about).sum::<bevy::math::DVec3>().length())
+}
 
 fn spawn(world: &mut World) {
+    let [spin, tilt, mass] = values(world);
+    // About the middle axis, but for the tilt.
+    let thrown = spin * Vec3::new(tilt, 1.0, 0.0);
     world.insert_resource(Gravity(Vec3::ZERO));
     world.insert_resource(AirDrag(0.0));
     // So that one sees what the corrections do by themselves.
@@ -43,7 +84,10 @@ fn spawn(world: &mut World) {
                 InScene,
                 Name::new("brick"),
                 // As hard to turn as a solid brick, which decides when it flips.
-                RigidBox { particles: BoxParticles::Equimomental, ..RigidBox::new(SIZE) },
+                RigidBox {
+                    particles: BoxParticles::Equimomental,
+                    ..RigidBox::new(SIZE).with_mass(mass)
+                },
                 BodySolver { gradient_at: Some(gradient_at), ..default() },
                 representation,
                 skin,
@@ -51,7 +95,7 @@ fn spawn(world: &mut World) {
                 Interpolate,
                 Transform::from_xyz(x, 2.8, 0.0),
             ))
-            .set_angular_velocity(SPIN)
+            .set_angular_velocity(thrown)
             .id();
         // A knob says which end was up.
         let (stick, knob) = (mesh(world, cylinder(0.05, 0.5)), mesh(world, ball(0.16)));

@@ -4,7 +4,9 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh, post};
-use crate::{Heading, InScene, Look, rounded_box};
+use crate::lesson::{of_named, values};
+use crate::readings::points_of;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "catch",
@@ -15,19 +17,58 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.0, 1.0, 0.0),
     seconds: 5.0,
     moment: 1.0,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "drop a heavier crate, or from higher up; then knit the sheet of softer threads",
+        watch: "the sheet gives way until it carries the crate; crate and sheet push each other by the same in every contact, and where they touch, a particle's middle is its radius off the crate",
+        formula: "d(p, crate) ≥ r, and equal where they touch",
+        sliders: &[
+            SceneSlider { label: "Mass", unit: "kg", range: [1.0, 8.0], default: 4.0 },
+            SceneSlider { label: "Drop", unit: "m", range: [0.2, 1.2], default: 0.7 },
+            SceneSlider {
+                label: "Softness of a thread",
+                unit: "mm/N",
+                range: [0.1, 0.4],
+                default: 0.2,
+            },
+        ],
+        number: "From the crate to the nearest particle",
+        unit: "mm",
+        after: 3.0,
+        measure: |world| {
+            let frame: Transform = of_named(world, "crate")?;
+            let into = frame.to_matrix().inverse();
+            let off = |p: &Vec3| f64::from(off_a_box(into.transform_point3(*p), 0.5 * EDGE));
+            Some(points_of(world, "sheet").iter().map(off).reduce(f64::min)? * 1e3)
+        },
+        expect: |_, _| f64::from(THREAD) * 1e3,
+        tolerance: [1.5, 0.0],
+    }),
     spawn,
 };
 
+/// Height of the sheet, its side, and edge of the crate, metres.
+const SHEET: f32 = 1.4;
+const SIDE: f32 = 2.0;
+const EDGE: f32 = 0.5;
+/// Radius of a particle of the sheet, metres.
+const THREAD: f32 = 0.03;
+
+/// How far a point is outside of a cube about the origin of half the edge, metres; negative inside.
+fn off_a_box(at: Vec3, half: f32) -> f32 {
+    let past = at.abs() - half;
+    past.max(Vec3::ZERO).length() + past.max_element().min(0.0)
+}
+
 fn spawn(world: &mut World) {
+    let [mass, drop, softness] = values(world);
     world.insert_resource(SolverConfig { substeps: 20, ..default() });
-    world.insert_resource(AirDrag(0.8));
+    world.insert_resource(AirDrag(0.95));
     world.spawn((InScene, Ground));
     for x in [-1.0, 1.0] {
         for z in [-1.0, 1.0] {
-            let post = post(world, 0.03, 1.4);
+            let post = post(world, 0.03, SHEET);
             let wood = Look::color(0x8a6a4b);
-            world.spawn((InScene, post, wood, Transform::from_xyz(x, 0.7, z)));
+            world.spawn((InScene, post, wood, Transform::from_xyz(x, 0.5 * SHEET, z)));
         }
     }
     let flat = Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
@@ -36,26 +77,26 @@ fn spawn(world: &mut World) {
         Name::new("sheet"),
         // Knitted, so that it gives: cloth that does not stretch, spread taut, is a trampoline.
         Cloth {
-            radius: 0.03,
+            radius: THREAD,
             density: 0.8,
-            stretch_compliance: 2e-4,
-            ..Cloth::grid(2.0, 2.0, 40, 40)
+            stretch_compliance: softness * 1e-3,
+            ..Cloth::grid(SIDE, SIDE, 40, 40)
         }
         .pinned(ClothPins::Corners),
         Look::color(0xe4dccb).double_sided().roughness(0.95),
         Interpolate,
-        Transform::from_xyz(0.0, 1.4, 0.0).with_rotation(flat),
+        Transform::from_xyz(0.0, SHEET, 0.0).with_rotation(flat),
     ));
-    let size = Vec3::splat(0.5);
+    let size = Vec3::splat(EDGE);
     let skin = mesh(world, rounded_box(size, 0.015, 2));
     world.spawn((
         InScene,
         Name::new("crate"),
-        RigidBox::new(size).with_mass(4.0),
+        RigidBox::new(size).with_mass(mass),
         skin,
         Look::texture("textures/crate.png").roughness(0.8),
         Interpolate,
-        Transform::from_xyz(0.1, 2.4, -0.05).with_rotation(Quat::from_euler(
+        Transform::from_xyz(0.1, SHEET + 0.6 * EDGE + drop, -0.05).with_rotation(Quat::from_euler(
             EulerRot::XYZ,
             0.2,
             0.4,

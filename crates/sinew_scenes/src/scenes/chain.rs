@@ -3,10 +3,12 @@
 use bevy::prelude::*;
 use bevy_sinew::TubeMesh;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{Bound, ConstraintOf, ParticleBody, ParticleOf, RigidPose};
+use bevy_sinew::{BodyParticles, Bound, ConstraintOf, ParticleBody, ParticleOf, RigidPose};
 
 use super::{Scene, mesh};
-use crate::{Heading, InScene, Look, ball};
+use crate::lesson::values;
+use crate::readings::all_named;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
 
 pub(super) const SCENE: Scene = Scene {
     name: "chain",
@@ -17,7 +19,33 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.0, 1.8, 0.0),
     seconds: 5.0,
     moment: 1.6,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "hang a heavier ball on the chain, or pull harder at all of it",
+        watch: "nothing ties one loop to the next: ropes that cross push each other off to two radii, and that carries the ball",
+        formula: "|p_a − p_b| ≥ 2r, and equal where two loops hang in each other",
+        sliders: &[
+            SceneSlider { label: "Ball", unit: "kg", range: [0.2, 4.0], default: 2.0 },
+            SceneSlider { label: "Gravity", unit: "m/s²", range: [3.7, 15.0], default: 9.81 },
+            SceneSlider { label: "Mass of a loop", unit: "kg", range: [0.14, 0.8], default: 0.28 },
+        ],
+        number: "Nearest middles of two loops",
+        unit: "mm",
+        after: 1.5,
+        measure: |world| {
+            let loops = all_named(world, "loop");
+            let beads = |body: &Entity| -> Option<Vec<Vec3>> {
+                let at = |p: Entity| world.get::<Particle>(p).map(|p| p.position);
+                Some(world.get::<BodyParticles>(*body)?.iter().filter_map(at).collect())
+            };
+            let beads: Vec<Vec<Vec3>> = loops.iter().filter_map(beads).collect();
+            let pairs = beads.windows(2).flat_map(|two| {
+                two[0].iter().flat_map(|a| two[1].iter().map(move |b| f64::from(a.distance(*b))))
+            });
+            Some(pairs.reduce(f64::min)? * 1e3)
+        },
+        expect: |_, _| 2e3 * f64::from(ROPE),
+        tolerance: [2.0, 0.0],
+    }),
     spawn,
 };
 
@@ -29,6 +57,8 @@ const RING: f32 = 0.19;
 const ROPE: f32 = 0.03;
 
 fn spawn(world: &mut World) {
+    let [_, gravity, _] = values(world);
+    world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
     world.insert_resource(SolverConfig { substeps: 20, max_sweeps: 8, ..default() });
     world.insert_resource(AirDrag(0.3));
     world.spawn((InScene, Ground));
@@ -42,6 +72,7 @@ fn spawn(world: &mut World) {
 }
 
 fn link(world: &mut World, centre: Vec3, turned: bool, held: bool, last: bool, look: Look) {
+    let [heavy, _, mass] = values(world);
     let body = world.spawn((InScene, Name::new("loop"), ParticleBody, look, Interpolate)).id();
     let place = |i: usize| {
         let (sin, cos) = libm::sincosf(core::f32::consts::TAU * i as f32 / BEADS as f32);
@@ -50,7 +81,8 @@ fn link(world: &mut World, centre: Vec3, turned: bool, held: bool, last: bool, l
     };
     let beads: Vec<Entity> = (0..BEADS)
         .map(|i| {
-            let particle = (Particle::at(place(i)), Mass(0.01), Radius(ROPE), ParticleOf(body));
+            let particle =
+                (Particle::at(place(i)), Mass(mass / BEADS as f32), Radius(ROPE), ParticleOf(body));
             world.spawn(particle).id()
         })
         .collect();
@@ -70,12 +102,12 @@ fn link(world: &mut World, centre: Vec3, turned: bool, held: bool, last: bool, l
     particles.extend([beads[0], beads[1]]);
     world.entity_mut(body).insert(TubeMesh { particles, radius: ROPE, sides: 10 });
     if last {
-        weight(world, beads[BEADS / 2], place(BEADS / 2));
+        weight(world, beads[BEADS / 2], place(BEADS / 2), heavy);
     }
 }
 
-/// A ball on a short string.
-fn weight(world: &mut World, bead: Entity, from: Vec3) {
+/// A ball of so many kilograms on a short string.
+fn weight(world: &mut World, bead: Entity, from: Vec3, heavy: f32) {
     let centre = from - Vec3::Y * 0.22;
     let iron = mesh(world, ball(0.13));
     let body = world
@@ -89,7 +121,8 @@ fn weight(world: &mut World, bead: Entity, from: Vec3) {
             Transform::from_translation(centre),
         ))
         .id();
-    let ball = world.spawn((Particle::at(centre), Mass(2.0), Radius(0.13), ParticleOf(body))).id();
+    let ball =
+        world.spawn((Particle::at(centre), Mass(heavy), Radius(0.13), ParticleOf(body))).id();
     world.spawn((DistanceConstraint::new(bead, ball, 0.22), ConstraintOf(body)));
     world.entity_mut(body).insert(RigidPose { particles: vec![ball], rest: vec![Vec3::ZERO] });
 }

@@ -6,7 +6,8 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{Charge, Electric};
 
 use super::{Scene, mesh};
-use crate::{Heading, InScene, Look, ball};
+use crate::lesson::values;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
 
 pub(super) const SCENE: Scene = Scene {
     name: "charges",
@@ -17,16 +18,43 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.0, 1.15, 0.0),
     seconds: 6.0,
     moment: 2.5,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "give them more charge or less mass: they find each other sooner; thin the air and they fly about for longer",
+        watch: "red and blue come as near as their radii let them, and no nearer, however hard they pull; two reds keep away from each other",
+        formula: "F = K q² r / (r² + ε²)^(3/2) as long as r > r_red + r_blue",
+        sliders: &[
+            SceneSlider { label: "Charge", unit: "µC", range: [1.0, 4.0], default: 2.0 },
+            SceneSlider { label: "Mass", unit: "g", range: [10.0, 50.0], default: 20.0 },
+            SceneSlider { label: "Air drag", unit: "per s", range: [0.2, 0.8], default: 0.35 },
+        ],
+        number: "Nearest red and blue, middles",
+        unit: "mm",
+        after: 2.0,
+        measure: |world| {
+            let mut charges = world.query::<(&Particle, &Charge)>();
+            let all: Vec<(Vec3, f32)> =
+                charges.iter(world).map(|(p, q)| (p.position, q.0)).collect();
+            let pairs =
+                all.iter().enumerate().flat_map(|(i, a)| all[i + 1..].iter().map(move |b| (a, b)));
+            let apart =
+                pairs.filter(|(a, b)| a.1 * b.1 < 0.0).map(|(a, b)| f64::from(a.0.distance(b.0)));
+            Some(apart.reduce(f64::min)? * 1e3)
+        },
+        expect: |_, _| f64::from(RADII[0] + RADII[1]) * 1e3,
+        tolerance: [1.0, 0.0],
+    }),
     spawn,
 };
 
 /// Half the edge of the box, metres.
 const HALF: f32 = 1.1;
+/// Radii of a red and of a blue ball, metres.
+const RADII: [f32; 2] = [0.075, 0.055];
 
 fn spawn(world: &mut World) {
+    let [charge, mass, drag] = values(world);
     world.insert_resource(Gravity(Vec3::ZERO));
-    world.insert_resource(AirDrag(0.35));
+    world.insert_resource(AirDrag(drag));
     world.insert_resource(Electric { softening: 0.12, ..default() });
     let centre = Vec3::Y * (HALF + 0.05);
     world.spawn((
@@ -37,7 +65,7 @@ fn spawn(world: &mut World) {
     ));
     frame(world, centre);
     let looks = [0xd1495b, 0x2e86ab].map(|color| Look::color(color).roughness(0.25));
-    let skins = [0.075, 0.055].map(|radius| mesh(world, ball(radius)));
+    let skins = RADII.map(|radius| mesh(world, ball(radius)));
     let mut random = 20_u32;
     let mut next = || {
         random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -47,12 +75,12 @@ fn spawn(world: &mut World) {
         let place = centre + Vec3::new(next(), next(), next()) * (HALF * 0.9);
         let kind = i % 2;
         // ±2 µC at 1 m repel with 36 mN, which moves 20 g at 1.8 m/s².
-        let charge = if kind == 0 { 2e-6 } else { -2e-6 };
+        let charge = if kind == 0 { charge * 1e-6 } else { charge * -1e-6 };
         world.spawn((
             InScene,
             Particle::at(place),
-            Mass(0.02),
-            Radius([0.075, 0.055][kind]),
+            Mass(mass * 1e-3),
+            Radius(RADII[kind]),
             Charge(charge),
             Transform::from_translation(place),
             skins[kind].clone(),

@@ -4,7 +4,8 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{Heading, InScene, Look, rounded_box};
+use crate::lesson::{of_named, values};
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "crate",
@@ -15,23 +16,45 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.0, 1.5, -0.4),
     seconds: 5.0,
     moment: 1.0,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "throw the first crate with more spin, make it larger, or thicken the air",
+        watch: "distances alone keep the spin of a crate in flight, as if somebody integrated a rotation; only the air takes its share in each second",
+        formula: "ω = ω₀ (1 − drag)^t until it lands",
+        sliders: &[
+            SceneSlider { label: "Spin", unit: "rad/s", range: [0.0, 6.0], default: 3.0 },
+            SceneSlider { label: "Edge", unit: "m", range: [0.6, 1.2], default: 1.0 },
+            SceneSlider { label: "Air drag", unit: "per s", range: [0.0, 0.6], default: 0.1 },
+        ],
+        number: "Spin of the first crate",
+        unit: "rad/s",
+        after: 0.5,
+        measure: |world| {
+            let spin: AngularVelocity = of_named(world, "first crate")?;
+            Some(f64::from(spin.0.length()))
+        },
+        expect: |values, seconds| {
+            f64::from(values[0]) * libm::pow(1.0 - f64::from(values[2]), seconds)
+        },
+        tolerance: [0.01, 0.01],
+    }),
     spawn,
 };
 
 fn spawn(world: &mut World) {
+    let [spin, edge, drag] = values(world);
+    world.insert_resource(AirDrag(drag));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.45)));
     let crates = [
-        (Vec3::new(0.0, 3.4, 0.0), Vec3::splat(1.0), Vec3::new(0.5, 0.3, 0.7)),
+        (Vec3::new(0.0, 3.4, 0.0), Vec3::splat(edge), Vec3::new(0.5, 0.3, 0.7)),
         (Vec3::new(-2.2, 2.2, 0.9), Vec3::new(0.8, 0.8, 0.8), Vec3::new(0.9, 1.0, 0.1)),
         (Vec3::new(2.2, 3.6, -0.2), Vec3::new(0.7, 1.1, 0.7), Vec3::new(0.2, 0.4, 1.2)),
         (Vec3::new(-0.6, 4.6, -3.4), Vec3::new(1.1, 0.6, 0.8), Vec3::new(1.1, 0.2, 0.5)),
     ];
-    for (place, size, turn) in crates {
+    for (n, (place, size, turn)) in crates.into_iter().enumerate() {
         let skin = mesh(world, rounded_box(size, 0.025, 2));
-        world.spawn((
+        let mut falls = world.spawn((
             InScene,
-            Name::new("crate"),
+            Name::new(if n == 0 { "first crate" } else { "crate" }),
             RigidBox::new(size).with_mass(12.0 * size.element_product()),
             skin,
             Look::texture("textures/crate.png").roughness(0.8),
@@ -43,5 +66,8 @@ fn spawn(world: &mut World) {
                 turn.z,
             )),
         ));
+        if n == 0 {
+            falls.set_angular_velocity(Vec3::new(2.0, 1.0, 2.0) * (spin / 3.0));
+        }
     }
 }

@@ -4,7 +4,9 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh, post};
-use crate::{Heading, InScene, Look};
+use crate::lesson::values;
+use crate::readings::{all_named, faceted_ball, volume_of};
+use crate::{Heading, InScene, Lesson, Look, SceneSlider};
 
 pub(super) const SCENE: Scene = Scene {
     name: "curtain",
@@ -15,11 +17,37 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(-0.1, 1.1, 0.0),
     seconds: 4.0,
     moment: 0.62,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "throw the ball harder, or a heavier one, or pump it up",
+        watch: "the cloth dents the ball and is swept along by it; the dent comes out elsewhere, for there is as much room in it as before",
+        formula: "V = p V₀, at every moment of the blow",
+        sliders: &[
+            SceneSlider { label: "Speed", unit: "m/s", range: [4.5, 9.0], default: 6.0 },
+            SceneSlider { label: "Mass of the ball", unit: "kg", range: [0.3, 1.5], default: 0.5 },
+            SceneSlider { label: "Pressure", unit: "times", range: [1.0, 1.25], default: 1.1 },
+        ],
+        number: "Volume of the ball",
+        unit: "l",
+        after: 0.36,
+        measure: |world| {
+            let ball = *all_named(world, "ball").first()?;
+            Some(volume_of(world, ball)? * 1e3)
+        },
+        expect: |values, _| {
+            f64::from(values[2]) * faceted_ball(f64::from(RADIUS), SECTORS, STACKS) * 1e3
+        },
+        tolerance: [0.0, 0.005],
+    }),
     spawn,
 };
 
+/// Radius of the ball, metres, and its facets around its axis and from pole to pole.
+const RADIUS: f32 = 0.24;
+const SECTORS: u32 = 18;
+const STACKS: u32 = 11;
+
 fn spawn(world: &mut World) {
+    let [speed, mass, pressure] = values(world);
     world.insert_resource(SolverConfig { substeps: 16, ..default() });
     world.insert_resource(AirDrag(0.3));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
@@ -37,16 +65,16 @@ fn spawn(world: &mut World) {
         Transform::from_xyz(0.0, 1.24, 0.0),
     ));
     // A ball of leather, pumped up; its particles are as far apart as they are wide.
-    let skin = mesh(world, Sphere::new(0.24).mesh().uv(18, 11));
+    let skin = mesh(world, Sphere::new(RADIUS).mesh().uv(SECTORS, STACKS));
     let ball = SoftBody {
         radius: 0.03,
-        pressure: 1.1,
+        pressure,
         stretch: 300.0,
         bend: 0.05,
         damping: 0.1,
         ..SoftBody::from_mesh()
     }
-    .with_mass(0.5);
+    .with_mass(mass);
     let ball = world
         .spawn((
             InScene,
@@ -58,5 +86,5 @@ fn spawn(world: &mut World) {
             Transform::from_xyz(0.15, 1.1, 1.7),
         ))
         .id();
-    world.commands().entity(ball).set_linear_velocity(Vec3::new(0.0, 1.6, -6.0));
+    world.commands().entity(ball).set_linear_velocity(Vec3::new(0.0, 1.6, -speed));
 }

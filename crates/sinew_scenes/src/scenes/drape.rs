@@ -1,11 +1,13 @@
 //! Cloth that falls over a ball and over a table.
 
 use bevy::prelude::*;
-use bevy_sinew::BodyContacts;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{BodyContacts, BodyParticles};
 
 use super::{Scene, mesh};
-use crate::{Heading, InScene, Look, ball, rounded_box};
+use crate::lesson::values;
+use crate::readings::of_place;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "drape",
@@ -16,29 +18,61 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.0, 0.65, 0.0),
     seconds: 5.0,
     moment: 2.6,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "drape the red cloth over a smaller or a larger ball, heavier or smoother",
+        watch: "each particle of the cloth is a small ball that stays out of the large one; where the cloth lies on it, their middles are apart by both radii",
+        formula: "|p − c| ≥ R + r, and equal where it lies",
+        sliders: &[
+            SceneSlider {
+                label: "Radius of the ball",
+                unit: "m",
+                range: [0.35, 0.55],
+                default: 0.5,
+            },
+            SceneSlider { label: "Density", unit: "kg/m²", range: [0.1, 0.6], default: 0.2 },
+            SceneSlider { label: "Friction", unit: "", range: [0.2, 1.0], default: 0.5 },
+        ],
+        number: "From the ball's middle to the cloth",
+        unit: "mm",
+        after: 0.8,
+        measure: |world| {
+            let cloth: BodyParticles = of_place(world, "cloth", 0)?;
+            let apart =
+                |p: Entity| world.get::<Particle>(p).map(|p| f64::from(p.position.distance(BALL)));
+            Some(cloth.iter().filter_map(apart).reduce(f64::min)? * 1e3)
+        },
+        expect: |values, _| f64::from(values[0] + THREAD) * 1e3,
+        tolerance: [1.0, 0.0],
+    }),
     spawn,
 };
 
+/// Middle of the ball, and radius of a particle of cloth, metres.
+const BALL: Vec3 = Vec3::new(-1.05, 0.75, 0.0);
+const THREAD: f32 = 0.011;
+
 fn spawn(world: &mut World) {
+    let [radius, density, friction] = values(world);
+    let surface = SurfaceMaterial::new(friction);
     world.insert_resource(AirDrag(0.5));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
-    let globe = mesh(world, ball(0.5));
-    let place = Transform::from_xyz(-1.05, 0.75, 0.0);
+    let globe = mesh(world, ball(radius));
+    let place = Transform::from_translation(BALL);
     let stone = Look::color(0x8f9aa3).roughness(0.5);
-    world.spawn((InScene, Collider::sphere(0.5), globe, stone, place));
+    world.spawn((InScene, Collider::sphere(radius), surface, globe, stone, place));
     let size = Vec3::new(0.9, 0.9, 0.9);
     let top = mesh(world, rounded_box(size, 0.01, 2));
     let wood = Look::color(0x8a6a4b).roughness(0.7);
     let place = Transform::from_xyz(1.05, 0.45, 0.0);
-    world.spawn((InScene, Collider::cuboid(size), top, wood, place));
-    for (x, height, color) in [(-1.05, 1.45, 0xb8434e), (1.05, 1.0, 0x3f6f9f)] {
+    world.spawn((InScene, Collider::cuboid(size), surface, top, wood, place));
+    for (x, height, color) in [(BALL.x, 1.45, 0xb8434e), (1.05, 1.0, 0x3f6f9f)] {
         let turn =
             Quat::from_rotation_y(0.4) * Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2);
         world.spawn((
             InScene,
             Name::new("cloth"),
-            Cloth { radius: 0.011, ..Cloth::grid(1.7, 1.7, 64, 64) },
+            Cloth { radius: THREAD, density, ..Cloth::grid(1.7, 1.7, 64, 64) },
+            surface,
             BodyContacts::ALL,
             Look::color(color).double_sided().roughness(0.9),
             Interpolate,

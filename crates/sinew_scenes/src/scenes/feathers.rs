@@ -5,7 +5,9 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{AirFlow, Region};
 
 use super::{Scene, mesh, post};
-use crate::{Heading, InScene, Look};
+use crate::lesson::values;
+use crate::readings::of_place;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider};
 
 pub(super) const SCENE: Scene = Scene {
     name: "feathers",
@@ -16,7 +18,29 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.25, 1.6, 0.0),
     seconds: 4.0,
     moment: 0.9,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "make the orange sheet, the second, four times as heavy: it sinks twice as fast; its size drops out",
+        watch: "a sheet gains speed until the air carries its weight; in the end all of it sinks at one speed, and stays flat",
+        formula: "v = v_t tanh(g t / v_t), with v_t = √(2σg / ρC)",
+        sliders: &[
+            SceneSlider { label: "Density", unit: "kg/m²", range: [0.2, 0.8], default: 0.4 },
+            SceneSlider { label: "Edge", unit: "m", range: [0.6, 1.0], default: 0.9 },
+            SceneSlider { label: "Gravity", unit: "m/s²", range: [3.7, 9.81], default: 9.81 },
+        ],
+        number: "Speed of the orange sheet",
+        unit: "m/s",
+        after: 0.6,
+        measure: |world| {
+            let velocity: LinearVelocity = of_place(world, "sheet", 1)?;
+            Some(f64::from(-velocity.0.y))
+        },
+        expect: |values, seconds| {
+            let [density, gravity] = [values[0], values[2]].map(f64::from);
+            let terminal = libm::sqrt(2.0 * density * gravity / (1.225 * 1.28));
+            terminal * libm::tanh(gravity * seconds / terminal)
+        },
+        tolerance: [0.0, 0.03],
+    }),
     spawn,
 };
 
@@ -27,6 +51,8 @@ const TOP: f32 = 4.0;
 const FAN: Vec3 = Vec3::new(1.15, 2.4, 0.0);
 
 fn spawn(world: &mut World) {
+    let [density, edge, gravity] = values(world);
+    world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
     // The air below does all the braking: by area and speed, not by a share of the velocity.
     world.insert_resource(AirDrag(0.0));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.8)));
@@ -50,16 +76,16 @@ fn spawn(world: &mut World) {
     }
     world.spawn((InScene, stand, metal, Transform::from_translation(FAN.with_y(1.0))));
     let sheets = [
-        (-2.4, 0.1, 0xe9b44c),
-        (-1.2, 0.4, 0xe07a5f),
-        (0.0, 1.6, 0x8d4b62),
-        (FAN.x + 0.75, 0.1, 0x3d7ea6),
+        (-2.4, 0.1, EDGE, 0xe9b44c),
+        (-1.2, density, edge, 0xe07a5f),
+        (0.0, 1.6, EDGE, 0x8d4b62),
+        (FAN.x + 0.75, 0.1, EDGE, 0x3d7ea6),
     ];
-    for (x, density, color) in sheets {
+    for (x, density, edge, color) in sheets {
         world.spawn((
             InScene,
             Name::new("sheet"),
-            Cloth { density, ..Cloth::grid(EDGE, EDGE, 12, 12) },
+            Cloth { density, ..Cloth::grid(edge, edge, 12, 12) },
             Look::color(color).double_sided().roughness(0.8),
             Interpolate,
             Transform::from_xyz(x, TOP, 0.0)

@@ -4,7 +4,9 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh, post};
-use crate::{Heading, InScene, Look, ball};
+use crate::lesson::values;
+use crate::readings::{mean, strains_of};
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
 
 pub(super) const SCENE: Scene = Scene {
     name: "flag",
@@ -15,20 +17,39 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.75, 2.05, 0.0),
     seconds: 6.0,
     moment: 3.2,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "turn up the wind and its gusts, or take heavier cotton: it flies higher or hangs lower, and is as long as before",
+        watch: "cotton is threads that do not stretch: whatever pulls at the flag, its 48 cells stay as long as they are from pole to end",
+        formula: "p = ½ ρ v² on every triangle; |p_a − p_b| = L for every thread",
+        sliders: &[
+            SceneSlider { label: "Wind", unit: "m/s", range: [3.0, 6.0], default: 4.7 },
+            SceneSlider { label: "Gusts", unit: "", range: [0.0, 0.8], default: 0.55 },
+            SceneSlider { label: "Density", unit: "kg/m²", range: [0.12, 0.4], default: 0.18 },
+        ],
+        number: "Mean stretch of the threads",
+        unit: "%",
+        after: 1.5,
+        measure: |world| Some(mean(&strains_of(world, "flag"))? * 100.0),
+        expect: |_, _| 0.0,
+        tolerance: [0.3, 0.0],
+    }),
     spawn,
 };
 
 /// Height and width of the flag, metres: the proportions of its picture.
 const SIZE: Vec2 = Vec2::new(1.92, 1.2);
+/// Where the wind blows to, and the density of air, kg/m³.
+const WAY: Vec3 = Vec3::new(13.0, 0.0, 3.5);
+const AIR: f32 = 1.225;
 
 fn spawn(world: &mut World) {
-    // 6 m/s of air is 22 Pa; the lectures' law knows no motion of the cloth, so the air's drag is what calms it.
-    let pressure = Vec3::new(13.0, 0.0, 3.5);
+    let [speed, gusts, density] = values(world);
+    // The lectures' law knows no motion of the cloth, so the air's drag is what calms it.
+    let pressure = WAY * (0.5 * AIR * speed * speed / WAY.length());
     world.spawn((
         InScene,
         Name::new("breeze"),
-        Wind { pressure, gusts: 0.55, gust_length: 1.1, gust_period: 0.9 },
+        Wind { pressure, gusts, gust_length: 1.1, gust_period: 0.9 },
     ));
     world.insert_resource(AirDrag(0.75));
     // A 2 m flag in cells of 4 cm is 48 pieces from the pole to its end: short substeps carry the pull that far.
@@ -37,7 +58,7 @@ fn spawn(world: &mut World) {
     world.spawn((
         InScene,
         Name::new("flag"),
-        Cloth { density: 0.18, ..Cloth::grid(SIZE.x, SIZE.y, 48, 30) }.pinned(ClothPins::LeftEdge),
+        Cloth { density, ..Cloth::grid(SIZE.x, SIZE.y, 48, 30) }.pinned(ClothPins::LeftEdge),
         Look::texture("textures/flag.png").double_sided().roughness(0.85),
         Interpolate,
         Transform::from_xyz(SIZE.x * 0.5 + 0.03, 2.25, 0.0),

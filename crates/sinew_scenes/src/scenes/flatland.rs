@@ -5,7 +5,8 @@ use bevy_sinew::Flatland;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{Heading, InScene, Look, rounded_box};
+use crate::lesson::values;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "flatland",
@@ -16,18 +17,36 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(-0.1, 1.45, 0.0),
     seconds: 5.0,
     moment: 0.9,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "push everything harder towards the camera, or make the slope steeper or rougher",
+        watch: "a plane for all particles is one constraint each: what is pushed out of it is put back, loses that velocity, and so turns about z alone",
+        formula: "z = 0, v_z = 0, ω_x = ω_y = 0",
+        sliders: &[
+            SceneSlider { label: "Push", unit: "m/s", range: [0.0, 6.0], default: 2.0 },
+            SceneSlider { label: "Slope", unit: "°", range: [18.0, 32.0], default: 25.8 },
+            SceneSlider { label: "Friction", unit: "", range: [0.0, 0.4], default: 0.2 },
+        ],
+        number: "Farthest from the plane",
+        unit: "mm",
+        after: 1.5,
+        measure: |world| {
+            let mut particles = world.query::<&Particle>();
+            let far = particles.iter(world).map(|p| f64::from(p.position.z.abs()));
+            Some(far.reduce(f64::max)? * 1e3)
+        },
+        expect: |_, _| 0.0,
+        tolerance: [0.01, 0.0],
+    }),
     spawn,
 };
 
-/// How steep the slope is, radians: its tangent, 0.48, is more than the friction on it holds.
-const SLOPE: f32 = 0.45;
-
 fn spawn(world: &mut World) {
+    let [push, slope, friction] = values(world);
     world.spawn((InScene, Flatland));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.4)));
-    let tilted = Quat::from_rotation_z(-SLOPE);
-    world.spawn((InScene, Ground, SurfaceMaterial::new(0.2), Transform::from_rotation(tilted)));
+    let tilted = Quat::from_rotation_z(-slope.to_radians());
+    let rough = SurfaceMaterial::new(friction);
+    world.spawn((InScene, Ground, rough, Transform::from_rotation(tilted)));
     // The slope ends at the origin, where the flat ground begins.
     let (length, thickness) = (4.6, 0.12);
     let plank = mesh(world, Cuboid::new(length, thickness, 0.6));
@@ -52,7 +71,7 @@ fn spawn(world: &mut World) {
                 Interpolate,
                 Transform::from_translation(place).with_rotation(Quat::from_rotation_z(turn)),
             ))
-            .set_motion(Vec3::Z * 2.0, Vec3::X);
+            .set_motion(Vec3::Z * push, Vec3::X);
     }
     let from = Vec3::new(0.5, 3.4, 0.0);
     world
@@ -68,5 +87,5 @@ fn spawn(world: &mut World) {
             Look::color(0x66a182),
             Interpolate,
         ))
-        .set_linear_velocity(Vec3::Z * 2.0);
+        .set_linear_velocity(Vec3::Z * push);
 }

@@ -5,10 +5,12 @@ use core::f32::consts::PI;
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{Articulated, TubeMesh};
-use bevy_sinew::{BodySolver, Bone, BoneJoint, GradientAt};
+use bevy_sinew::{BodyParts, BodySolver, Bone, BoneJoint, GradientAt};
 
 use super::Scene;
-use crate::{Heading, InScene, Look};
+use crate::lesson::values;
+use crate::readings::of_place;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider};
 
 pub(super) const SCENE: Scene = Scene {
     name: "hinges",
@@ -19,26 +21,45 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.2, 1.5, 0.0),
     seconds: 6.0,
     moment: 1.9,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "move the stop of the first flap, the red mark, or the cones of the tail, and weigh them down",
+        watch: "a limit is an inequality: it does nothing while a flap is above its mark, and holds the flap on it, whatever gravity is",
+        formula: "−φ_stop ≤ φ ≤ 0; the flap rests at φ = −φ_stop",
+        sliders: &[
+            SceneSlider { label: "Stop", unit: "°", range: [15.0, 80.0], default: 52.0 },
+            SceneSlider { label: "Cone", unit: "°", range: [10.0, 30.0], default: 20.0 },
+            SceneSlider { label: "Gravity", unit: "m/s²", range: [3.7, 20.0], default: 9.81 },
+        ],
+        number: "Angle of the first flap",
+        unit: "°",
+        after: 3.0,
+        measure: |world| {
+            let parts: BodyParts = of_place(world, "signal", 0)?;
+            let flap = world.get::<Transform>(parts.iter().nth(1)?)?.rotation * Vec3::NEG_Y;
+            Some(libm::atan2(f64::from(-flap.y), f64::from(flap.x)).to_degrees())
+        },
+        expect: |values, _| f64::from(values[0]),
+        tolerance: [0.5, 0.0],
+    }),
     spawn,
 };
 
-/// How far the flaps fall from straight out, radians.
-const FLAPS: [f32; 3] = [0.9, 1.8, 2.3];
-/// How far a bone of the tail may be turned against the one before it, radians.
-const CONE: f32 = PI / 9.0;
+/// How far the second and the third flap fall from straight out, radians.
+const FLAPS: [f32; 2] = [1.8, 2.3];
 
 fn spawn(world: &mut World) {
+    let [stop, cone, gravity] = values(world);
+    world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
     world.insert_resource(SolverConfig { substeps: 20, ..default() });
     world.insert_resource(AirDrag(0.1));
     world.spawn((InScene, Ground));
-    for (i, far) in FLAPS.into_iter().enumerate() {
+    for (i, far) in [stop.to_radians(), FLAPS[0], FLAPS[1]].into_iter().enumerate() {
         flap(world, Vec3::new(-3.1 + 1.05 * i as f32, 2.0, 0.0), far);
     }
     for (z, backward, color) in [(0.5, false, 0xd9622b), (-0.5, true, 0x9aa1ab)] {
         arm(world, Vec3::new(0.4, 2.1, z), backward, color);
     }
-    tail(world, Vec3::new(1.7, 2.3, 0.0));
+    tail(world, Vec3::new(1.7, 2.3, 0.0), cone.to_radians());
 }
 
 fn body(world: &mut World, name: &'static str, at: Vec3, bones: Vec<Bone>, look: Look) {
@@ -85,10 +106,10 @@ fn arm(world: &mut World, at: Vec3, backward: bool, color: u32) {
     body(world, if backward { "free arm" } else { "arm" }, at, bones, Look::color(color));
 }
 
-/// A tail of bones, each in a cone about the direction of the one before it, and the first about where its root points.
-fn tail(world: &mut World, at: Vec3) {
+/// A tail of bones, each in a cone of so many radians about the direction of the one before it, and the first about where its root points.
+fn tail(world: &mut World, at: Vec3, cone: f32) {
     let long = 0.27;
-    let joint = BoneJoint::Ball { cone: CONE, twist: 0.2 };
+    let joint = BoneJoint::Ball { cone, twist: 0.2 };
     let mut bones = vec![held(Vec3::X * -0.25, Vec3::ZERO, 0.26)];
     for i in 0..8 {
         let [head, tail] = [i, i + 1].map(|n| Vec3::X * (long * n as f32));

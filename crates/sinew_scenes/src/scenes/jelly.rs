@@ -7,7 +7,9 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{ConstraintOf, MeshFollow, ParticleBody, ParticleOf, WindSurface};
 
 use super::{Scene, mesh};
-use crate::{Heading, InScene, Look};
+use crate::lesson::{of_named, values};
+use crate::readings::thrown;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider};
 
 pub(super) const SCENE: Scene = Scene {
     name: "jelly",
@@ -18,7 +20,25 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.0, 0.75, -0.2),
     seconds: 5.0,
     moment: 0.62,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "let the red block go squeezed, with stiffer springs, or throw it up: in the air it swells and shrinks",
+        watch: "each spring pulls its two ends by the same, so all springs together pull at nothing: the block wobbles, and its barycentre falls as a stone does",
+        formula: "f_a = −f_b, so v = (v₀ + g/c) e^(−c t) − g/c, with e^(−c) = 1 − drag",
+        sliders: &[
+            SceneSlider { label: "Squeezed to", unit: "", range: [0.75, 1.0], default: 0.85 },
+            SceneSlider { label: "Stiffness", unit: "N/m", range: [50.0, 140.0], default: 90.0 },
+            SceneSlider { label: "Thrown up at", unit: "m/s", range: [0.0, 3.0], default: 1.0 },
+        ],
+        number: "Its barycentre's velocity up",
+        unit: "m/s",
+        after: 0.35,
+        measure: |world| {
+            let velocity: LinearVelocity = of_named(world, "red jelly")?;
+            Some(f64::from(velocity.0.y))
+        },
+        expect: |values, seconds| thrown(f64::from(values[2]), 9.81, f64::from(DRAG), seconds),
+        tolerance: [0.01, 0.005],
+    }),
     spawn,
 };
 
@@ -27,22 +47,38 @@ const SIDE: usize = 5;
 /// Distance between neighbours, metres.
 const GAP: f32 = 0.22;
 
+/// Share of all velocity that the air takes in a second.
+const DRAG: f32 = 0.1;
+
 fn spawn(world: &mut World) {
+    let [squeezed, stiffness, speed] = values(world);
+    world.insert_resource(AirDrag(DRAG));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.5)));
-    for (place, turn, color) in [
-        (Vec3::new(-0.7, 1.9, 0.3), Vec3::new(0.4, 0.3, 0.5), 0xd1495b),
-        (Vec3::new(1.0, 1.3, -1.0), Vec3::new(0.1, 0.5, 0.9), 0x66a182),
+    let (red, green) = (Vec3::new(-0.7, 1.9, 0.3), Vec3::new(1.0, 1.3, -1.0));
+    for (name, place, turn, gap, stiffness, speed, color) in [
+        ("red jelly", red, Vec3::new(0.4, 0.3, 0.5), squeezed * GAP, stiffness, speed, 0xd1495b),
+        ("jelly", green, Vec3::new(0.1, 0.5, 0.9), GAP, 90.0, 0.0, 0x66a182),
     ] {
         let rotation = Quat::from_euler(EulerRot::XYZ, turn.x, turn.y, turn.z);
-        block(world, Transform::from_translation(place).with_rotation(rotation), color);
+        let frame = Transform::from_translation(place).with_rotation(rotation);
+        let body = block(world, name, frame, gap, stiffness, color);
+        world.commands().entity(body).set_linear_velocity(Vec3::Y * speed);
     }
 }
 
-fn block(world: &mut World, frame: Transform, color: u32) {
+/// A block whose particles begin `gap` metres apart, and its springs of so many N/m.
+fn block(
+    world: &mut World,
+    name: &'static str,
+    frame: Transform,
+    gap: f32,
+    stiffness: f32,
+    color: u32,
+) -> Entity {
     let body = world
         .spawn((
             InScene,
-            Name::new("jelly"),
+            Name::new(name),
             ParticleBody,
             Look::color(color).roughness(0.25),
             Interpolate,
@@ -52,7 +88,7 @@ fn block(world: &mut World, frame: Transform, color: u32) {
         .map(|i| UVec3::new((i % SIDE) as u32, (i / SIDE % SIDE) as u32, (i / SIDE / SIDE) as u32))
         .collect();
     let middle = Vec3::splat((SIDE - 1) as f32 * 0.5);
-    let place = |cell: UVec3| frame.transform_point((cell.as_vec3() - middle) * GAP);
+    let place = |cell: UVec3| frame.transform_point((cell.as_vec3() - middle) * gap);
     let particles: Vec<Entity> = cells
         .iter()
         .map(|&cell| {
@@ -69,7 +105,8 @@ fn block(world: &mut World, frame: Transform, color: u32) {
             }
             let rest = apart.as_vec3().length() * GAP;
             // 90 N/m on 30 g: ω h = √(90·26/0.03)/1200 is far below 2, and the block sags by a centimetre or two.
-            let spring = Spring::new(particles[i], particles[j], rest, 90.0).with_damping(0.04);
+            let spring =
+                Spring::new(particles[i], particles[j], rest, stiffness).with_damping(0.04);
             springs.push((spring, ConstraintOf(body)));
         }
     }
@@ -78,6 +115,7 @@ fn block(world: &mut World, frame: Transform, color: u32) {
     let skin = mesh(world, skin);
     let surface = WindSurface { triangles };
     world.entity_mut(body).insert((skin, MeshFollow { vertices }, surface));
+    body
 }
 
 /// The outer faces as a mesh: its own vertices on every face, so that edges stay sharp, each following a particle. And as triangles of particles, by which

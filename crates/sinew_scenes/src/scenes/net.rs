@@ -5,7 +5,9 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{BodyContacts, ContactShape};
 
 use super::{Scene, mesh, post};
-use crate::{Heading, InScene, Look};
+use crate::lesson::values;
+use crate::readings::all_named;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider};
 
 pub(super) const SCENE: Scene = Scene {
     name: "net",
@@ -16,7 +18,32 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.0, 1.05, 0.0),
     seconds: 4.0,
     moment: 2.2,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "take smaller or heavier marbles, or pull harder at them",
+        watch: "the cells of both sheets are wider than a marble: particles alone leave holes, triangles leave none",
+        formula: "n = 36: no marble passes through a triangle",
+        sliders: &[
+            SceneSlider { label: "Size", unit: "times", range: [0.5, 1.4], default: 1.0 },
+            SceneSlider {
+                label: "Density", unit: "kg/m³", range: [200.0, 2500.0], default: 800.0
+            },
+            SceneSlider { label: "Gravity", unit: "m/s²", range: [5.0, 15.0], default: 9.81 },
+        ],
+        number: "Marbles that the right sheet holds",
+        unit: "",
+        after: 1.5,
+        measure: |world| {
+            let marbles = all_named(world, "marble");
+            let held = |marble: &&Entity| {
+                world
+                    .get::<Particle>(**marble)
+                    .is_some_and(|p| p.position.x > 0.0 && p.position.y > 0.35)
+            };
+            (!marbles.is_empty()).then(|| marbles.iter().filter(held).count() as f64)
+        },
+        expect: |_, _| f64::from(MARBLES),
+        tolerance: [0.0, 0.0],
+    }),
     spawn,
 };
 
@@ -24,7 +51,12 @@ pub(super) const SCENE: Scene = Scene {
 const SIDE: f32 = 1.6;
 const CELLS: u32 = 8;
 
+/// Marbles over each sheet.
+const MARBLES: u32 = 36;
+
 fn spawn(world: &mut World) {
+    let [times, density, gravity] = values(world);
+    world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
     world.insert_resource(SolverConfig { substeps: 12, ..default() });
     world.insert_resource(AirDrag(0.4));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.5)));
@@ -48,18 +80,19 @@ fn spawn(world: &mut World) {
             Interpolate,
             Transform::from_translation(middle).with_rotation(flat),
         ));
-        marbles(world, middle);
+        marbles(world, middle, times, density);
     }
 }
 
 /// Three layers of marbles over a place, none of them over another.
-fn marbles(world: &mut World, middle: Vec3) {
+fn marbles(world: &mut World, middle: Vec3, times: f32, density: f32) {
     let colors = [0xd1495b, 0x66a182, 0xe9b44c, 0x8e6bb0, 0x2f8f83];
     let sizes = [0.035, 0.042, 0.05].map(|radius| {
+        let radius = times * radius;
         let skin = mesh(world, Sphere::new(radius).mesh().uv(20, 12));
         (radius, skin)
     });
-    for n in 0..36_u32 {
+    for n in 0..MARBLES {
         let (layer, place) = (n / 12, n % 12);
         let [i, j] = [place % 4, place / 4].map(|i| i as f32);
         let shift = 0.07 * layer as f32;
@@ -71,8 +104,8 @@ fn marbles(world: &mut World, middle: Vec3) {
             InScene,
             Name::new("marble"),
             Particle::at(at),
-            // Glass, 2500 kg/m³, would be three times as heavy: these are of wood.
-            Mass(800.0 * 4.18879 * radius * radius * radius),
+            // Of wood at first; glass is 2500 kg/m³.
+            Mass(density * 4.18879 * radius * radius * radius),
             Radius(*radius),
             skin.clone(),
             Look::color(colors[n as usize % colors.len()]).roughness(0.25),

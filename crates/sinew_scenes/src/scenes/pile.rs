@@ -4,7 +4,8 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{Heading, InScene, Look, rounded_box};
+use crate::lesson::{of_named, values};
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "pile",
@@ -15,7 +16,30 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.3, 1.1, 0.0),
     seconds: 6.0,
     moment: 4.5,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "build the tower higher, lay a heavier crate on its top, or take friction away",
+        watch: "each contact pushes with the weight of all that is above it and gives way to none of it: the tower stands as high as its crates are",
+        formula: "h = (n − ½) edge, whatever the weights",
+        sliders: &[
+            SceneSlider {
+                label: "Crates in the tower",
+                unit: "",
+                range: [3.0, 10.0],
+                default: 8.0,
+            },
+            SceneSlider { label: "Topmost", unit: "kg", range: [1.0, 50.0], default: 5.0 },
+            SceneSlider { label: "Friction", unit: "", range: [0.3, 1.0], default: 0.6 },
+        ],
+        number: "Height of the topmost crate's middle",
+        unit: "m",
+        after: 1.5,
+        measure: |world| {
+            let top: Transform = of_named(world, "topmost crate")?;
+            Some(f64::from(top.translation.y))
+        },
+        expect: |values, _| (f64::from(values[0]).round() - 0.5) * f64::from(EDGE),
+        tolerance: [0.0, 0.002],
+    }),
     spawn,
 };
 
@@ -23,7 +47,10 @@ pub(super) const SCENE: Scene = Scene {
 const EDGE: f32 = 0.5;
 
 fn spawn(world: &mut World) {
-    world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
+    let [high, heavy, friction] = values(world);
+    let count = high.round() as u32;
+    let surface = SurfaceMaterial::new(friction);
+    world.spawn((InScene, Ground, surface));
     let skin = mesh(world, rounded_box(Vec3::splat(EDGE), 0.015, 2));
     // Layer by layer, each turned a little further, so that none falls straight onto the one below.
     for n in 0..72_u32 {
@@ -33,22 +60,32 @@ fn spawn(world: &mut World) {
         let drift = 0.11 * (layer % 3) as f32 - 0.11;
         let place = Vec3::new(x + drift - 1.0, 0.8 + 0.75 * layer as f32, z - drift);
         let rotation = Quat::from_euler(EulerRot::XYZ, 0.4 * turn, turn, 0.3 * turn);
-        crate_at(world, &skin, Transform::from_translation(place).with_rotation(rotation));
+        let place = Transform::from_translation(place).with_rotation(rotation);
+        crate_at(world, "crate", 5.0, surface, &skin, place);
     }
-    for n in 0..8_u32 {
+    for n in 0..count {
         let yaw = if n % 2 == 0 { 0.06 } else { -0.09 };
         let place = Vec3::new(2.6, EDGE * (n as f32 + 0.5), -0.4);
         let rotation = Quat::from_rotation_y(yaw);
-        crate_at(world, &skin, Transform::from_translation(place).with_rotation(rotation));
+        let place = Transform::from_translation(place).with_rotation(rotation);
+        let (name, mass) = if n + 1 == count { ("topmost crate", heavy) } else { ("crate", 5.0) };
+        crate_at(world, name, mass, surface, &skin, place);
     }
 }
 
-fn crate_at(world: &mut World, skin: &Mesh3d, place: Transform) {
+fn crate_at(
+    world: &mut World,
+    name: &'static str,
+    mass: f32,
+    surface: SurfaceMaterial,
+    skin: &Mesh3d,
+    place: Transform,
+) {
     world.spawn((
         InScene,
-        Name::new("crate"),
-        RigidBox::new(Vec3::splat(EDGE)).with_mass(5.0),
-        SurfaceMaterial::new(0.6),
+        Name::new(name),
+        RigidBox::new(Vec3::splat(EDGE)).with_mass(mass),
+        surface,
         skin.clone(),
         Look::texture("textures/crate.png").roughness(0.8),
         Interpolate,

@@ -2,11 +2,13 @@
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyContacts, TubeMesh};
+use bevy_sinew::{BodyContacts, BodyParticles, TubeMesh};
 use bevy_sinew::{ConstraintOf, ContactShape, ParticleBody, ParticleOf};
 
 use super::{Scene, mesh, post};
-use crate::{Heading, InScene, Look, ball, cylinder};
+use crate::lesson::values;
+use crate::readings::all_named;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder};
 
 pub(super) const SCENE: Scene = Scene {
     name: "rails",
@@ -17,7 +19,34 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.05, 0.98, 0.0),
     seconds: 5.0,
     moment: 3.2,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "make the rails thinner or thicker, the ropes heavier, or the gravity stronger",
+        watch: "on the right a rope is a row of capsules: wherever the rail meets it, between two particles too, it hangs on the sum of both radii",
+        formula: "d = r_rail + r_rope, from line to line",
+        sliders: &[
+            SceneSlider { label: "Rail", unit: "mm", range: [10.0, 30.0], default: 18.0 },
+            SceneSlider { label: "Mass of a piece", unit: "g", range: [5.0, 60.0], default: 20.0 },
+            SceneSlider { label: "Gravity", unit: "m/s²", range: [3.7, 15.0], default: 9.81 },
+        ],
+        number: "From a rail to the nearest rope",
+        unit: "mm",
+        after: 1.5,
+        measure: |world| {
+            let mut nearest: Option<f64> = None;
+            for rope in all_named(world, "rope") {
+                let Some(particles) = world.get::<BodyParticles>(rope) else { continue };
+                let at = |p: Entity| world.get::<Particle>(p).map(|p| p.position);
+                let points: Vec<Vec3> = particles.iter().filter_map(at).collect();
+                for pair in points.windows(2).filter(|pair| pair[0].x > 0.0) {
+                    let apart = f64::from(off_the_rail(pair[0], pair[1]));
+                    nearest = Some(nearest.map_or(apart, |nearest| nearest.min(apart)));
+                }
+            }
+            Some(nearest? * 1e3)
+        },
+        expect: |values, _| f64::from(values[0]) + f64::from(THICK) * 1e3,
+        tolerance: [1.0, 0.0],
+    }),
     spawn,
 };
 
@@ -26,14 +55,25 @@ const WIDE: f32 = 0.85;
 const DEEP: f32 = 0.55;
 const RAIL: f32 = 1.75;
 const LINE: f32 = 1.3;
-/// Length of a segment, and radius of ropes and rails, metres: six radii from one particle to the next.
+/// Length of a segment, and radius of ropes, metres: six radii from one particle to the next.
 const PIECE: f32 = 0.11;
 const THICK: f32 = 0.018;
 /// Radius of a weight, and how far from the end of its rope it is tied: so that the two do not touch, metres.
 const BALL: f32 = 0.06;
 const TIE: f32 = BALL + 2.0 * THICK;
 
+/// How far the piece of rope between two particles is from the axis of the rails, metres.
+fn off_the_rail(a: Vec3, b: Vec3) -> f32 {
+    // The axis is along x.
+    let (a, b) = (Vec2::new(a.y - RAIL, a.z + DEEP), Vec2::new(b.y - RAIL, b.z + DEEP));
+    let along = b - a;
+    let share = (-a.dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
+    (a + along * share).length()
+}
+
 fn spawn(world: &mut World) {
+    let [_, _, gravity] = values(world);
+    world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
     world.insert_resource(SolverConfig { substeps: 20, max_sweeps: 8, ..default() });
     world.insert_resource(AirDrag(0.2));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.5)));
@@ -55,14 +95,16 @@ fn frame(world: &mut World, x: f32) {
         let foot = Vec3::new(x + side, 0.5 * height + 0.02, z);
         world.spawn((InScene, post, wood.clone(), Transform::from_translation(foot)));
     }
-    let rod = mesh(world, cylinder(THICK, 2.0 * WIDE));
+    let [thick, ..]: [f32; 3] = values(world);
+    let thick = thick * 1e-3;
+    let rod = mesh(world, cylinder(thick, 2.0 * WIDE));
     let along = Transform::from_xyz(x, RAIL, -DEEP)
         .with_rotation(Quat::from_rotation_z(core::f32::consts::FRAC_PI_2));
     let steel = Look::color(0xb9bec4).metal();
     world.spawn((
         InScene,
         Name::new("rail"),
-        Collider::capsule(THICK, 2.0 * WIDE),
+        Collider::capsule(thick, 2.0 * WIDE),
         rod,
         steel,
         along,
@@ -109,12 +151,13 @@ fn rope(
     contacts: BodyContacts,
     color: u32,
 ) -> Vec<Entity> {
+    let [_, mass, _] = values(world);
     let name = Name::new("rope");
     let look = Look::color(color).roughness(0.9);
     let body = world.spawn((InScene, name, ParticleBody, contacts, look, Interpolate)).id();
     let particle = |i: usize| {
         let at = from + along * (PIECE * i as f32);
-        (Particle::at(at), Mass(0.02), Radius(THICK), ParticleOf(body))
+        (Particle::at(at), Mass(mass * 1e-3), Radius(THICK), ParticleOf(body))
     };
     let particles: Vec<Entity> = (0..=pieces).map(|i| world.spawn(particle(i)).id()).collect();
     for pair in particles.windows(2) {

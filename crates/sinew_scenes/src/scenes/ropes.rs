@@ -8,7 +8,9 @@ use bevy_sinew::{
 
 use super::{Scene, mesh, post};
 use crate::bevy_version::OnAdd;
-use crate::{Heading, InScene, Look, ball};
+use crate::lesson::values;
+use crate::readings::points_of;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
 
 pub(super) const SCENE: Scene = Scene {
     name: "ropes",
@@ -19,7 +21,26 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.25, 1.25, 0.0),
     seconds: 6.0,
     moment: 2.6,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "hang a heavier lantern on the rope, or a longer rope on the beam",
+        watch: "the rope weighs far less than its lantern and swings with it, and does not get longer by it",
+        formula: "Σ |p_(i+1) − p_i| = L",
+        sliders: &[
+            SceneSlider { label: "Lantern", unit: "kg", range: [0.3, 3.0], default: 1.2 },
+            SceneSlider { label: "Rope", unit: "m", range: [0.8, 1.3], default: 1.22 },
+            SceneSlider { label: "Slack of the line", unit: "", range: [0.1, 0.4], default: 0.25 },
+        ],
+        number: "Length of the swinging rope",
+        unit: "m",
+        after: 2.0,
+        measure: |world| {
+            let points = points_of(world, "swinging rope");
+            let pieces = points.windows(2).map(|pair| f64::from(pair[0].distance(pair[1])));
+            (!points.is_empty()).then(|| pieces.sum())
+        },
+        expect: |values, _| f64::from(values[1]),
+        tolerance: [0.0, 0.005],
+    }),
     spawn,
 };
 
@@ -39,6 +60,7 @@ pub(crate) fn wave_hand(clock: Res<SinewClock>, mut hands: Query<(&Hand, &mut Tr
 }
 
 fn spawn(world: &mut World) {
+    let [lantern, length, slack] = values(world);
     // The lantern is fifty times as heavy as a piece of its rope: many short substeps, or it stretches.
     world.insert_resource(SolverConfig { substeps: 32, ..default() });
     world.spawn((InScene, Ground));
@@ -59,7 +81,7 @@ fn spawn(world: &mut World) {
     world.spawn((
         InScene,
         Name::new("slack line"),
-        Rope { slack: 0.25, pin_end: true, ..line },
+        Rope { slack, pin_end: true, ..line },
         hemp.clone(),
         Interpolate,
     ));
@@ -70,7 +92,8 @@ fn spawn(world: &mut World) {
     let lying = Quat::from_rotation_z(core::f32::consts::FRAC_PI_2);
     let beam_at = Transform::from_xyz(0.8, 2.15, 0.0).with_rotation(lying);
     world.spawn((InScene, beam, wood.clone(), beam_at));
-    let swing = rope(Vec3::new(1.15, 2.1, 0.0), Vec3::new(1.6, 1.4, 0.9), 0.016);
+    let (hook, held_out) = (Vec3::new(1.15, 2.1, 0.0), Vec3::new(0.45, -0.7, 0.9));
+    let swing = rope(hook, hook + held_out.normalize() * length, 0.016);
     let swing = Rope { segments: 16, ..swing };
     let end = swing.to;
     let along = (swing.to - swing.from).normalize();
@@ -89,7 +112,7 @@ fn spawn(world: &mut World) {
         ))
         .id();
     // Its ring is 0.35 m above its centre of mass; the mass sits low, as in a lantern.
-    let [ring, foot] = [(0.0, 0.1, 0.02), (0.55, 1.2, 0.15)].map(|(down, mass, radius)| {
+    let [ring, foot] = [(0.0, 0.1, 0.02), (0.55, lantern, 0.15)].map(|(down, mass, radius)| {
         let place = end + along * down;
         world.spawn((Particle::at(place), Mass(mass), Radius(radius), ParticleOf(lamp))).id()
     });

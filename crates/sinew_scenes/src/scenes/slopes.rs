@@ -4,7 +4,9 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh, post};
-use crate::{Heading, InScene, Look, rounded_box};
+use crate::lesson::values;
+use crate::readings::of_place;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "slopes",
@@ -15,7 +17,27 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.5, 0.7, 0.0),
     seconds: 5.0,
     moment: 1.1,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "tilt the slope in the middle towards 26°, or take friction away from it: as long as tan θ is less than μ the stack stays where it is",
+        watch: "what holds does not creep, not by a tenth of a millimetre; mass is on both sides and drops out; the red stack is past the limit and slides",
+        formula: "a = g (sin θ − μ cos θ), and 0 while tan θ ≤ μ",
+        sliders: &[
+            SceneSlider { label: "Angle", unit: "°", range: [5.0, 25.5], default: 20.0 },
+            SceneSlider { label: "Friction", unit: "", range: [0.38, 0.9], default: 0.5 },
+            SceneSlider { label: "Mass of a plate", unit: "kg", range: [0.5, 20.0], default: 2.0 },
+        ],
+        number: "Way of the lowest plate",
+        unit: "mm",
+        after: 2.0,
+        measure: |world| {
+            let [degrees, ..]: [f32; 3] = values(world);
+            let plate: Transform = of_place(world, "plate", PLATES as usize)?;
+            let way = (plate.translation - MIDDLE).dot(tilted(degrees) * Vec3::X) - START;
+            Some(f64::from(way) * 1e3)
+        },
+        expect: |_, _| 0.0,
+        tolerance: [0.1, 0.0],
+    }),
     spawn,
 };
 
@@ -23,28 +45,41 @@ pub(super) const SCENE: Scene = Scene {
 const SLOPE: Vec3 = Vec3::new(1.7, 0.12, 1.1);
 const PLATE: Vec3 = Vec3::new(0.62, 0.12, 0.62);
 const PLATES: u32 = 6;
+/// Middle of the second slope, and where its stack begins along it, metres.
+const MIDDLE: Vec3 = Vec3::new(0.0, 0.62, 0.0);
+const START: f32 = -0.35;
+
+/// How a slope is turned, from its angle in degrees.
+fn tilted(degrees: f32) -> Quat {
+    Quat::from_rotation_z(-degrees.to_radians())
+}
 
 fn spawn(world: &mut World) {
+    let [degrees, friction, mass] = values(world);
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.5)));
     let board = mesh(world, rounded_box(SLOPE, 0.015, 2));
     let skin = mesh(world, rounded_box(PLATE, 0.012, 2));
-    let slopes = [(-2.2, 10.0_f32, 0x7a9e7e), (0.0, 20.0, 0xd9b26a), (2.2, 30.0, 0xc0604d)];
-    for (x, degrees, color) in slopes {
-        let turned = Quat::from_rotation_z(-degrees.to_radians());
-        let middle = Vec3::new(x, 0.62, 0.0);
+    let slopes = [
+        (-2.2, 10.0, 0.5, 2.0, 0x7a9e7e),
+        (MIDDLE.x, degrees, friction, mass, 0xd9b26a),
+        (2.2, 30.0, 0.5, 2.0, 0xc0604d),
+    ];
+    for (x, degrees, friction, mass, color) in slopes {
+        let turned = tilted(degrees);
+        let middle = MIDDLE.with_x(x);
         let place = Transform::from_translation(middle).with_rotation(turned);
-        let slope = (Collider::cuboid(SLOPE), SurfaceMaterial::new(0.5));
+        let slope = (Collider::cuboid(SLOPE), SurfaceMaterial::new(friction));
         let wood = Look::color(0x8a6a4b).roughness(0.9);
         world.spawn((InScene, Name::new("slope"), slope, board.clone(), wood, place));
         posts(world, place);
         for n in 0..PLATES {
             let up = 0.5 * (SLOPE.y + PLATE.y) + PLATE.y * n as f32;
-            let at = middle + turned * Vec3::new(-0.35, up, 0.0);
+            let at = middle + turned * Vec3::new(START, up, 0.0);
             world.spawn((
                 InScene,
                 Name::new("plate"),
-                RigidBox::new(PLATE).with_mass(2.0),
-                SurfaceMaterial::new(0.5),
+                RigidBox::new(PLATE).with_mass(mass),
+                SurfaceMaterial::new(friction),
                 skin.clone(),
                 Look::color(color).roughness(0.7),
                 Interpolate,

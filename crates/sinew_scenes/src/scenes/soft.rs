@@ -4,7 +4,9 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::{Heading, InScene, Look};
+use crate::lesson::values;
+use crate::readings::{all_named, faceted_ball, volume_of};
+use crate::{Heading, InScene, Lesson, Look, SceneSlider};
 
 pub(super) const SCENE: Scene = Scene {
     name: "soft",
@@ -15,23 +17,61 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.0, 0.7, 0.0),
     seconds: 4.2,
     moment: 0.62,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "pump the striped ball up, make it larger or let it fall from higher",
+        watch: "the ground squashes it, and its volume is what it was at every moment: the harder it is pumped, the tighter its skin and the higher it bounces",
+        formula: "V = p V₀, kept as one constraint of all corners",
+        sliders: &[
+            SceneSlider { label: "Pressure", unit: "times", range: [1.0, 1.3], default: 1.15 },
+            SceneSlider { label: "Radius", unit: "m", range: [0.35, 0.5], default: 0.45 },
+            SceneSlider { label: "Fall", unit: "m", range: [0.5, 1.6], default: 1.4 },
+        ],
+        number: "Volume of the striped ball",
+        unit: "l",
+        after: 0.62,
+        measure: |world| {
+            let ball = *all_named(world, "ball").first()?;
+            Some(volume_of(world, ball)? * 1e3)
+        },
+        expect: |values, _| {
+            f64::from(values[0]) * faceted_ball(f64::from(values[1]), SECTORS, STACKS) * 1e3
+        },
+        tolerance: [0.0, 0.01],
+    }),
     spawn,
 };
 
+/// Facets of a ball around its axis and from pole to pole.
+const SECTORS: u32 = 18;
+const STACKS: u32 = 11;
+
 fn spawn(world: &mut World) {
+    let [pressure, radius, fall] = values(world);
     world.insert_resource(SolverConfig { substeps: 10, ..default() });
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
-    let ball = mesh(world, Sphere::new(0.45).mesh().uv(18, 11));
+    let [striped, violet] =
+        [radius, 0.45].map(|radius| mesh(world, Sphere::new(radius).mesh().uv(SECTORS, STACKS)));
     let taut = Look::texture("textures/ball.png").roughness(0.35);
     let skin = SoftBody { damping: 0.05, bend: 0.05, ..SoftBody::from_mesh() };
     let balls = [
-        (-2.75, SoftBody { pressure: 1.15, stretch: 400.0, ..skin.clone() }, taut),
-        (-1.15, SoftBody { stretch: 200.0, ..skin }, Look::color(0x8e6bb0).roughness(0.3)),
+        (
+            -2.75,
+            radius + fall,
+            SoftBody { pressure, stretch: 400.0, ..skin.clone() },
+            striped,
+            taut,
+        ),
+        (
+            -1.15,
+            1.9,
+            SoftBody { stretch: 200.0, ..skin },
+            violet,
+            Look::color(0x8e6bb0).roughness(0.3),
+        ),
     ];
-    for (x, soft, look) in balls {
-        let place = Transform::from_xyz(x, 1.9, 0.0).with_rotation(Quat::from_rotation_x(0.5));
-        world.spawn((InScene, Name::new("ball"), soft, ball.clone(), look, Interpolate, place));
+    for (x, high, soft, skin, look) in balls {
+        let place = Transform::from_xyz(x, high, 0.0).with_rotation(Quat::from_rotation_x(0.5));
+        world.spawn((InScene, Name::new("ball"), soft, skin, look, Interpolate, place));
     }
     let cube = SoftBody { damping: 0.6, ..SoftBody::cuboid(Vec3::splat(0.7), UVec3::splat(4)) };
     let cubes = [

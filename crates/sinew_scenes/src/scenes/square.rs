@@ -3,37 +3,83 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, mesh};
-use crate::{Heading, InScene, Look, rounded_box};
+use super::{Scene, curve, mesh};
+use crate::lesson::{of_named, values};
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "square",
     heading: Heading::Bodies,
     title: "The box of the lectures",
-    about: "4 particles and 6 distances in a plane: falling and landing, it starts to turn by itself",
+    about: "4 particles and 6 distances in a plane: pushed at a corner, or landing on one, it starts to turn by itself",
     eye: Vec3::new(0.8, 2.0, 7.4),
     target: Vec3::new(0.0, 1.45, 0.0),
     seconds: 5.0,
     moment: 1.0,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "push the blue square harder at its corner, where the red stick is, or make it lighter or smaller",
+        watch: "no particle knows of a rotation: one corner is pushed, six distances hand that on to the others, and the square turns as if somebody had given it an inertia",
+        formula: "ω = x J / I, with I = Σ m r² = m a² / 2, until it lands",
+        sliders: &[
+            SceneSlider { label: "Impulse", unit: "N s", range: [0.0, 6.0], default: 3.0 },
+            SceneSlider { label: "Mass", unit: "kg", range: [1.0, 5.0], default: 2.0 },
+            SceneSlider { label: "Edge", unit: "m", range: [0.6, 1.2], default: 1.0 },
+        ],
+        number: "Angular velocity",
+        unit: "rad/s",
+        after: 0.5,
+        measure: |world| {
+            let spin: AngularVelocity = of_named(world, "blue square")?;
+            Some(f64::from(spin.0.z))
+        },
+        expect: |values, _| {
+            let [impulse, mass, edge] = [values[0], values[1], values[2]].map(f64::from);
+            f64::from(pushed(values[2]).x) * impulse / (0.5 * mass * edge * edge)
+        },
+        tolerance: [0.005, 0.005],
+    }),
     spawn,
 };
 
+/// How the blue square is turned, radians.
+const TURN: f32 = 0.62;
+/// Height of its middle, metres.
+const HIGH: f32 = 3.3;
+
+/// From the middle of the blue square to the corner that is pushed, metres, from its edge.
+fn pushed(edge: f32) -> Vec3 {
+    Quat::from_rotation_z(TURN) * Vec3::new(0.5 * edge, -0.5 * edge, 0.0)
+}
+
 fn spawn(world: &mut World) {
+    let [impulse, mass, edge] = values(world);
+    // The formula has no air.
+    world.insert_resource(AirDrag(0.0));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
-    let squares =
-        [(-2.5, 2.6, 0.35, 0xe07a5f), (0.0, 3.3, 0.62, 0x3d7ea6), (2.5, 2.2, 1.2, 0xe9b44c)];
-    for (x, y, turn, color) in squares {
-        let size = Vec3::new(1.0, 1.0, 0.16);
+    let squares = [
+        ("square", -2.5, 2.6, 0.35, 2.0, 1.0, 0xe07a5f),
+        ("blue square", 0.0, HIGH, TURN, mass, edge, 0x3d7ea6),
+        ("square", 2.5, 2.2, 1.2, 2.0, 1.0, 0xe9b44c),
+    ];
+    for (name, x, y, turn, mass, edge, color) in squares {
+        let size = Vec3::new(edge, edge, 0.16);
         let skin = mesh(world, rounded_box(size, 0.03, 3));
-        world.spawn((
+        let mut falls = world.spawn((
             InScene,
-            Name::new("square"),
-            RigidBox { flat: true, ..RigidBox::new(size).with_mass(2.0) },
+            Name::new(name),
+            RigidBox { flat: true, ..RigidBox::new(size).with_mass(mass) },
             skin,
             Look::color(color).roughness(0.5),
             Interpolate,
             Transform::from_xyz(x, y, 0.0).with_rotation(Quat::from_rotation_z(turn)),
         ));
+        if name == "blue square" {
+            let push = ExternalImpulse::new(Vec3::Y * impulse);
+            falls.insert(push.at(Vec3::Y * HIGH + pushed(edge)));
+        }
     }
+    // Where and how far it is pushed: 15 cm for each newton second.
+    let corner = Vec3::new(0.0, HIGH, 0.1) + pushed(edge);
+    let stick = [corner - Vec3::Y * (0.15 * impulse).max(0.01), corner];
+    curve(world, &stick, 0.015, Look::color(0xd0342c));
 }

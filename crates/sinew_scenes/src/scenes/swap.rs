@@ -6,7 +6,9 @@ use bevy_sinew::{BoxParticles, Representation};
 use bevy_sinew::{RigidIntegrator, SinewClock};
 
 use super::{Scene, mesh};
-use crate::{Heading, InScene, Look, rounded_box};
+use crate::lesson::values;
+use crate::readings::of_place;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "swap",
@@ -17,7 +19,27 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.0, 2.0, 0.0),
     seconds: 6.0,
     moment: 1.6,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "throw the boxes with more spin, make them heavier, or fly them where gravity is stronger",
+        watch: "at each whole second the front row becomes rigid bodies or particles again: position, momentum and angular momentum go over, so nothing jumps",
+        formula: "L = Σ m r × v of the particles = I ω of the rigid body",
+        sliders: &[
+            SceneSlider { label: "Spin", unit: "rad/s", range: [0.5, 4.0], default: 2.3 },
+            SceneSlider { label: "Mass", unit: "kg", range: [0.5, 10.0], default: 1.0 },
+            SceneSlider { label: "Gravity", unit: "m/s²", range: [0.5, 2.5], default: 1.62 },
+        ],
+        number: "Angular momentum of the first box",
+        unit: "kg m²/s",
+        after: 1.5,
+        measure: |world| {
+            let frame: Transform = of_place(world, "box", 0)?;
+            let spin: AngularVelocity = of_place(world, "box", 0)?;
+            let [_, mass, _] = values(world);
+            Some(momentum(SIZES[0], mass, frame.rotation.inverse() * spin.0))
+        },
+        expect: |values, _| momentum(SIZES[0], values[1], thrown(0, values[0])),
+        tolerance: [0.0, 0.01],
+    }),
     spawn,
 };
 
@@ -46,29 +68,46 @@ pub(crate) fn swap_bodies(
     }
 }
 
+/// Edges of the boxes, metres.
+const SIZES: [Vec3; 3] = [Vec3::new(0.5, 0.7, 1.0), Vec3::splat(0.7), Vec3::new(1.1, 0.35, 0.7)];
+
+/// The spin that a box is thrown with, rad/s: about an axis of its own.
+fn thrown(place: usize, spin: f32) -> Vec3 {
+    let axis = Vec3::new(1.6, 0.9, 1.4 - place as f32);
+    axis * (spin / Vec3::new(1.6, 0.9, 1.4).length())
+}
+
+/// The angular momentum of a solid box, kg m²/s, by its angular velocity in its own axes, rad/s.
+fn momentum(size: Vec3, mass: f32, spin: Vec3) -> f64 {
+    let square = size.as_dvec3() * size.as_dvec3();
+    let inertia = (bevy::math::DVec3::splat(square.element_sum()) - square) / 12.0;
+    f64::from(mass) * (inertia * spin.as_dvec3()).length()
+}
+
 fn spawn(world: &mut World) {
-    // As on the Moon, so that there is time to look.
-    world.insert_resource(Gravity(Vec3::new(0.0, -1.62, 0.0)));
+    let [spin, mass, gravity] = values(world);
+    // At first as on the Moon, so that there is time to look.
+    world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
     world.insert_resource(AirDrag(0.0));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.4)));
-    let sizes = [Vec3::new(0.5, 0.7, 1.0), Vec3::splat(0.7), Vec3::new(1.1, 0.35, 0.7)];
-    for (i, size) in sizes.into_iter().enumerate() {
+    for (i, size) in SIZES.into_iter().enumerate() {
         let skin = mesh(world, rounded_box(size, 0.04, 3));
         let (along, up) = (i as f32 - 1.0, 2.7 + 0.3 * i as f32);
         for (z, swaps) in [(1.0, true), (-1.0, false)] {
-            let mut thrown = world.spawn((
+            let mut flies = world.spawn((
                 InScene,
                 Name::new("box"),
-                RigidBox { particles: BoxParticles::Equimomental, ..RigidBox::new(size) },
+                RigidBox { particles: BoxParticles::Equimomental, ..RigidBox::new(size) }
+                    .with_mass(mass),
                 skin.clone(),
                 Look::color(0x9aa1ab).roughness(0.6),
                 Interpolate,
                 Transform::from_xyz(2.2 * along, 0.9, z),
             ));
             let now = Representation::Particles;
-            thrown.insert(now).set_motion(Vec3::Y * up, Vec3::new(1.6, 0.9, 0.4 - along));
+            flies.insert(now).set_motion(Vec3::Y * up, thrown(i, spin));
             if swaps {
-                thrown.insert((Swaps, look_of(now)));
+                flies.insert((Swaps, look_of(now)));
             }
         }
     }

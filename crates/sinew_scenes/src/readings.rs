@@ -1,0 +1,93 @@
+//! What lessons measure on more than one thing: all bodies of a name, the points of a body, how far its rods are from their lengths.
+
+use bevy::prelude::*;
+use bevy_sinew::prelude::*;
+use bevy_sinew::{BodyParticles, Bound, ConstraintOf, CreationOrder, WindSurface};
+
+/// What bears a name in the scene, in the order of its creation.
+pub(crate) fn all_named(world: &mut World, name: &str) -> Vec<Entity> {
+    let mut named = world.query::<(Entity, &Name, Option<&CreationOrder>)>();
+    let mut found: Vec<(Option<CreationOrder>, Entity)> = named
+        .iter(world)
+        .filter(|(_, its, _)| its.as_str() == name)
+        .map(|(entity, _, order)| (order.copied(), entity))
+        .collect();
+    found.sort_unstable();
+    found.into_iter().map(|(_, entity)| entity).collect()
+}
+
+/// A component of the one that was created as number `place`, from 0, of those that bear a name.
+pub(crate) fn of_place<C: Component + Clone>(
+    world: &mut World,
+    name: &str,
+    place: usize,
+) -> Option<C> {
+    let entity = *all_named(world, name).get(place)?;
+    world.get::<C>(entity).cloned()
+}
+
+/// The positions of the particles of all bodies of a name, metres, in the order of their creation.
+pub(crate) fn points_of(world: &mut World, name: &str) -> Vec<Vec3> {
+    let mut points = Vec::new();
+    for body in all_named(world, name) {
+        let Some(particles) = world.get::<BodyParticles>(body) else { continue };
+        let at = |p: Entity| world.get::<Particle>(p).map(|p| p.position);
+        points.extend(particles.iter().filter_map(at));
+    }
+    points
+}
+
+/// By how much each hard rod of the bodies of a name is too long or too short, as a share of its length.
+pub(crate) fn strains_of(world: &mut World, name: &str) -> Vec<f64> {
+    let bodies = all_named(world, name);
+    let mut rods = world.query::<(&DistanceConstraint, &ConstraintOf)>();
+    let hard = |(rod, of): &(&DistanceConstraint, &ConstraintOf)| {
+        let held = rod.bound == Bound::Equal && rod.softness == Softness::Hard;
+        held && rod.rest > 0.0 && bodies.contains(&of.0)
+    };
+    let strain = |(rod, _): (&DistanceConstraint, &ConstraintOf)| {
+        let [a, b] = [rod.a, rod.b].map(|end| world.get::<Particle>(end).map(|p| p.position));
+        let (apart, rest) = (f64::from(a?.distance(b?)), f64::from(rod.rest));
+        Some((apart - rest).abs() / rest)
+    };
+    rods.iter(world).filter(hard).filter_map(strain).collect()
+}
+
+/// The mean of some numbers; `None` of none.
+pub(crate) fn mean(numbers: &[f64]) -> Option<f64> {
+    (!numbers.is_empty()).then(|| numbers.iter().sum::<f64>() / numbers.len() as f64)
+}
+
+/// The room inside the skin of a body, m³.
+pub(crate) fn volume_of(world: &World, body: Entity) -> Option<f64> {
+    let skin = world.get::<WindSurface>(body)?;
+    let six = |triangle: &[Entity; 3]| {
+        let [a, b, c] = triangle.map(|p| world.get::<Particle>(p).map(|p| p.position.as_dvec3()));
+        Some(a?.dot(b?.cross(c?)))
+    };
+    skin.triangles.iter().map(six).sum::<Option<f64>>().map(|six| six / 6.0)
+}
+
+/// The volume of Bevy's ball of so many sectors and stacks, m³, from its radius in metres: frusta between regular polygons, a little less than 4/3 π r³.
+pub(crate) fn faceted_ball(radius: f64, sectors: u32, stacks: u32) -> f64 {
+    let turn = core::f64::consts::TAU / f64::from(sectors);
+    // A regular polygon in a circle of radius 1.
+    let polygon = 0.5 * f64::from(sectors) * libm::sin(turn);
+    let ring = |i: u32| libm::sincos(core::f64::consts::PI * f64::from(i) / f64::from(stacks));
+    let frusta = (0..stacks).map(|i| {
+        let ((upper, top), (lower, bottom)) = (ring(i), ring(i + 1));
+        polygon * (top - bottom) * (upper * upper + upper * lower + lower * lower) / 3.0
+    });
+    radius * radius * radius * frusta.sum::<f64>()
+}
+
+/// The velocity upwards, m/s, after some seconds, of what was thrown up at `speed` under `gravity` in air that takes the share `drag` of all velocity in
+/// a second: v = (v₀ + g/c) exp(−ct) − g/c, with exp(−c) = 1 − drag.
+pub(crate) fn thrown(speed: f64, gravity: f64, drag: f64, seconds: f64) -> f64 {
+    let rate = -libm::log1p(-drag);
+    if rate < 1e-9 {
+        return speed - gravity * seconds;
+    }
+    let terminal = gravity / rate;
+    (speed + terminal) * libm::exp(-rate * seconds) - terminal
+}
