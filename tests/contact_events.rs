@@ -165,3 +165,44 @@ fn the_transform_of_a_sleeper_follows_what_a_game_writes_to_its_particles() {
     tick(&mut app, 1);
     assert!(!app.world().get::<Sleep>(body).unwrap().asleep);
 }
+
+/// Bodies that are not solved have no contacts that the solver could report: each lost what it lay on when it fell asleep, and met it again when it woke.
+#[test]
+fn who_falls_asleep_goes_on_touching_what_it_lies_on() {
+    let mut app = app();
+    app.init_resource::<Seen>();
+    let world = app.world_mut();
+    world.add_observer(|on: On<ContactStarted>, mut seen: ResMut<Seen>| {
+        seen.0.push((on.entity, on.other, true));
+    });
+    world.add_observer(|on: On<ContactEnded>, mut seen: ResMut<Seen>| {
+        seen.0.push((on.entity, on.other, false));
+    });
+    let ground = world.spawn((floor(), ContactEvents::default())).id();
+    let lower = world.spawn((crate_at(0.0, 0.2), ContactEvents::default())).id();
+    let upper = world.spawn(crate_at(0.0, 0.6)).id();
+    tick(&mut app, 240);
+    let asleep = |app: &App, body| app.world().get::<Sleep>(body).unwrap().asleep;
+    assert!(asleep(&app, lower) && asleep(&app, upper));
+    let mut began = core::mem::take(&mut app.world_mut().resource_mut::<Seen>().0);
+    began.sort_unstable();
+    let mut all = [(ground, lower, true), (lower, ground, true), (lower, upper, true)];
+    all.sort_unstable();
+    assert_eq!(began, all);
+    let mut touching = app.world().get::<Touching>(lower).unwrap().0.clone();
+    touching.sort_unstable();
+    let mut both = [ground, upper];
+    both.sort_unstable();
+    assert_eq!(touching, both);
+    // It wakes, and nothing has changed; what is gone is touched no more.
+    app.world_mut().get_mut::<Sleep>(lower).unwrap().wake();
+    tick(&mut app, 5);
+    assert!(!asleep(&app, lower));
+    assert_eq!(app.world().resource::<Seen>().0, []);
+    tick(&mut app, 120);
+    assert!(asleep(&app, lower));
+    app.world_mut().despawn(upper);
+    tick(&mut app, 2);
+    assert_eq!(app.world().resource::<Seen>().0, [(lower, upper, false)]);
+    assert_eq!(app.world().get::<Touching>(lower).unwrap().0, [ground]);
+}

@@ -54,6 +54,7 @@
 //! | `segments` | ropes collide by their segments where they ask for it |
 //! | `threads` | neither does the number of threads |
 //! | `torn` | what comes, goes or changes one by one among thousands is mended into them |
+//! | `wakes` | what sleeps wakes when a game does something to it, and nothing else does |
 //! | `triangles` | bodies collide by their triangles where they ask for it |
 //!
 //! `support` holds what they share.
@@ -118,3 +119,4 @@ mod time;
 mod torn;
 mod triangles;
 mod unrelated;
+mod wakes;

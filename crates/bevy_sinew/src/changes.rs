@@ -47,6 +47,11 @@ impl<'w> ChangeTicks<'w> {
         (0..changed.len()).filter(move |&place| now.wrapping_sub(changed[place].get()) < age)
     }
 
+    /// When the one at a place did.
+    pub(crate) fn when(&self, place: usize) -> Tick {
+        self.changed[place]
+    }
+
     fn any_newer(&self, ticks: &[Tick]) -> bool {
         // Bevy keeps all ticks far below the point where they would wrap around.
         let age = self.now.wrapping_sub(self.last);

@@ -156,7 +156,7 @@
 //! | `DistanceJoint`, `SphericalJoint`, `RevoluteJoint`, `FixedJoint` | [`DistanceConstraint`], [`ConeConstraint`], [`HingeConstraint`], [`Articulated`] | constraints name particles; a shared particle is a ball joint |
 //! | `JointDamping`, compliance | [`Softness`] | compliance, frequency with damping, or share |
 //! | `SpatialQuery`, `MoveAndSlide` | [`SinewQuery`] | one parameter for all questions; its [`move_and_slide`](SinewWorld::move_and_slide) knows a floor from a wall |
-//! | `Sleeping` | [`Sleep`] | |
+//! | `Sleeping`, `SleepingDisabled` | [`Sleep`], [`SleepingDisabled`] | |
 //! | `SubstepCount`, `SolverConfig` | [`SolverConfig`], [`BodySolver`] | a body may ask for its own |
 //! | `Position`, `Rotation` | `Transform` | extracted once a tick, and read again only where a game changed it |
 //! | `PhysicsSchedule`, `SubstepSchedule` | [`SinewTick`], [`SubstepSchedule`] | every phase is a set of [`PhaseSystems`] |
@@ -251,7 +251,8 @@ pub use components::{
 pub use components::{
     BodyContacts, Collider, ColliderFault, ColliderMotion, ColliderShape, CollisionLayer,
     CollisionLayers, Combine, ContactCache, ContactEnded, ContactEvents, ContactShape,
-    ContactStarted, ContactsDisabled, RestPlace, Sensor, Sleep, SurfaceMaterial, Touching,
+    ContactStarted, ContactsDisabled, RestPlace, Sensor, Sleep, SleepingDisabled, SurfaceMaterial,
+    Touching,
 };
 pub use components::{BodyPart, BodyParts, BreakAt, BuiltBody, PartOf};
 pub use components::{ContactImpulse, WatchedContacts, Weighs};

@@ -38,7 +38,7 @@ pub use particle::{
     Charge, Drag, ExternalForce, Mass, Particle, ParticleRow, Pinned, PinnedTo, Radius,
 };
 
-pub use sleep::Sleep;
+pub use sleep::{Sleep, SleepingDisabled};
 pub use softness::Softness;
 
 pub(crate) use collide::{Orphans, PlacedCollider, ResolvedShape};
@@ -89,5 +89,6 @@ pub(crate) fn register(app: &mut App) {
         .register_type::<Representation>()
         .register_type::<GravityScale>()
         .register_type::<Sleep>()
+        .register_type::<SleepingDisabled>()
         .register_type::<Softness>();
 }

@@ -2,19 +2,34 @@
 
 use bevy::prelude::*;
 
-/// Lets a body sleep: once it and all that touches it have been still for half a second, it is left out of the simulation, until something that moves
-/// comes near, it is pushed, or what surrounds it changes. Meanwhile nothing of it is written, and Bevy sees no change of it. Part of the state: save and
-/// restore it with the rest.
+/// Lets a body sleep: once it and all that touches it have been still for half a second, it is left out of the simulation until something wakes it.
+/// Meanwhile nothing of it is written, and Bevy sees no change of it. Part of the state: save and restore it with the rest.
+///
+/// Rigid bodies, ragdolls, articulated and soft bodies come with it; cloth and ropes do when a game adds it. [`SleepingDisabled`] keeps a body awake.
+///
+/// What wakes it, and with it all that touches it:
+///
+/// - something that moves comes near, be it a body or a [`Collider`](crate::Collider); what it lay on or hung on is gone;
+/// - the game moves it, its parent or one of its particles, gives it a velocity, an impulse, a force or a [`ControlForce`](crate::ControlForce);
+/// - a constraint, a spring or an attachment of it comes, changes or goes, a pin is drawn, or a mass, a radius or a [`GravityScale`](crate::GravityScale) is
+///   another one;
+/// - the shape, the surface or the layers of a collider beside it change;
+/// - something that fills the world changes or moves: gravity, air, winds, fluids, fields, attractors. Then all wake;
+/// - a system of the game's own adds a force to it within a tick, or moves it ([`ParticlesMut`](crate::SinewWorld::particles_mut)): it wakes with the next one.
+///
+/// What carries charges does not sleep, as what they do to each other changes with each of them; nor does what touches somebody who asks for
+/// [every contact](crate::ContactEvents::Every).
 ///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;
-/// # fn spawn(mut commands: Commands) {
-/// for i in 0..10 {
-///     let at = Transform::from_xyz(0.0, 0.5 + i as f32, 0.0);
-///     commands.spawn((RigidBox::default(), Sleep::default(), at));
+/// fn wake_all(mut sleepers: Query<&mut Sleep>) {
+///     sleepers.iter_mut().for_each(|mut sleep| sleep.wake());
 /// }
-/// # }
+///
+/// fn cloth_that_sleeps(mut commands: Commands) {
+///     commands.spawn((Cloth::grid(1.0, 1.0, 16, 16), Sleep::default()));
+/// }
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
@@ -25,15 +40,18 @@ pub struct Sleep {
     pub still: f32,
     /// Whether it sleeps. To wake it by hand, take [`Sleep::default`].
     pub asleep: bool,
-    /// What surrounded it when that was last looked at: a number made of gravity and of all colliders, winds and fluids, which wake it when
+    /// What it and all that it lay beside were made of and hung on when it fell asleep: a number made of masses, constraints and springs. Where that is another
+    /// one, it wakes. Default 0, while it is awake.
+    pub ties: u64,
+    /// What surrounded it when that was last looked at: a number made of gravity and of all air, winds, fluids and fields, which wake it when
     /// they change. Default 0, when it has not been looked at.
     pub around: u64,
 }
 
 impl Default for Sleep {
     fn default() -> Self {
-        let sinew::Sleep { speed, still, asleep, .. } = sinew::Sleep::default();
-        Self { speed, still, asleep, around: 0 }
+        let sinew::Sleep { speed, still, asleep, ties, .. } = sinew::Sleep::default();
+        Self { speed, still, asleep, ties, around: 0 }
     }
 }
 
@@ -43,3 +61,18 @@ impl Sleep {
         (self.still, self.asleep) = (0.0, false);
     }
 }
+
+/// Keeps a body awake, and with it all that touches it, however still it lies. Takes effect in the next tick, and so does taking it off.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_sinew::prelude::*;
+/// # use bevy_sinew::SleepingDisabled;
+/// # fn spawn(mut commands: Commands) {
+/// commands.spawn((Ragdoll::default(), SleepingDisabled));
+/// # }
+/// ```
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[doc(alias = "KeepAwake")]
+pub struct SleepingDisabled;

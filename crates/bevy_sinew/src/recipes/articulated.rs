@@ -5,7 +5,7 @@ use sinew::recipes::{self, ArticulatedSpec, Blueprint, articulated};
 
 use super::build::{MeshShape, Recipe};
 use super::rigid_box::spawn_parts;
-use crate::components::{BodyContacts, CreationOrder, ParticleBody};
+use crate::components::{BodyContacts, CreationOrder, ParticleBody, Sleep};
 use crate::frames::even_factor;
 use crate::messages::Refusal;
 
@@ -28,7 +28,7 @@ use crate::messages::Refusal;
 /// ```
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(ParticleBody, CreationOrder)]
+#[require(ParticleBody, CreationOrder, Sleep)]
 pub struct Articulated {
     /// The bones, at least one; each after its parent. Default none, which is refused.
     pub bones: Vec<Bone>,

@@ -5,7 +5,7 @@ use sinew::recipes::{Blueprint, RagdollSpec, ragdoll};
 
 use super::build::{MeshShape, Recipe};
 use super::rigid_box::spawn_parts;
-use crate::components::{BodyContacts, CreationOrder, ParticleBody};
+use crate::components::{BodyContacts, CreationOrder, ParticleBody, Sleep};
 use crate::frames::even_factor;
 use crate::messages::Refusal;
 
@@ -24,7 +24,7 @@ use crate::messages::Refusal;
 /// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(ParticleBody, CreationOrder)]
+#[require(ParticleBody, CreationOrder, Sleep)]
 pub struct Ragdoll {
     /// From the soles to the top of the head, metres. Default 1.75.
     pub height: f32,

@@ -4,7 +4,9 @@ use bevy::prelude::*;
 use sinew::recipes::{Blueprint, BoxLayout, BoxSpec, Part, box_2d, box_3d};
 
 use super::build::{MeshShape, Recipe, attach};
-use crate::components::{BodyPart, Collider, CreationOrder, PartOf, ParticleBody, RigidPose};
+use crate::components::{
+    BodyPart, Collider, CreationOrder, PartOf, ParticleBody, RigidPose, Sleep,
+};
 use crate::messages::Refusal;
 
 /// A box of particles held by distances: 8 particles and 28 distances, or 4 and 6 when it is flat.
@@ -22,7 +24,7 @@ use crate::messages::Refusal;
 /// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(ParticleBody, CreationOrder)]
+#[require(ParticleBody, CreationOrder, Sleep)]
 #[doc(alias = "ParticleBox")]
 pub struct RigidBox {
     /// Lengths of its edges, metres, 1e-6 to 1e6, before it is scaled. Default 1 each.

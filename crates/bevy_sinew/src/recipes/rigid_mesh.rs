@@ -6,7 +6,7 @@ use sinew::recipes::{Blueprint, SolidFault, SolidLayout, SolidSpec, solid};
 
 use super::build::{MeshShape, Recipe, attach};
 use super::rigid_box::pose_of;
-use crate::components::{Collider, CreationOrder, ParticleBody};
+use crate::components::{Collider, CreationOrder, ParticleBody, Sleep};
 use crate::messages::Refusal;
 
 /// A rigid body in the shape of its mesh. Its mass, barycentre and inertia are those of the shape filled evenly ([`sinew::recipes::solid`]).
@@ -32,7 +32,7 @@ use crate::messages::Refusal;
 /// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(ParticleBody, CreationOrder)]
+#[require(ParticleBody, CreationOrder, Sleep)]
 #[doc(alias = "Solid")]
 pub struct RigidMesh {
     /// What it looks like. Default its mesh.

@@ -8,7 +8,7 @@ use sinew::recipes::{
 use super::bind_mesh::{own_copy, skin_of};
 use super::build::{MeshShape, Recipe, attach};
 use super::rigid_mesh::Bulk;
-use crate::components::{CreationOrder, ParticleBody, Softness};
+use crate::components::{CreationOrder, ParticleBody, Sleep, Softness};
 use crate::frames::even_factor;
 use crate::messages::Refusal;
 
@@ -25,7 +25,7 @@ use crate::messages::Refusal;
 /// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
-#[require(ParticleBody, CreationOrder)]
+#[require(ParticleBody, CreationOrder, Sleep)]
 pub struct SoftBody {
     /// What it looks like. Default a cube of 1 m in 4 × 4 × 4 cells.
     pub shape: SoftShape,

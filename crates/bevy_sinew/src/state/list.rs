@@ -20,9 +20,9 @@ use crate::components::{
     ExtractedVelocity, Flatland, Floats, Fluid, Gravity, GravityScale, Ground, HingeConstraint,
     Inertia, Interpolate, LinearVelocity, Mass, MeshFollow, Orphans, PartOf, Particle,
     ParticleBody, ParticleOf, PatchConstraint, Pinned, PinnedTo, Radius, Region, Representation,
-    RestPlace, RigidConstraint, RigidPose, Sensor, Sleep, Spring, SurfaceMaterial,
-    TetrahedronConstraint, TickForces, Touching, TubeMesh, VolumeConstraint, Weighs, Wind,
-    WindSurface, WorldCenterOfMass,
+    RestPlace, RigidConstraint, RigidPose, Sensor, Sleep, SleepingDisabled, Spring,
+    SurfaceMaterial, TetrahedronConstraint, TickForces, Touching, TubeMesh, VolumeConstraint,
+    Weighs, Wind, WindSurface, WorldCenterOfMass,
 };
 use crate::config::{BodySolver, SolverConfig};
 use crate::recipes::{
@@ -88,7 +88,7 @@ pub(crate) fn add(app: &mut App) {
         ParticleBody, BuiltBody, RigidPose, BodyPart, WindSurface, MeshFollow, TubeMesh, Interpolate,
         ExtractedTransform, LinearVelocity, AngularVelocity, ExtractedVelocity, WorldCenterOfMass, Inertia,
         ControlForce, ExternalTorque, ExternalImpulse, TickForces, PendingEdits, Relax,
-        GravityScale, BodySolver, Representation, Sleep, Floats,
+        GravityScale, BodySolver, Representation, Sleep, SleepingDisabled, Floats,
         // Surroundings.
         Wind, AirFlow, Fluid, Region, Attractor, ElectricField, Flatland, Ground, BoundingBox,
         // Contacts.

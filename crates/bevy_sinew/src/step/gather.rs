@@ -85,18 +85,21 @@ pub(crate) fn gather_particles(
     world.tables.properties_gathered = all;
 }
 
-/// Notes which particles were written to since, if one sleeps.
+/// Notes which particles somebody else has written to since, if one sleeps.
 fn note_touched(world: &mut SinewWorld, particles: &Query<Told>, all: bool) {
-    let Tables { touched, asleep, .. } = &mut world.tables;
+    let Tables { touched, asleep, scattered, .. } = &mut world.tables;
     touched.rows.clear();
-    touched.all = all || !asleep.contains(&true);
-    if touched.all {
+    let any = asleep.contains(&true);
+    touched.all = all || !any;
+    if !any {
         return;
     }
     for table in particles.contiguous_iter().into_iter().flatten() {
         let change_ticks = ChangeTicks::of(&table.1);
         if change_ticks.any_changed() {
-            touched.rows.extend(change_ticks.changed().map(|place| table.2[place].0));
+            let by_others = |&place: &usize| Some(change_ticks.when(place)) != *scattered;
+            let rows = change_ticks.changed().filter(by_others).map(|place| table.2[place].0);
+            touched.rows.extend(rows);
         }
     }
 }

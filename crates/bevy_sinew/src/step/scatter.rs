@@ -1,5 +1,6 @@
 //! Scatter: the columns back into the components, at the end of a tick.
 
+use bevy::ecs::system::SystemChangeTick;
 use bevy::prelude::*;
 
 use crate::components::{Particle, ParticleRow};
@@ -8,11 +9,13 @@ use crate::world::SinewWorld;
 
 /// Writes position, velocity and lag of every particle that took part; one that was set aside, or slept, keeps what it has.
 pub(crate) fn scatter(
-    world: Res<SinewWorld>,
+    mut world: ResMut<SinewWorld>,
+    ticks: SystemChangeTick,
     mut messages: MessageWriter<Refused>,
     mut particles: Query<(&mut Particle, &ParticleRow)>,
     mut awake: Local<Vec<bool>>,
 ) {
+    world.tables.scattered = Some(ticks.this_run());
     let (columns, tables) = (&world.simulation.particles, &world.tables);
     list_awake(&world, &mut awake);
     // Table by table, all of a table marked as changed at once. Not with one set aside among them, or asleep: that one did not change.

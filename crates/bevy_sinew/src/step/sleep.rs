@@ -3,79 +3,77 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-use crate::components::{BodyParticles, Collider, Gravity, Sleep};
+use crate::components::{
+    AirDrag, AirFlow, Attractor, BodyParticles, ContactEvents, Electric, ElectricField, Gravity,
+    Region, RegionShape, Sleep, SleepingDisabled, Touching,
+};
+use crate::frames::Frames;
 use crate::rows::{GONE, Rows};
 use crate::world::SinewWorld;
-use crate::{CollisionLayers, ContactsDisabled, Fluid, Sensor, SurfaceMaterial, Wind};
+use crate::{Fluid, Wind};
 
-/// What surrounds bodies: where something of it changes, all wake.
+/// What fills the world: where something of it changes, all wake.
 #[derive(SystemParam)]
 pub(crate) struct Surroundings<'w, 's> {
     gravity: Res<'w, Gravity>,
-    colliders: Query<'w, 's, Standing, (Without<Sensor>, Without<ContactsDisabled>)>,
-    winds: Query<'w, 's, &'static Wind>,
-    fluids: Query<'w, 's, &'static Fluid>,
-    changed: Query<'w, 's, (), Touched>,
-    known: Local<'s, Known>,
-}
-
-/// What of a collider matters to what lies on it.
-type Standing =
-    (&'static Collider, Option<&'static SurfaceMaterial>, Option<&'static CollisionLayers>);
-
-type Touched = Or<(
-    Changed<Collider>,
-    Changed<SurfaceMaterial>,
-    Changed<CollisionLayers>,
-    Changed<Wind>,
-    Changed<Fluid>,
-)>;
-
-/// The number of surroundings that nobody has touched since, and how many there were. It saves work and changes nothing: bodies keep the number that
-/// they know.
-#[derive(Default)]
-pub(crate) struct Known {
-    number: u64,
-    counts: [usize; 3],
+    air_drag: Res<'w, AirDrag>,
+    electric: Res<'w, Electric>,
+    winds: Query<'w, 's, (Entity, &'static Wind, Option<&'static Region>)>,
+    air: Query<'w, 's, (Entity, &'static AirFlow, Option<&'static Region>)>,
+    fluids: Query<'w, 's, (Entity, &'static Fluid, Option<&'static Region>)>,
+    fields: Query<'w, 's, (Entity, &'static ElectricField, Option<&'static Region>)>,
+    attractors: Query<'w, 's, (Entity, &'static Attractor)>,
+    frames: Frames<'w, 's>,
 }
 
 impl Surroundings<'_, '_> {
-    /// One number for all that surrounds bodies, of its values alone: put back as it was, it is the same.
-    fn number(&mut self) -> u64 {
-        let counts =
-            [self.colliders.iter().len(), self.winds.iter().len(), self.fluids.iter().len()];
-        let known = self.known.number != 0 && self.known.counts == counts;
-        if !known || self.gravity.is_changed() || !self.changed.is_empty() {
-            *self.known = Known { number: self.summed_up().max(1), counts };
+    /// One number for all of it, of its values alone: put back as it was, it is the same. There are a handful at most, so it is summed up every tick: parents may
+    /// have moved one.
+    fn number(&self) -> u64 {
+        let (drag, electric) = (self.air_drag.0, *self.electric);
+        let everywhere = [drag, electric.constant, electric.softening];
+        let everywhere = everywhere
+            .into_iter()
+            .chain(self.gravity.0.to_array())
+            .chain(electric.field.to_array());
+        let mut sum = mixed(1, everywhere);
+        let mut add = |kind, entity, region: Option<&Region>, numbers: &[f32]| {
+            let numbers = numbers.iter().copied().chain(self.place_of(entity, region));
+            sum = sum.wrapping_add(mixed(kind, numbers));
+        };
+        for (entity, &Wind { pressure: p, gusts, gust_length, gust_period }, region) in &self.winds
+        {
+            add(4, entity, region, &[p.x, p.y, p.z, gusts, gust_length, gust_period]);
         }
-        self.known.number
+        for (entity, &Fluid { density, drag, current: c, .. }, region) in &self.fluids {
+            add(5, entity, region, &[density, drag, c.x, c.y, c.z]);
+        }
+        for (entity, air, region) in &self.air {
+            let AirFlow { velocity: v, density, drag, lift, gusts, .. } = *air;
+            add(6, entity, region, &[v.x, v.y, v.z, density, drag, lift, gusts]);
+        }
+        for (entity, ElectricField { field: f }, region) in &self.fields {
+            add(7, entity, region, &[f.x, f.y, f.z]);
+        }
+        for (entity, Attractor { strength, softening }) in &self.attractors {
+            add(8, entity, None, &[*strength, *softening]);
+        }
+        sum.max(1)
     }
 
-    /// A sum, because queries have no order.
-    fn summed_up(&self) -> u64 {
-        let mut sum = mixed(1, self.gravity.0.to_array());
-        let mut add = |number: u64| sum = sum.wrapping_add(number);
-        for (collider, material, layers) in &self.colliders {
-            let bounds = match *collider {
-                // Its bounds have no end.
-                Collider::InsideBox { size } => (-size, Vec3::INFINITY),
-                ref collider => collider.shape().map(|shape| shape.bounds()).unwrap_or_default(),
-            };
-            let SurfaceMaterial { friction, restitution, drag, .. } =
-                material.copied().unwrap_or_default();
-            let CollisionLayers { memberships, filters } = layers.copied().unwrap_or_default();
-            let made_of = [friction, restitution, drag.along, drag.across];
-            let layers = [memberships, filters].map(f32::from_bits);
-            let bounds = [bounds.0, bounds.1].into_iter().flat_map(|v| v.to_array());
-            add(mixed(2, bounds.chain(made_of).chain(layers)));
-        }
-        for Wind { pressure: p, gusts, gust_length, gust_period } in &self.winds {
-            add(mixed(4, [p.x, p.y, p.z, *gusts, *gust_length, *gust_period]));
-        }
-        for Fluid { density, drag, current: c, .. } in &self.fluids {
-            add(mixed(5, [*density, *drag, c.x, c.y, c.z]));
-        }
-        sum
+    /// Where a field is, and how large its region.
+    fn place_of(&self, entity: Entity, region: Option<&Region>) -> impl Iterator<Item = f32> {
+        let at = self.frames.of(entity).unwrap_or_default();
+        let size = match region.map(|region| region.shape) {
+            None => [0.0; 4],
+            Some(RegionShape::Box { size }) => [1.0, size.x, size.y, size.z],
+            Some(RegionShape::Sphere { radius }) => [2.0, radius, 0.0, 0.0],
+            Some(RegionShape::Cylinder { radius, height }) => [3.0, radius, height, 0.0],
+            Some(RegionShape::Capsule { radius, length }) => [4.0, radius, length, 0.0],
+        };
+        let numbers = at.translation.to_array().into_iter().chain(at.rotation.to_array());
+        let fade = region.map(|region| region.fade);
+        numbers.chain(at.scale.to_array()).chain(size).chain(fade)
     }
 }
 
@@ -89,8 +87,10 @@ fn mixed(kind: u64, numbers: impl IntoIterator<Item = f32>) -> u64 {
 /// Tells the solver who may sleep and who does.
 pub(crate) fn gather_sleep(
     mut world: ResMut<SinewWorld>,
-    mut surroundings: Surroundings,
-    mut bodies: Query<(&Rows<BodyParticles>, &mut Sleep)>,
+    surroundings: Surroundings,
+    asking: Query<(Entity, &ContactEvents, &Touching)>,
+    mut bodies: Query<(Entity, &Rows<BodyParticles>, &mut Sleep, Has<SleepingDisabled>)>,
+    mut watched: Local<Vec<Entity>>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
     simulation.sleep.clear();
@@ -101,30 +101,44 @@ pub(crate) fn gather_sleep(
     }
     simulation.sleep.resize(simulation.bodies.len(), sinew::Sleep::default());
     let now = surroundings.number();
-    for (rows, mut sleep) in &mut bodies {
+    // Who asks for every contact is to hear of those that rest, too.
+    watched.clear();
+    for (asking, _, touching) in asking.iter().filter(|one| *one.1 == ContactEvents::Every) {
+        watched.push(asking);
+        watched.extend(&touching.0);
+    }
+    watched.sort_unstable();
+    for (entity, rows, mut sleep, disabled) in &mut bodies {
+        let keeps_awake = disabled || watched.binary_search(&entity).is_ok();
         if sleep.around != now {
             if sleep.around != 0 && sleep.asleep {
                 sleep.wake();
             }
             sleep.around = now;
         }
-        let row = rows.get().iter().find(|&&row| row != GONE);
+        let row = rows.current(&tables.layout).iter().find(|&&row| row != GONE);
         let body = row.and_then(|&row| simulation.particles.body(row as usize));
         if let Some(own) = body.and_then(|body| simulation.sleep.get_mut(body as usize)) {
-            let Sleep { speed, still, asleep, .. } = *sleep;
-            *own = sinew::Sleep { allowed: true, speed, still, asleep };
+            let Sleep { speed, still, asleep, ties, .. } = *sleep;
+            *own = sinew::Sleep { allowed: true, keeps_awake, speed, still, asleep, ties };
         }
     }
     tables.asleep.extend(simulation.sleep.iter().map(|body| body.asleep));
     if !tables.touched.all {
         tables.unmoved.clone_from(&tables.asleep);
-        for &row in &tables.touched.rows {
-            let known = (row as usize) < simulation.particles.len();
-            let body = known.then(|| simulation.particles.body(row as usize)).flatten();
-            if let Some(own) = body.and_then(|body| tables.unmoved.get_mut(body as usize)) {
-                *own = false;
-            }
+    }
+    let mut written = false;
+    for &row in &tables.touched.rows {
+        let known = (row as usize) < simulation.particles.len();
+        let body = known.then(|| simulation.particles.body(row as usize)).flatten();
+        let Some(body) = body.map(|body| body as usize) else { continue };
+        written |= tables.asleep.get(body) == Some(&true);
+        if let Some(own) = tables.unmoved.get_mut(body) {
+            *own = false;
         }
+    }
+    if written {
+        simulation.check_sleepers();
     }
 }
 
@@ -145,12 +159,12 @@ pub(crate) fn keep_sleep(
     world: Res<SinewWorld>,
     mut bodies: Query<(&Rows<BodyParticles>, &mut Sleep)>,
 ) {
-    let simulation = &world.simulation;
+    let SinewWorld { simulation, tables } = &*world;
     for (rows, mut sleep) in &mut bodies {
-        let row = rows.get().iter().find(|&&row| row != GONE);
+        let row = rows.current(&tables.layout).iter().find(|&&row| row != GONE);
         let body = row.and_then(|&row| simulation.particles.body(row as usize));
         let Some(own) = body.and_then(|body| simulation.sleep.get(body as usize)) else { continue };
-        let kept = Sleep { still: own.still, asleep: own.asleep, ..*sleep };
+        let kept = Sleep { still: own.still, asleep: own.asleep, ties: own.ties, ..*sleep };
         sleep.set_if_neq(kept);
     }
 }

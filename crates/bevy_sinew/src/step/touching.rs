@@ -1,12 +1,13 @@
 //! Contacts that began and ended, told to whoever asked.
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use sinew::Impact;
 
 use crate::bevy_version::OnRemove;
 use crate::components::{
     Collider, ContactEnded, ContactEvents, ContactImpulse, ContactStarted, CreationOrder, Orphans,
-    Particle, ParticleBody, Touching,
+    Particle, ParticleBody, Sleep, Touching,
 };
 use crate::recipes::Rescaled;
 use crate::world::SinewWorld;
@@ -33,6 +34,7 @@ pub(crate) fn tell_contacts(
     mut ended: MessageWriter<ContactEnded>,
     mut impulses: MessageWriter<ContactImpulse>,
     mut asking: Query<(Entity, Option<&CreationOrder>, &mut Touching, &ContactEvents)>,
+    resting: Resting,
     (moved, mut rescaled): (Query<Entity, Changed<ChildOf>>, RemovedComponents<Rescaled>),
     mut orphans: ResMut<Orphans>,
     mut anew: Local<Vec<Entity>>,
@@ -68,18 +70,20 @@ pub(crate) fn tell_contacts(
         let is_new = |entity: &Entity| !anew.is_empty() && anew.binary_search(entity).is_ok();
         let goes_on = |other: &Entity| !is_new(&entity) && !is_new(other);
         let every = if *events == ContactEvents::Every { now } else { Default::default() };
-        let unchanged = now.iter().map(|one| one.1).eq(touching.0.iter().copied());
-        if unchanged && touching.0.iter().all(goes_on) {
+        // Two that rest against each other are not solved, and touch all the same.
+        let met = |other: &Entity| now.iter().any(|one| one.1 == *other);
+        let rests = |other: &Entity| !met(other) && resting.do_rest(entity, *other);
+        let touches = |other: &Entity| goes_on(other) && (met(other) || rests(other));
+        let began = |one: &&Told| !goes_on(&one.1) || !touching.0.contains(&one.1);
+        if touching.0.iter().all(touches) && !now.iter().any(|one| began(&one)) {
             report_impulses(every, &mut impulses, &mut commands);
             continue;
         }
-        let is_over = |other: &&Entity| !goes_on(other) || !now.iter().any(|one| one.1 == **other);
-        for &other in touching.0.iter().filter(is_over) {
+        for &other in touching.0.iter().filter(|other| !touches(other)) {
             let event = ContactEnded { entity, other };
             ended.write(event);
             commands.trigger(event);
         }
-        let began = |one: &&Told| !goes_on(&one.1) || !touching.0.contains(&one.1);
         for &(_, other, impact, sign) in now.iter().filter(began) {
             let Impact { point, normal, impulse, sensor, .. } = impact;
             let event =
@@ -88,8 +92,30 @@ pub(crate) fn tell_contacts(
             commands.trigger(event);
         }
         report_impulses(every, &mut impulses, &mut commands);
+        let resting: Vec<Entity> =
+            touching.0.iter().copied().filter(|other| goes_on(other) && rests(other)).collect();
         touching.0.clear();
-        touching.0.extend(now.iter().map(|one| one.1));
+        touching.0.extend(now.iter().map(|one| one.1).chain(resting));
+    }
+}
+
+/// Who rests.
+#[derive(SystemParam)]
+pub(crate) struct Resting<'w, 's> {
+    sleepers: Query<'w, 's, &'static Sleep>,
+    colliders: Query<'w, 's, (), With<Collider>>,
+}
+
+impl Resting<'_, '_> {
+    /// Whether one of two sleeps, and the other sleeps or stands by itself.
+    fn do_rest(&self, one: Entity, other: Entity) -> bool {
+        let asleep = |entity| self.sleepers.get(entity).map(|sleep| sleep.asleep);
+        match (asleep(one), asleep(other)) {
+            (Ok(one), Ok(other)) => one && other,
+            (Ok(true), Err(_)) => self.colliders.contains(other),
+            (Err(_), Ok(true)) => self.colliders.contains(one),
+            _ => false,
+        }
     }
 }
 

@@ -114,7 +114,7 @@ impl SinewWorld {
 
 /// The particles of a substep as a game's system between two [phases](crate::PhaseSystems) may change them: forces, velocities and positions. It reads as
 /// [`Particles`] does. A row out of range panics, as an index does; a number that is not finite makes that particle alone non-finite, and the tick's end
-/// puts it back to where the tick began.
+/// puts it back to where the tick began. What [sleeps](crate::Sleep) feels nothing of it, and is awake in the next tick.
 pub struct ParticlesMut<'w>(&'w mut Particles);
 
 impl Deref for ParticlesMut<'_> {
@@ -128,21 +128,29 @@ impl Deref for ParticlesMut<'_> {
 impl ParticlesMut<'_> {
     /// Adds a force to particle `i` in this substep, N. Before [`Integrate`](crate::PhaseSystems::Integrate) only.
     pub fn add_force(&mut self, i: usize, force: Vec3) {
+        if force != Vec3::ZERO {
+            self.0.wake(i);
+        }
         self.0.add_force(i, force);
     }
 
     /// Adds an acceleration to particle `i` in this substep, m/s², whatever its mass. Before [`Integrate`](crate::PhaseSystems::Integrate) only.
     pub fn add_acceleration(&mut self, i: usize, acceleration: Vec3) {
+        if acceleration != Vec3::ZERO {
+            self.0.wake(i);
+        }
         self.0.add_acceleration(i, acceleration);
     }
 
     /// Adds a drag of `rate` per second, 0 and up, towards a velocity, m/s, to particle `i` in this substep.
     pub fn drag_towards(&mut self, i: usize, rate: f32, velocity: Vec3) {
+        self.0.wake(i);
         self.0.drag_towards(i, rate, velocity);
     }
 
     /// Scales the gravity that particle `i` feels, for the rest of this tick.
     pub fn scale_gravity(&mut self, i: usize, factor: f32) {
+        self.0.wake(i);
         self.0.scale_gravity(i, factor);
     }
 
@@ -158,21 +166,27 @@ impl ParticlesMut<'_> {
 
     /// Gives particle `i` a velocity, m/s.
     pub fn set_velocity(&mut self, i: usize, velocity: Vec3) {
+        self.0.wake(i);
         self.0.set_velocity(i, velocity);
     }
 
     /// Adds an impulse to particle `i`, N·s. A pinned particle does not feel it.
     pub fn add_impulse(&mut self, i: usize, impulse: Vec3) {
+        if impulse != Vec3::ZERO {
+            self.0.wake(i);
+        }
         self.0.add_impulse(i, impulse);
     }
 
     /// Adds an impulse, N·s, to some particles as a whole, at a point in the world, metres.
     pub fn apply_impulse_at(&mut self, rows: &[u32], impulse: Vec3, point: Vec3) {
+        rows.iter().for_each(|&row| self.0.wake(row as usize));
         self.0.apply_impulse_at(rows, impulse, point);
     }
 
     /// Adds an angular impulse, N·m·s, to some particles about their barycentre.
     pub fn apply_angular_impulse(&mut self, rows: &[u32], angular_impulse: Vec3) {
+        rows.iter().for_each(|&row| self.0.wake(row as usize));
         self.0.apply_angular_impulse(rows, angular_impulse);
     }
 }
@@ -212,7 +226,9 @@ pub(crate) struct Tables {
     pub(crate) retied: bool,
     /// Where rows are drawn.
     pub(crate) played: Played,
-    /// Which particles were written to since they were last gathered, by row, and whether it may have been any.
+    /// When particles were last written back.
+    pub(crate) scattered: Option<Tick>,
+    /// Which particles somebody else has written to since they were last gathered, by row, and whether it may have been any.
     pub(crate) touched: Touched,
     /// The bodies that sleep, by number: from the end of gathering on as they were, from scattering on those that slept through the tick.
     pub(crate) asleep: Vec<bool>,

@@ -39,6 +39,11 @@ impl Control {
         Self { point: Some(point), ..self }
     }
 
+    /// Whether it asks for nothing.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.force == Vec3::ZERO && self.torque == Vec3::ZERO
+    }
+
     /// Whether every number is finite. An invalid control does nothing.
     pub fn is_valid(&self) -> bool {
         self.force.is_finite() && self.torque.is_finite() && self.point.is_none_or(Vec3::is_finite)
@@ -47,8 +52,7 @@ impl Control {
 
 /// Adds the accelerations of the controls.
 pub(crate) fn apply(particles: &mut Particles, controls: &[Control]) {
-    let idle = |c: &Control| c.force == Vec3::ZERO && c.torque == Vec3::ZERO;
-    for control in controls.iter().filter(|control| control.is_valid() && !idle(control)) {
+    for control in controls.iter().filter(|control| control.is_valid() && !control.is_idle()) {
         let Some(whole) = TotalMass::of(particles, &control.rows) else { continue };
         let lever = control.point.map_or(DVec3::ZERO, |point| whole.arm_of(particles, point));
         let force = control.force.as_dvec3();

@@ -92,6 +92,9 @@ pub struct Particles {
     /// Whether somebody asks which rows others move, and which those are, the last one last.
     watched: bool,
     moved: Vec<u32>,
+    /// Whether some sleep, and who is to wake.
+    sleepers: bool,
+    woken: Vec<u32>,
 }
 
 /// The body of a particle that belongs to none.
@@ -207,12 +210,14 @@ impl Particles {
         let local = position - self.origin[i];
         self.position[i] = local.extend(self.position[i].w);
         self.note_moved(i);
+        self.wake(i);
     }
 
     /// Moves particle `i` by `displacement`, metres, without touching its velocity.
     pub fn displace(&mut self, i: usize, displacement: Vec3) {
         self.position[i] += displacement.extend(0.0);
         self.note_moved(i);
+        self.wake(i);
     }
 
     /// Position of particle `i` at the start of the current substep, metres.
@@ -263,6 +268,24 @@ impl Particles {
     /// Takes one row off those that were noted.
     pub(crate) fn take_moved(&mut self) -> Option<u32> {
         self.moved.pop()
+    }
+
+    /// Has what particle `i` belongs to be awake in the next step: for who adds forces between two phases, which a sleeper does not feel.
+    pub fn wake(&mut self, i: usize) {
+        if self.sleepers && self.woken.last() != Some(&(i as u32)) {
+            self.woken.push(i as u32);
+        }
+    }
+
+    /// Rows that are to wake.
+    pub(crate) fn woken(&self) -> &[u32] {
+        &self.woken
+    }
+
+    /// Notes whether some sleep in this step, and forgets who was to wake.
+    pub(crate) fn note_sleepers(&mut self, any: bool) {
+        self.sleepers = any;
+        self.woken.clear();
     }
 
     #[inline]

@@ -2,8 +2,15 @@
 //!
 //! Bodies sleep and wake in groups: islands whose boxes touch, and all islands of a body. When all of a group have been still for [`SECONDS`], it
 //! falls asleep: its particles stop and count as pinned, so that what comes near finds them in its way, and its constraints are not asked. A group
-//! wakes when one of its particles was given a velocity or a force, when something that moves comes near, or when a collider near it moves. Nothing
-//! else is remembered: what is to survive a step is in [`Sleep`], a body's own.
+//! wakes
+//!
+//! - when one of its particles was given a velocity, a force or a control, or [is to wake](crate::Particles::wake);
+//! - when something that moves comes near, or a collider near it moves;
+//! - when what it is made of and hangs on is not the same: places, masses, constraints, springs, and what it lay beside (`ties`).
+//!
+//! Nothing else is remembered: what is to survive a step is in [`Sleep`], a body's own.
+
+mod ties;
 
 use glam::{Vec3, Vec4};
 
@@ -17,12 +24,17 @@ use crate::union_find::{root, unite};
 pub struct Sleep {
     /// Whether it may. Default not.
     pub allowed: bool,
+    /// Whether it is to stay awake, and with it all that touches it, however still it lies. Default not.
+    pub keeps_awake: bool,
     /// A particle slower than this is still, m/s, 0 and up. Default 0.02.
     pub speed: f32,
     /// For how long all of it have been still, seconds. Default 0.
     pub still: f32,
     /// Whether it sleeps. Default not. To wake a body, clear this and `still`.
     pub asleep: bool,
+    /// What it and all that it lay beside were made of and hung on when it fell asleep, as a number; where that is another one, it wakes. Default 0, while it is
+    /// awake.
+    pub ties: u64,
 }
 
 /// How long a group has to be still before it falls asleep, seconds: longer than anything thrown up is slow at its height.
@@ -33,7 +45,7 @@ const NEAR: f32 = 0.01;
 
 impl Default for Sleep {
     fn default() -> Self {
-        Self { allowed: false, speed: 0.02, still: 0.0, asleep: false }
+        Self { allowed: false, keeps_awake: false, speed: 0.02, still: 0.0, asleep: false, ties: 0 }
     }
 }
 
@@ -59,6 +71,18 @@ pub(super) struct SleepScratch {
     bounding_radius: Vec<f32>,
     /// Rows that sleep, and their inverse masses.
     masses: Vec<(u32, f32)>,
+    /// Of each island what it is made of and hangs on, and, at the first island of a group, of all that sleep in it.
+    ties: Vec<u64>,
+    /// [Edits](crate::Particles::edits) of the particles and the [number](ties::of_surfaces) of what stands when that was last looked at; `None` if constraints or
+    /// particles have come or gone since.
+    seen: Option<[u64; 2]>,
+}
+
+impl SleepScratch {
+    /// Has what sleepers are made of looked at in the next step.
+    pub(super) fn forget_ties(&mut self) {
+        self.seen = None;
+    }
 }
 
 /// A copy has nothing to keep: between steps nothing is in it.
@@ -81,22 +105,38 @@ struct IslandActivity {
     active: bool,
     /// Whether all of it may sleep.
     allowed: bool,
+    /// Whether all of it sleeps.
+    asleep: bool,
     /// For how long all of it have been still, seconds.
     still: f32,
 }
 
 impl Simulation {
+    /// Has the next step look whether sleepers are where they were: for who writes positions by [`Particles::load`](crate::Particles::load).
+    pub fn check_sleepers(&mut self) {
+        self.scratch.sleep_scratch.forget_ties();
+    }
+
     /// Finds which bodies sleep in a step of `dt` seconds, and puts them to sleep.
     pub(super) fn put_to_sleep(&mut self, dt: f32) {
         self.scratch.plan.islands.list.iter_mut().for_each(|island| island.asleep = false);
         if !self.sleep.iter().any(|body| body.allowed) {
+            self.particles.note_sleepers(false);
             return;
         }
         let mut sleepers = core::mem::take(&mut self.scratch.sleep_scratch);
+        let now = [self.particles.edits(), ties::of_surfaces(&self.colliders, &self.boundaries)];
+        let changed = sleepers.seen.replace(now) != Some(now);
         self.look_around(&mut sleepers, dt);
-        self.group(&mut sleepers);
-        self.decide(&mut sleepers, dt);
+        // Who falls asleep remembers what it lies on.
+        let falls = |island: &IslandActivity| {
+            island.allowed && !island.asleep && !island.active && island.still >= SECONDS
+        };
+        let compare = changed || sleepers.activities.iter().any(falls);
+        self.group(&mut sleepers, compare);
+        self.decide(&mut sleepers, dt, compare);
         self.scratch.sleep_scratch = sleepers;
+        self.particles.note_sleepers(self.sleep.iter().any(|body| body.asleep));
     }
 
     /// Wakes: gives those that sleep their masses back, at the end of a step.
@@ -126,7 +166,7 @@ impl Simulation {
         let plan = &scratch.plan;
         for island in &plan.islands.list {
             let mut activity =
-                IslandActivity { active: false, allowed: true, still: f32::INFINITY };
+                IslandActivity { active: false, allowed: true, asleep: true, still: f32::INFINITY };
             let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
             for &row in &plan.islands.members[island.members.clone()] {
                 let i = row as usize;
@@ -141,10 +181,15 @@ impl Simulation {
                 let pushed = particles.external[i] != Vec3::ZERO;
                 // Also for NaN.
                 let quiet = if body.asleep { speed == 0.0 } else { speed <= body.speed };
-                activity.active |= !quiet || pushed;
-                activity.allowed &= body.allowed;
+                activity.active |= !quiet || pushed || body.keeps_awake;
+                // What charges do to each other changes with each of them.
+                let charged = particles.charge[i] != 0.0 && forces.electric.constant != 0.0;
+                activity.allowed &= body.allowed && !charged;
+                activity.asleep &= body.asleep;
                 activity.still = activity.still.min(body.still);
-                let reach = (speed + forces.gravity.length() * dt) * dt;
+                // The same for all that is quiet, so that who touches whom does not change when they fall asleep.
+                let fastest = if quiet { body.speed } else { speed };
+                let reach = (fastest + forces.gravity.length() * dt) * dt;
                 let around = particles.radius[i] + sleepers.bounding_radius[i] + NEAR + reach;
                 let at = particles.origin[i] + particles.position[i].truncate();
                 (low, high) = (low.min(at - around), high.max(at + around));
@@ -155,6 +200,14 @@ impl Simulation {
             }
             sleepers.bounds.push((low, high));
             sleepers.activities.push(activity);
+        }
+        let controls =
+            forces.controls.iter().filter(|control| control.is_valid() && !control.is_idle());
+        let pushed = controls.flat_map(|control| &control.rows).chain(particles.woken());
+        for &row in pushed {
+            if let Some(&island) = plan.islands.of.get(row as usize) {
+                sleepers.activities[island as usize].active = true;
+            }
         }
         for pin in &self.boundaries.pins {
             let i = pin.particle as usize;
@@ -174,19 +227,25 @@ impl Simulation {
         }
     }
 
-    /// Joins islands that touch, and those of a body.
-    fn group(&self, sleepers: &mut SleepScratch) {
+    /// Joins islands that touch, those that a spring ties, and those of a body.
+    fn group(&self, sleepers: &mut SleepScratch, compare: bool) {
         let Self { particles, scratch, .. } = self;
         let SleepScratch { bounds, activities, pairs, broad, parent, first_of, .. } = sleepers;
         pairs.clear();
         // Where all lie still and have done so for long, each group sleeps, whoever is in it.
-        if !activities.iter().all(|island| !island.active && island.still >= SECONDS) {
+        if compare || !activities.iter().all(|island| !island.active && island.still >= SECONDS) {
             broad.pairs(bounds, pairs);
         }
         parent.clear();
         parent.extend(0..bounds.len() as u32);
         for &[a, b] in pairs.iter() {
             unite(parent, a, b);
+        }
+        for spring in &self.forces.springs {
+            let ends = [spring.a, spring.b].map(|row| scratch.plan.islands.of.get(row as usize));
+            if let [Some(&a), Some(&b)] = ends {
+                unite(parent, a, b);
+            }
         }
         first_of.clear();
         first_of.resize(self.sleep.len(), u32::MAX);
@@ -201,8 +260,8 @@ impl Simulation {
     }
 
     /// Sums up each group, and lets it sleep, or lets its time go on.
-    fn decide(&mut self, sleepers: &mut SleepScratch, dt: f32) {
-        let SleepScratch { activities, parent, masses, .. } = sleepers;
+    fn decide(&mut self, sleepers: &mut SleepScratch, dt: f32, compare: bool) {
+        let SleepScratch { activities, parent, .. } = &mut *sleepers;
         for island in 0..activities.len() {
             let root = root(parent, island as u32) as usize;
             let own = activities[island];
@@ -210,14 +269,23 @@ impl Simulation {
             group.active |= own.active;
             group.still = group.still.min(own.still);
         }
+        for number in 0..self.scratch.plan.islands.list.len() {
+            let group = sleepers.activities[root(&mut sleepers.parent, number as u32) as usize];
+            let may = sleepers.activities[number].allowed && sleepers.bounds[number].0.is_finite();
+            self.scratch.plan.islands.list[number].asleep =
+                may && !group.active && group.still >= SECONDS;
+        }
+        if compare {
+            self.compare_ties(sleepers);
+        }
+        let SleepScratch { activities, parent, masses, ties, .. } = sleepers;
         let Self { particles, sleep, scratch, .. } = self;
         let plan = &mut scratch.plan;
         for number in 0..plan.islands.list.len() {
-            let group = activities[root(parent, number as u32) as usize];
+            let root = root(parent, number as u32) as usize;
+            let group = activities[root];
             let island = &mut plan.islands.list[number];
-            let free = sleepers.bounds[number].0.is_finite();
-            let may = activities[number].allowed && free;
-            island.asleep = may && !group.active && group.still >= SECONDS;
+            island.asleep &= !group.active;
             for &row in &plan.islands.members[island.members.clone()] {
                 let i = row as usize;
                 let Some(body) = sleep.get_mut(particles.body[i] as usize) else { continue };
@@ -227,6 +295,11 @@ impl Simulation {
                     body.still =
                         if group.active { 0.0 } else { (body.still + dt).min(2.0 * SECONDS) };
                     body.asleep = island.asleep;
+                    body.ties = match (island.asleep, compare) {
+                        (true, true) => ties[root],
+                        (true, false) => body.ties,
+                        (false, _) => 0,
+                    };
                 }
                 if island.asleep && particles.position[i].w > 0.0 {
                     masses.push((row, particles.position[i].w));
@@ -235,6 +308,34 @@ impl Simulation {
                     particles.rounding[i] = Vec4::ZERO;
                 }
             }
+        }
+    }
+
+    /// Sums up what those of each group that are to sleep are made of and hang on, and wakes all of one in which that is not what it was.
+    fn compare_ties(&self, sleepers: &mut SleepScratch) {
+        let SleepScratch { activities, parent, ties, bounds, .. } = sleepers;
+        let islands = &self.scratch.plan.islands;
+        ties.clear();
+        ties.resize(islands.list.len(), 0);
+        self.tie_springs(ties);
+        for ((island, bounds), ties) in islands.list.iter().zip(&*bounds).zip(&mut *ties) {
+            *ties =
+                if island.asleep { ties.wrapping_add(self.ties_of(island, *bounds)) } else { 0 };
+        }
+        for number in 0..islands.list.len() {
+            let root = root(parent, number as u32) as usize;
+            if root != number {
+                ties[root] = ties[root].wrapping_add(ties[number]);
+            }
+        }
+        for (number, island) in islands.list.iter().enumerate().filter(|(_, one)| one.asleep) {
+            let root = root(parent, number as u32) as usize;
+            let bodies = islands.members[island.members.clone()].iter();
+            let other = |&row: &u32| {
+                let body = self.sleep.get(self.particles.body[row as usize] as usize);
+                body.is_some_and(|body| body.asleep && body.ties != 0 && body.ties != ties[root])
+            };
+            activities[root].active |= bodies.into_iter().any(other);
         }
     }
 }

@@ -46,5 +46,5 @@ pub(crate) use island_step::advance_all;
 pub(crate) use loads::Loads;
 pub(crate) use measure::{measure, measure_overlaps};
 pub(crate) use momentum::is_free;
-pub(crate) use plan::{Change, Changes, Given, List, Plan};
+pub(crate) use plan::{Change, Changes, Given, GroupKind, List, Plan};
 pub(crate) use world::{SolveScratch, settle_all, solve_all};

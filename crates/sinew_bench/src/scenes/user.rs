@@ -9,7 +9,9 @@ use core::time::Duration;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_sinew::prelude::*;
-use bevy_sinew::{BodyContacts, BodyParticles, PhaseSystems, Region, SubstepSchedule};
+use bevy_sinew::{
+    BodyContacts, BodyParticles, PhaseSystems, Region, SleepingDisabled, SubstepSchedule,
+};
 
 use crate::measure::{Effort, stretch_of, time};
 use crate::row::{Row, Stretch, Unit};
@@ -118,8 +120,8 @@ pub(super) fn u11(effort: &Effort) -> Vec<Row> {
             let place = Vec3::new(1.5 * (n % 32) as f32, 0.5, 1.5 * (n / 32) as f32);
             let mut body =
                 world.spawn((RigidBox::new(Vec3::ONE), Transform::from_translation(place)));
-            if sleeps {
-                body.insert(Sleep::default());
+            if !sleeps {
+                body.insert(SleepingDisabled);
             }
         }
     };

@@ -1,0 +1,251 @@
+//! What sleeps wakes, whatever a game does to it or beneath it; and nothing else wakes with it.
+
+use bevy::prelude::*;
+use bevy_sinew::prelude::*;
+use bevy_sinew::{AirFlow, Attractor, BodyParticles, ControlForce, ElectricField, SinewWorld};
+use bevy_sinew::{Charge, Electric, PhaseSystems, SubstepSchedule};
+
+use crate::support::{app, particles_of, tick};
+
+/// A crate on the floor, another one on top of it, and one far away, all asleep.
+struct Asleep {
+    app: App,
+    ground: Entity,
+    lower: Entity,
+    upper: Entity,
+    far: Entity,
+}
+
+const SIZE: f32 = 0.4;
+
+fn asleep() -> Asleep {
+    let mut app = app();
+    let world = app.world_mut();
+    let ground = world
+        .spawn((Collider::cuboid(Vec3::new(20.0, 1.0, 20.0)), Transform::from_xyz(0.0, -0.5, 0.0)))
+        .id();
+    world.spawn((
+        Collider::cuboid(Vec3::new(20.0, 1.0, 20.0)),
+        Transform::from_xyz(40.0, -0.5, 0.0),
+    ));
+    let [lower, upper, far] = [[0.0, 0.5], [0.0, 1.5], [40.0, 0.5]].map(|[x, y]| {
+        let body = (RigidBox::new(Vec3::splat(SIZE)), Sleep::default());
+        world.spawn((body, Transform::from_xyz(x, SIZE * y, 0.0))).id()
+    });
+    tick(&mut app, 240);
+    let all = Asleep { app, ground, lower, upper, far };
+    assert!([lower, upper, far].iter().all(|&body| all.sleeps(body)), "they lie still");
+    all
+}
+
+impl Asleep {
+    fn sleeps(&self, body: Entity) -> bool {
+        self.app.world().get::<Sleep>(body).unwrap().asleep
+    }
+
+    fn height(&self, body: Entity) -> f32 {
+        self.app.world().get::<Transform>(body).unwrap().translation.y
+    }
+
+    fn corner(&self, body: Entity) -> Entity {
+        particles_of(&self.app, body)[0]
+    }
+}
+
+/// Something that is to wake the upper crate.
+type Cause = fn(&mut Asleep);
+
+#[test]
+fn what_a_game_does_to_a_sleeper_wakes_it_and_none_far_away() {
+    let causes: [(&str, Cause); 18] = [
+        ("a velocity of a particle", |all| {
+            let corner = all.corner(all.upper);
+            all.app.world_mut().get_mut::<Particle>(corner).unwrap().velocity = Vec3::Y;
+        }),
+        ("a place of a particle", |all| {
+            for particle in particles_of(&all.app, all.upper) {
+                all.app.world_mut().get_mut::<Particle>(particle).unwrap().position.y += 0.1;
+            }
+        }),
+        ("a transform", |all| {
+            all.app.world_mut().get_mut::<Transform>(all.upper).unwrap().translation.y += 0.1;
+        }),
+        ("a velocity of the body", |all| {
+            all.app.world_mut().get_mut::<LinearVelocity>(all.upper).unwrap().0.y = 1.0;
+        }),
+        ("an impulse", |all| {
+            all.app.world_mut().commands().entity(all.upper).apply_impulse(Vec3::Y);
+        }),
+        ("a force for a tick", |all| {
+            all.app.world_mut().commands().entity(all.upper).apply_force(Vec3::Y * 1e3);
+        }),
+        ("a force on the body", |all| {
+            all.app.world_mut().entity_mut(all.upper).insert(ExternalForce(Vec3::Y * 1e3));
+        }),
+        ("a force on a particle", |all| {
+            let corner = all.corner(all.upper);
+            all.app.world_mut().entity_mut(corner).insert(ExternalForce(Vec3::Y * 1e3));
+        }),
+        ("a control", |all| {
+            let control = ControlForce { on: Some(all.upper), ..ControlForce::new(Vec3::Y * 1e3) };
+            all.app.world_mut().spawn(control);
+        }),
+        ("a rod to something that stands", |all| {
+            let (corner, world) = (all.corner(all.upper), all.app.world_mut());
+            let nail = world.spawn((Particle::at(Vec3::Y * 2.0), Pinned::HERE)).id();
+            world.spawn(DistanceConstraint::new(corner, nail, 0.5));
+        }),
+        ("a spring to something that stands", |all| {
+            let (corner, world) = (all.corner(all.upper), all.app.world_mut());
+            let nail = world.spawn((Particle::at(Vec3::Y * 2.0), Pinned::HERE)).id();
+            let (rest, stiffness, damping) = (0.1, 1e3, 1.0);
+            world.spawn(Spring { a: corner, b: nail, rest, stiffness, damping });
+        }),
+        ("a system that pushes within a tick", |all| {
+            let row = all.app.world().get::<bevy_sinew::ParticleRow>(all.corner(all.upper));
+            let row = row.unwrap().get().unwrap();
+            let push = move |mut world: ResMut<SinewWorld>| {
+                world.particles_mut().add_force(row, Vec3::Y * 1e3);
+            };
+            all.app.add_systems(SubstepSchedule, push.in_set(PhaseSystems::AccumulateForces));
+        }),
+        ("a system that moves it within a tick", |all| {
+            let row = all.app.world().get::<bevy_sinew::ParticleRow>(all.corner(all.upper));
+            let row = row.unwrap().get().unwrap();
+            let push = move |mut world: ResMut<SinewWorld>| {
+                world.particles_mut().set_velocity(row, Vec3::Y);
+            };
+            all.app.add_systems(SubstepSchedule, push.before(PhaseSystems::AccumulateForces));
+        }),
+        ("a weight", |all| {
+            all.app.world_mut().entity_mut(all.upper).insert(Mass(100.0));
+        }),
+        ("a scale of gravity", |all| {
+            all.app.world_mut().entity_mut(all.upper).insert(GravityScale(-1.0));
+        }),
+        ("layers that let it fall", |all| {
+            all.app.world_mut().entity_mut(all.upper).insert(CollisionLayers::NONE);
+        }),
+        ("a collider that asks", |all| {
+            all.app.world_mut().entity_mut(all.ground).insert(ContactEvents::Every);
+        }),
+        ("the one below is gone", |all| {
+            all.app.world_mut().despawn(all.lower);
+        }),
+    ];
+    let mut asleep_still = Vec::new();
+    for (name, cause) in causes {
+        let mut all = asleep();
+        cause(&mut all);
+        tick(&mut all.app, 3);
+        if all.sleeps(all.upper) {
+            asleep_still.push(name);
+        }
+        assert!(all.sleeps(all.far), "{name}: what is far away sleeps on");
+    }
+    assert_eq!(asleep_still, [""; 0]);
+}
+
+#[test]
+fn what_fills_the_world_wakes_all_when_it_comes_changes_and_goes() {
+    let causes: [(&str, Cause); 6] = [
+        ("gravity", |all| {
+            all.app.world_mut().resource_mut::<Gravity>().0 = Vec3::Y;
+        }),
+        ("an attractor", |all| {
+            all.app.world_mut().spawn((Attractor::new(1e4), Transform::from_xyz(0.0, 9.0, 0.0)));
+        }),
+        ("air", |all| {
+            all.app.world_mut().spawn(AirFlow { velocity: Vec3::Y * 30.0, ..default() });
+        }),
+        ("water", |all| {
+            all.app.world_mut().spawn((Fluid::default(), Transform::from_xyz(0.0, 3.0, 0.0)));
+        }),
+        ("a field on charges", |all| {
+            let corner = all.corner(all.upper);
+            all.app.world_mut().entity_mut(corner).insert(Charge(1.0));
+            all.app.world_mut().spawn(ElectricField { field: Vec3::Y * 1e3 });
+        }),
+        ("a charge nearby", |all| {
+            let corner = all.corner(all.upper);
+            let world = all.app.world_mut();
+            world.resource_mut::<Electric>().constant = 10.0;
+            world.entity_mut(corner).insert(Charge(1.0));
+            world.spawn((Particle::at(Vec3::Y * 2.0), Charge(-50.0), Pinned::HERE));
+        }),
+    ];
+    let mut asleep_still = Vec::new();
+    for (name, cause) in causes {
+        let mut all = asleep();
+        cause(&mut all);
+        tick(&mut all.app, 3);
+        if all.sleeps(all.upper) {
+            asleep_still.push(name);
+        }
+    }
+    assert_eq!(asleep_still, [""; 0]);
+}
+
+/// A chandelier whose nail is drawn; a rope that is cut.
+#[test]
+fn what_hung_falls_when_what_held_it_goes() {
+    let causes: [(&str, fn(&mut World, Entity, Entity)); 3] = [
+        ("the nail is drawn", |world, nail, _| {
+            world.entity_mut(nail).remove::<Pinned>();
+        }),
+        ("the rod is cut", |world, _, rod| {
+            world.despawn(rod);
+        }),
+        ("the rod is longer", |world, _, rod| {
+            world.get_mut::<DistanceConstraint>(rod).unwrap().rest += 1.0;
+        }),
+    ];
+    for (name, cause) in causes {
+        let mut app = app();
+        let world = app.world_mut();
+        let body = (RigidBox::new(Vec3::splat(SIZE)), Sleep::default());
+        let body = world.spawn((body, Transform::from_xyz(0.0, 2.0, 0.0))).id();
+        tick(&mut app, 1);
+        let corners = particles_of(&app, body);
+        let world = app.world_mut();
+        let nail = world.spawn((Particle::at(Vec3::Y * 3.0), Pinned::HERE)).id();
+        // By the four corners above, so that it hangs still.
+        let above = corners.iter().filter(|&&c| world.get::<Particle>(c).unwrap().position.y > 2.0);
+        let above: Vec<Entity> = above.copied().collect();
+        assert_eq!(above.len(), 4);
+        let rods = rods(world, &above, nail);
+        tick(&mut app, 240);
+        let world = app.world();
+        assert!(world.get::<Sleep>(body).unwrap().asleep, "{name}: it hangs still");
+        let before = world.get::<Transform>(body).unwrap().translation.y;
+        for &rod in &rods {
+            cause(app.world_mut(), nail, rod);
+            if name == "the nail is drawn" {
+                break;
+            }
+        }
+        tick(&mut app, 30);
+        let now = app.world().get::<Transform>(body).unwrap().translation.y;
+        assert!(now < before - 0.5, "{name}: {before} to {now}");
+    }
+}
+
+/// A rod from each particle to the nail, as long as they are apart.
+fn rods(world: &mut World, particles: &[Entity], nail: Entity) -> Vec<Entity> {
+    let at = |world: &World, one: Entity| world.get::<Particle>(one).unwrap().position;
+    let rods = particles.iter().map(|&one| {
+        let rest = at(world, one).distance(at(world, nail));
+        world.spawn(DistanceConstraint::new(one, nail, rest)).id()
+    });
+    rods.collect()
+}
+
+#[test]
+fn the_upper_one_falls_onto_the_floor_when_the_lower_one_is_gone() {
+    let mut all = asleep();
+    all.app.world_mut().despawn(all.lower);
+    tick(&mut all.app, 60);
+    let height = all.height(all.upper);
+    assert!((height - 0.5 * SIZE).abs() < 0.01, "it lies at {height}");
+    assert!(all.app.world().get::<BodyParticles>(all.upper).is_some());
+}
