@@ -17,11 +17,11 @@ use bevy::world_serialization::WorldSerializationPlugin;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{Refusal, Refused, SinewClock, TickTime};
 use indicatif::{ProgressBar, ProgressStyle};
+use sinew_draw::{self as draw, Image};
 use sinew_examples::assets_folder;
 use sinew_scenes::{OnStage, Scene, ScenesPlugin};
 
 use crate::Options;
-use crate::draw::{self, Image};
 use crate::stage::{self, Textures};
 
 /// Size of a frame on the contact sheet and in the GIF, pixels.

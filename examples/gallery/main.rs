@@ -3,7 +3,6 @@
 //! `cargo run --example gallery` opens a window; where none can be opened it does what `--headless` does: it runs every scene without a
 //! GPU and leaves a contact sheet, an animated GIF and a table.
 
-mod draw;
 mod headless;
 mod stage;
 mod window;

@@ -7,9 +7,8 @@ use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, VertexAttributeValues};
 use bevy::prelude::*;
 use bevy::transform::helper::TransformHelper;
+use sinew_draw as draw;
 use sinew_scenes::{Look, Scene};
-
-use crate::draw;
 
 /// Textures as the software renderer wants them, kept from frame to frame.
 #[derive(Resource, Default)]

@@ -10,29 +10,29 @@ use glam::Vec3;
 
 /// A picture: rows from top to bottom, pixels from left to right, sRGB with straight alpha.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Image {
+pub struct Image {
     /// Pixels in a row.
-    pub(crate) width: usize,
+    pub width: usize,
     /// Rows.
-    pub(crate) height: usize,
+    pub height: usize,
     /// `width * height` pixels, red, green, blue, alpha.
-    pub(crate) pixels: Vec<[u8; 4]>,
+    pub pixels: Vec<[u8; 4]>,
 }
 
 impl Image {
     /// A picture of one colour.
-    pub(crate) fn new(width: usize, height: usize, fill: [u8; 4]) -> Self {
+    pub fn new(width: usize, height: usize, fill: [u8; 4]) -> Self {
         Self { width, height, pixels: vec![fill; width * height] }
     }
 
     /// The pixel in column `x` of row `y`; panics outside of the picture.
-    pub(crate) fn at(&self, x: usize, y: usize) -> [u8; 4] {
+    pub fn at(&self, x: usize, y: usize) -> [u8; 4] {
         assert!(x < self.width && y < self.height, "pixel outside of the picture");
         self.pixels[y * self.width + x]
     }
 
     /// Lays `color` over a pixel, `coverage` (0 to 1) thick; outside of the picture nothing happens.
-    pub(super) fn blend(&mut self, x: i64, y: i64, color: [u8; 3], coverage: f32) {
+    pub(crate) fn blend(&mut self, x: i64, y: i64, color: [u8; 3], coverage: f32) {
         if x < 0 || y < 0 || x >= self.width as i64 || y >= self.height as i64 {
             return;
         }
@@ -46,25 +46,25 @@ impl Image {
 }
 
 /// Writes a picture as PNG.
-pub(crate) fn write_png(path: impl AsRef<Path>, image: &Image) -> io::Result<()> {
+pub fn write_png(path: impl AsRef<Path>, image: &Image) -> io::Result<()> {
     let file = BufWriter::new(File::create(path)?);
     let mut encoder = png::Encoder::new(file, image.width as u32, image.height as u32);
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    encoder.set_compression(png::Compression::High);
+    encoder.set_compression(png::Compression::Balanced);
     let mut writer = encoder.write_header()?;
     writer.write_image_data(image.pixels.as_flattened())?;
     Ok(writer.finish()?)
 }
 
 /// sRGB, 0 to 1 a channel, to the linear light that shading adds up.
-pub(super) fn linear_of(srgb: [f32; 3]) -> Vec3 {
+pub(crate) fn linear_of(srgb: [f32; 3]) -> Vec3 {
     Vec3::from(srgb.map(|c| if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }))
 }
 
 /// Rolls highlights off towards white and leaves everything else as it is (the Khronos "neutral" tone mapper).
-pub(super) fn tone(color: Vec3) -> Vec3 {
+pub(crate) fn tone(color: Vec3) -> Vec3 {
     const START: f32 = 0.76;
     let peak = color.max_element();
     if peak <= START {
@@ -77,12 +77,12 @@ pub(super) fn tone(color: Vec3) -> Vec3 {
 }
 
 /// Linear light to sRGB bytes, by table: a power per channel and pixel would cost more than the shading.
-pub(super) struct SrgbTable(Vec<u8>);
+pub(crate) struct SrgbTable(Vec<u8>);
 
 impl SrgbTable {
     const STEPS: usize = 8192;
 
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let encode = |c: f32| {
             if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
         };
@@ -91,7 +91,7 @@ impl SrgbTable {
     }
 
     #[inline]
-    pub(super) fn pixel(&self, linear: Vec3) -> [u8; 4] {
+    pub(crate) fn pixel(&self, linear: Vec3) -> [u8; 4] {
         let byte = |c: f32| self.0[(c.clamp(0.0, 1.0) * Self::STEPS as f32 + 0.5) as usize];
         [byte(linear.x), byte(linear.y), byte(linear.z), 255]
     }

@@ -9,7 +9,7 @@
 //! 3. `shadow` and `occlusion` answer how much of the sun and of the sky reaches a point.
 //! 4. `shade` colours each sample, in front of the `backdrop` of ground and sky, and averages samples to pixels.
 //!
-//! Nothing here knows Bevy: whoever calls brings world-space triangles.
+//! Nothing here knows Bevy: whoever calls brings world-space triangles. It is a crate of its own so that it is optimised whatever the gallery is, and built once.
 
 mod animation;
 mod backdrop;
@@ -29,10 +29,10 @@ mod tests;
 mod text;
 mod texture;
 
-pub(crate) use animation::write_gif;
-pub(crate) use camera::Camera;
-pub(crate) use image::{Image, write_png};
-pub(crate) use scene::{Item, Scene};
-pub(crate) use shade::render;
-pub(crate) use sheet::contact_sheet;
-pub(crate) use texture::Texture;
+pub use animation::write_gif;
+pub use camera::Camera;
+pub use image::{Image, write_png};
+pub use scene::{Item, Line, Scene};
+pub use shade::render;
+pub use sheet::contact_sheet;
+pub use texture::Texture;

@@ -22,7 +22,7 @@ const COLORS: usize = 255;
 const DITHER: f32 = 2.0;
 
 /// Writes pictures of one size as a GIF that repeats forever, `delay` hundredths of a second apart.
-pub(crate) fn write_gif(path: impl AsRef<Path>, frames: &[Image], delay: u16) -> io::Result<()> {
+pub fn write_gif(path: impl AsRef<Path>, frames: &[Image], delay: u16) -> io::Result<()> {
     let invalid = |why: &str| io::Error::new(io::ErrorKind::InvalidInput, why);
     let first = frames.first().ok_or_else(|| invalid("an animation needs a frame"))?;
     let side = |n: usize| {

@@ -13,7 +13,7 @@ const CORNER: f32 = 8.0;
 
 /// A page with a title, a subtitle, and captioned pictures in rows of `columns`. Pictures of different sizes share the
 /// cells of the largest.
-pub(crate) fn contact_sheet(
+pub fn contact_sheet(
     title: &str,
     subtitle: &str,
     frames: &[(String, Image)],

@@ -7,22 +7,22 @@ use glam::{Vec2, Vec3};
 use super::{Camera, Texture};
 
 /// One moment to draw.
-pub(crate) struct Scene<'a> {
+pub struct Scene<'a> {
     /// From where it is seen.
-    pub(crate) camera: Camera,
+    pub camera: Camera,
     /// Points from the scene to the sun; the length does not matter.
-    pub(crate) sun: Vec3,
+    pub sun: Vec3,
     /// Height of the endless ground, or `None` for things that float in the sky.
-    pub(crate) ground: Option<f32>,
+    pub ground: Option<f32>,
     /// Surfaces.
-    pub(crate) items: Vec<Item<'a>>,
+    pub items: Vec<Item<'a>>,
     /// Strokes: springs, ropes, gizmos.
-    pub(crate) lines: Vec<Line>,
+    pub lines: Vec<Line>,
 }
 
 impl Scene<'_> {
     /// Nothing yet, on the ground at height 0, under a late-morning sun from the left behind a camera that looks along -Z.
-    pub(crate) fn new(camera: Camera) -> Self {
+    pub fn new(camera: Camera) -> Self {
         Self {
             camera,
             sun: Vec3::new(-0.55, 0.95, 0.8),
@@ -35,27 +35,27 @@ impl Scene<'_> {
 
 /// A triangle mesh. Triangles with a corner that is missing or not finite, and those without area, are left out.
 #[derive(Clone)]
-pub(crate) struct Item<'a> {
+pub struct Item<'a> {
     /// Vertices in world space.
-    pub(crate) positions: Cow<'a, [Vec3]>,
+    pub positions: Cow<'a, [Vec3]>,
     /// A normal per vertex. `None` works them out, smooth across shared vertices but not across sharp edges, so that
     /// both a cloth and a box of eight vertices look right.
-    pub(crate) normals: Option<Cow<'a, [Vec3]>>,
+    pub normals: Option<Cow<'a, [Vec3]>>,
     /// A texture coordinate per vertex, (0, 0) at the top left of the texture, repeating.
-    pub(crate) uvs: Option<Cow<'a, [Vec2]>>,
+    pub uvs: Option<Cow<'a, [Vec2]>>,
     /// Three vertices a triangle, counter-clockwise seen from the front.
-    pub(crate) indices: Cow<'a, [[u32; 3]]>,
+    pub indices: Cow<'a, [[u32; 3]]>,
     /// sRGB, 0 to 1 a channel; multiplies the texture.
-    pub(crate) color: [f32; 3],
+    pub color: [f32; 3],
     /// Drawn with `uvs`.
-    pub(crate) texture: Option<Arc<Texture>>,
+    pub texture: Option<Arc<Texture>>,
     /// A sheet: visible from behind too, and some sunlight shines through it.
-    pub(crate) double_sided: bool,
+    pub double_sided: bool,
 }
 
 impl<'a> Item<'a> {
     /// A closed body of one colour.
-    pub(crate) fn new(
+    pub fn new(
         positions: impl Into<Cow<'a, [Vec3]>>,
         indices: impl Into<Cow<'a, [[u32; 3]]>>,
         color: [f32; 3],
@@ -74,11 +74,11 @@ impl<'a> Item<'a> {
 
 /// A straight stroke, some pixels wide however far away, that casts a thin shadow.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Line {
+pub struct Line {
     /// Where it starts.
-    pub(crate) from: Vec3,
+    pub from: Vec3,
     /// Where it ends.
-    pub(crate) to: Vec3,
+    pub to: Vec3,
     /// sRGB, 0 to 1 a channel; not shaded.
-    pub(crate) color: [f32; 3],
+    pub color: [f32; 3],
 }

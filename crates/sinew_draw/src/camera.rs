@@ -4,25 +4,25 @@ use glam::{Vec3, Vec4};
 
 /// A perspective camera; up is +Y.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Camera {
+pub struct Camera {
     /// Where it stands.
-    pub(crate) eye: Vec3,
+    pub eye: Vec3,
     /// What it looks at. The distance also sets the scale of the ground's squares and of its fading.
-    pub(crate) target: Vec3,
+    pub target: Vec3,
     /// Vertical angle of view, in radians.
-    pub(crate) fov: f32,
+    pub fov: f32,
 }
 
 /// A camera made ready for one picture size.
 ///
 /// Depth is reversed (`near / distance`, so far is 0): with 32-bit floats that keeps precision over the whole range.
-pub(super) struct View {
-    pub(super) eye: Vec3,
-    pub(super) target: Vec3,
+pub(crate) struct View {
+    pub(crate) eye: Vec3,
+    pub(crate) target: Vec3,
     /// From the eye to the target.
-    pub(super) distance: f32,
+    pub(crate) distance: f32,
     /// Closest distance, along the view, that is drawn.
-    pub(super) near: f32,
+    pub(crate) near: f32,
     right: Vec3,
     up: Vec3,
     forward: Vec3,
@@ -31,7 +31,7 @@ pub(super) struct View {
 }
 
 impl View {
-    pub(super) fn new(camera: &Camera, aspect: f32) -> Self {
+    pub(crate) fn new(camera: &Camera, aspect: f32) -> Self {
         let forward = (camera.target - camera.eye).try_normalize().unwrap_or(Vec3::NEG_Z);
         let right = forward.cross(Vec3::Y).try_normalize().unwrap_or(Vec3::X);
         let distance = camera.eye.distance(camera.target).max(1e-3);
@@ -50,7 +50,7 @@ impl View {
 
     /// Clip coordinates of a world point; `w` is its distance along the view.
     #[inline]
-    pub(super) fn clip(&self, point: Vec3) -> Vec4 {
+    pub(crate) fn clip(&self, point: Vec3) -> Vec4 {
         let p = point - self.eye;
         let [sx, sy] = self.scale;
         Vec4::new(p.dot(self.right) / sx, p.dot(self.up) / sy, self.near, p.dot(self.forward))
@@ -58,28 +58,28 @@ impl View {
 
     /// What `x` and `y` (-1 to 1, up) look along: the eye plus this times a distance along the view is a world point.
     #[inline]
-    pub(super) fn ray(&self, x: f32, y: f32) -> Vec3 {
+    pub(crate) fn ray(&self, x: f32, y: f32) -> Vec3 {
         self.forward + self.right * (x * self.scale[0]) + self.up * (y * self.scale[1])
     }
 
     /// A direction as the eye has it: to the right, up, and away.
-    pub(super) fn turned(&self, direction: Vec3) -> Vec3 {
+    pub(crate) fn turned(&self, direction: Vec3) -> Vec3 {
         Vec3::new(direction.dot(self.right), direction.dot(self.up), direction.dot(self.forward))
     }
 
     /// Half the picture's height at distance 1.
-    pub(super) fn half_height(&self) -> f32 {
+    pub(crate) fn half_height(&self) -> f32 {
         self.scale[1]
     }
 
     /// Distance along the view of a world point.
     #[inline]
-    pub(super) fn depth(&self, point: Vec3) -> f32 {
+    pub(crate) fn depth(&self, point: Vec3) -> f32 {
         (point - self.eye).dot(self.forward)
     }
 
     /// Size in the world of one pixel, at distance 1, in a picture with this many rows.
-    pub(super) fn pixel(&self, rows: usize) -> f32 {
+    pub(crate) fn pixel(&self, rows: usize) -> f32 {
         2.0 * self.scale[1] / rows.max(1) as f32
     }
 }

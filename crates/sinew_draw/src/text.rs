@@ -8,14 +8,14 @@ use super::Image;
 
 /// How a piece of text looks.
 #[derive(Clone, Copy)]
-pub(super) struct Style {
+pub(crate) struct Style {
     /// Height of a line, in pixels.
-    pub(super) size: f32,
-    pub(super) color: [u8; 3],
+    pub(crate) size: f32,
+    pub(crate) color: [u8; 3],
 }
 
 /// Writes one line, its top left corner at (`x`, `y`); characters that the font lacks are boxes.
-pub(super) fn write(image: &mut Image, [x, y]: [f32; 2], style: Style, text: &str) {
+pub(crate) fn write(image: &mut Image, [x, y]: [f32; 2], style: Style, text: &str) {
     let font = font().as_scaled(PxScale::from(style.size));
     let mut pen = x;
     let mut last = None;
@@ -37,7 +37,7 @@ pub(super) fn write(image: &mut Image, [x, y]: [f32; 2], style: Style, text: &st
 }
 
 /// How wide a line of text gets, in pixels.
-pub(super) fn width(style: Style, text: &str) -> f32 {
+pub(crate) fn width(style: Style, text: &str) -> f32 {
     let font = font().as_scaled(PxScale::from(style.size));
     let mut last = None;
     let advance = |letter| {
@@ -49,7 +49,7 @@ pub(super) fn width(style: Style, text: &str) -> f32 {
 }
 
 /// As much of a text as fits, with an ellipsis if that is not all of it.
-pub(super) fn shortened(style: Style, text: &str, room: f32) -> String {
+pub(crate) fn shortened(style: Style, text: &str, room: f32) -> String {
     if width(style, text) <= room {
         return text.to_owned();
     }

@@ -20,14 +20,14 @@ const REACH_SEEN: f32 = 0.12;
 /// What a pixel shows, for this purpose: how far away (infinite for the sky), which way it faces as seen from the eye
 /// (right, up, away), and whether it is more than just ground or sky.
 #[derive(Clone, Copy)]
-pub(super) struct Facet {
-    pub(super) depth: f32,
-    pub(super) normal: Vec3,
-    pub(super) solid: bool,
+pub(crate) struct Facet {
+    pub(crate) depth: f32,
+    pub(crate) normal: Vec3,
+    pub(crate) solid: bool,
 }
 
 /// The open part of the sky, 0 to 1, of each pixel.
-pub(super) fn openness(view: &View, facets: &[Facet], width: usize, height: usize) -> Vec<f32> {
+pub(crate) fn openness(view: &View, facets: &[Facet], width: usize, height: usize) -> Vec<f32> {
     let around = Surroundings {
         facets,
         size: [width, height],
@@ -161,7 +161,7 @@ fn blurred(
 }
 
 /// Runs `work` on all rows of a buffer, shared among the cores.
-pub(super) fn each_row<T: Send>(
+pub(crate) fn each_row<T: Send>(
     buffer: &mut [T],
     width: usize,
     work: impl Fn(usize, &mut [T]) + Sync,

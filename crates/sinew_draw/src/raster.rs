@@ -17,25 +17,25 @@ const GUARD: f32 = 3.0;
 
 /// What a sample sees: a triangle, and the weights of its first two corners there.
 #[derive(Clone, Copy)]
-pub(super) struct Fragment {
-    pub(super) triangle: u32,
-    pub(super) weights: [f32; 2],
+pub(crate) struct Fragment {
+    pub(crate) triangle: u32,
+    pub(crate) weights: [f32; 2],
 }
 
 impl Fragment {
     /// No triangle at all.
-    pub(super) const NONE: Self = Self { triangle: u32::MAX, weights: [0.0; 2] };
+    pub(crate) const NONE: Self = Self { triangle: u32::MAX, weights: [0.0; 2] };
 }
 
 /// The samples of a picture: what each one sees and how close that is (reversed depth, 0 is nothing).
-pub(super) struct Samples {
-    pub(super) fragments: Buffer2d<Fragment>,
-    pub(super) depth: Buffer2d<f32>,
+pub(crate) struct Samples {
+    pub(crate) fragments: Buffer2d<Fragment>,
+    pub(crate) depth: Buffer2d<f32>,
 }
 
 /// Finds the nearest triangle of each sample; `project` gives clip coordinates of a triangle's corners, `None` to leave
 /// it out.
-pub(super) fn nearest(
+pub(crate) fn nearest(
     size: [usize; 2],
     near: f32,
     count: usize,
@@ -52,7 +52,7 @@ pub(super) fn nearest(
 }
 
 /// The depth closest to the light in each texel, for a projection without perspective; infinite where nothing is.
-pub(super) fn depths(
+pub(crate) fn depths(
     size: usize,
     count: usize,
     project: impl Fn(usize) -> Option<[Vec4; 3]>,

@@ -25,7 +25,7 @@ const BOUNCE: Vec3 = Vec3::new(0.33, 0.31, 0.29);
 const THROUGH: f32 = 0.35;
 
 /// Draws a scene: `width` by `height` pixels, four samples each.
-pub(crate) fn render(scene: &Scene, width: usize, height: usize) -> Image {
+pub fn render(scene: &Scene, width: usize, height: usize) -> Image {
     let mut image = Image::new(width, height, [0, 0, 0, 255]);
     if width == 0 || height == 0 {
         return image;

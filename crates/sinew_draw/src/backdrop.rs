@@ -5,9 +5,9 @@ use glam::Vec3;
 use super::{camera::View, image::linear_of};
 
 /// Colours in linear light, and the scale of the ground's squares.
-pub(super) struct Backdrop {
-    pub(super) zenith: Vec3,
-    pub(super) horizon: Vec3,
+pub(crate) struct Backdrop {
+    pub(crate) zenith: Vec3,
+    pub(crate) horizon: Vec3,
     squares: [Vec3; 2],
     cell: f32,
     target: Vec3,
@@ -16,7 +16,7 @@ pub(super) struct Backdrop {
 }
 
 impl Backdrop {
-    pub(super) fn new(view: &View, height: Option<f32>) -> Self {
+    pub(crate) fn new(view: &View, height: Option<f32>) -> Self {
         Self {
             zenith: linear_of([0.47, 0.65, 0.87]),
             horizon: linear_of([0.91, 0.94, 0.965]),
@@ -30,7 +30,7 @@ impl Backdrop {
 
     /// The sky in a direction.
     #[inline]
-    pub(super) fn sky(&self, ray: Vec3) -> Vec3 {
+    pub(crate) fn sky(&self, ray: Vec3) -> Vec3 {
         let rise = ray.y / ray.length();
         let t = (rise * 2.2).clamp(0.0, 1.0);
         self.horizon.lerp(self.zenith, t * (2.0 - t))
@@ -38,14 +38,14 @@ impl Backdrop {
 
     /// How far along `ray` the ground is, if it is seen from above.
     #[inline]
-    pub(super) fn ground_depth(&self, eye: Vec3, ray: Vec3) -> Option<f32> {
+    pub(crate) fn ground_depth(&self, eye: Vec3, ray: Vec3) -> Option<f32> {
         let below = eye.y - self.height?;
         (below > 0.0 && ray.y < 0.0).then(|| below / -ray.y)
     }
 
     /// The ground's own colour at a point, for a sample this wide, and how much of it has faded into the sky there.
     #[inline]
-    pub(super) fn ground(&self, point: Vec3, width: [f32; 2]) -> (Vec3, f32) {
+    pub(crate) fn ground(&self, point: Vec3, width: [f32; 2]) -> (Vec3, f32) {
         let square = |x: f32, width: f32| {
             // The mean over the sample's width of a wave that is +1 on even squares and -1 on odd ones.
             let w = (width / self.cell).max(1e-3);

@@ -6,12 +6,12 @@ use glam::{Vec3, Vec4};
 use super::{camera::View, geometry::Triangle, raster};
 
 /// The scene as the sun sees it.
-pub(super) struct ShadowMap {
+pub(crate) struct ShadowMap {
     depth: Buffer2d<f32>,
     /// Texels along a side.
     size: usize,
     /// Towards the sun, and two directions across.
-    pub(super) sun: Vec3,
+    pub(crate) sun: Vec3,
     right: Vec3,
     up: Vec3,
     /// Middle and half width of what is covered, across; texel size in the world.
@@ -22,7 +22,7 @@ pub(super) struct ShadowMap {
 
 impl ShadowMap {
     /// Covers all triangles that are within sight; one that flew off to the horizon must not cost the rest its detail.
-    pub(super) fn new(triangles: &[Triangle], sun: Vec3, view: &View, size: usize) -> Self {
+    pub(crate) fn new(triangles: &[Triangle], sun: Vec3, view: &View, size: usize) -> Self {
         let sun = sun.try_normalize().unwrap_or(Vec3::Y);
         // Upright like the world, so that what stands upright there fills few texels here.
         let right = Vec3::Y.cross(sun).try_normalize().unwrap_or(Vec3::X);
@@ -68,7 +68,7 @@ impl ShadowMap {
 
     /// The lit part, 0 to 1, of a point on a surface with this true normal, which faces the sun.
     #[inline]
-    pub(super) fn light(&self, point: Vec3, normal: Vec3) -> f32 {
+    pub(crate) fn light(&self, point: Vec3, normal: Vec3) -> f32 {
         let cosine = normal.dot(self.sun).clamp(0.0, 1.0);
         let sine = (1.0 - cosine * cosine).sqrt();
         // Lifted off the surface by as much as the surface slopes over the width of the soft edge: what lies there is

@@ -6,7 +6,7 @@ use super::image::linear_of;
 
 /// A repeating picture to lay on an item, with smaller copies of itself for when it is far away.
 #[derive(Clone, Debug)]
-pub(crate) struct Texture {
+pub struct Texture {
     levels: Vec<Level>,
 }
 
@@ -21,7 +21,7 @@ struct Level {
 impl Texture {
     /// From sRGB bytes, four a pixel, rows from the top; alpha is not looked at. Panics when `rgba` is too short or the
     /// picture is empty.
-    pub(crate) fn from_rgba8(width: usize, height: usize, rgba: &[u8]) -> Self {
+    pub fn from_rgba8(width: usize, height: usize, rgba: &[u8]) -> Self {
         assert!(
             width > 0 && height > 0 && rgba.len() >= width * height * 4,
             "a texture needs its texels"
@@ -42,13 +42,13 @@ impl Texture {
     }
 
     /// Texels in the full picture.
-    pub(super) fn area(&self) -> f32 {
+    pub(crate) fn area(&self) -> f32 {
         (self.levels[0].width * self.levels[0].height) as f32
     }
 
     /// Linear light at `uv`; `lod` is how many times the picture is halved, so that a texel is about a sample wide.
     #[inline]
-    pub(super) fn sample(&self, uv: Vec2, lod: f32) -> Vec3 {
+    pub(crate) fn sample(&self, uv: Vec2, lod: f32) -> Vec3 {
         let lod = lod.clamp(0.0, (self.levels.len() - 1) as f32);
         let level = lod as usize;
         let fine = self.levels[level].bilinear(uv);

@@ -16,29 +16,29 @@ const LINE_SAMPLES: f32 = 1.6;
 const LINE: f32 = 0.0018;
 
 /// A triangle in the world with what shading needs at its corners.
-pub(super) struct Triangle {
-    pub(super) positions: [Vec3; 3],
-    pub(super) normals: [Vec3; 3],
-    pub(super) uvs: [Vec2; 3],
+pub(crate) struct Triangle {
+    pub(crate) positions: [Vec3; 3],
+    pub(crate) normals: [Vec3; 3],
+    pub(crate) uvs: [Vec2; 3],
     /// The true normal of the plane, turned to the eye for a sheet.
-    pub(super) face: Vec3,
+    pub(crate) face: Vec3,
     /// How many times a texture has to be halved here.
-    pub(super) lod: f32,
+    pub(crate) lod: f32,
     /// Which item or line it came from.
-    pub(super) source: Source,
+    pub(crate) source: Source,
     /// Turned away from the eye: not drawn, but it still casts a shadow.
-    pub(super) hidden: bool,
+    pub(crate) hidden: bool,
 }
 
 /// Where a triangle came from.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Source {
+pub(crate) enum Source {
     Item(usize),
     Line(usize),
 }
 
 /// All triangles of a scene, for a picture with this many rows of samples.
-pub(super) fn triangles(scene: &Scene, view: &View, rows: usize) -> Vec<Triangle> {
+pub(crate) fn triangles(scene: &Scene, view: &View, rows: usize) -> Vec<Triangle> {
     let mut out = Vec::with_capacity(
         scene.items.iter().map(|i| i.indices.len()).sum::<usize>() + scene.lines.len() * 4,
     );
