@@ -20,17 +20,20 @@ pub enum Heading {
     Soft,
     /// Contacts, friction, restitution.
     Contacts,
+    /// Everything at once: to play with, to look at, to count.
+    Together,
 }
 
 impl Heading {
     /// All headings, in the order in which a gallery shows them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Forces,
         Self::Integration,
         Self::Constraints,
         Self::Bodies,
         Self::Soft,
         Self::Contacts,
+        Self::Together,
     ];
 
     /// What it is called on a screen.
@@ -42,6 +45,7 @@ impl Heading {
             Self::Bodies => "Bodies",
             Self::Soft => "Ropes, cloth, soft bodies",
             Self::Contacts => "Contacts and friction",
+            Self::Together => "All together",
         }
     }
 }

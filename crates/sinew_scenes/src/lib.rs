@@ -59,6 +59,7 @@
 //! | `least` | the least mass-weighted displacement, and others |
 //! | `areas` | an area by scaling and by its gradient |
 //! | `spins` | rotations by three integrators, and their energies |
+//! | `playground` | a stage to spawn on, pin, tie, cut and shoot, saved to a file |
 
 mod arrow;
 mod bevy_version;
@@ -68,11 +69,15 @@ mod readings;
 mod rounds;
 mod scenes;
 mod shapes;
+mod skin;
+mod toys;
 
 pub use lesson::{Heading, Lesson, OnStage, SceneSlider};
 pub use look::Look;
 pub use scenes::{ALL, Scene, find};
 pub use shapes::{ball, capsule, coil, cylinder, rounded_box};
+pub use skin::{Skin, SkinShape};
+pub use toys::Toy;
 
 use bevy::prelude::*;
 use bevy_sinew::{
@@ -91,6 +96,10 @@ impl Plugin for ScenesPlugin {
     fn build(&self, app: &mut App) {
         // What is put back has its looks again, and goes with its scene. Neither is part of what is compared or saved.
         app.register_unsaved_state::<Look>().register_unsaved_state::<InScene>();
+        // What is read from a file has its looks from here.
+        app.register_state::<Skin>()
+            .add_observer(skin::dress)
+            .add_systems(Update, skin::dress_again);
         app.register_type::<Look>().add_observer(dress_part).add_observer(scenes::ropes::tie_ends);
         app.add_systems(Last, lesson::measure);
         app.add_systems(
@@ -172,11 +181,16 @@ fn dress_part(
         return;
     };
     let look = bodies.get(body.0).cloned().unwrap_or_default();
+    let mesh = part_mesh(part, name);
+    commands.entity(added.entity).insert((Mesh3d(meshes.add(mesh)), look));
+}
+
+/// The skin of a part of a ragdoll, by what it is called.
+fn part_mesh(part: &BodyPart, name: &Name) -> Mesh {
     let size = part.size;
-    let mesh = match name.as_str() {
+    match name.as_str() {
         "torso" | "pelvis" => rounded_box(size, size.min_element() * 0.42, 5),
         "head" => rounded_box(size, size.min_element() * 0.5, 6),
         _ => capsule(size.x * 0.5, size.y),
-    };
-    commands.entity(added.entity).insert((Mesh3d(meshes.add(mesh)), look));
+    }
 }

@@ -2,6 +2,7 @@
 
 mod screenshots;
 mod stage;
+mod tools;
 mod ui;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -75,6 +76,7 @@ fn open(first: &'static Scene, for_pictures: bool) -> App {
     ));
     stage::add(&mut app);
     ui::add(&mut app);
+    tools::add(&mut app);
     app.insert_resource(Programme {
         current: first,
         begun: false,

@@ -17,6 +17,7 @@ use sinew_panel::{
 use sinew_scenes::{ALL, Heading, OnStage, Scene};
 
 use super::Programme;
+use super::tools::{self, Tools};
 
 /// Adds the panel, the keys, and the camera that egui draws with.
 pub(super) fn add(app: &mut App) {
@@ -56,6 +57,7 @@ fn draw(
     mut panel: PanelParams,
     mut programme: ResMut<Programme>,
     stage: Option<Res<OnStage>>,
+    mut tools: ResMut<Tools>,
     mut styled: Local<bool>,
 ) -> Result {
     let ctx = contexts.ctx_mut()?;
@@ -72,6 +74,9 @@ fn draw(
         if let Some(values) = stage.as_deref().and_then(|stage| lesson(ui, stage)) {
             programme.wanted = Some(current);
             programme.values = Some(values);
+        }
+        if tools::is_on(stage.as_deref()) {
+            tools::bar(ui, &mut tools);
         }
         for heading in Heading::ALL {
             ui.label(egui::RichText::new(heading.title()).strong());
@@ -191,14 +196,17 @@ fn leave_room(
     }
 }
 
-/// The pointer turns the camera only where it is not over the panel and holds nothing. (Over the panel it grabs nothing by itself: Bevy's picking gives
+/// The pointer turns the camera only where it is not over the panel, holds nothing and is not at work with a tool. (Over the panel it grabs nothing by itself: Bevy's picking gives
 /// egui the press.)
 fn share_pointer(
     egui: Res<EguiWantsInput>,
     drag: Res<MouseDrag>,
+    tools: Res<Tools>,
+    buttons: Res<ButtonInput<MouseButton>>,
     mut camera: Single<&mut PanOrbitCamera>,
 ) {
-    let free = !egui.wants_any_pointer_input() && drag.grabbed.is_none();
+    let works = tools.is_armed() && buttons.pressed(MouseButton::Left);
+    let free = !egui.wants_any_pointer_input() && drag.grabbed.is_none() && !works;
     if camera.enabled != free {
         camera.enabled = free;
     }

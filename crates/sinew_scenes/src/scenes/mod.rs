@@ -36,6 +36,7 @@ mod pendulums;
 mod pile;
 mod planar;
 mod plane;
+mod playground;
 mod race;
 mod ragdoll;
 mod rails;
@@ -141,6 +142,7 @@ pub const ALL: &[Scene] = &[
     least::SCENE,
     areas::SCENE,
     spins::SCENE,
+    playground::SCENE,
 ];
 
 /// The scene of that name.

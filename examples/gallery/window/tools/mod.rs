@@ -1,0 +1,250 @@
+//! The tools of the playground: what a visitor does with keys and pointer, and a bar of buttons for the same.
+//!
+//! A key acts where the pointer is, at once. A button arms its tool: every press in the view acts until it is put away.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `aim` | what lies under a pointer, and by what something is tied there |
+//! | `work` | what each tool does |
+//! | `cut` | threads, ropes and springs that are cut, and what is drawn of them |
+//! | `file` | all of it saved and loaded |
+//! | `bar` | the buttons |
+
+mod aim;
+mod bar;
+mod cut;
+mod file;
+#[cfg(test)]
+mod tests;
+mod work;
+
+use std::path::PathBuf;
+
+use bevy::camera::Camera;
+use bevy::picking::backend::ray::RayMap;
+use bevy::picking::pointer::{PointerAction, PointerButton, PointerId, PointerInput};
+use bevy::prelude::*;
+use bevy_egui::input::EguiWantsInput;
+use bevy_sinew::{MouseDrag, RegisterState};
+use sinew_panel::{Recording, Selection};
+use sinew_scenes::{OnStage, Toy};
+
+pub(super) use bar::bar;
+
+use aim::Spot;
+use work::Hook;
+
+/// The scene that has them.
+const SCENE: &str = "playground";
+
+/// Something to do with a pointer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Tool {
+    /// A new body where the pointer is.
+    Spawn(Toy),
+    /// Holds a point of a body where it is, or lets it go.
+    Pin,
+    /// The first and the second end of a rod, of a rope.
+    Rod,
+    Rope,
+    /// Cuts what is near the pointer.
+    Cut,
+    /// A ball from the camera.
+    Shoot,
+    /// Takes a body away.
+    Remove,
+    Save,
+    Load,
+}
+
+/// Each tool with its key.
+const TOOLS: [(Tool, KeyCode); 14] = [
+    (Tool::Spawn(Toy::Crate), KeyCode::Digit1),
+    (Tool::Spawn(Toy::Ball), KeyCode::Digit2),
+    (Tool::Spawn(Toy::Rope), KeyCode::Digit3),
+    (Tool::Spawn(Toy::Cloth), KeyCode::Digit4),
+    (Tool::Spawn(Toy::Jelly), KeyCode::Digit5),
+    (Tool::Spawn(Toy::Ragdoll), KeyCode::Digit6),
+    (Tool::Pin, KeyCode::KeyP),
+    (Tool::Rod, KeyCode::KeyT),
+    (Tool::Rope, KeyCode::KeyY),
+    (Tool::Cut, KeyCode::KeyX),
+    (Tool::Shoot, KeyCode::KeyF),
+    (Tool::Remove, KeyCode::Delete),
+    (Tool::Save, KeyCode::F5),
+    (Tool::Load, KeyCode::F9),
+];
+
+impl Tool {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Spawn(toy) => toy.name(),
+            Self::Pin => "Pin",
+            Self::Rod => "Rod",
+            Self::Rope => "Tie",
+            Self::Cut => "Cut",
+            Self::Shoot => "Shoot",
+            Self::Remove => "Remove",
+            Self::Save => "Save",
+            Self::Load => "Load",
+        }
+    }
+
+    fn hint(self) -> &'static str {
+        match self {
+            Self::Spawn(_) => {
+                "A new one where the pointer is; in front of the camera if it is nowhere."
+            }
+            Self::Pin => "Holds a point of a body where it is. On a pin: lets it go.",
+            Self::Rod => "A rod from one point to another: two presses.",
+            Self::Rope => "A rope from one point to another: two presses.",
+            Self::Cut => {
+                "Cuts threads, ropes and rods that the pointer passes while it is pressed."
+            }
+            Self::Shoot => "A ball of 4 kg from the camera.",
+            Self::Remove => "Takes away the body, or the pin, under the pointer.",
+            Self::Save => "Writes everything to the file.",
+            Self::Load => "Reads everything from the file. A broken one changes nothing.",
+        }
+    }
+
+    /// Whether it goes on while the key or the button is down.
+    fn goes_on(self) -> bool {
+        self == Self::Cut
+    }
+
+    /// Whether it needs no place, and is done as soon as its button is clicked.
+    fn is_done_at_once(self) -> bool {
+        matches!(self, Self::Save | Self::Load)
+    }
+}
+
+/// What the visitor is at.
+#[derive(Resource)]
+pub(super) struct Tools {
+    /// What a press in the view does, instead of dragging.
+    armed: Option<Tool>,
+    /// What is to be done in this frame, and along which ray.
+    asked: Vec<(Tool, Ray3d)>,
+    /// What was clicked in the bar and needs no place.
+    clicked: Option<Tool>,
+    /// The first end of a rod or a rope, and the mark that shows it.
+    first: Option<(Spot, Entity)>,
+    /// How many bodies were spawned: each has a colour of its own.
+    spawned: usize,
+    /// The file.
+    path: PathBuf,
+    /// What came of it last.
+    said: String,
+}
+
+impl Default for Tools {
+    fn default() -> Self {
+        let program = std::env::current_exe().unwrap_or_default();
+        let folder = program.parent().map(PathBuf::from).unwrap_or_default();
+        Self {
+            armed: None,
+            asked: Vec::new(),
+            clicked: None,
+            first: None,
+            spawned: 0,
+            path: folder.join("playground.ron"),
+            said: String::new(),
+        }
+    }
+}
+
+impl Tools {
+    /// Whether a press in the view is for a tool.
+    pub(super) fn is_armed(&self) -> bool {
+        self.armed.is_some()
+    }
+}
+
+/// Adds the tools. They work wherever there are pointers with rays, with a window or without.
+pub(super) fn add(app: &mut App) {
+    app.init_resource::<Tools>()
+        .init_resource::<Recording>()
+        .init_resource::<Selection>()
+        .register_state::<Hook>()
+        .add_systems(Update, (listen, work::work).chain());
+}
+
+/// Whether the scene with the tools is on.
+pub(super) fn is_on(stage: Option<&OnStage>) -> bool {
+    stage.is_some_and(|stage| stage.scene.name == SCENE)
+}
+
+/// Hears keys, and presses of the pointer while a tool is armed.
+fn listen(
+    mut commands: Commands,
+    mut tools: ResMut<Tools>,
+    mut drag: ResMut<MouseDrag>,
+    mut inputs: MessageReader<PointerInput>,
+    mut down: Local<bool>,
+    stage: Option<Res<OnStage>>,
+    keys: Option<Res<ButtonInput<KeyCode>>>,
+    egui: Option<Res<EguiWantsInput>>,
+    rays: Res<RayMap>,
+    cameras: Query<(Entity, &GlobalTransform), (With<Camera>, Without<Camera2d>)>,
+) {
+    if !is_on(stage.as_deref()) {
+        inputs.clear();
+        *down = false;
+        put_away(&mut commands, &mut tools, &mut drag);
+        return;
+    }
+    let (no_keys, no_pointer) = egui.map_or((false, false), |egui| {
+        (egui.wants_keyboard_input(), egui.wants_any_pointer_input())
+    });
+    let Ok((camera, frame)) = cameras.single() else { return };
+    let own = rays.iter().find(|(id, _)| id.pointer == PointerId::Mouse && id.camera == camera);
+    let pointed = own.map(|(_, ray)| *ray);
+    // A key that is pressed while the pointer is elsewhere acts in the middle of the view.
+    let ray = pointed.unwrap_or(Ray3d::new(frame.translation(), frame.forward()));
+
+    let mut pressed = false;
+    for input in inputs.read() {
+        match input.action {
+            PointerAction::Press(PointerButton::Primary) if !no_pointer => {
+                (*down, pressed) = (true, true);
+            }
+            PointerAction::Release(PointerButton::Primary) | PointerAction::Cancel => *down = false,
+            _ => {}
+        }
+    }
+    let armed = tools.armed.filter(|tool| pressed || (*down && tool.goes_on()));
+    if let Some((tool, ray)) = armed.zip(pointed) {
+        tools.asked.push((tool, ray));
+    }
+    if let Some(tool) = tools.clicked.take() {
+        tools.asked.push((tool, ray));
+    }
+    if let Some(keys) = keys.filter(|_| !no_keys) {
+        for (tool, key) in TOOLS {
+            if keys.just_pressed(key) || (tool.goes_on() && keys.pressed(key)) {
+                tools.asked.push((tool, ray));
+            }
+        }
+        if keys.just_pressed(KeyCode::Escape) {
+            put_away(&mut commands, &mut tools, &mut drag);
+        }
+    }
+    // Whoever has a tool in hand drags nothing.
+    let button = tools.armed.is_none().then_some(PointerButton::Primary);
+    if drag.button != button {
+        drag.button = button;
+    }
+}
+
+/// The pointer drags again, and nothing is begun.
+fn put_away(commands: &mut Commands, tools: &mut Tools, drag: &mut MouseDrag) {
+    if tools.armed.take().is_some() {
+        drag.button = Some(PointerButton::Primary);
+    }
+    if let Some((_, mark)) = tools.first.take() {
+        commands.entity(mark).try_despawn();
+    }
+    tools.asked.clear();
+    tools.clicked = None;
+}
