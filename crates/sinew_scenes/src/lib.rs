@@ -60,6 +60,7 @@
 //! | `areas` | an area by scaling and by its gradient |
 //! | `spins` | rotations by three integrators, and their energies |
 //! | `playground` | a stage to spawn on, pin, tie, cut and shoot, saved to a file |
+//! | `events` | sensors that count, layers that let red through, boxes that flash by the impulse of a contact |
 
 mod arrow;
 mod bevy_version;
@@ -114,6 +115,7 @@ impl Plugin for ScenesPlugin {
                 scenes::impulses::push,
                 scenes::damping::damp,
                 rounds::begin_anew,
+                scenes::events::dispense,
             ),
         );
         // What is drawn of a tick, when it is over.
@@ -126,6 +128,7 @@ impl Plugin for ScenesPlugin {
             scenes::spins::step_bricks,
             scenes::capacitor::draw_forces,
             scenes::masses::draw_ways,
+            scenes::events::hear,
         );
         app.add_systems(FixedLast, drawn);
     }

@@ -18,6 +18,7 @@ mod crates;
 mod curtain;
 pub(crate) mod damping;
 mod drape;
+pub(crate) mod events;
 mod feathers;
 mod flag;
 mod flatland;
@@ -143,6 +144,7 @@ pub const ALL: &[Scene] = &[
     areas::SCENE,
     spins::SCENE,
     playground::SCENE,
+    events::SCENE,
 ];
 
 /// The scene of that name.
