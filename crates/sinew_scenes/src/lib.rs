@@ -61,6 +61,7 @@
 //! | `spins` | rotations by three integrators, and their energies |
 //! | `playground` | a stage to spawn on, pin, tie, cut and shoot, saved to a file |
 //! | `events` | sensors that count, layers that let red through, boxes that flash by the impulse of a contact |
+//! | `stage` | flag, capes, lanterns, bridge, heap, ragdolls and a river at once |
 
 mod arrow;
 mod bevy_version;

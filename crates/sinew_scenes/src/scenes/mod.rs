@@ -48,6 +48,7 @@ mod slopes;
 mod soft;
 pub(crate) mod spins;
 mod square;
+mod stage;
 mod stairs;
 pub(crate) mod step;
 mod straight;
@@ -145,6 +146,7 @@ pub const ALL: &[Scene] = &[
     spins::SCENE,
     playground::SCENE,
     events::SCENE,
+    stage::SCENE,
 ];
 
 /// The scene of that name.
