@@ -62,6 +62,7 @@
 //! | `playground` | a stage to spawn on, pin, tie, cut and shoot, saved to a file |
 //! | `events` | sensors that count, layers that let red through, boxes that flash by the impulse of a contact |
 //! | `stage` | flag, capes, lanterns, bridge, heap, ragdolls and a river at once |
+//! | `million` | up to a million particles and two million springs: waves on a lake |
 
 mod arrow;
 mod bevy_version;

@@ -30,6 +30,7 @@ mod jelly;
 pub(crate) mod least;
 mod loads;
 pub(crate) mod masses;
+mod million;
 mod net;
 mod orbits;
 pub(crate) mod orders;
@@ -147,6 +148,7 @@ pub const ALL: &[Scene] = &[
     playground::SCENE,
     events::SCENE,
     stage::SCENE,
+    million::SCENE,
 ];
 
 /// The scene of that name.
