@@ -61,6 +61,7 @@
 //! | `spins` | rotations by three integrators, and their energies |
 //! | `playground` | a stage to spawn on, pin, tie, cut and shoot, saved to a file |
 //! | `events` | sensors that count, layers that let red through, boxes that flash by the impulse of a contact |
+//! | `sleep` | a field of stacks asleep, and what a ball wakes of it |
 //! | `stage` | flag, capes, lanterns, bridge, heap, ragdolls and a river at once |
 //! | `million` | up to a million particles and two million springs: waves on a lake |
 
@@ -118,6 +119,7 @@ impl Plugin for ScenesPlugin {
                 scenes::damping::damp,
                 rounds::begin_anew,
                 scenes::events::dispense,
+                scenes::sleep::throw,
             ),
         );
         // What is drawn of a tick, when it is over.
@@ -131,6 +133,7 @@ impl Plugin for ScenesPlugin {
             scenes::capacitor::draw_forces,
             scenes::masses::draw_ways,
             scenes::events::hear,
+            scenes::sleep::watch,
         );
         app.add_systems(FixedLast, drawn);
     }

@@ -45,6 +45,7 @@ mod rails;
 mod repose;
 pub(crate) mod reversal;
 pub(crate) mod ropes;
+pub(crate) mod sleep;
 mod slopes;
 mod soft;
 pub(crate) mod spins;
@@ -147,6 +148,7 @@ pub const ALL: &[Scene] = &[
     spins::SCENE,
     playground::SCENE,
     events::SCENE,
+    sleep::SCENE,
     stage::SCENE,
     million::SCENE,
 ];
