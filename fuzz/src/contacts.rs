@@ -97,9 +97,11 @@ pub(crate) fn operate(world: &mut Simulation, input: &mut Input, most: usize) {
         7 => {
             let sleep = Sleep {
                 allowed: !input.rarely(4),
+                keeps_awake: input.rarely(8),
                 speed: input.mostly(|input| input.positive() / 16.0),
                 still: input.mostly(|_| 0.4),
                 asleep: input.rarely(4),
+                ties: u64::from(input.below(3)),
             };
             world.sleep.truncate(MOST_BODIES - 1);
             world.sleep.push(sleep);
