@@ -59,6 +59,7 @@ fn draw(
     stage: Option<Res<OnStage>>,
     mut tools: ResMut<Tools>,
     mut styled: Local<bool>,
+    mut last: Local<&'static str>,
 ) -> Result {
     let ctx = contexts.ctx_mut()?;
     if !*styled {
@@ -78,9 +79,15 @@ fn draw(
         if tools::is_on(stage.as_deref()) {
             tools::bar(ui, &mut tools);
         }
+        // Sixty names would push the panel off the screen: the heading of the scene that is on is open, whatever else a visitor opens.
+        let changed = core::mem::replace(&mut *last, current.name) != current.name;
         for heading in Heading::ALL {
-            ui.label(egui::RichText::new(heading.title()).strong());
-            if let Some(scene) = scenes_of(ui, heading, current) {
+            let opens = changed.then_some(heading == current.heading);
+            let title = egui::RichText::new(heading.title()).strong();
+            let list = egui::CollapsingHeader::new(title).open(opens);
+            let clicked =
+                list.show_unindented(ui, |ui| scenes_of(ui, heading, current)).body_returned;
+            if let Some(scene) = clicked.flatten() {
                 programme.wanted = Some(scene);
                 programme.values = None;
             }
