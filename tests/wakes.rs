@@ -249,3 +249,36 @@ fn the_upper_one_falls_onto_the_floor_when_the_lower_one_is_gone() {
     assert!((height - 0.5 * SIZE).abs() < 0.01, "it lies at {height}");
     assert!(all.app.world().get::<BodyParticles>(all.upper).is_some());
 }
+
+/// It fell asleep in a lull, and the next gust found it pinned to the ground.
+#[test]
+fn what_gusts_may_move_does_not_sleep_in_them() {
+    let app_in = |pressure: f32| {
+        let mut app = app();
+        let world = app.world_mut();
+        world.spawn((Ground, SurfaceMaterial::new(1.0)));
+        let wind = Wind { pressure: Vec3::X * pressure, gusts: 0.5, ..default() };
+        let wind = world.spawn(wind).id();
+        let light = RigidBox::new(Vec3::splat(0.5)).with_mass(2.0);
+        let light = world.spawn((light, Transform::from_xyz(0.0, 0.25, 0.0))).id();
+        let cube = SoftBody::cuboid(Vec3::splat(0.5), UVec3::splat(2));
+        let soft = world.spawn((cube, Transform::from_xyz(4.0, 0.3, 0.0))).id();
+        let heavy = RigidBox::new(Vec3::splat(0.5)).with_mass(500.0);
+        let heavy = world.spawn((heavy, Transform::from_xyz(9.0, 0.25, 0.0))).id();
+        tick(&mut app, 900);
+        (app, wind, [light, soft, heavy])
+    };
+    let asleep =
+        |app: &App, all: [Entity; 3]| all.map(|b| app.world().get::<Sleep>(b).unwrap().asleep);
+    // A breeze is felt by nobody; what blows a carton about leaves a chest alone.
+    let (mut app, wind, all) = app_in(0.01);
+    assert_eq!(asleep(&app, all), [true; 3], "in a breeze");
+    // What fills the world wakes all when it changes; the chest falls asleep again.
+    app.world_mut().get_mut::<Wind>(wind).unwrap().pressure.x = 40.0;
+    tick(&mut app, 2);
+    assert_eq!(asleep(&app, all), [false; 3], "when it freshens");
+    tick(&mut app, 120);
+    assert_eq!(asleep(&app, all), [false, false, true], "since it freshened");
+    let (app, _, all) = app_in(40.0);
+    assert_eq!(asleep(&app, all), [false, false, true], "in gusts");
+}

@@ -101,7 +101,7 @@ pub(crate) fn operate(world: &mut Simulation, input: &mut Input, most: usize) {
                 speed: input.mostly(|input| input.positive() / 16.0),
                 still: input.mostly(|_| 0.4),
                 asleep: input.rarely(4),
-                ties: u64::from(input.below(3)),
+                support_hash: u64::from(input.below(3)),
             };
             world.sleep.truncate(MOST_BODIES - 1);
             world.sleep.push(sleep);

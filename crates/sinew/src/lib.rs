@@ -58,6 +58,7 @@
 //! | `lanes` | eight numbers side by side, on whatever instructions there are, to the same bits; the only `unsafe` |
 //! | `threads` | tasks, and the [`Workers`] that a caller may lend |
 //! | `convex_hull` | the smallest body without dents around points |
+//! | `hash` | one number for many |
 //! | `same_place` | which vertices of a mesh are one |
 //! | `union_find` | which of many belong together: islands, sleepers, zones, pieces of a mesh |
 //! | [`pose`] | transform, velocity, spin and inertia out of particles |
@@ -78,6 +79,7 @@ pub mod collide;
 pub mod constraints;
 pub(crate) mod convex_hull;
 pub mod forces;
+pub(crate) mod hash;
 pub mod integrate;
 pub(crate) mod islands;
 pub(crate) mod lanes;

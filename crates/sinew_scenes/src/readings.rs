@@ -37,6 +37,14 @@ pub(crate) fn points_of(world: &mut World, name: &str) -> Vec<Vec3> {
     points
 }
 
+/// How far the particles of the body of a name are spread along x, metres.
+pub(crate) fn width_of(world: &mut World, name: &str) -> Option<f64> {
+    let along = points_of(world, name).into_iter().map(|point| f64::from(point.x));
+    let (least, most) =
+        along.fold((f64::MAX, f64::MIN), |(least, most), x| (least.min(x), most.max(x)));
+    (least < most).then_some(most - least)
+}
+
 /// By how much each hard rod of the bodies of a name is too long or too short, as a share of its length.
 pub(crate) fn strains_of(world: &mut World, name: &str) -> Vec<f64> {
     let bodies = all_named(world, name);

@@ -17,7 +17,8 @@ use bevy::prelude::*;
 /// - something that fills the world changes or moves: gravity, air, winds, fluids, fields, attractors. Then all wake;
 /// - a system of the game's own adds a force to it within a tick, or moves it ([`ParticlesMut`](crate::SinewWorld::particles_mut)): it wakes with the next one.
 ///
-/// What carries charges does not sleep, as what they do to each other changes with each of them; nor does what touches somebody who asks for
+/// What carries charges does not sleep, as what they do to each other changes with each of them; nor does what has a skin
+/// ([`WindSurface`](crate::WindSurface)) while gusts may push it by more than a tenth of its weight; nor what touches somebody who asks for
 /// [every contact](crate::ContactEvents::Every).
 ///
 /// ```
@@ -40,9 +41,9 @@ pub struct Sleep {
     pub still: f32,
     /// Whether it sleeps. To wake it by hand, take [`Sleep::default`].
     pub asleep: bool,
-    /// What it and all that it lay beside were made of and hung on when it fell asleep: a number made of masses, constraints and springs. Where that is another
+    /// Hash of what it and all that it lay beside were made of, lay on and hung on when it fell asleep: places, masses, constraints, springs, colliders. Where that is another
     /// one, it wakes. Default 0, while it is awake.
-    pub ties: u64,
+    pub support_hash: u64,
     /// What surrounded it when that was last looked at: a number made of gravity and of all air, winds, fluids and fields, which wake it when
     /// they change. Default 0, when it has not been looked at.
     pub around: u64,
@@ -50,8 +51,8 @@ pub struct Sleep {
 
 impl Default for Sleep {
     fn default() -> Self {
-        let sinew::Sleep { speed, still, asleep, ties, .. } = sinew::Sleep::default();
-        Self { speed, still, asleep, ties, around: 0 }
+        let sinew::Sleep { speed, still, asleep, support_hash, .. } = sinew::Sleep::default();
+        Self { speed, still, asleep, support_hash, around: 0 }
     }
 }
 

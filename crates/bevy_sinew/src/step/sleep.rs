@@ -119,8 +119,8 @@ pub(crate) fn gather_sleep(
         let row = rows.current(&tables.layout).iter().find(|&&row| row != GONE);
         let body = row.and_then(|&row| simulation.particles.body(row as usize));
         if let Some(own) = body.and_then(|body| simulation.sleep.get_mut(body as usize)) {
-            let Sleep { speed, still, asleep, ties, .. } = *sleep;
-            *own = sinew::Sleep { allowed: true, keeps_awake, speed, still, asleep, ties };
+            let Sleep { speed, still, asleep, support_hash, .. } = *sleep;
+            *own = sinew::Sleep { allowed: true, keeps_awake, speed, still, asleep, support_hash };
         }
     }
     tables.asleep.extend(simulation.sleep.iter().map(|body| body.asleep));
@@ -164,7 +164,12 @@ pub(crate) fn keep_sleep(
         let row = rows.current(&tables.layout).iter().find(|&&row| row != GONE);
         let body = row.and_then(|&row| simulation.particles.body(row as usize));
         let Some(own) = body.and_then(|body| simulation.sleep.get(body as usize)) else { continue };
-        let kept = Sleep { still: own.still, asleep: own.asleep, ties: own.ties, ..*sleep };
+        let kept = Sleep {
+            still: own.still,
+            asleep: own.asleep,
+            support_hash: own.support_hash,
+            ..*sleep
+        };
         sleep.set_if_neq(kept);
     }
 }

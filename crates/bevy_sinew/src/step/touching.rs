@@ -40,6 +40,7 @@ pub(crate) fn tell_contacts(
     mut anew: Local<Vec<Entity>>,
     mut told: Local<Vec<Told>>,
     mut order: Local<Vec<(Option<CreationOrder>, Entity)>>,
+    mut lists: Local<Lists>,
 ) {
     anew.clear();
     anew.extend(moved.iter().chain(rescaled.read()).chain(orphans.0.drain(..)));
@@ -70,11 +71,20 @@ pub(crate) fn tell_contacts(
         let is_new = |entity: &Entity| !anew.is_empty() && anew.binary_search(entity).is_ok();
         let goes_on = |other: &Entity| !is_new(&entity) && !is_new(other);
         let every = if *events == ContactEvents::Every { now } else { Default::default() };
+        let unchanged = now.iter().map(|one| one.1).eq(touching.0.iter().copied());
+        if unchanged && touching.0.iter().all(goes_on) {
+            report_impulses(every, &mut impulses, &mut commands);
+            continue;
+        }
+        // Sorted, for a floor may touch a thousand.
+        let Lists { met, known } = &mut *lists;
+        sort(met, now.iter().map(|one| one.1));
+        sort(known, touching.0.iter().copied());
         // Two that rest against each other are not solved, and touch all the same.
-        let met = |other: &Entity| now.iter().any(|one| one.1 == *other);
+        let met = |other: &Entity| met.binary_search(other).is_ok();
         let rests = |other: &Entity| !met(other) && resting.do_rest(entity, *other);
         let touches = |other: &Entity| goes_on(other) && (met(other) || rests(other));
-        let began = |one: &&Told| !goes_on(&one.1) || !touching.0.contains(&one.1);
+        let began = |one: &&Told| !goes_on(&one.1) || known.binary_search(&one.1).is_err();
         if touching.0.iter().all(touches) && !now.iter().any(|one| began(&one)) {
             report_impulses(every, &mut impulses, &mut commands);
             continue;
@@ -97,6 +107,19 @@ pub(crate) fn tell_contacts(
         touching.0.clear();
         touching.0.extend(now.iter().map(|one| one.1).chain(resting));
     }
+}
+
+/// Whom one meets in a tick, and whom it touched before, sorted. Scratch.
+#[derive(Default)]
+pub(crate) struct Lists {
+    met: Vec<Entity>,
+    known: Vec<Entity>,
+}
+
+fn sort(list: &mut Vec<Entity>, all: impl Iterator<Item = Entity>) {
+    list.clear();
+    list.extend(all);
+    list.sort_unstable();
 }
 
 /// Who rests.

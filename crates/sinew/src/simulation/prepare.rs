@@ -45,7 +45,7 @@ impl Simulation {
         );
         changes.clear();
         scratch.loads.expire();
-        scratch.sleep_scratch.forget_ties();
+        scratch.sleep_scratch.forget_support();
     }
 
     /// Compiles it with rigid bodies, each of which is one shape.

@@ -6,11 +6,14 @@
 //!
 //! - when one of its particles was given a velocity, a force or a control, or [is to wake](crate::Particles::wake);
 //! - when something that moves comes near, or a collider near it moves;
-//! - when what it is made of and hangs on is not the same: places, masses, constraints, springs, and what it lay beside (`ties`).
+//! - when what it is made of and hangs on is not the same: places, masses, constraints, springs, and what it lay beside (`support`).
+//!
+//! What gusts may move does not sleep in them (`gusts`).
 //!
 //! Nothing else is remembered: what is to survive a step is in [`Sleep`], a body's own.
 
-mod ties;
+mod gusts;
+mod support;
 
 use glam::{Vec3, Vec4};
 
@@ -32,9 +35,9 @@ pub struct Sleep {
     pub still: f32,
     /// Whether it sleeps. Default not. To wake a body, clear this and `still`.
     pub asleep: bool,
-    /// What it and all that it lay beside were made of and hung on when it fell asleep, as a number; where that is another one, it wakes. Default 0, while it is
+    /// Hash of what it and all that it lay beside were made of, lay on and hung on when it fell asleep; where that is another one, it wakes. Default 0, while it is
     /// awake.
-    pub ties: u64,
+    pub support_hash: u64,
 }
 
 /// How long a group has to be still before it falls asleep, seconds: longer than anything thrown up is slow at its height.
@@ -45,7 +48,14 @@ const NEAR: f32 = 0.01;
 
 impl Default for Sleep {
     fn default() -> Self {
-        Self { allowed: false, keeps_awake: false, speed: 0.02, still: 0.0, asleep: false, ties: 0 }
+        Self {
+            allowed: false,
+            keeps_awake: false,
+            speed: 0.02,
+            still: 0.0,
+            asleep: false,
+            support_hash: 0,
+        }
     }
 }
 
@@ -61,6 +71,8 @@ impl Sleep {
 pub(super) struct SleepScratch {
     bounds: Vec<(Vec3, Vec3)>,
     activities: Vec<IslandActivity>,
+    /// How much gusts may push each island, N.
+    pushes: Vec<f32>,
     pairs: Vec<[u32; 2]>,
     broad: Broad,
     /// Towards the first island of a group.
@@ -72,15 +84,15 @@ pub(super) struct SleepScratch {
     /// Rows that sleep, and their inverse masses.
     masses: Vec<(u32, f32)>,
     /// Of each island what it is made of and hangs on, and, at the first island of a group, of all that sleep in it.
-    ties: Vec<u64>,
-    /// [Edits](crate::Particles::edits) of the particles and the [number](ties::of_surfaces) of what stands when that was last looked at; `None` if constraints or
+    hashes: Vec<u64>,
+    /// [Edits](crate::Particles::edits) of the particles and the [number](support::of_surfaces) of what stands when that was last looked at; `None` if constraints or
     /// particles have come or gone since.
     seen: Option<[u64; 2]>,
 }
 
 impl SleepScratch {
     /// Has what sleepers are made of looked at in the next step.
-    pub(super) fn forget_ties(&mut self) {
+    pub(super) fn forget_support(&mut self) {
         self.seen = None;
     }
 }
@@ -114,7 +126,7 @@ struct IslandActivity {
 impl Simulation {
     /// Has the next step look whether sleepers are where they were: for who writes positions by [`Particles::load`](crate::Particles::load).
     pub fn check_sleepers(&mut self) {
-        self.scratch.sleep_scratch.forget_ties();
+        self.scratch.sleep_scratch.forget_support();
     }
 
     /// Finds which bodies sleep in a step of `dt` seconds, and puts them to sleep.
@@ -125,7 +137,7 @@ impl Simulation {
             return;
         }
         let mut sleepers = core::mem::take(&mut self.scratch.sleep_scratch);
-        let now = [self.particles.edits(), ties::of_surfaces(&self.colliders, &self.boundaries)];
+        let now = [self.particles.edits(), support::of_surfaces(&self.colliders, &self.boundaries)];
         let changed = sleepers.seen.replace(now) != Some(now);
         self.look_around(&mut sleepers, dt);
         // Who falls asleep remembers what it lies on.
@@ -201,6 +213,7 @@ impl Simulation {
             sleepers.bounds.push((low, high));
             sleepers.activities.push(activity);
         }
+        self.stay_awake_in_gusts(sleepers);
         let controls =
             forces.controls.iter().filter(|control| control.is_valid() && !control.is_idle());
         let pushed = controls.flat_map(|control| &control.rows).chain(particles.woken());
@@ -276,9 +289,9 @@ impl Simulation {
                 may && !group.active && group.still >= SECONDS;
         }
         if compare {
-            self.compare_ties(sleepers);
+            self.compare_support(sleepers);
         }
-        let SleepScratch { activities, parent, masses, ties, .. } = sleepers;
+        let SleepScratch { activities, parent, masses, hashes, .. } = sleepers;
         let Self { particles, sleep, scratch, .. } = self;
         let plan = &mut scratch.plan;
         for number in 0..plan.islands.list.len() {
@@ -295,9 +308,9 @@ impl Simulation {
                     body.still =
                         if group.active { 0.0 } else { (body.still + dt).min(2.0 * SECONDS) };
                     body.asleep = island.asleep;
-                    body.ties = match (island.asleep, compare) {
-                        (true, true) => ties[root],
-                        (true, false) => body.ties,
+                    body.support_hash = match (island.asleep, compare) {
+                        (true, true) => hashes[root],
+                        (true, false) => body.support_hash,
                         (false, _) => 0,
                     };
                 }
@@ -312,20 +325,23 @@ impl Simulation {
     }
 
     /// Sums up what those of each group that are to sleep are made of and hang on, and wakes all of one in which that is not what it was.
-    fn compare_ties(&self, sleepers: &mut SleepScratch) {
-        let SleepScratch { activities, parent, ties, bounds, .. } = sleepers;
+    fn compare_support(&self, sleepers: &mut SleepScratch) {
+        let SleepScratch { activities, parent, hashes, bounds, .. } = sleepers;
         let islands = &self.scratch.plan.islands;
-        ties.clear();
-        ties.resize(islands.list.len(), 0);
-        self.tie_springs(ties);
-        for ((island, bounds), ties) in islands.list.iter().zip(&*bounds).zip(&mut *ties) {
-            *ties =
-                if island.asleep { ties.wrapping_add(self.ties_of(island, *bounds)) } else { 0 };
+        hashes.clear();
+        hashes.resize(islands.list.len(), 0);
+        self.add_springs(hashes);
+        for ((island, bounds), hashes) in islands.list.iter().zip(&*bounds).zip(&mut *hashes) {
+            *hashes = if island.asleep {
+                hashes.wrapping_add(self.support_of(island, *bounds))
+            } else {
+                0
+            };
         }
         for number in 0..islands.list.len() {
             let root = root(parent, number as u32) as usize;
             if root != number {
-                ties[root] = ties[root].wrapping_add(ties[number]);
+                hashes[root] = hashes[root].wrapping_add(hashes[number]);
             }
         }
         for (number, island) in islands.list.iter().enumerate().filter(|(_, one)| one.asleep) {
@@ -333,7 +349,9 @@ impl Simulation {
             let bodies = islands.members[island.members.clone()].iter();
             let other = |&row: &u32| {
                 let body = self.sleep.get(self.particles.body[row as usize] as usize);
-                body.is_some_and(|body| body.asleep && body.ties != 0 && body.ties != ties[root])
+                body.is_some_and(|body| {
+                    body.asleep && body.support_hash != 0 && body.support_hash != hashes[root]
+                })
             };
             activities[root].active |= bodies.into_iter().any(other);
         }

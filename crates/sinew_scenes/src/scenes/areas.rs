@@ -8,12 +8,12 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::constraints::Patch;
 use bevy_sinew::{
-    BodyParticles, ConstraintOf, MeshFollow, ParticleBody, ParticleOf, PatchConstraint,
-    SizeCorrection,
+    ConstraintOf, MeshFollow, ParticleBody, ParticleOf, PatchConstraint, SizeCorrection,
 };
 
 use super::{FLOOR, Scene, floor, mesh, post};
-use crate::lesson::{of_named, values};
+use crate::lesson::values;
+use crate::readings::width_of;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
@@ -37,15 +37,7 @@ pub(super) const SCENE: Scene = Scene {
         number: "Width of the scaled ellipse",
         unit: "m",
         after: 2.5,
-        measure: |world| {
-            let particles: BodyParticles = of_named(world, "scaled")?;
-            let along = |p: Entity| world.get::<Particle>(p).map(|p| f64::from(p.position.x));
-            let (least, most) = particles
-                .iter()
-                .filter_map(along)
-                .fold((f64::MAX, f64::MIN), |(least, most), x| (least.min(x), most.max(x)));
-            (least < most).then_some(most - least)
-        },
+        measure: |world| width_of(world, "scaled"),
         expect: |values, _| f64::from(values[1]) * libm::sqrt(f64::from(values[0])),
         tolerance: [0.0, 0.01],
     }),

@@ -3,8 +3,9 @@
 use glam::Vec3;
 
 use super::Form;
+use crate::hash::fnv;
 
-/// Of a form: Fowler, Noll and Vo's hash of its kind and its numbers.
+/// Of a form: of its kind and its numbers.
 pub(super) fn of(form: &Form) -> u64 {
     let alone = core::iter::empty();
     match form {
@@ -22,11 +23,9 @@ pub(super) fn of(form: &Form) -> u64 {
     }
 }
 
-fn mixed(kind: u64, numbers: impl IntoIterator<Item = Vec3>) -> u64 {
-    let mix = |hash: u64, word: u64| (hash ^ word).wrapping_mul(0x0100_0000_01b3);
-    let begin = mix(0xcbf2_9ce4_8422_2325, kind);
+fn mixed(kind: u32, numbers: impl IntoIterator<Item = Vec3>) -> u64 {
     let numbers = numbers.into_iter().flat_map(|v| v.to_array());
-    numbers.fold(begin, |hash, number| mix(hash, u64::from(number.to_bits())))
+    fnv(core::iter::once(kind).chain(numbers.map(f32::to_bits)))
 }
 
 #[cfg(test)]

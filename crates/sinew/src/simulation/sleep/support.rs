@@ -1,10 +1,11 @@
-//! What a sleeper is made of and hangs on, as a number: where that is another one, something was changed, added or taken away, and it wakes.
+//! The hash of what a sleeper is made of, lies on and hangs on: where that is another one, something was changed, added or taken away, and it wakes.
 
 use glam::{Vec3, Vec4};
 
 use crate::Simulation;
 use crate::collide::{BodyContacts, Collider, Frame};
 use crate::constraints::{Boundaries, Points, Softness};
+use crate::hash::fnv;
 use crate::islands::Island;
 use crate::solve::GroupKind;
 
@@ -18,9 +19,9 @@ const PLANE: u32 = 6;
 const BODY: u32 = 7;
 
 impl Simulation {
-    /// A number made of an island: where its particles are and what they weigh, which constraints hold them and how, wherever in the columns they stand. Of a constraint counts
+    /// The hash of an island: where its particles are and what they weigh, which constraints hold them and how, wherever in the columns they stand. Of a constraint counts
     /// its value, which says as much of its parameters as matters to what lies still; of colliders, those that reach into its bounds.
-    pub(super) fn ties_of(&self, island: &Island, bounds: (Vec3, Vec3)) -> u64 {
+    pub(super) fn support_of(&self, island: &Island, bounds: (Vec3, Vec3)) -> u64 {
         let (particles, plan) = (&self.particles, &self.scratch.plan);
         let members = &plan.islands.members[island.members.clone()];
         let (mut sum, mut last) = (0_u64, None);
@@ -41,7 +42,7 @@ impl Simulation {
                 particles.radius[i],
                 particles.damping[i],
             ];
-            sum = sum.wrapping_add(mixed([PARTICLE, rank].into_iter().chain(bits(properties))));
+            sum = sum.wrapping_add(fnv([PARTICLE, rank].into_iter().chain(bits(properties))));
         }
         // How its bodies meet others.
         for &row in members {
@@ -54,7 +55,7 @@ impl Simulation {
             let kind = [BODY, layers.memberships, layers.filters];
             let switches = [u32::from(*with_bodies), u32::from(*disabled)];
             let numbers = bits([material.friction, material.restitution]);
-            let own = mixed(kind.into_iter().chain(switches).chain(numbers));
+            let own = fnv(kind.into_iter().chain(switches).chain(numbers));
             sum = sum.wrapping_add(own);
         }
         let rank = |row: u32| members.partition_point(|&member| member < row) as u32;
@@ -64,7 +65,7 @@ impl Simulation {
                 for d in &plan.distances[group.range.clone()] {
                     let kind = [DISTANCE, rank(d.a), rank(d.b), d.bound as u32];
                     let numbers = bits([d.rest]).chain(softness(d.softness));
-                    sum = sum.wrapping_add(mixed(kind.into_iter().chain(numbers)));
+                    sum = sum.wrapping_add(fnv(kind.into_iter().chain(numbers)));
                 }
                 continue;
             }
@@ -81,7 +82,7 @@ impl Simulation {
                 let kind = [CONSTRAINT, c.kind.rank(), equation.bound() as u32];
                 let rows = c.rows.iter().map(|&row| rank(row));
                 let numbers = bits([value]).chain(softness(equation.softness()));
-                sum = sum.wrapping_add(mixed(kind.into_iter().chain(rows).chain(numbers)));
+                sum = sum.wrapping_add(fnv(kind.into_iter().chain(rows).chain(numbers)));
             }
         }
         let is_near = |collider: &&Collider| {
@@ -92,8 +93,8 @@ impl Simulation {
         near.filter(is_near).fold(sum, |sum, collider| sum.wrapping_add(of_collider(collider)))
     }
 
-    /// Adds to the numbers of all islands the springs that pull at them.
-    pub(super) fn tie_springs(&self, ties: &mut [u64]) {
+    /// Adds to the hashes of all islands the springs that pull at them.
+    pub(super) fn add_springs(&self, hashes: &mut [u64]) {
         let islands = &self.scratch.plan.islands;
         for spring in &self.forces.springs {
             let numbers = [spring.rest, spring.stiffness, spring.damping];
@@ -101,22 +102,22 @@ impl Simulation {
                 let Some(&number) = islands.of.get(end as usize) else { continue };
                 let members = &islands.members[islands.list[number as usize].members.clone()];
                 let rank = members.partition_point(|&member| member < end) as u32;
-                let own = mixed([SPRING, rank].into_iter().chain(bits(numbers)));
-                ties[number as usize] = ties[number as usize].wrapping_add(own);
+                let own = fnv([SPRING, rank].into_iter().chain(bits(numbers)));
+                hashes[number as usize] = hashes[number as usize].wrapping_add(own);
             }
         }
     }
 }
 
-/// A number made of all that stands.
+/// The hash of all that stands. What moves wakes by coming near, and would have all sleepers looked at in every step.
 pub(super) fn of_surfaces(colliders: &[Collider], boundaries: &Boundaries) -> u64 {
     let planes = boundaries.planes.iter().map(|plane| {
         let n = plane.normal;
         let numbers = [n.x, n.y, n.z, plane.offset, plane.friction, plane.restitution];
-        mixed([PLANE].into_iter().chain(bits(numbers)))
+        fnv([PLANE].into_iter().chain(bits(numbers)))
     });
-    let colliders = colliders.iter().filter(|one| !one.sensor).map(of_collider);
-    planes.chain(colliders).fold(0, u64::wrapping_add)
+    let standing = colliders.iter().filter(|one| !one.sensor && one.start == one.end);
+    planes.chain(standing.map(of_collider)).fold(0, u64::wrapping_add)
 }
 
 fn of_collider(collider: &Collider) -> u64 {
@@ -136,7 +137,7 @@ fn of_collider(collider: &Collider) -> u64 {
         at.z,
     ];
     let turn = rotation.to_cols_array();
-    mixed(kind.into_iter().chain(bits(surface)).chain(bits(turn)))
+    fnv(kind.into_iter().chain(bits(surface)).chain(bits(turn)))
 }
 
 /// The particles of a constraint, where they lie.
@@ -156,10 +157,4 @@ fn softness(softness: Softness) -> impl Iterator<Item = u32> {
 
 fn bits<const N: usize>(numbers: [f32; N]) -> impl Iterator<Item = u32> {
     numbers.into_iter().map(f32::to_bits)
-}
-
-/// Fowler, Noll and Vo's hash of some words.
-fn mixed(words: impl IntoIterator<Item = u32>) -> u64 {
-    let mix = |hash: u64, word: u32| (hash ^ u64::from(word)).wrapping_mul(0x0100_0000_01b3);
-    words.into_iter().fold(0xcbf2_9ce4_8422_2325, mix)
 }
