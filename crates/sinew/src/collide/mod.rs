@@ -51,8 +51,8 @@ pub(crate) use impact::Impacts;
 pub(crate) use manifold::{Broad, Scratch as ManifoldScratch, collide};
 pub(crate) use pairs::Pairs;
 pub(crate) use particle_contact::{BatchContacts, NormalImpulse, NormalImpulses, ParticleContacts};
-pub(crate) use shape::Kind as ShapeKind;
 pub(crate) use shape::{AtStart, Obstacle, SweepHit, Way};
+pub(crate) use shape::{Kind as ShapeKind, ShapeTouch};
 pub(crate) use stage::{Contacts, World};
 pub(crate) use triangles::Triangles;
 

@@ -8,7 +8,7 @@ use glam::Vec4;
 
 use super::avx2_doubles::Fours;
 use super::avx2_rows::{check, halves, places, put_halves, transposed};
-use super::{FIELDS, LANES, Lanes, Record};
+use super::{FIELDS, LANES, Lanes, Number, Record};
 
 /// Lanes 0 to 7.
 ///
@@ -41,40 +41,11 @@ impl Neg for Eight {
     }
 }
 
-impl Lanes for Eight {
-    type Doubles = Fours;
-
+impl Number for Eight {
     #[inline(always)]
     fn splat(x: f32) -> Self {
         // SAFETY: see `Eight`.
         Self(unsafe { _mm256_set1_ps(x) })
-    }
-
-    #[inline(always)]
-    fn load(from: &[f32; LANES]) -> Self {
-        // SAFETY: see `Eight`; eight floats are a register.
-        Self(unsafe { _mm256_loadu_ps(from.as_ptr()) })
-    }
-
-    #[inline(always)]
-    fn store(self, to: &mut [f32; LANES]) {
-        // SAFETY: see `Eight`; a register is eight floats.
-        unsafe { _mm256_storeu_ps(to.as_mut_ptr(), self.0) }
-    }
-
-    #[inline(always)]
-    fn widen(self) -> Fours {
-        // SAFETY: see `Eight`.
-        unsafe {
-            let (low, high) = (_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
-            Fours(_mm256_cvtps_pd(low), _mm256_cvtps_pd(high))
-        }
-    }
-
-    #[inline(always)]
-    fn narrow(from: Fours) -> Self {
-        // SAFETY: see `Eight`.
-        Self(unsafe { _mm256_set_m128(_mm256_cvtpd_ps(from.1), _mm256_cvtpd_ps(from.0)) })
     }
 
     #[inline(always)]
@@ -135,6 +106,47 @@ impl Lanes for Eight {
     fn select(self, yes: Self, no: Self) -> Self {
         // SAFETY: see `Eight`.
         Self(unsafe { _mm256_blendv_ps(no.0, yes.0, self.0) })
+    }
+
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.bits() != 0
+    }
+
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.bits() == 0xFF
+    }
+}
+
+impl Lanes for Eight {
+    type Doubles = Fours;
+
+    #[inline(always)]
+    fn load(from: &[f32; LANES]) -> Self {
+        // SAFETY: see `Eight`; eight floats are a register.
+        Self(unsafe { _mm256_loadu_ps(from.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [f32; LANES]) {
+        // SAFETY: see `Eight`; a register is eight floats.
+        unsafe { _mm256_storeu_ps(to.as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    fn widen(self) -> Fours {
+        // SAFETY: see `Eight`.
+        unsafe {
+            let (low, high) = (_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
+            Fours(_mm256_cvtps_pd(low), _mm256_cvtps_pd(high))
+        }
+    }
+
+    #[inline(always)]
+    fn narrow(from: Fours) -> Self {
+        // SAFETY: see `Eight`.
+        Self(unsafe { _mm256_set_m128(_mm256_cvtpd_ps(from.1), _mm256_cvtpd_ps(from.0)) })
     }
 
     #[inline(always)]

@@ -12,6 +12,7 @@
 //! | `doubles`, `avx2_doubles` | eight numbers of double precision, for sums |
 //! | `columns` | particles as columns of x, y, z and w |
 //! | `vector` | vectors of three lanes each |
+//! | `single` | one number: formulas that are written over [`Number`] take it where one is asked for alone |
 //! | `scalar` | tests: arrays of eight, the truth that the others must agree with |
 //! | `twins` | tests: each operation of each set against the scalar one |
 //!
@@ -41,6 +42,7 @@ mod doubles;
 mod quads;
 #[cfg(test)]
 mod scalar;
+mod single;
 #[cfg(test)]
 mod twins;
 mod vector;
@@ -152,10 +154,8 @@ pub(crate) struct Record(pub(crate) [Vec4; FIELDS]);
 /// How many quadruples a [`Record`] has.
 pub(crate) const FIELDS: usize = 8;
 
-/// Eight `f32` side by side.
-///
-/// Loads and stores panic where a slice is too short, as indexing does.
-pub(crate) trait Lanes:
+/// A number, or several side by side: what a formula is written over that is wanted of one thing as well as of eight. `f32` is the one.
+pub(crate) trait Number:
     Copy
     + Add<Output = Self>
     + Sub<Output = Self>
@@ -163,27 +163,15 @@ pub(crate) trait Lanes:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// Eight numbers of double precision on the same machine.
-    type Doubles: Doubles;
-
     /// The same number in each.
     fn splat(x: f32) -> Self;
-    /// Eight numbers.
-    fn load(from: &[f32; LANES]) -> Self;
-    /// Into an array.
-    fn store(self, to: &mut [f32; LANES]);
-    /// The same numbers in double precision.
-    fn widen(self) -> Self::Doubles;
-    /// The nearest single ones.
-    fn narrow(from: Self::Doubles) -> Self;
-
     /// The correctly rounded square root.
     fn sqrt(self) -> Self;
     /// Without its sign.
     fn abs(self) -> Self;
 
-    /// A mask of all ones where `self < other`, zeros elsewhere and for NaN. A mask is a number of lanes like any other, and only good for
-    /// [`select`](Self::select), [`and`](Self::and), [`or`](Self::or), [`any`](Self::any) and [`bits`](Self::bits).
+    /// A mask of all ones where `self < other`, zeros elsewhere and for NaN. A mask is a number like any other, and only good for
+    /// [`select`](Self::select), [`and`](Self::and), [`or`](Self::or), [`any`](Self::any) and [`bits`](Lanes::bits).
     fn lt(self, other: Self) -> Self;
     /// The same for `self <= other`.
     fn le(self, other: Self) -> Self;
@@ -195,6 +183,46 @@ pub(crate) trait Lanes:
     fn or(self, other: Self) -> Self;
     /// Where a mask, `self`, is set the lanes of `yes`, elsewhere those of `no`.
     fn select(self, yes: Self, no: Self) -> Self;
+    /// Whether a mask is set anywhere.
+    fn any(self) -> bool;
+    /// Whether a mask is set everywhere.
+    fn all(self) -> bool;
+
+    /// Zeros.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::splat(0.0)
+    }
+
+    /// The lesser of the two, `other` where either is NaN or both are zero.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.lt(other).select(self, other)
+    }
+
+    /// The greater of the two, `other` where either is NaN or both are zero.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        other.lt(self).select(self, other)
+    }
+}
+
+/// Eight `f32` side by side.
+///
+/// Loads and stores panic where a slice is too short, as indexing does.
+pub(crate) trait Lanes: Number {
+    /// Eight numbers of double precision on the same machine.
+    type Doubles: Doubles;
+
+    /// Eight numbers.
+    fn load(from: &[f32; LANES]) -> Self;
+    /// Into an array.
+    fn store(self, to: &mut [f32; LANES]);
+    /// The same numbers in double precision.
+    fn widen(self) -> Self::Doubles;
+    /// The nearest single ones.
+    fn narrow(from: Self::Doubles) -> Self;
+
     /// One bit for each lane of a mask, lane 0 lowest.
     fn bits(self) -> u32;
 
@@ -235,12 +263,6 @@ pub(crate) trait Lanes:
         array
     }
 
-    /// Zeros.
-    #[inline(always)]
-    fn zero() -> Self {
-        Self::splat(0.0)
-    }
-
     /// The mask that [`bits`](Self::bits) makes these bits of.
     #[inline(always)]
     fn mask(bits: u32) -> Self {
@@ -249,30 +271,6 @@ pub(crate) trait Lanes:
             *set = f32::from_bits(if bits >> lane & 1 == 0 { 0 } else { u32::MAX });
         }
         Self::load(&mask)
-    }
-
-    /// The lesser of the two, `other` where either is NaN or both are zero.
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        self.lt(other).select(self, other)
-    }
-
-    /// The greater of the two, `other` where either is NaN or both are zero.
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        other.lt(self).select(self, other)
-    }
-
-    /// Whether a mask is set anywhere.
-    #[inline(always)]
-    fn any(self) -> bool {
-        self.bits() != 0
-    }
-
-    /// Whether a mask is set everywhere.
-    #[inline(always)]
-    fn all(self) -> bool {
-        self.bits() == 0xFF
     }
 
     /// The largest of the eight, or `least` if that is larger; NaN does not count.

@@ -5,7 +5,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 use glam::{Mat4, Vec4};
 
 use super::doubles::Each;
-use super::{LANES, Lanes, PARITY, Record};
+use super::{LANES, Lanes, Number, PARITY, Record};
 
 /// Lanes 0 to 3, and 4 to 7.
 #[derive(Clone, Copy, Debug)]
@@ -66,38 +66,10 @@ impl Quads {
     }
 }
 
-impl Lanes for Quads {
-    type Doubles = Each;
-
+impl Number for Quads {
     #[inline(always)]
     fn splat(x: f32) -> Self {
         Self(Vec4::splat(x), Vec4::splat(x))
-    }
-
-    #[inline(always)]
-    fn load(from: &[f32; LANES]) -> Self {
-        let [a, b, c, d, e, f, g, h] = *from;
-        Self(Vec4::new(a, b, c, d), Vec4::new(e, f, g, h))
-    }
-
-    #[inline(always)]
-    fn store(self, to: &mut [f32; LANES]) {
-        self.0.write_to_slice(&mut to[..4]);
-        self.1.write_to_slice(&mut to[4..]);
-    }
-
-    #[inline(always)]
-    fn widen(self) -> Each {
-        let [a, b, c, d, e, f, g, h] = self.array();
-        Each([a.into(), b.into(), c.into(), d.into(), e.into(), f.into(), g.into(), h.into()])
-    }
-
-    #[inline(always)]
-    fn narrow(from: Each) -> Self {
-        let [a, b, c, d, e, f, g, h] = from.0;
-        Self::load(&[
-            a as f32, b as f32, c as f32, d as f32, e as f32, f as f32, g as f32, h as f32,
-        ])
     }
 
     #[inline(always)]
@@ -138,6 +110,46 @@ impl Lanes for Quads {
     #[inline(always)]
     fn select(self, yes: Self, no: Self) -> Self {
         Self(four::select(self.0, yes.0, no.0), four::select(self.1, yes.1, no.1))
+    }
+
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.bits() != 0
+    }
+
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.bits() == 0xFF
+    }
+}
+
+impl Lanes for Quads {
+    type Doubles = Each;
+
+    #[inline(always)]
+    fn load(from: &[f32; LANES]) -> Self {
+        let [a, b, c, d, e, f, g, h] = *from;
+        Self(Vec4::new(a, b, c, d), Vec4::new(e, f, g, h))
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [f32; LANES]) {
+        self.0.write_to_slice(&mut to[..4]);
+        self.1.write_to_slice(&mut to[4..]);
+    }
+
+    #[inline(always)]
+    fn widen(self) -> Each {
+        let [a, b, c, d, e, f, g, h] = self.array();
+        Each([a.into(), b.into(), c.into(), d.into(), e.into(), f.into(), g.into(), h.into()])
+    }
+
+    #[inline(always)]
+    fn narrow(from: Each) -> Self {
+        let [a, b, c, d, e, f, g, h] = from.0;
+        Self::load(&[
+            a as f32, b as f32, c as f32, d as f32, e as f32, f as f32, g as f32, h as f32,
+        ])
     }
 
     #[inline(always)]

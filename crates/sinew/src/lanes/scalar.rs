@@ -8,7 +8,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 use glam::Vec4;
 
 use super::doubles::Each;
-use super::{LANES, Lanes, PARITY, Record};
+use super::{LANES, Lanes, Number, PARITY, Record};
 
 /// Eight numbers, one after the other.
 #[derive(Clone, Copy, Debug)]
@@ -62,32 +62,10 @@ impl Array {
     }
 }
 
-impl Lanes for Array {
-    type Doubles = Each;
-
+impl Number for Array {
     #[inline(always)]
     fn splat(x: f32) -> Self {
         Self([x; LANES])
-    }
-
-    #[inline(always)]
-    fn load(from: &[f32; LANES]) -> Self {
-        Self(*from)
-    }
-
-    #[inline(always)]
-    fn store(self, to: &mut [f32; LANES]) {
-        *to = self.0;
-    }
-
-    #[inline(never)]
-    fn widen(self) -> Each {
-        Each(self.0.map(f64::from))
-    }
-
-    #[inline(never)]
-    fn narrow(from: Each) -> Self {
-        Self(from.0.map(|x| x as f32))
     }
 
     #[inline(never)]
@@ -128,6 +106,40 @@ impl Lanes for Array {
     #[inline(never)]
     fn select(self, yes: Self, no: Self) -> Self {
         Self(core::array::from_fn(|i| if self.0[i].to_bits() == 0 { no.0[i] } else { yes.0[i] }))
+    }
+
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.bits() != 0
+    }
+
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.bits() == 0xFF
+    }
+}
+
+impl Lanes for Array {
+    type Doubles = Each;
+
+    #[inline(always)]
+    fn load(from: &[f32; LANES]) -> Self {
+        Self(*from)
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [f32; LANES]) {
+        *to = self.0;
+    }
+
+    #[inline(never)]
+    fn widen(self) -> Each {
+        Each(self.0.map(f64::from))
+    }
+
+    #[inline(never)]
+    fn narrow(from: Each) -> Self {
+        Self(from.0.map(|x| x as f32))
     }
 
     #[inline(never)]

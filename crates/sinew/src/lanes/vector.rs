@@ -1,47 +1,47 @@
-//! Vectors of three lanes each: eight vectors side by side.
+//! Vectors of three numbers each: one, or eight side by side.
 
-use core::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use glam::Vec3;
 
-use super::Lanes;
+use super::Number;
 
-/// Eight vectors.
+/// A vector of numbers, or eight of them.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Vector<L> {
-    pub(crate) x: L,
-    pub(crate) y: L,
-    pub(crate) z: L,
+pub(crate) struct Vector<N> {
+    pub(crate) x: N,
+    pub(crate) y: N,
+    pub(crate) z: N,
 }
 
-impl<L: Lanes> Vector<L> {
+impl<N: Number> Vector<N> {
     /// Of three lanes.
     #[inline(always)]
-    pub(crate) fn new(x: L, y: L, z: L) -> Self {
+    pub(crate) fn new(x: N, y: N, z: N) -> Self {
         Self { x, y, z }
     }
 
     /// The same vector eight times.
     #[inline(always)]
     pub(crate) fn splat(v: Vec3) -> Self {
-        Self::new(L::splat(v.x), L::splat(v.y), L::splat(v.z))
+        Self::new(N::splat(v.x), N::splat(v.y), N::splat(v.z))
     }
 
     /// The positions of packed particles, and what is in their fourth lanes.
     #[inline(always)]
-    pub(crate) fn of([x, y, z, w]: [L; 4]) -> (Self, L) {
+    pub(crate) fn of([x, y, z, w]: [N; 4]) -> (Self, N) {
         (Self { x, y, z }, w)
     }
 
     /// Packed particles again.
     #[inline(always)]
-    pub(crate) fn with(self, w: L) -> [L; 4] {
+    pub(crate) fn with(self, w: N) -> [N; 4] {
         [self.x, self.y, self.z, w]
     }
 
     /// `x x' + y y' + z z'`, summed from the left.
     #[inline(always)]
-    pub(crate) fn dot(self, other: Self) -> L {
+    pub(crate) fn dot(self, other: Self) -> N {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
@@ -55,18 +55,18 @@ impl<L: Lanes> Vector<L> {
     }
 
     #[inline(always)]
-    pub(crate) fn length_squared(self) -> L {
+    pub(crate) fn length_squared(self) -> N {
         self.dot(self)
     }
 
     #[inline(always)]
-    pub(crate) fn length(self) -> L {
+    pub(crate) fn length(self) -> N {
         self.dot(self).sqrt()
     }
 
     /// Where a mask is set this one, elsewhere the other.
     #[inline(always)]
-    pub(crate) fn or_else(self, mask: L, other: Self) -> Self {
+    pub(crate) fn or_else(self, mask: N, other: Self) -> Self {
         Self {
             x: mask.select(self.x, other.x),
             y: mask.select(self.y, other.y),
@@ -75,9 +75,16 @@ impl<L: Lanes> Vector<L> {
     }
 }
 
+impl From<Vector<f32>> for Vec3 {
+    #[inline(always)]
+    fn from(v: Vector<f32>) -> Self {
+        Self::new(v.x, v.y, v.z)
+    }
+}
+
 macro_rules! each {
     ($($of:ident $operation:ident $sign:tt),*) => {$(
-        impl<L: Lanes> $of for Vector<L> {
+        impl<N: Number> $of for Vector<N> {
             type Output = Self;
             #[inline(always)]
             fn $operation(self, other: Self) -> Self {
@@ -89,15 +96,23 @@ macro_rules! each {
 
 each!(Add add +, Sub sub -);
 
-impl<L: Lanes> Mul<L> for Vector<L> {
+impl<N: Number> Mul<N> for Vector<N> {
     type Output = Self;
     #[inline(always)]
-    fn mul(self, by: L) -> Self {
+    fn mul(self, by: N) -> Self {
         Self { x: self.x * by, y: self.y * by, z: self.z * by }
     }
 }
 
-impl<L: Lanes> Neg for Vector<L> {
+impl<N: Number> Div<N> for Vector<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, by: N) -> Self {
+        Self { x: self.x / by, y: self.y / by, z: self.z / by }
+    }
+}
+
+impl<N: Number> Neg for Vector<N> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -105,14 +120,14 @@ impl<L: Lanes> Neg for Vector<L> {
     }
 }
 
-impl<L: Lanes> AddAssign for Vector<L> {
+impl<N: Number> AddAssign for Vector<N> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
-impl<L: Lanes> SubAssign for Vector<L> {
+impl<N: Number> SubAssign for Vector<N> {
     #[inline(always)]
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;

@@ -266,9 +266,10 @@ fn project_contacts(
     normal_impulses: &mut NormalImpulses,
     island: (usize, &[u32]),
 ) -> f32 {
-    let Common { contacts, substep, .. } = common;
+    let Common { contacts, substep, execution, .. } = common;
     if contacts.is_empty() {
         return 0.0;
     }
-    contacts.project_island(places, normal_impulses, island, substep)
+    let with = (substep, execution.instructions);
+    contacts.project_island(places, normal_impulses, island, with)
 }

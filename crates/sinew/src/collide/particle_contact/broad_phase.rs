@@ -31,6 +31,7 @@ impl ParticleContacts {
         self.candidates.clear();
         normal_impulses.clear();
         self.reaches.clear();
+        self.batches.clear();
         if self.is_empty() {
             return;
         }
@@ -40,6 +41,7 @@ impl ParticleContacts {
             normal_impulses.resize(self.candidates.len(), NormalImpulse::default());
         }
         self.find_reaches(particles, world.islands);
+        self.make_batches(particles, world.islands);
     }
 
     /// Finds the surfaces that each row may touch.

@@ -8,6 +8,7 @@
 //! Which particles may come near which collider is found once a step (`broad_phase`), with a margin of what the fastest of an island may cover. What
 //! has gone further all the same, flung by something, is tried against every collider.
 
+mod batches;
 mod broad_phase;
 mod normal_impulse;
 mod reach;
@@ -19,11 +20,13 @@ use glam::{Vec3, Vec4};
 use super::body_classes::BodyClasses;
 use super::bounds::{Bounds, ClassBounds};
 use super::friction::friction;
-use super::{Collider, CombinedMaterial, ContactFilter, Frame};
+use super::{Collider, CombinedMaterial, ContactFilter, Frame, ShapeTouch};
 use crate::constraints::{Boundaries, PlanarDrag, Plane};
 use crate::particles::{Particles, Places};
 
 pub(crate) use normal_impulse::{NormalImpulse, NormalImpulses};
+
+use batches::CandidateBatches;
 use surface::{ContactSurface, SurfaceForm};
 
 /// Everything that single particles touch, for one step. Scratch.
@@ -51,6 +54,7 @@ pub(crate) struct ParticleContacts {
     touching: Vec<u32>,
     /// Whether each row may come to a plane or a box that holds every particle; true of all in a world in 2D.
     bounded: Vec<bool>,
+    batches: CandidateBatches,
     sort: broad_phase::CandidateSort,
 }
 
@@ -150,17 +154,30 @@ impl ParticleContacts {
         (row, bounds): (u32, Option<&ClassBounds>),
         substep: u32,
     ) -> f32 {
+        let mut worst = 0.0_f32;
+        if let Some(bounds) = bounds {
+            worst = self.project_to_bounds(places, row, bounds);
+        }
+        worst = worst.max(self.project_row(places, normal_impulses, row, substep));
+        worst.max(self.project_into_plane(places, row))
+    }
+
+    /// Puts a row on the right side of the planes and boxes that hold it; returns how far out it was, metres.
+    #[inline]
+    fn project_to_bounds(&self, places: &mut Places, row: u32, bounds: &ClassBounds) -> f32 {
+        if self.is_solid(row) || places.position[places.at(row)].w == 0.0 {
+            return 0.0;
+        }
+        bounds.project(places, row)
+    }
+
+    /// Puts a row into the plane of a world in 2D; returns how far off it was, metres.
+    #[inline]
+    fn project_into_plane(&self, places: &mut Places, row: u32) -> f32 {
         if places.position[places.at(row)].w == 0.0 {
             return 0.0;
         }
-        let mut worst = 0.0_f32;
-        if !self.is_solid(row) {
-            if let Some(bounds) = bounds {
-                worst = bounds.project(places, row);
-            }
-            worst = worst.max(self.leave(places, normal_impulses, row, substep));
-        }
-        worst.max(self.bounds.project_to_plane(places, row))
+        self.bounds.project_to_plane(places, row)
     }
 
     /// As [`Bounds::flatten`] has it.
@@ -228,24 +245,45 @@ impl ParticleContacts {
             return worst;
         }
         let began = substep as usize * self.surfaces.len();
-        let i = places.at(row);
-        let last_seen = self.last_seen[row as usize];
-        if (places.position[i] - last_seen).truncate().length_squared() > last_seen.w {
+        if self.has_strayed(places, row) {
             return self.leave_any(places, row, began);
         }
         for number in self.of(row) {
-            let candidate = &self.candidates[number as usize];
-            let contact = self.contact(places, row, candidate.surface as usize, began);
-            let Some(contact) = contact else { continue };
-            let press = normal_impulses.at(number);
-            press.take(places, row, &contact);
-            if self.surfaces[candidate.surface as usize].sensor {
-                continue;
-            }
-            worst = worst.max(contact.depth);
-            contact.resolve(places, row, candidate.friction);
+            worst = worst.max(self.meet(places, normal_impulses, (row, number), began));
         }
         worst
+    }
+
+    /// Puts a row outside of the surface of one of its candidates; returns how far out it was, metres. The frames of the substep start with `began`.
+    #[inline(never)]
+    fn meet(
+        &self,
+        places: &mut Places,
+        normal_impulses: &mut NormalImpulses,
+        (row, number): (u32, u32),
+        began: usize,
+    ) -> f32 {
+        let surface = self.candidates[number as usize].surface as usize;
+        let Some(contact) = self.contact(places, row, surface, began) else { return 0.0 };
+        self.take_contact(places, normal_impulses, (row, number), &contact)
+    }
+
+    /// Notes a contact of a candidate and resolves it; returns how far out the row was, metres.
+    #[inline]
+    fn take_contact(
+        &self,
+        places: &mut Places,
+        normal_impulses: &mut NormalImpulses,
+        (row, number): (u32, u32),
+        contact: &ParticleContact,
+    ) -> f32 {
+        normal_impulses.at(number).take(places, row, contact);
+        let candidate = &self.candidates[number as usize];
+        if self.surfaces[candidate.surface as usize].sensor {
+            return 0.0;
+        }
+        contact.resolve(places, row, candidate.friction);
+        contact.depth
     }
 
     /// The same of any surface, for what was flung further than was foreseen.
@@ -280,22 +318,22 @@ impl ParticleContacts {
             SurfaceForm::Plane(plane) => ParticleContact::along(plane.correction(places, row)),
             SurfaceForm::BoundingBox(room) => ParticleContact::along(room.correction(places, row)),
             SurfaceForm::Shape(shape) => {
-                // Seen from the row's own origin, which keeps the digits far out.
-                let seen = |instant: usize| self.frames[instant + number].seen_from(origin);
-                let is = seen(began + self.surfaces.len());
-                // Most stand still, and then there is but one frame, and nothing is carried.
-                let was = if surface.moves { seen(began) } else { is };
+                let (was, is) = self.frames_of(number, began, origin);
                 let (from, to) = (was.local(start.truncate()), is.local(q.truncate()));
                 let touched = shape.touch(from, to, radius)?;
-                let normal = is.turn(touched.normal);
-                let mut carried = Vec3::ZERO;
-                if surface.moves {
-                    let settled = to + touched.normal * touched.depth;
-                    carried = is.point(settled) - was.point(settled);
-                }
-                Some(ParticleContact { normal, depth: touched.depth, carried })
+                Some(ParticleContact::of(&touched, to, &[was, is], surface.moves))
             }
         }
+    }
+
+    /// Where a surface is when a substep begins and when it ends, seen from an origin of rows, which keeps the digits far out.
+    #[inline]
+    fn frames_of(&self, number: usize, began: usize, origin: Vec3) -> (Frame, Frame) {
+        let seen = |instant: usize| self.frames[instant + number].seen_from(origin);
+        let is = seen(began + self.surfaces.len());
+        // Most stand still, and then there is but one frame, and nothing is carried.
+        let was = if self.surfaces[number].moves { seen(began) } else { is };
+        (was, is)
     }
 }
 
@@ -311,6 +349,17 @@ struct ParticleContact {
 }
 
 impl ParticleContact {
+    /// Of what touched a shape when it was at `to`, in coordinates of its own, while that went from the first frame to the second.
+    #[inline]
+    fn of(touched: &ShapeTouch, to: Vec3, [was, is]: &[Frame; 2], moves: bool) -> Self {
+        let mut carried = Vec3::ZERO;
+        if moves {
+            let settled = to + touched.normal * touched.depth;
+            carried = is.point(settled) - was.point(settled);
+        }
+        Self { normal: is.turn(touched.normal), depth: touched.depth, carried }
+    }
+
     /// Of a correction of something that stands still.
     fn along(correction: Vec3) -> Option<Self> {
         let depth = correction.length();

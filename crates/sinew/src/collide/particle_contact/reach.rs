@@ -1,10 +1,11 @@
 //! Which rows of an island may touch anything in a step: what is out of reach of all there is costs nothing but a look at how far it went.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::super::bounds::ClassBounds;
 use super::{NormalImpulses, ParticleContacts};
 use crate::islands::Islands;
+use crate::lanes::InstructionSet;
 use crate::particles::{Particles, Places};
 
 impl ParticleContacts {
@@ -15,15 +16,39 @@ impl ParticleContacts {
         places: &mut Places,
         normal_impulses: &mut NormalImpulses,
         (number, rows): (usize, &[u32]),
-        substep: u32,
+        (substep, instructions): (u32, InstructionSet),
     ) -> f32 {
-        let (rows, strays) = self.in_reach(places, number, rows);
+        let (near, strays) = self.in_reach(places, number, rows);
         let common = self.common_bounds();
-        let depths = rows.iter().map(|&row| {
-            let bounds = self.bounds_of(row, strays, common);
-            self.project(places, normal_impulses, (row, bounds), substep)
-        });
-        depths.fold(0.0, f32::max)
+        if strays || !self.has_batches(number) {
+            let depths = near.iter().map(|&row| {
+                let bounds = self.bounds_of(row, strays, common);
+                self.project(places, normal_impulses, (row, bounds), substep)
+            });
+            return depths.fold(0.0, f32::max);
+        }
+        // Rows know nothing of each other: all of them first out of what bounds them, and then out of the rest, is each of them out of one after the other.
+        let mut worst = 0.0_f32;
+        for &row in near {
+            if let Some(bounds) = self.bounds_of(row, strays, common) {
+                worst = worst.max(self.project_to_bounds(places, row, bounds));
+            }
+        }
+        if worst > 0.0 && near.iter().any(|&row| self.has_strayed(places, row)) {
+            for &row in near {
+                worst = worst.max(self.project_row(places, normal_impulses, row, substep));
+            }
+        } else {
+            let batches = (number, substep);
+            let depth = self.leave_in_batches(places, normal_impulses, batches, instructions);
+            worst = worst.max(depth);
+        }
+        if self.holds_in_plane() {
+            for &row in near {
+                worst = worst.max(self.project_into_plane(places, row));
+            }
+        }
+        worst
     }
 
     /// How far out the farthest of the rows of an island is at the end of a step, metres, moving nothing.
@@ -63,14 +88,31 @@ impl ParticleContacts {
         number: usize,
         rows: &'a [u32],
     ) -> (&'a [u32], bool) {
-        let strayed = |&row: &u32| {
-            let last_seen = self.last_seen[row as usize];
-            (places.position[places.at(row)] - last_seen).truncate().length_squared() > last_seen.w
-        };
         match self.reaches.get(number) {
-            Some(reach) if !rows.iter().any(strayed) => (&self.touching[reach.clone()], false),
+            Some(reach) if !self.has_any_strayed(places, rows) => {
+                (&self.touching[reach.clone()], false)
+            }
             _ => (rows, true),
         }
+    }
+
+    /// Whether one of some rows has gone further than was looked.
+    fn has_any_strayed(&self, places: &Places, rows: &[u32]) -> bool {
+        let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else { return false };
+        if (last - first) as usize + 1 != rows.len() {
+            return rows.iter().any(|&row| self.has_strayed(places, row));
+        }
+        // Mostly they stand one after the other: all of them are looked at, which takes less than to ask after each whether to go on.
+        let now = &places.position[places.at(first)..][..rows.len()];
+        let seen = &self.last_seen[first as usize..][..rows.len()];
+        let strayed = now.iter().zip(seen).map(|(&now, &seen)| is_beyond(now, seen));
+        strayed.fold(false, |any, strayed| any | strayed)
+    }
+
+    /// Whether a row has gone further than was looked.
+    #[inline]
+    pub(super) fn has_strayed(&self, places: &Places, row: u32) -> bool {
+        is_beyond(places.position[places.at(row)], self.last_seen[row as usize])
     }
 
     /// Those of the rows of an island that may touch something, while none has gone further than was looked; `None` where nobody looked.
@@ -125,6 +167,12 @@ impl ParticleContacts {
             reaches.push(begin..touching.len());
         }
     }
+}
+
+/// Whether a place is farther from where it was seen than was foreseen.
+#[inline(always)]
+fn is_beyond(now: Vec4, seen: Vec4) -> bool {
+    (now - seen).truncate().length_squared() > seen.w
 }
 
 /// What a coordinate of a box may be off by, as a share of it: it is a sum of two roundings.

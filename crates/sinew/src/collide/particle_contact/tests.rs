@@ -1,6 +1,9 @@
 //! What is within reach in a step, and what is flung beyond that.
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
+
+use super::{NormalImpulse, NormalImpulses};
+use crate::lanes::InstructionSet;
 
 use crate::particles::{ParticleSeed, Places};
 use crate::recipes::{BoxSpec, ClothSpec, box_3d, cloth_grid};
@@ -262,4 +265,92 @@ fn what_is_flung_out_of_reach_keeps_its_layers() {
         let through = world.particles.position(0).x > 5.0;
         assert_eq!(through, layers != Layers::default(), "{}", world.particles.position(0));
     }
+}
+
+/// Shapes of every kind that batches take and that they do not, some turned, some that move, one a sensor, some over each other.
+fn obstacles() -> Vec<Collider> {
+    let turned = |at: Vec3| Frame::new(at, Quat::from_xyzw(0.3, -0.2, 0.5, 1.0));
+    let moving = |shape: Shape, at: Vec3| {
+        let end =
+            Frame::new(at + Vec3::new(0.02, -0.03, 0.01), Quat::from_xyzw(0.3, -0.1, 0.5, 1.0));
+        Collider::fixed(shape, turned(at)).moving_to(end)
+    };
+    let corners = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_ONE].map(|corner| corner * 0.2);
+    vec![
+        Collider::fixed(Shape::half_space(), turned(Vec3::new(0.0, -0.3, 0.0))),
+        ball(Vec3::new(0.3, 0.1, 0.2)),
+        moving(Shape::sphere(0.15).unwrap(), Vec3::new(-0.3, 0.1, 0.2)),
+        Collider::fixed(Shape::capsule(0.1, 0.3).unwrap(), turned(Vec3::new(0.0, 0.0, 0.3))),
+        moving(Shape::cuboid(Vec3::new(0.3, 0.2, 0.1)).unwrap(), Vec3::new(0.2, 0.0, -0.2)),
+        Collider::fixed(
+            Shape::cuboid(Vec3::splat(0.25)).unwrap(),
+            turned(Vec3::new(-0.2, 0.2, 0.0)),
+        ),
+        Collider::fixed(Shape::cylinder(0.15, 0.2).unwrap(), turned(Vec3::new(0.0, 0.1, -0.3))),
+        Collider::fixed(Shape::hull(&corners).unwrap(), turned(Vec3::new(-0.3, -0.1, -0.3))),
+        Collider { sensor: true, ..ball(Vec3::new(0.0, 0.2, 0.0)) },
+    ]
+}
+
+#[test]
+fn rows_in_batches_end_where_each_of_them_would_one_by_one() {
+    let mut dice = 1_u32;
+    let mut die = || {
+        dice = dice.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (dice >> 8) as f32 / (1 << 23) as f32 - 1.0
+    };
+    let mut place = || Vec3::new(die(), die(), die()) * 0.5;
+    let mut touched = 0;
+    for round in 0..40 {
+        let mut world = hung();
+        world.forces.winds.clear();
+        world.boundaries.planes.push(Plane::ground(-0.2).with_friction(0.4));
+        world.colliders = obstacles();
+        for row in 0..world.particles.len() {
+            world.particles.set_position(row, place());
+            // Fast ones are looked for from afar, and so none of them strays.
+            world.particles.set_velocity(row, place() * 300.0);
+        }
+        world.begin_step(1.0 / 60.0).unwrap();
+        let plan = world.plan().clone();
+        let number = plan.islands.of[0] as usize;
+        let rows = &plan.islands.members[plan.islands.list[number].members.clone()];
+        for row in 0..world.particles.len() {
+            // Some go a long way, through thin things, and most hardly anywhere.
+            let to = place();
+            let by = if row % 7 == 0 { to } else { to * 0.02 };
+            if world.particles.position[row].w > 0.0 {
+                world.particles.start[row] = world.particles.position[row];
+                world.particles.position[row] += by.extend(0.0);
+            }
+        }
+        let ends = |batches: bool, instructions: InstructionSet| {
+            let (mut particles, mut contacts) =
+                (world.particles.clone(), world.particle_contacts().clone());
+            assert!(contacts.has_batches(number), "there is something to compare");
+            if !batches {
+                contacts.batches.clear();
+            }
+            let mut impulses = vec![NormalImpulse::default(); contacts.candidates.len()];
+            let depth = contacts.project_island(
+                &mut Places::all(&mut particles),
+                &mut NormalImpulses::all(&mut impulses),
+                (number, rows),
+                (round % 10, instructions),
+            );
+            let bits = |v: Vec3| v.to_array().map(f32::to_bits);
+            let positions: Vec<_> = particles.position.iter().map(|q| bits(q.truncate())).collect();
+            let sums: Vec<_> = impulses
+                .iter()
+                .map(|one| (bits(one.normal), bits(one.carried), one.sum.to_bits()))
+                .collect();
+            (depth.to_bits(), positions, sums)
+        };
+        let truth = ends(false, InstructionSet::Scalar);
+        touched += truth.2.iter().filter(|(_, _, sum)| *sum != 0).count();
+        for set in [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2] {
+            assert!(ends(true, set) == truth, "{set:?}, round {round}");
+        }
+    }
+    assert!(touched > 3000, "{touched} contacts were compared");
 }

@@ -18,6 +18,7 @@
 use glam::Vec3;
 
 use super::{Nearest, RayHit, ShapeTouch};
+use crate::lanes::{Number, Vector};
 
 /// A shape without dents.
 pub(super) trait Convex {
@@ -90,6 +91,44 @@ pub(super) struct Entry {
     pub(super) normal: Vec3,
     /// How far the shape reaches along the normal, metres from the origin.
     pub(super) offset: f32,
+}
+
+/// What is nearest to one point, or to each of eight: see [`Nearest`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NearestOf<N> {
+    pub(crate) point: Vector<N>,
+    pub(crate) normal: Vector<N>,
+    pub(crate) distance: N,
+}
+
+impl<N: Number> NearestOf<N> {
+    /// The usual half of the rule, of spheres that came from `from` to the points in question: how far each must go along the normal, metres, where it
+    /// touches at all; and where it came from behind, which is for [`touch`](Convex::touch) to find out.
+    #[inline(always)]
+    pub(crate) fn touch(&self, from: Vector<N>, radius: N) -> Touches<N> {
+        let depth = radius - self.distance;
+        let in_front = N::zero().le(self.normal.dot(from - self.point));
+        let touching = N::zero().lt(depth).and(depth.lt(N::splat(f32::INFINITY)));
+        Touches { depth, touching: in_front.and(touching), in_front }
+    }
+}
+
+/// Which of eight spheres touch something.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Touches<N> {
+    /// Metres.
+    pub(crate) depth: N,
+    /// A mask.
+    pub(crate) touching: N,
+    /// A mask: of others nothing is known yet.
+    pub(crate) in_front: N,
+}
+
+impl From<NearestOf<f32>> for Nearest {
+    #[inline(always)]
+    fn from(NearestOf { point, normal, distance }: NearestOf<f32>) -> Self {
+        Self { point: point.into(), normal: normal.into(), distance }
+    }
 }
 
 impl Nearest {

@@ -3,40 +3,65 @@
 use glam::Vec3;
 
 use super::Nearest;
-use super::convex::{Convex, Entry};
+use super::convex::{Convex, Entry, NearestOf};
+use crate::lanes::{Number, Vector};
 
 /// A box about the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Cuboid {
+pub(crate) struct Cuboid {
     pub(super) half_size: Vec3,
+}
+
+impl Cuboid {
+    /// Of one point, or of eight.
+    #[inline(always)]
+    pub(super) fn nearest_of<N: Number>(&self, p: Vector<N>) -> NearestOf<N> {
+        let half = Vector::<N>::splat(self.half_size);
+        let clamped = |x: N, half: N| x.min(half).max(-half);
+        let point = Vector::new(clamped(p.x, half.x), clamped(p.y, half.y), clamped(p.z, half.z));
+        let away = p - point;
+        let square = away.length_squared();
+        let distance = square.sqrt();
+        let outside = NearestOf { point, normal: away / distance, distance };
+        // Less than this is rounding of a place on the surface.
+        let is_outside = N::splat(1e-30).lt(square);
+        if is_outside.all() {
+            return outside;
+        }
+        let inside = self.nearest_within(p);
+        NearestOf {
+            point: outside.point.or_else(is_outside, inside.point),
+            normal: outside.normal.or_else(is_outside, inside.normal),
+            distance: is_outside.select(outside.distance, inside.distance),
+        }
+    }
+
+    /// The same of a point inside: out through the face with the least in the way.
+    #[inline(always)]
+    fn nearest_within<N: Number>(&self, p: Vector<N>) -> NearestOf<N> {
+        let (half, zero) = (Vector::<N>::splat(self.half_size), N::zero());
+        let gap = Vector::new(half.x - p.x.abs(), half.y - p.y.abs(), half.z - p.z.abs());
+        let is_x = gap.x.le(gap.y).and(gap.x.le(gap.z));
+        let is_y = gap.y.le(gap.z);
+        let sign = |x: N| x.lt(zero).select(N::splat(-1.0), N::splat(1.0));
+        let (x, y, z) = (sign(p.x), sign(p.y), sign(p.z));
+        let pick = |of_x: N, of_y: N, of_z: N| is_x.select(of_x, is_y.select(of_y, of_z));
+        NearestOf {
+            point: Vector::new(
+                pick(x * half.x, p.x, p.x),
+                pick(p.y, y * half.y, p.y),
+                pick(p.z, p.z, z * half.z),
+            ),
+            normal: Vector::new(pick(x, zero, zero), pick(zero, y, zero), pick(zero, zero, z)),
+            distance: -pick(gap.x, gap.y, gap.z),
+        }
+    }
 }
 
 impl Convex for Cuboid {
     #[inline(always)]
     fn nearest(&self, p: Vec3) -> Nearest {
-        let half = self.half_size;
-        let point = p.min(half).max(-half);
-        let away = p - point;
-        let square = away.length_squared();
-        // Less than this is rounding of a place on the surface.
-        if square > 1e-30 {
-            let distance = square.sqrt();
-            return Nearest { point, normal: away / distance, distance };
-        }
-        // Inside: out through the face with the least in the way.
-        let gap = half - p.abs();
-        let axis = if gap.x <= gap.y && gap.x <= gap.z {
-            0
-        } else if gap.y <= gap.z {
-            1
-        } else {
-            2
-        };
-        let sign = if p[axis] < 0.0 { -1.0 } else { 1.0 };
-        let (mut point, mut normal) = (p, Vec3::ZERO);
-        point[axis] = sign * half[axis];
-        normal[axis] = sign;
-        Nearest { point, normal, distance: -gap[axis] }
+        self.nearest_of(Vector::<f32>::splat(p)).into()
     }
 
     fn enter(&self, from: Vec3, way: Vec3, most: f32) -> Option<Entry> {

@@ -5,6 +5,7 @@
 //! | `fault` | why a shape is refused |
 //! | `convex` | a sphere against anything without dents: one rule for all of them, and how it follows |
 //! | `round`, `flat` | sphere, capsule and cylinder; box: nearest point and way in, in closed form |
+//! | `closed_form` | those whose nearest point has a closed form, eight at a time |
 //! | `inside` | what is solid outside of a box, and the half-spaces of what is endless |
 //! | `hull` | the same for what is given by its corners |
 //! | `triangle`, `surface` | a sphere against triangles: nearest point, crossing, and the same rule for what has dents |
@@ -17,6 +18,7 @@
 //! | `sweep` | what a shape meets on a straight way, and what it is near |
 //! | `convert` | the shapes that `parry3d` knows, for what two solids do to each other |
 
+mod closed_form;
 mod coarse;
 mod content_hash;
 mod convert;
@@ -43,6 +45,7 @@ use glam::Vec3;
 
 pub use fault::ShapeFault;
 
+pub(crate) use closed_form::ClosedForm;
 pub(crate) use convert::{ours, pose};
 pub(crate) use sweep::{AtStart, Obstacle, SweepHit, Way};
 

@@ -3,43 +3,61 @@
 use glam::Vec3;
 
 use super::Nearest;
-use super::convex::{Convex, Entry};
+use super::convex::{Convex, Entry, NearestOf};
+use crate::lanes::{Number, Vector};
 
 /// A sphere about the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Ball {
+pub(crate) struct Ball {
     pub(super) radius: f32,
+}
+
+impl Ball {
+    /// Of one point, or of eight.
+    #[inline(always)]
+    pub(super) fn nearest_of<N: Number>(&self, p: Vector<N>) -> NearestOf<N> {
+        let radius = N::splat(self.radius);
+        let (normal, length) = direction(p, Vector::splat(Vec3::Y));
+        NearestOf { point: normal * radius, normal, distance: length - radius }
+    }
 }
 
 impl Convex for Ball {
     #[inline(always)]
     fn nearest(&self, p: Vec3) -> Nearest {
-        let (normal, length) = direction(p, Vec3::Y);
-        Nearest { point: normal * self.radius, normal, distance: length - self.radius }
+        self.nearest_of(Vector::<f32>::splat(p)).into()
     }
 
     fn enter(&self, from: Vec3, way: Vec3, most: f32) -> Option<Entry> {
         let share = into_ball(from, way, self.radius, most)?;
-        let (normal, _) = direction(from + way * share, Vec3::Y);
+        let normal = self.nearest(from + way * share).normal;
         Some(Entry { share, normal, offset: self.radius })
     }
 }
 
 /// All that is within the radius of a piece of the y axis about the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Capsule {
+pub(crate) struct Capsule {
     pub(super) radius: f32,
     /// Half the length of that piece.
     pub(super) half_height: f32,
 }
 
+impl Capsule {
+    /// Of one point, or of eight.
+    #[inline(always)]
+    pub(super) fn nearest_of<N: Number>(&self, p: Vector<N>) -> NearestOf<N> {
+        let (radius, half_height) = (N::splat(self.radius), N::splat(self.half_height));
+        let axis = Vector::new(N::zero(), p.y.min(half_height).max(-half_height), N::zero());
+        let (normal, length) = direction(p - axis, Vector::splat(Vec3::X));
+        NearestOf { point: axis + normal * radius, normal, distance: length - radius }
+    }
+}
+
 impl Convex for Capsule {
     #[inline(always)]
     fn nearest(&self, p: Vec3) -> Nearest {
-        let axis = Vec3::Y * p.y.min(self.half_height).max(-self.half_height);
-        let (normal, length) = direction(p - axis, Vec3::X);
-        let point = axis + normal * self.radius;
-        Nearest { point, normal, distance: length - self.radius }
+        self.nearest_of(Vector::<f32>::splat(p)).into()
     }
 
     fn enter(&self, from: Vec3, way: Vec3, most: f32) -> Option<Entry> {
@@ -60,28 +78,50 @@ impl Convex for Capsule {
 
 /// A cylinder along y about the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Cylinder {
+pub(crate) struct Cylinder {
     pub(super) radius: f32,
     pub(super) half_height: f32,
+}
+
+impl Cylinder {
+    /// Of one point, or of eight.
+    #[inline(always)]
+    pub(super) fn nearest_of<N: Number>(&self, p: Vector<N>) -> NearestOf<N> {
+        let (radius, half_height) = (N::splat(self.radius), N::splat(self.half_height));
+        let zero = N::zero();
+        let (outward, length) = direction(Vector::new(p.x, zero, p.z), Vector::splat(Vec3::X));
+        let up = p.y.lt(zero).select(N::splat(-1.0), N::splat(1.0));
+        let (beside, above) = (length - radius, up * p.y - half_height);
+        let (side, end) = (outward * radius, up * half_height);
+        // The nearer of the side and of an end; where it is beyond both, the rim.
+        let is_side = above.le(beside);
+        let mut nearest = NearestOf {
+            point: Vector::new(
+                is_side.select(side.x, p.x),
+                is_side.select(p.y, end),
+                is_side.select(side.z, p.z),
+            ),
+            normal: outward.or_else(is_side, Vector::new(zero, up, zero)),
+            distance: is_side.select(beside, above),
+        };
+        let is_rim = zero.lt(beside).and(zero.lt(above));
+        if is_rim.any() {
+            let rim = Vector::new(side.x, end, side.z);
+            let (normal, distance) = direction(p - rim, outward);
+            nearest = NearestOf {
+                point: rim.or_else(is_rim, nearest.point),
+                normal: normal.or_else(is_rim, nearest.normal),
+                distance: is_rim.select(distance, nearest.distance),
+            };
+        }
+        nearest
+    }
 }
 
 impl Convex for Cylinder {
     #[inline(always)]
     fn nearest(&self, p: Vec3) -> Nearest {
-        let Self { radius, half_height } = *self;
-        let (outward, length) = direction(p.with_y(0.0), Vec3::X);
-        let up = if p.y < 0.0 { -1.0 } else { 1.0 };
-        let (beside, above) = (length - radius, up * p.y - half_height);
-        if beside > 0.0 && above > 0.0 {
-            let point = outward * radius + Vec3::Y * (up * half_height);
-            let (normal, distance) = direction(p - point, outward);
-            return Nearest { point, normal, distance };
-        }
-        if beside >= above {
-            let point = (outward * radius).with_y(p.y);
-            return Nearest { point, normal: outward, distance: beside };
-        }
-        Nearest { point: p.with_y(up * half_height), normal: Vec3::Y * up, distance: above }
+        self.nearest_of(Vector::<f32>::splat(p)).into()
     }
 
     fn enter(&self, from: Vec3, way: Vec3, most: f32) -> Option<Entry> {
@@ -91,7 +131,9 @@ impl Convex for Cylinder {
         let mut entry: Option<Entry> = None;
         if outside {
             let share = into_ball(at, along, radius, most)?;
-            let (normal, _) = direction(at + along * share, Vec3::X);
+            let (normal, _) =
+                direction(Vector::<f32>::splat(at + along * share), Vector::splat(Vec3::X));
+            let normal = normal.into();
             entry = Some(Entry { share, normal, offset: radius });
         }
         if from.y.abs() >= half_height {
@@ -119,10 +161,11 @@ impl Convex for Cylinder {
 
 /// Unit vector and length; `otherwise` where there is no direction.
 #[inline(always)]
-fn direction(v: Vec3, otherwise: Vec3) -> (Vec3, f32) {
+fn direction<N: Number>(v: Vector<N>, otherwise: Vector<N>) -> (Vector<N>, N) {
     let length = v.length();
     // Squares of less have no digits left.
-    if length <= 1e-18 { (otherwise, 0.0) } else { (v / length, length) }
+    let none = length.le(N::splat(1e-18));
+    (otherwise.or_else(none, v / length), none.select(N::zero(), length))
 }
 
 /// Where a way from outside enters a ball about the origin. Taken from the place where it passes nearest to the origin, because

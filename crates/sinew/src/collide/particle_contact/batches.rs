@@ -1,0 +1,246 @@
+//! The rows of an island against the surfaces that they may touch, in batches of eight: a cloth on a ball asks ten thousand times a substep whether it
+//! touches, and mostly it does not.
+//!
+//! A contact moves its own row and nothing else, so rows may go side by side, to the same bits as one after the other; what one row may touch goes in its
+//! turn, round by round. Where a shape has a [closed form](ClosedForm), eight rows are asked at a time, and only those that touch are resolved one by one,
+//! by the same code as any other contact; so are rows that came from behind.
+
+use core::ops::Range;
+
+use glam::Vec3;
+
+use super::super::shape::ClosedForm;
+use super::super::{Frame, ShapeTouch};
+use super::surface::SurfaceForm;
+use super::{NormalImpulses, ParticleContact, ParticleContacts};
+use crate::islands::Islands;
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
+use crate::particles::{Particles, Places};
+
+/// Those of all islands, for one step. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CandidateBatches {
+    /// Those of each island in `runs`; `None` of one whose rows go one by one.
+    islands: Vec<Option<Range<u32>>>,
+    runs: Vec<SurfaceRun>,
+    batches: Vec<CandidateBatch>,
+    /// Surface, row and candidate of each row in a round. Memory.
+    round: Vec<(u32, u32, u32)>,
+}
+
+/// Batches of one surface, which may go in any order.
+#[derive(Clone, Debug)]
+struct SurfaceRun {
+    surface: u32,
+    batches: Range<u32>,
+}
+
+/// As many rows as there are lanes, the last one in all that are left over.
+#[derive(Clone, Copy, Debug)]
+struct CandidateBatch {
+    rows: [u32; LANES],
+    /// The candidate of each.
+    candidates: [u32; LANES],
+    /// Metres.
+    radius: [f32; LANES],
+    /// How many rows there are.
+    count: u32,
+}
+
+/// Of fewer rows, most lanes would be empty.
+const FEWEST: usize = LANES / 2;
+
+impl CandidateBatches {
+    /// Forgets all of them.
+    pub(super) fn clear(&mut self) {
+        self.islands.clear();
+        self.runs.clear();
+        self.batches.clear();
+    }
+}
+
+impl ParticleContacts {
+    /// Makes batches of what each island may touch, when that is known.
+    pub(super) fn make_batches(&mut self, particles: &Particles, islands: &Islands) {
+        let Self { first, candidates, reaches, touching, batches: all, .. } = self;
+        all.clear();
+        let CandidateBatches { islands: ranges, runs, batches, round } = all;
+        for (island, reach) in islands.list.iter().zip(reaches.iter()) {
+            let rows = &touching[reach.clone()];
+            if rows.len() < FEWEST || !island.one_origin || first.is_empty() {
+                ranges.push(None);
+                continue;
+            }
+            let begin = runs.len() as u32;
+            for turn in 0.. {
+                round.clear();
+                round.extend(rows.iter().filter_map(|&row| {
+                    let number = first[row as usize] + turn;
+                    let has = number < first[row as usize + 1];
+                    has.then(|| (candidates[number as usize].surface, row, number))
+                }));
+                if round.is_empty() {
+                    break;
+                }
+                round.sort_by_key(|&(surface, ..)| surface);
+                for run in round.chunk_by(|(one, ..), (other, ..)| one == other) {
+                    let begin = batches.len() as u32;
+                    batches.extend(run.chunks(LANES).map(|some| batch_of(some, particles)));
+                    runs.push(SurfaceRun {
+                        surface: run[0].0,
+                        batches: begin..batches.len() as u32,
+                    });
+                }
+            }
+            ranges.push(Some(begin..runs.len() as u32));
+        }
+    }
+
+    /// Whether the rows of island `number` go in batches.
+    pub(super) fn has_batches(&self, number: usize) -> bool {
+        self.batches.islands.get(number).is_some_and(Option::is_some)
+    }
+
+    /// Puts the rows of island `number`, none of which has gone further than was foreseen, outside of the surfaces near them; returns how far out the
+    /// farthest was, metres.
+    pub(super) fn leave_in_batches(
+        &self,
+        places: &mut Places,
+        normal_impulses: &mut NormalImpulses,
+        (number, substep): (usize, u32),
+        instructions: InstructionSet,
+    ) -> f32 {
+        let CandidateBatches { islands, runs, batches, .. } = &self.batches;
+        let Some(Some(range)) = islands.get(number) else { return 0.0 };
+        let began = substep as usize * self.surfaces.len();
+        let mut worst = 0.0_f32;
+        for run in &runs[range.start as usize..range.end as usize] {
+            let batches = &batches[run.batches.start as usize..run.batches.end as usize];
+            let form = match &self.surfaces[run.surface as usize].form {
+                SurfaceForm::Shape(shape) => shape.closed_form(),
+                SurfaceForm::Plane(_) | SurfaceForm::BoundingBox(_) => None,
+            };
+            let Some(form) = form else {
+                for batch in batches {
+                    for lane in 0..batch.count as usize {
+                        let (row, number) = (batch.rows[lane], batch.candidates[lane]);
+                        worst = worst.max(self.meet(places, normal_impulses, (row, number), began));
+                    }
+                }
+                continue;
+            };
+            let origin = places.origin[places.at(batches[0].rows[0])];
+            let (was, is) = self.frames_of(run.surface as usize, began, origin);
+            let touch = TouchSurface {
+                contacts: self,
+                places: places.lend(),
+                normal_impulses: normal_impulses.lend(),
+                batches,
+                surface: (run.surface, form),
+                frames: [was, is],
+                began,
+            };
+            worst = worst.max(with(instructions, touch));
+        }
+        worst
+    }
+}
+
+fn batch_of(some: &[(u32, u32, u32)], particles: &Particles) -> CandidateBatch {
+    let mut batch = CandidateBatch {
+        rows: [0; LANES],
+        candidates: [0; LANES],
+        radius: [0.0; LANES],
+        count: some.len() as u32,
+    };
+    for lane in 0..LANES {
+        let (_, row, number) = some[lane.min(some.len() - 1)];
+        (batch.rows[lane], batch.candidates[lane]) = (row, number);
+        batch.radius[lane] = particles.radius[row as usize];
+    }
+    batch
+}
+
+/// Batches against one surface; the deepest comes of it, metres.
+struct TouchSurface<'a> {
+    contacts: &'a ParticleContacts,
+    places: Places<'a>,
+    normal_impulses: NormalImpulses<'a>,
+    batches: &'a [CandidateBatch],
+    surface: (u32, ClosedForm),
+    /// Where it is when the substep begins and when it ends, seen from the origin of all rows.
+    frames: [Frame; 2],
+    began: usize,
+}
+
+impl Work for TouchSurface<'_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let Self { contacts, mut places, mut normal_impulses, batches, surface, frames, began } =
+            self;
+        let (number, form) = surface;
+        let (was, is) = (LocalFrame::<L>::of(&frames[0]), LocalFrame::<L>::of(&frames[1]));
+        let mut worst = 0.0_f32;
+        for batch in batches {
+            let mut rows = batch.rows;
+            rows.iter_mut().for_each(|row| *row = places.at(*row) as u32);
+            let from = was.local(&L::rows(places.start, &rows));
+            let to = is.local(&L::rows(places.position, &rows));
+            let near = form.nearest(to);
+            let found = near.touch(from, L::load(&batch.radius));
+            let behind = !found.in_front.bits();
+            let mut left = (found.touching.bits() | behind) & ((1 << batch.count) - 1);
+            if left == 0 {
+                continue;
+            }
+            let normals = [near.normal.x.array(), near.normal.y.array(), near.normal.z.array()];
+            let ends = [to.x.array(), to.y.array(), to.z.array()];
+            let depths = found.depth.array();
+            while left != 0 {
+                let lane = left.trailing_zeros() as usize;
+                left &= left - 1;
+                let which = (batch.rows[lane], batch.candidates[lane]);
+                let depth = if behind >> lane & 1 == 0 {
+                    let of = |columns: &[[f32; LANES]; 3]| {
+                        Vec3::new(columns[0][lane], columns[1][lane], columns[2][lane])
+                    };
+                    let touched = ShapeTouch { normal: of(&normals), depth: depths[lane] };
+                    let moves = contacts.surfaces[number as usize].moves;
+                    let contact = ParticleContact::of(&touched, of(&ends), &frames, moves);
+                    contacts.take_contact(&mut places, &mut normal_impulses, which, &contact)
+                } else {
+                    contacts.meet(&mut places, &mut normal_impulses, which, began)
+                };
+                worst = worst.max(depth);
+            }
+        }
+        worst
+    }
+}
+
+/// A [`Frame`] in lanes.
+struct LocalFrame<L> {
+    axes: [Vector<L>; 3],
+    translation: Vector<L>,
+}
+
+impl<L: Lanes> LocalFrame<L> {
+    #[inline(always)]
+    fn of(frame: &Frame) -> Self {
+        let r = &frame.rotation;
+        Self {
+            axes: [Vector::splat(r.x_axis), Vector::splat(r.y_axis), Vector::splat(r.z_axis)],
+            translation: Vector::splat(frame.translation),
+        }
+    }
+
+    /// As [`Frame::local`] has it.
+    #[inline(always)]
+    fn local(&self, columns: &[L; 4]) -> Vector<L> {
+        let direction = Vector::of(*columns).0 - self.translation;
+        let [x, y, z] = &self.axes;
+        Vector::new(x.dot(direction), y.dot(direction), z.dot(direction))
+    }
+}

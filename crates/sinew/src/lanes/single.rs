@@ -1,0 +1,73 @@
+//! One number, for formulas that are wanted of one thing as well as of eight: written once, over [`Number`].
+
+use super::Number;
+
+/// All ones, as a mask has them.
+const SET: f32 = f32::from_bits(u32::MAX);
+
+#[inline(always)]
+fn mask(set: bool) -> f32 {
+    if set { SET } else { 0.0 }
+}
+
+#[inline(always)]
+fn is_set(mask: f32) -> bool {
+    mask.to_bits() != 0
+}
+
+impl Number for f32 {
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        x
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.abs()
+    }
+
+    #[inline(always)]
+    fn lt(self, other: Self) -> Self {
+        mask(self < other)
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> Self {
+        mask(self <= other)
+    }
+
+    #[inline(always)]
+    fn same(self, other: Self) -> Self {
+        mask(self == other)
+    }
+
+    #[inline(always)]
+    fn and(self, other: Self) -> Self {
+        Self::from_bits(self.to_bits() & other.to_bits())
+    }
+
+    #[inline(always)]
+    fn or(self, other: Self) -> Self {
+        Self::from_bits(self.to_bits() | other.to_bits())
+    }
+
+    #[inline(always)]
+    fn select(self, yes: Self, no: Self) -> Self {
+        if is_set(self) { yes } else { no }
+    }
+
+    #[inline(always)]
+    fn any(self) -> bool {
+        is_set(self)
+    }
+
+    #[inline(always)]
+    fn all(self) -> bool {
+        is_set(self)
+    }
+}
