@@ -152,6 +152,29 @@ impl Extent {
         }
     }
 
+    /// A box along the world's axes that holds all of it, with some room for rounding: its lowest and its highest corner, metres.
+    pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
+        let about = |low: Vec3, high: Vec3| {
+            let room = low.abs().max(high.abs()) * 1e-6;
+            (low - room, high + room)
+        };
+        match *self {
+            Self::Everywhere | Self::Below { .. } => (Vec3::NEG_INFINITY, Vec3::INFINITY),
+            Self::Box { centre, size, rotation } => {
+                // A box's half diagonals, of which the widest along each axis.
+                let half = Vec3::AXES.map(|axis| turned_back(rotation, axis));
+                let reach = half.map(|axis| (axis.abs() * size).element_sum() * 0.5);
+                let reach = Vec3::from_array(reach);
+                about(centre - reach, centre + reach)
+            }
+            Self::Sphere { centre, radius } => about(centre - radius, centre + radius),
+            // A cylinder is in the box around its capsule.
+            Self::Cylinder { a, b, radius } | Self::Capsule { a, b, radius } => {
+                about(a.min(b) - radius, a.max(b) + radius)
+            }
+        }
+    }
+
     /// How far inside the surface a place is, metres; negative outside, where only the sign counts.
     fn depth(&self, place: Place) -> f32 {
         match *self {
@@ -250,6 +273,26 @@ mod tests {
             Extent::Cylinder { a, b, radius: 1.0 },
             Extent::Capsule { a, b, radius: 1.0 },
         ]
+    }
+
+    #[test]
+    fn what_a_shape_contains_is_in_the_box_around_it() {
+        for extent in shapes() {
+            let (low, high) = extent.bounds();
+            let mut inside = 0;
+            for i in 0..4096_u16 {
+                let at = |shift: u16| f32::from(i >> shift & 15) - 7.5;
+                let place = Vec3::new(10.0 + 0.6 * at(0), 0.6 * at(4), 0.6 * at(8));
+                if extent.depth(Place::at(place)) >= 0.0 {
+                    inside += 1;
+                    assert!(
+                        place.cmpge(low).all() && place.cmple(high).all(),
+                        "{extent:?} {place}"
+                    );
+                }
+            }
+            assert!(inside > 20, "{extent:?}");
+        }
     }
 
     #[test]

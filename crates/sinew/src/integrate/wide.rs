@@ -2,12 +2,12 @@
 
 use core::ops::Range;
 
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 
 use crate::lanes::{Lanes, Work};
 use crate::particles::Particles;
 
-/// Some consecutive particles, to be predicted. All columns are of one length; `acceleration`, `damping` and `medium` may be empty for zeros, and
+/// Some consecutive particles, to be predicted. All columns are of one length; `acceleration`, `damping`, `medium` and `drift` may be empty for zeros, and
 /// `damping` may have one number for all.
 pub(crate) struct Predict<'a> {
     pub(crate) position: &'a mut [Vec4],
@@ -17,6 +17,7 @@ pub(crate) struct Predict<'a> {
     pub(crate) acceleration: &'a [Vec4],
     pub(crate) damping: &'a [f32],
     pub(crate) medium: &'a [f32],
+    pub(crate) drift: &'a [Vec3],
     /// What all are accelerated by besides, m/s².
     pub(crate) common: Vec4,
     /// Damping that all have besides, 1/s.
@@ -53,6 +54,7 @@ impl<'a> Predict<'a> {
             acceleration: if particles.acceleration_dirty { &particles.acceleration } else { &[] },
             damping,
             medium: if particles.medium_dirty { &particles.medium } else { &[] },
+            drift: &particles.drift,
             common: particles.common.extend(0.0),
             air: particles.air,
             h,
@@ -63,7 +65,7 @@ impl<'a> Predict<'a> {
 impl<'a> Predict<'a> {
     /// Some of them.
     pub(crate) fn lend(&mut self, rows: Range<usize>) -> Predict<'_> {
-        let Self { acceleration, damping, medium, .. } = *self;
+        let Self { acceleration, damping, medium, drift, .. } = *self;
         Predict {
             position: &mut self.position[rows.clone()],
             start: &mut self.start[rows.clone()],
@@ -71,14 +73,16 @@ impl<'a> Predict<'a> {
             rounding: &mut self.rounding[rows.clone()],
             acceleration: acceleration.get(rows.clone()).unwrap_or_default(),
             damping: if damping.len() < 2 { damping } else { &damping[rows.clone()] },
-            medium: medium.get(rows).unwrap_or_default(),
+            medium: medium.get(rows.clone()).unwrap_or_default(),
+            drift: drift.get(rows).unwrap_or_default(),
             ..*self
         }
     }
 
     /// In chunks of so many particles, an even number.
     pub(crate) fn chunks(self, of: usize) -> impl Iterator<Item = Self> {
-        let Self { position, start, velocity, rounding, acceleration, damping, medium, .. } = self;
+        let Self { position, start, velocity, rounding, .. } = self;
+        let Self { acceleration, damping, medium, drift, .. } = self;
         let columns = position.chunks_mut(of).zip(start.chunks_mut(of));
         let columns = columns.zip(velocity.chunks_mut(of)).zip(rounding.chunks_mut(of));
         columns.enumerate().map(move |(number, (((position, start), velocity), rounding))| {
@@ -90,7 +94,8 @@ impl<'a> Predict<'a> {
                 rounding,
                 acceleration: acceleration.get(rows.clone()).unwrap_or_default(),
                 damping: if damping.len() < 2 { damping } else { &damping[rows.clone()] },
-                medium: medium.get(rows).unwrap_or_default(),
+                medium: medium.get(rows.clone()).unwrap_or_default(),
+                drift: drift.get(rows).unwrap_or_default(),
                 ..self
             }
         })
@@ -122,7 +127,8 @@ impl Work for Predict<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { position, start, velocity, rounding, acceleration, damping, medium, .. } = self;
+        let Self { position, start, velocity, rounding, .. } = self;
+        let Self { acceleration, damping, medium, drift, .. } = self;
         let rates = Rates { damping, medium, air: self.air };
         let mut step = Step {
             common: L::two(&[self.common; 2], 0),
@@ -130,6 +136,7 @@ impl Work for Predict<'_> {
             steady: rates.same().map_or(f32::NAN, |rate| loss(rate * self.h)),
             last: (0.0, 0.0),
             rates,
+            drift,
         };
         let count = position.len();
         let (positions, last_position) = position.as_chunks_mut::<2>();
@@ -201,6 +208,7 @@ struct Step<'a, L> {
     steady: f32,
     /// The last exponent, and what is lost with that: neighbours mostly share their damping.
     last: (f32, f32),
+    drift: &'a [Vec3],
 }
 
 impl<L: Lanes> Step<'_, L> {
@@ -224,13 +232,32 @@ impl<L: Lanes> Step<'_, L> {
             let [one, other] = self.lost(lags, i);
             L::two(&[Vec4::splat(one), Vec4::splat(other)], 0)
         };
-        let change = a * tau - v * lost + before;
+        let slip = match self.drift.get(i..) {
+            Some(drift @ [_, ..]) if drift.iter().take(2).any(|&drift| drift != Vec3::ZERO) => {
+                let [one, other] = self.slip(velocity, i);
+                L::two(&[one, other], 0)
+            }
+            _ => v,
+        };
+        let change = a * tau - slip * lost + before;
         let u = v + change;
         let rounded = change - (u - v);
         p.put_two(start, 0);
         moves.select(rounded, before).with_fourths(L::zero()).put_two(rounding, 0);
         moves.and(u).with_fourths(L::splat(self.h)).put_two(velocity, 0);
         moves.select(p + u * L::splat(self.h), p).with_fourths(p).put_two(position, 0);
+    }
+
+    /// How fast two particles go beside the media that drag them along, m/s.
+    #[inline(never)]
+    fn slip(&self, velocity: &[Vec4; 2], i: usize) -> [Vec4; 2] {
+        let mut slip = *velocity;
+        for ((slip, drift), i) in slip.iter_mut().zip(&self.drift[i..]).zip(i..) {
+            if *drift != Vec3::ZERO {
+                *slip -= (*drift / self.rates.of(i)).extend(0.0);
+            }
+        }
+        slip
     }
 
     /// What two particles lose that had their last steps so long ago, or are damped differently.

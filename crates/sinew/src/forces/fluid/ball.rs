@@ -12,12 +12,19 @@ use crate::particles::Particles;
 /// rows that are marked in `carriers` float as hulls instead; where there is no hull it is empty.
 pub(super) fn apply(particles: &mut Particles, fluid: &Fluid, gravity: Vec3, carriers: &[bool]) {
     let (rate, lift) = (fluid.rate(), fluid.up * fluid.weight(gravity));
+    let (low, high) = fluid.region.extent.bounds();
     for i in 0..particles.len() {
         let radius = particles.radius[i];
         if radius == 0.0 || particles.position[i].w == 0.0 {
             continue;
         }
         if carriers.get(i).copied().unwrap_or(false) {
+            continue;
+        }
+        // Most of a world is nowhere near a brook: what all of is beside the box around it needs no closer look.
+        let at = particles.origin[i] + particles.position[i].truncate();
+        let reach = radius + at.abs() * 1e-6;
+        if (at + reach).cmplt(low).any() || (at - reach).cmpgt(high).any() {
             continue;
         }
         let height = particles.height(i, fluid.up, fluid.level);
