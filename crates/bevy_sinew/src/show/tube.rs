@@ -67,6 +67,8 @@ pub(crate) struct Skin {
     normals: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
     indices: Vec<u32>,
+    /// Sine and cosine of the angle of each vertex of a ring.
+    turns: Vec<(f32, f32)>,
 }
 
 impl Skin {
@@ -75,7 +77,7 @@ impl Skin {
     /// The rings are carried along without twist: each ring's direction is the last one's, turned by the shortest arc between the two
     /// pieces of the chain that it stands between (parallel transport).
     fn wrap(&mut self, middle: &[Vec3], radius: f32, sides: usize) {
-        let Self { positions, normals, uvs, indices } = self;
+        let Self { positions, normals, uvs, indices, turns } = self;
         positions.clear();
         normals.clear();
         uvs.clear();
@@ -83,6 +85,9 @@ impl Skin {
         if middle.len() < 2 {
             return;
         }
+        let share = |k: usize| k as f32 / sides as f32;
+        turns.clear();
+        turns.extend((0..=sides).map(|k| libm::sincosf(share(k) * TAU)));
         let last = middle.len() - 1;
         let direction = |i: usize| {
             let (before, after) = (middle[i.saturating_sub(1)], middle[(i + 1).min(last)]);
@@ -99,14 +104,12 @@ impl Skin {
                 run += middle[i - 1].distance(*point);
             }
             let side = along.cross(across);
-            for k in 0..=sides {
-                let share = k as f32 / sides as f32;
-                let (sin, cos) = libm::sincosf(share * TAU);
+            for (k, &(sin, cos)) in turns.iter().enumerate() {
                 let out = across * cos + side * sin;
                 positions.push((*point + out * radius).to_array());
                 normals.push(out.to_array());
                 // One turn of the texture is as long as it is around, so that a rope's strands keep their slant.
-                uvs.push([share, run / (TAU * radius.max(1e-6))]);
+                uvs.push([share(k), run / (TAU * radius.max(1e-6))]);
             }
         }
         let ring = sides as u32 + 1;
@@ -126,7 +129,7 @@ impl Skin {
 
     /// Copies it into a mesh, into the memory that the mesh has where it can.
     fn write(&self, mesh: &mut Mesh) {
-        let Self { positions, normals, uvs, indices } = self;
+        let Self { positions, normals, uvs, indices, .. } = self;
         for (attribute, new) in
             [(Mesh::ATTRIBUTE_POSITION, positions), (Mesh::ATTRIBUTE_NORMAL, normals)]
         {
