@@ -1,12 +1,14 @@
 //! The phases run in their documented order, substeps times in a tick, and the systems of a game fit in between.
 
+use core::time::Duration;
+
 use bevy::ecs::schedule::ScheduleConfigs;
 use bevy::ecs::system::ScheduleSystem;
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    Charge, Electric, ParticleRow, PhaseSystems, SinewClock, SinewSystems, SinewTick,
-    SubstepSchedule,
+    Charge, Electric, ParticleRow, PhaseSystems, SinewClock, SinewSnapshot, SinewSystems,
+    SinewTick, SubstepSchedule, TickTime,
 };
 
 use crate::support::{TICK, bare_app, position, tick};
@@ -140,6 +142,28 @@ fn each_phase_does_its_own_work_in_its_own_set_and_no_other() {
     assert!((far - 1.0).abs() > 1e-4, "predicted freely: {far}");
     let far = end.2.distance(Vec3::new(1.0, 1.0, 0.0));
     assert!((far - 1.0).abs() < 1e-5, "and then held by its rod: {far}");
+}
+
+/// Whether it is asked for or not: a cape with a wind, which takes its substeps one by one anyway, and a rope without, which takes them at once.
+#[test]
+fn phases_are_measured_where_that_is_asked_for_and_nothing_else_changes() {
+    let run = |by_phase: bool| {
+        let mut app = bare_app();
+        app.world_mut().resource_mut::<TickTime>().by_phase = by_phase;
+        app.world_mut().spawn(Rope::between(Vec3::ZERO, Vec3::X));
+        tick(&mut app, 3);
+        app.world_mut().spawn((Cloth::grid(1.0, 1.0, 6, 6), Transform::from_xyz(0.0, 0.0, 3.0)));
+        app.world_mut().spawn(Wind::default());
+        tick(&mut app, 5);
+        let took = *app.world().resource::<TickTime>();
+        (took, SinewSnapshot::capture(app.world_mut()).hash())
+    };
+    let ((usual, hash), (asked, same)) = (run(false), run(true));
+    assert_eq!(hash, same);
+    assert_eq!(usual.phases, [Duration::ZERO; 6]);
+    assert!(asked.phases.iter().all(|phase| !phase.is_zero()), "{asked:?}");
+    assert!(asked.phases.iter().sum::<Duration>() <= asked.substeps, "{asked:?}");
+    assert!(!usual.gather.is_zero() && !usual.substeps.is_zero() && !usual.scatter.is_zero());
 }
 
 #[derive(Component)]

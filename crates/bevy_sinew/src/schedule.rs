@@ -1,5 +1,8 @@
 //! When things happen: the schedules and the system sets of a tick and of a substep, and what drives them.
 
+use core::time::Duration;
+use std::time::Instant;
+
 use bevy::ecs::message::signal_message_update_system;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
@@ -175,13 +178,24 @@ pub(crate) struct Pace {
     pub(crate) uneven: bool,
     /// Whether a game has set a condition on one of the phases.
     conditional: bool,
+    /// When the tick at hand began, on the wall.
+    began: Option<Instant>,
 }
 
-/// How long a tick took, for whoever shows it. Wall-clock time: never part of the state.
+/// How long the last tick took, for whoever shows it. Wall-clock time: never part of the state.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct TickTime {
-    /// Duration of all substeps of the last tick.
-    pub substeps: core::time::Duration,
+    /// Duration of building bodies and of gathering.
+    pub gather: Duration,
+    /// Duration of all substeps.
+    pub substeps: Duration,
+    /// Duration of scattering and of extracting.
+    pub scatter: Duration,
+    /// Duration of each phase, in the order of [`PhaseSystems`], summed over the substeps, with what a game's systems did since the phase before; zero
+    /// unless [`by_phase`](Self::by_phase).
+    pub phases: [Duration; 6],
+    /// Whether phases are measured: ask for it here. No substeps are taken at once then, which gives the same bits and takes longer. Default not.
+    pub by_phase: bool,
 }
 
 /// The parts of a tick in their order.
@@ -259,9 +273,15 @@ pub(crate) fn is_uneven(pace: Res<Pace>) -> bool {
 fn run_tick(world: &mut World) {
     let due = ticks_due(world);
     for taken in 0..due.max(1) {
-        world.resource_mut::<Pace>().left = due.saturating_sub(taken);
+        let began = Instant::now();
+        let mut pace = world.resource_mut::<Pace>();
+        (pace.left, pace.began) = (due.saturating_sub(taken), Some(began));
         let ran = world.try_run_schedule(SinewTick);
         debug_assert!(ran.is_ok(), "the schedule of a tick was taken out from under its driver");
+        if due > 0 {
+            let mut took = world.resource_mut::<TickTime>();
+            took.scatter = began.elapsed().saturating_sub(took.gather + took.substeps);
+        }
     }
     let (ahead, uneven) = (world.resource::<SinewClock>().ahead, world.resource::<Pace>().uneven);
     if uneven {
@@ -303,7 +323,8 @@ const PHASES: usize = 7;
 /// Runs the substeps of a tick. The schedule is taken out of the world once, not once a substep.
 fn run_substeps(world: &mut World) {
     let dt = world.resource::<Time>().delta_secs();
-    let began = std::time::Instant::now();
+    let began = Instant::now();
+    let by_phase = world.resource::<TickTime>().by_phase;
     let substeps = {
         let mut sinew = world.resource_mut::<SinewWorld>();
         match sinew.simulation.begin_step(dt) {
@@ -324,7 +345,9 @@ fn run_substeps(world: &mut World) {
             let mut pace = world.resource_mut::<Pace>();
             pace.conditional |= sets.iter().any(|(_, _, conditions)| !conditions.is_empty());
             // Where no system or condition of a game stands between the phases, and they do the same to all, nothing is lost by taking them at once.
-            if schedule.systems_len() == PHASES && !pace.conditional {
+            if by_phase {
+                world.resource_mut::<SinewWorld>().tables.watch = Some(Box::default());
+            } else if schedule.systems_len() == PHASES && !pace.conditional {
                 world.resource_mut::<SinewWorld>().simulation.take_substeps();
             }
             for _ in 0..world.resource::<SinewWorld>().substep().remaining {
@@ -333,8 +356,14 @@ fn run_substeps(world: &mut World) {
         });
         debug_assert!(ran.is_ok(), "the substep schedule was taken out from under its driver");
     }
-    world.resource_mut::<SinewWorld>().simulation.end_step();
-    world.resource_mut::<TickTime>().substeps = began.elapsed();
+    let mut sinew = world.resource_mut::<SinewWorld>();
+    sinew.simulation.end_step();
+    let watch = sinew.tables.watch.take();
+    let whole = world.resource::<Pace>().began.unwrap_or(began);
+    let mut took = world.resource_mut::<TickTime>();
+    took.substeps = began.elapsed();
+    took.gather = began.duration_since(whole);
+    took.phases = watch.map_or_else(Default::default, |watch| watch.took);
 }
 
 /// Advances the clock and takes a single step off.
@@ -356,28 +385,35 @@ fn count_tick(
 
 fn begin_substep(mut world: ResMut<SinewWorld>) {
     world.simulation.begin_substep();
+    world.begin_phases();
 }
 
 fn accumulate_forces(mut world: ResMut<SinewWorld>) {
     world.simulation.accumulate_forces();
+    world.end_phase(0);
 }
 
 fn apply_wind(mut world: ResMut<SinewWorld>) {
     world.simulation.apply_wind();
+    world.end_phase(1);
 }
 
 fn apply_buoyancy(mut world: ResMut<SinewWorld>) {
     world.simulation.apply_buoyancy();
+    world.end_phase(2);
 }
 
 fn apply_electric(mut world: ResMut<SinewWorld>) {
     world.simulation.apply_electric();
+    world.end_phase(3);
 }
 
 fn integrate(mut world: ResMut<SinewWorld>) {
     world.simulation.integrate();
+    world.end_phase(4);
 }
 
 fn solve_constraints(mut world: ResMut<SinewWorld>) {
     world.simulation.solve_constraints();
+    world.end_phase(5);
 }

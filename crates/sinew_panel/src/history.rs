@@ -1,41 +1,66 @@
-//! The last seconds of energy: a ring buffer, filled once a tick while somebody looks at the plot.
+//! The last seconds in numbers: a ring buffer, filled once a tick while somebody looks at the plots.
 
 use std::collections::VecDeque;
 
+use bevy::math::DVec3;
 use bevy::prelude::*;
-use bevy_sinew::sinew::Ledger;
+use bevy_sinew::TickTime;
+use bevy_sinew::sinew::{Ledger, SolverReport};
 
-/// The energies at the end of one tick, J.
+/// The numbers of one tick, as of its end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct EnergySample {
+pub struct PlotSample {
     /// When, in seconds of simulated time.
     pub seconds: f64,
-    /// Energy of motion.
+    /// Energy of motion, J.
     pub kinetic: f64,
-    /// Energy of height, zero at the world's origin.
+    /// Energy of height, J, zero at the world's origin.
     pub gravitational: f64,
-    /// Energy in springs and between charges.
+    /// Energy in springs and between charges, J.
     pub stored: f64,
+    /// Momentum of all that is free, kg·m/s.
+    pub momentum: DVec3,
+    /// Angular momentum about the world's origin, kg·m²/s.
+    pub angular_momentum: DVec3,
+    /// Largest error left in a hard constraint, metres.
+    pub error: f32,
+    /// Largest error left in a hard distance, as a share of its length.
+    pub strain: f32,
+    /// Rounds over all constraints, summed over the substeps.
+    pub sweeps: u32,
+    /// How long gathering, the substeps and scattering took, seconds of the wall's clock.
+    pub parts: [f32; 3],
+    /// How long each phase took, seconds of the wall's clock; zero where phases were not measured.
+    pub phases: [f32; 6],
 }
 
-impl EnergySample {
-    /// Reads a ledger at a time of the simulation's clock.
-    pub fn new(seconds: f64, ledger: &Ledger) -> Self {
+impl PlotSample {
+    /// Reads what there is to be known of the last tick.
+    pub fn new(seconds: f64, ledger: &Ledger, report: &SolverReport, took: &TickTime) -> Self {
         Self {
             seconds,
             kinetic: ledger.kinetic,
             gravitational: ledger.gravitational,
             stored: ledger.elastic + ledger.electric,
+            momentum: ledger.momentum,
+            angular_momentum: ledger.angular_momentum,
+            error: report.error,
+            strain: report.strain,
+            sweeps: report.sweeps,
+            parts: [took.gather, took.substeps, took.scatter].map(|part| part.as_secs_f32()),
+            phases: took.phases.map(|phase| phase.as_secs_f32()),
         }
     }
 
-    /// Sum of all of them.
+    /// Sum of all energies, J.
     pub fn total(&self) -> f64 {
         self.kinetic + self.gravitational + self.stored
     }
 
     fn is_finite(&self) -> bool {
-        self.seconds.is_finite() && self.total().is_finite()
+        let momenta = self.momentum.is_finite() && self.angular_momentum.is_finite();
+        let errors = self.error.is_finite() && self.strain.is_finite();
+        self.seconds.is_finite() && self.total().is_finite() && momenta && errors
     }
 }
 
@@ -43,11 +68,11 @@ impl EnergySample {
 ///
 /// It forgets everything when the clock goes back, as after a reset or a rollback: what it holds then never happened.
 #[derive(Resource, Clone, Debug, Default)]
-pub struct EnergyHistory {
-    samples: VecDeque<(u64, EnergySample)>,
+pub struct PlotHistory {
+    samples: VecDeque<(u64, PlotSample)>,
 }
 
-impl EnergyHistory {
+impl PlotHistory {
     /// Simulated seconds that it looks back.
     pub const SPAN: f64 = 10.0;
     /// The most samples that it holds, however fast the ticks are.
@@ -56,7 +81,7 @@ impl EnergyHistory {
     const GAP: f64 = 1.0;
 
     /// Appends the sample of a tick. One for a tick that it knows, or one that is not finite, is left out.
-    pub fn push(&mut self, tick: u64, sample: EnergySample) {
+    pub fn push(&mut self, tick: u64, sample: PlotSample) {
         self.rewind(tick);
         if !sample.is_finite() {
             return;
@@ -91,12 +116,12 @@ impl EnergyHistory {
     }
 
     /// The samples, oldest first.
-    pub fn iter(&self) -> impl DoubleEndedIterator<Item = &EnergySample> + ExactSizeIterator {
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = &PlotSample> + ExactSizeIterator {
         self.samples.iter().map(|(_, sample)| sample)
     }
 
     /// The latest sample.
-    pub fn last(&self) -> Option<&EnergySample> {
+    pub fn last(&self) -> Option<&PlotSample> {
         self.samples.back().map(|(_, sample)| sample)
     }
 
@@ -113,7 +138,7 @@ impl EnergyHistory {
     /// About `most` samples, or twice as many at worst, and always the last one.
     ///
     /// Which ticks are kept depends on their number alone, so that a curve that moves to the left keeps its shape.
-    pub fn thinned(&self, most: usize) -> impl Iterator<Item = &EnergySample> {
+    pub fn thinned(&self, most: usize) -> impl Iterator<Item = &PlotSample> {
         let stride = (self.samples.len() / most.max(1)).max(1).next_power_of_two() as u64;
         let last = self.samples.len().saturating_sub(1);
         self.samples
@@ -130,12 +155,12 @@ mod tests {
 
     const DT: f64 = 1.0 / 64.0;
 
-    fn at(seconds: f64) -> EnergySample {
-        EnergySample { seconds, kinetic: seconds, ..default() }
+    fn at(seconds: f64) -> PlotSample {
+        PlotSample { seconds, kinetic: seconds, ..default() }
     }
 
-    fn filled(ticks: u64) -> EnergyHistory {
-        let mut history = EnergyHistory::default();
+    fn filled(ticks: u64) -> PlotHistory {
+        let mut history = PlotHistory::default();
         for tick in 1..=ticks {
             history.push(tick, at(tick as f64 * DT));
         }
@@ -153,11 +178,11 @@ mod tests {
 
     #[test]
     fn never_exceeds_its_capacity() {
-        let mut history = EnergyHistory::default();
+        let mut history = PlotHistory::default();
         for tick in 0..10_000 {
             history.push(tick, at(tick as f64 * 1e-4));
         }
-        assert_eq!(history.len(), EnergyHistory::CAPACITY);
+        assert_eq!(history.len(), PlotHistory::CAPACITY);
         assert_eq!(history.last().unwrap().seconds, 9_999.0 * 1e-4);
     }
 
@@ -204,20 +229,20 @@ mod tests {
     #[test]
     fn what_is_not_finite_is_left_out() {
         let mut history = filled(2);
-        history.push(3, EnergySample { seconds: 3.0 * DT, kinetic: f64::NAN, ..default() });
+        history.push(3, PlotSample { seconds: 3.0 * DT, kinetic: f64::NAN, ..default() });
         assert_eq!(history.len(), 2);
     }
 
     #[test]
     fn thinning_keeps_the_same_ticks_as_time_goes_on() {
         let (earlier, later) = (filled(1000), filled(1001));
-        let kept = |h: &EnergyHistory| h.thinned(100).map(|s| s.seconds).collect::<Vec<_>>();
+        let kept = |h: &PlotHistory| h.thinned(100).map(|s| s.seconds).collect::<Vec<_>>();
         let (a, b) = (kept(&earlier), kept(&later));
         assert!(a.len() <= 201);
         assert_eq!(a.last().copied(), earlier.last().map(|s| s.seconds));
         // All but the moving end of the one is in the other.
         let inner = a[1..a.len() - 1].iter();
         assert_eq!(inner.filter(|s| !b.contains(s)).count(), 0);
-        assert_eq!(EnergyHistory::default().thinned(0).count(), 0);
+        assert_eq!(PlotHistory::default().thinned(0).count(), 0);
     }
 }

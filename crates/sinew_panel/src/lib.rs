@@ -43,12 +43,13 @@
 //! | Solver | | `SolverConfig` |
 //! | World | | `Gravity`, `AirDrag`, every `Wind`, `Electric` if there are charges |
 //! | Report | `SinewWorld::report`, `TickTime` | |
-//! | Energy | [`EnergyHistory`], sampled from `SinewWorld::ledger` | |
+//! | Plots | [`PlotHistory`], sampled from `SinewWorld::ledger`, its report and `TickTime` | `TickTime::by_phase`, while that is plotted |
 //! | View | | `enabled` and the layers of `SinewGizmoConfigGroup`, if there are gizmos |
 //! | Settings | a file | that file, or all that is in [`PanelSettings`] |
 //!
-//! It writes where the user's hand is and nowhere else: opening it changes nothing. Energies cost one more summation of the forces in a tick, and
-//! only while their section is open. Recording costs a copy of the state, 1 ms a tick at the most in the long run
+//! It writes where the user's hand is and nowhere else: opening it changes nothing. The plots (energies by kind, momentum, angular
+//! momentum, error, strain, how long a tick takes by parts or by phases) cost one more summation of the forces in a tick, and only while their section is open; to
+//! measure the phases costs more, and is done only while that is plotted. Recording costs a copy of the state, 1 ms a tick at the most in the long run
 //! ([`RecordingConfig::max_microseconds`]), and only while the panel is shown and Record is ticked.
 //!
 //! # Time backwards
@@ -95,7 +96,7 @@
 //! | `sections` | one file a section |
 //! | `settings` | what the panel sets, as a file |
 //! | `widgets` | rows, sliders, numbers, headers |
-//! | `history` | the ring buffer of energies |
+//! | `history` | the ring buffer of what is plotted |
 //! | `recording` | the snapshots of the last ticks, and the way back to them |
 //! | `keys` | the keys |
 //! | `selection` | the body that was clicked, and what is known of it |
@@ -132,7 +133,7 @@ use bevy_egui::{EguiContexts, EguiPlugin, EguiPrimaryContextPass, egui};
 use bevy_sinew::SinewWorld;
 
 pub use dock::{DOCK_WIDTH, PanelSide, dock};
-pub use history::{EnergyHistory, EnergySample};
+pub use history::{PlotHistory, PlotSample};
 pub use keys::PanelKeys;
 pub use mark::SinewPanelGizmos;
 pub use panel::show;
@@ -197,7 +198,7 @@ impl SinewPanelPlugin {
 
 impl Plugin for SinewPanelPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<EnergyHistory>()
+        app.init_resource::<PlotHistory>()
             .init_resource::<PanelState>()
             .init_resource::<PanelKeys>()
             .init_resource::<Recording>()

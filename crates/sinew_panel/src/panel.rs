@@ -4,10 +4,10 @@ use bevy::prelude::*;
 use bevy_egui::egui::Ui;
 use bevy_sinew::{SinewClock, SinewWorld, TickTime};
 
-use crate::history::{EnergyHistory, EnergySample};
+use crate::history::{PlotHistory, PlotSample};
 use crate::params::PanelParams;
 use crate::sections;
-use crate::state::PanelState;
+use crate::state::{PanelState, Plotted};
 use crate::widgets::section;
 
 /// Draws the sections into any `Ui`, such as a side panel of a game's own. See the [crate docs](crate) for an example.
@@ -20,20 +20,20 @@ pub fn show(ui: &mut Ui, panel: &mut PanelParams) {
     section(ui, "Solver", |ui| sections::solver(ui, panel));
     section(ui, "World", |ui| sections::surroundings(ui, panel));
     section(ui, "Report", |ui| sections::report(ui, panel));
-    let open = section(ui, "Energy", |ui| sections::energy(ui, &panel.history));
-    panel.state.energy |= open;
+    let open = section(ui, "Plots", |ui| sections::plots(ui, panel));
+    panel.state.plots |= open;
     if sections::has_lines(panel) {
         section(ui, "View", |ui| sections::lines(ui, panel));
     }
     section(ui, "Settings", |ui| sections::files(ui, panel));
 }
 
-/// Follows the ticks: the time they took, and their energies while somebody looks.
+/// Follows the ticks: the time they took, and their numbers while somebody looks.
 pub(crate) fn sample(
     clock: Res<SinewClock>,
     took: Res<TickTime>,
     mut world: ResMut<SinewWorld>,
-    mut history: ResMut<EnergyHistory>,
+    mut history: ResMut<PlotHistory>,
     mut state: ResMut<PanelState>,
 ) {
     history.rewind(clock.tick);
@@ -45,15 +45,22 @@ pub(crate) fn sample(
     let share = if clock.tick < state.tick || state.milliseconds == 0.0 { 1.0 } else { 0.05 };
     state.milliseconds += (milliseconds - state.milliseconds) * share;
     state.tick = clock.tick;
-    if state.energy {
+    if state.plots {
         // Reading the ledger sums up forces in the solver's scratch: no change that anybody should hear of.
-        let ledger = world.bypass_change_detection().ledger();
-        history.push(clock.tick, EnergySample::new(clock.seconds, &ledger));
+        let world = world.bypass_change_detection();
+        let ledger = world.ledger();
+        history.push(clock.tick, PlotSample::new(clock.seconds, &ledger, world.report(), &took));
     }
 }
 
-/// Asks anew each frame whether somebody looks.
-pub(crate) fn forget_who_looked(mut state: ResMut<PanelState>) {
+/// Asks anew each frame whether somebody looks, and has phases measured while somebody looks at those.
+pub(crate) fn forget_who_looked(mut state: ResMut<PanelState>, took: Option<ResMut<TickTime>>) {
+    let by_phase = state.plots && state.by_phase && state.plot == Plotted::Time;
+    if by_phase != state.measured
+        && let Some(mut took) = took
+    {
+        (took.by_phase, state.measured) = (by_phase, by_phase);
+    }
     state.was_shown = state.shown;
-    (state.energy, state.shown) = (false, false);
+    (state.plots, state.shown) = (false, false);
 }

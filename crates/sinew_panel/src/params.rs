@@ -8,7 +8,7 @@ use bevy_sinew::{
     SinewWorld, SolverConfig, Wind,
 };
 
-use crate::history::EnergyHistory;
+use crate::history::PlotHistory;
 use crate::keys::PanelKeys;
 use crate::recording::{Recording, RecordingConfig};
 use crate::selection::{Selected, Selection};
@@ -49,8 +49,8 @@ pub struct PanelParams<'w, 's> {
     pub world: Res<'w, SinewWorld>,
     /// The switch of the lines.
     pub gizmos: Option<ResMut<'w, GizmoConfigStore>>,
-    /// The energies of the last seconds.
-    pub history: Res<'w, EnergyHistory>,
+    /// Energies, momenta, errors and times of the last seconds.
+    pub history: Res<'w, PlotHistory>,
     /// The ticks of the last seconds.
     pub recording: ResMut<'w, Recording>,
     /// When and how much is recorded.

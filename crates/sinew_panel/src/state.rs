@@ -4,6 +4,18 @@ use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
+/// What is plotted over time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Plotted {
+    #[default]
+    Energy,
+    Momentum,
+    AngularMomentum,
+    Error,
+    Strain,
+    Time,
+}
+
 /// What the panel remembers. Never part of the simulation's state.
 #[derive(Resource)]
 pub(crate) struct PanelState {
@@ -13,8 +25,14 @@ pub(crate) struct PanelState {
     pub(crate) milliseconds: f32,
     /// The last tick that was looked at.
     pub(crate) tick: u64,
-    /// Somebody looks at the plot: worth summing up the energies.
-    pub(crate) energy: bool,
+    /// Somebody looks at the plots: worth summing up the energies.
+    pub(crate) plots: bool,
+    /// What is plotted.
+    pub(crate) plot: Plotted,
+    /// Whether the time of each phase is plotted.
+    pub(crate) by_phase: bool,
+    /// Whether the panel has asked for phases to be measured.
+    pub(crate) measured: bool,
     /// Somebody looks at the panel.
     pub(crate) shown: bool,
     /// Somebody did in the last frame.
@@ -31,7 +49,10 @@ impl Default for PanelState {
             gravity: None,
             milliseconds: 0.0,
             tick: 0,
-            energy: false,
+            plots: false,
+            plot: Plotted::default(),
+            by_phase: false,
+            measured: false,
             shown: false,
             was_shown: false,
             settings_path: default_settings_path().to_string_lossy().into_owned(),

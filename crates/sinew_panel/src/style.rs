@@ -15,6 +15,22 @@ pub(crate) const STORED: Color32 = Color32::from_rgb(150, 134, 214);
 /// Sum of all energies in the plot.
 pub(crate) const TOTAL: Color32 = Color32::from_rgb(226, 230, 236);
 
+/// Components along x, y and z in the plots: red, green and blue as axes are everywhere.
+pub(crate) const AXES: [Color32; 3] = [
+    Color32::from_rgb(226, 106, 98),
+    Color32::from_rgb(122, 194, 116),
+    Color32::from_rgb(92, 152, 236),
+];
+/// Parts of a tick and phases of a substep in the plots.
+pub(crate) const SERIES: [Color32; 6] = [
+    Color32::from_rgb(222, 152, 96),
+    Color32::from_rgb(116, 190, 140),
+    Color32::from_rgb(84, 190, 196),
+    Color32::from_rgb(226, 200, 92),
+    Color32::from_rgb(150, 134, 214),
+    Color32::from_rgb(92, 168, 230),
+];
+
 const PANEL: Color32 = Color32::from_rgb(24, 26, 31);
 const WELL: Color32 = Color32::from_rgb(17, 19, 23);
 const HAIRLINE: Color32 = Color32::from_rgb(44, 48, 56);

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_egui::egui::{self, Rect, pos2};
 use bevy_sinew::prelude::*;
-use bevy_sinew::{Charge, SinewClock};
+use bevy_sinew::{Charge, SinewClock, TickTime};
 
 use super::*;
 
@@ -101,7 +101,7 @@ fn an_app_without_a_screen_runs_as_without_the_panel() {
         assert!(!app.is_plugin_added::<EguiPlugin>());
         assert!(app.world().resource::<SinewClock>().tick > 2);
         // Nobody looked: no energy was summed up.
-        assert!(app.world().resource::<EnergyHistory>().is_empty());
+        assert!(app.world().resource::<PlotHistory>().is_empty());
     }
 }
 
@@ -125,12 +125,12 @@ fn energies_are_sampled_once_a_tick_while_somebody_looks() {
     }
     let ticks = app.world().resource::<SinewClock>().tick - began;
     assert!(ticks >= 7);
-    assert_eq!(app.world().resource::<EnergyHistory>().len() as u64, ticks);
+    assert_eq!(app.world().resource::<PlotHistory>().len() as u64, ticks);
 
     app.insert_resource(SinewClock::default());
     app.world_mut().resource_mut::<SinewControl>().paused = true;
     app.update();
-    assert!(app.world().resource::<EnergyHistory>().is_empty());
+    assert!(app.world().resource::<PlotHistory>().is_empty());
 }
 
 #[test]
@@ -202,6 +202,60 @@ fn nothing_sticks_out_of_the_panel() {
     }
 }
 
+#[test]
+fn each_plot_is_a_click_away_fits_and_has_its_unit() {
+    let mut app = app(SinewPanelPlugin::embedded());
+    let ctx = egui::Context::default();
+    for (plot, curve, unit) in [
+        ("Momentum", "p along x", "kg·m/s"),
+        ("Ang. mom.", "L about x", "kg·m²/s"),
+        ("Error, mm", "Largest error", "mm"),
+        ("Strain, %", "Largest strain", "%"),
+        ("Tick, ms", "Scatter", "ms"),
+        ("Energy", "Kinetic", "J"),
+    ] {
+        click_text(&mut app, &ctx, plot);
+        for _ in 0..3 {
+            app.update();
+            let (output, covered) = draw_once(&mut app, &ctx, PanelSide::Right);
+            assert!(covered.width() <= DOCK_WIDTH - 28.0, "{plot}: {covered}");
+            for text in [curve, unit] {
+                assert!(find_text(&output, text).is_some(), "{plot} has no {text}");
+            }
+        }
+    }
+    let history = app.world().resource::<PlotHistory>();
+    let last = *history.last().unwrap();
+    // A crate that falls from rest, in a breeze along x.
+    assert!(last.momentum.y < -0.1 && last.momentum.x > 0.1, "{last:?}");
+    assert!(last.parts.iter().all(|&part| part > 0.0), "{last:?}");
+    assert_eq!(last.phases, [0.0; 6]);
+}
+
+#[test]
+fn phases_are_measured_only_while_somebody_looks_at_them() {
+    let mut app = app(SinewPanelPlugin::embedded());
+    let ctx = egui::Context::default();
+    let measured = |app: &App| app.world().resource::<TickTime>().by_phase;
+    click_text(&mut app, &ctx, "Tick, ms");
+    app.update();
+    assert!(!measured(&app));
+    click_text(&mut app, &ctx, "Measured");
+    draw_once(&mut app, &ctx, PanelSide::Right);
+    app.update();
+    assert!(measured(&app));
+    draw_once(&mut app, &ctx, PanelSide::Right);
+    app.update();
+    assert!(app.world().resource::<PlotHistory>().last().unwrap().phases[5] > 0.0);
+    // Hidden.
+    (0..3).for_each(|_| app.update());
+    assert!(!measured(&app));
+    // A game that asks for itself keeps them.
+    app.world_mut().resource_mut::<TickTime>().by_phase = true;
+    (0..3).for_each(|_| app.update());
+    assert!(measured(&app));
+}
+
 /// What a window and a renderer bring along for egui, without either.
 fn add_pretended_screen(app: &mut App) {
     fn init_assets_of<A: Asset>(app: &mut App, _: &Handle<A>) {
@@ -221,7 +275,7 @@ fn docked_it_waits_for_a_camera_and_goes_with_its_key() {
     assert!(app.is_plugin_added::<EguiPlugin>());
     app.insert_resource(TimeUpdateStrategy::ManualDuration(core::time::Duration::from_millis(20)));
     app.finish();
-    let looked = |app: &App| !app.world().resource::<EnergyHistory>().is_empty();
+    let looked = |app: &App| !app.world().resource::<PlotHistory>().is_empty();
 
     app.update();
     app.update();
@@ -238,9 +292,9 @@ fn docked_it_waits_for_a_camera_and_goes_with_its_key() {
     app.insert_resource(keys);
     app.world_mut().run_system_once(toggle).unwrap();
     assert!(!app.world().resource::<SinewPanel>().shown);
-    app.insert_resource(EnergyHistory::default());
+    app.insert_resource(PlotHistory::default());
     app.update();
-    app.insert_resource(EnergyHistory::default());
+    app.insert_resource(PlotHistory::default());
     for _ in 0..4 {
         app.update();
     }

@@ -15,6 +15,8 @@ const VALUE: f32 = 84.0;
 const RESET: f32 = 16.0;
 /// Width of the column of units, points.
 const UNIT: f32 = 30.0;
+/// How many letters a unit may have there.
+const UNIT_LETTERS: usize = 3;
 
 /// A section under a header that folds it. Returns whether it is open.
 pub(crate) fn section(ui: &mut Ui, title: &str, body: impl FnOnce(&mut Ui)) -> bool {
@@ -176,7 +178,7 @@ pub(crate) fn short(number: f64) -> String {
     }
 }
 
-/// The same, with a coloured dot before the label and a colour for the number.
+/// The same, with a coloured dot before the label and a colour for the number. A unit that is too wide for its column stands behind the label.
 pub(crate) fn colored_value(
     ui: &mut Ui,
     dot: Option<Color32>,
@@ -196,12 +198,17 @@ pub(crate) fn colored_value(
         painter.circle_filled(left + vec2(4.0, 0.0), 3.5, dot);
         left.x += 14.0;
     }
-    painter.text(left, Align2::LEFT_CENTER, label, body, visuals.text_color());
+    let written = painter.text(left, Align2::LEFT_CENTER, label, body, visuals.text_color());
+    let weak = visuals.weak_text_color();
     let edge = rect.right_center() - vec2(UNIT, 0.0);
     let strong = color.unwrap_or_else(|| visuals.strong_text_color());
     painter.text(edge, Align2::RIGHT_CENTER, number, mono.clone(), strong);
-    let weak = visuals.weak_text_color();
-    painter.text(edge + vec2(6.0, 0.0), Align2::LEFT_CENTER, unit, mono, weak);
+    if unit.chars().count() > UNIT_LETTERS {
+        let place = written.right_center() + vec2(6.0, 0.0);
+        painter.text(place, Align2::LEFT_CENTER, unit, TextStyle::Small.resolve(ui.style()), weak);
+    } else {
+        painter.text(edge + vec2(6.0, 0.0), Align2::LEFT_CENTER, unit, mono, weak);
+    }
     response.on_hover_text(hint);
 }
 

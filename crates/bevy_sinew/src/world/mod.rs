@@ -2,8 +2,10 @@
 //! of every tick, and nothing in it survives one.
 
 mod links;
+mod phases;
 
 pub(crate) use links::{LinkAt, Links, Place};
+pub(crate) use phases::PhaseWatch;
 
 use core::ops::Deref;
 use std::collections::BTreeSet;
@@ -238,6 +240,8 @@ pub(crate) struct Tables {
     pub(crate) cache_kept: Option<(Tick, usize)>,
     /// Which row each particle has.
     pub(crate) layout: Layout,
+    /// Who watches the phases of the tick at hand; nobody in a usual one.
+    pub(crate) watch: Option<Box<PhaseWatch>>,
 }
 
 /// What properties the columns hold: of which rows, and of how many particles.

@@ -10,7 +10,7 @@ use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 use bevy_sinew::{SinewClock, SinewControl, SinewSnapshot};
 
-use crate::history::EnergyHistory;
+use crate::history::PlotHistory;
 use crate::state::PanelState;
 
 /// When and how much the panel records. A resource that may be changed at any time.
@@ -314,7 +314,7 @@ pub(crate) fn travel(world: &mut World) {
         recording.at = Some(to);
         recording.replay = Replay::None;
         recording.problem = None;
-        world.resource_mut::<EnergyHistory>().truncate(to.tick);
+        world.resource_mut::<PlotHistory>().truncate(to.tick);
         Some(WentBack { to, entities: moved })
     });
     if let Some(went) = went {

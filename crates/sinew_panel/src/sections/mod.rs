@@ -1,15 +1,15 @@
 //! The sections of the panel, one file each: what they show, and which public resource or component they write.
 
-mod energy;
 mod files;
+mod plots;
 mod report;
 mod selected;
 mod solver;
 mod surroundings;
 mod time;
 
-pub(crate) use energy::energy;
 pub(crate) use files::files;
+pub(crate) use plots::plots;
 pub(crate) use report::{has_lines, lines, report};
 pub(crate) use selected::selected;
 pub(crate) use solver::solver;
