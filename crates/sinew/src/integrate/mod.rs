@@ -155,7 +155,13 @@ mod tests {
             let (mut one, mut other) = (world.clone(), world.clone());
             let execution = ExecutionContext { instructions: sets, workers: None };
             for _ in 0..3 {
-                predict(&mut one, Integrator::Verlet, 0.01, &[0..31], execution);
+                predict(
+                    &mut one,
+                    Integrator::Verlet,
+                    0.01,
+                    core::slice::from_ref(&(0..31)),
+                    execution,
+                );
                 kicks::predict(&mut other, Integrator::Verlet, 0.01);
             }
             for i in 0..31 {
