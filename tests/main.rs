@@ -41,6 +41,7 @@
 //! | `representation` | a body swaps between particles and a rigid body in any tick, and nothing jumps |
 //! | `solver` | settings and reports of worlds and bodies; five kilometres from the origin it is as at home |
 //! | `pictures` | meshes and transforms follow, between ticks too |
+//! | `pinned_inside` | what is held inside of something that it collides with stays in peace |
 //! | `unrelated` | what has nothing to do with a body does not change a bit of it |
 //! | `forces` | every force of the solver is a component or a resource that does what physics asks |
 //! | `forces_live` | forces edited, broken and rolled back while they are in use |
@@ -94,6 +95,7 @@ mod mouse;
 mod own_constraints;
 mod phases;
 mod pictures;
+mod pinned_inside;
 mod prelude;
 mod recipes;
 mod recipes_soft;

@@ -14,7 +14,8 @@ pub(super) const SHIFT: usize = 0;
 /// `[x y z m]`: how far they have turned it, rad about each axis; 1 if some of that came of a deep overlap.
 pub(super) const TURN: usize = 1;
 // Two fields that only lanes and `loose` ask for: the inverse inertia in world axes, 1/(kg·m²), first xx, yy, zz, then xy, xz, yz.
-/// Its centre when the substep began, from its origin, metres.
+/// `[x y z r]`: its centre when the substep began, from its origin, metres; and of what is pinned how far its free particles are from its pin or its axis at
+/// most, metres, 0 of all others.
 pub(super) const CENTRE: usize = 4;
 /// How far that has gone since, without contacts, metres.
 pub(super) const STEP: usize = 5;
@@ -103,6 +104,8 @@ pub(super) struct WideBody<L> {
     pub(super) inverse_inertia: Symmetric<L>,
     pub(super) rotation: Matrix<L>,
     pub(super) centre: Vector<L>,
+    /// How far what is pinned reaches; 0 of others.
+    pub(super) pin_reach: L,
     pub(super) step: Vector<L>,
     pub(super) spin: Vector<L>,
 }
@@ -114,6 +117,7 @@ impl<L: Lanes> WideBody<L> {
             L::records(&bodies.rows, rows);
         let ((shift, inverse_mass), (turn, depenetration_mark)) =
             (Vector::of(shift), Vector::of(turn));
+        let (centre, pin_reach) = Vector::of(centre);
         Self {
             shift,
             inverse_mass,
@@ -121,7 +125,8 @@ impl<L: Lanes> WideBody<L> {
             depenetration_mark,
             inverse_inertia: Symmetric { along: Vector::of(along).0, across: Vector::of(across).0 },
             rotation: Matrix::of(rotation),
-            centre: Vector::of(centre).0,
+            centre,
+            pin_reach,
             step: Vector::of(step).0,
             spin: Vector::of(spin).0,
         }

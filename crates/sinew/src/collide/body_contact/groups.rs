@@ -82,6 +82,8 @@ pub(super) struct WideMass {
     /// The same of all particles, pinned ones too: how it is led.
     pub(super) led: [LaneArray; 6],
     pub(super) regularisation: [LaneArray; 6],
+    /// How far the free particles of what is pinned are from its pin or its axis at most, metres; 0 of others.
+    pub(super) pin_reach: LaneArray,
     /// 1 where momentum is to be kept to the last bit: nothing is pinned.
     pub(super) free: LaneArray,
 }
@@ -258,6 +260,7 @@ impl BodyGroups {
         mass.held[lane] = if weights.pins > 0 { 1.0 } else { 0.0 };
         mass.free[lane] = if weights.pins > 0 { 0.0 } else { 1.0 };
         mass.inverse_mass[lane] = weights.inverse_mass as f32;
+        mass.pin_reach[lane] = weights.pin_reach as f32;
         let put = |to: &mut [LaneArray; 6], from: [[f64; 3]; 3]| {
             let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = from;
             for (to, from) in to.iter_mut().zip([xx, yy, zz, xy, xz, yz]) {
@@ -357,6 +360,7 @@ struct MassProperties {
     centre: DVec3,
     middle: f64,
     inverse_mass: f64,
+    pin_reach: f64,
     inertia: [[f64; 3]; 3],
     inverse: [[f64; 3]; 3],
     led: [[f64; 3]; 3],
@@ -377,6 +381,7 @@ impl MassProperties {
             centre: DVec3::ZERO,
             middle: 0.0,
             inverse_mass: if pins == 0 { 1.0 / mass } else { 0.0 },
+            pin_reach: 0.0,
             inertia: Default::default(),
             inverse: Default::default(),
             led: Default::default(),
@@ -403,7 +408,13 @@ impl MassProperties {
             }
             _ => [[0.0; 3]; 3],
         };
-        Self { centre, middle: 1.0 / sum, inertia, inverse, led, regularisation, ..this }
+        let off_axis = |i: usize| match (pins, axis()) {
+            (0, _) => 0.0,
+            (2, Some(e)) => arm(i).cross(e).length(),
+            _ => arm(i).length(),
+        };
+        let pin_reach = (0..rest.len()).map(off_axis).fold(0.0, f64::max);
+        Self { centre, middle: 1.0 / sum, pin_reach, inertia, inverse, led, regularisation, ..this }
     }
 
     /// What a particle counts when the pose is read, kg.

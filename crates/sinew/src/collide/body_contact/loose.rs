@@ -4,10 +4,11 @@ use glam::{Vec3, Vec4};
 
 use super::super::nearby::Nearby;
 use super::super::{CombinedMaterial, ContactParticipant, World};
-use super::bodies::{Bodies, ROTATION, SHIFT, TURN, rotation};
+use super::bodies::{Bodies, CENTRE, ROTATION, SHIFT, TURN, rotation};
 use super::broad_phase::SweptBounds;
 use super::groups::BodyGroups;
 use super::narrow_phase::participant;
+use super::normal_solve::LEAST_LEVER;
 use super::rigid_islands::RigidIslands;
 use super::{BodyContactSolver, ContactEvent};
 use crate::particles::{NO_BODY, Particles};
@@ -141,14 +142,15 @@ impl Loose {
         }));
     }
 
-    /// Parts those that have met, one after the other.
+    /// Parts those that have met, one after the other. Of what is pinned no more is recovered of an overlap than moves any of it by `recover`, metres
+    /// (`normal_solve`, "Near a pin"): as much as may turn into speed, for nothing here takes that off again.
     pub(super) fn project(
         &mut self,
         particles: &mut Particles,
         groups: &BodyGroups,
         bodies: &mut Bodies,
         world: &World,
-        h: f32,
+        (h, recover): (f32, f32),
     ) {
         for near in &mut self.pairs {
             near.force = 0.0;
@@ -182,16 +184,28 @@ impl Loose {
                 w + inverse_mass + moment.dot(body.spun(moment))
             };
             let stiff = weight(n);
-            if !(stiff > 0.0 && stiff.is_finite() && touch.depth.is_finite()) {
+            let pin_reach = bodies[at][CENTRE].w;
+            let least = body.least(pin_reach);
+            if !(stiff > least && stiff.is_finite() && touch.depth.is_finite()) {
                 continue;
             }
-            let force = touch.depth / stiff;
-            let slid = way + n * (touch.depth - way.dot(n));
+            let mut depth = touch.depth;
+            if pin_reach > 0.0 {
+                let left = (depth + way.dot(n)).max(0.0);
+                let swung = body.spun(lever.cross(n)).length() * pin_reach;
+                let share = if swung < stiff { 1.0 } else { stiff / swung };
+                depth -= left - left.min(recover * share);
+                if depth <= 0.0 {
+                    continue;
+                }
+            }
+            let force = depth / stiff;
+            let slid = way + n * (depth - way.dot(n));
             let slid = slid - n * slid.dot(n);
             let length = slid.length();
             let mut impulse = n * force;
-            if length > 0.0 {
-                let along = slid / length;
+            let along = if length > 0.0 { slid / length } else { Vec3::ZERO };
+            if weight(along) > least {
                 let most = near.combined_material.friction * force;
                 impulse -= along * (length / weight(along)).min(most);
             }
@@ -348,6 +362,12 @@ impl ScalarBody {
     /// The velocity of what is there, m/s, if it was read with velocities.
     pub(super) fn velocity_at(&self, arm: Vec3) -> Vec3 {
         self.step + self.shift + (self.spin + self.turn).cross(arm)
+    }
+
+    /// How far an impulse moves where it acts that has the least lever about a pin, of what reaches so far from its pin, 1/kg.
+    fn least(&self, pin_reach: f32) -> f32 {
+        let lever = pin_reach * LEAST_LEVER;
+        (self.along.x + self.along.y + self.along.z) * lever * lever
     }
 
     /// The turn that a moment gives.

@@ -297,7 +297,13 @@ impl BodyContactSolver {
             *instructions,
             FrictionSolve { wide_contacts, after: true, max_correction: max_depenetration, bodies },
         );
-        self.loose.project(particles, &self.groups, &mut self.bodies, world, h);
+        self.loose.project(
+            particles,
+            &self.groups,
+            &mut self.bodies,
+            world,
+            (h, max_depenetration),
+        );
         self.apply_pose_deltas(particles);
         self.measure_residual(particles);
     }

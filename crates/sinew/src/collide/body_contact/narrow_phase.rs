@@ -79,14 +79,16 @@ impl BodyContactSolver {
         let (solid, with) = (&world.body_colliders[a], &world.body_colliders[b]);
         let key = ContactKey { a: solid.id, other: Other::BodyCollider(with.id), nth: 0 };
         let (part, their) = (&groups.parts[a], &groups.parts[b]);
-        if part.immovable && their.immovable {
+        let offset = other.origin - one.origin;
+        let there = Frame { translation: other.frame.translation + offset, ..other.frame };
+        let stuck = part.immovable && their.immovable
+            || are_pinned_together(groups, [a, b], [solid, with], [&one.frame, &there]);
+        if stuck {
             if !missed {
                 cache.carry_over(&key);
             }
             return;
         }
-        let offset = other.origin - one.origin;
-        let there = Frame { translation: other.frame.translation + offset, ..other.frame };
         let (shapes, size) =
             ([&solid.shape, &with.shape], (part.reach, part.reach.min(their.reach)));
         // Joints of bones turn these on their points, and they crept on over the floor when that was held.
@@ -224,6 +226,38 @@ fn is_nailed(
     let is_near =
         |i: usize| shape.nearest(geometry.local(one.point(solid.rest[i]))).distance < thick;
     (0..solid.rest.len()).filter(pinned).any(is_near)
+}
+
+/// Whether two segments are pinned in one place, or nearer to each other than they are thick; or one of them there in one that cannot move at all: ropes that
+/// hang from one hook. What they overlap by there no turn can mend.
+fn are_pinned_together(
+    groups: &BodyGroups,
+    numbers: [usize; 2],
+    solids: [&BodyCollider; 2],
+    frames: [&Frame; 2],
+) -> bool {
+    let parts = numbers.map(|number| &groups.parts[number]);
+    let pinned = |of: usize, i: usize| groups.weighed(parts[of].entries.start + i) == 0.0;
+    let has_pin = |of: usize| (0..solids[of].rest.len()).any(|i| pinned(of, i));
+    if parts.iter().any(|part| part.side.is_some()) || !(has_pin(0) && has_pin(1)) {
+        return false;
+    }
+    let [thick, their] = solids.map(|solid| {
+        let (low, high) = solid.shape.bounds();
+        0.5 * (high - low).min_element()
+    });
+    let pins = |of: usize| {
+        let (solid, frame) = (solids[of], frames[of]);
+        let all = (0..solid.rest.len()).filter(move |&i| pinned(of, i));
+        all.map(|i| frame.point(solid.rest[i]))
+    };
+    let is_in = |pin: Vec3, of: usize, thick: f32| {
+        let (shape, frame) = (&solids[of].shape, frames[of]);
+        parts[of].immovable && shape.nearest(frame.local(pin)).distance < thick
+    };
+    pins(0)
+        .any(|pin| is_in(pin, 1, thick) || pins(1).any(|other| pin.distance(other) < thick + their))
+        || pins(1).any(|pin| is_in(pin, 0, their))
 }
 
 /// A body collider, and another one or static geometry.

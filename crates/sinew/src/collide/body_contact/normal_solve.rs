@@ -21,6 +21,14 @@
 //! load is to push it out again. What is much deeper is recovered over some substeps, and marked, with all that it pushes on: `restitution` then
 //! takes off the speed that it came out with.
 //!
+//! # Near a pin
+//!
+//! What is pinned can only turn, and a contact with a short lever `a` about the pin turns it by much: to recover an overlap of millimetres there, two ropes
+//! that hang from one point were to turn their first segments by radians in each substep, and flung themselves away at any speed. So it is not the point
+//! that is moved by no more than may be recovered in a substep, but the farthest of what is pinned, at `R`: of the overlap is recovered the share `K /
+//! D`, with `K` how far an impulse moves the point and `D = R |I⁻¹ (r × n)|` how far it swings that; which is `a / R` where nothing but pins gives way,
+//! and 1 where the other one can go. What the two approach each other by is stopped as elsewhere: near a pin that is little.
+//!
 //! # Where impulses act
 //!
 //! Verlet keeps `Σ m p × (q - p)`: angular momentum is conserved if the two impulses of a contact have the same moment about where the *substep
@@ -50,6 +58,12 @@ use crate::lanes::{LANES, Lanes, Vector, Work};
 
 /// Rounds of solving point after point. What is left is corrected in the next substep.
 const ROUNDS: usize = 6;
+/// The least lever about a pin or an axis with which a contact turns what is pinned, by how far that reaches. A point of less can be moved nowhere, and is left
+/// out: its square, 1e-5, is some 80 times the round-off of `f32`, which is what the inverse inertia of a lever has of none.
+pub(super) const LEAST_LEVER: f32 = 3e-3;
+/// By which share of what the point with the longest lever about a pin gives way each point of its patch gives way more, as numbers have it: or points on both
+/// sides of a pin would press against each other with all there is, and what their round-off turns would fling.
+const PIN_REGULARISATION: f32 = 1e-3;
 /// Share of the stiffness that patches have added, so that a small one, whose tilt is round-off, does not answer that.
 const TILT_REGULARISATION: f32 = 1e-3;
 
@@ -171,14 +185,21 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
     let (apart_t, apart_u) = plane.apart;
     let theirs = match &b {
         None => None,
-        Some(b) => Some(PatchSide::of(&b.inverse_inertia, t, u)),
+        Some(b) => {
+            Some(PatchSide::of(&b.inverse_inertia, t, u).pinned(&b.inverse_inertia, b.pin_reach))
+        }
     };
-    let patch = ContactPatch {
+    let mut patch = ContactPatch {
         weight,
-        a: PatchSide::of(&a.inverse_inertia, t, u),
+        a: PatchSide::of(&a.inverse_inertia, t, u).pinned(&a.inverse_inertia, a.pin_reach),
         b: theirs,
         apart: plane.apart,
+        regularisation: none,
     };
+    if none.lt(patch.pin_reach()).any() {
+        patch.limit_recovery(&mut c, &at, &left, recover);
+        patch.regularise(&at);
+    }
     // What it has pressed with in this substep it may take back: the impulses are accumulated, and none of the sums pulls.
     let mut had = [none; POINTS];
     if sweep > 0 {
@@ -394,6 +415,8 @@ pub(super) struct ContactPatch<L> {
     pub(super) b: Option<PatchSide<L>>,
     /// Where the second one's centre is from the first one's, along `t` and `u`, metres.
     pub(super) apart: (L, L),
+    /// How far each point gives way to its own impulse besides, 1/kg: see [`PIN_REGULARISATION`].
+    pub(super) regularisation: L,
 }
 
 /// One of the bodies: its inverse inertia `J` as seen in the patch.
@@ -405,19 +428,38 @@ pub(super) struct PatchSide<L> {
     tt: L,
     uu: L,
     tu: L,
+    /// How far what is pinned reaches from its pin, metres; 0 of others.
+    pin_reach: L,
+    /// How far the [least lever](LEAST_LEVER) gives way, 1/kg.
+    least: L,
 }
 
 impl<L: Lanes> PatchSide<L> {
     #[inline(always)]
     pub(super) fn of(inverse_inertia: &Symmetric<L>, t: Vector<L>, u: Vector<L>) -> Self {
         let (jt, ju) = (inverse_inertia.times(t), inverse_inertia.times(u));
-        Self { t: jt, u: ju, tt: t.dot(jt), uu: u.dot(ju), tu: t.dot(ju) }
+        let (pin_reach, least) = (L::zero(), L::zero());
+        Self { t: jt, u: ju, tt: t.dot(jt), uu: u.dot(ju), tu: t.dot(ju), pin_reach, least }
+    }
+
+    /// The same of what reaches so far from its pin, metres; 0 of what has none.
+    #[inline(always)]
+    fn pinned(self, inverse_inertia: &Symmetric<L>, pin_reach: L) -> Self {
+        let Vector { x, y, z } = inverse_inertia.along;
+        let lever = pin_reach * L::splat(LEAST_LEVER);
+        Self { pin_reach, least: (x + y + z) * lever * lever, ..self }
     }
 
     /// The turn that an impulse of so much along the normal gives, whose moments along `x` and `y` from this centre are those.
     #[inline(always)]
     pub(super) fn turned(&self, x: L, y: L) -> Vector<L> {
         self.t * y - self.u * x
+    }
+
+    /// How far an impulse along the normal, so far from this centre, turns the point where it acts along the normal, 1/kg.
+    #[inline(always)]
+    fn moved(&self, x: L, y: L) -> L {
+        x * (x * self.uu - y * self.tu) + y * (y * self.tt - x * self.tu)
     }
 
     /// Adds its share to `Q` about a point at `(x, y)` from its centre.
@@ -447,6 +489,64 @@ impl<L: Lanes> ContactPatch<L> {
             b.add_to(&mut q, x - self.apart.0, y - self.apart.1);
         }
         q
+    }
+
+    /// How far the two reach from their pins, metres; 0 where neither is pinned.
+    #[inline(always)]
+    fn pin_reach(&self) -> L {
+        match &self.b {
+            None => self.a.pin_reach,
+            Some(b) => self.a.pin_reach.max(b.pin_reach),
+        }
+    }
+
+    /// Takes off `c` what would be recovered of overlap by swinging what is pinned farther, anywhere, than a point without a pin may be moved, `recover`
+    /// metres; and takes points out that have no lever about pins, and nothing else to give way. See [the module](self), "Near a pin".
+    #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "points in several arrays")]
+    fn limit_recovery<const POINTS: usize>(
+        &self,
+        c: &mut [L; POINTS],
+        at: &[(L, L); POINTS],
+        left: &[L; POINTS],
+        recover: L,
+    ) {
+        let one = L::splat(1.0);
+        for i in 0..POINTS {
+            let (x, y) = at[i];
+            let moved = self.moved(x, y);
+            let mut swung = self.a.turned(x, y).length() * self.a.pin_reach;
+            let mut least = self.a.least;
+            if let Some(b) = &self.b {
+                let (x, y) = (x - self.apart.0, y - self.apart.1);
+                swung = swung.max(b.turned(x, y).length() * b.pin_reach);
+                least = least.max(b.least);
+            }
+            let share = swung.lt(moved).select(one, moved / swung);
+            let less = left[i].min(recover) - left[i].min(recover * share);
+            c[i] = least.lt(moved).select(c[i] - less, L::splat(-FAR));
+        }
+    }
+
+    /// How far an impulse along the normal at a place moves that along the normal, 1/kg.
+    #[inline(always)]
+    fn moved(&self, x: L, y: L) -> L {
+        let moved = self.weight + self.a.moved(x, y);
+        match &self.b {
+            None => moved,
+            Some(b) => moved + b.moved(x - self.apart.0, y - self.apart.1),
+        }
+    }
+
+    /// Lets what is pinned give way by so little more that no impulse grows beyond bounds.
+    #[inline(always)]
+    fn regularise<const POINTS: usize>(&mut self, at: &[(L, L); POINTS]) {
+        let mut most = L::zero();
+        for &(x, y) in at {
+            most = most.max(self.moved(x, y));
+        }
+        let pinned = L::zero().lt(self.pin_reach());
+        self.regularisation = pinned.and(most * L::splat(PIN_REGULARISATION));
     }
 }
 
@@ -489,7 +589,8 @@ pub(super) fn solve_normal_impulses<L: Lanes, const POINTS: usize>(
     let (ax, ay) = (xx * q.along.y + xy * q.across.z, xx * q.across.z + xy * q.along.z);
     let (bx, by) = (xy * q.along.y + yy * q.across.z, xy * q.across.z + yy * q.along.z);
     // Without points, or where nothing can move, there must be something to divide by.
-    let pressing = count * count * q.along.x;
+    let extra = patch.regularisation;
+    let pressing = count * count * q.along.x + count * extra;
     let pressing = none.lt(pressing).select(pressing, one);
     let size = (xx + yy) * share;
     let torsional_radius =
@@ -497,13 +598,13 @@ pub(super) fn solve_normal_impulses<L: Lanes, const POINTS: usize>(
     let mass = Symmetric {
         along: Vector::new(
             pressing,
-            ax * xx + ay * xy + torsional_radius,
-            bx * xy + by * yy + torsional_radius,
+            ax * xx + ay * xy + torsional_radius + extra * xx,
+            bx * xy + by * yy + torsional_radius + extra * yy,
         ),
         across: Vector::new(
             count * (qx * xx + qy * xy),
             count * (qx * xy + qy * yy),
-            ax * xy + ay * yy,
+            ax * xy + ay * yy + extra * xy,
         ),
     };
     let (mu, _) = mass.solve(b);
@@ -526,7 +627,7 @@ pub(super) fn solve_normal_impulses<L: Lanes, const POINTS: usize>(
         pulls = pulls.or(outside.and(none.lt(left)));
     }
     if pulls.any() {
-        one_by_one(&q, &g, c, pulls, &mut force);
+        one_by_one((&q, extra), &g, c, pulls, &mut force);
     }
     force
 }
@@ -559,7 +660,7 @@ fn centred<L: Lanes, const POINTS: usize>(
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "rows and columns of the same points")]
 fn one_by_one<L: Lanes, const POINTS: usize>(
-    q: &Symmetric<L>,
+    (q, extra): (&Symmetric<L>, L),
     g: &[(L, L); POINTS],
     c: &[L; POINTS],
     mask: L,
@@ -574,6 +675,7 @@ fn one_by_one<L: Lanes, const POINTS: usize>(
             k[i][j] = far.x + far.y * g[j].0 + far.z * g[j].1;
             k[j][i] = k[i][j];
         }
+        k[i][i] = k[i][i] + extra;
         inverse[i] = mask.and(none.lt(k[i][i])).and(one / k[i][i]);
     }
     for _ in 0..ROUNDS {

@@ -345,7 +345,7 @@ impl Work for ExtractPose<'_> {
             zero::<L>().with(none),
             inverse.along.with(none),
             inverse.across.with(none),
-            start.with(none),
+            start.with(L::load(&mass.pin_reach)),
             step.with(none),
             spin.with(none),
             q,

@@ -384,7 +384,8 @@ impl Work for RestitutionSolve<'_> {
         let own = PatchSide::of(&a.inverse_inertia, t, u);
         let weight = a.inverse_mass + b.inverse_mass;
         let theirs = PatchSide::of(&b.inverse_inertia, t, u);
-        let patch = ContactPatch { weight, a: own, b: Some(theirs), apart: (apart_t, apart_u) };
+        let apart = (apart_t, apart_u);
+        let patch = ContactPatch { weight, a: own, b: Some(theirs), apart, regularisation: none };
         let stiff = patch.about(none, none);
         let (mut c, mut force) = ([none; POINTS], [none; POINTS]);
         let mut at = [(none, none); POINTS];

@@ -27,8 +27,9 @@ impl Work for Both<'_> {
             PatchSide::of(&Symmetric { along, across }, t, u)
         };
         let (a, b) = (side(), side());
+        let apart = (some(-1.0, 1.0), none);
         let patch =
-            ContactPatch { weight: some(0.1, 3.0), a, b: Some(b), apart: (some(-1.0, 1.0), none) };
+            ContactPatch { weight: some(0.1, 3.0), a, b: Some(b), apart, regularisation: none };
         let c = [some(-1e-4, 1e-3), some(-1e-3, 1e-3)];
         let at = [(some(-1.0, 1.0), some(-1.0, 1.0)), (some(-1.0, 1.0), some(-1.0, 1.0))];
         let far = L::splat(-1e9);
@@ -85,8 +86,8 @@ impl Work for AsOne<'_> {
             across: Vector::new(none, none, none),
         };
         let side = || PatchSide::of(&round, t, u);
-        let patch =
-            ContactPatch { weight: L::splat(0.4), a: side(), b: Some(side()), apart: (none, none) };
+        let (weight, apart, regularisation) = (L::splat(0.4), (none, none), none);
+        let patch = ContactPatch { weight, a: side(), b: Some(side()), apart, regularisation };
         let near = |x: f32, random: &mut Random| {
             L::load(&core::array::from_fn(|_| x + distance * random.number()))
         };
