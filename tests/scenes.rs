@@ -278,6 +278,32 @@ fn soft_bodies_squash_when_they_land_and_come_back() {
     assert_finite(&mut app);
 }
 
+/// They were spawned in each other, an eighth of their volume was pressed out of them in the first tick, and four left over the rim.
+#[test]
+fn cubes_of_jelly_start_apart_and_stay_in_their_bin() {
+    let mut app = playing("bin");
+    let cubes = named(&mut app, "jelly");
+    // Least and mean share of their volume.
+    let sizes = |app: &App| {
+        let sizes = cubes.iter().map(|&cube| volume(app, cube) / 0.26_f32.powi(3));
+        let [least, sum] =
+            sizes.fold([f32::MAX, 0.0], |[least, sum], size| [least.min(size), sum + size]);
+        [least, sum / cubes.len() as f32]
+    };
+    tick(&mut app, 2);
+    let [least, mean] = sizes(&app);
+    assert!(least > 0.995 && mean < 1.002, "{least} {mean}");
+    tick(&mut app, 300);
+    // What lies on them, 351 kg on 8.4 m² and where cubes meet on a third of that, is up to 1.2 kPa; their bulk modulus is 8.9 kPa.
+    let [least, mean] = sizes(&app);
+    assert!(least > 0.7 && mean > 0.88 && mean < 0.98, "{least} {mean}");
+    for &cube in &cubes {
+        let own = particles_of(&app, cube);
+        let at = own.iter().map(|&p| position(&app, p)).sum::<Vec3>() / own.len() as f32;
+        assert!(at.x.abs().max(at.z.abs()) < 1.45 && at.y > 0.0, "one has left: {at}");
+    }
+}
+
 #[test]
 fn sheets_sink_at_the_speed_that_their_weight_asks_for_and_a_fan_blows_one_away() {
     let mut app = playing("feathers");

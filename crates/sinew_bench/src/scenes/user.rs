@@ -338,11 +338,12 @@ fn jelly(world: &mut World) {
         world.spawn((Collider::cuboid(size), Transform::from_xyz(x, 0.5 * high, z)));
     }
     for n in 0..200_u32 {
-        let (layer, place) = (n / 16, n % 16);
-        let [x, z] = [place % 4, place / 4].map(|i| (i as f32 - 1.5) * 0.37);
-        let drift = 0.05 * (layer % 3) as f32 - 0.05;
-        let at = Vec3::new(x + drift, 0.35 + 0.36 * layer as f32, z - drift);
-        let turn = Quat::from_euler(EulerRot::XYZ, 0.3 * n as f32, 0.5 * n as f32, 0.2 * n as f32);
+        // None overlaps another, with its radius.
+        let (layer, place) = (n / 36, n % 36);
+        let [x, z] = [place % 6, place / 6].map(|i| (i as f32 - 2.5) * 0.475);
+        let at = Vec3::new(x, (layer as f32 + 0.55) * 0.475, z);
+        let angle = |stride: u32| 0.15 * ((n * stride % 13) as f32 / 6.0 - 1.0);
+        let turn = Quat::from_euler(EulerRot::XYZ, angle(3), angle(5), angle(7));
         let cube = SoftBody::cuboid(Vec3::splat(edge), UVec3::splat(2));
         let cube = SoftBody { stiffness: 8e3, damping: 0.6, radius: edge / 4.0, ..cube };
         world.spawn((cube, Transform::from_translation(at).with_rotation(turn)));

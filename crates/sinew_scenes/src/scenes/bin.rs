@@ -55,6 +55,10 @@ const ROOM: f32 = 2.9;
 const HIGH: f32 = 1.8;
 const THICK: f32 = 0.06;
 const RADIUS: f32 = EDGE / 4.0;
+/// The most that a cube is turned about each axis, rad, and from cube to cube, metres: half a cube so turned reaches out to 1.33 times half its edge, and its
+/// skin by its radius more, which are 0.24 m. What is spawned in each other is pressed to seven eighths of its volume until it is apart.
+const TURN: f32 = 0.15;
+const PITCH: f32 = 0.475;
 
 fn spawn(world: &mut World) {
     let [stiffness, density, friction] = values(world);
@@ -74,11 +78,12 @@ fn spawn(world: &mut World) {
     }
     let colors = [0xd1495b, 0x66a182, 0xe9b44c, 0x8e6bb0, 0x2f8f83];
     for n in 0..200_u32 {
-        let (layer, place) = (n / 16, n % 16);
-        let [x, z] = [place % 4, place / 4].map(|i| (i as f32 - 1.5) * 0.37);
-        let drift = 0.05 * (layer % 3) as f32 - 0.05;
-        let at = Vec3::new(x + drift, 0.35 + 0.36 * layer as f32, z - drift);
-        let turn = Quat::from_euler(EulerRot::XYZ, 0.3 * n as f32, 0.5 * n as f32, 0.2 * n as f32);
+        let (layer, place) = (n / 36, n % 36);
+        let [x, z] = [place % 6, place / 6].map(|i| (i as f32 - 2.5) * PITCH);
+        let at = Vec3::new(x, (layer as f32 + 0.55) * PITCH, z);
+        // All kinds of poses, up to the angle that the pitch has room for.
+        let angle = |stride: u32| TURN * ((n * stride % 13) as f32 / 6.0 - 1.0);
+        let turn = Quat::from_euler(EulerRot::XYZ, angle(3), angle(5), angle(7));
         let cube = SoftBody {
             stiffness: stiffness * 1e3,
             damping: 0.6,
