@@ -135,11 +135,33 @@ fn a_tube_stays_at_its_radius_and_faces_outwards() {
 }
 
 #[test]
-fn points_on_top_of_each_other_leave_a_tube_finite_and_one_alone_has_none() {
+fn points_on_top_of_each_other_leave_a_tube_finite_and_one_alone_shows_nothing() {
     let mesh = tube(&[Vec3::ZERO, Vec3::ZERO, Vec3::Y, Vec3::ZERO], 0.1, 5);
     assert_eq!(vertices(&mesh).len(), 4 * 6);
     assert!(vertices(&mesh).iter().all(|place| place.is_finite()));
-    assert!(tube(&[Vec3::ZERO], 0.1, 5).indices().is_none_or(Indices::is_empty));
+    // Not a mesh without vertices, of which Bevy's renderer reports an error.
+    let alone = tube(&[Vec3::Y], 0.1, 5);
+    assert_eq!(vertices(&alone), [Vec3::Y; 3]);
+    assert_eq!(alone.indices().map(Indices::len), Some(3));
+}
+
+/// In a window each rope logged "Use-after-free: attempted to copy element data for an unallocated key" when it was spawned: its first mesh was empty.
+#[test]
+fn the_first_mesh_of_a_rope_has_vertices() {
+    let mut app = app();
+    let particles = [Vec3::ZERO, Vec3::X].map(|at| app.world_mut().spawn(Particle::at(at)).id());
+    let tube = TubeMesh { particles: particles.to_vec(), radius: 0.1, sides: 5 };
+    let tube = app.world_mut().spawn(tube).id();
+    let rope = app.world_mut().spawn(Rope::default()).id();
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+    for frame in 0..4 {
+        app.update();
+        for entity in [tube, rope] {
+            let Some(handle) = app.world().get::<Mesh3d>(entity) else { continue };
+            let meshes = app.world().resource::<Assets<Mesh>>();
+            assert!(!vertices(meshes.get(&handle.0).unwrap()).is_empty(), "frame {frame}");
+        }
+    }
 }
 
 #[test]

@@ -72,7 +72,9 @@ pub(crate) struct Skin {
 }
 
 impl Skin {
-    /// A tube of `radius` metres around a chain of points, closed by flat caps of its own rings. Empty for fewer than two points.
+    /// A tube of `radius` metres around a chain of points, closed by flat caps of its own rings. A triangle without a size for fewer
+    /// than two points, as in the frame in which a rope is spawned: for a mesh without vertices Bevy 0.19's renderer allocates nothing, and then reports an
+    /// error where it copies the vertices all the same ("use after free").
     ///
     /// The rings are carried along without twist: each ring's direction is the last one's, turned by the shortest arc between the two
     /// pieces of the chain that it stands between (parallel transport).
@@ -83,6 +85,11 @@ impl Skin {
         uvs.clear();
         indices.clear();
         if middle.len() < 2 {
+            let at = middle.first().copied().unwrap_or_default();
+            positions.extend([at.to_array(); 3]);
+            normals.extend([[0.0, 1.0, 0.0]; 3]);
+            uvs.extend([[0.0; 2]; 3]);
+            indices.extend([0, 1, 2]);
             return;
         }
         let share = |k: usize| k as f32 / sides as f32;
