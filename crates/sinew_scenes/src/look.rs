@@ -47,6 +47,11 @@ impl Look {
         Self { double_sided: true, ..self }
     }
 
+    /// The same, seen through: from 0 (clear) to 1. It casts no shadow then. (The software renderer draws it solid.)
+    pub fn opacity(self, opacity: f32) -> Self {
+        Self { color: self.color.with_alpha(opacity), ..self }
+    }
+
     /// The same, rougher or smoother.
     pub fn roughness(self, roughness: f32) -> Self {
         Self { roughness, ..self }

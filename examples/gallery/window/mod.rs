@@ -1,6 +1,7 @@
 //! The gallery in a window: an orbit camera, a panel, and every scene live.
 
 mod screenshots;
+mod sky;
 mod stage;
 mod tools;
 mod ui;

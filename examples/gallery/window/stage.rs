@@ -1,30 +1,33 @@
 //! Light, ground, camera, and materials for what scenes say of their looks.
 
-use bevy::asset::RenderAssetUsages;
 use bevy::camera::{Exposure, Hdr};
 use bevy::core_pipeline::tonemapping::Tonemapping;
-use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
-use bevy::light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap, GlobalAmbientLight};
+use bevy::light::{
+    CascadeShadowConfigBuilder, DirectionalLightShadowMap, GlobalAmbientLight, NotShadowCaster,
+};
 use bevy::prelude::*;
-use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
+use bevy::render::view::{ColorGrading, ColorGradingGlobal};
 use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
 use sinew_scenes::{Look, Scene};
 
-/// Sky, and what the ground fades into: brighter than white, because the tone mapping will not let it be.
-const HORIZON: Color = Color::linear_rgb(1.15, 1.42, 1.75);
+use super::sky;
+
+/// Side of the texture that a light's shadows are drawn in, texels. A shadow's edge is as wide as five of them.
+const SHADOW_TEXELS: usize = 2048;
+/// How far from the camera the sun casts shadows, metres. It is spread over the texels, so that it also says how soft they are: some 6 cm here.
+const SUN_REACH: f32 = 22.0;
+/// The same of the light from overhead. Its shadows are so soft (some 20 cm) that they darken what is near the ground, below an edge or in a fold: they stand for
+/// ambient occlusion, which Bevy has on the screen alone, where it would cost the smooth edges (it needs multisampling off).
+const SKY_REACH: f32 = 80.0;
 
 /// Adds the stage to the app.
 pub(super) fn add(app: &mut App) {
     app.add_plugins(PanOrbitCameraPlugin)
-        .insert_resource(ClearColor(HORIZON))
-        .insert_resource(DirectionalLightShadowMap { size: 2048 })
-        .insert_resource(GlobalAmbientLight {
-            color: Color::srgb(0.75, 0.85, 1.0),
-            brightness: 420.0,
-            ..default()
-        })
+        .insert_resource(DirectionalLightShadowMap { size: SHADOW_TEXELS })
+        // The sky shines from where it is.
+        .insert_resource(GlobalAmbientLight::NONE)
         .add_systems(Startup, set_up)
-        .add_systems(Update, dress);
+        .add_systems(Update, (dress, keep_width));
 }
 
 /// Points the camera where the scene wants to be seen from; a restart of the same scene leaves it where the visitor put it.
@@ -56,53 +59,71 @@ fn set_up(
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut images: ResMut<Assets<Image>>,
 ) {
+    let exposure = Exposure { ev100: 10.0 };
+    let [red, green, blue] = sky::HORIZON;
+    let fog = DistanceFog {
+        color: Color::linear_rgb(red, green, blue),
+        falloff: FogFalloff::Linear { start: 12.0, end: 42.0 },
+        ..default()
+    };
+    let color_grading = ColorGrading {
+        // What the tone mapping takes of the colours.
+        global: ColorGradingGlobal { post_saturation: 1.18, ..default() },
+        ..default()
+    };
     commands.spawn((
         Camera3d::default(),
         // Tone mapping as a pass of its own, so that the sky and the fog go through the same curve and meet at the horizon.
         Hdr,
         Tonemapping::TonyMcMapface,
-        Exposure { ev100: 10.0 },
-        Projection::from(PerspectiveProjection { fov: 0.7, ..default() }),
-        DistanceFog {
-            color: HORIZON,
-            falloff: FogFalloff::Linear { start: 12.0, end: 42.0 },
-            ..default()
-        },
+        color_grading,
+        sky::skybox(&mut images, exposure.exposure()),
+        sky::light(&mut images),
+        exposure,
+        Projection::from(PerspectiveProjection { fov: FIELD, ..default() }),
+        fog,
         orbit(Vec3::ZERO),
     ));
+    let reach = |metres| {
+        CascadeShadowConfigBuilder { num_cascades: 1, maximum_distance: metres, ..default() }
+            .build()
+    };
     commands.spawn((
         DirectionalLight {
-            color: Color::srgb(1.0, 0.96, 0.89),
+            color: Color::srgb(1.0, 0.95, 0.86),
             illuminance: 7_500.0,
             shadow_maps_enabled: true,
             ..default()
         },
-        CascadeShadowConfigBuilder {
-            num_cascades: 2,
-            first_cascade_far_bound: 7.0,
-            maximum_distance: 30.0,
-            ..default()
-        }
-        .build(),
-        Transform::from_xyz(3.0, 6.0, 3.5).looking_at(Vec3::ZERO, Vec3::Y),
+        reach(SUN_REACH),
+        Transform::from_xyz(4.2, 6.0, 2.4).looking_at(Vec3::ZERO, Vec3::Y),
     ));
-    // The sky's own light from the other side, so that shadows are blue and not black.
     commands.spawn((
-        DirectionalLight { color: Color::srgb(0.7, 0.82, 1.0), illuminance: 1_300.0, ..default() },
-        Transform::from_xyz(-4.0, 3.0, -2.0).looking_at(Vec3::ZERO, Vec3::Y),
+        DirectionalLight {
+            color: Color::srgb(0.9, 0.95, 1.0),
+            illuminance: 2_200.0,
+            shadow_maps_enabled: true,
+            // Of its large texels: what lies on the ground must darken it up to its very edge.
+            shadow_normal_bias: 0.3,
+            ..default()
+        },
+        reach(SKY_REACH),
+        // A little from the side that the sun is not on, so that what is in the sun's shadow has a shape.
+        Transform::from_xyz(-0.9, 6.0, -0.3).looking_at(Vec3::ZERO, Vec3::Z),
     ));
     let half = 60.0;
     let mut ground = Plane3d::default().mesh().size(2.0 * half, 2.0 * half).build();
-    // Two squares to a turn of the texture: squares of half a metre.
+    // Squares of half a metre.
     if let Some(bevy::mesh::VertexAttributeValues::Float32x2(uvs)) =
         ground.attribute_mut(Mesh::ATTRIBUTE_UV_0)
     {
-        uvs.iter_mut().flatten().for_each(|uv| *uv *= 2.0 * half);
+        let turns = 2.0 * half / (0.5 * sky::SQUARES as f32);
+        uvs.iter_mut().flatten().for_each(|uv| *uv *= turns);
     }
     commands.spawn((
         Mesh3d(meshes.add(ground)),
         MeshMaterial3d(materials.add(StandardMaterial {
-            base_color_texture: Some(images.add(checker())),
+            base_color_texture: Some(images.add(sky::ground())),
             perceptual_roughness: 0.95,
             reflectance: 0.2,
             ..default()
@@ -112,49 +133,25 @@ fn set_up(
     ));
 }
 
-/// A quiet checker of 2 × 2 squares with its own smaller copies, so that it fades with distance instead of flickering.
-fn checker() -> Image {
-    const SIZE: u32 = 256;
-    let (light, dark) = ([188_u8, 190, 192], [171_u8, 174, 178]);
-    let mut data = Vec::new();
-    let mut levels = 0;
-    let mut size = SIZE;
-    while size > 0 {
-        for y in 0..size {
-            for x in 0..size {
-                let texel = if size == 1 {
-                    [180, 182, 185]
-                } else if (x * 2 / size + y * 2 / size).is_multiple_of(2) {
-                    light
-                } else {
-                    dark
-                };
-                data.extend(texel);
-                data.push(255);
-            }
-        }
-        levels += 1;
-        size /= 2;
+/// What a camera sees from top to bottom, radians, in a picture that is as wide as scenes are framed for.
+const FIELD: f32 = 0.7;
+/// That width, as a multiple of the height. The pictures without a window are a little wider yet.
+const FRAMED: f32 = 1.5;
+
+/// In a view that is narrower, as beside the panel, a scene keeps its width: more is seen above and below, and nothing is cut off at the sides.
+fn keep_width(mut camera: Single<(&Camera, &mut Projection), With<PanOrbitCamera>>) {
+    let (camera, projection) = &mut *camera;
+    let Some(size) = camera.logical_viewport_size().filter(|size| size.min_element() > 0.0) else {
+        return;
+    };
+    let wider = (FRAMED * size.y / size.x).max(1.0);
+    let fov = 2.0 * ((0.5 * FIELD).tan() * wider).atan();
+    if let Projection::Perspective(now) = &**projection
+        && (now.fov - fov).abs() > 1e-4
+        && let Projection::Perspective(lens) = &mut **projection
+    {
+        lens.fov = fov;
     }
-    let extent = Extent3d { width: SIZE, height: SIZE, depth_or_array_layers: 1 };
-    let mut image = Image::new_uninit(
-        extent,
-        TextureDimension::D2,
-        TextureFormat::Rgba8UnormSrgb,
-        RenderAssetUsages::RENDER_WORLD,
-    );
-    image.data = Some(data);
-    image.texture_descriptor.mip_level_count = levels;
-    image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
-        address_mode_u: ImageAddressMode::Repeat,
-        address_mode_v: ImageAddressMode::Repeat,
-        mag_filter: ImageFilterMode::Linear,
-        min_filter: ImageFilterMode::Linear,
-        mipmap_filter: ImageFilterMode::Linear,
-        anisotropy_clamp: 8,
-        ..default()
-    });
-    image
 }
 
 /// The look that an entity has its material of. Going back in time writes all looks, and hardly any is another one then.
@@ -176,6 +173,7 @@ fn dress(
         if dressed.is_some_and(|dressed| dressed.0 == *look) {
             continue;
         }
+        let clear = look.color.alpha() < 1.0;
         let material = StandardMaterial {
             base_color: look.color,
             base_color_texture: look.texture.as_ref().map(|path| server.load(path.clone())),
@@ -183,9 +181,14 @@ fn dress(
             cull_mode: (!look.double_sided).then_some(bevy::render::render_resource::Face::Back),
             perceptual_roughness: look.roughness,
             metallic: look.metallic,
+            alpha_mode: if clear { AlphaMode::Blend } else { AlphaMode::Opaque },
             ..default()
         };
         let material = MeshMaterial3d(materials.add(material));
-        commands.entity(entity).try_insert((material, Dressed(look.clone())));
+        let mut entity = commands.entity(entity);
+        entity.try_insert((material, Dressed(look.clone())));
+        if clear {
+            entity.try_insert(NotShadowCaster);
+        }
     }
 }

@@ -14,7 +14,7 @@ pub(super) const SCENE: Scene = Scene {
     heading: Heading::Forces,
     title: "Hulls in a current",
     about: "crates float a quarter, a half and three quarters deep, as their density says; the raft stays level, the tall box turns over; all drift",
-    eye: Vec3::new(0.4, 3.8, 9.7),
+    eye: Vec3::new(0.4, 3.3, 8.4),
     target: Vec3::new(0.0, 0.95, 0.0),
     seconds: 8.0,
     moment: 4.2,
@@ -60,7 +60,7 @@ fn spawn(world: &mut World) {
     ));
     // The water is a slab, cut open along the middle of what floats in it, so that one sees how deep it sits.
     let slab = mesh(world, Cuboid::new(2.0 * HALF.x, DEPTH, HALF.y));
-    let blue = Look::color(0x4d9bc1).roughness(0.15);
+    let blue = Look::color(0x2f86b5).roughness(0.08).opacity(0.62);
     world.spawn((InScene, slab, blue, Transform::from_xyz(0.0, DEPTH * 0.5, -HALF.y * 0.5)));
     let crates = [(0.25, 0.5), (density / WATER, height), (0.75, 0.5)];
     for (i, (share, height)) in crates.into_iter().enumerate() {

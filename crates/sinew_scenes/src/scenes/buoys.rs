@@ -12,7 +12,7 @@ pub(super) const SCENE: Scene = Scene {
     heading: Heading::Forces,
     title: "Floating balls",
     about: "from cork to stone: each floats as deep as its density says, and one sinks",
-    eye: Vec3::new(0.4, 2.0, 6.6),
+    eye: Vec3::new(0.4, 1.8, 5.6),
     target: Vec3::new(0.0, 0.55, 0.0),
     seconds: 6.0,
     moment: 1.4,
@@ -68,7 +68,7 @@ fn spawn(world: &mut World) {
     // The water is a slab seen from the front, cut open, so that one sees how deep the balls sit.
     let wide = 1.2;
     let back = mesh(world, Cuboid::new(5.4, LEVEL, wide));
-    let blue = Look::color(0x4d9bc1).roughness(0.15);
+    let blue = Look::color(0x2f86b5).roughness(0.08).opacity(0.62);
     world.spawn((InScene, back, blue, Transform::from_xyz(0.0, LEVEL * 0.5, -wide * 0.5)));
     for (i, density) in [100.0, 250.0, red, 750.0, 950.0, 1600.0].into_iter().enumerate() {
         let x = -2.1 + 0.84 * i as f32;

@@ -14,7 +14,7 @@ pub(super) const SCENE: Scene = Scene {
     heading: Heading::Forces,
     title: "Impulse, force, teleport",
     about: "red gets its momentum at once, yellow by a force that lasts; blue is moved by hand and has none",
-    eye: Vec3::new(0.2, 2.7, 5.2),
+    eye: Vec3::new(0.2, 1.9, 5.3),
     target: Vec3::new(0.0, 0.2, 0.0),
     seconds: 4.0,
     moment: 1.4,

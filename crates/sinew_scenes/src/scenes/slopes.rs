@@ -13,7 +13,7 @@ pub(super) const SCENE: Scene = Scene {
     heading: Heading::Contacts,
     title: "Held and slid",
     about: "stacks on slopes of 10°, 20° and 30°: with a friction of 0.5 what is less steep than 26.6° stays for ever, and does not creep by a tenth of a millimetre",
-    eye: Vec3::new(0.9, 2.2, 7.2),
+    eye: Vec3::new(0.9, 1.9, 6.4),
     target: Vec3::new(0.5, 0.7, 0.0),
     seconds: 5.0,
     moment: 1.1,

@@ -78,7 +78,7 @@ fn river(world: &mut World) {
         Transform::from_xyz(0.0, WATER, middle),
     ));
     let slab = mesh(world, Cuboid::new(2.0 * HALF, WATER, wide));
-    let blue = Look::color(0x4d9bc1).roughness(0.12);
+    let blue = Look::color(0x2f86b5).roughness(0.08).opacity(0.62);
     world.spawn((InScene, slab, blue, Transform::from_xyz(0.0, 0.5 * WATER, middle)));
     // What drifts to the end of the river stays there.
     let stone = Look::color(0x8c8780).roughness(0.85);

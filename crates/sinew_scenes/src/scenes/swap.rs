@@ -15,7 +15,7 @@ pub(super) const SCENE: Scene = Scene {
     heading: Heading::Bodies,
     title: "Particles or rigid, at any time",
     about: "the front row changes what it is every second: orange as particles, blue as a rigid body; it keeps up with the grey row, which never changes",
-    eye: Vec3::new(1.6, 4.2, 8.8),
+    eye: Vec3::new(1.6, 3.6, 8.6),
     target: Vec3::new(0.0, 2.0, 0.0),
     seconds: 6.0,
     moment: 1.6,
