@@ -5,6 +5,7 @@
 
 mod headless;
 mod stage;
+mod thumbnails;
 mod window;
 
 use std::path::PathBuf;
@@ -35,9 +36,22 @@ struct Options {
     /// Open a window, save a screenshot of every scene to this folder, and quit.
     #[arg(long, value_name = "DIR")]
     screenshots: Option<PathBuf>,
+    /// Open a window, record every scene (--seconds, --fps) as an animated GIF into this folder, and quit.
+    #[arg(long, value_name = "DIR", conflicts_with = "screenshots")]
+    films: Option<PathBuf>,
+    /// Open a window, draw the small pictures of the list of scenes on this sheet (PNG, the names beside it as .txt), and quit; with --scene only that one is drawn anew.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["screenshots", "films"])]
+    thumbnails: Option<PathBuf>,
     /// List the scenes and quit.
     #[arg(long)]
     list: bool,
+}
+
+impl Options {
+    /// Whether pictures are asked for that only Bevy draws.
+    fn draws_in_a_window(&self) -> bool {
+        self.screenshots.is_some() || self.films.is_some() || self.thumbnails.is_some()
+    }
 }
 
 fn main() -> ExitCode {
@@ -58,8 +72,8 @@ fn main() -> ExitCode {
     if !options.headless {
         match window::run(&options, &scenes) {
             Ok(code) => return code,
-            Err(reason) if options.screenshots.is_some() => {
-                eprintln!("gallery: no window for the screenshots: {reason}");
+            Err(reason) if options.draws_in_a_window() => {
+                eprintln!("gallery: no window for the pictures: {reason}");
                 return ExitCode::FAILURE;
             }
             Err(reason) => println!("No window ({reason}), so here is the gallery in pictures."),

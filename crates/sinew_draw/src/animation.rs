@@ -46,6 +46,13 @@ pub fn write_gif(path: impl AsRef<Path>, frames: &[Image], delay: u16) -> io::Re
     Ok(())
 }
 
+/// A still picture's own palette, red, green and blue of each colour, and the index of each pixel. Not dithered: a pattern would cost more bytes than it is worth.
+pub(crate) fn indexed(image: &Image) -> (Vec<u8>, Vec<u8>) {
+    let mut palette = Palette::new(std::slice::from_ref(image));
+    let indices = palette.indices_dithered(image, 0.0);
+    (palette.bytes(), indices)
+}
+
 fn error(error: EncodingError) -> io::Error {
     match error {
         EncodingError::Io(error) => error,
@@ -119,12 +126,16 @@ impl Palette {
     }
 
     fn indices(&mut self, image: &Image) -> Vec<u8> {
+        self.indices_dithered(image, DITHER)
+    }
+
+    fn indices_dithered(&mut self, image: &Image, dither: f32) -> Vec<u8> {
         let mut out = Vec::with_capacity(image.pixels.len());
         for (i, pixel) in image.pixels.iter().enumerate() {
             let (x, y) = (i % image.width, i / image.width);
             let threshold =
                 [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5][y % 4 * 4 + x % 4] as f32;
-            let push = (threshold / 7.5 - 1.0) * DITHER;
+            let push = (threshold / 7.5 - 1.0) * dither;
             let [r, g, b] = [0, 1, 2].map(|c| (f32::from(pixel[c]) + push).clamp(0.0, 255.0) as u8);
             let key = u32::from_be_bytes([0, r & !1, g & !1, b & !1]);
             let quantizer = &self.quantizer;

@@ -27,6 +27,31 @@ fn a_png_reads_back_as_it_was() {
 }
 
 #[test]
+fn a_png_of_few_colours_reads_back_as_it_was() {
+    let mut image = Image::new(40, 30, [200, 40, 40, 255]);
+    image.place(&Image::new(10, 10, [40, 40, 200, 255]), [5, 7]);
+    let path = scratch("small.png");
+    write_small_png(&path, &image).unwrap();
+    let read = read_png(&std::fs::read(&path).unwrap()).unwrap();
+    assert_eq!((read.width, read.height), (40, 30));
+    let apart = |a: &[u8; 4], b: &[u8; 4]| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max();
+    let most = read.pixels.iter().zip(&image.pixels).filter_map(|(a, b)| apart(a, b)).max();
+    assert!(most.unwrap() <= 4, "a palette may be off by a step or two: {most:?}");
+    assert_eq!(read_png(&std::fs::read(&path).unwrap()[..40]).ok(), None);
+}
+
+#[test]
+fn a_picture_shrinks_by_the_light_of_its_pixels() {
+    let mut image = Image::new(4, 2, [255, 255, 255, 255]);
+    image.place(&Image::new(1, 2, [0, 0, 0, 255]), [0, 0]);
+    let small = image.shrunk(2);
+    assert_eq!((small.width, small.height), (2, 1));
+    // Half of white's light is 188 in sRGB, not 128.
+    assert_eq!(small.pixels, [[188, 188, 188, 255], [255, 255, 255, 255]]);
+    assert_eq!(image.part([0, 1], 2, 1).pixels, [[0, 0, 0, 255], [255, 255, 255, 255]]);
+}
+
+#[test]
 fn a_gif_has_all_its_frames_and_repeats() {
     let mut frames = vec![Image::new(20, 10, [200, 200, 210, 255]); 5];
     for (i, frame) in frames.iter_mut().enumerate().skip(2) {

@@ -31,6 +31,44 @@ impl Image {
         self.pixels[y * self.width + x]
     }
 
+    /// The picture at a fraction of its size: each pixel is the mean light of `factor` × `factor` of them. What is left over at the right and below is cut off.
+    pub fn shrunk(&self, factor: usize) -> Self {
+        let factor = factor.max(1);
+        let light: Vec<f32> =
+            (0..=255_u8).map(|byte| linear_of([f32::from(byte) / 255.0; 3]).x).collect();
+        let srgb = SrgbTable::new();
+        let share = 1.0 / (factor * factor) as f32;
+        let mut small = Self::new(self.width / factor, self.height / factor, [0; 4]);
+        for (i, pixel) in small.pixels.iter_mut().enumerate() {
+            let (left, top) = (i % small.width * factor, i / small.width * factor);
+            let mut sum = Vec3::ZERO;
+            for (x, y) in (0..factor * factor).map(|k| (left + k % factor, top + k / factor)) {
+                let [r, g, b, _] = self.at(x, y);
+                sum += Vec3::from([r, g, b].map(|byte| light[usize::from(byte)]));
+            }
+            *pixel = srgb.pixel(sum * share);
+        }
+        small
+    }
+
+    /// The part of `width` × `height` pixels whose upper left corner is in column `left` of row `top`; panics where it leaves the picture.
+    pub fn part(&self, [left, top]: [usize; 2], width: usize, height: usize) -> Self {
+        let rows = (top..top + height).flat_map(|y| {
+            let first = y * self.width + left;
+            self.pixels[first..first + width].iter().copied()
+        });
+        Self { width, height, pixels: rows.collect() }
+    }
+
+    /// Copies another picture into this one, its upper left corner to column `left` of row `top`; panics where it does not fit.
+    pub fn place(&mut self, image: &Self, [left, top]: [usize; 2]) {
+        for y in 0..image.height {
+            let first = (top + y) * self.width + left;
+            self.pixels[first..first + image.width]
+                .copy_from_slice(&image.pixels[y * image.width..][..image.width]);
+        }
+    }
+
     /// Lays `color` over a pixel, `coverage` (0 to 1) thick; outside of the picture nothing happens.
     pub(crate) fn blend(&mut self, x: i64, y: i64, color: [u8; 3], coverage: f32) {
         if x < 0 || y < 0 || x >= self.width as i64 || y >= self.height as i64 {
@@ -56,6 +94,42 @@ pub fn write_png(path: impl AsRef<Path>, image: &Image) -> io::Result<()> {
     let mut writer = encoder.write_header()?;
     writer.write_image_data(image.pixels.as_flattened())?;
     Ok(writer.finish()?)
+}
+
+/// Writes a picture as PNG of at most 255 colours, without transparency: a third of the bytes of [`write_png`], for what is kept in a repository.
+pub fn write_small_png(path: impl AsRef<Path>, image: &Image) -> io::Result<()> {
+    let (palette, indices) = super::animation::indexed(image);
+    let file = BufWriter::new(File::create(path)?);
+    let mut encoder = png::Encoder::new(file, image.width as u32, image.height as u32);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_palette(palette);
+    encoder.set_compression(png::Compression::High);
+    // Neighbouring numbers of a palette are not neighbouring colours.
+    encoder.set_filter(png::Filter::NoFilter);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&indices)?;
+    Ok(writer.finish()?)
+}
+
+/// Reads a PNG of eight bits a channel or fewer, with or without a palette.
+pub fn read_png(bytes: &[u8]) -> io::Result<Image> {
+    let mut decoder = png::Decoder::new(io::Cursor::new(bytes));
+    decoder.set_transformations(png::Transformations::normalize_to_color8());
+    let mut reader = decoder.read_info()?;
+    let size = reader.output_buffer_size().ok_or(io::ErrorKind::OutOfMemory)?;
+    let mut data = vec![0; size];
+    let info = reader.next_frame(&mut data)?;
+    let channels = info.color_type.samples();
+    let pixel = |p: &[u8]| match *p {
+        [r, g, b, a] => [r, g, b, a],
+        [r, g, b] => [r, g, b, 255],
+        [l, a] => [l, l, l, a],
+        [l] => [l, l, l, 255],
+        _ => [0; 4],
+    };
+    let pixels = data[..info.buffer_size()].chunks_exact(channels).map(pixel).collect();
+    Ok(Image { width: info.width as usize, height: info.height as usize, pixels })
 }
 
 /// sRGB, 0 to 1 a channel, to the linear light that shading adds up.

@@ -31,7 +31,7 @@ mod texture;
 
 pub use animation::write_gif;
 pub use camera::Camera;
-pub use image::{Image, write_png};
+pub use image::{Image, read_png, write_png, write_small_png};
 pub use scene::{Item, Line, Scene};
 pub use shade::render;
 pub use sheet::contact_sheet;

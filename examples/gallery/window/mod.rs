@@ -1,5 +1,6 @@
 //! The gallery in a window: an orbit camera, a panel, and every scene live.
 
+mod film;
 mod screenshots;
 mod sky;
 mod stage;
@@ -42,9 +43,17 @@ pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> Result<ExitCo
         return Err("neither DISPLAY nor WAYLAND_DISPLAY is set".into());
     }
     let shots = options.screenshots.clone();
-    let opened = catch_unwind(AssertUnwindSafe(|| open(first, shots.is_some())));
+    let films = options.films.clone().map(|folder| film::Job::Films {
+        folder,
+        fps: options.fps,
+        seconds: options.seconds,
+    });
+    let job = films.or_else(|| options.thumbnails.clone().map(film::Job::Thumbnails));
+    let opened = catch_unwind(AssertUnwindSafe(|| open(first, shots.is_some(), job.as_ref())));
     let mut app = opened.map_err(|_| "Bevy could not open one, see above")?;
-    if let Some(folder) = shots {
+    if let Some(job) = job {
+        film::add(&mut app, job, scenes.to_vec());
+    } else if let Some(folder) = shots {
         screenshots::add(&mut app, folder, scenes.to_vec());
     }
     match app.run() {
@@ -58,12 +67,17 @@ fn display_named() -> bool {
     named("DISPLAY") || named("WAYLAND_DISPLAY")
 }
 
-fn open(first: &'static Scene, for_pictures: bool) -> App {
-    let window = Window {
-        title: "Sinew gallery".into(),
-        resolution: WindowResolution::new(1280, 800),
-        ..default()
+/// The app with its window: with the panel, or for pictures of the scenes alone.
+fn open(first: &'static Scene, for_screenshots: bool, job: Option<&film::Job>) -> App {
+    let resolution = match job.map(film::Job::window) {
+        Some([width, height]) => {
+            // Pixels, whatever the screen takes for a point.
+            WindowResolution::new(width, height).with_scale_factor_override(1.0)
+        }
+        None => WindowResolution::new(1280, 800),
     };
+    let window = Window { title: "Sinew gallery".into(), resolution, ..default() };
+    let for_pictures = for_screenshots || job.is_some();
     let mut app = App::new();
     app.add_plugins((
         DefaultPlugins
@@ -76,8 +90,13 @@ fn open(first: &'static Scene, for_pictures: bool) -> App {
         ScenesPlugin,
     ));
     stage::add(&mut app);
-    ui::add(&mut app);
-    tools::add(&mut app);
+    if job.is_some() {
+        // What a change of scene asks of the panel, which nobody draws.
+        app.init_resource::<Recording>().init_resource::<Selection>();
+    } else {
+        ui::add(&mut app);
+        tools::add(&mut app);
+    }
     app.insert_resource(Programme {
         current: first,
         begun: false,

@@ -47,13 +47,13 @@ enum State {
 
 /// Textures that are on their way from a file.
 #[derive(SystemParam)]
-struct Textures<'w> {
+pub(super) struct Textures<'w> {
     server: Res<'w, AssetServer>,
     materials: Res<'w, Assets<StandardMaterial>>,
 }
 
 impl Textures<'_> {
-    fn are_loading(&self) -> bool {
+    pub(super) fn are_loading(&self) -> bool {
         let textures =
             self.materials.iter().filter_map(|(_, look)| look.base_color_texture.as_ref());
         let mut states = textures.filter_map(|texture| self.server.get_load_state(texture));

@@ -18,6 +18,7 @@ use sinew_scenes::{ALL, Heading, OnStage, Scene};
 
 use super::Programme;
 use super::tools::{self, Tools};
+use crate::thumbnails;
 
 /// Adds the panel, the keys, and the camera that egui draws with.
 pub(super) fn add(app: &mut App) {
@@ -58,14 +59,14 @@ fn draw(
     mut programme: ResMut<Programme>,
     stage: Option<Res<OnStage>>,
     mut tools: ResMut<Tools>,
-    mut styled: Local<bool>,
+    mut pictures: Local<Option<Pictures>>,
     mut last: Local<&'static str>,
 ) -> Result {
     let ctx = contexts.ctx_mut()?;
-    if !*styled {
+    let pictures = pictures.get_or_insert_with(|| {
         style(ctx);
-        *styled = true;
-    }
+        Pictures::load(ctx)
+    });
     dock(ctx, PanelSide::Left, |ui| {
         ui.heading("Sinew");
         ui.add_space(2.0);
@@ -85,8 +86,9 @@ fn draw(
             let opens = changed.then_some(heading == current.heading);
             let title = egui::RichText::new(heading.title()).strong();
             let list = egui::CollapsingHeader::new(title).open(opens);
-            let clicked =
-                list.show_unindented(ui, |ui| scenes_of(ui, heading, current)).body_returned;
+            let clicked = list
+                .show_unindented(ui, |ui| scenes_of(ui, heading, current, pictures))
+                .body_returned;
             if let Some(scene) = clicked.flatten() {
                 programme.wanted = Some(scene);
                 programme.values = None;
@@ -109,11 +111,56 @@ fn draw(
     Ok(())
 }
 
-/// Columns of buttons: as many as names fit side by side, so that the controls below are seen on a screen of 720 pixels, too.
+/// The small pictures of the scenes, on one texture.
+struct Pictures {
+    sheet: Option<egui::TextureHandle>,
+}
+
+impl Pictures {
+    fn load(ctx: &egui::Context) -> Self {
+        let sheet = thumbnails::sheet().map(|sheet| {
+            let size = [sheet.width, sheet.height];
+            let pixels =
+                egui::ColorImage::from_rgba_unmultiplied(size, sheet.pixels.as_flattened());
+            ctx.load_texture("thumbnails", pixels, egui::TextureOptions::LINEAR)
+        });
+        Self { sheet }
+    }
+
+    /// The picture of a scene at a size in points; a grey tile for a scene that has none yet.
+    fn of(&self, scene: &Scene, size: egui::Vec2) -> egui::Image<'static> {
+        let tile = self.sheet.as_ref().zip(thumbnails::place_of(scene.name));
+        let image = match tile {
+            Some((sheet, place)) => {
+                let corner = |[x, y]: [usize; 2]| {
+                    egui::pos2(x as f32 / sheet.size()[0] as f32, y as f32 / sheet.size()[1] as f32)
+                };
+                let end = [place[0] + thumbnails::TILE[0], place[1] + thumbnails::TILE[1]];
+                egui::Image::new(egui::load::SizedTexture::new(sheet.id(), size))
+                    .uv(egui::Rect::from_min_max(corner(place), corner(end)))
+            }
+            None => {
+                let white =
+                    egui::Rect::from_min_max(egui::epaint::WHITE_UV, egui::epaint::WHITE_UV);
+                egui::Image::new(egui::load::SizedTexture::new(egui::TextureId::default(), size))
+                    .uv(white)
+                    .tint(egui::Color32::from_gray(70))
+            }
+        };
+        image.fit_to_exact_size(size).corner_radius(2)
+    }
+}
+
+/// Columns of buttons: as many as names fit side by side, without pictures (those are under the pointer), so that the controls below are seen on a screen of 720 pixels, too.
 const COLUMNS: usize = 3;
 
 /// The scenes under a heading, as buttons in columns; the one that was clicked.
-fn scenes_of(ui: &mut egui::Ui, heading: Heading, current: &Scene) -> Option<&'static Scene> {
+fn scenes_of(
+    ui: &mut egui::Ui,
+    heading: Heading,
+    current: &Scene,
+    pictures: &Pictures,
+) -> Option<&'static Scene> {
     let mut wanted = None;
     egui::Grid::new(heading.title()).num_columns(COLUMNS).spacing([4.0, 2.0]).show(ui, |ui| {
         let gaps = 4.0 * (COLUMNS - 1) as f32;
@@ -122,7 +169,13 @@ fn scenes_of(ui: &mut egui::Ui, heading: Heading, current: &Scene) -> Option<&'s
             let chosen = scene.name == current.name;
             let button =
                 egui::Button::selectable(chosen, scene.name).min_size(egui::vec2(width, 20.0));
-            if ui.add(button).on_hover_text(scene.title).clicked() {
+            let closer = |ui: &mut egui::Ui| {
+                let [across, up] = thumbnails::TILE.map(|side| side as f32);
+                ui.add(pictures.of(scene, egui::vec2(across, up)));
+                ui.set_max_width(across);
+                ui.label(scene.title);
+            };
+            if ui.add(button).on_hover_ui(closer).clicked() {
                 wanted = Some(scene);
             }
             if i % COLUMNS == COLUMNS - 1 {

@@ -1,0 +1,262 @@
+//! Pictures of the scenes alone, without the panel, as Bevy draws them: animations for the README, and small ones for the list of scenes.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
+use bevy::time::TimeUpdateStrategy;
+use bevy_panorbit_camera::PanOrbitCamera;
+use bevy_sinew::SinewClock;
+use sinew_draw as draw;
+use sinew_scenes::Scene;
+
+use super::Programme;
+use super::screenshots::Textures;
+use crate::thumbnails;
+
+/// What is to be drawn.
+#[derive(Clone)]
+pub(super) enum Job {
+    /// An animation of each scene into a folder.
+    Films {
+        /// Where they go, as `NAME.gif`.
+        folder: PathBuf,
+        /// Frames a second.
+        fps: u32,
+        /// How long each is, seconds; `None`: as long as the scene is worth watching.
+        seconds: Option<f32>,
+    },
+    /// One tile of each scene, on one sheet.
+    Thumbnails(PathBuf),
+}
+
+impl Job {
+    /// Size of the window, pixels: a multiple of what is written.
+    pub(super) fn window(&self) -> [u32; 2] {
+        let [width, height] = self.size();
+        [width, height].map(|side| (side * self.factor()) as u32)
+    }
+
+    fn size(&self) -> [usize; 2] {
+        match self {
+            Self::Films { .. } => [400, 250],
+            Self::Thumbnails(_) => thumbnails::TILE,
+        }
+    }
+
+    /// Pixels of the window to a pixel of the picture, each way: beside the four samples of a pixel, so that ropes are smooth.
+    fn factor(&self) -> usize {
+        match self {
+            Self::Films { .. } | Self::Thumbnails(_) => 2,
+        }
+    }
+
+    fn frames(&self, scene: &Scene) -> usize {
+        match self {
+            Self::Films { fps, seconds, .. } => {
+                (seconds.unwrap_or(scene.seconds) * *fps as f32).ceil().max(1.0) as usize
+            }
+            Self::Thumbnails(_) => 1,
+        }
+    }
+
+    /// Simulated time from one frame to the next.
+    fn stride(&self) -> Duration {
+        match self {
+            Self::Films { fps, .. } => Duration::from_secs_f64(1.0 / f64::from(*fps)),
+            Self::Thumbnails(_) => Duration::from_millis(125),
+        }
+    }
+
+    /// When the first frame is taken, simulated seconds.
+    fn begin(&self, scene: &Scene) -> f64 {
+        match self {
+            Self::Films { .. } => 0.0,
+            Self::Thumbnails(_) => f64::from(scene.moment),
+        }
+    }
+}
+
+/// Frames in which time stands still before the first picture, so that what was loaded reaches the GPU.
+const STILL: u32 = 5;
+/// Frames that are drawn and thrown away before the first picture.
+const DRAWN: u32 = 2;
+/// Frames to wait at most for what loads, for the moment or for a picture, each.
+const PATIENCE: u32 = 2_000;
+
+/// Takes over the app: one scene after the other, then it quits.
+pub(super) fn add(app: &mut App, job: Job, scenes: Vec<&'static Scene>) {
+    app.insert_resource(Studio {
+        job,
+        scenes,
+        next: 0,
+        state: State::Start,
+        waited: 0,
+        tiles: Vec::new(),
+    })
+    .init_resource::<Shots>()
+    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO))
+    .add_systems(Last, shoot);
+}
+
+#[derive(Resource)]
+struct Studio {
+    job: Job,
+    scenes: Vec<&'static Scene>,
+    next: usize,
+    state: State,
+    /// Frames since something happened.
+    waited: u32,
+    tiles: Vec<(&'static str, draw::Image)>,
+}
+
+enum State {
+    Start,
+    /// The scene is there, its assets may not be; time stands still.
+    Loading,
+    /// Everything is there since so many frames.
+    Still(u32),
+    /// On the way to the first frame.
+    Playing,
+    /// The scene is drawn so many times, which makes its pipelines and bins.
+    Drawn(u32),
+    /// So many pictures were asked for.
+    Rolling(usize),
+}
+
+/// The pictures that have arrived, in the order in which they were asked for.
+#[derive(Resource, Default)]
+struct Shots(Vec<Option<draw::Image>>);
+
+impl Shots {
+    fn missing(&self) -> usize {
+        self.0.iter().filter(|shot| shot.is_none()).count()
+    }
+}
+
+/// Meshes and textures that are on their way from a file.
+#[derive(SystemParam)]
+struct Loading<'w, 's> {
+    textures: Textures<'w>,
+    meshes: Res<'w, Assets<Mesh>>,
+    drawn: Query<'w, 's, &'static Mesh3d>,
+}
+
+impl Loading<'_, '_> {
+    fn is_over(&self) -> bool {
+        !self.textures.are_loading()
+            && self.drawn.iter().all(|mesh| self.meshes.get(&mesh.0).is_some())
+    }
+}
+
+fn shoot(
+    mut commands: Commands,
+    mut studio: ResMut<Studio>,
+    mut shots: ResMut<Shots>,
+    mut programme: ResMut<Programme>,
+    mut time: ResMut<TimeUpdateStrategy>,
+    mut camera: Single<&mut Camera, With<PanOrbitCamera>>,
+    clock: Res<SinewClock>,
+    loading: Loading,
+    mut exit: MessageWriter<AppExit>,
+) {
+    let studio = &mut *studio;
+    let mut failed = |message: String| {
+        error!("{message}");
+        exit.write(AppExit::error());
+    };
+    let Some(scene) = studio.scenes.get(studio.next).copied() else {
+        if let Job::Thumbnails(file) = &studio.job
+            && let Err(reason) = thumbnails::write(file, &studio.tiles)
+        {
+            failed(format!("cannot write {}: {reason}", file.display()));
+            return;
+        }
+        exit.write(AppExit::Success);
+        return;
+    };
+    studio.waited += 1;
+    if studio.waited > PATIENCE {
+        failed(format!("nothing more of {} after {PATIENCE} frames", scene.name));
+        return;
+    }
+    let frames = studio.job.frames(scene);
+    let mut stride = Duration::ZERO;
+    let next = match studio.state {
+        State::Start => {
+            programme.wanted = Some(scene);
+            programme.values = None;
+            shots.0.clear();
+            State::Loading
+        }
+        State::Loading if loading.is_over() => State::Still(0),
+        State::Loading => State::Loading,
+        State::Still(n) if n < STILL => State::Still(n + 1),
+        State::Still(_) => State::Playing,
+        State::Playing if clock.seconds < studio.job.begin(scene) => {
+            stride = studio.job.stride();
+            State::Playing
+        }
+        State::Playing => State::Drawn(0),
+        State::Drawn(n) if n < DRAWN => State::Drawn(n + 1),
+        State::Drawn(_) => State::Rolling(0),
+        State::Rolling(asked) if asked < frames => {
+            let factor = studio.job.factor();
+            shots.0.push(None);
+            commands.spawn(Screenshot::primary_window()).observe(
+                move |captured: On<ScreenshotCaptured>, mut shots: ResMut<Shots>| {
+                    let image = image_of(&captured.image).map(|image| image.shrunk(factor));
+                    if let Some(shot) = shots.0.get_mut(asked) {
+                        *shot = image;
+                    }
+                },
+            );
+            stride = studio.job.stride();
+            studio.waited = 0;
+            State::Rolling(asked + 1)
+        }
+        State::Rolling(asked) if shots.missing() > 0 => State::Rolling(asked),
+        State::Rolling(_) => {
+            let film: Vec<draw::Image> = shots.0.drain(..).flatten().collect();
+            match &studio.job {
+                Job::Films { folder, fps, .. } => {
+                    let path = folder.join(format!("{}.gif", scene.name));
+                    // Hundredths of a second, as GIF has them.
+                    let delay = (100.0 / *fps as f32).round().max(2.0) as u16;
+                    let written = std::fs::create_dir_all(folder)
+                        .and_then(|()| draw::write_gif(&path, &film, delay));
+                    if let Err(reason) = written {
+                        failed(format!("cannot write {}: {reason}", path.display()));
+                        return;
+                    }
+                    println!("{}", path.display());
+                }
+                Job::Thumbnails(_) => {
+                    println!("{}", scene.name);
+                    studio.tiles.extend(film.into_iter().map(|tile| (scene.name, tile)));
+                }
+            }
+            studio.next += 1;
+            studio.waited = 0;
+            State::Start
+        }
+    };
+    *time = TimeUpdateStrategy::ManualDuration(stride);
+    // A software renderer takes its time for a frame: none is drawn that nobody sees.
+    camera.is_active = match next {
+        State::Drawn(_) => true,
+        State::Rolling(asked) => asked < frames || shots.missing() > 0,
+        _ => false,
+    };
+    studio.state = next;
+}
+
+/// What was captured, for the crate that writes files; `None` for a format that the CPU cannot read.
+fn image_of(image: &Image) -> Option<draw::Image> {
+    let pixels = image.clone().try_into_dynamic().ok()?.into_rgba8();
+    let (width, height) = (pixels.width() as usize, pixels.height() as usize);
+    let pixels = pixels.into_raw().as_chunks::<4>().0.to_vec();
+    Some(draw::Image { width, height, pixels })
+}
