@@ -63,6 +63,7 @@
 //! | `events` | sensors that count, layers that let red through, boxes that flash by the impulse of a contact |
 //! | `sleep` | a field of stacks asleep, and what a ball wakes of it |
 //! | `stage` | flag, capes, lanterns, bridge, heap, ragdolls and a river at once |
+//! | `sweeps` | two rods in a cascade, and the error after each sweep |
 //! | `million` | up to a million particles and two million springs: waves on a lake |
 
 mod arrow;
@@ -127,6 +128,7 @@ impl Plugin for ScenesPlugin {
             scenes::integrators::step_oscillators,
             scenes::orders::draw_errors,
             scenes::step::show_step,
+            scenes::sweeps::show_sweep,
             scenes::verlet::show_frame,
             scenes::least::draw_costs,
             scenes::spins::step_bricks,

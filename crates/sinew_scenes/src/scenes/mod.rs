@@ -55,6 +55,7 @@ mod stairs;
 pub(crate) mod step;
 mod straight;
 pub(crate) mod swap;
+pub(crate) mod sweeps;
 mod throws;
 pub(crate) mod timestep;
 pub(crate) mod verlet;
@@ -151,6 +152,7 @@ pub const ALL: &[Scene] = &[
     sleep::SCENE,
     stage::SCENE,
     million::SCENE,
+    sweeps::SCENE,
 ];
 
 /// The scene of that name.
