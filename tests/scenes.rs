@@ -304,6 +304,19 @@ fn cubes_of_jelly_start_apart_and_stay_in_their_bin() {
     }
 }
 
+/// The reading took the crate's transform, which is eased between ticks, for its place, and had the sheet up to 48 mm inside of it.
+#[test]
+fn the_sheet_that_catches_a_crate_is_never_inside_of_it() {
+    let mut app = playing("catch");
+    let mut least = f64::MAX;
+    for _ in 0..150 {
+        tick(&mut app, 1);
+        let reading = app.world().resource::<sinew_scenes::OnStage>().reading;
+        least = least.min(reading.map_or(f64::MAX, |[measured, _]| measured));
+    }
+    assert!(least > 15.0 && least < 31.0, "{least} mm");
+}
+
 #[test]
 fn sheets_sink_at_the_speed_that_their_weight_asks_for_and_a_fan_blows_one_away() {
     let mut app = playing("feathers");
