@@ -1,5 +1,7 @@
 //! What a pointer catches, how it is held, and what is left alone. A pointer here has a ray in the world, but no window.
 
+use bevy::camera::visibility::RenderLayers;
+use bevy::picking::backend::ray::{RayId, RayMap};
 use bevy::picking::backend::{HitData, PointerHits};
 use bevy::picking::pointer::{PointerAction, PointerButton, PointerId};
 use bevy::picking::{Pickable, PickingSystems};
@@ -147,6 +149,33 @@ fn a_press_on_something_above_is_not_for_the_world() {
     // A decoration that is drawn over all, but lets presses through.
     app.world_mut().entity_mut(button).insert(Pickable::IGNORE);
     assert!(press(&mut app).is_some());
+}
+
+/// Found by driving the gallery's window: a click on a rope took a lantern elsewhere, by a ray of the camera that egui draws through, which stands a kilometre
+/// off and saw everything within forty metres of it.
+#[test]
+fn a_camera_that_sees_nothing_catches_nothing() {
+    let mut app = app();
+    let body = app.world_mut().spawn(RigidBox::default()).id();
+    app.world_mut().spawn((RigidBox::default(), Transform::from_xyz(20.0, 0.0, 0.0)));
+    let above = Camera { order: 1, ..default() };
+    let above = app.world_mut().spawn((above, RenderLayers::none())).id();
+    app.add_systems(
+        PreUpdate,
+        (move |mut rays: ResMut<RayMap>| {
+            let ray = Ray3d::new(Vec3::new(5.0, 0.0, 1000.0), Dir3::NEG_Z);
+            rays.map.insert(RayId::new(above, PointerId::Mouse), ray);
+        })
+        .after(RayMap::repopulate)
+        .before(PickingSystems::Backend),
+    );
+    run(&mut app, 2);
+    let grab = press(&mut app).expect("the crate in the middle");
+    assert!(
+        grab.anchor
+            .iter()
+            .all(|&(one, _)| { app.world().get::<ParticleOf>(one).is_some_and(|of| of.0 == body) })
+    );
 }
 
 #[test]

@@ -42,6 +42,10 @@ struct Options {
     /// Open a window, draw the small pictures of the list of scenes on this sheet (PNG, the names beside it as .txt), and quit; with --scene only that one is drawn anew.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["screenshots", "films"])]
     thumbnails: Option<PathBuf>,
+    /// Open a window, do what a visitor does by real events of a pointer and of keys (X11), leave pictures in this folder, and quit; fails where anything
+    /// else comes of it than should.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["screenshots", "films", "thumbnails"])]
+    drive: Option<PathBuf>,
     /// List the scenes and quit.
     #[arg(long)]
     list: bool,
@@ -50,7 +54,10 @@ struct Options {
 impl Options {
     /// Whether pictures are asked for that only Bevy draws.
     fn draws_in_a_window(&self) -> bool {
-        self.screenshots.is_some() || self.films.is_some() || self.thumbnails.is_some()
+        self.screenshots.is_some()
+            || self.films.is_some()
+            || self.thumbnails.is_some()
+            || self.drive.is_some()
     }
 }
 

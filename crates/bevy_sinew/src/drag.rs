@@ -7,6 +7,7 @@
 use core::f32::consts::TAU;
 
 use bevy::camera::Camera;
+use bevy::camera::visibility::RenderLayers;
 use bevy::ecs::system::SystemParam;
 use bevy::math::{DMat3, DVec3};
 use bevy::picking::PickingSystems;
@@ -137,7 +138,7 @@ fn pick(
     mut pointing: ResMut<Pointing>,
     mut inputs: MessageReader<PointerInput>,
     mut hits: MessageWriter<PointerHits>,
-    cameras: Query<&Camera>,
+    cameras: Query<(&Camera, Option<&RenderLayers>)>,
     world: Res<SinewWorld>,
     anchors: Anchors,
 ) {
@@ -147,7 +148,11 @@ fn pick(
             continue;
         }
         for (&id, &ray) in rays.iter().filter(|(id, _)| id.pointer == input.pointer_id) {
-            let Ok(camera) = cameras.get(id.camera) else { continue };
+            let Ok((camera, layers)) = cameras.get(id.camera) else { continue };
+            // One that sees nothing, such as that which egui draws through, is nobody's eye.
+            if layers.is_some_and(|layers| *layers == RenderLayers::none()) {
+                continue;
+            }
             let Some(hit) = anchors.under(&world, ray, drag.reach) else { continue };
             let data = HitData::new(id.camera, hit.distance, Some(hit.point), hit.normal);
             hits.write(PointerHits::new(id.pointer, vec![(hit.entity, data)], camera.order as f32));

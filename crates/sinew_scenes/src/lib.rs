@@ -87,7 +87,7 @@ pub use toys::Toy;
 use bevy::prelude::*;
 use bevy_sinew::{
     AirDrag, BodyPart, Electric, Gravity, PartOf, ParticleBody, RegisterState, SinewClock,
-    SolverConfig,
+    SinewControl, SolverConfig,
 };
 
 use crate::bevy_version::OnAdd;
@@ -107,6 +107,7 @@ impl Plugin for ScenesPlugin {
             .add_systems(Update, skin::dress_again);
         app.register_type::<Look>().add_observer(dress_part).add_observer(scenes::ropes::tie_ends);
         app.add_systems(Last, lesson::measure);
+        // Not while time stands still: what pushes a stone in every tick would push it all the while.
         app.add_systems(
             FixedUpdate,
             (
@@ -121,7 +122,8 @@ impl Plugin for ScenesPlugin {
                 rounds::begin_anew,
                 scenes::events::dispense,
                 scenes::sleep::throw,
-            ),
+            )
+                .run_if(time_passes),
         );
         // What is drawn of a tick, when it is over.
         let drawn = (
@@ -139,6 +141,10 @@ impl Plugin for ScenesPlugin {
         );
         app.add_systems(FixedLast, drawn);
     }
+}
+
+fn time_passes(control: Res<SinewControl>) -> bool {
+    control.running()
 }
 
 /// Marks what a scene spawned, so that the next one can clear it away.

@@ -1,5 +1,7 @@
 //! The gallery in a window: an orbit camera, a panel, and every scene live.
 
+#[cfg(target_os = "linux")]
+mod drive;
 mod film;
 mod screenshots;
 mod sky;
@@ -42,19 +44,26 @@ pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> Result<ExitCo
     if cfg!(target_os = "linux") && !display_named() {
         return Err("neither DISPLAY nor WAYLAND_DISPLAY is set".into());
     }
-    let shots = options.screenshots.clone();
+    let (shots, driven) = (options.screenshots.clone(), options.drive.clone());
+    let for_pictures = shots.is_some() || driven.is_some();
     let films = options.films.clone().map(|folder| film::Job::Films {
         folder,
         fps: options.fps,
         seconds: options.seconds,
     });
     let job = films.or_else(|| options.thumbnails.clone().map(film::Job::Thumbnails));
-    let opened = catch_unwind(AssertUnwindSafe(|| open(first, shots.is_some(), job.as_ref())));
+    let opened = catch_unwind(AssertUnwindSafe(|| open(first, for_pictures, job.as_ref())));
     let mut app = opened.map_err(|_| "Bevy could not open one, see above")?;
     if let Some(job) = job {
         film::add(&mut app, job, scenes.to_vec());
     } else if let Some(folder) = shots {
         screenshots::add(&mut app, folder, scenes.to_vec());
+    }
+    if let Some(folder) = driven {
+        #[cfg(target_os = "linux")]
+        drive::add(&mut app, folder);
+        #[cfg(not(target_os = "linux"))]
+        return Err(format!("{}: only an X server makes events on request", folder.display()));
     }
     match app.run() {
         AppExit::Success => Ok(ExitCode::SUCCESS),

@@ -121,6 +121,7 @@ fn set_up(
         uvs.iter_mut().flatten().for_each(|uv| *uv *= turns);
     }
     commands.spawn((
+        Name::new("stage ground"),
         Mesh3d(meshes.add(ground)),
         MeshMaterial3d(materials.add(StandardMaterial {
             base_color_texture: Some(images.add(sky::ground())),

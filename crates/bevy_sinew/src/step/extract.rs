@@ -9,6 +9,7 @@ use crate::components::{
 };
 use crate::frames::{into, on_top};
 use crate::rows::{GONE, Rows};
+use crate::schedule::Pace;
 use crate::world::SinewWorld;
 
 /// Whatever has a pose, and where it was.
@@ -26,8 +27,15 @@ pub(crate) fn extract_poses(
     )>,
     mut children: Query<(Entity, Posed, Option<&mut ExtractedTransform>), With<ChildOf>>,
     parents: Query<&ChildOf>,
+    pace: Res<Pace>,
     mut order: Local<Vec<(usize, Entity)>>,
 ) {
+    // While time stands still nothing moves by itself: a pose that is found again is nearer to the best one in its last digits, and is no other pose.
+    let stands = pace.left == 0;
+    let stays = |known: Option<&ExtractedTransform>, found: &Pose| {
+        let known = known.and_then(|known| known.0);
+        known.filter(|known| stands && is_at(known, found))
+    };
     for ((rigid, mut rows), mut transform, known, eased) in &mut roots.p0() {
         let here = rows.current(&world.tables.layout);
         if !eased && !rigid.is_changed() && world.are_unmoved(here) {
@@ -38,6 +46,10 @@ pub(crate) fn extract_poses(
         // it or it was put back.
         let is_known = known.as_ref().is_none_or(|known| known.0 == Some(*transform));
         if !eased && is_known && is_at(&transform, &found) && world.slept_through(rows.get()) {
+            continue;
+        }
+        if let Some(known) = stays(known.as_deref(), &found) {
+            transform.set_if_neq(known);
             continue;
         }
         transform.translation = found.translation;
@@ -60,6 +72,9 @@ pub(crate) fn extract_poses(
         let Some(own) = of(child) else { continue };
         let before = above.rotation * own.rotation;
         let Some(found) = found(&world, &rigid, &mut rows, before) else { continue };
+        if stays(known.as_deref(), &found).is_some() {
+            continue;
+        }
         let place = Transform { translation: found.translation, rotation: found.rotation, ..own };
         let own = into(&above, &place);
         if let Ok(mut transform) = transforms.get_mut(child) {

@@ -1,0 +1,111 @@
+//! The pointer and the keys: the X server makes events on request (its extension XTEST, which tests of windows are made with), and they come to the window
+//! as those of a mouse and a keyboard do.
+
+use std::io::IoSlice;
+
+use x11rb::CURRENT_TIME;
+use x11rb::connection::{Connection, RequestConnection};
+use x11rb::protocol::xproto::{AtomEnum, ConnectionExt, InputFocus, Window};
+use x11rb::rust_connection::RustConnection;
+
+/// A key by its place on the keyboard, as the X server numbers them: eight more than Linux does.
+#[derive(Clone, Copy)]
+pub(super) struct Key(pub(super) u8);
+
+impl Key {
+    pub(super) const ESCAPE: Self = Self(9);
+    pub(super) const CONTROL: Self = Self(37);
+    pub(super) const A: Self = Self(38);
+    pub(super) const B: Self = Self(56);
+    pub(super) const N: Self = Self(57);
+    pub(super) const SPACE: Self = Self(65);
+
+    /// The key that types a letter or a point, on the American keyboard that a virtual screen has.
+    pub(super) fn of(letter: char) -> Option<Self> {
+        let rows = [("qwertyuiop", 24), ("asdfghjkl", 38), ("zxcvbnm,.", 52)];
+        rows.into_iter().find_map(|(row, first)| {
+            let place = row.chars().position(|one| one == letter)?;
+            Some(Self(first + place as u8))
+        })
+    }
+}
+
+/// Kinds of events, as the X protocol numbers them.
+const KEY_PRESS: u8 = 2;
+const KEY_RELEASE: u8 = 3;
+const BUTTON_PRESS: u8 = 4;
+const BUTTON_RELEASE: u8 = 5;
+const MOTION: u8 = 6;
+
+/// The left button, and one turn of the wheel down or up.
+pub(super) const LEFT: u8 = 1;
+pub(super) const WHEEL_UP: u8 = 4;
+pub(super) const WHEEL_DOWN: u8 = 5;
+
+/// A hand at the window.
+pub(super) struct Hand {
+    server: RustConnection,
+    /// The number of the extension's requests.
+    opcode: u8,
+    root: Window,
+    /// Where the window begins on the screen, pixels.
+    origin: [i16; 2],
+}
+
+impl Hand {
+    /// Finds the window by its title, and gives it the keyboard: where nothing manages windows, nobody else does.
+    pub(super) fn at(title: &str) -> Result<Self, String> {
+        let said = |what: &str| format!("the X server {what}");
+        let (server, screen) = RustConnection::connect(None).map_err(|fault| fault.to_string())?;
+        let extension = server.extension_information("XTEST").ok().flatten();
+        let opcode = extension.ok_or_else(|| said("has no XTEST"))?.major_opcode;
+        let root = server.setup().roots[screen].root;
+        let window = find(&server, root, title, 3).ok_or_else(|| said("has no such window"))?;
+        let place = server.translate_coordinates(window, root, 0, 0).ok();
+        let place = place.and_then(|place| place.reply().ok()).ok_or_else(|| said("is mute"))?;
+        let focused = server.set_input_focus(InputFocus::PARENT, window, CURRENT_TIME);
+        let focused = focused.ok().and_then(|focused| focused.check().ok());
+        focused.ok_or_else(|| said("gives the window no keys"))?;
+        Ok(Self { server, opcode, root, origin: [place.dst_x, place.dst_y] })
+    }
+
+    /// Puts the pointer at a pixel of the window.
+    pub(super) fn point(&self, x: f32, y: f32) -> Result<(), String> {
+        self.fake(MOTION, 0, [self.origin[0] + x as i16, self.origin[1] + y as i16])
+    }
+
+    pub(super) fn button(&self, button: u8, down: bool) -> Result<(), String> {
+        self.fake(if down { BUTTON_PRESS } else { BUTTON_RELEASE }, button, [0, 0])
+    }
+
+    pub(super) fn key(&self, key: Key, down: bool) -> Result<(), String> {
+        self.fake(if down { KEY_PRESS } else { KEY_RELEASE }, key.0, [0, 0])
+    }
+
+    /// The request `FakeInput`, and a round to the server and back, after which the event is on its way.
+    fn fake(&self, kind: u8, detail: u8, at: [i16; 2]) -> Result<(), String> {
+        let mut request = [0; 36];
+        // Its number, and its length in words of four bytes.
+        (request[0], request[1], request[2]) = (self.opcode, 2, 9);
+        (request[4], request[5]) = (kind, detail);
+        request[12..16].copy_from_slice(&self.root.to_ne_bytes());
+        request[24..26].copy_from_slice(&at[0].to_ne_bytes());
+        request[26..28].copy_from_slice(&at[1].to_ne_bytes());
+        let sent = self.server.send_request_without_reply(&[IoSlice::new(&request)], Vec::new());
+        let sent = sent.map_err(|fault| fault.to_string())?;
+        sent.check().map_err(|fault| format!("the X server refused an event: {fault}"))
+    }
+}
+
+/// The window of a title below another one, so deep at most.
+fn find(server: &RustConnection, within: Window, title: &str, depth: u32) -> Option<Window> {
+    let children = server.query_tree(within).ok()?.reply().ok()?.children;
+    children.into_iter().find_map(|child| {
+        let (name, any) = (AtomEnum::WM_NAME, AtomEnum::ANY);
+        let read = server.get_property(false, child, name, any, 0, 256).ok()?.reply().ok()?;
+        if read.value == title.as_bytes() {
+            return Some(child);
+        }
+        (depth > 1).then(|| find(server, child, title, depth - 1)).flatten()
+    })
+}

@@ -1,0 +1,152 @@
+//! The gallery driven by a hand that nobody sees: real events of a pointer and of keys go through the X server, the window and egui, as those of a visitor do,
+//! and what came of each is looked up in the app.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `hand` | the pointer and the keys: events that the X server makes on request |
+//! | `script` | what the hand does, one thing after the other, and what must come of it |
+//!
+//! The script runs in a thread of its own and asks the app questions, one a frame: so it reads as a visitor's hour does, from top to bottom.
+
+mod hand;
+mod script;
+
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::Duration;
+
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_egui::{EguiFullOutput, EguiPostUpdateSet, egui};
+use sinew_panel::RecordingConfig;
+
+/// How long the script waits for an answer, seconds: an app that is stuck must not hang CI.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A question, asked of the world between two frames.
+type Question = Box<dyn FnOnce(&mut World) + Send>;
+
+/// The questions of the script. One is answered each frame.
+#[derive(Resource)]
+struct Questions(Mutex<Receiver<Question>>);
+
+/// The texts that egui drew in the last frame, where they are seen: the way to a button is what stands on it.
+#[derive(Resource, Default)]
+struct Texts(Vec<(String, egui::Rect)>);
+
+/// Hands the app over to the script, which leaves its pictures in a folder.
+pub(super) fn add(app: &mut App, folder: PathBuf) {
+    let (asked, questions) = channel();
+    app.insert_resource(Questions(Mutex::new(questions)))
+        .init_resource::<Texts>()
+        // A tick a frame, however long a software renderer takes for one.
+        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / 64.0)))
+        .add_systems(PostStartup, draw_plainly)
+        .add_systems(Last, answer)
+        .add_systems(
+            PostUpdate,
+            read_texts.after(EguiPostUpdateSet::EndPass).before(EguiPostUpdateSet::ProcessOutput),
+        );
+    std::thread::spawn(move || {
+        let app = AppLine(asked);
+        let exit = match script::play(&app, &folder) {
+            Ok(count) => {
+                println!("gallery: driven by pointer and keys, {count} things looked up");
+                AppExit::Success
+            }
+            Err(fault) => {
+                eprintln!("gallery: driven by pointer and keys: {fault}");
+                // What the visitor would see now.
+                let _ = script::photograph(&app, &folder, "failed");
+                AppExit::error()
+            }
+        };
+        let _ = app.ask(move |world| world.write_message(exit));
+    });
+}
+
+/// A software renderer takes most of its time for smooth edges, shadows and the ground, which nobody looks at here.
+fn draw_plainly(
+    mut commands: Commands,
+    cameras: Query<Entity, With<Camera>>,
+    mut meshes: Query<(&Name, &mut Visibility), With<Mesh3d>>,
+    mut lights: Query<&mut DirectionalLight>,
+    mut recording: ResMut<RecordingConfig>,
+) {
+    cameras.iter().for_each(|camera| _ = commands.entity(camera).insert(Msaa::Off));
+    for (name, mut visibility) in &mut meshes {
+        if name.as_str() == "stage ground" {
+            *visibility = Visibility::Hidden;
+        }
+    }
+    lights.iter_mut().for_each(|mut light| light.shadow_maps_enabled = false);
+    // Each tick, though this machine should be busy with something else: Back goes back by one.
+    recording.max_microseconds = u32::MAX;
+}
+
+/// Answers one question.
+fn answer(world: &mut World) {
+    let asked = {
+        let questions = world.resource::<Questions>().0.lock();
+        questions.ok().and_then(|questions| questions.try_recv().ok())
+    };
+    if let Some(question) = asked {
+        question(world);
+    }
+}
+
+/// Where each text is that is seen.
+fn read_texts(outputs: Query<&EguiFullOutput>, mut texts: ResMut<Texts>) {
+    fn read(shape: &egui::Shape, clip: egui::Rect, texts: &mut Vec<(String, egui::Rect)>) {
+        match shape {
+            egui::Shape::Text(text) => {
+                let rect = egui::Rect::from_min_size(text.pos, text.galley.size());
+                if clip.contains(rect.center()) {
+                    texts.push((text.galley.text().trim().to_owned(), rect));
+                }
+            }
+            egui::Shape::Vec(shapes) => shapes.iter().for_each(|shape| read(shape, clip, texts)),
+            _ => {}
+        }
+    }
+    texts.0.clear();
+    for output in outputs.iter().filter_map(|output| output.0.as_ref()) {
+        for clipped in &output.shapes {
+            read(&clipped.shape, clipped.clip_rect, &mut texts.0);
+        }
+    }
+}
+
+/// The script's line to the app.
+struct AppLine(Sender<Question>);
+
+impl AppLine {
+    /// Asks the world something between two frames.
+    fn ask<T: Send + 'static>(
+        &self,
+        question: impl FnOnce(&mut World) -> T + Send + 'static,
+    ) -> Result<T, String> {
+        let (answer, answered) = channel();
+        let asked = self.0.send(Box::new(move |world| {
+            let _ = answer.send(question(world));
+        }));
+        asked.map_err(|_| "the app is gone".to_owned())?;
+        answered.recv_timeout(PATIENCE).map_err(|_| "the app gave no answer".to_owned())
+    }
+
+    /// Lets frames pass.
+    fn frames(&self, count: usize) -> Result<(), String> {
+        (0..count).try_for_each(|_| self.ask(|_| ()))
+    }
+
+    /// Lets frames pass until something is so; at most 240.
+    fn until(&self, what: &str, is: fn(&mut World) -> bool) -> Result<(), String> {
+        for _ in 0..240 {
+            if self.ask(is)? {
+                return Ok(());
+            }
+        }
+        Err(format!("never came: {what}"))
+    }
+}

@@ -1,0 +1,386 @@
+//! What the hand does, one thing after the other, and what must come of it.
+
+use std::path::Path;
+use std::thread::sleep;
+use std::time::Duration;
+
+use bevy::gizmos::config::GizmoConfigStore;
+use bevy::prelude::*;
+use bevy::render::view::screenshot::{Screenshot, save_to_disk};
+use bevy_egui::egui;
+use bevy_panorbit_camera::PanOrbitCamera;
+use bevy_sinew::{
+    BodyParticles, DistanceConstraint, MouseDrag, Particle, SinewClock, SinewControl,
+    SinewGizmoConfigGroup, SolverConfig, WorldCenterOfMass,
+};
+use sinew_panel::{DOCK_WIDTH, Recording, Replay, Selection};
+use sinew_scenes::OnStage;
+
+use super::hand::{Hand, Key, LEFT, WHEEL_DOWN, WHEEL_UP};
+use super::{AppLine, Texts};
+use crate::window::Programme;
+
+/// The file that settings are saved to, in the folder of the pictures. It is typed, so its letters are those of keys that do something elsewhere:
+/// R restarts, N steps and B goes back.
+const FILE: &str = "brand.new";
+
+/// Frames from an event to what comes of it: the window hears it, egui takes it for a press, the panel answers.
+const AFTER: usize = 3;
+
+/// Plays all of it; says how many things were looked up.
+pub(super) fn play(app: &AppLine, folder: &Path) -> Result<usize, String> {
+    // A name that is typed without a folder is one of this folder.
+    let folder = std::fs::create_dir_all(folder).and_then(|()| folder.canonicalize());
+    let folder = &folder.map_err(|fault| fault.to_string())?;
+    std::env::set_current_dir(folder).map_err(|fault| fault.to_string())?;
+    app.until("the first scene", |world| world.contains_resource::<OnStage>())?;
+    app.frames(5)?;
+    let visit = Visit { hand: Hand::at("Sinew gallery")?, app, looked: Default::default() };
+    visit.draw_view(false)?;
+    visit.choose_a_scene()?;
+    visit.move_its_slider()?;
+    visit.pause_and_step()?;
+    visit.go_back_and_scrub()?;
+    visit.select_and_drag(folder)?;
+    visit.cut(folder)?;
+    visit.tune_save_and_load(folder)?;
+    visit.plot_and_draw_lines(folder)?;
+    Ok(visit.looked.get())
+}
+
+/// Takes a picture of the window.
+pub(super) fn photograph(app: &AppLine, folder: &Path, name: &str) -> Result<(), String> {
+    let path = folder.join(format!("{name}.png"));
+    let _ = std::fs::remove_file(&path);
+    let to = path.clone();
+    app.ask(move |world| {
+        world.spawn(Screenshot::primary_window()).observe(save_to_disk(to));
+    })?;
+    for _ in 0..200 {
+        if path.exists() {
+            return Ok(());
+        }
+        app.frames(1)?;
+        sleep(Duration::from_millis(5));
+    }
+    Err(format!("no picture {name}"))
+}
+
+/// A visitor of the gallery.
+struct Visit<'a> {
+    hand: Hand,
+    app: &'a AppLine,
+    looked: std::cell::Cell<usize>,
+}
+
+impl Visit<'_> {
+    fn choose_a_scene(&self) -> Result<(), String> {
+        self.click("Ropes, cloth, soft bodies")?;
+        self.click("ropes")?;
+        self.until("the scene that was clicked is on", |world| {
+            let on = world.resource::<OnStage>().scene.name == "ropes";
+            on && world.resource::<Programme>().current.name == "ropes"
+        })
+    }
+
+    fn move_its_slider(&self) -> Result<(), String> {
+        let label = self.find("Lantern")?;
+        let was = self.app.ask(|world| world.resource::<OnStage>().values[0])?;
+        // The rail stands at the left edge, and the handle of 1.2 kg at a third of it.
+        self.drag([50.0, label.center().y], [100.0, label.center().y])?;
+        let now = self.app.ask(|world| world.resource::<OnStage>().values[0])?;
+        self.check("the scene has the lantern that the slider asks for", now > was + 0.5)
+    }
+
+    fn pause_and_step(&self) -> Result<(), String> {
+        self.key(Key::SPACE)?;
+        self.until("Space pauses", |world| world.resource::<SinewControl>().paused)?;
+        let tick = self.tick()?;
+        self.app.frames(3)?;
+        self.check("a paused world stands still", self.tick()? == tick)?;
+        self.key(Key::N)?;
+        self.check("N simulates one tick", self.tick()? == tick + 1)?;
+        self.click("⏭  Step")?;
+        self.check("the button Step simulates one tick", self.tick()? == tick + 2)?;
+        self.click("▶  Run")?;
+        self.until("the button Run runs", |world| !world.resource::<SinewControl>().paused)?;
+        self.app.frames(20)?;
+        self.click("⏸  Pause")?;
+        self.until("the button Pause pauses", |world| world.resource::<SinewControl>().paused)
+    }
+
+    fn go_back_and_scrub(&self) -> Result<(), String> {
+        let tick = self.tick()?;
+        self.key(Key::B)?;
+        self.check("B goes back by a tick", self.tick()? == tick - 1)?;
+        self.click("⏮  Back")?;
+        self.check("the button Back goes back by a tick", self.tick()? == tick - 2)?;
+        let row = self.find("Go to tick")?;
+        let y = row.center().y;
+        let rail = [row.left() + 92.0, DOCK_WIDTH - 14.0 - 84.0 - 16.0];
+        self.drag([rail[1], y], [0.7 * rail[0] + 0.3 * rail[1], y])?;
+        let scrubbed = self.tick()?;
+        self.check("the scrubber goes to an earlier tick", scrubbed + 5 < tick)?;
+        let first = self.app.ask(|world| world.resource::<Recording>().ticks().next())?;
+        let first = first.ok_or("nothing is recorded")?;
+        self.check("and not before the recording", scrubbed >= first.tick)?;
+        self.key(Key::SPACE)?;
+        self.until("going on gives the hashes of the first pass", |world| {
+            matches!(world.resource::<Recording>().replay(), Replay::Same(ticks) if ticks > 4)
+        })?;
+        let differs = self.app.ask(|world| world.resource::<Recording>().replay())?;
+        self.check("and no other", !matches!(differs, Replay::Differs(_)))
+    }
+
+    fn select_and_drag(&self, folder: &Path) -> Result<(), String> {
+        // What a pointer is over is asked of the camera that draws.
+        self.draw_view(true)?;
+        // What stands still is where it was looked for.
+        self.key(Key::SPACE)?;
+        let line = self.body("slack line")?;
+        let [x, y] = self.seen(line)?;
+        self.press([x, y], true)?;
+        self.press([x, y], false)?;
+        let selected = self.app.ask(|world| world.resource::<Selection>().body)?;
+        self.check("a click selects the rope", selected == Some(line))?;
+
+        let lantern = self.body("lantern")?;
+        let [x, y] = self.seen(lantern)?;
+        self.press([x, y], true)?;
+        let held = |world: &mut World| world.resource::<MouseDrag>().grabbed.is_some();
+        self.until("a press takes hold of the lantern", held)?;
+        let selected = self.app.ask(|world| world.resource::<Selection>().body)?;
+        self.check("and selects it", selected == Some(lantern))?;
+        let before = self.app.ask(move |world| centre(world, lantern))?;
+        self.key(Key::SPACE)?;
+        for i in 1..=4 {
+            self.hand.point(x, y - 30.0 * i as f32)?;
+            self.app.frames(1)?;
+        }
+        self.app.frames(8)?;
+        let after = self.app.ask(move |world| centre(world, lantern))?;
+        self.check("the lantern follows the pointer up", after.y > before.y + 0.3)?;
+        photograph(self.app, folder, "dragged")?;
+        self.press([x, y - 120.0], false)?;
+        self.until("and is let go", |world| world.resource::<MouseDrag>().grabbed.is_none())?;
+        self.key(Key::SPACE)?;
+        // The void above everything.
+        self.press([800.0, 30.0], true)?;
+        self.press([800.0, 30.0], false)?;
+        let selected = self.app.ask(|world| world.resource::<Selection>().body)?;
+        self.check("a click into the void selects nothing", selected.is_none())
+    }
+
+    fn cut(&self, folder: &Path) -> Result<(), String> {
+        let line = self.body("slack line")?;
+        let [x, y] = self.seen(line)?;
+        self.press([x, y], true)?;
+        self.press([x, y], false)?;
+        self.draw_view(false)?;
+        let rods = |world: &mut World| world.query::<&DistanceConstraint>().iter(world).count();
+        let before = self.app.ask(rods)?;
+        self.scroll_to("Cut the nearest rod")?;
+        photograph(self.app, folder, "selected")?;
+        self.click("Cut the nearest rod")?;
+        self.check("a rod of the selected rope is cut", self.app.ask(rods)? == before - 1)?;
+        self.hand.point(DOCK_WIDTH + 200.0, 30.0)?;
+        self.key(Key::ESCAPE)?;
+        let selected = self.app.ask(|world| world.resource::<Selection>().body)?;
+        self.check("Escape selects nothing", selected.is_none())
+    }
+
+    fn tune_save_and_load(&self, folder: &Path) -> Result<(), String> {
+        let substeps = |world: &mut World| world.resource::<SolverConfig>().substeps;
+        let tune = |share: f32| {
+            let row = self.scroll_to("Max sweeps")?;
+            // The row above is that of the substeps, whose name another section has, too.
+            let y = row.center().y - 24.0;
+            let rail = [row.left() + 92.0, DOCK_WIDTH - 14.0 - 84.0 - 2.0 * 16.0];
+            let x = rail[0] + share * (rail[1] - rail[0]);
+            self.drag([x - 4.0, y], [x, y])
+        };
+        tune(0.3)?;
+        let saved = self.app.ask(substeps)?;
+        self.check("the slider sets the substeps", (10..32).contains(&saved))?;
+
+        let tick = self.tick()?;
+        let button = self.scroll_to("Save settings")?;
+        self.press([60.0, button.center().y - 26.0], true)?;
+        self.press([60.0, button.center().y - 26.0], false)?;
+        self.hand.key(Key::CONTROL, true)?;
+        self.key(Key::A)?;
+        self.hand.key(Key::CONTROL, false)?;
+        for letter in FILE.chars() {
+            self.key(Key::of(letter).ok_or("no such key")?)?;
+        }
+        photograph(self.app, folder, "typed")?;
+        self.check("what is typed into a field is no command", self.tick()? == tick)?;
+        let path = folder.join(FILE);
+        let _ = std::fs::remove_file(&path);
+        self.click("Save settings")?;
+        self.check("Save writes the file that was named", path.exists())?;
+        tune(0.8)?;
+        let tuned = self.app.ask(substeps)?;
+        self.check("the slider sets the substeps again", tuned > saved + 10)?;
+        self.scroll_to("Load settings")?;
+        self.click("Load settings")?;
+        self.check("Load brings back what was saved", self.app.ask(substeps)? == saved)?;
+        self.scroll_to("Reset to defaults")?;
+        self.click("Reset to defaults")?;
+        let is_default =
+            |world: &mut World| *world.resource::<SolverConfig>() == SolverConfig::default();
+        self.check("Reset brings back the defaults", self.app.ask(is_default)?)
+    }
+
+    fn plot_and_draw_lines(&self, folder: &Path) -> Result<(), String> {
+        self.key(Key::SPACE)?;
+        for (plot, curve) in [
+            ("Momentum", "p along x"),
+            ("Ang. mom.", "L about x"),
+            ("Error, mm", "Largest error"),
+            ("Tick, ms", "Scatter"),
+            ("Energy", "Gravitational"),
+        ] {
+            self.scroll_to("Energy")?;
+            self.click(plot)?;
+            self.app.frames(10)?;
+            self.find(curve)?;
+            self.check("a plot is a click away", true)?;
+            let name: String = plot.chars().take_while(|c| c.is_alphabetic()).collect();
+            photograph(self.app, folder, &format!("plot_{}", name.to_lowercase()))?;
+        }
+        self.scroll_to("Contacts")?;
+        self.click("Shown")?;
+        self.click("Velocities")?;
+        let layers = |world: &mut World| {
+            let store = world.resource::<GizmoConfigStore>();
+            let (config, layers) = store.config::<SinewGizmoConfigGroup>();
+            config.enabled && layers.velocities
+        };
+        self.check("a layer of lines is a click away", self.app.ask(layers)?)?;
+        self.draw_view(true)?;
+        self.app.frames(4)?;
+        photograph(self.app, folder, "lines")
+    }
+
+    fn check(&self, what: &str, is: bool) -> Result<(), String> {
+        self.looked.set(self.looked.get() + 1);
+        if is { Ok(()) } else { Err(format!("not so: {what}")) }
+    }
+
+    fn until(&self, what: &str, is: fn(&mut World) -> bool) -> Result<(), String> {
+        self.looked.set(self.looked.get() + 1);
+        self.app.until(what, is)
+    }
+
+    fn tick(&self) -> Result<u64, String> {
+        self.app.ask(|world| world.resource::<SinewClock>().tick)
+    }
+
+    /// Whether the scene is drawn: a software renderer takes longest for that.
+    fn draw_view(&self, drawn: bool) -> Result<(), String> {
+        self.app.ask(move |world| {
+            let mut cameras = world.query_filtered::<&mut Camera, With<PanOrbitCamera>>();
+            cameras.iter_mut(world).for_each(|mut camera| camera.is_active = drawn);
+        })?;
+        self.app.frames(2)
+    }
+
+    /// The body of that name.
+    fn body(&self, name: &'static str) -> Result<Entity, String> {
+        let found = self.app.ask(move |world| {
+            let mut all = world.query_filtered::<(Entity, &Name), With<BodyParticles>>();
+            all.iter(world).find(|(_, its)| its.as_str() == name).map(|(body, _)| body)
+        })?;
+        found.ok_or_else(|| format!("there is no {name}"))
+    }
+
+    /// The pixel where a particle in the middle of a body is seen.
+    fn seen(&self, body: Entity) -> Result<[f32; 2], String> {
+        let pixel = self.app.ask(move |world| {
+            let members = world.get::<BodyParticles>(body)?;
+            let middle = members.iter().nth(members.len() / 2)?;
+            let place = world.get::<Particle>(middle)?.position;
+            let mut cameras =
+                world.query_filtered::<(&Camera, &GlobalTransform), With<PanOrbitCamera>>();
+            let (camera, frame) = cameras.single(world).ok()?;
+            let within = camera.world_to_viewport(frame, place).ok()?;
+            Some(within.to_array())
+        })?;
+        pixel.ok_or_else(|| "a body is not in view".to_owned())
+    }
+
+    /// Where a text stands that begins so; the first from the top.
+    fn find(&self, text: &'static str) -> Result<egui::Rect, String> {
+        let mut last = None;
+        for _ in 0..40 {
+            let found = self.app.ask(move |world| place(world, text))?;
+            // Two frames long at one place: a panel that is laid out anew, or scrolls, is not to be clicked yet.
+            if let Some(place) = found.filter(|_| found == last) {
+                return Ok(place);
+            }
+            last = found;
+        }
+        Err(format!("no \"{text}\" is to be seen"))
+    }
+
+    /// Turns the wheel over the panel until a text is seen, from the top on.
+    fn scroll_to(&self, text: &'static str) -> Result<egui::Rect, String> {
+        self.hand.point(150.0, 400.0)?;
+        let is_seen = move |world: &mut World| {
+            place(world, text).filter(|place| place.center().y < 790.0).is_some()
+        };
+        self.turn(WHEEL_UP, 60)?;
+        for _ in 0..60 {
+            if self.app.ask(is_seen)? {
+                return self.find(text);
+            }
+            self.turn(WHEEL_DOWN, 3)?;
+        }
+        Err(format!("no \"{text}\" in the panel"))
+    }
+
+    fn turn(&self, wheel: u8, notches: usize) -> Result<(), String> {
+        for _ in 0..notches {
+            self.hand.button(wheel, true)?;
+            self.hand.button(wheel, false)?;
+        }
+        self.app.frames(AFTER)
+    }
+
+    fn press(&self, at: [f32; 2], down: bool) -> Result<(), String> {
+        self.hand.point(at[0], at[1])?;
+        self.app.frames(AFTER - 1)?;
+        self.hand.button(LEFT, down)?;
+        self.app.frames(AFTER)
+    }
+
+    /// Clicks on what has a text on it.
+    fn click(&self, text: &'static str) -> Result<(), String> {
+        let at = self.find(text)?.center();
+        self.press([at.x, at.y], true)?;
+        self.press([at.x, at.y], false)
+    }
+
+    fn drag(&self, from: [f32; 2], to: [f32; 2]) -> Result<(), String> {
+        self.press(from, true)?;
+        self.press(to, false)
+    }
+
+    fn key(&self, key: Key) -> Result<(), String> {
+        self.hand.key(key, true)?;
+        self.app.frames(1)?;
+        self.hand.key(key, false)?;
+        self.app.frames(AFTER)
+    }
+}
+
+/// Where a text stands in the panel that begins so; the first from the top.
+fn place(world: &World, text: &str) -> Option<egui::Rect> {
+    let texts = &world.resource::<Texts>().0;
+    texts.iter().find(|(its, _)| its.starts_with(text)).map(|(_, place)| *place)
+}
+
+fn centre(world: &mut World, body: Entity) -> Vec3 {
+    world.get::<WorldCenterOfMass>(body).map_or(Vec3::ZERO, |centre| centre.position)
+}
