@@ -7,11 +7,11 @@ use bevy::ecs::system::ScheduleSystem;
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    Charge, Electric, ParticleRow, PhaseSystems, SinewClock, SinewSnapshot, SinewSystems,
-    SinewTick, SubstepSchedule, TickTime,
+    Charge, Electric, ParticleRow, PhaseStep, PhaseSteps, PhaseSystems, SinewClock, SinewSnapshot,
+    SinewSystems, SinewTick, SubstepSchedule, TickTime,
 };
 
-use crate::support::{TICK, bare_app, position, tick};
+use crate::support::{TICK, app_with, bare_app, position, tick};
 
 /// What happened, in order.
 #[derive(Resource, Default)]
@@ -164,6 +164,160 @@ fn phases_are_measured_where_that_is_asked_for_and_nothing_else_changes() {
     assert!(asked.phases.iter().all(|phase| !phase.is_zero()), "{asked:?}");
     assert!(asked.phases.iter().sum::<Duration>() <= asked.substeps, "{asked:?}");
     assert!(!usual.gather.is_zero() && !usual.substeps.is_zero() && !usual.scatter.is_zero());
+}
+
+/// A rope that swings, a crate that rests on the ground, and a cloth in the wind.
+fn busy() -> App {
+    let mut app = bare_app();
+    app.world_mut().spawn(Ground);
+    app.world_mut().spawn(Rope::between(Vec3::Y * 2.0, Vec3::new(1.0, 2.0, 0.0)));
+    app.world_mut().spawn((RigidBox::new(Vec3::ONE), Transform::from_xyz(3.0, 0.5, 0.0)));
+    app.world_mut().spawn((Cloth::grid(1.0, 1.0, 6, 6), Transform::from_xyz(0.0, 2.0, 3.0)));
+    app.world_mut().spawn(Wind::default());
+    app.insert_resource(SolverConfig { substeps: 3, ..default() });
+    tick(&mut app, 10);
+    app
+}
+
+fn hash(app: &App) -> u64 {
+    SinewSnapshot::capture(app.world()).hash()
+}
+
+fn half_step(app: &mut App) -> Option<PhaseStep> {
+    let world = app.world_mut();
+    world.resource_scope(|world, mut phases: Mut<PhaseSteps>| {
+        phases.step(&mut world.resource_mut::<SinewControl>());
+    });
+    tick(app, 1);
+    app.world().resource::<PhaseSteps>().shown()
+}
+
+/// Where all particles are as the columns have it, and what accelerates them.
+fn columns(app: &App) -> (Vec<Vec3>, Vec<Vec3>) {
+    let particles = app.world().resource::<SinewWorld>().particles();
+    let rows = 0..particles.len();
+    (
+        rows.clone().map(|i| particles.position(i)).collect(),
+        rows.map(|i| particles.acceleration(i)).collect(),
+    )
+}
+
+#[test]
+fn half_steps_show_each_phase_of_a_tick_that_is_the_same_as_one_taken_at_once() {
+    let [mut whole, mut halves] = [busy(), busy()];
+    for app in [&mut whole, &mut halves] {
+        app.world_mut().resource_mut::<SinewControl>().pause();
+    }
+    let before = columns(&halves).0;
+    whole.world_mut().resource_mut::<SinewControl>().step();
+    // And a frame in which time stands still: in it velocities of bodies are read off anew, to other last digits.
+    tick(&mut whole, 2);
+    let after = hash(&whole);
+    let mut seen = Vec::new();
+    for number in 0..18 {
+        let shown = half_step(&mut halves).unwrap_or_else(|| panic!("half-step {number}"));
+        assert_eq!((shown.substep, shown.substeps), (number / 6 + 1, 3));
+        assert_eq!(shown.phase, PHASES[number as usize % 6].0);
+        let next = (number < 17).then(|| PHASES[(number as usize + 1) % 6].0);
+        assert_eq!(shown.next, next);
+        // Frames that pass meanwhile change nothing of it.
+        let now = columns(&halves);
+        tick(&mut halves, 2);
+        assert_eq!(columns(&halves), now);
+        assert_eq!(hash(&halves), after, "a save in between is one of the tick's end");
+        seen.push(now);
+    }
+    assert!(seen[..4].iter().all(|(places, _)| *places == before), "only Integrate moves");
+    assert_ne!(seen[4].0, before);
+    assert_ne!(seen[0].1, seen[1].1, "the wind pushes");
+    assert_ne!(seen[4].0, seen[5].0, "constraints correct");
+    assert_eq!(half_step(&mut halves), None, "the end");
+    assert_eq!((hash(&halves), columns(&halves).0), (after, columns(&whole).0));
+    // And both go on alike, the one by half-steps again.
+    whole.world_mut().resource_mut::<SinewControl>().step();
+    tick(&mut whole, 2);
+    (0..19).for_each(|_| _ = half_step(&mut halves));
+    assert_eq!(hash(&halves), hash(&whole));
+    assert_eq!(halves.world().resource::<SinewClock>().tick, 12);
+}
+
+#[test]
+fn what_goes_on_or_back_in_the_middle_of_half_steps_finds_a_whole_tick() {
+    let mut app = busy();
+    app.world_mut().resource_mut::<SinewControl>().pause();
+    tick(&mut app, 1);
+    let start = SinewSnapshot::capture(app.world());
+    app.world_mut().resource_mut::<SinewControl>().single_steps = 2;
+    tick(&mut app, 2);
+    let second = hash(&app);
+    let shown = |app: &App| app.world().resource::<PhaseSteps>().shown();
+
+    start.restore(app.world_mut()).unwrap();
+    tick(&mut app, 1);
+    let rested = hash(&app);
+    (0..7).for_each(|_| _ = half_step(&mut app));
+    assert!(shown(&app).is_some());
+    // A whole step goes on from the tick's end, and so does the simulation when it runs.
+    app.world_mut().resource_mut::<SinewControl>().step();
+    tick(&mut app, 1);
+    assert_eq!((shown(&app), hash(&app)), (None, second));
+    start.restore(app.world_mut()).unwrap();
+    tick(&mut app, 1);
+    (0..7).for_each(|_| _ = half_step(&mut app));
+    app.world_mut().resource_mut::<SinewControl>().unpause();
+    tick(&mut app, 1);
+    assert_eq!(shown(&app), None);
+    app.world_mut().resource_mut::<SinewControl>().pause();
+
+    // Back, and a body that comes, end the showing.
+    (0..7).for_each(|_| _ = half_step(&mut app));
+    start.restore(app.world_mut()).unwrap();
+    tick(&mut app, 1);
+    assert_eq!((shown(&app), hash(&app)), (None, rested));
+    (0..7).for_each(|_| _ = half_step(&mut app));
+    app.world_mut().spawn(Particle::default());
+    tick(&mut app, 2);
+    assert_eq!(shown(&app), None);
+    // A world that runs takes no half-steps.
+    app.world_mut().resource_mut::<SinewControl>().unpause();
+    assert_eq!(half_step(&mut app), None);
+}
+
+#[test]
+fn the_renderer_is_told_where_a_body_is_in_the_phase_that_is_shown() {
+    let mut app = app_with(());
+    let body = (RigidBox::new(Vec3::ONE), Transform::from_xyz(0.0, 5.0, 0.0));
+    let body = app.world_mut().spawn(body).id();
+    let hat = app.world_mut().spawn((Transform::from_xyz(0.0, 1.0, 0.0), ChildOf(body))).id();
+    tick(&mut app, 10);
+    app.world_mut().resource_mut::<SinewControl>().pause();
+    tick(&mut app, 2);
+    let seen = |app: &App, who| app.world().get::<GlobalTransform>(who).unwrap().translation().y;
+    let own = |app: &App| app.world().get::<Transform>(body).unwrap().translation.y;
+    let before = own(&app);
+    assert_eq!(seen(&app, body), before);
+    let phase = half_step(&mut app).map(|shown| shown.phase);
+    assert_eq!(phase, Some(PhaseSystems::AccumulateForces));
+    let after = own(&app);
+    assert!(after < before - 0.01, "the component is of the tick's end");
+    assert!((seen(&app, body) - before).abs() < 1e-5, "and what is seen is not");
+    assert!((seen(&app, hat) - before - 1.0).abs() < 1e-4, "nor what hangs on it");
+    (0..4).for_each(|_| _ = half_step(&mut app));
+    let fallen = seen(&app, body);
+    assert!(fallen < before - 1e-3 && fallen > after + 1e-3, "{before} {fallen} {after}");
+    app.world_mut().resource_mut::<PhaseSteps>().end();
+    tick(&mut app, 1);
+    assert_eq!((seen(&app, body), seen(&app, hat)), (after, after + 1.0));
+}
+
+#[test]
+fn a_games_system_between_phases_runs_once_for_all_that_half_steps_show_of_it() {
+    let mut app = busy();
+    app.init_resource::<Log>()
+        .add_systems(SubstepSchedule, note("wind").in_set(PhaseSystems::Wind));
+    app.world_mut().resource_mut::<SinewControl>().pause();
+    (0..19).for_each(|_| _ = half_step(&mut app));
+    assert_eq!(app.world().resource::<Log>().0.len(), 3, "once a substep");
 }
 
 #[derive(Component)]

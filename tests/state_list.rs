@@ -8,7 +8,7 @@ use bevy_sinew::{StateRole, StateTypes};
 use crate::support::app;
 
 /// Components and resources that are no state, and why not.
-const NO_STATE: [(&str, &str); 20] = [
+const NO_STATE: [(&str, &str); 21] = [
     ("ParticleRow", "scratch: given anew whenever particles come or go"),
     ("Rows", "scratch: resolved anew where what it is of has changed"),
     ("ResolvedShape", "scratch: found again where what it follows from has changed"),
@@ -21,6 +21,7 @@ const NO_STATE: [(&str, &str); 20] = [
     ("RollbackHistory", "states that were"),
     ("SinewWorkers", "threads, which change no result"),
     ("TickTime", "wall-clock time"),
+    ("PhaseSteps", "what is shown of a tick that was taken"),
     ("Pace", "scratch: counted anew in each fixed tick"),
     ("PlayedTransform", "what is drawn between two ticks"),
     ("RelaxWorld", "a command: done and taken off in the next tick"),

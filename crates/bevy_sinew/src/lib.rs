@@ -273,7 +273,8 @@ pub use recipes::{
 };
 pub use recipes::{BodyBuilt, RopePoint, RopeTie};
 pub use schedule::{
-    PhaseSystems, SinewClock, SinewControl, SinewSystems, SinewTick, SubstepSchedule, TickTime,
+    PhaseStep, PhaseSteps, PhaseSystems, SinewClock, SinewControl, SinewSystems, SinewTick,
+    SubstepSchedule, TickTime,
 };
 #[cfg(feature = "gizmos")]
 pub use show::{SinewGizmoConfigGroup, SinewGizmoPlugin};

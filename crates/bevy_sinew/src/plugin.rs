@@ -15,7 +15,9 @@ use crate::components::{
 use crate::config::{BodySolver, SolverConfig};
 use crate::messages::Refused;
 use crate::recipes;
-use crate::schedule::{self, SinewClock, SinewControl, SinewSystems, SinewTick, TickTime};
+use crate::schedule::{
+    self, PhaseSteps, SinewClock, SinewControl, SinewSystems, SinewTick, TickTime,
+};
 use crate::show::{mesh, tube};
 use crate::step::{
     bodies, body_colliders, colliders, contact_cache, contact_shape, controls, environment,
@@ -138,6 +140,7 @@ impl Plugin for SinewPlugin {
             .init_resource::<SinewClock>()
             .init_resource::<SinewControl>()
             .init_resource::<TickTime>()
+            .init_resource::<PhaseSteps>()
             .init_resource::<schedule::Pace>()
             .init_resource::<SinewWorkers>()
             .init_resource::<components::Orphans>()
@@ -239,6 +242,12 @@ impl Plugin for SinewPlugin {
             )
                 .chain()
                 .before(bevy::transform::TransformSystems::Propagate),
+        );
+        app.add_systems(
+            PostUpdate,
+            extract::show_poses
+                .after(bevy::transform::TransformSystems::Propagate)
+                .run_if(schedule::is_shown),
         );
     }
 }

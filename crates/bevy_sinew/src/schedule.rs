@@ -1,5 +1,10 @@
 //! When things happen: the schedules and the system sets of a tick and of a substep, and what drives them.
 
+mod phases;
+
+pub(crate) use phases::is_shown;
+pub use phases::{PhaseStep, PhaseSteps};
+
 use core::time::Duration;
 use std::time::Instant;
 
@@ -7,7 +12,7 @@ use bevy::ecs::message::signal_message_update_system;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 
-use crate::world::SinewWorld;
+use crate::world::{PhaseWatch, SinewWorld};
 
 /// The parts of a tick, in this order, in [`SinewTick`]: a system of a game's own that belongs between two of them is added there.
 ///
@@ -63,7 +68,7 @@ pub struct SinewTick;
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct SubstepSchedule;
 
-/// Pauses the simulation, lets it run tick by tick, or at a speed of its own. The game's clocks (`Time<Virtual>`, `Time<Fixed>`) are left alone, so
+/// Pauses the simulation, lets it run tick by tick (and phase by phase: [`PhaseSteps`]), or at a speed of its own. The game's clocks (`Time<Virtual>`, `Time<Fixed>`) are left alone, so
 /// that menus, cameras and animations go on as they do.
 ///
 /// ```
@@ -271,6 +276,7 @@ pub(crate) fn is_uneven(pace: Res<Pace>) -> bool {
 
 /// Runs the ticks that are due: one at full speed. Where none is, what is spawned or moved is built, gathered and extracted all the same.
 fn run_tick(world: &mut World) {
+    phases::choose(world);
     let due = ticks_due(world);
     for taken in 0..due.max(1) {
         let began = Instant::now();
@@ -287,6 +293,7 @@ fn run_tick(world: &mut World) {
     if uneven {
         world.resource_mut::<SinewWorld>().play(ahead as f32, due > 0);
     }
+    phases::show(world);
 }
 
 /// How many ticks are due in this fixed tick; counts the time that was played.
@@ -325,6 +332,8 @@ fn run_substeps(world: &mut World) {
     let dt = world.resource::<Time>().delta_secs();
     let began = Instant::now();
     let by_phase = world.resource::<TickTime>().by_phase;
+    let shown = world.resource::<PhaseSteps>().begins;
+    let watched = by_phase || shown || world.resource::<SinewWorld>().tables.forces.is_some();
     let substeps = {
         let mut sinew = world.resource_mut::<SinewWorld>();
         match sinew.simulation.begin_step(dt) {
@@ -345,8 +354,10 @@ fn run_substeps(world: &mut World) {
             let mut pace = world.resource_mut::<Pace>();
             pace.conditional |= sets.iter().any(|(_, _, conditions)| !conditions.is_empty());
             // Where no system or condition of a game stands between the phases, and they do the same to all, nothing is lost by taking them at once.
-            if by_phase {
-                world.resource_mut::<SinewWorld>().tables.watch = Some(Box::default());
+            if watched {
+                let mut watch = PhaseWatch::default();
+                watch.frames = shown.then(Vec::new);
+                world.resource_mut::<SinewWorld>().tables.watch = Some(Box::new(watch));
             } else if schedule.systems_len() == PHASES && !pace.conditional {
                 world.resource_mut::<SinewWorld>().simulation.take_substeps();
             }
@@ -358,12 +369,16 @@ fn run_substeps(world: &mut World) {
     }
     let mut sinew = world.resource_mut::<SinewWorld>();
     sinew.simulation.end_step();
-    let watch = sinew.tables.watch.take();
+    let mut watch = sinew.tables.watch.take();
+    let layout = sinew.tables.layout.number;
+    if shown {
+        world.resource_mut::<PhaseSteps>().take(watch.as_deref_mut(), substeps, layout);
+    }
     let whole = world.resource::<Pace>().began.unwrap_or(began);
     let mut took = world.resource_mut::<TickTime>();
     took.substeps = began.elapsed();
     took.gather = began.duration_since(whole);
-    took.phases = watch.map_or_else(Default::default, |watch| watch.took);
+    took.phases = watch.filter(|_| by_phase).map_or_else(Default::default, |watch| watch.took);
 }
 
 /// Advances the clock and takes a single step off.

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_egui::input::EguiWantsInput;
-use bevy_sinew::SinewControl;
+use bevy_sinew::{PhaseSteps, SinewControl};
 
 use crate::recording::Recording;
 use crate::state::PanelState;
@@ -18,6 +18,8 @@ pub struct PanelKeys {
     pub back: Option<KeyCode>,
     /// Simulates one tick while paused. Default F4.
     pub step: Option<KeyCode>,
+    /// Shows the next phase of a tick while paused. Default F6.
+    pub half_step: Option<KeyCode>,
     /// Selects nothing. Default Escape.
     pub deselect: Option<KeyCode>,
 }
@@ -28,6 +30,7 @@ impl Default for PanelKeys {
             pause: Some(KeyCode::F2),
             back: Some(KeyCode::F3),
             step: Some(KeyCode::F4),
+            half_step: Some(KeyCode::F6),
             deselect: Some(KeyCode::Escape),
         }
     }
@@ -36,7 +39,12 @@ impl Default for PanelKeys {
 impl PanelKeys {
     /// What the keys of time do, as a line for a screen; empty where there is none.
     pub(crate) fn line(&self) -> String {
-        let keys = [(self.pause, "pauses"), (self.back, "goes back"), (self.step, "steps")];
+        let keys = [
+            (self.pause, "pauses"),
+            (self.back, "goes back"),
+            (self.step, "steps"),
+            (self.half_step, "by a phase"),
+        ];
         let said =
             keys.into_iter().filter_map(|(key, what)| Some(format!("{} {what}", name(key?))));
         said.collect::<Vec<_>>().join(", ")
@@ -57,6 +65,7 @@ pub(crate) fn press(
     state: Res<PanelState>,
     bound: Res<PanelKeys>,
     mut control: ResMut<SinewControl>,
+    mut phases: ResMut<PhaseSteps>,
     mut recording: ResMut<Recording>,
 ) {
     let Some(keys) = keys else { return };
@@ -72,5 +81,8 @@ pub(crate) fn press(
     }
     if pressed(bound.step) && control.paused {
         control.step();
+    }
+    if pressed(bound.half_step) && control.paused {
+        phases.step(&mut control);
     }
 }

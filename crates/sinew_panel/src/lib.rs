@@ -38,7 +38,7 @@
 //!
 //! | section | reads | writes |
 //! |---|---|---|
-//! | Time | `SinewClock`, [`Recording`] | `SinewControl`, and everything where you go back |
+//! | Time | `SinewClock`, [`Recording`] | `SinewControl`, `PhaseSteps`, and everything where you go back |
 //! | Selected body | the components of the [`Selection`], contacts in `SinewWorld::report` | `Representation`, `Sleep`; despawns a constraint |
 //! | Solver | | `SolverConfig` |
 //! | World | | `Gravity`, `AirDrag`, every `Wind`, `Electric` if there are charges |
@@ -81,6 +81,7 @@
 //! | F2 | stops and starts simulated time | [`PanelKeys::pause`] |
 //! | F3 | goes back by one recorded tick | [`PanelKeys::back`] |
 //! | F4 | simulates one tick while paused | [`PanelKeys::step`] |
+//! | F6 | shows the next phase of a tick while paused | [`PanelKeys::half_step`] |
 //! | Escape | selects nothing | [`PanelKeys::deselect`] |
 //!
 //! # Where there is no screen

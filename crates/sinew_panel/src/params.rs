@@ -4,8 +4,8 @@ use bevy::ecs::system::SystemParam;
 use bevy::gizmos::config::GizmoConfigStore;
 use bevy::prelude::*;
 use bevy_sinew::{
-    AirDrag, AirFlow, Charge, CreationOrder, Electric, Fluid, Gravity, SinewClock, SinewControl,
-    SinewWorld, SolverConfig, Wind,
+    AirDrag, AirFlow, Charge, CreationOrder, Electric, Fluid, Gravity, PhaseSteps, SinewClock,
+    SinewControl, SinewWorld, SolverConfig, Wind,
 };
 
 use crate::history::PlotHistory;
@@ -21,6 +21,8 @@ use crate::state::PanelState;
 pub struct PanelParams<'w, 's> {
     /// Pause, single steps and speed.
     pub control: ResMut<'w, SinewControl>,
+    /// Half-steps through the phases of a tick.
+    pub phases: ResMut<'w, PhaseSteps>,
     /// Ticks and seconds.
     pub clock: Res<'w, SinewClock>,
     /// The solver's settings.

@@ -29,6 +29,7 @@ pub(super) fn add(app: &mut App) {
         pause: Some(KeyCode::Space),
         back: Some(KeyCode::KeyB),
         step: Some(KeyCode::KeyN),
+        half_step: Some(KeyCode::KeyH),
         ..default()
     });
     app.add_systems(Startup, spawn_camera)

@@ -3,6 +3,7 @@
 use bevy::gizmos::config::{GizmoConfigGroup, GizmoConfigStore};
 use bevy::prelude::*;
 
+use super::layers::{distinct, draw_angles, draw_batches, draw_forces, draw_volumes};
 use super::wires::draw_colliders;
 use crate::components::{
     BodyParticles, ParticleRow, Pinned, Sleep, Spring, WatchedContacts, WorldCenterOfMass,
@@ -39,6 +40,15 @@ pub struct SinewGizmoConfigGroup {
     /// Contacts of the last tick: a line along the normal, as long as its impulse is hard: [`METRES_PER_IMPULSE`](Self::METRES_PER_IMPULSE). Asks for the
     /// contacts of all bodies ([`WatchedContacts::all`]). Default off.
     pub contacts: bool,
+    /// What accelerates each particle, an arrow for each kind, as long as it is strong ([`METRES_PER_ACCELERATION`](Self::METRES_PER_ACCELERATION)): white gravity,
+    /// springs and the game's own, cyan wind, blue buoyancy, yellow charges; in a [half-step](crate::PhaseSteps) their sum so far. Default off.
+    pub forces: bool,
+    /// Angles, hinges, cones and bends, magenta. Default off.
+    pub angles: bool,
+    /// What keeps its area or its volume, teal. Default off.
+    pub volumes: bool,
+    /// Distances in a colour for each group that is solved side by side, instead of for their strain. Default off.
+    pub batches: bool,
     /// Particles in a colour for each island: for what is solved together. Default off.
     pub islands: bool,
     /// Bodies that sleep as a violet box around their particles. Default off.
@@ -57,6 +67,10 @@ impl Default for SinewGizmoConfigGroup {
             previous: false,
             velocities: false,
             contacts: false,
+            forces: false,
+            angles: false,
+            volumes: false,
+            batches: false,
             islands: false,
             sleepers: false,
             bounds: false,
@@ -67,6 +81,8 @@ impl Default for SinewGizmoConfigGroup {
 impl SinewGizmoConfigGroup {
     /// How far ahead a velocity is drawn, seconds.
     pub const VELOCITY_SECONDS: f32 = 0.1;
+    /// Length of the arrow of an acceleration, m/(m/s²): 0.2 m for gravity.
+    pub const METRES_PER_ACCELERATION: f32 = 0.02;
     /// Length of the line of a contact, m/(N·s), besides the 0.05 m that each has.
     pub const METRES_PER_IMPULSE: f32 = 0.1;
 }
@@ -95,9 +111,13 @@ impl Plugin for SinewGizmoPlugin {
         app.add_systems(
             PostUpdate,
             (
-                watch,
+                (watch, watch_forces),
                 draw_particles.run_if(shows(|layers| layers.particles || layers.islands)),
-                draw_strain.run_if(shows(|layers| layers.strain)),
+                draw_strain.run_if(shows(|layers| layers.strain && !layers.batches)),
+                draw_forces.run_if(shows(|layers| layers.forces)),
+                draw_angles.run_if(shows(|layers| layers.angles)),
+                draw_volumes.run_if(shows(|layers| layers.volumes)),
+                draw_batches.run_if(shows(|layers| layers.batches)),
                 draw_springs.run_if(shows(|layers| layers.springs)),
                 draw_colliders.run_if(shows(|layers| layers.colliders)),
                 draw_motion.run_if(shows(|layers| layers.previous || layers.velocities)),
@@ -130,6 +150,14 @@ fn watch(
     }
 }
 
+/// Asks for forces while they are drawn.
+fn watch_forces(store: Res<GizmoConfigStore>, mut world: ResMut<SinewWorld>) {
+    let wanted = shows(|layers| layers.forces)(store);
+    if wanted != world.tables.forces.is_some() {
+        world.bypass_change_detection().tables.forces = wanted.then(Box::default);
+    }
+}
+
 fn draw_particles(
     mut gizmos: Gizmos<SinewGizmoConfigGroup>,
     world: Res<SinewWorld>,
@@ -141,8 +169,7 @@ fn draw_particles(
         let Some(i) = row.get().filter(|&i| i < particles.len()) else { continue };
         let radius = particles.radius(i).max(0.01);
         let color = match world.simulation().island_of(i).filter(|_| by_island && !pinned) {
-            // The golden angle apart, so that neighbours differ.
-            Some(island) => Color::hsl((island as f32 * 137.508).rem_euclid(360.0), 0.85, 0.6),
+            Some(island) => distinct(island as usize),
             None if pinned => Color::srgb(1.0, 0.6, 0.1),
             None => Color::srgb(0.4, 0.8, 1.0),
         };

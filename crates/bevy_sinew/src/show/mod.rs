@@ -4,6 +4,8 @@
 pub(crate) mod ease;
 #[cfg(feature = "gizmos")]
 pub(crate) mod gizmos;
+#[cfg(feature = "gizmos")]
+mod layers;
 pub(crate) mod mesh;
 pub(crate) mod tube;
 #[cfg(feature = "gizmos")]

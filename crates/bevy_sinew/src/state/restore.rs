@@ -13,6 +13,7 @@ use super::{eased, values::Kind};
 use crate::breaking::Broke;
 use crate::components::{ContactEnded, ContactStarted, TopologyChanged};
 use crate::recipes::BodyBuilt;
+use crate::schedule::PhaseSteps;
 
 /// Why a snapshot cannot be put back. Nothing has changed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -47,6 +48,10 @@ impl SinewSnapshot {
         known: &EntityHashMap<Entity>,
     ) -> Result<EntityHashMap<Entity>, RestoreFault> {
         self.check(world)?;
+        // A phase that is shown is of a tick that was not.
+        if let Some(mut phases) = world.get_resource_mut::<PhaseSteps>() {
+            phases.end();
+        }
         world.resource_scope(|world, types: Mut<StateTypes>| Ok(self.put(world, &types, known)))
     }
 

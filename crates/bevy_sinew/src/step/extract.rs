@@ -1,11 +1,12 @@
 //! Extraction: what a game wants to know of a body, read off its particles after each tick.
 
+use bevy::math::Affine3A;
 use bevy::prelude::*;
 use sinew::pose::{Pose, motion, pose};
 
 use crate::components::{
     AngularVelocity, BodyParticles, BodyReport, ExtractedTransform, ExtractedVelocity, Inertia,
-    Interpolate, LinearVelocity, Particle, RigidPose, WorldCenterOfMass,
+    Interpolate, LinearVelocity, Particle, ParticleRow, RigidPose, WorldCenterOfMass,
 };
 use crate::frames::{into, on_top};
 use crate::rows::{GONE, Rows};
@@ -84,6 +85,45 @@ pub(crate) fn extract_poses(
             // As it will be found again, to the last bit, if nobody moves it.
             let of = |entity| transforms.get(entity).ok().copied();
             known.0 = on_top(own, child, of, &parents).ok();
+        }
+    }
+}
+
+/// Writes where bodies and loose particles are in a [phase that is shown](crate::PhaseSteps), for the renderer alone: their components say where they are at the
+/// tick's end.
+pub(crate) fn show_poses(
+    world: Res<SinewWorld>,
+    mut bodies: Query<(Entity, Ref<RigidPose>, &mut Rows<RigidPose>, &Transform)>,
+    loose: Query<(Entity, &ParticleRow), (With<Particle>, With<GlobalTransform>)>,
+    children: Query<&Children>,
+    mut globals: Query<&mut GlobalTransform>,
+) {
+    let mut put = |entity: Entity, place: Vec3, rotation: Option<Quat>| {
+        let Ok(old) = globals.get(entity).copied() else { return };
+        let (scale, turned, _) = old.to_scale_rotation_translation();
+        let rotation = rotation.unwrap_or(turned);
+        let new = GlobalTransform::from(Affine3A::from_scale_rotation_translation(
+            scale, rotation, place,
+        ));
+        // What is drawn below it goes along.
+        let along = new.affine() * old.affine().inverse();
+        if !along.is_finite() {
+            return;
+        }
+        for entity in core::iter::once(entity).chain(children.iter_descendants(entity)) {
+            if let Ok(mut global) = globals.get_mut(entity) {
+                *global = GlobalTransform::from(along * global.affine());
+            }
+        }
+    };
+    for (entity, rigid, mut rows, transform) in &mut bodies {
+        if let Some(found) = found(&world, &rigid, &mut rows, transform.rotation) {
+            put(entity, found.translation, Some(found.rotation));
+        }
+    }
+    for (entity, row) in &loose {
+        if let Some(row) = row.get().filter(|&row| row < world.particles().len()) {
+            put(entity, world.particles().position(row), None);
         }
     }
 }

@@ -242,6 +242,8 @@ pub(crate) struct Tables {
     pub(crate) layout: Layout,
     /// Who watches the phases of the tick at hand; nobody in a usual one.
     pub(crate) watch: Option<Box<PhaseWatch>>,
+    /// What each of the phases of forces added to the acceleration of each row in the last substep, m/s²; `None`: nobody wants to know.
+    pub(crate) forces: Option<Box<[Vec<Vec3>; 4]>>,
 }
 
 /// What properties the columns hold: of which rows, and of how many particles.

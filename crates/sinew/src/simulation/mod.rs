@@ -413,6 +413,19 @@ impl Simulation {
         self.scratch.plan.islands.list.iter().map(|island| island.groups.len()).max().unwrap_or(0)
     }
 
+    /// The distances of the plan, each with the number of its group in its island: those of one group share no particle, and are solved side by side.
+    pub fn grouped_distances(&self) -> impl Iterator<Item = (usize, &Distance)> {
+        let plan = &self.scratch.plan;
+        plan.islands.list.iter().flat_map(|island| {
+            let groups = plan.groups.get(island.groups.clone()).unwrap_or_default();
+            let own = groups.iter().enumerate().filter(|(_, group)| group.has_distances());
+            own.flat_map(|(number, group)| {
+                let distances = plan.distances.get(group.range.clone()).unwrap_or_default();
+                distances.iter().map(move |distance| (number, distance))
+            })
+        })
+    }
+
     /// Number of islands: sets of particles that constraints connect, a loose particle being one by itself.
     pub fn islands(&self) -> usize {
         self.scratch.plan.islands.list.len()

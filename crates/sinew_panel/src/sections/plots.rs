@@ -54,8 +54,8 @@ impl Unit {
 /// Only reads the world; which curves are drawn is the panel's own.
 pub(crate) fn plots(ui: &mut Ui, panel: &mut PanelParams) {
     let chosen = panel.state.plot;
+    let width = ((ui.available_width() - 4.0 * (COLUMNS - 1) as f32) / COLUMNS as f32).floor();
     Grid::new("sinew_plots").num_columns(COLUMNS).spacing([4.0, 2.0]).show(ui, |ui| {
-        let width = ((ui.available_width() - 4.0 * (COLUMNS - 1) as f32) / COLUMNS as f32).floor();
         for (i, (plot, name, hint)) in CHOICES.into_iter().enumerate() {
             let button = Button::selectable(plot == chosen, name).min_size(vec2(width, 20.0));
             if ui.add(button).on_hover_text(hint).clicked() {

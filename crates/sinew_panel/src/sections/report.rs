@@ -87,7 +87,11 @@ fn checkboxes(ui: &mut Ui, layers: &mut SinewGizmoConfigGroup) {
     let long = SinewGizmoConfigGroup::METRES_PER_IMPULSE;
     let contacts =
         format!("Contacts along their normals, {long} m for each N·s; slows the solver a little.");
-    let all: [(&mut bool, &str, &str); 10] = [
+    let strong = SinewGizmoConfigGroup::METRES_PER_ACCELERATION;
+    let forces = format!(
+        "Accelerations, {strong} m for each m/s²: white gravity, springs and the game's, cyan wind, blue buoyancy, yellow charges. Slows the solver."
+    );
+    let all: [(&mut bool, &str, &str); 14] = [
         (&mut layers.particles, "Particles", "Balls of their radius, orange if pinned."),
         (&mut layers.strain, "Strain", "Distances: green where they hold, red from 2 % on."),
         (&mut layers.springs, "Springs", "Springs, yellow."),
@@ -95,6 +99,10 @@ fn checkboxes(ui: &mut Ui, layers: &mut SinewGizmoConfigGroup) {
         (&mut layers.previous, "Last tick", "From where each particle was a tick ago."),
         (&mut layers.velocities, "Velocities", &velocities),
         (&mut layers.contacts, "Contacts", &contacts),
+        (&mut layers.forces, "Forces", &forces),
+        (&mut layers.angles, "Angles", "Angles, hinges, cones and bends, magenta."),
+        (&mut layers.volumes, "Volumes", "What keeps its area or its volume, teal."),
+        (&mut layers.batches, "Batches", "Distances: a colour for what is solved side by side."),
         (&mut layers.islands, "Islands", "A colour for what is solved together."),
         (&mut layers.sleepers, "Sleepers", "Violet boxes around what sleeps."),
         (&mut layers.bounds, "Bounds", "Boxes around bodies, and their centres of mass."),

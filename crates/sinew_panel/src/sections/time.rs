@@ -2,20 +2,25 @@
 
 use bevy_egui::egui::{Button, Label, RichText, Slider, Ui, vec2};
 
+use bevy_sinew::{PhaseStep, PhaseSystems};
+
 use crate::params::PanelParams;
 use crate::recording::{RecordWhen, Replay};
 use crate::style::{GOOD, WARN};
 use crate::widgets::{grouped, number, row, slider, value};
 
+/// Width of the button for half-steps, points.
+const HALF: f32 = 34.0;
+
 /// What does not go back, for the hint of whatever goes.
 const NOT_BACK: &str = "Bodies, settings and gravity go back. What the game keeps elsewhere stays as it is, unless it is registered (RegisterState), \
     and keys and clicks are not repeated.";
 
-/// Writes `SinewControl`, `Recording` and `RecordingConfig`.
+/// Writes `SinewControl`, `PhaseSteps`, `Recording` and `RecordingConfig`.
 pub(crate) fn time(ui: &mut Ui, panel: &mut PanelParams) {
     let paused = panel.control.paused;
     ui.horizontal(|ui| {
-        let width = (ui.available_width() - 2.0 * ui.spacing().item_spacing.x) / 3.0;
+        let width = (ui.available_width() - HALF - 3.0 * ui.spacing().item_spacing.x) / 3.0;
         let width = width.floor();
         let size = vec2(width, 24.0);
         let can = panel.recording.can_go_back();
@@ -35,9 +40,12 @@ pub(crate) fn time(ui: &mut Ui, panel: &mut PanelParams) {
         if step.clicked() {
             panel.control.step();
         }
+        half_step(ui, panel);
     });
     let keys = panel.keys.line();
-    if !keys.is_empty() {
+    if let Some(phase) = panel.phases.shown() {
+        shown(ui, phase);
+    } else if !keys.is_empty() {
         ui.add(Label::new(RichText::new(keys).weak().small()).truncate());
     }
     let mut speed = panel.control.relative_speed;
@@ -55,6 +63,38 @@ pub(crate) fn time(ui: &mut Ui, panel: &mut PanelParams) {
     let seconds = format!("{:.3}", panel.clock.seconds);
     value(ui, "Time", "Seconds simulated; gusts of wind depend on it.", &seconds, "s");
     recorded(ui, panel);
+}
+
+/// The button that goes on by a phase.
+fn half_step(ui: &mut Ui, panel: &mut PanelParams) {
+    let size = vec2(ui.available_width(), 24.0);
+    let button = ui.add_enabled(panel.control.paused, Button::new("½").min_size(size));
+    let hint = "Half-step: goes on by one phase. Particles, meshes and lines are drawn as they are at its end. The tick is taken as a whole; what is saved is its end, and Step, Run and Back leave the phases.";
+    let button = button.on_hover_text(hint);
+    if button.on_disabled_hover_text("Pause first, then go by phases.").clicked() {
+        panel.phases.step(&mut panel.control);
+    }
+}
+
+/// Which phase is seen.
+fn shown(ui: &mut Ui, shown: PhaseStep) {
+    let PhaseStep { substep, substeps, phase, next } = shown;
+    let next = next.map_or("end of the tick", name_of);
+    let text = format!("Substep {substep}/{substeps}: {}, next {next}", name_of(phase));
+    let hint = "What is seen is as of the end of this phase, and which the next half-step shows.";
+    note(ui, RichText::new(text).color(GOOD).small(), hint);
+}
+
+/// What a phase is called where there is little room.
+fn name_of(phase: PhaseSystems) -> &'static str {
+    match phase {
+        PhaseSystems::AccumulateForces => "forces",
+        PhaseSystems::Wind => "wind",
+        PhaseSystems::Buoyancy => "buoyancy",
+        PhaseSystems::Electric => "electric",
+        PhaseSystems::Integrate => "integrate",
+        _ => "constraints",
+    }
 }
 
 /// The recording: whether there is one, how much, and where in it the simulation stands.

@@ -17,6 +17,7 @@ impl Key {
     pub(super) const CONTROL: Self = Self(37);
     pub(super) const A: Self = Self(38);
     pub(super) const B: Self = Self(56);
+    pub(super) const H: Self = Self(43);
     pub(super) const N: Self = Self(57);
     pub(super) const SPACE: Self = Self(65);
 

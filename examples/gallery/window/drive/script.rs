@@ -10,8 +10,8 @@ use bevy::render::view::screenshot::{Screenshot, save_to_disk};
 use bevy_egui::egui;
 use bevy_panorbit_camera::PanOrbitCamera;
 use bevy_sinew::{
-    BodyParticles, DistanceConstraint, MouseDrag, Particle, SinewClock, SinewControl,
-    SinewGizmoConfigGroup, SolverConfig, WorldCenterOfMass,
+    BodyParticles, DistanceConstraint, MouseDrag, Particle, PhaseSteps, PhaseSystems, SinewClock,
+    SinewControl, SinewGizmoConfigGroup, SolverConfig, WorldCenterOfMass,
 };
 use sinew_panel::{DOCK_WIDTH, Recording, Replay, Selection};
 use sinew_scenes::OnStage;
@@ -40,6 +40,7 @@ pub(super) fn play(app: &AppLine, folder: &Path) -> Result<usize, String> {
     visit.choose_a_scene()?;
     visit.move_its_slider()?;
     visit.pause_and_step()?;
+    visit.go_by_phases()?;
     visit.go_back_and_scrub()?;
     visit.select_and_drag(folder)?;
     visit.cut(folder)?;
@@ -107,6 +108,26 @@ impl Visit<'_> {
         self.app.frames(20)?;
         self.click("⏸  Pause")?;
         self.until("the button Pause pauses", |world| world.resource::<SinewControl>().paused)
+    }
+
+    fn go_by_phases(&self) -> Result<(), String> {
+        let tick = self.tick()?;
+        let shown = |world: &mut World| world.resource::<PhaseSteps>().shown();
+        self.click("½")?;
+        let first = self.app.ask(shown)?.ok_or("no phase is shown")?;
+        let forces = PhaseSystems::AccumulateForces;
+        self.check(
+            "the button ½ shows the first phase",
+            (first.substep, first.phase) == (1, forces),
+        )?;
+        self.find("Substep 1/32: forces, next wind")?;
+        self.key(Key::H)?;
+        let second = self.app.ask(shown)?.ok_or("no second phase is shown")?;
+        self.check("H shows the next one", second.phase == PhaseSystems::Wind)?;
+        self.check("all of them are of one tick", self.tick()? == tick + 1)?;
+        self.key(Key::N)?;
+        self.check("a whole step leaves them", self.app.ask(shown)?.is_none())?;
+        self.check("for the next tick", self.tick()? == tick + 2)
     }
 
     fn go_back_and_scrub(&self) -> Result<(), String> {
@@ -241,7 +262,7 @@ impl Visit<'_> {
             ("Tick, ms", "Scatter"),
             ("Energy", "Gravitational"),
         ] {
-            self.scroll_to("Energy")?;
+            self.scroll_to("View")?;
             self.click(plot)?;
             self.app.frames(10)?;
             self.find(curve)?;
@@ -249,7 +270,7 @@ impl Visit<'_> {
             let name: String = plot.chars().take_while(|c| c.is_alphabetic()).collect();
             photograph(self.app, folder, &format!("plot_{}", name.to_lowercase()))?;
         }
-        self.scroll_to("Contacts")?;
+        self.scroll_to("Velocities")?;
         self.click("Shown")?;
         self.click("Velocities")?;
         let layers = |world: &mut World| {

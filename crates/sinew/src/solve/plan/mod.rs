@@ -83,6 +83,11 @@ pub(crate) struct ConstraintGroup {
 }
 
 impl ConstraintGroup {
+    /// Whether what is in it is of the plan's distances.
+    pub(crate) fn has_distances(&self) -> bool {
+        self.kind != GroupKind::Constraints
+    }
+
     /// Where its rods are among the plan's runs and blocks.
     pub(crate) fn rods(&self) -> (&Range<usize>, &Range<usize>) {
         (&self.runs, &self.blocks)
