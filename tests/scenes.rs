@@ -471,16 +471,10 @@ fn reading(scene: &'static sinew_scenes::Scene, values: &[f32]) -> [f64; 2] {
     stage.reading.unwrap_or_else(|| panic!("{}: nothing was measured", scene.name))
 }
 
-/// Scenes to play with and to look at, which teach nothing in particular.
-const WITHOUT_LESSON: [&str; 2] = ["playground", "stage"];
-
 /// Numbers of every second scene's lesson, from `first` on, that are not what their formula says, wherever their sliders stand.
 fn wrong_numbers(first: usize) -> Vec<String> {
     let mut wrong = Vec::new();
     for scene in sinew_scenes::ALL.iter().skip(first).step_by(2) {
-        if WITHOUT_LESSON.contains(&scene.name) {
-            continue;
-        }
         let lesson = scene.lesson.unwrap_or_else(|| panic!("{} has no lesson", scene.name));
         assert!((3..=5).contains(&lesson.sliders.len()), "{}: sliders", scene.name);
         let defaults: Vec<f32> = lesson.sliders.iter().map(|slider| slider.default).collect();

@@ -37,6 +37,13 @@ pub(crate) fn points_of(world: &mut World, name: &str) -> Vec<Vec3> {
     points
 }
 
+/// How far the lowest of all particles is below a level, millimetres; 0 if none is.
+pub(crate) fn deepest_below(world: &mut World, level: f32) -> f64 {
+    let mut particles = world.query::<&Particle>();
+    let depths = particles.iter(world).map(|particle| f64::from(level - particle.position.y));
+    depths.fold(0.0, f64::max) * 1e3
+}
+
 /// How far the particles of the body of a name are spread along x, metres.
 pub(crate) fn width_of(world: &mut World, name: &str) -> Option<f64> {
     let along = points_of(world, name).into_iter().map(|point| f64::from(point.x));

@@ -104,7 +104,9 @@ fn draw(
             ui.add(egui::Label::new(keys).truncate());
         });
         let pointer =
-            egui::RichText::new("Drag anything; a click shows it in numbers.").weak().small();
+            egui::RichText::new("Drag anything; a click selects, Escape deselects.")
+                .weak()
+                .small();
         ui.add(egui::Label::new(pointer).truncate());
         ui.separator();
         show(ui, &mut panel);

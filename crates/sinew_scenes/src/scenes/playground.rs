@@ -4,7 +4,9 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{FLOOR, Scene};
-use crate::{Heading, InScene, Look, Skin, SkinShape, Toy};
+use crate::lesson::values;
+use crate::readings::deepest_below;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, Skin, SkinShape, Toy};
 
 pub(super) const SCENE: Scene = Scene {
     name: "playground",
@@ -15,16 +17,35 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.0, 1.0, -0.3),
     seconds: 5.0,
     moment: 1.3,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "play; on the moon, in honey, on ice",
+        watch: "whatever you do to it, nothing comes through the floor: of every particle the middle stays above it",
+        formula: "y ≥ h",
+        sliders: &[
+            SceneSlider { label: "Gravity", unit: "m/s²", range: [1.62, 9.81], default: 9.81 },
+            SceneSlider { label: "Air drag", unit: "per s", range: [0.0, 0.9], default: 0.1 },
+            SceneSlider { label: "Friction", unit: "", range: [0.0, 1.0], default: 0.6 },
+        ],
+        number: "Deepest below the floor",
+        unit: "mm",
+        after: 0.5,
+        measure: |world| Some(deepest_below(world, FLOOR)),
+        expect: |_, _| 0.0,
+        tolerance: [1.0, 0.0],
+    }),
     spawn,
 };
 
 // All that stands here has a skin in words ([`Skin`]), so that it comes back from a file as it was.
 fn spawn(world: &mut World) {
-    world.insert_resource(AirDrag(0.1));
+    let [gravity, drag, friction] = values(world);
+    world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
+    world.insert_resource(AirDrag(drag));
     let (wood, steel) = (Look::color(0x8a6a4b).roughness(0.8), Look::color(0xb9bec6).metal());
     let slab = Look::color(0x54616b).roughness(0.95);
-    block(world, "floor", Vec3::new(9.0, 0.4, 6.4), Vec3::Y * (FLOOR - 0.2), Quat::IDENTITY, slab);
+    let level = Vec3::Y * (FLOOR - 0.2);
+    let floor = block(world, "floor", Vec3::new(9.0, 0.4, 6.4), level, Quat::IDENTITY, slab);
+    world.entity_mut(floor).insert(SurfaceMaterial::new(friction));
     gallows(world, &wood);
     slide(world, &wood);
     trampoline(world, &steel);

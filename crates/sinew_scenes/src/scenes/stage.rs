@@ -5,7 +5,9 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{BoxParticles, Region};
 
 use super::{Scene, mesh, post};
-use crate::{Heading, InScene, Look, ball, capsule, cylinder, rounded_box};
+use crate::lesson::values;
+use crate::readings::deepest_below;
+use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, capsule, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "stage",
@@ -16,7 +18,22 @@ pub(super) const SCENE: Scene = Scene {
     target: Vec3::new(0.5, 1.15, -0.3),
     seconds: 6.0,
     moment: 2.6,
-    lesson: None,
+    lesson: Some(Lesson {
+        try_this: "let it blow harder or steadier, or the river run faster",
+        watch: "crates and figures lie on the land, floats go with the river, capes and the flag with the wind; whatever happens, nothing comes through the ground",
+        formula: "y ≥ 0",
+        sliders: &[
+            SceneSlider { label: "Wind", unit: "Pa", range: [0.0, 12.0], default: 6.5 },
+            SceneSlider { label: "Gusts", unit: "", range: [0.0, 1.0], default: 0.5 },
+            SceneSlider { label: "Current", unit: "m/s", range: [0.0, 1.0], default: 0.5 },
+        ],
+        number: "Deepest below the ground",
+        unit: "mm",
+        after: 0.5,
+        measure: |world| Some(deepest_below(world, 0.0)),
+        expect: |_, _| 0.0,
+        tolerance: [1.0, 0.0],
+    }),
     spawn,
 };
 
@@ -26,20 +43,21 @@ const WATER: f32 = 0.52;
 /// The banks of the river along z, and half its length, metres.
 const BANKS: [f32; 2] = [1.9, 4.3];
 const HALF: f32 = 9.0;
-/// Velocity of the water, m/s.
-const CURRENT: f32 = 0.5;
+/// Where the wind goes.
+const DOWNWIND: Vec3 = Vec3::new(12.0 / 13.0, 0.0, 5.0 / 13.0);
 
 fn spawn(world: &mut World) {
     world.insert_resource(AirDrag(0.3));
-    let pressure = Vec3::new(6.0, 0.0, 2.5);
+    let [strength, gusts, current] = values(world);
+    let pressure = DOWNWIND * strength;
     world.spawn((
         InScene,
         Name::new("breeze"),
-        Wind { pressure, gusts: 0.5, gust_length: 1.4, gust_period: 1.1 },
+        Wind { pressure, gusts, gust_length: 1.4, gust_period: 1.1 },
     ));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
     land(world);
-    river(world);
+    river(world, current);
     bridge(world);
     flag(world);
     for (n, color) in [0xb8434e, 0xe0b040, 0x3f6f9f, 0x66a182, 0x8e6bb0].into_iter().enumerate() {
@@ -67,13 +85,14 @@ fn land(world: &mut World) {
     block(world, size, Vec3::new(0.0, 0.5 * LAND, BANKS[1] + 0.75), grass);
 }
 
-fn river(world: &mut World) {
+/// Water that flows at so many m/s.
+fn river(world: &mut World, current: f32) {
     let [near, far] = [BANKS[1], BANKS[0]];
     let (wide, middle) = (near - far, 0.5 * (near + far));
     world.spawn((
         InScene,
         Name::new("river"),
-        Fluid::flowing(Vec3::X * CURRENT),
+        Fluid::flowing(Vec3::X * current),
         Region::boxed(Vec3::new(2.0 * HALF, 2.0 * WATER, wide)),
         Transform::from_xyz(0.0, WATER, middle),
     ));
