@@ -104,9 +104,7 @@ fn draw(
             ui.add(egui::Label::new(keys).truncate());
         });
         let pointer =
-            egui::RichText::new("Drag anything; a click selects, Escape deselects.")
-                .weak()
-                .small();
+            egui::RichText::new("Drag anything; a click selects, Escape deselects.").weak().small();
         ui.add(egui::Label::new(pointer).truncate());
         ui.separator();
         show(ui, &mut panel);
