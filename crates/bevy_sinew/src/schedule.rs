@@ -212,6 +212,16 @@ const PARTS: [SinewSystems; 5] = [
     SinewSystems::Extract,
 ];
 
+/// The phases of a substep in their order.
+const PHASE_ORDER: [PhaseSystems; 6] = [
+    PhaseSystems::AccumulateForces,
+    PhaseSystems::Wind,
+    PhaseSystems::Buoyancy,
+    PhaseSystems::Electric,
+    PhaseSystems::Integrate,
+    PhaseSystems::SolveConstraints,
+];
+
 /// Sets up the sets, their order and the phases, and has a schedule run the tick.
 pub(crate) fn configure(app: &mut App, within: InternedScheduleLabel) {
     let whole = PARTS.into_iter().fold(run_tick.into_configs(), |tick, part| tick.in_set(part));
@@ -237,17 +247,9 @@ pub(crate) fn configure(app: &mut App, within: InternedScheduleLabel) {
     app.edit_schedule(SubstepSchedule, |schedule| {
         // A phase takes microseconds and needs the phase before it: there is nothing for a second thread to do between them.
         schedule.set_executor(SingleThreadedExecutor::new());
-        schedule.configure_sets(
-            (
-                PhaseSystems::AccumulateForces,
-                PhaseSystems::Wind,
-                PhaseSystems::Buoyancy,
-                PhaseSystems::Electric,
-                PhaseSystems::Integrate,
-                PhaseSystems::SolveConstraints,
-            )
-                .chain(),
-        );
+        let [forces, wind, buoyancy, electric, integration, constraints] = PHASE_ORDER;
+        let order = (forces, wind, buoyancy, electric, integration, constraints);
+        schedule.configure_sets(order.chain());
         // The sums are cleared before the first set, so that forces add up in whatever order the systems of a set run.
         schedule.add_systems((
             begin_substep.before(PhaseSystems::AccumulateForces),

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use bevy::prelude::*;
 use sinew::Particles;
 
-use super::{PhaseSystems, SinewControl};
+use super::{PHASE_ORDER, PhaseSystems, SinewControl};
 use crate::components::{Particle, RigidPose};
 use crate::world::{PhaseWatch, SinewWorld};
 
@@ -62,16 +62,6 @@ pub struct PhaseStep {
     pub next: Option<PhaseSystems>,
 }
 
-/// The phases in their order.
-const ORDER: [PhaseSystems; 6] = [
-    PhaseSystems::AccumulateForces,
-    PhaseSystems::Wind,
-    PhaseSystems::Buoyancy,
-    PhaseSystems::Electric,
-    PhaseSystems::Integrate,
-    PhaseSystems::SolveConstraints,
-];
-
 impl PhaseSteps {
     /// Shows the next phase, from the next fixed tick on, if the simulation is paused. Where none is shown yet, it asks `control` for the tick.
     pub fn step(&mut self, control: &mut SinewControl) {
@@ -91,12 +81,12 @@ impl PhaseSteps {
     /// Which phase is shown; `None` where it is the end of the tick, as ever.
     pub fn shown(&self) -> Option<PhaseStep> {
         self.own.as_ref()?;
-        let (count, left) = (ORDER.len(), !self.rest.is_empty());
+        let (count, left) = (PHASE_ORDER.len(), !self.rest.is_empty());
         Some(PhaseStep {
             substep: (self.number / count) as u32 + 1,
             substeps: self.substeps,
-            phase: ORDER[self.number % count],
-            next: left.then(|| ORDER[(self.number + 1) % count]),
+            phase: PHASE_ORDER[self.number % count],
+            next: left.then(|| PHASE_ORDER[(self.number + 1) % count]),
         })
     }
 
