@@ -6,6 +6,7 @@
 //! | `compounds` | explicit rigid bodies, and the swap between them and particles |
 //! | `contacts` | slopes, bounces, and cloth on whatever there is |
 //! | `far` | far from the origin it is as at home |
+//! | `inside` | what begins inside of something is put out and not thrown |
 //! | `poured` | a thousand boxes in a heap |
 //! | `rigid_states` | compounds that move as one rigid state within a step |
 //! | `robustness` | what must not happen, whatever a caller does |
@@ -21,6 +22,7 @@ mod analytic;
 mod compounds;
 mod contacts;
 mod far;
+mod inside;
 mod poured;
 mod rigid_states;
 mod robustness;

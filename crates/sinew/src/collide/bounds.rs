@@ -1,6 +1,8 @@
 //! Planes and boxes that hold particles and do nothing else to them (physics.md C4), and the plane that a world in 2D lies in: enforced row by row,
 //! without looking for anything beforehand. What bounces, drags, moves or is listened to is a surface (`particle_contact::surface`).
 
+use glam::Vec3;
+
 use super::Collider;
 use super::friction::push;
 use crate::constraints::{Boundaries, InsideBox, PlanarDrag, Plane, slow_down};
@@ -159,33 +161,35 @@ impl Bounds {
 }
 
 impl ClassBounds {
-    /// Puts a row on the right side of every plane and box, once, with friction; returns how far out it was, metres.
+    /// Puts a row on the right side of every plane and box, once, with friction, and of what it was in before by `recover` metres; returns how far, metres.
     #[inline]
-    pub(super) fn project(&self, places: &mut Places, row: u32) -> f32 {
+    pub(super) fn project(&self, places: &mut Places, row: u32, recover: f32) -> f32 {
         let mut worst = 0.0_f32;
         for plane in &self.planes {
             let out = plane.correction(places, row);
-            worst = worst.max(push(places, row, out, plane.friction));
+            worst = worst.max(push(places, row, out, (plane.friction, recover)));
         }
         for room in &self.boxes {
             let out = room.correction(places, row);
-            worst = worst.max(push(places, row, out, room.friction));
+            worst = worst.max(push(places, row, out, (room.friction, recover)));
         }
         worst
     }
 
+    /// The way out of each plane and each box that a row is in, metres.
+    pub(super) fn corrections(&self, places: &Places, row: u32) -> impl Iterator<Item = Vec3> {
+        let planes = self.planes.iter().map(move |plane| plane.correction(places, row));
+        planes.chain(self.boxes.iter().map(move |room| room.correction(places, row)))
+    }
+
     /// How far out a row is, metres, moving nothing.
     pub(super) fn error(&self, places: &Places, row: u32) -> f32 {
-        let planes = self.planes.iter().map(|plane| plane.correction(places, row).length());
-        let boxes = self.boxes.iter().map(|room| room.correction(places, row).length());
-        planes.chain(boxes).fold(0.0, f32::max)
+        self.corrections(places, row).map(Vec3::length).fold(0.0, f32::max)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
-
     use super::*;
     use crate::particles::ParticleSeed;
 
@@ -204,7 +208,7 @@ mod tests {
         let mut bounds = Bounds::default();
         bounds.begin(&Boundaries::default(), 1);
         bounds.hold_back(bound, |_| Some(friction));
-        bounds.of(0).project(&mut Places::all(particles), 0)
+        bounds.of(0).project(&mut Places::all(particles), 0, f32::INFINITY)
     }
 
     #[test]

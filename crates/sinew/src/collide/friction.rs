@@ -2,18 +2,27 @@
 
 use glam::Vec3;
 
+use super::particle_contact::recovered_way;
 use crate::particles::Places;
 
-/// Moves a row by the normal correction and by the friction that goes with it; returns how far out it was, metres.
+/// Moves a row by the normal correction, of which that of an overlap from before is `recover` metres at the most, and by the friction that goes with it;
+/// returns how far, metres.
 #[inline]
-pub(super) fn push(places: &mut Places, row: u32, normal_part: Vec3, coefficient: f32) -> f32 {
+pub(super) fn push(
+    places: &mut Places,
+    row: u32,
+    normal_part: Vec3,
+    (coefficient, recover): (f32, f32),
+) -> f32 {
+    let i = places.at(row);
+    let moved = (places.position[i] - places.start[i]).truncate();
+    let normal_part = recovered_way(normal_part, moved, recover);
     let depth = normal_part.length();
     // Of what is too little to be squared nothing comes.
     if depth * depth == 0.0 {
         return 0.0;
     }
-    let i = places.at(row);
-    let moved = (places.position[i] - places.start[i]).truncate() + normal_part;
+    let moved = moved + normal_part;
     let slid = moved - normal_part * (moved.dot(normal_part) / (depth * depth));
     places.displace(row, normal_part + friction(slid, depth, coefficient));
     depth
@@ -50,7 +59,7 @@ mod tests {
         let mut particles = crate::particles::Particles::default();
         let seed = crate::particles::ParticleSeed::at(Vec3::ZERO).with_velocity(Vec3::X);
         particles.push(seed).unwrap();
-        let depth = push(&mut Places::all(&mut particles), 0, Vec3::Y * 1e-30, 0.5);
+        let depth = push(&mut Places::all(&mut particles), 0, Vec3::Y * 1e-30, (0.5, 1.0));
         assert_eq!((depth, particles.position(0)), (0.0, Vec3::ZERO));
     }
 }

@@ -343,6 +343,7 @@ impl Simulation {
                 self.report.frozen.push(i as u32);
             }
         }
+        self.scratch.contacts.particle_contacts.take_off_recovery(&mut self.particles);
         let most = self.settings.clamped().max_speed;
         if most < f32::INFINITY {
             self.particles.limit_speeds(most, &mut self.report.too_fast);

@@ -230,6 +230,7 @@ impl Simulation {
         };
         scratch.contacts.use_instructions(self.instructions);
         scratch.contacts.begin((particles, &forces.surfaces), world, contact_cache);
+        scratch.contacts.particle_contacts.note_inside(particles);
     }
 
     /// Looks up the gusts on every triangle.

@@ -11,6 +11,7 @@ use super::narrow_phase::participant;
 use super::normal_solve::LEAST_LEVER;
 use super::rigid_islands::RigidIslands;
 use super::{BodyContactSolver, ContactEvent};
+use crate::collide::particle_contact::{recovered, recovery};
 use crate::particles::{NO_BODY, Particles};
 
 /// Particles near body colliders. Scratch.
@@ -175,6 +176,9 @@ impl Loose {
             let radius = particles.radius[i];
             let shape = &world.body_colliders[s].shape;
             let Some(touch) = shape.touch(from, to, radius) else { continue };
+            let recoverable = recovery(h, world.gravity);
+            let touch = recovered(touch, shape, (from, to, radius), recoverable);
+            let Some(touch) = touch else { continue };
             let n = r * touch.normal;
             let n = n + body.turn.cross(n);
             // Moments about where the substep began, which is what Verlet keeps.

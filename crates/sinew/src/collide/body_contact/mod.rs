@@ -52,6 +52,7 @@ use super::nearby::Nearby;
 use super::shape::Kind;
 use super::triangles::of_segments;
 use super::{ContactParticipant, Kept, Shape, ShapeFault, World};
+use crate::islands::Islands;
 use crate::lanes::{InstructionSet, LANES, with};
 use crate::particles::Particles;
 use bodies::{Bodies, CENTRE};
@@ -79,6 +80,8 @@ pub(crate) use rigid_islands::RigidStep;
 const RECOVERED: (f32, f32) = (200.0, 2.0);
 /// How much of that may turn into speed.
 const MAX_DEPENETRATION: (f32, f32) = (20.0, 0.1);
+/// What is so deep that it takes so long to come out, seconds, did not get there by an impact: 2 cm at ten substeps.
+const DEEP: f32 = 4e-3;
 
 /// By how much two segments must be clear of each other in the rest shape to touch at all, as a share of how thick they are: those that just touch there would
 /// press for nothing.
@@ -220,6 +223,9 @@ pub(crate) struct BodyContactSolver {
     loads: Vec<f32>,
     /// Of each row of a body collider, how deep it is in another, metres.
     deepest: Vec<f32>,
+    /// Islands in which a body collider is deep in something, and rows of those with the speeds that they came into it with, m/s.
+    deep_islands: Vec<u32>,
+    speeds: Vec<(u32, f32)>,
     impacts: Impacts,
     rigid: RigidIslands,
     /// Whether contacts were looked for since the last substep.
@@ -256,6 +262,7 @@ impl BodyContactSolver {
         h: f32,
         substep: u32,
     ) {
+        self.speeds.clear();
         if self.is_empty() || self.swept.len() != self.groups.parts.len() {
             return;
         }
@@ -304,6 +311,7 @@ impl BodyContactSolver {
             world,
             (h, max_depenetration),
         );
+        self.note_speeds(particles, world.islands, recover * (DEEP / h).max(1.0));
         self.apply_pose_deltas(particles);
         self.measure_residual(particles);
     }
@@ -356,6 +364,43 @@ impl BodyContactSolver {
             let solid = groups.sound_in(row / LANES, row % LANES)?;
             Some((groups.rows[groups.parts[solid].entries.start], left))
         })
+    }
+
+    /// Notes how fast the particles of islands came into the substep in which a body collider was deeper in than so many metres. What holds it there, pins and
+    /// limits of joints, gives way meanwhile, by ever more, and when that comes back at once it flings all of them.
+    fn note_speeds(&mut self, particles: &Particles, islands: &Islands, depth: f32) {
+        let Self { wide_contacts, groups, deep_islands, speeds, .. } = self;
+        deep_islands.clear();
+        let home = |row: u32| {
+            // What stands, and nothing, have the rows behind those of body colliders.
+            let (number, lane) = (row as usize / LANES, row as usize % LANES);
+            let solid = groups.groups.get(number).and_then(|_| groups.sound_in(number, lane))?;
+            islands.of.get(groups.rows[groups.parts[solid].entries.start] as usize).copied()
+        };
+        for wide in wide_contacts.iter().filter(|wide| wide.depenetrated != 0) {
+            let deep = (0..LANES).filter(|&lane| wide.left[lane] > depth);
+            deep_islands.extend(deep.flat_map(|i| [wide.a[i], wide.b[i]]).filter_map(home));
+        }
+        deep_islands.sort_unstable();
+        deep_islands.dedup();
+        // Rigid states have no particles that could be flung apart.
+        let rows = deep_islands.iter().map(|&number| &islands.list[number as usize]);
+        let rows = rows.filter(|island| !island.one_state);
+        let rows = rows.flat_map(|island| &islands.members[island.members.clone()]);
+        speeds.extend(rows.map(|&row| (row, particles.velocity(row as usize).length())));
+    }
+
+    /// Takes off what they have become faster by in a substep of `h` seconds, beyond the speed at which overlap is recovered, m/s, and what gravity gives.
+    fn limit_speeds(&self, particles: &mut Particles, h: f32, gravity: f32) {
+        let recovery = RECOVERED.0 * gravity * h + RECOVERED.1;
+        for &(row, speed) in &self.speeds {
+            let most = recovery.max(speed + gravity * h);
+            let velocity = &mut particles.velocity[row as usize];
+            let now = velocity.truncate();
+            if now.length() > most {
+                *velocity = (now * (most / now.length())).extend(velocity.w);
+            }
+        }
     }
 
     /// Adds the contact events of the wide contacts so far.

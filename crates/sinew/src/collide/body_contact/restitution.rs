@@ -178,6 +178,7 @@ impl BodyContactSolver {
         if any {
             self.leave(particles, h);
         }
+        self.limit_speeds(particles, h, gravity);
     }
 
     /// Reads the body colliders of some manifolds with their velocities, where the substep began, unless they have been.

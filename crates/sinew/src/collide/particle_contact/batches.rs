@@ -190,7 +190,9 @@ impl Work for TouchSurface<'_> {
             let to = is.local(&L::rows(places.position, &rows));
             let near = form.nearest(to);
             let found = near.touch(from, L::load(&batch.radius));
-            let behind = !found.in_front.bits();
+            // From behind, or out of what it was in before: one by one.
+            let deep = L::splat(contacts.recover).lt(found.depth).and(found.touching);
+            let behind = !found.in_front.bits() | deep.bits();
             let mut left = (found.touching.bits() | behind) & ((1 << batch.count) - 1);
             if left == 0 {
                 continue;

@@ -32,6 +32,8 @@ impl ParticleContacts {
         normal_impulses.clear();
         self.reaches.clear();
         self.batches.clear();
+        self.inside.clear();
+        self.set_recovery((dt / world.substeps.max(1) as f32, g));
         if self.is_empty() {
             return;
         }

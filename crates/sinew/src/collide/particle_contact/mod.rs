@@ -12,6 +12,7 @@ mod batches;
 mod broad_phase;
 mod normal_impulse;
 mod reach;
+mod recovery;
 mod restitution;
 mod surface;
 
@@ -25,8 +26,10 @@ use crate::constraints::{Boundaries, PlanarDrag, Plane};
 use crate::particles::{Particles, Places};
 
 pub(crate) use normal_impulse::{NormalImpulse, NormalImpulses};
+pub(crate) use recovery::{recovered, recovered_way, recovery};
 
 use batches::CandidateBatches;
+use recovery::InsideRow;
 use surface::{ContactSurface, SurfaceForm};
 
 /// Everything that single particles touch, for one step. Scratch.
@@ -55,6 +58,11 @@ pub(crate) struct ParticleContacts {
     /// Whether each row may come to a plane or a box that holds every particle; true of all in a world in 2D.
     bounded: Vec<bool>,
     batches: CandidateBatches,
+    /// How much of an overlap is recovered in a substep, and how much of one may turn into speed, metres.
+    recover: f32,
+    max_depenetration: f32,
+    /// Rows that were inside of something when the step began.
+    inside: Vec<InsideRow>,
     sort: broad_phase::CandidateSort,
 }
 
@@ -168,7 +176,7 @@ impl ParticleContacts {
         if self.is_solid(row) || places.position[places.at(row)].w == 0.0 {
             return 0.0;
         }
-        bounds.project(places, row)
+        bounds.project(places, row, self.recover)
     }
 
     /// Puts a row into the plane of a world in 2D; returns how far off it was, metres.
@@ -203,7 +211,8 @@ impl ParticleContacts {
             let number = candidate.surface as usize;
             let (surface, frame) = (&self.surfaces[number], &self.frames[last + number]);
             if !surface.sensor {
-                worst = worst.max(surface.depth(places, row, frame));
+                let overlap = surface.overlap(places, row, frame);
+                worst = overlap.map_or(worst, |overlap| worst.max(overlap.depth));
             }
         }
         worst
@@ -315,15 +324,25 @@ impl ParticleContacts {
         let radius = places.radius[i];
         let surface = &self.surfaces[number];
         match &surface.form {
-            SurfaceForm::Plane(plane) => ParticleContact::along(plane.correction(places, row)),
-            SurfaceForm::BoundingBox(room) => ParticleContact::along(room.correction(places, row)),
+            SurfaceForm::Plane(plane) => self.along(plane.correction(places, row), start, q),
+            SurfaceForm::BoundingBox(room) => self.along(room.correction(places, row), start, q),
             SurfaceForm::Shape(shape) => {
                 let (was, is) = self.frames_of(number, began, origin);
                 let (from, to) = (was.local(start.truncate()), is.local(q.truncate()));
-                let touched = shape.touch(from, to, radius)?;
+                let mut touched = shape.touch(from, to, radius)?;
+                if !surface.sensor {
+                    let way = (from, to, radius);
+                    touched = recovery::recovered(touched, shape, way, self.recover)?;
+                }
                 Some(ParticleContact::of(&touched, to, &[was, is], surface.moves))
             }
         }
+    }
+
+    /// Of a correction of a row that went from one place to another.
+    fn along(&self, correction: Vec3, start: Vec4, q: Vec4) -> Option<ParticleContact> {
+        let moved = (q - start).truncate();
+        ParticleContact::along(recovery::recovered_way(correction, moved, self.recover))
     }
 
     /// Where a surface is when a substep begins and when it ends, seen from an origin of rows, which keeps the digits far out.

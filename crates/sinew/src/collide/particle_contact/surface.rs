@@ -7,6 +7,7 @@ use super::super::collider::on_the_way;
 use super::super::{
     Collider, CombinedMaterial, ContactFilter, ContactParticipant, Frame, Layers, Material, Shape,
 };
+use super::ParticleContact;
 use crate::constraints::{Boundaries, InsideBox, PlanarDrag, Plane};
 use crate::particles::Places;
 
@@ -162,15 +163,21 @@ impl ContactSurface {
         on_the_way(&self.start, &self.end, share)
     }
 
-    /// How far in a row is, metres, with the surface at rest in a frame.
-    pub(super) fn depth(&self, places: &Places, row: u32, frame: &Frame) -> f32 {
+    /// How a row is in it, with the surface at rest in a frame, if it is.
+    pub(super) fn overlap(
+        &self,
+        places: &Places,
+        row: u32,
+        frame: &Frame,
+    ) -> Option<ParticleContact> {
         let i = places.at(row);
         match &self.form {
-            SurfaceForm::Plane(plane) => plane.correction(places, row).length(),
-            SurfaceForm::BoundingBox(bounding_box) => bounding_box.correction(places, row).length(),
+            SurfaceForm::Plane(plane) => ParticleContact::along(plane.correction(places, row)),
+            SurfaceForm::BoundingBox(room) => ParticleContact::along(room.correction(places, row)),
             SurfaceForm::Shape(shape) => {
                 let at = frame.seen_from(places.origin[i]).local(places.position[i].truncate());
-                shape.touch(at, at, places.radius[i]).map_or(0.0, |touched| touched.depth)
+                let touched = shape.touch(at, at, places.radius[i])?;
+                Some(ParticleContact::of(&touched, at, &[*frame; 2], false))
             }
         }
     }

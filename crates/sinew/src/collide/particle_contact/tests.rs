@@ -352,5 +352,6 @@ fn rows_in_batches_end_where_each_of_them_would_one_by_one() {
             assert!(ends(true, set) == truth, "{set:?}, round {round}");
         }
     }
-    assert!(touched > 3000, "{touched} contacts were compared");
+    // Of what is inside when the substep begins only some is put out in it.
+    assert!(touched > 2000, "{touched} contacts were compared");
 }

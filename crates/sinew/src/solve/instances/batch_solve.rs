@@ -145,6 +145,7 @@ impl<'a> BatchSolve<'a> {
             batch: &instance_batches[0],
             settings,
             planes,
+            recover: self.common.contacts.recover(),
             surfaces: surfaces.then_some(of_surfaces),
             h,
             instructions,

@@ -7,6 +7,8 @@ use crate::lanes::{LANES, Lanes, Vector, Work};
 /// Puts all particles of the bodies that are still `going` out of all planes once, with friction; returns the deepest of each body, metres.
 pub(super) struct ProjectPlanes<'a> {
     pub(super) planes: &'a [Plane],
+    /// How much of an overlap is recovered in a substep, metres.
+    pub(super) recover: f32,
     pub(super) storage: &'a mut LaneStorage,
     pub(super) going: u32,
 }
@@ -16,7 +18,7 @@ impl Work for ProjectPlanes<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> [f32; LANES] {
-        let Self { planes, storage, going } = self;
+        let Self { planes, recover, storage, going } = self;
         let (going, mut deepest) = (L::mask(going), L::zero());
         let LaneStorage { now, start, radius, ground, .. } = storage;
         for ((now, start), radius) in now.iter_mut().zip(start).zip(radius) {
@@ -28,11 +30,19 @@ impl Work for ProjectPlanes<'_> {
                 if !below.any() {
                     continue;
                 }
-                let out = normal * -height;
-                let depth = out.length();
+                let mut out = normal * -height;
+                let moved = p - Vector::of(start.load::<L>()).0;
+                let mut depth = out.length();
+                let deep = L::splat(recover).lt(depth).and(below);
+                if deep.any() {
+                    let most = L::splat(recover) - out.dot(moved) / depth;
+                    let less = out * (most.max(L::zero()) / depth);
+                    out = less.or_else(deep.and(most.lt(depth)), out);
+                    depth = out.length();
+                }
                 // Of what is too little to be squared nothing comes.
                 let below = below.and(L::zero().lt(depth * depth));
-                let moved = p - Vector::of(start.load::<L>()).0 + out;
+                let moved = moved + out;
                 let slid = moved - out * (moved.dot(out) / (depth * depth));
                 let distance = slid.length();
                 let most = L::splat(plane.friction) * depth;

@@ -17,6 +17,8 @@ pub(super) struct BatchContext<'a> {
     pub(super) batch: &'a InstanceBatch,
     pub(super) settings: &'a SolverSettings,
     pub(super) planes: &'a [Plane],
+    /// How much of an overlap is recovered in a substep, metres.
+    pub(super) recover: f32,
     /// `None` where there are none to touch.
     pub(super) surfaces: Option<SurfaceContext<'a>>,
     /// Length of the substep, seconds.
@@ -65,7 +67,7 @@ impl BatchContext<'_> {
         normal_impulses: &mut NormalImpulses,
         few: u32,
     ) {
-        let Self { settings, planes, .. } = *self;
+        let Self { settings, planes, recover, .. } = *self;
         let most = settings.max_sweeps as f32;
         let (mut kept, mut over) = (0, 0);
         while (storage.convergence.going & storage.mask()).count_ones() > few {
@@ -82,7 +84,8 @@ impl BatchContext<'_> {
                 }
             };
             if !planes.is_empty() {
-                let depth = with(self.instructions, ProjectPlanes { planes, storage, going });
+                let depth =
+                    with(self.instructions, ProjectPlanes { planes, recover, storage, going });
                 put_out(storage, depth);
             }
             if let Some(surfaces) = &self.surfaces {

@@ -1,0 +1,119 @@
+//! What is inside of something when a step begins: spawned there, led there by a pin, or covered by what moved.
+//!
+//! How far a particle is put out in a substep is how fast it leaves, by the length of that: 40 cm at once are 240 m/s. What it approached by in the substep is
+//! stopped exactly; of what it was in before, it is put out at a bounded speed, and at the end of the step it has no more of that than it began with.
+
+use glam::Vec3;
+
+use super::super::Shape;
+use super::super::ShapeTouch;
+use super::{ParticleContact, ParticleContacts};
+use crate::particles::{Particles, Places};
+
+/// How much of an overlap is recovered in a substep: so many times what gravity adds to it, and what this speed is, m/s.
+const RECOVERED: (f32, f32) = (20.0, 2.0);
+/// How much overlap at the beginning of a step may turn into speed, in the same way: what presses on particles leaves as much.
+const MAX_DEPENETRATION: (f32, f32) = (20.0, 0.1);
+
+/// A row that is inside of something when a step begins.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct InsideRow {
+    row: u32,
+    /// Unit vector out of it.
+    normal: Vec3,
+    /// How fast it was on its way out, m/s.
+    leaving: f32,
+}
+
+impl ParticleContacts {
+    /// How much overlap is recovered in each substep, metres: for substeps of `h` seconds under gravity of `g` m/s².
+    pub(super) fn set_recovery(&mut self, (h, g): (f32, f32)) {
+        self.recover = recovery(h, g);
+        self.max_depenetration = MAX_DEPENETRATION.0 * g * h * h + MAX_DEPENETRATION.1 * h;
+    }
+
+    /// How much of an overlap is recovered in a substep, metres.
+    pub(crate) fn recover(&self) -> f32 {
+        self.recover
+    }
+
+    /// Notes which rows are inside of something.
+    pub(crate) fn note_inside(&mut self, particles: &mut Particles) {
+        let mut inside = core::mem::take(&mut self.inside);
+        inside.clear();
+        let places = Places::all(particles);
+        for &row in self.reaches.iter().flat_map(|reach| &self.touching[reach.clone()]) {
+            if self.is_solid(row) || places.position[row as usize].w == 0.0 {
+                continue;
+            }
+            let deepest = self.overlaps(&places, row).max_by(|a, b| a.depth.total_cmp(&b.depth));
+            let deep = deepest.filter(|overlap| overlap.depth > self.max_depenetration);
+            inside.extend(deep.map(|ParticleContact { normal, .. }| {
+                let leaving = places.velocity[row as usize].truncate().dot(normal).max(0.0);
+                InsideRow { row, normal, leaving }
+            }));
+        }
+        self.inside = inside;
+    }
+
+    /// What a row is in when a step begins.
+    fn overlaps(&self, places: &Places, row: u32) -> impl Iterator<Item = ParticleContact> {
+        let bounds = self.bounds.of(self.classes.of(row));
+        let bounds = bounds.corrections(places, row).filter_map(ParticleContact::along);
+        let surfaces = self.of(row).filter_map(move |number| {
+            let number = self.candidates[number as usize].surface as usize;
+            let (surface, frame) = (&self.surfaces[number], &self.frames[number]);
+            if surface.sensor { None } else { surface.overlap(places, row, frame) }
+        });
+        bounds.chain(surfaces)
+    }
+
+    /// Takes off the speed that rows have come out with of what they were in when the step began.
+    pub(crate) fn take_off_recovery(&self, particles: &mut Particles) {
+        for &InsideRow { row, normal, leaving } in &self.inside {
+            let velocity = &mut particles.velocity[row as usize];
+            let gained = velocity.truncate().dot(normal) - leaving;
+            if gained > 0.0 {
+                *velocity -= (normal * gained).extend(0.0);
+            }
+        }
+    }
+}
+
+/// How much of an overlap of a particle is recovered in a substep of `h` seconds, metres.
+pub(crate) fn recovery(h: f32, g: f32) -> f32 {
+    RECOVERED.0 * g * h * h + RECOVERED.1 * h
+}
+
+/// How far a sphere that came from one point to another is put out of a shape in a substep in which so much of an overlap is recovered, metres. `None` if it is
+/// not.
+#[inline]
+pub(crate) fn recovered(
+    touched: ShapeTouch,
+    shape: &Shape,
+    (from, to, radius): (Vec3, Vec3, f32),
+    recover: f32,
+) -> Option<ShapeTouch> {
+    let most = touched.normal.dot(from - to) + recover;
+    // Round a bend it may have begun behind the plane that it touches now, and yet outside.
+    if touched.depth <= recover.max(most) || !is_inside(shape, from, radius, recover) {
+        return Some(touched);
+    }
+    (most > 0.0).then_some(ShapeTouch { depth: most, ..touched })
+}
+
+#[cold]
+fn is_inside(shape: &Shape, at: Vec3, radius: f32, recover: f32) -> bool {
+    shape.touch(at, at, radius).is_some_and(|touched| touched.depth > recover)
+}
+
+/// The same of a way out of planes and boxes.
+#[inline]
+pub(crate) fn recovered_way(out: Vec3, moved: Vec3, recover: f32) -> Vec3 {
+    let depth = out.length();
+    if depth <= recover {
+        return out;
+    }
+    let most = recover - out.dot(moved) / depth;
+    if most < depth { out * (most.max(0.0) / depth) } else { out }
+}
