@@ -46,6 +46,28 @@ fn every_scene_comes_back_from_both_formats_and_goes_on_as_it_did() {
     }
 }
 
+/// It was: what it had been built from named the entities of the app that had saved it. It hung straight again, and went on otherwise.
+#[test]
+fn a_rope_between_two_things_is_not_built_anew_when_it_is_loaded() {
+    for (format, write, read) in FORMATS {
+        let mut old = game();
+        // So that things have other numbers than in the app that loads them.
+        old.world_mut().spawn_batch([(); 64].map(|()| Name::new("nothing of ours")));
+        let hook =
+            old.world_mut().spawn((Collider::default(), Transform::from_xyz(0.0, 3.0, 0.0))).id();
+        let crate_ = (RigidBox::new(Vec3::splat(0.4)), Transform::from_xyz(1.0, 1.5, 0.0));
+        let crate_ = old.world_mut().spawn(crate_).id();
+        old.world_mut().spawn(Rope { segments: 9, ..Rope::between(hook, crate_) });
+        tick(&mut old, 20);
+        let saved = SinewSnapshot::capture(old.world());
+        let file = write(&saved, old.world());
+        let mut new = game();
+        read(&file, new.world()).unwrap().restore(new.world_mut()).unwrap();
+        assert_eq!(whole(&new), saved.hash(), "{format}: put back");
+        assert_eq!(future(&mut new, 30), future(&mut old, 30), "{format}: goes on");
+    }
+}
+
 #[test]
 fn floats_at_the_ends_of_what_there_is_come_back_bit_for_bit() {
     let floats = [-0.0, 0.0, 1e-45, -1e-45, f32::MIN_POSITIVE, f32::MAX, f32::MIN, 0.1, 1.0 / 3.0];

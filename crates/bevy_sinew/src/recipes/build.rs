@@ -82,7 +82,8 @@ impl<R: Send + Sync + 'static> Clone for AwaitsMesh<R> {
 
 /// What a body was last built from: a recipe that is put back unchanged, as a rollback does, builds nothing anew. Part of the state.
 #[derive(Component, Reflect, Clone)]
-pub(crate) struct Built<R: Send + Sync + 'static> {
+#[component(map_entities = map_built)]
+pub(crate) struct Built<R: Recipe> {
     recipe: R,
     #[reflect(ignore)]
     mesh: SourceMesh,
@@ -102,7 +103,12 @@ enum SourceMesh {
     Here(Option<AssetId<Mesh>>),
 }
 
-impl<R: Send + Sync + 'static> Built<R> {
+/// What the recipe was tied to is another entity in another app: a rope that compared its ties to those of before would be built anew.
+fn map_built<R: Recipe, M: EntityMapper>(built: &mut Built<R>, entities: &mut M) {
+    <R as Component>::map_entities(&mut built.recipe, entities);
+}
+
+impl<R: Recipe> Built<R> {
     /// Forgets which mesh it was: the body comes from another app.
     pub(crate) fn forget_mesh(&mut self) {
         self.mesh = SourceMesh::Elsewhere;
