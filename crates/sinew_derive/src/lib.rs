@@ -1,5 +1,7 @@
-//! The derive macro of `bevy_sinew`, which re-exports it: a crate of its own because the language asks for one. An enum without fields is read
-//! faster by hand than a parser for all of Rust is compiled, so it depends on nothing.
+//! The derive macro of `bevy_sinew`, which re-exports it, and the pictures of its guide: a crate of its own because the language asks for one. An enum without
+//! fields is read faster by hand than a parser for all of Rust is compiled, so it depends on nothing.
+
+mod pictures;
 
 use proc_macro::{Delimiter, Spacing, TokenStream, TokenTree};
 
@@ -74,4 +76,20 @@ fn implementation(name: &str, variants: &[String]) -> String {
     format!(
         "impl ::bevy_sinew::CollisionLayer for {name} {{ fn number(&self) -> u32 {{ match self {{ {arms} }} }} }}"
     )
+}
+
+/// The pictures of a chapter, for rustdoc, which copies no files: for each line `[name]: folder/file.jpg` of a Markdown file in `src/guide`
+/// the same line with the picture itself as a `data:` address. Put before the chapter, it is the one that counts: of two definitions Markdown takes the first.
+/// Where the chapter is read as a file, on a page of the repository or as mdBook, its own counts.
+///
+/// # Errors
+/// A chapter or a picture that is not there, and a picture that is neither JPEG nor PNG, do not compile.
+#[doc(hidden)]
+#[proc_macro]
+pub fn pictures(input: TokenStream) -> TokenStream {
+    let code = match pictures::definitions(&input.to_string()) {
+        Ok(text) => format!("{text:?}"),
+        Err(what) => format!("::core::compile_error!({what:?})"),
+    };
+    code.parse().unwrap_or_default()
 }

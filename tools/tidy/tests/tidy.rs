@@ -460,6 +460,9 @@ fn links_in_the_documents_lead_somewhere() {
         let folder = folder.parent().expect("a file is in a folder");
         for (number, line) in (1..).zip(file.text.lines()) {
             let targets = line.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+            // Pictures of the guide have a name, and below the text a line for the file.
+            let named = line.strip_prefix('[').and_then(|line| line.split_once("]: "));
+            let targets = targets.chain(named.map(|(_, target)| target));
             for target in targets.filter(|t| !t.contains("://") && !t.starts_with('#')) {
                 let path = target.split(['#', ' ']).next().unwrap_or_default();
                 if !folder.join(path).exists() {

@@ -1,4 +1,5 @@
-//! The guide: how the method works, and how to use it, chapter by chapter. The same chapters are an mdBook, `docs/guide` in the repository.
+//! The guide: how the method works, and how to use it, chapter by chapter. The same chapters are an mdBook, `docs/guide` in the repository. Their pictures are Bevy's,
+//! of the gallery.
 //!
 //! | chapter | |
 //! |---|---|
@@ -15,6 +16,7 @@
 
 macro_rules! chapters {
     ($($name:ident $file:literal),*) => {$(
+        #[cfg_attr(doc, doc = sinew_derive::pictures!($file))]
         #[doc = include_str!($file)]
         pub mod $name {}
     )*};
