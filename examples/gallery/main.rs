@@ -11,6 +11,8 @@ mod window;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use bevy::reflect::structs::{GetField, Struct};
+use bevy_sinew::SinewGizmoConfigGroup;
 use clap::Parser;
 use sinew_scenes::Scene;
 
@@ -39,13 +41,19 @@ struct Options {
     /// Open a window, record every scene (--seconds, --fps) as an animated GIF into this folder, and quit.
     #[arg(long, value_name = "DIR", conflicts_with = "screenshots")]
     films: Option<PathBuf>,
+    /// Open a window, draw every scene alone, without the panel, into this folder (640 × 400), and quit.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["screenshots", "films"])]
+    stills: Option<PathBuf>,
     /// Open a window, draw the small pictures of the list of scenes on this sheet (PNG, the names beside it as .txt), and quit; with --scene only that one is drawn anew.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["screenshots", "films"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["screenshots", "films", "stills"])]
     thumbnails: Option<PathBuf>,
     /// Open a window, do what a visitor does by real events of a pointer and of keys (X11), leave pictures in this folder, and quit; fails where anything
     /// else comes of it than should.
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["screenshots", "films", "thumbnails"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["screenshots", "films", "stills", "thumbnails"])]
     drive: Option<PathBuf>,
+    /// In a window: begin with these layers of lines shown, by their names in `SinewGizmoConfigGroup` (`contacts,forces`), instead of none.
+    #[arg(long, value_name = "LAYERS", value_delimiter = ',')]
+    lines: Vec<String>,
     /// List the scenes and quit.
     #[arg(long)]
     list: bool,
@@ -56,6 +64,7 @@ impl Options {
     fn draws_in_a_window(&self) -> bool {
         self.screenshots.is_some()
             || self.films.is_some()
+            || self.stills.is_some()
             || self.thumbnails.is_some()
             || self.drive.is_some()
     }
@@ -97,6 +106,9 @@ fn chosen(options: &Options) -> Result<Vec<&'static Scene>, String> {
     if !(1..=60).contains(&options.fps) {
         return Err("--fps must be between 1 and 60".into());
     }
+    if let Some(name) = options.lines.iter().find(|name| layers_of([name.as_str()]).is_none()) {
+        return Err(format!("there is no layer of lines \"{name}\""));
+    }
     match &options.scene {
         None => Ok(sinew_scenes::ALL.iter().collect()),
         Some(name) => match sinew_scenes::find(name) {
@@ -107,4 +119,16 @@ fn chosen(options: &Options) -> Result<Vec<&'static Scene>, String> {
             }
         },
     }
+}
+
+/// The layers of lines with those names alone; `None` where one is of no layer.
+fn layers_of<'a>(names: impl IntoIterator<Item = &'a str>) -> Option<SinewGizmoConfigGroup> {
+    let mut layers = SinewGizmoConfigGroup::default();
+    for i in 0..layers.field_len() {
+        *layers.field_at_mut(i)?.try_downcast_mut::<bool>()? = false;
+    }
+    for name in names {
+        *layers.get_field_mut::<bool>(name)? = true;
+    }
+    Some(layers)
 }

@@ -1,4 +1,4 @@
-//! Pictures of the scenes alone, without the panel, as Bevy draws them: animations for the README, and small ones for the list of scenes.
+//! Pictures of the scenes alone, without the panel, as Bevy draws them: animations for the README, pictures for the guide, and small ones for the list of scenes.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -28,6 +28,8 @@ pub(super) enum Job {
         /// How long each is, seconds; `None`: as long as the scene is worth watching.
         seconds: Option<f32>,
     },
+    /// A picture of each scene into a folder, as `NAME.png`.
+    Stills(PathBuf),
     /// One tile of each scene, on one sheet.
     Thumbnails(PathBuf),
 }
@@ -42,6 +44,7 @@ impl Job {
     fn size(&self) -> [usize; 2] {
         match self {
             Self::Films { .. } => [400, 250],
+            Self::Stills(_) => [640, 400],
             Self::Thumbnails(_) => thumbnails::TILE,
         }
     }
@@ -49,7 +52,7 @@ impl Job {
     /// Pixels of the window to a pixel of the picture, each way: beside the four samples of a pixel, so that ropes are smooth.
     fn factor(&self) -> usize {
         match self {
-            Self::Films { .. } | Self::Thumbnails(_) => 2,
+            Self::Films { .. } | Self::Stills(_) | Self::Thumbnails(_) => 2,
         }
     }
 
@@ -58,7 +61,7 @@ impl Job {
             Self::Films { fps, seconds, .. } => {
                 (seconds.unwrap_or(scene.seconds) * *fps as f32).ceil().max(1.0) as usize
             }
-            Self::Thumbnails(_) => 1,
+            Self::Stills(_) | Self::Thumbnails(_) => 1,
         }
     }
 
@@ -66,7 +69,7 @@ impl Job {
     fn stride(&self) -> Duration {
         match self {
             Self::Films { fps, .. } => Duration::from_secs_f64(1.0 / f64::from(*fps)),
-            Self::Thumbnails(_) => Duration::from_millis(125),
+            Self::Stills(_) | Self::Thumbnails(_) => Duration::from_millis(125),
         }
     }
 
@@ -74,7 +77,7 @@ impl Job {
     fn begin(&self, scene: &Scene) -> f64 {
         match self {
             Self::Films { .. } => 0.0,
-            Self::Thumbnails(_) => f64::from(scene.moment),
+            Self::Stills(_) | Self::Thumbnails(_) => f64::from(scene.moment),
         }
     }
 }
@@ -227,6 +230,17 @@ fn shoot(
                     let delay = (100.0 / *fps as f32).round().max(2.0) as u16;
                     let written = std::fs::create_dir_all(folder)
                         .and_then(|()| draw::write_gif(&path, &film, delay));
+                    if let Err(reason) = written {
+                        failed(format!("cannot write {}: {reason}", path.display()));
+                        return;
+                    }
+                    println!("{}", path.display());
+                }
+                Job::Stills(folder) => {
+                    let path = folder.join(format!("{}.png", scene.name));
+                    let written = std::fs::create_dir_all(folder).and_then(|()| {
+                        film.iter().try_for_each(|still| draw::write_png(&path, still))
+                    });
                     if let Err(reason) = written {
                         failed(format!("cannot write {}: {reason}", path.display()));
                         return;

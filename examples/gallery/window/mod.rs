@@ -13,10 +13,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;
 
 use bevy::asset::AssetPlugin;
+use bevy::gizmos::config::GizmoConfigStore;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::window::WindowResolution;
-use bevy_sinew::{MouseDragPlugin, SinewPlugins};
+use bevy_sinew::{MouseDragPlugin, SinewGizmoConfigGroup, SinewPlugins};
 use sinew_examples::assets_folder;
 use sinew_panel::{Recording, Selection};
 use sinew_scenes::{Scene, ScenesPlugin};
@@ -51,9 +52,20 @@ pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> Result<ExitCo
         fps: options.fps,
         seconds: options.seconds,
     });
-    let job = films.or_else(|| options.thumbnails.clone().map(film::Job::Thumbnails));
+    let job = films
+        .or_else(|| options.stills.clone().map(film::Job::Stills))
+        .or_else(|| options.thumbnails.clone().map(film::Job::Thumbnails));
     let opened = catch_unwind(AssertUnwindSafe(|| open(first, for_pictures, job.as_ref())));
     let mut app = opened.map_err(|_| "Bevy could not open one, see above")?;
+    if let Some(layers) = crate::layers_of(options.lines.iter().map(String::as_str))
+        && !options.lines.is_empty()
+    {
+        app.add_systems(Startup, move |mut store: ResMut<GizmoConfigStore>| {
+            let (config, shown) = store.config_mut::<SinewGizmoConfigGroup>();
+            config.enabled = true;
+            *shown = layers;
+        });
+    }
     if let Some(job) = job {
         film::add(&mut app, job, scenes.to_vec());
     } else if let Some(folder) = shots {

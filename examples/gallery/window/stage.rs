@@ -20,6 +20,11 @@ const SUN_REACH: f32 = 22.0;
 /// ambient occlusion, which Bevy has on the screen alone, where it would cost the smooth edges (it needs multisampling off).
 const SKY_REACH: f32 = 80.0;
 
+/// The lowest that the camera may look at, metres above the ground; as low as it may be itself.
+const LOWEST: f32 = 0.05;
+/// What the camera may look at: a box on the ground, metres. The ground is twice as wide.
+const ROOM: Vec3 = Vec3::new(60.0, 20.0, 60.0);
+
 /// Adds the stage to the app.
 pub(super) fn add(app: &mut App) {
     app.add_plugins(PanOrbitCameraPlugin)
@@ -48,7 +53,10 @@ fn orbit(focus: Vec3) -> PanOrbitCamera {
         focus,
         zoom_lower_limit: 0.3,
         zoom_upper_limit: Some(40.0),
-        pitch_lower_limit: Some(-0.05),
+        // Above the ground wherever a visitor turns, moves and zooms it: below, there is nothing to see.
+        pitch_lower_limit: Some(0.0),
+        focus_bounds_shape: Some(Cuboid::from_size(ROOM).into()),
+        focus_bounds_origin: Vec3::Y * (0.5 * ROOM.y + LOWEST),
         ..default()
     }
 }

@@ -40,8 +40,8 @@ pub struct SinewGizmoConfigGroup {
     /// Contacts of the last tick: a line along the normal, as long as its impulse is hard: [`METRES_PER_IMPULSE`](Self::METRES_PER_IMPULSE). Asks for the
     /// contacts of all bodies ([`WatchedContacts::all`]). Default off.
     pub contacts: bool,
-    /// What accelerates each particle, an arrow for each kind, as long as it is strong ([`METRES_PER_ACCELERATION`](Self::METRES_PER_ACCELERATION)): white gravity,
-    /// springs and the game's own, cyan wind, blue buoyancy, yellow charges; in a [half-step](crate::PhaseSteps) their sum so far. Default off.
+    /// What accelerates each particle, an arrow for each kind, as long as it is strong ([`METRES_PER_ACCELERATION`](Self::METRES_PER_ACCELERATION)), in the
+    /// colours of [`FORCES`](Self::FORCES); in a [half-step](crate::PhaseSteps) their sum so far, white. Default off.
     pub forces: bool,
     /// Angles, hinges, cones and bends, magenta. Default off.
     pub angles: bool,
@@ -83,6 +83,15 @@ impl SinewGizmoConfigGroup {
     pub const VELOCITY_SECONDS: f32 = 0.1;
     /// Length of the arrow of an acceleration, m/(m/s²): 0.2 m for gravity.
     pub const METRES_PER_ACCELERATION: f32 = 0.02;
+    /// The kinds of forces, by the [phases](crate::PhaseSystems) that sum them up, and their colours: gravity; springs, attractors and the game's own; wind and moving
+    /// air; buoyancy, drag and currents of fluids; charges and their fields.
+    pub const FORCES: [(&str, Color); 5] = [
+        ("gravity", Color::srgb(0.95, 0.95, 0.95)),
+        ("springs, own", Color::srgb(1.0, 0.5, 0.2)),
+        ("wind", Color::srgb(0.3, 0.9, 0.95)),
+        ("fluid", Color::srgb(0.25, 0.5, 1.0)),
+        ("electric", Color::srgb(1.0, 0.85, 0.2)),
+    ];
     /// Length of the line of a contact, m/(N·s), besides the 0.05 m that each has.
     pub const METRES_PER_IMPULSE: f32 = 0.1;
 }

@@ -7,13 +7,6 @@ use super::gizmos::SinewGizmoConfigGroup;
 use crate::schedule::PhaseSteps;
 use crate::world::SinewWorld;
 
-/// Colours of the forces of each phase: gravity, springs and the game's own; wind; buoyancy; charges.
-const FORCES: [Color; 4] = [
-    Color::srgb(0.95, 0.95, 0.95),
-    Color::srgb(0.3, 0.9, 0.95),
-    Color::srgb(0.25, 0.5, 1.0),
-    Color::srgb(1.0, 0.85, 0.2),
-];
 const ANGLES: Color = Color::srgb(0.95, 0.4, 0.9);
 const VOLUMES: Color = Color::srgb(0.25, 0.8, 0.65);
 
@@ -29,6 +22,8 @@ pub(super) fn draw_forces(
     phases: Res<PhaseSteps>,
 ) {
     let particles = world.particles();
+    let colors = SinewGizmoConfigGroup::FORCES.map(|(_, color)| color);
+    let gravity = world.simulation().forces.gravity;
     let mut draw = |i: usize, acceleration: Vec3, color: Color| {
         let way = acceleration * SinewGizmoConfigGroup::METRES_PER_ACCELERATION;
         // Shorter than a millimetre it is not seen.
@@ -38,14 +33,21 @@ pub(super) fn draw_forces(
         }
     };
     if phases.shown().is_some() {
-        (0..particles.len()).for_each(|i| draw(i, particles.acceleration(i), FORCES[0]));
+        (0..particles.len()).for_each(|i| draw(i, particles.acceleration(i), colors[0]));
         return;
     }
     let Some(forces) = &world.tables.forces else { return };
-    for (of_phase, color) in forces.iter().zip(FORCES) {
-        for (i, &acceleration) in of_phase.iter().enumerate().take(particles.len()) {
-            draw(i, acceleration, color);
-        }
+    for i in 0..particles.len() {
+        let [own, rest @ ..] = forces.each_ref().map(|of| of.get(i).copied().unwrap_or_default());
+        // The first phase sums up gravity and all that is not of another phase: what a particle weighs tells them apart.
+        let weight = gravity * particles.seed(i).gravity_scale;
+        // Round-off of the sum is no force.
+        let own = if (own - weight).length() > 1e-4 * weight.length() {
+            own - weight
+        } else {
+            Vec3::ZERO
+        };
+        [weight, own].into_iter().chain(rest).zip(colors).for_each(|(a, color)| draw(i, a, color));
     }
 }
 

@@ -2,7 +2,8 @@
 
 use std::any::TypeId;
 
-use bevy_egui::egui::{Grid, Ui};
+use bevy::color::ColorToPacked;
+use bevy_egui::egui::{Color32, Grid, Ui};
 use bevy_sinew::SinewGizmoConfigGroup;
 
 use crate::params::PanelParams;
@@ -89,7 +90,7 @@ fn checkboxes(ui: &mut Ui, layers: &mut SinewGizmoConfigGroup) {
         format!("Contacts along their normals, {long} m for each N·s; slows the solver a little.");
     let strong = SinewGizmoConfigGroup::METRES_PER_ACCELERATION;
     let forces = format!(
-        "Accelerations, {strong} m for each m/s²: white gravity, springs and the game's, cyan wind, blue buoyancy, yellow charges. Slows the solver."
+        "What accelerates each particle, by kinds, {strong} m for each m/s²: gravity; springs, attractors and the game's own; wind and air; fluids; charges and fields. After a half-step their sum. Slows the solver."
     );
     let all: [(&mut bool, &str, &str); 14] = [
         (&mut layers.particles, "Particles", "Balls of their radius, orange if pinned."),
@@ -118,4 +119,19 @@ fn checkboxes(ui: &mut Ui, layers: &mut SinewGizmoConfigGroup) {
             }
         },
     );
+    if layers.forces {
+        legend(ui);
+    }
+}
+
+/// Which arrow is which force, each in its colour.
+fn legend(ui: &mut Ui) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 8.0;
+        for (kind, color) in SinewGizmoConfigGroup::FORCES {
+            let [red, green, blue, _] = ColorToPacked::to_u8_array(color.to_srgba());
+            let kind = format!("— {kind}");
+            ui.colored_label(Color32::from_rgb(red, green, blue), kind);
+        }
+    });
 }

@@ -5,7 +5,7 @@ use bevy_sinew::TubeMesh;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{BodyParticles, Bound, ConstraintOf, ParticleBody, ParticleOf, RigidPose};
 
-use super::{Scene, mesh};
+use super::{Scene, mesh, post};
 use crate::lesson::values;
 use crate::readings::all_named;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
@@ -15,8 +15,8 @@ pub(super) const SCENE: Scene = Scene {
     heading: Heading::Contacts,
     title: "A chain of loops",
     about: "loops of rope hang in each other by contact alone; the lowest carries a ball of two kilograms",
-    eye: Vec3::new(1.9, 2.0, 4.4),
-    target: Vec3::new(0.0, 1.8, 0.0),
+    eye: Vec3::new(1.9, 2.3, 4.9),
+    target: Vec3::new(-0.25, 1.9, 0.0),
     seconds: 5.0,
     moment: 1.6,
     lesson: Some(Lesson {
@@ -68,6 +68,21 @@ fn spawn(world: &mut World) {
         let centre = Vec3::Y * (3.4 - n as f32 * (2.0 * RING - 2.6 * ROPE));
         let look = Look::color(colors[n % colors.len()]).roughness(0.9);
         link(world, centre, n % 2 == 1, n == 0, n == LOOPS - 1, look);
+    }
+    gallows(world, 3.4 + RING);
+}
+
+/// What the chain hangs on at a height.
+fn gallows(world: &mut World, high: f32) {
+    let wood = Look::color(0x6d5138).roughness(0.9);
+    let (radius, out) = (0.07, 0.95);
+    let top = high + radius + ROPE;
+    let stands = Transform::from_xyz(-out, 0.5 * (top + radius), 0.0);
+    let lies = Transform::from_xyz(0.1 - 0.5 * out, top, 0.0)
+        .with_rotation(Quat::from_rotation_z(core::f32::consts::FRAC_PI_2));
+    for (length, place) in [(top + radius, stands), (out + 0.2, lies)] {
+        let beam = post(world, radius, length);
+        world.spawn((InScene, beam, wood.clone(), place));
     }
 }
 
@@ -125,4 +140,6 @@ fn weight(world: &mut World, bead: Entity, from: Vec3, heavy: f32) {
         world.spawn((Particle::at(centre), Mass(heavy), Radius(0.13), ParticleOf(body))).id();
     world.spawn((DistanceConstraint::new(bead, ball, 0.22), ConstraintOf(body)));
     world.entity_mut(body).insert(RigidPose { particles: vec![ball], rest: vec![Vec3::ZERO] });
+    let string = TubeMesh { particles: vec![bead, ball], radius: 0.008, sides: 8 };
+    world.spawn((InScene, string, Look::color(0x555b61).metal()));
 }

@@ -13,10 +13,10 @@ pub(super) const SCENE: Scene = Scene {
     heading: Heading::Bodies,
     title: "Flatland",
     about: "a world in 2D: squares fall, slide and tumble, a rope swings; all of them were pushed towards the camera, and none comes",
-    eye: Vec3::new(1.5, 2.6, 8.4),
-    target: Vec3::new(-0.1, 1.45, 0.0),
+    eye: Vec3::new(1.5, 2.6, 7.8),
+    target: Vec3::new(0.05, 1.25, 0.0),
     seconds: 5.0,
-    moment: 0.9,
+    moment: 0.75,
     lesson: Some(Lesson {
         try_this: "push everything harder towards the camera, or make the slope steeper or rougher",
         watch: "a plane for all particles is one constraint each: what is pushed out of it is put back, loses that velocity, and so turns about z alone",

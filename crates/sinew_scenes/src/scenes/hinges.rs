@@ -7,7 +7,7 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{Articulated, TubeMesh};
 use bevy_sinew::{BodyParts, BodySolver, Bone, BoneJoint, GradientAt};
 
-use super::Scene;
+use super::{Scene, post};
 use crate::lesson::values;
 use crate::readings::of_place;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider};
@@ -17,8 +17,8 @@ pub(super) const SCENE: Scene = Scene {
     heading: Heading::Constraints,
     title: "Hinges, elbows, cones",
     about: "each flap stops at its red mark; the orange elbow never bends backward, the grey one does; each bone of the tail stays within 20° of the last",
-    eye: Vec3::new(1.8, 2.3, 8.4),
-    target: Vec3::new(0.2, 1.5, 0.0),
+    eye: Vec3::new(1.2, 2.1, 6.2),
+    target: Vec3::new(-0.3, 1.45, 0.0),
     seconds: 6.0,
     moment: 1.9,
     lesson: Some(Lesson {
@@ -60,6 +60,24 @@ fn spawn(world: &mut World) {
         arm(world, Vec3::new(0.4, 2.1, z), backward, color);
     }
     tail(world, Vec3::new(1.7, 2.3, 0.0), cone.to_radians());
+    rack(world);
+}
+
+/// What everything hangs on: a bar on two posts, and one across for the two arms.
+fn rack(world: &mut World) {
+    let (top, radius) = (2.43, 0.07);
+    let along = Quat::from_rotation_z(0.5 * PI);
+    let bars = [
+        (Vec3::new(-0.95, top, 0.0), along, 4.9),
+        (Vec3::new(0.4, top, 0.0), Quat::from_rotation_x(0.5 * PI), 1.26),
+        (Vec3::new(-3.4, 0.5 * top, 0.0), Quat::IDENTITY, top),
+        (Vec3::new(1.15, 0.5 * top, 0.0), Quat::IDENTITY, top),
+    ];
+    for (middle, turn, length) in bars {
+        let bar = post(world, radius, length);
+        let place = Transform::from_translation(middle).with_rotation(turn);
+        world.spawn((InScene, bar, Look::color(0x4a4f57).roughness(0.6), place));
+    }
 }
 
 fn body(world: &mut World, name: &'static str, at: Vec3, bones: Vec<Bone>, look: Look) {

@@ -12,10 +12,10 @@ pub(super) const SCENE: Scene = Scene {
     heading: Heading::Bodies,
     title: "The box of the lectures",
     about: "4 particles and 6 distances in a plane: pushed at a corner, or landing on one, it starts to turn by itself",
-    eye: Vec3::new(0.8, 2.0, 7.4),
-    target: Vec3::new(0.0, 1.45, 0.0),
+    eye: Vec3::new(0.8, 2.3, 6.6),
+    target: Vec3::new(0.0, 1.6, 0.0),
     seconds: 5.0,
-    moment: 1.0,
+    moment: 0.5,
     lesson: Some(Lesson {
         try_this: "push the blue square harder at its corner, where the red stick is, or make it lighter or smaller",
         watch: "no particle knows of a rotation: one corner is pushed, six distances hand that on to the others, and the square turns as if somebody had given it an inertia",

@@ -1,6 +1,7 @@
 //! The pointer and the keys: the X server makes events on request (its extension XTEST, which tests of windows are made with), and they come to the window
 //! as those of a mouse and a keyboard do.
 
+use std::cell::Cell;
 use std::io::IoSlice;
 
 use x11rb::CURRENT_TIME;
@@ -20,6 +21,9 @@ impl Key {
     pub(super) const H: Self = Self(43);
     pub(super) const N: Self = Self(57);
     pub(super) const SPACE: Self = Self(65);
+    pub(super) const ONE: Self = Self(10);
+    pub(super) const F5: Self = Self(71);
+    pub(super) const F9: Self = Self(75);
 
     /// The key that types a letter or a point, on the American keyboard that a virtual screen has.
     pub(super) fn of(letter: char) -> Option<Self> {
@@ -51,6 +55,8 @@ pub(super) struct Hand {
     root: Window,
     /// Where the window begins on the screen, pixels.
     origin: [i16; 2],
+    /// Where the pointer was put last, pixels of the screen.
+    at: Cell<Option<[i16; 2]>>,
 }
 
 impl Hand {
@@ -67,12 +73,17 @@ impl Hand {
         let focused = server.set_input_focus(InputFocus::PARENT, window, CURRENT_TIME);
         let focused = focused.ok().and_then(|focused| focused.check().ok());
         focused.ok_or_else(|| said("gives the window no keys"))?;
-        Ok(Self { server, opcode, root, origin: [place.dst_x, place.dst_y] })
+        Ok(Self { server, opcode, root, origin: [place.dst_x, place.dst_y], at: Cell::new(None) })
     }
 
-    /// Puts the pointer at a pixel of the window.
+    /// Puts the pointer at a pixel of the window. Where it is already, it is left alone: the window would hear of a motion as long as from the corner of
+    /// the screen (winit takes the raw place of a pointer that is put somewhere for its way), and a pressed button would turn the camera by that.
     pub(super) fn point(&self, x: f32, y: f32) -> Result<(), String> {
-        self.fake(MOTION, 0, [self.origin[0] + x as i16, self.origin[1] + y as i16])
+        let at = Some([self.origin[0] + x as i16, self.origin[1] + y as i16]);
+        if let (Some(to), false) = (at, self.at.replace(at) == at) {
+            self.fake(MOTION, 0, to)?;
+        }
+        Ok(())
     }
 
     pub(super) fn button(&self, button: u8, down: bool) -> Result<(), String> {

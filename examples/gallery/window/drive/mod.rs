@@ -66,23 +66,30 @@ pub(super) fn add(app: &mut App, folder: PathBuf) {
     });
 }
 
-/// A software renderer takes most of its time for smooth edges, shadows and the ground, which nobody looks at here.
+/// A software renderer takes most of its time for smooth edges and shadows, which nobody looks at here, and for the ground, which is in the pictures alone.
 fn draw_plainly(
     mut commands: Commands,
     cameras: Query<Entity, With<Camera>>,
-    mut meshes: Query<(&Name, &mut Visibility), With<Mesh3d>>,
+    meshes: Query<(&Name, &mut Visibility), With<Mesh3d>>,
     mut lights: Query<&mut DirectionalLight>,
     mut recording: ResMut<RecordingConfig>,
 ) {
     cameras.iter().for_each(|camera| _ = commands.entity(camera).insert(Msaa::Off));
-    for (name, mut visibility) in &mut meshes {
-        if name.as_str() == "stage ground" {
-            *visibility = Visibility::Hidden;
-        }
-    }
+    show_ground(false)(meshes);
     lights.iter_mut().for_each(|mut light| light.shadow_maps_enabled = false);
     // Each tick, though this machine should be busy with something else: Back goes back by one.
     recording.max_microseconds = u32::MAX;
+}
+
+/// Shows the ground or hides it.
+fn show_ground(shown: bool) -> impl Fn(Query<(&Name, &mut Visibility), With<Mesh3d>>) {
+    move |mut meshes| {
+        for (name, mut visibility) in &mut meshes {
+            if name.as_str() == "stage ground" {
+                *visibility = if shown { Visibility::Inherited } else { Visibility::Hidden };
+            }
+        }
+    }
 }
 
 /// Answers one question.

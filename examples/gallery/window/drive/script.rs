@@ -4,6 +4,7 @@ use std::path::Path;
 use std::thread::sleep;
 use std::time::Duration;
 
+use bevy::ecs::system::RunSystemOnce;
 use bevy::gizmos::config::GizmoConfigStore;
 use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, save_to_disk};
@@ -17,8 +18,9 @@ use sinew_panel::{DOCK_WIDTH, Recording, Replay, Selection};
 use sinew_scenes::OnStage;
 
 use super::hand::{Hand, Key, LEFT, WHEEL_DOWN, WHEEL_UP};
-use super::{AppLine, Texts};
+use super::{AppLine, Texts, show_ground};
 use crate::window::Programme;
+use crate::window::tools::Tools;
 
 /// The file that settings are saved to, in the folder of the pictures. It is typed, so its letters are those of keys that do something elsewhere:
 /// R restarts, N steps and B goes back.
@@ -46,6 +48,7 @@ pub(super) fn play(app: &AppLine, folder: &Path) -> Result<usize, String> {
     visit.cut(folder)?;
     visit.tune_save_and_load(folder)?;
     visit.plot_and_draw_lines(folder)?;
+    visit.play_save_and_load(folder)?;
     Ok(visit.looked.get())
 }
 
@@ -54,9 +57,13 @@ pub(super) fn photograph(app: &AppLine, folder: &Path, name: &str) -> Result<(),
     let path = folder.join(format!("{name}.png"));
     let _ = std::fs::remove_file(&path);
     let to = path.clone();
+    app.ask(|world| world.run_system_once(show_ground(true)).map_err(|fault| fault.to_string()))??;
+    app.frames(1)?;
     app.ask(move |world| {
         world.spawn(Screenshot::primary_window()).observe(save_to_disk(to));
     })?;
+    app.frames(1)?;
+    app.ask(|world| world.run_system_once(show_ground(false)).map_err(|fault| fault.to_string()))??;
     for _ in 0..200 {
         if path.exists() {
             return Ok(());
@@ -273,15 +280,78 @@ impl Visit<'_> {
         self.scroll_to("Velocities")?;
         self.click("Shown")?;
         self.click("Velocities")?;
+        self.click("Forces")?;
+        self.find("— gravity")?;
         let layers = |world: &mut World| {
             let store = world.resource::<GizmoConfigStore>();
             let (config, layers) = store.config::<SinewGizmoConfigGroup>();
-            config.enabled && layers.velocities
+            config.enabled && layers.velocities && layers.forces
         };
         self.check("a layer of lines is a click away", self.app.ask(layers)?)?;
         self.draw_view(true)?;
         self.app.frames(4)?;
         photograph(self.app, folder, "lines")
+    }
+
+    fn play_save_and_load(&self, folder: &Path) -> Result<(), String> {
+        self.hand.point(150.0, 400.0)?;
+        self.turn(WHEEL_UP, 60)?;
+        self.click("All together")?;
+        self.click("playground")?;
+        self.until("the playground is on", |world| {
+            world.resource::<OnStage>().scene.name == "playground"
+        })?;
+        let bodies = |world: &mut World| {
+            world.query_filtered::<(), With<BodyParticles>>().iter(world).count()
+        };
+        self.app.frames(3)?;
+        let at_first = self.app.ask(bodies)?;
+        self.hand.point(DOCK_WIDTH + 480.0, 560.0)?;
+        self.app.frames(AFTER)?;
+        self.key(Key::ONE)?;
+        self.check("the key 1 makes a box", self.app.ask(bodies)? == at_first + 1)?;
+
+        self.key(Key::SPACE)?;
+        let path = folder.join("playground.ron");
+        let _ = std::fs::remove_file(&path);
+        // Not beside the program, where a visitor may have one.
+        let file = path.clone();
+        self.app.ask(move |world| world.resource_mut::<Tools>().path = file)?;
+        self.key(Key::F5)?;
+        self.check("F5 saves everything", path.exists())?;
+        self.find("Saved playground.ron")?;
+        // Bit for bit: what is compared are the positions of all particles.
+        let places = |world: &mut World| {
+            let mut all: Vec<[u32; 3]> = world
+                .query::<&Particle>()
+                .iter(world)
+                .map(|particle| particle.position.to_array().map(f32::to_bits))
+                .collect();
+            all.sort_unstable();
+            all
+        };
+        let saved = self.app.ask(places)?;
+        self.key(Key::SPACE)?;
+        self.key(Key::ONE)?;
+        self.app.frames(8)?;
+        self.check("then there is another box", self.app.ask(bodies)? == at_first + 2)?;
+        self.key(Key::SPACE)?;
+        self.check("and all has moved", self.app.ask(places)? != saved)?;
+        self.key(Key::F9)?;
+        self.find("Loaded playground.ron")?;
+        self.check("F9 brings back the bodies", self.app.ask(bodies)? == at_first + 1)?;
+        self.check("where they were", self.app.ask(places)? == saved)?;
+        self.app.ask(|world| {
+            let mut store = world.resource_mut::<GizmoConfigStore>();
+            store.config_mut::<SinewGizmoConfigGroup>().0.enabled = false;
+        })?;
+        self.draw_view(true)?;
+        photograph(self.app, folder, "playground")?;
+        self.draw_view(false)?;
+        // It goes on from there.
+        self.key(Key::SPACE)?;
+        self.app.frames(8)?;
+        self.check("and from there it goes on", self.app.ask(places)? != saved)
     }
 
     fn check(&self, what: &str, is: bool) -> Result<(), String> {

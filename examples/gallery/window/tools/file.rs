@@ -1,6 +1,7 @@
 //! Everything saved and loaded: the whole state of the simulation, as text.
 
 use std::fs;
+use std::path::Path;
 
 use bevy::prelude::*;
 use bevy_sinew::{
@@ -20,7 +21,7 @@ pub(super) fn save(world: &mut World) -> String {
         fs::write(&path, text).map_err(|fault| fault.to_string()).map(|()| size)
     });
     match saved {
-        Ok(size) => format!("Saved {} ({} kB).", path.display(), size.div_ceil(1000)),
+        Ok(size) => format!("Saved {} ({} kB).", told(&path), size.div_ceil(1000)),
         Err(fault) => format!("Not saved: {fault}."),
     }
 }
@@ -53,5 +54,12 @@ pub(super) fn load(world: &mut World) -> String {
     world.resource_mut::<MouseDrag>().grabbed = None;
     world.resource_mut::<Recording>().clear();
     world.resource_mut::<Selection>().clear();
-    format!("Loaded {}.", path.display())
+    format!("Loaded {}.", told(&path))
+}
+
+/// The name of the file first: of a long line that is what is seen.
+fn told(path: &Path) -> String {
+    let name = path.file_name().map(|name| name.to_string_lossy());
+    let folder = path.parent().unwrap_or(Path::new("."));
+    format!("{} in {}", name.unwrap_or_default(), folder.display())
 }

@@ -133,7 +133,7 @@ pub(super) struct Tools {
     /// How many bodies were spawned: each has a colour of its own.
     spawned: usize,
     /// The file.
-    path: PathBuf,
+    pub(super) path: PathBuf,
     /// What came of it last.
     said: String,
 }
