@@ -17,6 +17,9 @@ const BOXES: u32 = 32;
 /// Boxes along an edge of their heap: P5's thousand.
 pub(super) const HEAP: u32 = 10;
 
+/// Boxes along an edge of those in free flight.
+const FLIGHT: u32 = 16;
+
 /// Ragdolls along a side of their square.
 const DOLLS: u32 = 10;
 
@@ -38,12 +41,22 @@ pub fn side_by_side(effort: &Effort) -> Vec<Row> {
     let heaped = |ours, theirs, note| heaped(effort, [ours, theirs], note);
     vec![
         row.noted(note),
+        in_flight(effort),
         heaped(10, peers::SUBSTEPS, note),
         heaped(4, 4, equal),
         heaped(10, 10, equal),
         calm::heaps(effort, 4),
         calm::heaps(effort, 10),
     ]
+}
+
+/// Boxes in free flight that turn and touch nothing, with all that they would collide by.
+fn in_flight(effort: &Effort) -> Row {
+    let world = flying(FLIGHT);
+    let (count, settings) = (world.distances().len(), world.settings);
+    let row = Row::new("P5", format!("{} boxes in free flight", FLIGHT.pow(3)), Unit::Tick);
+    let row = row.sized(count, settings.substeps, settings.max_sweeps);
+    Race::alone(Ours(world)).run(effort, 1, row).noted("default settings; goal: 2 ms")
 }
 
 /// The heap with so many substeps, and so many of the rival.
@@ -112,6 +125,22 @@ pub fn heap(edge: u32) -> Simulation {
     for place in stacked(edge) {
         let cube = cube.transformed(Quat::IDENTITY, place);
         cube.build_colliding(&mut world, contacts).expect("the recipe is sound");
+    }
+    world
+}
+
+/// `edge³` cubes of 1 m and 1 kg, 3 m apart, that fly up side by side and turn.
+pub fn flying(edge: u32) -> Simulation {
+    let mut world = Simulation::default();
+    let cube = box_3d(&BoxSpec::default()).expect("the box is sound");
+    let spin = Vec3::new(1.0, 2.0, 0.5);
+    for place in stacked(edge) {
+        let cube = cube.transformed(Quat::IDENTITY, place * 3.0);
+        let rows = cube.build_colliding(&mut world, BodyContacts::default());
+        for i in rows.expect("the recipe is sound") {
+            let arm = world.particles.position(i) - place * 3.0;
+            world.particles.set_velocity(i, Vec3::Y * 5.0 + spin.cross(arm));
+        }
     }
     world
 }

@@ -77,6 +77,31 @@ fn is_frequency(softness: Softness) -> bool {
     matches!(softness, Softness::Frequency { .. })
 }
 
+/// What the shares of one packed compliance are in a single sweep, as long as the same one is asked for.
+pub(super) struct Shares {
+    each: [f32; LANES],
+    number: u32,
+    sweeps: u32,
+}
+
+impl Shares {
+    /// Of so many sweeps in a substep.
+    #[inline(always)]
+    pub(super) fn new(sweeps: u32) -> Self {
+        Self { each: [1.0; LANES], number: u32::MAX, sweeps }
+    }
+
+    /// Those of the packed compliance of a number.
+    #[inline(always)]
+    pub(super) fn of(&mut self, number: u32, packed: &PackedCompliance) -> &[f32; LANES] {
+        if number != self.number {
+            self.each = if packed.shares { packed.each(self.sweeps) } else { [1.0; LANES] };
+            self.number = number;
+        }
+        &self.each
+    }
+}
+
 impl PackedCompliance {
     pub(super) fn of(softness: [Softness; LANES], bound: [Bound; LANES]) -> Self {
         let flags = |holds: [bool; LANES]| holds.map(|holds| f32::from(u8::from(holds)));
@@ -118,7 +143,7 @@ impl PackedCompliance {
 
     /// `1 - (1-k)^(1/n)` of each.
     #[cold]
-    pub(super) fn each(&self, sweeps: u32) -> [f32; LANES] {
+    fn each(&self, sweeps: u32) -> [f32; LANES] {
         let mut each = [1.0; LANES];
         for lane in 0..LANES {
             each[lane] = if lane > 0 && self.share[lane] == self.share[lane - 1] {

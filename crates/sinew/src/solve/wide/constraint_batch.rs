@@ -2,7 +2,7 @@
 
 use core::slice::ChunksMut;
 
-use super::compliance::{Asks, PackedCompliance, compliance};
+use super::compliance::{Asks, PackedCompliance, Shares, compliance};
 use super::particle_access::{GatheredParticles, ParticleAccess};
 use super::{each, less, load_sums, store_sums};
 use crate::constraints::{Constraint, SubstepContext, Wide};
@@ -86,24 +86,17 @@ impl<W: Wide<N>, const N: usize> Work for SweepBatch<'_, '_, W, N> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
         let Self { blocks, compliances, places, mut multipliers, substep_context } = self;
-        let (mut each, mut each_of) = ([1.0; LANES], u32::MAX);
+        let mut shares = Shares::new(substep_context.sweeps);
         let mut worst = L::zero();
         for block in blocks {
             let multipliers = multipliers.as_mut().and_then(Iterator::next);
             let packed_compliance = &compliances[block.eight.packed_compliance as usize];
-            if block.eight.packed_compliance != each_of {
-                each = if packed_compliance.shares {
-                    packed_compliance.each(substep_context.sweeps)
-                } else {
-                    [1.0; LANES]
-                };
-                each_of = block.eight.packed_compliance;
-            }
+            let each = shares.of(block.eight.packed_compliance, packed_compliance);
             let mut room = [[0; LANES]; N];
             let rows = less(&block.rows, places.first, &mut room);
             let (position, start) = (&mut *places.position, places.start);
             let mut particles = GatheredParticles { rows, position, start };
-            let context = (packed_compliance, &each, substep_context.h, L::zero());
+            let context = (packed_compliance, each, substep_context.h, L::zero());
             worst =
                 project::<L, W, N>(&block.eight, context, &mut particles, multipliers).max(worst);
         }

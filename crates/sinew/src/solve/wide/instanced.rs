@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use super::compliance::PackedCompliance;
+use super::compliance::{PackedCompliance, Shares};
 use super::constraint_batch::{self, WideConstraint};
 use super::distance_batch::{self, WideDistance};
 use super::particle_access::ParticleAccess;
@@ -285,22 +285,16 @@ impl<E: InstancedKernel<N>, const N: usize> Work for SweepInstanced<'_, E, N> {
     fn run<L: Lanes>(self) -> [LaneValues; 2] {
         let Self { list, compliances, task } = self;
         let Task { now, start, multipliers, substep_context, aside, worst } = task;
-        let (mut each, mut each_of) = ([1.0; LANES], u32::MAX);
+        let mut shares = Shares::new(substep_context.sweeps);
         let (aside, mut worst) = (L::mask(aside), (L::load(&worst), L::zero()));
         let mut multipliers = multipliers.map(|all| all.iter_mut());
         for own in list {
-            let packed_compliance = &compliances[own.eight.packed_compliance() as usize];
-            if own.eight.packed_compliance() != each_of {
-                each = if packed_compliance.shares {
-                    packed_compliance.each(substep_context.sweeps)
-                } else {
-                    [1.0; LANES]
-                };
-                each_of = own.eight.packed_compliance();
-            }
+            let number = own.eight.packed_compliance();
+            let packed_compliance = &compliances[number as usize];
+            let each = shares.of(number, packed_compliance);
             let sums = multipliers.as_mut().and_then(Iterator::next).map(|sums| &mut sums[..]);
             let mut particles = InstancedParticles { at: &own.at, now, start };
-            let context = (packed_compliance, &each, substep_context.h, aside);
+            let context = (packed_compliance, each, substep_context.h, aside);
             let (error, share) = own.eight.project::<L>(context, &mut particles, sums);
             worst = (error.max(worst.0), share.max(worst.1));
         }
