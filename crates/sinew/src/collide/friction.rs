@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::particle_contact::recovered_way;
+use super::recovery::recovered_way;
 use crate::particles::Places;
 
 /// Moves a row by the normal correction, of which that of an overlap from before is `recover` metres at the most, and by the friction that goes with it;

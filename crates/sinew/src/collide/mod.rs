@@ -16,6 +16,7 @@
 //! | `manifold` | where two shapes touch |
 //! | `body_contact` | compounds that collide by their shape, ropes by their segments |
 //! | `friction` | Coulomb's law in positions |
+//! | `recovery` | how much of an overlap a particle is put out by in a substep |
 //! | `stage` | all of it in its order |
 //! | `impact` | what has touched what, for the report |
 //! | `words` | what has private parts as plain words, to be stored |
@@ -33,6 +34,7 @@ mod material;
 mod nearby;
 mod pairs;
 mod particle_contact;
+mod recovery;
 mod shape;
 mod stage;
 mod triangles;

@@ -3,6 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use super::super::nearby::Nearby;
+use super::super::recovery::{recovered, recovery};
 use super::super::{CombinedMaterial, ContactParticipant, World};
 use super::bodies::{Bodies, CENTRE, ROTATION, SHIFT, TURN, rotation};
 use super::broad_phase::SweptBounds;
@@ -11,7 +12,6 @@ use super::narrow_phase::participant;
 use super::normal_solve::LEAST_LEVER;
 use super::rigid_islands::RigidIslands;
 use super::{BodyContactSolver, ContactEvent};
-use crate::collide::particle_contact::{recovered, recovery};
 use crate::particles::{NO_BODY, Particles};
 
 /// Particles near body colliders. Scratch.

@@ -10,9 +10,9 @@
 
 mod batches;
 mod broad_phase;
+mod inside;
 mod normal_impulse;
 mod reach;
-mod recovery;
 mod restitution;
 mod surface;
 
@@ -21,15 +21,15 @@ use glam::{Vec3, Vec4};
 use super::body_classes::BodyClasses;
 use super::bounds::{Bounds, ClassBounds};
 use super::friction::friction;
+use super::recovery::{recovered, recovered_way};
 use super::{Collider, CombinedMaterial, ContactFilter, Frame, ShapeTouch};
 use crate::constraints::{Boundaries, PlanarDrag, Plane};
 use crate::particles::{Particles, Places};
 
 pub(crate) use normal_impulse::{NormalImpulse, NormalImpulses};
-pub(crate) use recovery::{recovered, recovered_way, recovery};
 
 use batches::CandidateBatches;
-use recovery::InsideRow;
+use inside::InsideRow;
 use surface::{ContactSurface, SurfaceForm};
 
 /// Everything that single particles touch, for one step. Scratch.
@@ -332,7 +332,7 @@ impl ParticleContacts {
                 let mut touched = shape.touch(from, to, radius)?;
                 if !surface.sensor {
                     let way = (from, to, radius);
-                    touched = recovery::recovered(touched, shape, way, self.recover)?;
+                    touched = recovered(touched, shape, way, self.recover)?;
                 }
                 Some(ParticleContact::of(&touched, to, &[was, is], surface.moves))
             }
@@ -342,7 +342,7 @@ impl ParticleContacts {
     /// Of a correction of a row that went from one place to another.
     fn along(&self, correction: Vec3, start: Vec4, q: Vec4) -> Option<ParticleContact> {
         let moved = (q - start).truncate();
-        ParticleContact::along(recovery::recovered_way(correction, moved, self.recover))
+        ParticleContact::along(recovered_way(correction, moved, self.recover))
     }
 
     /// Where a surface is when a substep begins and when it ends, seen from an origin of rows, which keeps the digits far out.
