@@ -2,11 +2,11 @@
 
 use glam::{Vec3, Vec4};
 
-use crate::Simulation;
 use crate::collide::{BodyContacts, Collider, Frame};
 use crate::constraints::{Boundaries, Points, Softness};
 use crate::hash::fnv;
 use crate::islands::Island;
+use crate::simulation::Simulation;
 use crate::solve::GroupKind;
 
 /// Parts that are added up, so that their order does not matter, and how each is told from the others.
