@@ -13,7 +13,7 @@ use bevy_sinew::{
 use crate::support::TICK;
 
 /// Ticks before counting begins: lists have grown, and what falls has come to lie.
-const WARM: u32 = 240;
+const WARM: u32 = 480;
 /// Ticks counted.
 const COUNTED: u32 = 30;
 

@@ -31,6 +31,7 @@ pub(crate) fn choices(input: &mut Input, settings: SolverSettings) -> SolverSett
         max_speed: settings.max_speed,
         keep_spin: input.flag(),
         tethers: input.flag(),
+        microsteps: !input.rarely(4),
         statics: input.rarely(16),
         ..settings
     }

@@ -18,7 +18,7 @@ pub struct SolverConfig {
     /// Substeps in a tick, 1 to 256. Default 10, which is meant for all that is soft. Boxes and ragdolls do with 4, in half the time;
     /// [`SolverSettings::substeps`] says what that costs.
     pub substeps: u32,
-    /// The most sweeps over all constraints in a substep, 1 to 1000. Default 4.
+    /// The most sweeps over all constraints in a substep, 1 to 1000. Default 4. Large cloth takes them as [`microsteps`](Self::microsteps).
     pub max_sweeps: u32,
     /// Error in metres at which a substep stops sweeping early, 0 or more. Default 1e-4.
     pub tolerance: f32,
@@ -35,6 +35,9 @@ pub struct SolverConfig {
     /// Whether what hangs on a pin is also held to it by tethers ([`SolverSettings::tethers`](sinew::SolverSettings::tethers)), so that cloth and long ropes do
     /// not stretch under their weight or in a wind. Default so.
     pub tethers: bool,
+    /// Whether large cloth takes its sweeps as smaller substeps of its own ([`SolverSettings::microsteps`](sinew::SolverSettings::microsteps)), which holds it
+    /// as well at half of the work. Default so.
+    pub microsteps: bool,
     /// Whether velocities are forgotten in every substep, so that everything walks to rest: the lectures' statics. Default not.
     pub statics: bool,
     /// Whether the time that each body takes is measured, for its [`BodyReport`](crate::BodyReport). Default not.
@@ -132,6 +135,7 @@ impl Default for SolverConfig {
             max_speed: settings.max_speed,
             keep_spin: settings.keep_spin,
             tethers: settings.tethers,
+            microsteps: settings.microsteps,
             statics: settings.statics,
             timed: settings.timed,
             threads: true,
@@ -151,6 +155,7 @@ impl From<SolverConfig> for SolverSettings {
             max_speed: config.max_speed,
             keep_spin: config.keep_spin,
             tethers: config.tethers,
+            microsteps: config.microsteps,
             statics: config.statics,
             timed: config.timed,
         }

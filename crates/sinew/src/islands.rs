@@ -41,14 +41,25 @@ pub(crate) struct Island {
     pub(crate) one_state: bool,
     /// Which of the plan's tethers are its own.
     pub(crate) tethers: Option<u32>,
-    /// How it is solved in this step: the world's settings, and those of the bodies in it.
+    /// Whether a part of it collides as a rigid shape.
+    pub(crate) has_solids: bool,
+    /// Whether a spring pulls on it in this step.
+    pub(crate) has_springs: bool,
+    /// How it is solved in this step: the world's settings, and those of the bodies in it; the sweeps are those of a microstep.
     pub(crate) settings: SolverSettings,
+    /// The microsteps that it takes in each substep, 1 or more.
+    pub(crate) microsteps: u32,
 }
 
 impl Island {
     /// Whether nobody is to sweep its constraints in this step.
     pub(crate) fn is_left_alone(&self) -> bool {
         self.asleep || self.one_state
+    }
+
+    /// Whether it goes through each substep in several microsteps.
+    pub(crate) fn takes_microsteps(&self) -> bool {
+        self.microsteps > 1 && !self.is_left_alone()
     }
 }
 

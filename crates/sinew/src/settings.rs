@@ -27,7 +27,8 @@ pub struct SolverSettings {
     /// Boxes and ragdolls do with 4 at 60 ticks a second, in half the time: a thousand boxes of 1 m dropped in layers lie as still, the deepest
     /// corner 3 mm in another box instead of 0.5; of ragdolls on stairs, bones yield by 7 % at worst instead of 2.4, and fewer fall asleep.
     pub substeps: u32,
-    /// The most sweeps over all constraints in a substep (the lectures' `N_MAX`), 1 to 1000, default 4.
+    /// The most sweeps over all constraints in a substep (the lectures' `N_MAX`), 1 to 1000, default 4. Large cloth takes them as
+    /// [`microsteps`](Self::microsteps).
     pub max_sweeps: u32,
     /// Error in metres at which an island stops being swept early in a substep, 0 or more, default 1e-4. A negative or non-finite one counts as 0.
     pub tolerance: f32,
@@ -48,6 +49,11 @@ pub struct SolverSettings {
     /// cloth and long ropes hang by their pins and not by how often they are swept. What is solved to the end is the same without. Only where corrections
     /// are along [`GradientAt::Current`] and in [`Order::GaussSeidel`], and in islands of more than 64 particles. Default so.
     pub tethers: bool,
+    /// Whether large cloth takes its sweeps as smaller substeps of its own (microsteps, or multirate integration): half as many of one sweep each, down to 1/2500
+    /// s, which hold it as well at half of the work. Only where corrections are along [`GradientAt::Current`] and in [`Order::GaussSeidel`], by Verlet, in
+    /// islands of more than 64 particles with distances and bends alone, more than two for each particle, and no springs. Forces are those of the
+    /// substep. Default so.
+    pub microsteps: bool,
     /// Whether velocities are forgotten in every substep, so that the state walks to rest (the lectures' statics, physics.md F9). Default not.
     pub statics: bool,
     /// Whether the time that each island takes is measured, for the report. It never changes a result. Default not.
@@ -66,6 +72,7 @@ impl Default for SolverSettings {
             max_speed: 500.0,
             keep_spin: true,
             tethers: true,
+            microsteps: true,
             statics: false,
             timed: false,
         }

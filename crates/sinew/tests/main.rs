@@ -7,6 +7,7 @@
 //! | `contacts` | slopes, bounces, and cloth on whatever there is |
 //! | `far` | far from the origin it is as at home |
 //! | `inside` | what begins inside of something is put out and not thrown |
+//! | `microsteps` | large cloth takes steps of its own within a substep |
 //! | `poured` | a thousand boxes in a heap |
 //! | `rigid_states` | compounds that move as one rigid state within a step |
 //! | `robustness` | what must not happen, whatever a caller does |
@@ -23,6 +24,7 @@ mod compounds;
 mod contacts;
 mod far;
 mod inside;
+mod microsteps;
 mod poured;
 mod rigid_states;
 mod robustness;

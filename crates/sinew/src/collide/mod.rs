@@ -52,7 +52,9 @@ pub(crate) use filter::ContactFilter;
 pub(crate) use impact::Impacts;
 pub(crate) use manifold::{Broad, Scratch as ManifoldScratch, collide};
 pub(crate) use pairs::Pairs;
-pub(crate) use particle_contact::{BatchContacts, NormalImpulse, NormalImpulses, ParticleContacts};
+pub(crate) use particle_contact::{
+    BatchContacts, InstantSpan, NormalImpulse, NormalImpulses, ParticleContacts,
+};
 pub(crate) use shape::{AtStart, Obstacle, SweepHit, Way};
 pub(crate) use shape::{Kind as ShapeKind, ShapeTouch};
 pub(crate) use stage::{Contacts, World};

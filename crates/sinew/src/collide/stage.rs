@@ -69,7 +69,9 @@ impl Contacts {
         let World { boundaries, colliders, filter, substeps, dt, gravity, .. } = world;
         self.impacts.clear();
         self.set_aside(particles, filter);
-        self.particle_contacts.take(particles, (boundaries, colliders), filter, substeps);
+        let microsteps = world.islands.list.iter().map(|island| island.microsteps).max();
+        let instants = (substeps, microsteps.unwrap_or(1).max(1));
+        self.particle_contacts.take(particles, (boundaries, colliders), filter, instants);
         self.particle_contacts.set_solid(&self.aside);
         self.particle_contacts.broad_phase(
             particles,
@@ -156,10 +158,10 @@ impl Contacts {
         self.body_contact.keep(contact_cache);
     }
 
-    /// What has touched what in a step with substeps of `h` seconds.
-    pub(crate) fn report(&mut self, particles: &Particles, h: f32) -> &[Impact] {
+    /// What has touched what in a step.
+    pub(crate) fn report(&mut self, particles: &Particles) -> &[Impact] {
         let mut normal_impulses = super::NormalImpulses::all(&mut self.normal_impulses);
-        self.particle_contacts.report(particles, &mut normal_impulses, h, &mut self.impacts);
+        self.particle_contacts.report(particles, &mut normal_impulses, &mut self.impacts);
         self.body_contact.report(&mut self.impacts);
         self.pairs.report(&mut self.impacts);
         self.triangles.report(&mut self.impacts);

@@ -47,11 +47,11 @@ mod wide;
 use core::ops::Range;
 
 use crate::lanes::with;
-use crate::particles::Particles;
+use crate::particles::{Particles, Places};
 use crate::threads::{ExecutionContext, TASKS, each};
 
 pub(crate) use columns::{Moving, Pass, StepConstants};
-pub(crate) use wide::{Derive, Predict, loss};
+pub(crate) use wide::{Derive, Motion, Predict, loss};
 
 /// How a world steps through time. [`integrate`](crate::integrate) compares them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -77,22 +77,33 @@ impl Integrator {
     }
 }
 
+/// Consecutive rows that step alike.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct StepRows {
+    pub(crate) rows: Range<usize>,
+    /// Microsteps in a substep, 1 or more.
+    pub(crate) microsteps: u32,
+}
+
 /// Predicts the next position of every particle in some rows that can move, from its acceleration, over a substep of `h` seconds.
 ///
 /// Afterwards [`Particles::start`] is where the substep began, and the velocity is the one that led from there to the prediction. A particle
-/// of infinite mass stays where it is. Other rows may be changed, too: whoever leaves them out writes them.
+/// of infinite mass stays where it is. Rows that take several microsteps go through the first. Other rows may be changed, too: whoever leaves them out
+/// writes them.
 pub(crate) fn predict(
     particles: &mut Particles,
     integrator: Integrator,
     h: f32,
-    rows: &[Range<usize>],
+    rows: &[StepRows],
     execution: ExecutionContext,
 ) {
     // The other integrators are rare.
     if integrator == Integrator::Verlet {
-        let mut all = Predict::all(particles, h);
-        for rows in rows {
-            predict_all(all.lend(rows.clone()), execution);
+        let (places, mut motion) = Motion::all(particles);
+        let Places { position, start, velocity, .. } = places;
+        for StepRows { rows, microsteps } in rows.iter().cloned() {
+            let columns = [&mut *position, &mut *start, &mut *velocity];
+            predict_all(motion.predict(columns, rows, h / microsteps as f32), execution);
         }
     } else {
         kicks::predict(particles, integrator, h);
@@ -135,6 +146,10 @@ mod tests {
     const MACHINE: ExecutionContext =
         ExecutionContext { instructions: InstructionSet::Simd128, workers: None };
 
+    fn all(rows: usize) -> [StepRows; 1] {
+        [StepRows { rows: 0..rows, microsteps: 1 }]
+    }
+
     /// They were stepped one by one, all of a world in which a brook flowed somewhere.
     #[test]
     fn what_a_current_drags_along_is_stepped_in_lanes_to_the_bits_of_one_by_one() {
@@ -155,13 +170,7 @@ mod tests {
             let (mut one, mut other) = (world.clone(), world.clone());
             let execution = ExecutionContext { instructions: sets, workers: None };
             for _ in 0..3 {
-                predict(
-                    &mut one,
-                    Integrator::Verlet,
-                    0.01,
-                    core::slice::from_ref(&(0..31)),
-                    execution,
-                );
+                predict(&mut one, Integrator::Verlet, 0.01, &all(31), execution);
                 kicks::predict(&mut other, Integrator::Verlet, 0.01);
             }
             for i in 0..31 {
@@ -195,7 +204,7 @@ mod tests {
     }
 
     fn step(particles: &mut Particles, h: f32) {
-        predict(particles, Integrator::Verlet, h, core::slice::from_ref(&(0..1)), MACHINE);
+        predict(particles, Integrator::Verlet, h, &all(1), MACHINE);
         derive_all(particles, Integrator::Verlet, h);
     }
 
@@ -270,7 +279,7 @@ mod tests {
             particles.clear_sums(0.0);
             let pull = -particles.position(0);
             particles.add_acceleration(0, pull);
-            predict(&mut particles, integrator, h, core::slice::from_ref(&(0..1)), MACHINE);
+            predict(&mut particles, integrator, h, &all(1), MACHINE);
             derive_all(&mut particles, integrator, h);
         }
         let x = particles.position(0);
@@ -315,7 +324,7 @@ mod tests {
             let integrator = if step % 20 < 10 { Integrator::Verlet } else { Integrator::Leapfrog };
             particles.clear_sums(0.0);
             particles.accelerate_all(G);
-            predict(&mut particles, integrator, h, core::slice::from_ref(&(0..1)), MACHINE);
+            predict(&mut particles, integrator, h, &all(1), MACHINE);
             derive_all(&mut particles, integrator, h);
         }
         let exact = 4.0 * 1.5 - 0.5 * 9.81 * 1.5 * 1.5;

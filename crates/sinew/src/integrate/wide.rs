@@ -5,7 +5,7 @@ use core::ops::Range;
 use glam::{Vec3, Vec4};
 
 use crate::lanes::{Lanes, Work};
-use crate::particles::Particles;
+use crate::particles::{Particles, Places};
 
 /// Some consecutive particles, to be predicted. All columns are of one length; `acceleration`, `damping`, `medium` and `drift` may be empty for zeros, and
 /// `damping` may have one number for all.
@@ -39,24 +39,79 @@ pub(crate) struct Derive<'a> {
     pub(crate) lag: f32,
 }
 
-impl<'a> Predict<'a> {
-    /// All particles of a world, over a substep of `h` seconds.
-    pub(super) fn all(particles: &'a mut Particles, h: f32) -> Self {
+/// What a prediction needs of some consecutive particles beside their places: all columns but those, as [`Predict`] has them.
+pub(crate) struct Motion<'a> {
+    pub(crate) rounding: &'a mut [Vec4],
+    pub(crate) acceleration: &'a [Vec4],
+    pub(crate) damping: &'a [f32],
+    pub(crate) medium: &'a [f32],
+    pub(crate) drift: &'a [Vec3],
+    pub(crate) common: Vec4,
+    pub(crate) air: f32,
+}
+
+impl<'a> Motion<'a> {
+    /// Of all particles of a world, with their places.
+    pub(crate) fn all(particles: &'a mut Particles) -> (Places<'a>, Self) {
+        let Particles { position, start, origin, radius, velocity, rounding, .. } = particles;
         let damping = match &particles.column_summary.damping {
             Some(all) => core::slice::from_ref(all),
             None => &particles.damping,
         };
-        Self {
-            position: &mut particles.position,
-            start: &mut particles.start,
-            velocity: &mut particles.velocity,
-            rounding: &mut particles.rounding,
+        let motion = Self {
+            rounding,
             acceleration: if particles.acceleration_dirty { &particles.acceleration } else { &[] },
             damping,
             medium: if particles.medium_dirty { &particles.medium } else { &[] },
             drift: &particles.drift,
             common: particles.common.extend(0.0),
             air: particles.air,
+        };
+        (Places { first: 0, position, start, origin, radius, velocity }, motion)
+    }
+
+    /// Those before a row, and the others.
+    pub(crate) fn split_at(self, row: usize) -> (Self, Self) {
+        let (rounding, roundings) = self.rounding.split_at_mut(row);
+        let others = row..row + roundings.len();
+        let Self { acceleration, damping, medium, drift, common, air, .. } = self;
+        let part = |rounding: &'a mut [Vec4], rows: Range<usize>| Self {
+            rounding,
+            acceleration: acceleration.get(rows.clone()).unwrap_or_default(),
+            damping: if damping.len() < 2 { damping } else { &damping[rows.clone()] },
+            medium: medium.get(rows.clone()).unwrap_or_default(),
+            drift: drift.get(rows).unwrap_or_default(),
+            common,
+            air,
+        };
+        (part(rounding, 0..row), part(roundings, others))
+    }
+
+    /// The same, lent on.
+    pub(crate) fn lend(&mut self) -> Motion<'_> {
+        Motion { rounding: self.rounding, ..*self }
+    }
+
+    /// The prediction of some of its rows over `h` seconds. The places begin with the same row.
+    #[inline(always)]
+    pub(crate) fn predict<'b>(
+        &'b mut self,
+        [position, start, velocity]: [&'b mut [Vec4]; 3],
+        rows: Range<usize>,
+        h: f32,
+    ) -> Predict<'b> {
+        let Self { acceleration, damping, medium, drift, common, air, .. } = *self;
+        Predict {
+            position: &mut position[rows.clone()],
+            start: &mut start[rows.clone()],
+            velocity: &mut velocity[rows.clone()],
+            rounding: &mut self.rounding[rows.clone()],
+            acceleration: acceleration.get(rows.clone()).unwrap_or_default(),
+            damping: if damping.len() < 2 { damping } else { &damping[rows.clone()] },
+            medium: medium.get(rows.clone()).unwrap_or_default(),
+            drift: drift.get(rows).unwrap_or_default(),
+            common,
+            air,
             h,
         }
     }

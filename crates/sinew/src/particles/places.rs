@@ -11,7 +11,7 @@ pub(crate) struct Places<'a> {
     /// `[x y z w]` of each, to be written.
     pub(crate) position: &'a mut [Vec4],
     /// Where each was when the substep began.
-    pub(crate) start: &'a [Vec4],
+    pub(crate) start: &'a mut [Vec4],
     /// What both are relative to, metres.
     pub(crate) origin: &'a [Vec3],
     /// Metres.
@@ -31,7 +31,7 @@ impl<'a> Places<'a> {
     pub(crate) fn split_at(self, row: u32) -> (Self, Self) {
         let count = self.at(row);
         let (position, positions) = self.position.split_at_mut(count);
-        let (start, starts) = self.start.split_at(count);
+        let (start, starts) = self.start.split_at_mut(count);
         let (origin, origins) = self.origin.split_at(count);
         let (radius, radii) = self.radius.split_at(count);
         let (velocity, velocities) = self.velocity.split_at_mut(count);

@@ -16,7 +16,6 @@ pub use sleep::Sleep;
 pub use slide::{SlideConfig, SlideOutput};
 pub use statics::Relaxed;
 
-use core::ops::Range;
 use std::sync::Arc;
 
 use glam::{Vec3, Vec4};
@@ -109,7 +108,7 @@ struct Scratch {
     /// Length of the last step, seconds.
     length: f32,
     /// Rows that do not follow from rigid states in this step.
-    single_rows: Vec<Range<usize>>,
+    single_rows: Vec<integrate::StepRows>,
     /// Whether nobody looks at the particles until the step ends, so that those of rigid states may be written then.
     unseen: bool,
     /// Whether nothing moves in this step.
@@ -284,6 +283,7 @@ impl Simulation {
             lag,
             gravity,
             substep,
+            microstep: solve::Microstep::WHOLE,
             execution,
         };
         solve::solve_all(particles, normal_impulses, common, open, (&mut *solving, loads), report);
@@ -309,6 +309,7 @@ impl Simulation {
                 lag,
                 gravity,
                 substep,
+                microstep: solve::Microstep::WHOLE,
                 execution,
             };
             solve::settle_all(particles, normal_impulses, common, single_rows, solving);
@@ -348,7 +349,7 @@ impl Simulation {
         if most < f32::INFINITY {
             self.particles.limit_speeds(most, &mut self.report.too_fast);
         }
-        let Scratch { plan, contacts, thread_scratch, substep, .. } = &mut self.scratch;
+        let Scratch { plan, contacts, thread_scratch, .. } = &mut self.scratch;
         let (instructions, report) = (self.instructions, &mut self.report);
         solve::measure(
             &mut self.particles,
@@ -360,7 +361,7 @@ impl Simulation {
         );
         solve::measure_overlaps(contacts.overlaps(), &plan.islands, report);
         contacts.keep(&mut self.contact_cache);
-        let impacts = contacts.report(&self.particles, substep.length);
+        let impacts = contacts.report(&self.particles);
         report.impacts.clear();
         report.impacts.extend_from_slice(impacts);
         self.restore_anchors();
@@ -459,7 +460,7 @@ impl Simulation {
         let (v, h) = (self.particles.velocity(i), self.particles.lag(i));
         let (began, step) = (self.scratch.checkpoint.get(i)?, self.scratch.length);
         let (from, apart) = match self.scratch.first_velocity.get(i) {
-            Some(first) => (first.truncate(), 0.5 * (h + first.w)),
+            Some(first) => (first.truncate(), step - 0.5 * (h - first.w)),
             None => {
                 let gone = (self.particles.position[i] - *began).truncate();
                 (gone / step, 0.5 * (step - h))

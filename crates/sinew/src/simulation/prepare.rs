@@ -9,7 +9,7 @@ use crate::forces;
 use crate::particles::{Particles, snap};
 use crate::rigid::Compound;
 use crate::settings::{BodySettings, SolverSettings};
-use crate::solve::{Given, is_free};
+use crate::solve::{Given, divide, is_free};
 
 impl Simulation {
     /// Brings the plan up to date with the lists.
@@ -43,6 +43,12 @@ impl Simulation {
             &plan.islands,
             |solid, island| plan.ties_all_of(solid, island),
         );
+        plan.islands.list.iter_mut().for_each(|island| island.has_solids = false);
+        for &row in body_colliders.iter().flat_map(|solid| &solid.rows) {
+            if let Some(&number) = plan.islands.of.get(row as usize) {
+                plan.islands.list[number as usize].has_solids = true;
+            }
+        }
         changes.clear();
         scratch.loads.expire();
         scratch.sleep_scratch.forget_support();
@@ -149,8 +155,14 @@ impl Simulation {
 
     /// Gives each island the settings that its bodies ask for.
     pub(super) fn settle_islands(&mut self, world: SolverSettings) {
-        let Self { particles, bodies, scratch: Scratch { plan, substep, .. }, .. } = self;
+        let Self { particles, bodies, forces, scratch: Scratch { plan, substep, .. }, .. } = self;
         let h = substep.length;
+        plan.islands.list.iter_mut().for_each(|island| island.has_springs = false);
+        for row in forces.springs.iter().flat_map(|spring| [spring.a, spring.b]) {
+            if let Some(&number) = plan.islands.of.get(row as usize) {
+                plan.islands.list[number as usize].has_springs = true;
+            }
+        }
         let held = |position: &Vec4| position.w == 0.0;
         // Neighbouring bodies mostly ask for the same.
         let mut last: Option<(BodySettings, SolverSettings)> = None;
@@ -182,6 +194,7 @@ impl Simulation {
             let island = &mut plan.islands.list[number];
             island.settings = settings;
             island.free = is_free(island, is_held);
+            divide(plan, number, h);
         }
         plan.tether(particles);
     }

@@ -1,7 +1,11 @@
 //! Islands that move as one rigid state: when they are read, moved and written.
 
+use core::ops::Range;
+
 use super::{Scratch, Simulation, Substep};
 use crate::collide::RigidStep;
+use crate::integrate::StepRows;
+use crate::islands::Island;
 
 impl Simulation {
     /// Reads those of this step.
@@ -19,17 +23,22 @@ impl Simulation {
         let Scratch { plan, single_rows, .. } = &mut self.scratch;
         single_rows.clear();
         let mut next = 0;
-        for island in plan.islands.list.iter().filter(|island| island.one_state) {
-            let members = &plan.islands.members[island.members.clone()];
-            let first = members.first().map_or(next, |&first| first as usize);
-            if next < first {
-                single_rows.push(next..first);
+        let mut push = |rows: Range<usize>, microsteps| {
+            if !rows.is_empty() {
+                single_rows.push(StepRows { rows, microsteps });
             }
-            next = first + members.len();
+        };
+        let others = |island: &&Island| island.one_state || island.takes_microsteps();
+        for island in plan.islands.list.iter().filter(others) {
+            // Both are one stretch of rows each.
+            let Some(rows) = plan.stretch(island) else { continue };
+            push(next..rows.start, 1);
+            next = rows.end;
+            if island.takes_microsteps() {
+                push(rows, island.microsteps);
+            }
         }
-        if next < self.particles.len() {
-            single_rows.push(next..self.particles.len());
-        }
+        push(next..self.particles.len(), 1);
     }
 
     /// Has those go on as particles that somebody else has moved.

@@ -100,6 +100,7 @@ impl Simulation {
             lag: h,
             gravity,
             substep,
+            microstep: solve::Microstep::WHOLE,
             execution,
         };
         solve::advance_all(particles, normal_impulses, common, remaining, solving, report);

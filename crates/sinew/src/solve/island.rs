@@ -1,17 +1,20 @@
 //! One island: particles that constraints connect, solved until they hold or the sweeps are spent, whatever happens elsewhere.
 
+use core::ops::Range;
 use std::time::Instant;
 
 use super::constraint_ref::{ConstraintRef, Local, SolveMode};
 use super::instances::{LaneCompaction, LaneParticles};
+use super::microsteps::{Microstep, MicrostepScratch};
 use super::momentum::MomentumDrift;
 use super::multipliers::MultiplierSlice;
 use super::plan::{GroupKind, Plan, Task};
 use super::remaining::Remaining;
 use super::wavefront::Wavefront;
 use super::{IslandReport, gauss_seidel, jacobi, most_violated_first};
-use crate::collide::{NormalImpulses, ParticleContacts};
+use crate::collide::{InstantSpan, NormalImpulses, ParticleContacts};
 use crate::constraints::{GradientAt, SubstepContext};
+use crate::integrate::StepRows;
 use crate::islands::Island;
 use glam::Vec4;
 
@@ -37,6 +40,9 @@ pub(crate) struct ThreadScratch {
     pub(super) remaining: Remaining,
     /// Where a large island is meanwhile.
     pub(super) wavefront: Wavefront,
+    /// Rows of a task by how they step.
+    pub(super) step_rows: Vec<StepRows>,
+    pub(super) microsteps: MicrostepScratch,
     /// Islands whose corrections gave them what has to be taken off again.
     pub(super) momentum_drifts: Vec<(u32, MomentumDrift)>,
 }
@@ -62,7 +68,34 @@ pub(crate) struct Common<'a> {
     pub(crate) gravity: f32,
     /// Which substep of the step it is, counted from 0.
     pub(crate) substep: u32,
+    /// Which part of it.
+    pub(crate) microstep: Microstep,
     pub(crate) execution: ExecutionContext<'a>,
+}
+
+impl Common<'_> {
+    /// From when to when surfaces move in it.
+    pub(super) fn span(&self) -> InstantSpan {
+        let Microstep { number, of } = self.microstep;
+        self.contacts.span(self.substep, number, of)
+    }
+
+    /// The same, for one worker alone.
+    pub(super) fn by_one(self) -> Self {
+        Self { execution: ExecutionContext { workers: None, ..self.execution }, ..self }
+    }
+
+    /// Bounces rows off what they touched, when their velocities have been derived.
+    pub(super) fn bounce(
+        &self,
+        places: &mut Places,
+        normal_impulses: &mut NormalImpulses,
+        rows: Range<u32>,
+    ) {
+        if self.contacts.bounces() {
+            self.contacts.bounce(places, normal_impulses, rows, (self.h, self.gravity));
+        }
+    }
 }
 
 /// What makes one sweep over an island, and returns the largest error that it found, metres.
@@ -73,6 +106,17 @@ pub(super) trait Sweeper {
         multipliers: &mut MultiplierSlice,
         mode: SolveMode,
     ) -> f32;
+}
+
+impl<S: Sweeper> Sweeper for &mut S {
+    fn sweep(
+        &mut self,
+        places: &mut Places,
+        multipliers: &mut MultiplierSlice,
+        mode: SolveMode,
+    ) -> f32 {
+        (**self).sweep(places, multipliers, mode)
+    }
 }
 
 /// One worker, in whatever order the island asks for.
@@ -168,7 +212,8 @@ pub(super) fn solve(
         report.fallbacks += 1;
     }
     reset_multipliers(plan, island, multipliers);
-    let substep_context = SubstepContext { h, sweeps: settings.max_sweeps };
+    let sweeps = settings.max_sweeps * common.microstep.of;
+    let substep_context = SubstepContext { h, sweeps };
     let mode = SolveMode { substep_context, gradient_at, instructions: execution.instructions };
     let (mut sweeps, mut converged, mut touched) = (0, false, false);
     while sweeps < settings.max_sweeps && !converged {
@@ -266,10 +311,10 @@ fn project_contacts(
     normal_impulses: &mut NormalImpulses,
     island: (usize, &[u32]),
 ) -> f32 {
-    let Common { contacts, substep, execution, .. } = common;
+    let Common { contacts, execution, .. } = common;
     if contacts.is_empty() {
         return 0.0;
     }
-    let with = (substep, execution.instructions);
+    let with = (common.span(), execution.instructions);
     contacts.project_island(places, normal_impulses, island, with)
 }

@@ -2,14 +2,15 @@
 //! islands through all substeps of a step, while their particles lie in a core's own cache, and threads meet once a step instead of thrice a substep.
 //! The bits are those of phase after phase.
 
+use core::mem::take;
 use core::ops::Range;
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use glam::{Vec3, Vec4};
 use smallvec::SmallVec;
 
 use super::instances::{BatchMotion, BatchSolve, WholeStep};
 use super::island::{Common, InOrder, ThreadScratch, solve};
+use super::microsteps::{derive_whole_steps, list_step_rows, take_microsteps};
 use super::multipliers::MultiplierSlice;
 use super::plan::{Plan, Task};
 use super::remaining::Remaining;
@@ -17,7 +18,7 @@ use super::wavefront::{pipelined_wavefront, run_wavefronts};
 use super::world::{SolveScratch, TaskSlice};
 use super::{IslandReport, SolverReport};
 use crate::collide::{NormalImpulse, NormalImpulses};
-use crate::integrate::{Derive, Predict, predict_all};
+use crate::integrate::{Motion, Predict, StepRows, predict_all};
 use crate::lanes::with;
 use crate::particles::{Particles, Places};
 use crate::threads::{ExecutionContext, Pool, each};
@@ -36,46 +37,30 @@ pub(crate) fn advance_all(
     all_multipliers.resize(plan.distances.len(), plan.constraints.len());
     iteration_counts.clear();
     iteration_counts.resize_with(substeps as usize, AtomicU32::default);
-    let outside = Outside { common: particles.common, air: particles.air };
-    let damping = match &particles.column_summary.damping {
-        Some(all) => core::slice::from_ref(all),
-        None => particles.damping.as_slice(),
-    };
+    let (places, motion) = Motion::all(particles);
+    // What has been summed up is the same for all.
+    let motion = Motion { acceleration: &[], medium: &[], drift: &[], ..motion };
     let mut left = Some((
-        particles.position.as_mut_slice(),
-        particles.start.as_mut_slice(),
-        particles.velocity.as_mut_slice(),
-        particles.rounding.as_mut_slice(),
+        places,
+        motion,
         all_multipliers.all(),
         NormalImpulses::all(normal_impulses),
         &mut report.islands[..],
     ));
-    let (origins, radii) = (&particles.origin, &particles.radius);
     let shares = plan.tasks(execution.workers.is_none()).filter_map(|task| {
-        let (position, start, velocity, rounding, multipliers, normal_impulses, reports) =
-            left.take()?;
-        let rows = task.rows.start as usize..task.rows.end as usize;
-        let (position, positions) = position.split_at_mut(rows.len());
-        let (start, starts) = start.split_at_mut(rows.len());
-        let (velocity, velocities) = velocity.split_at_mut(rows.len());
-        let (rounding, roundings) = rounding.split_at_mut(rows.len());
+        let (places, motion, multipliers, normal_impulses, reports) = left.take()?;
+        let (own, places) = places.split_at(task.rows.end);
+        let (own_motion, motion) = motion.split_at(own.position.len());
         let (own_sums, multipliers) =
             multipliers.split(Some(task.distances.end), Some(task.constraints.end));
         let (own_presses, normal_impulses) = common.contacts.split(normal_impulses, task.rows.end);
         let (own_reports, reports) = reports.split_at_mut(task.islands.len());
-        left =
-            Some((positions, starts, velocities, roundings, multipliers, normal_impulses, reports));
+        left = Some((places, motion, multipliers, normal_impulses, reports));
         Some(IslandStep {
             common,
-            outside,
             task,
-            position,
-            start,
-            velocity,
-            rounding,
-            damping: if damping.len() < 2 { damping } else { &damping[rows.clone()] },
-            origin: &origins[rows.clone()],
-            radius: &radii[rows],
+            places: own,
+            motion: own_motion,
             multipliers: own_sums,
             normal_impulses: own_presses,
             reports: own_reports,
@@ -137,28 +122,12 @@ fn leave_states(plan: &Plan, task: &Task, remaining: &mut Remaining) {
     }
 }
 
-/// What acts on all particles alike.
-#[derive(Clone, Copy)]
-pub(super) struct Outside {
-    /// Acceleration, m/s².
-    pub(super) common: Vec3,
-    /// Damping, 1/s.
-    pub(super) air: f32,
-}
-
 /// A task, and what is its alone.
 pub(super) struct IslandStep<'a> {
     pub(super) common: Common<'a>,
-    pub(super) outside: Outside,
     pub(super) task: Task,
-    position: &'a mut [Vec4],
-    start: &'a mut [Vec4],
-    velocity: &'a mut [Vec4],
-    rounding: &'a mut [Vec4],
-    /// One number for all, or one for each.
-    pub(super) damping: &'a [f32],
-    origin: &'a [Vec3],
-    radius: &'a [f32],
+    places: Places<'a>,
+    pub(super) motion: Motion<'a>,
     multipliers: MultiplierSlice<'a>,
     normal_impulses: NormalImpulses<'a>,
     pub(super) reports: &'a mut [IslandReport],
@@ -168,20 +137,8 @@ impl IslandStep<'_> {
     /// Some of its particles, to be predicted; counted from its first row on.
     #[inline(always)]
     pub(super) fn predict(&mut self, rows: Range<usize>) -> Predict<'_> {
-        let damping = self.damping;
-        Predict {
-            position: &mut self.position[rows.clone()],
-            start: &mut self.start[rows.clone()],
-            velocity: &mut self.velocity[rows.clone()],
-            rounding: &mut self.rounding[rows.clone()],
-            acceleration: &[],
-            damping: if damping.len() < 2 { damping } else { &damping[rows] },
-            medium: &[],
-            drift: &[],
-            common: self.outside.common.extend(0.0),
-            air: self.outside.air,
-            h: self.common.h,
-        }
+        let Places { position, start, velocity, .. } = &mut self.places;
+        self.motion.predict([position, start, velocity], rows, self.common.h)
     }
 
     /// The instance batches in it.
@@ -190,21 +147,23 @@ impl IslandStep<'_> {
         thread_scratch: &'b mut ThreadScratch,
         iteration_counts: &'b [AtomicU32],
     ) -> BatchSolve<'b> {
+        let Places { position, start, velocity, origin, radius, .. } = &mut self.places;
+        let Motion { rounding, damping, air, common, .. } = &mut self.motion;
         BatchSolve {
             common: self.common,
             task: &self.task,
-            position: self.position,
-            origin: self.origin,
-            radius: self.radius,
+            position,
+            origin,
+            radius,
             normal_impulses: self.normal_impulses.lend(),
             reports: self.reports,
             motion: BatchMotion::Step(WholeStep {
-                start: self.start,
-                velocity: self.velocity,
-                rounding: self.rounding,
-                damping: self.damping,
-                air: self.outside.air,
-                common: self.outside.common,
+                start,
+                velocity,
+                rounding,
+                damping,
+                air: *air,
+                common: common.truncate(),
                 iteration_counts,
             }),
             thread_scratch,
@@ -215,20 +174,17 @@ impl IslandStep<'_> {
 impl IslandStep<'_> {
     /// A single large island, by all workers, who meet after each stage of each sweep.
     fn by_all(mut self, thread_scratches: &Pool<ThreadScratch>, iteration_counts: &[AtomicU32]) {
-        let (rows, execution) = (self.task.rows.len(), self.common.execution);
+        let (all, execution) = (self.task.rows.len(), self.common.execution);
+        let island = &self.common.plan.islands.list[self.task.islands.start];
+        let first = if island.takes_microsteps() { island.microsteps } else { 1 };
+        let h = self.common.h / first as f32;
         for (number, iteration_counts) in iteration_counts.iter().enumerate() {
-            predict_all(self.predict(0..rows), execution);
+            predict_all(Predict { h, ..self.predict(0..all) }, execution);
             let share = TaskSlice {
                 common: Common { substep: self.common.substep + number as u32, ..self.common },
                 task: self.task.clone(),
-                places: Places {
-                    first: self.task.rows.start,
-                    position: self.position,
-                    start: self.start,
-                    origin: self.origin,
-                    radius: self.radius,
-                    velocity: self.velocity,
-                },
+                places: self.places.lend(),
+                motion: self.motion.lend(),
                 multipliers: self.multipliers.lend(),
                 normal_impulses: self.normal_impulses.lend(),
                 reports: self.reports,
@@ -243,42 +199,21 @@ impl IslandStep<'_> {
 impl IslandStep<'_> {
     /// Its islands one after the other through all substeps. `iteration_counts` are the most sweeps in each.
     fn one_by_one(self, thread_scratch: &mut ThreadScratch, iteration_counts: &[AtomicU32]) {
-        let Self { common, outside, task, position, start, velocity, rounding, .. } = self;
-        let (mut multipliers, mut normal_impulses, reports) =
-            (self.multipliers, self.normal_impulses, self.reports);
+        let Self { common, task, mut places, mut motion, reports, .. } = self;
+        let (mut multipliers, mut normal_impulses) = (self.multipliers, self.normal_impulses);
         let Common { plan, h, execution: ExecutionContext { instructions, .. }, .. } = common;
-        let remaining = core::mem::take(&mut thread_scratch.remaining);
-        let in_task = |rows: &Range<u32>| {
-            (rows.start - task.rows.start) as usize..(rows.end - task.rows.start) as usize
-        };
+        let remaining = take(&mut thread_scratch.remaining);
+        let mut step_rows = take(&mut thread_scratch.step_rows);
+        let mut microsteps = take(&mut thread_scratch.microsteps);
+        list_step_rows(plan, task.rows.start, &remaining, &mut step_rows);
         let islands = || remaining.islands.iter().cloned().flatten();
         for (number, iteration_counts) in iteration_counts.iter().enumerate() {
             let common = Common { substep: common.substep + number as u32, ..common };
-            for rows in remaining.rows.iter().map(in_task) {
-                let damping = self.damping;
-                let predict = Predict {
-                    position: &mut position[rows.clone()],
-                    start: &mut start[rows.clone()],
-                    velocity: &mut velocity[rows.clone()],
-                    rounding: &mut rounding[rows.clone()],
-                    acceleration: &[],
-                    damping: if damping.len() < 2 { damping } else { &damping[rows] },
-                    medium: &[],
-                    drift: &[],
-                    common: outside.common.extend(0.0),
-                    air: outside.air,
-                    h,
-                };
-                with(instructions, predict);
+            for StepRows { rows, microsteps } in step_rows.iter().cloned() {
+                let Places { position, start, velocity, .. } = &mut places;
+                let h = h / microsteps as f32;
+                with(instructions, motion.predict([position, start, velocity], rows, h));
             }
-            let mut places = Places {
-                first: task.rows.start,
-                position,
-                start,
-                origin: self.origin,
-                radius: self.radius,
-                velocity,
-            };
             thread_scratch.momentum_drifts.clear();
             let mut sweeps = 0;
             for number in islands() {
@@ -288,6 +223,20 @@ impl IslandStep<'_> {
                     continue;
                 }
                 let sweeper = InOrder::new(plan, island, thread_scratch);
+                if island.takes_microsteps() {
+                    take_microsteps(
+                        common.by_one(),
+                        number,
+                        (&mut places, &mut motion),
+                        &mut multipliers,
+                        &mut normal_impulses,
+                        report,
+                        sweeper,
+                        (&mut [], &mut microsteps),
+                    );
+                    sweeps = sweeps.max(report.last_sweeps);
+                    continue;
+                }
                 let momentum_drift = solve(
                     common,
                     number,
@@ -303,27 +252,14 @@ impl IslandStep<'_> {
                 sweeps = sweeps.max(report.last_sweeps);
             }
             iteration_counts.fetch_max(sweeps, Ordering::Relaxed);
-            for rows in remaining.rows.iter().map(in_task) {
-                let (position, start) =
-                    (&places.position[rows.clone()], &places.start[rows.clone()]);
-                let velocity = &mut places.velocity[rows];
-                let derive = Derive { position, start, velocity, momentum_drift: &[], h, lag: h };
-                with(instructions, derive);
-            }
+            derive_whole_steps(&mut places, &step_rows, common);
             for (number, momentum_drift) in thread_scratch.momentum_drifts.drain(..) {
                 let members = plan.islands.list[number as usize].members.clone();
                 momentum_drift.take_off(&mut places, &plan.islands.members[members]);
             }
-            if common.contacts.bounces() {
-                let moment = (h, common.gravity);
-                common.contacts.bounce(
-                    &mut places,
-                    &mut normal_impulses,
-                    task.rows.clone(),
-                    moment,
-                );
-            }
+            common.bounce(&mut places, &mut normal_impulses, task.rows.clone());
         }
         thread_scratch.remaining = remaining;
+        (thread_scratch.step_rows, thread_scratch.microsteps) = (step_rows, microsteps);
     }
 }

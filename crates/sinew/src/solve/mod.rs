@@ -4,6 +4,7 @@
 //!   constraints were added or removed;
 //! - `world` deals islands out to threads, `island_step` for whole steps; `island` solves one: until the largest error in it is small enough or the
 //!   sweeps are spent;
+//! - `microsteps` takes a large soft island through a substep in smaller steps of its own;
 //! - `instances` takes islands that are built alike side by side;
 //! - `wavefront` takes the substeps of a step through a large island of rods one behind the other, and several threads one behind the other, too;
 //! - `rods` takes hard rods eight by eight; `tethers` hold what hangs on a pin through many of them;
@@ -25,6 +26,7 @@ mod island_step;
 mod jacobi;
 mod loads;
 mod measure;
+mod microsteps;
 mod momentum;
 mod most_violated_first;
 mod multipliers;
@@ -45,6 +47,7 @@ pub(crate) use island::{Common, ThreadScratch};
 pub(crate) use island_step::advance_all;
 pub(crate) use loads::Loads;
 pub(crate) use measure::{measure, measure_overlaps};
+pub(crate) use microsteps::{Microstep, divide};
 pub(crate) use momentum::is_free;
 pub(crate) use plan::{Change, Changes, Given, GroupKind, List, Plan};
 pub(crate) use world::{SolveScratch, settle_all, solve_all};

@@ -1,6 +1,6 @@
 //! All islands: dealt out to the workers, and reported together.
 
-use core::ops::Range;
+use core::mem::take;
 use core::sync::atomic::AtomicU32;
 
 use glam::Vec4;
@@ -9,12 +9,13 @@ use super::constraint_ref::SolveMode;
 use super::instances::{BatchMotion, BatchSolve};
 use super::island::{Common, InOrder, Sweeper, ThreadScratch, hold_tethers, solve};
 use super::loads::Loads;
+use super::microsteps::{derive_whole_steps, list_step_rows, take_microsteps};
 use super::momentum::{MomentumDrift, Note};
 use super::multipliers::{MultiplierSlice, Multipliers};
 use super::plan::{Plan, Task};
 use super::{IslandReport, SolverReport, gauss_seidel};
 use crate::collide::{NormalImpulse, NormalImpulses};
-use crate::integrate::{Derive, derive};
+use crate::integrate::{Derive, Motion, StepRows, derive};
 use crate::islands::Island;
 use crate::lanes::with;
 use crate::particles::{Particles, Places};
@@ -70,27 +71,32 @@ pub(crate) fn solve_all(
     loads.solve(common, particles, normal_impulses, all_multipliers, reports, measured);
     momentum_drift.clear();
     momentum_drift.resize(if open { particles.len() } else { 0 }, Vec4::ZERO);
+    let (places, motion) = Motion::all(particles);
     let mut left = Some((
-        Places::all(particles),
+        places,
+        motion,
         all_multipliers.all(),
         NormalImpulses::all(normal_impulses),
         &mut report.islands[..],
         &mut momentum_drift[..],
     ));
     let shares = plan.tasks(execution.workers.is_none()).filter_map(|task| {
-        let (places, multipliers, normal_impulses, reports, momentum_drift) = left.take()?;
+        let (places, motion, multipliers, normal_impulses, reports, momentum_drift) =
+            left.take()?;
         let (own, places) = places.split_at(task.rows.end);
+        let (own_motion, motion) = motion.split_at(own.position.len());
         let (own_sums, multipliers) =
             multipliers.split(Some(task.distances.end), Some(task.constraints.end));
         let (own_presses, normal_impulses) = common.contacts.split(normal_impulses, task.rows.end);
         let (own_reports, reports) = reports.split_at_mut(task.islands.len());
         let (own_excess, momentum_drift) =
             momentum_drift.split_at_mut(own.position.len().min(momentum_drift.len()));
-        left = Some((places, multipliers, normal_impulses, reports, momentum_drift));
+        left = Some((places, motion, multipliers, normal_impulses, reports, momentum_drift));
         Some(TaskSlice {
             common,
             task,
             places: own,
+            motion: own_motion,
             multipliers: own_sums,
             normal_impulses: own_presses,
             reports: own_reports,
@@ -143,7 +149,7 @@ pub(crate) fn settle_all(
     particles: &mut Particles,
     normal_impulses: &mut [NormalImpulse],
     common: Common,
-    which: &[Range<usize>],
+    which: &[StepRows],
     scratch: &mut SolveScratch,
 ) {
     let rows = 0..particles.len() as u32;
@@ -151,14 +157,15 @@ pub(crate) fn settle_all(
     let (Places { position, start, velocity, .. }, momentum_drift) =
         (&mut places, &scratch.momentum_drift[..]);
     let Common { h, lag, execution, .. } = common;
-    for rows in which.iter().cloned() {
+    for StepRows { rows, microsteps } in which.iter().cloned() {
         let derive_some = Derive {
             position: &position[rows.clone()],
             start: &start[rows.clone()],
             velocity: &mut velocity[rows.clone()],
             momentum_drift: &momentum_drift[rows],
             h,
-            lag,
+            // Where there are several, it is Verlet's, and the velocity that of the last.
+            lag: if microsteps == 1 { lag } else { h / microsteps as f32 },
         };
         derive(derive_some, execution);
     }
@@ -173,6 +180,7 @@ pub(super) struct TaskSlice<'a> {
     pub(super) common: Common<'a>,
     pub(super) task: Task,
     pub(super) places: Places<'a>,
+    pub(super) motion: Motion<'a>,
     pub(super) multipliers: MultiplierSlice<'a>,
     pub(super) normal_impulses: NormalImpulses<'a>,
     pub(super) reports: &'a mut [IslandReport],
@@ -187,13 +195,15 @@ impl TaskSlice<'_> {
             common,
             task,
             mut places,
+            mut motion,
             mut multipliers,
             mut normal_impulses,
             reports,
             momentum_drift: later,
         } = self;
         let Common { plan, execution: ExecutionContext { instructions, .. }, .. } = common;
-        let remaining = core::mem::take(&mut thread_scratch.remaining);
+        let remaining = take(&mut thread_scratch.remaining);
+        let mut microsteps = take(&mut thread_scratch.microsteps);
         for number in remaining.islands.iter().cloned().flatten() {
             let report = &mut reports[number - task.islands.start];
             let island = &plan.islands.list[number];
@@ -201,6 +211,19 @@ impl TaskSlice<'_> {
                 continue;
             }
             let sweeper = InOrder::new(plan, island, thread_scratch);
+            if island.takes_microsteps() {
+                take_microsteps(
+                    common.by_one(),
+                    number,
+                    (&mut places, &mut motion),
+                    &mut multipliers,
+                    &mut normal_impulses,
+                    report,
+                    sweeper,
+                    (later, &mut microsteps),
+                );
+                continue;
+            }
             let momentum_drift = solve(
                 common,
                 number,
@@ -221,31 +244,21 @@ impl TaskSlice<'_> {
                 );
             }
         }
-        thread_scratch.remaining = remaining;
+        (thread_scratch.remaining, thread_scratch.microsteps) = (remaining, microsteps);
         if !later.is_empty() {
             return;
         }
-        let (Places { position, start, velocity, .. }, momentum_drift) = (&mut places, &[]);
-        let (h, lag) = (common.h, common.lag);
-        with(instructions, Derive { position, start, velocity, momentum_drift, h, lag });
+        // Instance batches are solved, and to be derived: these are all rows of the task.
+        let mut step_rows = take(&mut thread_scratch.step_rows);
+        thread_scratch.remaining.reset(&task);
+        list_step_rows(plan, task.rows.start, &thread_scratch.remaining, &mut step_rows);
+        derive_whole_steps(&mut places, &step_rows, common);
+        thread_scratch.step_rows = step_rows;
         for (number, momentum_drift) in thread_scratch.momentum_drifts.drain(..) {
             let members = plan.islands.list[number as usize].members.clone();
             momentum_drift.take_off(&mut places, &plan.islands.members[members]);
         }
-        common.bounce(&mut places, &mut normal_impulses, &task);
-    }
-}
-
-impl Common<'_> {
-    fn bounce(&self, places: &mut Places, normal_impulses: &mut NormalImpulses, task: &Task) {
-        if self.contacts.bounces() {
-            self.contacts.bounce(
-                places,
-                normal_impulses,
-                task.rows.clone(),
-                (self.h, self.gravity),
-            );
-        }
+        common.bounce(&mut places, &mut normal_impulses, task.rows);
     }
 }
 
@@ -273,6 +286,7 @@ impl TaskSlice<'_> {
             common,
             task,
             mut places,
+            mut motion,
             mut multipliers,
             mut normal_impulses,
             reports,
@@ -287,6 +301,22 @@ impl TaskSlice<'_> {
             return;
         }
         let sweeper = SharedSweep { plan, island, execution, thread_scratches };
+        if island.takes_microsteps() {
+            let mut microsteps =
+                thread_scratches.with(|thread_scratch| take(&mut thread_scratch.microsteps));
+            take_microsteps(
+                common,
+                number,
+                (&mut places, &mut motion),
+                &mut multipliers,
+                &mut normal_impulses,
+                report,
+                sweeper,
+                (later, &mut microsteps),
+            );
+            thread_scratches.with(|thread_scratch| thread_scratch.microsteps = microsteps);
+            return;
+        }
         // What is measured has been solved.
         let momentum_drift = if island.measured {
             None
@@ -311,7 +341,7 @@ impl TaskSlice<'_> {
         if let Some(momentum_drift) = momentum_drift {
             momentum_drift.take_off(&mut places, rows);
         }
-        common.bounce(&mut places, &mut normal_impulses, &task);
+        common.bounce(&mut places, &mut normal_impulses, task.rows);
     }
 }
 

@@ -191,6 +191,7 @@ mod tests {
     fn compared(mut world: Simulation) -> [f64; 3] {
         // The naive way has none.
         world.settings.tethers = false;
+        world.settings.microsteps = false;
         let (mut naive, mut ours) = (Naive::of(&world), Ours(world));
         for _ in 0..TICKS {
             naive.tick();

@@ -88,8 +88,13 @@ pub fn scattered(side: u32) -> Blueprint {
 
 /// A world with one body, swept exactly so often.
 pub fn world(body: &Blueprint, substeps: u32, sweeps: u32) -> Simulation {
-    let settings =
-        SolverSettings { substeps, max_sweeps: sweeps, tolerance: 0.0, ..Default::default() };
+    let settings = SolverSettings {
+        substeps,
+        max_sweeps: sweeps,
+        tolerance: 0.0,
+        microsteps: false,
+        ..Default::default()
+    };
     let mut world = empty(settings);
     body.build(&mut world).expect("the recipe is sound");
     world

@@ -60,6 +60,8 @@ pub(crate) fn solver(ui: &mut Ui, panel: &mut PanelParams) {
     changed |= row(ui, "Keep spin", hint, |ui| ui.checkbox(&mut config.keep_spin, "").changed());
     let hint = "Hold what hangs on a pin to it at once, by what the distances between allow: cloth and long ropes do not stretch.";
     changed |= row(ui, "Tethers", hint, |ui| ui.checkbox(&mut config.tethers, "").changed());
+    let hint = "Large cloth takes its sweeps as smaller substeps of its own: as taut, at half of the work.";
+    changed |= row(ui, "Microsteps", hint, |ui| ui.checkbox(&mut config.microsteps, "").changed());
     let hint = "Forgets velocities, so that everything walks to rest.";
     changed |= row(ui, "Statics", hint, |ui| ui.checkbox(&mut config.statics, "").changed());
     let hint = "Other threads help. They change how long it takes, and nothing else.";

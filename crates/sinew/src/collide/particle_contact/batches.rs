@@ -12,7 +12,7 @@ use glam::Vec3;
 use super::super::shape::ClosedForm;
 use super::super::{Frame, ShapeTouch};
 use super::surface::SurfaceForm;
-use super::{NormalImpulses, ParticleContact, ParticleContacts};
+use super::{InstantSpan, NormalImpulses, ParticleContact, ParticleContacts};
 use crate::islands::Islands;
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 use crate::particles::{Particles, Places};
@@ -107,12 +107,11 @@ impl ParticleContacts {
         &self,
         places: &mut Places,
         normal_impulses: &mut NormalImpulses,
-        (number, substep): (usize, u32),
+        (number, span): (usize, InstantSpan),
         instructions: InstructionSet,
     ) -> f32 {
         let CandidateBatches { islands, runs, batches, .. } = &self.batches;
         let Some(Some(range)) = islands.get(number) else { return 0.0 };
-        let began = substep as usize * self.surfaces.len();
         let mut worst = 0.0_f32;
         for run in &runs[range.start as usize..range.end as usize] {
             let batches = &batches[run.batches.start as usize..run.batches.end as usize];
@@ -124,13 +123,13 @@ impl ParticleContacts {
                 for batch in batches {
                     for lane in 0..batch.count as usize {
                         let (row, number) = (batch.rows[lane], batch.candidates[lane]);
-                        worst = worst.max(self.meet(places, normal_impulses, (row, number), began));
+                        worst = worst.max(self.meet(places, normal_impulses, (row, number), span));
                     }
                 }
                 continue;
             };
             let origin = places.origin[places.at(batches[0].rows[0])];
-            let (was, is) = self.frames_of(run.surface as usize, began, origin);
+            let (was, is) = self.frames_of(run.surface as usize, span, origin);
             let touch = TouchSurface {
                 contacts: self,
                 places: places.lend(),
@@ -138,7 +137,7 @@ impl ParticleContacts {
                 batches,
                 surface: (run.surface, form),
                 frames: [was, is],
-                began,
+                span,
             };
             worst = worst.max(with(instructions, touch));
         }
@@ -168,9 +167,9 @@ struct TouchSurface<'a> {
     normal_impulses: NormalImpulses<'a>,
     batches: &'a [CandidateBatch],
     surface: (u32, ClosedForm),
-    /// Where it is when the substep begins and when it ends, seen from the origin of all rows.
+    /// Where it is when the span begins and when it ends, seen from the origin of all rows.
     frames: [Frame; 2],
-    began: usize,
+    span: InstantSpan,
 }
 
 impl Work for TouchSurface<'_> {
@@ -178,7 +177,7 @@ impl Work for TouchSurface<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
-        let Self { contacts, mut places, mut normal_impulses, batches, surface, frames, began } =
+        let Self { contacts, mut places, mut normal_impulses, batches, surface, frames, span } =
             self;
         let (number, form) = surface;
         let (was, is) = (LocalFrame::<L>::of(&frames[0]), LocalFrame::<L>::of(&frames[1]));
@@ -191,7 +190,7 @@ impl Work for TouchSurface<'_> {
             let near = form.nearest(to);
             let found = near.touch(from, L::load(&batch.radius));
             // From behind, or out of what it was in before: one by one.
-            let deep = L::splat(contacts.recover).lt(found.depth).and(found.touching);
+            let deep = L::splat(contacts.recover_in(span)).lt(found.depth).and(found.touching);
             let behind = !found.in_front.bits() | deep.bits();
             let mut left = (found.touching.bits() | behind) & ((1 << batch.count) - 1);
             if left == 0 {
@@ -213,7 +212,7 @@ impl Work for TouchSurface<'_> {
                     let contact = ParticleContact::of(&touched, of(&ends), &frames, moves);
                     contacts.take_contact(&mut places, &mut normal_impulses, which, &contact)
                 } else {
-                    contacts.meet(&mut places, &mut normal_impulses, which, began)
+                    contacts.meet(&mut places, &mut normal_impulses, which, span)
                 };
                 worst = worst.max(depth);
             }

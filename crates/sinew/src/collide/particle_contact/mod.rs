@@ -40,8 +40,11 @@ pub(crate) struct ParticleContacts {
     surfaces: Vec<ContactSurface>,
     /// What becomes of the materials of each surface and each class of bodies, surface by surface; `None` where the one is no surface to the other.
     materials: Vec<Option<CombinedMaterial>>,
-    /// Where each surface is when each substep begins, and when the last one ends: all surfaces of one instant one after the other.
+    /// Where each surface is when each substep begins, at so many instants in it, and when the last one ends: all surfaces of one instant one after the
+    /// other.
     frames: Vec<Frame>,
+    /// Instants in a substep: the most microsteps that any island takes.
+    instants: u32,
     /// The first candidate of each row, and their number; empty where there are no surfaces.
     first: Vec<u32>,
     candidates: Vec<SurfaceCandidate>,
@@ -66,6 +69,13 @@ pub(crate) struct ParticleContacts {
     sort: broad_phase::CandidateSort,
 }
 
+/// From which of the instants of a step to which others surfaces move meanwhile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct InstantSpan {
+    begin: u32,
+    end: u32,
+}
+
 /// What bodies in lanes may touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BatchContacts<'a> {
@@ -85,13 +95,13 @@ struct SurfaceCandidate {
 }
 
 impl ParticleContacts {
-    /// Takes what is valid for a step of so many substeps, and keeps its memory.
+    /// Takes what is valid for a step of so many substeps with so many instants in each, and keeps its memory.
     pub(crate) fn take(
         &mut self,
         particles: &Particles,
         (boundaries, colliders): (&Boundaries, &[Collider]),
         filter: &ContactFilter,
-        substeps: u32,
+        (substeps, instants): (u32, u32),
     ) {
         self.classes.update(filter, particles);
         let reported = filter.bodies().iter().any(|body| body.events);
@@ -102,10 +112,22 @@ impl ParticleContacts {
         let Self { classes, bounds, surfaces, materials, .. } = self;
         surface::list((boundaries, colliders), filter, classes, bounds, surfaces, materials);
         self.frames.clear();
-        for instant in 0..=substeps {
-            let share = instant as f32 / substeps as f32;
+        self.instants = instants;
+        for instant in 0..=substeps * instants {
+            let share = instant as f32 / (substeps * instants) as f32;
             self.frames.extend(self.surfaces.iter().map(|surface| surface.frame_at(share)));
         }
+    }
+
+    /// From when to when a microstep of a substep goes, of which there are so many.
+    pub(crate) fn span(&self, substep: u32, microstep: u32, of: u32) -> InstantSpan {
+        let (begin, each) = (substep * self.instants, self.instants / of);
+        InstantSpan { begin: begin + microstep * each, end: begin + (microstep + 1) * each }
+    }
+
+    /// How much of an overlap is recovered meanwhile, metres: at one speed, however a substep is divided.
+    fn recover_in(&self, span: InstantSpan) -> f32 {
+        self.recover * ((span.end - span.begin) as f32 / self.instants as f32)
     }
 
     /// Which rows do not collide by themselves.
@@ -152,7 +174,7 @@ impl ParticleContacts {
         self.bounds.drag(particles, &self.solid, h);
     }
 
-    /// Puts a row on the right side of everything, once, with friction, in substep number `substep`; returns how far out it was, metres. One without
+    /// Puts a row on the right side of everything, once, with friction; returns how far out it was, metres. One without
     /// `bounds` is far from all planes and boxes that hold it.
     #[inline]
     fn project(
@@ -160,23 +182,29 @@ impl ParticleContacts {
         places: &mut Places,
         normal_impulses: &mut NormalImpulses,
         (row, bounds): (u32, Option<&ClassBounds>),
-        substep: u32,
+        span: InstantSpan,
     ) -> f32 {
         let mut worst = 0.0_f32;
         if let Some(bounds) = bounds {
-            worst = self.project_to_bounds(places, row, bounds);
+            worst = self.project_to_bounds(places, row, bounds, span);
         }
-        worst = worst.max(self.project_row(places, normal_impulses, row, substep));
+        worst = worst.max(self.project_row(places, normal_impulses, row, span));
         worst.max(self.project_into_plane(places, row))
     }
 
     /// Puts a row on the right side of the planes and boxes that hold it; returns how far out it was, metres.
     #[inline]
-    fn project_to_bounds(&self, places: &mut Places, row: u32, bounds: &ClassBounds) -> f32 {
+    fn project_to_bounds(
+        &self,
+        places: &mut Places,
+        row: u32,
+        bounds: &ClassBounds,
+        span: InstantSpan,
+    ) -> f32 {
         if self.is_solid(row) || places.position[places.at(row)].w == 0.0 {
             return 0.0;
         }
-        bounds.project(places, row, self.recover)
+        bounds.project(places, row, self.recover_in(span))
     }
 
     /// Puts a row into the plane of a world in 2D; returns how far off it was, metres.
@@ -247,33 +275,32 @@ impl ParticleContacts {
         places: &mut Places,
         normal_impulses: &mut NormalImpulses,
         row: u32,
-        substep: u32,
+        span: InstantSpan,
     ) -> f32 {
         let mut worst = 0.0_f32;
         if self.first.is_empty() {
             return worst;
         }
-        let began = substep as usize * self.surfaces.len();
         if self.has_strayed(places, row) {
-            return self.leave_any(places, row, began);
+            return self.leave_any(places, row, span);
         }
         for number in self.of(row) {
-            worst = worst.max(self.meet(places, normal_impulses, (row, number), began));
+            worst = worst.max(self.meet(places, normal_impulses, (row, number), span));
         }
         worst
     }
 
-    /// Puts a row outside of the surface of one of its candidates; returns how far out it was, metres. The frames of the substep start with `began`.
+    /// Puts a row outside of the surface of one of its candidates; returns how far out it was, metres.
     #[inline(never)]
     fn meet(
         &self,
         places: &mut Places,
         normal_impulses: &mut NormalImpulses,
         (row, number): (u32, u32),
-        began: usize,
+        span: InstantSpan,
     ) -> f32 {
         let surface = self.candidates[number as usize].surface as usize;
-        let Some(contact) = self.contact(places, row, surface, began) else { return 0.0 };
+        let Some(contact) = self.contact(places, row, surface, span) else { return 0.0 };
         self.take_contact(places, normal_impulses, (row, number), &contact)
     }
 
@@ -297,12 +324,12 @@ impl ParticleContacts {
 
     /// The same of any surface, for what was flung further than was foreseen.
     #[cold]
-    fn leave_any(&self, places: &mut Places, row: u32, began: usize) -> f32 {
+    fn leave_any(&self, places: &mut Places, row: u32, span: InstantSpan) -> f32 {
         let mut worst = 0.0_f32;
         for (number, surface) in self.surfaces.iter().enumerate() {
             let material = self.material(number, self.classes.of(row));
             let Some(material) = material.filter(|_| !surface.sensor) else { continue };
-            if let Some(contact) = self.contact(places, row, number, began) {
+            if let Some(contact) = self.contact(places, row, number, span) {
                 worst = worst.max(contact.depth);
                 contact.resolve(places, row, material.friction);
             }
@@ -317,22 +344,26 @@ impl ParticleContacts {
         places: &Places,
         row: u32,
         number: usize,
-        began: usize,
+        span: InstantSpan,
     ) -> Option<ParticleContact> {
         let i = places.at(row);
         let (start, q, origin) = (places.start[i], places.position[i], places.origin[i]);
         let radius = places.radius[i];
         let surface = &self.surfaces[number];
         match &surface.form {
-            SurfaceForm::Plane(plane) => self.along(plane.correction(places, row), start, q),
-            SurfaceForm::BoundingBox(room) => self.along(room.correction(places, row), start, q),
+            SurfaceForm::Plane(plane) => {
+                self.along(plane.correction(places, row), (start, q), span)
+            }
+            SurfaceForm::BoundingBox(room) => {
+                self.along(room.correction(places, row), (start, q), span)
+            }
             SurfaceForm::Shape(shape) => {
-                let (was, is) = self.frames_of(number, began, origin);
+                let (was, is) = self.frames_of(number, span, origin);
                 let (from, to) = (was.local(start.truncate()), is.local(q.truncate()));
                 let mut touched = shape.touch(from, to, radius)?;
                 if !surface.sensor {
                     let way = (from, to, radius);
-                    touched = recovered(touched, shape, way, self.recover)?;
+                    touched = recovered(touched, shape, way, self.recover_in(span))?;
                 }
                 Some(ParticleContact::of(&touched, to, &[was, is], surface.moves))
             }
@@ -340,18 +371,24 @@ impl ParticleContacts {
     }
 
     /// Of a correction of a row that went from one place to another.
-    fn along(&self, correction: Vec3, start: Vec4, q: Vec4) -> Option<ParticleContact> {
+    fn along(
+        &self,
+        correction: Vec3,
+        (start, q): (Vec4, Vec4),
+        span: InstantSpan,
+    ) -> Option<ParticleContact> {
         let moved = (q - start).truncate();
-        ParticleContact::along(recovered_way(correction, moved, self.recover))
+        ParticleContact::along(recovered_way(correction, moved, self.recover_in(span)))
     }
 
-    /// Where a surface is when a substep begins and when it ends, seen from an origin of rows, which keeps the digits far out.
+    /// Where a surface is when a span begins and when it ends, seen from an origin of rows, which keeps the digits far out.
     #[inline]
-    fn frames_of(&self, number: usize, began: usize, origin: Vec3) -> (Frame, Frame) {
-        let seen = |instant: usize| self.frames[instant + number].seen_from(origin);
-        let is = seen(began + self.surfaces.len());
+    fn frames_of(&self, number: usize, span: InstantSpan, origin: Vec3) -> (Frame, Frame) {
+        let frame = |instant: u32| &self.frames[instant as usize * self.surfaces.len() + number];
+        let seen = |instant: u32| frame(instant).seen_from(origin);
+        let is = seen(span.end);
         // Most stand still, and then there is but one frame, and nothing is carried.
-        let was = if self.surfaces[number].moves { seen(began) } else { is };
+        let was = if self.surfaces[number].moves { seen(span.begin) } else { is };
         (was, is)
     }
 }

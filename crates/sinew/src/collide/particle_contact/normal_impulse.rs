@@ -16,7 +16,7 @@ pub(crate) struct NormalImpulse {
     pub(super) carried: Vec3,
     /// Speed towards the allowed side that the row came with into this substep, less that of the surface, m/s.
     pub(super) approach: f32,
-    /// Sum over the step of mass times how far it was put out, kg·m: an impulse times the length of a substep.
+    /// The impulse so far in the step, N·s: mass times how far it was put out, by the length of the substep.
     pub(super) sum: f32,
 }
 
@@ -66,6 +66,5 @@ impl NormalImpulse {
         self.normal = contact.normal;
         self.carried = contact.carried;
         self.depth += contact.depth;
-        self.sum += contact.depth / places.position[i].w;
     }
 }

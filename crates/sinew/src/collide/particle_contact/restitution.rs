@@ -29,11 +29,15 @@ impl ParticleContacts {
             for number in self.of(row) {
                 let press = normal_impulses.at(number);
                 let depth = core::mem::take(&mut press.depth);
-                let candidate = &self.candidates[number as usize];
-                if depth == 0.0 || self.surfaces[candidate.surface as usize].sensor {
+                if depth == 0.0 {
                     continue;
                 }
                 let i = places.at(row);
+                press.sum += depth / (places.position[i].w * h);
+                let candidate = &self.candidates[number as usize];
+                if self.surfaces[candidate.surface as usize].sensor {
+                    continue;
+                }
                 let (normal, carried) = (press.normal, press.carried / h);
                 let approach = press.approach - carried.dot(normal);
                 let velocity = places.velocity[i].truncate() - carried;
@@ -53,12 +57,11 @@ impl ParticleContacts {
         }
     }
 
-    /// Tells what has touched what in a step with substeps of `h` seconds, where somebody asked.
+    /// Tells what has touched what in a step, where somebody asked.
     pub(crate) fn report(
         &self,
         particles: &Particles,
         normal_impulses: &mut NormalImpulses,
-        h: f32,
         impacts: &mut Impacts,
     ) {
         let reported = !self.reported.is_empty();
@@ -80,7 +83,7 @@ impl ParticleContacts {
                     ContactParticipant::Body(body)
                 };
                 let point = particles.position(row) - press.normal * particles.radius[row];
-                let impulse = if surface.sensor { 0.0 } else { press.sum / h };
+                let impulse = if surface.sensor { 0.0 } else { press.sum };
                 impacts.add(
                     [participant, surface.participant],
                     point,

@@ -336,13 +336,13 @@ fn rows_in_batches_end_where_each_of_them_would_one_by_one() {
                 &mut Places::all(&mut particles),
                 &mut NormalImpulses::all(&mut impulses),
                 (number, rows),
-                (round % 10, instructions),
+                (contacts.span(round % 10, 0, 1), instructions),
             );
             let bits = |v: Vec3| v.to_array().map(f32::to_bits);
             let positions: Vec<_> = particles.position.iter().map(|q| bits(q.truncate())).collect();
             let sums: Vec<_> = impulses
                 .iter()
-                .map(|one| (bits(one.normal), bits(one.carried), one.sum.to_bits()))
+                .map(|one| (bits(one.normal), bits(one.carried), one.depth.to_bits()))
                 .collect();
             (depth.to_bits(), positions, sums)
         };

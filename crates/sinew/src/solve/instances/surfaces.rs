@@ -42,7 +42,8 @@ impl SurfaceContext<'_> {
         normal_impulses: &mut NormalImpulses,
         going: u32,
     ) -> [f32; LANES] {
-        let Common { contacts, substep, execution, .. } = self.common;
+        let Common { contacts, execution, .. } = self.common;
+        let span = self.common.span();
         let strayed = with(execution.instructions, Strayed { storage });
         let mut deepest = [0.0; LANES];
         for lane in (0..storage.bodies).filter(|lane| going >> lane & 1 != 0) {
@@ -54,7 +55,7 @@ impl SurfaceContext<'_> {
             for n in 0..count {
                 let row = touching.map_or(first + n as u32, |touching| touching[n]);
                 let found = self.at_row(storage, (lane, row, first), |places| {
-                    contacts.project_row(places, normal_impulses, row, substep)
+                    contacts.project_row(places, normal_impulses, row, span)
                 });
                 depth = depth.max(found);
             }
@@ -101,7 +102,7 @@ impl SurfaceContext<'_> {
         let (member, place) = ((row - first) as usize, (row - self.begin) as usize);
         let was = storage.now[member].lane(lane);
         let mut now = [was];
-        let start = [storage.start[member].lane(lane)];
+        let mut start = [storage.start[member].lane(lane)];
         // Compacted lanes have no velocities, and nothing that asks for one.
         let column = self.velocity.is_none().then(|| storage.velocity.get(member)).flatten();
         let own = column.map(|column| column.lane(lane));
@@ -111,7 +112,7 @@ impl SurfaceContext<'_> {
         let mut places = Places {
             first: row,
             position: &mut now,
-            start: &start,
+            start: &mut start,
             origin: &self.origin[place..=place],
             radius: &self.radius[place..=place],
             velocity: &mut velocity,

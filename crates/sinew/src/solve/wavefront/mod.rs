@@ -24,6 +24,7 @@ use super::island::ThreadScratch;
 use super::island_step::IslandStep;
 use super::plan::{ClusterBatch, ConstraintGroup, Plan};
 use glam::Vec4;
+use smallvec::SmallVec;
 
 use crate::constraints::GradientAt;
 use crate::integrate::{Pass, Predict, StepConstants};
@@ -60,15 +61,16 @@ pub(super) fn run_wavefronts(
         if !remaining.holds(number) {
             continue;
         }
-        let step = island_step.step(number, iteration_counts.len(), &mut wavefront.stages);
-        let Some(step) = step else { continue };
         let (plan, mut report) = (island_step.common.plan, island_step.reports[number - begin]);
+        let counts = SweepCounts::new(plan.islands.list[number].microsteps, iteration_counts);
+        let step = island_step.step(number, counts.each().len(), &mut wavefront.stages);
+        let Some(step) = step else { continue };
         let members = &plan.islands.members[plan.islands.list[number].members.clone()];
         let first = (members[0] - island_step.task.rows.start) as usize;
         let instructions = island_step.common.execution.instructions;
         island_step.gather_pins(number, &mut wavefront.pins);
         let mut own = TaskStore { island_step, first };
-        let measured = (iteration_counts, true);
+        let measured = (counts.each(), true);
         run_substeps(
             &mut own,
             (plan, number),
@@ -78,6 +80,7 @@ pub(super) fn run_wavefronts(
             measured,
             instructions,
         );
+        counts.join(&mut report);
         island_step.reports[number - begin] = report;
         remaining.leave(number..number + 1, members[0]..members[0] + members.len() as u32);
     }
@@ -87,7 +90,7 @@ pub(super) fn run_wavefronts(
 impl IslandStep<'_> {
     /// How an island would go through so many substeps, if it can: clusters of rods in columns alone, which nothing but each other holds back.
     fn step(&self, number: usize, substeps: usize, stages: &mut Stages) -> Option<StepConstants> {
-        let Self { common, outside, damping, .. } = self;
+        let Self { common, motion, .. } = self;
         let plan = common.plan;
         let island = &plan.islands.list[number];
         let members = &plan.islands.members[island.members.clone()];
@@ -106,12 +109,12 @@ impl IslandStep<'_> {
             && island.settings.gradient_at == GradientAt::Current
             && members.len() == (last - first) as usize + 1
             && plan.cluster_batches[cluster_batches.clone()].iter().all(fits);
-        let rate = match damping {
+        let rate = match motion.damping {
             [] => 0.0,
             [all] => *all,
             _ => return None,
         };
-        let rate = rate + (outside.air + 0.0);
+        let rate = rate + (motion.air + 0.0);
         if !fit {
             return None;
         }
@@ -124,7 +127,7 @@ impl IslandStep<'_> {
         {
             return None;
         }
-        StepConstants::new(outside.common, rate, common.h)
+        StepConstants::new(motion.common.truncate(), rate, common.h / island.microsteps as f32)
     }
 
     /// Where the pins are that an island's tethers go to; none without. They stand: what is led goes phase after phase.
@@ -134,6 +137,39 @@ impl IslandStep<'_> {
         if let Some(tethers) = plan.tethers.of(&plan.islands.list[number]) {
             let rows = self.task.rows.clone();
             pins.extend(tethers.pins(self.predict(0..rows.len()).position, rows.start));
+        }
+    }
+}
+
+/// How many sweeps each microstep of a step has.
+struct SweepCounts<'a> {
+    /// The most of all islands in each substep.
+    of_substeps: &'a [AtomicU32],
+    microsteps: u32,
+    /// In each microstep, where those are not the substeps. Without a heap in a step of a few substeps.
+    own: SmallVec<[AtomicU32; 64]>,
+}
+
+impl<'a> SweepCounts<'a> {
+    fn new(microsteps: u32, of_substeps: &'a [AtomicU32]) -> Self {
+        let all = if microsteps > 1 { of_substeps.len() * microsteps as usize } else { 0 };
+        Self { of_substeps, microsteps, own: (0..all).map(|_| AtomicU32::new(0)).collect() }
+    }
+
+    fn each(&self) -> &[AtomicU32] {
+        if self.microsteps > 1 { &self.own } else { self.of_substeps }
+    }
+
+    /// Sums them up by substeps.
+    fn join(&self, report: &mut IslandReport) {
+        if self.microsteps > 1 {
+            let substeps = self.own.chunks(self.microsteps as usize);
+            for (all, own) in self.of_substeps.iter().zip(substeps) {
+                let sweeps = own.iter().map(|count| count.load(Ordering::Relaxed)).sum();
+                all.fetch_max(sweeps, Ordering::Relaxed);
+                report.last_sweeps = sweeps;
+                report.most_sweeps = report.most_sweeps.max(sweeps);
+            }
         }
     }
 }

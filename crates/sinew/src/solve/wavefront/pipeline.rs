@@ -13,7 +13,7 @@ use std::time::Instant;
 use smallvec::SmallVec;
 
 use super::stages::{Stages, TILE};
-use super::{Store, run_substeps};
+use super::{Store, SweepCounts, run_substeps};
 use crate::integrate::{Predict, StepConstants};
 use crate::solve::IslandReport;
 use crate::solve::island::{Common, ThreadScratch};
@@ -37,6 +37,8 @@ pub(in crate::solve) fn pipelined_wavefront(
     let number = island_step.task.islands.start;
     let settings = &plan.islands.list[number].settings;
     let rows = island_step.task.rows.len();
+    let counts = SweepCounts::new(plan.islands.list[number].microsteps, iteration_counts);
+    let iteration_counts = counts.each();
     let threads = match settings.max_sweeps {
         1 => execution.workers.map_or(1, Workers::threads),
         // Whether another sweep follows is known when one is done: there is nothing to hand on.
@@ -93,6 +95,7 @@ pub(in crate::solve) fn pipelined_wavefront(
         (whole.error, whole.strain) = (report.error, report.strain);
         whole.measured = report.measured;
     }
+    counts.join(whole);
     whole.seconds += began.map_or(0.0, |began| began.elapsed().as_secs_f64());
     true
 }

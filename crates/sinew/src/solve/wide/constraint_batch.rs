@@ -94,7 +94,7 @@ impl<W: Wide<N>, const N: usize> Work for SweepBatch<'_, '_, W, N> {
             let each = shares.of(block.eight.packed_compliance, packed_compliance);
             let mut room = [[0; LANES]; N];
             let rows = less(&block.rows, places.first, &mut room);
-            let (position, start) = (&mut *places.position, places.start);
+            let (position, start) = (&mut *places.position, &*places.start);
             let mut particles = GatheredParticles { rows, position, start };
             let context = (packed_compliance, each, substep_context.h, L::zero());
             worst =

@@ -87,7 +87,7 @@ impl Work for SweepBatch<'_, '_> {
             let each = shares.of(block.eight.packed_compliance, packed_compliance);
             let mut room = [[0; LANES]; 2];
             let rows = less(&block.rows, places.first, &mut room);
-            let (position, start) = (&mut *places.position, places.start);
+            let (position, start) = (&mut *places.position, &*places.start);
             let mut particles = GatheredParticles { rows, position, start };
             let context = (packed_compliance, each, substep_context.h, L::zero());
             worst = project::<L>(&block.eight, context, &mut particles, multipliers).0.max(worst);

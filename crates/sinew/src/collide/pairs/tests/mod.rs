@@ -11,7 +11,7 @@ use glam::{Vec3, Vec4};
 use super::Pairs;
 use crate::collide::nearby::Nearby;
 use crate::collide::{BodyContacts, ContactFilter, Material};
-use crate::integrate::{Derive, Integrator, derive, predict};
+use crate::integrate::{Derive, Integrator, StepRows, derive, predict};
 use crate::lanes::InstructionSet;
 use crate::particles::{ParticleSeed, Particles};
 use crate::threads::ExecutionContext;
@@ -77,7 +77,7 @@ impl World {
             particles,
             Integrator::Verlet,
             h,
-            core::slice::from_ref(&(0..particles.len())),
+            &[StepRows { rows: 0..particles.len(), microsteps: 1 }],
             execution,
         );
         for &(a, b, length) in &self.rods {
