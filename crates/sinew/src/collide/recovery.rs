@@ -10,7 +10,12 @@ const RECOVERED: (f32, f32) = (20.0, 2.0);
 
 /// How much of an overlap of a particle is recovered in a substep of `h` seconds, metres.
 pub(super) fn recovery(h: f32, g: f32) -> f32 {
-    RECOVERED.0 * g * h * h + RECOVERED.1 * h
+    in_substep(RECOVERED, h, g)
+}
+
+/// How far it is in a substep of `h` seconds, metres: so many times what gravity adds to an overlap in it, and what a speed is, m/s.
+pub(super) fn in_substep((falls, speed): (f32, f32), h: f32, g: f32) -> f32 {
+    falls * g * h * h + speed * h
 }
 
 /// How far a sphere that came from one point to another is put out of a shape in a substep in which so much of an overlap is recovered, metres. `None` if it is

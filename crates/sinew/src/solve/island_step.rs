@@ -9,8 +9,8 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use smallvec::SmallVec;
 
 use super::instances::{BatchMotion, BatchSolve, WholeStep};
-use super::island::{Common, InOrder, ThreadScratch, solve};
-use super::microsteps::{derive_whole_steps, list_step_rows, take_microsteps};
+use super::island::{Common, InOrder, ThreadScratch};
+use super::microsteps::{derive_whole_steps, list_step_rows, solve_substep};
 use super::multipliers::MultiplierSlice;
 use super::plan::{Plan, Task};
 use super::remaining::Remaining;
@@ -223,28 +223,15 @@ impl IslandStep<'_> {
                     continue;
                 }
                 let sweeper = InOrder::new(plan, island, thread_scratch);
-                if island.takes_microsteps() {
-                    take_microsteps(
-                        common.by_one(),
-                        number,
-                        (&mut places, &mut motion),
-                        &mut multipliers,
-                        &mut normal_impulses,
-                        report,
-                        sweeper,
-                        (&mut [], &mut microsteps),
-                    );
-                    sweeps = sweeps.max(report.last_sweeps);
-                    continue;
-                }
-                let momentum_drift = solve(
-                    common,
+                let momentum_drift = solve_substep(
+                    common.by_one(),
                     number,
-                    &mut places,
+                    (&mut places, &mut motion),
                     &mut multipliers,
                     &mut normal_impulses,
                     report,
                     sweeper,
+                    (&mut [], &mut microsteps),
                 );
                 thread_scratch
                     .momentum_drifts

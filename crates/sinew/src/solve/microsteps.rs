@@ -19,6 +19,7 @@ use glam::Vec4;
 use super::IslandReport;
 use super::instances::MOST;
 use super::island::{Common, Sweeper, solve};
+use super::momentum::MomentumDrift;
 use super::multipliers::MultiplierSlice;
 use super::plan::{GroupKind, Plan};
 use super::remaining::Remaining;
@@ -99,9 +100,28 @@ pub(super) struct MicrostepScratch {
     led: Vec<(usize, Vec4)>,
 }
 
+/// Solves an island through a substep of which the first microstep has been predicted: whole, and returns what is to be taken off when its velocities are
+/// derived, as [`solve`] does; or in its microsteps, and then that is done.
+pub(super) fn solve_substep(
+    common: Common,
+    number: usize,
+    bodies: (&mut Places, &mut Motion),
+    multipliers: &mut MultiplierSlice,
+    normal_impulses: &mut NormalImpulses,
+    report: &mut IslandReport,
+    sweeper: impl Sweeper,
+    out: (&mut [Vec4], &mut MicrostepScratch),
+) -> Option<MomentumDrift> {
+    if common.plan.islands.list[number].takes_microsteps() {
+        take_microsteps(common, number, bodies, multipliers, normal_impulses, report, sweeper, out);
+        return None;
+    }
+    solve(common, number, bodies.0, multipliers, normal_impulses, report, sweeper)
+}
+
 /// Takes an island, whose first microstep has been predicted, through all of them: its velocities are derived, and have bounced. If they are to be derived
 /// once more, after contacts between bodies, what is to be taken off of each row then is written to `later`, which is empty otherwise.
-pub(super) fn take_microsteps(
+fn take_microsteps(
     common: Common,
     number: usize,
     (places, motion): (&mut Places, &mut Motion),

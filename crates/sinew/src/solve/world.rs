@@ -7,9 +7,9 @@ use glam::Vec4;
 
 use super::constraint_ref::SolveMode;
 use super::instances::{BatchMotion, BatchSolve};
-use super::island::{Common, InOrder, Sweeper, ThreadScratch, hold_tethers, solve};
+use super::island::{Common, InOrder, Sweeper, ThreadScratch, hold_tethers};
 use super::loads::Loads;
-use super::microsteps::{derive_whole_steps, list_step_rows, take_microsteps};
+use super::microsteps::{derive_whole_steps, list_step_rows, solve_substep};
 use super::momentum::{MomentumDrift, Note};
 use super::multipliers::{MultiplierSlice, Multipliers};
 use super::plan::{Plan, Task};
@@ -211,27 +211,15 @@ impl TaskSlice<'_> {
                 continue;
             }
             let sweeper = InOrder::new(plan, island, thread_scratch);
-            if island.takes_microsteps() {
-                take_microsteps(
-                    common.by_one(),
-                    number,
-                    (&mut places, &mut motion),
-                    &mut multipliers,
-                    &mut normal_impulses,
-                    report,
-                    sweeper,
-                    (later, &mut microsteps),
-                );
-                continue;
-            }
-            let momentum_drift = solve(
-                common,
+            let momentum_drift = solve_substep(
+                common.by_one(),
                 number,
-                &mut places,
+                (&mut places, &mut motion),
                 &mut multipliers,
                 &mut normal_impulses,
                 report,
                 sweeper,
+                (later, &mut microsteps),
             );
             let Some(momentum_drift) = momentum_drift else { continue };
             if later.is_empty() {
@@ -301,10 +289,13 @@ impl TaskSlice<'_> {
             return;
         }
         let sweeper = SharedSweep { plan, island, execution, thread_scratches };
-        if island.takes_microsteps() {
-            let mut microsteps =
-                thread_scratches.with(|thread_scratch| take(&mut thread_scratch.microsteps));
-            take_microsteps(
+        let mut microsteps =
+            thread_scratches.with(|thread_scratch| take(&mut thread_scratch.microsteps));
+        // What is measured has been solved.
+        let momentum_drift = if island.measured {
+            None
+        } else {
+            solve_substep(
                 common,
                 number,
                 (&mut places, &mut motion),
@@ -313,18 +304,12 @@ impl TaskSlice<'_> {
                 report,
                 sweeper,
                 (later, &mut microsteps),
-            );
-            thread_scratches.with(|thread_scratch| thread_scratch.microsteps = microsteps);
+            )
+        };
+        thread_scratches.with(|thread_scratch| thread_scratch.microsteps = microsteps);
+        if island.takes_microsteps() {
             return;
         }
-        // What is measured has been solved.
-        let momentum_drift = if island.measured {
-            None
-        } else {
-            let (places, multipliers, normal_impulses) =
-                (&mut places, &mut multipliers, &mut normal_impulses);
-            solve(common, number, places, multipliers, normal_impulses, report, sweeper)
-        };
         let rows = &plan.islands.members[island.members.clone()];
         if !later.is_empty() {
             if let Some(momentum_drift) = &momentum_drift {

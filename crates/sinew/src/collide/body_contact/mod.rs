@@ -49,6 +49,7 @@ use glam::Vec3;
 
 use super::manifold::{Clusters, Scratch};
 use super::nearby::Nearby;
+use super::recovery::in_substep;
 use super::shape::Kind;
 use super::triangles::of_segments;
 use super::{ContactParticipant, Kept, Shape, ShapeFault, World};
@@ -279,7 +280,7 @@ impl BodyContactSolver {
         self.place_static_geometry(world, from, to);
         self.refresh_manifolds(world, from);
         self.follow_kinematic_geometry(world, from);
-        let most = |(falls, speed): (f32, f32)| falls * world.gravity * h * h + speed * h;
+        let most = |share: (f32, f32)| in_substep(share, h, world.gravity);
         let (recover, max_depenetration) = (most(RECOVERED), most(MAX_DEPENETRATION));
         let elastic_pop = MAX_DEPENETRATION.0 * world.gravity * h * h;
         let Self { wide_contacts, bodies, instructions, fresh, .. } = self;

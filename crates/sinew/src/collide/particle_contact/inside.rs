@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use super::super::recovery::recovery;
+use super::super::recovery::{in_substep, recovery};
 use super::{ParticleContact, ParticleContacts};
 use crate::particles::{Particles, Places};
 
@@ -26,7 +26,7 @@ impl ParticleContacts {
     /// How much overlap is recovered in each substep, metres: for substeps of `h` seconds under gravity of `g` m/s².
     pub(super) fn set_recovery(&mut self, (h, g): (f32, f32)) {
         self.recover = recovery(h, g);
-        self.max_depenetration = MAX_DEPENETRATION.0 * g * h * h + MAX_DEPENETRATION.1 * h;
+        self.max_depenetration = in_substep(MAX_DEPENETRATION, h, g);
     }
 
     /// How much of an overlap is recovered in a substep, metres.
