@@ -75,7 +75,7 @@ fn edit<C: Component<Mutability = bevy::ecs::component::Mutable>>(
 #[test]
 fn each_number_edited_live_takes_effect_in_the_next_tick() {
     type Edit = fn(&mut App, &Cast);
-    let edits: [(&str, Edit); 29] = [
+    let edits: &[(&str, Edit)] = &[
         ("wind", |a, c| edit::<Wind>(a, c.wind, |w| w.pressure *= 2.0)),
         ("wind gusts", |a, c| edit::<Wind>(a, c.wind, |w| w.gusts = 0.9)),
         ("wind region", |a, c| edit::<Region>(a, c.wind, |r| r.fade = 7.0)),
@@ -130,7 +130,7 @@ fn each_number_edited_live_takes_effect_in_the_next_tick() {
         hash(&mut app)
     };
     assert_eq!(after("no edit", |_, _| ()), unedited);
-    for (name, change) in edits {
+    for &(name, change) in edits {
         assert_ne!(after(name, change), unedited, "{name}");
     }
 }
@@ -170,7 +170,7 @@ fn a_broken_number_is_refused_once_and_all_goes_on_as_if_its_owner_were_not_ther
     fn put(app: &mut App, bundle: impl Bundle) -> Entity {
         app.world_mut().spawn(bundle).id()
     }
-    let cases: [(&str, Break); 20] = [
+    let cases: &[(&str, Break)] = &[
         ("wind", |a, _| put(a, Wind { pressure: Vec3::splat(BAD), ..default() })),
         ("its fade", |a, _| put(a, (Wind::default(), Region::sphere(1.0).with_fade(BAD)))),
         ("its box", |a, _| put(a, (Wind::default(), Region::boxed(Vec3::new(2.0, -2.0, 2.0))))),
@@ -200,7 +200,7 @@ fn a_broken_number_is_refused_once_and_all_goes_on_as_if_its_owner_were_not_ther
             put(a, (Attractor::default().with_softening(BAD), AirFlow::steady(Vec3::ZERO)))
         }),
     ];
-    for (name, breaks) in cases {
+    for &(name, breaks) in cases {
         let break_it = |app: &mut App, cast: &Cast| (breaks(app, cast), Refusal::Surroundings);
         // The last is two things at once, of which one is sound: air that is there.
         let sound = |app: &mut App, _: &Cast| {

@@ -57,7 +57,7 @@ type Cause = fn(&mut Asleep);
 
 #[test]
 fn what_a_game_does_to_a_sleeper_wakes_it_and_none_far_away() {
-    let causes: [(&str, Cause); 18] = [
+    let causes: &[(&str, Cause)] = &[
         ("a velocity of a particle", |all| {
             let corner = all.corner(all.upper);
             all.app.world_mut().get_mut::<Particle>(corner).unwrap().velocity = Vec3::Y;
@@ -134,7 +134,7 @@ fn what_a_game_does_to_a_sleeper_wakes_it_and_none_far_away() {
         }),
     ];
     let mut asleep_still = Vec::new();
-    for (name, cause) in causes {
+    for &(name, cause) in causes {
         let mut all = asleep();
         cause(&mut all);
         tick(&mut all.app, 3);
@@ -148,7 +148,7 @@ fn what_a_game_does_to_a_sleeper_wakes_it_and_none_far_away() {
 
 #[test]
 fn what_fills_the_world_wakes_all_when_it_comes_changes_and_goes() {
-    let causes: [(&str, Cause); 6] = [
+    let causes: &[(&str, Cause)] = &[
         ("gravity", |all| {
             all.app.world_mut().resource_mut::<Gravity>().0 = Vec3::Y;
         }),
@@ -175,7 +175,7 @@ fn what_fills_the_world_wakes_all_when_it_comes_changes_and_goes() {
         }),
     ];
     let mut asleep_still = Vec::new();
-    for (name, cause) in causes {
+    for &(name, cause) in causes {
         let mut all = asleep();
         cause(&mut all);
         tick(&mut all.app, 3);

@@ -9,10 +9,10 @@ use crate::breaking::{self, Breakables, Broke};
 use crate::commands;
 use crate::components::{self, AirDrag, Charge, CreationCounter, Drag, Electric, Gravity};
 use crate::components::{
-    BreakAt, ContactEnded, ContactImpulse, ContactStarted, MeshFollow, TopologyChanged, TubeMesh,
+    ContactEnded, ContactImpulse, ContactStarted, MeshFollow, TopologyChanged, TubeMesh,
     WatchedContacts, Weighs,
 };
-use crate::config::{BodySolver, SolverConfig};
+use crate::config::SolverConfig;
 use crate::messages::Refused;
 use crate::recipes;
 use crate::schedule::{
@@ -120,15 +120,8 @@ impl Default for SinewPlugin {
 
 impl Plugin for SinewPlugin {
     fn build(&self, app: &mut App) {
-        components::register(app);
-        attach::register(app);
-        app.register_type::<SolverConfig>()
-            .register_type::<BodySolver>()
-            .register_type::<commands::PendingEdits>()
-            .register_type::<commands::Relax>()
-            .register_type::<commands::RelaxWorld>()
-            .register_type::<SinewControl>()
-            .register_type::<SinewClock>()
+        // For apps that do not register types by themselves; what is state the list of that registers.
+        app.register_type::<commands::RelaxWorld>()
             .register_type::<Refused>()
             .register_type::<ContactStarted>()
             .register_type::<ContactImpulse>()
@@ -151,7 +144,6 @@ impl Plugin for SinewPlugin {
             .init_resource::<Breakables>()
             .init_resource::<WatchedContacts>()
             .register_type::<WatchedContacts>()
-            .register_type::<BreakAt>()
             .add_message::<Broke>()
             .add_message::<Refused>()
             .add_message::<ContactStarted>()

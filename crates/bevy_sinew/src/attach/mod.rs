@@ -215,14 +215,3 @@ fn release(world: &mut World, attached: &Attached, joints: Vec<Entity>) {
         world.try_despawn(joint).ok();
     }
 }
-
-/// Registers what is here.
-pub(crate) fn register(app: &mut App) {
-    app.register_type::<AttachTo>()
-        .register_type::<AttachmentOf>()
-        .register_type::<BodyAttachments>()
-        .register_type::<JointOf>()
-        .register_type::<AttachmentJoints>()
-        .register_type::<Attached>()
-        .register_type::<AnchorConstraint>();
-}

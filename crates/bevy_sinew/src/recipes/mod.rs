@@ -32,15 +32,7 @@ use crate::schedule::{SinewSystems, SinewTick};
 
 /// Adds the builders of all recipes.
 pub(crate) fn add(app: &mut App) {
-    app.register_type::<RigidBox>()
-        .register_type::<Rope>()
-        .register_type::<Cloth>()
-        .register_type::<Ragdoll>()
-        .register_type::<RigidMesh>()
-        .register_type::<SoftBody>()
-        .register_type::<Articulated>()
-        .init_resource::<built::JustBuilt>()
-        .add_message::<BodyBuilt>();
+    app.init_resource::<built::JustBuilt>().add_message::<BodyBuilt>();
     // One after the other: the order in which bodies of one tick are numbered must not depend on the executor.
     app.add_systems(
         SinewTick,

@@ -11,18 +11,16 @@ use crate::attach::{
 };
 use crate::commands::{PendingEdits, Relax};
 use crate::components::{
-    AirDrag, AirFlow, AngleConstraint, AngularVelocity, AnyConstraint, AreaConstraint, Attractor,
-    BendConstraint, BodyConstraints, BodyContacts, BodyPart, BodyParticles, BodyParts, BodyReport,
-    BoundingBox, BreakAt, BuiltBody, Charge, Collider, ColliderMotion, CollinearConstraint,
-    CollisionLayers, ConeConstraint, ConstraintOf, ContactCache, ContactEvents, ContactsDisabled,
-    ControlForce, CoplanarConstraint, CreationCounter, CreationOrder, DistanceConstraint, Drag,
-    Electric, ElectricField, ExternalForce, ExternalImpulse, ExternalTorque, ExtractedTransform,
-    ExtractedVelocity, Flatland, Floats, Fluid, Gravity, GravityScale, Ground, HingeConstraint,
-    Inertia, Interpolate, LinearVelocity, Mass, MeshFollow, Orphans, PartOf, Particle,
-    ParticleBody, ParticleOf, PatchConstraint, Pinned, PinnedTo, Radius, Region, Representation,
-    RestPlace, RigidConstraint, RigidPose, Sensor, Sleep, SleepingDisabled, Spring,
-    SurfaceMaterial, TetrahedronConstraint, TickForces, Touching, TubeMesh, VolumeConstraint,
-    Weighs, Wind, WindSurface, WorldCenterOfMass,
+    AirDrag, AirFlow, AngularVelocity, Attractor, BodyConstraints, BodyContacts, BodyPart,
+    BodyParticles, BodyParts, BodyReport, BoundingBox, BreakAt, BuiltBody, Charge, Collider,
+    ColliderMotion, CollisionLayers, ConstraintOf, ContactCache, ContactEvents, ContactsDisabled,
+    ControlForce, CreationCounter, CreationOrder, DistanceConstraint, Drag, Electric,
+    ElectricField, ExternalForce, ExternalImpulse, ExternalTorque, ExtractedTransform,
+    ExtractedVelocity, Flatland, Floats, Fluid, Gravity, GravityScale, Ground, Inertia,
+    Interpolate, LinearVelocity, Mass, MeshFollow, Orphans, PartOf, Particle, ParticleBody,
+    ParticleOf, Pinned, PinnedTo, Radius, Region, Representation, RestPlace, RigidPose, Sensor,
+    Sleep, SleepingDisabled, Spring, SurfaceMaterial, TickForces, Touching, TubeMesh, Weighs, Wind,
+    WindSurface, WorldCenterOfMass, for_each_constraint,
 };
 use crate::config::{BodySolver, SolverConfig};
 use crate::recipes::{
@@ -80,10 +78,11 @@ pub(crate) fn add(app: &mut App) {
         CreationOrder,
         // Particles and what holds them together.
         Particle, Mass, Pinned, PinnedTo, Radius, Charge, Drag, ExternalForce, RestPlace,
-        DistanceConstraint, Spring, AngleConstraint, HingeConstraint, ConeConstraint, AreaConstraint,
-        PatchConstraint, TetrahedronConstraint, VolumeConstraint, BendConstraint, CoplanarConstraint,
-        CollinearConstraint, RigidConstraint, AnyConstraint, AnchorConstraint, BreakAt,
-        AttachTo, Attached,
+        DistanceConstraint, Spring,
+    );
+    for_each_constraint!(components!(app:));
+    components!(app:
+        AnchorConstraint, BreakAt, AttachTo, Attached,
         // Bodies.
         ParticleBody, BuiltBody, RigidPose, BodyPart, WindSurface, MeshFollow, TubeMesh, Interpolate,
         ExtractedTransform, LinearVelocity, AngularVelocity, ExtractedVelocity, WorldCenterOfMass, Inertia,

@@ -21,35 +21,84 @@ pub struct Constraint {
     pub kind: ConstraintKind,
 }
 
-/// What must hold between the particles of a constraint. Immutable data, cheap to clone, shared by bodies of the same shape.
-#[derive(Clone, Debug)]
-pub enum ConstraintKind {
-    /// The angle at a joint of three particles.
-    Angle(Angle),
-    /// The signed angle about an axis of two particles; also twist, and bending by the dihedral angle.
-    Hinge(Hinge),
-    /// A cone about an axis fixed in a parent.
-    Cone(Cone),
-    /// The area of a triangle.
-    Area(Area),
-    /// The area of many triangles together.
-    Patch(Patch),
-    /// The volume of a tetrahedron.
-    Tetrahedron(Tetrahedron),
-    /// The volume of a closed mesh.
-    Volume(Volume),
-    /// Isometric bending.
-    Bend(Bend),
+/// Makes the kinds of one table: a name, which is that of the type that holds its numbers, and its place in a sweep.
+macro_rules! kinds {
+    ($($(#[$doc:meta])* $name:ident($of:ident), rank $rank:literal;)*) => {
+        /// What must hold between the particles of a constraint. Immutable data, cheap to clone, shared by bodies of the same shape.
+        #[derive(Clone, Debug)]
+        pub enum ConstraintKind {
+            $($(#[$doc])* $name($of),)*
+            /// A game's own.
+            Custom(Arc<dyn Equation>),
+        }
+
+        impl ConstraintKind {
+            /// Why this kind cannot bind `particles` particles, or `None` if it can.
+            pub fn fault(&self, particles: usize) -> Option<ConstraintFault> {
+                if !self.equation().softness().is_valid() {
+                    return Some(ConstraintFault::Softness);
+                }
+                match self {
+                    $(Self::$name(kind) => kind.fault(particles),)*
+                    Self::Custom(_) => (particles == 0).then_some(ConstraintFault::Count),
+                }
+            }
+
+            /// The equation that it is.
+            pub fn equation(&self) -> &dyn Equation {
+                match self {
+                    $(Self::$name(kind) => kind,)*
+                    Self::Custom(kind) => kind.as_ref(),
+                }
+            }
+
+            /// Where it stands in a sweep: a game's own first, what is rigid last.
+            pub(crate) fn rank(&self) -> u32 {
+                match self {
+                    $(Self::$name(_) => $rank,)*
+                    Self::Custom(_) => 0,
+                }
+            }
+        }
+
+        /// Two kinds of a game's own are the same only if they are the same object.
+        impl PartialEq for ConstraintKind {
+            fn eq(&self, other: &Self) -> bool {
+                match (self, other) {
+                    $((Self::$name(a), Self::$name(b)) => a == b,)*
+                    (Self::Custom(a), Self::Custom(b)) => Arc::ptr_eq(a, b),
+                    _ => false,
+                }
+            }
+        }
+    };
+}
+
+kinds! {
     /// In one plane.
-    Coplanar(Coplanar),
+    Coplanar(Coplanar), rank 1;
     /// On one line.
-    Collinear(Collinear),
+    Collinear(Collinear), rank 1;
+    /// The volume of a closed mesh.
+    Volume(Volume), rank 2;
+    /// The area of many triangles together.
+    Patch(Patch), rank 2;
+    /// Isometric bending.
+    Bend(Bend), rank 3;
+    /// The area of a triangle.
+    Area(Area), rank 4;
+    /// The volume of a tetrahedron.
+    Tetrahedron(Tetrahedron), rank 5;
+    /// The angle at a joint of three particles.
+    Angle(Angle), rank 6;
+    /// The signed angle about an axis of two particles; also twist, and bending by the dihedral angle.
+    Hinge(Hinge), rank 7;
+    /// A cone about an axis fixed in a parent.
+    Cone(Cone), rank 8;
     /// A rigid shape.
-    Rigid(Rigid),
+    Rigid(Rigid), rank 9;
     /// Two points that particles carry.
-    Anchors(AnchorDistance),
-    /// A game's own.
-    Custom(Arc<dyn Equation>),
+    Anchors(AnchorDistance), rank 10;
 }
 
 /// What is wrong with a constraint.
@@ -110,91 +159,11 @@ impl ConstraintKind {
         Self::Custom(Arc::new(equation))
     }
 
-    /// Why this kind cannot bind `particles` particles, or `None` if it can.
-    pub fn fault(&self, particles: usize) -> Option<ConstraintFault> {
-        if !self.equation().softness().is_valid() {
-            return Some(ConstraintFault::Softness);
-        }
-        match self {
-            Self::Angle(kind) => kind.fault(particles),
-            Self::Hinge(kind) => kind.fault(particles),
-            Self::Cone(kind) => kind.fault(particles),
-            Self::Area(kind) => kind.fault(particles),
-            Self::Patch(kind) => kind.fault(particles),
-            Self::Tetrahedron(kind) => kind.fault(particles),
-            Self::Volume(kind) => kind.fault(particles),
-            Self::Bend(kind) => kind.fault(particles),
-            Self::Coplanar(kind) => kind.fault(particles),
-            Self::Collinear(kind) => kind.fault(particles),
-            Self::Rigid(kind) => kind.fault(particles),
-            Self::Anchors(kind) => kind.fault(particles),
-            Self::Custom(_) => (particles == 0).then_some(ConstraintFault::Count),
-        }
-    }
-
-    /// The equation that it is.
-    pub fn equation(&self) -> &dyn Equation {
-        match self {
-            Self::Angle(kind) => kind,
-            Self::Hinge(kind) => kind,
-            Self::Cone(kind) => kind,
-            Self::Area(kind) => kind,
-            Self::Patch(kind) => kind,
-            Self::Tetrahedron(kind) => kind,
-            Self::Volume(kind) => kind,
-            Self::Bend(kind) => kind,
-            Self::Coplanar(kind) => kind,
-            Self::Collinear(kind) => kind,
-            Self::Rigid(kind) => kind,
-            Self::Anchors(kind) => kind,
-            Self::Custom(kind) => kind.as_ref(),
-        }
-    }
-
     /// How many of its first particles are one of two things that it ties: what it pulls at. Of most kinds one.
     pub(crate) fn first_side(&self) -> usize {
         match self {
             Self::Anchors(kind) => kind.a.weights.len(),
             _ => 1,
-        }
-    }
-
-    /// Where it stands in a sweep: limits and shapes first, what is rigid last.
-    pub(crate) fn rank(&self) -> u32 {
-        match self {
-            Self::Custom(_) => 0,
-            Self::Coplanar(_) | Self::Collinear(_) => 1,
-            Self::Volume(_) | Self::Patch(_) => 2,
-            Self::Bend(_) => 3,
-            Self::Area(_) => 4,
-            Self::Tetrahedron(_) => 5,
-            Self::Angle(_) => 6,
-            Self::Hinge(_) => 7,
-            Self::Cone(_) => 8,
-            Self::Rigid(_) => 9,
-            Self::Anchors(_) => 10,
-        }
-    }
-}
-
-/// Two kinds of a game's own are the same only if they are the same object.
-impl PartialEq for ConstraintKind {
-    fn eq(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Angle(a), Self::Angle(b)) => a == b,
-            (Self::Hinge(a), Self::Hinge(b)) => a == b,
-            (Self::Cone(a), Self::Cone(b)) => a == b,
-            (Self::Area(a), Self::Area(b)) => a == b,
-            (Self::Patch(a), Self::Patch(b)) => a == b,
-            (Self::Tetrahedron(a), Self::Tetrahedron(b)) => a == b,
-            (Self::Volume(a), Self::Volume(b)) => a == b,
-            (Self::Bend(a), Self::Bend(b)) => a == b,
-            (Self::Coplanar(a), Self::Coplanar(b)) => a == b,
-            (Self::Collinear(a), Self::Collinear(b)) => a == b,
-            (Self::Rigid(a), Self::Rigid(b)) => a == b,
-            (Self::Anchors(a), Self::Anchors(b)) => a == b,
-            (Self::Custom(a), Self::Custom(b)) => Arc::ptr_eq(a, b),
-            _ => false,
         }
     }
 }

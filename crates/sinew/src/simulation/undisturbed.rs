@@ -5,6 +5,7 @@ use glam::{Vec3, Vec4};
 use super::{Scratch, Simulation, Substep, execution};
 use crate::collide::Contacts;
 use crate::constraints::PlanarDrag;
+use crate::forces::Forces;
 use crate::integrate::Integrator;
 use crate::solve;
 
@@ -25,14 +26,29 @@ impl Simulation {
 
     /// Whether the forces of all substeps are the same on all particles, wherever those are.
     fn is_quiet(&self) -> bool {
-        let Self { particles, forces, .. } = self;
-        let quiet = forces.attractors.is_empty()
-            && forces.controls.is_empty()
-            && forces.springs.is_empty()
-            && forces.winds.is_empty()
-            && forces.air_flows.is_empty()
-            && forces.fluids.is_empty();
-        quiet && particles.column_summary.plain && particles.column_summary.neutral
+        // Named one by one, so that the compiler asks of which of the two a new force is: these are the same everywhere, or act on charges alone.
+        let Forces {
+            gravity: _,
+            drag: _,
+            surfaces: _,
+            hulls: _,
+            electric: _,
+            electric_fields: _,
+            attractors,
+            controls,
+            springs,
+            winds,
+            air_flows,
+            fluids,
+        } = &self.forces;
+        let quiet = attractors.is_empty()
+            && controls.is_empty()
+            && springs.is_empty()
+            && winds.is_empty()
+            && air_flows.is_empty()
+            && fluids.is_empty();
+        let summary = &self.particles.column_summary;
+        quiet && summary.plain && summary.neutral
     }
 
     /// Whether nothing moves in this step: all sleep, or are single particles that are pinned and stay, and what stands around them goes nowhere. Then each

@@ -35,22 +35,3 @@ pub use weight::Weighs;
 
 pub(crate) use events::Orphans;
 pub(crate) use motion::PlacedCollider;
-
-use bevy::prelude::*;
-
-/// Registers what collides for reflection, for apps that do not register types by themselves.
-pub(super) fn register(app: &mut App) {
-    app.register_type::<Collider>()
-        .register_type::<ColliderMotion>()
-        .register_type::<ContactCache>()
-        .register_type::<SurfaceMaterial>()
-        .register_type::<GroundDrag>()
-        .register_type::<CollisionLayers>()
-        .register_type::<Sensor>()
-        .register_type::<ContactEvents>()
-        .register_type::<Touching>()
-        .register_type::<Weighs>()
-        .register_type::<BodyContacts>()
-        .register_type::<ContactsDisabled>()
-        .register_type::<RestPlace>();
-}

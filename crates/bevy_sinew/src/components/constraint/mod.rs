@@ -109,20 +109,23 @@ pub trait ParticleConstraint: Component<Mutability = Mutable> + Clone {
     }
 }
 
-/// Registers the constraints for reflection, for apps that do not register types by themselves.
-pub(super) fn register(app: &mut App) {
-    app.register_type::<DistanceConstraint>()
-        .register_type::<Spring>()
-        .register_type::<AngleConstraint>()
-        .register_type::<HingeConstraint>()
-        .register_type::<ConeConstraint>()
-        .register_type::<AreaConstraint>()
-        .register_type::<PatchConstraint>()
-        .register_type::<TetrahedronConstraint>()
-        .register_type::<VolumeConstraint>()
-        .register_type::<BendConstraint>()
-        .register_type::<CoplanarConstraint>()
-        .register_type::<CollinearConstraint>()
-        .register_type::<RigidConstraint>()
-        .register_type::<AnyConstraint>();
+/// Hands the components of this folder that are a [`ParticleConstraint`] to a macro, after what is said first: they are saved and solved alike.
+macro_rules! for_each_constraint {
+    ($then:ident!($($first:tt)*)) => {
+        $then!($($first)*
+            $crate::components::AngleConstraint,
+            $crate::components::HingeConstraint,
+            $crate::components::ConeConstraint,
+            $crate::components::AreaConstraint,
+            $crate::components::PatchConstraint,
+            $crate::components::TetrahedronConstraint,
+            $crate::components::VolumeConstraint,
+            $crate::components::BendConstraint,
+            $crate::components::CoplanarConstraint,
+            $crate::components::CollinearConstraint,
+            $crate::components::RigidConstraint,
+            $crate::components::AnyConstraint,
+        )
+    };
 }
+pub(crate) use for_each_constraint;

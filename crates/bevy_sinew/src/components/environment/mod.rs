@@ -27,22 +27,3 @@ pub use fluid::{Floats, Fluid, HullShape};
 pub use gravity::{Attractor, Gravity};
 pub use region::{Region, RegionShape};
 pub use wind::{AirDrag, AirFlow, Wind};
-
-use bevy::prelude::*;
-
-/// Registers the surroundings for reflection, for apps that do not register types by themselves.
-pub(super) fn register(app: &mut App) {
-    app.register_type::<Gravity>()
-        .register_type::<Attractor>()
-        .register_type::<AirDrag>()
-        .register_type::<Wind>()
-        .register_type::<AirFlow>()
-        .register_type::<Fluid>()
-        .register_type::<Floats>()
-        .register_type::<Electric>()
-        .register_type::<ElectricField>()
-        .register_type::<Region>()
-        .register_type::<Ground>()
-        .register_type::<BoundingBox>()
-        .register_type::<Flatland>();
-}

@@ -10,11 +10,7 @@ use bevy::prelude::*;
 use super::change_detection::ChangeDetector;
 use super::entry::{Entry, update_incrementally};
 use crate::attach::AnchorConstraint;
-use crate::components::{
-    AngleConstraint, AnyConstraint, AreaConstraint, BendConstraint, CollinearConstraint,
-    ConeConstraint, CoplanarConstraint, CreationOrder, HingeConstraint, ParticleConstraint,
-    PatchConstraint, RigidConstraint, TetrahedronConstraint, VolumeConstraint,
-};
+use crate::components::{CreationOrder, ParticleConstraint, for_each_constraint};
 use crate::messages::Refusal;
 use crate::state::add_constraint;
 use crate::world::{Place, SinewWorld, Tables};
@@ -48,21 +44,16 @@ impl RegisterParticleConstraint for App {
     }
 }
 
+/// Has some constraints solved.
+macro_rules! solved {
+    ($app:ident: $($constraint:ty,)*) => {
+        $app$(.register_particle_constraint::<$constraint>())*
+    };
+}
+
 /// Registers what comes with the plugin.
 pub(crate) fn register_ours(app: &mut App) {
-    app.register_particle_constraint::<AngleConstraint>()
-        .register_particle_constraint::<HingeConstraint>()
-        .register_particle_constraint::<ConeConstraint>()
-        .register_particle_constraint::<AreaConstraint>()
-        .register_particle_constraint::<PatchConstraint>()
-        .register_particle_constraint::<TetrahedronConstraint>()
-        .register_particle_constraint::<VolumeConstraint>()
-        .register_particle_constraint::<BendConstraint>()
-        .register_particle_constraint::<CoplanarConstraint>()
-        .register_particle_constraint::<CollinearConstraint>()
-        .register_particle_constraint::<RigidConstraint>()
-        .register_particle_constraint::<AnyConstraint>()
-        .register_particle_constraint::<AnchorConstraint>();
+    for_each_constraint!(solved!(app:)).register_particle_constraint::<AnchorConstraint>();
 }
 
 /// The types that were registered, in that order, and what was collected of them for this tick.
