@@ -16,6 +16,7 @@ use bevy::time::TimeUpdateStrategy;
 use bevy::world_serialization::WorldSerializationPlugin;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{Refusal, Refused, SinewClock, TickTime};
+use cpu_time::ProcessTime;
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_draw::{self as draw, Image};
 use sinew_examples::assets_folder;
@@ -48,8 +49,9 @@ pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> ExitCode {
     // A scene is a world of its own and has its own pictures, so each core plays another one; the table has them in their order.
     let next = AtomicUsize::new(0);
     let played = Mutex::new(Vec::new());
+    let players = std::thread::available_parallelism().map_or(1, usize::from).min(scenes.len());
     std::thread::scope(|scope| {
-        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from).min(scenes.len()) {
+        for _ in 0..players {
             scope.spawn(|| {
                 while let Some(&scene) = scenes.get(next.fetch_add(1, Ordering::Relaxed)) {
                     bar.set_message(scene.name);
@@ -79,7 +81,7 @@ pub(crate) fn run(options: &Options, scenes: &[&'static Scene]) -> ExitCode {
         }
     }
     bar.finish_and_clear();
-    let table = table(&rows);
+    let table = table(&rows, players == 1);
     print!("{table}");
     let summary = options.out.join("summary.txt");
     if let Err(error) = fs::write(&summary, &table) {
@@ -102,6 +104,9 @@ struct Row {
     ticks: u64,
     /// Wall time of a tick's substeps, while other scenes are played beside it.
     milliseconds: f64,
+    /// Processor time of the frame that took the most, with all that the plugin does in it, milliseconds. It is that of the whole program, and so says something
+    /// only where no other scene is played beside it.
+    longest: f64,
     /// Largest error of a hard constraint that any tick left, metres, and as a share of its length.
     error: f32,
     strain: f32,
@@ -130,6 +135,7 @@ fn perform(
         constraints: 0,
         ticks: 0,
         milliseconds: 0.0,
+        longest: 0.0,
         error: 0.0,
         strain: 0.0,
         energy: [0.0; 2],
@@ -220,7 +226,9 @@ fn raise_curtain(app: &mut App) -> Result<(), String> {
 
 /// One tick, and what it adds to the row.
 fn tick(app: &mut App, row: &mut Row) {
+    let began = ProcessTime::now();
     app.update();
+    row.longest = row.longest.max(began.elapsed().as_secs_f64() * 1e3);
     let world = app.world_mut();
     let diverged = world
         .resource_mut::<Messages<Refused>>()
@@ -277,14 +285,15 @@ fn write_pictures(
     draw::write_gif(out.join(format!("{}.gif", scene.name)), film, delay)
 }
 
-fn table(rows: &[Row]) -> String {
+fn table(rows: &[Row], alone: bool) -> String {
     let mut text = format!(
-        "{:<10} {:>9} {:>11} {:>6} {:>8} {:>10} {:>8} {:>11} {:>11}  finite  lesson\n",
+        "{:<10} {:>9} {:>11} {:>6} {:>8} {:>8} {:>10} {:>8} {:>11} {:>11}  finite  lesson\n",
         "scene",
         "particles",
         "constraints",
         "ticks",
         "ms/tick",
+        "most ms",
         "error, mm",
         "strain",
         "J at start",
@@ -292,12 +301,13 @@ fn table(rows: &[Row]) -> String {
     );
     for row in rows {
         text += &format!(
-            "{:<10} {:>9} {:>11} {:>6} {:>8.3} {:>10.3} {:>6.2} % {:>11.4} {:>11.4}  {:<6}  {}\n",
+            "{:<10} {:>9} {:>11} {:>6} {:>8.3} {:>8} {:>10.3} {:>6.2} % {:>11.4} {:>11.4}  {:<6}  {}\n",
             row.name,
             row.particles,
             row.constraints,
             row.ticks,
             row.milliseconds,
+            if alone { format!("{:.2}", row.longest) } else { String::new() },
             row.error * 1e3,
             row.strain * 100.0,
             row.energy[0],

@@ -33,7 +33,7 @@ pub(super) fn skybox(images: &mut Assets<Image>, exposure: f32) -> Skybox {
 pub(super) fn light(images: &mut Assets<Image>) -> EnvironmentMapLight {
     EnvironmentMapLight {
         // Beside the sun's 7500 lx, what shadows are filled with, cd/m².
-        intensity: 420.0,
+        intensity: 220.0,
         ..EnvironmentMapLight::hemispherical_gradient(
             images,
             Color::linear_rgb(0.85, 1.05, 1.35),
