@@ -1,10 +1,16 @@
-//! The program of the README, as it stands there: a ball on a rod swings into a tower of crates, beside a curtain in the wind.
+//! The program of the README, as it stands there: a ball on a rod swings into a wall of crates, beside a flag in the wind.
 
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{MouseDragPlugin, TubeMesh};
 
 fn main() {
-    App::new().add_plugins((DefaultPlugins, SinewPlugins)).add_systems(Startup, setup).run();
+    App::new()
+        .add_plugins((DefaultPlugins, SinewPlugins, MouseDragPlugin))
+        .insert_resource(ClearColor(Color::srgb(0.55, 0.72, 0.88)))
+        .insert_resource(GlobalAmbientLight { brightness: 700.0, ..default() })
+        .add_systems(Startup, setup)
+        .run();
 }
 
 fn setup(
@@ -13,42 +19,50 @@ fn setup(
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
     // What Bevy needs to show anything: a camera and a light.
-    let (eye, sun) = (Transform::from_xyz(0.0, 2.5, 7.5), Transform::from_xyz(2.0, 4.0, 3.0));
-    commands.spawn((Camera3d::default(), eye.looking_at(Vec3::Y, Vec3::Y)));
-    commands.spawn((DirectionalLight::default(), sun.looking_at(Vec3::ZERO, Vec3::Y)));
+    let (eye, sun) = (Transform::from_xyz(-2.2, 2.4, 6.4), Transform::from_xyz(-3.0, 6.0, 4.0));
+    commands.spawn((Camera3d::default(), eye.looking_at(Vec3::new(-0.2, 1.3, 0.0), Vec3::Y)));
+    let light = DirectionalLight { shadow_maps_enabled: true, illuminance: 6000.0, ..default() };
+    commands.spawn((light, sun.looking_at(Vec3::ZERO, Vec3::Y)));
+    let mut paint = |color| MeshMaterial3d(materials.add(Color::Srgba(color)));
 
-    let floor = meshes.add(Plane3d::default().mesh().size(30.0, 30.0));
-    let grey = MeshMaterial3d(materials.add(Color::srgb(0.5, 0.5, 0.5)));
-    commands.spawn((Ground, Mesh3d(floor), grey));
+    // The ground is a plane without end; its mesh is only what is seen of it.
+    let floor = Mesh3d(meshes.add(Plane3d::default().mesh().size(200.0, 200.0)));
+    commands.spawn((Ground, floor, paint(Srgba::rgb(0.35, 0.45, 0.3))));
 
-    // Crates made of particles: their transforms follow them, and they stand on each other.
-    let wood = MeshMaterial3d(materials.add(Color::srgb(0.8, 0.5, 0.2)));
-    let cube = Mesh3d(meshes.add(Cuboid::from_length(0.6)));
-    for i in 0..5 {
-        let body = RigidBox::new(Vec3::splat(0.6)).with_mass(2.0);
-        let place = Transform::from_xyz(0.8, 0.3 + 0.6 * i as f32, 0.0);
-        commands.spawn((body, cube.clone(), wood.clone(), place));
+    // A wall of crates: rigid bodies, whose transforms follow the simulation.
+    let (cube, wood) =
+        (Mesh3d(meshes.add(Cuboid::from_length(0.6))), paint(Srgba::rgb(0.7, 0.4, 0.15)));
+    for row in 0..4 {
+        for i in 0..4 - row {
+            let at =
+                Vec3::new(0.62 * (i as f32 + 0.5 * row as f32 - 1.0), 0.3 + 0.6 * row as f32, 0.0);
+            let body = RigidBox::new(Vec3::splat(0.6)).with_mass(2.0);
+            commands.spawn((body, cube.clone(), wood.clone(), Transform::from_translation(at)));
+        }
     }
 
-    // Particles of one's own, and what holds them: entities like any others.
-    let iron = MeshMaterial3d(materials.add(Color::srgb(0.2, 0.2, 0.25)));
-    let ball = (Mesh3d(meshes.add(Sphere::new(0.35))), iron, Transform::default());
-    let ball = (Particle::at(Vec3::new(-2.4, 4.0, 0.0)), Mass(20.0), Radius(0.35), ball);
-    let ball = commands.spawn(ball).id();
-    let hook = commands.spawn((Particle::at(Vec3::new(0.4, 4.0, 0.0)), Pinned::HERE)).id();
-    commands.spawn(DistanceConstraint::new(hook, ball, 2.8));
+    // A wrecking ball: two particles and the rod between them, which are entities like any others.
+    let (ball, iron) = (Mesh3d(meshes.add(Sphere::new(0.35))), paint(Srgba::rgb(0.15, 0.15, 0.2)));
+    let hook = commands.spawn((Particle::at(Vec3::new(0.0, 3.9, 0.8)), Pinned::HERE)).id();
+    let ball = (Particle::at(Vec3::new(-0.4, 2.7, 2.9)), Mass(20.0), Radius(0.35), ball);
+    let ball = commands.spawn((ball, iron.clone(), Transform::default())).id();
+    commands.spawn(DistanceConstraint::new(hook, ball, 2.45));
+    commands.spawn((TubeMesh { particles: vec![hook, ball], ..default() }, iron.clone()));
 
-    // A curtain, which brings its own mesh, and a wind.
+    // A flag, which brings its own mesh, on a pole; and a wind.
+    let pole = Mesh3d(meshes.add(Cylinder::new(0.04, 3.4)));
+    commands.spawn((pole, iron, Transform::from_xyz(-2.6, 1.7, -0.5)));
+    let red = StandardMaterial {
+        double_sided: true,
+        cull_mode: None,
+        ..Color::srgb(0.7, 0.05, 0.05).into()
+    };
     commands.spawn((
-        Cloth::grid(2.0, 2.0, 32, 32).pinned(ClothPins::TopEdge),
-        MeshMaterial3d(materials.add(StandardMaterial {
-            double_sided: true,
-            cull_mode: None,
-            ..Color::srgb(0.7, 0.1, 0.1).into()
-        })),
-        Transform::from_xyz(-2.0, 2.4, -1.0),
+        Cloth::grid(1.6, 1.0, 32, 20).pinned(ClothPins::LeftEdge),
+        MeshMaterial3d(materials.add(red)),
+        Transform::from_xyz(-1.8, 2.8, -0.5),
     ));
-    commands.spawn(Wind { pressure: Vec3::new(1.0, 0.0, 3.0), gusts: 0.8, ..default() });
+    commands.spawn(Wind { pressure: Vec3::new(4.0, 0.0, 1.5), gusts: 0.8, ..default() });
 }
 
 #[cfg(test)]
