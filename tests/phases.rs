@@ -361,6 +361,27 @@ fn a_games_own_force_acts_in_a_set_and_between_any_two() {
     }
 }
 
+/// In a world that took its substeps at once such a system was never run: the schedule counted itself when it ran, and did not run before it was counted.
+#[test]
+fn a_games_own_system_that_comes_later_is_run_whatever_the_world_did_before() {
+    for falls in [true, false] {
+        let mut app = bare_app();
+        let world = app.world_mut();
+        let ball = world.spawn((Rocket, Particle::at(Vec3::Y), Radius(0.1))).id();
+        if !falls {
+            let ground = Transform::from_xyz(0.0, 0.4, 0.0);
+            world.spawn((Collider::cuboid(Vec3::ONE), ground));
+            world.entity_mut(ball).insert(Sleep::default());
+        }
+        tick(&mut app, 90);
+        let before = app.world().get::<Particle>(ball).unwrap().velocity.y;
+        app.add_systems(SubstepSchedule, thrust.in_set(PhaseSystems::AccumulateForces));
+        tick(&mut app, 3);
+        let after = app.world().get::<Particle>(ball).unwrap().velocity.y;
+        assert!(after > before + 0.3, "{falls}: {before} to {after} m/s");
+    }
+}
+
 #[test]
 fn a_games_own_constraint_between_integrate_and_solve_is_obeyed() {
     let mut app = bare_app();

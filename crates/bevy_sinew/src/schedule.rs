@@ -12,7 +12,7 @@ use bevy::ecs::message::signal_message_update_system;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 
-use crate::world::{PhaseWatch, SinewWorld};
+use crate::world::{PhaseWatch, SinewWorld, load_left};
 
 /// The parts of a tick, in this order, in [`SinewTick`]: a system of a game's own that belongs between two of them is added there.
 ///
@@ -336,6 +336,12 @@ fn run_substeps(world: &mut World) {
     let by_phase = world.resource::<TickTime>().by_phase;
     let shown = world.resource::<PhaseSteps>().begins;
     let watched = by_phase || shown || world.resource::<SinewWorld>().tables.forces.is_some();
+    let alone = !watched && has_no_guests(world);
+    if alone && world.resource_mut::<SinewWorld>().rest(dt) {
+        note_times(world, began, None);
+        return;
+    }
+    load_left(world);
     let substeps = {
         let mut sinew = world.resource_mut::<SinewWorld>();
         match sinew.simulation.begin_step(dt) {
@@ -351,16 +357,12 @@ fn run_substeps(world: &mut World) {
         (0..substeps).for_each(|_| sinew.simulation.time += length);
     } else {
         let ran = world.try_schedule_scope(SubstepSchedule, |world, schedule| {
-            // Conditions of sets are seen until the schedule is built with them, which it is when it runs.
-            let sets = &schedule.graph().system_sets;
-            let mut pace = world.resource_mut::<Pace>();
-            pace.conditional |= sets.iter().any(|(_, _, conditions)| !conditions.is_empty());
-            // Where no system or condition of a game stands between the phases, and they do the same to all, nothing is lost by taking them at once.
+            // Where nobody stands between the phases, and they do the same to all, nothing is lost by taking them at once.
             if watched {
                 let mut watch = PhaseWatch::default();
                 watch.frames = shown.then(Vec::new);
                 world.resource_mut::<SinewWorld>().tables.watch = Some(Box::new(watch));
-            } else if schedule.systems_len() == PHASES && !pace.conditional {
+            } else if alone {
                 world.resource_mut::<SinewWorld>().simulation.take_substeps();
             }
             for _ in 0..world.resource::<SinewWorld>().substep().remaining {
@@ -376,11 +378,30 @@ fn run_substeps(world: &mut World) {
     if shown {
         world.resource_mut::<PhaseSteps>().take(watch.as_deref_mut(), substeps, layout);
     }
+    note_times(world, began, watch.filter(|_| by_phase));
+}
+
+/// Whether no system and no condition of a game stands between the phases.
+fn has_no_guests(world: &mut World) -> bool {
+    let mut schedules = world.resource_mut::<Schedules>();
+    let Some(schedule) = schedules.get_mut(SubstepSchedule) else { return false };
+    // Conditions of sets are seen until the schedule is built with them, which it is when it runs.
+    let sets = &schedule.graph().system_sets;
+    let conditional = sets.iter().any(|(_, _, conditions)| !conditions.is_empty());
+    // What came since it was built is counted when it is built again, by running.
+    let counted = !schedule.is_changed() && schedule.systems_len() == PHASES;
+    let mut pace = world.resource_mut::<Pace>();
+    pace.conditional |= conditional;
+    counted && !pace.conditional
+}
+
+/// Notes how long the parts of a tick took of which the substeps began then.
+fn note_times(world: &mut World, began: Instant, watch: Option<Box<PhaseWatch>>) {
     let whole = world.resource::<Pace>().began.unwrap_or(began);
     let mut took = world.resource_mut::<TickTime>();
     took.substeps = began.elapsed();
     took.gather = began.duration_since(whole);
-    took.phases = watch.filter(|_| by_phase).map_or_else(Default::default, |watch| watch.took);
+    took.phases = watch.map_or_else(Default::default, |watch| watch.took);
 }
 
 /// Advances the clock and takes a single step off.

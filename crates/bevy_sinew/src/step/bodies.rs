@@ -58,6 +58,15 @@ type ToldRefs = (
     Option<Ref<'static, CollisionLayers>>,
 );
 
+/// What bodies say in one table.
+type BodyTable<'w> = (
+    ContiguousRef<'w, BodyParticles>,
+    Option<ContiguousRef<'w, BodySolver>>,
+    Option<ContiguousRef<'w, GravityScale>>,
+    ToldTable<'w>,
+    Option<ContiguousRef<'w, Representation>>,
+);
+
 /// Whether bodies have something new to say.
 #[derive(SystemParam)]
 pub(crate) struct Bodies<'w, 's> {
@@ -69,7 +78,6 @@ pub(crate) struct Bodies<'w, 's> {
             Option<Ref<'static, BodySolver>>,
             Option<Ref<'static, GravityScale>>,
             ToldRefs,
-            Option<Ref<'static, ResolvedShape>>,
             Option<Ref<'static, Representation>>,
         ),
     >,
@@ -80,7 +88,7 @@ pub(crate) struct Bodies<'w, 's> {
     sleepers: Query<'w, 's, (), With<Sleep>>,
     disabled: Query<'w, 's, Ref<'static, ContactsDisabled>>,
     watched: Res<'w, WatchedContacts>,
-    counts: Local<'s, [usize; 13]>,
+    counts: Local<'s, [usize; 14]>,
 }
 
 impl Bodies<'_, '_> {
@@ -92,46 +100,36 @@ impl Bodies<'_, '_> {
     /// Whether one came, went or changed since the system that asks last ran.
     pub(crate) fn changed(&mut self) -> bool {
         let mut changed = self.watched.is_changed();
-        let (mut now, mut with_itself) = ([0; 13], false);
-        for (members, solver, scale, told, resolved, representation) in &self.all {
-            let (contacts, material, layers) = told;
-            now[12] += usize::from(representation.is_some());
-            changed |= representation.is_some_and(|one| one.is_changed());
-            now[0] += usize::from(solver.is_some());
-            now[1] += usize::from(scale.is_some());
-            now[2] += usize::from(contacts.is_some());
-            now[3] += usize::from(material.is_some());
-            now[4] += usize::from(layers.is_some());
-            changed |= members.is_changed();
-            changed |= solver.is_some_and(|solver| solver.is_changed());
-            changed |= scale.is_some_and(|scale| scale.is_changed());
-            changed |= material.is_some_and(|material| material.is_changed());
-            changed |= layers.is_some_and(|layers| layers.is_changed());
-            changed |= resolved.is_some_and(|resolved| resolved.is_changed());
-            if let Some(contacts) = contacts {
-                changed |= contacts.is_changed();
-                with_itself |= contacts.with_itself;
-            }
+        let (mut now, mut with_itself) = ([0; 14], false);
+        // There may be very many of all of these: table by table. All are kept in tables.
+        for table in self.all.contiguous_iter().into_iter().flatten() {
+            let change_ticks = body_change_ticks(&table);
+            now[..7].iter_mut().zip(change_ticks).for_each(|(sum, change_ticks)| {
+                *sum += change_ticks.map_or(0, |change_ticks| change_ticks.len());
+            });
+            changed |= change_ticks.iter().flatten().any(ChangeTicks::any_changed);
+            let (_, _, _, (contacts, ..), _) = &table;
+            with_itself |=
+                contacts.iter().any(|all| all.iter().any(|contacts| contacts.with_itself));
         }
-        // There may be very many of these: table by table. All are kept in tables.
         for table in self.loose.contiguous_iter().into_iter().flatten() {
             let change_ticks = change_ticks(&table);
-            now[5..8].iter_mut().zip(change_ticks).for_each(|(sum, change_ticks)| {
+            now[7..10].iter_mut().zip(change_ticks).for_each(|(sum, change_ticks)| {
                 *sum += change_ticks.map_or(0, |change_ticks| change_ticks.len());
             });
             changed |= change_ticks.iter().flatten().any(ChangeTicks::any_changed);
         }
         if with_itself {
             let (count, moved) = census(&self.places);
-            now[8] = count;
+            now[10] = count;
             changed |= moved;
         }
         let (count, came) = census(&self.events);
-        now[9] = count;
-        changed |= came;
-        now[10] = self.sleepers.iter().len();
-        let (count, came) = census(&self.disabled);
         now[11] = count;
+        changed |= came;
+        now[12] = self.sleepers.iter().len();
+        let (count, came) = census(&self.disabled);
+        now[13] = count;
         changed |= came;
         let went = core::mem::replace(&mut *self.counts, now) != now;
         went || changed
@@ -143,6 +141,21 @@ fn change_ticks<'w>((contacts, material, layers): &ToldTable<'w>) -> [Option<Cha
         contacts.as_ref().map(ChangeTicks::of),
         material.as_ref().map(ChangeTicks::of),
         layers.as_ref().map(ChangeTicks::of),
+    ]
+}
+
+fn body_change_ticks<'w>(
+    (members, solver, scale, told, representation): &BodyTable<'w>,
+) -> [Option<ChangeTicks<'w>>; 7] {
+    let [contacts, material, layers] = change_ticks(told);
+    [
+        Some(ChangeTicks::of(members)),
+        solver.as_ref().map(ChangeTicks::of),
+        scale.as_ref().map(ChangeTicks::of),
+        contacts,
+        material,
+        layers,
+        representation.as_ref().map(ChangeTicks::of),
     ]
 }
 

@@ -42,6 +42,8 @@ pub(crate) struct Known {
     shapes: BTreeSet<Entity>,
     bodies: BTreeSet<Entity>,
     counts: [usize; 4],
+    /// Whether something collides by its segments, or did when that was last asked.
+    bends: bool,
 }
 
 /// Lists the solids afresh if particles came or went or were set aside, or a body asks for something else, or a part has another shape, or, where a
@@ -70,7 +72,7 @@ pub(crate) fn compile_body_colliders(
     mut known: Local<Known>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
-    let Known { shapes, bodies, counts } = &mut *known;
+    let Known { shapes, bodies, counts, bends: any_bends } = &mut *known;
     let all = [census(&contacts), census(&resolved), census(&disabled)];
     let changed = all.iter().any(|&(_, changed)| changed);
     // What went is not told as a change; what came is one, so that their number says the rest.
@@ -88,11 +90,11 @@ pub(crate) fn compile_body_colliders(
         _ => Some(ContactShape::Auto),
     };
     let bends = |owner: Entity| shape(owner) == Some(ContactShape::Segments);
-    let any_bends = || {
+    if anew {
         let asks = contacts.iter().any(|own| own.shape == ContactShape::Segments);
-        asks || resolved.iter().any(|own| own.shape == ContactShape::Segments)
-    };
-    if !(anew || any_bends() && retied()) {
+        *any_bends = asks || resolved.iter().any(|own| own.shape == ContactShape::Segments);
+    }
+    if !(anew || *any_bends && retied()) {
         return;
     }
     tables.cache_kept = None;

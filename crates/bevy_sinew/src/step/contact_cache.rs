@@ -15,11 +15,12 @@ pub(crate) fn gather_contact_cache(
     ticks: SystemChangeTick,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
-    if let Some(then) = tables.cache_kept.take()
+    if let Some(then) = tables.cache_kept
         && is_as_kept(&kept, then, ticks.this_run())
     {
         return;
     }
+    tables.cache_kept = None;
     simulation.contact_cache.clear();
     for (number, &part) in tables.parts.iter().enumerate() {
         if let (Some(solid), Ok(own)) =
@@ -38,9 +39,13 @@ pub(crate) fn keep_contact_cache(
     ticks: SystemChangeTick,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
+    if tables.rested && tables.cache_kept.is_some() {
+        tables.cache_kept = Some((ticks.this_run(), memories.iter().len()));
+        return;
+    }
     let mut all = true;
-    for (solid, &part) in simulation.body_colliders().iter().zip(&tables.parts) {
-        let now = simulation.contact_cache.of(solid.id);
+    let each = simulation.contact_cache.each(simulation.body_colliders().iter().map(|one| one.id));
+    for (now, &part) in each.zip(&tables.parts) {
         let Ok(mut own) = memories.get_mut(part) else {
             all = false;
             continue;

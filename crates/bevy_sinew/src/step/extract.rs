@@ -31,6 +31,9 @@ pub(crate) fn extract_poses(
     pace: Res<Pace>,
     mut order: Local<Vec<(usize, Entity)>>,
 ) {
+    if world.tables.rested {
+        return;
+    }
     // While time stands still nothing moves by itself: a pose that is found again is nearer to the best one in its last digits, and is no other pose.
     let stands = pace.left == 0;
     let stays = |known: Option<&ExtractedTransform>, found: &Pose| {
@@ -171,6 +174,9 @@ pub(crate) fn extract_motion(
     )>,
 ) {
     let (simulation, tables) = (&world.simulation, &world.tables);
+    if tables.rested {
+        return;
+    }
     for (members, mut rows, mut linear, mut angular, mut known, mut barycenter, mut inertia) in
         &mut bodies
     {

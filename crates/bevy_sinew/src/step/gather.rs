@@ -75,6 +75,12 @@ pub(crate) fn gather_particles(
     // What bodies say comes on top of what their particles say, for all of them or for none.
     all |= changed && bodies.any();
     note_touched(&mut world, &particles, all || changed);
+    world.tables.properties_gathered = all;
+    world.tables.rested = false;
+    world.tables.left = !(all || changed) && world.is_settled();
+    if world.tables.left {
+        return;
+    }
     loop {
         let is_new = gather_tables(&mut world, &mut messages, &particles, all);
         if all || !(is_new && bodies.any()) {
@@ -121,9 +127,7 @@ fn gather_tables(
         let mut i = 0;
         while i < rows.len() {
             let run = world.tables.sound_run(&rows[i..]);
-            let first = rows[i].0 as usize;
-            let some = states[i..i + run].iter().map(|&particle| particle.into());
-            let loaded = world.simulation.particles.load(first, some);
+            let loaded = world.load(states, rows, i);
             i += loaded;
             // What stopped it is a particle that is or was set aside.
             if loaded == 0 || loaded < run {

@@ -12,6 +12,9 @@ use crate::messages::{EditFault, Refusal, Refused, refuse};
 /// What is asked of a body, in the order of creation.
 type Asked = (Option<CreationOrder>, Entity, BodyEdit);
 
+/// Whose velocity somebody has written, be it the last tick: of a sleeper it has not.
+type Sped = Or<(Changed<LinearVelocity>, Changed<AngularVelocity>, Changed<ExtractedVelocity>)>;
+
 /// Gives bodies the velocities that a game spawned with them, or has changed since the last tick.
 ///
 /// One that is not finite is refused and put back to what the body has.
@@ -25,7 +28,7 @@ pub(crate) fn follow_velocities(
             &mut ExtractedVelocity,
             Option<&mut Sleep>,
         ),
-        With<BodyParticles>,
+        (With<BodyParticles>, Sped),
     >,
     mut editor: Editor,
     mut messages: MessageWriter<Refused>,

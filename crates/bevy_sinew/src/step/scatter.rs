@@ -16,6 +16,9 @@ pub(crate) fn scatter(
     mut awake: Local<Vec<bool>>,
 ) {
     world.tables.scattered = Some(ticks.this_run());
+    if world.tables.rested {
+        return;
+    }
     let (columns, tables) = (&world.simulation.particles, &world.tables);
     list_awake(&world, &mut awake);
     // Table by table, all of a table marked as changed at once. Not with one set aside among them, or asleep: that one did not change.

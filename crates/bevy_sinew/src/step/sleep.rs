@@ -144,6 +144,9 @@ pub(crate) fn gather_sleep(
 
 /// Notes, after the step, who slept through all of it. Those need not be written: they are as they were gathered.
 pub(crate) fn note_sleepers(mut world: ResMut<SinewWorld>) {
+    if world.tables.rested {
+        return;
+    }
     let SinewWorld { simulation, tables } = &mut *world;
     let after = simulation.sleep.iter();
     for (was, now) in tables.asleep.iter_mut().zip(after.clone()) {
@@ -160,6 +163,9 @@ pub(crate) fn keep_sleep(
     mut bodies: Query<(&Rows<BodyParticles>, &mut Sleep)>,
 ) {
     let SinewWorld { simulation, tables } = &*world;
+    if tables.rested {
+        return;
+    }
     for (rows, mut sleep) in &mut bodies {
         let row = rows.current(&tables.layout).iter().find(|&&row| row != GONE);
         let body = row.and_then(|&row| simulation.particles.body(row as usize));

@@ -14,7 +14,7 @@ use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
 use sinew::{ContactParticipant, ParticleFault, Particles, Simulation, SolverReport};
 
-use crate::components::ParticleRow;
+use crate::components::{Particle, ParticleRow};
 use crate::messages::ReportedErrors;
 use crate::rows::Layout;
 
@@ -232,6 +232,10 @@ pub(crate) struct Tables {
     pub(crate) scattered: Option<Tick>,
     /// Which particles somebody else has written to since they were last gathered, by row, and whether it may have been any.
     pub(crate) touched: Touched,
+    /// Whether particles are still to be gathered, because nothing is known to have changed.
+    pub(crate) left: bool,
+    /// Whether nothing but the time changed in this tick.
+    pub(crate) rested: bool,
     /// The bodies that sleep, by number: from the end of gathering on as they were, from scattering on those that slept through the tick.
     pub(crate) asleep: Vec<bool>,
     /// Those of them of which nothing was written: what is extracted of them stays as it is.
@@ -274,6 +278,25 @@ impl SinewWorld {
         !rows.is_empty() && rows.iter().all(|row| (*row as usize) < particles && listed(row))
     }
 
+    /// Loads the particles of a table from a place on, as long as they stand in consecutive rows and none is at fault. Returns how many.
+    pub(crate) fn load(&mut self, states: &[Particle], rows: &[ParticleRow], from: usize) -> usize {
+        let run = self.tables.sound_run(&rows[from..]);
+        let some = states[from..from + run].iter().map(|&particle| particle.into());
+        self.simulation.particles.load(rows[from].0 as usize, some)
+    }
+
+    /// Whether all rows are as the last tick left them, and that tick left them as they were; then they need not be gathered while all rest.
+    pub(crate) fn is_settled(&self) -> bool {
+        let Tables { touched, set_aside, .. } = &self.tables;
+        !touched.all && touched.rows.is_empty() && *set_aside == 0 && self.simulation.is_settled()
+    }
+
+    /// Takes a tick of `dt` seconds at once in which nothing but the time changes, and notes that there is nothing to scatter or to extract. Whether this was one.
+    pub(crate) fn rest(&mut self, dt: f32) -> bool {
+        self.tables.rested = self.tables.left && self.simulation.rest(dt);
+        self.tables.rested
+    }
+
     /// Whether all of some rows slept through the tick.
     pub(crate) fn slept_through(&self, rows: &[u32]) -> bool {
         self.all_in(&self.tables.asleep, rows)
@@ -282,6 +305,25 @@ impl SinewWorld {
     /// Whether what was extracted of some rows in the last tick holds.
     pub(crate) fn are_unmoved(&self, rows: &[u32]) -> bool {
         self.all_in(&self.tables.unmoved, rows)
+    }
+}
+
+/// Gathers what was left out because all of it [rests](SinewWorld::is_settled), where it does not after all.
+pub(crate) fn load_left(world: &mut World) {
+    if world.resource::<SinewWorld>().tables.left {
+        let ran = world.run_system_cached(load_particles);
+        debug_assert!(ran.is_ok(), "the system needs nothing that may be missing");
+    }
+}
+
+fn load_particles(mut world: ResMut<SinewWorld>, particles: Query<(&Particle, &ParticleRow)>) {
+    world.tables.left = false;
+    for (states, rows) in particles.contiguous_iter().into_iter().flatten() {
+        let mut i = 0;
+        while i < rows.len() {
+            // None of them is set aside, or it would not have been left out.
+            i += world.load(states, rows, i).max(1);
+        }
     }
 }
 

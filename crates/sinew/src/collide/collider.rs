@@ -5,7 +5,7 @@ use glam::{Mat3, Vec3};
 use super::{Frame, Layers, Material, Shape};
 
 /// A shape in the world. Nothing moves it but the game: what touches it is pushed, and it is not.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Collider {
     /// Its shape, in coordinates of its own.
     pub shape: Shape,

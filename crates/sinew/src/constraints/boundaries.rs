@@ -9,7 +9,7 @@ use crate::particles::Places;
 
 /// What is enforced on single particles. [`Constraint`](super::Constraint)s and distances are kept apart, in the
 /// [`Simulation`](crate::Simulation), because they are compiled into a plan when they change; these may change at any step for free.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Boundaries {
     /// Half-spaces that every particle stays in, such as the ground.
     pub planes: Vec<Plane>,

@@ -33,7 +33,7 @@ use glam::Vec3;
 use crate::particles::{Particles, rate_of_drag};
 
 /// The force laws of a simulation and what they act on.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Forces {
     /// Gravitational acceleration, m/s². Default `(0, -9.81, 0)`.
     pub gravity: Vec3,

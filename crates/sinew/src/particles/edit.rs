@@ -64,6 +64,7 @@ impl Particles {
         let metres = snap(translation);
         let rest = (translation - metres).as_dvec3();
         // All arms first: the barycentre hangs on the first row, which moves as well.
+        self.note_write();
         let moves: Vec<(usize, Vec3)> = present(self, rows)
             .map(|i| {
                 let arm = whole.arm(self, i);
@@ -111,6 +112,7 @@ impl Particles {
         let answer = whole.answer(impulse, turn + lever.cross(impulse));
         let rows = moving(self, rows);
         if rows.iter().all(|&i| answer.at(whole.arm(self, i)).is_finite()) {
+            self.note_write();
             for i in rows {
                 let change = answer.at(whole.arm(self, i));
                 self.velocity[i] += change.extend(0.0);

@@ -88,6 +88,8 @@ pub struct Particles {
     pub(crate) rest: Vec<Vec3>,
     /// See `edits`.
     pub(crate) edits: u64,
+    /// See `writes`.
+    writes: u64,
     pub(crate) column_summary: ColumnSummary,
     /// Whether somebody asks which rows others move, and which those are, the last one last.
     watched: bool,
@@ -272,6 +274,7 @@ impl Particles {
 
     /// Has what particle `i` belongs to be awake in the next step: for who adds forces between two phases, which a sleeper does not feel.
     pub fn wake(&mut self, i: usize) {
+        self.note_write();
         if self.sleepers && self.woken.last() != Some(&(i as u32)) {
             self.woken.push(i as u32);
         }
@@ -288,8 +291,20 @@ impl Particles {
         self.woken.clear();
     }
 
+    /// Counts what wrote to a row from outside of a step: to its state, its forces or its properties. Where the number is what it was, so are the rows,
+    /// unless they were [loaded](Self::load).
+    pub(crate) fn writes(&self) -> u64 {
+        self.writes.wrapping_add(self.edits)
+    }
+
+    #[inline]
+    fn note_write(&mut self) {
+        self.writes = self.writes.wrapping_add(1);
+    }
+
     #[inline]
     fn note_moved(&mut self, i: usize) {
+        self.note_write();
         if self.watched {
             self.moved.push(i as u32);
         }

@@ -4,6 +4,7 @@ mod lists;
 mod loads;
 mod prepare;
 mod queries;
+mod rest;
 mod rigid_states;
 mod sleep;
 mod slide;
@@ -113,6 +114,7 @@ struct Scratch {
     unseen: bool,
     /// Whether nothing moves in this step.
     at_rest: bool,
+    rest: rest::Rest,
 }
 
 /// Where in a step the simulation is.
@@ -137,6 +139,9 @@ impl Simulation {
     /// # Errors
     /// A `dt` that is not positive and finite is refused and nothing changes.
     pub fn step(&mut self, dt: f32) -> Result<&SolverReport, StepFault> {
+        if self.rest(dt) {
+            return Ok(&self.report);
+        }
         let substeps = self.begin_step(dt)?;
         self.take_substeps();
         for _ in 0..self.scratch.substep.remaining.min(substeps) {
@@ -189,8 +194,16 @@ impl Simulation {
         self.report.sweeps = 0;
         self.report.most_sweeps = 0;
         self.report.converged = true;
-        self.report.islands.clear();
-        self.report.islands.resize(self.scratch.plan.islands.list.len(), IslandReport::default());
+        let islands = &self.scratch.plan.islands.list;
+        // What sleeps has moved nothing since it was measured, if that was in the same plan.
+        for (own, island) in self.report.islands.iter_mut().zip(islands) {
+            let IslandReport { error, strain, .. } = *own;
+            *own = IslandReport::default();
+            if island.asleep {
+                *own = IslandReport { error, strain, measured: true, ..*own };
+            }
+        }
+        self.report.islands.resize(islands.len(), IslandReport::default());
         Ok(settings.substeps)
     }
 
@@ -365,6 +378,7 @@ impl Simulation {
         report.impacts.clear();
         report.impacts.extend_from_slice(impacts);
         self.restore_anchors();
+        self.note_rest();
     }
 
     /// Where particle `i` was when the last step began, metres: for drawing what lies between two steps.

@@ -50,6 +50,8 @@ impl Simulation {
             }
         }
         changes.clear();
+        // They were of islands that may have other numbers now.
+        self.report.islands.clear();
         scratch.loads.expire();
         scratch.sleep_scratch.forget_support();
     }
@@ -211,6 +213,7 @@ impl Simulation {
 
     /// Finds what may come to touch what.
     pub(super) fn begin_contacts(&mut self) {
+        let listens = self.hears_of_contacts();
         let Self {
             particles,
             forces,
@@ -222,8 +225,6 @@ impl Simulation {
             ..
         } = self;
         let links = (&self.distances[..], &self.constraints[..]);
-        let listens = colliders.iter().any(|collider| collider.events)
-            || contacts.iter().any(|body| body.events);
         let scratch = &mut self.scratch;
         let at_rest = scratch.at_rest && !listens;
         let Substep { length, remaining: substeps } = scratch.substep;

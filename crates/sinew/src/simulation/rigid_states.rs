@@ -18,7 +18,7 @@ impl Simulation {
         self.list_single_rows();
     }
 
-    /// Lists the rows that do not follow from rigid states.
+    /// Lists the rows that do not follow from rigid states and do not sleep.
     fn list_single_rows(&mut self) {
         let Scratch { plan, single_rows, .. } = &mut self.scratch;
         single_rows.clear();
@@ -28,7 +28,7 @@ impl Simulation {
                 single_rows.push(StepRows { rows, microsteps });
             }
         };
-        let others = |island: &&Island| island.one_state || island.takes_microsteps();
+        let others = |island: &&Island| island.is_left_alone() || island.takes_microsteps();
         for island in plan.islands.list.iter().filter(others) {
             // Both are one stretch of rows each.
             let Some(rows) = plan.stretch(island) else { continue };

@@ -124,8 +124,10 @@ struct IslandActivity {
 }
 
 impl Simulation {
-    /// Has the next step look whether sleepers are where they were: for who writes positions by [`Particles::load`](crate::Particles::load).
+    /// Has the next step look whether sleepers are where they were: for who writes others than they have by
+    /// [`Particles::load`](crate::Particles::load).
     pub fn check_sleepers(&mut self) {
+        self.scratch.rest = Default::default();
         self.scratch.sleep_scratch.forget_support();
     }
 
@@ -294,6 +296,8 @@ impl Simulation {
         let SleepScratch { activities, parent, masses, hashes, .. } = sleepers;
         let Self { particles, sleep, scratch, .. } = self;
         let plan = &mut scratch.plan;
+        // As a step would leave what stands still.
+        let still = Vec3::ZERO.extend(self.settings.integrator.lag(scratch.substep.length));
         for number in 0..plan.islands.list.len() {
             let root = root(parent, number as u32) as usize;
             let group = activities[root];
@@ -317,7 +321,8 @@ impl Simulation {
                 if island.asleep && particles.position[i].w > 0.0 {
                     masses.push((row, particles.position[i].w));
                     particles.position[i].w = 0.0;
-                    particles.velocity[i] = Vec4::ZERO;
+                    particles.start[i] = particles.position[i];
+                    particles.velocity[i] = still;
                     particles.rounding[i] = Vec4::ZERO;
                 }
             }

@@ -125,10 +125,18 @@ pub(super) fn u11(effort: &Effort) -> Vec<Row> {
             }
         }
     };
+    // What a level is like most of the time: somebody moves, and all else lies.
+    let one_awake = |world: &mut World| {
+        fill(world, true);
+        let place = Transform::from_xyz(-3.0, 0.5, -3.0);
+        world.spawn((RigidBox::new(Vec3::ONE), place, SleepingDisabled));
+    };
     let awake = level("U11", "1000 boxes side by side, awake", |_| {});
     let asleep = level("U11", "1000 boxes side by side, asleep", |_| {});
+    let but_one = level("U11", "1000 boxes side by side, asleep, and one awake", |_| {});
     vec![
         measured(&asleep, effort, |world| with_ground(world, |world| fill(world, true))),
+        measured(&but_one, effort, |world| with_ground(world, one_awake)),
         measured(&awake, effort, |world| with_ground(world, |world| fill(world, false))),
     ]
 }

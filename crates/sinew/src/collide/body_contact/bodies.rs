@@ -65,6 +65,19 @@ impl Bodies {
         self.residual.resize(2 * len, Vec4::ZERO);
     }
 
+    /// A copy of eight rows from one on.
+    pub(super) fn eight(&self, first: usize) -> [Record; LANES] {
+        core::array::from_fn(|lane| self.rows[first + lane])
+    }
+
+    /// Puts some of eight rows back to a [copy](Self::eight), by a bit for each.
+    pub(super) fn put_back(&mut self, first: usize, lanes: u32, eight: [Record; LANES]) {
+        for (lane, row) in eight.into_iter().enumerate().filter(|(lane, _)| lanes >> lane & 1 == 1)
+        {
+            self.rows[first + lane] = row;
+        }
+    }
+
     /// The frame of a body collider whose centre is at `centre` in it: where the substep began, turned as predicted.
     pub(super) fn frame(&self, row: usize, centre: Vec3) -> Frame {
         let (at, r) = (self[row][CENTRE].truncate(), rotation(self[row][ROTATION]));

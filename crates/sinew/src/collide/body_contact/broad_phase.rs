@@ -28,7 +28,7 @@ use super::turn::{LaneArray, load};
 use super::wide_contact::{
     Contact, SWEEPS, WideContact, colour, keep_for_impacts, pack_contacts, put, set, set_levels,
 };
-use crate::lanes::{LANES, Lanes, Record, Vector, with};
+use crate::lanes::{LANES, Lanes, Vector, with};
 use crate::particles::{NO_BODY, Particles};
 
 /// How far from its path a body collider may be thrown in a step before contacts of it are looked for again, by what gravity alone does, `g dt²`. Of
@@ -60,6 +60,7 @@ impl BodyContactSolver {
         self.sensor_overlaps.clear();
         self.h = world.dt / world.substeps.max(1) as f32;
         self.groups.weigh(world.body_colliders, particles);
+        self.note_sleepers(world);
         super::static_geometry::list(world, &mut self.floor, &mut self.static_geometry);
         let rows = self.groups.padded() + self.static_geometry.len() + 1;
         self.bodies.resize(rows);
@@ -123,6 +124,22 @@ impl BodyContactSolver {
         self.fresh = true;
     }
 
+    /// Notes which body colliders sleep. What else cannot move may be led.
+    fn note_sleepers(&mut self, world: &World) {
+        let Self { groups, asleep, .. } = self;
+        asleep.clear();
+        asleep.resize(groups.groups.len(), 0);
+        let islands = world.islands;
+        for (number, part) in groups.parts.iter().enumerate().filter(|(_, part)| part.immovable) {
+            let first = groups.rows.get(part.entries.start);
+            let island = first.and_then(|&row| islands.of.get(row as usize));
+            if part.sound && island.is_some_and(|&island| islands.list[island as usize].asleep) {
+                let place = groups.place(number);
+                asleep[place / LANES] |= 1 << (place % LANES);
+            }
+        }
+    }
+
     /// Nothing moves: nothing is looked for, and the cache stays as it is.
     fn rest(&mut self) {
         self.cache.in_order();
@@ -143,8 +160,7 @@ impl BodyContactSolver {
         for (number, group) in groups.groups.iter().enumerate() {
             let (first, mut asks) = (number * LANES, 0xFF);
             for _ in 0..2 {
-                let before: [Record; LANES] =
-                    core::array::from_fn(|lane| bodies.rows[first + lane]);
+                let before = bodies.eight(first);
                 let read = ExtractPose {
                     group,
                     slots: &groups.slots[group.slots.clone()],
@@ -160,9 +176,7 @@ impl BodyContactSolver {
                 };
                 let residual = with(*instructions, read);
                 // Who was found the first time stays as it was: who is beside it must not matter.
-                for lane in (0..LANES).filter(|lane| asks >> lane & 1 == 0) {
-                    bodies.rows[first + lane] = before[lane];
-                }
+                bodies.put_back(first, !asks, before);
                 asks &= residual;
                 if asks == 0 {
                     break;

@@ -109,6 +109,22 @@ impl ContactCache {
         &own[..own.partition_point(|one| one.key.a == solid)]
     }
 
+    /// The [manifolds](Self::of) of many body colliders, one after the other: of all, in the order of their ids, it goes through the cache once.
+    pub fn each(
+        &self,
+        solids: impl Iterator<Item = u64>,
+    ) -> impl Iterator<Item = &[CachedManifold]> {
+        let mut rest = &self.contacts[..];
+        solids.map(move |solid| {
+            let first = rest.iter().position(|one| one.key.a >= solid).unwrap_or(rest.len());
+            let own = &rest[first..];
+            let end = own.iter().position(|one| one.key.a != solid).unwrap_or(own.len());
+            let (own, behind) = own.split_at(end);
+            rest = behind;
+            own
+        })
+    }
+
     /// Adds the manifolds of a body collider; to be called for one after the other, in the order of their ids. Those of another one are left out.
     pub fn add(&mut self, solid: u64, contacts: &[CachedManifold]) {
         self.contacts.extend(contacts.iter().filter(|one| one.key.a == solid));

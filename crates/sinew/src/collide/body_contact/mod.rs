@@ -229,6 +229,8 @@ pub(crate) struct BodyContactSolver {
     speeds: Vec<(u32, f32)>,
     impacts: Impacts,
     rigid: RigidIslands,
+    /// For each group a bit for each body collider that sleeps: it stays where it was read when the step began.
+    asleep: Vec<u32>,
     /// Whether contacts were looked for since the last substep.
     fresh: bool,
     /// Length of the last substep, seconds.
@@ -455,28 +457,31 @@ impl BodyContactSolver {
             outside_bounds,
             instructions,
             rigid,
+            asleep,
             h,
             ..
         } = self;
         outside_bounds.clear();
         for (number, group) in groups.groups.iter().enumerate() {
             let (first, wide_swept) = (number * LANES, Some((&wide_swept[number], time)));
-            let (mut left, lanes) = (0, rigid.lanes(number));
-            let read = ExtractPose {
-                group,
-                slots: &groups.slots[group.slots.clone()],
-                origin_offsets: origin_offsets.of(group),
-                position: &particles.position,
-                other: &particles.start,
-                fresh: false,
-                bodies,
-                first,
-                sums: &mut sums[number],
-                wide_swept,
-                gathered,
-            };
-            if lanes != group.sound {
-                left = with(*instructions, read) & !lanes;
+            let (mut left, lanes, asleep) = (0, rigid.lanes(number), asleep[number]);
+            if lanes | asleep != group.sound {
+                let before = bodies.eight(first);
+                let read = ExtractPose {
+                    group,
+                    slots: &groups.slots[group.slots.clone()],
+                    origin_offsets: origin_offsets.of(group),
+                    position: &particles.position,
+                    other: &particles.start,
+                    fresh: false,
+                    bodies,
+                    first,
+                    sums: &mut sums[number],
+                    wide_swept,
+                    gathered,
+                };
+                left = with(*instructions, read) & !(lanes | asleep);
+                bodies.put_back(first, asleep, before);
             }
             if lanes != 0 {
                 let (state, mass) = (&rigid.states[number], &group.mass);
@@ -494,8 +499,8 @@ impl BodyContactSolver {
 
     /// Displaces the particles as their body colliders were.
     fn apply_pose_deltas(&mut self, particles: &mut Particles) {
-        let Self { groups, origin_offsets, bodies, sums, instructions, shared, rigid, h, .. } =
-            self;
+        let Self { groups, origin_offsets, bodies, sums, instructions, shared, .. } = self;
+        let Self { rigid, asleep, h, .. } = self;
         shared.clear();
         for (number, group) in groups.groups.iter().enumerate() {
             let lanes = rigid.lanes(number);
@@ -504,6 +509,7 @@ impl BodyContactSolver {
                 let first = number * LANES;
                 with(*instructions, CorrectStates { mass, state, bodies, first, h: *h });
             }
+            let lanes = lanes | asleep[number];
             if lanes == group.sound {
                 continue;
             }

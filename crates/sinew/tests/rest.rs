@@ -1,0 +1,188 @@
+//! A world in which all sleep takes its steps at once. Nobody can see a difference: not in what it does when something changes, to the last bit.
+
+use sinew::constraints::Plane;
+use sinew::glam::{Quat, Vec3};
+use sinew::recipes::{BoxSpec, RopeSpec, box_3d, rope};
+use sinew::{
+    BodyContacts, BodySettings, Collider, ContactParticipant, Control, Distance, Frame, Material,
+    ParticleSeed, Pin, Shape, Simulation, Sleep, Spring, Wind,
+};
+
+const DT: f32 = 1.0 / 60.0;
+
+/// Boxes on a ground and on each other, a rope beside them, and a ball that stands.
+fn level() -> Simulation {
+    let mut world = Simulation::default();
+    world.boundaries.planes.push(Plane::ground(0.0));
+    let contacts = BodyContacts { with_bodies: true, ..Default::default() };
+    for (x, y) in [(0.0, 0.25), (0.0, 0.75), (2.0, 0.25)] {
+        let spec = BoxSpec { size: Vec3::splat(0.5), ..BoxSpec::default() };
+        let blueprint = box_3d(&spec).unwrap().transformed(Quat::IDENTITY, Vec3::new(x, y, 0.0));
+        blueprint.build_colliding(&mut world, contacts).unwrap();
+    }
+    let spec = RopeSpec {
+        from: Vec3::new(4.0, 0.03, 0.0),
+        to: Vec3::new(5.0, 0.03, 0.0),
+        segments: 6,
+        radius: 0.03,
+        ..Default::default()
+    };
+    let laid = rope(&spec).unwrap().build(&mut world).unwrap();
+    let body = world.bodies.len() as u32;
+    world.bodies.push(BodySettings::default());
+    world.contacts.push(BodyContacts::default());
+    laid.for_each(|row| world.particles.set_body(row, Some(body)));
+    let ball = Frame::at(Vec3::new(-2.0, 0.5, 0.0));
+    world.colliders.push(Collider::fixed(Shape::sphere(0.5).unwrap(), ball));
+    world.sleep.resize(world.bodies.len(), Sleep::allowed());
+    world
+}
+
+/// One step, phase by phase: never at once.
+fn phases(world: &mut Simulation) {
+    let substeps = world.begin_step(DT).unwrap();
+    for _ in 0..substeps {
+        world.begin_substep();
+        world.accumulate_forces();
+        world.apply_wind();
+        world.apply_buoyancy();
+        world.apply_electric();
+        world.integrate();
+        world.solve_constraints();
+    }
+    world.end_step();
+}
+
+/// All that there is to see.
+fn bits(world: &Simulation) -> (u64, Vec<[u32; 7]>, Vec<bool>) {
+    let of = |i: usize| {
+        let (p, v) = (world.particles.position(i), world.particles.velocity(i));
+        let [a, b, c] = p.to_array().map(f32::to_bits);
+        let [d, e, f] = v.to_array().map(f32::to_bits);
+        [a, b, c, d, e, f, world.particles.lag(i).to_bits()]
+    };
+    let rows = (0..world.particles.len()).map(of).collect();
+    (world.time.to_bits(), rows, world.sleep.iter().map(|body| body.asleep).collect())
+}
+
+type Edit = (&'static str, fn(&mut Simulation));
+
+/// What somebody may do to it from outside. Each is noticed, whether it moves something or not.
+const EDITS: [Edit; 24] = [
+    ("a velocity", |world| world.particles.set_velocity(0, Vec3::X)),
+    ("an impulse", |world| world.particles.add_impulse(9, Vec3::Y)),
+    ("an impulse on several", |world| world.particles.apply_impulse(&[0, 1, 2, 3], Vec3::Y)),
+    ("an angular impulse", |world| {
+        world.particles.apply_angular_impulse(&[0, 1, 2, 3, 4, 5, 6, 7], Vec3::Y);
+    }),
+    ("a place", |world| {
+        let at = world.particles.position(26);
+        world.particles.set_position(26, at + Vec3::Y * 0.2);
+    }),
+    ("a displacement", |world| world.particles.displace(26, Vec3::Y * 0.2)),
+    ("a teleport", |world| {
+        world.particles.teleport(&[8, 9, 10, 11, 12, 13, 14, 15], Vec3::Y, Quat::IDENTITY);
+        world.check_sleepers();
+    }),
+    ("a motion", |world| world.particles.set_motion(&[16, 17, 18, 19], Vec3::Y, Vec3::X)),
+    ("a force", |world| world.particles.set_external_force(0, Vec3::Y * 1000.0)),
+    ("a mass", |world| {
+        let seed = world.particles.seed(0);
+        world.particles.set(0, ParticleSeed { mass: 100.0, ..seed }).unwrap();
+        world.particles.set_body(0, Some(0));
+    }),
+    ("a wake", |world| world.particles.wake(0)),
+    ("a particle", |world| {
+        let seed = ParticleSeed::at(Vec3::new(2.0, 3.0, 0.0)).with_mass(5.0).with_radius(0.1);
+        world.particles.push(seed).unwrap();
+    }),
+    ("gravity", |world| world.forces.gravity = Vec3::new(5.0, -9.81, 0.0)),
+    ("a wind", |world| world.forces.winds.push(Wind::steady(Vec3::X * 100.0))),
+    ("a spring", |world| {
+        world.forces.springs.push(Spring {
+            a: 0,
+            b: 24,
+            rest: 0.1,
+            stiffness: 1000.0,
+            damping: 1.0,
+        });
+    }),
+    ("a control", |world| {
+        world.forces.controls.push(Control::force("jet", [0_u32, 1, 2, 3], Vec3::Y * 500.0));
+    }),
+    ("a tie", |world| world.distances_mut().push(Distance::new(0, 24, 1.0))),
+    ("a cut", |world| _ = world.remove_distance(0)),
+    ("a lower ground", |world| world.boundaries.planes[0].offset = -1.0),
+    ("a pin", |world| {
+        let at = world.particles.position(26) + Vec3::Y;
+        world.boundaries.pins.push(Pin { particle: 26, target: at });
+    }),
+    ("a ball that comes", |world| {
+        let end = Frame::at(Vec3::new(-0.6, 0.5, 0.0));
+        world.colliders[0].end = end;
+    }),
+    ("ice", |world| {
+        let ice = Material { friction: 0.0, ..Default::default() };
+        world.contacts.iter_mut().for_each(|body| body.material = ice);
+    }),
+    ("a listener", |world| world.contacts[0].events = true),
+    ("a pair that is ignored", |world| {
+        world.ignored.push([ContactParticipant::Body(0), ContactParticipant::Body(1)]);
+    }),
+];
+
+#[test]
+fn nobody_sees_that_steps_at_rest_are_not_taken() {
+    let mut asleep = level();
+    for _ in 0..200 {
+        asleep.step(DT).unwrap();
+    }
+    assert!(asleep.sleep.iter().all(|body| body.asleep));
+    let mut moved = 0;
+    for (what, edit) in EDITS {
+        let (mut world, mut stepped) = (asleep.clone(), asleep.clone());
+        for tick in 0..5 {
+            // A copy has forgotten what it knew, and needs two steps to see it again.
+            assert_eq!(is_at_once(&mut world), tick >= 2, "{what}");
+            phases(&mut stepped);
+        }
+        let before = bits(&world);
+        edit(&mut world);
+        edit(&mut stepped);
+        assert!(!is_at_once(&mut world), "{what} is not noticed");
+        phases(&mut stepped);
+        for tick in 0..120 {
+            assert_eq!(bits(&world), bits(&stepped), "{what}, {tick} ticks later");
+            is_at_once(&mut world);
+            phases(&mut stepped);
+        }
+        moved += usize::from(bits(&world).1 != before.1);
+    }
+    assert!(moved > EDITS.len() / 2, "{moved} of them move something");
+}
+
+/// Whether a longer step, or one of more parts, is one that was not seen before.
+#[test]
+fn another_length_is_another_step() {
+    let mut world = level();
+    for _ in 0..200 {
+        world.step(DT).unwrap();
+    }
+    assert!(world.is_settled());
+    assert!(!world.rest(2.0 * DT));
+    world.settings.substeps = 4;
+    assert!(!world.rest(DT));
+    world.settings.substeps = 10;
+    let before = world.time;
+    assert!(world.rest(DT));
+    assert!((world.time - before - f64::from(DT)).abs() < 1e-8);
+}
+
+/// Takes a step, and says whether it was taken at once.
+fn is_at_once(world: &mut Simulation) -> bool {
+    let at_once = world.rest(DT);
+    if !at_once {
+        world.step(DT).unwrap();
+    }
+    at_once
+}
