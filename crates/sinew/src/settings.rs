@@ -46,8 +46,8 @@ pub struct SolverSettings {
     /// under pressure even makes some. Default so; without it the lectures' loop is as it is. Linear momentum is always kept.
     pub keep_spin: bool,
     /// Whether what hangs on a pin through many hard distances is also held to it at once by what they allow together (tethers, or long range attachments):
-    /// cloth and long ropes hang by their pins and not by how often they are swept. What is solved to the end is the same without. Only where corrections
-    /// are along [`GradientAt::Current`] and in [`Order::GaussSeidel`], and in islands of more than 64 particles. Default so.
+    /// cloth and ropes hang by their pins and not by how often they are swept. What is solved to the end is the same without. Only where corrections
+    /// are along [`GradientAt::Current`] and in [`Order::GaussSeidel`], and in islands of more than three particles. Default so.
     pub tethers: bool,
     /// Whether large cloth takes its sweeps as smaller substeps of its own (microsteps, or multirate integration): half as many of one sweep each, down to 1/2500
     /// s, which hold it as well at half of the work. Only where corrections are along [`GradientAt::Current`] and in [`Order::GaussSeidel`], by Verlet, in

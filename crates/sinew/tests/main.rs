@@ -16,6 +16,7 @@
 //! | `segments` | ropes by their segments |
 //! | `settings` | what bodies ask for themselves |
 //! | `solver` | its choices against each other |
+//! | `ticks` | ticks of changing length |
 //! | `wavefronts` | large cloth through a step in columns, and from thread to thread |
 //!
 //! `threads` is what they are helped by.
@@ -35,4 +36,5 @@ mod segments;
 mod settings;
 mod solver;
 mod threads;
+mod ticks;
 mod wavefronts;

@@ -55,6 +55,7 @@ pub(crate) use pairs::Pairs;
 pub(crate) use particle_contact::{
     BatchContacts, InstantSpan, NormalImpulse, NormalImpulses, ParticleContacts,
 };
+pub(crate) use recovery::recovery;
 pub(crate) use shape::{AtStart, Obstacle, SweepHit, Way};
 pub(crate) use shape::{Kind as ShapeKind, ShapeTouch};
 pub(crate) use stage::{Contacts, World};

@@ -9,7 +9,7 @@ use super::{Shape, ShapeTouch};
 const RECOVERED: (f32, f32) = (20.0, 2.0);
 
 /// How much of an overlap of a particle is recovered in a substep of `h` seconds, metres.
-pub(super) fn recovery(h: f32, g: f32) -> f32 {
+pub(crate) fn recovery(h: f32, g: f32) -> f32 {
     in_substep(RECOVERED, h, g)
 }
 

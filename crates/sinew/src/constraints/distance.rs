@@ -3,6 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use super::softness::{Softness, SubstepContext, multiplier};
+use super::{Equation, Points};
 
 /// "Particles `a` and `b` stay `rest` metres apart."
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,6 +101,29 @@ impl Bound {
             Bound::AtMost => value <= 0.0,
             Bound::AtLeast => value >= 0.0,
         }
+    }
+}
+
+/// Of its two particles, `a` first. Kernels of its own solve it; this is for what looks at constraints of any kind.
+impl Equation for Distance {
+    fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
+        let d = points.at(0) - points.at(1);
+        let len = length(d);
+        let n = if len > 0.0 { d / len } else { Vec3::X };
+        gradients.copy_from_slice(&[n, -n]);
+        len - self.rest
+    }
+
+    fn bound(&self) -> Bound {
+        self.bound
+    }
+
+    fn softness(&self) -> Softness {
+        self.softness
+    }
+
+    fn is_length(&self) -> bool {
+        true
     }
 }
 

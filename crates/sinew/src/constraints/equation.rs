@@ -191,16 +191,21 @@ pub(crate) fn energy(equation: &dyn Equation, points: &Points, gradients: &mut [
     }
 }
 
-struct Solved {
-    value: f32,
+/// What an equation says where the particles are: not zero.
+pub(crate) struct Solved {
+    pub(crate) value: f32,
     /// `Σ w‖∇C‖²`.
-    weights: f32,
+    pub(crate) weights: f32,
     /// The value as a length, metres.
-    error: f32,
+    pub(crate) error: f32,
 }
 
 /// Evaluates; `None` where nothing is to be done or can be.
-fn solve(equation: &dyn Equation, points: &Points, gradients: &mut [Vec3]) -> Option<Solved> {
+pub(crate) fn solve(
+    equation: &dyn Equation,
+    points: &Points,
+    gradients: &mut [Vec3],
+) -> Option<Solved> {
     gradients.fill(Vec3::ZERO);
     let value = equation.evaluate(points, gradients);
     let (mut weights, mut steepness) = (0.0, 0.0);

@@ -64,7 +64,8 @@ pub(crate) use bend::Bends;
 pub(crate) use cone::Cones;
 pub(crate) use distance::{project, project_rod, project_rod_from_start};
 pub(crate) use equation::{
-    energy as equation_energy, error as equation_error, project as project_equation,
+    Solved, energy as equation_energy, error as equation_error, project as project_equation,
+    solve as solve_equation,
 };
 pub(crate) use hinge::Hinges;
 pub(crate) use planar_drag::apply as slow_down;

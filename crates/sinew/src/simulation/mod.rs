@@ -282,7 +282,17 @@ impl Simulation {
         let (forces, boundaries) = (&self.forces, &self.boundaries);
         let (colliders, body_colliders) = (&self.colliders, &self.body_colliders);
         let at_rest = scratch.at_rest;
-        let Scratch { plan, filter, contacts, solving, loads, substep, single_rows, .. } = scratch;
+        let Scratch {
+            plan,
+            filter,
+            contacts,
+            solving,
+            loads,
+            substep,
+            single_rows,
+            thread_scratch,
+            ..
+        } = scratch;
         let execution = execution(*instructions, workers);
         let (gravity, lag) = (forces.gravity.length(), settings.integrator.lag(h));
         let substeps = report.substeps;
@@ -328,6 +338,8 @@ impl Simulation {
             solve::settle_all(particles, normal_impulses, common, single_rows, solving);
             contacts.bounce(particles, h, gravity);
         }
+        let reports = &mut report.islands;
+        solve::limit_all_recoveries(particles, plan, (h, gravity), reports, thread_scratch);
         integrate::finish(particles, settings.integrator, h);
         self.write_rigid_states();
         self.scratch.moving.settle(&mut self.particles, &self.compounds, h);

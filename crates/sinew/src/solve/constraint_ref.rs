@@ -5,8 +5,8 @@ use glam::{Vec3, Vec4};
 use super::multipliers::MultiplierSlice;
 use super::plan::{GroupKind, Plan};
 use crate::constraints::{
-    Constraint, Distance, GradientAt, Points, SubstepContext, equation_energy, equation_error,
-    project, project_equation, project_rod, project_rod_from_start,
+    Constraint, Distance, Equation, GradientAt, Points, SubstepContext, equation_energy,
+    equation_error, project, project_equation, project_rod, project_rod_from_start,
 };
 use crate::lanes::InstructionSet;
 use crate::particles::{Particles, Places};
@@ -23,6 +23,8 @@ pub(crate) struct ConstraintRef {
 pub(crate) struct SolveMode {
     pub(crate) substep_context: SubstepContext,
     pub(crate) gradient_at: GradientAt,
+    /// Whether tethers are held in this sweep.
+    pub(crate) tethers: bool,
     /// For its kernels.
     pub(crate) instructions: InstructionSet,
 }
@@ -63,14 +65,18 @@ impl ConstraintRef {
         }
     }
 
-    /// Whether it asks for another sweep while it does not hold.
-    pub(crate) fn is_hard(self, plan: &Plan) -> bool {
+    /// The equation that it is.
+    pub(crate) fn equation(self, plan: &Plan) -> &dyn Equation {
         let number = self.number as usize;
         match self.kind {
-            GroupKind::Rods => true,
-            GroupKind::Distances => plan.distances[number].softness.is_hard(),
-            GroupKind::Constraints => plan.constraints[number].kind.equation().softness().is_hard(),
+            GroupKind::Rods | GroupKind::Distances => &plan.distances[number],
+            GroupKind::Constraints => plan.constraints[number].kind.equation(),
         }
+    }
+
+    /// Whether it asks for another sweep while it does not hold.
+    pub(crate) fn is_hard(self, plan: &Plan) -> bool {
+        self.equation(plan).softness().is_hard()
     }
 
     /// Projects it once, on the particles themselves. Returns the error found, metres; of a soft one, how far it moved.

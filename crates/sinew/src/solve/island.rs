@@ -4,7 +4,7 @@ use core::ops::Range;
 use std::time::Instant;
 
 use super::constraint_ref::{ConstraintRef, Local, SolveMode};
-use super::instances::{LaneCompaction, LaneParticles};
+use super::instances::{LaneCompaction, LaneParticles, MOST};
 use super::microsteps::{Microstep, MicrostepScratch};
 use super::momentum::MomentumDrift;
 use super::multipliers::MultiplierSlice;
@@ -12,7 +12,7 @@ use super::plan::{GroupKind, Plan, Task};
 use super::remaining::Remaining;
 use super::wavefront::Wavefront;
 use super::{IslandReport, gauss_seidel, jacobi, most_violated_first};
-use crate::collide::{InstantSpan, NormalImpulses, ParticleContacts};
+use crate::collide::{InstantSpan, NormalImpulses, ParticleContacts, recovery};
 use crate::constraints::{GradientAt, SubstepContext};
 use crate::integrate::StepRows;
 use crate::islands::Island;
@@ -48,6 +48,11 @@ pub(crate) struct ThreadScratch {
 }
 
 impl ThreadScratch {
+    /// For looking at constraints one by one.
+    pub(super) fn constraints(&mut self) -> (&mut Local, &mut Vec<ConstraintRef>) {
+        (&mut self.local, &mut self.constraint_refs)
+    }
+
     /// Begins with a task.
     pub(super) fn begin(&mut self, task: &Task) {
         self.remaining.reset(task);
@@ -214,11 +219,14 @@ pub(super) fn solve(
     reset_multipliers(plan, island, multipliers);
     let sweeps = settings.max_sweeps * common.microstep.of;
     let substep_context = SubstepContext { h, sweeps };
-    let mode = SolveMode { substep_context, gradient_at, instructions: execution.instructions };
+    let most = recovery(h, common.gravity);
     let (mut sweeps, mut converged, mut touched) = (0, false, false);
     while sweeps < settings.max_sweeps && !converged {
+        let (tethers, instructions) = (sweeps == 0 || rows.len() > MOST, execution.instructions);
+        let mode = SolveMode { substep_context, gradient_at, tethers, instructions };
         let found =
             if island.groups.is_empty() { 0.0 } else { sweeper.sweep(places, multipliers, mode) };
+        report.violated = if sweeps == 0 { found > most } else { report.violated };
         let depth = project_contacts(common, places, normal_impulses, (number, rows));
         touched |= depth > 0.0;
         sweeps += 1;
@@ -237,7 +245,8 @@ pub(super) fn solve(
 }
 
 /// Holds what hangs on pins to what it may be away from them, once, before the rods have their say: returns how far out the farthest was, metres. Where
-/// corrections are to keep energy, along the start of the substep, there are none.
+/// corrections are to keep energy, along the start of the substep, there are none; and small islands are held so in the first sweep of a substep alone, after
+/// which little is left to hold.
 pub(super) fn hold_tethers(
     plan: &Plan,
     island: &Island,
@@ -246,7 +255,7 @@ pub(super) fn hold_tethers(
     thread_scratch: &mut ThreadScratch,
 ) -> f32 {
     let Some(tethers) = plan.tethers.of(island) else { return 0.0 };
-    if mode.gradient_at == GradientAt::StepStart {
+    if mode.gradient_at == GradientAt::StepStart || !mode.tethers {
         return 0.0;
     }
     let pins = &mut thread_scratch.pins;

@@ -191,6 +191,10 @@ impl IslandStep<'_> {
                 momentum_drift: &mut [],
             };
             share.by_all(thread_scratches);
+            thread_scratches.with(|thread_scratch| {
+                let (number, report) = (self.task.islands.start, &mut self.reports[0]);
+                self.common.limit_recovery(number, &mut self.places, report, thread_scratch);
+            });
             iteration_counts.fetch_max(self.reports[0].last_sweeps, Ordering::Relaxed);
         }
     }
@@ -245,6 +249,10 @@ impl IslandStep<'_> {
                 momentum_drift.take_off(&mut places, &plan.islands.members[members]);
             }
             common.bounce(&mut places, &mut normal_impulses, task.rows.clone());
+            for number in islands() {
+                let report = &mut reports[number - task.islands.start];
+                common.limit_recovery(number, &mut places, report, thread_scratch);
+            }
         }
         thread_scratch.remaining = remaining;
         (thread_scratch.step_rows, thread_scratch.microsteps) = (step_rows, microsteps);

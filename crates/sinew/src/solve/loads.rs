@@ -271,7 +271,8 @@ impl Sweeper for MeasuredSweep<'_> {
         let Self { plan, island, constraint_refs, local, distances, constraints, tethers } = self;
         let mut worst = 0.0_f32;
         // As for others: not where corrections are to keep energy.
-        if mode.gradient_at == GradientAt::Current
+        if mode.tethers
+            && mode.gradient_at == GradientAt::Current
             && let Some(made) = plan.tethers.of(island)
         {
             let members = &plan.islands.members[island.members.clone()];

@@ -13,6 +13,7 @@
 //! - `constraint_ref` is one constraint of the plan, whatever its kind;
 //! - `remaining` is what instance batches and wavefronts leave of a task;
 //! - `momentum` keeps round-off out of what constraints cannot change; `damping` is friction inside a body;
+//! - `recovery` bounds the speed at which violations are recovered;
 //! - `multipliers` are the multipliers of soft constraints; `measure` looks at what is left to correct;
 //! - `loads` measures with what force single constraints hold;
 //! - `report` says how it went.
@@ -31,6 +32,7 @@ mod momentum;
 mod most_violated_first;
 mod multipliers;
 mod plan;
+mod recovery;
 mod remaining;
 mod report;
 mod rods;
@@ -50,4 +52,5 @@ pub(crate) use measure::{measure, measure_overlaps};
 pub(crate) use microsteps::{Microstep, divide};
 pub(crate) use momentum::is_free;
 pub(crate) use plan::{Change, Changes, Given, GroupKind, List, Plan};
+pub(crate) use recovery::limit_all_recoveries;
 pub(crate) use world::{SolveScratch, settle_all, solve_all};

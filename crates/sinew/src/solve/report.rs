@@ -48,6 +48,8 @@ pub struct IslandReport {
     pub seconds: f64,
     /// Whether what is left has been measured on the way. Taken back when the step ends.
     pub(crate) measured: bool,
+    /// Whether the last substep began with more violated than may be recovered in it.
+    pub(crate) violated: bool,
 }
 
 impl Default for IslandReport {
@@ -62,6 +64,7 @@ impl Default for IslandReport {
             strain: 0.0,
             seconds: 0.0,
             measured: false,
+            violated: false,
         }
     }
 }

@@ -4,19 +4,20 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{Vec3, Vec4};
 
-use super::lane_storage::{gather, scatter};
+use super::lane_storage::{LaneParticles, gather, scatter};
 use super::momentum_drift::{DeriveLanes, Take};
 use super::motion::PredictLanes;
 use super::surfaces::SurfaceContext;
 use super::{BatchContext, InstanceBatch, LaneCompaction, LaneStorage};
-use crate::collide::{BatchContacts, NormalImpulses};
+use crate::collide::{BatchContacts, NormalImpulses, recovery};
 use crate::constraints::Plane;
 use crate::lanes::{LANES, with};
-use crate::particles::ground;
+use crate::particles::{Places, ground};
 use crate::settings::Order;
 use crate::solve::IslandReport;
 use crate::solve::island::{Common, ThreadScratch};
 use crate::solve::plan::Task;
+use crate::solve::tethers::IslandTethers;
 
 /// Particles of the bodies side by side in all storage that is solved together, at most: with all that belongs to them they fit into a core's second
 /// cache.
@@ -146,6 +147,7 @@ impl<'a> BatchSolve<'a> {
             settings,
             planes,
             recover: self.common.contacts.recover(),
+            violation: recovery(h, self.common.gravity),
             surfaces: surfaces.then_some(of_surfaces),
             h,
             instructions,
@@ -154,6 +156,7 @@ impl<'a> BatchSolve<'a> {
         for (batch, storage) in instance_batches.iter().zip(lane_compaction.storages()) {
             self.load(batch, (planes, surfaces), storage);
         }
+        self.load_tethers(instance_batches, lane_compaction.storages());
         let substeps = if let BatchMotion::Step(whole) = &self.motion {
             whole.iteration_counts.len()
         } else {
@@ -180,6 +183,11 @@ impl<'a> BatchSolve<'a> {
                     with(instructions, DeriveLanes { storage, h, free, keeps_angular });
                     if let Some(surfaces) = &context.surfaces {
                         surfaces.bounce(storage, &mut self.normal_impulses);
+                    }
+                    let violated = storage.convergence.violated & storage.mask();
+                    for lane in (0..LANES).filter(|lane| violated >> lane & 1 != 0) {
+                        let one = (batch.islands.start + lane, lane);
+                        limit_recovery(self.common, one, storage, reports, self.thread_scratch);
                     }
                 }
             }
@@ -225,6 +233,40 @@ impl<'a> BatchSolve<'a> {
         }
         if storage.free != 0 {
             storage.note_masses();
+        }
+    }
+
+    /// Takes the tethers of instance batches that are solved together. Pins stand, or have been led.
+    fn load_tethers(&self, instance_batches: &[InstanceBatch], storages: &mut [LaneStorage]) {
+        const NONE: Vec4 = Vec4::new(0.0, 0.0, 0.0, f32::INFINITY);
+        let (plan, begin) = (self.common.plan, self.task.rows.start);
+        let of = |number: usize| plan.tethers.of(&plan.islands.list[number]);
+        let islands = || instance_batches.iter().flat_map(|batch| batch.islands.clone());
+        let mut are_there = [false; 2];
+        for own in islands().filter_map(of).map(IslandTethers::are_there) {
+            are_there = [are_there[0] || own[0], are_there[1] || own[1]];
+        }
+        for (batch, storage) in instance_batches.iter().zip(storages) {
+            for (column, is_there) in storage.tethers.iter_mut().zip(are_there) {
+                column.clear();
+                column
+                    .resize(if is_there { batch.members as usize } else { 0 }, LaneParticles::ZERO);
+            }
+            if are_there == [false; 2] {
+                continue;
+            }
+            for (lane, &number) in storage.islands.iter().enumerate() {
+                let own = of(number as usize);
+                for member in 0..batch.members as usize {
+                    let each =
+                        own.map_or([NONE; 2], |own| own.of_member(member, self.position, begin));
+                    for (column, tether) in storage.tethers.iter_mut().zip(each) {
+                        if let Some(spot) = column.get_mut(member) {
+                            spot.set_lane_whole(lane, tether);
+                        }
+                    }
+                }
+            }
         }
     }
 
@@ -279,6 +321,36 @@ impl<'a> BatchSolve<'a> {
         storage.ground.extend(planes.iter().map(heights));
         let radii = |i: u32| places(i).map(|place| self.radius[place]);
         storage.radius.extend((0..batch.members).map(radii));
+    }
+}
+
+/// Takes off the velocities of the body in a lane, of the island of a number, what recovers violations too fast.
+#[cold]
+fn limit_recovery(
+    common: Common,
+    (number, lane): (usize, usize),
+    storage: &mut LaneStorage,
+    reports: &mut [IslandReport],
+    thread_scratch: &mut ThreadScratch,
+) {
+    let own = |column: &[LaneParticles]| -> Vec<Vec4> {
+        column.iter().map(|spot| spot.lane(lane)).collect()
+    };
+    let (mut position, mut start) = (own(&storage.now), own(&storage.start));
+    let mut velocity = own(&storage.velocity);
+    let members = &common.plan.islands.list[number].members;
+    let mut places = Places {
+        first: common.plan.islands.members[members.start],
+        position: &mut position,
+        start: &mut start,
+        origin: &vec![Vec3::ZERO; members.len()],
+        radius: &[],
+        velocity: &mut velocity,
+    };
+    common.limit_recovery(number, &mut places, &mut reports[lane], thread_scratch);
+    let end = if lane + 1 == storage.bodies { LANES } else { lane + 1 };
+    for (spot, velocity) in storage.velocity.iter_mut().zip(velocity) {
+        (lane..end).for_each(|lane| spot.set_lane(lane, velocity.truncate()));
     }
 }
 

@@ -13,6 +13,8 @@ pub(super) struct ConvergenceMask {
     pub(super) fell_back: u32,
     /// Touched a plane.
     pub(super) touched: u32,
+    /// Where more was violated when the substep began than may be recovered in it.
+    pub(super) violated: u32,
     pub(super) sweeps: [f32; LANES],
 }
 
@@ -20,7 +22,7 @@ pub(super) struct ConvergenceMask {
 impl Default for ConvergenceMask {
     fn default() -> Self {
         let going = (1 << LANES) - 1;
-        Self { going, converged: 0, fell_back: 0, touched: 0, sweeps: [0.0; LANES] }
+        Self { going, converged: 0, fell_back: 0, touched: 0, violated: 0, sweeps: [0.0; LANES] }
     }
 }
 
@@ -39,6 +41,7 @@ impl ConvergenceMask {
         copy(&mut self.converged, other.converged);
         copy(&mut self.fell_back, other.fell_back);
         copy(&mut self.touched, other.touched);
+        copy(&mut self.violated, other.violated);
         self.sweeps[lane] = other.sweeps[from];
     }
 
@@ -51,6 +54,7 @@ impl ConvergenceMask {
             report.most_sweeps = report.most_sweeps.max(sweeps);
             report.last_sweeps = sweeps;
             report.converged &= self.converged >> lane & 1 != 0;
+            report.violated = self.violated >> lane & 1 != 0;
             report.fallbacks += self.fell_back >> lane & 1;
             most = most.max(sweeps);
         }

@@ -30,6 +30,8 @@ pub(crate) struct LaneStorage {
     pub(crate) multipliers: Vec<[f32; LANES]>,
     /// Where each was when it was looked for what it may touch, and the square of how far it may go from there, m²; empty where there are no surfaces.
     pub(super) last_seen: Vec<LaneParticles>,
+    /// Of each particle where its two pins are and how long its tethers; empty where no body has any.
+    pub(super) tethers: [Vec<LaneParticles>; 2],
     /// The numbers of the bodies' islands.
     pub(super) islands: [u32; LANES],
     /// How many bodies there are. The lanes that are left have the last one again.
@@ -45,7 +47,7 @@ pub(crate) struct LaneStorage {
 pub(crate) struct LaneParticles([[f32; LANES]; 4]);
 
 impl LaneParticles {
-    const ZERO: Self = Self([[0.0; LANES]; 4]);
+    pub(super) const ZERO: Self = Self([[0.0; LANES]; 4]);
 
     #[inline(always)]
     pub(crate) fn load<L: Lanes>(&self) -> [L; 4] {
@@ -88,6 +90,13 @@ impl LaneParticles {
     pub(super) fn lane(&self, lane: usize) -> Vec4 {
         let [x, y, z, w] = &self.0;
         Vec4::new(x[lane], y[lane], z[lane], w[lane])
+    }
+
+    /// Writes all four of one body.
+    pub(super) fn set_lane_whole(&mut self, lane: usize, to: Vec4) {
+        for (column, number) in self.0.iter_mut().zip(to.to_array()) {
+            column[lane] = number;
+        }
     }
 
     /// Writes `x y z` of one body.
@@ -136,13 +145,20 @@ impl LaneStorage {
         self.radius.resize(other.radius.len(), [0.0; LANES]);
         self.ground.resize(other.ground.len(), [0.0; LANES]);
         self.last_seen.resize(other.last_seen.len(), LaneParticles::ZERO);
+        for (own, other) in self.tethers.iter_mut().zip(&other.tethers) {
+            own.resize(other.len(), LaneParticles::ZERO);
+        }
         self.multipliers.resize(other.multipliers.len(), [0.0; LANES]);
     }
 
     /// Takes a body of another lane storage, with all that it is solved by.
     pub(super) fn admit(&mut self, lane: usize, other: &Self, from: usize) {
+        let [near, far] = &mut self.tethers;
+        let [other_near, other_far] = &other.tethers;
         let starts = self.start.iter_mut().zip(&other.start);
-        for (spot, other) in starts.chain(self.last_seen.iter_mut().zip(&other.last_seen)) {
+        let tethers = near.iter_mut().zip(other_near).chain(far.iter_mut().zip(other_far));
+        let last_seen = self.last_seen.iter_mut().zip(&other.last_seen);
+        for (spot, other) in starts.chain(last_seen).chain(tethers) {
             spot.take(lane, other, from);
         }
         self.islands[lane] = other.islands[from];

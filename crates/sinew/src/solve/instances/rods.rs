@@ -1,4 +1,4 @@
-//! Hard rods of eight bodies.
+//! Hard rods and tethers of eight bodies.
 
 use glam::Vec4;
 
@@ -7,6 +7,7 @@ use super::lane_storage::LaneParticles;
 use crate::constraints::project_rod;
 use crate::lanes::{LANES, Lanes, Vector, Work};
 use crate::solve::rods::{project, project_from_start};
+use crate::solve::tethers::hold;
 
 /// Projects rods once, one after the other; returns the largest error found in each body, metres, or what it was before. Bodies of the mask `may` are
 /// corrected along where the rods pointed when the substep began; if there are none, `START` need not be. What becomes of those of the mask `aside`
@@ -60,6 +61,35 @@ fn part(rod: &InstancedRod, now: &mut [LaneParticles], stuck: u32) -> [f32; LANE
         now[b].set_lane(lane, pair[1].truncate());
     }
     found
+}
+
+/// Puts the particles of the bodies that are still `going` where they may be; returns how far out the farthest of each body was, metres.
+pub(super) struct HoldInstanced<'a> {
+    pub(super) now: &'a mut [LaneParticles],
+    /// Of each particle where its pins are and, in the fourth places, how long its tethers.
+    pub(super) tethers: &'a [Vec<LaneParticles>; 2],
+    pub(super) going: u32,
+}
+
+impl Work for HoldInstanced<'_> {
+    type Output = [f32; LANES];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> [f32; LANES] {
+        let Self { now, tethers, going } = self;
+        let (going, mut worst) = (L::mask(going), L::zero());
+        for tethers in tethers {
+            for (now, tether) in now.iter_mut().zip(tethers) {
+                let ((p, w), pin) = (Vector::of(now.load::<L>()), tether.load());
+                let (held, far, out) = hold(p, w.and(going), pin, pin[3]);
+                if out.any() {
+                    now.put(held.with(w));
+                    worst = far.max(worst);
+                }
+            }
+        }
+        worst.array()
+    }
 }
 
 /// A mask of the bodies of which a rod turns so far in this substep that the direction that it had at the start says little about the one it needs:

@@ -19,6 +19,8 @@ pub(super) struct BatchContext<'a> {
     pub(super) planes: &'a [Plane],
     /// How much of an overlap is recovered in a substep, metres.
     pub(super) recover: f32,
+    /// The most that is recovered of what constraints are violated by, metres.
+    pub(super) violation: f32,
     /// `None` where there are none to touch.
     pub(super) surfaces: Option<SurfaceContext<'a>>,
     /// Length of the substep, seconds.
@@ -67,7 +69,7 @@ impl BatchContext<'_> {
         normal_impulses: &mut NormalImpulses,
         few: u32,
     ) {
-        let Self { settings, planes, recover, .. } = *self;
+        let Self { settings, planes, recover, violation, .. } = *self;
         let most = settings.max_sweeps as f32;
         let (mut kept, mut over) = (0, 0);
         while (storage.convergence.going & storage.mask()).count_ones() > few {
@@ -77,6 +79,9 @@ impl BatchContext<'_> {
             }
             let mut worst = self.once(storage);
             let going = storage.convergence.going;
+            let unswept = bits(storage.convergence.sweeps, |sweeps| sweeps == 0.0);
+            storage.convergence.violated |=
+                going & unswept & bits(worst, |worst| worst > violation);
             let mut put_out = |storage: &mut LaneStorage, depth: [f32; LANES]| {
                 storage.convergence.touched |= going & bits(depth, |depth| 0.0 < depth);
                 for (worst, depth) in worst.iter_mut().zip(depth) {
@@ -112,6 +117,14 @@ impl BatchContext<'_> {
         let substep_context = SubstepContext { h, sweeps: settings.max_sweeps };
         let (may, aside) = (self.along_start(storage), !storage.convergence.going);
         let mut worst = [0.0; LANES];
+        let LaneStorage { now, tethers, .. } = storage;
+        if tethers.iter().any(|tethers| !tethers.is_empty()) {
+            let first = bits(storage.convergence.sweeps, |sweeps| sweeps == 0.0);
+            let going = first & !(aside | may);
+            if going != 0 {
+                worst = with(instructions, rods::HoldInstanced { now, tethers, going });
+            }
+        }
         for part in &instance_batches.parts[batch.parts.clone()] {
             worst = match part {
                 InstancePart::Rods(range) => {

@@ -93,7 +93,12 @@ impl Work for ProjectColumns<'_> {
 ///
 /// `C = ‖d‖ - L ≤ 0` with `d = p - q` and a pin of infinite mass: all of the correction is the particle's, `Δp = -C d/‖d‖`.
 #[inline(always)]
-fn hold<L: Lanes>(p: Vector<L>, w: L, pin: [L; 4], length: L) -> (Vector<L>, L, L) {
+pub(in crate::solve) fn hold<L: Lanes>(
+    p: Vector<L>,
+    w: L,
+    pin: [L; 4],
+    length: L,
+) -> (Vector<L>, L, L) {
     let d = p - Vector::of(pin).0;
     let square = d.length_squared();
     let out = (length * length).lt(square).and(L::zero().lt(w));

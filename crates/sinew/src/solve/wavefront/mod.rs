@@ -230,7 +230,7 @@ fn run_substeps(
         wavefront.stages.push_all(iteration_counts.len(), measures);
     } else {
         wavefront.stages.push(What::Begin);
-        wavefront.stages.push_sweep(0);
+        wavefront.stages.push_sweep(0, true);
     }
     loop {
         wavefront.run_tiles(store, (plan, number), step, iteration_counts.len(), instructions);
@@ -249,7 +249,7 @@ fn run_substeps(
         wavefront.stages.clear();
         if sweeps < settings.max_sweeps && !converged {
             wavefront.worst[substep] = 0.0;
-            wavefront.stages.push_sweep(substep);
+            wavefront.stages.push_sweep(substep, false);
             continue;
         }
         report.note(sweeps, converged);
@@ -257,7 +257,7 @@ fn run_substeps(
         (substep, sweeps) = (substep + 1, 0);
         if substep < iteration_counts.len() {
             wavefront.stages.push(What::GoOn(substep));
-            wavefront.stages.push_sweep(substep);
+            wavefront.stages.push_sweep(substep, true);
         } else {
             wavefront.stages.push_end(measures);
         }

@@ -3,6 +3,7 @@
 use core::ops::Range;
 
 use crate::islands::Island;
+use crate::solve::instances::MOST;
 use crate::solve::plan::Plan;
 
 /// Stages over all rows of an island, one after the other, each in tiles in the order of their rows.
@@ -11,8 +12,9 @@ pub(super) struct Stages {
     all: Vec<Stage>,
     /// The stages of a sweep: which of the plan's cluster batches.
     sweep_stages: Vec<Range<usize>>,
-    /// Whether a sweep begins with tethers.
+    /// Whether the first sweep of a substep begins with tethers, and whether all do.
     tethered: bool,
+    tethered_again: bool,
     /// Which stage is looked at.
     at: usize,
 }
@@ -72,6 +74,7 @@ impl Stages {
         let cluster_batches = &plan.cluster_batches[island.cluster_batches.clone()];
         let mut first = island.cluster_batches.start;
         self.tethered = plan.tethers.of(island).is_some();
+        self.tethered_again = island.members.len() > MOST;
         self.all.clear();
         self.sweep_stages.clear();
         for stage in cluster_batches.chunk_by(|one, other| one.stage == other.stage) {
@@ -88,9 +91,9 @@ impl Stages {
         self.all.push(Stage { what, next: 0, done: 0, wanted: 0 });
     }
 
-    /// A sweep in a substep.
-    pub(super) fn push_sweep(&mut self, substep: usize) {
-        if self.tethered {
+    /// A sweep in a substep, its first or another.
+    pub(super) fn push_sweep(&mut self, substep: usize, first: bool) {
+        if self.tethered && (first || self.tethered_again) {
             self.push(What::Tethers { substep });
         }
         let sweep_stages = self.sweep_stages.iter();
@@ -114,7 +117,7 @@ impl Stages {
     pub(super) fn push_all(&mut self, substeps: usize, measures: bool) {
         for substep in 0..substeps {
             self.push(if substep == 0 { What::Begin } else { What::GoOn(substep) });
-            self.push_sweep(substep);
+            self.push_sweep(substep, true);
         }
         self.push_end(measures);
     }

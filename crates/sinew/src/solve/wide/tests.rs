@@ -63,6 +63,7 @@ impl State {
         let mode = SolveMode {
             substep_context,
             gradient_at: GradientAt::Current,
+            tethers: true,
             instructions: InstructionSet::best(),
         };
         let (places, mut local) = (&mut self.places(), Local::default());
