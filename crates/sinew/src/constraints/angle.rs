@@ -1,14 +1,12 @@
 //! The angle at a joint of three particles, between two limits (physics.md C5).
 
-mod wide;
-
 use core::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::{ConstraintFault, Equation, Points, Softness};
-pub(crate) use wide::Angles;
-pub(super) use wide::{Turns, any_normal_wide, between_wide};
+use super::wide::{Wide, beyond as beyond_wide, eight, is_size, numbers};
+use super::{Constraint, ConstraintFault, ConstraintKind, Equation, Points, Softness};
+use crate::lanes::{LANES, Lanes, Vector, atan2};
 
 /// The angle `a b c` at the joint `b` of the particles `[a, b, c]`, between two limits in 0..=π.
 ///
@@ -133,6 +131,77 @@ pub(super) fn any_normal(u: Vec3) -> Vec3 {
         Vec3::Z
     };
     u.cross(axis).normalize_or(Vec3::X)
+}
+
+/// The numbers of eight [`Angle`]s.
+#[derive(Clone, Debug)]
+pub(crate) struct Angles {
+    min: [f32; LANES],
+    max: [f32; LANES],
+}
+
+impl Wide<3> for Angles {
+    fn of(constraints: [&Constraint; LANES]) -> Option<Self> {
+        let angles: [&Angle; LANES] = eight(constraints, |c| match &c.kind {
+            ConstraintKind::Angle(equation) => Some(equation),
+            _ => None,
+        })?;
+        Some(Self {
+            min: numbers(angles, |angle| angle.min),
+            max: numbers(angles, |angle| angle.max),
+        })
+    }
+
+    #[inline(always)]
+    fn evaluate<L: Lanes>(&self, points: &[Vector<L>; 3]) -> (L, [Vector<L>; 3]) {
+        let [a, b, c] = *points;
+        let Turns { angle, by_u, by_v } = between_wide(a - b, c - b);
+        let value = beyond_wide(angle, L::load(&self.min), L::load(&self.max));
+        (value, [by_u, -(by_u + by_v), by_v])
+    }
+}
+
+/// Eight angles between two vectors, 0 to π, NaN where there is none, and how they change with each of them, rad/m.
+pub(super) struct Turns<L> {
+    pub(super) angle: L,
+    pub(super) by_u: Vector<L>,
+    pub(super) by_v: Vector<L>,
+}
+
+/// As the scalar `between`.
+#[inline(always)]
+pub(super) fn between_wide<L: Lanes>(u: Vector<L>, v: Vector<L>) -> Turns<L> {
+    let (u_length, v_length) = (u.length(), v.length());
+    let has_angle = is_size(u_length).and(is_size(v_length));
+    let one = L::splat(1.0);
+    let (by_u_length, by_v_length) = (one / u_length, one / v_length);
+    let (u, v) = (u * by_u_length, v * by_v_length);
+    let across = u.cross(v);
+    let sine = across.length();
+    let mut normal = across * (one / sine);
+    let straight = sine.same(L::zero());
+    if straight.any() {
+        normal = any_normal_wide(u).or_else(straight, normal);
+    }
+    Turns {
+        angle: has_angle.select(atan2(sine, u.dot(v)), L::splat(f32::NAN)),
+        by_u: u.cross(normal) * by_u_length,
+        by_v: normal.cross(v) * by_v_length,
+    }
+}
+
+/// As the scalar `any_normal`.
+#[inline(always)]
+pub(super) fn any_normal_wide<L: Lanes>(u: Vector<L>) -> Vector<L> {
+    let (x, y, z) = (u.x.abs(), u.y.abs(), u.z.abs());
+    let (by_x, by_y, zero) = (x.le(y).and(x.le(z)), y.le(z), L::zero());
+    let across = Vector::new(
+        by_x.select(zero, by_y.select(-u.z, u.y)),
+        by_x.select(u.z, by_y.select(zero, -u.x)),
+        by_x.select(-u.y, by_y.select(u.x, zero)),
+    );
+    let inverse = L::splat(1.0) / across.length();
+    (across * inverse).or_else(is_size(inverse), Vector::splat(Vec3::X))
 }
 
 #[cfg(test)]

@@ -7,21 +7,12 @@ use glam::{Vec3, Vec4};
 use crate::lanes::{Lanes, Work};
 use crate::particles::{Particles, Places};
 
-/// Some consecutive particles, to be predicted. All columns are of one length; `acceleration`, `damping`, `medium` and `drift` may be empty for zeros, and
-/// `damping` may have one number for all.
+/// Some consecutive particles, to be predicted. All columns are of one length.
 pub(crate) struct Predict<'a> {
     pub(crate) position: &'a mut [Vec4],
     pub(crate) start: &'a mut [Vec4],
     pub(crate) velocity: &'a mut [Vec4],
-    pub(crate) rounding: &'a mut [Vec4],
-    pub(crate) acceleration: &'a [Vec4],
-    pub(crate) damping: &'a [f32],
-    pub(crate) medium: &'a [f32],
-    pub(crate) drift: &'a [Vec3],
-    /// What all are accelerated by besides, m/s².
-    pub(crate) common: Vec4,
-    /// Damping that all have besides, 1/s.
-    pub(crate) air: f32,
+    pub(crate) motion: Motion<'a>,
     /// Seconds.
     pub(crate) h: f32,
 }
@@ -39,14 +30,17 @@ pub(crate) struct Derive<'a> {
     pub(crate) lag: f32,
 }
 
-/// What a prediction needs of some consecutive particles beside their places: all columns but those, as [`Predict`] has them.
+/// What a prediction needs of some consecutive particles beside their places. All columns are of one length; `acceleration`, `damping`, `medium` and `drift` may
+/// be empty for zeros, and `damping` may have one number for all.
 pub(crate) struct Motion<'a> {
     pub(crate) rounding: &'a mut [Vec4],
     pub(crate) acceleration: &'a [Vec4],
     pub(crate) damping: &'a [f32],
     pub(crate) medium: &'a [f32],
     pub(crate) drift: &'a [Vec3],
+    /// What all are accelerated by besides, m/s².
     pub(crate) common: Vec4,
+    /// Damping that all have besides, 1/s.
     pub(crate) air: f32,
 }
 
@@ -73,18 +67,33 @@ impl<'a> Motion<'a> {
     /// Those before a row, and the others.
     pub(crate) fn split_at(self, row: usize) -> (Self, Self) {
         let (rounding, roundings) = self.rounding.split_at_mut(row);
-        let others = row..row + roundings.len();
-        let Self { acceleration, damping, medium, drift, common, air, .. } = self;
-        let part = |rounding: &'a mut [Vec4], rows: Range<usize>| Self {
-            rounding,
-            acceleration: acceleration.get(rows.clone()).unwrap_or_default(),
-            damping: if damping.len() < 2 { damping } else { &damping[rows.clone()] },
-            medium: medium.get(rows.clone()).unwrap_or_default(),
-            drift: drift.get(rows).unwrap_or_default(),
-            common,
-            air,
-        };
-        (part(rounding, 0..row), part(roundings, others))
+        let (own, others) = (0..row, row..row + roundings.len());
+        let of = Motion { rounding: &mut [], ..self };
+        (Self { rounding, ..of.columns(own) }, Self { rounding: roundings, ..of.columns(others) })
+    }
+
+    /// All columns but the rounding of some rows.
+    #[inline(always)]
+    fn columns(&self, rows: Range<usize>) -> Self {
+        Self {
+            rounding: &mut [],
+            acceleration: self.acceleration.get(rows.clone()).unwrap_or_default(),
+            damping: if self.damping.len() < 2 {
+                self.damping
+            } else {
+                &self.damping[rows.clone()]
+            },
+            medium: self.medium.get(rows.clone()).unwrap_or_default(),
+            drift: self.drift.get(rows).unwrap_or_default(),
+            ..*self
+        }
+    }
+
+    /// Some of them, lent on.
+    #[inline(always)]
+    fn some(&mut self, rows: Range<usize>) -> Motion<'_> {
+        let others = self.columns(rows.clone());
+        Motion { rounding: &mut self.rounding[rows], ..others }
     }
 
     /// The same, lent on.
@@ -100,59 +109,33 @@ impl<'a> Motion<'a> {
         rows: Range<usize>,
         h: f32,
     ) -> Predict<'b> {
-        let Self { acceleration, damping, medium, drift, common, air, .. } = *self;
         Predict {
             position: &mut position[rows.clone()],
             start: &mut start[rows.clone()],
             velocity: &mut velocity[rows.clone()],
-            rounding: &mut self.rounding[rows.clone()],
-            acceleration: acceleration.get(rows.clone()).unwrap_or_default(),
-            damping: if damping.len() < 2 { damping } else { &damping[rows.clone()] },
-            medium: medium.get(rows.clone()).unwrap_or_default(),
-            drift: drift.get(rows).unwrap_or_default(),
-            common,
-            air,
+            motion: self.some(rows),
             h,
         }
     }
 }
 
-impl<'a> Predict<'a> {
+impl Predict<'_> {
     /// Some of them.
     pub(crate) fn lend(&mut self, rows: Range<usize>) -> Predict<'_> {
-        let Self { acceleration, damping, medium, drift, .. } = *self;
-        Predict {
-            position: &mut self.position[rows.clone()],
-            start: &mut self.start[rows.clone()],
-            velocity: &mut self.velocity[rows.clone()],
-            rounding: &mut self.rounding[rows.clone()],
-            acceleration: acceleration.get(rows.clone()).unwrap_or_default(),
-            damping: if damping.len() < 2 { damping } else { &damping[rows.clone()] },
-            medium: medium.get(rows.clone()).unwrap_or_default(),
-            drift: drift.get(rows).unwrap_or_default(),
-            ..*self
-        }
+        let Self { position, start, velocity, motion, h } = self;
+        motion.predict([position, start, velocity], rows, *h)
     }
 
     /// In chunks of so many particles, an even number.
     pub(crate) fn chunks(self, of: usize) -> impl Iterator<Item = Self> {
-        let Self { position, start, velocity, rounding, .. } = self;
-        let Self { acceleration, damping, medium, drift, .. } = self;
-        let columns = position.chunks_mut(of).zip(start.chunks_mut(of));
-        let columns = columns.zip(velocity.chunks_mut(of)).zip(rounding.chunks_mut(of));
-        columns.enumerate().map(move |(number, (((position, start), velocity), rounding))| {
-            let rows = number * of..number * of + position.len();
-            Self {
-                position,
-                start,
-                velocity,
-                rounding,
-                acceleration: acceleration.get(rows.clone()).unwrap_or_default(),
-                damping: if damping.len() < 2 { damping } else { &damping[rows.clone()] },
-                medium: medium.get(rows.clone()).unwrap_or_default(),
-                drift: drift.get(rows).unwrap_or_default(),
-                ..self
-            }
+        let Self { position, start, velocity, motion, h } = self;
+        let columns =
+            position.chunks_mut(of).zip(start.chunks_mut(of)).zip(velocity.chunks_mut(of));
+        let mut left = Some(motion);
+        columns.filter_map(move |((position, start), velocity)| {
+            let (motion, others) = left.take()?.split_at(position.len());
+            left = Some(others);
+            Some(Self { position, start, velocity, motion, h })
         })
     }
 }
@@ -182,13 +165,13 @@ impl Work for Predict<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { position, start, velocity, rounding, .. } = self;
-        let Self { acceleration, damping, medium, drift, .. } = self;
-        let rates = Rates { damping, medium, air: self.air };
+        let Self { position, start, velocity, motion, h } = self;
+        let Motion { rounding, acceleration, damping, medium, drift, common, air } = motion;
+        let rates = Rates { damping, medium, air };
         let mut step = Step {
-            common: L::two(&[self.common; 2], 0),
-            h: self.h,
-            steady: rates.same().map_or(f32::NAN, |rate| loss(rate * self.h)),
+            common: L::two(&[common; 2], 0),
+            h,
+            steady: rates.same().map_or(f32::NAN, |rate| loss(rate * h)),
             last: (0.0, 0.0),
             rates,
             drift,

@@ -3,7 +3,6 @@
 //! Both take the stiffness of the material, not of a single tie, and work out from it what each tie has to be; so a body that is cut finer
 //! is not a softer one.
 
-mod cells;
 mod lattice;
 
 use glam::{DVec3, Vec3};

@@ -12,8 +12,7 @@
 
 use glam::{DQuat, DVec3};
 
-use super::principal::Principal;
-use super::step::Spin;
+use super::principal::{Principal, Spin};
 
 /// The spin after `h` seconds under a torque (N·m, world).
 pub(super) fn turn(spin: Spin, principal: &Principal, torque: DVec3, h: f64) -> Spin {

@@ -19,8 +19,7 @@
 
 use glam::DVec3;
 
-use super::principal::Principal;
-use super::step::{Spin, by_vector};
+use super::principal::{Principal, Spin, by_vector};
 
 /// The spin after `h` seconds under a torque (N·m, world).
 pub(super) fn turn(spin: Spin, principal: &Principal, torque: DVec3, h: f64) -> Spin {

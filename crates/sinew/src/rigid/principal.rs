@@ -1,6 +1,6 @@
-//! The inertia in its principal axes: where it is three numbers, and where it shows about which axes there is none.
+//! The inertia in its principal axes: where it is three numbers, and where it shows about which axes there is none; and how a body turns.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 use crate::pose::symmetric;
 
@@ -62,4 +62,50 @@ impl Principal {
         let there = DVec3::new(there(self.inverse.x), there(self.inverse.y), there(self.inverse.z));
         self.axes * (self.moments * there * (self.axes.transpose() * rate))
     }
+}
+
+/// What a way through time works on: rotation and angular momentum about the barycentre, kg·m²/s, in the axes of the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Spin {
+    pub(super) rotation: DQuat,
+    pub(super) momentum: DVec3,
+}
+
+impl Spin {
+    /// The angular momentum in the body's frame.
+    pub(super) fn inside(&self) -> DVec3 {
+        self.rotation.conjugate() * self.momentum
+    }
+
+    /// Angular velocity in the axes of the world, rad/s.
+    pub(super) fn rate(&self, principal: &Principal) -> DVec3 {
+        self.rotation * principal.rate(self.inside())
+    }
+
+    /// Turned further by `turn`, which is given in the body's frame.
+    pub(super) fn turned(self, turn: DQuat) -> Self {
+        Self { rotation: (self.rotation * turn).normalize(), ..self }
+    }
+
+    /// Less what angular momentum there is about axes without inertia: a torque has given it, and nothing is there to take it.
+    pub(super) fn possible(self, principal: &Principal) -> Self {
+        if principal.is_full() {
+            return self;
+        }
+        let inside = principal.momentum(principal.rate(self.inside()));
+        Self { momentum: self.rotation * inside, ..self }
+    }
+}
+
+/// The rotation by the length of `vector`, rad, about its direction.
+pub(super) fn by_vector(vector: DVec3) -> DQuat {
+    let angle = vector.length();
+    if angle < 1e-8 {
+        // sin(½θ)/θ is ½ there to the last bit, and so is the length 1.
+        let half = vector * 0.5;
+        return DQuat::from_xyzw(half.x, half.y, half.z, 1.0);
+    }
+    let (sin, cos) = libm::sincos(0.5 * angle);
+    let axis = vector * (sin / angle);
+    DQuat::from_xyzw(axis.x, axis.y, axis.z, cos)
 }

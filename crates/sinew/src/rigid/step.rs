@@ -1,8 +1,8 @@
 //! One step of a rigid body: out of `f32`, one of the three ways through time, and back.
 
-use glam::{DQuat, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
-use super::principal::Principal;
+use super::principal::Spin;
 use super::{RigidBody, RigidFault, euler, leapfrog, verlet};
 
 /// How a rigid body steps through time. [`rigid`](super) compares them.
@@ -18,52 +18,6 @@ pub enum RigidIntegrator {
     /// The discrete Moser–Veselov equations (`verlet.rs`): what Verlet's formula is for rotations. Order 2. A body that turns by more than
     /// half a radian in a step is taken through it in up to 64 smaller ones; one that is faster still, by `Leapfrog`.
     Verlet,
-}
-
-/// What a way through time works on: rotation and angular momentum about the barycentre, kg·m²/s, in the axes of the world.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Spin {
-    pub(super) rotation: DQuat,
-    pub(super) momentum: DVec3,
-}
-
-impl Spin {
-    /// The angular momentum in the body's frame.
-    pub(super) fn inside(&self) -> DVec3 {
-        self.rotation.conjugate() * self.momentum
-    }
-
-    /// Angular velocity in the axes of the world, rad/s.
-    pub(super) fn rate(&self, principal: &Principal) -> DVec3 {
-        self.rotation * principal.rate(self.inside())
-    }
-
-    /// Turned further by `turn`, which is given in the body's frame.
-    pub(super) fn turned(self, turn: DQuat) -> Self {
-        Self { rotation: (self.rotation * turn).normalize(), ..self }
-    }
-
-    /// Less what angular momentum there is about axes without inertia: a torque has given it, and nothing is there to take it.
-    pub(super) fn possible(self, principal: &Principal) -> Self {
-        if principal.is_full() {
-            return self;
-        }
-        let inside = principal.momentum(principal.rate(self.inside()));
-        Self { momentum: self.rotation * inside, ..self }
-    }
-}
-
-/// The rotation by the length of `vector`, rad, about its direction.
-pub(super) fn by_vector(vector: DVec3) -> DQuat {
-    let angle = vector.length();
-    if angle < 1e-8 {
-        // sin(½θ)/θ is ½ there to the last bit, and so is the length 1.
-        let half = vector * 0.5;
-        return DQuat::from_xyzw(half.x, half.y, half.z, 1.0);
-    }
-    let (sin, cos) = libm::sincos(0.5 * angle);
-    let axis = vector * (sin / angle);
-    DQuat::from_xyzw(axis.x, axis.y, axis.z, cos)
 }
 
 impl RigidBody {

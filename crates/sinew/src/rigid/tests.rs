@@ -2,8 +2,7 @@
 
 use glam::{DQuat, DVec3, Mat3, Quat, Vec3};
 
-use super::principal::Principal;
-use super::step::Spin;
+use super::principal::{Principal, Spin};
 use super::*;
 
 const ALL: [RigidIntegrator; 3] =

@@ -26,8 +26,7 @@
 use glam::{DMat3, DQuat, DVec3};
 
 use super::leapfrog;
-use super::principal::Principal;
-use super::step::Spin;
+use super::principal::{Principal, Spin};
 
 /// The most that a body turns in one piece of a step, rad: half way to where (1) has no solution.
 const FURTHEST: f64 = 0.5;

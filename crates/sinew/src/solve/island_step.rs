@@ -8,15 +8,14 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use smallvec::SmallVec;
 
+use super::SolverReport;
 use super::instances::{BatchMotion, BatchSolve, WholeStep};
 use super::island::{Common, InOrder, ThreadScratch};
 use super::microsteps::{derive_whole_steps, list_step_rows, solve_substep};
-use super::multipliers::MultiplierSlice;
 use super::plan::{Plan, Task};
 use super::remaining::Remaining;
 use super::wavefront::{pipelined_wavefront, run_wavefronts};
-use super::world::{SolveScratch, TaskSlice};
-use super::{IslandReport, SolverReport};
+use super::world::{SolveScratch, TaskSlice, slices};
 use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::integrate::{Motion, Predict, StepRows, predict_all};
 use crate::lanes::with;
@@ -40,34 +39,12 @@ pub(crate) fn advance_all(
     let (places, motion) = Motion::all(particles);
     // What has been summed up is the same for all.
     let motion = Motion { acceleration: &[], medium: &[], drift: &[], ..motion };
-    let mut left = Some((
-        places,
-        motion,
-        all_multipliers.all(),
-        NormalImpulses::all(normal_impulses),
-        &mut report.islands[..],
-    ));
-    let shares = plan.tasks(execution.workers.is_none()).filter_map(|task| {
-        let (places, motion, multipliers, normal_impulses, reports) = left.take()?;
-        let (own, places) = places.split_at(task.rows.end);
-        let (own_motion, motion) = motion.split_at(own.position.len());
-        let (own_sums, multipliers) =
-            multipliers.split(Some(task.distances.end), Some(task.constraints.end));
-        let (own_presses, normal_impulses) = common.contacts.split(normal_impulses, task.rows.end);
-        let (own_reports, reports) = reports.split_at_mut(task.islands.len());
-        left = Some((places, motion, multipliers, normal_impulses, reports));
-        Some(IslandStep {
-            common,
-            task,
-            places: own,
-            motion: own_motion,
-            multipliers: own_sums,
-            normal_impulses: own_presses,
-            reports: own_reports,
-        })
-    });
+    let (normal_impulses, multipliers) =
+        (NormalImpulses::all(normal_impulses), all_multipliers.all());
+    let bodies = (places, motion);
+    let shares = slices(common, bodies, multipliers, normal_impulses, &mut report.islands, &mut []);
     let iteration_counts = &*iteration_counts;
-    let mut large = SmallVec::<[IslandStep; 4]>::new();
+    let mut large = SmallVec::<[TaskSlice; 4]>::new();
     let small = shares.filter_map(|alone| {
         if alone.task.large && execution.workers.is_some() {
             large.push(alone);
@@ -80,17 +57,17 @@ pub(crate) fn advance_all(
             thread_scratch.begin(&alone.task);
             leave_states(plan, &alone.task, &mut thread_scratch.remaining);
             if !alone.task.instance_batches.is_empty() {
-                alone.instance_batches(thread_scratch, iteration_counts).run();
+                alone.step_batches(thread_scratch, iteration_counts).run();
             }
             run_wavefronts(&mut alone, thread_scratch, iteration_counts);
             if !thread_scratch.remaining.is_empty() {
-                alone.one_by_one(thread_scratch, iteration_counts);
+                alone.step_one_by_one(thread_scratch, iteration_counts);
             }
         });
     });
     for mut alone in large {
         if !pipelined_wavefront(&mut alone, thread_scratches, iteration_counts) {
-            alone.by_all(thread_scratches, iteration_counts);
+            alone.step_by_all(thread_scratches, iteration_counts);
         }
     }
     for iteration_counts in iteration_counts {
@@ -122,18 +99,8 @@ fn leave_states(plan: &Plan, task: &Task, remaining: &mut Remaining) {
     }
 }
 
-/// A task, and what is its alone.
-pub(super) struct IslandStep<'a> {
-    pub(super) common: Common<'a>,
-    pub(super) task: Task,
-    places: Places<'a>,
-    pub(super) motion: Motion<'a>,
-    multipliers: MultiplierSlice<'a>,
-    normal_impulses: NormalImpulses<'a>,
-    pub(super) reports: &'a mut [IslandReport],
-}
-
-impl IslandStep<'_> {
+/// Through all substeps of a step.
+impl TaskSlice<'_> {
     /// Some of its particles, to be predicted; counted from its first row on.
     #[inline(always)]
     pub(super) fn predict(&mut self, rows: Range<usize>) -> Predict<'_> {
@@ -142,7 +109,7 @@ impl IslandStep<'_> {
     }
 
     /// The instance batches in it.
-    fn instance_batches<'b>(
+    fn step_batches<'b>(
         &'b mut self,
         thread_scratch: &'b mut ThreadScratch,
         iteration_counts: &'b [AtomicU32],
@@ -169,11 +136,13 @@ impl IslandStep<'_> {
             thread_scratch,
         }
     }
-}
 
-impl IslandStep<'_> {
     /// A single large island, by all workers, who meet after each stage of each sweep.
-    fn by_all(mut self, thread_scratches: &Pool<ThreadScratch>, iteration_counts: &[AtomicU32]) {
+    fn step_by_all(
+        mut self,
+        thread_scratches: &Pool<ThreadScratch>,
+        iteration_counts: &[AtomicU32],
+    ) {
         let (all, execution) = (self.task.rows.len(), self.common.execution);
         let island = &self.common.plan.islands.list[self.task.islands.start];
         let first = if island.takes_microsteps() { island.microsteps } else { 1 };
@@ -198,11 +167,9 @@ impl IslandStep<'_> {
             iteration_counts.fetch_max(self.reports[0].last_sweeps, Ordering::Relaxed);
         }
     }
-}
 
-impl IslandStep<'_> {
     /// Its islands one after the other through all substeps. `iteration_counts` are the most sweeps in each.
-    fn one_by_one(self, thread_scratch: &mut ThreadScratch, iteration_counts: &[AtomicU32]) {
+    fn step_one_by_one(self, thread_scratch: &mut ThreadScratch, iteration_counts: &[AtomicU32]) {
         let Self { common, task, mut places, mut motion, reports, .. } = self;
         let (mut multipliers, mut normal_impulses) = (self.multipliers, self.normal_impulses);
         let Common { plan, h, execution: ExecutionContext { instructions, .. }, .. } = common;

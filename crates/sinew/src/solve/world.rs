@@ -71,38 +71,9 @@ pub(crate) fn solve_all(
     loads.solve(common, particles, normal_impulses, all_multipliers, reports, measured);
     momentum_drift.clear();
     momentum_drift.resize(if open { particles.len() } else { 0 }, Vec4::ZERO);
-    let (places, motion) = Motion::all(particles);
-    let mut left = Some((
-        places,
-        motion,
-        all_multipliers.all(),
-        NormalImpulses::all(normal_impulses),
-        &mut report.islands[..],
-        &mut momentum_drift[..],
-    ));
-    let shares = plan.tasks(execution.workers.is_none()).filter_map(|task| {
-        let (places, motion, multipliers, normal_impulses, reports, momentum_drift) =
-            left.take()?;
-        let (own, places) = places.split_at(task.rows.end);
-        let (own_motion, motion) = motion.split_at(own.position.len());
-        let (own_sums, multipliers) =
-            multipliers.split(Some(task.distances.end), Some(task.constraints.end));
-        let (own_presses, normal_impulses) = common.contacts.split(normal_impulses, task.rows.end);
-        let (own_reports, reports) = reports.split_at_mut(task.islands.len());
-        let (own_excess, momentum_drift) =
-            momentum_drift.split_at_mut(own.position.len().min(momentum_drift.len()));
-        left = Some((places, motion, multipliers, normal_impulses, reports, momentum_drift));
-        Some(TaskSlice {
-            common,
-            task,
-            places: own,
-            motion: own_motion,
-            multipliers: own_sums,
-            normal_impulses: own_presses,
-            reports: own_reports,
-            momentum_drift: own_excess,
-        })
-    });
+    let (normal_impulses, drift) = (NormalImpulses::all(normal_impulses), &mut momentum_drift[..]);
+    let (bodies, multipliers) = (Motion::all(particles), all_multipliers.all());
+    let shares = slices(common, bodies, multipliers, normal_impulses, &mut report.islands, drift);
     let splits = |share: &TaskSlice| {
         let order = plan.islands.list[share.task.islands.start].settings.order;
         share.task.large && execution.workers.is_some() && order == Order::GaussSeidel
@@ -186,6 +157,39 @@ pub(super) struct TaskSlice<'a> {
     pub(super) reports: &'a mut [IslandReport],
     /// A place for what each particle has to have taken off, if velocities are derived later; none otherwise.
     pub(super) momentum_drift: &'a mut [Vec4],
+}
+
+/// Cuts what there is into the tasks of a plan.
+pub(super) fn slices<'a>(
+    common: Common<'a>,
+    (places, motion): (Places<'a>, Motion<'a>),
+    multipliers: MultiplierSlice<'a>,
+    normal_impulses: NormalImpulses<'a>,
+    reports: &'a mut [IslandReport],
+    momentum_drift: &'a mut [Vec4],
+) -> impl Iterator<Item = TaskSlice<'a>> {
+    let mut left = Some((places, motion, multipliers, normal_impulses, reports, momentum_drift));
+    common.plan.tasks(common.execution.workers.is_none()).filter_map(move |task| {
+        let (places, motion, multipliers, normal_impulses, reports, drift) = left.take()?;
+        let (own, places) = places.split_at(task.rows.end);
+        let (own_motion, motion) = motion.split_at(own.position.len());
+        let (own_sums, multipliers) =
+            multipliers.split(Some(task.distances.end), Some(task.constraints.end));
+        let (own_presses, normal_impulses) = common.contacts.split(normal_impulses, task.rows.end);
+        let (own_reports, reports) = reports.split_at_mut(task.islands.len());
+        let (own_drift, drift) = drift.split_at_mut(own.position.len().min(drift.len()));
+        left = Some((places, motion, multipliers, normal_impulses, reports, drift));
+        Some(TaskSlice {
+            common,
+            task,
+            places: own,
+            motion: own_motion,
+            multipliers: own_sums,
+            normal_impulses: own_presses,
+            reports: own_reports,
+            momentum_drift: own_drift,
+        })
+    })
 }
 
 impl TaskSlice<'_> {

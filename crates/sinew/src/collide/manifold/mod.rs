@@ -3,7 +3,7 @@
 //!
 //! | file | which pairs |
 //! |---|---|
-//! | `boxes` | box and box: separating axes; `clip` their faces, `corners` where no face looks at another |
+//! | `boxes` | box and box: separating axes; `clip` their faces; corners where no face looks at another |
 //! | `half_space` | anything convex and what is infinite |
 //! | `round` | spheres; capsule and capsule |
 //! | `rod` | capsule and box |
@@ -15,7 +15,6 @@ mod boxes;
 mod broad;
 mod clip;
 mod convex;
-mod corners;
 mod features;
 mod half_space;
 mod reduce;

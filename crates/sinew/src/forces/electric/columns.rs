@@ -1,8 +1,7 @@
-//! The charges as packed rows, and Coulomb's law in eight lanes: one source acts on eight targets at once.
+//! The charges as packed rows, nodes of a tree over them, and Coulomb's law in eight lanes: one source acts on eight targets at once.
 
 use glam::{DVec3, Vec3, Vec4};
 
-use super::walk::Group;
 use crate::lanes::{LANES, Lanes, Vector};
 use crate::particles::Particles;
 
@@ -118,4 +117,88 @@ impl<L: Lanes> Targets<L> {
 pub(super) fn add<L: Lanes>(forces: &mut [Vec4], first: usize, sum: Vector<L>) {
     let (so_far, rest) = Vector::of(L::run(forces, first));
     L::put_run(forces, first, (so_far + sum).with(rest));
+}
+
+/// A node of the tree over the charges.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Node {
+    /// Mean place of the charges, weighted by their magnitudes, metres.
+    pub centre: DVec3,
+    /// Distance of the farthest one from it, metres; exactly zero where all are at one point.
+    pub reach: f64,
+    /// C.
+    pub charge: f64,
+    /// C·m.
+    pub dipole: DVec3,
+    /// Middle of the box around the charges, and distance to its corners, metres.
+    pub middle: DVec3,
+    pub radius: f64,
+    /// The first of its leaves, and how many there are.
+    pub first: u32,
+    pub leaves: u32,
+}
+
+impl Node {
+    /// How many nodes it is with all below it.
+    #[inline]
+    pub(super) fn whole(&self) -> usize {
+        2 * self.leaves as usize - 1
+    }
+
+    pub(super) fn sum_up(&mut self, items: &[Item]) {
+        let (mut weight, mut centre) = (0.0, DVec3::ZERO);
+        for item in items {
+            weight += item.charge.abs();
+            centre += (item.at - self.middle) * item.charge.abs();
+        }
+        self.centre = self.middle;
+        if self.radius > 0.0 && weight > 0.0 {
+            self.centre += centre / weight;
+        }
+        let mut reach2 = 0.0_f64;
+        for item in items {
+            let d = item.at - self.centre;
+            self.charge += item.charge;
+            self.dipole += d * item.charge;
+            reach2 = reach2.max(d.length_squared());
+        }
+        // Not the round-off of the middle of one point.
+        if self.radius > 0.0 {
+            self.reach = reach2.sqrt();
+        } else {
+            self.centre = items[0].at;
+            self.dipole = DVec3::ZERO;
+        }
+    }
+
+    /// Potential at `point` without Coulomb's constant, C/m; of the charge alone, less `own`, where all of it is at that very point.
+    pub(super) fn potential(&self, point: DVec3, softening: f64, own: f64) -> f64 {
+        let d = point - self.centre;
+        let s2 = d.length_squared() + softening;
+        if s2 == 0.0 {
+            return 0.0;
+        }
+        let s = s2.sqrt();
+        (self.charge - own) / s + self.dipole.dot(d) / (s2 * s)
+    }
+}
+
+/// A far node as some targets see it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Group {
+    /// Its centre, metres from the middle of the targets.
+    pub centre: Vec3,
+    pub charge: f32,
+    pub dipole: Vec3,
+}
+
+impl Group {
+    /// A node as seen from `middle`, its charges times `scale`.
+    pub(super) fn of(node: &Node, middle: DVec3, scale: f64) -> Self {
+        Self {
+            centre: (node.centre - middle).as_vec3(),
+            charge: (node.charge * scale) as f32,
+            dipole: (node.dipole * scale).as_vec3(),
+        }
+    }
 }

@@ -50,8 +50,8 @@ use core::ops::Range;
 use glam::{DVec3, Vec3, Vec4};
 
 use super::Electric;
-use super::columns::{Columns, Item, LEAF, Targets, add};
-use super::walk::{Group, Walk, make_room};
+use super::columns::{Columns, Group, Item, LEAF, Node, Targets, add};
+use super::walk::{Walk, make_room};
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 
 /// The charges in the order of the tree's leaves, and its nodes from the root on.
@@ -64,24 +64,6 @@ pub(super) struct Tree {
     walk: Walk,
     /// The far nodes as the targets at hand see them.
     groups: Vec<Group>,
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Node {
-    /// Mean place of the charges, weighted by their magnitudes, metres.
-    pub centre: DVec3,
-    /// Distance of the farthest one from it, metres; exactly zero where all are at one point.
-    pub reach: f64,
-    /// C.
-    pub charge: f64,
-    /// C·m.
-    pub dipole: DVec3,
-    /// Middle of the box around the charges, and distance to its corners, metres.
-    pub middle: DVec3,
-    pub radius: f64,
-    /// The first of its leaves, and how many there are.
-    pub first: u32,
-    pub leaves: u32,
 }
 
 impl Tree {
@@ -279,51 +261,6 @@ impl Work for AllLeaves<'_> {
                 add(forces, first, total);
             }
         }
-    }
-}
-
-impl Node {
-    /// How many nodes it is with all below it.
-    #[inline]
-    pub(super) fn whole(&self) -> usize {
-        2 * self.leaves as usize - 1
-    }
-
-    fn sum_up(&mut self, items: &[Item]) {
-        let (mut weight, mut centre) = (0.0, DVec3::ZERO);
-        for item in items {
-            weight += item.charge.abs();
-            centre += (item.at - self.middle) * item.charge.abs();
-        }
-        self.centre = self.middle;
-        if self.radius > 0.0 && weight > 0.0 {
-            self.centre += centre / weight;
-        }
-        let mut reach2 = 0.0_f64;
-        for item in items {
-            let d = item.at - self.centre;
-            self.charge += item.charge;
-            self.dipole += d * item.charge;
-            reach2 = reach2.max(d.length_squared());
-        }
-        // Not the round-off of the middle of one point.
-        if self.radius > 0.0 {
-            self.reach = reach2.sqrt();
-        } else {
-            self.centre = items[0].at;
-            self.dipole = DVec3::ZERO;
-        }
-    }
-
-    /// Potential at `point` without Coulomb's constant, C/m; of the charge alone, less `own`, where all of it is at that very point.
-    fn potential(&self, point: DVec3, softening: f64, own: f64) -> f64 {
-        let d = point - self.centre;
-        let s2 = d.length_squared() + softening;
-        if s2 == 0.0 {
-            return 0.0;
-        }
-        let s = s2.sqrt();
-        (self.charge - own) / s + self.dipole.dot(d) / (s2 * s)
     }
 }
 

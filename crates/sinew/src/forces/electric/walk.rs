@@ -3,9 +3,9 @@
 //! Neighbours see nearly the same nodes. Where some of the eight take a node as one and others do not, the walk goes on below it for those
 //! others alone. So it visits a node once instead of up to eight times, and waits for memory and for mispredicted branches as much less.
 
-use glam::{DVec3, Vec3, Vec4};
+use glam::Vec4;
 
-use super::tree::Node;
+use super::columns::Node;
 use crate::lanes::{LANES, Lanes, Vector};
 
 /// What a walk found for each of eight leaves; it keeps its memory between calls.
@@ -110,25 +110,5 @@ fn note(ranges: &mut Vec<(u32, u32)>, leaf: u32) {
     match ranges.last_mut() {
         Some((_, end)) if *end == leaf => *end += 1,
         _ => ranges.push((leaf, leaf + 1)),
-    }
-}
-
-/// A far node as some targets see it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Group {
-    /// Its centre, metres from the middle of the targets.
-    pub centre: Vec3,
-    pub charge: f32,
-    pub dipole: Vec3,
-}
-
-impl Group {
-    /// A node as seen from `middle`, its charges times `scale`.
-    pub(super) fn of(node: &Node, middle: DVec3, scale: f64) -> Self {
-        Self {
-            centre: (node.centre - middle).as_vec3(),
-            charge: (node.charge * scale) as f32,
-            dipole: (node.dipole * scale).as_vec3(),
-        }
     }
 }

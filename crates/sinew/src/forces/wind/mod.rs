@@ -2,15 +2,14 @@
 //! things slow down, lift and fall in it as they do in air. Both blow on the triangles of
 //! [`Forces::surfaces`](super::Forces::surfaces), everywhere or in a [`Region`](super::Region), steadily or in gusts.
 
-mod aero;
-#[cfg(test)]
-mod aero_tests;
 mod air;
+#[cfg(test)]
+mod air_tests;
 mod gusts;
 mod pressure;
 mod sheet;
 
-pub use aero::AirFlow;
+pub use air::AirFlow;
 pub use pressure::Wind;
 
 pub(crate) use air::{Air, apply as apply_air, sample as sample_air};

@@ -21,8 +21,8 @@ use std::time::Instant;
 
 use super::IslandReport;
 use super::island::ThreadScratch;
-use super::island_step::IslandStep;
 use super::plan::{ClusterBatch, ConstraintGroup, Plan};
+use super::world::TaskSlice;
 use glam::Vec4;
 use smallvec::SmallVec;
 
@@ -50,7 +50,7 @@ pub(super) struct Wavefront {
 /// Takes the islands of a task through a step that can go as wavefronts, and out of what is left of the task. `iteration_counts` are the most sweeps
 /// in each substep.
 pub(super) fn run_wavefronts(
-    island_step: &mut IslandStep,
+    island_step: &mut TaskSlice,
     thread_scratch: &mut ThreadScratch,
     iteration_counts: &[AtomicU32],
 ) {
@@ -87,7 +87,7 @@ pub(super) fn run_wavefronts(
     (thread_scratch.remaining, thread_scratch.wavefront) = (remaining, wavefront);
 }
 
-impl IslandStep<'_> {
+impl TaskSlice<'_> {
     /// How an island would go through so many substeps, if it can: clusters of rods in columns alone, which nothing but each other holds back.
     fn step(&self, number: usize, substeps: usize, stages: &mut Stages) -> Option<StepConstants> {
         let Self { common, motion, .. } = self;
@@ -188,7 +188,7 @@ trait Store {
 
 /// In the columns of a task, which nobody else has.
 struct TaskStore<'a, 'b> {
-    island_step: &'a mut IslandStep<'b>,
+    island_step: &'a mut TaskSlice<'b>,
     /// The first row of the island in those.
     first: usize,
 }

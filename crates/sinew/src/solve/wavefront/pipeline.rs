@@ -17,7 +17,7 @@ use super::{Store, SweepCounts, run_substeps};
 use crate::integrate::{Predict, StepConstants};
 use crate::solve::IslandReport;
 use crate::solve::island::{Common, ThreadScratch};
-use crate::solve::island_step::IslandStep;
+use crate::solve::world::TaskSlice;
 use crate::threads::{Pool, TASKS, Workers, each};
 
 /// A list of what there is one of for each stage range or each chunk, without a heap.
@@ -29,7 +29,7 @@ const MEET: usize = 32_768;
 
 /// Takes the one large island of a task through all substeps, if it can go as a wavefront; false if it is left as it was.
 pub(in crate::solve) fn pipelined_wavefront(
-    island_step: &mut IslandStep,
+    island_step: &mut TaskSlice,
     thread_scratches: &Pool<ThreadScratch>,
     iteration_counts: &[AtomicU32],
 ) -> bool {
@@ -103,7 +103,7 @@ pub(in crate::solve) fn pipelined_wavefront(
 /// How the island would go, and how many substeps each stage range has. There are no more ranges than threads, and so few that the last begins before
 /// the first ends: each begins one wavefront behind the one before it.
 fn stage_ranges(
-    island_step: &IslandStep,
+    island_step: &TaskSlice,
     number: usize,
     threads: usize,
     substeps: usize,

@@ -53,7 +53,7 @@ impl SlidingWindow {
         let Moving { position, velocity, rounding, .. } = &mut self.moving;
         position.turn_in(row, packed.position, instructions);
         velocity.turn_in(row, packed.velocity, instructions);
-        rounding.turn_in(row, packed.rounding, instructions);
+        rounding.turn_in(row, packed.motion.rounding, instructions);
     }
 
     /// Gives rows back.
@@ -63,7 +63,7 @@ impl SlidingWindow {
         position.turn_out(row, packed.position, instructions);
         begun.turn_out(row, packed.start, instructions);
         velocity.turn_out(row, packed.velocity, instructions);
-        rounding.turn_out(row, packed.rounding, instructions);
+        rounding.turn_out(row, packed.motion.rounding, instructions);
     }
 
     /// The lanes of some rows, of which the first is a multiple of 32.

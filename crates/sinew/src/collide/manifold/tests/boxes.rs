@@ -57,7 +57,7 @@ fn depth_is_the_least_over_all_directions_and_none_is_missed_that_is_within_reac
         if apart < -1e-3 && apart > -0.1 {
             shallow += 1;
             let inside = |p: Vec3, half: Vec3| (p.abs() - half).max_element() < 0.0;
-            let corners = crate::collide::manifold::corners::SIGNS;
+            let corners = crate::collide::manifold::boxes::SIGNS;
             let any = corners
                 .iter()
                 .any(|c| inside(frame.point(*c * ha), hb) || inside(frame.local(*c * hb), ha));

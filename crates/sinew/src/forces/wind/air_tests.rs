@@ -2,8 +2,7 @@
 
 use glam::Vec3;
 
-use super::aero::AirFlow;
-use super::air::{Air, apply, sample};
+use super::air::{Air, AirFlow, apply, sample};
 use crate::forces::Region;
 use crate::lanes::InstructionSet;
 use crate::particles::{ParticleSeed, Particles};
