@@ -23,6 +23,8 @@ pub(crate) struct Rows<T: Send + Sync + 'static> {
     pub(crate) drawn: u64,
     /// Whether all particles are there, and each once; `None` until somebody asked.
     plain: Option<bool>,
+    /// Which of the solver's body colliders they are, if it was told of them.
+    pub(crate) collider: Option<u32>,
     of: PhantomData<fn() -> T>,
 }
 
@@ -31,7 +33,7 @@ pub(crate) const GONE: u32 = u32::MAX;
 
 impl<T: Send + Sync + 'static> Default for Rows<T> {
     fn default() -> Self {
-        Self { layout: 0, rows: Vec::new(), drawn: 0, plain: None, of: PhantomData }
+        Self { layout: 0, rows: Vec::new(), drawn: 0, plain: None, collider: None, of: PhantomData }
     }
 }
 

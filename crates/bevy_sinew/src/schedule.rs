@@ -373,6 +373,7 @@ fn run_substeps(world: &mut World) {
     }
     let mut sinew = world.resource_mut::<SinewWorld>();
     sinew.simulation.end_step();
+    sinew.tables.stepped = true;
     let mut watch = sinew.tables.watch.take();
     let layout = sinew.tables.layout.number;
     if shown {

@@ -9,7 +9,7 @@ use sinew::glam::{DVec3, Quat, Vec3};
 use sinew::recipes::{BoxLayout, BoxSpec, box_3d};
 use sinew::{
     BodyContacts, BodySettings, Collider, Constraint, ConstraintKind, Distance, Fluid, Frame,
-    InstructionSet, Material, ParticleSeed, Pin, Plane, Representation, Shape, Simulation,
+    InstructionSet, Material, ParticleSeed, Pin, Plane, Representation, Shape, Simulation, Wind,
 };
 
 const DT: f32 = 1.0 / 60.0;
@@ -92,6 +92,41 @@ fn phases(world: &mut Simulation, mut between: impl FnMut(&mut Simulation, u32))
         world.solve_constraints();
     }
     world.end_step();
+}
+
+/// A game is told the pose of the state, and not a fit to its particles that takes a hundred times as long.
+#[test]
+fn its_pose_is_that_of_its_particles() {
+    let mut world = thrown(Vec3::new(3.0, 5.0, -4.0), 10);
+    assert_eq!(world.rigid_pose(0), None, "before the first step");
+    for tick in 0..300 {
+        step(&mut world, 1);
+        let found = world.rigid_pose(0).unwrap();
+        for (&row, &rest) in
+            world.body_colliders()[0].rows.iter().zip(&*world.body_colliders()[0].rest)
+        {
+            let off = (found.point(rest) - world.particles.position(row as usize)).length();
+            assert!(off < 1e-6 * 8.0, "tick {tick}: {off} m");
+        }
+    }
+    let mut world = as_particles(world);
+    step(&mut world, 1);
+    assert_eq!(world.rigid_pose(0), None, "as particles it has none");
+    assert_eq!(world.rigid_pose(1), None, "there is no other");
+}
+
+/// A wind presses on surfaces. Where there are none it had all boxes of the world be stepped one substep after the other.
+#[test]
+fn a_wind_that_has_nothing_to_press_on_disturbs_nobody() {
+    let mut still = thrown(Vec3::new(3.0, 5.0, -4.0), 10);
+    let mut windy = still.clone();
+    windy.forces.winds.push(Wind::steady(Vec3::X * 50.0));
+    windy.begin_step(DT).unwrap();
+    assert!(windy.is_undisturbed());
+    windy.take_substeps();
+    windy.end_step();
+    step(&mut still, 1);
+    assert_eq!(bits(&windy), bits(&still));
 }
 
 #[test]

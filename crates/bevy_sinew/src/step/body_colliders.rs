@@ -104,6 +104,7 @@ pub(crate) fn compile_body_colliders(
     let mut body_colliders: Vec<(CreationOrder, Entity, BodyCollider)> = Vec::new();
     let mut owners: Vec<Entity> = Vec::new();
     for (part, order, collider, pose, of, mut rows) in &mut parts {
+        rows.collider = None;
         let owner = of.map_or(part, |of| of.0);
         let explicit = contacts.get(owner).map_or(ContactShape::Auto, |own| own.shape);
         let by_parts = matches!(explicit, ContactShape::Auto | ContactShape::Solid);
@@ -147,6 +148,11 @@ pub(crate) fn compile_body_colliders(
     }
     tables.parts.clear();
     tables.parts.extend(body_colliders.iter().map(|&(_, part, _)| part));
+    for (&part, number) in tables.parts.iter().zip(0..) {
+        if let Ok((.., mut rows)) = parts.get_mut(part) {
+            rows.collider = Some(number);
+        }
+    }
     // Where rods may have changed, but none did, the solver need not be told.
     let same =
         || simulation.body_colliders().iter().eq(body_colliders.iter().map(|(_, _, solid)| solid));

@@ -45,7 +45,9 @@ pub(crate) fn extract_poses(
         if !eased && !rigid.is_changed() && world.are_unmoved(here) {
             continue;
         }
-        let Some(found) = found(&world, &rigid, &mut rows, transform.rotation) else { continue };
+        let at_hand = rows.collider.and_then(|number| world.rigid_pose(number, transform.rotation));
+        let found = at_hand.or_else(|| found(&world, &rigid, &mut rows, transform.rotation));
+        let Some(found) = found else { continue };
         // Of one that sleeps, what was found last may differ in its last digits, which depend on what was found before: it stays, whether that is known of
         // it or it was put back.
         let is_known = known.as_ref().is_none_or(|known| known.0 == Some(*transform));

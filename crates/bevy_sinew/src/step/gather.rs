@@ -76,7 +76,7 @@ pub(crate) fn gather_particles(
     all |= changed && bodies.any();
     note_touched(&mut world, &particles, all || changed);
     world.tables.properties_gathered = all;
-    world.tables.rested = false;
+    (world.tables.rested, world.tables.stepped) = (false, false);
     world.tables.left = !(all || changed) && world.is_settled();
     if world.tables.left {
         return;

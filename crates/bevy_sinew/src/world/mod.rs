@@ -12,6 +12,7 @@ use std::collections::BTreeSet;
 
 use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
+use sinew::pose::Pose;
 use sinew::{ContactParticipant, ParticleFault, Particles, Simulation, SolverReport};
 
 use crate::components::{Particle, ParticleRow};
@@ -236,6 +237,8 @@ pub(crate) struct Tables {
     pub(crate) left: bool,
     /// Whether nothing but the time changed in this tick.
     pub(crate) rested: bool,
+    /// Whether a step was taken in this tick, and is over.
+    pub(crate) stepped: bool,
     /// The bodies that sleep, by number: from the end of gathering on as they were, from scattering on those that slept through the tick.
     pub(crate) asleep: Vec<bool>,
     /// Those of them of which nothing was written: what is extracted of them stays as it is.
@@ -295,6 +298,14 @@ impl SinewWorld {
     pub(crate) fn rest(&mut self, dt: f32) -> bool {
         self.tables.rested = self.tables.left && self.simulation.rest(dt);
         self.tables.rested
+    }
+
+    /// Where a body collider is that went through this tick as one rigid state; `None` of any other. Its rotation is the one of two quaternions that is nearer to
+    /// where it was turned before.
+    pub(crate) fn rigid_pose(&self, collider: u32, before: Quat) -> Option<Pose> {
+        let pose = self.tables.stepped.then(|| self.simulation.rigid_pose(collider as usize))??;
+        let rotation = if pose.rotation.dot(before) < 0.0 { -pose.rotation } else { pose.rotation };
+        Some(Pose { rotation, ..pose })
     }
 
     /// Whether all of some rows slept through the tick.

@@ -6,6 +6,7 @@ use super::{Scratch, Simulation, Substep};
 use crate::collide::RigidStep;
 use crate::integrate::StepRows;
 use crate::islands::Island;
+use crate::pose::Pose;
 
 impl Simulation {
     /// Reads those of this step.
@@ -84,6 +85,18 @@ impl Simulation {
         if contacts.has_rigid_states() && !*unseen {
             contacts.rigid_states().write_rigid_states(particles);
         }
+    }
+
+    /// The pose of a [body collider](Self::body_colliders) that went through the last step as one rigid state, in its own frame, by its number in the list:
+    /// what a fit to its particles gives but for round-off, at hand. `None` of any other, and where that is not finite.
+    ///
+    /// Of the last step: not of particles that were moved since.
+    pub fn rigid_pose(&self, number: usize) -> Option<Pose> {
+        let first = *self.body_colliders.get(number)?.rows.first()? as usize;
+        let pose = self.scratch.contacts.body_contact().rigid_pose(number)?;
+        let translation = self.particles.origin.get(first)? + pose.translation;
+        let is_finite = translation.is_finite() && pose.rotation.is_finite();
+        is_finite.then_some(Pose { translation, ..pose })
     }
 
     /// The number of the substep at hand, and how many there are in the step.

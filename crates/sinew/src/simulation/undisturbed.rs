@@ -30,10 +30,10 @@ impl Simulation {
         let Forces {
             gravity: _,
             drag: _,
-            surfaces: _,
             hulls: _,
             electric: _,
             electric_fields: _,
+            surfaces,
             attractors,
             controls,
             springs,
@@ -44,7 +44,8 @@ impl Simulation {
         let quiet = attractors.is_empty()
             && controls.is_empty()
             && springs.is_empty()
-            && winds.is_empty()
+            // They press on surfaces alone.
+            && (winds.is_empty() || surfaces.is_empty())
             && air_flows.is_empty()
             && fluids.is_empty();
         let summary = &self.particles.column_summary;

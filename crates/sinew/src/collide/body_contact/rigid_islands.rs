@@ -8,7 +8,7 @@
 //! Its particles are written after each substep, or once a step where no system runs in between. Where one of them is moved between two phases, the island
 //! goes on as particles until the step ends.
 
-use glam::{Vec3, Vec4};
+use glam::{Quat, Vec3, Vec4};
 
 use super::groups::BodyGroups;
 use super::rigid_state::{
@@ -20,6 +20,7 @@ use crate::integrate::{Integrator, loss};
 use crate::islands::{Island, Islands};
 use crate::lanes::{InstructionSet, LANES, with};
 use crate::particles::Particles;
+use crate::pose::Pose;
 use crate::settings::{BodySettings, Representation};
 
 /// No island.
@@ -270,6 +271,17 @@ impl BodyContactSolver {
     /// Has contacts be solved in this step.
     pub(crate) fn set_not_idle(&mut self) {
         self.rigid.idle = false;
+    }
+
+    /// The pose of a body collider that is a rigid state, from the origin of its particles; `None` of any other.
+    pub(crate) fn rigid_pose(&self, number: usize) -> Option<Pose> {
+        let (part, row) = (self.groups.parts.get(number)?, self.groups.place(number));
+        let (group, lane) = (row / LANES, row % LANES);
+        let state = self.rigid.states.get(group).filter(|state| state.lanes >> lane & 1 == 1)?;
+        let (centre, q) = state.pose(lane);
+        let q = q / q.length();
+        let turn = Pose { translation: Vec3::ZERO, rotation: Quat::from_xyzw(q.x, q.y, q.z, q.w) };
+        Some(Pose { translation: centre - turn.point(part.centre), ..turn })
     }
 
     /// Writes the particles of the rigid states.

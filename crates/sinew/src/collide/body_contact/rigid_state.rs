@@ -86,6 +86,15 @@ pub(super) struct WideRigidState {
     pub(super) pushed: u32,
 }
 
+impl WideRigidState {
+    /// Where the centre of a lane is from the origin, metres, and how it is turned: a quaternion of nearly unit length.
+    pub(super) fn pose(&self, lane: usize) -> (Vec3, Vec4) {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.centre[axis][lane] + self.remainder[axis][lane]);
+        let turn = [0, 1, 2, 3].map(|i| self.rotation.whole[i][lane]);
+        (Vec3::new(x, y, z), Vec4::from_array(turn))
+    }
+}
+
 /// Eight rotations as they lie in memory.
 #[derive(Clone, Debug, Default)]
 struct WideRotation {
