@@ -144,7 +144,7 @@ impl BodyContactSolver {
                 let Some(rate) = rate_of(rows, particles, island, &step) else { continue };
                 asks |= 1 << lane;
                 (reach[lane], tolerance[lane]) = (part.reach, island.settings.tolerance);
-                state.set_rate(lane, rate);
+                state.rate[lane] = rate;
             }
             if asks == 0 {
                 continue;

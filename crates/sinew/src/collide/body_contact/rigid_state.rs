@@ -78,21 +78,12 @@ pub(super) struct WideRigidState {
     /// Length of the last substep, seconds.
     lag: LaneArray,
     /// Damping of its particles, 1/s.
-    rate: LaneArray,
+    pub(super) rate: LaneArray,
     /// Exponents of a substep after the last one and of those after that, and which shares of the velocities are lost.
     exponents: [LaneArray; 2],
     lost: [LaneArray; 2],
     /// A bit for each that was pushed.
     pub(super) pushed: u32,
-}
-
-impl WideRigidState {
-    /// Where the centre of a lane is from the origin, metres, and how it is turned: a quaternion of nearly unit length.
-    pub(super) fn pose(&self, lane: usize) -> (Vec3, Vec4) {
-        let [x, y, z] = [0, 1, 2].map(|axis| self.centre[axis][lane] + self.remainder[axis][lane]);
-        let turn = [0, 1, 2, 3].map(|i| self.rotation.whole[i][lane]);
-        (Vec3::new(x, y, z), Vec4::from_array(turn))
-    }
 }
 
 /// Eight rotations as they lie in memory.
@@ -189,9 +180,11 @@ fn store_four<L: Lanes>(from: [L; 4], to: &mut [LaneArray; 4]) {
 }
 
 impl WideRigidState {
-    /// Notes the damping of a lane, 1/s.
-    pub(super) fn set_rate(&mut self, lane: usize, rate: f32) {
-        self.rate[lane] = rate;
+    /// Where the centre of a lane is from the origin, metres, and how it is turned: a quaternion of nearly unit length.
+    pub(super) fn pose(&self, lane: usize) -> (Vec3, Vec4) {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.centre[axis][lane] + self.remainder[axis][lane]);
+        let turn = [0, 1, 2, 3].map(|i| self.rotation.whole[i][lane]);
+        (Vec3::new(x, y, z), Vec4::from_array(turn))
     }
 
     /// Notes which shares of the velocities are lost over substeps of `h` seconds in air of the damping `air`, 1/s.
