@@ -41,6 +41,8 @@ pub(crate) struct Island {
     pub(crate) one_state: bool,
     /// Which of the plan's tethers are its own.
     pub(crate) tethers: Option<u32>,
+    /// Which of the plan's spans are its own.
+    pub(crate) spans: Option<u32>,
     /// Whether a part of it collides as a rigid shape.
     pub(crate) has_solids: bool,
     /// Whether a spring pulls on it in this step.

@@ -48,6 +48,9 @@ pub struct SolverSettings {
     /// Whether what hangs on a pin through many hard distances is also held to it at once by what they allow together (tethers, or long range attachments):
     /// cloth and ropes hang by their pins and not by how often they are swept. What is solved to the end is the same without. Only where corrections
     /// are along [`GradientAt::Current`] and in [`Order::GaussSeidel`], and in islands of more than three particles. Default so.
+    ///
+    /// What takes [`microsteps`](Self::microsteps) is held so within, too: of a grid, particles four rods or more apart in a row or a column are no farther from
+    /// each other than those rods are long (spans), so that a jerk goes through it at once.
     pub tethers: bool,
     /// Whether large cloth takes its sweeps as smaller substeps of its own (microsteps, or multirate integration): half as many of one sweep each, down to 1/2500
     /// s, which hold it as well at half of the work. Only where corrections are along [`GradientAt::Current`] and in [`Order::GaussSeidel`], by Verlet, in

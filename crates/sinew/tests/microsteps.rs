@@ -203,3 +203,36 @@ fn a_spring_that_pulls_on_it_has_it_take_substeps_whole() {
     };
     assert_eq!((sweeps(false), sweeps(true)), (2, 4));
 }
+
+#[test]
+fn a_jerk_at_its_edge_stretches_it_less_with_spans_and_none_of_its_momentum_is_lost() {
+    // The worst strain in a sheet that lies in space, of which one edge is thrown outwards; nothing is pinned, so there are no other tethers.
+    let jerked = |tethers: bool| {
+        let mut world = Simulation::default();
+        world.settings.tethers = tethers;
+        world.forces.gravity = Vec3::ZERO;
+        sheet(&mut world, 0.0, false, BodyContacts::default());
+        let edge: Vec<usize> = of_sheet().filter(|i| i % (CELLS as usize + 1) == 20).collect();
+        for &i in &edge {
+            world.particles.set_velocity(i, Vec3::X * 5.0);
+        }
+        let momentum = |world: &Simulation| -> Vec3 {
+            of_sheet().map(|i| world.velocity_now(i) / world.particles.inverse_mass(i)).sum()
+        };
+        let (before, mut worst) = (momentum(&world), 0.0_f32);
+        for _ in 0..30 {
+            world.step(DT).unwrap();
+            let strains = world.distances().iter().filter(|d| d.softness.is_hard()).map(|d| {
+                let apart = world.particles.separation(d.a as usize, d.b as usize).length();
+                apart / d.rest - 1.0
+            });
+            worst = worst.max(strains.fold(0.0, f32::max));
+        }
+        let lost = (momentum(&world) - before).length() / before.length();
+        assert!(lost < 1e-4, "{tethers}: {lost}");
+        worst
+    };
+    let (with, without) = (jerked(true), jerked(false));
+    println!("{with:.3} with, {without:.3} without");
+    assert!(with < 0.8 * without, "{with} {without}");
+}

@@ -72,10 +72,11 @@ fn a_relay_of_threads_through_a_large_cloth_has_the_bits_of_one_thread() {
 /// The same where sweeps wait for each other: a cloth that one thread is faster with, and one for which threads meet after each stage.
 #[test]
 fn threads_that_share_the_sweeps_of_a_large_cloth_have_the_bits_of_one_thread() {
-    for side in [127, 190] {
+    for (side, sweeps) in [(127, 3), (190, 3), (190, 4)] {
         let mut one = sheet(side);
         one.settings.substeps = 2;
-        one.settings.max_sweeps = 3;
+        // Four are two microsteps, which have spans.
+        one.settings.max_sweeps = sweeps;
         let (mut many, meetings) = (one.clone(), Arc::new(AtomicUsize::new(0)));
         many.workers = Some(Arc::new(Counting(Threads(3), meetings.clone())));
         for _ in 0..4 {

@@ -155,7 +155,8 @@ impl Sweeper for InOrder<'_> {
         let Self { plan, island, thread_scratch } = self;
         if island.settings.order == Order::GaussSeidel {
             let cluster_batches = island.cluster_batches.clone();
-            let out = hold_tethers(plan, island, places, mode, thread_scratch);
+            let alone = ExecutionContext { instructions: mode.instructions, workers: None };
+            let out = hold_tethers(plan, island, places, mode, alone, thread_scratch);
             let found = gauss_seidel::sweep(
                 places,
                 plan,
@@ -244,24 +245,31 @@ pub(super) fn solve(
     momentum_drift
 }
 
-/// Holds what hangs on pins to what it may be away from them, once, before the rods have their say: returns how far out the farthest was, metres. Where
-/// corrections are to keep energy, along the start of the substep, there are none; and small islands are held so in the first sweep of a substep alone, after
-/// which little is left to hold.
+/// Holds what hangs on pins to what it may be away from them, and particles of large cloth to what they may be away from each other, once, before the rods
+/// have their say: returns how far out the farthest from its pin was, metres. Where corrections are to keep energy, along the start of the substep, there
+/// are none; and small islands are held so in the first sweep of a substep alone, after which little is left to hold.
 pub(super) fn hold_tethers(
     plan: &Plan,
     island: &Island,
     places: &mut Places,
     mode: SolveMode,
+    execution: ExecutionContext,
     thread_scratch: &mut ThreadScratch,
 ) -> f32 {
-    let Some(tethers) = plan.tethers.of(island) else { return 0.0 };
     if mode.gradient_at == GradientAt::StepStart || !mode.tethers {
         return 0.0;
     }
-    let pins = &mut thread_scratch.pins;
-    pins.clear();
-    pins.extend(tethers.pins(places.position, places.first));
-    tethers.project(places.position, places.first, pins, mode.instructions)
+    let out = plan.tethers.of(island).map_or(0.0, |tethers| {
+        let pins = &mut thread_scratch.pins;
+        pins.clear();
+        pins.extend(tethers.pins(places.position, places.first));
+        tethers.project(places.position, places.first, pins, mode.instructions)
+    });
+    // How far out spans are, the rods between their ends find.
+    if let Some(spans) = plan.tethers.spans_of(island) {
+        spans.project(places.position, places.first, execution);
+    }
+    out
 }
 
 /// Starts the multipliers of an island afresh.

@@ -350,7 +350,7 @@ impl Sweeper for SharedSweep<'_> {
         mode: SolveMode,
     ) -> f32 {
         let out = self.thread_scratches.with(|thread_scratch| {
-            hold_tethers(self.plan, self.island, places, mode, thread_scratch)
+            hold_tethers(self.plan, self.island, places, mode, self.execution, thread_scratch)
         });
         let (places, multipliers, cluster_batches) =
             (places.lend(), multipliers.lend(), self.island.cluster_batches.clone());

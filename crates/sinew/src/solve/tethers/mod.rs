@@ -14,9 +14,12 @@
 //!
 //! Without them a hanging rope is stretched by the square of the substep. It then is a spring that is the stiffer the shorter the substep is, and where
 //! the length of the step changes that pumps: of 20 pieces, or of 5 with a load, it came to the most speed in ticks of 1/120 and 1/60 s in turn.
+//!
+//! Between particles that are all free, [spans](spans) do the same at a smaller scale.
 
 mod geodesic;
 mod project;
+mod spans;
 #[cfg(test)]
 mod tests;
 
@@ -32,6 +35,7 @@ use crate::lanes::LANES;
 use crate::particles::{Particles, Places};
 use geodesic::{Field, Web};
 pub(super) use project::hold;
+use spans::Spans;
 
 /// An island of no more particles has no tethers: there is one rod, or two, between any of them and its pin.
 const SMALL: usize = 3;
@@ -43,6 +47,7 @@ const SMALL_IN_STATICS: usize = 64;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tethers {
     islands: Vec<IslandTethers>,
+    spans: Vec<Spans>,
     /// Whether the plan was compiled since they were made.
     stale: bool,
 }
@@ -97,6 +102,13 @@ impl Tethers {
         self.made(island).filter(|own| wanted && !own.blocks.is_empty())
     }
 
+    /// The spans by which an island is to be solved, if it has any.
+    pub(super) fn spans_of(&self, island: &Island) -> Option<&Spans> {
+        let wanted = island.settings.tethers && island.microsteps > 1;
+        let own = self.spans.get(island.spans? as usize);
+        own.filter(|own| wanted && !own.is_empty())
+    }
+
     fn made(&self, island: &Island) -> Option<&IslandTethers> {
         self.islands.get(island.tethers? as usize)
     }
@@ -107,12 +119,21 @@ impl Plan {
     pub(crate) fn tether(&mut self, particles: &Particles) {
         let mut tethers = core::mem::take(&mut self.tethers);
         let stale = core::mem::take(&mut tethers.stale);
+        if stale {
+            tethers.spans.clear();
+        }
         let mut before = if stale { core::mem::take(&mut tethers.islands) } else { Vec::new() };
         for number in 0..self.islands.list.len() {
             let island = &mut self.islands.list[number];
             if stale {
-                island.tethers = None;
+                (island.tethers, island.spans) = (None, None);
             }
+            let spans = island.microsteps > 1 && island.settings.tethers && island.spans.is_none();
+            if spans {
+                tethers.spans.push(self.spans(number));
+                self.islands.list[number].spans = Some(tethers.spans.len() as u32 - 1);
+            }
+            let island = &mut self.islands.list[number];
             let small = island.members.len() <= SMALL && !island.measured;
             if small {
                 island.tethers = None;

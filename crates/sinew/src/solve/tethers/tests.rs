@@ -4,7 +4,8 @@ use glam::{Quat, Vec3};
 
 use super::*;
 use crate::recipes::{Blueprint, ClothSpec, cloth_grid};
-use crate::{GradientAt, ParticleSeed, Simulation};
+use crate::threads::ExecutionContext;
+use crate::{GradientAt, InstructionSet, ParticleSeed, Simulation};
 
 /// A square metre of cloth of 20 × 20 cells, pinned at some particles, in a world that has begun a step.
 fn cloth(pins: &[u32], shaped: impl Fn(Vec3) -> Vec3) -> Simulation {
@@ -122,5 +123,60 @@ fn a_turned_world_has_the_same_tethers() {
     let (one, other) = (cloth(&[0, 20], |p| p), cloth(&[0, 20], |p| turn * p));
     for (a, b) in tethers(&one).into_iter().zip(tethers(&other)) {
         assert!(a.0 == b.0 && a.1 == b.1 && (a.2 - b.2).abs() < 1e-5, "{a:?} {b:?}");
+    }
+}
+
+/// Each span once: the rows of its ends, and how long it is.
+fn spans(world: &Simulation) -> Vec<(u32, u32, f32)> {
+    let plan = world.plan();
+    let Some(own) = plan.tethers.spans_of(&plan.islands.list[0]) else { return Vec::new() };
+    let mut all = own.listed();
+    all.sort_by_key(|&(a, b, _)| (a, b));
+    all.dedup();
+    all
+}
+
+#[test]
+fn spans_are_as_long_as_the_rods_between_their_ends_and_none_leads_over_a_gap() {
+    let mut world = cloth(&[], |p| p);
+    let all = spans(&world);
+    // Rows and columns of 21 particles, four rods a span.
+    assert_eq!(all.len(), 2 * 21 * 17);
+    for &(a, b, length) in &all {
+        let straight = world.particles.separation(a as usize, b as usize).length();
+        assert!((length - straight).abs() < 1e-5, "{a} to {b}: {length} for {straight}");
+        assert!(b - a == 4 || b - a == 4 * 21, "{a} to {b}");
+    }
+    world.distances_mut().retain(|d| [d.a, d.b] != [210, 211]);
+    world.begin_step(1.0 / 60.0).unwrap();
+    let cut = spans(&world);
+    // Row 10 begins with 210: only the one from its first particle on had that rod.
+    assert_eq!(cut.len(), all.len() - 1);
+    assert!(cut.iter().all(|span| span.0 != 210 || span.1 != 214));
+}
+
+#[test]
+fn spans_pull_together_what_is_apart_keep_momentum_and_leave_what_is_slack() {
+    let world = cloth(&[], |p| p);
+    let plan = world.plan();
+    let own = plan.tethers.spans_of(&plan.islands.list[0]).unwrap();
+    let flat = &world.particles.position;
+    for scale in [0.9, 1.1] {
+        let scaled = |p: &Vec4| (p.truncate() * scale).extend(p.w);
+        let before: Vec<Vec4> = flat.iter().map(scaled).collect();
+        let after = [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2].map(
+            |instructions| {
+                let mut position = before.clone();
+                own.project(&mut position, 0, ExecutionContext { instructions, workers: None });
+                position
+            },
+        );
+        assert!(after[0] == after[1] && after[1] == after[2], "the same bits");
+        let moved = |(p, q): (&Vec4, &Vec4)| (*q - *p).truncate();
+        let all = || before.iter().zip(&after[0]);
+        let far = all().map(|both| moved(both).length()).fold(0.0, f32::max);
+        assert_eq!(far > 1e-3, scale > 1.0, "{far}");
+        let momentum: Vec3 = all().map(|both| moved(both) / both.0.w).sum();
+        assert!(momentum.length() < 1e-6, "{momentum}");
     }
 }

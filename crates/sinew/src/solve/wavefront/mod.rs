@@ -102,6 +102,8 @@ impl TaskSlice<'_> {
         let cluster_batches = island.cluster_batches.clone();
         let held =
             island.is_left_alone() || island.rigid || island.free || island.groups.is_empty();
+        // Spans reach over cluster batches that have gone on.
+        let held = held || plan.tethers.spans_of(island).is_some();
         let touches = !common.contacts.is_empty() || common.contacts.bounces();
         let fit = !held
             && !touches
