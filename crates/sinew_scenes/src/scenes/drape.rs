@@ -13,7 +13,7 @@ pub(super) const SCENE: Scene = Scene {
     name: "drape",
     heading: Heading::Soft,
     title: "Draped cloth",
-    about: "48 × 48 cells each, over a ball and over a table's edges; folds lie on folds",
+    about: "44 × 44 cells each, over a ball and over a table's edges; folds lie on folds",
     eye: Vec3::new(0.2, 2.3, 4.6),
     target: Vec3::new(0.0, 0.65, 0.0),
     seconds: 5.0,
@@ -49,7 +49,7 @@ pub(super) const SCENE: Scene = Scene {
 
 /// Middle of the ball, and radius of a particle of cloth, metres.
 const BALL: Vec3 = Vec3::new(-1.05, 0.75, 0.0);
-const THREAD: f32 = 0.015;
+const THREAD: f32 = 0.0165;
 
 fn spawn(world: &mut World) {
     let [radius, density, friction] = values(world);
@@ -71,7 +71,7 @@ fn spawn(world: &mut World) {
         world.spawn((
             InScene,
             Name::new("cloth"),
-            Cloth { radius: THREAD, density, ..Cloth::grid(1.7, 1.7, 48, 48) },
+            Cloth { radius: THREAD, density, ..Cloth::grid(1.7, 1.7, 44, 44) },
             surface,
             BodyContacts::ALL,
             Look::color(color).double_sided().roughness(0.9),
