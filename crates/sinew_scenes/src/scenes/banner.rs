@@ -58,7 +58,6 @@ fn spawn(world: &mut World) {
     world.spawn((InScene, Wind { pressure: Vec3::NEG_Z * pressure, gusts: 0.0, ..default() }));
     // Thick air, so that it comes to rest in a few seconds.
     world.insert_resource(AirDrag(0.95));
-    world.insert_resource(SolverConfig { substeps: 24, ..default() });
     world.spawn((InScene, Ground));
     let banner = world.resource::<AssetServer>().load("props/banner.glb#Mesh0/Primitive0");
     world.spawn((

@@ -79,7 +79,6 @@ fn crate_now(world: &mut World) -> Option<(Vec3, Mat3)> {
 
 fn spawn(world: &mut World) {
     let [mass, drop, softness] = values(world);
-    world.insert_resource(SolverConfig { substeps: 20, ..default() });
     world.insert_resource(AirDrag(0.95));
     world.spawn((InScene, Ground));
     for x in [-1.0, 1.0] {

@@ -52,8 +52,6 @@ fn spawn(world: &mut World) {
         Wind { pressure, gusts, gust_length: 1.1, gust_period: 0.9 },
     ));
     world.insert_resource(AirDrag(0.75));
-    // A 2 m flag in cells of 4 cm is 48 pieces from the pole to its end: short substeps carry the pull that far.
-    world.insert_resource(SolverConfig { substeps: 30, max_sweeps: 2, ..default() });
     world.spawn((InScene, Ground));
     world.spawn((
         InScene,

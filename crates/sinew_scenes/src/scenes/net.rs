@@ -57,7 +57,6 @@ const MARBLES: u32 = 36;
 fn spawn(world: &mut World) {
     let [times, density, gravity] = values(world);
     world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
-    world.insert_resource(SolverConfig { substeps: 12, ..default() });
     world.insert_resource(AirDrag(0.4));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.5)));
     let by = [(-1.0, ContactShape::Particles, 0xd9c9a8), (1.0, ContactShape::Triangles, 0x9fc2d8)];

@@ -47,7 +47,6 @@ const STACKS: u32 = 11;
 
 fn spawn(world: &mut World) {
     let [pressure, radius, fall] = values(world);
-    world.insert_resource(SolverConfig { substeps: 10, ..default() });
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
     let [striped, violet] =
         [radius, 0.45].map(|radius| mesh(world, Sphere::new(radius).mesh().uv(SECTORS, STACKS)));
