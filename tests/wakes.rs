@@ -226,8 +226,9 @@ fn what_hung_falls_when_what_held_it_goes() {
         }
         tick(&mut app, 30);
         let now = app.world().get::<Transform>(body).unwrap().translation.y;
-        // What rods that are too long push down goes no faster than violations are recovered.
-        assert!(now < before - 0.4, "{name}: {before} to {now}");
+        // What rods that are too long push down goes no faster than violations are recovered; what falls is not held by that.
+        let least = if name == "the rod is longer" { 0.4 } else { 0.5 };
+        assert!(now < before - least, "{name}: {before} to {now}");
     }
 }
 

@@ -25,7 +25,7 @@ use crate::step::{
     sleep, teleports, touching, weights,
 };
 use crate::threads::{self, SinewWorkers};
-use crate::world::{SinewWorld, load_left};
+use crate::world::{SinewWorld, load_deferred};
 
 /// Everything that acts by itself: the simulation, the gizmos, and the easing of transforms between ticks for bodies that opt in. Dragging with the mouse
 /// is a plugin to be added beside it, [`MouseDragPlugin`](crate::MouseDragPlugin).
@@ -191,7 +191,7 @@ impl Plugin for SinewPlugin {
                     links::collect_laws,
                     links::compile_links,
                     breaking::gather_breakables,
-                    (load_left, commands::relax_asked).chain().run_if(commands::is_asked),
+                    (load_deferred, commands::relax_asked).chain().run_if(commands::is_asked),
                 )
                     .chain(),
             )

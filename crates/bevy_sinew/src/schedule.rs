@@ -12,7 +12,7 @@ use bevy::ecs::message::signal_message_update_system;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 
-use crate::world::{PhaseWatch, SinewWorld, load_left};
+use crate::world::{PhaseWatch, SinewWorld, load_deferred};
 
 /// The parts of a tick, in this order, in [`SinewTick`]: a system of a game's own that belongs between two of them is added there.
 ///
@@ -336,12 +336,12 @@ fn run_substeps(world: &mut World) {
     let by_phase = world.resource::<TickTime>().by_phase;
     let shown = world.resource::<PhaseSteps>().begins;
     let watched = by_phase || shown || world.resource::<SinewWorld>().tables.forces.is_some();
-    let alone = !watched && has_no_guests(world);
-    if alone && world.resource_mut::<SinewWorld>().rest(dt) {
+    let alone = !watched && runs_our_phases_alone(world);
+    if alone && world.resource_mut::<SinewWorld>().step_at_rest(dt) {
         note_times(world, began, None);
         return;
     }
-    load_left(world);
+    load_deferred(world);
     let substeps = {
         let mut sinew = world.resource_mut::<SinewWorld>();
         match sinew.simulation.begin_step(dt) {
@@ -383,7 +383,7 @@ fn run_substeps(world: &mut World) {
 }
 
 /// Whether no system and no condition of a game stands between the phases.
-fn has_no_guests(world: &mut World) -> bool {
+fn runs_our_phases_alone(world: &mut World) -> bool {
     let mut schedules = world.resource_mut::<Schedules>();
     let Some(schedule) = schedules.get_mut(SubstepSchedule) else { return false };
     // Conditions of sets are seen until the schedule is built with them, which it is when it runs.

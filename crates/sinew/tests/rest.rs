@@ -8,7 +8,7 @@ use sinew::{
     ParticleSeed, Pin, Shape, Simulation, Sleep, Spring, Wind,
 };
 
-const DT: f32 = 1.0 / 60.0;
+use crate::rigid_states::{DT, bits, phases};
 
 /// Boxes on a ground and on each other, a rope beside them, and a ball that stands.
 fn level() -> Simulation {
@@ -38,31 +38,9 @@ fn level() -> Simulation {
     world
 }
 
-/// One step, phase by phase: never at once.
-fn phases(world: &mut Simulation) {
-    let substeps = world.begin_step(DT).unwrap();
-    for _ in 0..substeps {
-        world.begin_substep();
-        world.accumulate_forces();
-        world.apply_wind();
-        world.apply_buoyancy();
-        world.apply_electric();
-        world.integrate();
-        world.solve_constraints();
-    }
-    world.end_step();
-}
-
 /// All that there is to see.
-fn bits(world: &Simulation) -> (u64, Vec<[u32; 7]>, Vec<bool>) {
-    let of = |i: usize| {
-        let (p, v) = (world.particles.position(i), world.particles.velocity(i));
-        let [a, b, c] = p.to_array().map(f32::to_bits);
-        let [d, e, f] = v.to_array().map(f32::to_bits);
-        [a, b, c, d, e, f, world.particles.lag(i).to_bits()]
-    };
-    let rows = (0..world.particles.len()).map(of).collect();
-    (world.time.to_bits(), rows, world.sleep.iter().map(|body| body.asleep).collect())
+fn seen(world: &Simulation) -> (u64, Vec<[u32; 7]>, Vec<bool>) {
+    (world.time.to_bits(), bits(world), world.sleep.iter().map(|body| body.asleep).collect())
 }
 
 type Edit = (&'static str, fn(&mut Simulation));
@@ -144,19 +122,19 @@ fn nobody_sees_that_steps_at_rest_are_not_taken() {
         for tick in 0..5 {
             // A copy has forgotten what it knew, and needs two steps to see it again.
             assert_eq!(is_at_once(&mut world), tick >= 2, "{what}");
-            phases(&mut stepped);
+            phases(&mut stepped, |_, _| {});
         }
-        let before = bits(&world);
+        let before = seen(&world);
         edit(&mut world);
         edit(&mut stepped);
         assert!(!is_at_once(&mut world), "{what} is not noticed");
-        phases(&mut stepped);
+        phases(&mut stepped, |_, _| {});
         for tick in 0..120 {
-            assert_eq!(bits(&world), bits(&stepped), "{what}, {tick} ticks later");
+            assert_eq!(seen(&world), seen(&stepped), "{what}, {tick} ticks later");
             is_at_once(&mut world);
-            phases(&mut stepped);
+            phases(&mut stepped, |_, _| {});
         }
-        moved += usize::from(bits(&world).1 != before.1);
+        moved += usize::from(seen(&world).1 != before.1);
     }
     assert!(moved > EDITS.len() / 2, "{moved} of them move something");
 }
@@ -169,18 +147,18 @@ fn another_length_is_another_step() {
         world.step(DT).unwrap();
     }
     assert!(world.is_settled());
-    assert!(!world.rest(2.0 * DT));
+    assert!(!world.step_at_rest(2.0 * DT));
     world.settings.substeps = 4;
-    assert!(!world.rest(DT));
+    assert!(!world.step_at_rest(DT));
     world.settings.substeps = 10;
     let before = world.time;
-    assert!(world.rest(DT));
+    assert!(world.step_at_rest(DT));
     assert!((world.time - before - f64::from(DT)).abs() < 1e-8);
 }
 
 /// Takes a step, and says whether it was taken at once.
 fn is_at_once(world: &mut Simulation) -> bool {
-    let at_once = world.rest(DT);
+    let at_once = world.step_at_rest(DT);
     if !at_once {
         world.step(DT).unwrap();
     }

@@ -12,7 +12,7 @@ use sinew::{
     InstructionSet, Material, ParticleSeed, Pin, Plane, Representation, Shape, Simulation, Wind,
 };
 
-const DT: f32 = 1.0 / 60.0;
+pub(crate) const DT: f32 = 1.0 / 60.0;
 
 /// A solid box of 1 × 2 × 3, all edges times `size`.
 fn brick(size: f32) -> BoxSpec {
@@ -68,7 +68,8 @@ fn long_axis(world: &Simulation, first: usize) -> Vec3 {
     world.particles.position(first + 4) - world.particles.position(first)
 }
 
-fn bits(world: &Simulation) -> Vec<[u32; 7]> {
+/// Places, velocities and their lags, to the last bit.
+pub(crate) fn bits(world: &Simulation) -> Vec<[u32; 7]> {
     let of = |i: usize| {
         let (p, v) = (world.particles.position(i), world.particles.velocity(i));
         let [a, b, c] = p.to_array().map(f32::to_bits);
@@ -79,7 +80,7 @@ fn bits(world: &Simulation) -> Vec<[u32; 7]> {
 }
 
 /// One step, phase by phase, with something between integration and forces.
-fn phases(world: &mut Simulation, mut between: impl FnMut(&mut Simulation, u32)) {
+pub(crate) fn phases(world: &mut Simulation, mut between: impl FnMut(&mut Simulation, u32)) {
     let substeps = world.begin_step(DT).unwrap();
     for number in 0..substeps {
         world.begin_substep();

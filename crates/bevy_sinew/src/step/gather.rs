@@ -77,8 +77,8 @@ pub(crate) fn gather_particles(
     note_touched(&mut world, &particles, all || changed);
     world.tables.properties_gathered = all;
     (world.tables.rested, world.tables.stepped) = (false, false);
-    world.tables.left = !(all || changed) && world.is_settled();
-    if world.tables.left {
+    world.tables.deferred = !(all || changed) && world.is_settled();
+    if world.tables.deferred {
         return;
     }
     loop {

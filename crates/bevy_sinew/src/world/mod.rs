@@ -233,8 +233,8 @@ pub(crate) struct Tables {
     pub(crate) scattered: Option<Tick>,
     /// Which particles somebody else has written to since they were last gathered, by row, and whether it may have been any.
     pub(crate) touched: Touched,
-    /// Whether particles are still to be gathered, because nothing is known to have changed.
-    pub(crate) left: bool,
+    /// Whether loading the particles is put off until something is known to have changed.
+    pub(crate) deferred: bool,
     /// Whether nothing but the time changed in this tick.
     pub(crate) rested: bool,
     /// Whether a step was taken in this tick, and is over.
@@ -295,8 +295,8 @@ impl SinewWorld {
     }
 
     /// Takes a tick of `dt` seconds at once in which nothing but the time changes, and notes that there is nothing to scatter or to extract. Whether this was one.
-    pub(crate) fn rest(&mut self, dt: f32) -> bool {
-        self.tables.rested = self.tables.left && self.simulation.rest(dt);
+    pub(crate) fn step_at_rest(&mut self, dt: f32) -> bool {
+        self.tables.rested = self.tables.deferred && self.simulation.step_at_rest(dt);
         self.tables.rested
     }
 
@@ -320,15 +320,15 @@ impl SinewWorld {
 }
 
 /// Gathers what was left out because all of it [rests](SinewWorld::is_settled), where it does not after all.
-pub(crate) fn load_left(world: &mut World) {
-    if world.resource::<SinewWorld>().tables.left {
+pub(crate) fn load_deferred(world: &mut World) {
+    if world.resource::<SinewWorld>().tables.deferred {
         let ran = world.run_system_cached(load_particles);
         debug_assert!(ran.is_ok(), "the system needs nothing that may be missing");
     }
 }
 
 fn load_particles(mut world: ResMut<SinewWorld>, particles: Query<(&Particle, &ParticleRow)>) {
-    world.tables.left = false;
+    world.tables.deferred = false;
     for (states, rows) in particles.contiguous_iter().into_iter().flatten() {
         let mut i = 0;
         while i < rows.len() {

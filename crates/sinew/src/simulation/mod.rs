@@ -139,7 +139,7 @@ impl Simulation {
     /// # Errors
     /// A `dt` that is not positive and finite is refused and nothing changes.
     pub fn step(&mut self, dt: f32) -> Result<&SolverReport, StepFault> {
-        if self.rest(dt) {
+        if self.step_at_rest(dt) {
             return Ok(&self.report);
         }
         let substeps = self.begin_step(dt)?;

@@ -58,16 +58,16 @@ impl Simulation {
     /// let pebble = world.particles.push(ParticleSeed::at(Vec3::Y).with_radius(0.1))?;
     /// world.particles.set_body(0, Some(0));
     /// world.sleep.push(Sleep::allowed());
-    /// assert!(!world.rest(1.0 / 60.0), "it falls");
+    /// assert!(!world.step_at_rest(1.0 / 60.0), "it falls");
     /// for _ in 0..300 {
     ///     world.step(1.0 / 60.0)?;
     /// }
-    /// assert!(world.rest(1.0 / 60.0), "it lies on the ground");
+    /// assert!(world.step_at_rest(1.0 / 60.0), "it lies on the ground");
     /// world.particles.add_impulse(pebble as usize, Vec3::Y);
-    /// assert!(!world.rest(1.0 / 60.0), "it was kicked");
+    /// assert!(!world.step_at_rest(1.0 / 60.0), "it was kicked");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn rest(&mut self, dt: f32) -> bool {
+    pub fn step_at_rest(&mut self, dt: f32) -> bool {
         let rest = &self.scratch.rest;
         let same = rest.settled && rest.inputs.as_ref().is_some_and(|inputs| self.has(inputs, dt));
         if !same {

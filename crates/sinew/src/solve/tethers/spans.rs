@@ -3,7 +3,8 @@
 //! A sweep hands a pull on by a rod or two, so that a jerk goes through cloth at some 2 rods a step, and where a part of it that moves at `v` gets taut, rods are
 //! stretched by about `v` over that speed, whatever they are made of. What hangs on pins has [tethers](super); between particles that are all free a span does the
 //! same at a smaller scale: a pull goes on by `K` rods at once. As a tether, a span asks for nothing that the rods do not ask for, and does nothing while it is slack.
-//! They are the coarse level of a grid of particles of which none is left out, so that nothing has to be interpolated.
+//! They are the coarse level of multigrid (hierarchical position based dynamics; Müller 2008) on a grid of which no particle is left out, so that nothing has to be
+//! interpolated.
 //!
 //! They are found where rods run in step, as along the rows and the columns of a grid: of two strides, those of the shortest rods. Diagonals are left out, and so are
 //! meshes that are numbered in another order. `K` is the largest power of two that is no more than the root of how many particles such a row has: as many spans
