@@ -2,11 +2,6 @@
 //!
 //! When a step begins, each body collider gets swept bounds, the pairs of bounds that overlap are listed, and the narrow phase compares them.
 //!
-//! # Swept bounds
-//!
-//! They say where a body collider goes in a step, extrapolated from the pose and the velocity at the broad phase, with a speculative margin beside
-//! that path for spin and jolts. Pairs follow from their overlaps; a collider that leaves its bounds is searched for again.
-//!
 //! # Missed pairs
 //!
 //! What was found for a step holds as long as all go on as they went when it began, give or take what jolts may do. In a heap that tumbles there is
@@ -16,29 +11,20 @@
 //!
 //! Missed manifolds have colours of their own, and are solved after all others.
 
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 
+use super::super::World;
 use super::super::nearby::Nearby;
-use super::super::{Frame, World};
 use super::BodyContactSolver;
-use super::bodies::{ROTATION, SHIFT, rotation};
+use super::bodies::{ROTATION, SHIFT};
 use super::contact_cache::{CacheBuilder, ContactCache};
-use super::pose::{ExtractPose, certain};
-use super::turn::{LaneArray, load};
+use super::pose::certain;
+use super::swept_bounds::{SweptBounds, WideSweptBounds};
 use super::wide_contact::{
-    Contact, SWEEPS, WideContact, colour, keep_for_impacts, pack_contacts, put, set, set_levels,
+    Contact, SWEEPS, WideContact, colour, keep_for_impacts, pack_contacts, put, set_levels,
 };
-use crate::lanes::{LANES, Lanes, Vector, with};
+use crate::lanes::LANES;
 use crate::particles::{NO_BODY, Particles};
-
-/// How far from its path a body collider may be thrown in a step before contacts of it are looked for again, by what gravity alone does, `g dt²`. Of
-/// a hundred ragdolls that roll down stairs there are always some that are jolted by more; more than this lists pairs that never touch, which costs
-/// more than to look again at those few.
-const JOLTED: f32 = 2.0;
-/// The same by how far it goes: where there is no gravity, there are jolts all the same.
-const SWERVED: f32 = 0.1;
-/// And by its size, so that round-off is no jolt.
-const SHAKEN: f32 = 1e-3;
 
 /// From so many on that lie elsewhere than in the grid it is filled anew: each of them is compared with each that leaves its swept bounds.
 const MANY: usize = 128;
@@ -78,7 +64,7 @@ impl BodyContactSolver {
         self.swept.clear();
         self.swept.resize(self.groups.parts.len(), SweptBounds::default());
         for number in 0..self.swept.len() {
-            self.note(number, particles, world, (0.0, 1.0));
+            self.note_swept_bounds(number, particles, world, (0.0, 1.0));
         }
         self.place_static_geometry(world, 0.0, 0.0);
         let mut pairs = core::mem::take(&mut self.pairs);
@@ -156,25 +142,13 @@ impl BodyContactSolver {
 
     /// Poses and velocities.
     fn extract_poses_afresh(&mut self, particles: &Particles, world: &World) {
-        let Self { groups, origin_offsets, bodies, sums, gathered, instructions, .. } = self;
-        for (number, group) in groups.groups.iter().enumerate() {
+        for number in 0..self.groups.groups.len() {
             let (first, mut asks) = (number * LANES, 0xFF);
             for _ in 0..2 {
-                let before = bodies.eight(first);
-                let read = ExtractPose {
-                    group,
-                    slots: &groups.slots[group.slots.clone()],
-                    origin_offsets: origin_offsets.of(group),
-                    position: &particles.position,
-                    other: &particles.velocity,
-                    fresh: true,
-                    bodies,
-                    first,
-                    sums: &mut sums[number],
-                    wide_swept: None,
-                    gathered,
-                };
-                let residual = with(*instructions, read);
+                let before = self.bodies.eight(first);
+                let columns = [&particles.position[..], &particles.velocity];
+                let residual = self.extract_pose(number, columns, None);
+                let Self { groups, bodies, .. } = self;
                 // Who was found the first time stays as it was: who is beside it must not matter.
                 bodies.put_back(first, !asks, before);
                 asks &= residual;
@@ -241,171 +215,6 @@ impl BodyContactSolver {
     }
 }
 
-/// A body collider where contacts of it were looked for, and how it goes on from there.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SweptBounds {
-    /// Its centre, from its origin, metres.
-    pub(super) centre: Vec3,
-    /// Its own frame, from its origin.
-    pub(super) frame: Frame,
-    /// Of its centre, m/s.
-    pub(super) velocity: Vec3,
-    /// Speculative margin: how far beside its path a point of it may get in the step, metres.
-    pub(super) speculative_margin: f32,
-    pub(super) origin: Vec3,
-    pub(super) body: u32,
-    /// Its first particle.
-    pub(super) row: u32,
-    /// In the world: all that it may get to.
-    pub(super) bounds: (Vec3, Vec3),
-    pub(super) sound: bool,
-}
-
-impl Default for SweptBounds {
-    fn default() -> Self {
-        Self {
-            centre: Vec3::ZERO,
-            frame: Frame::IDENTITY,
-            velocity: Vec3::ZERO,
-            speculative_margin: 0.0,
-            origin: Vec3::ZERO,
-            body: NO_BODY,
-            row: 0,
-            bounds: (Vec3::NAN, Vec3::NAN),
-            sound: false,
-        }
-    }
-}
-
-impl SweptBounds {
-    /// How much nearer it may come in so many seconds to static geometry, metres.
-    pub(super) fn reach(&self, time: f32) -> f32 {
-        self.velocity.length() * time + self.speculative_margin
-    }
-
-    /// The same of another one, which has its own path.
-    pub(super) fn reach_of(&self, other: &Self, time: f32) -> f32 {
-        (self.velocity - other.velocity).length() * time
-            + self.speculative_margin
-            + other.speculative_margin
-    }
-
-    /// How far it may get against a direction, metres.
-    pub(super) fn reach_against(&self, normal: Vec3, time: f32) -> f32 {
-        (-normal.dot(self.velocity)).max(0.0) * time + self.speculative_margin
-    }
-}
-
-/// The swept bounds of eight body colliders.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct WideSweptBounds {
-    /// Where they would have been when the step began, metres from their origins; and how fast they go, m/s.
-    centre: [LaneArray; 3],
-    velocity: [LaneArray; 3],
-    rotation: [LaneArray; 4],
-    /// Metres; infinite for none.
-    speculative_margin: LaneArray,
-    /// How far out they reach, metres.
-    reach: LaneArray,
-}
-
-impl Default for WideSweptBounds {
-    fn default() -> Self {
-        let none = LaneArray::default();
-        let vector = [none; 3];
-        let (rotation, speculative_margin) = ([none; 4], [f32::INFINITY; LANES]);
-        Self { centre: vector, velocity: vector, rotation, speculative_margin, reach: none }
-    }
-}
-
-impl WideSweptBounds {
-    /// Notes a body collider that is where it was seen so many seconds after the step began.
-    fn put(&mut self, lane: usize, swept: &SweptBounds, q: Vec4, reach: f32, time: f32) {
-        set(&mut self.centre, lane, swept.centre - swept.velocity * time);
-        set(&mut self.velocity, lane, swept.velocity);
-        for (to, from) in self.rotation.iter_mut().zip(q.to_array()) {
-            to[lane] = from;
-        }
-        (self.speculative_margin[lane], self.reach[lane]) = (swept.speculative_margin, reach);
-    }
-
-    /// A bit for each that is farther beside its path than its margin, so many seconds after the step began.
-    #[inline(always)]
-    pub(super) fn left<L: Lanes>(&self, centre: Vector<L>, [x, y, z, w]: [L; 4], time: f32) -> u32 {
-        let [was_x, was_y, was_z, was_w] = &self.rotation;
-        let was = Vector::new(L::load(was_x), L::load(was_y), L::load(was_z));
-        let now = Vector::new(x, y, z);
-        // Half of it is the sine of half the angle.
-        let turned = now * L::load(was_w) - was * w - was.cross(now);
-        let turned = turned.length() * L::splat(2.0);
-        let there = load::<L>(&self.centre) + load::<L>(&self.velocity) * L::splat(time);
-        let gone = (centre - there).length() + turned * L::load(&self.reach);
-        L::load(&self.speculative_margin).lt(gone).bits() & 0xFF
-    }
-}
-
-impl BodyContactSolver {
-    /// Notes where a body collider is and how it goes on, after a share of the step. `rate` takes what was read as its step and its spin to speeds.
-    fn note(
-        &mut self,
-        number: usize,
-        particles: &Particles,
-        world: &World,
-        (share, rate): (f32, f32),
-    ) {
-        let Self { groups, bodies, swept, wide_swept, .. } = self;
-        let part = &groups.parts[number];
-        let first = groups.rows.get(part.entries.start);
-        let touches = |&&row: &&u32| !world.filter.body(particles.body[row as usize]).disabled;
-        let Some(&row) = first.filter(|_| part.sound).filter(touches) else {
-            swept[number] = SweptBounds::default();
-            return;
-        };
-        let (row, place) = (row as usize, groups.place(number));
-        let [.., centre, step, spin, _] = bodies[place].map(Vec4::truncate);
-        let (q, dt) = (bodies[place][ROTATION], world.dt);
-        let (velocity, left) = (step * rate, dt * (1.0 - share));
-        let way = velocity * left;
-        let spun = spin.length() * rate * part.reach * left;
-        let jolted = JOLTED * world.gravity * dt * dt;
-        let speculative_margin = spun + jolted + SWERVED * way.length() + SHAKEN * part.reach;
-        let origin = particles.origin[row];
-        let r = rotation(q);
-        let frame = Frame { translation: centre - r * part.centre, rotation: r };
-        let sound = centre.is_finite()
-            && way.is_finite()
-            && speculative_margin.is_finite()
-            && q.is_finite();
-        let (low, high) = world.body_colliders[number].shape.bounds_in(&frame);
-        // Far out the sum with the origin is rounded.
-        let wide = speculative_margin + 1e-6 * (origin.abs().max_element() + 1.0);
-        let (low, high) = (low + way.min(Vec3::ZERO), high + way.max(Vec3::ZERO));
-        let bounds = (low + origin - wide, high + origin + wide);
-        let bounds = if sound { bounds } else { (Vec3::NAN, Vec3::NAN) };
-        let body = particles.body[row];
-        let row = row as u32;
-        let one = SweptBounds {
-            centre,
-            frame,
-            velocity,
-            speculative_margin,
-            origin,
-            body,
-            row,
-            bounds,
-            sound,
-        };
-        swept[number] = one;
-        let eight = &mut wide_swept[place / LANES];
-        let lane = place % LANES;
-        if sound {
-            eight.put(lane, &one, q, part.reach, dt * share);
-        } else {
-            eight.speculative_margin[lane] = f32::INFINITY;
-        }
-    }
-}
-
 /// Pairs and manifolds that were found within a step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MissedPairs {
@@ -444,7 +253,8 @@ impl MissedPairs {
         let first = &contacts[..self.contacts];
         let from = first.partition_point(|one| [one.a, one.b] < [a, b]);
         let mut same = first[from..].iter().take_while(|one| [one.a, one.b] == [a, b]);
-        same.any(|one| cache.part(one) == part) || self.met.binary_search(&[a, b, part]).is_ok()
+        same.any(|one| cache.part(one.cache_index) == part)
+            || self.met.binary_search(&[a, b, part]).is_ok()
     }
 }
 
@@ -460,7 +270,7 @@ impl BodyContactSolver {
         let mut outside_bounds = core::mem::take(&mut self.outside_bounds);
         outside_bounds.sort_unstable();
         for &number in &outside_bounds {
-            self.note(number as usize, particles, world, (share, 1.0 / self.h));
+            self.note_swept_bounds(number as usize, particles, world, (share, 1.0 / self.h));
             self.bounds[number as usize] = self.swept[number as usize].bounds;
         }
         let mut pairs = core::mem::take(&mut self.missed.pairs);
@@ -481,7 +291,9 @@ impl BodyContactSolver {
         }
         keep_for_impacts(&mut self.wide_contacts);
         let Self { missed, contacts, cache, .. } = self;
-        missed.met.extend(contacts[first..].iter().map(|one| [one.a, one.b, cache.part(one)]));
+        missed.met.extend(
+            contacts[first..].iter().map(|one| [one.a, one.b, cache.part(one.cache_index)]),
+        );
         missed.met.sort_unstable();
         if !self.loose.none_collide() {
             self.note_contact_events();

@@ -26,7 +26,6 @@ use glam::Vec3;
 use super::super::Frame;
 use super::super::manifold::Manifold;
 use super::super::words::{Reader, Write};
-use super::wide_contact::{Contact, WideContact, may_slide, may_turn, set, staleness_rate};
 
 /// How much farther than needed manifolds are looked for, as a share of the smaller one's size: two that have moved against each other by less than
 /// that keep theirs. More would list pairs that never touch.
@@ -35,6 +34,18 @@ pub(super) const SLACK: f32 = 0.03;
 const STALE: f32 = 0.5;
 /// Cosine of the angle between the normals of what touched and what touches, from which on that is the same contact.
 const SAME: f32 = 0.9;
+
+/// The angle that two may turn against each other before they are compared again, rad.
+const TURNED: f32 = 0.02;
+/// The same for how far they may slide on each other, as a share of their size.
+const SLID: f32 = 0.03;
+/// How much further what is round may turn: about the centre of the rounding that moves nothing, and its points are no farther from there than it is long.
+const ROUND: f32 = 2.5;
+/// How much faster a manifold becomes stale whose [slope](Manifold::slope) is 1. Its points are points of the two, and as one slides over the rim of
+/// the other it touches with others, that are higher by the slope times the way: so that must be less, and no height is wrong by more than `SLID /
+/// STEEP` of the size. Without that a box fell half a millimetre deep into a rim that its manifold did not know of, and was thrown out of it, again
+/// and again, for minutes; three times as much finds a tenth more manifolds in a heap of boxes in random poses, for nothing.
+const STEEP: f32 = 100.0;
 
 /// Contact cache: the manifolds and friction anchors of body colliders that touch. Live state, to be saved and restored with the particles. Empty by
 /// default, and then friction begins anew.
@@ -91,13 +102,13 @@ pub(super) enum Other {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct FrictionAnchor {
     /// How hard the two press each other, N: as an impulse in positions that is `F h²`.
-    force: f32,
+    pub(super) force: f32,
     /// How far what sticks is from where it stuck, metres, and turned, rad.
-    accumulated_slip: Vec3,
-    twist: f32,
-    up: Vec3,
-    arm: Vec3,
-    radius: f32,
+    pub(super) accumulated_slip: Vec3,
+    pub(super) twist: f32,
+    pub(super) up: Vec3,
+    pub(super) arm: Vec3,
+    pub(super) radius: f32,
 }
 
 impl ContactCache {
@@ -238,44 +249,25 @@ impl CachedManifold {
     }
 }
 
-impl FrictionAnchor {
-    /// Of a lane, in a substep of `h` seconds.
-    pub(super) fn of(wide: &WideContact, lane: usize, h: f32) -> Self {
-        let vector = |v: &[[f32; 8]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
-        let [x, y, z, twist] = &wide.accumulated_slip;
-        let friction_anchor = Self {
-            force: wide.friction_limit[lane] / (h * h),
-            accumulated_slip: Vec3::new(x[lane], y[lane], z[lane]),
-            twist: twist[lane],
-            up: vector(&wide.up),
-            arm: vector(&wide.arm),
-            radius: wide.radius[lane],
-        };
-        let sum = friction_anchor.accumulated_slip
-            + friction_anchor.up
-            + friction_anchor.arm
-            + friction_anchor.twist
-            + friction_anchor.radius;
-        let sound =
-            friction_anchor.force > 0.0 && friction_anchor.force < f32::INFINITY && sum.is_finite();
-        if sound { friction_anchor } else { Self::default() }
-    }
+/// The angle that the two of a manifold may turn against each other, rad.
+pub(super) fn may_turn(manifold: &Manifold) -> f32 {
+    if manifold.is_round() { ROUND * TURNED } else { TURNED }
+}
 
+/// How far the two of a manifold may slide on each other, metres, of a size; no farther than that.
+pub(super) fn may_slide(manifold: &Manifold, size: f32) -> f32 {
+    manifold.free.min(size).max(SLID * size)
+}
+
+/// How much faster than others a manifold becomes stale.
+pub(super) fn staleness_rate(manifold: &Manifold) -> f32 {
+    1.0 + STEEP * manifold.slope
+}
+
+impl FrictionAnchor {
     /// Whether anything is pressed.
     pub(super) fn is_loaded(&self) -> bool {
         self.force > 0.0
-    }
-
-    /// Into a lane.
-    pub(super) fn put(&self, wide: &mut WideContact, lane: usize, h: f32) {
-        let Self { force, accumulated_slip, twist, up, arm, radius } = *self;
-        wide.friction_limit[lane] = force * (h * h);
-        let [x, y, z, turned] = &mut wide.accumulated_slip;
-        (x[lane], y[lane], z[lane], turned[lane]) =
-            (accumulated_slip.x, accumulated_slip.y, accumulated_slip.z, twist);
-        set(&mut wide.up, lane, up);
-        set(&mut wide.arm, lane, arm);
-        wide.radius[lane] = radius;
     }
 }
 
@@ -350,8 +342,8 @@ impl CacheBuilder {
     }
 
     /// Which part of two a manifold is of.
-    pub(super) fn part(&self, one: &Contact) -> u32 {
-        self.now[one.cache_index as usize].key.nth
+    pub(super) fn part(&self, cache_index: u32) -> u32 {
+        self.now[cache_index as usize].key.nth
     }
 
     /// Says that all that is cached by now is in order.

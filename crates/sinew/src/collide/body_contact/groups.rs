@@ -21,10 +21,9 @@
 
 use core::ops::Range;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Mat3, Vec3};
 
 use super::BodyCollider;
-use super::pose::RotationReference;
 use super::turn::LaneArray;
 use crate::lanes::LANES;
 use crate::particles::Particles;
@@ -350,6 +349,47 @@ fn apart(rest: &[Vec3]) -> (usize, Option<usize>) {
         }
     }
     (far.0, side.0)
+}
+
+/// What the initial rotation of eight body colliders is computed from: the rows of their first particles, of those far out, and of those aside; and
+/// the frames that these make at rest.
+#[derive(Clone, Debug)]
+pub(super) struct RotationReference {
+    pub(super) rows: [[u32; LANES]; 3],
+    pub(super) rest: [[LaneArray; 3]; 3],
+}
+
+impl RotationReference {
+    /// Of as many body colliders as there are lanes, whose particles are not in line: each with its rows and where those rest.
+    pub(super) fn of<'a>(
+        eight: impl Iterator<Item = (&'a CompiledCollider, &'a [u32], &'a [Vec3])>,
+    ) -> Option<Self> {
+        let mut rotation_reference = Self { rows: [[0; LANES]; 3], rest: [[[0.0; LANES]; 3]; 3] };
+        let mut count = 0;
+        for (lane, (part, rows, rest)) in eight.enumerate() {
+            let side = part.side?;
+            for (to, from) in rotation_reference.rows.iter_mut().zip([0, part.far, side]) {
+                to[lane] = rows[from];
+            }
+            let frame = frame(rest[part.far] - rest[0], rest[side] - rest[0])?;
+            // Transposed.
+            for (to, from) in
+                rotation_reference.rest.iter_mut().zip(frame.transpose().to_cols_array_2d())
+            {
+                for (to, from) in to.iter_mut().zip(from) {
+                    to[lane] = from;
+                }
+            }
+            count += 1;
+        }
+        (count == LANES).then_some(rotation_reference)
+    }
+}
+
+/// A right-handed frame with its first axis along `a` and `b` in the plane of the first two.
+pub(super) fn frame(a: Vec3, b: Vec3) -> Option<Mat3> {
+    let (x, z) = (a.try_normalize()?, a.cross(b).try_normalize()?);
+    Some(Mat3::from_cols(x, z.cross(x), z))
 }
 
 /// What a body collider weighs.

@@ -6,11 +6,11 @@ use super::super::nearby::Nearby;
 use super::super::recovery::{recovered, recovery};
 use super::super::{CombinedMaterial, ContactParticipant, World};
 use super::bodies::{Bodies, CENTRE, ROTATION, SHIFT, TURN, rotation};
-use super::broad_phase::SweptBounds;
 use super::groups::BodyGroups;
 use super::narrow_phase::participant;
 use super::normal_solve::LEAST_LEVER;
 use super::rigid_islands::RigidIslands;
+use super::swept_bounds::SweptBounds;
 use super::{BodyContactSolver, ContactEvent};
 use crate::particles::{NO_BODY, Particles};
 

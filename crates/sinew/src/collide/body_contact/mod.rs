@@ -15,7 +15,8 @@
 //! | `bodies` | what contacts know of a body collider, or of static geometry: columns |
 //! | `rigid_islands`, `rigid_state` | body colliders that move as one rigid state, and their particles follow: which, and how |
 //! | `static_geometry` | colliders, planes and boxes |
-//! | `broad_phase` | where a body collider goes in a step, what it may come to touch there, and what does that has left those bounds |
+//! | `swept_bounds` | where a body collider goes in a step |
+//! | `broad_phase` | what it may come to touch there, and what does that has left those bounds |
 //! | `narrow_phase` | the manifolds of a pair: cached, or computed afresh, or within a step once it has turned; and which overlap at rest, and never touch |
 //! | `contact_cache` | what is kept from one step to the next |
 //! | `wide_contact` | contacts of a step: coloured, packed by eight, and which are pressed more than once in a substep |
@@ -38,6 +39,7 @@ mod restitution;
 mod rigid_islands;
 mod rigid_state;
 mod static_geometry;
+mod swept_bounds;
 #[cfg(test)]
 mod tests;
 mod turn;
@@ -57,19 +59,20 @@ use crate::islands::Islands;
 use crate::lanes::{InstructionSet, LANES, with};
 use crate::particles::Particles;
 use bodies::{Bodies, CENTRE};
-use broad_phase::{MissedPairs, SweptBounds, WideSweptBounds};
-use contact_cache::{CacheBuilder, FrictionAnchor};
+use broad_phase::MissedPairs;
+use contact_cache::CacheBuilder;
 use friction::{FrictionSolve, PredictImpulse};
 use groups::BodyGroups;
 use loose::Loose;
 use narrow_phase::RestOverlaps;
 use normal_solve::NormalSolve;
-use pose::{ApplyPoseDelta, ExtractPose, Gathered, OriginOffsets, PoseSums, SharedDeltas};
+use pose::{Gathered, OriginOffsets, PoseSums, SharedDeltas};
 use restitution::Impacts;
 use rigid_islands::RigidIslands;
 use rigid_state::{CorrectStates, ShowStates};
 use static_geometry::StaticGeometry;
 pub(crate) use static_geometry::half_spaces;
+use swept_bounds::{SweptBounds, WideSweptBounds};
 use turn::LaneArray;
 use wide_contact::{Contact, SensorOverlap, WideContact};
 
@@ -440,7 +443,7 @@ impl BodyContactSolver {
             for (lane, number) in wide.number.iter().enumerate() {
                 if let Some(one) = contacts.get(*number as usize) {
                     cache.now[one.cache_index as usize].friction_anchor =
-                        FrictionAnchor::of(wide, lane, h);
+                        wide.friction_anchor(lane, h);
                 }
             }
         }
@@ -448,46 +451,23 @@ impl BodyContactSolver {
 
     /// Poses as predicted, and how they got there, so many seconds after the step began; and who has left its swept bounds.
     fn extract_poses(&mut self, particles: &Particles, time: f32) {
-        let Self {
-            groups,
-            origin_offsets,
-            bodies,
-            sums,
-            wide_swept,
-            gathered,
-            outside_bounds,
-            instructions,
-            rigid,
-            asleep,
-            h,
-            ..
-        } = self;
-        outside_bounds.clear();
-        for (number, group) in groups.groups.iter().enumerate() {
-            let (first, wide_swept) = (number * LANES, Some((&wide_swept[number], time)));
-            let (mut left, lanes, asleep) = (0, rigid.lanes(number), asleep[number]);
-            if lanes | asleep != group.sound {
-                let before = bodies.eight(first);
-                let read = ExtractPose {
-                    group,
-                    slots: &groups.slots[group.slots.clone()],
-                    origin_offsets: origin_offsets.of(group),
-                    position: &particles.position,
-                    other: &particles.start,
-                    fresh: false,
-                    bodies,
-                    first,
-                    sums: &mut sums[number],
-                    wide_swept,
-                    gathered,
-                };
-                left = with(*instructions, read) & !(lanes | asleep);
-                bodies.put_back(first, asleep, before);
+        self.outside_bounds.clear();
+        for number in 0..self.groups.groups.len() {
+            let first = number * LANES;
+            let (mut left, lanes, asleep) = (0, self.rigid.lanes(number), self.asleep[number]);
+            if lanes | asleep != self.groups.groups[number].sound {
+                let before = self.bodies.eight(first);
+                let columns = [&particles.position[..], &particles.start];
+                left = self.extract_pose(number, columns, Some(time)) & !(lanes | asleep);
+                self.bodies.put_back(first, asleep, before);
             }
+            let Self { groups, bodies, wide_swept, outside_bounds, instructions, .. } = self;
             if lanes != 0 {
-                let (state, mass) = (&rigid.states[number], &group.mass);
+                let (state, mass) = (&self.rigid.states[number], &groups.groups[number].mass);
+                let wide_swept = Some((&wide_swept[number], time));
+                let h = self.h;
                 let show =
-                    ShowStates { mass, state, bodies, first, h: *h, at_start: false, wide_swept };
+                    ShowStates { mass, state, bodies, first, h, at_start: false, wide_swept };
                 left |= with(*instructions, show);
             }
             if left != 0 {
@@ -500,35 +480,21 @@ impl BodyContactSolver {
 
     /// Displaces the particles as their body colliders were.
     fn apply_pose_deltas(&mut self, particles: &mut Particles) {
-        let Self { groups, origin_offsets, bodies, sums, instructions, shared, .. } = self;
-        let Self { rigid, asleep, h, .. } = self;
-        shared.clear();
-        for (number, group) in groups.groups.iter().enumerate() {
-            let lanes = rigid.lanes(number);
+        self.shared.clear();
+        for number in 0..self.groups.groups.len() {
+            let Self { groups, bodies, rigid, instructions, h, .. } = self;
+            let (lanes, group) = (rigid.lanes(number), &groups.groups[number]);
             if lanes != 0 {
                 let (state, mass) = (&mut rigid.states[number], &group.mass);
                 let first = number * LANES;
                 with(*instructions, CorrectStates { mass, state, bodies, first, h: *h });
             }
-            let lanes = lanes | asleep[number];
-            if lanes == group.sound {
-                continue;
+            let lanes = lanes | self.asleep[number];
+            if lanes != group.sound {
+                self.apply_pose_delta(number, !lanes, &mut particles.position, None);
             }
-            let write = ApplyPoseDelta {
-                group,
-                lanes: !lanes,
-                slots: &groups.slots[group.slots.clone()],
-                origin_offsets: origin_offsets.of(group),
-                position: &mut particles.position,
-                velocity: None,
-                bodies,
-                first: number * LANES,
-                sums: &sums[number],
-                shared,
-            };
-            with(*instructions, write);
         }
-        for (row, by) in shared.iter() {
+        for (row, by) in self.shared.iter() {
             particles.position[row as usize] += by;
         }
     }

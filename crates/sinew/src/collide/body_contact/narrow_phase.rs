@@ -16,11 +16,12 @@ use glam::{Quat, Vec3};
 
 use super::super::manifold::{Scratch, collide, is_of_triangles};
 use super::super::{ContactFilter, ContactParticipant, Frame, Shape, World};
-use super::broad_phase::{MissedPairs, SweptBounds};
+use super::broad_phase::MissedPairs;
 use super::contact_cache::{
     CacheBuilder, CachedManifold, ContactKey, FrictionAnchor, Other, SLACK, sort,
 };
 use super::groups::BodyGroups;
+use super::swept_bounds::SweptBounds;
 use super::wide_contact::{Contact, SensorOverlap, TORSIONAL_RADIUS, WideContact, put_manifold};
 use super::{BodyCollider, BodyContactSolver, Kept};
 use crate::lanes::LANES;

@@ -38,12 +38,14 @@
 //! All of it follows from `Σ m (q - q̄)(p - p̄)ᵀ`, which was summed up when the body collider was read. So `d = shift + D (q - q̄)` with one matrix
 //! `D` a body collider. Velocities change in the same way, with `ψ × r` alone.
 
-use glam::{DMat3, DQuat, Mat3, Vec3, Vec4};
+use glam::{DMat3, DQuat, Vec3, Vec4};
 
 use super::BodyContactSolver;
 use super::bodies::{Bodies, ROTATION, from_row, quaternion};
-use super::broad_phase::WideSweptBounds;
-use super::groups::{BodyGroup, BodyGroups, CompiledCollider, Slot, WideMass};
+use super::groups::{
+    BodyGroup, BodyGroups, CompiledCollider, RotationReference, Slot, WideMass, frame,
+};
+use super::swept_bounds::WideSweptBounds;
 use super::turn::{LaneArray, Matrix, Symmetric, load, store, turn_further, zero};
 use crate::collide::World;
 use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work, with};
@@ -55,41 +57,6 @@ const DONE: f32 = 1e-5;
 /// The most steps, within a step and from nowhere.
 const STEPS: u32 = 3;
 const FRESH: u32 = 8;
-
-/// What the initial rotation of eight body colliders is computed from: the rows of their first particles, of those far out, and of those aside; and
-/// the frames that these make at rest.
-#[derive(Clone, Debug)]
-pub(super) struct RotationReference {
-    rows: [[u32; LANES]; 3],
-    rest: [[LaneArray; 3]; 3],
-}
-
-impl RotationReference {
-    /// Of as many body colliders as there are lanes, whose particles are not in line: each with its rows and where those rest.
-    pub(super) fn of<'a>(
-        eight: impl Iterator<Item = (&'a CompiledCollider, &'a [u32], &'a [Vec3])>,
-    ) -> Option<Self> {
-        let mut rotation_reference = Self { rows: [[0; LANES]; 3], rest: [[[0.0; LANES]; 3]; 3] };
-        let mut count = 0;
-        for (lane, (part, rows, rest)) in eight.enumerate() {
-            let side = part.side?;
-            for (to, from) in rotation_reference.rows.iter_mut().zip([0, part.far, side]) {
-                to[lane] = rows[from];
-            }
-            let frame = frame(rest[part.far] - rest[0], rest[side] - rest[0])?;
-            // Transposed.
-            for (to, from) in
-                rotation_reference.rest.iter_mut().zip(frame.transpose().to_cols_array_2d())
-            {
-                for (to, from) in to.iter_mut().zip(from) {
-                    to[lane] = from;
-                }
-            }
-            count += 1;
-        }
-        (count == LANES).then_some(rotation_reference)
-    }
-}
 
 impl BodyContactSolver {
     /// Notes a rotation near that of each sound body collider.
@@ -244,12 +211,6 @@ pub(super) fn certain(
     if q.is_finite() { q } else { Vec4::W }
 }
 
-/// A right-handed frame with its first axis along `a` and `b` in the plane of the first two.
-fn frame(a: Vec3, b: Vec3) -> Option<Mat3> {
-    let (x, z) = (a.try_normalize()?, a.cross(b).try_normalize()?);
-    Some(Mat3::from_cols(x, z.cross(x), z))
-}
-
 /// What a group keeps from reading for writing.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PoseSums {
@@ -266,23 +227,78 @@ pub(super) struct OriginOffsets {
     origin_offsets: Vec<[LaneArray; 3]>,
 }
 
+impl BodyContactSolver {
+    /// Reads the poses of a group from two columns: from positions and those at the start of the substep, where `time` is that since the step began, seconds;
+    /// or, without, afresh from positions and velocities. Returns a bit for each lane that has left its swept bounds or, afresh, whose rotation could not be
+    /// found.
+    pub(super) fn extract_pose(
+        &mut self,
+        number: usize,
+        [position, other]: [&[Vec4]; 2],
+        time: Option<f32>,
+    ) -> u32 {
+        let Self { groups, origin_offsets, bodies, sums, wide_swept, gathered, .. } = self;
+        let group = &groups.groups[number];
+        let read = ExtractPose {
+            group,
+            slots: &groups.slots[group.slots.clone()],
+            origin_offsets: origin_offsets.of(group),
+            position,
+            other,
+            fresh: time.is_none(),
+            bodies,
+            first: number * LANES,
+            sums: &mut sums[number],
+            wide_swept: time.map(|time| (&wide_swept[number], time)),
+            gathered,
+        };
+        with(self.instructions, read)
+    }
+
+    /// Displaces those particles of a group that are of the body colliders of some lanes, or changes their velocities instead. What several share is added to
+    /// `shared`.
+    pub(super) fn apply_pose_delta(
+        &mut self,
+        number: usize,
+        lanes: u32,
+        position: &mut [Vec4],
+        velocity: Option<&mut [Vec4]>,
+    ) {
+        let Self { groups, origin_offsets, bodies, sums, shared, .. } = self;
+        let group = &groups.groups[number];
+        let write = ApplyPoseDelta {
+            group,
+            lanes,
+            slots: &groups.slots[group.slots.clone()],
+            origin_offsets: origin_offsets.of(group),
+            position,
+            velocity,
+            bodies,
+            first: number * LANES,
+            sums: &sums[number],
+            shared,
+        };
+        with(self.instructions, write);
+    }
+}
+
 /// Reads a group.
-pub(super) struct ExtractPose<'a> {
-    pub(super) group: &'a BodyGroup,
-    pub(super) slots: &'a [Slot],
-    pub(super) origin_offsets: Option<&'a [[LaneArray; 3]]>,
-    pub(super) position: &'a [Vec4],
+struct ExtractPose<'a> {
+    group: &'a BodyGroup,
+    slots: &'a [Slot],
+    origin_offsets: Option<&'a [[LaneArray; 3]]>,
+    position: &'a [Vec4],
     /// Positions at the start; or, afresh, velocities.
-    pub(super) other: &'a [Vec4],
-    pub(super) fresh: bool,
-    pub(super) bodies: &'a mut Bodies,
+    other: &'a [Vec4],
+    fresh: bool,
+    bodies: &'a mut Bodies,
     /// The first row of the group among the bodies.
-    pub(super) first: usize,
-    pub(super) sums: &'a mut PoseSums,
+    first: usize,
+    sums: &'a mut PoseSums,
     /// Their swept bounds, and the time since the step began, seconds; `None` afresh.
-    pub(super) wide_swept: Option<(&'a WideSweptBounds, f32)>,
+    wide_swept: Option<(&'a WideSweptBounds, f32)>,
     /// Scratch.
-    pub(super) gathered: &'a mut Vec<Gathered>,
+    gathered: &'a mut Vec<Gathered>,
 }
 
 /// One particle of each of eight body colliders, gathered once for two passes.
@@ -510,19 +526,19 @@ impl SharedDeltas {
 }
 
 /// Changes the particles of a group.
-pub(super) struct ApplyPoseDelta<'a> {
-    pub(super) group: &'a BodyGroup,
+struct ApplyPoseDelta<'a> {
+    group: &'a BodyGroup,
     /// A bit for each whose particles it is about: the others' follow from rigid states.
-    pub(super) lanes: u32,
-    pub(super) slots: &'a [Slot],
-    pub(super) origin_offsets: Option<&'a [[LaneArray; 3]]>,
-    pub(super) position: &'a mut [Vec4],
+    lanes: u32,
+    slots: &'a [Slot],
+    origin_offsets: Option<&'a [[LaneArray; 3]]>,
+    position: &'a mut [Vec4],
     /// What is changed instead of the positions.
-    pub(super) velocity: Option<&'a mut [Vec4]>,
-    pub(super) bodies: &'a Bodies,
-    pub(super) first: usize,
-    pub(super) sums: &'a PoseSums,
-    pub(super) shared: &'a mut SharedDeltas,
+    velocity: Option<&'a mut [Vec4]>,
+    bodies: &'a Bodies,
+    first: usize,
+    sums: &'a PoseSums,
+    shared: &'a mut SharedDeltas,
 }
 
 impl Work for ApplyPoseDelta<'_> {

@@ -54,7 +54,6 @@ use super::BodyContactSolver;
 use super::bodies::{Bodies, SHIFT, TURN, WideBody as Rows};
 use super::loose::ScalarBody;
 use super::normal_solve::{ContactPatch, PatchSide, anchors, skins, solve_normal_impulses};
-use super::pose::{ApplyPoseDelta, ExtractPose};
 use super::rigid_state::{BounceStates, ShowStates};
 use super::turn::{Matrix, load, tangents};
 use super::wide_contact::{Contact, FAR, WideContact};
@@ -183,41 +182,27 @@ impl BodyContactSolver {
 
     /// Reads the body colliders of some manifolds with their velocities, where the substep began, unless they have been.
     fn enter(&mut self, particles: &Particles, wide: &WideContact, lanes: u32) {
-        let Self { groups, origin_offsets, bodies, sums, instructions, impacts, gathered, .. } =
-            self;
-        let (rigid, h) = (&self.rigid, self.h);
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
             for row in [wide.a[lane], wide.b[lane]] {
                 let number = row as usize / LANES;
-                let Some(bits) = impacts.read.get_mut(number) else { continue };
+                let Some(bits) = self.impacts.read.get_mut(number) else { continue };
                 let is_new = *bits == 0;
                 *bits |= 1 << (row as usize % LANES);
                 if !is_new {
                     continue;
                 }
-                let group = &groups.groups[number];
                 let rows = number * LANES..(number + 1) * LANES;
-                impacts.kept.extend_from_slice(&bodies.rows[rows]);
-                impacts.entered.push(number as u32);
-                let (lanes, first) = (rigid.lanes(number), number * LANES);
-                let read = ExtractPose {
-                    group,
-                    slots: &groups.slots[group.slots.clone()],
-                    origin_offsets: origin_offsets.of(group),
-                    position: &particles.start,
-                    other: &particles.velocity,
-                    fresh: true,
-                    bodies,
-                    first,
-                    sums: &mut sums[number],
-                    wide_swept: None,
-                    gathered,
-                };
-                if lanes != group.sound {
-                    with(*instructions, read);
+                self.impacts.kept.extend_from_slice(&self.bodies.rows[rows]);
+                self.impacts.entered.push(number as u32);
+                let (lanes, first) = (self.rigid.lanes(number), number * LANES);
+                if lanes != self.groups.groups[number].sound {
+                    let columns = [&particles.start[..], &particles.velocity];
+                    self.extract_pose(number, columns, None);
                 }
                 if lanes != 0 {
-                    let (state, mass, wide_swept) = (&rigid.states[number], &group.mass, None);
+                    let Self { groups, bodies, rigid, instructions, h, .. } = self;
+                    let (h, mass) = (*h, &groups.groups[number].mass);
+                    let (state, wide_swept) = (&rigid.states[number], None);
                     let show =
                         ShowStates { mass, state, bodies, first, h, at_start: true, wide_swept };
                     with(*instructions, show);
@@ -247,15 +232,14 @@ impl BodyContactSolver {
 
     /// Changes the velocities of the particles as those of their body colliders were, and where those are that bounced, in a substep of `h` seconds.
     fn leave(&mut self, particles: &mut Particles, h: f32) {
-        let Self { groups, origin_offsets, bodies, sums, instructions, shared, impacts, .. } = self;
-        let rigid = &mut self.rigid;
-        shared.clear();
+        self.shared.clear();
         let Particles { position, start, velocity, .. } = particles;
-        for (number, group) in groups.groups.iter().enumerate() {
+        for number in 0..self.groups.groups.len() {
+            let Self { groups, bodies, rigid, instructions, impacts, .. } = self;
             if impacts.read[number] == 0 {
                 continue;
             }
-            let lanes = rigid.lanes(number);
+            let (lanes, group) = (rigid.lanes(number), &groups.groups[number]);
             if lanes != 0 {
                 let bounce = BounceStates {
                     mass: &group.mass,
@@ -268,23 +252,11 @@ impl BodyContactSolver {
                 };
                 with(*instructions, bounce);
             }
-            if lanes == group.sound {
-                continue;
+            if lanes != group.sound {
+                self.apply_pose_delta(number, !lanes, start, Some(velocity));
             }
-            let write = ApplyPoseDelta {
-                group,
-                lanes: !lanes,
-                slots: &groups.slots[group.slots.clone()],
-                origin_offsets: origin_offsets.of(group),
-                position: start,
-                velocity: Some(velocity),
-                bodies,
-                first: number * LANES,
-                sums: &sums[number],
-                shared,
-            };
-            with(*instructions, write);
         }
+        let Self { groups, bodies, rigid, shared, impacts, .. } = self;
         for (row, by) in shared.iter() {
             velocity[row as usize] += by;
         }

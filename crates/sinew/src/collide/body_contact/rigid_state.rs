@@ -39,8 +39,8 @@
 use glam::{Vec3, Vec4};
 
 use super::bodies::{Bodies, ROTATION, from_row};
-use super::broad_phase::WideSweptBounds;
 use super::groups::{BodyGroup, Slot, WideMass};
+use super::swept_bounds::WideSweptBounds;
 use super::turn::{LaneArray, Matrix, Symmetric, load, store, zero};
 use crate::integrate::loss;
 use crate::lanes::{FIELDS, LANES, Lanes, Record, Vector, Work};

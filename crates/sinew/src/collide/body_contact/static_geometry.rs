@@ -5,8 +5,8 @@ use glam::{Mat3, Vec3};
 use super::super::{
     Collider, CombinedMaterial, ContactParticipant, Frame, Layers, Material, Shape, World,
 };
-use super::broad_phase::SweptBounds;
 use super::contact_cache::Other;
+use super::swept_bounds::SweptBounds;
 use crate::constraints::{Boundaries, InsideBox, Plane};
 
 /// One of them.

@@ -1,5 +1,7 @@
 //! Rotations, symmetric matrices and directions of eight body colliders side by side.
 
+use glam::Vec3;
+
 use crate::lanes::{LANES, Lanes, Vector};
 
 /// Eight numbers as they lie in memory.
@@ -17,6 +19,14 @@ pub(super) fn store<L: Lanes>(v: Vector<L>, [x, y, z]: &mut [LaneArray; 3]) {
     v.x.store(x);
     v.y.store(y);
     v.z.store(z);
+}
+
+/// One vector into a lane of those.
+#[inline(always)]
+pub(super) fn set(to: &mut [LaneArray; 3], lane: usize, from: Vec3) {
+    for (to, from) in to.iter_mut().zip(from.to_array()) {
+        to[lane] = from;
+    }
 }
 
 /// Nothing, in each lane.

@@ -14,27 +14,14 @@
 
 use glam::{Mat3, Vec3};
 
-use super::super::manifold::Manifold;
 use super::super::{CombinedMaterial, ContactParticipant};
-use super::contact_cache::CachedManifold;
-use super::turn::{LaneArray, store};
+use super::contact_cache::{CachedManifold, FrictionAnchor, may_slide, may_turn, staleness_rate};
+use super::turn::{LaneArray, set, store};
 use crate::constraints::PlanarDrag;
 use crate::lanes::{LANES, Lanes, Vector};
 
 /// As good as infinitely far out, metres: what a missing point is.
 pub(super) const FAR: f32 = 1e9;
-
-/// The angle that two may turn against each other before they are compared again, rad.
-const TURNED: f32 = 0.02;
-/// The same for how far they may slide on each other, as a share of their size.
-const SLID: f32 = 0.03;
-/// How much further what is round may turn: about the centre of the rounding that moves nothing, and its points are no farther from there than it is long.
-const ROUND: f32 = 2.5;
-/// How much faster a manifold becomes stale whose [slope](Manifold::slope) is 1. Its points are points of the two, and as one slides over the rim of
-/// the other it touches with others, that are higher by the slope times the way: so that must be less, and no height is wrong by more than `SLID /
-/// STEEP` of the size. Without that a box fell half a millimetre deep into a rim that its manifold did not know of, and was thrown out of it, again
-/// and again, for minutes; three times as much finds a tenth more manifolds in a heap of boxes in random poses, for nothing.
-const STEEP: f32 = 100.0;
 
 /// Torsional patch radius of everything, as a share of its size. What touches in a point has no arm to stop a turn on it with, in numbers; of any
 /// stuff there is one, and a box that stands on a corner, or hangs between two, does not turn about that for ever.
@@ -198,7 +185,7 @@ pub(super) fn put(
     wide.elastic |= u32::from(one.combined_material.restitution > 0.0) << lane;
     let drags = one.combined_material.drag != PlanarDrag::default();
     wide.kept |= one.reports_events || one.combined_material.restitution > 0.0 || drags;
-    known.friction_anchor.put(wide, lane, h);
+    wide.set_friction_anchor(lane, &known.friction_anchor, h);
 }
 
 /// Writes what two shapes are to each other into a lane.
@@ -247,28 +234,6 @@ pub(super) fn put_manifold(
         wide.approach[i][lane] = FAR;
         wide.missing[i][lane] = if anchors.is_some() { 0.0 } else { FAR };
     }
-}
-
-#[inline(always)]
-pub(super) fn set(to: &mut [LaneArray; 3], lane: usize, from: Vec3) {
-    for (to, from) in to.iter_mut().zip(from.to_array()) {
-        to[lane] = from;
-    }
-}
-
-/// The angle that the two of a manifold may turn against each other, rad.
-pub(super) fn may_turn(manifold: &Manifold) -> f32 {
-    if manifold.is_round() { ROUND * TURNED } else { TURNED }
-}
-
-/// How far the two of a manifold may slide on each other, metres, of a size; no farther than that.
-pub(super) fn may_slide(manifold: &Manifold, size: f32) -> f32 {
-    manifold.free.min(size).max(SLID * size)
-}
-
-/// How much faster than others a manifold becomes stale.
-pub(super) fn staleness_rate(manifold: &Manifold) -> f32 {
-    1.0 + STEEP * manifold.slope
 }
 
 /// Eight manifolds that have no solid in common; on lines of the cache of its own, because an eight that lies across two of them costs twice as much.
@@ -399,6 +364,40 @@ impl WideContact {
 }
 
 impl WideContact {
+    /// The friction anchor of a lane, in a substep of `h` seconds.
+    pub(super) fn friction_anchor(&self, lane: usize, h: f32) -> FrictionAnchor {
+        let vector = |v: &[[f32; 8]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
+        let [x, y, z, twist] = &self.accumulated_slip;
+        let friction_anchor = FrictionAnchor {
+            force: self.friction_limit[lane] / (h * h),
+            accumulated_slip: Vec3::new(x[lane], y[lane], z[lane]),
+            twist: twist[lane],
+            up: vector(&self.up),
+            arm: vector(&self.arm),
+            radius: self.radius[lane],
+        };
+        let sum = friction_anchor.accumulated_slip
+            + friction_anchor.up
+            + friction_anchor.arm
+            + friction_anchor.twist
+            + friction_anchor.radius;
+        let sound =
+            friction_anchor.force > 0.0 && friction_anchor.force < f32::INFINITY && sum.is_finite();
+        if sound { friction_anchor } else { FrictionAnchor::default() }
+    }
+
+    /// Starts friction of a lane from an anchor.
+    fn set_friction_anchor(&mut self, lane: usize, anchor: &FrictionAnchor, h: f32) {
+        let FrictionAnchor { force, accumulated_slip, twist, up, arm, radius } = *anchor;
+        self.friction_limit[lane] = force * (h * h);
+        let [x, y, z, turned] = &mut self.accumulated_slip;
+        (x[lane], y[lane], z[lane], turned[lane]) =
+            (accumulated_slip.x, accumulated_slip.y, accumulated_slip.z, twist);
+        set(&mut self.up, lane, up);
+        set(&mut self.arm, lane, arm);
+        self.radius[lane] = radius;
+    }
+
     /// What lets go for a substep is held at its centre meanwhile: friction at an edge that has lifted would rock it, and it rocks on for minutes.
     #[inline(always)]
     pub(super) fn let_go<L: Lanes>(&mut self, normal: Vector<L>) {

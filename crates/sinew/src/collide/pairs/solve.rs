@@ -11,12 +11,12 @@
 //! where `D` is the change of `d`; where that is no more than friction holds, `‖t‖ ≤ μ δ` (F8), all of it is taken back by the same weights, and
 //! nothing slides. Otherwise it slides, and `restitution` takes from its velocity what friction may.
 
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 
 use super::super::ContactFilter;
 use super::neighbour_list::{NO_OFFSET, NeighbourList, PairBlock};
 use super::restitution::{PairHit, Touched};
-use super::swept::{SweptPair, TimeOfImpact};
+use super::swept::{COINCIDENT, SweptPair, TimeOfImpact};
 use crate::lanes::{LANES, Lanes, Vector, Work};
 use crate::particles::Particles;
 
@@ -36,9 +36,6 @@ pub(super) struct PairSweep<'a> {
 
 /// The share of the least distance that a pair may move by, each against the other, before the way that it came counts.
 const HALF: f32 = 0.5;
-
-/// A pair this near, as a share of its least distance, has no direction worth the name.
-const COINCIDENT: f32 = 1e-6;
 
 impl Work for PairSweep<'_> {
     type Output = f32;
@@ -195,14 +192,4 @@ fn pair_of(block: &PairBlock, lane: usize, offsets: &[[[f32; LANES]; 3]]) -> Swe
         reach: block.reach[lane],
         friction: block.friction[lane],
     }
-}
-
-/// The places of two, to be changed: `[x y z w]`.
-pub(super) fn shift(position: &mut [Vec4], rows: [u32; 2], apart: Vec3) {
-    let [a, b] = rows.map(|row| row as usize);
-    let (w_a, w_b) = (position[a].w, position[b].w);
-    // Two that nothing moves are no pair.
-    let each = apart / (w_a + w_b);
-    position[a] += (each * w_a).extend(0.0);
-    position[b] -= (each * w_b).extend(0.0);
 }

@@ -14,7 +14,6 @@
 use glam::{Vec3, Vec4};
 
 use super::super::friction::friction;
-use super::solve::shift;
 use crate::particles::Particles;
 
 /// Two that may touch.
@@ -37,7 +36,7 @@ pub(super) struct TimeOfImpact {
 }
 
 /// Below this share of the least distance a separation has no direction.
-const COINCIDENT: f32 = 1e-6;
+pub(super) const COINCIDENT: f32 = 1e-6;
 
 impl SweptPair {
     /// Pushes it apart if it must be. Returns the normal, from the second to the first, the overlap along it in metres, and whether it was stopped on
@@ -108,4 +107,14 @@ impl TimeOfImpact {
             shift(&mut particles.position, self.pair.rows, self.normal * short);
         }
     }
+}
+
+/// The places of two, to be changed: `[x y z w]`.
+fn shift(position: &mut [Vec4], rows: [u32; 2], apart: Vec3) {
+    let [a, b] = rows.map(|row| row as usize);
+    let (w_a, w_b) = (position[a].w, position[b].w);
+    // Two that nothing moves are no pair.
+    let each = apart / (w_a + w_b);
+    position[a] += (each * w_a).extend(0.0);
+    position[b] -= (each * w_b).extend(0.0);
 }
