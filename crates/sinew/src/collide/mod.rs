@@ -17,6 +17,7 @@
 //! | `body_contact` | compounds that collide by their shape, ropes by their segments |
 //! | `friction` | Coulomb's law in positions |
 //! | `recovery` | how much of an overlap a particle is put out by in a substep |
+//! | `world` | what all of them are told of a world |
 //! | `stage` | all of it in its order |
 //! | `impact` | what has touched what, for the report |
 //! | `words` | what has private parts as plain words, to be stored |
@@ -39,6 +40,7 @@ mod shape;
 mod stage;
 mod triangles;
 mod words;
+mod world;
 
 pub use body_contact::{BodyCollider, BodyColliderFault, CachedManifold, ContactCache};
 pub use collider::Collider;
@@ -53,13 +55,14 @@ pub(crate) use impact::Impacts;
 pub(crate) use manifold::{Broad, Scratch as ManifoldScratch, collide};
 pub(crate) use pairs::Pairs;
 pub(crate) use particle_contact::{
-    BatchContacts, InstantSpan, NormalImpulse, NormalImpulses, ParticleContacts,
+    BatchContacts, InstantInterval, NormalImpulse, NormalImpulses, ParticleContacts,
 };
 pub(crate) use recovery::recovery;
 pub(crate) use shape::{AtStart, Obstacle, SweepHit, Way};
 pub(crate) use shape::{Kind as ShapeKind, ShapeTouch};
-pub(crate) use stage::{Contacts, World};
+pub(crate) use stage::Contacts;
 pub(crate) use triangles::Triangles;
+pub(crate) use world::World;
 
 /// Memory that is kept from call to call and has nothing to say in between: a copy has none.
 #[derive(Default)]

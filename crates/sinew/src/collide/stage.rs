@@ -2,10 +2,9 @@
 
 use super::nearby::Nearby;
 use super::{
-    BodyCollider, BodyContactSolver, Collider, ContactCache, ContactFilter, Impact, Impacts,
-    NormalImpulse, Pairs, ParticleContacts, RigidStep, Triangles,
+    BodyCollider, BodyContactSolver, ContactCache, ContactFilter, Impact, Impacts, NormalImpulse,
+    Pairs, ParticleContacts, RigidStep, Triangles, World,
 };
-use crate::constraints::Boundaries;
 use crate::islands::Islands;
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
@@ -22,23 +21,6 @@ pub(crate) struct Contacts {
     triangles: Triangles,
     body_contact: BodyContactSolver,
     impacts: Impacts,
-}
-
-/// What a world has that contacts depend on.
-#[derive(Clone, Copy)]
-pub(crate) struct World<'a> {
-    pub(crate) boundaries: &'a Boundaries,
-    pub(crate) colliders: &'a [Collider],
-    pub(crate) body_colliders: &'a [BodyCollider],
-    pub(crate) filter: &'a ContactFilter,
-    pub(crate) islands: &'a Islands,
-    /// Length of the step, seconds, and its substeps.
-    pub(crate) dt: f32,
-    pub(crate) substeps: u32,
-    /// Magnitude of gravity, m/s².
-    pub(crate) gravity: f32,
-    /// Whether nothing moves in this step, neither particles nor colliders, and nobody listens to contacts.
-    pub(crate) at_rest: bool,
 }
 
 impl Contacts {

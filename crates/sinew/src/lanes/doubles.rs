@@ -2,17 +2,10 @@
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::LANES;
+use super::{Arithmetic, LANES};
 
 /// Eight `f64` side by side, by `+ - × ÷` and comparisons alone, like [`Lanes`](super::Lanes).
-pub(crate) trait Doubles:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
-{
+pub(crate) trait Doubles: Arithmetic {
     /// The same number in each.
     fn splat(x: f64) -> Self;
     /// Eight numbers.

@@ -154,8 +154,8 @@ pub(crate) struct Record(pub(crate) [Vec4; FIELDS]);
 /// How many quadruples a [`Record`] has.
 pub(crate) const FIELDS: usize = 8;
 
-/// A number, or several side by side: what a formula is written over that is wanted of one thing as well as of eight. `f32` is the one.
-pub(crate) trait Number:
+/// What has `+ - × ÷`, of itself.
+pub(crate) trait Arithmetic:
     Copy
     + Add<Output = Self>
     + Sub<Output = Self>
@@ -163,6 +163,20 @@ pub(crate) trait Number:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
+}
+
+impl<N> Arithmetic for N where
+    N: Copy
+        + Add<Output = N>
+        + Sub<Output = N>
+        + Mul<Output = N>
+        + Div<Output = N>
+        + Neg<Output = N>
+{
+}
+
+/// A number, or several side by side: what a formula is written over that is wanted of one thing as well as of eight. `f32` is the one.
+pub(crate) trait Number: Arithmetic {
     /// The same number in each.
     fn splat(x: f32) -> Self;
     /// The correctly rounded square root.

@@ -2,9 +2,9 @@
 
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
-use super::Number;
+use super::{Arithmetic, Doubles, LANES, Lanes, Number};
 
 /// A vector of numbers, or eight of them.
 #[derive(Clone, Copy, Debug)]
@@ -14,29 +14,11 @@ pub(crate) struct Vector<N> {
     pub(crate) z: N,
 }
 
-impl<N: Number> Vector<N> {
-    /// Of three lanes.
+impl<N: Arithmetic> Vector<N> {
+    /// Of three numbers.
     #[inline(always)]
     pub(crate) fn new(x: N, y: N, z: N) -> Self {
         Self { x, y, z }
-    }
-
-    /// The same vector eight times.
-    #[inline(always)]
-    pub(crate) fn splat(v: Vec3) -> Self {
-        Self::new(N::splat(v.x), N::splat(v.y), N::splat(v.z))
-    }
-
-    /// The positions of packed particles, and what is in their fourth lanes.
-    #[inline(always)]
-    pub(crate) fn of([x, y, z, w]: [N; 4]) -> (Self, N) {
-        (Self { x, y, z }, w)
-    }
-
-    /// Packed particles again.
-    #[inline(always)]
-    pub(crate) fn with(self, w: N) -> [N; 4] {
-        [self.x, self.y, self.z, w]
     }
 
     /// `x x' + y y' + z z'`, summed from the left.
@@ -59,6 +41,32 @@ impl<N: Number> Vector<N> {
         self.dot(self)
     }
 
+    /// Component by component.
+    #[inline(always)]
+    pub(crate) fn times(self, other: Self) -> Self {
+        Self { x: self.x * other.x, y: self.y * other.y, z: self.z * other.z }
+    }
+}
+
+impl<N: Number> Vector<N> {
+    /// The same vector eight times.
+    #[inline(always)]
+    pub(crate) fn splat(v: Vec3) -> Self {
+        Self::new(N::splat(v.x), N::splat(v.y), N::splat(v.z))
+    }
+
+    /// The positions of packed particles, and what is in their fourth lanes.
+    #[inline(always)]
+    pub(crate) fn of([x, y, z, w]: [N; 4]) -> (Self, N) {
+        (Self { x, y, z }, w)
+    }
+
+    /// Packed particles again.
+    #[inline(always)]
+    pub(crate) fn with(self, w: N) -> [N; 4] {
+        [self.x, self.y, self.z, w]
+    }
+
     #[inline(always)]
     pub(crate) fn length(self) -> N {
         self.dot(self).sqrt()
@@ -75,6 +83,39 @@ impl<N: Number> Vector<N> {
     }
 }
 
+impl<L: Lanes> Vector<L> {
+    /// In double precision.
+    #[inline(always)]
+    pub(crate) fn widen(self) -> Vector<L::Doubles> {
+        Vector { x: self.x.widen(), y: self.y.widen(), z: self.z.widen() }
+    }
+
+    /// The nearest in single precision.
+    #[inline(always)]
+    pub(crate) fn narrow(v: Vector<L::Doubles>) -> Self {
+        Self { x: L::narrow(v.x), y: L::narrow(v.y), z: L::narrow(v.z) }
+    }
+}
+
+impl<D: Doubles> Vector<D> {
+    /// The same vector eight times.
+    #[inline(always)]
+    pub(crate) fn double(v: DVec3) -> Self {
+        Self { x: D::splat(v.x), y: D::splat(v.y), z: D::splat(v.z) }
+    }
+
+    #[inline(always)]
+    pub(crate) fn arrays(self) -> [[f64; LANES]; 3] {
+        [self.x.array(), self.y.array(), self.z.array()]
+    }
+
+    /// A bit for each of finite numbers alone.
+    #[inline(always)]
+    pub(crate) fn finite(self) -> u32 {
+        self.x.finite() & self.y.finite() & self.z.finite()
+    }
+}
+
 impl From<Vector<f32>> for Vec3 {
     #[inline(always)]
     fn from(v: Vector<f32>) -> Self {
@@ -84,7 +125,7 @@ impl From<Vector<f32>> for Vec3 {
 
 macro_rules! each {
     ($($of:ident $operation:ident $sign:tt),*) => {$(
-        impl<N: Number> $of for Vector<N> {
+        impl<N: Arithmetic> $of for Vector<N> {
             type Output = Self;
             #[inline(always)]
             fn $operation(self, other: Self) -> Self {
@@ -96,7 +137,7 @@ macro_rules! each {
 
 each!(Add add +, Sub sub -);
 
-impl<N: Number> Mul<N> for Vector<N> {
+impl<N: Arithmetic> Mul<N> for Vector<N> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, by: N) -> Self {
@@ -104,7 +145,7 @@ impl<N: Number> Mul<N> for Vector<N> {
     }
 }
 
-impl<N: Number> Div<N> for Vector<N> {
+impl<N: Arithmetic> Div<N> for Vector<N> {
     type Output = Self;
     #[inline(always)]
     fn div(self, by: N) -> Self {
@@ -112,7 +153,7 @@ impl<N: Number> Div<N> for Vector<N> {
     }
 }
 
-impl<N: Number> Neg for Vector<N> {
+impl<N: Arithmetic> Neg for Vector<N> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -120,14 +161,14 @@ impl<N: Number> Neg for Vector<N> {
     }
 }
 
-impl<N: Number> AddAssign for Vector<N> {
+impl<N: Arithmetic> AddAssign for Vector<N> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
-impl<N: Number> SubAssign for Vector<N> {
+impl<N: Arithmetic> SubAssign for Vector<N> {
     #[inline(always)]
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;

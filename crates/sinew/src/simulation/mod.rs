@@ -299,7 +299,7 @@ impl Simulation {
         let substep = substeps.saturating_sub(substep.remaining);
         let open = contacts.is_active();
         let Contacts { particle_contacts, normal_impulses, .. } = contacts;
-        let common = solve::Common {
+        let common = solve::SolveContext {
             plan,
             contacts: particle_contacts,
             h,
@@ -325,7 +325,7 @@ impl Simulation {
             };
             contacts.project(particles, &world, h, substep);
             let Contacts { particle_contacts, normal_impulses, .. } = contacts;
-            let common = solve::Common {
+            let common = solve::SolveContext {
                 plan,
                 contacts: particle_contacts,
                 h,

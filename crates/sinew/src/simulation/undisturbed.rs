@@ -110,7 +110,7 @@ impl Simulation {
         let substep = report.substeps.saturating_sub(remaining);
         let gravity = forces.gravity.length();
         let execution = execution(*instructions, workers);
-        let common = solve::Common {
+        let common = solve::SolveContext {
             plan,
             contacts: particle_contacts,
             h,

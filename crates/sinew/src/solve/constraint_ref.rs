@@ -8,6 +8,7 @@ use crate::constraints::{
     Constraint, Distance, Equation, GradientAt, Points, SubstepContext, equation_energy,
     equation_error, project, project_equation, project_rod, project_rod_from_start,
 };
+use crate::islands::Island;
 use crate::lanes::InstructionSet;
 use crate::particles::{Particles, Places};
 
@@ -49,6 +50,20 @@ impl Local {
             self.starts.push(places.start[i]);
         }
         self.gradients.resize(rows.len(), Vec3::ZERO);
+    }
+}
+
+/// Lists the constraints of an island in solving order.
+pub(super) fn list_constraint_refs(
+    plan: &Plan,
+    island: &Island,
+    constraint_refs: &mut Vec<ConstraintRef>,
+) {
+    constraint_refs.clear();
+    for group in &plan.groups[island.groups.clone()] {
+        constraint_refs.extend(
+            group.range.clone().map(|n| ConstraintRef { kind: group.kind, number: n as u32 }),
+        );
     }
 }
 

@@ -5,9 +5,9 @@ use core::ops::Range;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use super::constraint_ref::{SolveMode, project_constraint};
-use super::island::ThreadScratch;
 use super::multipliers::MultiplierSlice;
 use super::plan::{ClusterBatch, ConstraintGroup, GroupKind, Plan};
+use super::scratch::ThreadScratch;
 use crate::constraints::GradientAt;
 use crate::particles::Places;
 use crate::threads::{ExecutionContext, Pool, TASKS, each};

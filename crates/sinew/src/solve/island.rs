@@ -1,107 +1,23 @@
 //! One island: particles that constraints connect, solved until they hold or the sweeps are spent, whatever happens elsewhere.
 
-use core::ops::Range;
 use std::time::Instant;
 
-use super::constraint_ref::{ConstraintRef, Local, SolveMode};
-use super::instances::{LaneCompaction, LaneParticles, MOST};
-use super::microsteps::{Microstep, MicrostepScratch};
+use super::constraint_ref::{SolveMode, list_constraint_refs};
+use super::context::SolveContext;
+use super::instances::MOST;
 use super::momentum::MomentumDrift;
 use super::multipliers::MultiplierSlice;
-use super::plan::{GroupKind, Plan, Task};
-use super::remaining::Remaining;
-use super::wavefront::Wavefront;
-use super::{IslandReport, gauss_seidel, jacobi, most_violated_first};
-use crate::collide::{InstantSpan, NormalImpulses, ParticleContacts, recovery};
+use super::plan::{GroupKind, Plan};
+use super::rods::COS_SQUARED;
+use super::scratch::ThreadScratch;
+use super::task_slice::IslandSlice;
+use super::{gauss_seidel, jacobi, most_violated_first};
+use crate::collide::{NormalImpulses, recovery};
 use crate::constraints::{GradientAt, SubstepContext};
-use crate::integrate::StepRows;
 use crate::islands::Island;
-use glam::Vec4;
-
-use crate::lanes::Columns;
 use crate::particles::Places;
 use crate::settings::Order;
 use crate::threads::ExecutionContext;
-
-/// What a thread needs while it solves. Scratch.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct ThreadScratch {
-    pub(super) local: Local,
-    pub(super) columns: Columns,
-    /// Where the pins of an island are that has tethers.
-    pub(super) pins: Vec<Vec4>,
-    constraint_refs: Vec<ConstraintRef>,
-    asked: jacobi::Asked,
-    queue: most_violated_first::Queue,
-    pub(super) lane_compaction: LaneCompaction,
-    /// Of measuring them.
-    pub(super) lane_particles: Vec<LaneParticles>,
-    /// What is left of a task beside its instance batches.
-    pub(super) remaining: Remaining,
-    /// Where a large island is meanwhile.
-    pub(super) wavefront: Wavefront,
-    /// Rows of a task by how they step.
-    pub(super) step_rows: Vec<StepRows>,
-    pub(super) microsteps: MicrostepScratch,
-    /// Islands whose corrections gave them what has to be taken off again.
-    pub(super) momentum_drifts: Vec<(u32, MomentumDrift)>,
-}
-
-impl ThreadScratch {
-    /// For looking at constraints one by one.
-    pub(super) fn constraints(&mut self) -> (&mut Local, &mut Vec<ConstraintRef>) {
-        (&mut self.local, &mut self.constraint_refs)
-    }
-
-    /// Begins with a task.
-    pub(super) fn begin(&mut self, task: &Task) {
-        self.remaining.reset(task);
-        self.momentum_drifts.clear();
-    }
-}
-
-/// What solving needs to know, the same for all islands.
-#[derive(Clone, Copy)]
-pub(crate) struct Common<'a> {
-    pub(crate) plan: &'a Plan,
-    pub(crate) contacts: &'a ParticleContacts,
-    /// Length of the substep, seconds.
-    pub(crate) h: f32,
-    /// How much of it a derived velocity is the mean of, seconds.
-    pub(crate) lag: f32,
-    /// Magnitude of gravity, m/s².
-    pub(crate) gravity: f32,
-    /// Which substep of the step it is, counted from 0.
-    pub(crate) substep: u32,
-    /// Which part of it.
-    pub(crate) microstep: Microstep,
-    pub(crate) execution: ExecutionContext<'a>,
-}
-
-impl Common<'_> {
-    /// From when to when surfaces move in it.
-    pub(super) fn span(&self) -> InstantSpan {
-        let Microstep { number, of } = self.microstep;
-        self.contacts.span(self.substep, number, of)
-    }
-
-    /// The same, for one worker alone.
-    pub(super) fn by_one(self) -> Self {
-        Self { execution: ExecutionContext { workers: None, ..self.execution }, ..self }
-    }
-
-    /// Bounces rows off what they touched, when their velocities have been derived.
-    pub(super) fn bounce(
-        &self,
-        places: &mut Places,
-        normal_impulses: &mut NormalImpulses,
-        rows: Range<u32>,
-    ) {
-        if self.contacts.bounces() {
-            self.contacts.bounce(places, normal_impulses, rows, (self.h, self.gravity));
-        }
-    }
-}
 
 /// What makes one sweep over an island, and returns the largest error that it found, metres.
 pub(super) trait Sweeper {
@@ -200,15 +116,15 @@ impl Sweeper for InOrder<'_> {
 /// Constraints come first, contacts last: what must not be seen to fail, a foot in the ground, has the last word. A sweep's error is what it
 /// *found*, before it corrected it: reaching the tolerance therefore costs no extra pass, and is never claimed too early.
 pub(super) fn solve(
-    common: Common,
+    context: SolveContext,
     number: usize,
-    places: &mut Places,
-    multipliers: &mut MultiplierSlice,
-    normal_impulses: &mut NormalImpulses,
-    report: &mut IslandReport,
+    own: IslandSlice,
     mut sweeper: impl Sweeper,
 ) -> Option<MomentumDrift> {
-    let Common { plan, h, execution, .. } = common;
+    let IslandSlice { places, multipliers, normal_impulses, report } = own;
+    let (mut places, mut multipliers, mut normal_impulses) = (places, multipliers, normal_impulses);
+    let (places, multipliers) = (&mut places, &mut multipliers);
+    let SolveContext { plan, h, execution, .. } = context;
     let island = &plan.islands.list[number];
     let (settings, rows) = (&island.settings, &plan.islands.members[island.members.clone()]);
     let began = settings.timed.then(Instant::now);
@@ -218,9 +134,9 @@ pub(super) fn solve(
         report.fallbacks += 1;
     }
     reset_multipliers(plan, island, multipliers);
-    let sweeps = settings.max_sweeps * common.microstep.of;
+    let sweeps = settings.max_sweeps * context.microstep.of;
     let substep_context = SubstepContext { h, sweeps };
-    let most = recovery(h, common.gravity);
+    let most = recovery(h, context.gravity);
     let (mut sweeps, mut converged, mut touched) = (0, false, false);
     while sweeps < settings.max_sweeps && !converged {
         let (tethers, instructions) = (sweeps == 0 || rows.len() > MOST, execution.instructions);
@@ -228,7 +144,7 @@ pub(super) fn solve(
         let found =
             if island.groups.is_empty() { 0.0 } else { sweeper.sweep(places, multipliers, mode) };
         report.violated = if sweeps == 0 { found > most } else { report.violated };
-        let depth = project_contacts(common, places, normal_impulses, (number, rows));
+        let depth = project_contacts(context, places, &mut normal_impulses, (number, rows));
         touched |= depth > 0.0;
         sweeps += 1;
         converged = found.max(depth) <= settings.tolerance;
@@ -284,23 +200,6 @@ fn reset_multipliers(plan: &Plan, island: &Island, multipliers: &mut MultiplierS
     }
 }
 
-/// Lists the constraints of an island in solving order.
-pub(super) fn list_constraint_refs(
-    plan: &Plan,
-    island: &Island,
-    constraint_refs: &mut Vec<ConstraintRef>,
-) {
-    constraint_refs.clear();
-    for group in &plan.groups[island.groups.clone()] {
-        constraint_refs.extend(
-            group.range.clone().map(|n| ConstraintRef { kind: group.kind, number: n as u32 }),
-        );
-    }
-}
-
-/// cos² of 0.35 rad.
-pub(super) const COS_SQUARED: f32 = 0.882_43;
-
 /// Whether a rod of the island turns so far in this substep that the direction that it had at the start says little about the one it needs.
 ///
 /// A bond that turns by θ is corrected along a line that is off by θ, with a gain of 1/cos θ: harmless at 20°, without bound at 90°. And where one
@@ -323,15 +222,15 @@ fn turns_too_fast(places: &Places, plan: &Plan, island: &Island) -> bool {
 /// Projects the particles of an island out of whatever stands in the world once; returns the deepest it found, metres.
 #[inline]
 fn project_contacts(
-    common: Common,
+    context: SolveContext,
     places: &mut Places,
     normal_impulses: &mut NormalImpulses,
     island: (usize, &[u32]),
 ) -> f32 {
-    let Common { contacts, execution, .. } = common;
+    let SolveContext { contacts, execution, .. } = context;
     if contacts.is_empty() {
         return 0.0;
     }
-    let with = (common.span(), execution.instructions);
+    let with = (context.interval(), execution.instructions);
     contacts.project_island(places, normal_impulses, island, with)
 }

@@ -3,36 +3,38 @@
 //! The bits are those of phase after phase.
 
 use core::mem::take;
-use core::ops::Range;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use smallvec::SmallVec;
 
 use super::SolverReport;
+use super::context::SolveContext;
 use super::instances::{BatchMotion, BatchSolve, WholeStep};
-use super::island::{Common, InOrder, ThreadScratch};
-use super::microsteps::{derive_whole_steps, list_step_rows, solve_substep};
+use super::island::InOrder;
+use super::microsteps::{derive_whole_steps, list_step_rows};
 use super::plan::{Plan, Task};
 use super::remaining::Remaining;
+use super::scratch::ThreadScratch;
+use super::task_slice::{TaskSlice, slices};
 use super::wavefront::{pipelined_wavefront, run_wavefronts};
-use super::world::{SolveScratch, TaskSlice, slices};
+use super::world::SolveScratch;
 use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::integrate::{Motion, Predict, StepRows, predict_all};
 use crate::lanes::with;
 use crate::particles::{Particles, Places};
-use crate::threads::{ExecutionContext, Pool, each};
+use crate::threads::{Pool, each};
 
 /// Predicts, solves and derives, so many substeps of `h` seconds. Forces have been summed up, and are the same in all of them.
 pub(crate) fn advance_all(
     particles: &mut Particles,
     normal_impulses: &mut [NormalImpulse],
-    common: Common,
+    context: SolveContext,
     substeps: u32,
     scratch: &mut SolveScratch,
     report: &mut SolverReport,
 ) {
     let (all_multipliers, thread_scratches, iteration_counts) = scratch.parts();
-    let Common { plan, execution, .. } = common;
+    let SolveContext { plan, execution, .. } = context;
     all_multipliers.resize(plan.distances.len(), plan.constraints.len());
     iteration_counts.clear();
     iteration_counts.resize_with(substeps as usize, AtomicU32::default);
@@ -42,7 +44,8 @@ pub(crate) fn advance_all(
     let (normal_impulses, multipliers) =
         (NormalImpulses::all(normal_impulses), all_multipliers.all());
     let bodies = (places, motion);
-    let shares = slices(common, bodies, multipliers, normal_impulses, &mut report.islands, &mut []);
+    let shares =
+        slices(context, bodies, multipliers, normal_impulses, &mut report.islands, &mut []);
     let iteration_counts = &*iteration_counts;
     let mut large = SmallVec::<[TaskSlice; 4]>::new();
     let small = shares.filter_map(|alone| {
@@ -59,7 +62,8 @@ pub(crate) fn advance_all(
             if !alone.task.instance_batches.is_empty() {
                 alone.step_batches(thread_scratch, iteration_counts).run();
             }
-            run_wavefronts(&mut alone, thread_scratch, iteration_counts);
+            let ThreadScratch { remaining, wavefront, .. } = thread_scratch;
+            run_wavefronts(&mut alone, remaining, wavefront, iteration_counts);
             if !thread_scratch.remaining.is_empty() {
                 alone.step_one_by_one(thread_scratch, iteration_counts);
             }
@@ -83,8 +87,7 @@ fn leave_states(plan: &Plan, task: &Task, remaining: &mut Remaining) {
     let mut islands = task.islands.clone();
     while let Some(first) = islands.find(|&number| plan.islands.list[number].one_state) {
         let mut end = first + 1;
-        let members =
-            |number: usize| &plan.islands.members[plan.islands.list[number].members.clone()];
+        let members = |number: usize| plan.members(number);
         let Some(&begin) = members(first).first() else { continue };
         let mut rows = begin..begin + members(first).len() as u32;
         while islands.end > end
@@ -101,13 +104,6 @@ fn leave_states(plan: &Plan, task: &Task, remaining: &mut Remaining) {
 
 /// Through all substeps of a step.
 impl TaskSlice<'_> {
-    /// Some of its particles, to be predicted; counted from its first row on.
-    #[inline(always)]
-    pub(super) fn predict(&mut self, rows: Range<usize>) -> Predict<'_> {
-        let Places { position, start, velocity, .. } = &mut self.places;
-        self.motion.predict([position, start, velocity], rows, self.common.h)
-    }
-
     /// The instance batches in it.
     fn step_batches<'b>(
         &'b mut self,
@@ -117,7 +113,7 @@ impl TaskSlice<'_> {
         let Places { position, start, velocity, origin, radius, .. } = &mut self.places;
         let Motion { rounding, damping, air, common, .. } = &mut self.motion;
         BatchSolve {
-            common: self.common,
+            context: self.context,
             task: &self.task,
             position,
             origin,
@@ -143,82 +139,66 @@ impl TaskSlice<'_> {
         thread_scratches: &Pool<ThreadScratch>,
         iteration_counts: &[AtomicU32],
     ) {
-        let (all, execution) = (self.task.rows.len(), self.common.execution);
-        let island = &self.common.plan.islands.list[self.task.islands.start];
+        let (all, execution) = (self.task.rows.len(), self.context.execution);
+        let island = &self.context.plan.islands.list[self.task.islands.start];
         let first = if island.takes_microsteps() { island.microsteps } else { 1 };
-        let h = self.common.h / first as f32;
+        let h = self.context.h / first as f32;
         for (number, iteration_counts) in iteration_counts.iter().enumerate() {
             predict_all(Predict { h, ..self.predict(0..all) }, execution);
-            let share = TaskSlice {
-                common: Common { substep: self.common.substep + number as u32, ..self.common },
-                task: self.task.clone(),
-                places: self.places.lend(),
-                motion: self.motion.lend(),
-                multipliers: self.multipliers.lend(),
-                normal_impulses: self.normal_impulses.lend(),
-                reports: self.reports,
-                momentum_drift: &mut [],
-            };
+            let substep = self.context.substep + number as u32;
+            let share = self.lend(SolveContext { substep, ..self.context });
             share.by_all(thread_scratches);
             thread_scratches.with(|thread_scratch| {
                 let (number, report) = (self.task.islands.start, &mut self.reports[0]);
-                self.common.limit_recovery(number, &mut self.places, report, thread_scratch);
+                self.context.limit_recovery(number, &mut self.places, report, thread_scratch);
             });
             iteration_counts.fetch_max(self.reports[0].last_sweeps, Ordering::Relaxed);
         }
     }
 
     /// Its islands one after the other through all substeps. `iteration_counts` are the most sweeps in each.
-    fn step_one_by_one(self, thread_scratch: &mut ThreadScratch, iteration_counts: &[AtomicU32]) {
-        let Self { common, task, mut places, mut motion, reports, .. } = self;
-        let (mut multipliers, mut normal_impulses) = (self.multipliers, self.normal_impulses);
-        let Common { plan, h, execution: ExecutionContext { instructions, .. }, .. } = common;
+    fn step_one_by_one(
+        mut self,
+        thread_scratch: &mut ThreadScratch,
+        iteration_counts: &[AtomicU32],
+    ) {
+        self.context = self.context.by_one();
+        let SolveContext { plan, h, execution, substep: first, .. } = self.context;
         let remaining = take(&mut thread_scratch.remaining);
         let mut step_rows = take(&mut thread_scratch.step_rows);
         let mut microsteps = take(&mut thread_scratch.microsteps);
-        list_step_rows(plan, task.rows.start, &remaining, &mut step_rows);
+        list_step_rows(plan, self.task.rows.start, &remaining, &mut step_rows);
         let islands = || remaining.islands.iter().cloned().flatten();
         for (number, iteration_counts) in iteration_counts.iter().enumerate() {
-            let common = Common { substep: common.substep + number as u32, ..common };
+            self.context.substep = first + number as u32;
             for StepRows { rows, microsteps } in step_rows.iter().cloned() {
-                let Places { position, start, velocity, .. } = &mut places;
                 let h = h / microsteps as f32;
-                with(instructions, motion.predict([position, start, velocity], rows, h));
+                with(execution.instructions, Predict { h, ..self.predict(rows) });
             }
             thread_scratch.momentum_drifts.clear();
             let mut sweeps = 0;
             for number in islands() {
-                let report = &mut reports[number - task.islands.start];
                 let island = &plan.islands.list[number];
                 if island.is_left_alone() {
                     continue;
                 }
                 let sweeper = InOrder::new(plan, island, thread_scratch);
-                let momentum_drift = solve_substep(
-                    common.by_one(),
-                    number,
-                    (&mut places, &mut motion),
-                    &mut multipliers,
-                    &mut normal_impulses,
-                    report,
-                    sweeper,
-                    (&mut [], &mut microsteps),
-                );
+                let momentum_drift = self.solve_substep(number, sweeper, &mut microsteps);
                 thread_scratch
                     .momentum_drifts
                     .extend(momentum_drift.map(|momentum_drift| (number as u32, momentum_drift)));
-                sweeps = sweeps.max(report.last_sweeps);
+                sweeps = sweeps.max(self.report(number).last_sweeps);
             }
             iteration_counts.fetch_max(sweeps, Ordering::Relaxed);
-            derive_whole_steps(&mut places, &step_rows, common);
+            let Self { context, task, places, normal_impulses, reports, .. } = &mut self;
+            derive_whole_steps(places, &step_rows, *context);
             for (number, momentum_drift) in thread_scratch.momentum_drifts.drain(..) {
-                let members = plan.islands.list[number as usize].members.clone();
-                momentum_drift.take_off(&mut places, &plan.islands.members[members]);
+                momentum_drift.take_off(places, plan.members(number as usize));
             }
-            common.bounce(&mut places, &mut normal_impulses, task.rows.clone());
+            context.bounce(places, normal_impulses, task.rows.clone());
             for number in islands() {
                 let report = &mut reports[number - task.islands.start];
-                common.limit_recovery(number, &mut places, report, thread_scratch);
+                context.limit_recovery(number, places, report, thread_scratch);
             }
         }
         thread_scratch.remaining = remaining;

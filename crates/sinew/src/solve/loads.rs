@@ -14,11 +14,13 @@
 use glam::{DVec3, Vec3};
 
 use super::IslandReport;
-use super::constraint_ref::{ConstraintRef, Local, SolveMode};
-use super::island::{Common, Sweeper, list_constraint_refs, solve};
+use super::constraint_ref::{ConstraintRef, Local, SolveMode, list_constraint_refs};
+use super::context::SolveContext;
+use super::island::{Sweeper, solve};
 use super::momentum::MomentumDrift;
 use super::multipliers::{MultiplierSlice, Multipliers};
 use super::plan::{GroupKind, Plan};
+use super::task_slice::IslandSlice;
 use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::constraints::GradientAt;
 use crate::islands::Island;
@@ -159,14 +161,14 @@ impl Loads {
     /// added to a list, with the number of the island.
     pub(super) fn solve(
         &mut self,
-        common: Common,
+        context: SolveContext,
         particles: &mut Particles,
         normal_impulses: &mut [NormalImpulse],
         all_multipliers: &mut Multipliers,
         reports: &mut [IslandReport],
         momentum_drifts: &mut Vec<(u32, MomentumDrift)>,
     ) {
-        let plan = common.plan;
+        let plan = context.plan;
         let mut first = 0;
         for at in 0..self.islands.len() {
             let number = self.islands[at];
@@ -177,7 +179,6 @@ impl Loads {
                 continue;
             }
             list_constraint_refs(plan, island, &mut self.constraint_refs);
-            let mut places = Places::all(particles);
             let sweep = MeasuredSweep {
                 plan,
                 island,
@@ -188,12 +189,14 @@ impl Loads {
                 tethers: &mut self.tethers[tethers],
             };
             let momentum_drift = solve(
-                common,
+                context,
                 number as usize,
-                &mut places,
-                &mut all_multipliers.all(),
-                &mut NormalImpulses::all(normal_impulses),
-                &mut reports[number as usize],
+                IslandSlice {
+                    places: Places::all(particles),
+                    multipliers: all_multipliers.all(),
+                    normal_impulses: NormalImpulses::all(normal_impulses),
+                    report: &mut reports[number as usize],
+                },
                 sweep,
             );
             momentum_drifts.extend(momentum_drift.map(|drift| (number, drift)));

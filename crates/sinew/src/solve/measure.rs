@@ -2,8 +2,8 @@
 
 use super::SolverReport;
 use super::constraint_ref::{constraint_error, distance_error};
-use super::island::ThreadScratch;
 use super::plan::{ConstraintGroup, GroupKind, Plan};
+use super::scratch::ThreadScratch;
 use crate::collide::ParticleContacts;
 use crate::constraints::Distance;
 use crate::islands::Islands;

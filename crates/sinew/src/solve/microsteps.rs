@@ -16,16 +16,16 @@ use core::ops::Range;
 
 use glam::Vec4;
 
-use super::IslandReport;
+use super::context::{Microstep, SolveContext};
 use super::instances::MOST;
-use super::island::{Common, Sweeper, solve};
+use super::island::{Sweeper, solve};
 use super::momentum::MomentumDrift;
-use super::multipliers::MultiplierSlice;
 use super::plan::{GroupKind, Plan};
 use super::remaining::Remaining;
-use crate::collide::NormalImpulses;
+use super::scratch::MicrostepScratch;
+use super::task_slice::TaskSlice;
 use crate::constraints::{ConstraintKind, GradientAt};
-use crate::integrate::{Derive, Integrator, Motion, StepRows, derive, predict_all};
+use crate::integrate::{Derive, Integrator, Predict, StepRows, derive, predict_all};
 use crate::islands::Island;
 use crate::lanes::with;
 use crate::particles::Places;
@@ -36,19 +36,6 @@ const SWEEPS: u32 = 2;
 
 /// No microstep is shorter than this, seconds: positions are rounded to some 3e-8 of a metre, and what a step is rounded by is a speed.
 const SHORTEST: f32 = 1.0 / 2500.0;
-
-/// Which of several microsteps of a substep it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Microstep {
-    /// From 0.
-    pub(crate) number: u32,
-    pub(crate) of: u32,
-}
-
-impl Microstep {
-    /// A substep that is not divided.
-    pub(crate) const WHOLE: Self = Self { number: 0, of: 1 };
-}
 
 /// Decides how an island of the `plan` goes through substeps of `h` seconds, when its settings are those of its bodies.
 pub(crate) fn divide(plan: &mut Plan, number: usize, h: f32) {
@@ -91,96 +78,81 @@ impl Plan {
     }
 }
 
-/// What taking microsteps needs. Scratch.
-#[derive(Clone, Debug, Default)]
-pub(super) struct MicrostepScratch {
-    /// Where each particle was when the substep began.
-    start: Vec<Vec4>,
-    /// The places of pinned particles that are led, and where to.
-    led: Vec<(usize, Vec4)>,
-}
-
-/// Solves an island through a substep of which the first microstep has been predicted: whole, and returns what is to be taken off when its velocities are
-/// derived, as [`solve`] does; or in its microsteps, and then that is done.
-pub(super) fn solve_substep(
-    common: Common,
-    number: usize,
-    bodies: (&mut Places, &mut Motion),
-    multipliers: &mut MultiplierSlice,
-    normal_impulses: &mut NormalImpulses,
-    report: &mut IslandReport,
-    sweeper: impl Sweeper,
-    out: (&mut [Vec4], &mut MicrostepScratch),
-) -> Option<MomentumDrift> {
-    if common.plan.islands.list[number].takes_microsteps() {
-        take_microsteps(common, number, bodies, multipliers, normal_impulses, report, sweeper, out);
-        return None;
-    }
-    solve(common, number, bodies.0, multipliers, normal_impulses, report, sweeper)
-}
-
-/// Takes an island, whose first microstep has been predicted, through all of them: its velocities are derived, and have bounced. If they are to be derived
-/// once more, after contacts between bodies, what is to be taken off of each row then is written to `later`, which is empty otherwise.
-fn take_microsteps(
-    common: Common,
-    number: usize,
-    (places, motion): (&mut Places, &mut Motion),
-    multipliers: &mut MultiplierSlice,
-    normal_impulses: &mut NormalImpulses,
-    report: &mut IslandReport,
-    mut sweeper: impl Sweeper,
-    (later, scratch): (&mut [Vec4], &mut MicrostepScratch),
-) {
-    let Common { plan, execution, .. } = common;
-    let island = &plan.islands.list[number];
-    let members = &plan.islands.members[island.members.clone()];
-    let rows = members[0]..members[0] + members.len() as u32;
-    let span = places.at(rows.start)..places.at(rows.start) + members.len();
-    let of = island.microsteps;
-    let h = common.h / of as f32;
-    scratch.begin(places, span.clone(), !later.is_empty());
-    let mut sweeps = 0;
-    for number_of_step in 0..of {
-        if number_of_step > 0 {
-            let columns = [&mut *places.position, &mut *places.start, &mut *places.velocity];
-            predict_all(motion.predict(columns, span.clone(), h), execution);
+impl TaskSlice<'_> {
+    /// Solves an island through a substep of which the first microstep has been predicted: whole, and returns what is to be taken off when its velocities are
+    /// derived, as [`solve`] does; or in its microsteps, and then that is done.
+    pub(super) fn solve_substep(
+        &mut self,
+        number: usize,
+        sweeper: impl Sweeper,
+        scratch: &mut MicrostepScratch,
+    ) -> Option<MomentumDrift> {
+        if self.context.plan.islands.list[number].takes_microsteps() {
+            self.take_microsteps(number, sweeper, scratch);
+            return None;
         }
-        scratch.lead(places, of - number_of_step);
-        let microstep = Microstep { number: number_of_step, of };
-        let common = Common { h, lag: h, microstep, ..common };
-        let drift =
-            solve(common, number, places, multipliers, normal_impulses, report, &mut sweeper);
-        sweeps += report.last_sweeps;
-        let all = Derive {
-            position: &places.position[span.clone()],
-            start: &places.start[span.clone()],
-            velocity: &mut places.velocity[span.clone()],
-            momentum_drift: &[],
-            h,
-            lag: h,
-        };
-        derive(all, execution);
-        if let Some(drift) = drift {
-            drift.take_off(places, members);
-        }
-        common.bounce(places, normal_impulses, rows.clone());
+        solve(self.context, number, self.island(number), sweeper)
     }
-    report.last_sweeps = sweeps;
-    report.most_sweeps = report.most_sweeps.max(sweeps);
-    if !later.is_empty() {
-        scratch.join(places, span, common.h, later);
+
+    /// Takes an island, whose first microstep has been predicted, through all of them: its velocities are derived, and have bounced. If they are to be derived
+    /// once more, after contacts between bodies, what is to be taken off of each row then is noted.
+    fn take_microsteps(
+        &mut self,
+        number: usize,
+        mut sweeper: impl Sweeper,
+        scratch: &mut MicrostepScratch,
+    ) {
+        let SolveContext { plan, execution, .. } = self.context;
+        let island = &plan.islands.list[number];
+        let members = &plan.islands.members[island.members.clone()];
+        let rows = members[0]..members[0] + members.len() as u32;
+        let own = self.places.at(rows.start)..self.places.at(rows.start) + members.len();
+        let of = island.microsteps;
+        let h = self.context.h / of as f32;
+        scratch.begin(&self.places, own.clone(), !self.momentum_drift.is_empty());
+        let mut sweeps = 0;
+        for number_of_step in 0..of {
+            if number_of_step > 0 {
+                predict_all(Predict { h, ..self.predict(own.clone()) }, execution);
+            }
+            scratch.lead(&mut self.places, of - number_of_step);
+            let microstep = Microstep { number: number_of_step, of };
+            let context = SolveContext { h, lag: h, microstep, ..self.context };
+            let drift = solve(context, number, self.island(number), &mut sweeper);
+            sweeps += self.report(number).last_sweeps;
+            let places = &mut self.places;
+            let all = Derive {
+                position: &places.position[own.clone()],
+                start: &places.start[own.clone()],
+                velocity: &mut places.velocity[own.clone()],
+                momentum_drift: &[],
+                h,
+                lag: h,
+            };
+            derive(all, execution);
+            if let Some(drift) = drift {
+                drift.take_off(places, members);
+            }
+            context.bounce(places, &mut self.normal_impulses, rows.clone());
+        }
+        let report = self.report(number);
+        report.last_sweeps = sweeps;
+        report.most_sweeps = report.most_sweeps.max(sweeps);
+        if !self.momentum_drift.is_empty() {
+            scratch.join(&mut self.places, own, self.context.h, self.momentum_drift);
+        }
     }
 }
 
 impl MicrostepScratch {
-    fn begin(&mut self, places: &Places, span: Range<usize>, keeps_start: bool) {
+    fn begin(&mut self, places: &Places, rows: Range<usize>, keeps_start: bool) {
         let Self { start, led } = self;
         start.clear();
         if keeps_start {
-            start.extend_from_slice(&places.start[span.clone()]);
+            start.extend_from_slice(&places.start[rows.clone()]);
         }
         led.clear();
-        led.extend(span.filter_map(|i| {
+        led.extend(rows.filter_map(|i| {
             let end = places.position[i];
             (end.w == 0.0 && end != places.start[i]).then_some((i, end))
         }));
@@ -196,9 +168,9 @@ impl MicrostepScratch {
     }
 
     /// Makes one step of `h` seconds of all microsteps: from where the first began, at the mean velocity.
-    fn join(&self, places: &mut Places, span: Range<usize>, h: f32, later: &mut [Vec4]) {
+    fn join(&self, places: &mut Places, rows: Range<usize>, h: f32, later: &mut [Vec4]) {
         let per_second = 1.0 / h;
-        for (i, start) in span.zip(&self.start) {
+        for (i, start) in rows.zip(&self.start) {
             let own = places.velocity[i];
             let mean = ((places.position[i] - *start) * per_second).truncate();
             later[i] = (mean - own.truncate()).extend(0.0);
@@ -241,8 +213,12 @@ pub(super) fn list_step_rows(
 }
 
 /// Derives the velocities of rows that have taken a substep whole. Of others they are derived.
-pub(super) fn derive_whole_steps(places: &mut Places, step_rows: &[StepRows], common: Common) {
-    let Common { h, lag, execution, .. } = common;
+pub(super) fn derive_whole_steps(
+    places: &mut Places,
+    step_rows: &[StepRows],
+    context: SolveContext,
+) {
+    let SolveContext { h, lag, execution, .. } = context;
     for rows in step_rows.iter().filter(|rows| rows.microsteps == 1).map(|all| all.rows.clone()) {
         let derive = Derive {
             position: &places.position[rows.clone()],

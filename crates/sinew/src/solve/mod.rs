@@ -4,6 +4,7 @@
 //!   constraints were added or removed;
 //! - `world` deals islands out to threads, `island_step` for whole steps; `island` solves one: until the largest error in it is small enough or the
 //!   sweeps are spent;
+//! - `context` is what all of them need to know of a substep, `task_slice` what a task or an island has to itself, `scratch` what a thread keeps the memory of;
 //! - `microsteps` takes a large soft island through a substep in smaller steps of its own;
 //! - `instances` takes islands that are built alike side by side;
 //! - `wavefront` takes the substeps of a step through a large island of rods one behind the other, and several threads one behind the other, too;
@@ -19,6 +20,7 @@
 //! - `report` says how it went.
 
 mod constraint_ref;
+mod context;
 mod damping;
 mod gauss_seidel;
 mod instances;
@@ -36,6 +38,8 @@ mod recovery;
 mod remaining;
 mod report;
 mod rods;
+mod scratch;
+mod task_slice;
 mod tethers;
 mod wavefront;
 mod wide;
@@ -44,13 +48,14 @@ mod world;
 pub use report::{IslandReport, SolverReport};
 
 pub(crate) use constraint_ref::soft_energy;
+pub(crate) use context::{Microstep, SolveContext};
 pub(crate) use damping::Damping;
-pub(crate) use island::{Common, ThreadScratch};
 pub(crate) use island_step::advance_all;
 pub(crate) use loads::Loads;
 pub(crate) use measure::{measure, measure_overlaps};
-pub(crate) use microsteps::{Microstep, divide};
+pub(crate) use microsteps::divide;
 pub(crate) use momentum::is_free;
 pub(crate) use plan::{Change, Changes, Given, GroupKind, List, Plan};
 pub(crate) use recovery::limit_all_recoveries;
+pub(crate) use scratch::ThreadScratch;
 pub(crate) use world::{SolveScratch, settle_all, solve_all};

@@ -12,10 +12,9 @@
 
 use glam::{DVec3, Vec3, Vec4};
 
-use super::instances::WideMomentumDrift;
 use crate::integrate::Integrator;
 use crate::islands::Island;
-use crate::lanes::{LANES, Lanes, Vector, Work};
+use crate::lanes::{Doubles, LANES, Lanes, Vector, Work};
 use crate::particles::Places;
 use crate::pose::pseudo_solve;
 
@@ -64,6 +63,32 @@ impl MomentumDrift {
     fn share(&self, start: Vec4) -> Vec3 {
         let arm = start.truncate().as_dvec3() - self.anchor - self.centre;
         (self.shift + self.turn.cross(arm)).as_vec3()
+    }
+}
+
+/// What eight bodies have to have taken off.
+pub(super) struct WideMomentumDrift<D> {
+    pub(super) anchor: Vector<D>,
+    pub(super) centre: Vector<D>,
+    pub(super) shift: Vector<D>,
+    pub(super) turn: Vector<D>,
+}
+
+impl<D: Doubles> WideMomentumDrift<D> {
+    /// Eight times that of one body.
+    #[inline(always)]
+    pub(super) fn all(one: &MomentumDrift) -> Self {
+        let MomentumDrift { anchor, centre, shift, turn } = *one;
+        let all = Vector::double;
+        Self { anchor: all(anchor), centre: all(centre), shift: all(shift), turn: all(turn) }
+    }
+
+    /// What particles have to have taken off their velocities that were there when the substep began, m/s.
+    #[inline(always)]
+    pub(super) fn share<L: Lanes<Doubles = D>>(&self, from: Vector<L>) -> Vector<L> {
+        let arm = from.widen() - self.anchor - self.centre;
+        let share = self.shift + self.turn.cross(arm);
+        Vector::narrow(share)
     }
 }
 

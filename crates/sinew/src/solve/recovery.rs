@@ -13,9 +13,10 @@
 //! are those that take microsteps.
 
 use super::IslandReport;
-use super::constraint_ref::{ConstraintRef, Local};
-use super::island::{Common, ThreadScratch, list_constraint_refs};
+use super::constraint_ref::{ConstraintRef, Local, list_constraint_refs};
+use super::context::SolveContext;
 use super::plan::Plan;
+use super::scratch::ThreadScratch;
 use crate::collide::recovery;
 use crate::constraints::{GradientAt, Points, Solved, solve_equation};
 use crate::islands::Island;
@@ -74,7 +75,7 @@ fn limit_recovery(
     }
 }
 
-impl Common<'_> {
+impl SolveContext<'_> {
     /// Takes off the velocities of the island of a number, when they have been derived, what recovers violations too fast.
     pub(super) fn limit_recovery(
         &self,

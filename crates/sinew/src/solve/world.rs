@@ -6,14 +6,17 @@ use core::sync::atomic::AtomicU32;
 use glam::Vec4;
 
 use super::constraint_ref::SolveMode;
+use super::context::SolveContext;
 use super::instances::{BatchMotion, BatchSolve};
-use super::island::{Common, InOrder, Sweeper, ThreadScratch, hold_tethers};
+use super::island::{InOrder, Sweeper, hold_tethers};
 use super::loads::Loads;
-use super::microsteps::{derive_whole_steps, list_step_rows, solve_substep};
+use super::microsteps::{derive_whole_steps, list_step_rows};
 use super::momentum::{MomentumDrift, Note};
 use super::multipliers::{MultiplierSlice, Multipliers};
-use super::plan::{Plan, Task};
-use super::{IslandReport, SolverReport, gauss_seidel};
+use super::plan::Plan;
+use super::scratch::ThreadScratch;
+use super::task_slice::{TaskSlice, slices};
+use super::{SolverReport, gauss_seidel};
 use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::integrate::{Derive, Motion, StepRows, derive};
 use crate::islands::Island;
@@ -58,22 +61,22 @@ impl SolveScratch {
 pub(crate) fn solve_all(
     particles: &mut Particles,
     normal_impulses: &mut [NormalImpulse],
-    common: Common,
+    context: SolveContext,
     open: bool,
     (scratch, loads): (&mut SolveScratch, &mut Loads),
     report: &mut SolverReport,
 ) {
     let SolveScratch { all_multipliers, thread_scratches, momentum_drift, measured, .. } = scratch;
-    let Common { plan, execution, .. } = common;
+    let SolveContext { plan, execution, .. } = context;
     all_multipliers.resize(plan.distances.len(), plan.constraints.len());
     measured.clear();
     let reports = &mut report.islands[..];
-    loads.solve(common, particles, normal_impulses, all_multipliers, reports, measured);
+    loads.solve(context, particles, normal_impulses, all_multipliers, reports, measured);
     momentum_drift.clear();
     momentum_drift.resize(if open { particles.len() } else { 0 }, Vec4::ZERO);
     let (normal_impulses, drift) = (NormalImpulses::all(normal_impulses), &mut momentum_drift[..]);
     let (bodies, multipliers) = (Motion::all(particles), all_multipliers.all());
-    let shares = slices(common, bodies, multipliers, normal_impulses, &mut report.islands, drift);
+    let shares = slices(context, bodies, multipliers, normal_impulses, &mut report.islands, drift);
     let splits = |share: &TaskSlice| {
         let order = plan.islands.list[share.task.islands.start].settings.order;
         share.task.large && execution.workers.is_some() && order == Order::GaussSeidel
@@ -99,7 +102,7 @@ pub(crate) fn solve_all(
         share.by_all(thread_scratches);
     }
     for (number, drift) in &*measured {
-        let rows = &plan.islands.members[plan.islands.list[*number as usize].members.clone()];
+        let rows = plan.members(*number as usize);
         let mut places = Places::all(particles);
         if open {
             let note = Note { momentum_drift: drift, places: &places, rows, to: momentum_drift };
@@ -119,7 +122,7 @@ pub(crate) fn solve_all(
 pub(crate) fn settle_all(
     particles: &mut Particles,
     normal_impulses: &mut [NormalImpulse],
-    common: Common,
+    context: SolveContext,
     which: &[StepRows],
     scratch: &mut SolveScratch,
 ) {
@@ -127,7 +130,7 @@ pub(crate) fn settle_all(
     let mut places = Places::all(particles);
     let (Places { position, start, velocity, .. }, momentum_drift) =
         (&mut places, &scratch.momentum_drift[..]);
-    let Common { h, lag, execution, .. } = common;
+    let SolveContext { h, lag, execution, .. } = context;
     for StepRows { rows, microsteps } in which.iter().cloned() {
         let derive_some = Derive {
             position: &position[rows.clone()],
@@ -140,127 +143,63 @@ pub(crate) fn settle_all(
         };
         derive(derive_some, execution);
     }
-    if common.contacts.bounces() {
+    if context.contacts.bounces() {
         let mut normal_impulses = NormalImpulses::all(normal_impulses);
-        common.contacts.bounce(&mut places, &mut normal_impulses, rows, (h, common.gravity));
+        context.contacts.bounce(&mut places, &mut normal_impulses, rows, (h, context.gravity));
     }
-}
-
-/// A task, and what is its alone.
-pub(super) struct TaskSlice<'a> {
-    pub(super) common: Common<'a>,
-    pub(super) task: Task,
-    pub(super) places: Places<'a>,
-    pub(super) motion: Motion<'a>,
-    pub(super) multipliers: MultiplierSlice<'a>,
-    pub(super) normal_impulses: NormalImpulses<'a>,
-    pub(super) reports: &'a mut [IslandReport],
-    /// A place for what each particle has to have taken off, if velocities are derived later; none otherwise.
-    pub(super) momentum_drift: &'a mut [Vec4],
-}
-
-/// Cuts what there is into the tasks of a plan.
-pub(super) fn slices<'a>(
-    common: Common<'a>,
-    (places, motion): (Places<'a>, Motion<'a>),
-    multipliers: MultiplierSlice<'a>,
-    normal_impulses: NormalImpulses<'a>,
-    reports: &'a mut [IslandReport],
-    momentum_drift: &'a mut [Vec4],
-) -> impl Iterator<Item = TaskSlice<'a>> {
-    let mut left = Some((places, motion, multipliers, normal_impulses, reports, momentum_drift));
-    common.plan.tasks(common.execution.workers.is_none()).filter_map(move |task| {
-        let (places, motion, multipliers, normal_impulses, reports, drift) = left.take()?;
-        let (own, places) = places.split_at(task.rows.end);
-        let (own_motion, motion) = motion.split_at(own.position.len());
-        let (own_sums, multipliers) =
-            multipliers.split(Some(task.distances.end), Some(task.constraints.end));
-        let (own_presses, normal_impulses) = common.contacts.split(normal_impulses, task.rows.end);
-        let (own_reports, reports) = reports.split_at_mut(task.islands.len());
-        let (own_drift, drift) = drift.split_at_mut(own.position.len().min(drift.len()));
-        left = Some((places, motion, multipliers, normal_impulses, reports, drift));
-        Some(TaskSlice {
-            common,
-            task,
-            places: own,
-            motion: own_motion,
-            multipliers: own_sums,
-            normal_impulses: own_presses,
-            reports: own_reports,
-            momentum_drift: own_drift,
-        })
-    })
 }
 
 impl TaskSlice<'_> {
     /// One island after the other, by one worker.
-    fn one_by_one(self, thread_scratch: &mut ThreadScratch) {
-        let Self {
-            common,
-            task,
-            mut places,
-            mut motion,
-            mut multipliers,
-            mut normal_impulses,
-            reports,
-            momentum_drift: later,
-        } = self;
-        let Common { plan, execution: ExecutionContext { instructions, .. }, .. } = common;
+    fn one_by_one(mut self, thread_scratch: &mut ThreadScratch) {
+        self.context = self.context.by_one();
+        let plan = self.context.plan;
         let remaining = take(&mut thread_scratch.remaining);
         let mut microsteps = take(&mut thread_scratch.microsteps);
         for number in remaining.islands.iter().cloned().flatten() {
-            let report = &mut reports[number - task.islands.start];
             let island = &plan.islands.list[number];
             if island.measured || island.is_left_alone() {
                 continue;
             }
             let sweeper = InOrder::new(plan, island, thread_scratch);
-            let momentum_drift = solve_substep(
-                common.by_one(),
-                number,
-                (&mut places, &mut motion),
-                &mut multipliers,
-                &mut normal_impulses,
-                report,
-                sweeper,
-                (later, &mut microsteps),
-            );
+            let momentum_drift = self.solve_substep(number, sweeper, &mut microsteps);
             let Some(momentum_drift) = momentum_drift else { continue };
-            if later.is_empty() {
+            if self.momentum_drift.is_empty() {
                 thread_scratch.momentum_drifts.push((number as u32, momentum_drift));
             } else {
-                let rows = &plan.islands.members[island.members.clone()];
-                with(
-                    instructions,
-                    Note { momentum_drift: &momentum_drift, places: &places, rows, to: later },
-                );
+                self.note_drift(&momentum_drift, number);
             }
         }
         (thread_scratch.remaining, thread_scratch.microsteps) = (remaining, microsteps);
-        if !later.is_empty() {
+        if !self.momentum_drift.is_empty() {
             return;
         }
+        let Self { context, task, mut places, mut normal_impulses, .. } = self;
         // Instance batches are solved, and to be derived: these are all rows of the task.
         let mut step_rows = take(&mut thread_scratch.step_rows);
         thread_scratch.remaining.reset(&task);
         list_step_rows(plan, task.rows.start, &thread_scratch.remaining, &mut step_rows);
-        derive_whole_steps(&mut places, &step_rows, common);
+        derive_whole_steps(&mut places, &step_rows, context);
         thread_scratch.step_rows = step_rows;
         for (number, momentum_drift) in thread_scratch.momentum_drifts.drain(..) {
-            let members = plan.islands.list[number as usize].members.clone();
-            momentum_drift.take_off(&mut places, &plan.islands.members[members]);
+            momentum_drift.take_off(&mut places, plan.members(number as usize));
         }
-        common.bounce(&mut places, &mut normal_impulses, task.rows);
+        context.bounce(&mut places, &mut normal_impulses, task.rows);
     }
-}
 
-impl TaskSlice<'_> {
+    /// Notes what the particles of an island are to have taken off when their velocities are derived.
+    fn note_drift(&mut self, momentum_drift: &MomentumDrift, number: usize) {
+        let SolveContext { plan, execution, .. } = self.context;
+        let (places, rows, to) = (&self.places, plan.members(number), &mut *self.momentum_drift);
+        with(execution.instructions, Note { momentum_drift, places, rows, to });
+    }
+
     /// The instance batches in it.
     fn instance_batches<'b>(&'b mut self, thread_scratch: &'b mut ThreadScratch) -> BatchSolve<'b> {
         let Self { places, momentum_drift, normal_impulses, .. } = self;
         let Places { position, start, velocity, origin, radius, .. } = places;
         BatchSolve {
-            common: self.common,
+            context: self.context,
             task: &self.task,
             position,
             motion: BatchMotion::Substep { start, velocity, momentum_drift },
@@ -273,21 +212,9 @@ impl TaskSlice<'_> {
     }
 
     /// A single large island, by all workers.
-    pub(super) fn by_all(self, thread_scratches: &Pool<ThreadScratch>) {
-        let Self {
-            common,
-            task,
-            mut places,
-            mut motion,
-            mut multipliers,
-            mut normal_impulses,
-            reports,
-            momentum_drift: later,
-        } = self;
-        let (Common { plan, execution, .. }, Some(report)) = (common, reports.first_mut()) else {
-            return;
-        };
-        let number = task.islands.start;
+    pub(super) fn by_all(mut self, thread_scratches: &Pool<ThreadScratch>) {
+        let SolveContext { plan, execution, h, lag, .. } = self.context;
+        let number = self.task.islands.start;
         let island = &plan.islands.list[number];
         if island.is_left_alone() {
             return;
@@ -299,38 +226,25 @@ impl TaskSlice<'_> {
         let momentum_drift = if island.measured {
             None
         } else {
-            solve_substep(
-                common,
-                number,
-                (&mut places, &mut motion),
-                &mut multipliers,
-                &mut normal_impulses,
-                report,
-                sweeper,
-                (later, &mut microsteps),
-            )
+            self.solve_substep(number, sweeper, &mut microsteps)
         };
         thread_scratches.with(|thread_scratch| thread_scratch.microsteps = microsteps);
         if island.takes_microsteps() {
             return;
         }
-        let rows = &plan.islands.members[island.members.clone()];
-        if !later.is_empty() {
+        if !self.momentum_drift.is_empty() {
             if let Some(momentum_drift) = &momentum_drift {
-                with(
-                    execution.instructions,
-                    Note { momentum_drift, places: &places, rows, to: later },
-                );
+                self.note_drift(momentum_drift, number);
             }
             return;
         }
+        let Self { context, task, mut places, mut normal_impulses, .. } = self;
         let Places { position, start, velocity, .. } = &mut places;
-        let (h, lag) = (common.h, common.lag);
         derive(Derive { position, start, velocity, momentum_drift: &[], h, lag }, execution);
         if let Some(momentum_drift) = momentum_drift {
-            momentum_drift.take_off(&mut places, rows);
+            momentum_drift.take_off(&mut places, plan.members(number));
         }
-        common.bounce(&mut places, &mut normal_impulses, task.rows);
+        context.bounce(&mut places, &mut normal_impulses, task.rows);
     }
 }
 

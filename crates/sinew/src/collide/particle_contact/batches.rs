@@ -12,7 +12,7 @@ use glam::Vec3;
 use super::super::shape::ClosedForm;
 use super::super::{Frame, ShapeTouch};
 use super::surface::SurfaceForm;
-use super::{InstantSpan, NormalImpulses, ParticleContact, ParticleContacts};
+use super::{InstantInterval, NormalImpulses, ParticleContact, ParticleContacts};
 use crate::islands::Islands;
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 use crate::particles::{Particles, Places};
@@ -107,7 +107,7 @@ impl ParticleContacts {
         &self,
         places: &mut Places,
         normal_impulses: &mut NormalImpulses,
-        (number, span): (usize, InstantSpan),
+        (number, interval): (usize, InstantInterval),
         instructions: InstructionSet,
     ) -> f32 {
         let CandidateBatches { islands, runs, batches, .. } = &self.batches;
@@ -123,13 +123,14 @@ impl ParticleContacts {
                 for batch in batches {
                     for lane in 0..batch.count as usize {
                         let (row, number) = (batch.rows[lane], batch.candidates[lane]);
-                        worst = worst.max(self.meet(places, normal_impulses, (row, number), span));
+                        worst =
+                            worst.max(self.meet(places, normal_impulses, (row, number), interval));
                     }
                 }
                 continue;
             };
             let origin = places.origin[places.at(batches[0].rows[0])];
-            let (was, is) = self.frames_of(run.surface as usize, span, origin);
+            let (was, is) = self.frames_of(run.surface as usize, interval, origin);
             let touch = TouchSurface {
                 contacts: self,
                 places: places.lend(),
@@ -137,7 +138,7 @@ impl ParticleContacts {
                 batches,
                 surface: (run.surface, form),
                 frames: [was, is],
-                span,
+                interval,
             };
             worst = worst.max(with(instructions, touch));
         }
@@ -167,9 +168,9 @@ struct TouchSurface<'a> {
     normal_impulses: NormalImpulses<'a>,
     batches: &'a [CandidateBatch],
     surface: (u32, ClosedForm),
-    /// Where it is when the span begins and when it ends, seen from the origin of all rows.
+    /// Where it is when the interval begins and when it ends, seen from the origin of all rows.
     frames: [Frame; 2],
-    span: InstantSpan,
+    interval: InstantInterval,
 }
 
 impl Work for TouchSurface<'_> {
@@ -177,7 +178,7 @@ impl Work for TouchSurface<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
-        let Self { contacts, mut places, mut normal_impulses, batches, surface, frames, span } =
+        let Self { contacts, mut places, mut normal_impulses, batches, surface, frames, interval } =
             self;
         let (number, form) = surface;
         let (was, is) = (LocalFrame::<L>::of(&frames[0]), LocalFrame::<L>::of(&frames[1]));
@@ -190,7 +191,7 @@ impl Work for TouchSurface<'_> {
             let near = form.nearest(to);
             let found = near.touch(from, L::load(&batch.radius));
             // From behind, or out of what it was in before: one by one.
-            let deep = L::splat(contacts.recover_in(span)).lt(found.depth).and(found.touching);
+            let deep = L::splat(contacts.recover_in(interval)).lt(found.depth).and(found.touching);
             let behind = !found.in_front.bits() | deep.bits();
             let mut left = (found.touching.bits() | behind) & ((1 << batch.count) - 1);
             if left == 0 {
@@ -212,7 +213,7 @@ impl Work for TouchSurface<'_> {
                     let contact = ParticleContact::of(&touched, of(&ends), &frames, moves);
                     contacts.take_contact(&mut places, &mut normal_impulses, which, &contact)
                 } else {
-                    contacts.meet(&mut places, &mut normal_impulses, which, span)
+                    contacts.meet(&mut places, &mut normal_impulses, which, interval)
                 };
                 worst = worst.max(depth);
             }

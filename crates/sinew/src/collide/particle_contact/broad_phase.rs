@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::super::stage::World;
+use super::super::World;
 use super::super::{CombinedMaterial, nearby};
 use super::surface::SurfaceForm;
 use super::{NormalImpulse, ParticleContacts, SurfaceCandidate};

@@ -71,7 +71,7 @@ pub(crate) struct ParticleContacts {
 
 /// From which of the instants of a step to which others surfaces move meanwhile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct InstantSpan {
+pub(crate) struct InstantInterval {
     begin: u32,
     end: u32,
 }
@@ -120,14 +120,14 @@ impl ParticleContacts {
     }
 
     /// From when to when a microstep of a substep goes, of which there are so many.
-    pub(crate) fn span(&self, substep: u32, microstep: u32, of: u32) -> InstantSpan {
+    pub(crate) fn interval(&self, substep: u32, microstep: u32, of: u32) -> InstantInterval {
         let (begin, each) = (substep * self.instants, self.instants / of);
-        InstantSpan { begin: begin + microstep * each, end: begin + (microstep + 1) * each }
+        InstantInterval { begin: begin + microstep * each, end: begin + (microstep + 1) * each }
     }
 
     /// How much of an overlap is recovered meanwhile, metres: at one speed, however a substep is divided.
-    fn recover_in(&self, span: InstantSpan) -> f32 {
-        self.recover * ((span.end - span.begin) as f32 / self.instants as f32)
+    fn recover_in(&self, interval: InstantInterval) -> f32 {
+        self.recover * ((interval.end - interval.begin) as f32 / self.instants as f32)
     }
 
     /// Which rows do not collide by themselves.
@@ -182,13 +182,13 @@ impl ParticleContacts {
         places: &mut Places,
         normal_impulses: &mut NormalImpulses,
         (row, bounds): (u32, Option<&ClassBounds>),
-        span: InstantSpan,
+        interval: InstantInterval,
     ) -> f32 {
         let mut worst = 0.0_f32;
         if let Some(bounds) = bounds {
-            worst = self.project_to_bounds(places, row, bounds, span);
+            worst = self.project_to_bounds(places, row, bounds, interval);
         }
-        worst = worst.max(self.project_row(places, normal_impulses, row, span));
+        worst = worst.max(self.project_row(places, normal_impulses, row, interval));
         worst.max(self.project_into_plane(places, row))
     }
 
@@ -199,12 +199,12 @@ impl ParticleContacts {
         places: &mut Places,
         row: u32,
         bounds: &ClassBounds,
-        span: InstantSpan,
+        interval: InstantInterval,
     ) -> f32 {
         if self.is_solid(row) || places.position[places.at(row)].w == 0.0 {
             return 0.0;
         }
-        bounds.project(places, row, self.recover_in(span))
+        bounds.project(places, row, self.recover_in(interval))
     }
 
     /// Puts a row into the plane of a world in 2D; returns how far off it was, metres.
@@ -275,17 +275,17 @@ impl ParticleContacts {
         places: &mut Places,
         normal_impulses: &mut NormalImpulses,
         row: u32,
-        span: InstantSpan,
+        interval: InstantInterval,
     ) -> f32 {
         let mut worst = 0.0_f32;
         if self.first.is_empty() {
             return worst;
         }
         if self.has_strayed(places, row) {
-            return self.leave_any(places, row, span);
+            return self.leave_any(places, row, interval);
         }
         for number in self.of(row) {
-            worst = worst.max(self.meet(places, normal_impulses, (row, number), span));
+            worst = worst.max(self.meet(places, normal_impulses, (row, number), interval));
         }
         worst
     }
@@ -297,10 +297,10 @@ impl ParticleContacts {
         places: &mut Places,
         normal_impulses: &mut NormalImpulses,
         (row, number): (u32, u32),
-        span: InstantSpan,
+        interval: InstantInterval,
     ) -> f32 {
         let surface = self.candidates[number as usize].surface as usize;
-        let Some(contact) = self.contact(places, row, surface, span) else { return 0.0 };
+        let Some(contact) = self.contact(places, row, surface, interval) else { return 0.0 };
         self.take_contact(places, normal_impulses, (row, number), &contact)
     }
 
@@ -324,12 +324,12 @@ impl ParticleContacts {
 
     /// The same of any surface, for what was flung further than was foreseen.
     #[cold]
-    fn leave_any(&self, places: &mut Places, row: u32, span: InstantSpan) -> f32 {
+    fn leave_any(&self, places: &mut Places, row: u32, interval: InstantInterval) -> f32 {
         let mut worst = 0.0_f32;
         for (number, surface) in self.surfaces.iter().enumerate() {
             let material = self.material(number, self.classes.of(row));
             let Some(material) = material.filter(|_| !surface.sensor) else { continue };
-            if let Some(contact) = self.contact(places, row, number, span) {
+            if let Some(contact) = self.contact(places, row, number, interval) {
                 worst = worst.max(contact.depth);
                 contact.resolve(places, row, material.friction);
             }
@@ -344,7 +344,7 @@ impl ParticleContacts {
         places: &Places,
         row: u32,
         number: usize,
-        span: InstantSpan,
+        interval: InstantInterval,
     ) -> Option<ParticleContact> {
         let i = places.at(row);
         let (start, q, origin) = (places.start[i], places.position[i], places.origin[i]);
@@ -352,18 +352,18 @@ impl ParticleContacts {
         let surface = &self.surfaces[number];
         match &surface.form {
             SurfaceForm::Plane(plane) => {
-                self.along(plane.correction(places, row), (start, q), span)
+                self.along(plane.correction(places, row), (start, q), interval)
             }
             SurfaceForm::BoundingBox(room) => {
-                self.along(room.correction(places, row), (start, q), span)
+                self.along(room.correction(places, row), (start, q), interval)
             }
             SurfaceForm::Shape(shape) => {
-                let (was, is) = self.frames_of(number, span, origin);
+                let (was, is) = self.frames_of(number, interval, origin);
                 let (from, to) = (was.local(start.truncate()), is.local(q.truncate()));
                 let mut touched = shape.touch(from, to, radius)?;
                 if !surface.sensor {
                     let way = (from, to, radius);
-                    touched = recovered(touched, shape, way, self.recover_in(span))?;
+                    touched = recovered(touched, shape, way, self.recover_in(interval))?;
                 }
                 Some(ParticleContact::of(&touched, to, &[was, is], surface.moves))
             }
@@ -375,20 +375,20 @@ impl ParticleContacts {
         &self,
         correction: Vec3,
         (start, q): (Vec4, Vec4),
-        span: InstantSpan,
+        interval: InstantInterval,
     ) -> Option<ParticleContact> {
         let moved = (q - start).truncate();
-        ParticleContact::along(recovered_way(correction, moved, self.recover_in(span)))
+        ParticleContact::along(recovered_way(correction, moved, self.recover_in(interval)))
     }
 
-    /// Where a surface is when a span begins and when it ends, seen from an origin of rows, which keeps the digits far out.
+    /// Where a surface is when an interval begins and when it ends, seen from an origin of rows, which keeps the digits far out.
     #[inline]
-    fn frames_of(&self, number: usize, span: InstantSpan, origin: Vec3) -> (Frame, Frame) {
+    fn frames_of(&self, number: usize, interval: InstantInterval, origin: Vec3) -> (Frame, Frame) {
         let frame = |instant: u32| &self.frames[instant as usize * self.surfaces.len() + number];
         let seen = |instant: u32| frame(instant).seen_from(origin);
-        let is = seen(span.end);
+        let is = seen(interval.end);
         // Most stand still, and then there is but one frame, and nothing is carried.
-        let was = if self.surfaces[number].moves { seen(span.begin) } else { is };
+        let was = if self.surfaces[number].moves { seen(interval.begin) } else { is };
         (was, is)
     }
 }

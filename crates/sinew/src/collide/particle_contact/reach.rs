@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use super::super::bounds::ClassBounds;
-use super::{InstantSpan, NormalImpulses, ParticleContacts};
+use super::{InstantInterval, NormalImpulses, ParticleContacts};
 use crate::islands::Islands;
 use crate::lanes::InstructionSet;
 use crate::particles::{Particles, Places};
@@ -16,14 +16,14 @@ impl ParticleContacts {
         places: &mut Places,
         normal_impulses: &mut NormalImpulses,
         (number, rows): (usize, &[u32]),
-        (span, instructions): (InstantSpan, InstructionSet),
+        (interval, instructions): (InstantInterval, InstructionSet),
     ) -> f32 {
         let (near, strays) = self.in_reach(places, number, rows);
         let common = self.common_bounds();
         if strays || !self.has_batches(number) {
             let depths = near.iter().map(|&row| {
                 let bounds = self.bounds_of(row, strays, common);
-                self.project(places, normal_impulses, (row, bounds), span)
+                self.project(places, normal_impulses, (row, bounds), interval)
             });
             return depths.fold(0.0, f32::max);
         }
@@ -31,15 +31,15 @@ impl ParticleContacts {
         let mut worst = 0.0_f32;
         for &row in near {
             if let Some(bounds) = self.bounds_of(row, strays, common) {
-                worst = worst.max(self.project_to_bounds(places, row, bounds, span));
+                worst = worst.max(self.project_to_bounds(places, row, bounds, interval));
             }
         }
         if worst > 0.0 && near.iter().any(|&row| self.has_strayed(places, row)) {
             for &row in near {
-                worst = worst.max(self.project_row(places, normal_impulses, row, span));
+                worst = worst.max(self.project_row(places, normal_impulses, row, interval));
             }
         } else {
-            let batches = (number, span);
+            let batches = (number, interval);
             let depth = self.leave_in_batches(places, normal_impulses, batches, instructions);
             worst = worst.max(depth);
         }
@@ -132,12 +132,12 @@ impl ParticleContacts {
         places: &mut Places,
         normal_impulses: &mut NormalImpulses,
         row: u32,
-        span: InstantSpan,
+        interval: InstantInterval,
     ) -> f32 {
         if self.is_solid(row) || places.position[places.at(row)].w == 0.0 {
             return 0.0;
         }
-        self.leave(places, normal_impulses, row, span)
+        self.leave(places, normal_impulses, row, interval)
     }
 
     /// Finds them, when the boxes of the islands and the candidates of the rows are known.

@@ -336,7 +336,7 @@ fn rows_in_batches_end_where_each_of_them_would_one_by_one() {
                 &mut Places::all(&mut particles),
                 &mut NormalImpulses::all(&mut impulses),
                 (number, rows),
-                (contacts.span(round % 10, 0, 1), instructions),
+                (contacts.interval(round % 10, 0, 1), instructions),
             );
             let bits = |v: Vec3| v.to_array().map(f32::to_bits);
             let positions: Vec<_> = particles.position.iter().map(|q| bits(q.truncate())).collect();

@@ -4,19 +4,23 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{Vec3, Vec4};
 
+use super::InstanceBatch;
+use super::lane_compaction::LaneCompaction;
+use super::lane_storage::LaneStorage;
 use super::lane_storage::{LaneParticles, gather, scatter};
 use super::momentum_drift::{DeriveLanes, Take};
 use super::motion::PredictLanes;
+use super::solve::BatchContext;
 use super::surfaces::SurfaceContext;
-use super::{BatchContext, InstanceBatch, LaneCompaction, LaneStorage};
 use crate::collide::{BatchContacts, NormalImpulses, recovery};
 use crate::constraints::Plane;
 use crate::lanes::{LANES, with};
 use crate::particles::{Places, ground};
 use crate::settings::Order;
 use crate::solve::IslandReport;
-use crate::solve::island::{Common, ThreadScratch};
+use crate::solve::context::SolveContext;
 use crate::solve::plan::Task;
+use crate::solve::scratch::ThreadScratch;
 use crate::solve::tethers::IslandTethers;
 
 /// Particles of the bodies side by side in all storage that is solved together, at most: with all that belongs to them they fit into a core's second
@@ -26,7 +30,7 @@ const STORED_PARTICLES: usize = 512;
 /// The instance batches of a task, to be solved. What cannot be in lanes in this step is left to others, and noted in the thread scratch's
 /// [`Remaining`](crate::solve::remaining::Remaining).
 pub(crate) struct BatchSolve<'a> {
-    pub(crate) common: Common<'a>,
+    pub(crate) context: SolveContext<'a>,
     pub(crate) task: &'a Task,
     /// Columns from the task's first row on.
     pub(crate) position: &'a mut [Vec4],
@@ -65,7 +69,7 @@ pub(crate) struct WholeStep<'a> {
 impl<'a> BatchSolve<'a> {
     /// Solves them.
     pub(crate) fn run(mut self) {
-        let plan = self.common.plan;
+        let plan = self.context.plan;
         let instance_batches = &plan.instance_batches.all[self.task.instance_batches.clone()];
         let mut lane_compaction = core::mem::take(&mut self.thread_scratch.lane_compaction);
         let (mut begin, mut found) =
@@ -99,12 +103,12 @@ impl<'a> BatchSolve<'a> {
 
     /// What an instance batch may touch, if its bodies can go through this step together.
     fn contacts(&self, batch: &InstanceBatch) -> Option<BatchContacts<'a>> {
-        let islands = &self.common.plan.islands.list[batch.islands.clone()];
+        let islands = &self.context.plan.islands.list[batch.islands.clone()];
         if islands.iter().any(|island| island.rigid || island.measured || island.is_left_alone()) {
             return None;
         }
         let settings = &islands[0].settings;
-        let contacts = self.common.contacts.of_batch(batch.rows())?;
+        let contacts = self.context.contacts.of_batch(batch.rows())?;
         let apart = || {
             let place = |row: u32| (row - self.task.rows.start) as usize;
             let rows = place(batch.rows().start)..place(batch.rows().end);
@@ -122,7 +126,7 @@ impl<'a> BatchSolve<'a> {
     /// Whether two instance batches are of the same bodies, which are to be solved in the same way.
     fn has_same_topology(&self, one: &InstanceBatch, other: &InstanceBatch) -> bool {
         let settings =
-            |batch: &InstanceBatch| self.common.plan.islands.list[batch.islands.start].settings;
+            |batch: &InstanceBatch| self.context.plan.islands.list[batch.islands.start].settings;
         one.has_same_topology(other) && settings(one) == settings(other)
     }
 
@@ -132,7 +136,7 @@ impl<'a> BatchSolve<'a> {
         BatchContacts { planes, surfaces }: BatchContacts,
         lane_compaction: &mut LaneCompaction,
     ) {
-        let Common { plan, h, execution, .. } = self.common;
+        let SolveContext { plan, h, execution, .. } = self.context;
         let instructions = execution.instructions;
         let settings = &plan.islands.list[instance_batches[0].islands.start].settings;
         let (begin, origin, radius) = (self.task.rows.start, self.origin, self.radius);
@@ -140,14 +144,14 @@ impl<'a> BatchSolve<'a> {
             BatchMotion::Substep { velocity, .. } => Some(*velocity),
             BatchMotion::Step(_) => None,
         };
-        let of_surfaces = SurfaceContext { common: self.common, begin, origin, radius, velocity };
+        let of_surfaces = SurfaceContext { context: self.context, begin, origin, radius, velocity };
         let mut context = BatchContext {
             instance_batches: &plan.instance_batches,
             batch: &instance_batches[0],
             settings,
             planes,
-            recover: self.common.contacts.recover(),
-            violation: recovery(h, self.common.gravity),
+            recover: self.context.contacts.recover(),
+            violation: recovery(h, self.context.gravity),
             surfaces: surfaces.then_some(of_surfaces),
             h,
             instructions,
@@ -187,12 +191,12 @@ impl<'a> BatchSolve<'a> {
                     let violated = storage.convergence.violated & storage.mask();
                     for lane in (0..LANES).filter(|lane| violated >> lane & 1 != 0) {
                         let one = (batch.islands.start + lane, lane);
-                        limit_recovery(self.common, one, storage, reports, self.thread_scratch);
+                        limit_recovery(self.context, one, storage, reports, self.thread_scratch);
                     }
                 }
             }
             if let Some(surfaces) = &mut context.surfaces {
-                surfaces.common.substep += 1;
+                surfaces.context.substep += 1;
             }
         }
         for (batch, storage) in instance_batches.iter().zip(lane_compaction.storages()) {
@@ -207,7 +211,7 @@ impl<'a> BatchSolve<'a> {
         (planes, surfaces): (&[Plane], bool),
         storage: &mut LaneStorage,
     ) {
-        let (begin, islands) = (self.task.rows.start, &self.common.plan.islands.list);
+        let (begin, islands) = (self.task.rows.start, &self.context.plan.islands.list);
         let islands = &islands[batch.islands.clone()];
         self.note_heights(batch, planes, storage);
         // In the lanes that are left, too, the last body is what it is: they write the same as its own.
@@ -219,11 +223,11 @@ impl<'a> BatchSolve<'a> {
             BatchMotion::Substep { start, .. } => *start,
             BatchMotion::Step(whole) => &*whole.start,
         };
-        let instructions = self.common.execution.instructions;
+        let instructions = self.context.execution.instructions;
         storage.load(batch, begin, self.position, start, instructions);
         storage.last_seen.clear();
         if surfaces {
-            let last_seen = self.common.contacts.last_seen();
+            let last_seen = self.context.contacts.last_seen();
             gather(&mut storage.last_seen, batch, 0, last_seen, instructions);
         }
         if let BatchMotion::Step(whole) = &self.motion {
@@ -239,7 +243,7 @@ impl<'a> BatchSolve<'a> {
     /// Takes the tethers of instance batches that are solved together. Pins stand, or have been led.
     fn load_tethers(&self, instance_batches: &[InstanceBatch], storages: &mut [LaneStorage]) {
         const NONE: Vec4 = Vec4::new(0.0, 0.0, 0.0, f32::INFINITY);
-        let (plan, begin) = (self.common.plan, self.task.rows.start);
+        let (plan, begin) = (self.context.plan, self.task.rows.start);
         let of = |number: usize| plan.tethers.of(&plan.islands.list[number]);
         let islands = || instance_batches.iter().flat_map(|batch| batch.islands.clone());
         let mut are_there = [false; 2];
@@ -327,7 +331,7 @@ impl<'a> BatchSolve<'a> {
 /// Takes off the velocities of the body in a lane, of the island of a number, what recovers violations too fast.
 #[cold]
 fn limit_recovery(
-    common: Common,
+    context: SolveContext,
     (number, lane): (usize, usize),
     storage: &mut LaneStorage,
     reports: &mut [IslandReport],
@@ -338,16 +342,16 @@ fn limit_recovery(
     };
     let (mut position, mut start) = (own(&storage.now), own(&storage.start));
     let mut velocity = own(&storage.velocity);
-    let members = &common.plan.islands.list[number].members;
+    let members = &context.plan.islands.list[number].members;
     let mut places = Places {
-        first: common.plan.islands.members[members.start],
+        first: context.plan.islands.members[members.start],
         position: &mut position,
         start: &mut start,
         origin: &vec![Vec3::ZERO; members.len()],
         radius: &[],
         velocity: &mut velocity,
     };
-    common.limit_recovery(number, &mut places, &mut reports[lane], thread_scratch);
+    context.limit_recovery(number, &mut places, &mut reports[lane], thread_scratch);
     let end = if lane + 1 == storage.bodies { LANES } else { lane + 1 };
     for (spot, velocity) in storage.velocity.iter_mut().zip(velocity) {
         (lane..end).for_each(|lane| spot.set_lane(lane, velocity.truncate()));

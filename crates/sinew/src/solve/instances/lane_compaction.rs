@@ -5,7 +5,8 @@
 //! compacted one, where they go on together with those of other batches; a lane that converges is given to the next. A lane has the bits that its
 //! body has alone, whatever is beside it, so nothing depends on which bodies were compacted together.
 
-use super::{BatchContext, LaneStorage};
+use super::lane_storage::LaneStorage;
+use super::solve::BatchContext;
 use crate::collide::NormalImpulses;
 use crate::lanes::LANES;
 

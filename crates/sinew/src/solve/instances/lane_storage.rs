@@ -2,7 +2,8 @@
 
 use glam::{Vec3, Vec4};
 
-use super::{ConvergenceMask, InstanceBatch};
+use super::InstanceBatch;
+use super::convergence::ConvergenceMask;
 use crate::lanes::{InstructionSet, LANES, Lanes, Work, with};
 
 /// The particles of eight bodies. Scratch.

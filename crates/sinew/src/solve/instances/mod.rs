@@ -40,12 +40,12 @@ use super::wide::{InstancedConstraints, InstancedGroup};
 use crate::lanes::LANES;
 
 pub(crate) use batch_solve::{BatchMotion, BatchSolve, WholeStep};
-use convergence::ConvergenceMask;
 pub(crate) use lane_compaction::LaneCompaction;
 pub(crate) use lane_storage::{LaneParticles, LaneStorage};
-pub(super) use momentum_drift::WideMomentumDrift;
-use solve::BatchContext;
-pub(crate) use topology::MOST;
+
+/// Eight bodies of so many particles, with their velocities and all, fit into a core's first cache: 32 kB and a half. Larger ones have enough of each
+/// colour to fill the lanes.
+pub(crate) const MOST: usize = 64;
 
 /// The instance batches of a plan.
 #[derive(Clone, Debug, Default)]

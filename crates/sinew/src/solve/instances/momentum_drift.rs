@@ -1,109 +1,14 @@
 //! The velocities of eight bodies, less what their corrections gave them and should not have: as [`MomentumDrift`](crate::solve::momentum) has it of
 //! one, operation by operation, and in one go with the velocities themselves.
 
-use core::ops::{Add, Mul, Sub};
-
 use glam::DVec3;
 
-use super::LaneStorage;
+use super::lane_storage::LaneStorage;
 use crate::lanes::{Doubles, LANES, Lanes, Vector, Work};
 use crate::pose::{WORST, pseudo_solve};
-use crate::solve::momentum::MomentumDrift;
-
-/// Eight vectors of double precision.
-#[derive(Clone, Copy)]
-struct Double<D> {
-    x: D,
-    y: D,
-    z: D,
-}
-
-macro_rules! each {
-    ($($of:ident $operation:ident $sign:tt),*) => {$(
-        impl<D: Doubles> $of for Double<D> {
-            type Output = Self;
-            #[inline(always)]
-            fn $operation(self, other: Self) -> Self {
-                Self { x: self.x $sign other.x, y: self.y $sign other.y, z: self.z $sign other.z }
-            }
-        }
-    )*};
-}
-
-each!(Add add +, Sub sub -, Mul mul *);
-
-impl<D: Doubles> Double<D> {
-    #[inline(always)]
-    fn of<L: Lanes<Doubles = D>>(v: Vector<L>) -> Self {
-        Self { x: v.x.widen(), y: v.y.widen(), z: v.z.widen() }
-    }
-
-    #[inline(always)]
-    fn splat(x: f64) -> Self {
-        Self { x: D::splat(x), y: D::splat(x), z: D::splat(x) }
-    }
-
-    /// The same vector in each.
-    #[inline(always)]
-    fn all(v: DVec3) -> Self {
-        Self { x: D::splat(v.x), y: D::splat(v.y), z: D::splat(v.z) }
-    }
-
-    #[inline(always)]
-    fn times(self, by: D) -> Self {
-        Self { x: self.x * by, y: self.y * by, z: self.z * by }
-    }
-
-    #[inline(always)]
-    fn over(self, by: D) -> Self {
-        Self { x: self.x / by, y: self.y / by, z: self.z / by }
-    }
-
-    #[inline(always)]
-    fn cross(self, other: Self) -> Self {
-        Self {
-            x: self.y * other.z - other.y * self.z,
-            y: self.z * other.x - other.z * self.x,
-            z: self.x * other.y - other.x * self.y,
-        }
-    }
-
-    #[inline(always)]
-    fn arrays(self) -> [[f64; LANES]; 3] {
-        [self.x.array(), self.y.array(), self.z.array()]
-    }
-
-    #[inline(always)]
-    fn finite(self) -> u32 {
-        self.x.finite() & self.y.finite() & self.z.finite()
-    }
-}
-
-/// What eight bodies have to have taken off.
-pub(in crate::solve) struct WideMomentumDrift<D> {
-    anchor: Double<D>,
-    centre: Double<D>,
-    shift: Double<D>,
-    turn: Double<D>,
-}
+use crate::solve::momentum::{MomentumDrift, WideMomentumDrift};
 
 impl<D: Doubles> WideMomentumDrift<D> {
-    /// Eight times that of one body.
-    #[inline(always)]
-    pub(in crate::solve) fn all(one: &MomentumDrift) -> Self {
-        let MomentumDrift { anchor, centre, shift, turn } = *one;
-        let all = Double::all;
-        Self { anchor: all(anchor), centre: all(centre), shift: all(shift), turn: all(turn) }
-    }
-
-    /// What particles have to have taken off their velocities that were there when the substep began, m/s.
-    #[inline(always)]
-    pub(in crate::solve) fn share<L: Lanes<Doubles = D>>(&self, from: Vector<L>) -> Vector<L> {
-        let arm = Double::of(from) - self.anchor - self.centre;
-        let share = self.shift + self.turn.cross(arm);
-        Vector::new(L::narrow(share.x), L::narrow(share.y), L::narrow(share.z))
-    }
-
     /// A bit for each body of which that is a number.
     #[inline(always)]
     fn sound(&self) -> u32 {
@@ -217,16 +122,16 @@ impl LaneStorage {
         let Self { now, start, velocity, mass, .. } = self;
         // A match, for a closure is not made for the processor that it runs on.
         let anchor = match start.first() {
-            None => Double::splat(0.0),
-            Some(first) => Double::of(Vector::of(first.load::<L>()).0),
+            None => Vector::double(DVec3::ZERO),
+            Some(first) => Vector::of(first.load::<L>()).0.widen(),
         };
         let mut sums = WideMomentumSums::<L::Doubles>::none();
         for (((now, start), velocity), mass) in now.iter().zip(start).zip(velocity).zip(mass) {
             let ((q, _), (from, _)) = (Vector::of(now.load::<L>()), Vector::of(start.load()));
             let u = Vector::of(velocity.load::<L>()).0;
             let v = u + (q - (from + u * h)) * per_second;
-            let arm = Double::of(from) - anchor;
-            sums.add(L::Doubles::load(mass), arm, Double::of(v) - Double::of(u));
+            let arm = from.widen() - anchor;
+            sums.add(L::Doubles::load(mass), arm, v.widen() - u.widen());
         }
         let (centre, shift, turn) = sums.answer(turning);
         WideMomentumDrift { anchor, centre, shift, turn }
@@ -236,17 +141,17 @@ impl LaneStorage {
 /// What is summed up over the bodies.
 struct WideMomentumSums<D> {
     mass: D,
-    first: Double<D>,
-    squares: Double<D>,
-    products: Double<D>,
-    momentum: Double<D>,
-    angular: Double<D>,
+    first: Vector<D>,
+    squares: Vector<D>,
+    products: Vector<D>,
+    momentum: Vector<D>,
+    angular: Vector<D>,
 }
 
 impl<D: Doubles> WideMomentumSums<D> {
     #[inline(always)]
     fn none() -> Self {
-        let zero = Double::splat(0.0);
+        let zero = Vector::double(DVec3::ZERO);
         Self {
             mass: zero.x,
             first: zero,
@@ -258,27 +163,27 @@ impl<D: Doubles> WideMomentumSums<D> {
     }
 
     #[inline(always)]
-    fn add(&mut self, m: D, r: Double<D>, change: Double<D>) {
-        let (weighed, gained) = (r.times(m), change.times(m));
+    fn add(&mut self, m: D, r: Vector<D>, change: Vector<D>) {
+        let (weighed, gained) = (r * m, change * m);
         self.mass = self.mass + m;
-        self.first = self.first + weighed;
-        self.squares = self.squares + weighed * r;
-        self.products = self.products + weighed * Double { x: r.y, y: r.z, z: r.x };
-        self.momentum = self.momentum + gained;
-        self.angular = self.angular + r.cross(gained);
+        self.first += weighed;
+        self.squares += weighed.times(r);
+        self.products += weighed.times(Vector { x: r.y, y: r.z, z: r.x });
+        self.momentum += gained;
+        self.angular += r.cross(gained);
     }
 
     /// Barycentres, velocities and angular velocities; the last of those whose bits are set, zero of others.
     #[inline(always)]
-    fn answer(&self, turning: u32) -> (Double<D>, Double<D>, Double<D>) {
-        let centre = self.first.over(self.mass);
-        let shift = self.momentum.over(self.mass);
+    fn answer(&self, turning: u32) -> (Vector<D>, Vector<D>, Vector<D>) {
+        let centre = self.first / self.mass;
+        let shift = self.momentum / self.mass;
         if turning == 0 {
-            return (centre, shift, Double::splat(0.0));
+            return (centre, shift, Vector::double(DVec3::ZERO));
         }
         let (c, m) = (centre, self.mass);
-        let s = self.squares - (c * c).times(m);
-        let p = self.products - (c * Double { x: c.y, y: c.z, z: c.x }).times(m);
+        let s = self.squares - c.times(c) * m;
+        let p = self.products - c.times(Vector { x: c.y, y: c.z, z: c.x }) * m;
         let (xx, yy, zz) = (s.y + s.z, s.z + s.x, s.x + s.y);
         let (xy, yz, xz) = (-p.x, -p.y, -p.z);
         let b = self.angular - c.cross(self.momentum);
@@ -292,19 +197,19 @@ impl<D: Doubles> WideMomentumSums<D> {
             & zero.lt(czz)
             & zero.lt(determinant)
             & traces.le(D::splat(WORST) * determinant);
-        let x = Double {
+        let x = Vector {
             x: cxx * b.x + cxy * b.y + cxz * b.z,
             y: cxy * b.x + cyy * b.y + cyz * b.z,
             z: cxz * b.x + cyz * b.y + czz * b.z,
         };
-        let turn = x.times(D::splat(1.0) / determinant);
+        let turn = x * (D::splat(1.0) / determinant);
         if good & turning == 0xFF {
             return (centre, shift, turn);
         }
         let numbers = [xx, yy, zz, xy, yz, xz, b.x, b.y, b.z].map(Doubles::array);
         let turn = [turn.x, turn.y, turn.z].map(Doubles::array);
         let [x, y, z] = solve_singular(turn, &numbers, turning, good);
-        (centre, shift, Double { x: D::load(&x), y: D::load(&y), z: D::load(&z) })
+        (centre, shift, Vector { x: D::load(&x), y: D::load(&y), z: D::load(&z) })
     }
 }
 

@@ -6,7 +6,7 @@ use super::InstancedRod;
 use super::lane_storage::LaneParticles;
 use crate::constraints::project_rod;
 use crate::lanes::{LANES, Lanes, Vector, Work};
-use crate::solve::rods::{project, project_from_start};
+use crate::solve::rods::{COS_SQUARED, project, project_from_start};
 use crate::solve::tethers::hold;
 
 /// Projects rods once, one after the other; returns the largest error found in each body, metres, or what it was before. Bodies of the mask `may` are
@@ -93,12 +93,11 @@ impl Work for HoldInstanced<'_> {
 }
 
 /// A mask of the bodies of which a rod turns so far in this substep that the direction that it had at the start says little about the one it needs:
-/// as `turns_too_fast` has it of an island, where `cos_squared` comes from.
+/// as `turns_too_fast` has it of an island.
 pub(super) struct TurnTooFast<'a> {
     pub(super) rods: &'a [InstancedRod],
     pub(super) now: &'a [LaneParticles],
     pub(super) start: &'a [LaneParticles],
-    pub(super) cos_squared: f32,
 }
 
 impl Work for TurnTooFast<'_> {
@@ -112,7 +111,7 @@ impl Work for TurnTooFast<'_> {
             let along = now.dot(start);
             let squares = now.length_squared() * start.length_squared();
             let back = along.lt(L::zero());
-            let turned = (along * along).lt(L::splat(self.cos_squared) * squares);
+            let turned = (along * along).lt(L::splat(COS_SQUARED) * squares);
             fast = fast.or(back).or(turned);
         }
         fast.bits()

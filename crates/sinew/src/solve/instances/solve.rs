@@ -1,13 +1,14 @@
 //! Eight bodies, swept until each holds or its sweeps are spent: as [`solve`](crate::solve::island) does with one.
 
+use super::convergence::ConvergenceMask;
+use super::lane_storage::LaneStorage;
 use super::planes::ProjectPlanes;
 use super::surfaces::SurfaceContext;
-use super::{ConvergenceMask, InstanceBatch, InstanceBatches, InstancePart, LaneStorage, rods};
+use super::{InstanceBatch, InstanceBatches, InstancePart, rods};
 use crate::collide::NormalImpulses;
 use crate::constraints::{GradientAt, Plane, SubstepContext};
 use crate::lanes::{InstructionSet, LANES, with};
 use crate::settings::SolverSettings;
-use crate::solve::island::COS_SQUARED;
 
 /// What solving needs to know beside the lane storage.
 #[derive(Clone, Copy)]
@@ -38,9 +39,8 @@ impl BatchContext<'_> {
             for part in &self.instance_batches.parts[self.batch.parts.clone()] {
                 if let InstancePart::Rods(range) = part {
                     let rods = &self.instance_batches.rods[range.clone()];
-                    let (now, start, cos_squared) =
-                        (&storage.now[..], &storage.start[..], COS_SQUARED);
-                    let work = rods::TurnTooFast { rods, now, start, cos_squared };
+                    let (now, start) = (&storage.now[..], &storage.start[..]);
+                    let work = rods::TurnTooFast { rods, now, start };
                     fell_back |= with(self.instructions, work);
                 }
             }

@@ -7,17 +7,16 @@ use core::ops::Range;
 
 use glam::{Vec3, Vec4};
 
-use super::LaneStorage;
-use super::lane_storage::LaneParticles;
+use super::lane_storage::{LaneParticles, LaneStorage};
 use crate::collide::NormalImpulses;
 use crate::lanes::{LANES, Lanes, Vector, Work, with};
 use crate::particles::Places;
-use crate::solve::island::Common;
+use crate::solve::context::SolveContext;
 
 /// What putting rows outside of surfaces needs to know of them.
 #[derive(Clone, Copy)]
 pub(super) struct SurfaceContext<'a> {
-    pub(super) common: Common<'a>,
+    pub(super) context: SolveContext<'a>,
     /// The first row of the columns.
     pub(super) begin: u32,
     pub(super) origin: &'a [Vec3],
@@ -29,7 +28,7 @@ pub(super) struct SurfaceContext<'a> {
 impl SurfaceContext<'_> {
     /// Whether a row of a body in these lanes may touch something, if none goes further than was foreseen.
     pub(super) fn touches(&self, storage: &LaneStorage) -> bool {
-        let touching = |&island: &u32| self.common.contacts.touching(island as usize);
+        let touching = |&island: &u32| self.context.contacts.touching(island as usize);
         storage.islands[..storage.bodies]
             .iter()
             .any(|island| touching(island).is_none_or(|rows| !rows.is_empty()))
@@ -42,8 +41,8 @@ impl SurfaceContext<'_> {
         normal_impulses: &mut NormalImpulses,
         going: u32,
     ) -> [f32; LANES] {
-        let Common { contacts, execution, .. } = self.common;
-        let span = self.common.span();
+        let SolveContext { contacts, execution, .. } = self.context;
+        let interval = self.context.interval();
         let strayed = with(execution.instructions, Strayed { storage });
         let mut deepest = [0.0; LANES];
         for lane in (0..storage.bodies).filter(|lane| going >> lane & 1 != 0) {
@@ -55,7 +54,7 @@ impl SurfaceContext<'_> {
             for n in 0..count {
                 let row = touching.map_or(first + n as u32, |touching| touching[n]);
                 let found = self.at_row(storage, (lane, row, first), |places| {
-                    contacts.project_row(places, normal_impulses, row, span)
+                    contacts.project_row(places, normal_impulses, row, interval)
                 });
                 depth = depth.max(found);
             }
@@ -67,7 +66,7 @@ impl SurfaceContext<'_> {
 
     /// Gives the rows that touched something the velocity that they bounce off with, when velocities in the lanes have been derived.
     pub(super) fn bounce(&self, storage: &mut LaneStorage, normal_impulses: &mut NormalImpulses) {
-        let Common { contacts, h, gravity, .. } = self.common;
+        let SolveContext { contacts, h, gravity, .. } = self.context;
         for lane in 0..storage.bodies {
             let first = self.rows(storage, lane).start;
             for &row in contacts.touching(storage.islands[lane] as usize).unwrap_or_default() {
@@ -80,7 +79,7 @@ impl SurfaceContext<'_> {
 
     /// The rows of the body in a lane.
     fn rows(&self, storage: &LaneStorage, lane: usize) -> Range<u32> {
-        let plan = self.common.plan;
+        let plan = self.context.plan;
         let island = &plan.islands.list[storage.islands[lane] as usize];
         let first = plan.islands.members[island.members.start];
         first..first + island.members.len() as u32

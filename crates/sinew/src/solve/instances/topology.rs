@@ -2,17 +2,13 @@
 
 use core::ops::Range;
 
-use super::{InstanceBatch, InstanceBatches, InstancePart, InstancedRod};
+use super::{InstanceBatch, InstanceBatches, InstancePart, InstancedRod, MOST};
 use crate::constraints::{Constraint, Distance};
 use crate::islands::Island;
 use crate::lanes::LANES;
 use crate::solve::plan::{ConstraintGroup, GroupKind, Plan, Task};
 use crate::solve::rods::ends;
 use crate::solve::wide::InstancedGroups;
-
-/// Eight bodies of so many particles, with their velocities and all, fit into a core's first cache: 32 kB and a half. Larger ones have enough of each
-/// colour to fill the lanes.
-pub(crate) const MOST: usize = 64;
 
 /// A batch costs what two or three of its bodies cost alone; less, where it is solved together with others.
 const LEAST: usize = 3;

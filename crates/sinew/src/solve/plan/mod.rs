@@ -200,6 +200,11 @@ impl Plan {
         }
     }
 
+    /// The rows of the particles of the island of a number, ascending.
+    pub(crate) fn members(&self, number: usize) -> &[u32] {
+        &self.islands.members[self.islands.list[number].members.clone()]
+    }
+
     /// The rows of an island's particles, where no other's are between them.
     pub(crate) fn stretch(&self, island: &Island) -> Option<Range<usize>> {
         let members = self.islands.members.get(island.members.clone())?;

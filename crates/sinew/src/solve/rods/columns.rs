@@ -26,11 +26,11 @@ impl Rods {
         columns: &mut Columns,
         instructions: InstructionSet,
     ) -> f32 {
-        let span = places.at(rows.start)..places.at(rows.end);
+        let range = places.at(rows.start)..places.at(rows.end);
         columns.reset(self.half);
-        columns.turn_in(0, &places.position[span.clone()], instructions);
+        columns.turn_in(0, &places.position[range.clone()], instructions);
         let worst = self.sweep_turned(columns, groups, (rows.start, rows.start), instructions);
-        columns.turn_out(0, &mut places.position[span], instructions);
+        columns.turn_out(0, &mut places.position[range], instructions);
         worst
     }
 
@@ -54,9 +54,9 @@ impl Rods {
         columns: &mut Columns,
         instructions: InstructionSet,
     ) -> (f32, f32) {
-        let span = places.at(rows.start)..places.at(rows.end);
+        let range = places.at(rows.start)..places.at(rows.end);
         columns.reset(self.half);
-        columns.turn_in(0, &places.position[span], instructions);
+        columns.turn_in(0, &places.position[range], instructions);
         self.measure_turned(columns, groups, (rows.start, rows.start), instructions)
     }
 

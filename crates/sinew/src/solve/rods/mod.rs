@@ -17,6 +17,9 @@ use core::ops::Range;
 use crate::constraints::Distance;
 use crate::lanes::{Columns, LANES, Lanes, Pair, Vector};
 
+/// cos² of 0.35 rad, by which a rod may turn in a substep so that the direction that it had at the start still serves to correct it.
+pub(super) const COS_SQUARED: f32 = 0.882_43;
+
 /// The rods of a plan.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rods {

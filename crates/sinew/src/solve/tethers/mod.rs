@@ -17,30 +17,24 @@
 //!
 //! Between particles that are all free, [spans](spans) do the same at a smaller scale.
 
+mod find;
 mod geodesic;
 mod project;
 mod spans;
 #[cfg(test)]
 mod tests;
 
-use core::hash::Hasher;
 use core::ops::Range;
 
 use glam::Vec4;
 
-use super::plan::{GroupKind, Plan};
-use crate::constraints::{Bound, Distance, Softness};
 use crate::islands::Island;
 use crate::lanes::LANES;
-use crate::particles::{Particles, Places};
-use geodesic::{Field, Web};
+use crate::particles::Places;
 pub(super) use project::hold;
 use spans::Spans;
 
-/// An island of no more particles has no tethers: there is one rod, or two, between any of them and its pin.
-const SMALL: usize = 3;
-
-/// Nor has an island of no more where everything walks to rest: by tethers a rope between two pins still moved by micrometres after 20 000 such steps.
+/// An island of no more particles has no tethers where everything walks to rest: by tethers a rope between two pins still moved by micrometres after 20 000 such steps.
 const SMALL_IN_STATICS: usize = 64;
 
 /// The tethers of a plan. Derived from its rods and the pins; scratch, never saved.
@@ -114,217 +108,9 @@ impl Tethers {
     }
 }
 
-impl Plan {
-    /// Gives the islands their tethers for this step. Whether an island is free has been found.
-    pub(crate) fn tether(&mut self, particles: &Particles) {
-        let mut tethers = core::mem::take(&mut self.tethers);
-        let stale = core::mem::take(&mut tethers.stale);
-        if stale {
-            tethers.spans.clear();
-        }
-        let mut before = if stale { core::mem::take(&mut tethers.islands) } else { Vec::new() };
-        for number in 0..self.islands.list.len() {
-            let island = &mut self.islands.list[number];
-            if stale {
-                (island.tethers, island.spans) = (None, None);
-            }
-            let spans = island.microsteps > 1 && island.settings.tethers && island.spans.is_none();
-            if spans {
-                tethers.spans.push(self.spans(number));
-                self.islands.list[number].spans = Some(tethers.spans.len() as u32 - 1);
-            }
-            let island = &mut self.islands.list[number];
-            let small = island.members.len() <= SMALL && !island.measured;
-            if small {
-                island.tethers = None;
-            }
-            if small || island.groups.is_empty() || island.rigid || !island.settings.tethers {
-                continue;
-            }
-            let island = &self.islands.list[number];
-            let members = &self.islands.members[island.members.clone()];
-            let held = |row: &u32| particles.position[*row as usize].w == 0.0;
-            let own = tethers.made(island);
-            let pins = || members.iter().copied().filter(held);
-            if own.map_or(island.free, |own| own.pins.iter().copied().eq(pins())) {
-                continue;
-            }
-            let place = match island.tethers {
-                Some(place) => place as usize,
-                None => tethers.islands.len(),
-            };
-            let pins: Vec<u32> = if island.free { Vec::new() } else { pins().collect() };
-            let key = self.key(island, &pins);
-            let known = before.iter().position(|other| other.key == key);
-            // Many islands in a row may be alike.
-            let twin = tethers.islands.last().filter(|last| last.key == key);
-            let each = match (known, twin) {
-                (Some(at), _) => before.swap_remove(at).each,
-                (None, Some(twin)) => twin.each.clone(),
-                (None, None) => self.lengths(island, &pins),
-            };
-            let blocks = blocks(members, &each);
-            let made = IslandTethers { key, pins, each, blocks, ways: None };
-            if place == tethers.islands.len() {
-                tethers.islands.push(made);
-            } else {
-                tethers.islands[place] = made;
-            }
-            self.islands.list[number].tethers = Some(place as u32);
-        }
-        for island in self.islands.list.iter().filter(|island| island.measured) {
-            let Some(place) = island.tethers else { continue };
-            let made = &mut tethers.islands[place as usize];
-            if made.ways.is_none() && !made.blocks.is_empty() {
-                made.ways = Some(self.ways(island, &made.pins));
-            }
-        }
-        self.tethers = tethers;
-    }
-
-    /// The ways of the tethers of an island along its rods.
-    fn ways(&self, island: &Island, pins: &[u32]) -> Ways {
-        let fields = self.fields(island, pins);
-        // Numbers of hard distances, as `hard` lists them.
-        let groups = self.groups[island.groups.clone()].iter();
-        let numbers: Vec<u32> = groups
-            .filter(|group| group.kind != GroupKind::Constraints)
-            .flat_map(|group| group.range.clone())
-            .filter(|&number| is_hard(&self.distances[number]))
-            .map(|number| number as u32)
-            .collect();
-        let inwards = [&fields.nearest, &fields.from[0], &fields.from[1]].map(|field| {
-            let all = field.inwards().into_iter();
-            all.map(|(member, before, rod)| (member, before, numbers[rod as usize])).collect()
-        });
-        Ways { far: fields.far, inwards }
-    }
-
-    /// The hard distances of an island that hold particles together, with the first row of its members.
-    fn hard(&self, island: &Island) -> (u32, impl Iterator<Item = &Distance>) {
-        let groups = self.groups[island.groups.clone()].iter();
-        let distances = groups
-            .filter(|group| group.kind != GroupKind::Constraints)
-            .flat_map(|group| &self.distances[group.range.clone()])
-            .filter(|d| is_hard(d));
-        (self.islands.members[island.members.start], distances)
-    }
-
-    fn key(&self, island: &Island, pins: &[u32]) -> u64 {
-        let mut hash = Fnv::default();
-        let (first, distances) = self.hard(island);
-        hash.write_u32(island.members.len() as u32);
-        for d in distances {
-            hash.write_u32(d.a - first);
-            hash.write_u32(d.b - first);
-            hash.write_u32(d.rest.to_bits());
-        }
-        pins.iter().for_each(|pin| hash.write_u32(pin - first));
-        hash.finish()
-    }
-
-    /// How far the members of an island are from its pins, of which there is one at least.
-    fn fields(&self, island: &Island, pins: &[u32]) -> Fields {
-        let members = &self.islands.members[island.members.clone()];
-        let place = |row: u32| members.partition_point(|&member| member < row) as u32;
-        let (_, distances) = self.hard(island);
-        let rods: Vec<_> = distances.map(|d| (place(d.a), place(d.b), d.rest)).collect();
-        let web = Web::new(members.len(), &rods);
-        let sources: Vec<u32> = pins.iter().map(|&pin| place(pin)).collect();
-        let nearest = web.field(&sources);
-        // Two pins far from each other: the farthest from any, and the farthest from that.
-        let farthest = |from: &Field| {
-            let reached = (0..sources.len()).filter(|&pin| from.length(sources[pin]).is_finite());
-            reached.fold(0, |far, pin| {
-                if from.length(sources[pin]) > from.length(sources[far]) { pin } else { far }
-            })
-        };
-        let one = farthest(&web.field(&sources[..1]));
-        let from_one = web.field(&sources[one..=one]);
-        let other = farthest(&from_one);
-        let from_other = web.field(&sources[other..=other]);
-        let far = [one as u32, other as u32];
-        Fields { sources, nearest, far, from: [from_one, from_other] }
-    }
-
-    /// Of each member of an island, to which of the pins it is tethered, and how long that is.
-    fn lengths(&self, island: &Island, pins: &[u32]) -> Vec<[(u32, f32); 2]> {
-        const NONE: (u32, f32) = (0, f32::INFINITY);
-        if pins.is_empty() {
-            return Vec::new();
-        }
-        let Fields { sources, nearest, far: [one, other], from: [from_one, from_other] } =
-            self.fields(island, pins);
-        let mut each: Vec<_> = (0..island.members.len() as u32)
-            .map(|member| {
-                let near = (nearest.source(member), nearest.length(member));
-                let ends = [(one, &from_one), (other, &from_other)];
-                let ends = ends.map(|(pin, field)| (pin, field.length(member)));
-                let far = ends.into_iter().filter(|end| end.0 != near.0 && end.1.is_finite());
-                let far = far.reduce(|a, b| if b.1 > a.1 { b } else { a });
-                [near, far.unwrap_or((near.0, f64::INFINITY))]
-            })
-            .map(|tethers| tethers.map(|(pin, length)| (pin, taut(length))))
-            .collect();
-        for &source in &sources {
-            each[source as usize] = [NONE; 2];
-        }
-        // What nothing hard leads to.
-        for tethers in &mut each {
-            *tethers = tethers.map(|own| if own.1.is_finite() { own } else { NONE });
-        }
-        each
-    }
-}
-
-/// How far members are from the pins of their island.
-struct Fields {
-    /// The pins among the members.
-    sources: Vec<u32>,
-    /// From the nearest of them.
-    nearest: Field,
-    /// Which two are far from each other, and how far members are from either.
-    far: [u32; 2],
-    from: [Field; 2],
-}
-
-/// Whether a distance is one that tethers may rely on.
-fn is_hard(d: &Distance) -> bool {
-    d.softness == Softness::Hard && d.bound != Bound::AtLeast
-}
-
 /// How long a tether of a way of so many metres is: rounded up, for it must not ask for more than the rods do.
 fn taut(length: f64) -> f32 {
     (length * (1.0 + 1e-6)) as f32
-}
-
-/// Puts the tethers of members eight by eight: first those to the nearest pins, then the others.
-fn blocks(members: &[u32], each: &[[(u32, f32); 2]]) -> Vec<TetherBlock> {
-    let mut blocks = Vec::new();
-    for begin in (0..each.len()).step_by(2 * LANES) {
-        for which in 0..2 {
-            for parity in 0..2 {
-                let member = |lane: usize| {
-                    let member = begin + parity + 2 * lane;
-                    if member < each.len() { member } else { begin + parity }
-                };
-                if begin + parity >= each.len() {
-                    continue;
-                }
-                let of = |lane: usize| each[member(lane)][which];
-                if (0..LANES).all(|lane| of(lane).1 == f32::INFINITY) {
-                    continue;
-                }
-                blocks.push(TetherBlock {
-                    member: (begin + parity) as u32,
-                    rows: core::array::from_fn(|lane| members[member(lane)]),
-                    pins: core::array::from_fn(|lane| of(lane).0),
-                    length: core::array::from_fn(|lane| of(lane).1),
-                });
-            }
-        }
-    }
-    blocks
 }
 
 impl IslandTethers {
@@ -405,24 +191,5 @@ impl IslandTethers {
     fn among(&self, members: &Range<usize>) -> &[TetherBlock] {
         let place = |end: usize| self.blocks.partition_point(|block| (block.member as usize) < end);
         &self.blocks[place(members.start)..place(members.end)]
-    }
-}
-
-/// Fowler, Noll and Vo's hash (FNV-1a), word by word: the same on every machine, which the standard library's need not be.
-#[derive(Default)]
-struct Fnv(u64);
-
-impl Hasher for Fnv {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|&byte| self.write_u32(u32::from(byte)));
-    }
-
-    fn write_u32(&mut self, word: u32) {
-        let mixed = (self.0 ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3);
-        self.0 = mixed ^ mixed >> 29;
     }
 }

@@ -17,7 +17,6 @@ use glam::Vec4;
 use super::taut;
 use crate::constraints::Distance;
 use crate::lanes::{LANES, Lanes, Vector, Work, with};
-use crate::solve::plan::Plan;
 use crate::threads::{ExecutionContext, each};
 
 /// The spans of one island: colour by colour, of which no two share a particle.
@@ -216,15 +215,6 @@ impl Strided {
                 });
             }
         }
-    }
-}
-
-impl Plan {
-    /// The spans of an island; none where rows of others are between its own.
-    pub(super) fn spans(&self, number: usize) -> Spans {
-        let island = &self.islands.list[number];
-        let Some(rows) = self.stretch(island) else { return Spans::default() };
-        Spans::of(rows.start as u32, rows.len(), self.hard(island).1)
     }
 }
 

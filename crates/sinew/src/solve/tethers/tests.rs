@@ -5,7 +5,7 @@ use glam::{Quat, Vec3};
 use super::*;
 use crate::recipes::{Blueprint, ClothSpec, cloth_grid};
 use crate::threads::ExecutionContext;
-use crate::{GradientAt, InstructionSet, ParticleSeed, Simulation};
+use crate::{Distance, GradientAt, InstructionSet, ParticleSeed, Simulation};
 
 /// A square metre of cloth of 20 × 20 cells, pinned at some particles, in a world that has begun a step.
 fn cloth(pins: &[u32], shaped: impl Fn(Vec3) -> Vec3) -> Simulation {

@@ -20,9 +20,9 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
 use super::IslandReport;
-use super::island::ThreadScratch;
 use super::plan::{ClusterBatch, ConstraintGroup, Plan};
-use super::world::TaskSlice;
+use super::remaining::Remaining;
+use super::task_slice::TaskSlice;
 use glam::Vec4;
 use smallvec::SmallVec;
 
@@ -51,23 +51,22 @@ pub(super) struct Wavefront {
 /// in each substep.
 pub(super) fn run_wavefronts(
     island_step: &mut TaskSlice,
-    thread_scratch: &mut ThreadScratch,
+    remaining: &mut Remaining,
+    wavefront: &mut Wavefront,
     iteration_counts: &[AtomicU32],
 ) {
-    let mut remaining = core::mem::take(&mut thread_scratch.remaining);
-    let mut wavefront = core::mem::take(&mut thread_scratch.wavefront);
     let begin = island_step.task.islands.start;
     for number in island_step.task.islands.clone() {
         if !remaining.holds(number) {
             continue;
         }
-        let (plan, mut report) = (island_step.common.plan, island_step.reports[number - begin]);
+        let (plan, mut report) = (island_step.context.plan, island_step.reports[number - begin]);
         let counts = SweepCounts::new(plan.islands.list[number].microsteps, iteration_counts);
         let step = island_step.step(number, counts.each().len(), &mut wavefront.stages);
         let Some(step) = step else { continue };
         let members = &plan.islands.members[plan.islands.list[number].members.clone()];
         let first = (members[0] - island_step.task.rows.start) as usize;
-        let instructions = island_step.common.execution.instructions;
+        let instructions = island_step.context.execution.instructions;
         island_step.gather_pins(number, &mut wavefront.pins);
         let mut own = TaskStore { island_step, first };
         let measured = (counts.each(), true);
@@ -75,7 +74,7 @@ pub(super) fn run_wavefronts(
             &mut own,
             (plan, number),
             step,
-            &mut wavefront,
+            wavefront,
             &mut report,
             measured,
             instructions,
@@ -84,14 +83,13 @@ pub(super) fn run_wavefronts(
         island_step.reports[number - begin] = report;
         remaining.leave(number..number + 1, members[0]..members[0] + members.len() as u32);
     }
-    (thread_scratch.remaining, thread_scratch.wavefront) = (remaining, wavefront);
 }
 
 impl TaskSlice<'_> {
     /// How an island would go through so many substeps, if it can: clusters of rods in columns alone, which nothing but each other holds back.
     fn step(&self, number: usize, substeps: usize, stages: &mut Stages) -> Option<StepConstants> {
-        let Self { common, motion, .. } = self;
-        let plan = common.plan;
+        let Self { context, motion, .. } = self;
+        let plan = context.plan;
         let island = &plan.islands.list[number];
         let members = &plan.islands.members[island.members.clone()];
         let (first, last) = (*members.first()?, *members.last()?);
@@ -104,7 +102,7 @@ impl TaskSlice<'_> {
             island.is_left_alone() || island.rigid || island.free || island.groups.is_empty();
         // Spans reach over cluster batches that have gone on.
         let held = held || plan.tethers.spans_of(island).is_some();
-        let touches = !common.contacts.is_empty() || common.contacts.bounces();
+        let touches = !context.contacts.is_empty() || context.contacts.bounces();
         let fit = !held
             && !touches
             && island.settings.order == Order::GaussSeidel
@@ -125,17 +123,17 @@ impl TaskSlice<'_> {
         let (rows, capacity) = (members.len(), SlidingWindow::capacity(plan.rods.half()));
         let is_single_sweep = island.settings.max_sweeps == 1;
         if rows > capacity
-            && !(is_single_sweep && stages.span(substeps, plan, first, rows) <= capacity)
+            && !(is_single_sweep && stages.window(substeps, plan, first, rows) <= capacity)
         {
             return None;
         }
-        StepConstants::new(motion.common.truncate(), rate, common.h / island.microsteps as f32)
+        StepConstants::new(motion.common.truncate(), rate, context.h / island.microsteps as f32)
     }
 
     /// Where the pins are that an island's tethers go to; none without. They stand: what is led goes phase after phase.
     fn gather_pins(&mut self, number: usize, pins: &mut Vec<Vec4>) {
         pins.clear();
-        let plan = self.common.plan;
+        let plan = self.context.plan;
         if let Some(tethers) = plan.tethers.of(&plan.islands.list[number]) {
             let rows = self.task.rows.clone();
             pins.extend(tethers.pins(self.predict(0..rows.len()).position, rows.start));

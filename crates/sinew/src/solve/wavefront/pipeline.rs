@@ -16,8 +16,9 @@ use super::stages::{Stages, TILE};
 use super::{Store, SweepCounts, run_substeps};
 use crate::integrate::{Predict, StepConstants};
 use crate::solve::IslandReport;
-use crate::solve::island::{Common, ThreadScratch};
-use crate::solve::world::TaskSlice;
+use crate::solve::context::SolveContext;
+use crate::solve::scratch::ThreadScratch;
+use crate::solve::task_slice::TaskSlice;
 use crate::threads::{Pool, TASKS, Workers, each};
 
 /// A list of what there is one of for each stage range or each chunk, without a heap.
@@ -33,7 +34,7 @@ pub(in crate::solve) fn pipelined_wavefront(
     thread_scratches: &Pool<ThreadScratch>,
     iteration_counts: &[AtomicU32],
 ) -> bool {
-    let Common { plan, execution, .. } = island_step.common;
+    let SolveContext { plan, execution, .. } = island_step.context;
     let number = island_step.task.islands.start;
     let settings = &plan.islands.list[number].settings;
     let rows = island_step.task.rows.len();
@@ -109,12 +110,12 @@ fn stage_ranges(
     substeps: usize,
     stages: &mut Stages,
 ) -> Option<(StepConstants, usize)> {
-    let (plan, rows) = (island_step.common.plan, &island_step.task.rows);
+    let (plan, rows) = (island_step.context.plan, &island_step.task.rows);
     let limit = threads.clamp(1, substeps.clamp(1, TASKS));
     (1..=limit).rev().find_map(|stage_ranges| {
         let each = substeps.div_ceil(stage_ranges);
         let step = island_step.step(number, each, stages)?;
-        let behind = (stage_ranges - 1) * stages.span(each, plan, rows.start, rows.len());
+        let behind = (stage_ranges - 1) * stages.window(each, plan, rows.start, rows.len());
         (behind <= rows.len()).then_some((step, each))
     })
 }

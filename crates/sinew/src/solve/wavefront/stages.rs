@@ -167,18 +167,24 @@ impl Stages {
     }
 
     /// How many rows are on their way at a time, at most, when so many substeps run.
-    pub(super) fn span(&mut self, substeps: usize, plan: &Plan, first: u32, rows: usize) -> usize {
+    pub(super) fn window(
+        &mut self,
+        substeps: usize,
+        plan: &Plan,
+        first: u32,
+        rows: usize,
+    ) -> usize {
         self.clear();
         self.push_all(substeps, true);
         self.start(rows);
-        let mut span = 0;
+        let mut window = 0;
         while let Some(piece) = self.next(plan, first, rows) {
             if piece.what == What::Begin {
                 // A window begins with a line of its columns.
-                span = span.max(piece.rows.end - piece.settled / 32 * 32);
+                window = window.max(piece.rows.end - piece.settled / 32 * 32);
             }
         }
         self.clear();
-        span
+        window
     }
 }

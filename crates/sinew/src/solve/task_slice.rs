@@ -1,0 +1,105 @@
+//! What a task, and an island, has to itself of what all are solved in.
+
+use core::ops::Range;
+
+use glam::Vec4;
+
+use super::IslandReport;
+use super::context::SolveContext;
+use super::multipliers::MultiplierSlice;
+use super::plan::Task;
+use crate::collide::NormalImpulses;
+use crate::integrate::{Motion, Predict};
+use crate::particles::Places;
+
+/// A task, and what is its alone.
+pub(super) struct TaskSlice<'a> {
+    pub(super) context: SolveContext<'a>,
+    pub(super) task: Task,
+    pub(super) places: Places<'a>,
+    pub(super) motion: Motion<'a>,
+    pub(super) multipliers: MultiplierSlice<'a>,
+    pub(super) normal_impulses: NormalImpulses<'a>,
+    pub(super) reports: &'a mut [IslandReport],
+    /// A place for what each particle has to have taken off, if velocities are derived later; none otherwise.
+    pub(super) momentum_drift: &'a mut [Vec4],
+}
+
+/// Cuts what there is into the tasks of a plan.
+pub(super) fn slices<'a>(
+    context: SolveContext<'a>,
+    (places, motion): (Places<'a>, Motion<'a>),
+    multipliers: MultiplierSlice<'a>,
+    normal_impulses: NormalImpulses<'a>,
+    reports: &'a mut [IslandReport],
+    momentum_drift: &'a mut [Vec4],
+) -> impl Iterator<Item = TaskSlice<'a>> {
+    let mut left = Some((places, motion, multipliers, normal_impulses, reports, momentum_drift));
+    context.plan.tasks(context.execution.workers.is_none()).filter_map(move |task| {
+        let (places, motion, multipliers, normal_impulses, reports, drift) = left.take()?;
+        let (own, places) = places.split_at(task.rows.end);
+        let (own_motion, motion) = motion.split_at(own.position.len());
+        let (own_sums, multipliers) =
+            multipliers.split(Some(task.distances.end), Some(task.constraints.end));
+        let (own_presses, normal_impulses) = context.contacts.split(normal_impulses, task.rows.end);
+        let (own_reports, reports) = reports.split_at_mut(task.islands.len());
+        let (own_drift, drift) = drift.split_at_mut(own.position.len().min(drift.len()));
+        left = Some((places, motion, multipliers, normal_impulses, reports, drift));
+        Some(TaskSlice {
+            context,
+            task,
+            places: own,
+            motion: own_motion,
+            multipliers: own_sums,
+            normal_impulses: own_presses,
+            reports: own_reports,
+            momentum_drift: own_drift,
+        })
+    })
+}
+
+impl TaskSlice<'_> {
+    /// The same, of which nothing else is done meanwhile, in another context.
+    pub(super) fn lend<'b>(&'b mut self, context: SolveContext<'b>) -> TaskSlice<'b> {
+        TaskSlice {
+            context,
+            task: self.task.clone(),
+            places: self.places.lend(),
+            motion: self.motion.lend(),
+            multipliers: self.multipliers.lend(),
+            normal_impulses: self.normal_impulses.lend(),
+            reports: self.reports,
+            momentum_drift: self.momentum_drift,
+        }
+    }
+
+    /// The report of one of its islands.
+    pub(super) fn report(&mut self, number: usize) -> &mut IslandReport {
+        &mut self.reports[number - self.task.islands.start]
+    }
+
+    /// What solving one of its islands changes.
+    pub(super) fn island(&mut self, number: usize) -> IslandSlice<'_> {
+        IslandSlice {
+            places: self.places.lend(),
+            multipliers: self.multipliers.lend(),
+            normal_impulses: self.normal_impulses.lend(),
+            report: &mut self.reports[number - self.task.islands.start],
+        }
+    }
+
+    /// Some of its particles, to be predicted; counted from its first row on.
+    #[inline(always)]
+    pub(super) fn predict(&mut self, rows: Range<usize>) -> Predict<'_> {
+        let Places { position, start, velocity, .. } = &mut self.places;
+        self.motion.predict([position, start, velocity], rows, self.context.h)
+    }
+}
+
+/// What solving an island changes: columns in which its rows are, and its report.
+pub(super) struct IslandSlice<'a> {
+    pub(super) places: Places<'a>,
+    pub(super) multipliers: MultiplierSlice<'a>,
+    pub(super) normal_impulses: NormalImpulses<'a>,
+    pub(super) report: &'a mut IslandReport,
+}
