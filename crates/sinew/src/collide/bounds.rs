@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::Collider;
 use super::friction::push;
-use crate::constraints::{Boundaries, InsideBox, PlanarDrag, Plane, slow_down};
+use crate::constraints::{Boundaries, InsideBox, PlanarDrag, Plane};
 use crate::particles::{Particles, Places, ground};
 
 /// What bounds particles, class by class ([`BodyClasses`](super::body_classes::BodyClasses)), and the plane of a world in 2D: scratch of a step.
@@ -115,7 +115,9 @@ impl Bounds {
 
     /// Slows down what touches a plane with a drag, before a substep of `h` seconds is predicted.
     pub(super) fn drag(&self, particles: &mut Particles, solid: &[bool], h: f32) {
-        slow_down(particles, &self.drags, solid, h);
+        for plane in &self.drags {
+            plane.drag.apply(particles, (plane.normal, plane.offset), solid, h);
+        }
     }
 
     /// What holds a class.

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
+use super::distance::direction;
 use super::{Bound, ConstraintFault, Equation, Points, Softness};
 use crate::pose::{pseudo_solve, symmetric};
 
@@ -140,12 +141,10 @@ impl Equation for AnchorDistance {
             return 0.0;
         }
         let d = self.a.at(0, |i| points.at(i)) - self.b.at(second, |i| points.at(i));
-        let length = d.length();
+        let (n, length) = direction(d);
         if length == 0.0 && self.rest == 0.0 {
             return 0.0;
         }
-        // Anchors in one place that are to part have no direction: along x, as particles do.
-        let n = if length > 0.0 { d / length } else { Vec3::X };
         let (first, others) = gradients.split_at_mut(second);
         self.a.gradients(points, 0, n, first);
         self.b.gradients(points, second, -n, others);

@@ -4,8 +4,8 @@ use core::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::wide::{Wide, beyond as beyond_wide, eight, is_size, numbers};
-use super::{Constraint, ConstraintFault, ConstraintKind, Equation, Points, Softness};
+use super::wide::{Wide, beyond as beyond_wide, is_size, numbers};
+use super::{ConstraintFault, Equation, Points, Softness};
 use crate::lanes::{LANES, Lanes, Vector, atan2};
 
 /// The angle `a b c` at the joint `b` of the particles `[a, b, c]`, between two limits in 0..=π.
@@ -141,15 +141,10 @@ pub(crate) struct Angles {
 }
 
 impl Wide<3> for Angles {
-    fn of(constraints: [&Constraint; LANES]) -> Option<Self> {
-        let angles: [&Angle; LANES] = eight(constraints, |c| match &c.kind {
-            ConstraintKind::Angle(equation) => Some(equation),
-            _ => None,
-        })?;
-        Some(Self {
-            min: numbers(angles, |angle| angle.min),
-            max: numbers(angles, |angle| angle.max),
-        })
+    type Kind = Angle;
+
+    fn of(angles: [&Angle; LANES], _: [usize; LANES]) -> Self {
+        Self { min: numbers(angles, |angle| angle.min), max: numbers(angles, |angle| angle.max) }
     }
 
     #[inline(always)]

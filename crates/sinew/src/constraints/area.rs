@@ -3,8 +3,8 @@
 use glam::Vec3;
 
 use super::angle::{any_normal, any_normal_wide};
-use super::wide::{Wide, eight, numbers};
-use super::{Constraint, ConstraintFault, ConstraintKind, Equation, Points, Softness};
+use super::wide::{Wide, numbers};
+use super::{ConstraintFault, Equation, Points, Softness};
 use crate::lanes::{LANES, Lanes, Vector};
 
 /// The area of the triangle `[a, b, c]`.
@@ -108,12 +108,10 @@ pub(crate) struct Areas {
 }
 
 impl Wide<3> for Areas {
-    fn of(constraints: [&Constraint; LANES]) -> Option<Self> {
-        let areas: [&Area; LANES] = eight(constraints, |c| match &c.kind {
-            ConstraintKind::Area(equation) => Some(equation),
-            _ => None,
-        })?;
-        Some(Self { rest: numbers(areas, |area| area.rest) })
+    type Kind = Area;
+
+    fn of(areas: [&Area; LANES], _: [usize; LANES]) -> Self {
+        Self { rest: numbers(areas, |area| area.rest) }
     }
 
     #[inline(always)]

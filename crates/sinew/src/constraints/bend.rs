@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::wide::{Wide, eight, numbers};
-use super::{Constraint, ConstraintFault, ConstraintKind, Equation, Points, Softness};
+use super::wide::{Wide, numbers};
+use super::{ConstraintFault, Equation, Points, Softness};
 use crate::lanes::{LANES, Lanes, Vector};
 
 /// Keeps two triangles that share an edge from bending; particles `[e0, e1, a, b]`: the edge, then the two opposite corners.
@@ -173,13 +173,11 @@ pub(crate) struct Bends {
 impl Wide<4> for Bends {
     const IS_LENGTH: bool = true;
 
-    fn of(constraints: [&Constraint; LANES]) -> Option<Self> {
-        let bends: [&Bend; LANES] = eight(constraints, |c| match &c.kind {
-            ConstraintKind::Bend(equation) => Some(equation),
-            _ => None,
-        })?;
+    type Kind = Bend;
+
+    fn of(bends: [&Bend; LANES], _: [usize; LANES]) -> Self {
         let weights = [0, 1, 2, 3].map(|i| numbers(bends, |bend| bend.weights[i]));
-        Some(Self { weights, rest: numbers(bends, |bend| bend.rest) })
+        Self { weights, rest: numbers(bends, |bend| bend.rest) }
     }
 
     #[inline(always)]

@@ -5,8 +5,8 @@ use core::f32::consts::PI;
 use glam::Vec3;
 
 use super::angle::{Turns, between, between_wide};
-use super::wide::{CLEAR, Wide, eight, is_below, numbers};
-use super::{Constraint, ConstraintFault, ConstraintKind, Equation, Points, Softness};
+use super::wide::{CLEAR, Wide, is_below, numbers};
+use super::{ConstraintFault, Equation, Points, Softness};
 use crate::lanes::{LANES, Lanes, Vector};
 
 /// The segment `c → d` stays within the angle `max` of an axis that is fixed in the frame of three particles: the shoulder or the hip of a ragdoll.
@@ -124,23 +124,21 @@ pub(crate) struct Cones {
 impl Wide<5> for Cones {
     const IS_LIMIT: bool = true;
 
-    fn of(constraints: [&Constraint; LANES]) -> Option<Self> {
-        let cones: [&Cone; LANES] = eight(constraints, |c| match &c.kind {
-            ConstraintKind::Cone(equation) => Some(equation),
-            _ => None,
-        })?;
-        Some(Self {
+    type Kind = Cone;
+
+    fn of(cones: [&Cone; LANES], particles: [usize; LANES]) -> Self {
+        Self {
             axis: [0, 1, 2].map(|i| numbers(cones, |cone| cone.axis[i])),
             max: numbers(cones, |cone| cone.max),
             clear: numbers(cones, |cone| libm::cosf(cone.max) + CLEAR),
-            own: numbers(constraints, |c| f32::from(u8::from(c.rows.len() == 4))),
-        })
+            own: numbers(particles, |count| f32::from(u8::from(count == 4))),
+        }
     }
 
-    fn rows(constraint: &Constraint) -> [u32; 5] {
-        match *constraint.rows.as_slice() {
+    fn rows(rows: &[u32]) -> [u32; 5] {
+        match *rows {
             [o, x, y, d] => [o, x, y, o, d],
-            _ => core::array::from_fn(|i| constraint.rows[i]),
+            _ => core::array::from_fn(|i| rows[i]),
         }
     }
 

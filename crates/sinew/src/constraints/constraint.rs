@@ -5,8 +5,8 @@ use std::sync::Arc;
 use smallvec::SmallVec;
 
 use super::{
-    AnchorDistance, Angle, Area, Bend, Collinear, Cone, Coplanar, Equation, Hinge, Patch, Rigid,
-    Tetrahedron, Volume,
+    AnchorDistance, Angle, Area, Bend, Collinear, Cone, ConstraintFault, Coplanar, Equation, Hinge,
+    Patch, Rigid, Tetrahedron, Volume,
 };
 
 /// The rows of the particles that a constraint binds, in its own order.
@@ -19,6 +19,12 @@ pub struct Constraint {
     pub rows: Rows,
     /// What must hold between them.
     pub kind: ConstraintKind,
+}
+
+/// What holds the numbers of a kind of constraint.
+pub(crate) trait FromKind: Sized {
+    /// Those of a constraint, if it is of this kind.
+    fn from_kind(kind: &ConstraintKind) -> Option<&Self>;
 }
 
 /// Makes the kinds of one table: a name, which is that of the type that holds its numbers, and its place in a sweep.
@@ -61,6 +67,15 @@ macro_rules! kinds {
             }
         }
 
+        $(impl FromKind for $of {
+            fn from_kind(kind: &ConstraintKind) -> Option<&Self> {
+                match kind {
+                    ConstraintKind::$name(own) => Some(own),
+                    _ => None,
+                }
+            }
+        })*
+
         /// Two kinds of a game's own are the same only if they are the same object.
         impl PartialEq for ConstraintKind {
             fn eq(&self, other: &Self) -> bool {
@@ -99,32 +114,6 @@ kinds! {
     Rigid(Rigid), rank 9;
     /// Two points that particles carry.
     Anchors(AnchorDistance), rank 10;
-}
-
-/// What is wrong with a constraint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ConstraintFault {
-    /// The same particle is named twice.
-    #[error("it names the same particle twice")]
-    SameParticle,
-    /// One of its particles is not a row of the simulation.
-    #[error("one of its particles does not exist")]
-    MissingParticle,
-    /// Fewer or more particles than its kind binds.
-    #[error("its kind binds another number of particles")]
-    Count,
-    /// NaN, infinite, or out of its range.
-    #[error("one of its numbers is not finite or out of range")]
-    Number,
-    /// A smallest angle above the largest.
-    #[error("its lower limit is above its upper one")]
-    Limits,
-    /// A triangle that names a particle that the constraint does not have.
-    #[error("one of its triangles names a particle that it does not have")]
-    Triangle,
-    /// NaN, infinite or negative compliance, damping, frequency or share.
-    #[error("its softness is not a finite number in range")]
-    Softness,
 }
 
 impl Constraint {

@@ -2,8 +2,9 @@
 
 use glam::{Vec3, Vec4};
 
-use super::softness::{Softness, SubstepContext, multiplier};
-use super::{Equation, Points};
+use super::equation::change;
+use super::softness::{Softness, SubstepContext};
+use super::{Bound, Equation, Points};
 
 /// "Particles `a` and `b` stay `rest` metres apart."
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,18 +19,6 @@ pub struct Distance {
     pub softness: Softness,
     /// Whether the length is kept both ways, or only one.
     pub bound: Bound,
-}
-
-/// Which way a distance is enforced.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Bound {
-    /// Exactly the rest length: a rod.
-    #[default]
-    Equal,
-    /// The rest length or less: a rope or a tether.
-    AtMost,
-    /// The rest length or more: a strut.
-    AtLeast,
 }
 
 /// What is wrong with a distance.
@@ -92,24 +81,10 @@ impl Distance {
     }
 }
 
-impl Bound {
-    /// Whether the constraint asks for nothing when its value (length less rest length) is `value`.
-    #[inline]
-    pub(crate) fn holds(self, value: f32) -> bool {
-        match self {
-            Bound::Equal => false,
-            Bound::AtMost => value <= 0.0,
-            Bound::AtLeast => value >= 0.0,
-        }
-    }
-}
-
 /// Of its two particles, `a` first. Kernels of its own solve it; this is for what looks at constraints of any kind.
 impl Equation for Distance {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
-        let d = points.at(0) - points.at(1);
-        let len = length(d);
-        let n = if len > 0.0 { d / len } else { Vec3::X };
+        let (n, len) = direction(points.at(0) - points.at(1));
         gradients.copy_from_slice(&[n, -n]);
         len - self.rest
     }
@@ -209,8 +184,7 @@ pub(crate) fn project_rod_from_start(
 
 /// Projects any distance, hard or soft, both ways or one, and returns how far it was from being kept, in metres; of a soft one, how far it moved.
 ///
-/// A soft one sums up its multiplier over the sweeps of a substep in `lambda`; an inequality only ever pushes one way, so its sum is held on that
-/// side of zero. A hard one of equality is the formula of [`project_rod`].
+/// A soft one sums up its multiplier over the sweeps of a substep in `lambda`. A hard one of equality is the formula of [`project_rod`].
 ///
 /// Coincident particles have no direction: they are pushed apart along the x axis, `a` towards +x.
 #[inline]
@@ -225,24 +199,14 @@ pub(crate) fn project(
     let (a, b) = (a as usize, b as usize);
     let (pa, pb) = (positions[a], positions[b]);
     let d = pa.truncate() - pb.truncate();
-    let len = length(d);
+    let (n, len) = direction(d);
     let value = len - rest;
     let weights = pa.w + pb.w;
     if weights == 0.0 || (*lambda == 0.0 && bound.holds(value)) {
         return 0.0;
     }
-    let n = if len > 0.0 { d / len } else { Vec3::X };
     let moved = n.dot(d - (starts[a] - starts[b]).truncate());
-    let unit = softness.unit(weights);
-    let asked = multiplier(softness, substep_context, value, weights, moved, *lambda) * unit;
-    let change = match bound {
-        Bound::Equal => asked,
-        Bound::AtMost => (asked + *lambda).max(0.0) - *lambda,
-        Bound::AtLeast => (asked + *lambda).min(0.0) - *lambda,
-    };
-    // The sum matters to soft constraints alone; a hard inequality projects afresh in each sweep.
-    *lambda = if softness.remembers() { *lambda + change } else { 0.0 };
-    let change = change / unit;
+    let change = change((softness, bound), substep_context, (value, weights, moved), lambda);
     positions[a] -= (n * (pa.w * change)).extend(0.0);
     positions[b] += (n * (pb.w * change)).extend(0.0);
     match (softness.is_hard(), bound.holds(value)) {
@@ -251,6 +215,13 @@ pub(crate) fn project(
         // A soft one is not meant to be kept. It asks for another sweep as long as sweeps still move it.
         (false, _) => (change * weights).abs(),
     }
+}
+
+/// The unit vector along a difference of positions, and its length, metres. What is in one place is parted along x.
+#[inline]
+pub(super) fn direction(d: Vec3) -> (Vec3, f32) {
+    let length = length(d);
+    (if length > 0.0 { d / length } else { Vec3::X }, length)
 }
 
 /// `‖d‖`, with the products and sums in a fixed order and no fused operations, so that it is the same on every machine.

@@ -2,8 +2,8 @@
 
 use glam::{Vec3, Vec4};
 
+use super::GradientAt;
 use super::softness::{Softness, SubstepContext, multiplier};
-use super::{Bound, GradientAt};
 
 /// A constraint of any kind: a value that is to be zero, and how it changes with each particle.
 ///
@@ -121,6 +121,30 @@ impl Points<'_> {
     }
 }
 
+/// Which way a constraint is enforced, such as a distance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Bound {
+    /// Exactly the rest length: a rod.
+    #[default]
+    Equal,
+    /// The rest length or less: a rope or a tether.
+    AtMost,
+    /// The rest length or more: a strut.
+    AtLeast,
+}
+
+impl Bound {
+    /// Whether the constraint asks for nothing when its value (length less rest length) is `value`.
+    #[inline]
+    pub(crate) fn holds(self, value: f32) -> bool {
+        match self {
+            Bound::Equal => false,
+            Bound::AtMost => value <= 0.0,
+            Bound::AtLeast => value >= 0.0,
+        }
+    }
+}
+
 /// Projects one equation: moves `points.now` (returned through `moved`) and returns how far it was from being kept, metres; of a soft one,
 /// how far it moved the particle that it moved most.
 ///
@@ -147,16 +171,8 @@ pub(crate) fn project(
         Softness::Hard | Softness::Share(_) => 0.0,
         _ => (0..points.len()).map(|i| gradients[i].dot(points.at(i) - points.start(i))).sum(),
     };
-    let unit = softness.unit(weights);
-    let asked = multiplier(softness, substep_context, value, weights, way, *lambda) * unit;
-    let change = match bound {
-        Bound::Equal => asked,
-        Bound::AtMost => (asked + *lambda).max(0.0) - *lambda,
-        Bound::AtLeast => (asked + *lambda).min(0.0) - *lambda,
-    };
-    // The sum matters to soft constraints alone; a hard inequality projects afresh in each sweep.
-    *lambda = if softness.remembers() { *lambda + change } else { 0.0 };
-    let change = change / unit;
+    let asks = (value, weights, way);
+    let change = change((softness, bound), substep_context, asks, lambda);
     let mut farthest = 0.0_f32;
     for (i, gradient) in gradients.iter().enumerate() {
         let step = *gradient * (-points.inverse_mass(i) * change);
@@ -169,6 +185,27 @@ pub(crate) fn project(
         // A soft one is not meant to be kept. It asks for another sweep as long as sweeps still move it.
         (false, _) => farthest,
     }
+}
+
+/// The change of the multiplier that one projection makes of a value, its weights and how far it has [moved](multiplier); the sum is kept in `lambda`. An
+/// inequality only ever pushes one way, so its sum is held on that side of zero.
+#[inline]
+pub(super) fn change(
+    (softness, bound): (Softness, Bound),
+    substep_context: SubstepContext,
+    (value, weights, moved): (f32, f32, f32),
+    lambda: &mut f32,
+) -> f32 {
+    let unit = softness.unit(weights);
+    let asked = multiplier(softness, substep_context, value, weights, moved, *lambda) * unit;
+    let change = match bound {
+        Bound::Equal => asked,
+        Bound::AtMost => (asked + *lambda).max(0.0) - *lambda,
+        Bound::AtLeast => (asked + *lambda).min(0.0) - *lambda,
+    };
+    // The sum matters to soft constraints alone; a hard inequality projects afresh in each sweep.
+    *lambda = if softness.remembers() { *lambda + change } else { 0.0 };
+    change / unit
 }
 
 /// How far a hard equation is from being kept, metres, moving nothing.

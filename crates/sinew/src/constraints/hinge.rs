@@ -5,8 +5,8 @@ use core::f32::consts::TAU;
 use glam::Vec3;
 
 use super::angle::beyond;
-use super::wide::{CLEAR, Wide, beyond as beyond_wide, eight, is_below, is_size, numbers};
-use super::{Constraint, ConstraintFault, ConstraintKind, Equation, Points, Softness};
+use super::wide::{CLEAR, Wide, beyond as beyond_wide, is_below, is_size, numbers};
+use super::{ConstraintFault, Equation, Points, Softness};
 use crate::lanes::{LANES, Lanes, Vector, atan2};
 
 /// The signed angle about the axis `h0 → h1` from the half-plane of `a` to the half-plane of `c`, of the particles `[a, h0, h1, c]`, between two
@@ -152,20 +152,18 @@ pub(crate) struct Hinges {
 impl Wide<4> for Hinges {
     const IS_LIMIT: bool = true;
 
-    fn of(constraints: [&Constraint; LANES]) -> Option<Self> {
-        let hinges: [&Hinge; LANES] = eight(constraints, |c| match &c.kind {
-            ConstraintKind::Hinge(equation) => Some(equation),
-            _ => None,
-        })?;
+    type Kind = Hinge;
+
+    fn of(hinges: [&Hinge; LANES], _: [usize; LANES]) -> Self {
         let middle = |hinge: &Hinge| around(0.5 * (hinge.min + hinge.max));
         let half = |hinge: &Hinge| 0.5 * (hinge.max - hinge.min);
-        Some(Self {
+        Self {
             middle: numbers(hinges, middle),
             half: numbers(hinges, half),
             towards: [libm::cosf, libm::sinf].map(|of| numbers(hinges, |hinge| of(middle(hinge)))),
             clear: numbers(hinges, |hinge| libm::cosf(half(hinge)) + CLEAR),
             is_limit: hinges.iter().any(|hinge| half(hinge) > 0.0),
-        })
+        }
     }
 
     /// By the cosine of how far it is from the middle. Lines through the edge that are nearly along it are left to `evaluate`: the angle between

@@ -27,6 +27,7 @@ mod constraint;
 mod coplanar;
 mod distance;
 mod equation;
+mod fault;
 mod hinge;
 mod patch;
 mod pin;
@@ -45,10 +46,11 @@ pub use bend::Bend;
 pub use boundaries::{Boundaries, InsideBox, Plane};
 pub use collinear::Collinear;
 pub use cone::Cone;
-pub use constraint::{Constraint, ConstraintFault, ConstraintKind, Rows};
+pub use constraint::{Constraint, ConstraintKind, Rows};
 pub use coplanar::Coplanar;
-pub use distance::{Bound, Distance, DistanceFault};
-pub use equation::{Equation, Points};
+pub use distance::{Distance, DistanceFault};
+pub use equation::{Bound, Equation, Points};
+pub use fault::ConstraintFault;
 pub use hinge::Hinge;
 pub use patch::Patch;
 pub use pin::Pin;
@@ -62,13 +64,13 @@ pub(crate) use angle::Angles;
 pub(crate) use area::Areas;
 pub(crate) use bend::Bends;
 pub(crate) use cone::Cones;
+pub(crate) use constraint::FromKind;
 pub(crate) use distance::{project, project_rod, project_rod_from_start};
 pub(crate) use equation::{
     Solved, energy as equation_energy, error as equation_error, project as project_equation,
     solve as solve_equation,
 };
 pub(crate) use hinge::Hinges;
-pub(crate) use planar_drag::apply as slow_down;
 pub(crate) use softness::SubstepContext;
 pub(crate) use tetrahedron::Tetrahedra;
 pub(crate) use wide::Wide;

@@ -3,7 +3,6 @@
 
 use glam::Vec3;
 
-use super::Plane;
 use crate::particles::{Particles, rate_of_drag};
 
 /// Shares of the velocity that a particle loses per second while it touches a plane.
@@ -25,21 +24,27 @@ impl PlanarDrag {
 /// How near to a plane counts as touching it, metres: what rests on it is a hair above or below.
 const TOUCH: f32 = 1e-3;
 
-/// Takes from the velocities of particles that touch a plane with a drag what a substep of `h` seconds takes: `v_t ← v_t (1 - along)^h`,
-/// `v_n ← v_n (1 - across)^h`. Rows of solids are left to those.
-pub(crate) fn apply(particles: &mut Particles, planes: &[Plane], solid: &[bool], h: f32) {
-    for plane in planes.iter().filter(|plane| plane.drag != PlanarDrag::default()) {
+impl PlanarDrag {
+    /// Takes from the velocities of particles that touch a plane with this drag what a substep of `h` seconds takes: `v_t ← v_t (1 - along)^h`,
+    /// `v_n ← v_n (1 - across)^h`. Rows of solids are left to those.
+    pub(crate) fn apply(
+        self,
+        particles: &mut Particles,
+        (normal, offset): (Vec3, f32),
+        solid: &[bool],
+        h: f32,
+    ) {
         let lost = |drag: f32| -libm::expm1f(-rate_of_drag(drag) * h);
-        let (along, across) = (lost(plane.drag.along), lost(plane.drag.across));
+        let (along, across) = (lost(self.along), lost(self.across));
         for i in 0..particles.len() {
-            let above = particles.height(i, plane.normal, plane.offset) - particles.radius[i];
+            let above = particles.height(i, normal, offset) - particles.radius[i];
             let is_solid = solid.get(i).is_some_and(|&solid| solid);
             if above > TOUCH || is_solid || particles.position[i].w == 0.0 {
                 continue;
             }
             let velocity = particles.velocity[i].truncate();
-            let normal: Vec3 = plane.normal * velocity.dot(plane.normal);
-            let taken = (velocity - normal) * along + normal * across;
+            let towards: Vec3 = normal * velocity.dot(normal);
+            let taken = (velocity - towards) * along + towards * across;
             particles.velocity[i] -= taken.extend(0.0);
         }
     }
@@ -48,6 +53,7 @@ pub(crate) fn apply(particles: &mut Particles, planes: &[Plane], solid: &[bool],
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::constraints::Plane;
     use crate::particles::ParticleSeed;
     use crate::simulation::Simulation;
 
@@ -59,7 +65,7 @@ mod tests {
             particles.push(seed.with_radius(0.05)).unwrap();
         }
         let drag = PlanarDrag { along: 0.75, across: 0.5 };
-        apply(&mut particles, &[Plane { drag, ..Plane::ground(0.0) }], &[], 0.5);
+        drag.apply(&mut particles, (Vec3::Y, 0.0), &[], 0.5);
         let expected = Vec3::new(4.0 * 0.25_f32.sqrt(), 2.0 * 0.5_f32.sqrt(), 0.0);
         assert!(particles.velocity(0).abs_diff_eq(expected, 1e-5), "{}", particles.velocity(0));
         assert_eq!(particles.velocity(1), Vec3::new(4.0, 2.0, 0.0), "it does not touch");
@@ -85,7 +91,7 @@ mod tests {
         let mut particles = Particles::default();
         particles.push(ParticleSeed::at(Vec3::ZERO).with_velocity(Vec3::ONE)).unwrap();
         let drag = PlanarDrag { along: 1.0, across: 1.0 };
-        apply(&mut particles, &[Plane { drag, ..Plane::ground(0.0) }], &[], 0.01);
+        drag.apply(&mut particles, (Vec3::Y, 0.0), &[], 0.01);
         assert_eq!(particles.velocity(0), Vec3::ZERO);
         let drag = PlanarDrag { along: f32::NAN, across: 0.0 };
         assert!(!Plane { drag, ..Plane::ground(0.0) }.is_valid());

@@ -3,8 +3,8 @@
 use glam::Vec3;
 
 use super::area::{keep_within_reach, steeper};
-use super::wide::{Wide, eight, is_size, numbers};
-use super::{Constraint, ConstraintFault, ConstraintKind, Equation, Points, Softness};
+use super::wide::{Wide, is_size, numbers};
+use super::{ConstraintFault, Equation, Points, Softness};
 use crate::lanes::{LANES, Lanes, Vector};
 
 /// The signed volume of the tetrahedron `[a, b, c, d]`: `⅙ (b - a)×(c - a)·(d - a)`.
@@ -80,12 +80,10 @@ pub(crate) struct Tetrahedra {
 }
 
 impl Wide<4> for Tetrahedra {
-    fn of(constraints: [&Constraint; LANES]) -> Option<Self> {
-        let all: [&Tetrahedron; LANES] = eight(constraints, |c| match &c.kind {
-            ConstraintKind::Tetrahedron(equation) => Some(equation),
-            _ => None,
-        })?;
-        Some(Self { rest: numbers(all, |tetrahedron| tetrahedron.rest) })
+    type Kind = Tetrahedron;
+
+    fn of(all: [&Tetrahedron; LANES], _: [usize; LANES]) -> Self {
+        Self { rest: numbers(all, |tetrahedron| tetrahedron.rest) }
     }
 
     /// See `volume`. The reach of a step is a third root; whether a gradient has to be steeper is asked without it, by the third power of the step,

@@ -1,6 +1,5 @@
 //! Laws eight at a time: the same values and gradients as an [`Equation`](super::Equation) has, in lanes.
 
-use super::Constraint;
 use crate::lanes::{LANES, Lanes, Vector};
 
 /// Eight constraints of one kind and of `N` particles each.
@@ -11,12 +10,15 @@ pub(crate) trait Wide<const N: usize>: Sized {
     /// Whether the value is a length in metres, as [`Equation::is_length`](super::Equation::is_length) has it.
     const IS_LENGTH: bool = false;
 
-    /// The numbers of eight of them; `None` if one is of another kind.
-    fn of(constraints: [&Constraint; LANES]) -> Option<Self>;
+    /// What holds the numbers of one.
+    type Kind;
+
+    /// The numbers of eight of them, which bind so many particles each.
+    fn of(eight: [&Self::Kind; LANES], particles: [usize; LANES]) -> Self;
 
     /// The rows of one. If one row stands twice the gradients that it has at its later places must be zero.
-    fn rows(constraint: &Constraint) -> [u32; N] {
-        core::array::from_fn(|i| constraint.rows[i])
+    fn rows(rows: &[u32]) -> [u32; N] {
+        core::array::from_fn(|i| rows[i])
     }
 
     /// Whether [`is_kept`](Self::is_kept) has anything to tell.
@@ -31,18 +33,6 @@ pub(crate) trait Wide<const N: usize>: Sized {
 
     /// Values, and gradients by each particle. To be inlined always.
     fn evaluate<L: Lanes>(&self, points: &[Vector<L>; N]) -> (L, [Vector<L>; N]);
-}
-
-/// What `pick` finds in each of eight constraints, or `None` if it finds nothing in one.
-pub(super) fn eight<'a, T>(
-    constraints: [&'a Constraint; LANES],
-    pick: impl Fn(&'a Constraint) -> Option<&'a T>,
-) -> Option<[&'a T; LANES]> {
-    let mut found = [pick(constraints[0])?; LANES];
-    for (to, constraint) in found.iter_mut().zip(constraints) {
-        *to = pick(constraint)?;
-    }
-    Some(found)
 }
 
 /// A number of each of eight: as `array::map`, by a tenth of the code.

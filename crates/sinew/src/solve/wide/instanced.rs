@@ -3,36 +3,27 @@
 use core::ops::Range;
 
 use super::compliance::{PackedCompliance, Shares};
-use super::constraint_batch::{self, WideConstraint};
-use super::distance_batch::{self, WideDistance};
 use super::particle_access::ParticleAccess;
-use super::{BatchList, ConstraintBatches, MEASURING, Which, number};
-use crate::constraints::{
-    Angles, Areas, Bends, Cones, Constraint, Distance, Hinges, SubstepContext, Tetrahedra, Wide,
+use super::wide_constraint::WideConstraint;
+use super::wide_distance::WideDistance;
+use super::{
+    Batch, BatchList, BatchLists, ConstraintBatches, MEASURING, Names, Which, WideKernel, append,
+    on_list,
 };
+use crate::constraints::{Constraint, Distance, FromKind, SubstepContext, Wide};
 use crate::lanes::{InstructionSet, LANES, Lanes, Work, with};
 use crate::solve::instances::{LaneParticles, LaneStorage};
 
-/// Constraints of instance batches, kind by kind.
+/// By their numbers in a body, which are the same in all eight.
 #[derive(Clone, Debug, Default)]
-pub(in crate::solve) struct InstancedConstraints {
-    compliances: Vec<PackedCompliance>,
-    distances: Vec<InstancedConstraint<WideDistance, 2>>,
-    bends: Vec<InstancedConstraint<WideConstraint<Bends>, 4>>,
-    areas: Vec<InstancedConstraint<WideConstraint<Areas>, 3>>,
-    tetrahedra: Vec<InstancedConstraint<WideConstraint<Tetrahedra>, 4>>,
-    angles: Vec<InstancedConstraint<WideConstraint<Angles>, 3>>,
-    hinges: Vec<InstancedConstraint<WideConstraint<Hinges>, 4>>,
-    cones: Vec<InstancedConstraint<WideConstraint<Cones>, 5>>,
+pub(crate) struct ByMembers;
+
+impl Names for ByMembers {
+    type Of<const N: usize> = [u32; N];
 }
 
-/// One constraint of each of eight bodies.
-#[derive(Clone, Debug)]
-struct InstancedConstraint<E, const N: usize> {
-    /// Numbers of its particles in the body.
-    at: [u32; N],
-    eight: E,
-}
+/// Constraints of instance batches.
+pub(in crate::solve) type InstancedConstraints = BatchLists<ByMembers>;
 
 /// Which of them stand for a group.
 #[derive(Clone, Debug)]
@@ -54,39 +45,20 @@ pub(in crate::solve) struct InstancedGroups<'a, T> {
 }
 
 impl InstancedConstraints {
-    /// Forgets all, and keeps the memory.
-    pub(in crate::solve) fn clear(&mut self) {
-        let Self { compliances, distances, bends, areas, tetrahedra, angles, hinges, cones } = self;
-        compliances.clear();
-        distances.clear();
-        bends.clear();
-        areas.clear();
-        tetrahedra.clear();
-        angles.clear();
-        hinges.clear();
-        cones.clear();
-    }
-
     /// Takes distances.
     pub(in crate::solve) fn add_distances(
         &mut self,
         groups: &InstancedGroups<Distance>,
     ) -> InstancedGroup {
-        let InstancedGroups { each, first, constraint_batches, which, multipliers } = groups;
         let begin = self.distances.len();
-        for place in 0..each[0].len() {
-            let (mut eight, packed_compliance) = WideDistance::of(each.map(|group| &group[place]));
-            let packed_compliance =
-                packed_compliance.asked_as(constraint_batches.packed_compliance(which, place));
-            eight.packed_compliance = number(&mut self.compliances, packed_compliance);
-            let Distance { a, b, .. } = each[0][place];
-            self.distances.push(InstancedConstraint { at: [a - first[0], b - first[0]], eight });
+        for place in 0..groups.each[0].len() {
+            let (eight, own) = WideDistance::of(groups.each.map(|group| &group[place]));
+            let Distance { a, b, .. } = groups.each[0][place];
+            let members = [a - groups.first[0], b - groups.first[0]];
+            let eight = (eight, groups.asked(own, place));
+            self.distances.push(Batch::new(members, eight, &mut self.compliances));
         }
-        InstancedGroup {
-            list: BatchList::Distances,
-            range: begin..self.distances.len(),
-            multipliers: *multipliers,
-        }
+        groups.group(BatchList::Distances, begin..self.distances.len())
     }
 
     /// Takes constraints; `None` if their kinds are not the same after all.
@@ -94,17 +66,17 @@ impl InstancedConstraints {
         &mut self,
         groups: &InstancedGroups<Constraint>,
     ) -> Option<InstancedGroup> {
-        let Self { compliances, bends, areas, tetrahedra, angles, hinges, cones, .. } = self;
-        let range = match groups.which.list {
-            BatchList::Distances => return None,
-            BatchList::Bends => take(bends, compliances, groups)?,
-            BatchList::Areas => take(areas, compliances, groups)?,
-            BatchList::Tetrahedra => take(tetrahedra, compliances, groups)?,
-            BatchList::Angles => take(angles, compliances, groups)?,
-            BatchList::Hinges => take(hinges, compliances, groups)?,
-            BatchList::Cones => take(cones, compliances, groups)?,
-        };
-        Some(InstancedGroup { list: groups.which.list, range, multipliers: groups.multipliers })
+        let compliances = &mut self.compliances;
+        let range = on_list!(
+            [&mut] self,
+            groups.which.list,
+            |batches| {
+                let places = 0..groups.each[0].len();
+                append(batches, places.map(|place| instanced(groups, place, compliances)))?
+            },
+            return None
+        );
+        Some(groups.group(groups.which.list, range))
     }
 
     /// Projects a group once; returns the largest error found in each body, metres, or what it was before. Nothing is asked of bodies of the mask
@@ -143,22 +115,10 @@ impl InstancedConstraints {
         task: Task,
         instructions: InstructionSet,
     ) -> [LaneValues; 2] {
-        let Self { compliances, distances, bends, areas, tetrahedra, angles, hinges, cones } = self;
-        let range = part.range.clone();
-        macro_rules! pass {
-            ($list:ident) => {
-                with(instructions, SweepInstanced { list: &$list[range], compliances, task })
-            };
-        }
-        match part.list {
-            BatchList::Distances => pass!(distances),
-            BatchList::Bends => pass!(bends),
-            BatchList::Areas => pass!(areas),
-            BatchList::Tetrahedra => pass!(tetrahedra),
-            BatchList::Angles => pass!(angles),
-            BatchList::Hinges => pass!(hinges),
-            BatchList::Cones => pass!(cones),
-        }
+        let (range, compliances) = (part.range.clone(), &self.compliances[..]);
+        on_list!([&] self, part.list, |batches| {
+            with(instructions, SweepInstanced { batches: &batches[range], compliances, task })
+        })
     }
 }
 
@@ -166,17 +126,31 @@ impl ConstraintBatches {
     /// How hard the block is that a constraint of a group is in.
     fn packed_compliance(&self, which: &Which, place: usize) -> &PackedCompliance {
         let block = which.blocks.start + place / which.each;
-        let packed_compliance = match which.list {
-            BatchList::Distances => self.distances[block].eight.packed_compliance,
-            BatchList::Bends => self.bends[block].eight.packed_compliance,
-            BatchList::Areas => self.areas[block].eight.packed_compliance,
-            BatchList::Tetrahedra => self.tetrahedra[block].eight.packed_compliance,
-            BatchList::Angles => self.angles[block].eight.packed_compliance,
-            BatchList::Hinges => self.hinges[block].eight.packed_compliance,
-            BatchList::Cones => self.cones[block].eight.packed_compliance,
-        };
-        &self.compliances[packed_compliance as usize]
+        let number = on_list!([&] self, which.list, |batches| batches[block].packed_compliance);
+        &self.compliances[number as usize]
     }
+}
+
+impl<T> InstancedGroups<'_, T> {
+    /// A packed compliance, asked as that of the first body's constraint at a place is.
+    fn asked(&self, own: PackedCompliance, place: usize) -> PackedCompliance {
+        own.asked_as(self.constraint_batches.packed_compliance(self.which, place))
+    }
+
+    fn group(&self, list: BatchList, range: Range<usize>) -> InstancedGroup {
+        InstancedGroup { list, range, multipliers: self.multipliers }
+    }
+}
+
+/// The constraint of each of eight bodies at a place of their groups; `None` if the kind of one is another.
+fn instanced<W: Wide<N, Kind: FromKind>, const N: usize>(
+    groups: &InstancedGroups<Constraint>,
+    place: usize,
+    compliances: &mut Vec<PackedCompliance>,
+) -> Option<Batch<[u32; N], WideConstraint<W>>> {
+    let (eight, own) = WideConstraint::of(groups.each.map(|group| &group[place]))?;
+    let members = W::rows(&groups.each[0][place].rows).map(|row| row - groups.first[0]);
+    Some(Batch::new(members, (eight, groups.asked(own, place)), compliances))
 }
 
 impl Which {
@@ -184,30 +158,6 @@ impl Which {
     pub(in crate::solve) fn is_like(&self, other: &Self) -> bool {
         self.list == other.list && self.each == other.each
     }
-}
-
-/// Appends them, or nothing.
-fn take<W: Wide<N>, const N: usize>(
-    list: &mut Vec<InstancedConstraint<WideConstraint<W>, N>>,
-    compliances: &mut Vec<PackedCompliance>,
-    groups: &InstancedGroups<Constraint>,
-) -> Option<Range<usize>> {
-    let InstancedGroups { each, first, constraint_batches, which, .. } = groups;
-    let begin = list.len();
-    for place in 0..each[0].len() {
-        let Some((mut eight, packed_compliance)) =
-            WideConstraint::of(each.map(|group| &group[place]))
-        else {
-            list.truncate(begin);
-            return None;
-        };
-        let packed_compliance =
-            packed_compliance.asked_as(constraint_batches.packed_compliance(which, place));
-        eight.packed_compliance = number(compliances, packed_compliance);
-        let at = W::rows(&each[0][place]).map(|row| row - first[0]);
-        list.push(InstancedConstraint { at, eight });
-    }
-    Some(begin..list.len())
 }
 
 /// A number of each of eight bodies.
@@ -226,74 +176,28 @@ struct Task<'a> {
     worst: LaneValues,
 }
 
-/// One constraint of each of eight bodies.
-trait InstancedKernel<const N: usize> {
-    /// Which packed compliance they have.
-    fn packed_compliance(&self) -> u32;
-    /// As [`constraint_batch::project`] has it, and what of distances is measured as a share of their rest lengths.
-    fn project<L: Lanes>(
-        &self,
-        context: (&PackedCompliance, &LaneValues, f32, L),
-        particles: &mut InstancedParticles<N>,
-        multipliers: Option<&mut [f32]>,
-    ) -> (L, L);
-}
-
-impl<W: Wide<N>, const N: usize> InstancedKernel<N> for WideConstraint<W> {
-    fn packed_compliance(&self) -> u32 {
-        self.packed_compliance
-    }
-
-    #[inline(always)]
-    fn project<L: Lanes>(
-        &self,
-        context: (&PackedCompliance, &LaneValues, f32, L),
-        particles: &mut InstancedParticles<N>,
-        multipliers: Option<&mut [f32]>,
-    ) -> (L, L) {
-        (constraint_batch::project::<L, W, N>(self, context, particles, multipliers), L::zero())
-    }
-}
-
-impl InstancedKernel<2> for WideDistance {
-    fn packed_compliance(&self) -> u32 {
-        self.packed_compliance
-    }
-
-    #[inline(always)]
-    fn project<L: Lanes>(
-        &self,
-        context: (&PackedCompliance, &LaneValues, f32, L),
-        particles: &mut InstancedParticles<2>,
-        multipliers: Option<&mut [f32]>,
-    ) -> (L, L) {
-        distance_batch::project::<L>(self, context, particles, multipliers)
-    }
-}
-
 /// A task for one list: the largest errors, metres, and shares of rest lengths.
 struct SweepInstanced<'a, E, const N: usize> {
-    list: &'a [InstancedConstraint<E, N>],
+    batches: &'a [Batch<[u32; N], E>],
     compliances: &'a [PackedCompliance],
     task: Task<'a>,
 }
 
-impl<E: InstancedKernel<N>, const N: usize> Work for SweepInstanced<'_, E, N> {
+impl<E: WideKernel<N>, const N: usize> Work for SweepInstanced<'_, E, N> {
     type Output = [LaneValues; 2];
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> [LaneValues; 2] {
-        let Self { list, compliances, task } = self;
+        let Self { batches, compliances, task } = self;
         let Task { now, start, multipliers, substep_context, aside, worst } = task;
         let mut shares = Shares::new(substep_context.sweeps);
         let (aside, mut worst) = (L::mask(aside), (L::load(&worst), L::zero()));
         let mut multipliers = multipliers.map(|all| all.iter_mut());
-        for own in list {
-            let number = own.eight.packed_compliance();
-            let packed_compliance = &compliances[number as usize];
-            let each = shares.of(number, packed_compliance);
+        for own in batches {
+            let packed_compliance = &compliances[own.packed_compliance as usize];
+            let each = shares.of(own.packed_compliance, packed_compliance);
             let sums = multipliers.as_mut().and_then(Iterator::next).map(|sums| &mut sums[..]);
-            let mut particles = InstancedParticles { at: &own.at, now, start };
+            let mut particles = InstancedParticles { at: &own.particles, now, start };
             let context = (packed_compliance, each, substep_context.h, aside);
             let (error, share) = own.eight.project::<L>(context, &mut particles, sums);
             worst = (error.max(worst.0), share.max(worst.1));

@@ -4,53 +4,59 @@
 //! scalar twin in [`constraints`](crate::constraints), to a few units in the last place; how hard it is, is one formula for all ([`compliance`]).
 //!
 //! - `compliance` is the softness of eight constraints, whatever each one's is;
-//! - `constraint_batch` projects eight constraints of one kind, by their values and gradients ([`Wide`](crate::constraints::Wide));
-//! - `distance_batch` projects eight distances;
-//! - `particle_access` is where the particles of eight are, in memory or in the lanes of an [instance batch](super::instances); `instanced` are the
-//!   constraints of those.
+//! - `wide_constraint` projects eight constraints of one kind, by their values and gradients ([`Wide`]); `wide_distance` projects eight distances;
+//! - `particle_access` is where the particles of eight are, in memory or in the lanes of an [instance batch](super::instances);
+//! - here are the lists of them, and those in memory; `instanced` are those of instance batches.
 
 mod compliance;
-mod constraint_batch;
-mod distance_batch;
 mod instanced;
 mod particle_access;
 #[cfg(test)]
 mod tests;
+mod wide_constraint;
+mod wide_distance;
 
+use core::fmt::Debug;
 use core::ops::Range;
 use core::slice::ChunksMut;
 
 use crate::constraints::{
-    Angles, Areas, Bends, Cones, Constraint, ConstraintKind, Distance, Hinges, SubstepContext,
-    Tetrahedra, Wide,
+    Angles, Areas, Bends, Cones, Constraint, ConstraintKind, Distance, FromKind, Hinges,
+    SubstepContext, Tetrahedra, Wide,
 };
-use crate::lanes::{InstructionSet, LANES, Lanes, with};
+use crate::lanes::{InstructionSet, LANES, Lanes, Work, with};
 use crate::particles::Places;
-use compliance::PackedCompliance;
-use constraint_batch::ConstraintBatch;
-use distance_batch::DistanceBatch;
+use compliance::{PackedCompliance, Shares};
 pub(super) use instanced::{InstancedConstraints, InstancedGroup, InstancedGroups};
+use particle_access::{GatheredParticles, ParticleAccess};
+use wide_constraint::WideConstraint;
+use wide_distance::WideDistance;
 
-/// The constraints of a plan that have wide kernels.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct ConstraintBatches {
-    compliances: Vec<PackedCompliance>,
-    distances: Vec<DistanceBatch>,
-    bends: Vec<ConstraintBatch<Bends, 4>>,
-    areas: Vec<ConstraintBatch<Areas, 3>>,
-    tetrahedra: Vec<ConstraintBatch<Tetrahedra, 4>>,
-    angles: Vec<ConstraintBatch<Angles, 3>>,
-    hinges: Vec<ConstraintBatch<Hinges, 4>>,
-    cones: Vec<ConstraintBatch<Cones, 5>>,
+/// How particles of eight constraints are named.
+pub(crate) trait Names {
+    /// The names of the particles of eight constraints of `N` each.
+    type Of<const N: usize>: Clone + Debug;
 }
 
-/// Which of them a group has.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Which {
-    list: BatchList,
-    blocks: Range<usize>,
-    /// How many of the group's constraints are in a block: eight, or one where they share particles.
-    each: usize,
+/// By rows: each of the eight has its own.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ByRows;
+
+impl Names for ByRows {
+    type Of<const N: usize> = [[u32; LANES]; N];
+}
+
+/// Constraints that have wide kernels, kind by kind.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BatchLists<A: Names> {
+    compliances: Vec<PackedCompliance>,
+    distances: Vec<Batch<A::Of<2>, WideDistance>>,
+    bends: Vec<Batch<A::Of<4>, WideConstraint<Bends>>>,
+    areas: Vec<Batch<A::Of<3>, WideConstraint<Areas>>>,
+    tetrahedra: Vec<Batch<A::Of<4>, WideConstraint<Tetrahedra>>>,
+    angles: Vec<Batch<A::Of<3>, WideConstraint<Angles>>>,
+    hinges: Vec<Batch<A::Of<4>, WideConstraint<Hinges>>>,
+    cones: Vec<Batch<A::Of<5>, WideConstraint<Cones>>>,
 }
 
 /// The lists that there are.
@@ -65,7 +71,82 @@ enum BatchList {
     Cones,
 }
 
-impl ConstraintBatches {
+/// Does something with one of the lists, whatever is in it; with distances something else where that is said.
+macro_rules! on_list {
+    ($by:tt $lists:ident, $which:expr, |$list:ident| $body:expr) => {
+        on_list!($by $lists, $which, |$list| $body, {
+            let $list = on_list!(@ $by $lists.distances);
+            $body
+        })
+    };
+    ($by:tt $lists:ident, $which:expr, |$list:ident| $body:expr, $distances:expr) => {
+        match $which {
+            BatchList::Distances => $distances,
+            BatchList::Bends => { let $list = on_list!(@ $by $lists.bends); $body }
+            BatchList::Areas => { let $list = on_list!(@ $by $lists.areas); $body }
+            BatchList::Tetrahedra => { let $list = on_list!(@ $by $lists.tetrahedra); $body }
+            BatchList::Angles => { let $list = on_list!(@ $by $lists.angles); $body }
+            BatchList::Hinges => { let $list = on_list!(@ $by $lists.hinges); $body }
+            BatchList::Cones => { let $list = on_list!(@ $by $lists.cones); $body }
+        }
+    };
+    (@ [$($by:tt)*] $lists:ident.$list:ident) => { $($by)* $lists.$list };
+}
+
+use on_list;
+
+/// One to eight constraints of one kind. Where there are fewer, one stands there again: it computes the same and writes the same.
+#[derive(Clone, Debug)]
+struct Batch<P, E> {
+    /// Which particles they bind.
+    particles: P,
+    eight: E,
+    /// Which of the compliances they have.
+    packed_compliance: u32,
+}
+
+/// Eight constraints of one kind, of `N` particles each, but for which those are.
+trait WideKernel<const N: usize> {
+    /// Projects them once. Returns the errors found; without multipliers nothing is moved, and they are those of the hard ones and, of distances, what they
+    /// are as shares of the rest lengths.
+    fn project<L: Lanes>(
+        &self,
+        context: KernelContext<L>,
+        particles: &mut impl ParticleAccess<N>,
+        multipliers: Option<&mut [f32]>,
+    ) -> (L, L);
+}
+
+/// What kernels are told: the packed compliance of eight, what each share is, the substep, seconds, and a mask of those of which nothing is asked: what
+/// becomes of them does not matter.
+type KernelContext<'a, L> = (&'a PackedCompliance, &'a [f32; LANES], f32, L);
+
+impl<P, E> Batch<P, E> {
+    fn new(
+        particles: P,
+        (eight, packed_compliance): (E, PackedCompliance),
+        compliances: &mut Vec<PackedCompliance>,
+    ) -> Self {
+        Self { particles, eight, packed_compliance: number(compliances, packed_compliance) }
+    }
+}
+
+impl BatchList {
+    /// The list of a kind, if that has a wide kernel.
+    fn of(kind: &ConstraintKind) -> Option<Self> {
+        Some(match kind {
+            ConstraintKind::Bend(_) => Self::Bends,
+            ConstraintKind::Area(_) => Self::Areas,
+            ConstraintKind::Tetrahedron(_) => Self::Tetrahedra,
+            ConstraintKind::Angle(_) => Self::Angles,
+            ConstraintKind::Hinge(_) => Self::Hinges,
+            ConstraintKind::Cone(_) => Self::Cones,
+            _ => return None,
+        })
+    }
+}
+
+impl<A: Names> BatchLists<A> {
     /// Forgets all, and keeps the memory.
     pub(crate) fn clear(&mut self) {
         let Self { compliances, distances, bends, areas, tetrahedra, angles, hinges, cones } = self;
@@ -78,41 +159,60 @@ impl ConstraintBatches {
         hinges.clear();
         cones.clear();
     }
+}
 
+/// Appends all of them, or nothing if there is one that is not.
+fn append<T>(list: &mut Vec<T>, all: impl Iterator<Item = Option<T>>) -> Option<Range<usize>> {
+    let first = list.len();
+    for one in all {
+        let Some(one) = one else {
+            list.truncate(first);
+            return None;
+        };
+        list.push(one);
+    }
+    Some(first..list.len())
+}
+
+/// The constraints of a plan that have wide kernels.
+pub(crate) type ConstraintBatches = BatchLists<ByRows>;
+
+/// Which of them a group has.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Which {
+    list: BatchList,
+    blocks: Range<usize>,
+    /// How many of the group's constraints are in a block: eight, or one where they share particles.
+    each: usize,
+}
+
+impl ConstraintBatches {
     /// Takes the constraints of a group, all of one colour, in their order; `alone` those that share particles: each has a block to itself. `None`
     /// where there is no wide kernel for them, or not the same one for all.
     pub(crate) fn add(&mut self, constraints: &[Constraint], alone: bool) -> Option<Which> {
         let each = if alone { 1 } else { LANES };
-        let Self { compliances, bends, areas, tetrahedra, angles, hinges, cones, .. } = self;
-        let (list, blocks) = match &constraints.first()?.kind {
-            ConstraintKind::Bend(_) => {
-                (BatchList::Bends, take(bends, compliances, constraints, each)?)
-            }
-            ConstraintKind::Area(_) => {
-                (BatchList::Areas, take(areas, compliances, constraints, each)?)
-            }
-            ConstraintKind::Tetrahedron(_) => {
-                (BatchList::Tetrahedra, take(tetrahedra, compliances, constraints, each)?)
-            }
-            ConstraintKind::Angle(_) => {
-                (BatchList::Angles, take(angles, compliances, constraints, each)?)
-            }
-            ConstraintKind::Hinge(_) => {
-                (BatchList::Hinges, take(hinges, compliances, constraints, each)?)
-            }
-            ConstraintKind::Cone(_) => {
-                (BatchList::Cones, take(cones, compliances, constraints, each)?)
-            }
-            _ => return None,
-        };
+        let list = BatchList::of(&constraints.first()?.kind)?;
+        let compliances = &mut self.compliances;
+        let blocks = on_list!(
+            [&mut] self,
+            list,
+            |batches| {
+                let all = constraints.chunks(each).map(|some| gathered(some, compliances));
+                append(batches, all)?
+            },
+            return None
+        );
         Some(Which { list, blocks, each })
     }
 
     /// Takes distances, likewise.
     pub(crate) fn add_distances(&mut self, distances: &[Distance], alone: bool) -> Which {
         let (first, each) = (self.distances.len(), if alone { 1 } else { LANES });
-        for eight in distances.chunks(each) {
-            self.distances.push(DistanceBatch::of(eight, &mut self.compliances));
+        for some in distances.chunks(each) {
+            let eight: [&Distance; LANES] =
+                core::array::from_fn(|lane| some.get(lane).unwrap_or(&some[0]));
+            let rows = [eight.map(|d| d.a), eight.map(|d| d.b)];
+            self.distances.push(Batch::new(rows, WideDistance::of(eight), &mut self.compliances));
         }
         Which { list: BatchList::Distances, blocks: first..self.distances.len(), each }
     }
@@ -149,55 +249,67 @@ impl ConstraintBatches {
         substep_context: SubstepContext,
         instructions: InstructionSet,
     ) -> f32 {
-        let range = which.blocks.clone();
-        let Self { compliances, distances, bends, areas, tetrahedra, angles, hinges, cones } = self;
-        macro_rules! pass {
-            ($kernel:ident of $list:ident) => {{
-                let blocks = &$list[range];
-                with(
-                    instructions,
-                    $kernel::SweepBatch {
-                        blocks,
-                        compliances,
-                        places,
-                        multipliers,
-                        substep_context,
-                    },
-                )
-            }};
+        let (blocks, compliances) = (which.blocks.clone(), &self.compliances[..]);
+        on_list!([&] self, which.list, |batches| {
+            let batches = &batches[blocks];
+            let sweep = SweepBatches { batches, compliances, places, multipliers, substep_context };
+            with(instructions, sweep)
+        })
+    }
+}
+
+/// One to eight constraints of one kind; `None` if the kind of one is another.
+fn gathered<W: Wide<N, Kind: FromKind>, const N: usize>(
+    some: &[Constraint],
+    compliances: &mut Vec<PackedCompliance>,
+) -> Option<Batch<[[u32; LANES]; N], WideConstraint<W>>> {
+    let mut eight = [&some[0]; LANES];
+    let mut rows = [[0; LANES]; N];
+    for (lane, one) in eight.iter_mut().enumerate() {
+        *one = some.get(lane).unwrap_or(&some[0]);
+        for (to, row) in rows.iter_mut().zip(W::rows(&one.rows)) {
+            to[lane] = row;
         }
-        match which.list {
-            BatchList::Distances => pass!(distance_batch of distances),
-            BatchList::Bends => pass!(constraint_batch of bends),
-            BatchList::Areas => pass!(constraint_batch of areas),
-            BatchList::Tetrahedra => pass!(constraint_batch of tetrahedra),
-            BatchList::Angles => pass!(constraint_batch of angles),
-            BatchList::Hinges => pass!(constraint_batch of hinges),
-            BatchList::Cones => pass!(constraint_batch of cones),
+    }
+    Some(Batch::new(rows, WideConstraint::of(eight)?, compliances))
+}
+
+/// Projects batches once, in their order; returns the largest error found, metres, of soft ones how far they moved. Without multipliers it measures:
+/// nothing is moved, and what is returned is the largest error of the hard ones.
+struct SweepBatches<'a, 'b, E, const N: usize> {
+    batches: &'a [Batch<[[u32; LANES]; N], E>],
+    compliances: &'a [PackedCompliance],
+    places: &'a mut Places<'b>,
+    /// Cut to a batch each.
+    multipliers: Option<ChunksMut<'a, f32>>,
+    substep_context: SubstepContext,
+}
+
+impl<E: WideKernel<N>, const N: usize> Work for SweepBatches<'_, '_, E, N> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let Self { batches, compliances, places, mut multipliers, substep_context } = self;
+        let mut shares = Shares::new(substep_context.sweeps);
+        let mut worst = L::zero();
+        for batch in batches {
+            let multipliers = multipliers.as_mut().and_then(Iterator::next);
+            let packed_compliance = &compliances[batch.packed_compliance as usize];
+            let each = shares.of(batch.packed_compliance, packed_compliance);
+            let mut room = [[0; LANES]; N];
+            let rows = less(&batch.particles, places.first, &mut room);
+            let (position, start) = (&mut *places.position, &*places.start);
+            let mut particles = GatheredParticles { rows, position, start };
+            let context = (packed_compliance, each, substep_context.h, L::zero());
+            worst = batch.eight.project::<L>(context, &mut particles, multipliers).0.max(worst);
         }
+        worst.largest(0.0)
     }
 }
 
 /// What is measured has no substep: nothing of it is read.
 const MEASURING: SubstepContext = SubstepContext { h: 0.0, sweeps: 1 };
-
-/// Appends blocks of `each` constraints, or nothing if not all of them fit.
-fn take<W: Wide<N>, const N: usize>(
-    blocks: &mut Vec<ConstraintBatch<W, N>>,
-    compliances: &mut Vec<PackedCompliance>,
-    constraints: &[Constraint],
-    each: usize,
-) -> Option<Range<usize>> {
-    let first = blocks.len();
-    for some in constraints.chunks(each) {
-        let Some(block) = ConstraintBatch::of(some, compliances) else {
-            blocks.truncate(first);
-            return None;
-        };
-        blocks.push(block);
-    }
-    Some(first..blocks.len())
-}
 
 /// The number of a packed compliance, which is the last one's if they are the same: so bodies of one softness have one, which stays in the cache.
 fn number(compliances: &mut Vec<PackedCompliance>, packed_compliance: PackedCompliance) -> u32 {

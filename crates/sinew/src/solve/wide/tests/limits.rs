@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::constraints::checks::evaluate;
-use crate::constraints::{Cones, Equation, Hinges, Wide};
+use crate::constraints::{Cones, Equation, FromKind, Hinges, Wide};
 use crate::lanes::{LANES, Lanes, Vector, Work, with};
 
 /// Whether a wide constraint is told to be kept at places, in all lanes.
@@ -22,14 +22,18 @@ impl<W: Wide<N>, const N: usize> Work for Told<'_, W, N> {
 }
 
 /// Whether a limit is told to be kept, and whether it is by the scalar one.
-fn told<W: Wide<N>, const N: usize>(constraint: &Constraint, places: &[Vec3; N]) -> (bool, bool) {
-    let wide = W::of([constraint; LANES]).unwrap();
-    let kind: &dyn Equation = match &constraint.kind {
+fn told<W: Wide<N, Kind: FromKind>, const N: usize>(
+    constraint: &Constraint,
+    places: &[Vec3; N],
+) -> (bool, bool) {
+    let kind = W::Kind::from_kind(&constraint.kind).unwrap();
+    let wide = W::of([kind; LANES], [constraint.rows.len(); LANES]);
+    let equation: &dyn Equation = match &constraint.kind {
         ConstraintKind::Cone(kind) => kind,
         ConstraintKind::Hinge(kind) => kind,
         _ => unreachable!("a limit"),
     };
-    (with(InstructionSet::best(), Told(&wide, places)), evaluate(kind, places).0 == 0.0)
+    (with(InstructionSet::best(), Told(&wide, places)), evaluate(equation, places).0 == 0.0)
 }
 
 #[test]

@@ -1,0 +1,154 @@
+//! Eight constraints of one kind, side by side: in which form they are kept, and how they are projected.
+
+use super::compliance::{Asks, PackedCompliance, compliance};
+use super::particle_access::ParticleAccess;
+use super::{KernelContext, WideKernel, each, load_sums, store_sums};
+use crate::constraints::{Constraint, FromKind, Wide};
+use crate::lanes::{LANES, Lanes, Vector};
+
+/// Eight constraints but for their particles.
+#[derive(Clone, Debug)]
+pub(super) struct WideConstraint<W> {
+    kind: W,
+    compliance: [f32; LANES],
+}
+
+impl<W> WideConstraint<W> {
+    /// Eight constraints, and their packed compliance; `None` if the kind of one is another.
+    pub(super) fn of<const N: usize>(
+        eight: [&Constraint; LANES],
+    ) -> Option<(Self, PackedCompliance)>
+    where
+        W: Wide<N, Kind: FromKind>,
+    {
+        let mut kinds = [W::Kind::from_kind(&eight[0].kind)?; LANES];
+        for (to, one) in kinds.iter_mut().zip(eight) {
+            *to = W::Kind::from_kind(&one.kind)?;
+        }
+        let kind = W::of(kinds, eight.map(|c| c.rows.len()));
+        let (compliance, packed_compliance) = compliances_of(eight);
+        Some((Self { kind, compliance }, packed_compliance))
+    }
+}
+
+/// What eight constraints of whatever kind yield by. Compiled once, not for each kind.
+fn compliances_of(eight: [&Constraint; LANES]) -> ([f32; LANES], PackedCompliance) {
+    let softness = eight.map(|c| c.kind.equation().softness());
+    let bound = eight.map(|c| c.kind.equation().bound());
+    (softness.map(compliance), PackedCompliance::of(softness, bound))
+}
+
+/// What the equation says of eight constraints.
+struct WideEvaluation<L, const N: usize> {
+    value: L,
+    /// Zero where there is nothing to be done.
+    gradients: [Vector<L>; N],
+    /// `Σ w‖∇C‖²`.
+    weights: L,
+    /// The value as a length, metres.
+    error: L,
+    /// Where there is something to be done, and can be.
+    active: L,
+}
+
+/// Values, gradients and what follows: as `solve` in `equation.rs`.
+///
+/// Weights that are finite come of finite gradients; pinned particles alone leave zero, and nothing to be done.
+#[inline(always)]
+fn solve<L: Lanes, W: Wide<N>, const N: usize>(
+    kind: &W,
+    points: &[Vector<L>; N],
+    inverse: &[L; N],
+) -> WideEvaluation<L, N> {
+    let (value, mut gradients) = kind.evaluate(points);
+    let (zero, most) = (L::zero(), L::splat(f32::MAX));
+    let (mut weights, mut steepness) = (zero, zero);
+    each!(i of N {
+        let square = gradients[i].length_squared();
+        steepness = steepness + square;
+        weights = weights + inverse[i] * square;
+    });
+    let size = value.abs();
+    let sound = zero.lt(size).and(size.le(most));
+    let active = sound.and(zero.lt(weights)).and(weights.le(most));
+    if !active.all() {
+        each!(i of N {
+            let Vector { x, y, z } = gradients[i];
+            gradients[i] = Vector::new(active.and(x), active.and(y), active.and(z));
+        });
+    }
+    let error = if W::IS_LENGTH {
+        size
+    } else {
+        L::splat(core::f32::consts::SQRT_2) * size / steepness.sqrt()
+    };
+    WideEvaluation { value, gradients, weights, error, active }
+}
+
+/// Where the particles are, and their inverse masses.
+#[inline(always)]
+fn load<L: Lanes, const N: usize>(particles: &impl ParticleAccess<N>) -> ([Vector<L>; N], [L; N]) {
+    let mut points = [Vector::new(L::zero(), L::zero(), L::zero()); N];
+    let mut inverse = [L::zero(); N];
+    each!(i of N {
+        (points[i], inverse[i]) = Vector::of(particles.now::<L>(i));
+    });
+    (points, inverse)
+}
+
+impl<W: Wide<N>, const N: usize> WideKernel<N> for WideConstraint<W> {
+    #[inline(always)]
+    fn project<L: Lanes>(
+        &self,
+        (packed_compliance, each, h, aside): KernelContext<L>,
+        particles: &mut impl ParticleAccess<N>,
+        multipliers: Option<&mut [f32]>,
+    ) -> (L, L) {
+        let zero = L::zero();
+        let (points, inverse) = load::<L, N>(particles);
+        if W::IS_LIMIT && self.kind.is_kept(&points).or(aside).all() {
+            return (zero, zero);
+        }
+        let found = solve::<L, W, N>(&self.kind, &points, &inverse);
+        let WideEvaluation { value, gradients, weights, error, active } = found;
+        // Limits are kept more often than not.
+        if !aside.select(zero, active).any() {
+            return (zero, zero);
+        }
+        let Some(multipliers) = multipliers else {
+            return (packed_compliance.hard::<L>().and(active).and(error), zero);
+        };
+        let change = if packed_compliance.plain {
+            value / weights
+        } else {
+            let mut moved = zero;
+            if packed_compliance.damped {
+                each!(i of N {
+                    let (start, _) = Vector::of(particles.start::<L>(i));
+                    moved = moved + gradients[i].dot(points[i] - start);
+                });
+            }
+            let sum = load_sums::<L>(multipliers);
+            let asks = Asks { value, weights, moved, sum };
+            let (change, summed) = packed_compliance.change(&asks, &self.compliance, each, h);
+            let sound = active.and(change.abs().le(L::splat(f32::MAX)));
+            store_sums(sound.select(summed, sum), multipliers);
+            change
+        };
+        let change = active.and(change.abs().le(L::splat(f32::MAX))).and(change);
+        let mut farthest = zero;
+        // Backwards: a row that stands twice moves at its first place alone, which has the last word.
+        each!(i of N backwards {
+            let step = gradients[i] * (inverse[i] * change);
+            particles.put(i, (points[i] - step).with(inverse[i]));
+            farthest = step.length_squared().max(farthest);
+        });
+        // A soft one is not meant to be kept. It asks for another sweep as long as sweeps still move it.
+        let error = if packed_compliance.all_hard {
+            error
+        } else {
+            packed_compliance.hard::<L>().select(error, farthest.sqrt())
+        };
+        (active.and(error), zero)
+    }
+}

@@ -1,0 +1,121 @@
+//! Eight distances side by side: soft ones, ropes and struts. What is hard both ways is a rod, with kernels of its own.
+
+use super::compliance::{Asks, PackedCompliance, compliance};
+use super::particle_access::ParticleAccess;
+use super::{KernelContext, WideKernel, load_sums, store_sums};
+use crate::constraints::{Bound, Distance};
+use crate::lanes::{LANES, Lanes, Vector};
+
+/// Eight distances but for their particles.
+#[derive(Clone, Debug)]
+pub(super) struct WideDistance {
+    rest: [f32; LANES],
+    compliance: [f32; LANES],
+    /// Of struts: the square of a length that is safely above the rest length, m². Infinite of others.
+    clear: [f32; LANES],
+}
+
+impl WideDistance {
+    /// Eight distances, and their packed compliance.
+    pub(super) fn of(eight: [&Distance; LANES]) -> (Self, PackedCompliance) {
+        let packed_compliance =
+            PackedCompliance::of(eight.map(|d| d.softness), eight.map(|d| d.bound));
+        let (rest, compliance) = (eight.map(|d| d.rest), eight.map(|d| compliance(d.softness)));
+        (Self { rest, compliance, clear: eight.map(clear) }, packed_compliance)
+    }
+}
+
+/// Above this, a strut is longer than it has to be whatever was rounded on the way, m²: squares that are too small to have all their digits are not.
+fn clear(distance: &Distance) -> f32 {
+    match distance.bound {
+        Bound::AtLeast => (distance.rest * distance.rest * (1.0 + 1e-5)).max(1e-30),
+        _ => f32::INFINITY,
+    }
+}
+
+/// As the scalar [`project`](crate::constraints::project): with `n = d/‖d‖`, `d = a - b`, the gradients are `±n`, so that `Σ w‖∇C‖² = w_a + w_b`.
+/// Coincident ends are pushed apart along the x axis, `a` towards +x.
+impl WideKernel<2> for WideDistance {
+    #[inline(always)]
+    fn project<L: Lanes>(
+        &self,
+        (packed_compliance, each, h, aside): KernelContext<L>,
+        particles: &mut impl ParticleAccess<2>,
+        multipliers: Option<&mut [f32]>,
+    ) -> (L, L) {
+        let (a, wa) = Vector::of(particles.now::<L>(0));
+        let (b, wb) = Vector::of(particles.now::<L>(1));
+        let (zero, one, most) = (L::zero(), L::splat(1.0), L::splat(f32::MAX));
+        let d = a - b;
+        let Some(multipliers) = multipliers else {
+            return left(self, packed_compliance, d.length(), wa + wb);
+        };
+        // Limbs are apart more often than not, and that can be told without a root.
+        let square = d.length_squared();
+        if packed_compliance.plain && L::load(&self.clear).lt(square).or(aside).all() {
+            return (zero, zero);
+        }
+        let length = square.sqrt();
+        let value = length - L::load(&self.rest);
+        let weights = wa + wb;
+        let sum = if packed_compliance.plain { zero } else { load_sums::<L>(multipliers) };
+        let mut active = zero.lt(weights).and(weights.le(most)).and(value.abs().le(most));
+        let holds = packed_compliance.holds(value);
+        active = sum.same(zero).and(holds).select(zero, active);
+        if !aside.select(zero, active).any() {
+            return (zero, zero);
+        }
+        let parted = zero.lt(length);
+        let inverse = one / length;
+        let n = Vector {
+            x: parted.select(d.x * inverse, one),
+            y: parted.and(d.y * inverse),
+            z: parted.and(d.z * inverse),
+        };
+        let change = if packed_compliance.plain {
+            value / weights
+        } else {
+            let mut moved = zero;
+            if packed_compliance.damped {
+                let (from, _) = Vector::of(particles.start::<L>(0));
+                let (to, _) = Vector::of(particles.start::<L>(1));
+                moved = n.dot(d - (from - to));
+            }
+            let asks = Asks { value, weights, moved, sum };
+            let (change, summed) = packed_compliance.change(&asks, &self.compliance, each, h);
+            let sound = active.and(change.abs().le(most));
+            store_sums(sound.select(summed, sum), multipliers);
+            change
+        };
+        active = active.and(change.abs().le(most));
+        let (to_a, to_b) = (wa * change, wb * change);
+        let moved_a = (a - n * to_a).or_else(active, a);
+        let moved_b = (b + n * to_b).or_else(active, b);
+        particles.put(0, moved_a.with(wa));
+        particles.put(1, moved_b.with(wb));
+        let hard = holds.select(zero, value.abs());
+        let error = if packed_compliance.all_hard {
+            hard
+        } else {
+            // A soft one is not meant to be kept. It asks for another sweep as long as sweeps still move it.
+            packed_compliance.hard::<L>().select(hard, (change * weights).abs())
+        };
+        (active.and(error), zero)
+    }
+}
+
+/// The errors of the hard ones of eight that are so long, metres, and as shares of their rest lengths.
+#[inline(always)]
+fn left<L: Lanes>(
+    eight: &WideDistance,
+    packed_compliance: &PackedCompliance,
+    length: L,
+    weights: L,
+) -> (L, L) {
+    let rest = L::load(&eight.rest);
+    let value = length - rest;
+    let asked = packed_compliance.hard::<L>().and(L::zero().lt(weights));
+    let error = packed_compliance.holds(value).select(L::zero(), value.abs());
+    let left = asked.and(error);
+    (left, L::zero().lt(rest).and(left / rest))
+}
