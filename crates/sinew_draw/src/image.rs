@@ -96,22 +96,6 @@ pub fn write_png(path: impl AsRef<Path>, image: &Image) -> io::Result<()> {
     Ok(writer.finish()?)
 }
 
-/// Writes a picture as PNG of at most 255 colours, without transparency: a third of the bytes of [`write_png`], for what is kept in a repository.
-pub fn write_small_png(path: impl AsRef<Path>, image: &Image) -> io::Result<()> {
-    let (palette, indices) = super::animation::indexed(image);
-    let file = BufWriter::new(File::create(path)?);
-    let mut encoder = png::Encoder::new(file, image.width as u32, image.height as u32);
-    encoder.set_color(png::ColorType::Indexed);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_palette(palette);
-    encoder.set_compression(png::Compression::High);
-    // Neighbouring numbers of a palette are not neighbouring colours.
-    encoder.set_filter(png::Filter::NoFilter);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(&indices)?;
-    Ok(writer.finish()?)
-}
-
 /// Reads a PNG of eight bits a channel or fewer, with or without a palette.
 pub fn read_png(bytes: &[u8]) -> io::Result<Image> {
     let mut decoder = png::Decoder::new(io::Cursor::new(bytes));

@@ -24,6 +24,7 @@ mod scene;
 mod shade;
 mod shadow;
 mod sheet;
+mod small_png;
 #[cfg(test)]
 mod tests;
 mod text;
@@ -31,8 +32,9 @@ mod texture;
 
 pub use animation::write_gif;
 pub use camera::Camera;
-pub use image::{Image, read_png, write_png, write_small_png};
+pub use image::{Image, read_png, write_png};
 pub use scene::{Item, Line, Scene};
 pub use shade::render;
 pub use sheet::contact_sheet;
+pub use small_png::write_small_png;
 pub use texture::Texture;

@@ -147,3 +147,10 @@ fn fill_kind(
         (kind, ..) => fill(world, entity, of, AnyConstraint::new(particles, kind.clone())),
     }
 }
+
+/// Inserts something on a body, unless an observer has despawned it meanwhile.
+pub(crate) fn attach(world: &mut World, body: Entity, bundle: impl Bundle) {
+    if let Ok(mut entity) = world.get_entity_mut(body) {
+        entity.insert(bundle);
+    }
+}

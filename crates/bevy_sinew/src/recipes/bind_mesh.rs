@@ -5,7 +5,7 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use sinew::recipes::Blueprint;
 
-use super::build::attach;
+use super::bind::attach;
 
 /// The mesh that a body was made from, and its own copy, which it deforms: a later build starts from the former.
 #[derive(Component, Clone)]

@@ -18,7 +18,7 @@ use crate::components::{
 use crate::config::BodySolver;
 use crate::frames::{Frames, Misplaced, in_world, is_even};
 use crate::messages::{Refusal, Refused};
-use crate::recipes::bind::{Joins, bind, fill, spawn_related};
+use crate::recipes::bind::{Joins, attach, bind, fill, spawn_related};
 use crate::recipes::bind_mesh::source_mesh;
 use crate::recipes::built::JustBuilt;
 
@@ -343,13 +343,6 @@ fn build_one<R: Recipe>(world: &mut World, body: Entity, recipe: &R) -> Result<O
         world.try_despawn(entity).ok();
     }
     Ok(Outcome::Gone)
-}
-
-/// Inserts something on a body, unless an observer has despawned it meanwhile.
-pub(crate) fn attach(world: &mut World, body: Entity, bundle: impl Bundle) {
-    if let Ok(mut entity) = world.get_entity_mut(body) {
-        entity.insert(bundle);
-    }
 }
 
 /// Despawns what an earlier build of this body made.

@@ -5,8 +5,9 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use sinew::recipes::{Blueprint, ClothMaterial, ClothSpec, cloth_from_mesh, cloth_grid, grid_uvs};
 
+use super::bind::attach;
 use super::bind_mesh::own_copy;
-use super::build::{MeshShape, Recipe, attach};
+use super::build::{MeshShape, Recipe};
 use crate::components::{CreationOrder, ParticleBody};
 use crate::messages::Refusal;
 

@@ -3,7 +3,8 @@
 use bevy::prelude::*;
 use sinew::recipes::{Blueprint, BoxLayout, BoxSpec, Part, box_2d, box_3d};
 
-use super::build::{MeshShape, Recipe, attach};
+use super::bind::attach;
+use super::build::{MeshShape, Recipe};
 use crate::components::{
     BodyPart, Collider, CreationOrder, PartOf, ParticleBody, RigidPose, Sleep,
 };

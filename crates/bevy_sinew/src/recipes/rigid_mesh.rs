@@ -4,7 +4,8 @@ use bevy::prelude::*;
 use sinew::Shape;
 use sinew::recipes::{Blueprint, SolidFault, SolidLayout, SolidSpec, solid};
 
-use super::build::{MeshShape, Recipe, attach};
+use super::bind::attach;
+use super::build::{MeshShape, Recipe};
 use super::rigid_box::pose_of;
 use crate::components::{Collider, CreationOrder, ParticleBody, Sleep};
 use crate::messages::Refusal;

@@ -5,7 +5,8 @@ use bevy::ecs::relationship::RelationshipTarget;
 use bevy::prelude::*;
 use sinew::recipes::{Blueprint, RopeSpec, rope};
 
-use super::build::{MeshShape, Recipe, attach};
+use super::bind::attach;
+use super::build::{MeshShape, Recipe};
 use crate::attach::{Anchor, AttachTo, AttachmentOf, BodyAttachments, RopeEnd, place_of};
 use crate::components::{Bound, CreationOrder, ParticleBody, TubeMesh};
 use crate::frames::{even_factor, in_world};

@@ -5,8 +5,9 @@ use sinew::recipes::{
     Blueprint, SoftLatticeSpec, SoftMeshSpec, SoftShape as Lattice, soft_lattice, soft_mesh,
 };
 
+use super::bind::attach;
 use super::bind_mesh::{own_copy, skin_of};
-use super::build::{MeshShape, Recipe, attach};
+use super::build::{MeshShape, Recipe};
 use super::rigid_mesh::Bulk;
 use crate::components::{CreationOrder, ParticleBody, Sleep, Softness};
 use crate::frames::even_factor;

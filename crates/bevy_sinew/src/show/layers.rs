@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use sinew::ConstraintKind;
 
-use super::gizmos::SinewGizmoConfigGroup;
+use super::gizmo_config::SinewGizmoConfigGroup;
 use crate::schedule::PhaseSteps;
 use crate::world::SinewWorld;
 

@@ -3,6 +3,8 @@
 #[cfg(feature = "interpolation")]
 pub(crate) mod ease;
 #[cfg(feature = "gizmos")]
+mod gizmo_config;
+#[cfg(feature = "gizmos")]
 pub(crate) mod gizmos;
 #[cfg(feature = "gizmos")]
 mod layers;
@@ -12,7 +14,9 @@ pub(crate) mod tube;
 mod wires;
 
 #[cfg(feature = "gizmos")]
-pub use gizmos::{SinewGizmoConfigGroup, SinewGizmoPlugin};
+pub use gizmo_config::SinewGizmoConfigGroup;
+#[cfg(feature = "gizmos")]
+pub use gizmos::SinewGizmoPlugin;
 
 use bevy::ecs::system::SystemParam;
 use bevy::math::{Mat3A, Vec3A};

@@ -4,7 +4,7 @@ use core::f32::consts::TAU;
 
 use bevy::prelude::*;
 
-use super::gizmos::SinewGizmoConfigGroup;
+use super::gizmo_config::SinewGizmoConfigGroup;
 use crate::components::{Collider, PlacedCollider, RigidPose, Sensor};
 
 /// Segments of a circle.

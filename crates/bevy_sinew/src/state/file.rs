@@ -18,9 +18,9 @@ use serde::ser::{Error as _, SerializeSeq, SerializeTuple};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use sinew::{CachedManifold, Shape};
 
-use super::snapshot::{Column, SinewSnapshot};
-use super::types::{StateRole, StateTypes};
-use super::values::{Kind, Values};
+use super::snapshot::SinewSnapshot;
+use super::types::StateTypes;
+use super::values::{Column, Kind, StateRole, Values};
 use crate::components::{AnyConstraint, ColliderShape, ContactCache, CreationOrder};
 
 /// What files begin with.

@@ -3,15 +3,14 @@
 use bevy::prelude::*;
 use bevy::reflect::{PartialReflect, ReflectRef};
 
-use super::snapshot::{Column, SinewSnapshot};
-use super::types::StateRole;
+use super::values::{Column, StateRole};
 use crate::components::{AnyConstraint, ColliderShape, ContactCache};
 
-/// Of a snapshot.
-pub(super) fn of(snapshot: &SinewSnapshot) -> u64 {
-    let mut hash = Hash { state: 0xcbf2_9ce4_8422_2325, orders: &snapshot.orders };
+/// Of the values of all types; `orders` are those in which their entities were created.
+pub(super) fn of(orders: &[u64], columns: &[Column]) -> u64 {
+    let mut hash = Hash { state: 0xcbf2_9ce4_8422_2325, orders };
     // By name: the order in which types were registered means nothing.
-    let mut columns: Vec<&Column> = snapshot.columns.iter().collect();
+    let mut columns: Vec<&Column> = columns.iter().collect();
     columns.retain(|column| column.kind.is_hashed());
     columns.sort_by(|a, b| a.kind.name().cmp(b.kind.name()));
     for column in columns {

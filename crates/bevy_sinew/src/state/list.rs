@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use super::eased::settled;
 use super::types;
-use super::values::{Options, empty, join, join_listed, kind, put_resource, supply};
+use super::values::{Options, StateRole, empty, join, join_listed, kind, put_resource, supply};
 use crate::attach::{
     AnchorConstraint, AttachTo, Attached, AttachmentJoints, AttachmentOf, BodyAttachments, JointOf,
 };
@@ -28,7 +28,6 @@ use crate::recipes::{
     RigidMesh, Rope, SoftBody,
 };
 use crate::schedule::{SinewClock, SinewControl};
-use crate::state::types::StateRole;
 
 /// Components that make their entity part of the simulation, and are plain data.
 macro_rules! components {

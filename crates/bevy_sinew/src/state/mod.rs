@@ -32,7 +32,8 @@ pub use restore::RestoreFault;
 #[cfg(feature = "ggrs")]
 pub use rollback::{RollbackHistory, SinewRollbackPlugin};
 pub use snapshot::SinewSnapshot;
-pub use types::{RegisterState, StateRole, StateType, StateTypes};
+pub use types::{RegisterState, StateType, StateTypes};
+pub use values::StateRole;
 
 pub(crate) use list::add;
 pub(crate) use types::add_constraint;

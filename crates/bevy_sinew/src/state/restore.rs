@@ -7,9 +7,10 @@ use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::message::Messages;
 use bevy::prelude::*;
 
+use super::eased;
 use super::snapshot::{Places, SinewSnapshot, members};
-use super::types::{StateRole, StateTypes};
-use super::{eased, values::Kind};
+use super::types::StateTypes;
+use super::values::{Kind, StateRole};
 use crate::breaking::Broke;
 use crate::components::{ContactEnded, ContactStarted, TopologyChanged};
 use crate::recipes::BodyBuilt;

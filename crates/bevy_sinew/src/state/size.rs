@@ -4,16 +4,11 @@ use bevy::prelude::*;
 use bevy::reflect::{PartialReflect, ReflectRef};
 use sinew::CachedManifold;
 
-use super::snapshot::{Column, SinewSnapshot};
+use super::values::Column;
 use crate::components::ContactCache;
 
-/// Of a snapshot, bytes.
-pub(super) fn of(snapshot: &SinewSnapshot) -> usize {
-    let ids = size_of_val(snapshot.entities.as_slice()) + size_of_val(snapshot.orders.as_slice());
-    ids + snapshot.columns.iter().map(column).sum::<usize>()
-}
-
-fn column(column: &Column) -> usize {
+/// Of the values of one type, bytes.
+pub(super) fn of(column: &Column) -> usize {
     let (own, may_own_more) = column.values.bytes();
     let numbers = size_of_val(&*column.numbers);
     if !may_own_more {

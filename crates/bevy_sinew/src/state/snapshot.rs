@@ -1,7 +1,6 @@
 //! The whole state at one instant, taken out of its world.
 
 use std::collections::BTreeSet;
-use std::sync::Arc;
 
 use bevy::ecs::archetype::{Archetype, ArchetypeEntity};
 use bevy::ecs::component::ComponentId;
@@ -10,8 +9,8 @@ use bevy::ecs::entity_disabling::DefaultQueryFilters;
 use bevy::ecs::world::WorldId;
 use bevy::prelude::*;
 
-use super::types::{StateRole, StateTypes};
-use super::values::{Kind, Names, Values};
+use super::types::StateTypes;
+use super::values::{Column, Names, StateRole, Values};
 use super::{hash, size};
 use crate::components::CreationOrder;
 
@@ -46,15 +45,6 @@ pub struct SinewSnapshot {
     pub(super) orders: Vec<u64>,
     /// The values of each type.
     pub(super) columns: Vec<Column>,
-}
-
-/// The values of one type.
-#[derive(Clone)]
-pub(super) struct Column {
-    pub(super) kind: Arc<dyn Kind>,
-    /// The number of the entity of each, ascending. Of a resource 0.
-    pub(super) numbers: Arc<[u32]>,
-    pub(super) values: Arc<dyn Values>,
 }
 
 impl core::fmt::Debug for SinewSnapshot {
@@ -130,12 +120,13 @@ impl SinewSnapshot {
     ///
     /// Left out are handles, reports, and what is neither reflected nor a constraint. Of entities without a [`CreationOrder`] nothing counts.
     pub fn hash(&self) -> u64 {
-        hash::of(self)
+        hash::of(&self.orders, &self.columns)
     }
 
     /// Memory that it takes, bytes: an estimate, within some percent. Clones share it.
     pub fn memory_bytes(&self) -> usize {
-        size::of(self)
+        let ids = size_of_val(&*self.entities) + size_of_val(&*self.orders);
+        ids + self.columns.iter().map(size::of).sum::<usize>()
     }
 
     /// Calls its entities by the ids that another snapshot's [`restore`](Self::restore) gave them: entities that are not in the map keep theirs. For a game that

@@ -7,7 +7,7 @@ use bevy::ecs::component::Mutable;
 use bevy::prelude::*;
 use bevy::reflect::{FromReflect, GetTypeRegistration, TypePath};
 
-use super::values::{Kind, Options, kind, put_resource};
+use super::values::{Kind, Options, StateRole, kind, put_resource};
 use crate::components::ParticleConstraint;
 
 /// Every type that is state: what a [`SinewSnapshot`](super::SinewSnapshot) holds. Ours are in it from the start; a game's own constraints come in by
@@ -15,20 +15,6 @@ use crate::components::ParticleConstraint;
 #[derive(Resource, Default)]
 pub struct StateTypes {
     pub(super) kinds: Vec<Arc<dyn Kind>>,
-}
-
-/// What a type is to the state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum StateRole {
-    /// A component that makes its entity part of the simulation.
-    Simulation,
-    /// A component that is captured where its entity is part of the simulation, or is named by what is.
-    Carried,
-    /// The same, but meaningless outside of its own world, such as a handle: put back there alone.
-    Local,
-    /// A resource.
-    Resource,
 }
 
 /// One entry of [`StateTypes`].

@@ -12,7 +12,19 @@ use bevy::ecs::relationship::{Relationship, RelationshipHookMode, RelationshipTa
 use bevy::prelude::*;
 use bevy::reflect::{FromReflect, PartialReflect, TypePath};
 
-use super::types::StateRole;
+/// What a type is to the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum StateRole {
+    /// A component that makes its entity part of the simulation.
+    Simulation,
+    /// A component that is captured where its entity is part of the simulation, or is named by what is.
+    Carried,
+    /// The same, but meaningless outside of its own world, such as a handle: put back there alone.
+    Local,
+    /// A resource.
+    Resource,
+}
 
 /// What is done with the values of one type.
 pub(super) struct Options<C> {
@@ -245,6 +257,15 @@ pub(super) trait Values: Send + Sync {
 
     /// The particles that a constraint names, by their numbers.
     fn named(&self, place: usize) -> &[Entity];
+}
+
+/// The values of one type.
+#[derive(Clone)]
+pub(super) struct Column {
+    pub(super) kind: Arc<dyn Kind>,
+    /// The number of the entity of each, ascending. Of a resource 0.
+    pub(super) numbers: Arc<[u32]>,
+    pub(super) values: Arc<dyn Values>,
 }
 
 /// Makes a kind of what is done with its values.

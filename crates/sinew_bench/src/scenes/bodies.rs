@@ -15,7 +15,7 @@ use crate::row::{Row, Unit};
 const BOXES: u32 = 32;
 
 /// Boxes along an edge of their heap: P5's thousand.
-pub(super) const HEAP: u32 = 10;
+const HEAP: u32 = 10;
 
 /// Boxes along an edge of those in free flight.
 const FLIGHT: u32 = 16;
@@ -45,8 +45,8 @@ pub fn side_by_side(effort: &Effort) -> Vec<Row> {
         heaped(10, peers::SUBSTEPS, note),
         heaped(4, 4, equal),
         heaped(10, 10, equal),
-        calm::heaps(effort, 4),
-        calm::heaps(effort, 10),
+        calm::heaps(effort, (heap(HEAP), HEAP), 4),
+        calm::heaps(effort, (heap(HEAP), HEAP), 10),
     ]
 }
 

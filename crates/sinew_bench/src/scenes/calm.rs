@@ -1,9 +1,9 @@
 //! How well a heap lies: what P5's speed is worth. Its boxes after twenty seconds, with as many substeps of both.
 
+use sinew::Simulation;
 use sinew::glam::{Quat, Vec3};
 use sinew::pose::Pose;
 
-use super::bodies::{HEAP, heap};
 use crate::measure::{Cube, Effort, Ours, World};
 use crate::peers;
 use crate::row::{Row, Unit};
@@ -17,10 +17,9 @@ const HALF: f32 = 0.5;
 /// How long the diagonal of a box is, metres: those whose centres are farther apart do not touch.
 const DIAGONAL: f32 = 1.733;
 
-/// The heap of P5 with so many substeps of both: how fast its boxes still are, and in the note how deep any lies in another.
-pub(super) fn heaps(effort: &Effort, substeps: u32) -> Row {
+/// The heap of P5, with so many boxes along an edge, with so many substeps of both: how fast its boxes still are, and in the note how deep any lies in another.
+pub(super) fn heaps(effort: &Effort, (mut world, edge): (Simulation, u32), substeps: u32) -> Row {
     let ticks = if effort.quick { TICKS / 10 } else { TICKS };
-    let mut world = heap(HEAP);
     world.settings.substeps = substeps;
     let scene = format!("the heap {} s later, {substeps} substeps each", ticks / 60);
     let row = Row::new("P5", scene, Unit::Speed).sized(world.distances().len(), substeps, 1);
@@ -30,7 +29,7 @@ pub(super) fn heaps(effort: &Effort, substeps: u32) -> Row {
         (1e3 * speed(&cubes), 1e3 * deepest(&cubes))
     };
     let (ours, depth) = later(&mut Ours(world));
-    let peer = peers::heap(effort, HEAP, substeps).map(|mut peer| later(peer.as_mut()));
+    let peer = peers::heap(effort, edge, substeps).map(|mut peer| later(peer.as_mut()));
     let theirs = peer.map(|(_, depth)| format!(", rapier's by {depth:.2} mm")).unwrap_or_default();
     let note =
         format!("the deepest corner is in another box, or in the floor, by {depth:.2} mm{theirs}");

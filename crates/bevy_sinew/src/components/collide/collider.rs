@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use sinew::{Shape, ShapeFault};
 
-use super::{ColliderMotion, ContactCache, PlacedCollider};
+use super::{ColliderFault, ColliderMotion, ContactCache, PlacedCollider};
 use crate::components::CreationOrder;
 
 /// A shape that particles and bodies cannot enter: a floor, a wall, a hill, a lift. [`Ground`](crate::Ground) and [`BoundingBox`](crate::BoundingBox)
@@ -77,24 +77,6 @@ pub enum Collider {
 #[reflect(opaque)]
 #[reflect(Clone, PartialEq)]
 pub struct ColliderShape(pub Shape);
-
-/// Why a collider is refused.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ColliderFault {
-    /// It is no shape, or is none when it is scaled as its transform asks for.
-    #[error(transparent)]
-    Shape(#[from] ShapeFault),
-    /// Its transform, or that of a parent, is not finite or has no rotation.
-    #[error("its transform is not finite or has no rotation")]
-    Transform,
-    /// Its [`SurfaceMaterial`](super::SurfaceMaterial) has a number that is not finite or out of range.
-    #[error("a number of its material is not finite or out of range")]
-    Material,
-    /// It is to be made from a mesh that has no readable positions, or no triangles.
-    #[error("its mesh has no positions and triangles that the CPU can read")]
-    UnreadableMesh,
-}
 
 impl Default for Collider {
     /// A cube with edges of 1 m.

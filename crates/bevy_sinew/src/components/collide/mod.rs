@@ -17,6 +17,7 @@ mod body;
 mod collider;
 mod contact_cache;
 mod events;
+mod fault;
 mod mesh;
 mod motion;
 mod surface;
@@ -24,11 +25,12 @@ mod weight;
 
 pub(crate) use body::ResolvedShape;
 pub use body::{BodyContacts, ContactShape, ContactsDisabled, RestPlace};
-pub use collider::{Collider, ColliderFault, ColliderShape};
+pub use collider::{Collider, ColliderShape};
 pub use contact_cache::ContactCache;
 pub use events::{
     ContactEnded, ContactEvents, ContactImpulse, ContactStarted, Touching, WatchedContacts,
 };
+pub use fault::ColliderFault;
 pub use motion::ColliderMotion;
 pub use surface::{CollisionLayer, CollisionLayers, Combine, GroundDrag, Sensor, SurfaceMaterial};
 pub use weight::Weighs;
