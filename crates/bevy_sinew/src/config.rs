@@ -32,8 +32,9 @@ pub struct SolverConfig {
     pub max_speed: f32,
     /// Whether what nothing outside holds keeps its angular momentum though corrections to the nearest point do not. Default so.
     pub keep_spin: bool,
-    /// Whether what hangs on a pin is also held to it by tethers, and large grid cloth within by spans
-    /// ([`SolverSettings::tethers`](sinew::SolverSettings::tethers)), so that cloth and ropes do not stretch under their weight or in a wind. Default so.
+    /// Whether what hangs on a pin is also held to it by tethers, large grid cloth within by spans, and ropes as the chains that they are
+    /// ([`SolverSettings::tethers`](sinew::SolverSettings::tethers)), so that cloth and ropes do not stretch under their weight, in a wind, or by what hangs on
+    /// them. Default so.
     pub tethers: bool,
     /// Whether large cloth takes its sweeps as smaller substeps of its own ([`SolverSettings::microsteps`](sinew::SolverSettings::microsteps)), which holds it
     /// as well at half of the work. Default so.

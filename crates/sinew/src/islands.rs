@@ -39,6 +39,8 @@ pub(crate) struct Island {
     pub(crate) measured: bool,
     /// Whether it moves as one rigid state in this step: its constraints are not swept, and its particles follow.
     pub(crate) one_state: bool,
+    /// Where its chains are among the plan's.
+    pub(crate) chains: Range<usize>,
     /// Which of the plan's tethers are its own.
     pub(crate) tethers: Option<u32>,
     /// Which of the plan's spans are its own.
@@ -57,6 +59,11 @@ impl Island {
     /// Whether nobody is to sweep its constraints in this step.
     pub(crate) fn is_left_alone(&self) -> bool {
         self.asleep || self.one_state
+    }
+
+    /// Whether chains in it are solved at once.
+    pub(crate) fn has_chains(&self) -> bool {
+        self.settings.tethers && !self.chains.is_empty()
     }
 
     /// Whether it goes through each substep in several microsteps.

@@ -23,7 +23,7 @@ const TICKS: usize = 600;
 /// What each scene comes to.
 const HASHES: [(&str, fn() -> Simulation, u64); 9] = [
     ("a flag in the wind over the ground", flag, 0xc6f5_d6df_a5d7_f2f2),
-    ("ropes, tethers and springs", ropes, 0xdeb2_6f14_0d70_164b),
+    ("ropes, tethers and springs", ropes, 0x3e06_4fec_0dd3_2f71),
     ("bricks that tumble", bricks, 0x2a42_1822_b58e_2836),
     ("ragdolls that fall", ragdolls, 0xff83_44aa_e480_d762),
     ("charges and balls that float", charges, 0x9320_ef2c_54d0_1f6a),

@@ -26,8 +26,17 @@ pub(crate) struct SolveMode {
     pub(crate) gradient_at: GradientAt,
     /// Whether tethers are held in this sweep.
     pub(crate) tethers: bool,
+    /// What is off by more than this is violated, metres.
+    pub(crate) violation: f32,
     /// For its kernels.
     pub(crate) instructions: InstructionSet,
+}
+
+impl SolveMode {
+    /// What counts of the largest error that chains found, metres: they correct it at once, so it only matters where it is a violation.
+    pub(super) fn of_chains(&self, found: f32) -> f32 {
+        if found > self.violation { found } else { 0.0 }
+    }
 }
 
 /// The particles of one constraint side by side, in its own order. Scratch.

@@ -72,7 +72,7 @@ impl Sweeper for InOrder<'_> {
         if island.settings.order == Order::GaussSeidel {
             let cluster_batches = island.cluster_batches.clone();
             let alone = ExecutionContext { instructions: mode.instructions, workers: None };
-            let out = hold_tethers(plan, island, places, mode, alone, thread_scratch);
+            let out = hold_at_once(plan, island, places, mode, alone, thread_scratch);
             let found = gauss_seidel::sweep(
                 places,
                 plan,
@@ -140,7 +140,8 @@ pub(super) fn solve(
     let (mut sweeps, mut converged, mut touched) = (0, false, false);
     while sweeps < settings.max_sweeps && !converged {
         let (tethers, instructions) = (sweeps == 0 || rows.len() > MOST, execution.instructions);
-        let mode = SolveMode { substep_context, gradient_at, tethers, instructions };
+        let mode =
+            SolveMode { substep_context, gradient_at, tethers, violation: most, instructions };
         let found =
             if island.groups.is_empty() { 0.0 } else { sweeper.sweep(places, multipliers, mode) };
         report.violated = if sweeps == 0 { found > most } else { report.violated };
@@ -161,10 +162,11 @@ pub(super) fn solve(
     momentum_drift
 }
 
-/// Holds what hangs on pins to what it may be away from them, and particles of large cloth to what they may be away from each other, once, before the rods
-/// have their say: returns how far out the farthest from its pin was, metres. Where corrections are to keep energy, along the start of the substep, there
-/// are none; and small islands are held so in the first sweep of a substep alone, after which little is left to hold.
-pub(super) fn hold_tethers(
+/// Holds at once what rods hold one after the other, before they have their say: what hangs on pins to what it may be away from them, particles of large
+/// cloth to what they may be away from each other, and chains. Returns how far out the farthest from its pin was, metres; of a chain, whose rods have next
+/// to nothing left to find, only what is a violation. Where corrections are to keep energy, along the start of the substep, there is none of it; and small
+/// islands have tethers in the first sweep of a substep alone, after which little is left to hold.
+pub(super) fn hold_at_once(
     plan: &Plan,
     island: &Island,
     places: &mut Places,
@@ -172,20 +174,29 @@ pub(super) fn hold_tethers(
     execution: ExecutionContext,
     thread_scratch: &mut ThreadScratch,
 ) -> f32 {
-    if mode.gradient_at == GradientAt::StepStart || !mode.tethers {
+    if mode.gradient_at == GradientAt::StepStart {
         return 0.0;
     }
-    let out = plan.tethers.of(island).map_or(0.0, |tethers| {
-        let pins = &mut thread_scratch.pins;
-        pins.clear();
-        pins.extend(tethers.pins(places.position, places.first));
-        tethers.project(places.position, places.first, pins, mode.instructions)
-    });
-    // How far out spans are, the rods between their ends find.
-    if let Some(spans) = plan.tethers.spans_of(island) {
-        spans.project(places.position, places.first, execution);
+    let mut worst = 0.0_f32;
+    if mode.tethers {
+        if let Some(tethers) = plan.tethers.of(island) {
+            let pins = &mut thread_scratch.pins;
+            pins.clear();
+            pins.extend(tethers.pins(places.position, places.first));
+            worst = tethers.project(places.position, places.first, pins, mode.instructions);
+        }
+        // How far out spans are, the rods between their ends find.
+        if let Some(spans) = plan.tethers.spans_of(island) {
+            spans.project(places.position, places.first, execution);
+        }
     }
-    out
+    if island.has_chains() {
+        let columns = (&mut *places.position, places.first);
+        let found =
+            plan.chains.project(island, columns, &mut thread_scratch.eliminated, |_, _, _| {});
+        worst = worst.max(mode.of_chains(found));
+    }
+    worst
 }
 
 /// Starts the multipliers of an island afresh.

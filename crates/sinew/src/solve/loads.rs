@@ -14,6 +14,7 @@
 use glam::{DVec3, Vec3};
 
 use super::IslandReport;
+use super::chains::Eliminated;
 use super::constraint_ref::{ConstraintRef, Local, SolveMode, list_constraint_refs};
 use super::context::SolveContext;
 use super::island::{Sweeper, solve};
@@ -42,6 +43,7 @@ pub(crate) struct Loads {
     tethers: Vec<[f64; 2]>,
     constraint_refs: Vec<ConstraintRef>,
     local: Local,
+    eliminated: Vec<Eliminated<f32>>,
     /// Of reading off: what the tethers of each member of an island pull with.
     carried: Vec<f64>,
 }
@@ -184,6 +186,7 @@ impl Loads {
                 island,
                 constraint_refs: &self.constraint_refs,
                 local: &mut self.local,
+                eliminated: &mut self.eliminated,
                 distances: &mut self.distances,
                 constraints: &mut self.constraints,
                 tethers: &mut self.tethers[tethers],
@@ -258,6 +261,7 @@ struct MeasuredSweep<'a> {
     island: &'a Island,
     constraint_refs: &'a [ConstraintRef],
     local: &'a mut Local,
+    eliminated: &'a mut Vec<Eliminated<f32>>,
     distances: &'a mut Wanted,
     constraints: &'a mut Wanted,
     /// What the tethers of each member did, kg·m.
@@ -271,7 +275,16 @@ impl Sweeper for MeasuredSweep<'_> {
         multipliers: &mut MultiplierSlice,
         mode: SolveMode,
     ) -> f32 {
-        let Self { plan, island, constraint_refs, local, distances, constraints, tethers } = self;
+        let Self {
+            plan,
+            island,
+            constraint_refs,
+            local,
+            eliminated,
+            distances,
+            constraints,
+            tethers,
+        } = self;
         let mut worst = 0.0_f32;
         // As for others: not where corrections are to keep energy.
         if mode.tethers
@@ -281,6 +294,18 @@ impl Sweeper for MeasuredSweep<'_> {
             let members = &plan.islands.members[island.members.clone()];
             let pins: Vec<_> = made.pins(places.position, places.first).collect();
             worst = made.project_noting(places, members, &pins, tethers);
+        }
+        if mode.gradient_at == GradientAt::Current && island.has_chains() {
+            let columns = (&mut *places.position, places.first);
+            let found = plan.chains.project(island, columns, eliminated, |rod, row, pull| {
+                let slot = distances.slots[rod as usize];
+                if slot != NONE {
+                    let pull = pull.as_dvec3();
+                    let is_first = plan.distances[rod as usize].a == row;
+                    distances.pulls[slot as usize] += if is_first { pull } else { -pull };
+                }
+            });
+            worst = worst.max(mode.of_chains(found));
         }
         for &one in *constraint_refs {
             let wanted = match one.kind {

@@ -8,7 +8,7 @@
 //! - `microsteps` takes a large soft island through a substep in smaller steps of its own;
 //! - `instances` takes islands that are built alike side by side;
 //! - `wavefront` takes the substeps of a step through a large island of rods one behind the other, and several threads one behind the other, too;
-//! - `rods` takes hard rods eight by eight; `tethers` hold what hangs on a pin through many of them;
+//! - `rods` takes hard rods eight by eight; `chains` solves those of a rope at once; `tethers` hold what hangs on a pin through many of them;
 //! - `wide` takes most other constraints eight by eight;
 //! - `gauss_seidel`, `most_violated_first` and `jacobi` are the orders of a sweep;
 //! - `constraint_ref` is one constraint of the plan, whatever its kind;
@@ -19,6 +19,7 @@
 //! - `loads` measures with what force single constraints hold;
 //! - `report` says how it went.
 
+mod chains;
 mod constraint_ref;
 mod context;
 mod damping;

@@ -2,6 +2,7 @@
 
 use glam::Vec4;
 
+use super::chains::Eliminated;
 use super::constraint_ref::{ConstraintRef, Local};
 use super::instances::{LaneCompaction, LaneParticles};
 use super::jacobi::Asked;
@@ -20,6 +21,8 @@ pub(crate) struct ThreadScratch {
     pub(super) columns: Columns,
     /// Where the pins of an island are that has tethers.
     pub(super) pins: Vec<Vec4>,
+    /// Of the chain at hand.
+    pub(super) eliminated: Vec<Eliminated<f32>>,
     pub(super) constraint_refs: Vec<ConstraintRef>,
     pub(super) asked: Asked,
     pub(super) queue: Queue,

@@ -8,7 +8,7 @@ use glam::Vec4;
 use super::constraint_ref::SolveMode;
 use super::context::SolveContext;
 use super::instances::{BatchMotion, BatchSolve};
-use super::island::{InOrder, Sweeper, hold_tethers};
+use super::island::{InOrder, Sweeper, hold_at_once};
 use super::loads::Loads;
 use super::microsteps::{derive_whole_steps, list_step_rows};
 use super::momentum::{MomentumDrift, Note};
@@ -264,7 +264,7 @@ impl Sweeper for SharedSweep<'_> {
         mode: SolveMode,
     ) -> f32 {
         let out = self.thread_scratches.with(|thread_scratch| {
-            hold_tethers(self.plan, self.island, places, mode, self.execution, thread_scratch)
+            hold_at_once(self.plan, self.island, places, mode, self.execution, thread_scratch)
         });
         let (places, multipliers, cluster_batches) =
             (places.lend(), multipliers.lend(), self.island.cluster_batches.clone());

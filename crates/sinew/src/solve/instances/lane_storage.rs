@@ -5,6 +5,7 @@ use glam::{Vec3, Vec4};
 use super::InstanceBatch;
 use super::convergence::ConvergenceMask;
 use crate::lanes::{InstructionSet, LANES, Lanes, Work, with};
+use crate::solve::chains::Eliminated;
 
 /// The particles of eight bodies. Scratch.
 #[derive(Clone, Debug, Default)]
@@ -33,6 +34,8 @@ pub(crate) struct LaneStorage {
     pub(super) last_seen: Vec<LaneParticles>,
     /// Of each particle where its two pins are and how long its tethers; empty where no body has any.
     pub(super) tethers: [Vec<LaneParticles>; 2],
+    /// Of the chain at hand.
+    pub(super) eliminated: Vec<Eliminated<[f32; LANES]>>,
     /// The numbers of the bodies' islands.
     pub(super) islands: [u32; LANES],
     /// How many bodies there are. The lanes that are left have the last one again.

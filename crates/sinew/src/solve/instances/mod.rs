@@ -12,7 +12,7 @@
 //!
 //! - `topology` finds them when a plan is compiled;
 //! - `lane_storage` is where their particles are meanwhile;
-//! - `solve` sweeps them until each holds, `rods` and the plan's [constraint batches](super::wide) are what it does, `planes` puts them out of
+//! - `solve` sweeps them until each holds, `rods`, `chains` and the plan's [constraint batches](super::wide) are what it does, `planes` puts them out of
 //!   planes, `surfaces` out of colliders, `convergence` is how it goes;
 //! - `lane_compaction` lets those that take longer than the others of their batch go on together;
 //! - `motion` predicts and derives, `momentum_drift` keeps round-off out of their momenta;
@@ -20,6 +20,7 @@
 //! - `measure` looks at what is left in the end.
 
 mod batch_solve;
+mod chains;
 mod convergence;
 mod lane_compaction;
 mod lane_storage;
@@ -40,6 +41,7 @@ use super::wide::{InstancedConstraints, InstancedGroup};
 use crate::lanes::LANES;
 
 pub(crate) use batch_solve::{BatchMotion, BatchSolve, WholeStep};
+use chains::InstancedLink;
 pub(crate) use lane_compaction::LaneCompaction;
 pub(crate) use lane_storage::{LaneParticles, LaneStorage};
 
@@ -53,6 +55,8 @@ pub(crate) struct InstanceBatches {
     all: Vec<InstanceBatch>,
     parts: Vec<InstancePart>,
     rods: Vec<InstancedRod>,
+    chains: Vec<Range<usize>>,
+    links: Vec<InstancedLink>,
     instanced: InstancedConstraints,
 }
 
@@ -65,6 +69,8 @@ struct InstanceBatch {
     members: u32,
     /// What a sweep consists of, in its order.
     parts: Range<usize>,
+    /// The chains with which a sweep begins.
+    chains: Range<usize>,
     /// How many constraints may have sums.
     multipliers: usize,
     /// Bodies of batches with the same number here are identical. `None` if those of this one are not.

@@ -4,7 +4,7 @@ use super::convergence::ConvergenceMask;
 use super::lane_storage::LaneStorage;
 use super::planes::ProjectPlanes;
 use super::surfaces::SurfaceContext;
-use super::{InstanceBatch, InstanceBatches, InstancePart, rods};
+use super::{InstanceBatch, InstanceBatches, InstancePart, chains, rods};
 use crate::collide::NormalImpulses;
 use crate::constraints::{GradientAt, Plane, SubstepContext};
 use crate::lanes::{InstructionSet, LANES, with};
@@ -113,16 +113,31 @@ impl BatchContext<'_> {
 
     /// Projects all constraints once; returns the largest error found in each body, metres.
     fn once(&self, storage: &mut LaneStorage) -> [f32; LANES] {
-        let Self { instance_batches, batch, settings, h, instructions, .. } = *self;
+        let Self { instance_batches, batch, settings, h, violation, instructions, .. } = *self;
         let substep_context = SubstepContext { h, sweeps: settings.max_sweeps };
         let (may, aside) = (self.along_start(storage), !storage.convergence.going);
         let mut worst = [0.0; LANES];
-        let LaneStorage { now, tethers, .. } = storage;
+        let LaneStorage { now, tethers, eliminated, .. } = storage;
         if tethers.iter().any(|tethers| !tethers.is_empty()) {
             let first = bits(storage.convergence.sweeps, |sweeps| sweeps == 0.0);
             let going = first & !(aside | may);
             if going != 0 {
                 worst = with(instructions, rods::HoldInstanced { now, tethers, going });
+            }
+        }
+        if settings.tethers && !batch.chains.is_empty() && aside | may != u32::MAX {
+            let (chains, links) =
+                (&instance_batches.chains[batch.chains.clone()], &instance_batches.links[..]);
+            let work = chains::ProjectInstancedChains {
+                chains,
+                links,
+                now,
+                eliminated,
+                aside: aside | may,
+            };
+            let found = with(instructions, work);
+            for (worst, found) in worst.iter_mut().zip(found) {
+                *worst = if violation < found && *worst < found { found } else { *worst };
             }
         }
         for part in &instance_batches.parts[batch.parts.clone()] {

@@ -2,6 +2,7 @@
 
 use core::ops::Range;
 
+use super::chains::InstancedLink;
 use super::{InstanceBatch, InstanceBatches, InstancePart, InstancedRod, MOST};
 use crate::constraints::{Constraint, Distance};
 use crate::islands::Island;
@@ -16,11 +17,13 @@ const LEAST: usize = 3;
 impl InstanceBatches {
     /// Finds those of a plan, task by task, and tells the tasks which are theirs.
     pub(crate) fn find(&mut self, plan: &mut Plan) {
-        let Self { all, parts, rods, instanced } = self;
+        let Self { all, parts, rods, instanced, chains, links } = self;
         all.clear();
         parts.clear();
         rods.clear();
         instanced.clear();
+        chains.clear();
+        links.clear();
         let mut tasks = core::mem::take(&mut plan.tasks);
         for task in &mut tasks {
             task.instance_batches = self.find_in(plan, task);
@@ -100,12 +103,14 @@ impl InstanceBatches {
         }
         let members = lanes[0].members.len() as u32;
         let parts = begin..self.parts.len();
+        let chains = self.add_chains(plan, lanes.map(|island| &island.chains), first);
         let topology = self.topology(plan, &islands);
         self.all.push(InstanceBatch {
             islands,
             first: first[0],
             members,
             parts,
+            chains,
             multipliers,
             topology,
         });
@@ -118,6 +123,26 @@ impl InstanceBatches {
             self.all.last().filter(|last| is_same_topology(plan, last.islands.start, leader));
         let identical = islands.clone().skip(1).all(|other| is_same_topology(plan, leader, other));
         identical.then(|| last.and_then(|last| last.topology).unwrap_or(self.all.len()))
+    }
+
+    /// Takes the chains of islands, of which all have the same.
+    fn add_chains(
+        &mut self,
+        plan: &Plan,
+        each: [&Range<usize>; LANES],
+        first: [u32; LANES],
+    ) -> Range<usize> {
+        let begin = self.chains.len();
+        for number in 0..each[0].len() {
+            let lanes = each.map(|chains| plan.chains.links(chains.start + number));
+            let start = self.links.len();
+            self.links.extend((0..lanes[0].len()).map(|place| InstancedLink {
+                at: lanes[0][place].rows.map(|row| row - first[0]),
+                rest: lanes.map(|links| links[place].rest),
+            }));
+            self.chains.push(start..self.links.len());
+        }
+        begin..self.chains.len()
     }
 
     fn add_rods(&mut self, each: [&[Distance]; LANES], first: [u32; LANES], begin: usize) {
@@ -190,6 +215,8 @@ fn is_like(plan: &Plan, one: usize, other: usize) -> bool {
             (a.a + shift, a.b + shift) == (b.a, b.b)
                 && a.softness == b.softness
                 && a.bound == b.bound
+                // Joints, of which chains depend.
+                && (a.rest == 0.0) == (b.rest == 0.0)
         })
     })
 }

@@ -29,6 +29,7 @@ mod tests;
 
 use core::ops::Range;
 
+use super::chains::Chains;
 use super::instances::InstanceBatches;
 use super::rods::Rods;
 use super::tethers::Tethers;
@@ -65,6 +66,8 @@ pub(crate) struct Plan {
     pub(crate) instance_batches: InstanceBatches,
     /// What hangs on pins is held to them by these, besides.
     pub(crate) tethers: Tethers,
+    /// Rods one behind the other, which are solved at once.
+    pub(super) chains: Chains,
     compiling: Compiling,
 }
 
@@ -185,6 +188,7 @@ impl Plan {
     /// Copies what was given in the order of its keys, and finds what goes side by side.
     fn cut(&mut self, given: &Given, keys: &[Key]) {
         self.take_in_order(given.distances, given.constraints, keys);
+        self.find_chains();
         let mut instance_batches = core::mem::take(&mut self.instance_batches);
         instance_batches.find(self);
         self.instance_batches = instance_batches;
@@ -203,6 +207,19 @@ impl Plan {
     /// The rows of the particles of the island of a number, ascending.
     pub(crate) fn members(&self, number: usize) -> &[u32] {
         &self.islands.members[self.islands.list[number].members.clone()]
+    }
+
+    fn find_chains(&mut self) {
+        let Self { chains, islands: Islands { list, members, .. }, groups, distances, .. } = self;
+        chains.clear();
+        for island in list {
+            let groups = groups[island.groups.clone()].iter();
+            let rods = groups.filter(|group| group.kind == GroupKind::Rods);
+            let count = rods.clone().map(|group| group.range.len()).sum();
+            let each = rods.flat_map(|group| group.range.clone());
+            let each = each.map(|rod| (rod as u32, &distances[rod]));
+            island.chains = chains.find(&members[island.members.clone()], count, each);
+        }
     }
 
     /// The rows of an island's particles, where no other's are between them.

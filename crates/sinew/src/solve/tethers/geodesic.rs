@@ -33,15 +33,16 @@ pub(super) struct Field {
     source: Vec<u32>,
     /// The particle before each on its way along rods, and the number of the rod between the two.
     toward: Vec<(u32, u32)>,
+    /// All that were reached, each after the one before it on its way: those in one place are equally far.
+    order: Vec<u32>,
 }
 
 impl Field {
     /// The particles that rods lead to, less the sources, the farthest first, with the one before each on its way and the number of the rod between.
     pub(super) fn inwards(&self) -> Vec<(u32, u32, u32)> {
-        let reached = |&i: &usize| self.length[i].is_finite() && self.toward[i].1 != u32::MAX;
-        let mut order: Vec<usize> = (0..self.length.len()).filter(reached).collect();
-        order.sort_by(|&a, &b| self.length[b].total_cmp(&self.length[a]).then(a.cmp(&b)));
-        order.into_iter().map(|i| (i as u32, self.toward[i].0, self.toward[i].1)).collect()
+        let each = self.order.iter().rev().map(|&i| (i, self.toward[i as usize]));
+        let reached = each.filter(|(_, (_, rod))| *rod != u32::MAX);
+        reached.map(|(i, (before, rod))| (i, before, rod)).collect()
     }
 
     /// Metres; infinite where no rods lead.
@@ -87,7 +88,7 @@ impl Web {
         let particles = self.first.len() - 1;
         let (mut length, mut source) = (vec![f64::INFINITY; particles], vec![0; particles]);
         let mut toward = vec![(0, u32::MAX); particles];
-        let mut done = vec![false; particles];
+        let (mut done, mut order) = (vec![false; particles], Vec::with_capacity(particles));
         // Beside which particle each was seen last, and how long the rod between the two is.
         let mut beside = vec![(u32::MAX, 0.0_f64); particles];
         let mut open = BinaryHeap::new();
@@ -100,6 +101,7 @@ impl Web {
             if core::mem::replace(&mut done[near as usize], true) {
                 continue;
             }
+            order.push(near);
             let (a, own) = (length[near as usize], source[near as usize]);
             for &(other, _, c) in self.rods_of(near) {
                 beside[other as usize] = (near, c);
@@ -122,7 +124,7 @@ impl Web {
                 }
             }
         }
-        Field { length, source, toward }
+        Field { length, source, toward, order }
     }
 }
 

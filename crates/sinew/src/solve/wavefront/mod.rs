@@ -101,7 +101,7 @@ impl TaskSlice<'_> {
         let held =
             island.is_left_alone() || island.rigid || island.free || island.groups.is_empty();
         // Spans reach over cluster batches that have gone on.
-        let held = held || plan.tethers.spans_of(island).is_some();
+        let held = held || plan.tethers.spans_of(island).is_some() || island.has_chains();
         let touches = !context.contacts.is_empty() || context.contacts.bounces();
         let fit = !held
             && !touches

@@ -64,6 +64,7 @@ impl State {
             substep_context,
             gradient_at: GradientAt::Current,
             tethers: true,
+            violation: f32::INFINITY,
             instructions: InstructionSet::best(),
         };
         let (places, mut local) = (&mut self.places(), Local::default());

@@ -1,0 +1,106 @@
+//! Chains of eight bodies.
+
+use core::ops::Range;
+
+use super::lane_storage::LaneParticles;
+use crate::lanes::{LANES, Lanes, Vector, Work};
+use crate::solve::chains::{Eliminated, Links, project_chain};
+
+/// A link of each of eight bodies, between particles of the same numbers.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct InstancedLink {
+    /// Of both particles; the same twice where there is one.
+    pub(super) at: [u32; 2],
+    pub(super) rest: [f32; LANES],
+}
+
+/// Solves chains once, and leaves bodies of the mask `aside` where they are. Returns the largest error found in each body, metres.
+pub(super) struct ProjectInstancedChains<'a> {
+    pub(super) chains: &'a [Range<usize>],
+    pub(super) links: &'a [InstancedLink],
+    pub(super) now: &'a mut [LaneParticles],
+    pub(super) eliminated: &'a mut Vec<Eliminated<[f32; LANES]>>,
+    pub(super) aside: u32,
+}
+
+impl Work for ProjectInstancedChains<'_> {
+    type Output = [f32; LANES];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> [f32; LANES] {
+        let Self { chains, links, now, eliminated, aside } = self;
+        let (moves, mut worst) = (L::mask(!aside), L::zero());
+        for chain in chains {
+            let links = &links[chain.clone()];
+            eliminated.resize(links.len().max(eliminated.len()), [[0.0; LANES]; _]);
+            let mut bodies = OfBodies { links, now, eliminated, moves };
+            worst = project_chain::<L>(&mut bodies).max(worst);
+        }
+        worst.and(moves).array()
+    }
+}
+
+/// A chain of eight bodies.
+struct OfBodies<'a, L> {
+    links: &'a [InstancedLink],
+    now: &'a mut [LaneParticles],
+    eliminated: &'a mut [Eliminated<[f32; LANES]>],
+    /// A mask of those that move.
+    moves: L,
+}
+
+impl<L: Lanes> Links<L> for OfBodies<'_, L> {
+    #[inline(always)]
+    fn count(&self) -> usize {
+        self.links.len()
+    }
+
+    #[inline(always)]
+    fn ends(&self, link: usize) -> [[L; 4]; 2] {
+        let [one, other] = self.links[link].at;
+        let [x, y, z, w] = self.now[one as usize].load::<L>();
+        let [u, v, t, s] = self.now[other as usize].load::<L>();
+        [[x, y, z, self.moves.and(w)], [u, v, t, self.moves.and(s)]]
+    }
+
+    #[inline(always)]
+    fn is_double(&self, link: usize) -> bool {
+        let [one, other] = self.links[link].at;
+        one != other
+    }
+
+    #[inline(always)]
+    fn rest(&self, link: usize) -> L {
+        L::load(&self.links[link].rest)
+    }
+
+    #[inline(always)]
+    fn shift(&mut self, link: usize, by: Vector<L>, _: [Vector<L>; 2]) {
+        let [one, other] = self.links[link].at;
+        let spot = &mut self.now[one as usize];
+        let (p, w) = Vector::of(spot.load::<L>());
+        spot.put((p + by).with(w));
+        if one != other {
+            let spot = &mut self.now[other as usize];
+            let (p, w) = Vector::of(spot.load::<L>());
+            spot.put((p + by).with(w));
+        }
+    }
+
+    #[inline(always)]
+    fn keep(&mut self, link: usize, [a, b, c, d, e, f]: Eliminated<L>) {
+        let [to_a, to_b, to_c, to_d, to_e, to_f] = &mut self.eliminated[link];
+        a.store(to_a);
+        b.store(to_b);
+        c.store(to_c);
+        d.store(to_d);
+        e.store(to_e);
+        f.store(to_f);
+    }
+
+    #[inline(always)]
+    fn kept(&self, link: usize) -> Eliminated<L> {
+        let [a, b, c, d, e, f] = &self.eliminated[link];
+        [L::load(a), L::load(b), L::load(c), L::load(d), L::load(e), L::load(f)]
+    }
+}
