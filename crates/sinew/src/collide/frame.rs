@@ -66,16 +66,19 @@ impl Frame {
 
     /// Something that is at `inner` as this frame sees it, in the world: `self ∘ inner`.
     pub(crate) fn of(&self, inner: &Self) -> Self {
-        let columns = [inner.rotation.x_axis, inner.rotation.y_axis, inner.rotation.z_axis];
-        let [x, y, z] = columns.map(|axis| self.turn(axis));
-        Self { translation: self.point(inner.translation), rotation: Mat3::from_cols(x, y, z) }
+        let r = &inner.rotation;
+        let rotation =
+            Mat3::from_cols(self.turn(r.x_axis), self.turn(r.y_axis), self.turn(r.z_axis));
+        Self { translation: self.point(inner.translation), rotation }
     }
 
     /// This one as seen from another: `other ∘ result = self`.
+    #[inline(always)]
     pub fn from_within(&self, other: &Self) -> Self {
-        let columns = [self.rotation.x_axis, self.rotation.y_axis, self.rotation.z_axis];
-        let [x, y, z] = columns.map(|axis| other.turn_back(axis));
-        Self { translation: other.local(self.translation), rotation: Mat3::from_cols(x, y, z) }
+        let r = &self.rotation;
+        let [x, y, z] = [r.x_axis, r.y_axis, r.z_axis];
+        let rotation = Mat3::from_cols(other.turn_back(x), other.turn_back(y), other.turn_back(z));
+        Self { translation: other.local(self.translation), rotation }
     }
 
     /// Whether it is finite and its axes are orthonormal and right-handed, to 1e-3.

@@ -53,6 +53,15 @@ impl Nearby {
         if !contacts.iter().any(super::BodyContacts::takes_part) {
             return;
         }
+        // Where all that collide do so by a shape, nobody is looked for.
+        let is_free = |(row, &body): (usize, &u32)| {
+            let own = contacts.get(body as usize);
+            !aside.get(row).is_some_and(|&aside| aside)
+                && own.is_some_and(|own| particles.radius[row] > 0.0 || own.surface)
+        };
+        if !particles.body.iter().enumerate().any(is_free) {
+            return;
+        }
         self.enclose(particles, world, aside);
         if !self.bodies.iter().any(|body| body.free) {
             return;

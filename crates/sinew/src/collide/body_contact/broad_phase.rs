@@ -145,12 +145,14 @@ impl BodyContactSolver {
         for number in 0..self.groups.groups.len() {
             let (first, mut asks) = (number * LANES, 0xFF);
             for _ in 0..2 {
-                let before = self.bodies.eight(first);
+                // Who was found the first time stays as it was: who is beside it must not matter.
+                let before = (asks != 0xFF).then(|| self.bodies.eight(first));
                 let columns = [&particles.position[..], &particles.velocity];
                 let residual = self.extract_pose(number, columns, None);
                 let Self { groups, bodies, .. } = self;
-                // Who was found the first time stays as it was: who is beside it must not matter.
-                bodies.put_back(first, !asks, before);
+                if let Some(before) = before {
+                    bodies.put_back(first, !asks, before);
+                }
                 asks &= residual;
                 if asks == 0 {
                     break;

@@ -43,7 +43,7 @@ const SLID: f32 = 0.03;
 const ROUND: f32 = 2.5;
 /// How much faster a manifold becomes stale whose [slope](Manifold::slope) is 1. Its points are points of the two, and as one slides over the rim of
 /// the other it touches with others, that are higher by the slope times the way: so that must be less, and no height is wrong by more than `SLID /
-/// STEEP` of the size. Without that a box fell half a millimetre deep into a rim that its manifold did not know of, and was thrown out of it, again
+/// STEEP` of the size, or what it slides in two substeps (`normal_solve`). Without that a box fell half a millimetre deep into a rim that its manifold did not know of, and was thrown out of it, again
 /// and again, for minutes; three times as much finds a tenth more manifolds in a heap of boxes in random poses, for nothing.
 const STEEP: f32 = 100.0;
 
@@ -260,8 +260,13 @@ pub(super) fn may_slide(manifold: &Manifold, size: f32) -> f32 {
 }
 
 /// How much faster than others a manifold becomes stale.
-pub(super) fn staleness_rate(manifold: &Manifold) -> f32 {
-    1.0 + STEEP * manifold.slope
+fn staleness_rate(manifold: &Manifold) -> f32 {
+    1.0 + steepness(manifold)
+}
+
+/// By how much faster it does because of its slope.
+pub(super) fn steepness(manifold: &Manifold) -> f32 {
+    STEEP * manifold.slope
 }
 
 impl FrictionAnchor {

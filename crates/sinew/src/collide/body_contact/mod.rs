@@ -14,7 +14,7 @@
 //! | `groups` | eight body colliders at a time: particles that several share, what one weighs, pinned particles, rods |
 //! | `pose` | poses out of particles, from nothing and from the last substep's; and the change of a pose back to them, with momentum |
 //! | `bodies` | what contacts know of a body collider, or of static geometry: columns |
-//! | `rigid_islands`, `rigid_state` | body colliders that move as one rigid state, and their particles follow: which, and how |
+//! | `rigid_islands`, `rigid_state`, `rigid_rotation` | body colliders that move as one rigid state, and their particles follow: which, and how |
 //! | `static_geometry` | colliders, planes and boxes |
 //! | `swept_bounds` | where a body collider goes in a step |
 //! | `broad_phase` | what it may come to touch there, and what does that has left those bounds |
@@ -39,6 +39,7 @@ mod normal_solve;
 mod pose;
 mod restitution;
 mod rigid_islands;
+mod rigid_rotation;
 mod rigid_state;
 mod static_geometry;
 mod swept_bounds;
@@ -362,10 +363,12 @@ impl BodyContactSolver {
             let first = number * LANES;
             let (mut left, lanes, asleep) = (0, self.rigid.lanes(number), self.asleep[number]);
             if lanes | asleep != self.groups.groups[number].sound {
-                let before = self.bodies.eight(first);
+                let before = (asleep != 0).then(|| self.bodies.eight(first));
                 let columns = [&particles.position[..], &particles.start];
                 left = self.extract_pose(number, columns, Some(time)) & !(lanes | asleep);
-                self.bodies.put_back(first, asleep, before);
+                if let Some(before) = before {
+                    self.bodies.put_back(first, asleep, before);
+                }
             }
             let Self { groups, bodies, wide_swept, outside_bounds, instructions, .. } = self;
             if lanes != 0 {

@@ -40,6 +40,7 @@ use glam::{Vec3, Vec4};
 
 use super::bodies::{Bodies, ROTATION, from_row};
 use super::groups::{BodyGroup, Slot, WideMass};
+use super::rigid_rotation::{Rotation, WideRotation, load_four, store_four};
 use super::swept_bounds::WideSweptBounds;
 use super::turn::{LaneArray, Matrix, Symmetric, load, store, zero};
 use crate::integrate::loss;
@@ -51,6 +52,9 @@ const MOST: f32 = 0.5;
 const FAST: f32 = 0.061;
 /// A Newton step of this share, squared, leaves an error of its square, which is round-off.
 const DONE: f32 = 1e-7;
+/// `v²` up to which the first two terms are all that `f32` has digits for, and the share of the angular momentum that the second one may be for that: of two
+/// hundredths of a radian in a substep.
+const SLOW: f32 = 1e-4;
 /// The most Newton steps.
 const STEPS: u32 = 6;
 /// How far a particle may be from its place, as a share of how far the body reaches, beside the tolerance of its rods.
@@ -61,6 +65,8 @@ const MISPLACED: f32 = 1e-3;
 pub(super) struct WideRigidState {
     /// A bit for each lane that is one.
     pub(super) lanes: u32,
+    /// Where the step began.
+    began: [LaneArray; 3],
     /// From the origin, metres; and what `f32` has dropped of that in this step.
     centre: [LaneArray; 3],
     remainder: [LaneArray; 3],
@@ -86,105 +92,17 @@ pub(super) struct WideRigidState {
     pub(super) pushed: u32,
 }
 
-/// Eight rotations as they lie in memory.
-#[derive(Clone, Debug, Default)]
-struct WideRotation {
-    whole: [LaneArray; 4],
-    remainder: [LaneArray; 4],
-}
-
-/// A rotation in each lane: a quaternion of nearly unit length, and what `f32` has dropped of it in this step.
-#[derive(Clone, Copy)]
-struct Rotation<L> {
-    whole: [L; 4],
-    remainder: [L; 4],
-}
-
-impl<L: Lanes> Rotation<L> {
-    #[inline(always)]
-    fn load(from: &WideRotation) -> Self {
-        Self { whole: load_four(&from.whole), remainder: load_four(&from.remainder) }
-    }
-
-    #[inline(always)]
-    fn store(self, to: &mut WideRotation) {
-        store_four(self.whole, &mut to.whole);
-        store_four(self.remainder, &mut to.remainder);
-    }
-
-    /// Followed, in its own frame, by a turn of the unit quaternion `(v, w)`, `w` not negative. It stays as long as it is.
-    #[inline(always)]
-    fn further(self, v: Vector<L>, w: L) -> Self {
-        let [x, y, z, s] = self.whole;
-        let axis = Vector::new(x, y, z);
-        // w - 1, of which `w` has too few digits.
-        let less = -v.length_squared() / (L::splat(1.0) + w);
-        let by = v * s + axis * less + axis.cross(v);
-        let by = [by.x, by.y, by.z, s * less - axis.dot(v)];
-        let mut next = self;
-        for ((whole, remainder), by) in next.whole.iter_mut().zip(&mut next.remainder).zip(by) {
-            let (before, step) = (*whole, by + *remainder);
-            *whole = before + step;
-            *remainder = step - (*whole - before);
-        }
-        next
-    }
-
-    /// Further by a turn of a few roundings, of which `half` is a half, radians, in the axes of the world.
-    #[inline(always)]
-    fn nudged(self, half: Vector<L>) -> Self {
-        let [x, y, z, s] = self.whole;
-        let axis = Vector::new(x, y, z);
-        let by = half * s + half.cross(axis);
-        let [a, b, c, d] = self.remainder;
-        let remainder = [a + by.x, b + by.y, c + by.z, d - half.dot(axis)];
-        Self { remainder, ..self }
-    }
-
-    /// The turn that the remainder is, in the axes of the world, radians.
-    #[inline(always)]
-    fn nudge(&self) -> Vector<L> {
-        let ([x, y, z, s], [a, b, c, d]) = (self.whole, self.remainder);
-        let (axis, by) = (Vector::new(x, y, z), Vector::new(a, b, c));
-        (by * s - axis * d + axis.cross(by)) * L::splat(2.0)
-    }
-
-    #[inline(always)]
-    fn matrix(&self) -> Matrix<L> {
-        Matrix::of(self.whole)
-    }
-
-    /// Where a mask is set this one, elsewhere the other.
-    #[inline(always)]
-    fn or_else(self, mask: L, other: Self) -> Self {
-        let mut one = self;
-        for i in 0..4 {
-            one.whole[i] = mask.select(self.whole[i], other.whole[i]);
-            one.remainder[i] = mask.select(self.remainder[i], other.remainder[i]);
-        }
-        one
-    }
-}
-
-#[inline(always)]
-fn load_four<L: Lanes>(from: &[LaneArray; 4]) -> [L; 4] {
-    [L::load(&from[0]), L::load(&from[1]), L::load(&from[2]), L::load(&from[3])]
-}
-
-#[inline(always)]
-fn store_four<L: Lanes>(from: [L; 4], to: &mut [LaneArray; 4]) {
-    from[0].store(&mut to[0]);
-    from[1].store(&mut to[1]);
-    from[2].store(&mut to[2]);
-    from[3].store(&mut to[3]);
-}
-
 impl WideRigidState {
     /// Where the centre of a lane is from the origin, metres, and how it is turned: a quaternion of nearly unit length.
     pub(super) fn pose(&self, lane: usize) -> (Vec3, Vec4) {
-        let [x, y, z] = [0, 1, 2].map(|axis| self.centre[axis][lane] + self.remainder[axis][lane]);
-        let turn = [0, 1, 2, 3].map(|i| self.rotation.whole[i][lane]);
-        (Vec3::new(x, y, z), Vec4::from_array(turn))
+        let [x, y, z, w] = &self.rotation.whole;
+        let turn = Vec4::new(x[lane], y[lane], z[lane], w[lane]);
+        (of_lane(&self.centre, lane) + of_lane(&self.remainder, lane), turn)
+    }
+
+    /// How far the centre of a lane has gone in this step, metres, and for how long its velocity is a mean, seconds.
+    pub(super) fn gone(&self, lane: usize) -> (Vec3, f32) {
+        (of_lane(&self.centre, lane) - of_lane(&self.began, lane), self.lag[lane])
     }
 
     /// Notes which shares of the velocities are lost over substeps of `h` seconds in air of the damping `air`, 1/s.
@@ -214,18 +132,23 @@ impl WideRigidState {
 
     /// The velocity of a lane.
     pub(super) fn velocity(&self, lane: usize) -> Vec3 {
-        Vec3::from(self.velocity.map(|one| one[lane]))
+        of_lane(&self.velocity, lane)
     }
 
     /// The same of its angular momentum.
     pub(super) fn momentum(&self, lane: usize) -> Vec3 {
-        Vec3::from(self.momentum.map(|one| one[lane]))
+        of_lane(&self.momentum, lane)
     }
 
     /// Where the centre of a lane is now.
     pub(super) fn centre(&self, lane: usize) -> Vec3 {
-        Vec3::from(self.centre.map(|one| one[lane]))
+        of_lane(&self.centre, lane)
     }
+}
+
+/// A vector of a lane.
+fn of_lane([x, y, z]: &[LaneArray; 3], lane: usize) -> Vec3 {
+    Vec3::new(x[lane], y[lane], z[lane])
 }
 
 /// How a body turns in a substep, in its own axes, that has the angular momentum `momentum`, times `h`, there.
@@ -241,9 +164,17 @@ fn turn_of<L: Lanes>(
     let gyroscopic = first.cross(inertia.times(first)) * two;
     let mut v = limited(inverse.times(momentum - gyroscopic) * (half / w));
     let mut w = (one - v.length_squared()).sqrt();
-    let mut going = L::zero().same(L::zero());
+    // What hardly turns, or is as hard to turn about any axis, is there by now: what is left is the square of what these two terms leave out.
+    let small = first
+        .length_squared()
+        .le(L::splat(SLOW))
+        .and(gyroscopic.length_squared().le(momentum.length_squared() * L::splat(SLOW * SLOW)));
+    let mut going = small.select(L::zero(), L::zero().same(L::zero()));
     let [x, y, z] = columns(inertia);
     for _ in 0..STEPS {
+        if !going.any() {
+            break;
+        }
         let spun = inertia.times(v);
         let missing = momentum * half - (spun * w + v.cross(spun));
         let along = spun * (one / w);
@@ -262,9 +193,6 @@ fn turn_of<L: Lanes>(
         w = good.select((one - square).sqrt(), w);
         let done = further.length_squared().le(square * L::splat(DONE));
         going = good.and(done.select(L::zero(), good));
-        if !going.any() {
-            break;
-        }
     }
     (v, w)
 }
@@ -365,6 +293,7 @@ impl Work for ReadStates<'_> {
         let most = L::load(&self.reach) * L::splat(MISPLACED) + L::load(&self.tolerance);
         // Also for NaN.
         good = good.and(off.le(most * most)).and(fast.length_squared().le(L::splat(FAST)));
+        store(centre, &mut state.began);
         store(centre, &mut state.centre);
         store(moments.centre * middle, &mut state.remainder);
         store(shift, &mut state.velocity);

@@ -142,7 +142,8 @@ impl BodyContactSolver {
             return;
         };
         let (row, place) = (row as usize, groups.place(number));
-        let [.., centre, step, spin, _] = bodies[place].map(Vec4::truncate);
+        let [.., centre, step, spin, _] = &bodies[place];
+        let (centre, step, spin) = (centre.truncate(), step.truncate(), spin.truncate());
         let (q, dt) = (bodies[place][ROTATION], world.dt);
         let (velocity, left) = (step * rate, dt * (1.0 - share));
         let way = velocity * left;

@@ -15,7 +15,7 @@
 use glam::{Mat3, Vec3};
 
 use super::super::{CombinedMaterial, ContactParticipant};
-use super::contact_cache::{CachedManifold, FrictionAnchor, may_slide, may_turn, staleness_rate};
+use super::contact_cache::{CachedManifold, FrictionAnchor, may_slide, may_turn, steepness};
 use super::turn::{LaneArray, set, store};
 use crate::constraints::PlanarDrag;
 use crate::lanes::{LANES, Lanes, Vector};
@@ -105,8 +105,9 @@ pub(super) fn colour(contacts: &mut [Contact], body_colliders: usize, used: &mut
     most
 }
 
-/// Numbers of manifolds by [class](Contact::class), and of one class first those that pressed before, then as they are; `begins` is scratch. Those of
-/// a colour may come in any order, and a wide contact in which nothing presses is soon done with.
+/// Numbers of manifolds by [class](Contact::class), and of one class first those that pressed before, then as they are; those with more than two points at both
+/// ends. `begins` is scratch. Those of a colour may come in any order: a wide contact in which nothing presses is soon done with, and one in which none has more
+/// than two points takes half of the work.
 fn by_colour(
     (contacts, cache): (&[Contact], &[CachedManifold]),
     colours: u32,
@@ -114,10 +115,17 @@ fn by_colour(
     begins: &mut Vec<u32>,
 ) {
     let class = |one: &Contact| {
-        2 * one.class() + usize::from(!cache[one.cache_index as usize].friction_anchor.is_loaded())
+        let known = &cache[one.cache_index as usize];
+        let kind = match (known.friction_anchor.is_loaded(), known.manifold.points().len() > 2) {
+            (true, true) => 0,
+            (true, false) => 1,
+            (false, false) => 2,
+            (false, true) => 3,
+        };
+        4 * one.class() + kind
     };
     begins.clear();
-    let classes = 4 * SWEEPS.len() * colours as usize;
+    let classes = 4 * 2 * SWEEPS.len() * colours as usize;
     begins.resize(classes + 1, 0);
     for one in contacts {
         begins[class(one) + 1] += 1;
@@ -196,13 +204,13 @@ pub(super) fn put_manifold(
     [centre_a, centre_b]: [Vec3; 2],
 ) {
     let seen = |v: Vec3| one.fixed.map_or(v, |axes| axes * v);
-    let mut manifold = known.manifold;
+    let manifold = &known.manifold;
     // Of what stays where it is the axis is not loaded, and its normal does not turn.
-    manifold.axial[1] &= one.fixed.is_none();
+    let axial = [manifold.axial[0], manifold.axial[1] & one.fixed.is_none()];
     let [own, theirs] = manifold.radii;
     (wide.radii[0][lane], wide.radii[1][lane]) = (own, theirs);
     wide.round |= theirs > 0.0;
-    for (lanes, axial) in wide.axial.iter_mut().zip(manifold.axial) {
+    for (lanes, axial) in wide.axial.iter_mut().zip(axial) {
         *lanes = *lanes & !(1 << lane) | u32::from(axial) << lane;
     }
     wide.own[lane] = match (own > 0.0, theirs > 0.0) {
@@ -216,7 +224,7 @@ pub(super) fn put_manifold(
     let normal = if of_first { known.seen_from.turn_back(normal) } else { seen(normal) };
     set(&mut wide.normal, lane, normal);
     set(&mut wide.offset, lane, one.offset);
-    wide.staleness_rate[lane] = staleness_rate(&known.manifold);
+    wide.steepness[lane] = steepness(&known.manifold);
     let (turn, slide) = (may_turn(&known.manifold), may_slide(&known.manifold, one.size));
     (wide.bent[lane], wide.stiff[lane]) = (1.0 / turn, 1.0 / slide);
     wide.torsional_radius[lane] = one.torsional_radius;
@@ -227,7 +235,8 @@ pub(super) fn put_manifold(
         wide.friction_limit[lane] = 0.0;
     }
     for i in 0..wide.missing.len() {
-        let anchors = points.get(i).map(|point| manifold.anchors(point, &known.seen_from));
+        let anchors =
+            points.get(i).map(|point| manifold.anchors_about(point, &known.seen_from, axial));
         let [on_a, on_b] = anchors.map_or([Vec3::ZERO; 2], |[a, b]| [a - centre_a, b - centre_b]);
         set(&mut wide.on_a[i], lane, on_a);
         set(&mut wide.on_b[i], lane, seen(on_b));
@@ -274,8 +283,8 @@ pub(super) struct WideContact {
     /// By how much more than the staleness says, times what they may slide, others of their points may have come nearer than those of the manifold: a
     /// turn of `φ` takes these away by up to `r φ` and others there by as much.
     pub(super) elsewhere: LaneArray,
-    /// How much faster than others they become stale by that, and by turning: [`staleness_rate`].
-    pub(super) staleness_rate: LaneArray,
+    /// By how much faster than others they become stale by that, and by turning: [`steepness`].
+    pub(super) steepness: LaneArray,
     /// How much they have turned and slid since they were compared: 1 is as much as they may, where they touch.
     pub(super) staleness: LaneArray,
     /// How far apart the nearest of their points will be if they go on as in the last substep, by how far they may slide; 0 where that is not known.
@@ -339,7 +348,7 @@ impl WideContact {
             stiff: none,
             bent: none,
             elsewhere: none,
-            staleness_rate: none,
+            steepness: none,
             staleness: none,
             predicted_gap: none,
             torsional_radius: none,

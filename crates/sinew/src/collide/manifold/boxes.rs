@@ -13,7 +13,7 @@
 //! A separation beyond reach ends the search. Otherwise the body with the face clips the other's most opposite face; two edges have one point.
 //! Boxes that are apart, past the rims of each other's faces, may be nearest at a corner or two edges, along none of the 15.
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A, Vec3Swizzles};
 use smallvec::SmallVec;
 
 use super::clip::Polygon;
@@ -116,11 +116,13 @@ impl<'a> Pair<'a> {
     /// The best axes; nothing if the boxes are further apart than `reach`, or not anywhere.
     #[inline(always)]
     fn separate(&self, reach: f32) -> Option<Axes> {
-        let Self { ha, hb, c, t, .. } = self;
+        let Self { ha, hb, c, t, axes, .. } = self;
+        // Three axes at a time: the rows of `c`, by axis of `b`, and its columns, by axis of `a`.
+        let rows = [Vec3A::from(c[0]), Vec3A::from(c[1]), Vec3A::from(c[2])];
+        let sizes = [rows[0].abs(), rows[1].abs(), rows[2].abs()];
         let size = |h: &[f32; 3]| h[0].min(h[1]).min(h[2]);
         let small = BIAS.1 * size(ha).min(size(hb));
         let bias = |separation: f32| small + BIAS.0 * separation.abs();
-        let s = c.map(|row| row.map(f32::abs));
         let (mut face, mut most) = (0, f32::NEG_INFINITY);
         // How far apart they are at least, squared, and along how many axes: of each box, because its axes are across each other.
         let (mut squared, mut beyond) = ([0.0; 2], [0; 2]);
@@ -128,11 +130,13 @@ impl<'a> Pair<'a> {
             squared[of] += apart.max(0.0) * apart.max(0.0);
             beyond[of] += usize::from(apart > 0.0);
         };
-        for i in 0..3 {
-            let apart = t[i].abs() - hb[i] - (ha[0] * s[i][0] + ha[1] * s[i][1] + ha[2] * s[i][2]);
-            if apart > reach {
-                return None;
-            }
+        let columns = [Vec3A::from(axes[0]), Vec3A::from(axes[1]), Vec3A::from(axes[2])];
+        let taken = columns[0].abs() * ha[0] + columns[1].abs() * ha[1] + columns[2].abs() * ha[2];
+        let of_b = Vec3A::from(*t).abs() - Vec3A::from(*hb) - taken;
+        if of_b.cmpgt(Vec3A::splat(reach)).any() {
+            return None;
+        }
+        for (i, apart) in of_b.to_array().into_iter().enumerate() {
             note(0, apart);
             if apart > most {
                 (face, most) = (i, apart);
@@ -140,12 +144,13 @@ impl<'a> Pair<'a> {
         }
         let threshold = most + bias(most);
         let mut of_a = threshold;
-        for j in 0..3 {
-            let along = t[0] * c[0][j] + t[1] * c[1][j] + t[2] * c[2][j];
-            let apart = along.abs() - ha[j] - (hb[0] * s[0][j] + hb[1] * s[1][j] + hb[2] * s[2][j]);
-            if apart > reach {
-                return None;
-            }
+        let along = rows[0] * t[0] + rows[1] * t[1] + rows[2] * t[2];
+        let taken = sizes[0] * hb[0] + sizes[1] * hb[1] + sizes[2] * hb[2];
+        let apart = along.abs() - Vec3A::from(*ha) - taken;
+        if apart.cmpgt(Vec3A::splat(reach)).any() {
+            return None;
+        }
+        for (j, apart) in apart.to_array().into_iter().enumerate() {
             note(1, apart);
             if apart > of_a {
                 (face, of_a, most) = (3 + j, apart, apart);
@@ -156,16 +161,22 @@ impl<'a> Pair<'a> {
         }
         let (mut edge, mut edge_separation) = ((0, 0), f32::NEG_INFINITY);
         let unlikely = most.min(0.0);
+        let (first, second) = (Vec3A::new(ha[1], ha[2], ha[0]), Vec3A::new(ha[2], ha[0], ha[1]));
         for i in 0..3 {
             let (i1, i2) = NEXT[i];
-            for j in 0..3 {
-                let (j1, j2) = NEXT[j];
-                let along = (t[i2] * c[i1][j] - t[i1] * c[i2][j]).abs();
-                let extent =
-                    hb[i1] * s[i2][j] + hb[i2] * s[i1][j] + ha[j1] * s[i][j2] + ha[j2] * s[i][j1];
-                // Where the edges are near parallel, the quotient is of two small numbers: what rounding may have added to it is taken off.
-                let apart = along - extent - ROUNDING * (along + extent);
-                // The divisor is no more than 1: what is negative becomes more so.
+            let along = (rows[i1] * t[i2] - rows[i2] * t[i1]).abs();
+            let turned = sizes[i];
+            let extent = sizes[i2] * hb[i1]
+                + sizes[i1] * hb[i2]
+                + first * turned.zxy()
+                + second * turned.yzx();
+            // Where the edges are near parallel, the quotient is of two small numbers: what rounding may have added to it is taken off.
+            let apart = along - extent - (along + extent) * ROUNDING;
+            // The divisor is no more than 1: what is negative becomes more so.
+            if !apart.cmpgt(Vec3A::splat(unlikely)).any() {
+                continue;
+            }
+            for (j, apart) in apart.to_array().into_iter().enumerate() {
                 if apart > unlikely {
                     let square = 1.0 - c[i][j] * c[i][j];
                     let apart = apart / square.max(PARALLEL).sqrt();
@@ -207,7 +218,8 @@ impl<'a> Pair<'a> {
         }
         let [x, y, z] = *c;
         let turned = [[x[0], y[0], z[0]], [x[1], y[1], z[1]], [x[2], y[2], z[2]]];
-        let back = turned.map(|row| -(row[0] * t[0] + row[1] * t[1] + row[2] * t[2]));
+        let along = |row: &[f32; 3]| -(row[0] * t[0] + row[1] * t[1] + row[2] * t[2]);
+        let back = [along(&turned[0]), along(&turned[1]), along(&turned[2])];
         clipped(ha, face - 3, hb, &turned, &back, reach, Some(frame))
     }
 

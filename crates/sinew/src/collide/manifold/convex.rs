@@ -58,7 +58,9 @@ pub(super) fn on_triangles(
         let found = touch((triangle, &of), normals, a, a_in_b, &pose, reach, scratch);
         if let Some(manifold) = found.filter(Manifold::is_sound) {
             let kinds = [a.kind(), b.kind()];
-            out(&Manifold { part, ..manifold }.rounded(kinds, a_in_b));
+            let mut manifold = Manifold { part, ..manifold };
+            manifold.note_rounding(kinds, a_in_b);
+            out(&manifold);
         }
     };
     if let Some(mesh) = b.parry().as_trimesh() {

@@ -156,24 +156,34 @@ impl Manifold {
     /// What of a point stays where it is in each of the two, for where the first one was when it was found: a point of the surface, or the centre of the
     /// rounding.
     pub(crate) fn anchors(&self, point: &Point, a_in_b: &Frame) -> [Vec3; 2] {
+        self.anchors_about(point, a_in_b, self.axial)
+    }
+
+    /// The same where others are round about their axes than [`axial`](Self::axial) says.
+    #[inline(always)]
+    pub(crate) fn anchors_about(
+        &self,
+        point: &Point,
+        a_in_b: &Frame,
+        axial: [bool; 2],
+    ) -> [Vec3; 2] {
         let [own, theirs] = self.radii;
         let mut anchors =
             [point.on_a + a_in_b.turn_back(self.normal) * own, point.on_b - self.normal * theirs];
-        for (anchor, _) in anchors.iter_mut().zip(self.axial).filter(|(_, axial)| *axial) {
+        for (anchor, _) in anchors.iter_mut().zip(axial).filter(|(_, axial)| *axial) {
             (anchor.x, anchor.z) = (0.0, 0.0);
         }
         anchors
     }
 
-    /// The same with what is round of each.
+    /// Notes what is round of each.
     #[inline(always)]
-    fn rounded(mut self, kinds: [Kind; 2], a_in_b: &Frame) -> Self {
+    fn note_rounding(&mut self, kinds: [Kind; 2], a_in_b: &Frame) {
         let towards_b = a_in_b.turn_back(-self.normal);
         let own = rounding(kinds[0], towards_b, self.points().iter().map(|point| point.on_a));
         let theirs = rounding(kinds[1], self.normal, self.points().iter().map(|point| point.on_b));
         self.radii = [own.0, theirs.0];
         self.axial = [own.1, theirs.1];
-        self
     }
 
     /// Whether it has points, and nothing in it is NaN or infinite: any such number times zero is NaN, and so is a sum with it.
@@ -225,7 +235,7 @@ fn in_order(
     scratch: &mut Scratch,
     out: &mut dyn FnMut(&Manifold),
 ) {
-    let found = match (a.kind(), b.kind()) {
+    let mut found = match (a.kind(), b.kind()) {
         (Kind::HalfSpace | Kind::InsideBox | Kind::Mesh | Kind::HeightField, _) => return,
         (kind, Kind::HalfSpace) => {
             Manifold { free: f32::INFINITY, ..half_space::collide(kind, a_in_b, reach) }
@@ -235,7 +245,9 @@ fn in_order(
                 let found = half_space::collide(kind, &a_in_b.from_within(&wall), reach);
                 let found = Manifold { free: f32::INFINITY, ..found };
                 if found.is_sound() {
-                    out(&found.placed(&wall).rounded([kind, Kind::InsideBox], a_in_b));
+                    let mut found = found.placed(&wall);
+                    found.note_rounding([kind, Kind::InsideBox], a_in_b);
+                    out(&found);
                 }
             }
             return;
@@ -261,7 +273,8 @@ fn in_order(
         _ => convex::collide(a, b, a_in_b, reach, scratch).unwrap_or_default(),
     };
     if found.is_sound() {
-        out(&found.rounded([a.kind(), b.kind()], a_in_b));
+        found.note_rounding([a.kind(), b.kind()], a_in_b);
+        out(&found);
     }
 }
 

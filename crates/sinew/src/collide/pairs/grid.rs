@@ -39,6 +39,8 @@ pub(super) struct PairGrid {
 #[derive(Clone, Debug, Default)]
 struct Sorted {
     participant: Vec<u32>,
+    /// The number of its body.
+    body: Vec<f32>,
     /// Metres from `low`, and the reach.
     x: Vec<f32>,
     y: Vec<f32>,
@@ -143,7 +145,8 @@ impl PairGrid {
         let Self { levels, level, slot, starts, sorted, low, .. } = self;
         let count = participants.rows.len();
         sorted.participant.resize(count, 0);
-        for column in [&mut sorted.x, &mut sorted.y, &mut sorted.z, &mut sorted.reach] {
+        let Sorted { body, x, y, z, reach, .. } = sorted;
+        for column in [body, x, y, z, reach] {
             column.resize(count + LANES, 0.0);
         }
         // From the last one down, so that each slot's members end up in their order and its mark at its beginning.
@@ -154,6 +157,7 @@ impl PairGrid {
             sorted.participant[at] = i as u32;
             (sorted.x[at], sorted.y[at], sorted.z[at]) = (place.x, place.y, place.z);
             sorted.reach[at] = reach_of(participants, i);
+            sorted.body[at] = participants.body[i] as f32;
         }
     }
 }
@@ -257,7 +261,12 @@ struct Asker<'a, L> {
     y: L,
     z: L,
     reach: L,
+    /// The number of its body, if that does not touch itself: most who are near are of it.
+    own: Option<L>,
 }
+
+/// Numbers of bodies below that are a number in `f32` each.
+const EXACT: u32 = 1 << 24;
 
 impl<'a, L: Lanes> Asker<'a, L> {
     #[inline(always)]
@@ -267,6 +276,8 @@ impl<'a, L: Lanes> Asker<'a, L> {
         number: usize,
     ) -> Self {
         let place = (participants.place[number] - grid.low).as_vec3();
+        let body = participants.body[number];
+        let alone = body < EXACT && !filter.body(body).with_itself;
         Self {
             sorted: &grid.sorted,
             starts: &grid.starts,
@@ -277,6 +288,7 @@ impl<'a, L: Lanes> Asker<'a, L> {
             y: L::splat(place.y),
             z: L::splat(place.z),
             reach: L::splat(reach_of(participants, number) + grid.slack),
+            own: if alone { Some(L::splat(body as f32)) } else { None },
         }
     }
 
@@ -293,6 +305,9 @@ impl<'a, L: Lanes> Asker<'a, L> {
             let reach = self.reach + eight::<L>(&sorted.reach, at);
             let distance = x * x + y * y + z * z;
             let mut bits = distance.lt(reach * reach).bits();
+            if let Some(own) = self.own {
+                bits &= !eight::<L>(&sorted.body, at).same(own).bits();
+            }
             if end - at < LANES {
                 bits &= (1 << (end - at)) - 1;
             }

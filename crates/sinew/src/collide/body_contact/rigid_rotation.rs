@@ -1,0 +1,97 @@
+//! Rotations of rigid states: a quaternion, and what `f32` drops of it in a step.
+
+use super::turn::{LaneArray, Matrix};
+use crate::lanes::{Lanes, Vector};
+
+/// Eight rotations as they lie in memory.
+#[derive(Clone, Debug, Default)]
+pub(super) struct WideRotation {
+    pub(super) whole: [LaneArray; 4],
+    pub(super) remainder: [LaneArray; 4],
+}
+
+/// A rotation in each lane: a quaternion of nearly unit length, and what `f32` has dropped of it in this step.
+#[derive(Clone, Copy)]
+pub(super) struct Rotation<L> {
+    pub(super) whole: [L; 4],
+    pub(super) remainder: [L; 4],
+}
+
+impl<L: Lanes> Rotation<L> {
+    #[inline(always)]
+    pub(super) fn load(from: &WideRotation) -> Self {
+        Self { whole: load_four(&from.whole), remainder: load_four(&from.remainder) }
+    }
+
+    #[inline(always)]
+    pub(super) fn store(self, to: &mut WideRotation) {
+        store_four(self.whole, &mut to.whole);
+        store_four(self.remainder, &mut to.remainder);
+    }
+
+    /// Followed, in its own frame, by a turn of the unit quaternion `(v, w)`, `w` not negative. It stays as long as it is.
+    #[inline(always)]
+    pub(super) fn further(self, v: Vector<L>, w: L) -> Self {
+        let [x, y, z, s] = self.whole;
+        let axis = Vector::new(x, y, z);
+        // w - 1, of which `w` has too few digits.
+        let less = -v.length_squared() / (L::splat(1.0) + w);
+        let by = v * s + axis * less + axis.cross(v);
+        let by = [by.x, by.y, by.z, s * less - axis.dot(v)];
+        let mut next = self;
+        for ((whole, remainder), by) in next.whole.iter_mut().zip(&mut next.remainder).zip(by) {
+            let (before, step) = (*whole, by + *remainder);
+            *whole = before + step;
+            *remainder = step - (*whole - before);
+        }
+        next
+    }
+
+    /// Further by a turn of a few roundings, of which `half` is a half, radians, in the axes of the world.
+    #[inline(always)]
+    pub(super) fn nudged(self, half: Vector<L>) -> Self {
+        let [x, y, z, s] = self.whole;
+        let axis = Vector::new(x, y, z);
+        let by = half * s + half.cross(axis);
+        let [a, b, c, d] = self.remainder;
+        let remainder = [a + by.x, b + by.y, c + by.z, d - half.dot(axis)];
+        Self { remainder, ..self }
+    }
+
+    /// The turn that the remainder is, in the axes of the world, radians.
+    #[inline(always)]
+    pub(super) fn nudge(&self) -> Vector<L> {
+        let ([x, y, z, s], [a, b, c, d]) = (self.whole, self.remainder);
+        let (axis, by) = (Vector::new(x, y, z), Vector::new(a, b, c));
+        (by * s - axis * d + axis.cross(by)) * L::splat(2.0)
+    }
+
+    #[inline(always)]
+    pub(super) fn matrix(&self) -> Matrix<L> {
+        Matrix::of(self.whole)
+    }
+
+    /// Where a mask is set this one, elsewhere the other.
+    #[inline(always)]
+    pub(super) fn or_else(self, mask: L, other: Self) -> Self {
+        let mut one = self;
+        for i in 0..4 {
+            one.whole[i] = mask.select(self.whole[i], other.whole[i]);
+            one.remainder[i] = mask.select(self.remainder[i], other.remainder[i]);
+        }
+        one
+    }
+}
+
+#[inline(always)]
+pub(super) fn load_four<L: Lanes>(from: &[LaneArray; 4]) -> [L; 4] {
+    [L::load(&from[0]), L::load(&from[1]), L::load(&from[2]), L::load(&from[3])]
+}
+
+#[inline(always)]
+pub(super) fn store_four<L: Lanes>(from: [L; 4], to: &mut [LaneArray; 4]) {
+    from[0].store(&mut to[0]);
+    from[1].store(&mut to[1]);
+    from[2].store(&mut to[2]);
+    from[3].store(&mut to[3]);
+}
