@@ -45,12 +45,20 @@ pub(crate) fn keep_contact_cache(
     }
     let mut all = true;
     let each = simulation.contact_cache.each(simulation.body_colliders().iter().map(|one| one.id));
-    for (now, &part) in each.zip(&tables.parts) {
+    let solids = simulation.body_colliders();
+    for ((now, solid), &part) in each.zip(solids).zip(&tables.parts) {
         let Ok(mut own) = memories.get_mut(part) else {
             all = false;
             continue;
         };
-        if own.0 != now {
+        // Of what is awake it is another one in nearly every tick: to ask that costs more than to write it.
+        let sleeps = || {
+            let row = solid.rows.first().map(|&row| row as usize);
+            let body = row.and_then(|row| simulation.particles.body(row));
+            body.and_then(|body| simulation.sleep.get(body as usize)).is_some_and(|own| own.asleep)
+        };
+        let is_empty = own.0.is_empty() && now.is_empty();
+        if !is_empty && (!sleeps() || own.0 != now) {
             own.0.clear();
             own.0.extend_from_slice(now);
         }

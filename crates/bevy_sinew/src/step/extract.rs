@@ -2,7 +2,7 @@
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
-use sinew::pose::{Pose, motion, pose};
+use sinew::pose::{Motion, Pose, motion, pose};
 
 use crate::components::{
     AngularVelocity, BodyParticles, BodyReport, ExtractedTransform, ExtractedVelocity, Inertia,
@@ -173,32 +173,49 @@ pub(crate) fn extract_motion(
         &mut ExtractedVelocity,
         &mut WorldCenterOfMass,
         &mut Inertia,
+        Option<&Rows<RigidPose>>,
     )>,
 ) {
     let (simulation, tables) = (&world.simulation, &world.tables);
     if tables.rested {
         return;
     }
-    for (members, mut rows, mut linear, mut angular, mut known, mut barycenter, mut inertia) in
-        &mut bodies
+    for (
+        members,
+        mut rows,
+        mut linear,
+        mut angular,
+        mut known,
+        mut barycenter,
+        mut inertia,
+        part,
+    ) in &mut bodies
     {
         if !members.is_changed() && world.are_unmoved(rows.current(&tables.layout)) {
             continue;
         }
         let rows = rows.resolve(&tables.layout, members.is_changed(), members.iter());
         let sound = |row: u32| row != GONE && tables.refused[row as usize].is_none();
-        let Some(&first) = rows.iter().find(|&&row| sound(row)) else { continue };
-        let near = simulation.particles.position(first as usize);
-        let points = rows.iter().filter(|&&row| sound(row)).map(|&row| {
-            let i = row as usize;
-            let position = simulation.particles.relative_to(i, near);
-            (position, simulation.velocity_now(i), tables.mass[i])
+        // One part is all there is of it.
+        let at_hand = part
+            .filter(|part| part.current(&tables.layout) == rows)
+            .and_then(|part| world.rigid_motion(part.collider?));
+        let found = at_hand.or_else(|| {
+            let &first = rows.iter().find(|&&row| sound(row))?;
+            let near = simulation.particles.position(first as usize);
+            let points = rows.iter().filter(|&&row| sound(row)).map(|&row| {
+                let i = row as usize;
+                let position = simulation.particles.relative_to(i, near);
+                (position, simulation.velocity_now(i), tables.mass[i])
+            });
+            let found = motion(points)?;
+            Some(Motion { barycentre: near + found.barycentre, ..found })
         });
-        if let Some(found) = motion(points) {
+        if let Some(found) = found {
             linear.0 = found.velocity;
             angular.0 = found.angular_velocity;
             known.0 = Some((found.velocity, found.angular_velocity));
-            barycenter.position = near + found.barycentre;
+            barycenter.position = found.barycentre;
             barycenter.mass = found.mass;
             inertia.0 = found.inertia;
         }

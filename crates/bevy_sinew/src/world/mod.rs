@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 
 use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
-use sinew::pose::Pose;
+use sinew::pose::{Motion, Pose};
 use sinew::{ContactParticipant, ParticleFault, Particles, Simulation, SolverReport};
 
 use crate::components::{Particle, ParticleRow};
@@ -306,6 +306,11 @@ impl SinewWorld {
         let pose = self.tables.stepped.then(|| self.simulation.rigid_pose(collider as usize))??;
         let rotation = if pose.rotation.dot(before) < 0.0 { -pose.rotation } else { pose.rotation };
         Some(Pose { rotation, ..pose })
+    }
+
+    /// How a body collider moves that went through this tick as one rigid state; `None` of any other.
+    pub(crate) fn rigid_motion(&self, collider: u32) -> Option<Motion> {
+        self.tables.stepped.then(|| self.simulation.rigid_motion(collider as usize))?
     }
 
     /// Whether all of some rows slept through the tick.

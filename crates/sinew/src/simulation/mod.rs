@@ -467,15 +467,9 @@ impl Simulation {
     /// there it is free, or something has hit it.
     #[inline]
     pub fn velocity_now(&self, i: usize) -> Vec3 {
-        let (free, lag) = (self.particles.free_velocity_now(i), self.particles.lag(i));
-        let a = self.particles.acceleration(i);
-        let Some(mean) = self.mean_acceleration(i) else { return free };
-        let (size, square) = (mean.length(), a.length_squared());
-        if size * size >= square {
-            return free;
-        }
-        let held = (2.0 - 2.0 * size / square.sqrt()).min(1.0);
-        free + (mean - a) * (0.5 * lag * held)
+        let particles = &self.particles;
+        let (velocity, lag) = (particles.velocity(i), particles.lag(i));
+        carried(velocity, lag, particles.acceleration(i), self.mean_acceleration(i))
     }
 
     /// By what particle `i` was accelerated in the mean of the last step, m/s², by all there is; `None` where that is not known.
@@ -528,6 +522,20 @@ impl Simulation {
         self.restore_anchors();
         ledger
     }
+}
+
+/// The mean velocity of a substep of `lag` seconds, m/s, carried half of it further by the acceleration `a`, m/s², or by the `mean` one of the step, where that is
+/// known and less: see [`Simulation::velocity_now`].
+#[inline]
+fn carried(velocity: Vec3, lag: f32, a: Vec3, mean: Option<Vec3>) -> Vec3 {
+    let free = velocity + a * (0.5 * lag);
+    let Some(mean) = mean else { return free };
+    let (size, square) = (mean.length(), a.length_squared());
+    if size * size >= square {
+        return free;
+    }
+    let held = (2.0 - 2.0 * size / square.sqrt()).min(1.0);
+    free + (mean - a) * (0.5 * lag * held)
 }
 
 /// What the machine lends to a phase.

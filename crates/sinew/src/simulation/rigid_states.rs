@@ -2,11 +2,11 @@
 
 use core::ops::Range;
 
-use super::{Scratch, Simulation, Substep};
+use super::{Scratch, Simulation, Substep, carried};
 use crate::collide::RigidStep;
 use crate::integrate::StepRows;
 use crate::islands::Island;
-use crate::pose::Pose;
+use crate::pose::{Motion, Pose};
 
 impl Simulation {
     /// Reads those of this step.
@@ -97,6 +97,36 @@ impl Simulation {
         let translation = self.particles.origin.get(first)? + pose.translation;
         let is_finite = translation.is_finite() && pose.rotation.is_finite();
         is_finite.then_some(Pose { translation, ..pose })
+    }
+
+    /// How a [body collider](Self::body_colliders) moves that went through the last step as one rigid state, by its number in the list: what
+    /// [`motion`](crate::pose::motion) of its particles and their [velocities](Self::velocity_now) gives but for round-off, at hand. `None` of any other, where
+    /// forces act on its particles one by one, and where that is not finite.
+    ///
+    /// Of the last step: not of particles that were moved since.
+    pub fn rigid_motion(&self, number: usize) -> Option<Motion> {
+        let first = *self.body_colliders.get(number)?.rows.first()? as usize;
+        let changed = [&self.report.frozen, &self.report.too_fast];
+        let is_changed = || {
+            let rows = &self.body_colliders[number].rows;
+            changed.iter().any(|all| all.iter().any(|row| rows.contains(row)))
+        };
+        let uneven = self.particles.acceleration_dirty || !self.scratch.first_velocity.is_empty();
+        if uneven || is_changed() {
+            return None;
+        }
+        let found = self.scratch.contacts.body_contact().rigid_motion(number)?;
+        let (a, length) = (self.particles.acceleration(first), self.scratch.length);
+        let mean = (found.velocity - found.gone / length) / (0.5 * (length - found.lag));
+        let motion = Motion {
+            mass: found.mass,
+            barycentre: self.particles.origin.get(first)? + found.centre,
+            velocity: carried(found.velocity, found.lag, a, Some(mean).filter(|a| a.is_finite())),
+            angular_velocity: found.angular_velocity,
+            inertia: found.inertia,
+        };
+        let sum = motion.barycentre + motion.velocity + motion.angular_velocity;
+        (sum.is_finite() && motion.mass.is_finite() && motion.inertia.is_finite()).then_some(motion)
     }
 
     /// The number of the substep at hand, and how many there are in the step.

@@ -8,12 +8,13 @@
 //! Its particles are written after each substep, or once a step where no system runs in between. Where one of them is moved between two phases, the island
 //! goes on as particles until the step ends.
 
-use glam::{Quat, Vec3, Vec4};
+use glam::{Mat3, Quat, Vec3, Vec4};
 
 use super::groups::BodyGroups;
 use super::rigid_state::{
     AdvanceStates, ForceSums, PushStates, ReadStates, SumForces, WideRigidState, WriteStates,
 };
+use super::turn::LaneArray;
 use super::{BodyCollider, BodyContactSolver};
 use crate::constraints::{GradientAt, Pin};
 use crate::integrate::{Integrator, loss};
@@ -79,6 +80,22 @@ pub(crate) struct RigidStep<'a> {
     pub(crate) pins: &'a [Pin],
     /// Length of a substep, seconds.
     pub(crate) h: f32,
+}
+
+/// How a rigid state moves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RigidMotion {
+    /// Its centre from the origin of its particles, and how far that has gone in this step, metres.
+    pub(crate) centre: Vec3,
+    pub(crate) gone: Vec3,
+    /// The mean of the last substep, m/s, and the length of that, seconds.
+    pub(crate) velocity: Vec3,
+    pub(crate) lag: f32,
+    /// rad/s.
+    pub(crate) angular_velocity: Vec3,
+    /// kg, and kg·m² in world axes.
+    pub(crate) mass: f32,
+    pub(crate) inertia: Mat3,
 }
 
 impl BodyContactSolver {
@@ -282,6 +299,37 @@ impl BodyContactSolver {
         let q = q / q.length();
         let turn = Pose { translation: Vec3::ZERO, rotation: Quat::from_xyzw(q.x, q.y, q.z, q.w) };
         Some(Pose { translation: centre - turn.point(part.centre), ..turn })
+    }
+
+    /// How a body collider moves that is a rigid state; `None` of any other.
+    pub(crate) fn rigid_motion(&self, number: usize) -> Option<RigidMotion> {
+        self.groups.parts.get(number)?;
+        let row = self.groups.place(number);
+        let (group, lane) = (row / LANES, row % LANES);
+        let state = self.rigid.states.get(group).filter(|state| state.lanes >> lane & 1 == 1)?;
+        let (centre, q) = state.pose(lane);
+        let q = q / q.length();
+        let r = Mat3::from_quat(Quat::from_xyzw(q.x, q.y, q.z, q.w));
+        let mass = &self.groups.groups[group].mass;
+        let own = |[xx, yy, zz, xy, xz, yz]: &[LaneArray; 6]| {
+            let (xy, xz, yz) = (xy[lane], xz[lane], yz[lane]);
+            Mat3::from_cols(
+                Vec3::new(xx[lane], xy, xz),
+                Vec3::new(xy, yy[lane], yz),
+                Vec3::new(xz, yz, zz[lane]),
+            )
+        };
+        let back = r.transpose();
+        let (gone, lag) = state.gone(lane);
+        Some(RigidMotion {
+            centre,
+            gone,
+            velocity: state.velocity(lane),
+            lag,
+            angular_velocity: r * (own(&mass.inverse_inertia) * (back * state.momentum(lane))),
+            mass: 1.0 / mass.inverse_mass[lane],
+            inertia: r * own(&mass.inertia) * back,
+        })
     }
 
     /// Writes the particles of the rigid states.
