@@ -4,8 +4,8 @@ use sinew::constraints::Plane;
 use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{BoxSpec, RopeSpec, box_3d, rope};
 use sinew::{
-    BodyContacts, BodySettings, Collider, ContactParticipant, Control, Distance, Frame, Material,
-    ParticleSeed, Pin, Shape, Simulation, Sleep, Spring, Wind,
+    BodyCollider, BodyContacts, BodySettings, Collider, ContactParticipant, Control, Distance,
+    Frame, Material, ParticleSeed, Pin, Shape, Simulation, Sleep, Spring, Wind,
 };
 
 use crate::rigid_states::{DT, bits, phases};
@@ -163,4 +163,36 @@ fn is_at_once(world: &mut Simulation) -> bool {
         world.step(DT).unwrap();
     }
     at_once
+}
+
+/// Two bones with a joint lie on the ground as an angle, and a box that stays awake lies between them: inside the box about the two, or at the end of one. Whether
+/// they sleep.
+fn sleeps_beside(box_at: Vec3) -> bool {
+    let mut world = Simulation::default();
+    world.boundaries.planes.push(Plane::ground(0.0));
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 0.0, 1.0)].map(|at| at + Vec3::Y * 0.1);
+    let rows = corners.map(|at| world.particles.push(ParticleSeed::at(at)).unwrap() as u32);
+    for (two, id) in rows.windows(2).zip(0..) {
+        world.distances_mut().push(Distance::new(two[0], two[1], 1.0));
+        let bone = BodyCollider::segment([two[0], two[1]], 1.0, 0.1, id).unwrap();
+        world.body_colliders_mut().push(bone);
+    }
+    rows.iter().for_each(|&row| world.particles.set_body(row as usize, Some(0)));
+    world.bodies.push(BodySettings::default());
+    let contacts = BodyContacts { with_bodies: true, ..Default::default() };
+    world.contacts.push(contacts);
+    let spec = BoxSpec { size: Vec3::splat(0.2), ..BoxSpec::default() };
+    let lies = box_3d(&spec).unwrap().transformed(Quat::IDENTITY, box_at + Vec3::Y * 0.1);
+    lies.build_colliding(&mut world, contacts).unwrap();
+    world.sleep = vec![Sleep::allowed(), Sleep { keeps_awake: true, ..Sleep::allowed() }];
+    (0..60).for_each(|_| {
+        world.step(DT).unwrap();
+    });
+    world.sleep[0].asleep
+}
+
+#[test]
+fn who_lies_between_the_bones_of_another_keeps_it_awake_only_where_it_touches_one() {
+    assert!(sleeps_beside(Vec3::new(0.3, 0.0, 0.7)), "it is half a metre from either bone");
+    assert!(!sleeps_beside(Vec3::new(1.0, 0.0, 1.205)), "it lies at the end of one");
 }

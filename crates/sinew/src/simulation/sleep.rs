@@ -1,6 +1,6 @@
 //! Sleep: what lies still, with everything that it touches, is left out of the steps until something wakes it.
 //!
-//! Bodies sleep and wake in groups: islands whose boxes touch, and all islands of a body. When all of a group have been still for [`SECONDS`], it
+//! Bodies sleep and wake in groups: islands with a box about a piece of each that touch (`pieces`), and all islands of a body. When all of a group have been still for [`SECONDS`], it
 //! falls asleep: its particles stop and count as pinned, so that what comes near finds them in its way, and its constraints are not asked. A group
 //! wakes
 //!
@@ -13,9 +13,12 @@
 //! Nothing else is remembered: what is to survive a step is in [`Sleep`], a body's own.
 
 mod gusts;
+mod pieces;
 mod support;
 
 use glam::{Vec3, Vec4};
+
+use pieces::Pieces;
 
 use super::Simulation;
 use crate::collide::Broad;
@@ -70,6 +73,7 @@ impl Sleep {
 #[derive(Default)]
 pub(super) struct SleepScratch {
     bounds: Vec<(Vec3, Vec3)>,
+    pieces: Pieces,
     activities: Vec<IslandActivity>,
     /// How much gusts may push each island, N.
     pushes: Vec<f32>,
@@ -79,7 +83,7 @@ pub(super) struct SleepScratch {
     parent: Vec<u32>,
     /// The first island of each body.
     first_of: Vec<u32>,
-    /// How far the shape of a body collider reaches beyond its particles, metres, for each row.
+    /// How far the shape of a body collider reaches beyond its particles, metres, for each row; empty if those have changed.
     bounding_radius: Vec<f32>,
     /// Rows that sleep, and their inverse masses.
     masses: Vec<(u32, f32)>,
@@ -94,6 +98,8 @@ impl SleepScratch {
     /// Has what sleepers are made of looked at in the next step.
     pub(super) fn forget_support(&mut self) {
         self.seen = None;
+        self.bounding_radius.clear();
+        self.pieces.forget();
     }
 }
 
@@ -164,33 +170,39 @@ impl Simulation {
     /// Looks at each island: how it lies, and the box that it may reach in the step.
     fn look_around(&self, sleepers: &mut SleepScratch, dt: f32) {
         let Self { particles, scratch, forces, .. } = self;
-        sleepers.bounding_radius.clear();
-        sleepers.bounding_radius.resize(particles.len(), 0.0);
-        for solid in &self.body_colliders {
-            let (low, high) = solid.shape.bounds();
-            let reach = low.abs().max(high.abs()).length();
-            for (&row, rest) in solid.rows.iter().zip(&*solid.rest) {
-                if let Some(bounding_radius) = sleepers.bounding_radius.get_mut(row as usize) {
-                    *bounding_radius = bounding_radius.max(reach - rest.length());
+        if sleepers.bounding_radius.len() != particles.len() {
+            sleepers.bounding_radius.clear();
+            sleepers.bounding_radius.resize(particles.len(), 0.0);
+            for solid in &self.body_colliders {
+                let (low, high) = solid.shape.bounds();
+                let reach = low.abs().max(high.abs()).length();
+                for (&row, rest) in solid.rows.iter().zip(&*solid.rest) {
+                    if let Some(bounding_radius) = sleepers.bounding_radius.get_mut(row as usize) {
+                        *bounding_radius = bounding_radius.max(reach - rest.length());
+                    }
                 }
             }
         }
+        let plan = &scratch.plan;
+        sleepers.pieces.begin(&self.body_colliders, &plan.islands);
         sleepers.bounds.clear();
         sleepers.activities.clear();
-        let plan = &scratch.plan;
         for island in &plan.islands.list {
             let mut activity =
                 IslandActivity { active: false, allowed: true, asleep: true, still: f32::INFINITY };
             let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+            // Neighbours mostly share their body.
+            let (mut last, mut body) = (NO_BODY, Sleep::default());
             for &row in &plan.islands.members[island.members.clone()] {
                 let i = row as usize;
                 if particles.position[i].w == 0.0 {
                     continue;
                 }
-                let body = match particles.body[i] {
-                    NO_BODY => Sleep::default(),
-                    body => self.sleep.get(body as usize).copied().unwrap_or_default(),
-                };
+                if particles.body[i] != last {
+                    last = particles.body[i];
+                    let own = self.sleep.get(last as usize).filter(|_| last != NO_BODY);
+                    body = own.copied().unwrap_or_default();
+                }
                 let speed = particles.velocity[i].truncate().length();
                 let pushed = particles.external[i] != Vec3::ZERO;
                 // Also for NaN.
@@ -207,6 +219,7 @@ impl Simulation {
                 let around = particles.radius[i] + sleepers.bounding_radius[i] + NEAR + reach;
                 let at = particles.origin[i] + particles.position[i].truncate();
                 (low, high) = (low.min(at - around), high.max(at + around));
+                sleepers.pieces.add(row, at, around);
             }
             if !activity.allowed {
                 // It keeps nobody awake who lies still beside it.
@@ -245,16 +258,23 @@ impl Simulation {
     /// Joins islands that touch, those that a spring ties, and those of a body.
     fn group(&self, sleepers: &mut SleepScratch, compare: bool) {
         let Self { particles, scratch, .. } = self;
-        let SleepScratch { bounds, activities, pairs, broad, parent, first_of, .. } = sleepers;
+        let SleepScratch { bounds, pieces, activities, pairs, broad, parent, first_of, .. } =
+            sleepers;
         pairs.clear();
-        // Where all lie still and have done so for long, each group sleeps, whoever is in it.
-        if compare || !activities.iter().all(|island| !island.active && island.still >= SECONDS) {
+        // Where all lie still and have done so for long, each group sleeps, whoever is in it; and where all move, none does.
+        let (still, moving) = (
+            activities.iter().all(|island| !island.active && island.still >= SECONDS),
+            activities.iter().all(|island| island.active),
+        );
+        if (compare || !still) && !moving {
             broad.pairs(bounds, pairs);
         }
         parent.clear();
         parent.extend(0..bounds.len() as u32);
         for &[a, b] in pairs.iter() {
-            unite(parent, a, b);
+            if root(parent, a) != root(parent, b) && pieces.touch([a, b], bounds) {
+                unite(parent, a, b);
+            }
         }
         for spring in &self.forces.springs {
             let ends = [spring.a, spring.b].map(|row| scratch.plan.islands.of.get(row as usize));
