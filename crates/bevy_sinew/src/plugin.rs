@@ -188,7 +188,7 @@ impl Plugin for SinewPlugin {
                     contact_cache::gather_contact_cache,
                     weights::gather_weights.run_if(any_with_component::<Weighs>),
                     hulls::compile_hulls,
-                    links::collect_laws,
+                    links::collect_constraints,
                     links::compile_links,
                     breaking::gather_breakables,
                     (load_deferred, commands::relax_asked).chain().run_if(commands::is_asked),
@@ -207,7 +207,7 @@ impl Plugin for SinewPlugin {
                 controls::drop_tick_forces,
                 sleep::keep_sleep,
                 contact_cache::keep_contact_cache,
-                touching::tell_contacts,
+                touching::write_contact_messages,
                 breaking::break_constraints,
             )
                 .chain()

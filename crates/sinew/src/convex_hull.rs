@@ -18,7 +18,7 @@ use glam::{DVec3, Vec3};
 
 /// Why points have no hull.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum HullFault {
+pub enum ConvexHullFault {
     /// A point with a coordinate that is NaN or infinite.
     #[error("point {0} is not at a finite position")]
     NotFinite(usize),
@@ -45,73 +45,74 @@ const STEPS: f64 = (1_u64 << 29) as f64;
 /// It is exact up to 1e-9 of the extent of the points. The time it takes grows with the number of points times that of triangles: 1000 take some ms.
 ///
 /// # Errors
-/// What [`HullFault`] lists.
-pub fn convex_hull(points: &[Vec3]) -> Result<Vec<[u32; 3]>, HullFault> {
+/// What [`ConvexHullFault`] lists.
+pub fn convex_hull(points: &[Vec3]) -> Result<Vec<[u32; 3]>, ConvexHullFault> {
     if let Some(point) = points.iter().position(|p| !p.is_finite()) {
-        return Err(HullFault::NotFinite(point));
+        return Err(ConvexHullFault::NotFinite(point));
     }
     if points.len() < 4 {
-        return Err(HullFault::TooFew);
+        return Err(ConvexHullFault::TooFew);
     }
     if points.len() > MOST {
-        return Err(HullFault::TooMany);
+        return Err(ConvexHullFault::TooMany);
     }
     let grid = on_grid(points);
-    let mut faces = first_four(&grid).ok_or(HullFault::Flat)?;
+    let mut faces = first_four(&grid).ok_or(ConvexHullFault::Flat)?;
     for p in 0..grid.len() as u32 {
         let at = grid[p as usize];
         if !faces.iter().any(|face| face.sees(at)) {
             continue;
         }
-        let (seen, kept): (Vec<Face>, Vec<Face>) = faces.iter().partition(|face| face.sees(at));
+        let (seen, kept): (Vec<HullTriangle>, Vec<HullTriangle>) =
+            faces.iter().partition(|face| face.sees(at));
         faces = kept;
         let sides = |t: [u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
         let all: BTreeSet<(u32, u32)> = seen.iter().flat_map(|face| sides(face.corners)).collect();
         // A side whose other side is not in view is on the rim.
         for &(a, b) in all.iter().filter(|&&(a, b)| !all.contains(&(b, a))) {
-            faces.push(Face::new(&grid, [a, b, p]));
+            faces.push(HullTriangle::new(&grid, [a, b, p]));
         }
     }
     Ok(faces.into_iter().map(|face| face.corners).collect())
 }
 
 /// A point of the grid.
-type Node = [i64; 3];
+type GridPoint = [i64; 3];
 
 /// A triangle and the plane that it lies in.
 #[derive(Clone, Copy)]
-struct Face {
+struct HullTriangle {
     corners: [u32; 3],
-    at: Node,
+    at: GridPoint,
     /// Outward, twice the triangle's area long.
-    normal: Node,
+    normal: GridPoint,
 }
 
-impl Face {
-    fn new(grid: &[Node], corners: [u32; 3]) -> Self {
+impl HullTriangle {
+    fn new(grid: &[GridPoint], corners: [u32; 3]) -> Self {
         let [a, b, c] = corners.map(|i| grid[i as usize]);
         Self { corners, at: a, normal: cross(minus(b, a), minus(c, a)) }
     }
 
-    fn sees(&self, p: Node) -> bool {
+    fn sees(&self, p: GridPoint) -> bool {
         dot(self.normal, minus(p, self.at)) > 0
     }
 }
 
-fn minus(a: Node, b: Node) -> Node {
+fn minus(a: GridPoint, b: GridPoint) -> GridPoint {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-fn cross(a: Node, b: Node) -> Node {
+fn cross(a: GridPoint, b: GridPoint) -> GridPoint {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-fn dot(a: Node, b: Node) -> i128 {
+fn dot(a: GridPoint, b: GridPoint) -> i128 {
     (0..3).map(|k| i128::from(a[k]) * i128::from(b[k])).sum()
 }
 
 /// The points in steps of the grid from the middle of their bounding box.
-fn on_grid(points: &[Vec3]) -> Vec<Node> {
+fn on_grid(points: &[Vec3]) -> Vec<GridPoint> {
     let low = points.iter().copied().fold(Vec3::INFINITY, Vec3::min).as_dvec3();
     let high = points.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max).as_dvec3();
     let (middle, reach) = ((low + high) * 0.5, (high - low).max_element() * 0.5);
@@ -121,9 +122,9 @@ fn on_grid(points: &[Vec3]) -> Vec<Node> {
 }
 
 /// Four points with a volume as a tetrahedron that faces outward; `None` if there are none.
-fn first_four(grid: &[Node]) -> Option<Vec<Face>> {
+fn first_four(grid: &[GridPoint]) -> Option<Vec<HullTriangle>> {
     // Each the farthest from what there is, for a start that most points are inside of. In f64: only whether it is zero must be exact.
-    let farthest = |far: &dyn Fn(Node) -> f64| {
+    let farthest = |far: &dyn Fn(GridPoint) -> f64| {
         let mut best = (0.0, None);
         for (i, &p) in (0..).zip(grid) {
             let away = far(p);
@@ -133,7 +134,7 @@ fn first_four(grid: &[Node]) -> Option<Vec<Face>> {
         }
         best.1
     };
-    let float = |v: Node| DVec3::from_array(v.map(|x| x as f64));
+    let float = |v: GridPoint| DVec3::from_array(v.map(|x| x as f64));
     let origin = grid[0];
     let b: u32 = farthest(&|p| float(minus(p, origin)).length_squared())?;
     let along = minus(grid[b as usize], origin);
@@ -143,7 +144,7 @@ fn first_four(grid: &[Node]) -> Option<Vec<Face>> {
     let above = dot(normal, minus(grid[d as usize], origin)) > 0;
     let [b, c] = if above { [c, b] } else { [b, c] };
     let corners = [[0, b, c], [0, c, d], [0, d, b], [b, d, c]];
-    Some(corners.map(|t| Face::new(grid, t)).to_vec())
+    Some(corners.map(|t| HullTriangle::new(grid, t)).to_vec())
 }
 
 #[cfg(test)]

@@ -43,7 +43,7 @@ pub(crate) fn resolve_attachments(
     for &(_, attachment) in &*order {
         let Some(to) = world.get::<AttachTo>(attachment) else { continue };
         let body = world.get::<AttachmentOf>(attachment).map_or(attachment, |of| of.0);
-        if stands(world, attachment, body, to) {
+        if holds(world, attachment, body, to) {
             continue;
         }
         let to = to.clone();
@@ -82,7 +82,7 @@ fn say(world: &mut World, entity: Entity, reason: Refusal) {
 }
 
 /// Whether an attachment holds as it is to: all that is asked of most in a warm tick.
-fn stands(world: &World, attachment: Entity, body: Entity, to: &AttachTo) -> bool {
+fn holds(world: &World, attachment: Entity, body: Entity, to: &AttachTo) -> bool {
     let Some(attached) = world.get::<Attached>(attachment) else { return false };
     // A pin bears no load that could be measured.
     let held = attached.pinned.is_empty() || world.get::<BreakAt>(attachment).is_none();

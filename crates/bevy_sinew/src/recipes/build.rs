@@ -191,7 +191,7 @@ fn build_all<R: Recipe>(world: &mut World, mut bodies: Vec<(CreationOrder, Entit
     bodies.sort_unstable_by_key(|(order, entity, ..)| (*order, *entity));
     for (_, body, recipe, waits) in bodies {
         // An observer of a body before it may have despawned this one.
-        if world.get_entity(body).is_err() || (!waits && stands(world, body, &recipe)) {
+        if world.get_entity(body).is_err() || (!waits && is_as_built(world, body, &recipe)) {
             continue;
         }
         let mesh = wanted_mesh(world, body, &recipe);
@@ -243,7 +243,7 @@ fn awaits_place(
 }
 
 /// Whether the body stands as this recipe, its mesh and its scale would build it.
-fn stands<R: Recipe>(world: &World, body: Entity, recipe: &R) -> bool {
+fn is_as_built<R: Recipe>(world: &World, body: Entity, recipe: &R) -> bool {
     let built = world.get::<Built<R>>(body).filter(|_| world.get::<BodyParticles>(body).is_some());
     built.is_some_and(|built| {
         let same_mesh = match built.mesh {

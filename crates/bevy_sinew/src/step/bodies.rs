@@ -35,7 +35,7 @@ type Loose = (
 );
 
 /// What is said of contacts.
-type Told = (
+type ContactsData = (
     Option<&'static BodyContacts>,
     Option<&'static ResolvedShape>,
     Option<&'static SurfaceMaterial>,
@@ -45,14 +45,14 @@ type Told = (
 );
 
 /// The same in one table.
-type ToldTable<'w> = (
+type ContactsTable<'w> = (
     Option<ContiguousRef<'w, BodyContacts>>,
     Option<ContiguousRef<'w, SurfaceMaterial>>,
     Option<ContiguousRef<'w, CollisionLayers>>,
 );
 
 /// The same, with when it changed.
-type ToldRefs = (
+type ContactsRefs = (
     Option<Ref<'static, BodyContacts>>,
     Option<Ref<'static, SurfaceMaterial>>,
     Option<Ref<'static, CollisionLayers>>,
@@ -63,7 +63,7 @@ type BodyTable<'w> = (
     ContiguousRef<'w, BodyParticles>,
     Option<ContiguousRef<'w, BodySolver>>,
     Option<ContiguousRef<'w, GravityScale>>,
-    ToldTable<'w>,
+    ContactsTable<'w>,
     Option<ContiguousRef<'w, Representation>>,
 );
 
@@ -77,11 +77,11 @@ pub(crate) struct Bodies<'w, 's> {
             Ref<'static, BodyParticles>,
             Option<Ref<'static, BodySolver>>,
             Option<Ref<'static, GravityScale>>,
-            ToldRefs,
+            ContactsRefs,
             Option<Ref<'static, Representation>>,
         ),
     >,
-    loose: Query<'w, 's, ToldRefs, Loose>,
+    loose: Query<'w, 's, ContactsRefs, Loose>,
     places: Query<'w, 's, Ref<'static, RestPlace>>,
     /// How many said something of each kind: what came is a change, and fewer than before is all that is left to notice.
     events: Query<'w, 's, Ref<'static, ContactEvents>>,
@@ -136,7 +136,9 @@ impl Bodies<'_, '_> {
     }
 }
 
-fn change_ticks<'w>((contacts, material, layers): &ToldTable<'w>) -> [Option<ChangeTicks<'w>>; 3] {
+fn change_ticks<'w>(
+    (contacts, material, layers): &ContactsTable<'w>,
+) -> [Option<ChangeTicks<'w>>; 3] {
     [
         contacts.as_ref().map(ChangeTicks::of),
         material.as_ref().map(ChangeTicks::of),
@@ -179,10 +181,10 @@ pub(crate) fn gather_bodies(
         Option<&BodySolver>,
         Option<&GravityScale>,
         Option<&Representation>,
-        Told,
+        ContactsData,
     )>,
     entities: Query<(Entity, Option<&CreationOrder>), Or<(With<BodyParticles>, Loose)>>,
-    loose: Query<(&ParticleRow, Told), Loose>,
+    loose: Query<(&ParticleRow, ContactsData), Loose>,
     places: Query<&RestPlace>,
     watched: Res<WatchedContacts>,
     mut known: Local<Known>,

@@ -18,11 +18,11 @@ use crate::schedule::{Pace, SinewClock};
 use crate::world::SinewWorld;
 
 /// What stands by itself: on a body and its parts, a collider is what that collides by.
-type Stands =
+type StandsAlone =
     (Without<RigidPose>, Without<ParticleBody>, Without<Particle>, Without<ContactsDisabled>);
 
 /// All that is said of one.
-type Told = (
+type ColliderData = (
     Entity,
     &'static CreationOrder,
     Ref<'static, Collider>,
@@ -58,7 +58,7 @@ pub(crate) fn size_rooms(mut rooms: Query<(&BoundingBox, &mut Collider), Changed
 pub(crate) fn gather_colliders(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
-    mut colliders: Query<Told, Stands>,
+    mut colliders: Query<ColliderData, StandsAlone>,
     frames: Frames,
     pace: Res<Pace>,
     mut known: Local<Known>,
@@ -92,7 +92,7 @@ pub(crate) fn gather_colliders(
         let unseen = core::mem::replace(&mut placed.seen, *gathering) + 1 != *gathering;
         let reshaped = unseen || collider.is_changed() || placed.at.scale != at.scale;
         place(placed, &collider, at, reshaped);
-        share_way(placed, motion, pace.left);
+        limit_motion(placed, motion, pace.left);
         if let Some(made) = placed.made.as_deref_mut() {
             made.start = motion.map_or(made.end, |motion| began(motion, &placed.at, made.end));
             made.material = material.map_or(default(), |&material| Material::from(material));
@@ -159,7 +159,7 @@ fn place(placed: &mut PlacedCollider, collider: &Collider, at: Transform, reshap
 }
 
 /// Where several ticks are taken in a row, each goes its part of the way: stops one short of where it is to be.
-fn share_way(placed: &mut PlacedCollider, motion: Option<&ColliderMotion>, left: u32) {
+fn limit_motion(placed: &mut PlacedCollider, motion: Option<&ColliderMotion>, left: u32) {
     let Some(was) = motion.and_then(|motion| motion.0).filter(|_| left > 1) else { return };
     let Some(made) = placed.made.as_deref_mut() else { return };
     let to = isometry(&placed.at);
@@ -205,7 +205,7 @@ pub(crate) fn keep_places(
     clock: Res<SinewClock>,
     mut colliders: Query<
         (Entity, &PlacedCollider, Option<&mut ColliderMotion>),
-        (With<Collider>, Stands),
+        (With<Collider>, StandsAlone),
     >,
 ) {
     // A fixed clock that stood still took no tick.

@@ -103,7 +103,7 @@ pub(crate) fn gather_controls(
             used += 1;
         }
     }
-    wholes.tell(tables, (list, &mut used), &mut broken, &mut messages);
+    wholes.add_to(tables, (list, &mut used), &mut broken, &mut messages);
     list.truncate(used);
 }
 
@@ -161,7 +161,7 @@ impl Wholes<'_, '_> {
     }
 
     /// Adds what acts on them, in the order of their creation; one with a number that is not finite is refused, and nothing of it acts.
-    fn tell(
+    fn add_to(
         &mut self,
         tables: &Tables,
         (list, used): (&mut Vec<Control>, &mut usize),

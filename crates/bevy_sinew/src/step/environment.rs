@@ -37,8 +37,8 @@ pub(crate) fn gather_environment(
     let Scratch { places, planes } = &mut *scratch;
     let mut validator =
         Validator { before, now: BTreeSet::new(), kind: 0, messages: &mut messages, places };
-    everywhere.tell(&mut simulation.forces, &mut validator);
-    fields.tell(&mut simulation.forces, &frames, &mut validator);
+    everywhere.add_to(&mut simulation.forces, &mut validator);
+    fields.add_to(&mut simulation.forces, &frames, &mut validator);
     simulation.boundaries.plane_constraint = sheet(&sheets, planes, &frames, &mut validator);
     *known = validator.now;
 }
@@ -56,7 +56,7 @@ pub(crate) struct Everywhere<'w, 's> {
 }
 
 impl Everywhere<'_, '_> {
-    fn tell(&self, forces: &mut sinew::Forces, validator: &mut Validator) {
+    fn add_to(&self, forces: &mut sinew::Forces, validator: &mut Validator) {
         let Gravity(gravity) = *self.gravity;
         let sound = validator.resource("Gravity", &self.gravity_at, gravity.is_finite());
         forces.gravity = if sound { gravity } else { Vec3::ZERO };
@@ -84,7 +84,7 @@ pub(crate) struct Fields<'w, 's> {
 }
 
 impl Fields<'_, '_> {
-    fn tell(&self, forces: &mut sinew::Forces, frames: &Frames, validator: &mut Validator) {
+    fn add_to(&self, forces: &mut sinew::Forces, frames: &Frames, validator: &mut Validator) {
         let within = |entity, region: Option<&Region>| {
             let Some(region) = region else { return Ok(sinew::Region::EVERYWHERE) };
             region.at(&frames.of(entity)?)

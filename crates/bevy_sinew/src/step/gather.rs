@@ -16,10 +16,10 @@ use crate::components::{
     Radius,
 };
 use crate::messages::{Refusal, Refused, refuse};
-use crate::world::{Held, SinewWorld, Tables};
+use crate::world::{HeldColumns, SinewWorld, Tables};
 
 /// All that is said of a particle.
-type Told = (
+type ParticleData = (
     Entity,
     Ref<'static, Particle>,
     &'static ParticleRow,
@@ -52,12 +52,12 @@ type Table<'w> = (
 pub(crate) fn gather_particles(
     mut world: ResMut<SinewWorld>,
     mut messages: MessageWriter<Refused>,
-    particles: Query<Told>,
+    particles: Query<ParticleData>,
     mut bodies: Bodies,
 ) {
     // All of these are kept in tables.
     let Ok(tables) = particles.contiguous_iter() else { return };
-    let mut held = Held { layout: world.tables.layout.number, ..default() };
+    let mut held = HeldColumns { layout: world.tables.layout.number, ..default() };
     let (mut changed, mut added) = (false, false);
     for table in tables {
         let change_ticks = change_ticks(&table);
@@ -92,7 +92,7 @@ pub(crate) fn gather_particles(
 }
 
 /// Notes which particles somebody else has written to since, if one sleeps.
-fn note_touched(world: &mut SinewWorld, particles: &Query<Told>, all: bool) {
+fn note_touched(world: &mut SinewWorld, particles: &Query<ParticleData>, all: bool) {
     let Tables { touched, asleep, scattered, .. } = &mut world.tables;
     touched.rows.clear();
     let any = asleep.contains(&true);
@@ -114,7 +114,7 @@ fn note_touched(world: &mut SinewWorld, particles: &Query<Told>, all: bool) {
 fn gather_tables(
     world: &mut SinewWorld,
     messages: &mut MessageWriter<Refused>,
-    particles: &Query<Told>,
+    particles: &Query<ParticleData>,
     all: bool,
 ) -> bool {
     let mut is_new = false;

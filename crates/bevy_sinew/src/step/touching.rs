@@ -13,7 +13,7 @@ use crate::recipes::Rescaled;
 use crate::world::SinewWorld;
 
 /// What a tick told of one entity: who, whom, and how.
-type Told = (Entity, Entity, Impact, f32);
+type TouchingPair = (Entity, Entity, Impact, f32);
 
 /// Notes what lost its parent. (An observer, for a tick may be too late to be told of what went.)
 pub(crate) fn note_orphan(
@@ -27,7 +27,7 @@ pub(crate) fn note_orphan(
 }
 
 /// Compares whom each one who asked touches with whom it touched.
-pub(crate) fn tell_contacts(
+pub(crate) fn write_contact_messages(
     world: Res<SinewWorld>,
     mut commands: Commands,
     mut started: MessageWriter<ContactStarted>,
@@ -38,7 +38,7 @@ pub(crate) fn tell_contacts(
     (moved, mut rescaled): (Query<Entity, Changed<ChildOf>>, RemovedComponents<Rescaled>),
     mut orphans: ResMut<Orphans>,
     mut anew: Local<Vec<Entity>>,
-    mut told: Local<Vec<Told>>,
+    mut told: Local<Vec<TouchingPair>>,
     mut order: Local<Vec<(Option<CreationOrder>, Entity)>>,
     mut lists: Local<Lists>,
 ) {
@@ -84,7 +84,7 @@ pub(crate) fn tell_contacts(
         let met = |other: &Entity| met.binary_search(other).is_ok();
         let rests = |other: &Entity| !met(other) && resting.do_rest(entity, *other);
         let touches = |other: &Entity| goes_on(other) && (met(other) || rests(other));
-        let began = |one: &&Told| !goes_on(&one.1) || known.binary_search(&one.1).is_err();
+        let began = |one: &&TouchingPair| !goes_on(&one.1) || known.binary_search(&one.1).is_err();
         if touching.0.iter().all(touches) && !now.iter().any(|one| began(&one)) {
             report_impulses(every, &mut impulses, &mut commands);
             continue;
@@ -144,7 +144,7 @@ impl Resting<'_, '_> {
 
 /// Reports each contact of one who asked for all of them.
 fn report_impulses(
-    list: &[Told],
+    list: &[TouchingPair],
     messages: &mut MessageWriter<ContactImpulse>,
     commands: &mut Commands,
 ) {

@@ -204,7 +204,7 @@ pub(crate) struct Tables {
     /// How many rows are set aside.
     pub(crate) set_aside: usize,
     /// Which properties of particles the columns hold.
-    pub(crate) held: Held,
+    pub(crate) held: HeldColumns,
     /// How often properties in the columns had been changed when gathering was done. A game that does so, too, does it for a tick.
     pub(crate) edits: u64,
     /// Whether the properties of all particles were copied in this tick.
@@ -255,7 +255,7 @@ pub(crate) struct Tables {
 
 /// What properties the columns hold: of which rows, and of how many particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Held {
+pub(crate) struct HeldColumns {
     pub(crate) layout: u64,
     /// How many particles there are with each of the components that say them.
     pub(crate) counts: [usize; 8],

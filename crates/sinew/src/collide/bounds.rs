@@ -29,12 +29,12 @@ pub(super) struct ClassBounds {
 
 /// A plane or a box.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Bound {
+pub(super) enum PlaneOrBox {
     Plane(Plane),
     Box(InsideBox),
 }
 
-impl Bound {
+impl PlaneOrBox {
     /// What a collider is, if it is a plane, or a box along the axes, that stands still.
     pub(super) fn of(collider: &Collider) -> Option<Self> {
         if !collider.shape.is_endless() || collider.start != collider.end {
@@ -75,19 +75,19 @@ impl Bounds {
     }
 
     /// Adds one that holds those classes for which `friction` says how much there is.
-    pub(super) fn hold_back(&mut self, bound: Bound, friction: impl Fn(usize) -> Option<f32>) {
+    pub(super) fn hold_back(&mut self, bound: PlaneOrBox, friction: impl Fn(usize) -> Option<f32>) {
         let mut holds = false;
         for (number, class) in self.classes.iter_mut().enumerate() {
             let Some(friction) = friction(number) else { continue };
             holds = true;
             match bound.with_friction(friction) {
-                Bound::Plane(plane) => class.planes.push(plane),
-                Bound::Box(room) => class.boxes.push(room),
+                PlaneOrBox::Plane(plane) => class.planes.push(plane),
+                PlaneOrBox::Box(room) => class.boxes.push(room),
             }
         }
         match bound {
-            Bound::Plane(plane) if holds => self.planes.push(plane),
-            Bound::Box(room) if holds => self.boxes.push(room),
+            PlaneOrBox::Plane(plane) if holds => self.planes.push(plane),
+            PlaneOrBox::Box(room) if holds => self.boxes.push(room),
             _ => (),
         }
     }
@@ -203,10 +203,10 @@ mod tests {
     }
 
     fn touch(plane: Plane, particles: &mut Particles) -> f32 {
-        hold(Bound::Plane(plane), plane.friction, particles)
+        hold(PlaneOrBox::Plane(plane), plane.friction, particles)
     }
 
-    fn hold(bound: Bound, friction: f32, particles: &mut Particles) -> f32 {
+    fn hold(bound: PlaneOrBox, friction: f32, particles: &mut Particles) -> f32 {
         let mut bounds = Bounds::default();
         bounds.begin(&Boundaries::default(), 1);
         bounds.hold_back(bound, |_| Some(friction));
@@ -228,10 +228,10 @@ mod tests {
     fn the_box_clamps_each_coordinate_and_centres_what_does_not_fit() {
         let room = InsideBox::new(Vec3::ZERO, Vec3::new(100.0, 1.0, 100.0));
         let mut out = one(Vec3::new(-5.0, 0.5, 120.0), Vec3::new(-5.0, 0.5, 120.0), 0.25);
-        hold(Bound::Box(room), room.friction, &mut out);
+        hold(PlaneOrBox::Box(room), room.friction, &mut out);
         assert!(out.position(0).abs_diff_eq(Vec3::new(0.25, 0.5, 99.75), 1e-4));
         let mut fat = one(Vec3::new(50.0, 0.9, 50.0), Vec3::new(50.0, 0.9, 50.0), 2.0);
-        hold(Bound::Box(room), room.friction, &mut fat);
+        hold(PlaneOrBox::Box(room), room.friction, &mut fat);
         assert_eq!(fat.position(0).y, 0.5);
     }
 }

@@ -52,13 +52,13 @@ pub use shape::{Nearest, RayHit, Shape, ShapeFault};
 pub(crate) use body_contact::{BodyContactSolver, RigidStep, half_spaces};
 pub(crate) use filter::ContactFilter;
 pub(crate) use impact::Impacts;
-pub(crate) use manifold::{Broad, Scratch as ManifoldScratch, collide};
+pub(crate) use manifold::{Broad, ManifoldScratch, collide};
 pub(crate) use pairs::Pairs;
 pub(crate) use particle_contact::{
     BatchContacts, InstantInterval, NormalImpulse, NormalImpulses, ParticleContacts,
 };
 pub(crate) use recovery::recovery;
-pub(crate) use shape::{AtStart, Obstacle, SweepHit, Way};
+pub(crate) use shape::{AtStart, Obstacle, SweepHit, SweepMotion};
 pub(crate) use shape::{Kind as ShapeKind, ShapeTouch};
 pub(crate) use stage::Contacts;
 pub(crate) use triangles::Triangles;

@@ -11,7 +11,7 @@ use crate::particles::{NO_BODY, Particles};
 /// Bodies, and which are near another one. Scratch of a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Nearby {
-    bodies: Vec<Extent>,
+    bodies: Vec<BodyExtent>,
     bounds: Vec<(Vec3, Vec3)>,
     broad: Kept<Broad>,
     pairs: Vec<[u32; 2]>,
@@ -20,7 +20,7 @@ pub(crate) struct Nearby {
 
 /// Where a body is.
 #[derive(Clone, Copy, Debug)]
-struct Extent {
+struct BodyExtent {
     low: Vec3,
     high: Vec3,
     /// The square of its fastest particle's speed, m²/s².
@@ -91,7 +91,7 @@ impl Nearby {
     fn enclose(&mut self, particles: &Particles, world: &World, aside: &[bool]) {
         let contacts = world.filter.bodies();
         self.bodies.clear();
-        self.bodies.resize(contacts.len(), Extent::NOWHERE);
+        self.bodies.resize(contacts.len(), BodyExtent::NOWHERE);
         for (row, &body) in particles.body.iter().enumerate() {
             let Some(own) = contacts.get(body as usize) else { continue };
             let at = particles.origin[row] + particles.position[row].truncate();
@@ -116,7 +116,7 @@ impl Nearby {
     }
 }
 
-impl Extent {
+impl BodyExtent {
     const NOWHERE: Self =
         Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY, fastest: 0.0, free: false };
 

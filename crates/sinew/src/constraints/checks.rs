@@ -5,7 +5,7 @@ use glam::{Vec3, Vec4};
 use super::{Equation, GradientAt, Points, SubstepContext, equation_error, project_equation};
 
 /// A substep of a sixtieth of a second, of eight sweeps.
-const PACE: SubstepContext = SubstepContext { h: 1.0 / 60.0, sweeps: 8 };
+const CONTEXT: SubstepContext = SubstepContext { h: 1.0 / 60.0, sweeps: 8 };
 
 /// The particles of a constraint, as a test holds them: positions and inverse masses now, positions at the start of the substep.
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ impl Particles {
             equation,
             &self.points(),
             &mut gradients,
-            PACE,
+            CONTEXT,
             &mut lambda,
             |i, d| {
                 moves.push((i, d));
@@ -116,7 +116,7 @@ pub(crate) fn assert_momentum_kept(equation: &dyn Equation, positions: &[Vec3], 
     let mut gradients = vec![Vec3::ZERO; positions.len()];
     let mut moves = vec![Vec3::ZERO; positions.len()];
     let points = particles.points();
-    project_equation(equation, &points, &mut gradients, PACE, &mut 0.0, |i, d| moves[i] = d);
+    project_equation(equation, &points, &mut gradients, CONTEXT, &mut 0.0, |i, d| moves[i] = d);
     assert!(moves.iter().any(|d| *d != Vec3::ZERO), "nothing to check: nothing moved");
     let (mut linear, mut angular, mut size) = (Vec3::ZERO.as_dvec3(), Vec3::ZERO.as_dvec3(), 0.0);
     let middle = positions.iter().sum::<Vec3>() / positions.len() as f32;

@@ -245,7 +245,7 @@ mod tests {
         [a.extend(wa), b.extend(wb)]
     }
 
-    const PACE: SubstepContext = SubstepContext { h: 1.0, sweeps: 1 };
+    const CONTEXT: SubstepContext = SubstepContext { h: 1.0, sweeps: 1 };
 
     fn hard(positions: &mut [Vec4], rest: f32, bound: Bound) -> f32 {
         if bound == Bound::Equal {
@@ -257,7 +257,7 @@ mod tests {
 
     fn any(positions: &mut [Vec4], rest: f32, bound: Bound) -> f32 {
         let distance = Distance::new(0, 1, rest).with_bound(bound);
-        project(positions, &[Vec4::ZERO; 2], &distance, PACE, &mut 0.0)
+        project(positions, &[Vec4::ZERO; 2], &distance, CONTEXT, &mut 0.0)
     }
 
     #[test]
@@ -338,7 +338,7 @@ mod tests {
             let mut p = pair(Vec3::ZERO, Vec3::X * 2.0, 1.0, 1.0);
             let (soft, mut lambda) = (Distance::new(0, 1, 1.0).with_compliance(0.5), 0.0);
             for _ in 0..sweeps {
-                project(&mut p, &[Vec4::ZERO; 2], &soft, PACE, &mut lambda);
+                project(&mut p, &[Vec4::ZERO; 2], &soft, CONTEXT, &mut lambda);
             }
             assert!((lambda - 1.0 / 2.5).abs() < 1e-6, "{sweeps}: {lambda}");
             assert!((p[0].x - 0.4).abs() < 1e-6, "{sweeps}: {}", p[0].x);

@@ -112,18 +112,18 @@ fn a_cube_is_a_cube_whatever_is_inside_of_it() {
 #[test]
 fn points_without_a_hull_are_refused() {
     let square = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(1.0, 1.0, 0.0)];
-    assert_eq!(convex_hull(&[]), Err(HullFault::TooFew));
-    assert_eq!(convex_hull(&square[..3]), Err(HullFault::TooFew));
-    assert_eq!(convex_hull(&square), Err(HullFault::Flat));
-    assert_eq!(convex_hull(&square.map(|p| p.with_y(0.0))), Err(HullFault::Flat));
-    assert_eq!(convex_hull(&[Vec3::ONE; 9]), Err(HullFault::Flat));
+    assert_eq!(convex_hull(&[]), Err(ConvexHullFault::TooFew));
+    assert_eq!(convex_hull(&square[..3]), Err(ConvexHullFault::TooFew));
+    assert_eq!(convex_hull(&square), Err(ConvexHullFault::Flat));
+    assert_eq!(convex_hull(&square.map(|p| p.with_y(0.0))), Err(ConvexHullFault::Flat));
+    assert_eq!(convex_hull(&[Vec3::ONE; 9]), Err(ConvexHullFault::Flat));
     assert_eq!(
         convex_hull(&[Vec3::ZERO, Vec3::X, Vec3::ZERO, Vec3::X, Vec3::Y]),
-        Err(HullFault::Flat)
+        Err(ConvexHullFault::Flat)
     );
     let spoilt = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z * f32::NAN];
-    assert_eq!(convex_hull(&spoilt), Err(HullFault::NotFinite(3)));
-    assert_eq!(convex_hull(&vec![Vec3::ONE; MOST + 1]), Err(HullFault::TooMany));
+    assert_eq!(convex_hull(&spoilt), Err(ConvexHullFault::NotFinite(3)));
+    assert_eq!(convex_hull(&vec![Vec3::ONE; MOST + 1]), Err(ConvexHullFault::TooMany));
     // The ends of f32 are points as any others.
     for scale in [1e-38, 3e38] {
         let points = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|p| p * scale);

@@ -94,22 +94,22 @@ impl Region {
 
     /// Whether a point of the world, in metres, lies inside or on the surface.
     pub fn contains(&self, point: Vec3) -> bool {
-        self.extent.depth(Place::at(point)) >= 0.0
+        self.extent.depth(WorldPoint::at(point)) >= 0.0
     }
 
     /// The share of the field that acts at a point of the world, 0 to 1.
     pub fn share(&self, point: Vec3) -> f32 {
-        self.share_at(Place::at(point))
+        self.share_at(WorldPoint::at(point))
     }
 
     /// The share of the field that acts on particle `i`, 0 to 1; true to the digits of its own origin, however far out it is.
     pub fn share_of(&self, particles: &Particles, i: usize) -> f32 {
-        self.share_at(Place::of(particles, i))
+        self.share_at(WorldPoint::of(particles, i))
     }
 
     /// The share of the field that acts at a place, 0 to 1.
     #[inline]
-    pub(crate) fn share_at(&self, place: Place) -> f32 {
+    pub(crate) fn share_at(&self, place: WorldPoint) -> f32 {
         if self.extent == Extent::Everywhere {
             return 1.0;
         }
@@ -176,7 +176,7 @@ impl Extent {
     }
 
     /// How far inside the surface a place is, metres; negative outside, where only the sign counts.
-    fn depth(&self, place: Place) -> f32 {
+    fn depth(&self, place: WorldPoint) -> f32 {
         match *self {
             Self::Everywhere => f32::INFINITY,
             Self::Below { up, level } => -up.dot(place.relative_to(up * level)),
@@ -217,12 +217,12 @@ fn turned_back(rotation: Quat, v: Vec3) -> Vec3 {
 
 /// A point of the world with the digits of an origin of its own, as particles have (see [`particles`](crate::particles)).
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
+pub(crate) struct WorldPoint {
     origin: Vec3,
     local: Vec3,
 }
 
-impl Place {
+impl WorldPoint {
     /// A point as it is, metres.
     pub(crate) fn at(point: Vec3) -> Self {
         Self { origin: point, local: Vec3::ZERO }
@@ -283,7 +283,7 @@ mod tests {
             for i in 0..4096_u16 {
                 let at = |shift: u16| f32::from(i >> shift & 15) - 7.5;
                 let place = Vec3::new(10.0 + 0.6 * at(0), 0.6 * at(4), 0.6 * at(8));
-                if extent.depth(Place::at(place)) >= 0.0 {
+                if extent.depth(WorldPoint::at(place)) >= 0.0 {
                     inside += 1;
                     assert!(
                         place.cmpge(low).all() && place.cmple(high).all(),

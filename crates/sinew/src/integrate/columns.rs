@@ -10,7 +10,7 @@ use crate::lanes::{Columns, InstructionSet, LANES, Lanes, Vector, Work, with};
 
 /// Particles that are in columns for all substeps of a step.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Moving {
+pub(crate) struct MovingColumns {
     pub(crate) position: Columns,
     /// Where they were predicted to go; in the last substep, where that began.
     pub(crate) begun: Columns,
@@ -46,7 +46,7 @@ impl StepConstants {
     }
 }
 
-impl Moving {
+impl MovingColumns {
     /// All four columns.
     pub(crate) fn each(&mut self) -> [&mut Columns; 4] {
         [&mut self.position, &mut self.begun, &mut self.velocity, &mut self.rounding]
@@ -76,7 +76,7 @@ pub(crate) enum Pass {
 }
 
 struct Advance<'a> {
-    moving: &'a mut Moving,
+    moving: &'a mut MovingColumns,
     pass: Pass,
     lanes: [Range<usize>; 2],
     step: StepConstants,
@@ -96,7 +96,7 @@ impl Work for Advance<'_> {
     }
 }
 
-impl Moving {
+impl MovingColumns {
     #[inline(always)]
     fn begin<L: Lanes>(&mut self, lanes: [Range<usize>; 2], step: StepConstants, last: bool) {
         let (h, zero) = (L::splat(step.h), L::zero());

@@ -50,8 +50,8 @@ use crate::lanes::with;
 use crate::particles::{Particles, Places};
 use crate::threads::{ExecutionContext, TASKS, each};
 
-pub(crate) use columns::{Moving, Pass, StepConstants};
-pub(crate) use wide::{Derive, Motion, Predict, loss};
+pub(crate) use columns::{MovingColumns, Pass, StepConstants};
+pub(crate) use wide::{Derive, MotionColumns, Predict, loss};
 
 /// How a world steps through time. [`integrate`](crate::integrate) compares them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -99,7 +99,7 @@ pub(crate) fn predict(
 ) {
     // The other integrators are rare.
     if integrator == Integrator::Verlet {
-        let (places, mut motion) = Motion::all(particles);
+        let (places, mut motion) = MotionColumns::all(particles);
         let Places { position, start, velocity, .. } = places;
         for StepRows { rows, microsteps } in rows.iter().cloned() {
             let columns = [&mut *position, &mut *start, &mut *velocity];

@@ -12,7 +12,7 @@ pub(crate) struct Predict<'a> {
     pub(crate) position: &'a mut [Vec4],
     pub(crate) start: &'a mut [Vec4],
     pub(crate) velocity: &'a mut [Vec4],
-    pub(crate) motion: Motion<'a>,
+    pub(crate) motion: MotionColumns<'a>,
     /// Seconds.
     pub(crate) h: f32,
 }
@@ -32,7 +32,7 @@ pub(crate) struct Derive<'a> {
 
 /// What a prediction needs of some consecutive particles beside their places. All columns are of one length; `acceleration`, `damping`, `medium` and `drift` may
 /// be empty for zeros, and `damping` may have one number for all.
-pub(crate) struct Motion<'a> {
+pub(crate) struct MotionColumns<'a> {
     pub(crate) rounding: &'a mut [Vec4],
     pub(crate) acceleration: &'a [Vec4],
     pub(crate) damping: &'a [f32],
@@ -44,7 +44,7 @@ pub(crate) struct Motion<'a> {
     pub(crate) air: f32,
 }
 
-impl<'a> Motion<'a> {
+impl<'a> MotionColumns<'a> {
     /// Of all particles of a world, with their places.
     pub(crate) fn all(particles: &'a mut Particles) -> (Places<'a>, Self) {
         let Particles { position, start, origin, radius, velocity, rounding, .. } = particles;
@@ -68,7 +68,7 @@ impl<'a> Motion<'a> {
     pub(crate) fn split_at(self, row: usize) -> (Self, Self) {
         let (rounding, roundings) = self.rounding.split_at_mut(row);
         let (own, others) = (0..row, row..row + roundings.len());
-        let of = Motion { rounding: &mut [], ..self };
+        let of = MotionColumns { rounding: &mut [], ..self };
         (Self { rounding, ..of.columns(own) }, Self { rounding: roundings, ..of.columns(others) })
     }
 
@@ -91,14 +91,14 @@ impl<'a> Motion<'a> {
 
     /// Some of them, lent on.
     #[inline(always)]
-    fn some(&mut self, rows: Range<usize>) -> Motion<'_> {
+    fn some(&mut self, rows: Range<usize>) -> MotionColumns<'_> {
         let others = self.columns(rows.clone());
-        Motion { rounding: &mut self.rounding[rows], ..others }
+        MotionColumns { rounding: &mut self.rounding[rows], ..others }
     }
 
     /// The same, lent on.
-    pub(crate) fn lend(&mut self) -> Motion<'_> {
-        Motion { rounding: self.rounding, ..*self }
+    pub(crate) fn lend(&mut self) -> MotionColumns<'_> {
+        MotionColumns { rounding: self.rounding, ..*self }
     }
 
     /// The prediction of some of its rows over `h` seconds. The places begin with the same row.
@@ -166,7 +166,7 @@ impl Work for Predict<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Self { position, start, velocity, motion, h } = self;
-        let Motion { rounding, acceleration, damping, medium, drift, common, air } = motion;
+        let MotionColumns { rounding, acceleration, damping, medium, drift, common, air } = motion;
         let rates = Rates { damping, medium, air };
         let mut step = Step {
             common: L::two(&[common; 2], 0),

@@ -42,6 +42,8 @@ impl Neg for Eight {
 }
 
 impl Number for Eight {
+    const ALL: u32 = 0xFF;
+
     #[inline(always)]
     fn splat(x: f32) -> Self {
         // SAFETY: see `Eight`.
@@ -109,13 +111,9 @@ impl Number for Eight {
     }
 
     #[inline(always)]
-    fn any(self) -> bool {
-        self.bits() != 0
-    }
-
-    #[inline(always)]
-    fn all(self) -> bool {
-        self.bits() == 0xFF
+    fn bits(self) -> u32 {
+        // SAFETY: see `Eight`.
+        unsafe { _mm256_movemask_ps(self.0) as u32 }
     }
 }
 
@@ -147,12 +145,6 @@ impl Lanes for Eight {
     fn narrow(from: Fours) -> Self {
         // SAFETY: see `Eight`.
         Self(unsafe { _mm256_set_m128(_mm256_cvtpd_ps(from.1), _mm256_cvtpd_ps(from.0)) })
-    }
-
-    #[inline(always)]
-    fn bits(self) -> u32 {
-        // SAFETY: see `Eight`.
-        unsafe { _mm256_movemask_ps(self.0) as u32 }
     }
 
     #[inline(always)]

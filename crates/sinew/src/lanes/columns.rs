@@ -190,18 +190,18 @@ impl Work for TurnOut<'_> {
     }
 }
 
-type Fours<'a> = &'a mut [[f32; LANES / 2]];
+type HalfColumn<'a> = &'a mut [[f32; LANES / 2]];
 
 /// The even and the odd rows of each column, four by four, from a lane on.
 #[inline(always)]
-fn halves(numbers: &mut [f32], half: usize, from: usize) -> [(Fours<'_>, Fours<'_>); 4] {
+fn halves(numbers: &mut [f32], half: usize, from: usize) -> [(HalfColumn<'_>, HalfColumn<'_>); 4] {
     let (xy, zw) = numbers.split_at_mut(4 * half);
     let ((x, y), (z, w)) = (xy.split_at_mut(2 * half), zw.split_at_mut(2 * half));
     [fours(x, half, from), fours(y, half, from), fours(z, half, from), fours(w, half, from)]
 }
 
 #[inline(always)]
-fn fours(column: &mut [f32], half: usize, from: usize) -> (Fours<'_>, Fours<'_>) {
+fn fours(column: &mut [f32], half: usize, from: usize) -> (HalfColumn<'_>, HalfColumn<'_>) {
     let (even, odd) = column.split_at_mut(half);
     (even[from..].as_chunks_mut().0, odd[from..].as_chunks_mut().0)
 }
@@ -248,13 +248,13 @@ impl Pair {
 
 /// A pair that exists.
 #[derive(Clone, Copy)]
-struct Found<'a> {
+struct CheckedPair<'a> {
     a: usize,
     b: usize,
     numbers: &'a [f32; LANES],
 }
 
-impl<'a> Found<'a> {
+impl<'a> CheckedPair<'a> {
     #[inline(always)]
     fn of(eights: &Eights, pair: &'a Pair, from: usize) -> Self {
         let (a, b) = eights.find(pair, from);
@@ -315,18 +315,18 @@ impl Eights<'_> {
         work: &mut impl OnPairs<L>,
     ) {
         let [first, pairs @ ..] = pairs else { return };
-        let mut old = Found::of(self, first, from);
+        let mut old = CheckedPair::of(self, first, from);
         // SAFETY: what is found exists.
         let mut scale = unsafe {
             let length = self.length(old, work);
             self.scale(old, length, work)
         };
         if let [second, pairs @ ..] = pairs {
-            let mut now = Found::of(self, second, from);
+            let mut now = CheckedPair::of(self, second, from);
             // SAFETY: what is found exists.
             let mut length = unsafe { self.length(now, work) };
             for pair in pairs {
-                let next = Found::of(self, pair, from);
+                let next = CheckedPair::of(self, pair, from);
                 // SAFETY: what is found exists.
                 unsafe {
                     let following = self.length(next, work);
@@ -350,7 +350,7 @@ impl Eights<'_> {
     /// # Safety
     /// The pair was found in these columns. So in the next two.
     #[inline(always)]
-    unsafe fn length<L: Lanes>(&self, at: Found, work: &impl OnPairs<L>) -> L {
+    unsafe fn length<L: Lanes>(&self, at: CheckedPair, work: &impl OnPairs<L>) -> L {
         // SAFETY: as promised.
         unsafe {
             let ([x, y, z, _], [p, q, r, _]) = (self.get(at.a), self.get(at.b));
@@ -359,7 +359,7 @@ impl Eights<'_> {
     }
 
     #[inline(always)]
-    unsafe fn scale<L: Lanes>(&self, at: Found, length: L, work: &mut impl OnPairs<L>) -> L {
+    unsafe fn scale<L: Lanes>(&self, at: CheckedPair, length: L, work: &mut impl OnPairs<L>) -> L {
         // SAFETY: as promised.
         unsafe {
             let ([_, _, _, one], [_, _, _, other]) = (self.get(at.a), self.get(at.b));
@@ -368,7 +368,7 @@ impl Eights<'_> {
     }
 
     #[inline(always)]
-    unsafe fn apply<L: Lanes>(&mut self, at: Found, scale: L, work: &impl OnPairs<L>) {
+    unsafe fn apply<L: Lanes>(&mut self, at: CheckedPair, scale: L, work: &impl OnPairs<L>) {
         // SAFETY: as promised.
         unsafe {
             let numbers = L::load(at.numbers);

@@ -185,7 +185,7 @@ pub(crate) trait Number: Arithmetic {
     fn abs(self) -> Self;
 
     /// A mask of all ones where `self < other`, zeros elsewhere and for NaN. A mask is a number like any other, and only good for
-    /// [`select`](Self::select), [`and`](Self::and), [`or`](Self::or), [`any`](Self::any) and [`bits`](Lanes::bits).
+    /// [`select`](Self::select), [`and`](Self::and), [`or`](Self::or), [`any`](Self::any) and [`bits`](Self::bits).
     fn lt(self, other: Self) -> Self;
     /// The same for `self <= other`.
     fn le(self, other: Self) -> Self;
@@ -197,10 +197,22 @@ pub(crate) trait Number: Arithmetic {
     fn or(self, other: Self) -> Self;
     /// Where a mask, `self`, is set the lanes of `yes`, elsewhere those of `no`.
     fn select(self, yes: Self, no: Self) -> Self;
+    /// The bits of a mask that is set everywhere.
+    const ALL: u32;
+    /// One bit for each lane of a mask, lane 0 lowest.
+    fn bits(self) -> u32;
+
     /// Whether a mask is set anywhere.
-    fn any(self) -> bool;
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.bits() != 0
+    }
+
     /// Whether a mask is set everywhere.
-    fn all(self) -> bool;
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.bits() == Self::ALL
+    }
 
     /// Zeros.
     #[inline(always)]
@@ -236,9 +248,6 @@ pub(crate) trait Lanes: Number {
     fn widen(self) -> Self::Doubles;
     /// The nearest single ones.
     fn narrow(from: Self::Doubles) -> Self;
-
-    /// One bit for each lane of a mask, lane 0 lowest.
-    fn bits(self) -> u32;
 
     /// `x y z w` of eight rows of packed particles.
     fn rows(packed: &[Vec4], rows: &[u32; LANES]) -> [Self; 4];
@@ -277,7 +286,7 @@ pub(crate) trait Lanes: Number {
         array
     }
 
-    /// The mask that [`bits`](Self::bits) makes these bits of.
+    /// The mask that [`bits`](Number::bits) makes these bits of.
     #[inline(always)]
     fn mask(bits: u32) -> Self {
         let mut mask = [0.0; LANES];

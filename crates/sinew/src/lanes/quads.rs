@@ -67,6 +67,8 @@ impl Quads {
 }
 
 impl Number for Quads {
+    const ALL: u32 = 0xFF;
+
     #[inline(always)]
     fn splat(x: f32) -> Self {
         Self(Vec4::splat(x), Vec4::splat(x))
@@ -113,13 +115,8 @@ impl Number for Quads {
     }
 
     #[inline(always)]
-    fn any(self) -> bool {
-        self.bits() != 0
-    }
-
-    #[inline(always)]
-    fn all(self) -> bool {
-        self.bits() == 0xFF
+    fn bits(self) -> u32 {
+        four::bits(self.0) | four::bits(self.1) << 4
     }
 }
 
@@ -150,11 +147,6 @@ impl Lanes for Quads {
         Self::load(&[
             a as f32, b as f32, c as f32, d as f32, e as f32, f as f32, g as f32, h as f32,
         ])
-    }
-
-    #[inline(always)]
-    fn bits(self) -> u32 {
-        four::bits(self.0) | four::bits(self.1) << 4
     }
 
     #[inline(always)]

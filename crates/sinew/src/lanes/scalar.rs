@@ -63,6 +63,8 @@ impl Array {
 }
 
 impl Number for Array {
+    const ALL: u32 = 0xFF;
+
     #[inline(always)]
     fn splat(x: f32) -> Self {
         Self([x; LANES])
@@ -108,14 +110,9 @@ impl Number for Array {
         Self(core::array::from_fn(|i| if self.0[i].to_bits() == 0 { no.0[i] } else { yes.0[i] }))
     }
 
-    #[inline(always)]
-    fn any(self) -> bool {
-        self.bits() != 0
-    }
-
-    #[inline(always)]
-    fn all(self) -> bool {
-        self.bits() == 0xFF
+    #[inline(never)]
+    fn bits(self) -> u32 {
+        (0..LANES).map(|i| u32::from(self.0[i].to_bits() != 0) << i).sum()
     }
 }
 
@@ -140,11 +137,6 @@ impl Lanes for Array {
     #[inline(never)]
     fn narrow(from: Each) -> Self {
         Self(from.0.map(|x| x as f32))
-    }
-
-    #[inline(never)]
-    fn bits(self) -> u32 {
-        (0..LANES).map(|i| u32::from(self.0[i].to_bits() != 0) << i).sum()
     }
 
     #[inline(never)]

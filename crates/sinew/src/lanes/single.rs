@@ -10,12 +10,9 @@ fn mask(set: bool) -> f32 {
     if set { SET } else { 0.0 }
 }
 
-#[inline(always)]
-fn is_set(mask: f32) -> bool {
-    mask.to_bits() != 0
-}
-
 impl Number for f32 {
+    const ALL: u32 = 1;
+
     #[inline(always)]
     fn splat(x: f32) -> Self {
         x
@@ -58,16 +55,11 @@ impl Number for f32 {
 
     #[inline(always)]
     fn select(self, yes: Self, no: Self) -> Self {
-        if is_set(self) { yes } else { no }
+        if self.any() { yes } else { no }
     }
 
     #[inline(always)]
-    fn any(self) -> bool {
-        is_set(self)
-    }
-
-    #[inline(always)]
-    fn all(self) -> bool {
-        is_set(self)
+    fn bits(self) -> u32 {
+        u32::from(self.to_bits() != 0)
     }
 }

@@ -67,11 +67,6 @@ impl ParticleSeed {
         Self { drag, ..self }
     }
 
-    /// The same with gravity pulling `gravity_scale` times as strongly.
-    pub fn with_gravity_scale(self, gravity_scale: f32) -> Self {
-        Self { gravity_scale, ..self }
-    }
-
     /// The same, pinned where it is (infinite mass).
     pub fn pinned(self) -> Self {
         Self { mass: f32::INFINITY, ..self }

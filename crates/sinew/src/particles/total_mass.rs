@@ -86,20 +86,20 @@ impl TotalMass {
 
     /// How the rows answer to a force (N) at the barycentre and a torque (N·m): with the acceleration of the barycentre (m/s²) and an angular one
     /// (rad/s²). Or to an impulse and an angular impulse, with a velocity and an angular velocity.
-    pub(crate) fn answer(&self, force: DVec3, torque: DVec3) -> Answer {
+    pub(crate) fn answer(&self, force: DVec3, torque: DVec3) -> PushShares {
         let turn = if torque == DVec3::ZERO { torque } else { pseudo_solve(self.inertia, torque) };
-        Answer { shift: force / self.mass, turn }
+        PushShares { shift: force / self.mass, turn }
     }
 }
 
 /// What each row has of a push on all.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Answer {
+pub(crate) struct PushShares {
     shift: DVec3,
     turn: DVec3,
 }
 
-impl Answer {
+impl PushShares {
     /// The share of a row at `arm` from the barycentre.
     pub(crate) fn at(&self, arm: DVec3) -> Vec3 {
         (self.shift + self.turn.cross(arm)).as_vec3()

@@ -49,15 +49,16 @@ pub struct Motion {
 /// result outside `f32`): keep what was last read, and report the compound.
 pub fn motion(points: impl Iterator<Item = (Vec3, Vec3, f32)> + Clone) -> Option<Motion> {
     let weighted = points.clone().filter(|&(_, _, mass)| counts(mass));
-    let found = if let Some(sums) = Sums::of(weighted.map(|(p, v, mass)| (p, v, f64::from(mass)))) {
-        sums.motion()
-    } else {
-        Motion {
-            mass: 0.0,
-            inertia: Mat3::ZERO,
-            ..Sums::of(points.map(|(p, v, _)| (p, v, 1.0)))?.motion()
-        }
-    };
+    let found =
+        if let Some(sums) = MassMoments::of(weighted.map(|(p, v, mass)| (p, v, f64::from(mass)))) {
+            sums.motion()
+        } else {
+            Motion {
+                mass: 0.0,
+                inertia: Mat3::ZERO,
+                ..MassMoments::of(points.map(|(p, v, _)| (p, v, 1.0)))?.motion()
+            }
+        };
     let finite = found.mass.is_finite()
         && found.barycentre.is_finite()
         && found.velocity.is_finite()
@@ -67,7 +68,7 @@ pub fn motion(points: impl Iterator<Item = (Vec3, Vec3, f32)> + Clone) -> Option
 }
 
 /// Means, and moments about the barycentre.
-struct Sums {
+struct MassMoments {
     mass: f64,
     barycentre: DVec3,
     velocity: DVec3,
@@ -77,7 +78,7 @@ struct Sums {
     angular_momentum: DVec3,
 }
 
-impl Sums {
+impl MassMoments {
     /// `None` if there is nothing to sum.
     fn of(mut points: impl Iterator<Item = (Vec3, Vec3, f64)>) -> Option<Self> {
         let (position, velocity, mut mass) = points.next()?;

@@ -114,8 +114,8 @@ pub fn pose(
     previous: Quat,
 ) -> Option<Pose> {
     let weighted = points.clone().filter(|&(_, _, mass)| counts(mass));
-    let pairs = Pairs::sum(weighted.map(|(p, r, mass)| (p, r, f64::from(mass))))
-        .or_else(|| Pairs::sum(points.map(|(p, r, _)| (p, r, 1.0))))?;
+    let pairs = MatchedMoments::sum(weighted.map(|(p, r, mass)| (p, r, f64::from(mass))))
+        .or_else(|| MatchedMoments::sum(points.map(|(p, r, _)| (p, r, 1.0))))?;
     pairs.pose(previous)
 }
 
@@ -126,14 +126,14 @@ fn counts(mass: f32) -> bool {
 }
 
 /// Means of the positions and the rest positions, and the moments between them.
-struct Pairs {
+struct MatchedMoments {
     now: DVec3,
     rest: DVec3,
     /// `M`, kg·m²: how the positions go with the rest positions.
     moments: DMat3,
 }
 
-impl Pairs {
+impl MatchedMoments {
     /// `None` if there is nothing to sum.
     fn sum(mut points: impl Iterator<Item = (Vec3, Vec3, f64)>) -> Option<Self> {
         let (now, rest, mut mass) = points.next()?;

@@ -180,7 +180,7 @@ fn a_mirrored_compound_gets_the_best_proper_rotation() {
         let rest: [Vec3; 8] = std::array::from_fn(|_| random.vector() * Vec3::new(3.0, 2.0, 1.0));
         let points = carried(&rest, |r| q * (r * Vec3::new(1.0, 1.0, -1.0)));
         let found = unit(fit(&points, random.rotation()).rotation);
-        let m = Pairs::sum(points.iter().map(|&(p, r, _)| (p, r, 1.0))).unwrap().moments;
+        let m = MatchedMoments::sum(points.iter().map(|&(p, r, _)| (p, r, 1.0))).unwrap().moments;
         let m = m * (1.0 / norm(m));
         assert!(m.determinant() < 0.0);
         // Climb to the best by trial, from the best of many and with ever smaller turns: nothing of rotation.rs in it.
@@ -281,7 +281,7 @@ fn the_warm_start_takes_two_or_three_steps() {
         let q = random.rotation();
         let rest = cube().map(|r| r * Vec3::new(1.0, 2.0, 3.0));
         let now = rest.map(|r| q * r + random.vector() * 0.03);
-        let m = Pairs::sum((0..8).map(|i| (now[i], rest[i], 1.0))).unwrap().moments;
+        let m = MatchedMoments::sum((0..8).map(|i| (now[i], rest[i], 1.0))).unwrap().moments;
         let (_, taken) =
             rotation::newton(m * (1.0 / norm(m)), unit(q * about(random.vector(), 0.1))).unwrap();
         steps += taken;

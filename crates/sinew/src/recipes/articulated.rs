@@ -7,7 +7,7 @@ mod joints;
 
 use glam::{DVec3, Vec3};
 
-use self::joints::{Frame, Skeleton};
+use self::joints::{BoneAxes, Skeleton};
 use super::blueprint::{Blueprint, Part};
 use super::{LENGTHS, MASSES, is_drag};
 use crate::collide::Shape;
@@ -171,7 +171,7 @@ pub fn articulated(spec: &ArticulatedSpec) -> Result<Blueprint, ArticulatedFault
     }
     body.constraints.extend(skeleton.limits(&spec.bones));
     for (bone, members) in spec.bones.iter().zip(&skeleton.members) {
-        let frame = Frame::of(bone);
+        let frame = BoneAxes::of(bone);
         let local = |&i: &u32| frame.local(place(i));
         body.parts.push(Part {
             name: bone.name,
@@ -216,14 +216,14 @@ fn check(number: usize, bone: &Bone) -> Result<(), ArticulatedFault> {
 }
 
 /// A particle before it is one.
-struct Point {
+struct BonePoint {
     position: Vec3,
     mass: f64,
     radius: f32,
     pinned: bool,
 }
 
-impl Point {
+impl BonePoint {
     fn seed(&self, drag: f32) -> ParticleSeed {
         let seed = ParticleSeed::at(self.position).with_mass(self.mass as f32);
         seed.with_radius(self.radius).with_drag(drag)

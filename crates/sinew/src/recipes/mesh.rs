@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 
 pub(super) use self::edges::{Edges, sort};
 use super::MOST_PARTICLES;
-use super::nearest::{Nearest, bounds};
+use super::nearest::{NearestSearch, bounds};
 
 /// A mesh with its seams closed: what [`weld`] returns, in the order that suits the solver.
 ///
@@ -30,7 +30,7 @@ pub struct Weld {
     /// Every edge of a triangle once, as `[lower, higher]`, sorted.
     pub edges: Vec<[u32; 2]>,
     /// Every edge between exactly two triangles, sorted by edge. Where three or more meet, there is no saying what is opposite.
-    pub bends: Vec<Bend>,
+    pub bends: Vec<Fold>,
     /// The pieces that no edge connects with each other, in the order of the first vertices in the mesh.
     pub pieces: Vec<Piece>,
 }
@@ -46,7 +46,7 @@ pub struct Piece {
 
 /// Two triangles that share an edge: what bends when they fold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Bend {
+pub struct Fold {
     /// The edge that they share, `[lower, higher]`.
     pub edge: [u32; 2],
     /// The corner of each that is not on the edge, `[lower, higher]`.
@@ -288,7 +288,7 @@ fn followed(positions: &[Vec3], kept: &[Vec3], leaders: &[u32], particles: &[u32
     let mut nearest = None;
     let particle = |(&leader, &position): (&u32, &Vec3)| match particles.get(leader as usize) {
         Some(&particle) if particle != NONE => particle,
-        _ => nearest.get_or_insert_with(|| Nearest::new(kept)).find(position),
+        _ => nearest.get_or_insert_with(|| NearestSearch::new(kept)).find(position),
     };
     leaders.iter().zip(positions).map(particle).collect()
 }

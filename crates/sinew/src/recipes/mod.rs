@@ -24,13 +24,13 @@ mod soft;
 mod solid;
 mod solid_box;
 
-pub use crate::convex_hull::{HullFault, convex_hull};
+pub use crate::convex_hull::{ConvexHullFault, convex_hull};
 pub use articulated::{ArticulatedFault, ArticulatedSpec, Bone, Joint, articulated};
 pub use blueprint::{Blueprint, BlueprintFault, Part};
 pub use cloth::{ClothFault, ClothMaterial, ClothSpec, cloth_grid, grid_uvs};
 pub use cloth_mesh::cloth_from_mesh;
 pub use mass::{MassFault, MassProperties};
-pub use mesh::{Bend, MeshFault, Piece, Weld, weld};
+pub use mesh::{Fold, MeshFault, Piece, Weld, weld};
 pub use ragdoll::{RagdollFault, RagdollParticle, RagdollSpec, ragdoll};
 pub use rope::{RopeFault, RopeSpec, rope};
 pub use soft::{

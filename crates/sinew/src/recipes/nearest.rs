@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 /// Points sorted so that the middle one of every slice splits it in two across its widest axis.
-pub(super) struct Nearest<'a> {
+pub(super) struct NearestSearch<'a> {
     points: &'a [Vec3],
     /// The box around all points.
     bounds: [Vec3; 2],
@@ -12,7 +12,7 @@ pub(super) struct Nearest<'a> {
     axes: Vec<u8>,
 }
 
-impl<'a> Nearest<'a> {
+impl<'a> NearestSearch<'a> {
     /// Sorts finite points, at least one; O(n log n).
     pub(super) fn new(points: &'a [Vec3]) -> Self {
         let mut tree = Self {
@@ -97,7 +97,7 @@ mod tests {
         };
         let mut point = || Vec3::new(random(), random(), 0.25 * random());
         let points: Vec<Vec3> = (0..500).map(|_| point()).collect();
-        let tree = Nearest::new(&points);
+        let tree = NearestSearch::new(&points);
         for _ in 0..500 {
             let target = 2.0 * point() - 16.0; // inside and outside
             let away = |i: &u32| (points[*i as usize] - target).length_squared();

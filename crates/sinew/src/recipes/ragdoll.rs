@@ -8,7 +8,7 @@ mod anatomy;
 
 use glam::{DVec3, Vec3};
 
-use self::anatomy::{APART, BONES, FIGURE, LIMITS, Limit, PARTS, Shape};
+use self::anatomy::{APART, BONES, FIGURE, LIMITS, Limit, PARTS, PartShape};
 use super::blueprint::{Blueprint, Part};
 use super::{LENGTHS, MASSES};
 use crate::collide::Shape as Solid;
@@ -123,7 +123,7 @@ pub fn ragdoll(spec: &RagdollSpec) -> Result<Blueprint, RagdollFault> {
         return Err(RagdollFault::Damping);
     }
     let height = f64::from(spec.height);
-    let seed = |joint: &anatomy::Joint| {
+    let seed = |joint: &anatomy::FigureParticle| {
         ParticleSeed::at((joint.position * height).as_vec3())
             .with_mass((joint.mass * f64::from(spec.mass)) as f32)
             .with_radius((joint.radius * height) as f32)
@@ -204,11 +204,11 @@ fn shaped(part: &anatomy::Segment, body: &Blueprint, height: f32) -> Part {
     let at = |particle: &RagdollParticle| body.particles[particle.index() as usize];
     let positions: Vec<Vec3> = part.particles.iter().map(|p| at(p).position).collect();
     let (rest, size, limb) = match part.shape {
-        Shape::Box { centre, size } => {
+        PartShape::Box { centre, size } => {
             let centre = (centre * f64::from(height)).as_vec3();
             (positions.iter().map(|&p| p - centre).collect(), size * f64::from(height), false)
         }
-        Shape::Limb { thickness } => {
+        PartShape::Limb { thickness } => {
             let [near, far] = [positions[0], positions[1]].map(Vec3::as_dvec3);
             let y = (near - far).normalize_or_zero();
             let x = DVec3::X.reject_from_normalized(y).normalize_or_zero();

@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 pub use self::lattice::{SoftLatticeSpec, SoftShape, SoftSurface, soft_lattice, soft_lattice_mesh};
 use super::blueprint::{Blueprint, gap};
 use super::mass::{MassFault, MassProperties};
-use super::mesh::{Bend, MeshFault, weld};
+use super::mesh::{Fold, MeshFault, weld};
 use super::solid::Bulk;
 use super::{LENGTHS, MASSES, is_drag, is_radius};
 use crate::constraints::{self, Constraint, ConstraintKind, Distance, Softness, Volume};
@@ -233,7 +233,7 @@ fn around(edges: &[[u32; 2]], triangles: &[[u32; 3]], areas: &[f64]) -> Vec<f64>
 /// What resists bending across an edge.
 fn fold(
     spec: &SoftMeshSpec,
-    bend: &Bend,
+    bend: &Fold,
     positions: &[Vec3],
     masses: &[f64],
 ) -> Option<Constraint> {

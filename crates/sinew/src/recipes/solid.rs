@@ -21,7 +21,7 @@ use super::mass::{MassFault, MassProperties};
 use super::nearest::bounds;
 use super::{LENGTHS, MASSES, is_drag, is_radius};
 use crate::collide::Shape;
-use crate::convex_hull::{HullFault, convex_hull};
+use crate::convex_hull::{ConvexHullFault, convex_hull};
 use crate::particles::ParticleSeed;
 
 /// A solid to build. The default is empty, and refused: it has no shape.
@@ -85,7 +85,7 @@ pub enum SolidFault {
     Mesh(#[from] MassFault),
     /// Its points have no hull.
     #[error(transparent)]
-    Hull(#[from] HullFault),
+    Hull(#[from] ConvexHullFault),
     /// Its shape is a half space, a mesh or a height field: what has no inside, or cannot move.
     #[error("its shape is a half space, a mesh or a height field, which cannot be a solid")]
     Shape,

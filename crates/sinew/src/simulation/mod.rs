@@ -97,7 +97,7 @@ struct Scratch {
     moving: Moving,
     sleep_scratch: sleep::SleepScratch,
     /// Pinned particles that were given another origin for this step.
-    anchors: Vec<prepare::Anchor>,
+    anchors: Vec<prepare::PinnedOrigin>,
     /// The pressure of each wind on each triangle, looked up when the step began.
     pressures: Vec<Vec4>,
     /// The air at each triangle and loose particle, looked up at the same time.

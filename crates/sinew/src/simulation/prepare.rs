@@ -129,7 +129,7 @@ impl Simulation {
                     particles.start[i] += shift;
                     if place.w == 0.0 {
                         let shifted = particles.position[i];
-                        anchors.push(Anchor { row: i, home, place, shifted });
+                        anchors.push(PinnedOrigin { row: i, home, place, shifted });
                     }
                     if let Some(good) = checkpoint.get_mut(i) {
                         *good += shift;
@@ -143,7 +143,7 @@ impl Simulation {
     /// Puts pinned particles that nothing led back to the last bit: as seen from the origin of their island they may have been rounded.
     pub(super) fn restore_anchors(&mut self) {
         let Self { particles, scratch: Scratch { anchors, checkpoint, .. }, .. } = self;
-        for Anchor { row, home, place, shifted } in anchors.drain(..) {
+        for PinnedOrigin { row, home, place, shifted } in anchors.drain(..) {
             if particles.position[row] == shifted {
                 particles.origin[row] = home;
                 particles.position[row] = place;
@@ -275,7 +275,7 @@ impl Simulation {
 
 /// Where a pinned particle was before its island gave it another origin.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Anchor {
+pub(super) struct PinnedOrigin {
     row: usize,
     /// Its own origin, metres.
     home: Vec3,

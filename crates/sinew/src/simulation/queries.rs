@@ -8,7 +8,7 @@ use glam::Vec3;
 use super::Simulation;
 use crate::collide::{
     AtStart, BodyCollider, ContactParticipant, Frame, Layers, ManifoldScratch, Obstacle, Shape,
-    SweepHit, Way, collide, half_spaces,
+    SweepHit, SweepMotion, collide, half_spaces,
 };
 use crate::particles::NO_BODY;
 use crate::pose::pose;
@@ -119,8 +119,13 @@ impl Simulation {
         filter: &Filter,
     ) -> Option<Hit> {
         let direction = direction.try_normalize()?;
-        let way =
-            Way { direction, length: max, clearance: 0.0, start: AtStart::Overlapped, along: &[] };
+        let way = SweepMotion {
+            direction,
+            length: max,
+            clearance: 0.0,
+            start: AtStart::Overlapped,
+            along: &[],
+        };
         Some(self.sweep(shape, frame, &way, filter)?.hit())
     }
 
@@ -129,23 +134,23 @@ impl Simulation {
         &self,
         shape: &Shape,
         frame: &Frame,
-        way: &Way,
+        way: &SweepMotion,
         filter: &Filter,
-    ) -> Option<Swept> {
+    ) -> Option<SweptHit> {
         if !(frame.is_valid() && way.length >= 0.0) {
             return None;
         }
         // Farther than this is nothing, and no box can be drawn around a way without end.
-        let mut way = Way { length: way.length.min(1e6), ..*way };
+        let mut way = SweepMotion { length: way.length.min(1e6), ..*way };
         let (low, high) = shape.bounds_in(frame);
         let by = way.direction * way.length;
         let around = (low.min(low + by) - way.clearance, high.max(high + by) + way.clearance);
-        let mut first: Option<Swept> = None;
+        let mut first: Option<SweptHit> = None;
         self.obstacles(around, filter, &mut |participant, row, obstacle| {
             let Some(at) = shape.sweep(frame, &way, obstacle) else { return };
             let nearest = first.map_or(at.distance, |first| first.at.distance.min(at.distance));
             if first.is_none_or(|first| at.is_before(&first.at, &way)) {
-                first = Some(Swept { participant, row, at });
+                first = Some(SweptHit { participant, row, at });
             }
             if let Some(first) = &mut first {
                 first.at.distance = nearest;
@@ -369,13 +374,13 @@ impl Simulation {
 
 /// Whom a shape met on its way, and where.
 #[derive(Clone, Copy)]
-pub(super) struct Swept {
+pub(super) struct SweptHit {
     participant: ContactParticipant,
     row: Option<u32>,
     pub(super) at: SweepHit,
 }
 
-impl Swept {
+impl SweptHit {
     /// The same for whoever asked.
     pub(super) fn hit(&self) -> Hit {
         let Self { participant, row, at: SweepHit { distance, point, normal, .. } } = *self;

@@ -147,7 +147,7 @@ impl Simulation {
         let mut sleepers = core::mem::take(&mut self.scratch.sleep_scratch);
         let now = [self.particles.edits(), support::of_surfaces(&self.colliders, &self.boundaries)];
         let changed = sleepers.seen.replace(now) != Some(now);
-        self.look_around(&mut sleepers, dt);
+        self.measure_islands(&mut sleepers, dt);
         // Who falls asleep remembers what it lies on.
         let falls = |island: &IslandActivity| {
             island.allowed && !island.asleep && !island.active && island.still >= SECONDS
@@ -168,7 +168,7 @@ impl Simulation {
     }
 
     /// Looks at each island: how it lies, and the box that it may reach in the step.
-    fn look_around(&self, sleepers: &mut SleepScratch, dt: f32) {
+    fn measure_islands(&self, sleepers: &mut SleepScratch, dt: f32) {
         let Self { particles, scratch, forces, .. } = self;
         if sleepers.bounding_radius.len() != particles.len() {
             sleepers.bounding_radius.clear();

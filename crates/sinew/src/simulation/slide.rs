@@ -9,9 +9,9 @@
 
 use glam::Vec3;
 
-use super::queries::Swept;
+use super::queries::SweptHit;
 use super::{Filter, Hit, Simulation};
-use crate::collide::{AtStart, Frame, Shape, SweepHit, Way};
+use crate::collide::{AtStart, Frame, Shape, SweepHit, SweepMotion};
 
 /// How something moves and slides. What is not in its range is clamped to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -162,9 +162,9 @@ const SHARES: usize = 48;
 const ALONG: f32 = 1e-5;
 
 impl Slide<'_> {
-    fn cast(&self, direction: Vec3, length: f32, along: &[SweepHit]) -> Option<Swept> {
+    fn cast(&self, direction: Vec3, length: f32, along: &[SweepHit]) -> Option<SweptHit> {
         let (clearance, start) = (self.config.skin, AtStart::Entered);
-        let way = Way { direction, length, clearance, start, along };
+        let way = SweepMotion { direction, length, clearance, start, along };
         self.world.sweep(self.shape, &self.frame, &way, self.filter)
     }
 
@@ -188,7 +188,7 @@ impl Slide<'_> {
             let direction = push / length;
             // Not through what it does not touch yet.
             let (clearance, start) = (0.1 * skin, AtStart::Passed);
-            let way = Way { direction, length, clearance, start, along: &[] };
+            let way = SweepMotion { direction, length, clearance, start, along: &[] };
             let met = self.world.sweep(self.shape, &self.frame, &way, self.filter);
             self.frame.translation += direction * met.map_or(length, |met| met.at.distance);
         }

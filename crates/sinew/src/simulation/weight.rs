@@ -8,7 +8,7 @@ use glam::{Mat3, Vec3};
 
 use super::{Filter, Simulation};
 use crate::collide::{
-    AtStart, ContactParticipant, Frame, ManifoldScratch, Obstacle, Shape, Way, collide,
+    AtStart, ContactParticipant, Frame, ManifoldScratch, Obstacle, Shape, SweepMotion, collide,
 };
 use crate::forces::Control;
 
@@ -127,7 +127,8 @@ impl Simulation {
         // By how far it would fall onto each.
         let least = found.iter().map(|support| support.gap).fold(f32::INFINITY, f32::min);
         let start = AtStart::Overlapped;
-        let falls = Way { direction: down, length: reach, clearance: 0.0, start, along: &[] };
+        let falls =
+            SweepMotion { direction: down, length: reach, clearance: 0.0, start, along: &[] };
         if found.is_empty() || self.sweep(shape, frame, &falls, filter).is_none() {
             return Vec::new();
         }

@@ -19,7 +19,7 @@ use super::task_slice::{TaskSlice, slices};
 use super::wavefront::{pipelined_wavefront, run_wavefronts};
 use super::world::SolveScratch;
 use crate::collide::{NormalImpulse, NormalImpulses};
-use crate::integrate::{Motion, Predict, StepRows, predict_all};
+use crate::integrate::{MotionColumns, Predict, StepRows, predict_all};
 use crate::lanes::with;
 use crate::particles::{Particles, Places};
 use crate::threads::{Pool, each};
@@ -38,9 +38,9 @@ pub(crate) fn advance_all(
     all_multipliers.resize(plan.distances.len(), plan.constraints.len());
     iteration_counts.clear();
     iteration_counts.resize_with(substeps as usize, AtomicU32::default);
-    let (places, motion) = Motion::all(particles);
+    let (places, motion) = MotionColumns::all(particles);
     // What has been summed up is the same for all.
-    let motion = Motion { acceleration: &[], medium: &[], drift: &[], ..motion };
+    let motion = MotionColumns { acceleration: &[], medium: &[], drift: &[], ..motion };
     let (normal_impulses, multipliers) =
         (NormalImpulses::all(normal_impulses), all_multipliers.all());
     let bodies = (places, motion);
@@ -111,7 +111,7 @@ impl TaskSlice<'_> {
         iteration_counts: &'b [AtomicU32],
     ) -> BatchSolve<'b> {
         let Places { position, start, velocity, origin, radius, .. } = &mut self.places;
-        let Motion { rounding, damping, air, common, .. } = &mut self.motion;
+        let MotionColumns { rounding, damping, air, common, .. } = &mut self.motion;
         BatchSolve {
             context: self.context,
             task: &self.task,

@@ -9,7 +9,7 @@ use super::context::SolveContext;
 use super::multipliers::MultiplierSlice;
 use super::plan::Task;
 use crate::collide::NormalImpulses;
-use crate::integrate::{Motion, Predict};
+use crate::integrate::{MotionColumns, Predict};
 use crate::particles::Places;
 
 /// A task, and what is its alone.
@@ -17,7 +17,7 @@ pub(super) struct TaskSlice<'a> {
     pub(super) context: SolveContext<'a>,
     pub(super) task: Task,
     pub(super) places: Places<'a>,
-    pub(super) motion: Motion<'a>,
+    pub(super) motion: MotionColumns<'a>,
     pub(super) multipliers: MultiplierSlice<'a>,
     pub(super) normal_impulses: NormalImpulses<'a>,
     pub(super) reports: &'a mut [IslandReport],
@@ -28,7 +28,7 @@ pub(super) struct TaskSlice<'a> {
 /// Cuts what there is into the tasks of a plan.
 pub(super) fn slices<'a>(
     context: SolveContext<'a>,
-    (places, motion): (Places<'a>, Motion<'a>),
+    (places, motion): (Places<'a>, MotionColumns<'a>),
     multipliers: MultiplierSlice<'a>,
     normal_impulses: NormalImpulses<'a>,
     reports: &'a mut [IslandReport],

@@ -18,7 +18,7 @@ use super::scratch::ThreadScratch;
 use super::task_slice::{TaskSlice, slices};
 use super::{SolverReport, gauss_seidel};
 use crate::collide::{NormalImpulse, NormalImpulses};
-use crate::integrate::{Derive, Motion, StepRows, derive};
+use crate::integrate::{Derive, MotionColumns, StepRows, derive};
 use crate::islands::Island;
 use crate::lanes::with;
 use crate::particles::{Particles, Places};
@@ -75,7 +75,7 @@ pub(crate) fn solve_all(
     momentum_drift.clear();
     momentum_drift.resize(if open { particles.len() } else { 0 }, Vec4::ZERO);
     let (normal_impulses, drift) = (NormalImpulses::all(normal_impulses), &mut momentum_drift[..]);
-    let (bodies, multipliers) = (Motion::all(particles), all_multipliers.all());
+    let (bodies, multipliers) = (MotionColumns::all(particles), all_multipliers.all());
     let shares = slices(context, bodies, multipliers, normal_impulses, &mut report.islands, drift);
     let splits = |share: &TaskSlice| {
         let order = plan.islands.list[share.task.islands.start].settings.order;

@@ -70,7 +70,7 @@ impl Kinds {
         let mut any = false;
         for kind in &mut self.kinds {
             kind.number(world);
-            kind.look(world);
+            kind.refresh(world);
             any |= kind.detector().is_any();
             tables.stale |= !kind.detector().is_few();
         }
@@ -105,7 +105,7 @@ trait Kind: Send + Sync {
     fn number(&mut self, world: &mut World);
 
     /// Looks for what came, went or changed since the system that asks last ran.
-    fn look(&mut self, world: &World);
+    fn refresh(&mut self, world: &World);
 
     /// What there was.
     fn detector(&self) -> &ChangeDetector;
@@ -182,7 +182,7 @@ impl<T: ParticleConstraint> Kind for Of<T> {
         }
     }
 
-    fn look(&mut self, world: &World) {
+    fn refresh(&mut self, world: &World) {
         let Self { present, id, gone, detector, .. } = self;
         let removed = world.removed_components().get(*id);
         let gone = removed.map(|removed| gone.read(removed)).into_iter().flatten();

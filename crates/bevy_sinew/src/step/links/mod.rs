@@ -52,7 +52,7 @@ pub(crate) fn notice_links(
 }
 
 /// Looks at the registered constraints: whether any came, went or changed, and, if anything is to be compiled, what they all are among rows.
-pub(crate) fn collect_laws(world: &mut World) {
+pub(crate) fn collect_constraints(world: &mut World) {
     world.resource_scope(|world, mut kinds: Mut<Kinds>| {
         world.resource_scope(|world, mut sinew: Mut<SinewWorld>| {
             kinds.collect(world, &mut sinew);

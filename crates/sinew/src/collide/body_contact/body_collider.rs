@@ -25,7 +25,7 @@ pub struct BodyCollider {
     pub rest: Arc<[Vec3]>,
     /// Its shape, in its own frame: anything without dents.
     pub shape: Shape,
-    /// Its name in the contact cache ([`ContactCache`]): ascending in the list of body colliders, whatever comes and goes.
+    /// Its name in the contact cache ([`ContactCache`](super::ContactCache)): ascending in the list of body colliders, whatever comes and goes.
     pub id: u64,
 }
 

@@ -55,7 +55,7 @@ const FADES: f32 = 0.97;
 /// What presses is a mean over some substeps, of which this is the share of the newest one. In a heap contacts press twice as hard in one substep and
 /// not at all in the next; friction that did as they do would let go each time: a thousand boxes poured in any pose then go on at 1 to 8 mm/s for
 /// ever, and with a mean they come to rest. Over time that is as much friction as there was pressure.
-const NEWS: f32 = 0.25;
+const NEWEST_SHARE: f32 = 0.25;
 /// What moves neither body by more than this in a substep, metres, is none.
 const NOTHING: f32 = 1e-10;
 /// By which part of the mean what slides must be pressed more for friction to act on that at once. What sticks needs no more.
@@ -145,7 +145,7 @@ fn friction_after<L: Lanes>(wide: &mut WideContact, bodies: &mut Bodies, max_cor
     }
     slip.keep(wide, left, friction_limit_used.lt(granted), max_correction);
     let old = L::load(&wide.friction_limit);
-    let mean = old + (sum - old) * L::splat(NEWS);
+    let mean = old + (sum - old) * L::splat(NEWEST_SHARE);
     let light = (mean * slip.weight()).le(L::splat(NOTHING));
     let rough = none.lt(L::load(&wide.friction));
     let friction_limit = rough.and(light.select(none, mean));

@@ -247,7 +247,7 @@ impl BodyGroups {
         let part = &mut self.parts[number];
         let inverses = &self.weighed[part.entries.clone()];
         let sharers = &self.sharers[part.entries.clone()];
-        let weights = MassProperties::of(&solid.rest, inverses, sharers);
+        let weights = ColliderMass::of(&solid.rest, inverses, sharers);
         part.centre = weights.centre.as_vec3();
         let (low, high) = solid.shape.bounds();
         part.reach = (low - part.centre).abs().max((high - part.centre).abs()).length();
@@ -393,7 +393,7 @@ pub(super) fn frame(a: Vec3, b: Vec3) -> Option<Mat3> {
 }
 
 /// What a body collider weighs.
-struct MassProperties {
+struct ColliderMass {
     pins: usize,
     /// Mass of the free particles.
     mass: f64,
@@ -407,7 +407,7 @@ struct MassProperties {
     regularisation: [[f64; 3]; 3],
 }
 
-impl MassProperties {
+impl ColliderMass {
     fn of(rest: &[Vec3], inverses: &[f32], sharers: &[u32]) -> Self {
         let pins = inverses.iter().filter(|&&w| w <= 0.0).count();
         let free = |i: usize| {

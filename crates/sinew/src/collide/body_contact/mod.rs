@@ -50,7 +50,7 @@ mod wide_contact;
 
 use glam::Vec3;
 
-use super::manifold::{Clusters, Scratch};
+use super::manifold::{ClusterSearch, ManifoldScratch};
 use super::nearby::Nearby;
 use super::recovery::in_substep;
 use super::{ContactParticipant, Kept, Shape, World};
@@ -66,7 +66,7 @@ use loose::Loose;
 use narrow_phase::RestOverlaps;
 use normal_solve::NormalSolve;
 use pose::{Gathered, OriginOffsets, PoseSums, SharedDeltas};
-use restitution::Impacts;
+use restitution::ImpactScratch;
 use rigid_islands::RigidIslands;
 use rigid_state::{CorrectStates, ShowStates};
 use static_geometry::StaticGeometry;
@@ -114,8 +114,8 @@ pub(crate) struct BodyContactSolver {
     static_geometry: Vec<StaticGeometry>,
     floor: Option<Shape>,
     swept: Vec<SweptBounds>,
-    clusters: Kept<Clusters>,
-    scratch: Kept<Scratch>,
+    clusters: Kept<ClusterSearch>,
+    scratch: Kept<ManifoldScratch>,
     bounds: Vec<(Vec3, Vec3)>,
     /// Who has left its swept bounds in this substep.
     outside_bounds: Vec<u32>,
@@ -135,10 +135,10 @@ pub(crate) struct BodyContactSolver {
     loads: Vec<f32>,
     /// Of each row of a body collider, how deep it is in another, metres.
     deepest: Vec<f32>,
-    /// Islands in which a body collider is deep in something, and rows of those with the speeds that they came into it with, m/s.
+    /// Islands in which a body collider is deep in something, and rows of those with the speeds at which they may leave the substep, m/s.
     deep_islands: Vec<u32>,
     speeds: Vec<(u32, f32)>,
-    impacts: Impacts,
+    impacts: ImpactScratch,
     rigid: RigidIslands,
     /// For each group a bit for each body collider that sleeps: it stays where it was read when the step began.
     asleep: Vec<u32>,
@@ -225,7 +225,8 @@ impl BodyContactSolver {
             world,
             (h, max_depenetration),
         );
-        self.note_speeds(particles, world.islands, recover * (DEEP / h).max(1.0));
+        let depth = recover * (DEEP / h).max(1.0);
+        self.note_speeds(particles, world.islands, depth, (recover / h, world.gravity * h));
         self.apply_pose_deltas(particles);
         self.measure_residual(particles);
     }
@@ -280,9 +281,16 @@ impl BodyContactSolver {
         })
     }
 
-    /// Notes how fast the particles of islands came into the substep in which a body collider was deeper in than so many metres. What holds it there, pins and
-    /// limits of joints, gives way meanwhile, by ever more, and when that comes back at once it flings all of them.
-    fn note_speeds(&mut self, particles: &Particles, islands: &Islands, depth: f32) {
+    /// Notes how fast the particles of islands may leave the substep in which a body collider was deeper in than so many metres: at the speed at which overlap is
+    /// recovered, or by what gravity gives, both m/s, faster than they came. What holds it there, pins and limits of joints, gives way meanwhile, by ever more,
+    /// and when that comes back at once it flings all of them.
+    fn note_speeds(
+        &mut self,
+        particles: &Particles,
+        islands: &Islands,
+        depth: f32,
+        (recovery, gained): (f32, f32),
+    ) {
         let Self { wide_contacts, groups, deep_islands, speeds, .. } = self;
         deep_islands.clear();
         let home = |row: u32| {
@@ -301,14 +309,13 @@ impl BodyContactSolver {
         let rows = deep_islands.iter().map(|&number| &islands.list[number as usize]);
         let rows = rows.filter(|island| !island.one_state);
         let rows = rows.flat_map(|island| &islands.members[island.members.clone()]);
-        speeds.extend(rows.map(|&row| (row, particles.velocity(row as usize).length())));
+        let most = |row: u32| recovery.max(particles.velocity(row as usize).length() + gained);
+        speeds.extend(rows.map(|&row| (row, most(row))));
     }
 
-    /// Takes off what they have become faster by in a substep of `h` seconds, beyond the speed at which overlap is recovered, m/s, and what gravity gives.
-    fn limit_speeds(&self, particles: &mut Particles, h: f32, gravity: f32) {
-        let recovery = in_substep(RECOVERED, h, gravity) / h;
-        for &(row, speed) in &self.speeds {
-            let most = recovery.max(speed + gravity * h);
+    /// Takes off what they have become faster by.
+    fn limit_speeds(&self, particles: &mut Particles) {
+        for &(row, most) in &self.speeds {
             let velocity = &mut particles.velocity[row as usize];
             let now = velocity.truncate();
             if now.length() > most {

@@ -14,7 +14,7 @@
 
 use glam::{Quat, Vec3};
 
-use super::super::manifold::{Scratch, collide, is_of_triangles};
+use super::super::manifold::{ManifoldScratch, collide, is_of_triangles};
 use super::super::{ContactFilter, ContactParticipant, Frame, Shape, World};
 use super::broad_phase::MissedPairs;
 use super::contact_cache::{
@@ -280,7 +280,7 @@ impl PairQuery<'_> {
         meeting: impl Fn() -> Contact,
         cache: &mut CacheBuilder,
         contacts: &mut Vec<Contact>,
-        scratch: &mut Scratch,
+        scratch: &mut ManifoldScratch,
     ) {
         let Self { key, shapes, size: (size, smaller), reach } = self;
         let here = a.from_within(b);
@@ -331,7 +331,7 @@ impl PairQuery<'_> {
         missed: &MissedPairs,
         cache: &mut CacheBuilder,
         contacts: &mut Vec<Contact>,
-        scratch: &mut Scratch,
+        scratch: &mut ManifoldScratch,
     ) {
         let Self { key, shapes, reach, .. } = self;
         let here = a.from_within(b);
@@ -482,7 +482,7 @@ pub(super) struct RestOverlaps {
     /// Body and number of each body collider; where those of the body at hand are at rest, and the boxes about them.
     body_colliders: Vec<(u32, u32)>,
     frames: Vec<(u32, Frame, (Vec3, Vec3))>,
-    scratch: Kept<Scratch>,
+    scratch: Kept<ManifoldScratch>,
 }
 
 impl RestOverlaps {

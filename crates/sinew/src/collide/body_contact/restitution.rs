@@ -68,7 +68,7 @@ const ROUNDS: u32 = 64;
 
 /// Which body colliders are part of an impact. Scratch.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Impacts {
+pub(super) struct ImpactScratch {
     /// A bit for each body collider of each group that has been read with its velocities; and the groups of which there are any, in the order of
     /// that.
     read: Vec<u32>,
@@ -82,7 +82,7 @@ pub(super) struct Impacts {
     was_changed: Vec<u32>,
 }
 
-impl Impacts {
+impl ImpactScratch {
     fn begin(&mut self, groups: usize) {
         self.entered.clear();
         self.kept.clear();
@@ -94,7 +94,7 @@ impl Impacts {
     }
 
     /// A bit for each manifold of a wide contact one of whose body colliders was changed in the last round.
-    fn stirred(&self, wide: &WideContact) -> u32 {
+    fn changed_last_round(&self, wide: &WideContact) -> u32 {
         let is_changed = |row: u32| {
             let bits = self.was_changed.get(row as usize / LANES).copied().unwrap_or(0);
             bits >> (row as usize % LANES) & 1
@@ -119,7 +119,7 @@ impl BodyContactSolver {
         let mut wide_contacts = core::mem::take(&mut self.wide_contacts);
         let mut any = false;
         for round in 0..ROUNDS {
-            let mut stirred = false;
+            let mut any_changed = false;
             for wide in &mut wide_contacts {
                 // What has no restitution is asked once, and hands nothing on, unless an impact reaches it.
                 let (lanes, spread) = match round {
@@ -128,8 +128,8 @@ impl BodyContactSolver {
                         (wide.depenetrated | fast, fast)
                     }
                     _ if wide.kept => {
-                        let stirred = self.impacts.stirred(wide) & pressed(wide);
-                        (stirred, stirred)
+                        let any_changed = self.impacts.changed_last_round(wide) & pressed(wide);
+                        (any_changed, any_changed)
                     }
                     _ => (0, 0),
                 };
@@ -138,23 +138,23 @@ impl BodyContactSolver {
                 }
                 any = true;
                 self.enter(particles, wide, lanes);
-                let static_geometry = stands_in(wide, &self.contacts);
+                let static_geometry = against_static(wide, &self.contacts);
                 let stays = wide.depenetrated | static_geometry | !wide.elastic;
                 for lane in (0..LANES).filter(|lane| (lanes & stays) >> lane & 1 == 1) {
                     mark(&mut self.impacts.stays, wide.a[lane]);
                     mark(&mut self.impacts.stays, wide.b[lane]);
                 }
                 let changed = spread & self.solve_impacts(wide, (lanes, static_geometry), least, h);
-                stirred |= changed != 0;
+                any_changed |= changed != 0;
                 for lane in (0..LANES).filter(|lane| changed >> lane & 1 == 1) {
                     mark(&mut self.impacts.changed, wide.a[lane]);
                     mark(&mut self.impacts.changed, wide.b[lane]);
                 }
             }
-            let Impacts { changed, was_changed, .. } = &mut self.impacts;
+            let ImpactScratch { changed, was_changed, .. } = &mut self.impacts;
             core::mem::swap(changed, was_changed);
             changed.fill(0);
-            if !stirred {
+            if !any_changed {
                 break;
             }
         }
@@ -177,7 +177,7 @@ impl BodyContactSolver {
         if any {
             self.leave(particles, h);
         }
-        self.limit_speeds(particles, h, gravity);
+        self.limit_speeds(particles);
     }
 
     /// Reads the body colliders of some manifolds with their velocities, where the substep began, unless they have been.
@@ -286,7 +286,7 @@ impl BodyContactSolver {
 }
 
 /// A bit for each manifold of a wide contact whose second one stands.
-fn stands_in(wide: &WideContact, contacts: &[Contact]) -> u32 {
+fn against_static(wide: &WideContact, contacts: &[Contact]) -> u32 {
     let static_geometry = |lane: &usize| {
         contacts.get(wide.number[*lane] as usize).is_some_and(|one| one.geometry.is_some())
     };

@@ -625,13 +625,13 @@ impl Work for PushStates<'_> {
 }
 
 /// How eight bodies lie about their centres: a rotation, what is left of that, radians, and what is left of the centre, metres.
-struct Pose<L> {
+struct WidePose<L> {
     r: Matrix<L>,
     nudge: Vector<L>,
     remainder: Vector<L>,
 }
 
-impl<L: Lanes> Pose<L> {
+impl<L: Lanes> WidePose<L> {
     /// Where a particle of each is from the centre. A closure would not be compiled for the instructions at hand.
     #[inline(always)]
     fn arm(&self, rest: Vector<L>) -> Vector<L> {
@@ -680,7 +680,7 @@ impl Work for WriteStates<'_> {
         let (began, mean) = (load::<L>(&state.start_centre), load::<L>(&state.velocity));
         let dropped = load::<L>(&state.rounding);
         let inverse = Symmetric::load(&group.mass.inverse_inertia);
-        let pose = Pose { r, nudge, remainder };
+        let pose = WidePose { r, nudge, remainder };
         // What all of that rounds of the momenta is given back: in a hundred steps it would else lose or gain the same a hundred times. What the
         // velocities cannot hold of it is what `f32` drops of them.
         let (mut more, mut faster) = (zero::<L>(), zero::<L>());

@@ -262,13 +262,13 @@ pub(super) struct WideContact {
     /// In the second one's axes; in the world's if that stays where it is, and in the first one's if the second one is round and the first one is not:
     /// a normal turns with the face, and not with the ball on it. Of two that are round it follows from where they are.
     pub(super) normal: [LaneArray; 3],
-    /// Radii of what is round, metres: see [`Manifold::radii`].
+    /// Radii of what is round, metres: see [`Manifold::radii`](crate::collide::manifold::Manifold::radii).
     pub(super) radii: [LaneArray; 2],
     /// Whether the second one of any is round.
     pub(super) round: bool,
-    /// A bit for each manifold whose first one, and whose second one, is round about its own y axis alone: see [`Manifold::axial`].
+    /// A bit for each manifold whose first one, and whose second one, is round about its own y axis alone: see [`Manifold::axial`](crate::collide::manifold::Manifold::axial).
     pub(super) axial: [u32; 2],
-    /// [Anchors](Manifold::anchors) from the centres, in their own axes, metres; the second one's in the world's if that stays where it is.
+    /// [Anchors](crate::collide::manifold::Manifold::anchors) from the centres, in their own axes, metres; the second one's in the world's if that stays where it is.
     pub(super) on_a: [[LaneArray; 3]; 4],
     pub(super) on_b: [[LaneArray; 3]; 4],
     /// Added to the distance of each point, metres: none for one that is there.

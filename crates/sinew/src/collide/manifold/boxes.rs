@@ -22,7 +22,7 @@ use super::{Frame, Manifold, Point, inverse};
 
 /// Two boxes of half sizes `ha` and `hb`, metres.
 pub(super) fn collide(ha: Vec3, hb: Vec3, a_in_b: &Frame, reach: f32) -> Manifold {
-    let pair = Pair::new(ha, hb, a_in_b);
+    let pair = BoxPair::new(ha, hb, a_in_b);
     let Some(axes) = pair.separate(reach) else { return Manifold::default() };
     let most = axes.face_separation.max(axes.edge_separation);
     let mut faces = Manifold::default();
@@ -56,7 +56,7 @@ pub(super) fn collide(ha: Vec3, hb: Vec3, a_in_b: &Frame, reach: f32) -> Manifol
 }
 
 /// What is worth knowing about two boxes: everything in the coordinates of `b`.
-struct Pair<'a> {
+struct BoxPair<'a> {
     pub(super) ha: [f32; 3],
     pub(super) hb: [f32; 3],
     pub(super) frame: &'a Frame,
@@ -103,7 +103,7 @@ const ROUNDING: f32 = 5e-7;
 /// The axes after an axis.
 const NEXT: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
 
-impl<'a> Pair<'a> {
+impl<'a> BoxPair<'a> {
     #[inline(always)]
     fn new(ha: Vec3, hb: Vec3, frame: &'a Frame) -> Self {
         let r = &frame.rotation;
@@ -322,7 +322,7 @@ fn clipped(
 ///
 /// The nearest points of two boxes that are apart are a corner of one and a point of the other, or two edges along whose product the boxes are as far
 /// apart.
-fn corners(pair: &Pair, reach: f32, edges: Option<[Vec3; 2]>) -> Manifold {
+fn corners(pair: &BoxPair, reach: f32, edges: Option<[Vec3; 2]>) -> Manifold {
     let (ha, hb) = (Vec3::from(pair.ha), Vec3::from(pair.hb));
     let frame = pair.frame;
     let (of_a, of_b) = (Gaps::new(ha, hb, frame), Gaps::new(hb, ha, &inverse(frame)));

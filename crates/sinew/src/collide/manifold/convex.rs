@@ -12,14 +12,14 @@ use parry3d::shape::{Shape as ParryShape, Triangle, TrianglePseudoNormals};
 
 use super::super::Shape;
 use super::super::shape::{Kind, ours, pose};
-use super::features::{Convex, best_face, contacts, of_face};
+use super::features::{ShapeOrTriangle, best_face, contacts, of_face};
 use super::reduce::reduced;
 use super::round::{limit, rim};
 use super::{Frame, Manifold, Point};
 
 /// What is kept between calls, for its memory alone.
 #[derive(Default)]
-pub(crate) struct Scratch {
+pub(crate) struct ManifoldScratch {
     manifold: ContactManifold<(), ()>,
 }
 
@@ -29,12 +29,12 @@ pub(super) fn collide(
     b: &Shape,
     a_in_b: &Frame,
     reach: f32,
-    scratch: &mut Scratch,
+    scratch: &mut ManifoldScratch,
 ) -> Option<Manifold> {
     if !a_in_b.translation.is_finite() {
         return None;
     }
-    let of = Convex::Shape(b);
+    let of = ShapeOrTriangle::Shape(b);
     touch((b.parry(), &of), None, a, a_in_b, &pose(a_in_b), reach, scratch)
 }
 
@@ -44,7 +44,7 @@ pub(super) fn on_triangles(
     b: &Shape,
     a_in_b: &Frame,
     reach: f32,
-    scratch: &mut Scratch,
+    scratch: &mut ManifoldScratch,
     out: &mut dyn FnMut(&Manifold),
 ) {
     if !a_in_b.translation.is_finite() {
@@ -54,7 +54,7 @@ pub(super) fn on_triangles(
     let bounds = a.parry().compute_aabb(&pose).loosened(reach);
     let mut on = |part: u32, triangle: &Triangle, normals: Option<TrianglePseudoNormals>| {
         let normals = normals.as_ref().map(|normals| normals as &dyn NormalConstraints);
-        let of = Convex::Triangle([triangle.a, triangle.b, triangle.c].map(ours));
+        let of = ShapeOrTriangle::Triangle([triangle.a, triangle.b, triangle.c].map(ours));
         let found = touch((triangle, &of), normals, a, a_in_b, &pose, reach, scratch);
         if let Some(manifold) = found.filter(Manifold::is_sound) {
             let kinds = [a.kind(), b.kind()];
@@ -88,20 +88,20 @@ const BIAS: f32 = 0.1;
 /// The manifold of two convex shapes. Where they touch or overlap, the normal is that of the face along which they overlap least; and where an edge or a corner
 /// touches, it is found at a distance: the first one is moved out along the normal that was found last, which does not change which features are nearest.
 fn touch(
-    (b, of): (&dyn ParryShape, &Convex),
+    (b, of): (&dyn ParryShape, &ShapeOrTriangle),
     normals: Option<&dyn NormalConstraints>,
     a: &Shape,
     a_in_b: &Frame,
     pose: &Pose,
     reach: f32,
-    scratch: &mut Scratch,
+    scratch: &mut ManifoldScratch,
 ) -> Option<Manifold> {
     let apart = APART * a.parry().compute_local_aabb().half_extents().min_element();
     let query = Query { a: a.parry(), b, normals, pose, reach, apart };
     let is_round = matches!(a.kind(), Kind::Sphere { .. } | Kind::Capsule { .. });
     let found = &mut scratch.manifold;
     let nearest = query.run(is_round, found)?;
-    let own = Convex::Shape(a);
+    let own = ShapeOrTriangle::Shape(a);
     let mut normal = of_face(&own, of, a_in_b, ours(found.local_n1));
     // What is round has a normal inside, too, as deep as it is thick; and the library turns those of a mesh to where its surface goes on.
     if !is_round && normals.is_none() && nearest < 0.5 * apart {
@@ -166,13 +166,13 @@ fn is_between(direction: Vector, b: &dyn ParryShape, a: &dyn ParryShape, pose: &
 /// or are not as deep, by more than rounding.
 fn along_normal(
     a: &Shape,
-    b: &Convex,
+    b: &ShapeOrTriangle,
     a_in_b: &Frame,
     normal: Vec3,
     (reach, rounding): (f32, f32),
     found: &ContactManifold<(), ()>,
 ) -> Option<Manifold> {
-    let mut points = contacts(&Convex::Shape(a), b, a_in_b, normal);
+    let mut points = contacts(&ShapeOrTriangle::Shape(a), b, a_in_b, normal);
     // From there into it along the normal is the surface of a capsule, but where that is not across its axis.
     let towards_b = a_in_b.turn_back(-normal);
     let surface = |axis: Vec3| match a.kind() {

@@ -9,7 +9,7 @@ use super::super::shape::Kind;
 use super::{Frame, Point, across_axis};
 
 /// Corners in order about the normal: one, the two of an edge, or those of a face.
-type Feature = SmallVec<[Vec3; 16]>;
+type FeatureCorners = SmallVec<[Vec3; 16]>;
 
 /// The slope below which a surface belongs to the feature that is farthest along a direction: what leans by 6 degrees lies.
 const LEANS: f32 = 0.1;
@@ -23,7 +23,7 @@ const FACE: f32 = 3e-3;
 const CROSS: f32 = 0.14;
 
 /// One of the two.
-pub(super) enum Convex<'a> {
+pub(super) enum ShapeOrTriangle<'a> {
     /// A shape that can move.
     Shape(&'a Shape),
     /// A triangle of a mesh or of a heightfield.
@@ -33,8 +33,8 @@ pub(super) enum Convex<'a> {
 /// Points of contact along a unit normal from `b` to `a`, in the coordinates of `b`. None where a corner touches a corner or two edges cross: those are the
 /// nearest points, and not found from features.
 pub(super) fn contacts(
-    a: &Convex,
-    b: &Convex,
+    a: &ShapeOrTriangle,
+    b: &ShapeOrTriangle,
     a_in_b: &Frame,
     normal: Vec3,
 ) -> SmallVec<[Point; 16]> {
@@ -72,7 +72,12 @@ pub(super) fn contacts(
 }
 
 /// The normal of a face of one of the two where another one from `b` to `a` is as good as that.
-pub(super) fn of_face(a: &Convex, b: &Convex, a_in_b: &Frame, normal: Vec3) -> Vec3 {
+pub(super) fn of_face(
+    a: &ShapeOrTriangle,
+    b: &ShapeOrTriangle,
+    a_in_b: &Frame,
+    normal: Vec3,
+) -> Vec3 {
     let (mut best, mut least) = (normal, FACE * FACE);
     let mut try_out = |face: Vec3| {
         let off = (face - normal).length_squared();
@@ -87,7 +92,11 @@ pub(super) fn of_face(a: &Convex, b: &Convex, a_in_b: &Frame, normal: Vec3) -> V
 
 /// The face of one of the two along whose normal they are farthest apart, or overlap least: how far, metres, and the normal from `b` to `a` in the
 /// coordinates of `b`. `None` where neither has a face.
-pub(super) fn best_face(a: &Convex, b: &Convex, a_in_b: &Frame) -> Option<(f32, Vec3)> {
+pub(super) fn best_face(
+    a: &ShapeOrTriangle,
+    b: &ShapeOrTriangle,
+    a_in_b: &Frame,
+) -> Option<(f32, Vec3)> {
     let (own, theirs) = (a_in_b.point(a.inside()), b.inside());
     let mut best: Option<(f32, Vec3)> = None;
     // No further apart than a point inside of the other one is from the plane: most faces are out by that.
@@ -116,7 +125,7 @@ pub(super) fn best_face(a: &Convex, b: &Convex, a_in_b: &Frame) -> Option<(f32, 
     best
 }
 
-impl Convex<'_> {
+impl ShapeOrTriangle<'_> {
     /// A point of it.
     fn inside(&self) -> Vec3 {
         match self {
@@ -178,9 +187,9 @@ impl Convex<'_> {
     }
 
     /// Corners of what is farthest along a unit direction, in any order: of the faces across it, of an edge, or a corner. Of a capsule those of its axis.
-    fn feature(&self, direction: Vec3) -> Feature {
+    fn feature(&self, direction: Vec3) -> FeatureCorners {
         // Both ends of what is long, however it leans: what is out of reach counts for nothing.
-        let ends = |half: f32, beside: Vec3| -> Feature {
+        let ends = |half: f32, beside: Vec3| -> FeatureCorners {
             [half, -half].map(|y| beside + Vec3::Y * y).into_iter().collect()
         };
         let shape = match *self {
@@ -198,7 +207,7 @@ impl Convex<'_> {
         };
         match shape.kind() {
             Kind::Hull(corners) => {
-                let face: Feature = shape.corners_towards(direction, ACROSS).collect();
+                let face: FeatureCorners = shape.corners_towards(direction, ACROSS).collect();
                 if face.is_empty() { edge(corners, direction) } else { face }
             }
             Kind::Box { half_size } => {
@@ -234,13 +243,13 @@ impl Convex<'_> {
             | Kind::HalfSpace
             | Kind::InsideBox
             | Kind::Mesh
-            | Kind::HeightField => Feature::new(),
+            | Kind::HeightField => FeatureCorners::new(),
         }
     }
 }
 
 /// The farthest of some corners along a direction, and the one to which a line falls off least from there, if that is by less than [`LEANS`].
-fn edge(corners: &[Vec3], direction: Vec3) -> Feature {
+fn edge(corners: &[Vec3], direction: Vec3) -> FeatureCorners {
     let mut best = (f32::NEG_INFINITY, Vec3::ZERO);
     for &p in corners {
         let height = p.dot(direction);
@@ -248,7 +257,7 @@ fn edge(corners: &[Vec3], direction: Vec3) -> Feature {
             best = (height, p);
         }
     }
-    let (top, mut least, mut feature) = (best.1, LEANS, Feature::new());
+    let (top, mut least, mut feature) = (best.1, LEANS, FeatureCorners::new());
     feature.push(top);
     for &p in corners {
         let slope = (top - p).dot(direction) / (top - p).length();
@@ -262,7 +271,7 @@ fn edge(corners: &[Vec3], direction: Vec3) -> Feature {
 }
 
 /// The corners of the smallest convex outline around some places, by x and y, counter-clockwise (A. M. Andrew's chain, 1979).
-fn outline(mut places: Feature) -> Feature {
+fn outline(mut places: FeatureCorners) -> FeatureCorners {
     if places.len() < 3 {
         return places;
     }
@@ -270,9 +279,9 @@ fn outline(mut places: Feature) -> Feature {
     let (first, last) = (places[0], places[places.len() - 1]);
     // What is nearer to the line between two others than this is on it.
     let thin = 1e-5 * (last - first).truncate().length_squared();
-    let mut corners = Feature::new();
+    let mut corners = FeatureCorners::new();
     let turns = |p: Vec3, q: Vec3, r: Vec3| (q - p).truncate().perp_dot((r - p).truncate()) > thin;
-    let half = |places: &mut dyn Iterator<Item = Vec3>, corners: &mut Feature| {
+    let half = |places: &mut dyn Iterator<Item = Vec3>, corners: &mut FeatureCorners| {
         let from = corners.len();
         for r in places {
             while let [.., p, q] = corners[from..] {
@@ -292,7 +301,7 @@ fn outline(mut places: Feature) -> Feature {
 }
 
 /// A normal of the plane of a face, upwards; `None` of what is none (M. E. Newell).
-fn plane(corners: &Feature) -> Option<Vec3> {
+fn plane(corners: &FeatureCorners) -> Option<Vec3> {
     let from = corners.first().filter(|_| corners.len() > 2)?;
     let pairs = corners[1..].windows(2);
     let sum: Vec3 = pairs.map(|pair| (pair[0] - from).cross(pair[1] - from)).sum();
@@ -300,7 +309,7 @@ fn plane(corners: &Feature) -> Option<Vec3> {
 }
 
 /// What is left of a feature above or below a face.
-fn cut(mut feature: Feature, face: &Feature) -> Feature {
+fn cut(mut feature: FeatureCorners, face: &FeatureCorners) -> FeatureCorners {
     for (i, &p) in face.iter().enumerate() {
         let along = (face[(i + 1) % face.len()] - p).truncate();
         let inside = |q: Vec3| along.perp_dot((q - p).truncate());
@@ -324,8 +333,8 @@ fn cut(mut feature: Feature, face: &Feature) -> Feature {
 
 /// The ends of what two edges along each other have in common; nothing where they cross, or one of them is a corner.
 fn along(
-    own: &Feature,
-    theirs: &Feature,
+    own: &FeatureCorners,
+    theirs: &FeatureCorners,
     place: impl Fn(Vec3) -> Vec3,
     a_in_b: &Frame,
 ) -> SmallVec<[Point; 16]> {

@@ -29,8 +29,8 @@ use super::shape::Kind;
 use super::words::{Reader, Write};
 use super::{Frame, Shape};
 
-pub(crate) use broad::{Broad, Clusters};
-pub(crate) use convex::Scratch;
+pub(crate) use broad::{Broad, ClusterSearch};
+pub(crate) use convex::ManifoldScratch;
 
 /// Where two surfaces are near each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -206,7 +206,7 @@ pub(crate) fn collide(
     b: &Shape,
     a_in_b: &Frame,
     reach: f32,
-    scratch: &mut Scratch,
+    scratch: &mut ManifoldScratch,
     out: &mut dyn FnMut(&Manifold),
 ) {
     if rank(a.kind()) <= rank(b.kind()) {
@@ -232,7 +232,7 @@ fn in_order(
     b: &Shape,
     a_in_b: &Frame,
     reach: f32,
-    scratch: &mut Scratch,
+    scratch: &mut ManifoldScratch,
     out: &mut dyn FnMut(&Manifold),
 ) {
     let mut found = match (a.kind(), b.kind()) {

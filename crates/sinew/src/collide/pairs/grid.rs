@@ -195,14 +195,14 @@ fn reach_of(participants: &Participants, i: usize) -> f32 {
 }
 
 /// Asks for every member who is near it.
-pub(super) struct Search<'a> {
+pub(super) struct NeighbourSearch<'a> {
     pub(super) grid: &'a PairGrid,
     pub(super) participants: &'a Participants,
     pub(super) filter: &'a ContactFilter,
     pub(super) neighbours: &'a mut NeighbourList,
 }
 
-impl Work for Search<'_> {
+impl Work for NeighbourSearch<'_> {
     type Output = ();
 
     /// Cell by cell, so that those who are asked for are in the cache. Each asks for those in half of the cells about its own, and is asked for from

@@ -52,7 +52,7 @@ use super::{ContactFilter, Impacts};
 use crate::lanes::{InstructionSet, with};
 use crate::particles::Particles;
 
-use grid::{PairGrid, Search};
+use grid::{NeighbourSearch, PairGrid};
 use neighbour_list::NeighbourList;
 use participants::Participants;
 use restitution::{PairHit, PairRestitutionSolve, Touched};
@@ -137,7 +137,7 @@ impl Pairs {
         let sweep =
             PairSweep { neighbours, filter, particles, fast, h, touched, hits, times_of_impact };
         let worst = with(self.instructions, sweep);
-        for _ in 0..AGAIN {
+        for _ in 0..RECHECKS {
             for stop in &self.times_of_impact {
                 stop.hold(particles);
             }
@@ -172,7 +172,7 @@ impl Pairs {
         skin_check.begin(participants);
         grid.fill(participants);
         neighbours.clear();
-        with(self.instructions, Search { grid, participants, filter, neighbours });
+        with(self.instructions, NeighbourSearch { grid, participants, filter, neighbours });
         neighbours.colour(participants, filter);
         self.rebuilds += 1;
     }
@@ -180,4 +180,4 @@ impl Pairs {
 
 /// How often pairs that were stopped are looked at again: what pushed one of the two back meanwhile is mostly its neighbour, and that one's
 /// neighbour.
-const AGAIN: usize = 2;
+const RECHECKS: usize = 2;

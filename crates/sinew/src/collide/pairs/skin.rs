@@ -82,15 +82,15 @@ impl SkinCheck {
             if spread.is_empty() {
                 return true;
             }
-            all.meet(&spread);
+            all.intersect(&spread);
             self.displacement_bounds.push(spread);
             first = end;
         }
-        all.is_empty() && self.some_meet()
+        all.is_empty() && self.any_overlap()
     }
 
     /// Whether the boxes about two runs that went different ways have met.
-    fn some_meet(&self) -> bool {
+    fn any_overlap(&self) -> bool {
         if self.boxes.len() != self.displacement_bounds.len()
             || self.before.len() != self.displacement_bounds.len()
         {
@@ -106,7 +106,7 @@ impl SkinCheck {
             let (low, high) = swept(i);
             for j in 0..i {
                 let mut both = self.displacement_bounds[i];
-                both.meet(&self.displacement_bounds[j]);
+                both.intersect(&self.displacement_bounds[j]);
                 if !both.is_empty() {
                     continue;
                 }
@@ -150,7 +150,7 @@ impl DisplacementBounds {
     }
 
     /// Leaves those of both.
-    fn meet(&mut self, other: &Self) {
+    fn intersect(&mut self, other: &Self) {
         self.low = self.low.max(other.low);
         self.high = self.high.min(other.high);
     }

@@ -46,7 +46,7 @@ impl Work for PairSweep<'_> {
         let mut worst = L::zero();
         let mut rest = 0.0_f32;
         for (number, block) in neighbours.blocks.iter().enumerate() {
-            let Met { overlap, hit, rare, normal } = self.take::<L>(block, number as u32);
+            let BlockOverlap { overlap, hit, rare, normal } = self.take::<L>(block, number as u32);
             if hit | rare == 0 {
                 continue;
             }
@@ -63,7 +63,7 @@ impl Work for PairSweep<'_> {
 }
 
 /// What a block came to.
-struct Met<L> {
+struct BlockOverlap<L> {
     /// Metres; zero where there is none.
     overlap: L,
     /// Which overlapped, and are done.
@@ -75,7 +75,7 @@ struct Met<L> {
 
 impl PairSweep<'_> {
     #[inline(always)]
-    fn take<L: Lanes>(&mut self, block: &PairBlock, number: u32) -> Met<L> {
+    fn take<L: Lanes>(&mut self, block: &PairBlock, number: u32) -> BlockOverlap<L> {
         let [rows_a, rows_b] = &block.rows;
         let (a, w_a) = Vector::of(L::rows(&self.particles.position, rows_a));
         let (b, w_b) = Vector::of(L::rows(&self.particles.position, rows_b));
@@ -96,7 +96,7 @@ impl PairSweep<'_> {
             rare = fast.bits();
             hit = fast.select(zero, hit);
         }
-        let none = Met { overlap: zero, hit: 0, rare, normal: d };
+        let none = BlockOverlap { overlap: zero, hit: 0, rare, normal: d };
         if !hit.any() {
             return none;
         }
@@ -105,7 +105,7 @@ impl PairSweep<'_> {
         hit = coincident.select(zero, hit);
         let distance = squared.sqrt();
         if !hit.any() {
-            return Met { rare, ..none };
+            return BlockOverlap { rare, ..none };
         }
         let n = d * (L::splat(1.0) / distance);
         let overlap = reach - distance;
@@ -125,7 +125,7 @@ impl PairSweep<'_> {
             weights: [w_a.array(), w_b.array()],
             impulse: most.array(),
         });
-        Met { overlap: hit.and(overlap), hit: hit.bits(), rare, normal: n }
+        BlockOverlap { overlap: hit.and(overlap), hit: hit.bits(), rare, normal: n }
     }
 
     /// What `d` was when the substep began.

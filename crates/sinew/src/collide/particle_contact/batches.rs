@@ -123,8 +123,12 @@ impl ParticleContacts {
                 for batch in batches {
                     for lane in 0..batch.count as usize {
                         let (row, number) = (batch.rows[lane], batch.candidates[lane]);
-                        worst =
-                            worst.max(self.meet(places, normal_impulses, (row, number), interval));
+                        worst = worst.max(self.project_candidate(
+                            places,
+                            normal_impulses,
+                            (row, number),
+                            interval,
+                        ));
                     }
                 }
                 continue;
@@ -213,7 +217,7 @@ impl Work for TouchSurface<'_> {
                     let contact = ParticleContact::of(&touched, of(&ends), &frames, moves);
                     contacts.take_contact(&mut places, &mut normal_impulses, which, &contact)
                 } else {
-                    contacts.meet(&mut places, &mut normal_impulses, which, interval)
+                    contacts.project_candidate(&mut places, &mut normal_impulses, which, interval)
                 };
                 worst = worst.max(depth);
             }

@@ -270,7 +270,7 @@ impl ParticleContacts {
 
     /// Puts a row outside of the surfaces near it; returns how far out it was, metres.
     #[inline]
-    pub(super) fn leave(
+    pub(super) fn project_to_surfaces(
         &self,
         places: &mut Places,
         normal_impulses: &mut NormalImpulses,
@@ -281,18 +281,19 @@ impl ParticleContacts {
         if self.first.is_empty() {
             return worst;
         }
-        if self.has_strayed(places, row) {
-            return self.leave_any(places, row, interval);
+        if self.exceeds_skin(places, row) {
+            return self.project_to_all_surfaces(places, row, interval);
         }
         for number in self.of(row) {
-            worst = worst.max(self.meet(places, normal_impulses, (row, number), interval));
+            worst =
+                worst.max(self.project_candidate(places, normal_impulses, (row, number), interval));
         }
         worst
     }
 
     /// Puts a row outside of the surface of one of its candidates; returns how far out it was, metres.
     #[inline(never)]
-    fn meet(
+    fn project_candidate(
         &self,
         places: &mut Places,
         normal_impulses: &mut NormalImpulses,
@@ -324,7 +325,12 @@ impl ParticleContacts {
 
     /// The same of any surface, for what was flung further than was foreseen.
     #[cold]
-    fn leave_any(&self, places: &mut Places, row: u32, interval: InstantInterval) -> f32 {
+    fn project_to_all_surfaces(
+        &self,
+        places: &mut Places,
+        row: u32,
+        interval: InstantInterval,
+    ) -> f32 {
         let mut worst = 0.0_f32;
         for (number, surface) in self.surfaces.iter().enumerate() {
             let material = self.material(number, self.classes.of(row));

@@ -34,7 +34,7 @@ impl ParticleContacts {
                 worst = worst.max(self.project_to_bounds(places, row, bounds, interval));
             }
         }
-        if worst > 0.0 && near.iter().any(|&row| self.has_strayed(places, row)) {
+        if worst > 0.0 && near.iter().any(|&row| self.exceeds_skin(places, row)) {
             for &row in near {
                 worst = worst.max(self.project_row(places, normal_impulses, row, interval));
             }
@@ -89,7 +89,7 @@ impl ParticleContacts {
         rows: &'a [u32],
     ) -> (&'a [u32], bool) {
         match self.reaches.get(number) {
-            Some(reach) if !self.has_any_strayed(places, rows) => {
+            Some(reach) if !self.any_exceeds_skin(places, rows) => {
                 (&self.touching[reach.clone()], false)
             }
             _ => (rows, true),
@@ -97,10 +97,10 @@ impl ParticleContacts {
     }
 
     /// Whether one of some rows has gone further than was looked.
-    fn has_any_strayed(&self, places: &Places, rows: &[u32]) -> bool {
+    fn any_exceeds_skin(&self, places: &Places, rows: &[u32]) -> bool {
         let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else { return false };
         if (last - first) as usize + 1 != rows.len() {
-            return rows.iter().any(|&row| self.has_strayed(places, row));
+            return rows.iter().any(|&row| self.exceeds_skin(places, row));
         }
         // Mostly they stand one after the other: all of them are looked at, which takes less than to ask after each whether to go on.
         let now = &places.position[places.at(first)..][..rows.len()];
@@ -111,7 +111,7 @@ impl ParticleContacts {
 
     /// Whether a row has gone further than was looked.
     #[inline]
-    pub(super) fn has_strayed(&self, places: &Places, row: u32) -> bool {
+    pub(super) fn exceeds_skin(&self, places: &Places, row: u32) -> bool {
         is_beyond(places.position[places.at(row)], self.last_seen[row as usize])
     }
 
@@ -137,7 +137,7 @@ impl ParticleContacts {
         if self.is_solid(row) || places.position[places.at(row)].w == 0.0 {
             return 0.0;
         }
-        self.leave(places, normal_impulses, row, interval)
+        self.project_to_surfaces(places, normal_impulses, row, interval)
     }
 
     /// Finds them, when the boxes of the islands and the candidates of the rows are known.

@@ -2,7 +2,7 @@
 //! bound. Whether something is the one or the other is decided for each class of bodies by itself, so that nobody's path depends on what others ask for.
 
 use super::super::body_classes::{BodyClass, BodyClasses};
-use super::super::bounds::{Bound, Bounds};
+use super::super::bounds::{Bounds, PlaneOrBox};
 use super::super::collider::on_the_way;
 use super::super::{
     Collider, CombinedMaterial, ContactFilter, ContactParticipant, Frame, Layers, Material, Shape,
@@ -50,7 +50,7 @@ pub(super) fn list(
     bounds.begin(boundaries, classes.all().len());
     surfaces.clear();
     materials.clear();
-    let mut add = |surface: ContactSurface, bound: Option<Bound>| {
+    let mut add = |surface: ContactSurface, bound: Option<PlaneOrBox>| {
         let combined = |class: &BodyClass| {
             let meets = surface.layers.meets(class.layers);
             meets.then(|| surface.combined_material(&class.material))
@@ -86,7 +86,7 @@ pub(super) fn list(
                 (SurfaceForm::Plane(*plane), ContactParticipant::Plane(number as u32));
             let coefficients = (plane.friction, plane.restitution);
             let surface = ContactSurface::bound(form, coefficients, participant);
-            add(surface, Some(Bound::Plane(*plane)));
+            add(surface, Some(PlaneOrBox::Plane(*plane)));
         }
     }
     for (number, room) in boundaries.boxes.iter().enumerate() {
@@ -95,14 +95,14 @@ pub(super) fn list(
                 (SurfaceForm::BoundingBox(*room), ContactParticipant::Box(number as u32));
             let surface =
                 ContactSurface::bound(form, (room.friction, room.restitution), participant);
-            add(surface, Some(Bound::Box(*room)));
+            add(surface, Some(PlaneOrBox::Box(*room)));
         }
     }
     for (number, collider) in colliders.iter().enumerate() {
         if collider.is_valid() {
             let number = number as u32;
             let asked = collider.sensor || collider.events || filter.ignores_collider(number);
-            let bound = if asked { None } else { Bound::of(collider) };
+            let bound = if asked { None } else { PlaneOrBox::of(collider) };
             add(ContactSurface::of(collider, number), bound);
         }
     }

@@ -7,7 +7,7 @@ use parry3d::shape as parry;
 use parry3d::utils::Array2;
 
 use super::height::Heights;
-use super::hull::Hull;
+use super::hull::ConvexHull;
 use super::mesh::Mesh;
 use super::{Form, Shape};
 use crate::collide::Frame;
@@ -38,7 +38,7 @@ fn twin(form: &Form) -> Box<dyn parry::Shape> {
 }
 
 /// The faces that there are; where the library finds them wanting, its own hull of the corners, and where that fails, the triangles.
-fn of_hull(hull: &Hull) -> Box<dyn parry::Shape> {
+fn of_hull(hull: &ConvexHull) -> Box<dyn parry::Shape> {
     let points = vectors(&hull.points);
     if let Some(body) = parry::ConvexPolyhedron::from_convex_mesh(points.clone(), &hull.triangles) {
         return Box::new(body);

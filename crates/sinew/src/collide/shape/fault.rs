@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use glam::Vec3;
 
-use crate::convex_hull::HullFault;
+use crate::convex_hull::ConvexHullFault;
 
 /// Why a shape is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -23,7 +23,7 @@ pub enum ShapeFault {
     Scale,
     /// The points have no hull.
     #[error("it has no hull: {0}")]
-    Hull(#[from] HullFault),
+    Hull(#[from] ConvexHullFault),
     /// A coordinate is NaN, or out of range.
     #[error("point {0} is not within 1e6 metres of the origin")]
     Point(usize),

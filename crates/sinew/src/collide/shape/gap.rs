@@ -15,7 +15,7 @@ use crate::collide::Frame;
 
 /// A convex shape: what is within a radius of its core. Coordinates of its own, metres.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Convex<'a> {
+pub(super) struct RoundedCore<'a> {
     core: Core<'a>,
     radius: f64,
 }
@@ -60,7 +60,7 @@ const ROUNDS: usize = 64;
 /// The square of a distance from which on cores are apart, m².
 const APART: f64 = 1e-20;
 
-impl<'a> Convex<'a> {
+impl<'a> RoundedCore<'a> {
     /// The same of a shape; `None` of half-spaces, meshes and landscapes.
     pub(super) fn of(shape: &'a Shape) -> Option<Self> {
         let round = |core, radius: f32| Self { core, radius: f64::from(radius) };
@@ -165,7 +165,7 @@ impl<'a> Convex<'a> {
     }
 }
 
-impl Convex<'_> {
+impl RoundedCore<'_> {
     /// A way out of another one whose core this one's touches or overlaps, as a gap below zero: the least far along a normal of a triangle, an axis of this
     /// one's, or away from the other's middle. That parts them, though there may be a shorter way. `None` if a number is not finite.
     pub(super) fn way_out(&self, seen: &Relative, other: &Self) -> Option<Gap> {
@@ -303,7 +303,7 @@ mod tests {
     fn the_gap_is_the_greatest_separation_and_the_distance_to_every_point() {
         for (i, a) in shapes().iter().enumerate() {
             for (j, b) in shapes().iter().enumerate() {
-                let (own, other) = (Convex::of(a).unwrap(), Convex::of(b).unwrap());
+                let (own, other) = (RoundedCore::of(a).unwrap(), RoundedCore::of(b).unwrap());
                 let mut apart = 0;
                 for frame in frames() {
                     let seen = Relative::new(&frame, &Frame::IDENTITY);
@@ -344,7 +344,8 @@ mod tests {
                 let turn = Quat::from_xyzw(0.0, libm::sinf(turn as f32), 0.0, 1.0);
                 let frame = Frame::new(Vec3::new(3.0, 1.4 + gap, -7.0), turn);
                 let seen = Relative::new(&frame, &Frame::IDENTITY);
-                let (own, other) = (Convex::of(&own).unwrap(), Convex::of(&floor).unwrap());
+                let (own, other) =
+                    (RoundedCore::of(&own).unwrap(), RoundedCore::of(&floor).unwrap());
                 let found = own.gap(&seen, &other).unwrap();
                 assert!(found.normal.abs_diff_eq(DVec3::Y, 1e-6), "{gap}: {found:?}");
                 assert!((found.distance - f64::from(gap)).abs() < 2e-7, "{gap}: {found:?}");
@@ -357,10 +358,11 @@ mod tests {
         let spread = [Vec3::new(-1.0, 0.1, -1.0), Vec3::X, Vec3::new(0.1, -0.1, 1.0)];
         let triangles = [spread, [Vec3::X, Vec3::ZERO, -Vec3::X], [Vec3::splat(0.1); 3]];
         for shape in &shapes() {
-            let own = Convex::of(shape).unwrap();
+            let own = RoundedCore::of(shape).unwrap();
             let (low, high) = shape.bounds();
             for corners in triangles {
-                let (other, frame) = (Convex::triangle(corners), Frame::at((low + high) * -0.5));
+                let (other, frame) =
+                    (RoundedCore::triangle(corners), Frame::at((low + high) * -0.5));
                 let seen = Relative::new(&frame, &Frame::IDENTITY);
                 let out = own.way_out(&seen, &other).unwrap();
                 assert!(out.distance < 0.0 && out.normal.is_normalized(), "{out:?}");
@@ -371,25 +373,27 @@ mod tests {
             }
         }
         let seen = Relative::new(&Frame::at(Vec3::NAN), &Frame::IDENTITY);
-        let own = Convex::ball(1.0);
+        let own = RoundedCore::ball(1.0);
         assert!(own.way_out(&seen, &own).is_none());
     }
 
     #[test]
     fn cores_that_overlap_have_no_gap_and_broken_numbers_neither() {
         for shape in &shapes() {
-            let own = Convex::of(shape).unwrap();
+            let own = RoundedCore::of(shape).unwrap();
             let (low, high) = shape.bounds();
             let middle = Frame::at((low + high) * 0.5);
             let seen = Relative::new(&Frame::IDENTITY, &middle);
             let corners = [Vec3::new(-1.0, 0.01, -1.0), Vec3::X, Vec3::Z];
-            assert!(own.gap(&seen, &Convex::of(&shapes()[2]).unwrap()).is_none());
+            assert!(own.gap(&seen, &RoundedCore::of(&shapes()[2]).unwrap()).is_none());
             assert!(
-                Convex::triangle(corners).gap(&seen, &Convex::of(&shapes()[3]).unwrap()).is_none()
+                RoundedCore::triangle(corners)
+                    .gap(&seen, &RoundedCore::of(&shapes()[3]).unwrap())
+                    .is_none()
             );
             let broken = Relative::new(&Frame::at(Vec3::NAN), &Frame::IDENTITY);
             assert!(own.gap(&broken, &own).is_none());
         }
-        assert!(Convex::of(&Shape::half_space()).is_none());
+        assert!(RoundedCore::of(&Shape::half_space()).is_none());
     }
 }

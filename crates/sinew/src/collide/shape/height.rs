@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::convex::Convex as _;
 use super::fault::{is_coordinate, is_length, is_size};
 use super::flat::Cuboid;
-use super::surface::{Slide, Surface, Sweep, first_crossing, skin, slide};
+use super::surface::{SphereSlide, Surface, Sweep, first_crossing, skin, slide};
 use super::triangle::{Close, Feature, Triangle};
 use super::{Nearest, RayHit, ShapeFault, ShapeTouch};
 
@@ -101,9 +101,9 @@ impl Heights {
             return Some(touch);
         }
         match slide(self, from, to, reach) {
-            Slide::Clear => None,
-            Slide::Moved(touch) => self.above(from, to, reach, touch?),
-            Slide::Inside => self.lift(to, reach),
+            SphereSlide::Clear => None,
+            SphereSlide::Moved(touch) => self.above(from, to, reach, touch?),
+            SphereSlide::Inside => self.lift(to, reach),
         }
     }
 

@@ -9,11 +9,11 @@ use super::convex::{Convex, Entry};
 use super::fault::{is_length, stray};
 use super::triangle::{Feature, Triangle};
 use super::{Nearest, ShapeFault, ShapeTouch};
-use crate::convex_hull::{HullFault, convex_hull};
+use crate::convex_hull::{ConvexHullFault, convex_hull};
 
 /// Corners and faces.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Hull {
+pub(super) struct ConvexHull {
     /// Corners, metres.
     pub(super) points: Vec<Vec3>,
     /// As numbers of corners, counter-clockwise from outside; those of a face one after the other.
@@ -43,7 +43,7 @@ const IN_PLANE: f64 = 1e-6;
 /// More triangles than this are not put together to faces, which takes the square of their number.
 const MOST_TO_MERGE: usize = 4096;
 
-impl Hull {
+impl ConvexHull {
     /// Checks the points and makes the faces.
     pub(super) fn new(points: &[Vec3]) -> Result<Self, ShapeFault> {
         if let Some(point) = stray(points) {
@@ -79,7 +79,7 @@ impl Hull {
         if hull.faces.is_empty()
             || hull.faces.iter().any(|face| depth(face) <= f64::from(extent) * IN_PLANE)
         {
-            return Err(HullFault::Flat.into());
+            return Err(ConvexHullFault::Flat.into());
         }
         Ok(hull)
     }
@@ -195,7 +195,7 @@ impl Hull {
     }
 }
 
-impl Convex for Hull {
+impl Convex for ConvexHull {
     fn nearest(&self, p: Vec3) -> Nearest {
         let (mut front, mut best) = (0, f32::NEG_INFINITY);
         for (i, face) in self.faces.iter().enumerate() {

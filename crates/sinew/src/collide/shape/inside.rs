@@ -7,7 +7,7 @@ use crate::collide::Frame;
 
 /// A box about the origin whose inside is empty, and all around it is solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct InsideBox {
+pub(super) struct HollowBox {
     pub(super) half_size: Vec3,
 }
 
@@ -39,7 +39,7 @@ impl Shape {
     }
 }
 
-impl InsideBox {
+impl HollowBox {
     /// The clamp, coordinate by coordinate. Where the box is thinner than the sphere, the sphere is held in the middle.
     #[inline]
     pub(super) fn touch(&self, to: Vec3, radius: f32) -> Option<ShapeTouch> {

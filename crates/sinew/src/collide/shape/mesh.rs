@@ -11,8 +11,8 @@ use super::coarse::Coarse;
 use super::convex::BEND;
 use super::extent::around;
 use super::fault::{is_length, stray};
-use super::surface::{Slide, Surface, Sweep, first_crossing, skin, slide};
-use super::tree::Tree;
+use super::surface::{SphereSlide, Surface, Sweep, first_crossing, skin, slide};
+use super::tree::TriangleTree;
 use super::triangle::{Close, Feature, Triangle};
 use super::{Nearest, RayHit, ShapeFault, ShapeTouch};
 use crate::same_place::first_in_place;
@@ -25,7 +25,7 @@ pub(super) struct Mesh {
     /// Those that have an area, in the order of the tree.
     pub(super) triangles: Vec<[u32; 3]>,
     pieces: Vec<Triangle>,
-    tree: Tree,
+    tree: TriangleTree,
     coarse: Coarse,
     bounds: (Vec3, Vec3),
     skin: f32,
@@ -71,7 +71,7 @@ impl Mesh {
         if !is_length((bounds.1 - bounds.0).max_element()) {
             return Err(ShapeFault::Size);
         }
-        let (tree, order) = Tree::new(&pieces);
+        let (tree, order) = TriangleTree::new(&pieces);
         let triangles: Vec<[u32; 3]> = order.iter().map(|&i| triangles[i as usize]).collect();
         let pieces: Vec<Triangle> = order.iter().map(|&i| pieces[i as usize]).collect();
         let pseudo = pseudo(vertices.len(), &triangles, &pieces);
@@ -109,9 +109,9 @@ impl Mesh {
             return None;
         }
         match slide(self, from, to, reach) {
-            Slide::Clear => None,
-            Slide::Moved(touch) => touch,
-            Slide::Inside => {
+            SphereSlide::Clear => None,
+            SphereSlide::Moved(touch) => touch,
+            SphereSlide::Inside => {
                 let (near, home) = (self.nearest(to), self.nearest(from));
                 if near.normal.dot(home.normal) >= BEND {
                     return near.out(reach);

@@ -47,14 +47,14 @@ pub use fault::ShapeFault;
 
 pub(crate) use closed_form::ClosedForm;
 pub(crate) use convert::{ours, pose};
-pub(crate) use sweep::{AtStart, Obstacle, SweepHit, Way};
+pub(crate) use sweep::{AtStart, Obstacle, SweepHit, SweepMotion};
 
 use convex::Convex;
 use fault::{is_length, is_size};
 use flat::Cuboid;
 use height::Heights;
-use hull::Hull;
-use inside::InsideBox;
+use hull::ConvexHull;
+use inside::HollowBox;
 use mesh::Mesh;
 use round::{Ball, Capsule, Cylinder};
 
@@ -74,12 +74,12 @@ pub struct Shape {
 #[derive(Clone, Debug, PartialEq)]
 enum Form {
     HalfSpace,
-    InsideBox(InsideBox),
+    InsideBox(HollowBox),
     Ball(Ball),
     Capsule(Capsule),
     Cuboid(Cuboid),
     Cylinder(Cylinder),
-    Hull(Arc<Hull>),
+    Hull(Arc<ConvexHull>),
     Mesh(Arc<Mesh>),
     Heights(Arc<Heights>),
 }
@@ -148,7 +148,7 @@ impl Shape {
     /// If a length is not between 1e-6 and 1e6 metres.
     pub fn inside_box(size: Vec3) -> Result<Self, ShapeFault> {
         is_size(size).then_some(()).ok_or(ShapeFault::Size)?;
-        Ok(Self::of(Form::InsideBox(InsideBox { half_size: 0.5 * size })))
+        Ok(Self::of(Form::InsideBox(HollowBox { half_size: 0.5 * size })))
     }
 
     /// A sphere about the origin.
@@ -195,7 +195,7 @@ impl Shape {
     /// If a point is not finite or farther than 1e6 metres from the origin, if they are fewer than four or more than 65 536, or if they lie in a
     /// plane to a millionth of their extent.
     pub fn hull(points: &[Vec3]) -> Result<Self, ShapeFault> {
-        Ok(Self::of(Form::Hull(Arc::new(Hull::new(points)?))))
+        Ok(Self::of(Form::Hull(Arc::new(ConvexHull::new(points)?))))
     }
 
     /// Triangles. If they enclose a volume, each edge of two of them in opposite directions, counter-clockwise seen from outside, then what is inside

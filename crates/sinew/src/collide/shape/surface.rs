@@ -47,7 +47,7 @@ pub(super) struct Sweep {
 }
 
 /// What became of a sphere.
-pub(super) enum Slide {
+pub(super) enum SphereSlide {
     /// Nothing is in its way.
     Clear,
     /// It ended inside of what the surface encloses and crossed nothing, so it began there.
@@ -68,13 +68,13 @@ pub(super) fn skin((low, high): (Vec3, Vec3)) -> f32 {
 }
 
 /// A sphere whose centre goes from one place to another.
-pub(super) fn slide(surface: &impl Surface, from: Vec3, to: Vec3, reach: f32) -> Slide {
+pub(super) fn slide(surface: &impl Surface, from: Vec3, to: Vec3, reach: f32) -> SphereSlide {
     let mut shift = Vec3::ZERO;
     let mut single = None;
     let mut first: Option<Vec3> = None;
     for round in 0..ROUNDS {
         let place = to + shift;
-        let (crossing, near) = survey(surface, &Sweep::new(from, place, reach));
+        let (crossing, near) = first_and_nearest(surface, &Sweep::new(from, place, reach));
         let (normal, depth) = if let Some((crossing, triangle)) = crossing {
             let normal = if crossing.front { triangle.normal } else { -triangle.normal };
             let met = from + (place - from) * crossing.share as f32 + normal * reach;
@@ -82,7 +82,7 @@ pub(super) fn slide(surface: &impl Surface, from: Vec3, to: Vec3, reach: f32) ->
             (normal, reach + normal.dot(triangle.corners[0] - place))
         } else {
             if round == 0 && surface.is_inside(place, near.as_ref()) {
-                return Slide::Inside;
+                return SphereSlide::Inside;
             }
             let Some((_, close, triangle)) = near else { break };
             let away = close.square.sqrt();
@@ -99,9 +99,9 @@ pub(super) fn slide(surface: &impl Surface, from: Vec3, to: Vec3, reach: f32) ->
         }
     }
     if shift == Vec3::ZERO {
-        return Slide::Clear;
+        return SphereSlide::Clear;
     }
-    Slide::Moved(single.or_else(|| ShapeTouch::between(Vec3::ZERO, shift)))
+    SphereSlide::Moved(single.or_else(|| ShapeTouch::between(Vec3::ZERO, shift)))
 }
 
 /// The first triangle that a way crosses, where it does; of several there, the first.
@@ -110,13 +110,13 @@ pub(super) fn first_crossing(
     from: Vec3,
     to: Vec3,
 ) -> Option<(Crossing, Triangle)> {
-    survey(surface, &Sweep::new(from, to, 0.0)).0
+    first_and_nearest(surface, &Sweep::new(from, to, 0.0)).0
 }
 
 type Found = (Option<(Crossing, Triangle)>, Option<(u32, Close, Triangle)>);
 
 /// The first triangle that a way crosses, and the one nearest to its end within reach.
-fn survey(surface: &impl Surface, sweep: &Sweep) -> Found {
+fn first_and_nearest(surface: &impl Surface, sweep: &Sweep) -> Found {
     let mut crossing: Option<(u32, Crossing, Triangle)> = None;
     let mut near: Option<(u32, Close, Triangle)> = None;
     let within = sweep.reach * sweep.reach;

@@ -13,10 +13,10 @@ use parry3d::query;
 use parry3d::shape as parry;
 
 use super::convert::{pose, theirs};
-use super::gap::{Convex, Gap, Relative};
+use super::gap::{Gap, Relative, RoundedCore};
 use super::{Form, Shape};
 use crate::collide::Frame;
-use crate::collide::manifold::{Scratch, collide};
+use crate::collide::manifold::{ManifoldScratch, collide};
 
 /// What a shape may meet, in coordinates of the world, metres.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +44,7 @@ pub(crate) struct SweepHit {
 
 /// How a shape goes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Way<'a> {
+pub(crate) struct SweepMotion<'a> {
     /// Unit vector.
     pub(crate) direction: Vec3,
     /// How far, metres.
@@ -82,14 +82,19 @@ impl Obstacle<'_> {
 impl Shape {
     /// Whether it may go somewhere: it has no dents and an end.
     pub(crate) fn is_convex(&self) -> bool {
-        Convex::of(self).is_some()
+        RoundedCore::of(self).is_some()
     }
 
     /// What this one at `frame` meets of another one on its way; `None` if nothing, and of those that cannot move against each other (half-spaces, meshes,
-    /// landscapes). It goes no farther than the [clearance](Way::clearance) allows; less than a fiftieth of that is not yet in its way. Of several parts that
+    /// landscapes). It goes no farther than the [clearance](SweepMotion::clearance) allows; less than a fiftieth of that is not yet in its way. Of several parts that
     /// are met at once, none counts that is behind the plane of another.
-    pub(crate) fn sweep(&self, frame: &Frame, way: &Way, other: &Obstacle) -> Option<SweepHit> {
-        let own = Convex::of(self)?;
+    pub(crate) fn sweep(
+        &self,
+        frame: &Frame,
+        way: &SweepMotion,
+        other: &Obstacle,
+    ) -> Option<SweepHit> {
+        let own = RoundedCore::of(self)?;
         if !(frame.is_valid() && way.direction.is_finite() && way.length >= 0.0) {
             return None;
         }
@@ -99,9 +104,9 @@ impl Shape {
                 return;
             }
             match (Cast { own, piece, frame, at, way }.first()) {
-                Met::Nothing => {}
-                Met::Inside => inside = true,
-                Met::At(hit) => {
+                SweepOutcome::Nothing => {}
+                SweepOutcome::Inside => inside = true,
+                SweepOutcome::At(hit) => {
                     let nearest =
                         first.map_or(hit.distance, |first| first.distance.min(hit.distance));
                     if first.is_none_or(|first| hit.is_before(&first, way)) {
@@ -127,24 +132,27 @@ impl Shape {
     fn pieces(
         &self,
         frame: &Frame,
-        way: &Way,
+        way: &SweepMotion,
         other: &Obstacle,
-        call: &mut dyn FnMut(Piece, &Frame),
+        call: &mut dyn FnMut(ConvexPiece, &Frame),
     ) {
         match *other {
             Obstacle::Ball(centre, radius) => {
-                call(Piece::Convex(Convex::ball(radius)), &Frame::at(centre));
+                call(ConvexPiece::Convex(RoundedCore::ball(radius)), &Frame::at(centre));
             }
             Obstacle::Triangle(corners) => {
                 let (local, at) = about_first(&corners);
-                call(Piece::Convex(Convex::triangle(local)), &at);
+                call(ConvexPiece::Convex(RoundedCore::triangle(local)), &at);
             }
             Obstacle::Shape(shape, at) => {
-                let swept = Swept::new(self, &frame.from_within(&at), &at, way);
-                let triangle = &mut |corners| call(Piece::Convex(Convex::triangle(corners)), &at);
+                let swept = SweptBox::new(self, &frame.from_within(&at), &at, way);
+                let triangle =
+                    &mut |corners| call(ConvexPiece::Convex(RoundedCore::triangle(corners)), &at);
                 match &shape.form {
                     Form::HalfSpace | Form::InsideBox(_) => {
-                        shape.half_spaces().for_each(|wall| call(Piece::HalfSpace, &at.of(&wall)));
+                        shape
+                            .half_spaces()
+                            .for_each(|wall| call(ConvexPiece::HalfSpace, &at.of(&wall)));
                     }
                     Form::Mesh(mesh) => mesh.near(&|low, high| swept.meets(low, high), triangle),
                     Form::Heights(field) => {
@@ -152,8 +160,10 @@ impl Shape {
                     }
                     _ => {
                         let (low, high) = shape.bounds();
-                        let convex = Convex::of(shape).filter(|_| swept.meets(low, high));
-                        convex.into_iter().for_each(|convex| call(Piece::Convex(convex), &at));
+                        let convex = RoundedCore::of(shape).filter(|_| swept.meets(low, high));
+                        convex
+                            .into_iter()
+                            .for_each(|convex| call(ConvexPiece::Convex(convex), &at));
                     }
                 }
             }
@@ -169,8 +179,8 @@ impl Shape {
         other: &Obstacle,
         call: &mut dyn FnMut(&SweepHit),
     ) {
-        let Some(own) = Convex::of(self).filter(|_| frame.is_valid()) else { return };
-        let way = Way {
+        let Some(own) = RoundedCore::of(self).filter(|_| frame.is_valid()) else { return };
+        let way = SweepMotion {
             direction: Vec3::Y,
             length: 0.0,
             clearance: reach,
@@ -181,7 +191,7 @@ impl Shape {
         let mut found: Vec<SweepHit> = Vec::new();
         self.pieces(frame, &way, other, &mut |piece, at| {
             let cast = Cast { own, piece, frame, at, way: &way };
-            match cast.look(frame.translation) {
+            match cast.near_at(frame.translation) {
                 Some(near) => found.extend((near.hit.distance <= reach).then_some(near.hit)),
                 None => inside = true,
             }
@@ -197,7 +207,7 @@ impl Shape {
             }
             Obstacle::Triangle(corners) if inside => {
                 let (local, at) = about_first(corners);
-                let (seen, triangle) = (Relative::new(frame, &at), Convex::triangle(local));
+                let (seen, triangle) = (Relative::new(frame, &at), RoundedCore::triangle(local));
                 if let Some(out) = own.way_out(&seen, &triangle) {
                     call(&Near::new(&out, &at).hit);
                 }
@@ -248,7 +258,7 @@ impl Shape {
         at: &Frame,
         call: &mut dyn FnMut(&SweepHit),
     ) {
-        let (seen, scratch) = (frame.from_within(at), &mut Scratch::default());
+        let (seen, scratch) = (frame.from_within(at), &mut ManifoldScratch::default());
         collide(self, other, &seen, reach, scratch, &mut |manifold| {
             let points = manifold.points();
             let Some(first) = points.first() else { return };
@@ -270,7 +280,7 @@ impl SweepHit {
 
     /// Whether it comes before another one on a way. Of those that come at once one may hide the other: what lies behind the plane of a face is an edge of that
     /// face or of one beside it, and would only be stumbled over.
-    pub(crate) fn is_before(&self, other: &Self, way: &Way) -> bool {
+    pub(crate) fn is_before(&self, other: &Self, way: &SweepMotion) -> bool {
         if (self.distance - other.distance).abs() <= way.at_once() {
             let ahead = |one: &Self, other: &Self| (one.point - other.point).dot(other.normal);
             let (own, theirs) = (ahead(self, other), ahead(other, self));
@@ -282,15 +292,15 @@ impl SweepHit {
     }
 }
 
-impl Way<'_> {
+impl SweepMotion<'_> {
     /// Hits that are no farther than this from each other come at once, metres.
     pub(crate) fn at_once(&self) -> f32 {
         0.02 * self.clearance
     }
 
     /// Whether a part is behind a plane that it goes along, so that it comes no nearer to it than to that.
-    fn goes_along(&self, piece: &Piece, at: &Frame) -> bool {
-        let Piece::Convex(convex) = piece else { return false };
+    fn goes_along(&self, piece: &ConvexPiece, at: &Frame) -> bool {
+        let ConvexPiece::Convex(convex) = piece else { return false };
         self.along.iter().any(|plane| {
             let sinks = -plane.normal.dot(self.direction.as_dvec3()) * f64::from(self.length);
             if sinks > f64::from(0.5 * DEEPER * self.clearance) {
@@ -311,14 +321,14 @@ impl Way<'_> {
 
 /// A convex part of an obstacle, in coordinates of its own.
 #[derive(Clone, Copy, Debug)]
-enum Piece<'a> {
+enum ConvexPiece<'a> {
     /// Below y = 0.
     HalfSpace,
-    Convex(Convex<'a>),
+    Convex(RoundedCore<'a>),
 }
 
 /// What a way leads to.
-enum Met {
+enum SweepOutcome {
     Nothing,
     /// It begins deep in it.
     Inside,
@@ -338,11 +348,11 @@ struct Near {
 /// One shape on its way, and one part of another.
 #[derive(Clone, Copy)]
 struct Cast<'a> {
-    own: Convex<'a>,
-    piece: Piece<'a>,
+    own: RoundedCore<'a>,
+    piece: ConvexPiece<'a>,
     frame: &'a Frame,
     at: &'a Frame,
-    way: &'a Way<'a>,
+    way: &'a SweepMotion<'a>,
 }
 
 /// What is ahead of a plane by less than this lies in it, metres.
@@ -355,27 +365,29 @@ const GRAZING: f32 = 1e-4;
 const DEEPER: f32 = 0.02;
 
 impl Cast<'_> {
-    fn first(&self) -> Met {
+    fn first(&self) -> SweepOutcome {
         let clearance = self.way.clearance;
         // What it only comes near to, as rounding has it, is not in its way: an edge within a floor is not.
         match self.down_to(clearance * (1.0 - DEEPER)) {
-            Met::At(near) if clearance > 0.0 => match self.down_to(clearance) {
-                Met::At(hit) if hit.distance <= near.distance => Met::At(hit),
-                _ => Met::At(near),
+            SweepOutcome::At(near) if clearance > 0.0 => match self.down_to(clearance) {
+                SweepOutcome::At(hit) if hit.distance <= near.distance => SweepOutcome::At(hit),
+                _ => SweepOutcome::At(near),
             },
             met => met,
         }
     }
 
     /// Where on the way the gap has come down to so many metres.
-    fn down_to(&self, mut least: f32) -> Met {
-        let Way { direction, length, clearance, start, .. } = *self.way;
+    fn down_to(&self, mut least: f32) -> SweepOutcome {
+        let SweepMotion { direction, length, clearance, start, .. } = *self.way;
         let mut gone = 0.0_f32;
         let mut last: Option<Near> = None;
         for _ in 0..ROUNDS {
             let place = self.frame.translation + direction * gone;
-            let Some(near) = self.look(place) else {
-                return last.map_or(Met::Inside, |last| Met::At(last.after(gone, gone.into())));
+            let Some(near) = self.near_at(place) else {
+                return last.map_or(SweepOutcome::Inside, |last| {
+                    SweepOutcome::At(last.after(gone, gone.into()))
+                });
             };
             let rate = -near.hit.normal.dot(direction.as_dvec3());
             // Less than rounding of the place adds.
@@ -386,25 +398,25 @@ impl Cast<'_> {
                 if gone > 0.0 {
                     // Between corners and edges that nearly touch there is no direction any more.
                     let known = last.filter(|_| near.cores < 1e-3);
-                    return Met::At(known.unwrap_or(near).after(gone, root));
+                    return SweepOutcome::At(known.unwrap_or(near).after(gone, root));
                 }
                 if start == AtStart::Passed {
-                    return Met::Nothing;
+                    return SweepOutcome::Nothing;
                 }
                 let overlapped = near.distance < 0.0 && start == AtStart::Overlapped;
                 let least_rate = if clearance > 0.0 { GRAZING } else { 0.0 };
                 if overlapped || rate > f64::from(least_rate) {
-                    return Met::At(near.after(0.0, root));
+                    return SweepOutcome::At(near.after(0.0, root));
                 }
                 least = near.distance as f32 - 0.5 * DEEPER * clearance;
             }
-            // Convex, it comes no nearer ever.
+            // RoundedCore, it comes no nearer ever.
             if rate <= 0.0 {
-                return Met::Nothing;
+                return SweepOutcome::Nothing;
             }
             let step = ((near.distance - f64::from(least)) / rate) as f32 - grain;
             if step.is_nan() || gone + step > length {
-                return Met::Nothing;
+                return SweepOutcome::Nothing;
             }
             last = Some(near);
             if gone + step <= gone {
@@ -412,16 +424,16 @@ impl Cast<'_> {
             }
             gone += step;
         }
-        last.map_or(Met::Nothing, |last| Met::At(last.after(gone, gone.into())))
+        last.map_or(SweepOutcome::Nothing, |last| SweepOutcome::At(last.after(gone, gone.into())))
     }
 
     /// What is between the two with the first one's origin at a place; `None` where they overlap.
-    fn look(&self, place: Vec3) -> Option<Near> {
+    fn near_at(&self, place: Vec3) -> Option<Near> {
         let Self { own, piece, frame, at, .. } = self;
         let seen = Relative::new(&Frame { translation: place, ..**frame }, at);
         let gap = match piece {
-            Piece::HalfSpace => own.above_plane(&seen),
-            Piece::Convex(other) => own.gap(&seen, other)?,
+            ConvexPiece::HalfSpace => own.above_plane(&seen),
+            ConvexPiece::Convex(other) => own.gap(&seen, other)?,
         };
         let near = Near::new(&gap, at);
         near.hit.point.is_finite().then_some(near)
@@ -454,15 +466,15 @@ fn about_first(corners: &[Vec3; 3]) -> ([Vec3; 3], Frame) {
 
 /// A box that goes somewhere, in coordinates of an obstacle.
 #[derive(Clone, Copy, Debug)]
-struct Swept {
+struct SweptBox {
     low: Vec3,
     high: Vec3,
     by: Vec3,
 }
 
-impl Swept {
+impl SweptBox {
     /// The box around a shape and what it keeps clear, with some room for rounding.
-    fn new(shape: &Shape, seen: &Frame, at: &Frame, way: &Way) -> Self {
+    fn new(shape: &Shape, seen: &Frame, at: &Frame, way: &SweepMotion) -> Self {
         let (low, high) = shape.bounds_in(seen);
         let by = at.turn_back(way.direction) * way.length;
         let largest = low.abs().max(high.abs()).max(by.abs()).max_element();

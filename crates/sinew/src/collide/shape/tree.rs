@@ -11,7 +11,7 @@ use super::triangle::Triangle;
 
 /// Boxes around triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Tree {
+pub(super) struct TriangleTree {
     boxes: Vec<Node>,
 }
 
@@ -29,7 +29,7 @@ struct Node {
 /// Triangles in a box that is not split: to look at one costs about as much as at a box.
 const LEAF: usize = 4;
 
-impl Tree {
+impl TriangleTree {
     /// Sorts triangles into boxes, and tells the order in which they then have to be.
     pub(super) fn new(triangles: &[Triangle]) -> (Self, Vec<u32>) {
         let mut order: Vec<u32> = (0..triangles.len() as u32).collect();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::fault::stray;
-use super::hull::Hull;
+use super::hull::ConvexHull;
 use super::{Cuboid, Form, Shape, ShapeFault};
 use crate::collide::words::{Reader, Write};
 
@@ -116,7 +116,7 @@ fn hull(points: Vec<Vec3>, triangles: &[[u32; 3]]) -> Result<Shape, ShapeFault> 
     if let Some(triangle) = triangles.iter().position(lacks) {
         return Err(ShapeFault::Corner(triangle));
     }
-    Ok(Shape::of(Form::Hull(Arc::new(Hull::of_triangles(points, triangles)?))))
+    Ok(Shape::of(Form::Hull(Arc::new(ConvexHull::of_triangles(points, triangles)?))))
 }
 
 #[cfg(test)]

@@ -228,13 +228,13 @@ impl TriangleNeighbours {
         let Some(&one) = participants.triangles.get(i) else { return };
         if j >= count {
             let particle = participants.loose[j - count];
-            if participants.meet(filter, particle, one[0]) {
+            if participants.may_touch(filter, particle, one[0]) {
                 self.consider_corner(participants, particle, i);
             }
             return;
         }
         let other = participants.triangles[j];
-        if !participants.meet(filter, one[0], other[0]) {
+        if !participants.may_touch(filter, one[0], other[0]) {
             return;
         }
         for (corners, which, against) in [(one, i, j), (other, j, i)] {

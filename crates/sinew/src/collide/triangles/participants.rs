@@ -172,7 +172,7 @@ impl TriangleParticipants {
     }
 
     /// Whether two members may touch.
-    pub(super) fn meet(&self, filter: &ContactFilter, i: u32, j: u32) -> bool {
+    pub(super) fn may_touch(&self, filter: &ContactFilter, i: u32, j: u32) -> bool {
         let of = |i: u32| (self.body[i as usize], self.rows[i as usize]);
         filter.rows_may_touch(of(i), of(j))
     }

@@ -36,7 +36,7 @@ pub(super) fn charged(particles: &Particles) -> impl Iterator<Item = Item> + '_ 
 
 /// The charges, and the sums of the forces on them. Padded with charges of nothing to a multiple of [`LEAF`].
 #[derive(Clone, Debug, Default)]
-pub(super) struct Columns {
+pub(super) struct ChargeColumns {
     /// `[x y z s]`: metres from the origin; s = `√|K| q`: the product of two is symmetric, and neither too large nor too small for `f32`.
     pub charges: Vec<Vec4>,
     /// `[x y z 0]`, metres.
@@ -45,7 +45,7 @@ pub(super) struct Columns {
     pub forces: Vec<Vec4>,
 }
 
-impl Columns {
+impl ChargeColumns {
     /// Takes over the charges in the order of `items`, and forgets the forces.
     pub(super) fn fill(&mut self, particles: &Particles, items: &[Item], constant: f32) {
         let scale = constant.abs().sqrt();
@@ -121,7 +121,7 @@ pub(super) fn add<L: Lanes>(forces: &mut [Vec4], first: usize, sum: Vector<L>) {
 
 /// A node of the tree over the charges.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Node {
+pub(super) struct ChargeNode {
     /// Mean place of the charges, weighted by their magnitudes, metres.
     pub centre: DVec3,
     /// Distance of the farthest one from it, metres; exactly zero where all are at one point.
@@ -138,7 +138,7 @@ pub(super) struct Node {
     pub leaves: u32,
 }
 
-impl Node {
+impl ChargeNode {
     /// How many nodes it is with all below it.
     #[inline]
     pub(super) fn whole(&self) -> usize {
@@ -194,7 +194,7 @@ pub(super) struct Group {
 
 impl Group {
     /// A node as seen from `middle`, its charges times `scale`.
-    pub(super) fn of(node: &Node, middle: DVec3, scale: f64) -> Self {
+    pub(super) fn of(node: &ChargeNode, middle: DVec3, scale: f64) -> Self {
         Self {
             centre: (node.centre - middle).as_vec3(),
             charge: (node.charge * scale) as f32,

@@ -16,7 +16,7 @@ use super::Forces;
 use super::region::Region;
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
-use columns::Columns;
+use columns::ChargeColumns;
 
 /// Coulomb's law between all charged particles: like charges repel. And a field that acts on all of them.
 ///
@@ -81,16 +81,16 @@ impl ElectricField {
 
 /// What the electric forces need and nobody saves; it keeps its memory between calls.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Scratch {
-    columns: Columns,
-    tree: tree::Tree,
+pub(crate) struct ElectricScratch {
+    columns: ChargeColumns,
+    tree: tree::ChargeTree,
 }
 
 /// Adds the forces of all charges on each other, and those of the fields on all charges.
 pub(crate) fn apply(
     particles: &mut Particles,
     Forces { electric, electric_fields, .. }: &Forces,
-    Scratch { columns, tree }: &mut Scratch,
+    ElectricScratch { columns, tree }: &mut ElectricScratch,
     instructions: InstructionSet,
 ) {
     apply_fields(particles, electric, electric_fields);
@@ -158,7 +158,7 @@ fn between(particles: &Particles, law: &Electric) -> f64 {
     let potential = if items.len() <= law.all_pairs_up_to as usize {
         pairs::potential(&items, law.softening)
     } else {
-        tree::Tree::of(items).potential(law)
+        tree::ChargeTree::of(items).potential(law)
     };
     f64::from(law.constant) * potential
 }

@@ -11,14 +11,14 @@
 
 use glam::{Vec3, Vec4};
 
-use super::columns::{Columns, Item, Targets, add};
+use super::columns::{ChargeColumns, Item, Targets, add};
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 
 /// Sources whose sums are kept at once: 128 of them take 16 KiB, half of what the nearest cache has.
 const BLOCK: usize = 128;
 
 /// Adds the force of every charge on every other.
-pub(super) fn sum(columns: &mut Columns, softening: f32, instructions: InstructionSet) {
+pub(super) fn sum(columns: &mut ChargeColumns, softening: f32, instructions: InstructionSet) {
     with(instructions, AllPairs { columns, softening });
 }
 
@@ -38,7 +38,7 @@ pub(super) fn potential(items: &[Item], softening: f32) -> f64 {
 }
 
 struct AllPairs<'a> {
-    columns: &'a mut Columns,
+    columns: &'a mut ChargeColumns,
     softening: f32,
 }
 
@@ -47,7 +47,7 @@ impl Work for AllPairs<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Columns { charges, origins, forces } = self.columns;
+        let ChargeColumns { charges, origins, forces } = self.columns;
         let nothing = Vector::<L>::splat(Vec3::ZERO);
         let none = Source { charge: Vec4::ZERO, origin: Vec4::ZERO, back: nothing };
         let mut block = [none; BLOCK];

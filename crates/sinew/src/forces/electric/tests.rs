@@ -31,7 +31,7 @@ fn cloud(count: usize, sign: f32, at: Vec3) -> Particles {
 fn forces_with(particles: &mut Particles, electric: Electric) -> Vec<DVec3> {
     let forces = Forces { electric, ..Forces::default() };
     particles.clear_sums(0.0);
-    apply(particles, &forces, &mut Scratch::default(), InstructionSet::best());
+    apply(particles, &forces, &mut ElectricScratch::default(), InstructionSet::best());
     (0..particles.len()).map(|i| particles.acceleration(i).as_dvec3()).collect()
 }
 
@@ -115,7 +115,7 @@ fn every_instruction_set_gives_the_same_bits() {
             let forces = Forces { electric, ..Forces::default() };
             let mut with = |instructions| {
                 particles.clear_sums(0.0);
-                apply(&mut particles, &forces, &mut Scratch::default(), instructions);
+                apply(&mut particles, &forces, &mut ElectricScratch::default(), instructions);
                 particles.acceleration.clone()
             };
             let truth = with(InstructionSet::Scalar);

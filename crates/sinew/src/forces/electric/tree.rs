@@ -50,15 +50,15 @@ use core::ops::Range;
 use glam::{DVec3, Vec3, Vec4};
 
 use super::Electric;
-use super::columns::{Columns, Group, Item, LEAF, Node, Targets, add};
+use super::columns::{ChargeColumns, ChargeNode, Group, Item, LEAF, Targets, add};
 use super::walk::{Walk, make_room};
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 
 /// The charges in the order of the tree's leaves, and its nodes from the root on.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Tree {
+pub(super) struct ChargeTree {
     pub items: Vec<Item>,
-    nodes: Vec<Node>,
+    nodes: Vec<ChargeNode>,
     /// Ranges of leaves yet to be halved.
     pending: Vec<(u32, u32)>,
     walk: Walk,
@@ -66,7 +66,7 @@ pub(super) struct Tree {
     groups: Vec<Group>,
 }
 
-impl Tree {
+impl ChargeTree {
     /// The tree of these charges.
     pub(super) fn of(items: Vec<Item>) -> Self {
         let mut tree = Self { items, ..Self::default() };
@@ -105,12 +105,12 @@ impl Tree {
                 // Which eight they are is settled, but not in which order they were left.
                 by_row(items);
             }
-            self.nodes.push(Node {
+            self.nodes.push(ChargeNode {
                 middle: (low + high) * 0.5,
                 radius: (high - low).length() * 0.5,
                 first,
                 leaves: end - first,
-                ..Node::default()
+                ..ChargeNode::default()
             });
         }
         // Only now are the charges in their final order, and a sum does not depend on how they were halved.
@@ -122,7 +122,7 @@ impl Tree {
     /// Adds the forces on all charges, near and far; `columns` are those of [`items`](Self::items).
     pub(super) fn sum(
         &mut self,
-        columns: &mut Columns,
+        columns: &mut ChargeColumns,
         law: &Electric,
         instructions: InstructionSet,
     ) {
@@ -178,7 +178,7 @@ struct Bunches {
 
 impl Bunches {
     #[inline]
-    fn next(&mut self, nodes: &[Node]) -> Option<usize> {
+    fn next(&mut self, nodes: &[ChargeNode]) -> Option<usize> {
         while nodes.get(self.at)?.leaves > LANES as u32 {
             self.at += 1;
         }
@@ -201,7 +201,7 @@ fn by_row(items: &mut [Item]) {
 
 /// What acts on the leaves of a bunch.
 struct OneWalk<'a> {
-    nodes: &'a [Node],
+    nodes: &'a [ChargeNode],
     walk: &'a mut Walk,
     bunch: usize,
     opening: f32,
@@ -218,8 +218,8 @@ impl Work for OneWalk<'_> {
 
 /// The forces on the charges of each leaf.
 struct AllLeaves<'a> {
-    tree: &'a mut Tree,
-    columns: &'a mut Columns,
+    tree: &'a mut ChargeTree,
+    columns: &'a mut ChargeColumns,
     law: &'a Electric,
 }
 
@@ -228,8 +228,8 @@ impl Work for AllLeaves<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Columns { charges, origins, forces } = self.columns;
-        let Tree { items, nodes, walk, groups, .. } = self.tree;
+        let ChargeColumns { charges, origins, forces } = self.columns;
+        let ChargeTree { items, nodes, walk, groups, .. } = self.tree;
         let scale = f64::from(self.law.constant.abs().sqrt());
         let softening = self.law.softening * self.law.softening;
         let per_reach = 1.0 / f64::from(self.law.opening);

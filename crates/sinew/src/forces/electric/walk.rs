@@ -5,7 +5,7 @@
 
 use glam::Vec4;
 
-use super::columns::Node;
+use super::columns::ChargeNode;
 use crate::lanes::{LANES, Lanes, Vector};
 
 /// What a walk found for each of eight leaves; it keeps its memory between calls.
@@ -35,7 +35,7 @@ impl Walk {
     /// A node is far for a leaf if it is farther off than its reach over the opening and the radius of the leaf together. Distances are taken in
     /// `f32` from the middle of the eight: what is just so far may come out as either, the same on every machine.
     #[inline(always)]
-    pub(super) fn walk<L: Lanes>(&mut self, nodes: &[Node], n: usize, per_reach: f64) {
+    pub(super) fn walk<L: Lanes>(&mut self, nodes: &[ChargeNode], n: usize, per_reach: f64) {
         // At least as many as a leaf among 65 536 charges mostly has.
         let longest = |most: usize, len: usize| most.max(len);
         let takes = self.takes.iter().map(Vec::len).fold(512, longest);

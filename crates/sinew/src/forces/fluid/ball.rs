@@ -5,7 +5,7 @@ use core::f32::consts::PI;
 use glam::Vec3;
 
 use super::Fluid;
-use crate::forces::region::Place;
+use crate::forces::region::WorldPoint;
 use crate::particles::Particles;
 
 /// Adds `ρ V g` along `up` to each particle with a radius, and to its damping the fluid's, by the submerged share of its volume. Those of the
@@ -30,7 +30,7 @@ pub(super) fn apply(particles: &mut Particles, fluid: &Fluid, gravity: Vec3, car
         let height = particles.height(i, fluid.up, fluid.level);
         let volume = cap_volume(height, radius);
         if volume > 0.0 {
-            let middle = Place::of(particles, i).moved(fluid.up * -cap_drop(height, radius));
+            let middle = WorldPoint::of(particles, i).moved(fluid.up * -cap_drop(height, radius));
             let inside = fluid.region.share_at(middle);
             if inside > 0.0 {
                 let share = volume / (4.0 / 3.0 * PI * radius * radius * radius);

@@ -22,7 +22,7 @@ use glam::{DVec3, Quat, Vec3};
 
 use super::Fluid;
 use super::clip::{Wetting, wetting};
-use crate::forces::region::Place;
+use crate::forces::region::WorldPoint;
 use crate::particles::Particles;
 use crate::pose::{Pose, pose, pseudo_solve};
 
@@ -32,7 +32,7 @@ pub use skin::{Hull, HullFault, Skin};
 
 /// What the fluids need and nobody saves; it keeps its memory between calls.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Scratch {
+pub(crate) struct FluidScratch {
     /// Which rows carry a hull, and so do not float as balls.
     pub(super) carriers: Vec<bool>,
     /// Vertices of the hull at hand, metres from its first carrier.
@@ -47,7 +47,7 @@ pub(super) fn apply(
     fluids: &[Fluid],
     hull: &Hull,
     gravity: Vec3,
-    scratch: &mut Scratch,
+    scratch: &mut FluidScratch,
 ) {
     if hull.fault(particles.len()).is_some() {
         return;
@@ -62,11 +62,11 @@ pub(super) fn apply(
     for fluid in fluids.iter().filter(|fluid| fluid.is_valid()) {
         let Some(load) = Load::of(particles, hull, fluid, scratch) else { continue };
         let inside =
-            fluid.region.share_at(Place::of(particles, first).moved(load.middle.as_vec3()));
+            fluid.region.share_at(WorldPoint::of(particles, first).moved(load.middle.as_vec3()));
         if inside > 0.0 {
             let weight = f64::from(fluid.weight(gravity) * inside);
             match hull.skin() {
-                Skin::Carriers => press(particles, hull, &scratch.forces, weight),
+                Skin::Carriers => apply_forces(particles, hull, &scratch.forces, weight),
                 Skin::Posed { .. } => push(particles, hull, &load, weight),
             }
             let rate = fluid.rate() * load.share as f32 * inside;
@@ -120,9 +120,9 @@ impl Load {
         particles: &Particles,
         hull: &Hull,
         fluid: &Fluid,
-        scratch: &mut Scratch,
+        scratch: &mut FluidScratch,
     ) -> Option<Self> {
-        let Scratch { points, forces, .. } = scratch;
+        let FluidScratch { points, forces, .. } = scratch;
         let (up, first) = (fluid.up.as_dvec3(), hull.rows[0] as usize);
         let level = f64::from(fluid.level) - up.dot(place_of(particles, first));
         if !points.iter().any(|x| up.dot(*x) < level) {
@@ -224,7 +224,7 @@ impl Sum {
 }
 
 /// Puts the forces of the vertices onto the carriers that they are.
-fn press(particles: &mut Particles, hull: &Hull, forces: &[DVec3], weight: f64) {
+fn apply_forces(particles: &mut Particles, hull: &Hull, forces: &[DVec3], weight: f64) {
     for (&i, &force) in hull.rows.iter().zip(forces) {
         particles.add_force(i as usize, (force * weight).as_vec3());
     }

@@ -16,7 +16,7 @@ mod tests;
 
 pub use hull::{Hull, HullFault, Skin};
 
-pub(crate) use hull::Scratch;
+pub(crate) use hull::FluidScratch;
 
 use glam::Vec3;
 
@@ -112,7 +112,7 @@ impl Fluid {
 pub(crate) fn apply(
     particles: &mut Particles,
     Forces { fluids, hulls, gravity, .. }: &Forces,
-    scratch: &mut Scratch,
+    scratch: &mut FluidScratch,
 ) {
     if !fluids.iter().any(Fluid::is_valid) {
         return;

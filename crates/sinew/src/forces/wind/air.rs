@@ -46,9 +46,9 @@ use core::f32::consts::PI;
 
 use glam::{Vec3, Vec4};
 
-use super::gusts::{CurlNoise, Field, at_one_place};
+use super::gusts::{CurlNoise, VectorField, at_one_place};
 use super::sheet::Sheet;
-use crate::forces::region::{Extent, Place, Region};
+use crate::forces::region::{Extent, Region, WorldPoint};
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 use crate::particles::Particles;
 
@@ -162,7 +162,7 @@ struct Felt {
 
 /// How eight triangles answer to the air, in the order in which they are packed: `C_D`, `C_L`, and `g` of the derivation, 1/kg.
 #[derive(Clone, Copy)]
-struct Answer<L> {
+struct AirResponse<L> {
     drag: L,
     lift: L,
     give: L,
@@ -228,7 +228,7 @@ pub(crate) fn apply(
 ) {
     if !air.triangles.is_empty() && !surfaces.is_empty() {
         particles.acceleration_dirty = true;
-        with(instructions, Press { particles, surfaces, air, h });
+        with(instructions, SumAirForces { particles, surfaces, air, h });
     }
     for &(i, felt) in &air.balls {
         let i = i as usize;
@@ -261,13 +261,13 @@ impl<'a> Current<'a> {
 
     /// The share of the flow that is at a place.
     #[inline]
-    fn share(&self, place: Place) -> f32 {
+    fn share(&self, place: WorldPoint) -> f32 {
         let everywhere = self.flow.region.extent == Extent::Everywhere;
         if everywhere { 1.0 } else { self.flow.region.share_at(place) }
     }
 }
 
-impl Field for Current<'_> {
+impl VectorField for Current<'_> {
     /// The velocity, m/s.
     #[inline(always)]
     fn at<L: Lanes>(&self, position: Vector<L>) -> Vector<L> {
@@ -304,7 +304,7 @@ impl Work for Blend<'_> {
                 if answer.z > 0.0 && same {
                     *middle = Vec4::W;
                 } else if answer.z > 0.0 {
-                    let place = Place::middle(particles, corners.map(|i| i as usize));
+                    let place = WorldPoint::middle(particles, corners.map(|i| i as usize));
                     *middle = place.relative_to(Vec3::ZERO).extend(current.share(place));
                 }
             }
@@ -325,14 +325,14 @@ impl Work for Blend<'_> {
 }
 
 /// The forces on the triangles.
-struct Press<'a> {
+struct SumAirForces<'a> {
     particles: &'a mut Particles,
     surfaces: &'a [[u32; 3]],
     air: &'a Air,
     h: f32,
 }
 
-impl Work for Press<'_> {
+impl Work for SumAirForces<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -361,7 +361,8 @@ impl Work for Press<'_> {
             // that.
             let held = L::splat(0.5) * (lag.max(L::splat(h)) + L::splat(h));
             let relative = velocity - sum * L::splat(THIRD);
-            let answer = Answer { drag: density * drag, lift: density * lift, give: held * give };
+            let answer =
+                AirResponse { drag: density * drag, lift: density * lift, give: held * give };
             let force = answer.on_sheet(area * L::splat(0.5), relative);
             // Speeds beyond 1e19 m/s have no square: there the air gives up before the particles do. Nor has a triangle without an area a force.
             let largest = force.x.abs() + force.y.abs() + force.z.abs();
@@ -377,7 +378,7 @@ impl Work for Press<'_> {
     }
 }
 
-impl<L: Lanes> Answer<L> {
+impl<L: Lanes> AirResponse<L> {
     /// The force on sheets of the given area vectors (m²) from air that moves at `v` relative to them (m/s); N. Here the density is in `drag` and
     /// `lift`, and the time for which the force is held in `give`.
     #[inline(always)]
@@ -403,7 +404,7 @@ impl<L: Lanes> Answer<L> {
 impl Felt {
     /// Adds a flow's velocity, and takes over its density with the coefficient if that is denser than what is there.
     fn blend(&mut self, current: &Current, particles: &Particles, i: usize) {
-        let place = Place::of(particles, i);
+        let place = WorldPoint::of(particles, i);
         let share = current.share(place);
         if share > 0.0 {
             self.velocity += at_one_place(place.relative_to(Vec3::ZERO), *current) * share;

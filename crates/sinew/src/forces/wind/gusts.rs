@@ -110,12 +110,12 @@ pub(super) fn arch<L: Lanes>(turn: L) -> L {
 }
 
 /// A vector at one place, of a kernel that finds it at eight.
-pub(super) fn at_one_place(position: Vec3, work: impl Field) -> Vec3 {
+pub(super) fn at_one_place(position: Vec3, work: impl VectorField) -> Vec3 {
     with(InstructionSet::Simd128, OnePlace { position, work })
 }
 
 /// What has a vector everywhere.
-pub(super) trait Field {
+pub(super) trait VectorField {
     /// The vectors at eight places.
     fn at<L: Lanes>(&self, position: Vector<L>) -> Vector<L>;
 }
@@ -125,7 +125,7 @@ struct OnePlace<F> {
     work: F,
 }
 
-impl<F: Field> Work for OnePlace<F> {
+impl<F: VectorField> Work for OnePlace<F> {
     type Output = Vec3;
 
     #[inline(always)]
@@ -141,7 +141,7 @@ impl<F: Field> Work for OnePlace<F> {
 mod tests {
     use super::*;
 
-    impl Field for CurlNoise {
+    impl VectorField for CurlNoise {
         #[inline(always)]
         fn at<L: Lanes>(&self, position: Vector<L>) -> Vector<L> {
             CurlNoise::at(self, position)
@@ -150,7 +150,7 @@ mod tests {
 
     struct Wave;
 
-    impl Field for Wave {
+    impl VectorField for Wave {
         #[inline(always)]
         fn at<L: Lanes>(&self, Vector { x, y, z }: Vector<L>) -> Vector<L> {
             Vector { x: arch(x), y, z }

@@ -2,9 +2,9 @@
 
 use glam::{Vec3, Vec4};
 
-use super::gusts::{Field, arch, at_one_place, fraction};
+use super::gusts::{VectorField, arch, at_one_place, fraction};
 use super::sheet::Sheet;
-use crate::forces::region::{Extent, Place, Region};
+use crate::forces::region::{Extent, Region, WorldPoint};
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
 use crate::particles::Particles;
 
@@ -133,8 +133,9 @@ impl Work for Sample<'_> {
             for (middle, corners) in middles.iter_mut().zip(eight) {
                 if corners.iter().all(|&i| (i as usize) < particles.len()) {
                     let corners = corners.map(|i| i as usize);
-                    let share = region
-                        .map_or(1.0, |region| region.share_at(Place::middle(particles, corners)));
+                    let share = region.map_or(1.0, |region| {
+                        region.share_at(WorldPoint::middle(particles, corners))
+                    });
                     let [p0, p1, p2] = corners.map(|i| particles.position(i));
                     *middle = ((p0 + p1 + p2) * THIRD).extend(share);
                 }
@@ -202,7 +203,7 @@ impl Gusts {
     }
 }
 
-impl Field for Gusts {
+impl VectorField for Gusts {
     /// The pressure, Pa.
     #[inline(always)]
     fn at<L: Lanes>(&self, position: Vector<L>) -> Vector<L> {

@@ -4,12 +4,12 @@ use core::f32::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-use super::{Bone, Joint, Point, across};
+use super::{Bone, BonePoint, Joint, across};
 use crate::constraints::{Cone, Constraint, ConstraintKind, Hinge};
 
 /// The particles of a body of bones.
 pub(super) struct Skeleton {
-    pub(super) points: Vec<Point>,
+    pub(super) points: Vec<BonePoint>,
     /// The particles of each bone: head, tail, middle, middle, and those beside the joints that it carries.
     pub(super) members: Vec<Vec<u32>>,
     /// The particles of each rigid piece; those of bones that are fixed to others are with those, and theirs are empty.
@@ -19,7 +19,7 @@ pub(super) struct Skeleton {
 }
 
 /// A bone's own axes: y from the tail to the head, x across.
-pub(super) struct Frame {
+pub(super) struct BoneAxes {
     middle: DVec3,
     axes: [DVec3; 3],
 }
@@ -50,7 +50,7 @@ impl Skeleton {
     /// Adds the particles of a bone, and to its parent those that both have.
     fn add(&mut self, bones: &[Bone], bone: &Bone) {
         let parent = bone.parent.filter(|_| bone.joint != Joint::Free);
-        let frame = Frame::of(bone);
+        let frame = BoneAxes::of(bone);
         let half = frame.axes[0] * f64::from(bone.width) * 0.5;
         let head = match parent {
             Some(p) if bones[p].tail.distance(bone.head) <= SAME_PLACE * bones[p].width => {
@@ -89,7 +89,7 @@ impl Skeleton {
     }
 
     fn point(&mut self, place: DVec3, width: f32) -> u32 {
-        self.points.push(Point {
+        self.points.push(BonePoint {
             position: place.as_vec3(),
             mass: 0.0,
             radius: 0.5 * width,
@@ -194,7 +194,7 @@ impl Skeleton {
     }
 }
 
-impl Frame {
+impl BoneAxes {
     /// Of a hinge, x goes along as much of the axis as is across the bone.
     pub(super) fn of(bone: &Bone) -> Self {
         let (head, tail) = (bone.head.as_dvec3(), bone.tail.as_dvec3());

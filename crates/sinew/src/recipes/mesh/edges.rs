@@ -1,6 +1,6 @@
 //! Which triangles meet at which edge: what bends, what is a border, and who is whose neighbour.
 
-use super::{Bend, NONE};
+use super::{Fold, NONE};
 use crate::union_find::{root, unite};
 
 /// All edges of some triangles, sorted.
@@ -123,9 +123,9 @@ impl Edges {
     }
 
     /// The edges between exactly two triangles.
-    pub(in crate::recipes) fn bends(&self) -> impl Iterator<Item = Bend> {
+    pub(in crate::recipes) fn bends(&self) -> impl Iterator<Item = Fold> {
         let inner = self.list.iter().filter(|edge| edge.triangles == 2);
-        inner.map(|edge| Bend { edge: edge.ends, opposite: edge.opposite })
+        inner.map(|edge| Fold { edge: edge.ends, opposite: edge.opposite })
     }
 }
 

@@ -36,7 +36,7 @@ pub(super) struct Finder<'a> {
 }
 
 /// The particles of a grid, row by row.
-pub(super) struct Grid {
+pub(super) struct ParticleGrid {
     pub(super) order: Vec<u32>,
     /// How many a row has.
     pub(super) columns: u32,
@@ -69,7 +69,7 @@ impl<'a> Finder<'a> {
     /// row, and these runs are as long as the rows. It begins at the corner that comes first, the highest one, of equally high ones that with
     /// the lowest x, then z; if it is square, it goes towards the neighbour that comes first. So shuffling a mesh changes nothing, and
     /// a square that hangs in the xy plane is numbered as [`cloth_grid`](crate::recipes::cloth_grid) numbers it.
-    pub(super) fn find(&mut self, piece: &[u32]) -> Option<Grid> {
+    pub(super) fn find(&mut self, piece: &[u32]) -> Option<ParticleGrid> {
         let border = self.walk_border(piece)?;
         let sides = self.sides(piece, border.len())?;
         let mut ways = self.ways(&border, sides);
@@ -92,7 +92,7 @@ impl<'a> Finder<'a> {
             }
             let order = self.fill(sides, along, &mut patience)?;
             debug_assert_eq!(order.len(), columns * rows);
-            Some(Grid { order, columns: columns as u32 })
+            Some(ParticleGrid { order, columns: columns as u32 })
         })
     }
 

@@ -7,7 +7,7 @@
 use glam::Vec3;
 
 use super::edges::{Edges, Neighbours};
-use super::grid::{Finder, Grid};
+use super::grid::{Finder, ParticleGrid};
 use super::{NONE, Piece};
 
 /// The particles in their new order, by their old numbers, and the pieces of it.
@@ -21,12 +21,13 @@ pub(super) fn ordered(positions: &[Vec3], edges: &Edges) -> (Vec<u32>, Vec<Piece
     for piece in edges.pieces(positions.len()) {
         let begin = order.len() as u32;
         let columns = match grids.find(&piece) {
-            Some(Grid { order: rows, columns }) => {
+            Some(ParticleGrid { order: rows, columns }) => {
                 order.extend(rows);
                 Some(columns)
             }
             None => {
-                let search = search.get_or_insert_with(|| Search::new(edges, positions.len()));
+                let search =
+                    search.get_or_insert_with(|| BreadthFirst::new(edges, positions.len()));
                 order.extend(search.short_ties(piece));
                 None
             }
@@ -37,7 +38,7 @@ pub(super) fn ordered(positions: &[Vec3], edges: &Edges) -> (Vec<u32>, Vec<Piece
 }
 
 /// Breadth-first searches.
-struct Search<'a> {
+struct BreadthFirst<'a> {
     edges: &'a Edges,
     neighbours: Neighbours,
     /// The search in which each particle was last seen; counts from 1.
@@ -50,7 +51,7 @@ struct Search<'a> {
 /// How often the way from edge to edge is sought to be longer. It is mostly after two.
 const TRIES: u32 = 6;
 
-impl<'a> Search<'a> {
+impl<'a> BreadthFirst<'a> {
     fn new(edges: &'a Edges, particles: usize) -> Self {
         let ties = edges.list.iter().map(|edge| edge.ends);
         Self {

@@ -16,7 +16,7 @@ use super::RagdollParticle::{self, *};
 
 /// A particle of the figure.
 #[derive(Clone, Copy)]
-pub(super) struct Joint {
+pub(super) struct FigureParticle {
     pub(super) particle: RagdollParticle,
     pub(super) position: DVec3,
     pub(super) radius: f64,
@@ -44,11 +44,11 @@ pub(super) enum Limit {
 pub(super) struct Segment {
     pub(super) name: &'static str,
     pub(super) particles: &'static [RagdollParticle],
-    pub(super) shape: Shape,
+    pub(super) shape: PartShape,
 }
 
 /// How a part is drawn.
-pub(super) enum Shape {
+pub(super) enum PartShape {
     /// A box about a centre, upright while the figure stands.
     Box { centre: DVec3, size: DVec3 },
     /// A capsule along the bone from the first particle to the second; the third is beside it.
@@ -67,7 +67,7 @@ const KNEE: f64 = THIGH_FAR + 0.0465 - SHIN_FAR;
 const PIN: f64 = 0.4;
 
 /// Particles in the order of their numbers: the middle, the left, the right.
-pub(super) const FIGURE: [Joint; 22] = [
+pub(super) const FIGURE: [FigureParticle; 22] = [
     // Head 0.081 = its middle 0.061 + the face 0.020.
     joint(Head, [0.0, 0.935, -0.01], 0.065, 0.061),
     // Thorax 0.216 = neck 0.016 + sternum 0.14 + shoulders 0.03 each; abdomen = waist.
@@ -96,7 +96,7 @@ pub(super) const FIGURE: [Joint; 22] = [
 ];
 
 /// One side.
-const LEFT: [Joint; 6] = [
+const LEFT: [FigureParticle; 6] = [
     joint(LeftShoulder, [0.129, 0.818, 0.0], 0.030, 0.030 + 0.028 - UPPER_ARM_FAR),
     joint(LeftElbow, [0.129, 0.632, -0.008], 0.022, (1.0 - PIN) * ELBOW),
     joint(LeftHand, [0.129, 0.431, 0.012], 0.025, FOREARM_FAR + 0.006),
@@ -106,7 +106,7 @@ const LEFT: [Joint; 6] = [
 ];
 
 /// The outer ends of the pins about which elbow and knee turn: the outer knob of the bone, where the limb is thickest.
-const LEFT_PINS: [Joint; 2] = [
+const LEFT_PINS: [FigureParticle; 2] = [
     joint(LeftElbowPin, [0.164, 0.632, -0.008], 0.0, PIN * ELBOW),
     joint(LeftKneePin, [0.090, 0.285, 0.010], 0.0, PIN * KNEE),
 ];
@@ -201,14 +201,19 @@ pub(super) const PARTS: &[Segment] = &[
     limb("right shin", &[RightKnee, RightAnkle, RightKneePin], 0.066),
 ];
 
-const fn joint(particle: RagdollParticle, [x, y, z]: [f64; 3], radius: f64, mass: f64) -> Joint {
+const fn joint(
+    particle: RagdollParticle,
+    [x, y, z]: [f64; 3],
+    radius: f64,
+    mass: f64,
+) -> FigureParticle {
     let position = DVec3::new(x, y, z);
-    Joint { particle, position, radius, mass }
+    FigureParticle { particle, position, radius, mass }
 }
 
-const fn mirrored(left: Joint, particle: RagdollParticle) -> Joint {
+const fn mirrored(left: FigureParticle, particle: RagdollParticle) -> FigureParticle {
     let position = DVec3::new(-left.position.x, left.position.y, left.position.z);
-    Joint { particle, position, ..left }
+    FigureParticle { particle, position, ..left }
 }
 
 /// About the first particle of the frame.
@@ -242,7 +247,7 @@ const fn boxed(
 ) -> Segment {
     let centre = DVec3::new(x, y, z);
     let size = DVec3::from_array(size);
-    Segment { name, particles, shape: Shape::Box { centre, size } }
+    Segment { name, particles, shape: PartShape::Box { centre, size } }
 }
 
 const fn limb(
@@ -250,5 +255,5 @@ const fn limb(
     particles: &'static [RagdollParticle; 3],
     thickness: f64,
 ) -> Segment {
-    Segment { name, particles, shape: Shape::Limb { thickness } }
+    Segment { name, particles, shape: PartShape::Limb { thickness } }
 }

@@ -114,12 +114,12 @@ fn each_fault_is_told_apart_and_the_ends_of_the_ranges_are_accepted() {
         change(&mut spec);
         solid(&spec).unwrap_err()
     };
-    assert_eq!(solid(&SolidSpec::default()), Err(SolidFault::Hull(HullFault::TooFew)));
-    assert_eq!(solid(&hull(vec![Vec3::ONE; 8])), Err(SolidFault::Hull(HullFault::Flat)));
+    assert_eq!(solid(&SolidSpec::default()), Err(SolidFault::Hull(ConvexHullFault::TooFew)));
+    assert_eq!(solid(&hull(vec![Vec3::ONE; 8])), Err(SolidFault::Hull(ConvexHullFault::Flat)));
     let plate = cuboid(Vec3::new(1.0, 1.0, 0.0), Vec3::ZERO);
-    assert_eq!(solid(&hull(plate)), Err(SolidFault::Hull(HullFault::Flat)));
+    assert_eq!(solid(&hull(plate)), Err(SolidFault::Hull(ConvexHullFault::Flat)));
     let nan = vec![Vec3::X, Vec3::NAN, Vec3::Y, Vec3::Z];
-    assert_eq!(solid(&hull(nan)), Err(SolidFault::Hull(HullFault::NotFinite(1))));
+    assert_eq!(solid(&hull(nan)), Err(SolidFault::Hull(ConvexHullFault::NotFinite(1))));
     let open =
         SolidShape::Mesh { vertices: cuboid(Vec3::ONE, Vec3::ZERO), triangles: vec![[0, 1, 3]] };
     let open = SolidSpec { shape: open, ..SolidSpec::default() };

@@ -43,12 +43,12 @@ impl SurfaceContext<'_> {
     ) -> [f32; LANES] {
         let SolveContext { contacts, execution, .. } = self.context;
         let interval = self.context.interval();
-        let strayed = with(execution.instructions, Strayed { storage });
+        let exceeded = with(execution.instructions, SkinExceeded { storage });
         let mut deepest = [0.0; LANES];
         for lane in (0..storage.bodies).filter(|lane| going >> lane & 1 != 0) {
             let own = self.rows(storage, lane);
             let touching = contacts.touching(storage.islands[lane] as usize);
-            let touching = touching.filter(|_| strayed >> lane & 1 == 0);
+            let touching = touching.filter(|_| exceeded >> lane & 1 == 0);
             let (first, count) = (own.start, touching.map_or(own.len(), <[u32]>::len));
             let mut depth = 0.0_f32;
             for n in 0..count {
@@ -132,21 +132,21 @@ impl SurfaceContext<'_> {
 }
 
 /// A bit for each body of which a particle has gone further than was foreseen.
-struct Strayed<'a> {
+struct SkinExceeded<'a> {
     storage: &'a LaneStorage,
 }
 
-impl Work for Strayed<'_> {
+impl Work for SkinExceeded<'_> {
     type Output = u32;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> u32 {
         let LaneStorage { now, last_seen, .. } = self.storage;
-        let mut strayed = L::zero();
+        let mut exceeded = L::zero();
         for (now, seen) in now.iter().zip(last_seen) {
             let (now, (seen, most)) = (Vector::of(now.load::<L>()).0, Vector::of(seen.load::<L>()));
-            strayed = strayed.or(most.lt((now - seen).length_squared()));
+            exceeded = exceeded.or(most.lt((now - seen).length_squared()));
         }
-        strayed.bits()
+        exceeded.bits()
     }
 }

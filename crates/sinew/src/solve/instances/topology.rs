@@ -207,7 +207,7 @@ fn is_like(plan: &Plan, one: usize, other: usize) -> bool {
         if one.kind == GroupKind::Constraints {
             let (a, b) = ranges();
             let pairs = plan.constraints[a].iter().zip(&plan.constraints[b]);
-            return pairs.into_iter().all(|(a, b)| are_constraints_alike(a, b, shift));
+            return pairs.into_iter().all(|(a, b)| constraints_match(a, b, shift));
         }
         let (a, b) = ranges();
         let mut pairs = plan.distances[a].iter().zip(&plan.distances[b]);
@@ -235,7 +235,7 @@ fn is_same_topology(plan: &Plan, one: usize, other: usize) -> bool {
         })
 }
 
-fn are_constraints_alike(one: &Constraint, other: &Constraint, shift: u32) -> bool {
+fn constraints_match(one: &Constraint, other: &Constraint, shift: u32) -> bool {
     let (equation, other_equation) = (one.kind.equation(), other.kind.equation());
     one.rows.len() == other.rows.len()
         && one.rows.iter().zip(&other.rows).all(|(&a, &b)| a + shift == b)

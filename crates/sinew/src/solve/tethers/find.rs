@@ -1,8 +1,8 @@
 //! Which tethers and spans the islands of a plan have: found from their rods and their pins, when those have changed.
 
-use super::geodesic::{Field, Web};
+use super::geodesic::{DistanceField, Web};
 use super::spans::Spans;
-use super::{IslandTethers, TetherBlock, Ways, taut};
+use super::{IslandTethers, TetherBlock, TetherPaths, taut};
 use crate::constraints::{Bound, Distance, Softness};
 use crate::hash::fnv;
 use crate::islands::Island;
@@ -89,7 +89,7 @@ impl Plan {
     }
 
     /// The ways of the tethers of an island along its rods.
-    fn ways(&self, island: &Island, pins: &[u32]) -> Ways {
+    fn ways(&self, island: &Island, pins: &[u32]) -> TetherPaths {
         let fields = self.fields(island, pins);
         // Numbers of hard distances, as `hard` lists them.
         let groups = self.groups[island.groups.clone()].iter();
@@ -103,7 +103,7 @@ impl Plan {
             let all = field.inwards().into_iter();
             all.map(|(member, before, rod)| (member, before, numbers[rod as usize])).collect()
         });
-        Ways { far: fields.far, inwards }
+        TetherPaths { far: fields.far, inwards }
     }
 
     /// The hard distances of an island that hold particles together, with the first row of its members.
@@ -124,7 +124,7 @@ impl Plan {
     }
 
     /// How far the members of an island are from its pins, of which there is one at least.
-    fn fields(&self, island: &Island, pins: &[u32]) -> Fields {
+    fn fields(&self, island: &Island, pins: &[u32]) -> PinFields {
         let members = &self.islands.members[island.members.clone()];
         let place = |row: u32| members.partition_point(|&member| member < row) as u32;
         let (_, distances) = self.hard(island);
@@ -133,7 +133,7 @@ impl Plan {
         let sources: Vec<u32> = pins.iter().map(|&pin| place(pin)).collect();
         let nearest = web.field(&sources);
         // Two pins far from each other: the farthest from any, and the farthest from that.
-        let farthest = |from: &Field| {
+        let farthest = |from: &DistanceField| {
             let reached = (0..sources.len()).filter(|&pin| from.length(sources[pin]).is_finite());
             reached.fold(0, |far, pin| {
                 if from.length(sources[pin]) > from.length(sources[far]) { pin } else { far }
@@ -144,7 +144,7 @@ impl Plan {
         let other = farthest(&from_one);
         let from_other = web.field(&sources[other..=other]);
         let far = [one as u32, other as u32];
-        Fields { sources, nearest, far, from: [from_one, from_other] }
+        PinFields { sources, nearest, far, from: [from_one, from_other] }
     }
 
     /// Of each member of an island, to which of the pins it is tethered, and how long that is.
@@ -153,7 +153,7 @@ impl Plan {
         if pins.is_empty() {
             return Vec::new();
         }
-        let Fields { sources, nearest, far: [one, other], from: [from_one, from_other] } =
+        let PinFields { sources, nearest, far: [one, other], from: [from_one, from_other] } =
             self.fields(island, pins);
         let mut each: Vec<_> = (0..island.members.len() as u32)
             .map(|member| {
@@ -178,14 +178,14 @@ impl Plan {
 }
 
 /// How far members are from the pins of their island.
-struct Fields {
+struct PinFields {
     /// The pins among the members.
     sources: Vec<u32>,
     /// From the nearest of them.
-    nearest: Field,
+    nearest: DistanceField,
     /// Which two are far from each other, and how far members are from either.
     far: [u32; 2],
-    from: [Field; 2],
+    from: [DistanceField; 2],
 }
 
 /// Whether a distance is one that tethers may rely on.

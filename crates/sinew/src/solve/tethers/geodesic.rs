@@ -28,7 +28,7 @@ pub(super) struct Web {
 }
 
 /// How far each particle is from the nearest of some sources.
-pub(super) struct Field {
+pub(super) struct DistanceField {
     length: Vec<f64>,
     source: Vec<u32>,
     /// The particle before each on its way along rods, and the number of the rod between the two.
@@ -37,7 +37,7 @@ pub(super) struct Field {
     order: Vec<u32>,
 }
 
-impl Field {
+impl DistanceField {
     /// The particles that rods lead to, less the sources, the farthest first, with the one before each on its way and the number of the rod between.
     pub(super) fn inwards(&self) -> Vec<(u32, u32, u32)> {
         let each = self.order.iter().rev().map(|&i| (i, self.toward[i as usize]));
@@ -84,7 +84,7 @@ impl Web {
     }
 
     /// How far each particle is from the nearest of some.
-    pub(super) fn field(&self, sources: &[u32]) -> Field {
+    pub(super) fn field(&self, sources: &[u32]) -> DistanceField {
         let particles = self.first.len() - 1;
         let (mut length, mut source) = (vec![f64::INFINITY; particles], vec![0; particles]);
         let mut toward = vec![(0, u32::MAX); particles];
@@ -124,7 +124,7 @@ impl Web {
                 }
             }
         }
-        Field { length, source, toward, order }
+        DistanceField { length, source, toward, order }
     }
 }
 

@@ -57,12 +57,12 @@ pub(crate) struct IslandTethers {
     each: Vec<[(u32, f32); 2]>,
     blocks: Vec<TetherBlock>,
     /// Along which rods they are, where that is asked for.
-    ways: Option<Ways>,
+    ways: Option<TetherPaths>,
 }
 
 /// The ways of tethers along rods: to the nearest pin, and to either of two that are far from each other.
 #[derive(Clone, Debug)]
-struct Ways {
+struct TetherPaths {
     /// Which of the pins those two are.
     far: [u32; 2],
     /// Of each of the three, all members from the farthest on: which one, the one before it on its way, and the plan's number of the rod between.

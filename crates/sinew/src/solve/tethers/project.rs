@@ -17,7 +17,7 @@ impl IslandTethers {
         pins: &[Vec4],
         instructions: InstructionSet,
     ) -> f32 {
-        with(instructions, Project { blocks: &self.blocks, position, first, pins })
+        with(instructions, ProjectTethers { blocks: &self.blocks, position, first, pins })
     }
 
     /// The same of some members that are in columns, which begin with the member `first`, an even number.
@@ -33,14 +33,14 @@ impl IslandTethers {
     }
 }
 
-struct Project<'a> {
+struct ProjectTethers<'a> {
     blocks: &'a [TetherBlock],
     position: &'a mut [Vec4],
     first: u32,
     pins: &'a [Vec4],
 }
 
-impl Work for Project<'_> {
+impl Work for ProjectTethers<'_> {
     type Output = f32;
 
     #[inline(always)]

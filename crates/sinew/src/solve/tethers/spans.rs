@@ -23,12 +23,12 @@ use crate::threads::{ExecutionContext, each};
 #[derive(Clone, Debug, Default)]
 pub(in crate::solve) struct Spans {
     blocks: Vec<SpanBlock>,
-    parts: Vec<Part>,
+    parts: Vec<SpanPart>,
 }
 
 /// A stretch of the spans of one colour, which shares no particle with the others of its colour.
 #[derive(Clone, Debug)]
-struct Part {
+struct SpanPart {
     /// Counted through all strides.
     colour: u32,
     rows: Range<u32>,
@@ -101,7 +101,7 @@ impl Spans {
                 let (own, position) = position.split_at_mut(part.rows.len());
                 left = Some((position, part.rows.end));
                 let blocks = &self.blocks[part.blocks.clone()];
-                Some(Project { blocks, position: own })
+                Some(ProjectSpans { blocks, position: own })
             });
             each(execution.workers, tasks, |part| with(execution.instructions, part));
         }
@@ -208,7 +208,7 @@ impl Strided {
                         length: core::array::from_fn(|lane| of(lane).1),
                     }
                 }));
-                parts.push(Part {
+                parts.push(SpanPart {
                     colour: colour + parity as u32,
                     rows: first + begin as u32..first + end as u32,
                     blocks: before..blocks.len(),
@@ -219,12 +219,12 @@ impl Strided {
 }
 
 /// Projects some spans, whose part has these positions.
-struct Project<'a> {
+struct ProjectSpans<'a> {
     blocks: &'a [SpanBlock],
     position: &'a mut [Vec4],
 }
 
-impl Work for Project<'_> {
+impl Work for ProjectSpans<'_> {
     type Output = ();
 
     #[inline(always)]

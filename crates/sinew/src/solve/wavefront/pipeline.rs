@@ -26,7 +26,7 @@ type Few<T> = SmallVec<[T; TASKS]>;
 
 /// From so many rows on, threads that meet after each stage of each sweep are faster than one alone that keeps the particles in columns. Two of them
 /// have two thirds of its speed at 16 thousand, and 1.2 times as much at 65 thousand.
-const MEET: usize = 32_768;
+const BARRIER_ROWS: usize = 32_768;
 
 /// Takes the one large island of a task through all substeps, if it can go as a wavefront; false if it is left as it was.
 pub(in crate::solve) fn pipelined_wavefront(
@@ -43,7 +43,7 @@ pub(in crate::solve) fn pipelined_wavefront(
     let threads = match settings.max_sweeps {
         1 => execution.workers.map_or(1, Workers::threads),
         // Whether another sweep follows is known when one is done: there is nothing to hand on.
-        _ if rows < MEET => 1,
+        _ if rows < BARRIER_ROWS => 1,
         _ => return false,
     };
     let found = thread_scratches.with(|thread_scratch| {

@@ -4,13 +4,13 @@
 
 use core::ops::Range;
 
-use crate::integrate::{Moving, Predict};
+use crate::integrate::{MovingColumns, Predict};
 use crate::lanes::InstructionSet;
 
 /// Rows here count from the first row of the island.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SlidingWindow {
-    pub(super) moving: Moving,
+    pub(super) moving: MovingColumns,
     /// The first row, a multiple of 32, and where the rows end.
     pub(super) rows: Range<usize>,
     half: usize,
@@ -50,7 +50,7 @@ impl SlidingWindow {
     /// Takes rows in.
     pub(super) fn turn_in(&mut self, row: usize, packed: &Predict, instructions: InstructionSet) {
         let row = row - self.rows.start;
-        let Moving { position, velocity, rounding, .. } = &mut self.moving;
+        let MovingColumns { position, velocity, rounding, .. } = &mut self.moving;
         position.turn_in(row, packed.position, instructions);
         velocity.turn_in(row, packed.velocity, instructions);
         rounding.turn_in(row, packed.motion.rounding, instructions);
@@ -59,7 +59,7 @@ impl SlidingWindow {
     /// Gives rows back.
     pub(super) fn turn_out(&mut self, row: usize, packed: Predict, instructions: InstructionSet) {
         let row = row - self.rows.start;
-        let Moving { position, begun, velocity, rounding } = &mut self.moving;
+        let MovingColumns { position, begun, velocity, rounding } = &mut self.moving;
         position.turn_out(row, packed.position, instructions);
         begun.turn_out(row, packed.start, instructions);
         velocity.turn_out(row, packed.velocity, instructions);

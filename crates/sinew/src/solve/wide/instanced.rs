@@ -91,7 +91,7 @@ impl InstancedConstraints {
     ) -> LaneValues {
         let LaneStorage { now, start, multipliers, .. } = storage;
         let multipliers = Some(&mut multipliers[part.multipliers..]);
-        let task = Task { now, start, multipliers, substep_context, aside, worst };
+        let task = InstancedTask { now, start, multipliers, substep_context, aside, worst };
         self.pass(part, task, instructions)[0]
     }
 
@@ -105,14 +105,14 @@ impl InstancedConstraints {
     ) -> [LaneValues; 2] {
         let (start, multipliers, substep_context) = (&[][..], None, MEASURING);
         let (aside, worst) = (0, LaneValues::default());
-        let task = Task { now, start, multipliers, substep_context, aside, worst };
+        let task = InstancedTask { now, start, multipliers, substep_context, aside, worst };
         self.pass(part, task, instructions)
     }
 
     fn pass(
         &self,
         part: &InstancedGroup,
-        task: Task,
+        task: InstancedTask,
         instructions: InstructionSet,
     ) -> [LaneValues; 2] {
         let (range, compliances) = (part.range.clone(), &self.compliances[..]);
@@ -164,7 +164,7 @@ impl Which {
 type LaneValues = [f32; LANES];
 
 /// What is to be done with the constraints of eight bodies: to project them once, or without multipliers to measure them.
-struct Task<'a> {
+struct InstancedTask<'a> {
     now: &'a mut [LaneParticles],
     /// Where they were when the substep began.
     start: &'a [LaneParticles],
@@ -180,7 +180,7 @@ struct Task<'a> {
 struct SweepInstanced<'a, E, const N: usize> {
     batches: &'a [Batch<[u32; N], E>],
     compliances: &'a [PackedCompliance],
-    task: Task<'a>,
+    task: InstancedTask<'a>,
 }
 
 impl<E: WideKernel<N>, const N: usize> Work for SweepInstanced<'_, E, N> {
@@ -189,7 +189,7 @@ impl<E: WideKernel<N>, const N: usize> Work for SweepInstanced<'_, E, N> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> [LaneValues; 2] {
         let Self { batches, compliances, task } = self;
-        let Task { now, start, multipliers, substep_context, aside, worst } = task;
+        let InstancedTask { now, start, multipliers, substep_context, aside, worst } = task;
         let mut shares = Shares::new(substep_context.sweeps);
         let (aside, mut worst) = (L::mask(aside), (L::load(&worst), L::zero()));
         let mut multipliers = multipliers.map(|all| all.iter_mut());

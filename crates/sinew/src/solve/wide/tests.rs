@@ -17,7 +17,7 @@ use crate::particles::Places;
 
 const SETS: [InstructionSet; 3] =
     [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2];
-const PACE: SubstepContext = SubstepContext { h: 1.0 / 120.0, sweeps: 6 };
+const CONTEXT: SubstepContext = SubstepContext { h: 1.0 / 120.0, sweeps: 6 };
 const SOFT: [Softness; 7] = [
     Softness::Hard,
     Softness::Compliant { compliance: 1e-4, damping: 0.0 },
@@ -122,11 +122,11 @@ fn assert_alike(name: &str, group: &Group, mut state: State, tolerance: f32) {
     for sweep in 0..4 {
         let before = state.clone();
         let (mut scalar, mut wide) = (before.clone(), before.clone());
-        let truth = scalar.one_by_one(group, PACE);
-        let found = wide.wide(InstructionSet::Scalar, group, PACE);
+        let truth = scalar.one_by_one(group, CONTEXT);
+        let found = wide.wide(InstructionSet::Scalar, group, CONTEXT);
         for set in SETS {
             let mut other = before.clone();
-            let error = other.wide(set, group, PACE);
+            let error = other.wide(set, group, CONTEXT);
             assert_eq!(other.bits(), wide.bits(), "{name}: {set:?}");
             assert_eq!(error.to_bits(), found.to_bits(), "{name}: {set:?}");
         }
@@ -286,7 +286,7 @@ fn degenerate_sets_are_treated_as_the_scalar_laws_treat_them_and_spoil_no_neighb
                 let title = format!("{name}, {context}, {soft:?}");
                 let mut wide = state.clone();
                 for _ in 0..4 {
-                    wide.wide(InstructionSet::best(), &group, PACE);
+                    wide.wide(InstructionSet::best(), &group, CONTEXT);
                     assert!(wide.now.iter().all(|q| q.is_finite()), "{title}");
                     assert!(wide.multipliers.iter().all(|sum| sum.is_finite()), "{title}");
                 }
@@ -310,8 +310,8 @@ fn a_particle_that_is_not_a_number_stops_its_own_constraint_and_no_other() {
                 let (mut spoilt, mut sound, hit) = (sound.clone(), sound, &constraints[9].rows);
                 spoilt.now[hit[n - 1] as usize].x = bad;
                 let before = spoilt.clone();
-                spoilt.wide(InstructionSet::best(), &group, PACE);
-                sound.wide(InstructionSet::best(), &group, PACE);
+                spoilt.wide(InstructionSet::best(), &group, CONTEXT);
+                sound.wide(InstructionSet::best(), &group, CONTEXT);
                 for row in 0..21 * n {
                     let expected =
                         if hit.contains(&(row as u32)) { before.now[row] } else { sound.now[row] };

@@ -2,7 +2,7 @@
 
 use super::super::contact_cache::{CachedManifold, ContactKey, Other};
 use super::*;
-use crate::collide::manifold::{Manifold, Point, Scratch, collide};
+use crate::collide::manifold::{Manifold, ManifoldScratch, Point, collide};
 use crate::simulation::Sleep;
 
 /// Plates of 1 × 0.2 × 1 m on each other on a slope, rad.
@@ -172,7 +172,7 @@ fn what_slides_over_a_rim_is_known_to_be_as_high_as_it_is() {
     let find = |frame: &Frame| {
         let mut found = None;
         let mut keep = |manifold: &Manifold| found = Some(*manifold);
-        collide(&shape, &shape, frame, 2.0 * reach, &mut Scratch::default(), &mut keep);
+        collide(&shape, &shape, frame, 2.0 * reach, &mut ManifoldScratch::default(), &mut keep);
         found.map(|manifold| CachedManifold {
             key,
             content_hashes,

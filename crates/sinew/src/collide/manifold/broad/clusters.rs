@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use super::grid::Entry;
+use super::grid::BoxEntry;
 use super::{Broad, is_box, overlap};
 
 /// Boxes in a cluster, at most: of a long rope a few links are together, all of them lie across the whole level.
@@ -14,7 +14,7 @@ const MOST: usize = 16;
 
 /// A search for boxes that overlap, some of which are known to be near each other.
 #[derive(Default)]
-pub(crate) struct Clusters {
+pub(crate) struct ClusterSearch {
     broad: Broad,
     /// The first box of each cluster, and how many boxes there are.
     starts: Vec<u32>,
@@ -23,11 +23,11 @@ pub(crate) struct Clusters {
     /// Scratch: clusters that are near each other, or near one that has moved; boxes of a cluster, and of those near it.
     near: Vec<[u32; 2]>,
     around: Vec<u32>,
-    own: Vec<Entry>,
-    others: Vec<Entry>,
+    own: Vec<BoxEntry>,
+    others: Vec<BoxEntry>,
 }
 
-impl Clusters {
+impl ClusterSearch {
     /// Takes boxes in (least and greatest corner), and all pairs `[a, b]`, `a < b`, of those that overlap or touch; sorted. One with NaN, or with
     /// less than no extent, overlaps nothing. A box that is `joined` is near the one before it.
     pub(crate) fn pairs(
@@ -49,13 +49,13 @@ impl Clusters {
             own.clear();
             own.extend(members(starts, cluster, bounds));
             others.clear();
-            let whole = Entry::new(around, 0);
+            let whole = BoxEntry::new(around, 0);
             while let Some(&[_, other]) = near.next_if(|pair| pair[0] as usize == cluster) {
                 let theirs = members(starts, other as usize, bounds);
                 others.extend(theirs.filter(|one| one.overlaps(&whole)));
             }
             for (i, one) in own.iter().enumerate() {
-                let mut compare = |other: &Entry| {
+                let mut compare = |other: &BoxEntry| {
                     if one.overlaps(other) {
                         out.push([one.number, other.number]);
                     }
@@ -135,8 +135,12 @@ impl Clusters {
 }
 
 /// The boxes of a cluster.
-fn members(starts: &[u32], cluster: usize, bounds: &[(Vec3, Vec3)]) -> impl Iterator<Item = Entry> {
+fn members(
+    starts: &[u32],
+    cluster: usize,
+    bounds: &[(Vec3, Vec3)],
+) -> impl Iterator<Item = BoxEntry> {
     let numbers = starts[cluster]..starts[cluster + 1];
     let good = numbers.filter(|&number| is_box(&bounds[number as usize]));
-    good.map(|number| Entry::new(&bounds[number as usize], number))
+    good.map(|number| BoxEntry::new(&bounds[number as usize], number))
 }

@@ -4,13 +4,13 @@ use glam::{IVec3, Vec3, Vec3A};
 
 /// A box in a grid: its least and greatest corner, each in one register, for the comparisons.
 #[derive(Clone, Copy)]
-pub(super) struct Entry {
+pub(super) struct BoxEntry {
     least: Vec3A,
     most: Vec3A,
     pub(super) number: u32,
 }
 
-impl Entry {
+impl BoxEntry {
     pub(super) fn new((least, most): &(Vec3, Vec3), number: u32) -> Self {
         Self { least: (*least).into(), most: (*most).into(), number }
     }
@@ -24,8 +24,8 @@ impl Entry {
 
 /// Boxes, sorted by the cell of their lower corner.
 #[derive(Default)]
-pub(super) struct Grid {
-    entries: Vec<Entry>,
+pub(super) struct BoxGrid {
+    entries: Vec<BoxEntry>,
     /// Where a cell's entries begin; one more than there are cells.
     starts: Vec<u32>,
     /// Cells in a metre along each axis.
@@ -39,7 +39,7 @@ pub(super) struct Grid {
 /// Cells in a grid for each box: more are fewer comparisons, but more memory to go through.
 const CELLS_PER_BOX: usize = 4;
 
-impl Grid {
+impl BoxGrid {
     /// Puts boxes in; `largest` are the greatest extents of any of them, and no cell is to be smaller than `least`, metres. Along each axis cells are
     /// as large as the boxes: stairs of 40 m by 10 by 1 are not all in one.
     pub(super) fn fill(
@@ -61,7 +61,7 @@ impl Grid {
         self.starts.resize((self.cells.x * self.cells.y * self.cells.z) as usize + 1, 0);
         self.entries.clear();
         self.entries
-            .resize(these.len(), Entry { least: Vec3A::ZERO, most: Vec3A::ZERO, number: 0 });
+            .resize(these.len(), BoxEntry { least: Vec3A::ZERO, most: Vec3A::ZERO, number: 0 });
         for i in these {
             let cell = self.place(self.cell(bounds[*i as usize].0));
             self.starts[cell + 1] += 1;
@@ -73,7 +73,7 @@ impl Grid {
             let one = &bounds[number as usize];
             let cell = self.place(self.cell(one.0));
             let next = &mut self.starts[cell];
-            self.entries[*next as usize] = Entry::new(one, number);
+            self.entries[*next as usize] = BoxEntry::new(one, number);
             *next += 1;
         }
         // Each start has gone on to the next one's.
@@ -129,7 +129,7 @@ impl Grid {
     pub(super) fn within(&self, found: &mut Vec<[u32; 2]>) {
         for (i, entry) in self.entries.iter().enumerate() {
             let mut add = |other| found.push(pair(entry.number, other));
-            self.look(entry, i + 1, &mut add);
+            self.query(entry, i + 1, &mut add);
         }
     }
 
@@ -137,18 +137,18 @@ impl Grid {
     pub(super) fn among(&self, larger: &Self, found: &mut Vec<[u32; 2]>) {
         for entry in &self.entries {
             let mut add = |other| found.push(pair(entry.number, other));
-            larger.look(entry, 0, &mut add);
+            larger.query(entry, 0, &mut add);
         }
     }
 
     /// Numbers of those that a box, which may be anywhere, overlaps or touches.
     pub(super) fn around(&self, one: &(Vec3, Vec3), found: &mut Vec<u32>) {
-        self.look(&Entry::new(one, 0), 0, &mut |other| found.push(other));
+        self.query(&BoxEntry::new(one, 0), 0, &mut |other| found.push(other));
     }
 
     /// Hands out those that a box overlaps or touches, from a place in memory on.
     #[inline(always)]
-    fn look(&self, entry: &Entry, first: usize, out: &mut impl FnMut(u32)) {
+    fn query(&self, entry: &BoxEntry, first: usize, out: &mut impl FnMut(u32)) {
         let (least, most) = (Vec3::from(entry.least), Vec3::from(entry.most));
         // A little more, for what rounding has taken off an extent.
         let from = self.cell(least - self.size - least.abs() * 3e-7);
@@ -177,7 +177,14 @@ impl Grid {
 
     /// Compares a box with those of some cells in a row.
     #[inline(always)]
-    fn compare(&self, entry: &Entry, first: usize, from: i32, to: i32, out: &mut impl FnMut(u32)) {
+    fn compare(
+        &self,
+        entry: &BoxEntry,
+        first: usize,
+        from: i32,
+        to: i32,
+        out: &mut impl FnMut(u32),
+    ) {
         let start = (self.starts[from as usize] as usize).max(first);
         let end = self.starts[to as usize + 1] as usize;
         if start >= end {

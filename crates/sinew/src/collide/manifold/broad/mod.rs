@@ -15,8 +15,8 @@ mod grid;
 
 use glam::Vec3;
 
-pub(crate) use clusters::Clusters;
-use grid::Grid;
+pub(crate) use clusters::ClusterSearch;
+use grid::BoxGrid;
 
 /// A search for boxes that overlap. What it keeps between calls is memory alone.
 #[derive(Default)]
@@ -28,7 +28,7 @@ pub(crate) struct Broad {
     /// Boxes by level, and in each by number.
     levels: Vec<Level>,
     /// Grids, from the largest cells down; only the first ones are filled.
-    grids: Vec<Grid>,
+    grids: Vec<BoxGrid>,
     filled: usize,
     /// Compared with everything.
     apart: Vec<u32>,
@@ -134,7 +134,7 @@ impl Broad {
                 continue;
             }
             if made == grids.len() {
-                grids.push(Grid::default());
+                grids.push(BoxGrid::default());
             }
             grids[made].fill((level.largest, smallest), &level.boxes, bounds);
             made += 1;

@@ -81,7 +81,7 @@ fn clusters(
 #[test]
 fn what_is_searched_in_clusters_has_the_same_pairs() {
     let mut dice = Dice(15);
-    let (mut search, mut out) = (Clusters::default(), Vec::new());
+    let (mut search, mut out) = (ClusterSearch::default(), Vec::new());
     for round in 0..60 {
         // Alone, in pairs, as bones of a figure, and in more than fit into one.
         let size = [1, 2, 12, 50][round % 4];
@@ -97,7 +97,7 @@ fn what_is_searched_in_clusters_has_the_same_pairs() {
 #[test]
 fn what_has_moved_finds_all_that_it_overlaps_where_it_is_now() {
     let mut dice = Dice(12);
-    let mut search = Clusters::default();
+    let mut search = ClusterSearch::default();
     let (mut out, mut pairs) = (Vec::new(), Vec::new());
     for round in 0..60 {
         let size = [1, 12][round % 2];

@@ -8,7 +8,7 @@ mod slide;
 use glam::{Mat3, Quat, Vec3};
 
 use super::super::{Frame, Shape};
-use super::{Manifold, Point, Scratch, collide};
+use super::{Manifold, ManifoldScratch, Point, collide};
 
 /// The same numbers on every machine.
 pub(super) struct Dice(pub(super) u64);
@@ -39,7 +39,9 @@ impl Dice {
 /// All manifolds of two shapes.
 pub(super) fn all(a: &Shape, b: &Shape, frame: &Frame, reach: f32) -> Vec<Manifold> {
     let mut found = Vec::new();
-    collide(a, b, frame, reach, &mut Scratch::default(), &mut |manifold| found.push(*manifold));
+    collide(a, b, frame, reach, &mut ManifoldScratch::default(), &mut |manifold| {
+        found.push(*manifold);
+    });
     found
 }
 

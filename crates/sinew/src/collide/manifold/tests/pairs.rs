@@ -162,7 +162,7 @@ fn capsules_that_lie_touch_in_two_points() {
 fn what_was_asked_before_changes_nothing() {
     let shapes = convex();
     let mut dice = Dice(34);
-    let mut used = Scratch::default();
+    let mut used = ManifoldScratch::default();
     let frames: Vec<_> = (0..40).map(|_| dice.frame(0.9)).collect();
     let slow =
         frames.iter().flat_map(|f| [*f, Frame { translation: f.translation * 1.0001, ..*f }]);

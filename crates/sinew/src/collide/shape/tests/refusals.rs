@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::collide::shape::{Shape, ShapeFault};
-use crate::recipes::HullFault;
+use crate::recipes::ConvexHullFault;
 
 #[test]
 fn sizes_that_are_none_are_refused() {
@@ -29,11 +29,11 @@ fn sizes_that_are_none_are_refused() {
 #[test]
 fn hulls_without_an_inside_are_refused() {
     let square = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::X + Vec3::Z];
-    assert_eq!(Shape::hull(&square[..3]), Err(HullFault::TooFew.into()));
-    assert_eq!(Shape::hull(&square), Err(HullFault::Flat.into()));
-    assert_eq!(Shape::hull(&[Vec3::ONE; 9]), Err(HullFault::Flat.into()));
+    assert_eq!(Shape::hull(&square[..3]), Err(ConvexHullFault::TooFew.into()));
+    assert_eq!(Shape::hull(&square), Err(ConvexHullFault::Flat.into()));
+    assert_eq!(Shape::hull(&[Vec3::ONE; 9]), Err(ConvexHullFault::Flat.into()));
     let nearly = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::new(0.5, 1e-7, 0.5)];
-    assert_eq!(Shape::hull(&nearly), Err(HullFault::Flat.into()));
+    assert_eq!(Shape::hull(&nearly), Err(ConvexHullFault::Flat.into()));
     let thin = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::new(0.5, 1e-4, 0.5)];
     assert!(Shape::hull(&thin).is_ok());
     let mut points = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];

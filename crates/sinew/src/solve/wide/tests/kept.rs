@@ -32,7 +32,7 @@ fn both_momenta_are_kept_by_every_law_and_every_distance() {
         // All free, or the pins take what they want.
         state.now.iter_mut().filter(|q| q.w == 0.0).for_each(|q| q.w = 1.0);
         let before = state.clone();
-        state.wide(InstructionSet::best(), &group, PACE);
+        state.wide(InstructionSet::best(), &group, CONTEXT);
         let (linear, angular, size) = momenta(&before, &state);
         assert!(size > 0.01, "{name}: nothing moved");
         assert!(linear.length() < 1e-5 * size, "{name}: {linear} of {size}");
@@ -64,13 +64,13 @@ fn those_that_share_particles_go_one_after_the_other() {
     let (mut scalar, mut wide) = (state.clone(), state);
     let group = Group::Constraints(chain);
     for _ in 0..3 {
-        scalar.one_by_one(&group, PACE);
+        scalar.one_by_one(&group, CONTEXT);
         let mut multipliers = wide.multipliers.clone();
         constraint_batches.sweep(
             &mut wide.places(),
             &which,
             &mut multipliers,
-            PACE,
+            CONTEXT,
             InstructionSet::best(),
         );
         wide.multipliers = multipliers;
@@ -89,13 +89,13 @@ fn slices_that_begin_later_give_the_same_bits() {
         later.iter_mut().flat_map(|c| &mut c.rows).for_each(|row| *row += 1000);
         let mut state = State::at(&random.positions(21 * n), 21, &mut random);
         let mut shifted = state.clone();
-        state.wide(InstructionSet::best(), &group, PACE);
+        state.wide(InstructionSet::best(), &group, CONTEXT);
         let mut all = ConstraintBatches::default();
         let which = all.add(&later, false).unwrap();
         let mut multipliers = shifted.multipliers.clone();
         let mut places = shifted.places();
         places.first = 1000;
-        all.sweep(&mut places, &which, &mut multipliers, PACE, InstructionSet::best());
+        all.sweep(&mut places, &which, &mut multipliers, CONTEXT, InstructionSet::best());
         shifted.multipliers = multipliers;
         assert_eq!(shifted.bits(), state.bits(), "{name}");
     }
