@@ -11,7 +11,7 @@ pub(in crate::solve) struct Chains {
     /// Where the links of each are.
     pub(super) each: Vec<Range<usize>>,
     pub(super) links: Vec<Link>,
-    web: Web,
+    web: RodGraph,
 }
 
 /// A chain of fewer rods is done as fast by sweeps.
@@ -22,7 +22,7 @@ const NONE: u32 = u32::MAX;
 
 /// Which particles of an island are tied to which.
 #[derive(Clone, Debug, Default)]
-struct Web {
+struct RodGraph {
     /// Of each rod its ends among the members, its number among the plan's distances, and its length.
     rods: Vec<(u32, u32, u32, f32)>,
     /// Where the rods of each member begin in `at`.
@@ -60,7 +60,7 @@ impl Chains {
     }
 }
 
-impl Web {
+impl RodGraph {
     fn weave<'a>(&mut self, members: &[u32], rods: impl Iterator<Item = (u32, &'a Distance)>) {
         let place = |row: u32| members.partition_point(|&member| member < row) as u32;
         self.rods.clear();
