@@ -74,7 +74,6 @@ fn off_the_rail(a: Vec3, b: Vec3) -> f32 {
 fn spawn(world: &mut World) {
     let [_, _, gravity] = values(world);
     world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
-    world.insert_resource(SolverConfig { substeps: 20, max_sweeps: 8, ..default() });
     world.insert_resource(AirDrag(0.2));
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.5)));
     for (x, shape) in [(-1.15, ContactShape::Particles), (1.15, ContactShape::Segments)] {

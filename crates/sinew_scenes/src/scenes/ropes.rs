@@ -61,8 +61,6 @@ pub(crate) fn wave_hand(clock: Res<SinewClock>, mut hands: Query<(&Hand, &mut Tr
 
 fn spawn(world: &mut World) {
     let [lantern, length, slack] = values(world);
-    // The lantern is fifty times as heavy as a piece of its rope: many short substeps, or it stretches.
-    world.insert_resource(SolverConfig { substeps: 32, ..default() });
     world.spawn((InScene, Ground));
     let wood = Look::color(0x8a6a4b);
     for x in [-2.0, 0.4] {

@@ -45,7 +45,6 @@ fn spawn(world: &mut World) {
     world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
     let surface = SurfaceMaterial::new(friction);
     world.insert_resource(AirDrag(0.2));
-    world.insert_resource(SolverConfig { substeps: 16, max_sweeps: 8, ..default() });
     world.spawn((InScene, Ground, surface));
     for n in 0..STEPS {
         let high = rise * (STEPS - n) as f32;
