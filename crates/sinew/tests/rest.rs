@@ -171,7 +171,7 @@ fn sleeps_beside(box_at: Vec3) -> bool {
     let mut world = Simulation::default();
     world.boundaries.planes.push(Plane::ground(0.0));
     let corners = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 0.0, 1.0)].map(|at| at + Vec3::Y * 0.1);
-    let rows = corners.map(|at| world.particles.push(ParticleSeed::at(at)).unwrap() as u32);
+    let rows = corners.map(|at| world.particles.push(ParticleSeed::at(at)).unwrap());
     for (two, id) in rows.windows(2).zip(0..) {
         world.distances_mut().push(Distance::new(two[0], two[1], 1.0));
         let bone = BodyCollider::segment([two[0], two[1]], 1.0, 0.1, id).unwrap();
