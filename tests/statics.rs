@@ -46,9 +46,12 @@ fn a_rope_that_is_spawned_to_rest_hangs_as_a_catenary_in_its_first_tick() {
         assert_eq!(seen.len(), 1);
         assert!(seen[0].entity == Some(rope) && seen[0].settled, "{seen:?}");
         assert!(app.world().get::<Relax>(rope).is_none(), "once");
-        // And there it stays.
-        tick(&mut app, 60);
-        assert!((sag(&app, rope) / found - 1.0).abs() < 2e-3, "{segments}: {}", sag(&app, rope));
+        // And there it stays, but for what its rods are off by in the long steps of statics and not in motion: a rope of 100 pieces swings by that.
+        for _ in 0..120 {
+            tick(&mut app, 1);
+            let off = (sag(&app, rope) / expected - 1.0).abs();
+            assert!(off < if segments > 64 { 8e-3 } else { 3e-3 }, "{segments}: {off}");
+        }
         assert_eq!(heard(&app), []);
     }
 }

@@ -33,6 +33,9 @@ struct Arguments {
     /// A tenth of the ticks, to try the program out.
     #[arg(long)]
     quick: bool,
+    /// Runs the user scenes with the threads that an app has of itself, and times them by the clock at the wall; needs the feature `threads`.
+    #[arg(long)]
+    threads: bool,
 }
 
 fn main() -> ExitCode {
@@ -41,8 +44,12 @@ fn main() -> ExitCode {
         eprintln!("There is no rival in this build: add `--features peers`.");
         return ExitCode::FAILURE;
     }
-    let Arguments { rounds, quick, peers, .. } = arguments;
-    let effort = Effort { rounds, quick, peers };
+    if arguments.threads && !cfg!(feature = "threads") {
+        eprintln!("An app has one thread in this build: add `--features threads`.");
+        return ExitCode::FAILURE;
+    }
+    let Arguments { rounds, quick, peers, threads, .. } = arguments;
+    let effort = Effort { rounds, quick, peers, threads };
     let rows = measure(&arguments, &effort);
     println!("{}", table::table(&rows));
     match write(&arguments, &effort, &rows) {

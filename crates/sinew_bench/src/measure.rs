@@ -26,6 +26,8 @@ pub struct Effort {
     pub rounds: usize,
     /// Whether a tenth of the ticks is enough: for trying the program out. Figures are rough, and the quality is that after 0.4 s.
     pub quick: bool,
+    /// Whether user scenes have the threads of an app, and are timed by the clock at the wall.
+    pub threads: bool,
     /// Whether the rival runs, too.
     pub peers: bool,
 }

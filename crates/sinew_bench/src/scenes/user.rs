@@ -1,4 +1,4 @@
-//! What a user gets, U1 to U11: whole frames of apps with `MinimalPlugins` and `SinewPlugins`, nothing configured, a ground in each, on one thread.
+//! What a user gets, U1 to U11: whole frames of apps with `MinimalPlugins` and `SinewPlugins`, nothing configured, a ground in each, on one thread, or with `--threads` on those that an app has.
 //!
 //! A frame is a tick of 1/60 s. What is timed is the mean of all frames from the first second to the fourth, after things have met; the quality stands
 //! beside it, over the last two seconds: how far hard distances are from their lengths, in the mean and at the worst; for bodies without any, how fast they
@@ -157,7 +157,7 @@ fn measured(level: &Level, effort: &Effort, fill: impl FnOnce(&mut World)) -> Ro
     app.add_plugins(SinewPlugins);
     app.insert_resource(Time::<Fixed>::from_duration(TICK));
     app.insert_resource(TimeUpdateStrategy::ManualDuration(TICK));
-    app.world_mut().resource_mut::<SolverConfig>().threads = false;
+    app.world_mut().resource_mut::<SolverConfig>().threads = effort.threads;
     app.finish();
     app.cleanup();
     fill(app.world_mut());
@@ -171,7 +171,8 @@ fn measured(level: &Level, effort: &Effort, fill: impl FnOnce(&mut World)) -> Ro
     let mut done = 0;
     while done < all {
         let frames = LOOK.min(all - done);
-        seconds += time(1, || (0..frames).for_each(|_| app.update())).cpu;
+        let took = time(1, || (0..frames).for_each(|_| app.update()));
+        seconds += if effort.threads { took.wall } else { took.cpu };
         done += frames;
         if all - done <= JUDGED / short {
             quality.look(app.world());

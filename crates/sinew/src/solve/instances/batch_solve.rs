@@ -153,6 +153,7 @@ impl<'a> BatchSolve<'a> {
             recover: self.context.contacts.recover(),
             violation: recovery(h, self.context.gravity),
             surfaces: surfaces.then_some(of_surfaces),
+            chained: plan.islands.list[instance_batches[0].islands.start].has_chains(),
             h,
             instructions,
         };

@@ -24,6 +24,8 @@ pub(super) struct BatchContext<'a> {
     pub(super) violation: f32,
     /// `None` where there are none to touch.
     pub(super) surfaces: Option<SurfaceContext<'a>>,
+    /// Whether its chains are solved at once.
+    pub(super) chained: bool,
     /// Length of the substep, seconds.
     pub(super) h: f32,
     pub(super) instructions: InstructionSet,
@@ -113,7 +115,8 @@ impl BatchContext<'_> {
 
     /// Projects all constraints once; returns the largest error found in each body, metres.
     fn once(&self, storage: &mut LaneStorage) -> [f32; LANES] {
-        let Self { instance_batches, batch, settings, h, violation, instructions, .. } = *self;
+        let Self { instance_batches, batch, settings, h, violation, chained, instructions, .. } =
+            *self;
         let substep_context = SubstepContext { h, sweeps: settings.max_sweeps };
         let (may, aside) = (self.along_start(storage), !storage.convergence.going);
         let mut worst = [0.0; LANES];
@@ -125,7 +128,7 @@ impl BatchContext<'_> {
                 worst = with(instructions, rods::HoldInstanced { now, tethers, going });
             }
         }
-        if settings.tethers && !batch.chains.is_empty() && aside | may != u32::MAX {
+        if chained && aside | may != u32::MAX {
             let (chains, links) =
                 (&instance_batches.chains[batch.chains.clone()], &instance_batches.links[..]);
             let work = chains::ProjectInstancedChains {
