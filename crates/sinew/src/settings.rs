@@ -53,7 +53,7 @@ pub struct SolverSettings {
     /// each other than those rods are long (spans), so that a jerk goes through it at once.
     ///
     /// And hard distances one behind the other, as in a rope, are solved at once as one tridiagonal system (chains), pinned or not, before they are swept: a rope
-    /// keeps its length in one sweep, whatever hangs on it. Where there are more hard distances than particles, in cloth and bones, there are none.
+    /// keeps its length in one sweep, whatever hangs on it. Cloth, boxes and bones have none within.
     pub tethers: bool,
     /// Whether large cloth takes its sweeps as smaller substeps of its own (microsteps, or multirate integration): half as many of one sweep each, down to 1/2500
     /// s, which hold it as well at half of the work. Only where corrections are along [`GradientAt::Current`] and in [`Order::GaussSeidel`], by Verlet, in

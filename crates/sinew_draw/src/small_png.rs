@@ -7,7 +7,7 @@ use std::path::Path;
 use super::Image;
 use super::animation::indexed;
 
-/// Writes a picture as PNG of at most 255 colours, without transparency: a third of the bytes of [`write_png`], for what is kept in a repository.
+/// Writes a picture as PNG of at most 255 colours, without transparency: a third of the bytes of [`write_png`](crate::write_png), for what is kept in a repository.
 pub fn write_small_png(path: impl AsRef<Path>, image: &Image) -> io::Result<()> {
     let (palette, indices) = indexed(image);
     let file = BufWriter::new(File::create(path)?);

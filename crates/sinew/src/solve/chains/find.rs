@@ -11,11 +11,16 @@ pub(in crate::solve) struct Chains {
     /// Where the links of each are.
     pub(super) each: Vec<Range<usize>>,
     pub(super) links: Vec<Link>,
-    web: RodGraph,
+    graph: RodGraph,
 }
 
-/// A chain of fewer rods is done as fast by sweeps.
-const FEWEST: usize = 2;
+/// A chain of fewer rods is done as fast by sweeps; and where there are more rods than particles, in boxes and bones, what looks like a chain is one if it is
+/// longer than a limb.
+const FEWEST: [usize; 2] = [2, 4];
+
+/// Islands of more particles have their chains looked for only where there are no more rods than particles: they are cloth, and of cloth that is torn the plan
+/// is to be mended in a millisecond.
+const LARGE: usize = 512;
 
 /// No rod.
 const NONE: u32 = u32::MAX;
@@ -47,9 +52,11 @@ impl Chains {
         rods: impl Iterator<Item = (u32, &'a Distance)>,
     ) -> Range<usize> {
         let begin = self.each.len();
-        if (FEWEST..=members.len()).contains(&count) {
-            self.web.weave(members, rods);
-            self.web.chains(members, &mut self.each, &mut self.links);
+        let is_dense = count > members.len();
+        let fewest = FEWEST[usize::from(is_dense)];
+        if count >= fewest && !(is_dense && members.len() > LARGE) {
+            self.graph.weave(members, rods);
+            self.graph.chains((members, fewest), &mut self.each, &mut self.links);
         }
         begin..self.each.len()
     }
@@ -96,9 +103,14 @@ impl RodGraph {
         self.of(member).iter().copied().find(|&rod| !self.taken[rod as usize])
     }
 
-    fn chains(&mut self, members: &[u32], each: &mut Vec<Range<usize>>, links: &mut Vec<Link>) {
-        let all = members.len() as u32;
-        let inner = |web: &Self, member: u32| web.of(member).len() == 2;
+    fn chains(
+        &mut self,
+        members: (&[u32], usize),
+        each: &mut Vec<Range<usize>>,
+        links: &mut Vec<Link>,
+    ) {
+        let all = members.0.len() as u32;
+        let inner = |graph: &Self, member: u32| graph.of(member).len() == 2;
         for member in 0..all {
             while !inner(self, member)
                 && let Some(rod) = self.untaken(member)
@@ -119,7 +131,7 @@ impl RodGraph {
         &mut self,
         from: u32,
         rod: u32,
-        members: &[u32],
+        (members, fewest): (&[u32], usize),
         each: &mut Vec<Range<usize>>,
         links: &mut Vec<Link>,
     ) {
@@ -144,7 +156,7 @@ impl RodGraph {
             }
             along = if self.of(here).len() == 2 { self.untaken(here) } else { None };
         }
-        if links.len() - begin > FEWEST {
+        if links.len() - begin > fewest {
             each.push(begin..links.len());
         } else {
             links.truncate(begin);

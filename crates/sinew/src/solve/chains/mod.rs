@@ -6,8 +6,8 @@
 //! to be found all at once, in time that grows with their number (`project` has the formula), whatever the masses are. What is solved to the end is the same.
 //!
 //! A chain goes from one particle to another by hard distances of equality, each particle within it having two of them; where three meet, chains end. A ring is
-//! cut open at one rod. Two particles that a distance of no length ties are one. Chains are looked for where there are no more such rods than particles: cloth
-//! and bones have none.
+//! cut open at one rod. Two particles that a distance of no length ties are one. Cloth, boxes and bones have none within; a rope that a box hangs on is one up to the
+//! particle of the box that it is tied to.
 //!
 //! Each sweep of an island begins with them. Then the rods have their turn as everywhere, and find next to nothing left to do; what they find is the error.
 

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::constraints::{Distance, Pin};
 use crate::particles::ParticleSeed;
-use crate::recipes::{RopeSpec, rope};
+use crate::recipes::{BoxSpec, RopeSpec, box_3d, rope};
 use crate::simulation::Simulation;
 
 const DT: f32 = 1.0 / 60.0;
@@ -250,4 +250,23 @@ fn the_load_of_each_rod_is_what_hangs_on_it_and_of_a_knot_too() {
         let found = world.distance_load(rod).unwrap();
         assert!((found - wanted).abs() < 0.01 * wanted, "rod {rod}: {found} N for {wanted}");
     }
+}
+
+#[test]
+fn a_box_on_a_rope_stretches_it_little_though_boxes_have_more_rods_than_particles() {
+    let swung = |tethers: bool| {
+        let mut world = Simulation::default();
+        world.settings.tethers = tethers;
+        let [_, end] = loaded(&mut world, 20, Vec3::X, MASS);
+        let at = world.particles.position(end as usize);
+        let first = world.particles.len() as u32;
+        let body = box_3d(&BoxSpec { mass: 5.0, ..BoxSpec::default() }).unwrap();
+        let corner = body.particles[0].position;
+        body.transformed(glam::Quat::IDENTITY, at - corner).build(&mut world).unwrap();
+        world.distances_mut().push(Distance::new(end, first, 0.0));
+        run(&mut world, 240)
+    };
+    let ((worst, sweeps), (without, _)) = (swung(true), swung(false));
+    println!("{worst:.2e} in {sweeps:.1} sweeps a tick, {without:.2e} without");
+    assert!(worst < 0.02 && worst < 0.2 * without, "{worst} {without}");
 }
