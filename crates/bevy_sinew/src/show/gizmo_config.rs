@@ -3,7 +3,7 @@
 use bevy::gizmos::config::GizmoConfigGroup;
 use bevy::prelude::*;
 
-/// Configures the lines of [`SinewGizmoPlugin`]: switch them on through Bevy's `GizmoConfigStore`, and choose their layers. Off by default.
+/// Configures the lines of [`SinewGizmoPlugin`](crate::SinewGizmoPlugin): switch them on through Bevy's `GizmoConfigStore`, and choose their layers. Off by default.
 ///
 /// ```
 /// # use bevy::gizmos::config::GizmoConfigStore;
@@ -31,7 +31,7 @@ pub struct SinewGizmoConfigGroup {
     /// The way of each particle in the next [`VELOCITY_SECONDS`](Self::VELOCITY_SECONDS), at its velocity. Default off.
     pub velocities: bool,
     /// Contacts of the last tick: a line along the normal, as long as its impulse is hard: [`METRES_PER_IMPULSE`](Self::METRES_PER_IMPULSE). Asks for the
-    /// contacts of all bodies ([`WatchedContacts::all`]). Default off.
+    /// contacts of all bodies ([`WatchedContacts::all`](crate::WatchedContacts::all)). Default off.
     pub contacts: bool,
     /// What accelerates each particle, an arrow for each kind, as long as it is strong ([`METRES_PER_ACCELERATION`](Self::METRES_PER_ACCELERATION)), in the
     /// colours of [`FORCES`](Self::FORCES); in a [half-step](crate::PhaseSteps) their sum so far, white. Default off.
