@@ -127,7 +127,7 @@ impl Visit<'_> {
             "the button ½ shows the first phase",
             (first.substep, first.phase) == (1, forces),
         )?;
-        self.find("Substep 1/32: forces, next wind")?;
+        self.find("Substep 1/10: forces, next wind")?;
         self.key(Key::H)?;
         let second = self.app.ask(shown)?.ok_or("no second phase is shown")?;
         self.check("H shows the next one", second.phase == PhaseSystems::Wind)?;
@@ -229,7 +229,7 @@ impl Visit<'_> {
         };
         tune(0.3)?;
         let saved = self.app.ask(substeps)?;
-        self.check("the slider sets the substeps", (10..32).contains(&saved))?;
+        self.check("the slider sets the substeps", (11..32).contains(&saved))?;
 
         let tick = self.tick()?;
         let button = self.scroll_to("Save settings")?;
