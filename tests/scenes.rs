@@ -48,10 +48,9 @@ fn crates_keep_their_28_distances_and_squares_their_6_within_half_a_percent() {
 }
 
 #[test]
-fn the_bones_of_falling_ragdolls_keep_their_lengths_within_two_percent() {
-    // In the tick in which a limb hits the ground at 4 m/s: a contact has the last word in a substep, in which that goes 7 mm.
+fn the_bones_of_falling_ragdolls_keep_their_lengths_within_one_percent() {
     let worst = longest_error_of_rods("ragdoll", 300);
-    assert!(worst < 0.02, "{worst}");
+    assert!(worst < 0.01, "{worst}");
 }
 
 #[test]
@@ -230,7 +229,7 @@ fn flaps_stop_at_their_marks_one_elbow_never_bends_backward_and_the_tail_stays_i
     assert!(backward < -0.5, "the free one bends the other way: {backward}");
     let root = bones(&app, tail);
     let hangs = root[0].angle_between(root[8]).to_degrees();
-    assert!(hangs > 55.0, "the tail curls by a few degrees a bone: {hangs}°");
+    assert!(hangs > 60.0, "the tail curls by a few degrees a bone: {hangs}°");
     assert_finite(&mut app);
 }
 
