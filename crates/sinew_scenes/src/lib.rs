@@ -68,18 +68,18 @@
 
 mod arrow;
 mod bevy_version;
-mod lesson;
 mod look;
 mod readings;
 mod rounds;
+mod scene;
 mod scenes;
 mod shapes;
 mod skin;
 mod toys;
 
-pub use lesson::{Heading, Lesson, OnStage, SceneSlider};
 pub use look::Look;
-pub use scenes::{ALL, Scene, find};
+pub use scene::{Heading, Lesson, OnStage, Scene, SceneSlider};
+pub use scenes::{ALL, find};
 pub use shapes::{ball, capsule, coil, cylinder, rounded_box};
 pub use skin::{Skin, SkinShape};
 pub use toys::Toy;
@@ -106,7 +106,7 @@ impl Plugin for ScenesPlugin {
             .add_observer(skin::dress)
             .add_systems(Update, skin::dress_again);
         app.register_type::<Look>().add_observer(dress_part).add_observer(scenes::ropes::tie_ends);
-        app.add_systems(Last, lesson::measure);
+        app.add_systems(Last, scene::measure);
         // Not while time stands still: what pushes a stone in every tick would push it all the while.
         app.add_systems(
             FixedUpdate,

@@ -12,8 +12,8 @@ use bevy_sinew::{
 };
 
 use super::{FLOOR, Scene, floor, mesh, post};
-use crate::lesson::values;
 use crate::readings::width_of;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

@@ -5,7 +5,7 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{Combine, ParticleBody, ParticleOf, RigidPose, SinewClock};
 
 use super::{Scene, curve, mesh};
-use crate::lesson::{of_named, values};
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

@@ -5,8 +5,8 @@ use bevy_sinew::Combine;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::lesson::values;
 use crate::readings::all_named;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

@@ -5,8 +5,8 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{BoxParticles, Region};
 
 use super::{Scene, mesh};
-use crate::lesson::values;
 use crate::readings::of_place;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

@@ -6,8 +6,8 @@ use bevy_sinew::{BodyParticles, BoxParticles, Representation};
 use bevy_sinew::{BodySolver, GradientAt, RigidIntegrator};
 
 use super::{Scene, mesh};
-use crate::lesson::values;
 use crate::readings::all_named;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

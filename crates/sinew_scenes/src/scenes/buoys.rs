@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, curve, mesh};
-use crate::lesson::{of_named, values};
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
 
 pub(super) const SCENE: Scene = Scene {

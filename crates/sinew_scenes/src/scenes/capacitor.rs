@@ -7,7 +7,7 @@ use bevy_sinew::{Charge, ConstraintOf, ElectricField, ParticleBody, ParticleOf, 
 
 use super::{Scene, mesh, post};
 use crate::arrow::Arrow;
-use crate::lesson::{of_named, values};
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

@@ -5,8 +5,8 @@ use bevy_sinew::RigidPose;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh, post};
-use crate::lesson::{of_named, values};
 use crate::readings::points_of;
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

@@ -5,7 +5,7 @@ use bevy_sinew::BodyParticles;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, curve, post};
-use crate::lesson::{of_named, values};
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider};
 
 pub(super) const SCENE: Scene = Scene {

@@ -6,8 +6,8 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{BodyParticles, Bound, ConstraintOf, ParticleBody, ParticleOf, RigidPose};
 
 use super::{Scene, mesh, post};
-use crate::lesson::values;
 use crate::readings::all_named;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
 
 pub(super) const SCENE: Scene = Scene {

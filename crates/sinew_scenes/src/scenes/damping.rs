@@ -5,8 +5,8 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{Drag, SinewClock};
 
 use super::{FLOOR, Scene, floor, mesh};
-use crate::lesson::{of_named, values};
 use crate::rounds::{Rounds, into_round};
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

@@ -8,8 +8,8 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{ContactImpulse, SinewClock};
 
 use super::{FLOOR, Scene, floor, mesh};
-use crate::lesson::values;
 use crate::rounds::quarters;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, OnStage, SceneSlider, ball, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

@@ -5,7 +5,7 @@ use bevy_sinew::Flatland;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::lesson::values;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

@@ -8,8 +8,8 @@ use bevy_sinew::{Articulated, TubeMesh};
 use bevy_sinew::{BodyParts, BodySolver, Bone, BoneJoint, GradientAt};
 
 use super::{Scene, post};
-use crate::lesson::values;
 use crate::readings::of_place;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider};
 
 pub(super) const SCENE: Scene = Scene {

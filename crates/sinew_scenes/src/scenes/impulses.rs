@@ -5,8 +5,8 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{Combine, ControlForce, SinewClock, WorldCenterOfMass};
 
 use super::{FLOOR, Scene, floor, mesh};
-use crate::lesson::{of_named, values};
 use crate::rounds::{Rounds, into_round, quarters};
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

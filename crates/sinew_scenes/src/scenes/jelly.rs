@@ -7,8 +7,8 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{ConstraintOf, MeshFollow, ParticleBody, ParticleOf, WindSurface};
 
 use super::{Scene, mesh};
-use crate::lesson::{of_named, values};
 use crate::readings::thrown;
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider};
 
 pub(super) const SCENE: Scene = Scene {

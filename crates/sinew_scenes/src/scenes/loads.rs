@@ -6,7 +6,7 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{ConstraintOf, ParticleBody, ParticleOf};
 
 use super::{Scene, mesh, post};
-use crate::lesson::{of_named, values};
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
 
 pub(super) const SCENE: Scene = Scene {

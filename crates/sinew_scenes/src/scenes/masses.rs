@@ -6,7 +6,7 @@ use bevy_sinew::{ConstraintOf, ParticleBody, ParticleOf, TubeMesh};
 
 use super::{FLOOR, Scene, floor, mesh};
 use crate::arrow::Arrow;
-use crate::lesson::{of_named, values};
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

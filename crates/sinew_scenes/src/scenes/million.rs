@@ -7,7 +7,7 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{ConstraintOf, ContactsDisabled, MeshFollow, ParticleBody, ParticleOf};
 
 use super::{Scene, mesh};
-use crate::lesson::values;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, OnStage, SceneSlider, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

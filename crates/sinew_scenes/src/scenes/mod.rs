@@ -64,32 +64,7 @@ mod volumes;
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use crate::{Heading, InScene, Lesson, Look, cylinder, rounded_box};
-
-/// A scene: what it is called, where to look at it from, and how to spawn it.
-#[derive(Clone, Copy, Debug)]
-pub struct Scene {
-    /// What it is called on a command line.
-    pub name: &'static str,
-    /// The heading that it stands under.
-    pub heading: Heading,
-    /// What it is called on a picture.
-    pub title: &'static str,
-    /// One sentence on what there is to see.
-    pub about: &'static str,
-    /// Where the camera stands, metres.
-    pub eye: Vec3,
-    /// What it looks at, metres.
-    pub target: Vec3,
-    /// How long it is worth watching, seconds.
-    pub seconds: f32,
-    /// When it is best photographed, seconds.
-    pub moment: f32,
-    /// What to try in it, and the number that a formula predicts, if there is one.
-    pub lesson: Option<Lesson>,
-    /// Spawns everything; each root carries [`InScene`](crate::InScene).
-    pub spawn: fn(&mut World),
-}
+use crate::{InScene, Look, Scene, cylinder, rounded_box};
 
 /// All scenes, in the order in which a gallery shows them.
 pub const ALL: &[Scene] = &[

@@ -5,8 +5,8 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{BodyContacts, ContactShape};
 
 use super::{Scene, mesh, post};
-use crate::lesson::values;
 use crate::readings::all_named;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider};
 
 pub(super) const SCENE: Scene = Scene {

@@ -6,7 +6,7 @@ use bevy_sinew::TubeMesh;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::lesson::values;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
 
 pub(super) const SCENE: Scene = Scene {

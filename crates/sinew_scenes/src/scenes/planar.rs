@@ -5,7 +5,7 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{Combine, GroundDrag};
 
 use super::{FLOOR, Scene, floor, mesh};
-use crate::lesson::{of_named, values};
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

@@ -6,8 +6,8 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::{Bound, ConstraintKind, Equation, Points};
 
 use super::{FLOOR, Scene, floor, mesh};
-use crate::lesson::{of_named, values};
 use crate::rounds::{Again, into_round};
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

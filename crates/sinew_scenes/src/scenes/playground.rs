@@ -4,8 +4,8 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{FLOOR, Scene};
-use crate::lesson::values;
 use crate::readings::deepest_below;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, Skin, SkinShape, Toy};
 
 pub(super) const SCENE: Scene = Scene {

@@ -5,7 +5,7 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{Combine, SinewClock};
 
 use super::{Scene, mesh};
-use crate::lesson::{of_named, values};
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

@@ -4,8 +4,8 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::Scene;
-use crate::lesson::{of_named, values};
 use crate::readings::thrown;
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider};
 
 pub(super) const SCENE: Scene = Scene {

@@ -6,8 +6,8 @@ use bevy_sinew::{BodyContacts, BodyParticles, TubeMesh};
 use bevy_sinew::{ConstraintOf, ContactShape, ParticleBody, ParticleOf};
 
 use super::{Scene, mesh, post};
-use crate::lesson::values;
 use crate::readings::all_named;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder};
 
 pub(super) const SCENE: Scene = Scene {

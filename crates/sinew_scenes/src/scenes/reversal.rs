@@ -6,8 +6,8 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{Drag, SinewClock};
 
 use super::{FLOOR, Scene, curve, floor, mesh, post};
-use crate::lesson::values;
 use crate::rounds::{Rounds, into_round, quarters};
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
 
 pub(super) const SCENE: Scene = Scene {

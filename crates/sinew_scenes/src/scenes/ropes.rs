@@ -8,8 +8,8 @@ use bevy_sinew::{
 
 use super::{Scene, mesh, post};
 use crate::bevy_version::OnAdd;
-use crate::lesson::values;
 use crate::readings::points_of;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
 
 pub(super) const SCENE: Scene = Scene {

@@ -5,7 +5,7 @@ use bevy_sinew::SinewClock;
 use bevy_sinew::prelude::*;
 
 use super::{FLOOR, Scene, floor, mesh};
-use crate::lesson::values;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, OnStage, SceneSlider, ball, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

@@ -5,8 +5,8 @@ use bevy_sinew::SinewClock;
 use bevy_sinew::sinew::{RigidBody, RigidIntegrator};
 
 use super::{FLOOR, Scene, floor, mesh};
-use crate::lesson::{of_named, values};
 use crate::rounds::into_round;
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

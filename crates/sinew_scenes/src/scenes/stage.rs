@@ -5,8 +5,8 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{BoxParticles, Region};
 
 use super::{Scene, mesh, post};
-use crate::lesson::values;
 use crate::readings::deepest_below;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, capsule, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

@@ -4,8 +4,8 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
-use crate::lesson::values;
 use crate::readings::{mean, strains_of};
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

@@ -10,8 +10,8 @@ use bevy_sinew::sinew::{
 
 use super::{FLOOR, Scene, floor, mesh};
 use crate::arrow::Arrow;
-use crate::lesson::{of_named, values};
 use crate::rounds::into_round;
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

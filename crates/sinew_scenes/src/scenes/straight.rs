@@ -11,7 +11,7 @@ use bevy_sinew::{
 
 use super::pendulums::swing;
 use super::{FLOOR, Scene, floor, mesh, post};
-use crate::lesson::{of_named, values};
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
 
 pub(super) const SCENE: Scene = Scene {

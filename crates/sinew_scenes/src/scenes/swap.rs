@@ -6,8 +6,8 @@ use bevy_sinew::{BoxParticles, Representation};
 use bevy_sinew::{RigidIntegrator, SinewClock};
 
 use super::{Scene, mesh};
-use crate::lesson::values;
 use crate::readings::of_place;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

@@ -5,8 +5,8 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{Combine, Region};
 
 use super::{FLOOR, Scene, curve, floor, mesh};
-use crate::lesson::{of_named, values};
 use crate::rounds::{Again, into_round};
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
 
 pub(super) const SCENE: Scene = Scene {

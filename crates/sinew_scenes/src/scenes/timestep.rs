@@ -5,8 +5,8 @@ use bevy_sinew::SinewClock;
 use bevy_sinew::prelude::*;
 
 use super::{FLOOR, Scene, curve, floor, mesh, post};
-use crate::lesson::{of_named, values};
 use crate::rounds::{Rounds, into_round};
+use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
 
 pub(super) const SCENE: Scene = Scene {

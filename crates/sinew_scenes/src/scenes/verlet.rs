@@ -6,8 +6,8 @@ use bevy_sinew::sinew::{Integrator, ParticleSeed, Simulation, SolverSettings};
 
 use super::{FLOOR, Scene, curve, floor, mesh};
 use crate::arrow::Arrow;
-use crate::lesson::values;
 use crate::rounds::into_round;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {

@@ -10,8 +10,8 @@ use bevy_sinew::{
 };
 
 use super::{Scene, floor, mesh, post};
-use crate::lesson::values;
 use crate::readings::width_of;
+use crate::scene::values;
 use crate::{Heading, InScene, Lesson, Look, SceneSlider};
 
 pub(super) const SCENE: Scene = Scene {

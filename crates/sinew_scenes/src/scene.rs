@@ -1,9 +1,32 @@
-//! What a scene teaches: the heading it stands under, and an experiment with sliders and one number that a formula predicts.
+//! What a scene is, the heading it stands under, and what it teaches: an experiment with sliders and one number that a formula predicts.
 
 use bevy::prelude::*;
 use bevy_sinew::SinewClock;
 
-use crate::Scene;
+/// A scene: what it is called, where to look at it from, and how to spawn it.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene {
+    /// What it is called on a command line.
+    pub name: &'static str,
+    /// The heading that it stands under.
+    pub heading: Heading,
+    /// What it is called on a picture.
+    pub title: &'static str,
+    /// One sentence on what there is to see.
+    pub about: &'static str,
+    /// Where the camera stands, metres.
+    pub eye: Vec3,
+    /// What it looks at, metres.
+    pub target: Vec3,
+    /// How long it is worth watching, seconds.
+    pub seconds: f32,
+    /// When it is best photographed, seconds.
+    pub moment: f32,
+    /// What to try in it, and the number that a formula predicts, if there is one.
+    pub lesson: Option<Lesson>,
+    /// Spawns everything; each root carries [`InScene`](crate::InScene).
+    pub spawn: fn(&mut World),
+}
 
 /// The heading under which a gallery lists a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
