@@ -34,7 +34,7 @@ fn a_body_keeps_its_spin_unless_the_lectures_loop_is_asked_for() {
 fn a_body_that_asks_for_more_gets_it_and_its_report_says_so() {
     let mut app = bare_app();
     // Sweeps are what is asked for: as the chains that they are, ropes need none.
-    let config = SolverConfig { max_sweeps: 1, timed: true, tethers: false, ..default() };
+    let config = SolverConfig { max_sweeps: 1, timed: true, long_range: false, ..default() };
     app.insert_resource(config);
     let picky = BodySolver { max_sweeps: Some(60), tolerance: Some(1e-6), ..default() };
     let rope = Rope { pin_start: true, to: Vec3::X, ..default() };

@@ -30,7 +30,7 @@ pub(crate) fn choices(input: &mut Input, settings: SolverSettings) -> SolverSett
         ][input.below(4) as usize],
         max_speed: settings.max_speed,
         keep_spin: input.flag(),
-        tethers: input.flag(),
+        long_range: input.flag(),
         microsteps: !input.rarely(4),
         statics: input.rarely(16),
         ..settings

@@ -32,10 +32,10 @@ pub struct SolverConfig {
     pub max_speed: f32,
     /// Whether what nothing outside holds keeps its angular momentum though corrections to the nearest point do not. Default so.
     pub keep_spin: bool,
-    /// Whether what hangs on a pin is also held to it by tethers, large grid cloth within by spans, and ropes as the chains that they are
-    /// ([`SolverSettings::tethers`](sinew::SolverSettings::tethers)), so that cloth and ropes do not stretch under their weight, in a wind, or by what hangs on
-    /// them. Default so.
-    pub tethers: bool,
+    /// Whether hard distances are also held over long ranges ([`SolverSettings::long_range`](sinew::SolverSettings::long_range)): by long range attachments to
+    /// pins, within large grid cloth, and in ropes by a direct solver. Cloth and ropes then do not stretch under their weight, in a wind, or by what hangs
+    /// on them. Default so.
+    pub long_range: bool,
     /// Whether large cloth takes its sweeps as smaller substeps of its own ([`SolverSettings::microsteps`](sinew::SolverSettings::microsteps)), which holds it
     /// as well at half of the work. Default so.
     pub microsteps: bool,
@@ -135,7 +135,7 @@ impl Default for SolverConfig {
             integrator: Integrator::default(),
             max_speed: settings.max_speed,
             keep_spin: settings.keep_spin,
-            tethers: settings.tethers,
+            long_range: settings.long_range,
             microsteps: settings.microsteps,
             statics: settings.statics,
             timed: settings.timed,
@@ -155,7 +155,7 @@ impl From<SolverConfig> for SolverSettings {
             integrator: config.integrator.into(),
             max_speed: config.max_speed,
             keep_spin: config.keep_spin,
-            tethers: config.tethers,
+            long_range: config.long_range,
             microsteps: config.microsteps,
             statics: config.statics,
             timed: config.timed,

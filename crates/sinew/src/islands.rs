@@ -64,7 +64,7 @@ impl Island {
     /// Whether chains in it are solved at once. Where everything walks to rest sweeps do: with them a rope between two pins still moved by micrometres after
     /// 20 000 such steps.
     pub(crate) fn has_chains(&self) -> bool {
-        self.settings.tethers && !self.settings.statics && !self.chains.is_empty()
+        self.settings.long_range && !self.settings.statics && !self.chains.is_empty()
     }
 
     /// Whether it goes through each substep in several microsteps.

@@ -45,16 +45,17 @@ pub struct SolverSettings {
     /// Whether what nothing outside holds keeps its angular momentum though its corrections do not: those to the nearest point bleed spin, and a skin
     /// under pressure even makes some. Default so; without it the lectures' loop is as it is. Linear momentum is always kept.
     pub keep_spin: bool,
-    /// Whether what hangs on a pin through many hard distances is also held to it at once by what they allow together (tethers, or long range attachments):
-    /// cloth and ropes hang by their pins and not by how often they are swept. What is solved to the end is the same without. Only where corrections
-    /// are along [`GradientAt::Current`] and in [`Order::GaussSeidel`], and in islands of more than three particles. Default so.
+    /// Whether hard distances are also held over long ranges, before they are swept: a sweep hands a pull on by some rods, and these by all of them at once,
+    /// so that cloth and ropes keep their length however seldom they are swept. What is solved to the end is the same without. Default so. Three of them:
     ///
-    /// What takes [`microsteps`](Self::microsteps) is held so within, too: of a grid, particles four rods or more apart in a row or a column are no farther from
-    /// each other than those rods are long (spans), so that a jerk goes through it at once.
+    /// - **long range attachments** (tethers): what hangs on a pin through many rods is no farther from it than these allow together;
+    /// - **spans**: in a grid that takes [`microsteps`](Self::microsteps), particles four rods or more apart in a row or a column are no farther from each
+    ///   other than those rods are long, so that a jerk goes through it at once;
+    /// - **chains**: rods one behind the other, as in a rope, are solved at once as one tridiagonal system (a direct solver), pinned or not: a rope keeps its
+    ///   length in one sweep, whatever hangs on it. Cloth, boxes and bones have none within.
     ///
-    /// And hard distances one behind the other, as in a rope, are solved at once as one tridiagonal system (chains), pinned or not, before they are swept: a rope
-    /// keeps its length in one sweep, whatever hangs on it. Cloth, boxes and bones have none within.
-    pub tethers: bool,
+    /// Only where corrections are along [`GradientAt::Current`] and in [`Order::GaussSeidel`], and in islands of more than three particles.
+    pub long_range: bool,
     /// Whether large cloth takes its sweeps as smaller substeps of its own (microsteps, or multirate integration): half as many of one sweep each, down to 1/2500
     /// s, which hold it as well at half of the work. Only where corrections are along [`GradientAt::Current`] and in [`Order::GaussSeidel`], by Verlet, in
     /// islands of more than 64 particles with distances and bends alone, more than two for each particle, and no springs. Forces are those of the
@@ -77,7 +78,7 @@ impl Default for SolverSettings {
             integrator: Integrator::Verlet,
             max_speed: 500.0,
             keep_spin: true,
-            tethers: true,
+            long_range: true,
             microsteps: true,
             statics: false,
             timed: false,

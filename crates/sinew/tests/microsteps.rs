@@ -207,9 +207,9 @@ fn a_spring_that_pulls_on_it_has_it_take_substeps_whole() {
 #[test]
 fn a_jerk_at_its_edge_stretches_it_less_with_spans_and_none_of_its_momentum_is_lost() {
     // The worst strain in a sheet that lies in space, of which one edge is thrown outwards; nothing is pinned, so there are no other tethers.
-    let jerked = |tethers: bool| {
+    let jerked = |long_range: bool| {
         let mut world = Simulation::default();
-        world.settings.tethers = tethers;
+        world.settings.long_range = long_range;
         world.forces.gravity = Vec3::ZERO;
         sheet(&mut world, 0.0, false, BodyContacts::default());
         let edge: Vec<usize> = of_sheet().filter(|i| i % (CELLS as usize + 1) == 20).collect();
@@ -229,7 +229,7 @@ fn a_jerk_at_its_edge_stretches_it_less_with_spans_and_none_of_its_momentum_is_l
             worst = worst.max(strains.fold(0.0, f32::max));
         }
         let lost = (momentum(&world) - before).length() / before.length();
-        assert!(lost < 1e-4, "{tethers}: {lost}");
+        assert!(lost < 1e-4, "{long_range}: {lost}");
         worst
     };
     let (with, without) = (jerked(true), jerked(false));

@@ -10,7 +10,7 @@ fn a_body_may_ask_for_more_than_its_world_and_its_neighbour_does_not_notice() {
         let mut world = Simulation::default();
         world.settings.max_sweeps = 1;
         // Tethers would leave nothing to sweep for.
-        world.settings.tethers = false;
+        world.settings.long_range = false;
         for x in [0.0, 5.0] {
             let spec = RopeSpec { segments: 20, pin_start: true, ..Default::default() };
             let body = rope(&spec).unwrap().transformed(Default::default(), Vec3::X * x);
@@ -39,7 +39,7 @@ fn a_tolerance_as_a_speed_is_so_many_metres_in_a_substep() {
     let swung = |substeps: u32, own: BodySettings| {
         let mut world = Simulation::default();
         world.settings.substeps = substeps;
-        world.settings.tethers = false;
+        world.settings.long_range = false;
         let spec = RopeSpec { segments: 20, pin_start: true, ..Default::default() };
         rope(&spec).unwrap().build(&mut world).unwrap();
         (0..world.particles.len()).for_each(|i| world.particles.set_body(i, Some(0)));

@@ -116,7 +116,7 @@ fn the_worst_first_order_needs_no_more_projections_where_one_rod_of_many_is_off(
             tolerance: 1e-4,
             order,
             // Of sweeps, not of the chain that the rope is, which is solved at once.
-            tethers: false,
+            long_range: false,
             ..Default::default()
         };
         let spec = RopeSpec { to: Vec3::X * 4.0, segments: 40, ..Default::default() };

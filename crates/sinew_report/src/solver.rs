@@ -220,9 +220,9 @@ fn every_order_of_a_sweep_ends_at_the_same_lengths() -> Vec<Row> {
 
 /// A cloth of 40 × 40 particles 10 cm apart, held at its two upper corners; mean stretch of its threads after 4 s, per cent. The page does not say
 /// how large its cloth was; this size gives its figure for one substep of 20 sweeps.
-fn cloth_stretch(substeps: u32, sweeps: u32, tethers: bool) -> f64 {
+fn cloth_stretch(substeps: u32, sweeps: u32, long_range: bool) -> f64 {
     let mut world = Simulation::default();
-    world.settings.tethers = tethers;
+    world.settings.long_range = long_range;
     // It is about sweeps as such.
     world.settings.microsteps = false;
     world.settings.substeps = substeps;

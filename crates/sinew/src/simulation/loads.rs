@@ -7,7 +7,7 @@ impl Simulation {
     /// [`constraints`](Self::constraints), and those of no others. Where one is added or removed, numbers change: then say them again.
     ///
     /// Islands with such are solved one constraint after the other, whatever order they ask for, and held by tethers however small they are
-    /// ([`SolverSettings::tethers`](crate::SolverSettings::tethers)): three times the work, and a few particles move by round-off elsewhere.
+    /// ([`SolverSettings::long_range`](crate::SolverSettings::long_range)): three times the work, and a few particles move by round-off elsewhere.
     ///
     /// ```
     /// use sinew::glam::Vec3;

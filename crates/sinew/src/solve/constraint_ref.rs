@@ -24,7 +24,7 @@ pub(crate) struct ConstraintRef {
 pub(crate) struct SolveMode {
     pub(crate) substep_context: SubstepContext,
     pub(crate) gradient_at: GradientAt,
-    /// Whether tethers are held in this sweep.
+    /// Whether tethers and spans are held in this sweep.
     pub(crate) tethers: bool,
     /// What is off by more than this is violated, metres.
     pub(crate) violation: f32,

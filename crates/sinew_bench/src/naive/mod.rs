@@ -190,7 +190,7 @@ mod tests {
     /// Runs both for 4 s, and returns both mean stretches and how far apart the centres of mass are, metres.
     fn compared(mut world: Simulation) -> [f64; 3] {
         // The naive way has none.
-        world.settings.tethers = false;
+        world.settings.long_range = false;
         world.settings.microsteps = false;
         let (mut naive, mut ours) = (Naive::of(&world), Ours(world));
         for _ in 0..TICKS {

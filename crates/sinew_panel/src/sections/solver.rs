@@ -58,8 +58,8 @@ pub(crate) fn solver(ui: &mut Ui, panel: &mut PanelParams) {
     changed |= choice(ui, "Order", hint, &mut config.order, &orders);
     let hint = "What nothing holds keeps its angular momentum, though corrections to the nearest point lose it.";
     changed |= row(ui, "Keep spin", hint, |ui| ui.checkbox(&mut config.keep_spin, "").changed());
-    let hint = "Hold what hangs on a pin to it at once, by what the distances between allow, large grid cloth within, and ropes as chains: they do not stretch.";
-    changed |= row(ui, "Tethers", hint, |ui| ui.checkbox(&mut config.tethers, "").changed());
+    let hint = "Holds hard distances over many of them at once: what hangs to its pins, large grid cloth within, and ropes as chains. They do not stretch.";
+    changed |= row(ui, "Long range", hint, |ui| ui.checkbox(&mut config.long_range, "").changed());
     let hint = "Large cloth takes its sweeps as smaller substeps of its own: as taut, at half of the work.";
     changed |= row(ui, "Microsteps", hint, |ui| ui.checkbox(&mut config.microsteps, "").changed());
     let hint = "Forgets velocities, so that everything walks to rest.";

@@ -116,7 +116,7 @@ fn solve(sweeps: usize, middle: f32, outer: f32, excess: f32) -> Option<([Vec3; 
         max_sweeps: sweeps.max(1) as u32,
         tolerance: 0.0,
         // The two are a chain, and would be solved at once.
-        tethers: false,
+        long_range: false,
         ..default()
     };
     for (i, mass) in [outer, middle, outer].into_iter().enumerate() {

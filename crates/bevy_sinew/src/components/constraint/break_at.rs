@@ -10,7 +10,7 @@ use bevy::prelude::*;
 ///
 /// The force is that of the physics, whatever the number of substeps and of sweeps: it is what the solver did in a tick, in the mean over its substeps,
 /// so that a rope that hangs at rest pulls at its hook with its weight. Constraints are looked at when a tick ends and what broke is gone in the next one;
-/// with it go the [tethers](sinew::SolverSettings::tethers) that ran along it. A number that is not finite, or negative, never breaks anything.
+/// with it go the [tethers](sinew::SolverSettings::long_range) that ran along it. A number that is not finite, or negative, never breaks anything.
 ///
 /// What bodies with such constraints are solved by is slower, one constraint after the other ([`measure_loads`](sinew::Simulation::measure_loads)).
 ///

@@ -254,9 +254,9 @@ fn the_load_of_each_rod_is_what_hangs_on_it_and_of_a_knot_too() {
 
 #[test]
 fn a_box_on_a_rope_stretches_it_little_though_boxes_have_more_rods_than_particles() {
-    let swung = |tethers: bool| {
+    let swung = |long_range: bool| {
         let mut world = Simulation::default();
-        world.settings.tethers = tethers;
+        world.settings.long_range = long_range;
         let [_, end] = loaded(&mut world, 20, Vec3::X, MASS);
         let at = world.particles.position(end as usize);
         let first = world.particles.len() as u32;

@@ -27,7 +27,8 @@ impl Plan {
             if stale {
                 (island.tethers, island.spans) = (None, None);
             }
-            let spans = island.microsteps > 1 && island.settings.tethers && island.spans.is_none();
+            let spans =
+                island.microsteps > 1 && island.settings.long_range && island.spans.is_none();
             if spans {
                 tethers.spans.push(self.spans(number));
                 self.islands.list[number].spans = Some(tethers.spans.len() as u32 - 1);
@@ -37,7 +38,7 @@ impl Plan {
             if small {
                 island.tethers = None;
             }
-            if small || island.groups.is_empty() || island.rigid || !island.settings.tethers {
+            if small || island.groups.is_empty() || island.rigid || !island.settings.long_range {
                 continue;
             }
             let island = &self.islands.list[number];

@@ -92,13 +92,13 @@ impl Tethers {
     pub(super) fn of(&self, island: &Island) -> Option<&IslandTethers> {
         let settings = &island.settings;
         let walks = settings.statics && island.members.len() <= SMALL_IN_STATICS;
-        let wanted = settings.tethers && !walks;
+        let wanted = settings.long_range && !walks;
         self.made(island).filter(|own| wanted && !own.blocks.is_empty())
     }
 
     /// The spans by which an island is to be solved, if it has any.
     pub(super) fn spans_of(&self, island: &Island) -> Option<&Spans> {
-        let wanted = island.settings.tethers && island.microsteps > 1;
+        let wanted = island.settings.long_range && island.microsteps > 1;
         let own = self.spans.get(island.spans? as usize);
         own.filter(|own| wanted && !own.is_empty())
     }
