@@ -412,8 +412,8 @@ fn what_is_tied_pinned_bent_or_asks_for_it_goes_as_particles() {
     assert!(!is_rigid(|world| world.distances_mut()[5].rest *= 1.01));
     assert!(!is_rigid(|world| {
         // Carried at the middle of the box, at the distance that it has.
-        let away =
-            AnchorDistance::joint(Anchor::new([0.125; 8]), Anchor::particle()).with_rest(4.0);
+        let joint = AnchorDistance::joint(Anchor::new([0.125; 8]), Anchor::particle());
+        let away = AnchorDistance { rest: 4.0, ..joint };
         world.constraints_mut().push(Constraint::new(0..9, ConstraintKind::Anchors(away)));
     }));
     assert!(!is_rigid(|world| world.measure_loads([3], [])), "its load is wanted");

@@ -5,6 +5,17 @@ use glam::{Mat3, Vec3};
 use super::{Frame, Layers, Material, Shape};
 
 /// A shape in the world. Nothing moves it but the game: what touches it is pushed, and it is not.
+///
+/// ```
+/// use sinew::glam::Vec3;
+/// use sinew::{Collider, Frame, Shape, Simulation};
+///
+/// let mut world = Simulation::default();
+/// // A lift that rises by 1 cm in each step.
+/// let lift = Collider::fixed(Shape::cuboid(Vec3::ONE)?, Frame::IDENTITY);
+/// world.colliders.push(lift.moving_to(Frame::at(Vec3::Y * 0.01)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Collider {
     /// Its shape, in coordinates of its own.
@@ -49,11 +60,6 @@ impl Collider {
     /// The same made of something else.
     pub fn with_material(self, material: Material) -> Self {
         Self { material, ..self }
-    }
-
-    /// The same in other layers.
-    pub fn with_layers(self, layers: Layers) -> Self {
-        Self { layers, ..self }
     }
 
     /// Whether its frames and its material are valid; what is not is skipped.

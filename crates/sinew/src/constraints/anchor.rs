@@ -105,11 +105,6 @@ impl AnchorDistance {
         Self { a, b, rest: 0.0, bound: Bound::Equal, softness: Softness::Hard }
     }
 
-    /// The same at a distance, metres.
-    pub fn with_rest(self, rest: f32) -> Self {
-        Self { rest, ..self }
-    }
-
     /// The same, as hard as that.
     pub fn with_softness(self, softness: Softness) -> Self {
         Self { softness, ..self }
@@ -275,9 +270,8 @@ mod tests {
     fn the_gradient_of_free_particles_is_the_derivative() {
         let mut random = Random::new(5);
         let places: Vec<Vec3> = (0..6).map(|_| random.vector()).collect();
-        let joint =
-            AnchorDistance::joint(Anchor::new([0.2, 0.3, 0.5]), Anchor::new([0.7, -0.4, 0.7]))
-                .with_rest(0.1);
+        let [a, b] = [[0.2, 0.3, 0.5], [0.7, -0.4, 0.7]].map(Anchor::new);
+        let joint = AnchorDistance { rest: 0.1, ..AnchorDistance::joint(a, b) };
         checks::assert_gradients(&joint, &places);
     }
 
@@ -288,6 +282,9 @@ mod tests {
         assert_eq!(joint.fault(2), Some(ConstraintFault::Count));
         let off = AnchorDistance::joint(Anchor::particle(), Anchor::new([0.5, 0.4]));
         assert_eq!(off.fault(3), Some(ConstraintFault::Number));
-        assert_eq!(joint.with_rest(f32::NAN).fault(3), Some(ConstraintFault::Number));
+        assert_eq!(
+            AnchorDistance { rest: f32::NAN, ..joint }.fault(3),
+            Some(ConstraintFault::Number)
+        );
     }
 }

@@ -180,6 +180,18 @@ impl RigidBody {
     }
 
     /// Velocity of the body's matter at `point`, m/s: `v + ω × (point - p)`.
+    ///
+    /// ```
+    /// use sinew::RigidBody;
+    /// use sinew::glam::{Mat3, Vec3};
+    ///
+    /// let mut wheel = RigidBody::new(1.0, Mat3::IDENTITY);
+    /// wheel.position = Vec3::Y;
+    /// wheel.velocity = Vec3::X;
+    /// wheel.angular_velocity = Vec3::NEG_Z;
+    /// // Its radius is 1, and it rolls: where it touches the ground it stands.
+    /// assert_eq!(wheel.point_velocity(Vec3::ZERO), Vec3::ZERO);
+    /// ```
     pub fn point_velocity(&self, point: Vec3) -> Vec3 {
         self.velocity + self.angular_velocity.cross(point - self.position)
     }

@@ -248,7 +248,7 @@ fn what_is_flung_out_of_reach_keeps_its_layers() {
         world.contacts[0].layers = layers;
         // One that is near, and one in the way.
         let meets = Layers::new(3, 3);
-        world.colliders.push(ball(Vec3::Y * 0.5).with_layers(meets));
+        world.colliders.push(Collider { layers: meets, ..ball(Vec3::Y * 0.5) });
         let wall = Shape::cuboid(Vec3::new(0.2, 10.0, 10.0)).unwrap();
         world.colliders.push(Collider::fixed(wall, Frame::at(Vec3::X * 5.0)));
         let substeps = world.begin_step(1.0 / 60.0).unwrap();

@@ -41,8 +41,9 @@ pub(super) fn apply(particles: &mut Particles, fluid: &Fluid, gravity: Vec3, car
     }
 }
 
-/// Volume in m³ of a ball of `radius` metres whose centre is `height` metres above the surface that is below it.
-pub(super) fn cap_volume(height: f32, radius: f32) -> f32 {
+/// Volume in m³ of a ball of `radius` metres whose centre is `height` metres above the surface that is below it: a spherical cap of height `d`, with `d`
+/// from 0 (just touching) to `2r` (wholly under), has `V = π d² (3r - d)/3`.
+fn cap_volume(height: f32, radius: f32) -> f32 {
     let d = cap_depth(height, radius);
     PI * d * d * (3.0 * radius - d) / 3.0
 }
@@ -64,9 +65,8 @@ mod tests {
 
     #[test]
     fn the_submerged_volume_is_the_caps() {
-        let water = Fluid::water(0.0);
         let whole = 4.0 / 3.0 * PI * 8.0;
-        let share = |y: f32| water.submerged_volume(Vec3::Y * y, 2.0) / whole;
+        let share = |y: f32| cap_volume(y, 2.0) / whole;
         assert_eq!(share(2.0), 0.0);
         assert_eq!(share(5.0), 0.0);
         assert!((share(0.0) - 0.5).abs() < 1e-6);

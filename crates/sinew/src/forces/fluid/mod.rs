@@ -69,11 +69,6 @@ impl Fluid {
         }
     }
 
-    /// The same flowing at `current`, m/s.
-    pub fn with_current(self, current: Vec3) -> Self {
-        Self { current, ..self }
-    }
-
     /// The same within `region` only.
     pub fn within(self, region: Region) -> Self {
         Self { region, ..self }
@@ -88,13 +83,6 @@ impl Fluid {
             && (0.0..=1.0).contains(&self.drag)
             && self.current.is_finite()
             && self.region.is_valid()
-    }
-
-    /// The volume in m³ of a ball of `radius` metres at `position` that lies below the surface, wherever the fluid's region is.
-    ///
-    /// The part below is a spherical cap of height `d`, with `d` from 0 (just touching) to `2r` (wholly under): `V = π d² (3r - d)/3`.
-    pub fn submerged_volume(&self, position: Vec3, radius: f32) -> f32 {
-        ball::cap_volume(self.up.dot(position) - self.level, radius)
     }
 
     /// The rate at which a velocity relative to it decays in it, 1/s.

@@ -204,7 +204,7 @@ fn a_current_carries_what_floats_in_it_along() {
     let current = Vec3::new(1.5, 0.0, -0.5);
     for posed in [false, true] {
         let mut world = Floating::new(Vec3::new(3.0, 1.0, 3.0), 4500.0, posed).world(0.0);
-        world.forces.fluids[0] = Fluid { drag: 0.9, ..Fluid::water(0.0) }.with_current(current);
+        world.forces.fluids[0] = Fluid { drag: 0.9, current, ..Fluid::water(0.0) };
         let ball = ParticleSeed::at(Vec3::new(20.0, 0.0, 0.0)).with_radius(0.5).with_mass(260.0);
         world.particles.push(ball).unwrap();
         run(&mut world, 20.0);
@@ -219,7 +219,7 @@ fn a_current_carries_what_floats_in_it_along() {
 fn a_drag_of_one_takes_everything_along_at_once_and_stays_a_number() {
     let mut world = Simulation::default();
     let current = Vec3::X * 3.0;
-    world.forces.fluids.push(Fluid { drag: 1.0, ..Fluid::water(0.0) }.with_current(current));
+    world.forces.fluids.push(Fluid { drag: 1.0, current, ..Fluid::water(0.0) });
     let ball = ParticleSeed::at(Vec3::Y * -5.0).with_radius(0.5).with_mass(4000.0 / 3.0 * PI / 8.0);
     world.particles.push(ball).unwrap();
     world.step(1.0 / 60.0).unwrap();

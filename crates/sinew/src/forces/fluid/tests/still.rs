@@ -228,7 +228,7 @@ fn an_invalid_fluid_carries_nothing() {
         Fluid { density: -1.0, ..water },
         Fluid { up: Vec3::ZERO, ..water },
         Fluid { drag: 1.1, ..water },
-        water.with_current(Vec3::NAN),
+        Fluid { current: Vec3::NAN, ..water },
         water.within(Region::sphere(Vec3::NAN, 1.0)),
     ] {
         world.forces.fluids[0] = fluid;
