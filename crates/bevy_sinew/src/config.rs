@@ -3,6 +3,8 @@
 use bevy::prelude::*;
 use sinew::{BodySettings, SolverSettings};
 
+use crate::same::{same_fields, same_variants};
+
 /// Settings of the solver for the whole world. Values outside their range are clamped to it.
 ///
 /// ```
@@ -125,43 +127,19 @@ pub enum Integrator {
 
 impl Default for SolverConfig {
     fn default() -> Self {
-        let settings = SolverSettings::default();
-        Self {
-            substeps: settings.substeps,
-            max_sweeps: settings.max_sweeps,
-            tolerance: settings.tolerance,
-            gradient_at: GradientAt::default(),
-            order: Order::default(),
-            integrator: Integrator::default(),
-            max_speed: settings.max_speed,
-            keep_spin: settings.keep_spin,
-            long_range: settings.long_range,
-            microsteps: settings.microsteps,
-            statics: settings.statics,
-            timed: settings.timed,
-            threads: true,
-        }
+        SolverSettings::default().into()
     }
 }
 
-impl From<SolverConfig> for SolverSettings {
-    fn from(config: SolverConfig) -> Self {
-        Self {
-            substeps: config.substeps,
-            max_sweeps: config.max_sweeps,
-            tolerance: config.tolerance,
-            gradient_at: config.gradient_at.into(),
-            order: config.order.into(),
-            integrator: config.integrator.into(),
-            max_speed: config.max_speed,
-            keep_spin: config.keep_spin,
-            long_range: config.long_range,
-            microsteps: config.microsteps,
-            statics: config.statics,
-            timed: config.timed,
-        }
-    }
-}
+same_fields!(SolverConfig, SolverSettings {
+    substeps, max_sweeps, tolerance, gradient_at, order, integrator, max_speed, keep_spin, long_range, microsteps, statics, timed,
+} and { threads: true });
+same_variants!(GradientAt, sinew::GradientAt { Current, StepStart });
+same_variants!(Order, sinew::Order { GaussSeidel, MostViolatedFirst, Jacobi });
+same_variants!(
+    Integrator,
+    sinew::Integrator { Verlet, Leapfrog, SemiImplicitEuler, ExplicitEuler }
+);
 
 impl From<BodySolver> for BodySettings {
     fn from(body: BodySolver) -> Self {
@@ -187,55 +165,6 @@ impl From<BodySettings> for BodySolver {
             gradient_at: settings.gradient_at.map(Into::into),
             order: settings.order.map(Into::into),
             damping: settings.damping,
-        }
-    }
-}
-
-impl From<GradientAt> for sinew::GradientAt {
-    fn from(gradient_at: GradientAt) -> Self {
-        match gradient_at {
-            GradientAt::Current => Self::Current,
-            GradientAt::StepStart => Self::StepStart,
-        }
-    }
-}
-
-impl From<sinew::GradientAt> for GradientAt {
-    fn from(gradient_at: sinew::GradientAt) -> Self {
-        match gradient_at {
-            sinew::GradientAt::Current => Self::Current,
-            sinew::GradientAt::StepStart => Self::StepStart,
-        }
-    }
-}
-
-impl From<Order> for sinew::Order {
-    fn from(order: Order) -> Self {
-        match order {
-            Order::GaussSeidel => Self::GaussSeidel,
-            Order::MostViolatedFirst => Self::MostViolatedFirst,
-            Order::Jacobi => Self::Jacobi,
-        }
-    }
-}
-
-impl From<sinew::Order> for Order {
-    fn from(order: sinew::Order) -> Self {
-        match order {
-            sinew::Order::GaussSeidel => Self::GaussSeidel,
-            sinew::Order::MostViolatedFirst => Self::MostViolatedFirst,
-            sinew::Order::Jacobi => Self::Jacobi,
-        }
-    }
-}
-
-impl From<Integrator> for sinew::Integrator {
-    fn from(integrator: Integrator) -> Self {
-        match integrator {
-            Integrator::Verlet => Self::Verlet,
-            Integrator::Leapfrog => Self::Leapfrog,
-            Integrator::SemiImplicitEuler => Self::SemiImplicitEuler,
-            Integrator::ExplicitEuler => Self::ExplicitEuler,
         }
     }
 }

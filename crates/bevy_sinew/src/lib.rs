@@ -218,6 +218,7 @@ mod plugin;
 mod query;
 mod recipes;
 mod rows;
+mod same;
 mod schedule;
 mod show;
 mod state;

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 use super::collide::ResolvedShape;
 use super::order::CreationOrder;
 use crate::rows::Rows;
+use crate::same::same_variants;
 
 /// A body made of particles. Despawn it and its particles, springs and constraints go too.
 ///
@@ -388,15 +389,7 @@ pub enum RigidIntegrator {
     Verlet,
 }
 
-impl From<RigidIntegrator> for sinew::RigidIntegrator {
-    fn from(integrator: RigidIntegrator) -> Self {
-        match integrator {
-            RigidIntegrator::Euler => Self::Euler,
-            RigidIntegrator::Leapfrog => Self::Leapfrog,
-            RigidIntegrator::Verlet => Self::Verlet,
-        }
-    }
-}
+same_variants!(RigidIntegrator, sinew::RigidIntegrator { Euler, Leapfrog, Verlet });
 
 /// A rigid part of a body, such as a forearm: an entity whose `Transform` follows the particles that carry it. Its `Name` says which.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]

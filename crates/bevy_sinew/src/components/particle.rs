@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use sinew::ParticleState;
 
 use super::order::{CreationOrder, mark_topology};
+use crate::same::same_fields;
 
 /// A point mass: the whole state of Verlet, in world coordinates.
 ///
@@ -43,19 +44,7 @@ pub struct Particle {
     pub lag: f32,
 }
 
-impl From<ParticleState> for Particle {
-    fn from(state: ParticleState) -> Self {
-        let ParticleState { position, remainder, velocity, lag } = state;
-        Self { position, remainder, velocity, lag }
-    }
-}
-
-impl From<Particle> for ParticleState {
-    fn from(particle: Particle) -> Self {
-        let Particle { position, remainder, velocity, lag } = particle;
-        Self { position, remainder, velocity, lag }
-    }
-}
+same_fields!(Particle, ParticleState { position, remainder, velocity, lag });
 
 impl Particle {
     /// A particle at rest at `position` (metres).

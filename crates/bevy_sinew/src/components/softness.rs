@@ -2,6 +2,8 @@
 
 use bevy::prelude::*;
 
+use crate::same::same_variants;
+
 /// How hard a constraint is enforced; the same at any number of sweeps and substeps.
 ///
 /// ```
@@ -51,26 +53,6 @@ impl Softness {
     }
 }
 
-impl From<Softness> for sinew::Softness {
-    fn from(softness: Softness) -> Self {
-        match softness {
-            Softness::Hard => Self::Hard,
-            Softness::Compliant { compliance, damping } => Self::Compliant { compliance, damping },
-            Softness::Frequency { hertz, ratio } => Self::Frequency { hertz, ratio },
-            Softness::Share(share) => Self::Share(share),
-        }
-    }
-}
-
-impl From<sinew::Softness> for Softness {
-    fn from(softness: sinew::Softness) -> Self {
-        match softness {
-            sinew::Softness::Hard => Self::Hard,
-            sinew::Softness::Compliant { compliance, damping } => {
-                Self::Compliant { compliance, damping }
-            }
-            sinew::Softness::Frequency { hertz, ratio } => Self::Frequency { hertz, ratio },
-            sinew::Softness::Share(share) => Self::Share(share),
-        }
-    }
-}
+same_variants!(Softness, sinew::Softness {
+    Hard, Compliant { compliance, damping }, Frequency { hertz, ratio }, Share(share),
+});

@@ -8,6 +8,7 @@ use super::rigid_box::spawn_parts;
 use crate::components::{BodyContacts, CreationOrder, ParticleBody, Sleep};
 use crate::frames::even_factor;
 use crate::messages::Refusal;
+use crate::same::same_variants;
 
 /// A body of rigid bones that are joined: a chain, a door, a lamp, an animal.
 ///
@@ -149,24 +150,6 @@ impl Recipe for Articulated {
     }
 }
 
-impl From<BoneJoint> for recipes::Joint {
-    fn from(joint: BoneJoint) -> Self {
-        match joint {
-            BoneJoint::Ball { cone, twist } => Self::Ball { cone, twist },
-            BoneJoint::Hinge { axis, min, max } => Self::Hinge { axis, min, max },
-            BoneJoint::Fixed => Self::Fixed,
-            BoneJoint::Free => Self::Free,
-        }
-    }
-}
-
-impl From<recipes::Joint> for BoneJoint {
-    fn from(joint: recipes::Joint) -> Self {
-        match joint {
-            recipes::Joint::Ball { cone, twist } => Self::Ball { cone, twist },
-            recipes::Joint::Hinge { axis, min, max } => Self::Hinge { axis, min, max },
-            recipes::Joint::Fixed => Self::Fixed,
-            recipes::Joint::Free => Self::Free,
-        }
-    }
-}
+same_variants!(BoneJoint, recipes::Joint {
+    Ball { cone, twist }, Hinge { axis, min, max }, Fixed, Free,
+});

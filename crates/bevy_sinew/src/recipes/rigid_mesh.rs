@@ -9,6 +9,7 @@ use super::build::{MeshShape, Recipe};
 use super::rigid_box::pose_of;
 use crate::components::{Collider, CreationOrder, ParticleBody, Sleep};
 use crate::messages::Refusal;
+use crate::same::same_variants;
 
 /// A rigid body in the shape of its mesh. Its mass, barycentre and inertia are those of the shape filled evenly ([`sinew::recipes::solid`]).
 ///
@@ -129,14 +130,7 @@ impl Default for Bulk {
     }
 }
 
-impl From<Bulk> for sinew::recipes::Bulk {
-    fn from(bulk: Bulk) -> Self {
-        match bulk {
-            Bulk::Mass(mass) => Self::Mass(mass),
-            Bulk::Density(density) => Self::Density(density),
-        }
-    }
-}
+same_variants!(Bulk, sinew::recipes::Bulk { Mass(mass), Density(density) });
 
 impl Default for RigidMesh {
     fn default() -> Self {

@@ -105,11 +105,6 @@ impl AnchorDistance {
         Self { a, b, rest: 0.0, bound: Bound::Equal, softness: Softness::Hard }
     }
 
-    /// The same, as hard as that.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness, ..self }
-    }
-
     /// Why it cannot bind `particles` particles, or `None` if it can.
     pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         let sides = [&self.a, &self.b];

@@ -34,11 +34,6 @@ impl Angle {
         Self::between(angle, angle)
     }
 
-    /// The same, as hard as that.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness, ..self }
-    }
-
     /// Why it cannot bind `particles` particles, or `None` if it can.
     pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         let inside = |angle: f32| (0.0..=PI).contains(&angle);

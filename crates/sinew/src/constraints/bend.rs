@@ -74,11 +74,6 @@ impl Bend {
         sound.then(|| stencil.bend(Softness::compliant(compliance)))
     }
 
-    /// The same, as hard as that.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness, ..self }
-    }
-
     /// Why it cannot bind `particles` particles, or `None` if it can.
     pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         let [e0, e1, a, b] = self.weights;

@@ -18,11 +18,6 @@ pub struct Collinear {
 }
 
 impl Collinear {
-    /// The same, as hard as that.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness }
-    }
-
     /// Why it cannot bind `particles` particles, or `None` if it can.
     pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         // Two are on a line whatever they do.

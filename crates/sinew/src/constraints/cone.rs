@@ -49,11 +49,6 @@ impl Cone {
         axis.is_finite().then_some(Self { axis, max, softness: Softness::Hard })
     }
 
-    /// The same, as hard as that.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness, ..self }
-    }
-
     /// The axis where the frame is that, metres; not of unit length.
     pub fn axis_in(&self, o: Vec3, x: Vec3, y: Vec3) -> Vec3 {
         let (u, v) = (x - o, y - o);

@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 
 use super::{
     AnchorDistance, Angle, Area, Bend, Collinear, Cone, ConstraintFault, Coplanar, Equation, Hinge,
-    Patch, Rigid, Tetrahedron, Volume,
+    Patch, Rigid, Softness, Tetrahedron, Volume,
 };
 
 /// The rows of the particles that a constraint binds, in its own order.
@@ -67,7 +67,15 @@ macro_rules! kinds {
             }
         }
 
-        $(impl FromKind for $of {
+        $(impl $of {
+            /// The same, as hard as that.
+            pub fn with_softness(mut self, softness: Softness) -> Self {
+                self.softness = softness;
+                self
+            }
+        }
+
+        impl FromKind for $of {
             fn from_kind(kind: &ConstraintKind) -> Option<&Self> {
                 match kind {
                     ConstraintKind::$name(own) => Some(own),

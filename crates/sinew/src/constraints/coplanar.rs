@@ -18,11 +18,6 @@ pub struct Coplanar {
 }
 
 impl Coplanar {
-    /// The same, as hard as that.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness }
-    }
-
     /// Why it cannot bind `particles` particles, or `None` if it can.
     pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         // Three are in a plane whatever they do.

@@ -25,11 +25,6 @@ impl Tetrahedron {
         Self { rest: volume(positions).0, softness: Softness::Hard }
     }
 
-    /// The same, as hard as that.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness, ..self }
-    }
-
     /// Why it cannot bind `particles` particles, or `None` if it can.
     pub(crate) fn fault(&self, particles: usize) -> Option<ConstraintFault> {
         if particles != 4 {

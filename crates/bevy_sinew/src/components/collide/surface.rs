@@ -3,6 +3,8 @@
 use bevy::prelude::*;
 use sinew::{Layers, Material, PlanarDrag};
 
+use crate::same::same_variants;
+
 /// What the surface of a [`Collider`](super::Collider), a body or a loose particle is made of. Without it, the default.
 ///
 /// A body with a broken number is as one without it, a collider is set aside; either is reported once.
@@ -154,16 +156,7 @@ impl From<SurfaceMaterial> for Material {
     }
 }
 
-impl From<Combine> for sinew::Combine {
-    fn from(rule: Combine) -> Self {
-        match rule {
-            Combine::Average => Self::Average,
-            Combine::Min => Self::Min,
-            Combine::Multiply => Self::Multiply,
-            Combine::Max => Self::Max,
-        }
-    }
-}
+same_variants!(Combine, sinew::Combine { Average, Min, Multiply, Max });
 
 impl Default for CollisionLayers {
     fn default() -> Self {

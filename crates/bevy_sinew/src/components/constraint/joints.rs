@@ -1,12 +1,10 @@
 //! Angles between particles: elbows, hinges, and cones.
 
 use bevy::prelude::*;
-use sinew::ConstraintKind;
 use sinew::constraints::{Angle, Cone, Hinge};
 
 use super::super::order::CreationOrder;
 use super::super::softness::Softness;
-use super::ParticleConstraint;
 
 /// The angle at a joint of three particles stays between two limits.
 ///
@@ -48,26 +46,9 @@ impl AngleConstraint {
     pub fn from_kind(particles: [Entity; 3], kind: &Angle) -> Self {
         Self { particles, min: kind.min, max: kind.max, softness: kind.softness.into() }
     }
-
-    /// The same, as hard as that.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness, ..self }
-    }
 }
 
-impl ParticleConstraint for AngleConstraint {
-    fn particles(&self) -> &[Entity] {
-        &self.particles
-    }
-
-    fn kind(&self) -> ConstraintKind {
-        ConstraintKind::Angle(Angle {
-            min: self.min,
-            max: self.max,
-            softness: self.softness.into(),
-        })
-    }
-}
+solved_as!(AngleConstraint, |this| Angle { min: this.min, max: this.max });
 
 /// The signed angle about an axis of two particles stays between two limits, from the half-plane of `a` to the half-plane of `c` about `h0 → h1`.
 ///
@@ -113,26 +94,9 @@ impl HingeConstraint {
     pub fn from_kind(particles: [Entity; 4], kind: &Hinge) -> Self {
         Self { particles, min: kind.min, max: kind.max, softness: kind.softness.into() }
     }
-
-    /// The same, as hard as that.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness, ..self }
-    }
 }
 
-impl ParticleConstraint for HingeConstraint {
-    fn particles(&self) -> &[Entity] {
-        &self.particles
-    }
-
-    fn kind(&self) -> ConstraintKind {
-        ConstraintKind::Hinge(Hinge {
-            min: self.min,
-            max: self.max,
-            softness: self.softness.into(),
-        })
-    }
-}
+solved_as!(HingeConstraint, |this| Hinge { min: this.min, max: this.max });
 
 /// A bone stays in a cone about an axis that is fixed in its parent: a shoulder or a hip. It says nothing about twist.
 ///
@@ -172,23 +136,6 @@ impl ConeConstraint {
     pub fn from_kind(particles: impl Into<Vec<Entity>>, kind: &Cone) -> Self {
         Self::new(particles, kind.axis, kind.max).with_softness(kind.softness.into())
     }
-
-    /// The same, as hard as that.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness, ..self }
-    }
 }
 
-impl ParticleConstraint for ConeConstraint {
-    fn particles(&self) -> &[Entity] {
-        &self.particles
-    }
-
-    fn kind(&self) -> ConstraintKind {
-        ConstraintKind::Cone(Cone {
-            axis: self.axis,
-            max: self.max,
-            softness: self.softness.into(),
-        })
-    }
-}
+solved_as!(ConeConstraint, |this| Cone { axis: this.axis, max: this.max });

@@ -11,6 +11,30 @@
 //!
 //! Distances and springs are so many that they have lists of their own. All others come in by one door, [`ParticleConstraint`], and so do a game's.
 
+/// What each component of a kind of the solver's has beside its fields, of which `particles` and `softness` are two: [`ParticleConstraint`], by the other
+/// numbers of its kind.
+macro_rules! solved_as {
+    ($component:ident, |$this:ident| $kind:ident { $($numbers:tt)* }) => {
+        impl $component {
+            /// The same, as hard as that.
+            pub fn with_softness(self, softness: Softness) -> Self {
+                Self { softness, ..self }
+            }
+        }
+
+        impl $crate::components::ParticleConstraint for $component {
+            fn particles(&self) -> &[Entity] {
+                &self.particles
+            }
+
+            fn kind(&self) -> sinew::ConstraintKind {
+                let $this = self;
+                let softness = $this.softness.into();
+                sinew::ConstraintKind::$kind($kind { softness, $($numbers)* })
+            }
+        }
+    };
+}
 mod any;
 mod break_at;
 mod joints;

@@ -4,6 +4,7 @@ use bevy::prelude::*;
 
 use super::super::order::CreationOrder;
 use super::super::softness::Softness;
+use crate::same::same_variants;
 
 /// Which way a distance is enforced.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -112,22 +113,4 @@ impl Spring {
     }
 }
 
-impl From<Bound> for sinew::Bound {
-    fn from(bound: Bound) -> Self {
-        match bound {
-            Bound::Equal => Self::Equal,
-            Bound::AtMost => Self::AtMost,
-            Bound::AtLeast => Self::AtLeast,
-        }
-    }
-}
-
-impl From<sinew::Bound> for Bound {
-    fn from(bound: sinew::Bound) -> Self {
-        match bound {
-            sinew::Bound::Equal => Self::Equal,
-            sinew::Bound::AtMost => Self::AtMost,
-            sinew::Bound::AtLeast => Self::AtLeast,
-        }
-    }
-}
+same_variants!(Bound, sinew::Bound { Equal, AtMost, AtLeast });

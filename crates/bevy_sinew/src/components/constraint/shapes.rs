@@ -1,12 +1,10 @@
 //! Shapes that particles keep: unbent, flat, straight, or rigid.
 
 use bevy::prelude::*;
-use sinew::ConstraintKind;
 use sinew::constraints::{Bend, Collinear, Coplanar, Rigid};
 
 use super::super::order::CreationOrder;
 use super::super::softness::Softness;
-use super::ParticleConstraint;
 
 /// Two triangles that share an edge do not bend: isometric bending, cheaper and calmer than an angle, but blind to the side of a fold.
 ///
@@ -49,23 +47,9 @@ impl BendConstraint {
     pub fn from_kind(particles: [Entity; 4], kind: &Bend) -> Self {
         Self::new(particles, kind.weights, kind.rest).with_softness(kind.softness.into())
     }
-
-    /// The same, as hard as that.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness, ..self }
-    }
 }
 
-impl ParticleConstraint for BendConstraint {
-    fn particles(&self) -> &[Entity] {
-        &self.particles
-    }
-
-    fn kind(&self) -> ConstraintKind {
-        let softness = self.softness.into();
-        ConstraintKind::Bend(Bend { weights: self.weights, rest: self.rest, softness })
-    }
-}
+solved_as!(BendConstraint, |this| Bend { weights: this.weights, rest: this.rest });
 
 /// Particles stay in one plane, wherever that is.
 ///
@@ -86,7 +70,7 @@ pub struct CoplanarConstraint {
     /// The particles, each once; four or more.
     #[entities]
     pub particles: Vec<Entity>,
-    /// How hard it is; [`new`](Self::new) makes a hard one.
+    /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in m/N.
     pub softness: Softness,
 }
 
@@ -95,22 +79,9 @@ impl CoplanarConstraint {
     pub fn new(particles: impl Into<Vec<Entity>>) -> Self {
         Self { particles: particles.into(), softness: Softness::Hard }
     }
-
-    /// The same, as hard as that. A compliance is in m/N.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness, ..self }
-    }
 }
 
-impl ParticleConstraint for CoplanarConstraint {
-    fn particles(&self) -> &[Entity] {
-        &self.particles
-    }
-
-    fn kind(&self) -> ConstraintKind {
-        ConstraintKind::Coplanar(Coplanar { softness: self.softness.into() })
-    }
-}
+solved_as!(CoplanarConstraint, |this| Coplanar {});
 
 /// Particles stay on one line, wherever that is. It keeps neither their order nor their distances.
 ///
@@ -130,7 +101,7 @@ pub struct CollinearConstraint {
     /// The particles, each once; three or more.
     #[entities]
     pub particles: Vec<Entity>,
-    /// How hard it is; [`new`](Self::new) makes a hard one.
+    /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in m/N.
     pub softness: Softness,
 }
 
@@ -139,22 +110,9 @@ impl CollinearConstraint {
     pub fn new(particles: impl Into<Vec<Entity>>) -> Self {
         Self { particles: particles.into(), softness: Softness::Hard }
     }
-
-    /// The same, as hard as that. A compliance is in m/N.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness, ..self }
-    }
 }
 
-impl ParticleConstraint for CollinearConstraint {
-    fn particles(&self) -> &[Entity] {
-        &self.particles
-    }
-
-    fn kind(&self) -> ConstraintKind {
-        ConstraintKind::Collinear(Collinear { softness: self.softness.into() })
-    }
-}
+solved_as!(CollinearConstraint, |this| Collinear {});
 
 /// Particles keep a rigid shape, all at once, wherever it is and however it is turned.
 ///
@@ -177,7 +135,7 @@ pub struct RigidConstraint {
     pub particles: Vec<Entity>,
     /// Where each of them sits in the shape's own frame, metres; as many as `particles`. World positions will do.
     pub rest: Vec<Vec3>,
-    /// How hard it is; [`new`](Self::new) makes a hard one.
+    /// How hard it is; [`new`](Self::new) makes a hard one. A compliance is in m/N.
     pub softness: Softness,
 }
 
@@ -191,22 +149,6 @@ impl RigidConstraint {
     pub fn from_kind(particles: impl Into<Vec<Entity>>, kind: &Rigid) -> Self {
         Self::new(particles, kind.rest.to_vec()).with_softness(kind.softness.into())
     }
-
-    /// The same, as hard as that. A compliance is in m/N.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness, ..self }
-    }
 }
 
-impl ParticleConstraint for RigidConstraint {
-    fn particles(&self) -> &[Entity] {
-        &self.particles
-    }
-
-    fn kind(&self) -> ConstraintKind {
-        ConstraintKind::Rigid(Rigid {
-            rest: self.rest.as_slice().into(),
-            softness: self.softness.into(),
-        })
-    }
-}
+solved_as!(RigidConstraint, |this| Rigid { rest: this.rest.as_slice().into() });

@@ -1,12 +1,11 @@
 //! Areas and volumes of what particles span.
 
 use bevy::prelude::*;
-use sinew::ConstraintKind;
 use sinew::constraints::{Area, Patch, Tetrahedron, Volume};
 
 use super::super::order::CreationOrder;
 use super::super::softness::Softness;
-use super::ParticleConstraint;
+use crate::same::same_variants;
 
 /// How an area or a volume of many triangles is corrected.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -54,21 +53,48 @@ impl AreaConstraint {
     pub fn from_kind(particles: [Entity; 3], kind: &Area) -> Self {
         Self { particles, rest: kind.rest, softness: kind.softness.into() }
     }
-
-    /// The same, as hard as that.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness, ..self }
-    }
 }
 
-impl ParticleConstraint for AreaConstraint {
-    fn particles(&self) -> &[Entity] {
-        &self.particles
-    }
+solved_as!(AreaConstraint, |this| Area { rest: this.rest });
 
-    fn kind(&self) -> ConstraintKind {
-        ConstraintKind::Area(Area { rest: self.rest, softness: self.softness.into() })
-    }
+/// What the two of many triangles have in common.
+macro_rules! of_triangles {
+    ($component:ident, $kind:ident) => {
+        impl $component {
+            /// A hard one of `rest` square or cubic metres, corrected along the gradient.
+            pub fn new(
+                particles: impl Into<Vec<Entity>>,
+                triangles: impl Into<Vec<[u32; 3]>>,
+                rest: f32,
+            ) -> Self {
+                Self {
+                    particles: particles.into(),
+                    triangles: triangles.into(),
+                    rest,
+                    correction: SizeCorrection::Gradient,
+                    softness: Softness::Hard,
+                }
+            }
+
+            /// A kind of constraint of the solver between some particles: its `of` keeps an area or a volume as it is.
+            pub fn from_kind(particles: impl Into<Vec<Entity>>, kind: &$kind) -> Self {
+                Self::new(particles, kind.triangles.to_vec(), kind.rest)
+                    .with_correction(kind.correction.into())
+                    .with_softness(kind.softness.into())
+            }
+
+            /// The same with another correction.
+            pub fn with_correction(self, correction: SizeCorrection) -> Self {
+                Self { correction, ..self }
+            }
+        }
+
+        solved_as!($component, |this| $kind {
+            triangles: this.triangles.as_slice().into(),
+            rest: this.rest,
+            correction: this.correction.into()
+        });
+    };
 }
 
 /// The total area of many triangles stays as it is: one may grow while another shrinks.
@@ -101,55 +127,7 @@ pub struct PatchConstraint {
     pub softness: Softness,
 }
 
-impl PatchConstraint {
-    /// A hard one of `rest` square metres, corrected along the gradient.
-    pub fn new(
-        particles: impl Into<Vec<Entity>>,
-        triangles: impl Into<Vec<[u32; 3]>>,
-        rest: f32,
-    ) -> Self {
-        let (particles, triangles) = (particles.into(), triangles.into());
-        Self {
-            particles,
-            triangles,
-            rest,
-            correction: SizeCorrection::Gradient,
-            softness: Softness::Hard,
-        }
-    }
-
-    /// A kind of constraint of the solver between some particles: [`Patch::of`] keeps an area as it is.
-    pub fn from_kind(particles: impl Into<Vec<Entity>>, kind: &Patch) -> Self {
-        Self::new(particles, kind.triangles.to_vec(), kind.rest)
-            .with_correction(kind.correction.into())
-            .with_softness(kind.softness.into())
-    }
-
-    /// The same with another correction.
-    pub fn with_correction(self, correction: SizeCorrection) -> Self {
-        Self { correction, ..self }
-    }
-
-    /// The same, as hard as that.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness, ..self }
-    }
-}
-
-impl ParticleConstraint for PatchConstraint {
-    fn particles(&self) -> &[Entity] {
-        &self.particles
-    }
-
-    fn kind(&self) -> ConstraintKind {
-        ConstraintKind::Patch(Patch {
-            triangles: self.triangles.as_slice().into(),
-            rest: self.rest,
-            correction: self.correction.into(),
-            softness: self.softness.into(),
-        })
-    }
-}
+of_triangles!(PatchConstraint, Patch);
 
 /// The signed volume of a tetrahedron stays as it is; one that was turned inside out comes back.
 ///
@@ -186,22 +164,9 @@ impl TetrahedronConstraint {
     pub fn from_kind(particles: [Entity; 4], kind: &Tetrahedron) -> Self {
         Self { particles, rest: kind.rest, softness: kind.softness.into() }
     }
-
-    /// The same, as hard as that.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness, ..self }
-    }
 }
 
-impl ParticleConstraint for TetrahedronConstraint {
-    fn particles(&self) -> &[Entity] {
-        &self.particles
-    }
-
-    fn kind(&self) -> ConstraintKind {
-        ConstraintKind::Tetrahedron(Tetrahedron { rest: self.rest, softness: self.softness.into() })
-    }
-}
+solved_as!(TetrahedronConstraint, |this| Tetrahedron { rest: this.rest });
 
 /// The volume inside a closed mesh of particles stays as it is: what keeps a ball or a soft body full.
 ///
@@ -234,70 +199,6 @@ pub struct VolumeConstraint {
     pub softness: Softness,
 }
 
-impl VolumeConstraint {
-    /// A hard one of `rest` cubic metres, corrected along the gradient.
-    pub fn new(
-        particles: impl Into<Vec<Entity>>,
-        triangles: impl Into<Vec<[u32; 3]>>,
-        rest: f32,
-    ) -> Self {
-        let (particles, triangles) = (particles.into(), triangles.into());
-        Self {
-            particles,
-            triangles,
-            rest,
-            correction: SizeCorrection::Gradient,
-            softness: Softness::Hard,
-        }
-    }
+of_triangles!(VolumeConstraint, Volume);
 
-    /// A kind of constraint of the solver between some particles: [`Volume::of`] keeps a volume as it is.
-    pub fn from_kind(particles: impl Into<Vec<Entity>>, kind: &Volume) -> Self {
-        Self::new(particles, kind.triangles.to_vec(), kind.rest)
-            .with_correction(kind.correction.into())
-            .with_softness(kind.softness.into())
-    }
-
-    /// The same with another correction.
-    pub fn with_correction(self, correction: SizeCorrection) -> Self {
-        Self { correction, ..self }
-    }
-
-    /// The same, as hard as that.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness, ..self }
-    }
-}
-
-impl ParticleConstraint for VolumeConstraint {
-    fn particles(&self) -> &[Entity] {
-        &self.particles
-    }
-
-    fn kind(&self) -> ConstraintKind {
-        ConstraintKind::Volume(Volume {
-            triangles: self.triangles.as_slice().into(),
-            rest: self.rest,
-            correction: self.correction.into(),
-            softness: self.softness.into(),
-        })
-    }
-}
-
-impl From<SizeCorrection> for sinew::constraints::SizeCorrection {
-    fn from(correction: SizeCorrection) -> Self {
-        match correction {
-            SizeCorrection::Gradient => Self::Gradient,
-            SizeCorrection::Scaling => Self::Scaling,
-        }
-    }
-}
-
-impl From<sinew::constraints::SizeCorrection> for SizeCorrection {
-    fn from(correction: sinew::constraints::SizeCorrection) -> Self {
-        match correction {
-            sinew::constraints::SizeCorrection::Gradient => Self::Gradient,
-            sinew::constraints::SizeCorrection::Scaling => Self::Scaling,
-        }
-    }
-}
+same_variants!(SizeCorrection, sinew::constraints::SizeCorrection { Gradient, Scaling });

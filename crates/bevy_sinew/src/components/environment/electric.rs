@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 
 use crate::components::CreationOrder;
+use crate::same::same_fields;
 
 /// Coulomb's law for particles with a [`Charge`](crate::Charge), and a field that acts on all of them.
 ///
@@ -34,23 +35,11 @@ pub struct Electric {
 
 impl Default for Electric {
     fn default() -> Self {
-        let law = sinew::Electric::default();
-        Self {
-            constant: law.constant,
-            softening: law.softening,
-            field: law.field,
-            all_pairs_up_to: law.all_pairs_up_to,
-            opening: law.opening,
-        }
+        sinew::Electric::default().into()
     }
 }
 
-impl From<Electric> for sinew::Electric {
-    fn from(law: Electric) -> Self {
-        let Electric { constant, softening, field, all_pairs_up_to, opening } = law;
-        Self { constant, softening, field, all_pairs_up_to, opening }
-    }
-}
+same_fields!(Electric, sinew::Electric { constant, softening, field, all_pairs_up_to, opening });
 
 /// A uniform electric field, everywhere or in the [`Region`](super::Region) on the same entity: between the plates of a capacitor.
 ///

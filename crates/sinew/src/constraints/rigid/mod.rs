@@ -23,7 +23,7 @@ use crate::pose::rotation;
 pub struct Rigid {
     /// Where each of the particles sits in the shape's own frame, metres. Shared by bodies of the same shape.
     pub rest: Arc<[Vec3]>,
-    /// How hard it is.
+    /// How hard it is: [`Softness::frequency`] gives a shape that wobbles.
     pub softness: Softness,
 }
 
@@ -31,11 +31,6 @@ impl Rigid {
     /// A hard one of the shape that these positions have, metres; in the order of the constraint's rows.
     pub fn of(positions: impl Into<Arc<[Vec3]>>) -> Self {
         Self { rest: positions.into(), softness: Softness::Hard }
-    }
-
-    /// The same, as hard as that: [`Softness::frequency`] gives a shape that wobbles.
-    pub fn with_softness(self, softness: Softness) -> Self {
-        Self { softness, ..self }
     }
 
     /// Why it cannot bind `particles` particles, or `None` if it can.
