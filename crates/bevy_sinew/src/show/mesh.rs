@@ -100,7 +100,7 @@ impl Smooth {
     fn write(&mut self, mesh: &mut Mesh, instructions: InstructionSet) -> bool {
         let Self { points, normals } = self;
         let Ok(Indices::U32(list)) = mesh.try_indices() else { return false };
-        sinew::pose::normals(points, list.as_chunks().0, Vec3::Z, instructions, normals);
+        sinew::pose::normals(points, list.as_chunks().0, Vec3::Z, normals, instructions);
         for (attribute, from) in
             [(Mesh::ATTRIBUTE_POSITION, points), (Mesh::ATTRIBUTE_NORMAL, normals)]
         {

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3, Vec4};
 
 use super::area::{area, area_wide, keep_within_reach};
 use super::{ConstraintFault, Equation, Points, SizeCorrection, Softness};
-use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 
 /// The total area of a patch of triangles: one may grow while another shrinks.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,31 +127,12 @@ pub(super) fn triangle_fault(triangles: &[[u32; 3]], particles: usize) -> Option
     }
 }
 
-/// The area of some triangles; its gradients are added to `gradients`. Both are summed up in the order of the triangles, areas in f64, so that there
-/// is one result, whatever the instructions are.
-///
-/// A volume is not worth it: adding up its gradients takes as long as all of it does one by one.
-fn area_of(
-    triangles: &[[u32; 3]],
-    now: &[Vec4],
-    gradients: &mut [Vec3],
-    instructions: InstructionSet,
-) -> f64 {
-    with(instructions, AddUp { triangles, now, gradients })
-}
-
-struct AddUp<'a> {
-    triangles: &'a [[u32; 3]],
-    now: &'a [Vec4],
-    gradients: &'a mut [Vec3],
-}
-
-impl Work for AddUp<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> f64 {
-        let Self { triangles, now, gradients } = self;
+kernel!(
+    /// The area of some triangles; its gradients are added to `gradients`. Both are summed up in the order of the triangles, areas in f64, so that there
+    /// is one result, whatever the instructions are.
+    ///
+    /// A volume is not worth it: adding up its gradients takes as long as all of it does one by one.
+    fn area_of<L: Lanes>(triangles: &[[u32; 3]], now: &[Vec4], gradients: &mut [Vec3]) -> f64 {
         let mut sum = 0.0;
         for some in triangles.chunks(LANES) {
             // Where there are fewer than eight, the first stands there again, and is not added again.
@@ -180,7 +161,7 @@ impl Work for AddUp<'_> {
         }
         sum
     }
-}
+);
 
 #[cfg(test)]
 mod lanes_tests {

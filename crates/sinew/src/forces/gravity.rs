@@ -7,7 +7,7 @@
 use glam::{DVec3, Vec3, Vec4};
 
 use super::Forces;
-use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
 
 /// A point that attracts everything: a planet, a magnet in a game, a black hole.
@@ -61,21 +61,12 @@ pub(crate) fn apply(particles: &mut Particles, forces: &Forces, instructions: In
     }
     for attractor in forces.attractors.iter().filter(|attractor| attractor.is_valid()) {
         particles.acceleration_dirty = true;
-        with(instructions, Attract { particles, attractor });
+        attract(particles, attractor, instructions);
     }
 }
 
-struct Attract<'a> {
-    particles: &'a mut Particles,
-    attractor: &'a Attractor,
-}
-
-impl Work for Attract<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { particles, attractor } = self;
+kernel!(
+    fn attract<L: Lanes>(particles: &mut Particles, attractor: &Attractor) {
         let Particles { position, origin, gravity_scale, acceleration, .. } = particles;
         let eights = position.chunks(LANES).zip(origin.chunks(LANES));
         let eights = eights.zip(gravity_scale.chunks(LANES)).zip(acceleration.chunks_mut(LANES));
@@ -92,7 +83,7 @@ impl Work for Attract<'_> {
             }
         }
     }
-}
+);
 
 /// Potential energy of particle `i` of mass `m` (kg) in both, J: `-m g·x - m Σ GM/√(r² + ε²)`.
 pub(crate) fn energy(particles: &Particles, forces: &Forces, i: usize, m: f64) -> f64 {

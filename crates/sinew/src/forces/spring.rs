@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
-use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
 
 /// A damped spring between two particles: a force during the sum of forces, where a
@@ -82,21 +82,12 @@ impl Spring {
 pub(crate) fn apply(particles: &mut Particles, springs: &[Spring], instructions: InstructionSet) {
     if !springs.is_empty() {
         particles.acceleration_dirty = true;
-        with(instructions, Pull { particles, springs });
+        pull(particles, springs, instructions);
     }
 }
 
-struct Pull<'a> {
-    particles: &'a mut Particles,
-    springs: &'a [Spring],
-}
-
-impl Work for Pull<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { particles, springs } = self;
+kernel!(
+    fn pull<L: Lanes>(particles: &mut Particles, springs: &[Spring]) {
         let len = particles.len();
         let Particles { position, origin, velocity, acceleration, .. } = particles;
         for eight in springs.chunks(LANES) {
@@ -138,7 +129,7 @@ impl Work for Pull<'_> {
             }
         }
     }
-}
+);
 
 /// Ones where a number is finite, 0 or more, and zeros elsewhere.
 #[inline(always)]

@@ -6,7 +6,7 @@ use core::ops::Range;
 use glam::Vec3;
 
 use super::loss;
-use crate::lanes::{Columns, InstructionSet, LANES, Lanes, Vector, Work, with};
+use crate::lanes::{Columns, Eights, LANES, Lanes, Vector, kernel};
 
 /// Particles that are in columns for all substeps of a step.
 #[derive(Clone, Debug, Default)]
@@ -36,9 +36,7 @@ impl StepConstants {
         let lost = loss(rate * h);
         (!lost.is_nan()).then_some(Self { acceleration, h, rate, lost })
     }
-}
 
-impl StepConstants {
     /// The shares that are lost by particles that had their last steps so long ago, seconds.
     #[inline(never)]
     fn lost_after(&self, lags: [f32; LANES]) -> [f32; LANES] {
@@ -52,126 +50,80 @@ impl MovingColumns {
         [&mut self.position, &mut self.begun, &mut self.velocity, &mut self.rounding]
     }
 
-    /// Takes some lanes through a part of the step.
-    pub(crate) fn pass(
-        &mut self,
-        pass: Pass,
-        lanes: [Range<usize>; 2],
-        step: StepConstants,
-        instructions: InstructionSet,
-    ) {
-        with(instructions, Advance { moving: self, pass, lanes, step });
-    }
-}
-
-/// A part of a step, for some lanes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Pass {
-    /// Predicts the first positions of lanes that had their last steps as long ago as the fourths of their velocities say. `last` as below.
-    Begin { last: bool },
-    /// Derives the velocities, and predicts the next positions. `last` where that is for the last substep.
-    GoOn { last: bool },
-    /// Derives the velocities after the last substep.
-    Settle,
-}
-
-struct Advance<'a> {
-    moving: &'a mut MovingColumns,
-    pass: Pass,
-    lanes: [Range<usize>; 2],
-    step: StepConstants,
-}
-
-impl Work for Advance<'_> {
-    type Output = ();
-
     #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { moving, pass, lanes, step } = self;
-        match pass {
-            Pass::Begin { last } => moving.begin::<L>(lanes, step, last),
-            Pass::GoOn { last } => moving.go_on::<L>(lanes, step, last),
-            Pass::Settle => moving.settle::<L>(lanes, step),
+    fn open(&mut self) -> OpenColumns<'_> {
+        OpenColumns {
+            position: self.position.eights(),
+            begun: self.begun.eights(),
+            velocity: self.velocity.eights(),
+            rounding: self.rounding.eights(),
         }
     }
 }
 
-impl MovingColumns {
-    #[inline(always)]
-    fn begin<L: Lanes>(&mut self, lanes: [Range<usize>; 2], step: StepConstants, last: bool) {
-        let (h, zero) = (L::splat(step.h), L::zero());
-        let steady = L::splat(step.lost);
+kernel!(
+    /// Predicts the first positions of lanes that had their last steps as long ago as the fourths of their velocities say. `last` where that is for the
+    /// last substep.
+    pub(crate) fn begin_columns<L: Lanes>(
+        moving: &mut MovingColumns,
+        lanes: [Range<usize>; 2],
+        step: StepConstants,
+        last: bool,
+    ) {
+        let h = L::splat(step.h);
         let acceleration = Vector::<L>::splat(step.acceleration);
-        let [position, begun, velocity, rounding] = self.each();
-        let (mut position, mut begun) = (position.eights(), begun.eights());
-        let (mut velocity, mut rounding) = (velocity.eights(), rounding.eights());
+        let mut open = moving.open();
         // Neighbours mostly had theirs at the same time.
-        let mut known = ([step.h; LANES], steady);
+        let mut known = ([step.h; LANES], L::splat(step.lost));
         for lanes in lanes {
             let mut at = lanes.start;
             while at < lanes.end {
-                let (p, w) = Vector::of(position.load::<L>(at));
-                let (v, lag) = Vector::of(velocity.load::<L>(at));
-                let (before, _) = Vector::of(rounding.load::<L>(at));
-                let tau = (lag + h) * L::splat(0.5);
+                let (v, lag) = Vector::of(open.velocity.load::<L>(at));
                 if !lag.same(L::load(&known.0)).all() {
                     known = (lag.array(), L::load(&step.lost_after(lag.array())));
                 }
-                let change = acceleration * tau - v * known.1 + before;
-                let u = v + change;
-                let rounded = change - (u - v);
-                let moves = zero.lt(w);
-                let next = (p + u * h).or_else(moves, p);
-                let u = Vector::new(moves.and(u.x), moves.and(u.y), moves.and(u.z));
-                velocity.put(at, u.with(zero));
-                begun.put(at, if last { p } else { next }.with(zero));
-                position.put(at, next.with(w));
-                // Last: the compiler makes stores with a mask of a choice that follows its load, which take as long as all the rest.
-                rounding.put(at, rounded.or_else(moves, before).with(zero));
+                let tau = (lag + h) * L::splat(0.5);
+                open.predict(at, v, acceleration * tau - v * known.1, h, last);
                 at += LANES;
             }
         }
     }
+);
 
-    #[inline(always)]
-    fn go_on<L: Lanes>(&mut self, lanes: [Range<usize>; 2], step: StepConstants, last: bool) {
-        let (h, per, zero) = (L::splat(step.h), L::splat(1.0 / step.h), L::zero());
-        let lost = L::splat(step.lost);
+kernel!(
+    /// Derives the velocities, and predicts the next positions. `last` as above.
+    pub(crate) fn go_on_with_columns<L: Lanes>(
+        moving: &mut MovingColumns,
+        lanes: [Range<usize>; 2],
+        step: StepConstants,
+        last: bool,
+    ) {
+        let (h, per, lost) = (L::splat(step.h), L::splat(1.0 / step.h), L::splat(step.lost));
         let push = Vector::<L>::splat(step.acceleration) * h;
-        let [position, begun, velocity, rounding] = self.each();
-        let (mut position, mut begun) = (position.eights(), begun.eights());
-        let (mut velocity, mut rounding) = (velocity.eights(), rounding.eights());
+        let mut open = moving.open();
         for lanes in lanes {
             let mut at = lanes.start;
             while at < lanes.end {
-                let (p, w) = Vector::of(position.load::<L>(at));
-                // No loops and no closures: what is not inlined is not compiled for the lanes' instructions.
-                let (predicted, _) = Vector::of(begun.load::<L>(at));
-                let (u, _) = Vector::of(velocity.load::<L>(at));
-                let (before, _) = Vector::of(rounding.load::<L>(at));
+                let (p, _) = Vector::of(open.position.load::<L>(at));
+                let (predicted, _) = Vector::of(open.begun.load::<L>(at));
+                let (u, _) = Vector::of(open.velocity.load::<L>(at));
                 let v = u + (p - predicted) * per;
-                let change = push - v * lost + before;
-                let u = v + change;
-                let rounded = change - (u - v);
-                let moves = zero.lt(w);
-                let next = (p + u * h).or_else(moves, p);
-                let u = Vector::new(moves.and(u.x), moves.and(u.y), moves.and(u.z));
-                velocity.put(at, u.with(zero));
-                begun.put(at, if last { p } else { next }.with(zero));
-                position.put(at, next.with(w));
-                // Last: the compiler makes stores with a mask of a choice that follows its load, which take as long as all the rest.
-                rounding.put(at, rounded.or_else(moves, before).with(zero));
+                open.predict(at, v, push - v * lost, h, last);
                 at += LANES;
             }
         }
     }
+);
 
-    #[inline(always)]
-    fn settle<L: Lanes>(&mut self, lanes: [Range<usize>; 2], step: StepConstants) {
+kernel!(
+    /// Derives the velocities after the last substep.
+    pub(crate) fn settle_columns<L: Lanes>(
+        moving: &mut MovingColumns,
+        lanes: [Range<usize>; 2],
+        step: StepConstants,
+    ) {
         let (h, per) = (L::splat(step.h), L::splat(1.0 / step.h));
-        let [position, start, velocity, rounding] = self.each();
-        let (position, mut begun) = (position.eights(), start.eights());
-        let (mut velocity, mut rounding) = (velocity.eights(), rounding.eights());
+        let OpenColumns { position, mut begun, mut velocity, mut rounding } = moving.open();
         for lanes in lanes {
             let mut at = lanes.start;
             while at < lanes.end {
@@ -185,5 +137,36 @@ impl MovingColumns {
                 at += LANES;
             }
         }
+    }
+);
+
+/// The columns while they are gone over.
+struct OpenColumns<'a> {
+    position: Eights<'a>,
+    begun: Eights<'a>,
+    velocity: Eights<'a>,
+    rounding: Eights<'a>,
+}
+
+impl OpenColumns<'_> {
+    /// Adds to the velocities `v` of eight what forces and damping change them by, and predicts the next positions. `last` where that is for
+    /// the last substep.
+    // No loops and no closures: what is not inlined is not compiled for the lanes' instructions.
+    #[inline(always)]
+    fn predict<L: Lanes>(&mut self, at: usize, v: Vector<L>, change: Vector<L>, h: L, last: bool) {
+        let zero = L::zero();
+        let (p, w) = Vector::of(self.position.load::<L>(at));
+        let (before, _) = Vector::of(self.rounding.load::<L>(at));
+        let change = change + before;
+        let u = v + change;
+        let rounded = change - (u - v);
+        let moves = zero.lt(w);
+        let next = (p + u * h).or_else(moves, p);
+        let u = Vector::new(moves.and(u.x), moves.and(u.y), moves.and(u.z));
+        self.velocity.put(at, u.with(zero));
+        self.begun.put(at, if last { p } else { next }.with(zero));
+        self.position.put(at, next.with(w));
+        // Last: the compiler makes stores with a mask of a choice that follows its load, which take as long as all the rest.
+        self.rounding.put(at, rounded.or_else(moves, before).with(zero));
     }
 }

@@ -50,7 +50,9 @@ use crate::lanes::with;
 use crate::particles::{Particles, Places};
 use crate::threads::{ExecutionContext, TASKS, each};
 
-pub(crate) use columns::{MovingColumns, Pass, StepConstants};
+pub(crate) use columns::{
+    MovingColumns, StepConstants, begin_columns, go_on_with_columns, settle_columns,
+};
 pub(crate) use wide::{Derive, MotionColumns, Predict, loss};
 
 /// How a world steps through time. [`integrate`](crate::integrate) compares them.

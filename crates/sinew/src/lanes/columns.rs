@@ -8,7 +8,7 @@ use core::marker::PhantomData;
 
 use glam::Vec4;
 
-use super::{InstructionSet, LANES, Lanes, Work, with};
+use super::{InstructionSet, LANES, Lanes, kernel};
 
 /// Positions and inverse masses of consecutive rows. Scratch.
 #[derive(Clone, Debug, Default)]
@@ -90,7 +90,7 @@ impl Columns {
 
     /// Takes particles, into the rows from `row` on, an even number.
     pub(crate) fn turn_in(&mut self, row: usize, packed: &[Vec4], instructions: InstructionSet) {
-        with(instructions, TurnIn { columns: self, row, packed });
+        turn_in(self, row, packed, instructions);
     }
 
     /// Gives them back.
@@ -100,7 +100,7 @@ impl Columns {
         packed: &mut [Vec4],
         instructions: InstructionSet,
     ) {
-        with(instructions, TurnOut { columns: self, row, packed });
+        turn_out(self, row, packed, instructions);
     }
 
     /// A view in which eights are asked for one by one.
@@ -126,19 +126,9 @@ impl Columns {
     }
 }
 
-/// Particles that go into columns from an even row on.
-struct TurnIn<'a> {
-    columns: &'a mut Columns,
-    row: usize,
-    packed: &'a [Vec4],
-}
-
-impl Work for TurnIn<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { columns: to, row, packed } = self;
+kernel!(
+    /// Particles that go into columns from an even row on.
+    fn turn_in<L: Lanes>(to: &mut Columns, row: usize, packed: &[Vec4]) {
         let (eights, last) = packed.as_chunks::<LANES>();
         let half = to.half;
         let [x, y, z, w] = halves(to.numbers_mut(), half, row / 2);
@@ -158,21 +148,11 @@ impl Work for TurnIn<'_> {
             to.numbers_mut()[at] = p.w;
         }
     }
-}
+);
 
-/// Particles that come out of them.
-struct TurnOut<'a> {
-    columns: &'a mut Columns,
-    row: usize,
-    packed: &'a mut [Vec4],
-}
-
-impl Work for TurnOut<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { columns: from, row, packed } = self;
+kernel!(
+    /// Particles that come out of them.
+    fn turn_out<L: Lanes>(from: &mut Columns, row: usize, packed: &mut [Vec4]) {
         let count = row + packed.len();
         let (eights, last) = packed.as_chunks_mut::<LANES>();
         let half = from.half;
@@ -188,7 +168,7 @@ impl Work for TurnOut<'_> {
             *p = from.get(from.at(row as u32));
         }
     }
-}
+);
 
 type HalfColumn<'a> = &'a mut [[f32; LANES / 2]];
 

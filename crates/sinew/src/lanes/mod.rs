@@ -18,8 +18,9 @@
 //!
 //! # Kernels, and what calls them
 //!
-//! A kernel is a [`Work`], the loop over eights and no more; what decides which kernels run, and in which order, is compiled once, for no particular
-//! instructions, and calls each of them by [`with`]. So the code of a kernel exists once for each set, not once for each of its callers.
+//! A kernel is the loop over eights and no more: a function over [`Lanes`] that `kernel!` makes one with the instruction set as its last argument. What
+//! decides which kernels run, and in which order, is compiled once, for no particular instructions, and calls them. So the code of a kernel exists once
+//! for each set, not once for each of its callers. One that is generic over more than lanes, or that takes more than a function should, is a [`Work`].
 //!
 //! # Packed particles
 //!
@@ -52,7 +53,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 use glam::Vec4;
 
 pub(crate) use angle::atan2;
-pub(crate) use columns::{Columns, OnPairs, Pair};
+pub(crate) use columns::{Columns, Eights, OnPairs, Pair};
 pub(crate) use doubles::Doubles;
 pub(crate) use vector::Vector;
 
@@ -137,6 +138,52 @@ pub(crate) fn with<W: Work>(instructions: InstructionSet, work: W) -> W::Output 
         _ => work.in_quads(),
     }
 }
+
+/// Makes a kernel of a function over [`Lanes`]: a function with the same arguments and the [`InstructionSet`] after them, which does it with those. The rules
+/// of [`Work::run`] hold for the body.
+macro_rules! kernel {
+    (
+        $(#[$meta:meta])*
+        $visible:vis fn $name:ident<$lanes:ident: $bound:ident $(, const $number:ident: $type:ty)*>(
+            $($argument:ident: $of:ty),* $(,)?
+        ) $body:block
+    ) => {
+        $crate::lanes::kernel!(
+            $(#[$meta])*
+            $visible fn $name<$lanes: $bound $(, const $number: $type)*>($($argument: $of),*) -> () $body
+        );
+    };
+    (
+        $(#[$meta:meta])*
+        $visible:vis fn $name:ident<$lanes:ident: $bound:ident $(, const $number:ident: $type:ty)*>(
+            $($argument:ident: $of:ty),* $(,)?
+        ) -> $output:ty $body:block
+    ) => {
+        $(#[$meta])*
+        #[inline]
+        $visible fn $name<$(const $number: $type),*>(
+            $($argument: $of,)*
+            instructions: $crate::lanes::InstructionSet,
+        ) -> $output {
+            struct Arguments<T $(, const $number: $type)*>(T);
+
+            impl<$(const $number: $type),*> $crate::lanes::Work
+                for Arguments<($($of,)*) $(, $number)*>
+            {
+                type Output = $output;
+
+                #[inline(always)]
+                fn run<$lanes: $bound>(self) -> $output {
+                    let Self(($($argument,)*)) = self;
+                    $body
+                }
+            }
+
+            $crate::lanes::with(instructions, Arguments::<_ $(, $number)*>(($($argument,)*)))
+        }
+    };
+}
+pub(crate) use kernel;
 
 #[inline]
 fn has_avx2() -> bool {

@@ -42,10 +42,6 @@ impl TotalMass {
         rows: &[u32],
         weight: impl Fn(usize) -> f64,
     ) -> Option<Self> {
-        Self::sum(particles, rows, weight)
-    }
-
-    fn sum(particles: &Particles, rows: &[u32], weight: impl Fn(usize) -> f64) -> Option<Self> {
         let counted = || {
             let there = rows.iter().map(|&row| row as usize).filter(|&i| i < particles.len());
             there.map(|i| (i, weight(i))).filter(|&(_, m)| m > 0.0)

@@ -5,44 +5,29 @@
 
 use glam::{Vec3, Vec4, Vec4Swizzles};
 
-use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
+use crate::lanes::{LANES, Lanes, Vector, kernel};
 
 /// The least square of a sum of area vectors that has a direction, m⁴: well above what `f32` rounds to nothing, and the square of a triangle with
 /// edges of 50 nm.
 const LEAST: f32 = 1e-30;
 
-/// Writes the normal of each vertex to `normals`, `[x y z 0]`, of length one; as many as there are `points`.
-///
-/// `points` are `[x y z _]` in metres from anywhere near, in whatever frame the normals are to be in; the fourth number is not looked at. Triangles
-/// that run anticlockwise as seen from outside have normals that point outwards. One that names a vertex that does not exist is left out.
-///
-/// A vertex of no triangle, or of triangles that have no area together or no finite one, gets `fallback`. The bits do not depend on `instructions`;
-/// pass [`InstructionSet::default`]. Nothing is allocated but room in `normals`, once.
-pub fn normals(
-    points: &[Vec4],
-    triangles: &[[u32; 3]],
-    fallback: Vec3,
-    instructions: InstructionSet,
-    normals: &mut Vec<Vec4>,
-) {
-    normals.clear();
-    normals.resize(points.len(), Vec4::ZERO);
-    with(instructions, Normals { points, triangles, fallback, normals });
-}
-
-struct Normals<'a> {
-    points: &'a [Vec4],
-    triangles: &'a [[u32; 3]],
-    fallback: Vec3,
-    normals: &'a mut [Vec4],
-}
-
-impl Work for Normals<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { points, triangles, fallback, normals } = self;
+kernel!(
+    /// Writes the normal of each vertex to `normals`, `[x y z 0]`, of length one; as many as there are `points`.
+    ///
+    /// `points` are `[x y z _]` in metres from anywhere near, in whatever frame the normals are to be in; the fourth number is not looked at. Triangles
+    /// that run anticlockwise as seen from outside have normals that point outwards. One that names a vertex that does not exist is left out.
+    ///
+    /// A vertex of no triangle, or of triangles that have no area together or no finite one, gets `fallback`. The bits do not depend on `instructions`;
+    /// pass [`InstructionSet::default`](crate::InstructionSet::default). Nothing is allocated but room in `normals`, once.
+    pub fn normals<L: Lanes>(
+        points: &[Vec4],
+        triangles: &[[u32; 3]],
+        fallback: Vec3,
+        normals: &mut Vec<Vec4>,
+    ) {
+        normals.clear();
+        normals.resize(points.len(), Vec4::ZERO);
+        let normals = &mut normals[..];
         // One length for both, so that a row is compared with it once.
         let points = &points[..normals.len()];
         for &rows in triangles {
@@ -68,7 +53,7 @@ impl Work for Normals<'_> {
         }
         rest.copy_from_slice(&last[..rest.len()]);
     }
-}
+);
 
 /// The cross product of the first three numbers; the fourth is nothing.
 #[inline(always)]
@@ -79,6 +64,7 @@ pub(crate) fn cross(a: Vec4, b: Vec4) -> Vec4 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::InstructionSet;
 
     const SETS: [InstructionSet; 3] =
         [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2];
@@ -86,7 +72,7 @@ mod tests {
     fn found(points: &[Vec4], triangles: &[[u32; 3]]) -> Vec<Vec4> {
         let mut found = SETS.map(|set| {
             let mut all = vec![Vec4::NAN; 3];
-            normals(points, triangles, Vec3::Y, set, &mut all);
+            normals(points, triangles, Vec3::Y, &mut all, set);
             all
         });
         assert!(found[0] == found[1] && found[0] == found[2], "the same bits from all sets");

@@ -14,7 +14,7 @@ use glam::{DVec3, Vec3, Vec4};
 
 use crate::integrate::Integrator;
 use crate::islands::Island;
-use crate::lanes::{Doubles, LANES, Lanes, Vector, Work};
+use crate::lanes::{Doubles, LANES, Lanes, Vector, kernel};
 use crate::particles::Places;
 use crate::pose::pseudo_solve;
 
@@ -92,21 +92,15 @@ impl<D: Doubles> WideMomentumDrift<D> {
     }
 }
 
-/// Notes what the particles of an island are to have taken off when their velocities are derived, m/s: eight at a time.
-pub(super) struct Note<'a> {
-    pub(super) momentum_drift: &'a MomentumDrift,
-    pub(super) places: &'a Places<'a>,
-    pub(super) rows: &'a [u32],
-    /// For each of the places.
-    pub(super) to: &'a mut [Vec4],
-}
-
-impl Work for Note<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { momentum_drift, places, rows, to } = self;
+kernel!(
+    /// Notes what the particles of an island are to have taken off when their velocities are derived, m/s: eight at a time.
+    pub(super) fn note_drift<L: Lanes>(
+        momentum_drift: &MomentumDrift,
+        places: &Places<'_>,
+        rows: &[u32],
+        // For each of the places.
+        to: &mut [Vec4],
+    ) {
         let (eights, others) = rows.as_chunks::<LANES>();
         let all = WideMomentumDrift::all(momentum_drift);
         for eight in eights {
@@ -119,7 +113,7 @@ impl Work for Note<'_> {
             to[i] = momentum_drift.share(places.start[i]).extend(0.0);
         }
     }
-}
+);
 
 /// What is summed up over an island, or a body.
 #[derive(Clone, Debug, Default)]

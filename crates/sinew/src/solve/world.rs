@@ -11,7 +11,7 @@ use super::instances::{BatchMotion, BatchSolve};
 use super::island::{InOrder, Sweeper, hold_at_once};
 use super::loads::Loads;
 use super::microsteps::{derive_whole_steps, list_step_rows};
-use super::momentum::{MomentumDrift, Note};
+use super::momentum::{MomentumDrift, note_drift};
 use super::multipliers::{MultiplierSlice, Multipliers};
 use super::plan::Plan;
 use super::scratch::ThreadScratch;
@@ -20,7 +20,6 @@ use super::{SolverReport, gauss_seidel};
 use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::integrate::{Derive, MotionColumns, StepRows, derive};
 use crate::islands::Island;
-use crate::lanes::with;
 use crate::particles::{Particles, Places};
 use crate::settings::Order;
 use crate::threads::{ExecutionContext, Pool, each};
@@ -105,8 +104,7 @@ pub(crate) fn solve_all(
         let rows = plan.members(*number as usize);
         let mut places = Places::all(particles);
         if open {
-            let note = Note { momentum_drift: drift, places: &places, rows, to: momentum_drift };
-            with(execution.instructions, note);
+            note_drift(drift, &places, rows, momentum_drift, execution.instructions);
         } else {
             drift.take_off(&mut places, rows);
         }
@@ -191,7 +189,7 @@ impl TaskSlice<'_> {
     fn note_drift(&mut self, momentum_drift: &MomentumDrift, number: usize) {
         let SolveContext { plan, execution, .. } = self.context;
         let (places, rows, to) = (&self.places, plan.members(number), &mut *self.momentum_drift);
-        with(execution.instructions, Note { momentum_drift, places, rows, to });
+        note_drift(momentum_drift, places, rows, to, execution.instructions);
     }
 
     /// The instance batches in it.

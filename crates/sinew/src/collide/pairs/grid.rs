@@ -17,7 +17,7 @@ use glam::DVec3;
 use super::super::ContactFilter;
 use super::neighbour_list::NeighbourList;
 use super::participants::Participants;
-use crate::lanes::{LANES, Lanes, Work};
+use crate::lanes::{LANES, Lanes, kernel};
 
 /// Members by cell. Scratch.
 #[derive(Clone, Debug, Default)]
@@ -194,22 +194,16 @@ fn reach_of(participants: &Participants, i: usize) -> f32 {
     participants.radius[i] + participants.home[i].w
 }
 
-/// Asks for every member who is near it.
-pub(super) struct NeighbourSearch<'a> {
-    pub(super) grid: &'a PairGrid,
-    pub(super) participants: &'a Participants,
-    pub(super) filter: &'a ContactFilter,
-    pub(super) neighbours: &'a mut NeighbourList,
-}
-
-impl Work for NeighbourSearch<'_> {
-    type Output = ();
-
+kernel!(
+    /// Asks for every member who is near it.
     /// Cell by cell, so that those who are asked for are in the cache. Each asks for those in half of the cells about its own, and is asked for from
     /// the other half.
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { grid, participants, filter, neighbours } = self;
+    pub(super) fn list_neighbours<L: Lanes>(
+        grid: &PairGrid,
+        participants: &Participants,
+        filter: &ContactFilter,
+        neighbours: &mut NeighbourList,
+    ) {
         let takes_part = grid.level.iter().filter(|level| **level != u8::MAX).count();
         for &i in &grid.sorted.participant[..takes_part] {
             let i = i as usize;
@@ -245,7 +239,7 @@ impl Work for NeighbourSearch<'_> {
         }
         neighbours.order(participants.rows.len());
     }
-}
+);
 
 /// Of the nine lines of cells, counted from below, that through one's own cell.
 const OWN_LINE: u32 = 4;

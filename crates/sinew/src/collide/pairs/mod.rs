@@ -52,10 +52,10 @@ use super::{ContactFilter, Impacts};
 use crate::lanes::{InstructionSet, with};
 use crate::particles::Particles;
 
-use grid::{NeighbourSearch, PairGrid};
+use grid::{PairGrid, list_neighbours};
 use neighbour_list::NeighbourList;
 use participants::Participants;
-use restitution::{PairHit, PairRestitutionSolve, Touched};
+use restitution::{PairHit, Touched, bounce_pairs};
 use skin::SkinCheck;
 use solve::PairSweep;
 use swept::TimeOfImpact;
@@ -151,7 +151,7 @@ impl Pairs {
         let least = 2.0 * gravity * h;
         let (touched, blocks) = (&mut self.touched[..], &self.neighbours.blocks[..]);
         let velocity = &mut particles.velocity[..];
-        with(self.instructions, PairRestitutionSolve { touched, blocks, velocity, least, h });
+        bounce_pairs(touched, blocks, velocity, least, h, self.instructions);
         for hit in &mut self.hits {
             hit.bounce(particles, &self.touched, least);
         }
@@ -172,7 +172,7 @@ impl Pairs {
         skin_check.begin(participants);
         grid.fill(participants);
         neighbours.clear();
-        with(self.instructions, NeighbourSearch { grid, participants, filter, neighbours });
+        list_neighbours(grid, participants, filter, neighbours, self.instructions);
         neighbours.colour(participants, filter);
         self.rebuilds += 1;
     }

@@ -19,7 +19,7 @@ use glam::{Vec3, Vec4};
 
 use super::super::{ContactFilter, ContactParticipant, Impacts};
 use super::neighbour_list::PairBlock;
-use crate::lanes::{LANES, Lanes, Vector, Work};
+use crate::lanes::{LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
 
 /// A block in which some touched.
@@ -38,23 +38,17 @@ pub(super) struct Touched {
     pub(super) block: u32,
 }
 
-/// The impulses of all that touched.
-pub(super) struct PairRestitutionSolve<'a> {
-    pub(super) touched: &'a mut [Touched],
-    pub(super) blocks: &'a [PairBlock],
-    pub(super) velocity: &'a mut [Vec4],
-    /// What is slower than this does not bounce, m/s.
-    pub(super) least: f32,
-    /// Length of the substep, seconds.
-    pub(super) h: f32,
-}
-
-impl Work for PairRestitutionSolve<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { touched, blocks, velocity, least, h } = self;
+kernel!(
+    /// The impulses of all that touched.
+    pub(super) fn bounce_pairs<L: Lanes>(
+        touched: &mut [Touched],
+        blocks: &[PairBlock],
+        velocity: &mut [Vec4],
+        // What is slower than this does not bounce, m/s.
+        least: f32,
+        // Length of the substep, seconds.
+        h: f32,
+    ) {
         let zero = L::zero();
         for one in touched {
             let block = &blocks[one.block as usize];
@@ -81,7 +75,7 @@ impl Work for PairRestitutionSolve<'_> {
             L::put_rows(velocity, rows_b, b.with(lag_b));
         }
     }
-}
+);
 
 /// Two that met, and were treated by themselves or are to be reported.
 #[derive(Clone, Copy, Debug)]

@@ -12,15 +12,10 @@
 use glam::{Vec3, Vec4};
 
 use super::columns::{ChargeColumns, Item, Targets, add};
-use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
+use crate::lanes::{LANES, Lanes, Vector, kernel};
 
 /// Sources whose sums are kept at once: 128 of them take 16 KiB, half of what the nearest cache has.
 const BLOCK: usize = 128;
-
-/// Adds the force of every charge on every other.
-pub(super) fn sum(columns: &mut ChargeColumns, softening: f32, instructions: InstructionSet) {
-    with(instructions, AllPairs { columns, softening });
-}
 
 /// `Σ q_a q_b/√(‖d‖² + ε²)` over all pairs, C²/m. Charges at the same point without softening are left out.
 pub(super) fn potential(items: &[Item], softening: f32) -> f64 {
@@ -37,17 +32,10 @@ pub(super) fn potential(items: &[Item], softening: f32) -> f64 {
     sum
 }
 
-struct AllPairs<'a> {
-    columns: &'a mut ChargeColumns,
-    softening: f32,
-}
-
-impl Work for AllPairs<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let ChargeColumns { charges, origins, forces } = self.columns;
+kernel!(
+    /// Adds the force of every charge on every other.
+    pub(super) fn sum<L: Lanes>(columns: &mut ChargeColumns, softening: f32) {
+        let ChargeColumns { charges, origins, forces } = columns;
         let nothing = Vector::<L>::splat(Vec3::ZERO);
         let none = Source { charge: Vec4::ZERO, origin: Vec4::ZERO, back: nothing };
         let mut block = [none; BLOCK];
@@ -58,7 +46,7 @@ impl Work for AllPairs<'_> {
                 *source = Source { charge, origin, back: nothing };
             }
             for first in (0..end).step_by(LANES) {
-                let targets = Targets::<L>::of(charges, origins, first, self.softening);
+                let targets = Targets::<L>::of(charges, origins, first, softening);
                 let mut total = nothing;
                 // Among themselves from both sides, since each of them is a target.
                 let own = if first < start { 0..0 } else { first - start..first - start + LANES };
@@ -77,7 +65,7 @@ impl Work for AllPairs<'_> {
             }
         }
     }
-}
+);
 
 /// A charge that acts on others, side by side with what comes back. In columns of their own this took up to twice the time, depending on where in
 /// memory they happened to lie.

@@ -52,7 +52,7 @@ use glam::{DVec3, Vec3, Vec4};
 use super::Electric;
 use super::columns::{ChargeColumns, ChargeNode, Group, Item, LEAF, Targets, add};
 use super::walk::{Walk, make_room};
-use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 
 /// The charges in the order of the tree's leaves, and its nodes from the root on.
 #[derive(Clone, Debug, Default)]
@@ -126,7 +126,7 @@ impl ChargeTree {
         law: &Electric,
         instructions: InstructionSet,
     ) {
-        with(instructions, AllLeaves { tree: self, columns, law });
+        sum_leaves(self, columns, law, instructions);
     }
 
     /// `Σ q_a q_b/√(‖d‖² + ε²)` over all pairs, near ones as they are and far ones by their groups, C²/m.
@@ -136,7 +136,7 @@ impl ChargeTree {
         let mut bunches = Bunches::default();
         while let Some(bunch) = bunches.next(&self.nodes) {
             let (nodes, walk) = (&self.nodes, &mut self.walk);
-            with(InstructionSet::best(), OneWalk { nodes, walk, bunch, opening: law.opening });
+            sum_walk(nodes, walk, bunch, law.opening, InstructionSet::best());
             let bunch = &self.nodes[bunch];
             for (eighth, leaf) in (bunch.first..bunch.first + bunch.leaves).enumerate() {
                 for k in members(&self.items, leaf, leaf + 1) {
@@ -199,40 +199,21 @@ fn by_row(items: &mut [Item]) {
     }
 }
 
-/// What acts on the leaves of a bunch.
-struct OneWalk<'a> {
-    nodes: &'a [ChargeNode],
-    walk: &'a mut Walk,
-    bunch: usize,
-    opening: f32,
-}
-
-impl Work for OneWalk<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        self.walk.walk::<L>(self.nodes, self.bunch, 1.0 / f64::from(self.opening));
+kernel!(
+    /// What acts on the leaves of a bunch.
+    fn sum_walk<L: Lanes>(nodes: &[ChargeNode], walk: &mut Walk, bunch: usize, opening: f32) {
+        walk.walk::<L>(nodes, bunch, 1.0 / f64::from(opening));
     }
-}
+);
 
-/// The forces on the charges of each leaf.
-struct AllLeaves<'a> {
-    tree: &'a mut ChargeTree,
-    columns: &'a mut ChargeColumns,
-    law: &'a Electric,
-}
-
-impl Work for AllLeaves<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let ChargeColumns { charges, origins, forces } = self.columns;
-        let ChargeTree { items, nodes, walk, groups, .. } = self.tree;
-        let scale = f64::from(self.law.constant.abs().sqrt());
-        let softening = self.law.softening * self.law.softening;
-        let per_reach = 1.0 / f64::from(self.law.opening);
+kernel!(
+    /// The forces on the charges of each leaf.
+    fn sum_leaves<L: Lanes>(tree: &mut ChargeTree, columns: &mut ChargeColumns, law: &Electric) {
+        let ChargeColumns { charges, origins, forces } = columns;
+        let ChargeTree { items, nodes, walk, groups, .. } = tree;
+        let scale = f64::from(law.constant.abs().sqrt());
+        let softening = law.softening * law.softening;
+        let per_reach = 1.0 / f64::from(law.opening);
         let mut bunches = Bunches::default();
         while let Some(n) = bunches.next(nodes) {
             walk.walk::<L>(nodes, n, per_reach);
@@ -262,7 +243,7 @@ impl Work for AllLeaves<'_> {
             }
         }
     }
-}
+);
 
 /// The charges of leaves `first` to `end`.
 fn members(items: &[Item], first: u32, end: u32) -> Range<usize> {

@@ -49,7 +49,7 @@ use glam::{Vec3, Vec4};
 use super::gusts::{CurlNoise, VectorField, at_one_place};
 use super::sheet::Sheet;
 use crate::forces::region::{Extent, Region, WorldPoint};
-use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
 
 /// Air that flows with a velocity, everywhere or in a region. Still air, velocity zero, slows things down.
@@ -211,7 +211,7 @@ pub(crate) fn sample(
     }
     for flow in flows.iter().filter(|flow| flow.is_valid()) {
         let current = Current::of(flow, time);
-        with(instructions, Blend { particles, surfaces, current, triangles, answers });
+        blend(particles, surfaces, current, triangles, answers, instructions);
         for (i, felt) in balls.iter_mut().filter(|_| flow.on_particles) {
             felt.blend(&current, particles, *i as usize);
         }
@@ -228,7 +228,7 @@ pub(crate) fn apply(
 ) {
     if !air.triangles.is_empty() && !surfaces.is_empty() {
         particles.acceleration_dirty = true;
-        with(instructions, SumAirForces { particles, surfaces, air, h });
+        sum_air_forces(particles, surfaces, air, h, instructions);
     }
     for &(i, felt) in &air.balls {
         let i = i as usize;
@@ -279,21 +279,15 @@ impl VectorField for Current<'_> {
     }
 }
 
-/// Adds a flow's velocity at each triangle, and takes over its density with the coefficients if that is denser than what is there.
-struct Blend<'a> {
-    particles: &'a Particles,
-    surfaces: &'a [[u32; 3]],
-    current: Current<'a>,
-    triangles: &'a mut [Vec4],
-    answers: &'a mut [Vec4],
-}
-
-impl Work for Blend<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { particles, surfaces, current, triangles, answers } = self;
+kernel!(
+    /// Adds a flow's velocity at each triangle, and takes over its density with the coefficients if that is denser than what is there.
+    fn blend<L: Lanes>(
+        particles: &Particles,
+        surfaces: &[[u32; 3]],
+        current: Current<'_>,
+        triangles: &mut [Vec4],
+        answers: &mut [Vec4],
+    ) {
         let flow = current.flow;
         // Steady air that is everywhere is the same wherever that is.
         let same = current.noise.is_none() && flow.region.extent == Extent::Everywhere;
@@ -322,22 +316,16 @@ impl Work for Blend<'_> {
             L::put_run(answers, 0, [drag, lift, give, rest]);
         }
     }
-}
+);
 
-/// The forces on the triangles.
-struct SumAirForces<'a> {
-    particles: &'a mut Particles,
-    surfaces: &'a [[u32; 3]],
-    air: &'a Air,
-    h: f32,
-}
-
-impl Work for SumAirForces<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { particles, surfaces, air, h } = self;
+kernel!(
+    /// The forces on the triangles.
+    fn sum_air_forces<L: Lanes>(
+        particles: &mut Particles,
+        surfaces: &[[u32; 3]],
+        air: &Air,
+        h: f32,
+    ) {
         let Particles { position, origin, velocity, acceleration, .. } = particles;
         let sheet = Sheet { position, origin };
         let eights = air.triangles.chunks_exact(LANES).zip(air.answers.chunks_exact(LANES));
@@ -376,7 +364,7 @@ impl Work for SumAirForces<'_> {
             }
         }
     }
-}
+);
 
 impl<L: Lanes> AirResponse<L> {
     /// The force on sheets of the given area vectors (m²) from air that moves at `v` relative to them (m/s); N. Here the density is in `drag` and

@@ -5,7 +5,7 @@ use glam::{Vec3, Vec4};
 use super::gusts::{VectorField, arch, at_one_place, fraction};
 use super::sheet::Sheet;
 use crate::forces::region::{Extent, Region, WorldPoint};
-use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
 
 /// A wind that presses on surfaces, everywhere or in a region.
@@ -82,7 +82,7 @@ pub(crate) fn sample(
         let k = if strength > 0.0 { 0.5 * THIRD / strength } else { 0.0 };
         pressures.resize(pressures.len() + surfaces.len(), wind.pressure.extend(k));
     } else {
-        with(instructions, Sample { particles, surfaces, gusts, region, pressures });
+        sample_gusts(particles, surfaces, gusts, region, pressures, instructions);
     }
 }
 
@@ -112,21 +112,15 @@ pub(crate) fn apply(particles: &mut Particles, surfaces: &[[u32; 3]], pressures:
     }
 }
 
-struct Sample<'a> {
-    particles: &'a Particles,
-    surfaces: &'a [[u32; 3]],
-    gusts: Gusts,
-    /// `None` for everywhere.
-    region: Option<&'a Region>,
-    pressures: &'a mut Vec<Vec4>,
-}
-
-impl Work for Sample<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { particles, surfaces, gusts, region, pressures } = self;
+kernel!(
+    fn sample_gusts<L: Lanes>(
+        particles: &Particles,
+        surfaces: &[[u32; 3]],
+        gusts: Gusts,
+        // `None` for everywhere.
+        region: Option<&Region>,
+        pressures: &mut Vec<Vec4>,
+    ) {
         for eight in surfaces.chunks(LANES) {
             // A triangle that names a row that is not there is left in the lee.
             let mut middles = [Vec4::ZERO; LANES];
@@ -149,7 +143,7 @@ impl Work for Sample<'_> {
             pressures.extend_from_slice(&found[..eight.len()]);
         }
     }
-}
+);
 
 const THIRD: f32 = 1.0 / 3.0;
 

@@ -8,13 +8,13 @@ use super::InstanceBatch;
 use super::lane_compaction::LaneCompaction;
 use super::lane_storage::LaneStorage;
 use super::lane_storage::{LaneParticles, gather, scatter};
-use super::momentum_drift::{DeriveLanes, Take};
-use super::motion::PredictLanes;
+use super::momentum_drift::{derive_lanes, take_drift};
+use super::motion::predict_lanes;
 use super::solve::BatchContext;
 use super::surfaces::SurfaceContext;
 use crate::collide::{BatchContacts, NormalImpulses, recovery};
 use crate::constraints::Plane;
-use crate::lanes::{LANES, with};
+use crate::lanes::LANES;
 use crate::particles::{Places, ground};
 use crate::settings::Order;
 use crate::solve::IslandReport;
@@ -174,7 +174,7 @@ impl<'a> BatchSolve<'a> {
                     if substep < 2 {
                         storage.note_losses(h);
                     }
-                    with(instructions, PredictLanes { storage, a: whole.common, h });
+                    predict_lanes(storage, whole.common, h, instructions);
                 }
             }
             lane_compaction.solve(&context, &mut self.normal_impulses);
@@ -185,7 +185,7 @@ impl<'a> BatchSolve<'a> {
                 if let BatchMotion::Step(whole) = &self.motion {
                     whole.iteration_counts[substep].fetch_max(sweeps, Ordering::Relaxed);
                     let (free, keeps_angular) = (storage.left(), context.keeps_spin(storage));
-                    with(instructions, DeriveLanes { storage, h, free, keeps_angular });
+                    derive_lanes(storage, h, free, keeps_angular, instructions);
                     if let Some(surfaces) = &context.surfaces {
                         surfaces.bounce(storage, &mut self.normal_impulses);
                     }
@@ -294,7 +294,7 @@ impl<'a> BatchSolve<'a> {
                 let (turning, parted) =
                     (left & context.keeps_spin(storage), !momentum_drift.is_empty());
                 let momentum_drifts =
-                    with(instructions, Take { storage, h: context.h, turning, left, parted });
+                    take_drift(storage, context.h, turning, left, parted, instructions);
                 if parted {
                     scatter(&storage.velocity, batch, begin, momentum_drift, instructions);
                     return;

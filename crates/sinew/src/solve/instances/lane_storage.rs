@@ -4,7 +4,7 @@ use glam::{Vec3, Vec4};
 
 use super::InstanceBatch;
 use super::convergence::ConvergenceMask;
-use crate::lanes::{InstructionSet, LANES, Lanes, Work, with};
+use crate::lanes::{InstructionSet, LANES, Lanes, kernel};
 use crate::solve::chains::Eliminated;
 
 /// The particles of eight bodies. Scratch.
@@ -216,66 +216,38 @@ fn lanes(which: u32) -> impl Iterator<Item = usize> {
     (0..LANES).filter(move |lane| which >> lane & 1 != 0)
 }
 
-/// Takes the rows of an instance batch from a slice that begins with the row `begin`.
-pub(super) fn gather(
-    to: &mut Vec<LaneParticles>,
-    batch: &InstanceBatch,
-    begin: u32,
-    from: &[Vec4],
-    instructions: InstructionSet,
-) {
-    to.resize(batch.members as usize, LaneParticles::ZERO);
-    with(instructions, Gather { to, places: batch.places(begin, 0), from });
-}
-
-struct Gather<'a> {
-    to: &'a mut [LaneParticles],
-    places: [u32; LANES],
-    from: &'a [Vec4],
-}
-
-impl Work for Gather<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { to, mut places, from } = self;
+kernel!(
+    /// Takes the rows of an instance batch from a slice that begins with the row `begin`.
+    pub(super) fn gather<L: Lanes>(
+        to: &mut Vec<LaneParticles>,
+        batch: &InstanceBatch,
+        begin: u32,
+        from: &[Vec4],
+    ) {
+        to.resize(batch.members as usize, LaneParticles::ZERO);
+        let mut places = batch.places(begin, 0);
         for spot in to {
             spot.set(L::rows(from, &places));
             next(&mut places);
         }
     }
-}
+);
 
-/// Gives them back.
-pub(super) fn scatter(
-    from: &[LaneParticles],
-    batch: &InstanceBatch,
-    begin: u32,
-    to: &mut [Vec4],
-    instructions: InstructionSet,
-) {
-    with(instructions, Scatter { from, places: batch.places(begin, 0), to });
-}
-
-struct Scatter<'a> {
-    from: &'a [LaneParticles],
-    places: [u32; LANES],
-    to: &'a mut [Vec4],
-}
-
-impl Work for Scatter<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { from, mut places, to } = self;
+kernel!(
+    /// Gives them back.
+    pub(super) fn scatter<L: Lanes>(
+        from: &[LaneParticles],
+        batch: &InstanceBatch,
+        begin: u32,
+        to: &mut [Vec4],
+    ) {
+        let mut places = batch.places(begin, 0);
         for spot in from {
             L::put_rows(to, &places, spot.load());
             next(&mut places);
         }
     }
-}
+);
 
 /// The next particle of each body. Numbers made one by one would have to be waited for before they are read as one register.
 #[inline(always)]

@@ -4,7 +4,7 @@ use glam::Vec4;
 
 use super::lane_storage::{LaneParticles, gather};
 use super::{InstanceBatches, InstancePart, InstancedRod};
-use crate::lanes::{InstructionSet, LANES, Lanes, Work, with};
+use crate::lanes::{InstructionSet, LANES, Lanes, kernel};
 use crate::solve::IslandReport;
 use crate::solve::rods::worse;
 
@@ -27,10 +27,9 @@ impl InstanceBatches {
             let mut worst = [[0.0; LANES]; 2];
             for part in &self.parts[batch.parts.clone()] {
                 let found = match part {
-                    InstancePart::Rods(range) => with(
-                        instructions,
-                        MeasureInstancedRods { rods: &self.rods[range.clone()], lane_particles },
-                    ),
+                    InstancePart::Rods(range) => {
+                        measure_rods(&self.rods[range.clone()], lane_particles, instructions)
+                    }
                     InstancePart::Constraints(part) => {
                         self.instanced.measure(part, lane_particles, instructions)
                     }
@@ -51,23 +50,17 @@ impl InstanceBatches {
     }
 }
 
-/// The largest error of rods in each of eight bodies, metres, and the largest strain.
-struct MeasureInstancedRods<'a> {
-    rods: &'a [InstancedRod],
-    lane_particles: &'a [LaneParticles],
-}
-
-impl Work for MeasureInstancedRods<'_> {
-    type Output = [[f32; LANES]; 2];
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> [[f32; LANES]; 2] {
+kernel!(
+    /// The largest error of rods in each of eight bodies, metres, and the largest strain.
+    fn measure_rods<L: Lanes>(
+        rods: &[InstancedRod],
+        lane_particles: &[LaneParticles],
+    ) -> [[f32; LANES]; 2] {
         let mut worst = (L::zero(), L::zero());
-        for rod in self.rods {
-            let (one, other) =
-                (&self.lane_particles[rod.a as usize], &self.lane_particles[rod.b as usize]);
+        for rod in rods {
+            let (one, other) = (&lane_particles[rod.a as usize], &lane_particles[rod.b as usize]);
             worst = worse(worst, one.load(), other.load(), L::load(&rod.rest));
         }
         [worst.0.array(), worst.1.array()]
     }
-}
+);

@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::lane_storage::LaneStorage;
-use crate::lanes::{Doubles, LANES, Lanes, Vector, Work};
+use crate::lanes::{Doubles, LANES, Lanes, Vector, kernel};
 use crate::pose::{WORST, pseudo_solve};
 use crate::solve::momentum::{MomentumDrift, WideMomentumDrift};
 
@@ -43,21 +43,15 @@ impl DriftLanes {
     }
 }
 
-/// Derives the velocities in a lane storage at the end of a substep of `h` seconds. Of the bodies of the mask `free`, to which nothing was given,
-/// linear momentum is kept, and of those of `keeps_angular` angular momentum, too.
-pub(super) struct DeriveLanes<'a> {
-    pub(super) storage: &'a mut LaneStorage,
-    pub(super) h: f32,
-    pub(super) free: u32,
-    pub(super) keeps_angular: u32,
-}
-
-impl Work for DeriveLanes<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { storage, h, free, keeps_angular } = self;
+kernel!(
+    /// Derives the velocities in a lane storage at the end of a substep of `h` seconds. Of the bodies of the mask `free`, to which nothing was given,
+    /// linear momentum is kept, and of those of `keeps_angular` angular momentum, too.
+    pub(super) fn derive_lanes<L: Lanes>(
+        storage: &mut LaneStorage,
+        h: f32,
+        free: u32,
+        keeps_angular: u32,
+    ) {
         let momentum_drifts = if free != 0 {
             Some(storage.momentum_drifts::<L>(h, free & keeps_angular))
         } else {
@@ -77,24 +71,18 @@ impl Work for DeriveLanes<'_> {
             velocity.put(v.with(h));
         }
     }
-}
+);
 
-/// Finds what the bodies of the mask `left` in a lane storage have to have taken off after a substep of `h` seconds, of those of `turning` angular
-/// momentum, too; and puts it, m/s, in place of the velocities of their particles if it is to be `parted`, and nothing in those of other bodies.
-pub(super) struct Take<'a> {
-    pub(super) storage: &'a mut LaneStorage,
-    pub(super) h: f32,
-    pub(super) turning: u32,
-    pub(super) left: u32,
-    pub(super) parted: bool,
-}
-
-impl Work for Take<'_> {
-    type Output = DriftLanes;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> DriftLanes {
-        let Self { storage, h, turning, left: which, parted } = self;
+kernel!(
+    /// Finds what the bodies of the mask `which` in a lane storage have to have taken off after a substep of `h` seconds, of those of `turning` angular
+    /// momentum, too; and puts it, m/s, in place of the velocities of their particles if it is to be `parted`, and nothing in those of other bodies.
+    pub(super) fn take_drift<L: Lanes>(
+        storage: &mut LaneStorage,
+        h: f32,
+        turning: u32,
+        which: u32,
+        parted: bool,
+    ) -> DriftLanes {
         let momentum_drifts = storage.momentum_drifts::<L>(h, turning);
         if !parted {
             return momentum_drifts.bodies();
@@ -107,7 +95,7 @@ impl Work for Take<'_> {
         }
         DriftLanes::default()
     }
-}
+);
 
 impl LaneStorage {
     /// What bodies have to have taken off before their velocities are derived; of those with a bit in `turning`, angular momentum, too.

@@ -1,11 +1,11 @@
-//! Verlet's step for eight bodies: as [`PredictLanes`](crate::integrate::Predict) and [`DeriveLanes`](crate::integrate::Derive) have it, operation by
+//! Verlet's step for eight bodies: as [`Predict`](crate::integrate::Predict) and [`Derive`](crate::integrate::Derive) have it, operation by
 //! operation.
 
 use glam::Vec3;
 
 use super::LaneStorage;
 use crate::integrate::loss;
-use crate::lanes::{LANES, Lanes, Vector, Work};
+use crate::lanes::{LANES, Lanes, Vector, kernel};
 
 impl LaneStorage {
     /// Notes how much velocity is lost over a substep of `h` seconds by particles that had their last step as long ago as they say.
@@ -39,20 +39,11 @@ impl LaneStorage {
     }
 }
 
-/// Predicts where all in a lane storage go in a substep of `h` seconds, accelerated by `a`, m/s².
-pub(super) struct PredictLanes<'a> {
-    pub(super) storage: &'a mut LaneStorage,
-    pub(super) a: Vec3,
-    pub(super) h: f32,
-}
-
-impl Work for PredictLanes<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let (a, h, zero) = (Vector::<L>::splat(self.a), L::splat(self.h), L::zero());
-        let LaneStorage { now, start, velocity, rounding, lost, .. } = self.storage;
+kernel!(
+    /// Predicts where all in a lane storage go in a substep of `h` seconds, accelerated by `a`, m/s².
+    pub(super) fn predict_lanes<L: Lanes>(storage: &mut LaneStorage, a: Vec3, h: f32) {
+        let (a, h, zero) = (Vector::<L>::splat(a), L::splat(h), L::zero());
+        let LaneStorage { now, start, velocity, rounding, lost, .. } = storage;
         let columns = now.iter_mut().zip(start).zip(velocity).zip(rounding).zip(lost);
         for ((((now, start), velocity), rounding), lost) in columns {
             let ((p, w), (v, lag)) =
@@ -70,4 +61,4 @@ impl Work for PredictLanes<'_> {
             now.put((p + u * h).or_else(moves, p).with(w));
         }
     }
-}
+);

@@ -2,23 +2,17 @@
 
 use super::LaneStorage;
 use crate::constraints::Plane;
-use crate::lanes::{LANES, Lanes, Vector, Work};
+use crate::lanes::{LANES, Lanes, Vector, kernel};
 
-/// Puts all particles of the bodies that are still `going` out of all planes once, with friction; returns the deepest of each body, metres.
-pub(super) struct ProjectPlanes<'a> {
-    pub(super) planes: &'a [Plane],
-    /// How much of an overlap is recovered in a substep, metres.
-    pub(super) recover: f32,
-    pub(super) storage: &'a mut LaneStorage,
-    pub(super) going: u32,
-}
-
-impl Work for ProjectPlanes<'_> {
-    type Output = [f32; LANES];
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> [f32; LANES] {
-        let Self { planes, recover, storage, going } = self;
+kernel!(
+    /// Puts all particles of the bodies that are still `going` out of all planes once, with friction; returns the deepest of each body, metres.
+    pub(super) fn project_planes<L: Lanes>(
+        planes: &[Plane],
+        // How much of an overlap is recovered in a substep, metres.
+        recover: f32,
+        storage: &mut LaneStorage,
+        going: u32,
+    ) -> [f32; LANES] {
         let (going, mut deepest) = (L::mask(going), L::zero());
         let LaneStorage { now, start, radius, ground, .. } = storage;
         for ((now, start), radius) in now.iter_mut().zip(start).zip(radius) {
@@ -55,4 +49,4 @@ impl Work for ProjectPlanes<'_> {
         }
         deepest.array()
     }
-}
+);

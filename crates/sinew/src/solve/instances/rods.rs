@@ -5,28 +5,22 @@ use glam::Vec4;
 use super::InstancedRod;
 use super::lane_storage::LaneParticles;
 use crate::constraints::project_rod;
-use crate::lanes::{LANES, Lanes, Vector, Work};
+use crate::lanes::{LANES, Lanes, Vector, kernel};
 use crate::solve::rods::{COS_SQUARED, project, project_from_start};
 use crate::solve::tethers::hold;
 
-/// Projects rods once, one after the other; returns the largest error found in each body, metres, or what it was before. Bodies of the mask `may` are
-/// corrected along where the rods pointed when the substep began; if there are none, `START` need not be. What becomes of those of the mask `aside`
-/// does not matter.
-pub(super) struct SweepInstancedRods<'a, const START: bool> {
-    pub(super) rods: &'a [InstancedRod],
-    pub(super) now: &'a mut [LaneParticles],
-    pub(super) start: &'a [LaneParticles],
-    pub(super) may: u32,
-    pub(super) aside: u32,
-    pub(super) worst: [f32; LANES],
-}
-
-impl<const START: bool> Work for SweepInstancedRods<'_, START> {
-    type Output = [f32; LANES];
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> [f32; LANES] {
-        let Self { rods, now, start, may, aside, worst } = self;
+kernel!(
+    /// Projects rods once, one after the other; returns the largest error found in each body, metres, or what it was before. Bodies of the mask `may` are
+    /// corrected along where the rods pointed when the substep began; if there are none, `START` need not be. What becomes of those of the mask `aside`
+    /// does not matter.
+    pub(super) fn sweep_rods<L: Lanes, const START: bool>(
+        rods: &[InstancedRod],
+        now: &mut [LaneParticles],
+        start: &[LaneParticles],
+        may: u32,
+        aside: u32,
+        worst: [f32; LANES],
+    ) -> [f32; LANES] {
         let (may, aside, mut worst) = (L::mask(may), L::mask(aside), L::load(&worst));
         for rod in rods {
             let (a, b, rest) = (rod.a as usize, rod.b as usize, L::load(&rod.rest));
@@ -47,7 +41,7 @@ impl<const START: bool> Work for SweepInstancedRods<'_, START> {
         }
         worst.array()
     }
-}
+);
 
 /// Those whose ends are in one place, or pinned, one after the other. Returns their errors.
 #[cold]
@@ -63,20 +57,14 @@ fn part(rod: &InstancedRod, now: &mut [LaneParticles], stuck: u32) -> [f32; LANE
     found
 }
 
-/// Puts the particles of the bodies that are still `going` where they may be; returns how far out the farthest of each body was, metres.
-pub(super) struct HoldInstanced<'a> {
-    pub(super) now: &'a mut [LaneParticles],
-    /// Of each particle where its pins are and, in the fourth places, how long its tethers.
-    pub(super) tethers: &'a [Vec<LaneParticles>; 2],
-    pub(super) going: u32,
-}
-
-impl Work for HoldInstanced<'_> {
-    type Output = [f32; LANES];
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> [f32; LANES] {
-        let Self { now, tethers, going } = self;
+kernel!(
+    /// Puts the particles of the bodies that are still `going` where they may be; returns how far out the farthest of each body was, metres.
+    pub(super) fn hold_tethers<L: Lanes>(
+        now: &mut [LaneParticles],
+        // Of each particle where its pins are and, in the fourth places, how long its tethers.
+        tethers: &[Vec<LaneParticles>; 2],
+        going: u32,
+    ) -> [f32; LANES] {
         let (going, mut worst) = (L::mask(going), L::zero());
         for tethers in tethers {
             for (now, tether) in now.iter_mut().zip(tethers) {
@@ -90,24 +78,19 @@ impl Work for HoldInstanced<'_> {
         }
         worst.array()
     }
-}
+);
 
-/// A mask of the bodies of which a rod turns so far in this substep that the direction that it had at the start says little about the one it needs:
-/// as `turns_too_fast` has it of an island.
-pub(super) struct TurnTooFast<'a> {
-    pub(super) rods: &'a [InstancedRod],
-    pub(super) now: &'a [LaneParticles],
-    pub(super) start: &'a [LaneParticles],
-}
-
-impl Work for TurnTooFast<'_> {
-    type Output = u32;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> u32 {
+kernel!(
+    /// A mask of the bodies of which a rod turns so far in this substep that the direction that it had at the start says little about the one it needs:
+    /// as `turns_too_fast` has it of an island.
+    pub(super) fn turn_too_fast<L: Lanes>(
+        rods: &[InstancedRod],
+        now: &[LaneParticles],
+        start: &[LaneParticles],
+    ) -> u32 {
         let mut fast = L::zero();
-        for rod in self.rods {
-            let (now, start) = (between::<L>(self.now, rod), between::<L>(self.start, rod));
+        for rod in rods {
+            let (now, start) = (between::<L>(now, rod), between::<L>(start, rod));
             let along = now.dot(start);
             let squares = now.length_squared() * start.length_squared();
             let back = along.lt(L::zero());
@@ -116,7 +99,7 @@ impl Work for TurnTooFast<'_> {
         }
         fast.bits()
     }
-}
+);
 
 /// From the first particle of a rod to the second.
 #[inline(always)]

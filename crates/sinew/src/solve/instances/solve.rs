@@ -2,7 +2,7 @@
 
 use super::convergence::ConvergenceMask;
 use super::lane_storage::LaneStorage;
-use super::planes::ProjectPlanes;
+use super::planes::project_planes;
 use super::surfaces::SurfaceContext;
 use super::{InstanceBatch, InstanceBatches, InstancePart, chains, rods};
 use crate::collide::NormalImpulses;
@@ -42,8 +42,7 @@ impl BatchContext<'_> {
                 if let InstancePart::Rods(range) = part {
                     let rods = &self.instance_batches.rods[range.clone()];
                     let (now, start) = (&storage.now[..], &storage.start[..]);
-                    let work = rods::TurnTooFast { rods, now, start };
-                    fell_back |= with(self.instructions, work);
+                    fell_back |= rods::turn_too_fast(rods, now, start, self.instructions);
                 }
             }
             storage.convergence.fell_back = fell_back;
@@ -91,8 +90,7 @@ impl BatchContext<'_> {
                 }
             };
             if !planes.is_empty() {
-                let depth =
-                    with(self.instructions, ProjectPlanes { planes, recover, storage, going });
+                let depth = project_planes(planes, recover, storage, going, self.instructions);
                 put_out(storage, depth);
             }
             if let Some(surfaces) = &self.surfaces {
@@ -125,7 +123,7 @@ impl BatchContext<'_> {
             let first = bits(storage.convergence.sweeps, |sweeps| sweeps == 0.0);
             let going = first & !(aside | may);
             if going != 0 {
-                worst = with(instructions, rods::HoldInstanced { now, tethers, going });
+                worst = rods::hold_tethers(now, tethers, going, instructions);
             }
         }
         if chained && aside | may != u32::MAX {
@@ -148,27 +146,9 @@ impl BatchContext<'_> {
                 InstancePart::Rods(range) => {
                     let rods = &instance_batches.rods[range.clone()];
                     let (now, start) = (&mut storage.now[..], &storage.start[..]);
-                    if may == 0 {
-                        let work = rods::SweepInstancedRods::<false> {
-                            rods,
-                            now,
-                            start,
-                            may,
-                            aside,
-                            worst,
-                        };
-                        with(instructions, work)
-                    } else {
-                        let work = rods::SweepInstancedRods::<true> {
-                            rods,
-                            now,
-                            start,
-                            may,
-                            aside,
-                            worst,
-                        };
-                        with(instructions, work)
-                    }
+                    let sweep =
+                        if may == 0 { rods::sweep_rods::<false> } else { rods::sweep_rods::<true> };
+                    sweep(rods, now, start, may, aside, worst, instructions)
                 }
                 InstancePart::Constraints(part) => instance_batches.instanced.sweep(
                     part,

@@ -9,7 +9,7 @@ use glam::{Vec3, Vec4};
 
 use super::lane_storage::{LaneParticles, LaneStorage};
 use crate::collide::NormalImpulses;
-use crate::lanes::{LANES, Lanes, Vector, Work, with};
+use crate::lanes::{LANES, Lanes, Vector, kernel};
 use crate::particles::Places;
 use crate::solve::context::SolveContext;
 
@@ -43,7 +43,7 @@ impl SurfaceContext<'_> {
     ) -> [f32; LANES] {
         let SolveContext { contacts, execution, .. } = self.context;
         let interval = self.context.interval();
-        let exceeded = with(execution.instructions, SkinExceeded { storage });
+        let exceeded = skin_exceeded(storage, execution.instructions);
         let mut deepest = [0.0; LANES];
         for lane in (0..storage.bodies).filter(|lane| going >> lane & 1 != 0) {
             let own = self.rows(storage, lane);
@@ -131,17 +131,10 @@ impl SurfaceContext<'_> {
     }
 }
 
-/// A bit for each body of which a particle has gone further than was foreseen.
-struct SkinExceeded<'a> {
-    storage: &'a LaneStorage,
-}
-
-impl Work for SkinExceeded<'_> {
-    type Output = u32;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> u32 {
-        let LaneStorage { now, last_seen, .. } = self.storage;
+kernel!(
+    /// A bit for each body of which a particle has gone further than was foreseen.
+    fn skin_exceeded<L: Lanes>(storage: &LaneStorage) -> u32 {
+        let LaneStorage { now, last_seen, .. } = storage;
         let mut exceeded = L::zero();
         for (now, seen) in now.iter().zip(last_seen) {
             let (now, (seen, most)) = (Vector::of(now.load::<L>()).0, Vector::of(seen.load::<L>()));
@@ -149,4 +142,4 @@ impl Work for SkinExceeded<'_> {
         }
         exceeded.bits()
     }
-}
+);

@@ -6,7 +6,7 @@ use glam::Vec4;
 
 use super::{RodRun, Rods, StridedBatch, project, project_from_start};
 use crate::constraints::{GradientAt, project_rod};
-use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 use crate::particles::Places;
 
 impl Rods {
@@ -21,12 +21,8 @@ impl Rods {
     ) -> f32 {
         let rods = self;
         match gradient_at {
-            GradientAt::Current => {
-                with(instructions, SweepRods::<false> { rods, places, runs, blocks })
-            }
-            GradientAt::StepStart => {
-                with(instructions, SweepRods::<true> { rods, places, runs, blocks })
-            }
+            GradientAt::Current => sweep_packed::<false>(rods, places, runs, blocks, instructions),
+            GradientAt::StepStart => sweep_packed::<true>(rods, places, runs, blocks, instructions),
         }
     }
 
@@ -38,7 +34,7 @@ impl Rods {
         blocks: Range<usize>,
         instructions: InstructionSet,
     ) -> (f32, f32) {
-        with(instructions, MeasureRods { rods: self, positions, runs, blocks })
+        measure_packed(self, positions, runs, blocks, instructions)
     }
 
     /// Projects strided batches of a cluster batch in columns, on particles as they lie: along where rods pointed when the substep began, which
@@ -51,24 +47,18 @@ impl Rods {
         instructions: InstructionSet,
     ) -> f32 {
         let strided_batches = &self.strided_batches[strided_batches];
-        with(instructions, FromStart { rods: self, places, strided_batches, first: rows.start })
+        sweep_from_start(self, places, strided_batches, rows.start, instructions)
     }
 }
 
-/// As [`Rods::sweep`] has it: `START` along where rods pointed when the substep began.
-struct SweepRods<'a, 'b, const START: bool> {
-    rods: &'a Rods,
-    places: &'a mut Places<'b>,
-    runs: Range<usize>,
-    blocks: Range<usize>,
-}
-
-impl<const START: bool> Work for SweepRods<'_, '_, START> {
-    type Output = f32;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> f32 {
-        let Self { rods, places, runs, blocks } = self;
+kernel!(
+    /// As [`Rods::sweep`] has it: `START` along where rods pointed when the substep began.
+    fn sweep_packed<L: Lanes, const START: bool>(
+        rods: &Rods,
+        places: &mut Places<'_>,
+        runs: Range<usize>,
+        blocks: Range<usize>,
+    ) -> f32 {
         let (mut worst, mut parted) = (L::zero(), 0.0_f32);
         for run in &rods.runs[runs] {
             let (rests, pattern) = (rods.rests_of(run), run.pattern());
@@ -113,22 +103,16 @@ impl<const START: bool> Work for SweepRods<'_, '_, START> {
         }
         worst.largest(parted)
     }
-}
+);
 
-/// As [`Rods::measure`] has it.
-struct MeasureRods<'a> {
-    rods: &'a Rods,
-    positions: &'a [Vec4],
-    runs: Range<usize>,
-    blocks: Range<usize>,
-}
-
-impl Work for MeasureRods<'_> {
-    type Output = (f32, f32);
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> (f32, f32) {
-        let Self { rods, positions, runs, blocks } = self;
+kernel!(
+    /// As [`Rods::measure`] has it.
+    fn measure_packed<L: Lanes>(
+        rods: &Rods,
+        positions: &[Vec4],
+        runs: Range<usize>,
+        blocks: Range<usize>,
+    ) -> (f32, f32) {
         let mut worst = (L::zero(), L::zero());
         for run in &rods.runs[runs] {
             for (eight, rest) in rods.rests_of(run).iter().enumerate() {
@@ -145,7 +129,7 @@ impl Work for MeasureRods<'_> {
         }
         (worst.0.largest(0.0), worst.1.largest(0.0))
     }
-}
+);
 
 /// The larger of errors and strains, and of those of eight more rods. One that nothing can move has none.
 #[inline(always)]
@@ -161,20 +145,14 @@ pub(in crate::solve) fn worse<L: Lanes>(
     (left.max(error), share.max(strain))
 }
 
-/// As [`Rods::sweep_strided_from_start`] has it; `first` is the first row of the cluster batch.
-struct FromStart<'a, 'b> {
-    rods: &'a Rods,
-    places: &'a mut Places<'b>,
-    strided_batches: &'a [StridedBatch],
-    first: u32,
-}
-
-impl Work for FromStart<'_, '_> {
-    type Output = f32;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> f32 {
-        let Self { rods, places, strided_batches, first } = self;
+kernel!(
+    /// As [`Rods::sweep_strided_from_start`] has it; `first` is the first row of the cluster batch.
+    fn sweep_from_start<L: Lanes>(
+        rods: &Rods,
+        places: &mut Places<'_>,
+        strided_batches: &[StridedBatch],
+        first: u32,
+    ) -> f32 {
         let (mut worst, mut parted) = (L::zero(), 0.0_f32);
         let first = places.at(first) as u32;
         for strided_batches in strided_batches {
@@ -193,7 +171,7 @@ impl Work for FromStart<'_, '_> {
         }
         worst.largest(parted)
     }
-}
+);
 
 /// Eight rods of any rows. Returns the errors found, and the largest of those whose ends were in one place.
 #[inline(always)]

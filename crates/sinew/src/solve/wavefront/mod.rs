@@ -27,7 +27,7 @@ use glam::Vec4;
 use smallvec::SmallVec;
 
 use crate::constraints::GradientAt;
-use crate::integrate::{Pass, Predict, StepConstants};
+use crate::integrate::{Predict, StepConstants, begin_columns, go_on_with_columns, settle_columns};
 use crate::lanes::InstructionSet;
 use crate::settings::Order;
 pub(super) use pipeline::pipelined_wavefront;
@@ -306,12 +306,12 @@ impl Wavefront {
                     store.wait(rows.end);
                     window.turn_in(rows.start, &store.lend(rows.clone()), instructions);
                     store.put_back(None);
-                    let pass = Pass::Begin { last: substeps == 1 };
-                    window.moving.pass(pass, window.lanes(rows), step, instructions);
+                    let (lanes, last) = (window.lanes(rows), substeps == 1);
+                    begin_columns(&mut window.moving, lanes, step, last, instructions);
                 }
                 What::GoOn(substep) => {
-                    let pass = Pass::GoOn { last: substep + 1 == substeps };
-                    window.moving.pass(pass, window.lanes(rows), step, instructions);
+                    let (lanes, last) = (window.lanes(rows), substep + 1 == substeps);
+                    go_on_with_columns(&mut window.moving, lanes, step, last, instructions);
                 }
                 What::Tethers { substep } => {
                     let Some(tethers) = tethers else { continue };
@@ -340,7 +340,7 @@ impl Wavefront {
                 }
                 What::Settle => {
                     let lanes = window.lanes(rows.clone());
-                    window.moving.pass(Pass::Settle, lanes, step, instructions);
+                    settle_columns(&mut window.moving, lanes, step, instructions);
                     window.turn_out(rows.start, store.lend(rows.clone()), instructions);
                     store.put_back(Some(rows.end));
                 }
