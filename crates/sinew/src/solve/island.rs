@@ -19,99 +19,32 @@ use crate::particles::Places;
 use crate::settings::Order;
 use crate::threads::ExecutionContext;
 
-/// What makes one sweep over an island, and returns the largest error that it found, metres.
-pub(super) trait Sweeper {
-    fn sweep(
-        &mut self,
-        places: &mut Places,
-        multipliers: &mut MultiplierSlice,
-        mode: SolveMode,
-    ) -> f32;
-}
-
-impl<S: Sweeper> Sweeper for &mut S {
-    fn sweep(
-        &mut self,
-        places: &mut Places,
-        multipliers: &mut MultiplierSlice,
-        mode: SolveMode,
-    ) -> f32 {
-        (**self).sweep(places, multipliers, mode)
+/// A sweep over an island by one worker, in whatever order the island asks for. As every sweep it returns the largest error that it found, metres.
+#[inline]
+pub(super) fn sweep_in_order(
+    plan: &Plan,
+    island: &Island,
+    thread_scratch: &mut ThreadScratch,
+) -> impl FnMut(&mut Places, &mut MultiplierSlice, SolveMode) -> f32 {
+    let order = island.settings.order;
+    if order != Order::GaussSeidel {
+        list_constraint_refs(plan, island, &mut thread_scratch.constraint_refs);
     }
-}
-
-/// One worker, in whatever order the island asks for.
-pub(super) struct InOrder<'a> {
-    plan: &'a Plan,
-    island: &'a Island,
-    thread_scratch: &'a mut ThreadScratch,
-}
-
-impl<'a> InOrder<'a> {
-    #[inline]
-    pub(super) fn new(
-        plan: &'a Plan,
-        island: &'a Island,
-        thread_scratch: &'a mut ThreadScratch,
-    ) -> Self {
-        if island.settings.order != Order::GaussSeidel {
-            list_constraint_refs(plan, island, &mut thread_scratch.constraint_refs);
-        }
-        Self { plan, island, thread_scratch }
-    }
-}
-
-impl Sweeper for InOrder<'_> {
-    fn sweep(
-        &mut self,
-        places: &mut Places,
-        multipliers: &mut MultiplierSlice,
-        mode: SolveMode,
-    ) -> f32 {
-        let Self { plan, island, thread_scratch } = self;
-        if island.settings.order == Order::GaussSeidel {
-            let cluster_batches = island.cluster_batches.clone();
+    move |places, multipliers, mode| match order {
+        Order::GaussSeidel => {
             let alone = ExecutionContext { instructions: mode.instructions, workers: None };
             let out = hold_at_once(plan, island, places, mode, alone, thread_scratch);
-            let found = gauss_seidel::sweep(
-                places,
-                plan,
-                cluster_batches,
-                multipliers,
-                mode,
-                thread_scratch,
-            );
-            return out.max(found);
+            let batches = island.cluster_batches.clone();
+            out.max(gauss_seidel::sweep(places, plan, batches, multipliers, mode, thread_scratch))
         }
-        let ThreadScratch { local, constraint_refs, asked, queue, .. } = *thread_scratch;
-        if island.settings.order == Order::Jacobi {
-            return jacobi::sweep(
-                places,
-                plan,
-                multipliers,
-                island,
-                constraint_refs,
-                mode,
-                local,
-                asked,
-            );
+        Order::Jacobi => jacobi::sweep(places, plan, island, multipliers, mode, thread_scratch),
+        Order::MostViolatedFirst => {
+            most_violated_first::sweep(places, plan, island, multipliers, mode, thread_scratch)
         }
-        let tolerance = island.settings.tolerance;
-        most_violated_first::sweep(
-            places,
-            plan,
-            multipliers,
-            island,
-            constraint_refs,
-            mode,
-            local,
-            queue,
-            tolerance,
-        )
     }
 }
 
-/// Solves the island of a number; returns what its corrections gave it and should not have.
+/// Solves the island of a number by a `sweep`; returns what its corrections gave it and should not have.
 ///
 /// Constraints come first, contacts last: what must not be seen to fail, a foot in the ground, has the last word. A sweep's error is what it
 /// *found*, before it corrected it: reaching the tolerance therefore costs no extra pass, and is never claimed too early.
@@ -119,7 +52,7 @@ pub(super) fn solve(
     context: SolveContext,
     number: usize,
     own: IslandSlice,
-    mut sweeper: impl Sweeper,
+    mut sweep: impl FnMut(&mut Places, &mut MultiplierSlice, SolveMode) -> f32,
 ) -> Option<MomentumDrift> {
     let IslandSlice { places, multipliers, normal_impulses, report } = own;
     let (mut places, mut multipliers, mut normal_impulses) = (places, multipliers, normal_impulses);
@@ -142,8 +75,7 @@ pub(super) fn solve(
         let (tethers, instructions) = (sweeps == 0 || rows.len() > MOST, execution.instructions);
         let mode =
             SolveMode { substep_context, gradient_at, tethers, violation: most, instructions };
-        let found =
-            if island.groups.is_empty() { 0.0 } else { sweeper.sweep(places, multipliers, mode) };
+        let found = if island.groups.is_empty() { 0.0 } else { sweep(places, multipliers, mode) };
         report.violated = if sweeps == 0 { found > most } else { report.violated };
         let depth = project_contacts(context, places, &mut normal_impulses, (number, rows));
         touched |= depth > 0.0;

@@ -10,7 +10,7 @@ use smallvec::SmallVec;
 use super::SolverReport;
 use super::context::SolveContext;
 use super::instances::{BatchMotion, BatchSolve, WholeStep};
-use super::island::InOrder;
+use super::island::sweep_in_order;
 use super::microsteps::{derive_whole_steps, list_step_rows};
 use super::plan::{Plan, Task};
 use super::remaining::Remaining;
@@ -182,8 +182,8 @@ impl TaskSlice<'_> {
                 if island.is_left_alone() {
                     continue;
                 }
-                let sweeper = InOrder::new(plan, island, thread_scratch);
-                let momentum_drift = self.solve_substep(number, sweeper, &mut microsteps);
+                let sweep = sweep_in_order(plan, island, thread_scratch);
+                let momentum_drift = self.solve_substep(number, sweep, &mut microsteps);
                 thread_scratch
                     .momentum_drifts
                     .extend(momentum_drift.map(|momentum_drift| (number as u32, momentum_drift)));

@@ -17,7 +17,7 @@ use super::IslandReport;
 use super::chains::Eliminated;
 use super::constraint_ref::{ConstraintRef, Local, SolveMode, list_constraint_refs};
 use super::context::SolveContext;
-use super::island::{Sweeper, solve};
+use super::island::solve;
 use super::momentum::MomentumDrift;
 use super::multipliers::{MultiplierSlice, Multipliers};
 use super::plan::{GroupKind, Plan};
@@ -175,22 +175,12 @@ impl Loads {
         for at in 0..self.islands.len() {
             let number = self.islands[at];
             let island = &plan.islands.list[number as usize];
-            let tethers = first..first + island.members.len();
-            first = tethers.end;
+            let own = (plan, island, first);
+            first += island.members.len();
             if island.asleep {
                 continue;
             }
             list_constraint_refs(plan, island, &mut self.constraint_refs);
-            let sweep = MeasuredSweep {
-                plan,
-                island,
-                constraint_refs: &self.constraint_refs,
-                local: &mut self.local,
-                eliminated: &mut self.eliminated,
-                distances: &mut self.distances,
-                constraints: &mut self.constraints,
-                tethers: &mut self.tethers[tethers],
-            };
             let momentum_drift = solve(
                 context,
                 number as usize,
@@ -200,7 +190,7 @@ impl Loads {
                     normal_impulses: NormalImpulses::all(normal_impulses),
                     report: &mut reports[number as usize],
                 },
-                sweep,
+                |places, multipliers, mode| self.sweep(own, places, multipliers, mode),
             );
             momentum_drifts.extend(momentum_drift.map(|drift| (number, drift)));
         }
@@ -255,36 +245,17 @@ fn per_square(h: f32, substeps: u32) -> f64 {
     1.0 / (h * h * f64::from(substeps.max(1)))
 }
 
-/// Sweeps an island one constraint after the other, and notes what those do that are measured.
-struct MeasuredSweep<'a> {
-    plan: &'a Plan,
-    island: &'a Island,
-    constraint_refs: &'a [ConstraintRef],
-    local: &'a mut Local,
-    eliminated: &'a mut Vec<Eliminated<f32>>,
-    distances: &'a mut Wanted,
-    constraints: &'a mut Wanted,
-    /// What the tethers of each member did, kg·m.
-    tethers: &'a mut [[f64; 2]],
-}
-
-impl Sweeper for MeasuredSweep<'_> {
+impl Loads {
+    /// Sweeps an island, whose tethers begin with number `first`, one constraint after the other, and notes what those do that are measured.
     fn sweep(
         &mut self,
+        (plan, island, first): (&Plan, &Island, usize),
         places: &mut Places,
         multipliers: &mut MultiplierSlice,
         mode: SolveMode,
     ) -> f32 {
-        let Self {
-            plan,
-            island,
-            constraint_refs,
-            local,
-            eliminated,
-            distances,
-            constraints,
-            tethers,
-        } = self;
+        let Self { constraint_refs, local, eliminated, distances, constraints, tethers, .. } = self;
+        let tethers = &mut tethers[first..first + island.members.len()];
         let mut worst = 0.0_f32;
         // As for others: not where corrections are to keep energy.
         if mode.tethers
@@ -307,10 +278,10 @@ impl Sweeper for MeasuredSweep<'_> {
             });
             worst = worst.max(mode.of_chains(found));
         }
-        for &one in *constraint_refs {
+        for &one in &*constraint_refs {
             let wanted = match one.kind {
-                GroupKind::Constraints => &mut **constraints,
-                _ => &mut **distances,
+                GroupKind::Constraints => &mut *constraints,
+                _ => &mut *distances,
             };
             let slot = wanted.slots[one.number as usize];
             if slot == NONE {

@@ -16,10 +16,12 @@ use core::ops::Range;
 
 use glam::Vec4;
 
+use super::constraint_ref::SolveMode;
 use super::context::{Microstep, SolveContext};
 use super::instances::MOST;
-use super::island::{Sweeper, solve};
+use super::island::solve;
 use super::momentum::MomentumDrift;
+use super::multipliers::MultiplierSlice;
 use super::plan::{GroupKind, Plan};
 use super::remaining::Remaining;
 use super::scratch::MicrostepScratch;
@@ -84,14 +86,14 @@ impl TaskSlice<'_> {
     pub(super) fn solve_substep(
         &mut self,
         number: usize,
-        sweeper: impl Sweeper,
+        sweep: impl FnMut(&mut Places, &mut MultiplierSlice, SolveMode) -> f32,
         scratch: &mut MicrostepScratch,
     ) -> Option<MomentumDrift> {
         if self.context.plan.islands.list[number].takes_microsteps() {
-            self.take_microsteps(number, sweeper, scratch);
+            self.take_microsteps(number, sweep, scratch);
             return None;
         }
-        solve(self.context, number, self.island(number), sweeper)
+        solve(self.context, number, self.island(number), sweep)
     }
 
     /// Takes an island, whose first microstep has been predicted, through all of them: its velocities are derived, and have bounced. If they are to be derived
@@ -99,7 +101,7 @@ impl TaskSlice<'_> {
     fn take_microsteps(
         &mut self,
         number: usize,
-        mut sweeper: impl Sweeper,
+        mut sweep: impl FnMut(&mut Places, &mut MultiplierSlice, SolveMode) -> f32,
         scratch: &mut MicrostepScratch,
     ) {
         let SolveContext { plan, execution, .. } = self.context;
@@ -118,7 +120,7 @@ impl TaskSlice<'_> {
             scratch.lead(&mut self.places, of - number_of_step);
             let microstep = Microstep { number: number_of_step, of };
             let context = SolveContext { h, lag: h, microstep, ..self.context };
-            let drift = solve(context, number, self.island(number), &mut sweeper);
+            let drift = solve(context, number, self.island(number), &mut sweep);
             sweeps += self.report(number).last_sweeps;
             let places = &mut self.places;
             let all = Derive {

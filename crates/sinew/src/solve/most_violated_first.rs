@@ -2,9 +2,10 @@
 
 use std::collections::BinaryHeap;
 
-use super::constraint_ref::{ConstraintRef, Local, SolveMode};
+use super::constraint_ref::{ConstraintRef, SolveMode};
 use super::multipliers::MultiplierSlice;
 use super::plan::Plan;
+use super::scratch::ThreadScratch;
 use crate::islands::Island;
 use crate::particles::Places;
 
@@ -27,18 +28,16 @@ pub(crate) struct Queue {
 pub(super) fn sweep(
     places: &mut Places,
     plan: &Plan,
-    multipliers: &mut MultiplierSlice,
     island: &Island,
-    constraint_refs: &[ConstraintRef],
+    multipliers: &mut MultiplierSlice,
     mode: SolveMode,
-    local: &mut Local,
-    queue: &mut Queue,
-    tolerance: f32,
+    thread_scratch: &mut ThreadScratch,
 ) -> f32 {
-    let mut pair = [0; 2];
+    let ThreadScratch { local, constraint_refs, queue, .. } = thread_scratch;
+    let (mut pair, tolerance) = ([0; 2], island.settings.tolerance);
     queue.connect(plan, island, constraint_refs);
     let mut worst = 0.0_f32;
-    for item in constraint_refs {
+    for item in &*constraint_refs {
         if !item.is_hard(plan) {
             worst = worst.max(item.project(places, plan, multipliers, mode, local));
         }

@@ -8,7 +8,7 @@ use glam::Vec4;
 use super::constraint_ref::SolveMode;
 use super::context::SolveContext;
 use super::instances::{BatchMotion, BatchSolve};
-use super::island::{InOrder, Sweeper, hold_at_once};
+use super::island::{hold_at_once, sweep_in_order};
 use super::loads::Loads;
 use super::microsteps::{derive_whole_steps, list_step_rows};
 use super::momentum::{MomentumDrift, note_drift};
@@ -159,8 +159,8 @@ impl TaskSlice<'_> {
             if island.measured || island.is_left_alone() {
                 continue;
             }
-            let sweeper = InOrder::new(plan, island, thread_scratch);
-            let momentum_drift = self.solve_substep(number, sweeper, &mut microsteps);
+            let sweep = sweep_in_order(plan, island, thread_scratch);
+            let momentum_drift = self.solve_substep(number, sweep, &mut microsteps);
             let Some(momentum_drift) = momentum_drift else { continue };
             if self.momentum_drift.is_empty() {
                 thread_scratch.momentum_drifts.push((number as u32, momentum_drift));
@@ -217,15 +217,12 @@ impl TaskSlice<'_> {
         if island.is_left_alone() {
             return;
         }
-        let sweeper = SharedSweep { plan, island, execution, thread_scratches };
+        let sweep = sweep_shared(plan, island, execution, thread_scratches);
         let mut microsteps =
             thread_scratches.with(|thread_scratch| take(&mut thread_scratch.microsteps));
         // What is measured has been solved.
-        let momentum_drift = if island.measured {
-            None
-        } else {
-            self.solve_substep(number, sweeper, &mut microsteps)
-        };
+        let momentum_drift =
+            if island.measured { None } else { self.solve_substep(number, sweep, &mut microsteps) };
         thread_scratches.with(|thread_scratch| thread_scratch.microsteps = microsteps);
         if island.takes_microsteps() {
             return;
@@ -246,34 +243,27 @@ impl TaskSlice<'_> {
     }
 }
 
-/// All workers together, cluster by cluster.
-struct SharedSweep<'a> {
-    plan: &'a Plan,
-    island: &'a Island,
-    execution: ExecutionContext<'a>,
-    thread_scratches: &'a Pool<ThreadScratch>,
-}
-
-impl Sweeper for SharedSweep<'_> {
-    fn sweep(
-        &mut self,
-        places: &mut Places,
-        multipliers: &mut MultiplierSlice,
-        mode: SolveMode,
-    ) -> f32 {
-        let out = self.thread_scratches.with(|thread_scratch| {
-            hold_at_once(self.plan, self.island, places, mode, self.execution, thread_scratch)
+/// A sweep by all workers together, cluster by cluster.
+fn sweep_shared(
+    plan: &Plan,
+    island: &Island,
+    execution: ExecutionContext,
+    thread_scratches: &Pool<ThreadScratch>,
+) -> impl FnMut(&mut Places, &mut MultiplierSlice, SolveMode) -> f32 {
+    move |places, multipliers, mode| {
+        let out = thread_scratches.with(|thread_scratch| {
+            hold_at_once(plan, island, places, mode, execution, thread_scratch)
         });
         let (places, multipliers, cluster_batches) =
-            (places.lend(), multipliers.lend(), self.island.cluster_batches.clone());
+            (places.lend(), multipliers.lend(), island.cluster_batches.clone());
         let found = gauss_seidel::sweep_shared(
             places,
-            self.plan,
+            plan,
             cluster_batches,
             multipliers,
             mode,
-            self.execution,
-            self.thread_scratches,
+            execution,
+            thread_scratches,
         );
         out.max(found)
     }
