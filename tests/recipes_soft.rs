@@ -148,7 +148,7 @@ fn solids_that_cannot_be_are_refused_once_and_have_no_particles() {
     let said = heard(&app);
     assert_eq!(said.iter().map(|(entity, _)| *entity).collect::<Vec<_>>(), bad);
     for (body, reason) in said {
-        assert!(matches!(reason, Refusal::RigidMesh(_) | Refusal::NoMesh), "{reason}");
+        assert!(matches!(reason, Refusal::Recipe(_) | Refusal::NoMesh), "{reason}");
         assert_eq!(particles_of(&app, body), []);
     }
 }
@@ -294,7 +294,7 @@ fn soft_and_articulated_bodies_that_cannot_be_are_refused_once_and_have_no_parti
     all.sort();
     assert_eq!(said.iter().map(|(entity, _)| *entity).collect::<Vec<_>>(), all);
     for (body, reason) in said {
-        let told = matches!(reason, Refusal::Soft(_) | Refusal::Articulated(_) | Refusal::NoMesh);
+        let told = matches!(reason, Refusal::Recipe(_) | Refusal::NoMesh);
         assert!(told, "{reason}");
         assert_eq!(particles_of(&app, body), []);
     }

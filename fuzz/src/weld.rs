@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use sinew::Simulation;
 use sinew::glam::Vec3;
-use sinew::recipes::{ClothFault, ClothMaterial, MeshFault, Weld, cloth_from_mesh};
+use sinew::recipes::{ClothMaterial, MeshFault, RecipeFault, Weld, cloth_from_mesh};
 
 use crate::input::Input;
 
@@ -32,7 +32,7 @@ pub fn weld(data: &[u8]) {
             world.step(1.0 / 60.0).expect("a step of 1/60 s was refused");
             assert!(rows.into_iter().all(|i| world.particles.is_finite(i)));
         }
-        Err(ClothFault::Mesh(fault)) => {
+        Err(RecipeFault::Mesh(fault)) => {
             check_fault(fault, &positions, &indices, material.weld_tolerance);
         }
         Err(_) => {}

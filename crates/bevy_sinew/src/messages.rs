@@ -3,9 +3,7 @@
 use std::collections::BTreeMap;
 
 use bevy::prelude::*;
-use sinew::recipes::{
-    ArticulatedFault, BoxFault, ClothFault, RagdollFault, RopeFault, SoftFault, SolidFault,
-};
+use sinew::recipes::RecipeFault;
 use sinew::{ConstraintFault, DistanceFault, HullFault, ParticleFault, SpringFault};
 
 use crate::components::ColliderFault;
@@ -119,25 +117,7 @@ pub enum Refusal {
     PinPoint,
     /// A body whose recipe asks for the impossible; it has no particles.
     #[error("cannot be built: {0}")]
-    Box(#[from] BoxFault),
-    /// See [`Refusal::Box`].
-    #[error("cannot be built: {0}")]
-    Rope(#[from] RopeFault),
-    /// See [`Refusal::Box`].
-    #[error("cannot be built: {0}")]
-    Cloth(#[from] ClothFault),
-    /// See [`Refusal::Box`].
-    #[error("cannot be built: {0}")]
-    Ragdoll(#[from] RagdollFault),
-    /// See [`Refusal::Box`].
-    #[error("cannot be built: {0}")]
-    RigidMesh(#[from] SolidFault),
-    /// See [`Refusal::Box`].
-    #[error("cannot be built: {0}")]
-    Soft(#[from] SoftFault),
-    /// See [`Refusal::Box`].
-    #[error("cannot be built: {0}")]
-    Articulated(#[from] ArticulatedFault),
+    Recipe(#[from] RecipeFault),
     /// A body, a collider or a field that is turned within a parent whose scale is not the same in all directions, which would shear it; or a rigid body
     /// within any such parent, because it will turn. It is left out until that is mended.
     #[error("is left out: a parent that is scaled unevenly would shear it")]

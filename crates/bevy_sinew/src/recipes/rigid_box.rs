@@ -9,6 +9,7 @@ use crate::components::{
     BodyPart, Collider, CreationOrder, PartOf, ParticleBody, RigidPose, Sleep,
 };
 use crate::messages::Refusal;
+use crate::same::same_variants;
 
 /// A box of particles held by distances: 8 particles and 28 distances, or 4 and 6 when it is flat.
 ///
@@ -49,6 +50,8 @@ pub enum BoxParticles {
     Equimomental,
 }
 
+same_variants!(BoxParticles, BoxLayout { Corners, Equimomental });
+
 impl Default for RigidBox {
     fn default() -> Self {
         Self { size: Vec3::ONE, mass: 1.0, particles: BoxParticles::Corners, flat: false }
@@ -69,11 +72,7 @@ impl RigidBox {
 
 impl Recipe for RigidBox {
     fn blueprint(&self, _: Option<&MeshShape>, scale: Vec3) -> Result<Blueprint, Refusal> {
-        let layout = match self.particles {
-            BoxParticles::Corners => BoxLayout::Corners,
-            BoxParticles::Equimomental => BoxLayout::Equimomental,
-        };
-        let size = self.size * scale.abs();
+        let (size, layout) = (self.size * scale.abs(), self.particles.into());
         let spec = BoxSpec { size, mass: self.mass, layout, ..default() };
         Ok(if self.flat { box_2d(&spec)? } else { box_3d(&spec)? })
     }

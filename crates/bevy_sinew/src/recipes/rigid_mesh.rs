@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use sinew::Shape;
-use sinew::recipes::{Blueprint, SolidFault, SolidLayout, SolidSpec, solid};
+use sinew::recipes::{Blueprint, RecipeFault, SolidLayout, SolidSpec, solid};
 
 use super::bind::attach;
 use super::build::{MeshShape, Recipe};
@@ -92,14 +92,14 @@ pub enum RigidShape {
 
 impl RigidShape {
     /// What is round, in another size; `None` of what is made of points.
-    fn round(&self, scale: Vec3) -> Option<Result<Shape, SolidFault>> {
+    fn round(&self, scale: Vec3) -> Option<Result<Shape, RecipeFault>> {
         let shape = match *self {
             Self::Sphere { radius } => Shape::sphere(radius),
             Self::Capsule { radius, length } => Shape::capsule(radius, length),
             Self::Cylinder { radius, height } => Shape::cylinder(radius, height),
             Self::Mesh | Self::Hull | Self::Points(_) => return None,
         };
-        Some(shape.and_then(|shape| shape.scaled(scale.abs())).map_err(|_| SolidFault::Size))
+        Some(shape.and_then(|shape| shape.scaled(scale.abs())).map_err(|_| RecipeFault::Size))
     }
 }
 
@@ -183,8 +183,8 @@ impl Recipe for RigidMesh {
             _ => return Err(Refusal::NoMesh),
         };
         let layout = match self.particles {
-            RigidParticles::Eight => SolidLayout::Box8,
-            RigidParticles::Four => SolidLayout::Tetrahedron4,
+            RigidParticles::Eight => SolidLayout::Eight,
+            RigidParticles::Four => SolidLayout::Four,
         };
         let spec =
             SolidSpec { shape, bulk: self.bulk.into(), layout, radius: self.radius, ..default() };

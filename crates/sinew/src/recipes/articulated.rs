@@ -9,7 +9,8 @@ use glam::{DVec3, Vec3};
 
 use self::joints::{BoneAxes, Skeleton};
 use super::blueprint::{Blueprint, Part};
-use super::{LENGTHS, MASSES, is_drag};
+use super::fault::{RecipeFault, check_particles, ensure};
+use super::{LENGTHS, MASSES};
 use crate::collide::Shape;
 use crate::constraints::{Constraint, ConstraintKind, Rigid};
 use crate::particles::ParticleSeed;
@@ -71,36 +72,6 @@ pub enum Joint {
     Free,
 }
 
-/// Why a body of bones is refused. Numbers count from 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ArticulatedFault {
-    /// It has none.
-    #[error("it has no bones")]
-    NoBones,
-    /// A parent that is not an earlier bone.
-    #[error("the parent of bone {0} is not an earlier bone")]
-    Parent(usize),
-    /// An end is not finite, or the ends are less than 1e-6 or more than 1e6 metres apart; or so far from the origin that `f32` cannot tell
-    /// its width.
-    #[error("bone {0} is not between 1e-6 and 1e6 metres long and near the origin")]
-    Length(usize),
-    /// NaN, or outside the range.
-    #[error("the width of bone {0} is not between 1e-6 and 1e6 metres")]
-    Width(usize),
-    /// NaN, or outside the range.
-    #[error("the mass of bone {0} is not between 1e-9 and 1e12 kilograms")]
-    Mass(usize),
-    /// An angle that is NaN or outside its range.
-    #[error("a limit of the joint of bone {0} is out of range")]
-    Limits(usize),
-    /// A hinge's axis that is zero or not finite.
-    #[error("the axis of the joint of bone {0} has no direction")]
-    Axis(usize),
-    /// NaN or outside 0..=1.
-    #[error("its drag is not a share between 0 and 1 per second")]
-    Drag,
-}
-
 impl Default for Bone {
     fn default() -> Self {
         Self {
@@ -137,14 +108,10 @@ pub(super) const SWEEPS: u32 = 12;
 /// There is a part for each bone, in the order of the bones: centred on it, with y from the tail to the head. It asks for 12 sweeps.
 ///
 /// # Errors
-/// What [`ArticulatedFault`] lists.
-pub fn articulated(spec: &ArticulatedSpec) -> Result<Blueprint, ArticulatedFault> {
-    if spec.bones.is_empty() {
-        return Err(ArticulatedFault::NoBones);
-    }
-    if !is_drag(spec.drag) {
-        return Err(ArticulatedFault::Drag);
-    }
+/// What [`RecipeFault`] lists.
+pub fn articulated(spec: &ArticulatedSpec) -> Result<Blueprint, RecipeFault> {
+    ensure(!spec.bones.is_empty(), RecipeFault::NoBones)?;
+    check_particles(0.0, spec.drag)?;
     for (number, bone) in spec.bones.iter().enumerate() {
         check(number, bone)?;
     }
@@ -184,34 +151,28 @@ pub fn articulated(spec: &ArticulatedSpec) -> Result<Blueprint, ArticulatedFault
     Ok(body)
 }
 
-fn check(number: usize, bone: &Bone) -> Result<(), ArticulatedFault> {
+fn check(number: usize, bone: &Bone) -> Result<(), RecipeFault> {
     let length = bone.head.distance(bone.tail);
     let reach = bone.head.abs().max(bone.tail.abs()).max_element();
-    if bone.parent.is_some_and(|parent| parent >= number) {
-        return Err(ArticulatedFault::Parent(number));
-    }
-    if !LENGTHS.contains(&bone.width) {
-        return Err(ArticulatedFault::Width(number));
-    }
+    let parent = bone.parent.is_none_or(|parent| parent < number);
+    ensure(parent, RecipeFault::BoneParent(number))?;
+    ensure(LENGTHS.contains(&bone.width), RecipeFault::BoneWidth(number))?;
     // A thousandth of a width is an angle that shows.
-    if !(LENGTHS.contains(&length) && reach * f32::EPSILON <= 1e-3 * bone.width.min(length)) {
-        return Err(ArticulatedFault::Length(number));
-    }
-    if !MASSES.contains(&bone.mass) {
-        return Err(ArticulatedFault::Mass(number));
-    }
-    let angles = 0.0..=core::f32::consts::PI;
+    let tells = reach * f32::EPSILON <= 1e-3 * bone.width.min(length);
+    ensure(LENGTHS.contains(&length) && tells, RecipeFault::BoneLength(number))?;
+    ensure(MASSES.contains(&bone.mass), RecipeFault::BoneMass(number))?;
+    let angles = |all: [f32; 2]| {
+        let within = all.iter().all(|angle| (0.0..=core::f32::consts::PI).contains(angle));
+        ensure(within, RecipeFault::JointLimits(number))
+    };
     match bone.joint {
-        Joint::Ball { cone, twist } if !(angles.contains(&cone) && angles.contains(&twist)) => {
-            Err(ArticulatedFault::Limits(number))
+        Joint::Ball { cone, twist } => angles([cone, twist]),
+        Joint::Hinge { min, max, axis } => {
+            angles([-min, max])?;
+            let axis = axis.as_dvec3().try_normalize();
+            ensure(axis.is_some(), RecipeFault::JointAxis(number))
         }
-        Joint::Hinge { min, max, .. } if !(angles.contains(&-min) && angles.contains(&max)) => {
-            Err(ArticulatedFault::Limits(number))
-        }
-        Joint::Hinge { axis, .. } if axis.as_dvec3().try_normalize().is_none() => {
-            Err(ArticulatedFault::Axis(number))
-        }
-        _ => Ok(()),
+        Joint::Fixed | Joint::Free => Ok(()),
     }
 }
 

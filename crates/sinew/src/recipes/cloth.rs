@@ -4,7 +4,8 @@
 use glam::Vec3;
 
 use super::blueprint::Blueprint;
-use super::{LENGTHS, MOST_PARTICLES, MeshFault, is_compliance, is_drag, is_radius};
+use super::fault::{RecipeFault, check_particles, ensure};
+use super::{LENGTHS, MOST_PARTICLES, is_compliance};
 use crate::constraints::Distance;
 use crate::particles::ParticleSeed;
 
@@ -49,43 +50,6 @@ pub struct ClothSpec {
     pub material: ClothMaterial,
 }
 
-/// Why cloth is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ClothFault {
-    /// NaN, or outside the range.
-    #[error("its width or height is not between 1e-6 and 1e6 metres")]
-    Size,
-    /// No columns or no rows.
-    #[error("it has no cells")]
-    NoCells,
-    /// More than 2²⁴ particles.
-    #[error("it would have more than 16777216 particles")]
-    TooMany,
-    /// NaN, or outside the range.
-    #[error("its mass per area is not between 1e-6 and 1e6 kilograms per square metre")]
-    Density,
-    /// NaN, infinite or negative.
-    #[error("its stretch compliance is not a finite number of metres per newton")]
-    StretchCompliance,
-    /// NaN, infinite or negative.
-    #[error("its bend compliance is not a finite number of metres per newton")]
-    BendCompliance,
-    /// NaN, negative or too large.
-    #[error("its radius is not between 0 and 1e6 metres")]
-    Radius,
-    /// NaN or outside 0..=1.
-    #[error("its drag is not a share between 0 and 1 per second")]
-    Drag,
-    /// Cells or triangles so small or so large that a mass or a length is no ordinary `f32`.
-    #[error(
-        "a particle's mass or an edge's length is too small or too large to simulate: check its units"
-    )]
-    Scale,
-    /// The mesh that it is to be made from.
-    #[error(transparent)]
-    Mesh(#[from] MeshFault),
-}
-
 impl Default for ClothMaterial {
     fn default() -> Self {
         Self {
@@ -118,7 +82,7 @@ impl Default for ClothSpec {
 /// down to the right, the diagonals down to the left, and the bending ties past one particle along rows and along columns.
 /// A particle has the mass of the quarters of cells around it. Two triangles a cell, counter-clockwise seen from +z; vertex
 /// `i` of a mesh with the same numbering follows particle `i`.
-pub fn cloth_grid(spec: &ClothSpec) -> Result<Blueprint, ClothFault> {
+pub fn cloth_grid(spec: &ClothSpec) -> Result<Blueprint, RecipeFault> {
     check(spec)?;
     let (columns, rows) = (spec.columns, spec.rows);
     let (dx, dy) =
@@ -162,7 +126,7 @@ pub fn cloth_grid(spec: &ClothSpec) -> Result<Blueprint, ClothFault> {
 
 /// Texture coordinates of [`cloth_grid`]'s particles, for a mesh of the same numbering: (0, 0) at the top left, (1, 1) at the
 /// bottom right. Refuses what [`cloth_grid`] refuses.
-pub fn grid_uvs(spec: &ClothSpec) -> Result<Vec<[f32; 2]>, ClothFault> {
+pub fn grid_uvs(spec: &ClothSpec) -> Result<Vec<[f32; 2]>, RecipeFault> {
     check(spec)?;
     let share = |i: u32, of: u32| (f64::from(i) / f64::from(of)) as f32;
     let row = |r| (0..=spec.columns).map(move |c| [share(c, spec.columns), share(r, spec.rows)]);
@@ -186,20 +150,12 @@ impl ClothSpec {
 
 impl ClothMaterial {
     /// The first thing that is wrong with it.
-    pub(super) fn check(&self) -> Result<(), ClothFault> {
-        if !(1e-6..=1e6).contains(&self.density) {
-            Err(ClothFault::Density)
-        } else if !is_compliance(self.stretch_compliance) {
-            Err(ClothFault::StretchCompliance)
-        } else if !self.bend_compliance.is_none_or(is_compliance) {
-            Err(ClothFault::BendCompliance)
-        } else if !is_radius(self.radius) {
-            Err(ClothFault::Radius)
-        } else if !is_drag(self.drag) {
-            Err(ClothFault::Drag)
-        } else {
-            Ok(())
-        }
+    pub(super) fn check(&self) -> Result<(), RecipeFault> {
+        ensure((1e-6..=1e6).contains(&self.density), RecipeFault::Density)?;
+        ensure(is_compliance(self.stretch_compliance), RecipeFault::Compliance)?;
+        let bend = self.bend_compliance.is_none_or(is_compliance);
+        ensure(bend, RecipeFault::BendCompliance)?;
+        check_particles(self.radius, self.drag)
     }
 
     /// A particle of this material, kg.
@@ -209,17 +165,13 @@ impl ClothMaterial {
     }
 }
 
-fn check(spec: &ClothSpec) -> Result<(), ClothFault> {
+fn check(spec: &ClothSpec) -> Result<(), RecipeFault> {
     let particles = (u64::from(spec.columns) + 1).saturating_mul(u64::from(spec.rows) + 1);
-    if !(LENGTHS.contains(&spec.width) && LENGTHS.contains(&spec.height)) {
-        Err(ClothFault::Size)
-    } else if spec.columns == 0 || spec.rows == 0 {
-        Err(ClothFault::NoCells)
-    } else if particles > MOST_PARTICLES {
-        Err(ClothFault::TooMany)
-    } else {
-        spec.material.check()
-    }
+    let sizes = LENGTHS.contains(&spec.width) && LENGTHS.contains(&spec.height);
+    ensure(sizes, RecipeFault::Size)?;
+    ensure(spec.columns > 0 && spec.rows > 0, RecipeFault::NoCells)?;
+    ensure(particles <= MOST_PARTICLES, RecipeFault::TooMany)?;
+    spec.material.check()
 }
 
 fn particles(spec: &ClothSpec, cell_mass: f64) -> Vec<ParticleSeed> {

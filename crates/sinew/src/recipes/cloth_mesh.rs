@@ -3,7 +3,8 @@
 use glam::Vec3;
 
 use super::blueprint::{Blueprint, gap};
-use super::cloth::{ClothFault, ClothMaterial};
+use super::cloth::ClothMaterial;
+use super::fault::RecipeFault;
 use super::mesh::{Closed, Edges, Piece, close, sort};
 use crate::constraints::Distance;
 
@@ -20,7 +21,7 @@ pub fn cloth_from_mesh(
     positions: &[Vec3],
     indices: &[u32],
     material: &ClothMaterial,
-) -> Result<Blueprint, ClothFault> {
+) -> Result<Blueprint, RecipeFault> {
     material.check()?;
     let Closed { positions, triangles, vertices, edges, pieces } =
         close(positions, indices, material.weld_tolerance)?;
@@ -48,7 +49,7 @@ pub fn cloth_from_mesh(
     if ordinary.into_iter().all(|x| (f32::MIN_POSITIVE..=1.0 / f32::MIN_POSITIVE).contains(&x)) {
         Ok(body)
     } else {
-        Err(ClothFault::Scale)
+        Err(RecipeFault::Scale)
     }
 }
 
@@ -175,10 +176,10 @@ mod tests {
         };
         assert!(cloth(1.0, &good).is_ok());
         let light = ClothMaterial { density: 0.0, ..good };
-        assert_eq!(cloth(1.0, &light), Err(ClothFault::Density));
-        assert_eq!(cloth(0.0, &good), Err(ClothFault::Mesh(MeshFault::AllDegenerate)));
-        assert_eq!(cloth(1e30, &good), Err(ClothFault::Scale));
+        assert_eq!(cloth(1.0, &light), Err(RecipeFault::Density));
+        assert_eq!(cloth(0.0, &good), Err(RecipeFault::Mesh(MeshFault::AllDegenerate)));
+        assert_eq!(cloth(1e30, &good), Err(RecipeFault::Scale));
         let exact = ClothMaterial { weld_tolerance: 0.0, ..good };
-        assert_eq!(cloth(1e-25, &exact), Err(ClothFault::Scale));
+        assert_eq!(cloth(1e-25, &exact), Err(RecipeFault::Scale));
     }
 }

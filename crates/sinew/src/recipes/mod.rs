@@ -1,7 +1,7 @@
 //! Recipes: a shape goes in, particles and constraints come out. No engine is needed: [`Blueprint::build`] puts the result
 //! into a [`Simulation`](crate::Simulation), and a plugin may spawn it as entities instead.
 //!
-//! Every recipe takes a `...Spec` with defaults, refuses what it cannot build with a fault of its own, and returns a
+//! Every recipe takes a `...Spec` with defaults, refuses what it cannot build with a [`RecipeFault`], and returns a
 //! [`Blueprint`] in the body's own coordinates. The same spec gives the same bits on every machine: sums and lengths are
 //! taken in `f64` with plain arithmetic, sines in `libm`, and nothing is ordered by a hash.
 //!
@@ -14,6 +14,7 @@ mod blueprint;
 mod build;
 mod cloth;
 mod cloth_mesh;
+mod fault;
 mod mass;
 mod mesh;
 mod nearest;
@@ -25,20 +26,21 @@ mod solid;
 mod solid_box;
 
 pub use crate::convex_hull::{ConvexHullFault, convex_hull};
-pub use articulated::{ArticulatedFault, ArticulatedSpec, Bone, Joint, articulated};
+pub use articulated::{ArticulatedSpec, Bone, Joint, articulated};
 pub use blueprint::{Blueprint, BlueprintFault, Part};
-pub use cloth::{ClothFault, ClothMaterial, ClothSpec, cloth_grid, grid_uvs};
+pub use cloth::{ClothMaterial, ClothSpec, cloth_grid, grid_uvs};
 pub use cloth_mesh::cloth_from_mesh;
+pub use fault::RecipeFault;
 pub use mass::{MassFault, MassProperties};
 pub use mesh::{Fold, MeshFault, Piece, Weld, weld};
-pub use ragdoll::{RagdollFault, RagdollParticle, RagdollSpec, ragdoll};
-pub use rope::{RopeFault, RopeSpec, rope};
+pub use ragdoll::{RagdollParticle, RagdollSpec, ragdoll};
+pub use rope::{RopeSpec, rope};
 pub use soft::{
-    SoftFault, SoftLatticeSpec, SoftMeshSpec, SoftShape, SoftSurface, soft_lattice,
-    soft_lattice_mesh, soft_mesh,
+    SoftLatticeSpec, SoftMeshSpec, SoftShape, SoftSurface, soft_lattice, soft_lattice_mesh,
+    soft_mesh,
 };
-pub use solid::{Bulk, SolidFault, SolidLayout, SolidShape, SolidSpec, solid};
-pub use solid_box::{BoxFault, BoxLayout, BoxSpec, box_2d, box_3d};
+pub use solid::{Bulk, SolidLayout, SolidShape, SolidSpec, solid};
+pub use solid_box::{BoxLayout, BoxSpec, box_2d, box_3d};
 
 use std::ops::RangeInclusive;
 
@@ -51,16 +53,6 @@ const MASSES: RangeInclusive<f32> = 1e-9..=1e12;
 
 /// Most particles that a recipe makes: as far as `f32` counts without gaps.
 const MOST_PARTICLES: u64 = 1 << 24;
-
-/// Whether `x` may be a particle's radius: a length in metres, or none at all.
-fn is_radius(x: f32) -> bool {
-    (0.0..=*LENGTHS.end()).contains(&x)
-}
-
-/// Whether `x` may be a particle's drag: a share per second.
-fn is_drag(x: f32) -> bool {
-    (0.0..=1.0).contains(&x)
-}
 
 /// Whether `x` may be a compliance: metres per newton, 0 for a hard constraint.
 fn is_compliance(x: f32) -> bool {

@@ -9,8 +9,9 @@ mod anatomy;
 use glam::{DVec3, Vec3};
 
 use self::anatomy::{APART, BONES, FIGURE, LIMITS, Limit, PARTS, PartShape};
+use super::LENGTHS;
 use super::blueprint::{Blueprint, Part};
-use super::{LENGTHS, MASSES};
+use super::fault::{RecipeFault, check_mass, ensure};
 use crate::collide::Shape as Solid;
 use crate::constraints::{Bound, Cone, Constraint, ConstraintKind, Distance, Hinge};
 use crate::particles::ParticleSeed;
@@ -26,20 +27,6 @@ pub struct RagdollSpec {
     /// Friction in its joints, 1/s, 0 to 1000; default 0.5: how fast what its limbs do against each other dies away
     /// ([`BodySettings::damping`]). Without any, a head that hangs over an edge swings for minutes.
     pub damping: f32,
-}
-
-/// Why a ragdoll is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum RagdollFault {
-    /// NaN, or outside the range.
-    #[error("its height is not between 1e-6 and 1e6 metres")]
-    Height,
-    /// NaN, or outside the range.
-    #[error("its mass is not between 1e-9 and 1e12 kilograms")]
-    Mass,
-    /// NaN, or outside the range.
-    #[error("its damping is not between 0 and 1000 per second")]
-    Damping,
 }
 
 /// The particles of a ragdoll, in the order of [`Blueprint::particles`]. Its own left is towards +x. A pin is the outer end
@@ -112,16 +99,10 @@ const SWEEPS: u32 = 40;
 /// centred on its bone, with y from the far joint to the near one; the others are upright when the figure stands. It asks for up to 40 sweeps, until
 /// nothing is off by more than 0.0003 of its height (at 600 substeps a second; [in proportion](BodySettings#tolerance-as-a-speed)); its joints yield
 /// by a few degrees at most when it lands.
-pub fn ragdoll(spec: &RagdollSpec) -> Result<Blueprint, RagdollFault> {
-    if !LENGTHS.contains(&spec.height) {
-        return Err(RagdollFault::Height);
-    }
-    if !MASSES.contains(&spec.mass) {
-        return Err(RagdollFault::Mass);
-    }
-    if !(0.0..=1000.0).contains(&spec.damping) {
-        return Err(RagdollFault::Damping);
-    }
+pub fn ragdoll(spec: &RagdollSpec) -> Result<Blueprint, RecipeFault> {
+    ensure(LENGTHS.contains(&spec.height), RecipeFault::Size)?;
+    check_mass(spec.mass)?;
+    ensure((0.0..=1000.0).contains(&spec.damping), RecipeFault::Damping)?;
     let height = f64::from(spec.height);
     let seed = |joint: &anatomy::FigureParticle| {
         ParticleSeed::at((joint.position * height).as_vec3())

@@ -3,7 +3,8 @@
 use glam::{DVec3, Vec3};
 
 use super::blueprint::Blueprint;
-use super::{LENGTHS, MASSES, MOST_PARTICLES, is_compliance, is_drag, is_radius};
+use super::fault::{RecipeFault, check_mass, check_particles, ensure};
+use super::{LENGTHS, MOST_PARTICLES, is_compliance};
 use crate::constraints::{Bound, Distance};
 use crate::particles::ParticleSeed;
 
@@ -39,38 +40,6 @@ pub struct RopeSpec {
     pub pin_end: bool,
 }
 
-/// Why a rope is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum RopeFault {
-    /// NaN, infinite or too far away.
-    #[error("its ends are not within 1e6 metres of its origin")]
-    Ends,
-    /// The ends coincide, or nearly.
-    #[error("its ends are not between 1e-6 and 1e6 metres apart")]
-    Length,
-    /// None, or too many.
-    #[error("the number of its segments is not between 1 and 16777215")]
-    Segments,
-    /// NaN, or outside the range.
-    #[error("its mass is not between 1e-9 and 1e12 kilograms")]
-    Mass,
-    /// NaN, negative or too large.
-    #[error("its radius is not between 0 and 1e6 metres")]
-    Radius,
-    /// NaN, or outside the range.
-    #[error("its slack is not a share between 0 and 100 of the gap between its ends")]
-    Slack,
-    /// Slack in a rope of a single segment, which cannot sag.
-    #[error("it has slack but only one segment, which cannot sag")]
-    SlackOfOne,
-    /// NaN, infinite or negative.
-    #[error("its compliance is not a finite number of metres per newton")]
-    Compliance,
-    /// NaN or outside 0..=1.
-    #[error("its drag is not a share between 0 and 1 per second")]
-    Drag,
-}
-
 impl Default for RopeSpec {
     fn default() -> Self {
         Self {
@@ -90,7 +59,7 @@ impl Default for RopeSpec {
 }
 
 /// A rope: `segments + 1` particles from start to end, and as many distances as segments, in the same order.
-pub fn rope(spec: &RopeSpec) -> Result<Blueprint, RopeFault> {
+pub fn rope(spec: &RopeSpec) -> Result<Blueprint, RecipeFault> {
     check(spec)?;
     let (from, to) = (spec.from.as_dvec3(), spec.to.as_dvec3());
     let length = (to - from).length() * (1.0 + f64::from(spec.slack));
@@ -122,30 +91,18 @@ pub fn rope(spec: &RopeSpec) -> Result<Blueprint, RopeFault> {
     Ok(body)
 }
 
-fn check(spec: &RopeSpec) -> Result<(), RopeFault> {
+fn check(spec: &RopeSpec) -> Result<(), RecipeFault> {
     let near = |p: Vec3| p.is_finite() && p.abs().max_element() <= *LENGTHS.end();
     let gap = (spec.to.as_dvec3() - spec.from.as_dvec3()).length() as f32;
-    if !(near(spec.from) && near(spec.to)) {
-        Err(RopeFault::Ends)
-    } else if !LENGTHS.contains(&gap) {
-        Err(RopeFault::Length)
-    } else if spec.segments == 0 || u64::from(spec.segments) >= MOST_PARTICLES {
-        Err(RopeFault::Segments)
-    } else if !MASSES.contains(&spec.mass) {
-        Err(RopeFault::Mass)
-    } else if !is_radius(spec.radius) {
-        Err(RopeFault::Radius)
-    } else if !(0.0..=100.0).contains(&spec.slack) {
-        Err(RopeFault::Slack)
-    } else if spec.slack > 0.0 && spec.segments == 1 {
-        Err(RopeFault::SlackOfOne)
-    } else if !is_compliance(spec.compliance) {
-        Err(RopeFault::Compliance)
-    } else if !is_drag(spec.drag) {
-        Err(RopeFault::Drag)
-    } else {
-        Ok(())
-    }
+    ensure(near(spec.from) && near(spec.to), RecipeFault::Ends)?;
+    ensure(LENGTHS.contains(&gap), RecipeFault::Apart)?;
+    let segments = u64::from(spec.segments);
+    ensure((1..MOST_PARTICLES).contains(&segments), RecipeFault::Segments)?;
+    check_mass(spec.mass)?;
+    ensure((0.0..=100.0).contains(&spec.slack), RecipeFault::Slack)?;
+    ensure(spec.slack == 0.0 || spec.segments > 1, RecipeFault::SlackOfOne)?;
+    ensure(is_compliance(spec.compliance), RecipeFault::Compliance)?;
+    check_particles(spec.radius, spec.drag)
 }
 
 /// The particles' positions, start to end: on a circle through both ends, at equal angles, so that the chords between
@@ -265,15 +222,15 @@ mod tests {
             change(&mut spec);
             rope(&spec).unwrap_err()
         };
-        assert_eq!(refused(|s| s.to.x = f32::NAN), RopeFault::Ends);
-        assert_eq!(refused(|s| s.to = s.from), RopeFault::Length);
-        assert_eq!(refused(|s| s.segments = 0), RopeFault::Segments);
-        assert_eq!(refused(|s| s.segments = u32::MAX), RopeFault::Segments);
-        assert_eq!(refused(|s| s.mass = 0.0), RopeFault::Mass);
-        assert_eq!(refused(|s| s.radius = f32::INFINITY), RopeFault::Radius);
-        assert_eq!(refused(|s| s.slack = -0.1), RopeFault::Slack);
-        assert_eq!(refused(|s| (s.slack, s.segments) = (0.1, 1)), RopeFault::SlackOfOne);
-        assert_eq!(refused(|s| s.compliance = f32::NAN), RopeFault::Compliance);
-        assert_eq!(refused(|s| s.drag = -1.0), RopeFault::Drag);
+        assert_eq!(refused(|s| s.to.x = f32::NAN), RecipeFault::Ends);
+        assert_eq!(refused(|s| s.to = s.from), RecipeFault::Apart);
+        assert_eq!(refused(|s| s.segments = 0), RecipeFault::Segments);
+        assert_eq!(refused(|s| s.segments = u32::MAX), RecipeFault::Segments);
+        assert_eq!(refused(|s| s.mass = 0.0), RecipeFault::Mass);
+        assert_eq!(refused(|s| s.radius = f32::INFINITY), RecipeFault::Radius);
+        assert_eq!(refused(|s| s.slack = -0.1), RecipeFault::Slack);
+        assert_eq!(refused(|s| (s.slack, s.segments) = (0.1, 1)), RecipeFault::SlackOfOne);
+        assert_eq!(refused(|s| s.compliance = f32::NAN), RecipeFault::Compliance);
+        assert_eq!(refused(|s| s.drag = -1.0), RecipeFault::Drag);
     }
 }

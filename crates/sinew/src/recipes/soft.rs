@@ -5,14 +5,17 @@
 
 mod lattice;
 
+use core::ops::RangeInclusive;
+
 use glam::{DVec3, Vec3};
 
 pub use self::lattice::{SoftLatticeSpec, SoftShape, SoftSurface, soft_lattice, soft_lattice_mesh};
+use super::LENGTHS;
 use super::blueprint::{Blueprint, gap};
-use super::mass::{MassFault, MassProperties};
-use super::mesh::{Fold, MeshFault, weld};
+use super::fault::{RecipeFault, check_particles, ensure};
+use super::mass::MassProperties;
+use super::mesh::{Fold, weld};
 use super::solid::Bulk;
-use super::{LENGTHS, MASSES, is_drag, is_radius};
 use crate::constraints::{self, Constraint, ConstraintKind, Distance, Softness, Volume};
 use crate::particles::ParticleSeed;
 use crate::settings::BodySettings;
@@ -42,58 +45,6 @@ pub struct SoftMeshSpec {
     pub drag: f32,
     /// Vertices of the mesh closer than this are one particle, metres, not negative; default 1e-5.
     pub weld_tolerance: f32,
-}
-
-/// Why a soft body is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum SoftFault {
-    /// The mesh that it is to be made from is none.
-    #[error(transparent)]
-    Mesh(#[from] MeshFault),
-    /// The mesh has no inside: it is open, flat or inside out.
-    #[error(transparent)]
-    Inside(#[from] MassFault),
-    /// NaN, or outside the range; by density, what comes of it.
-    #[error("its mass is not between 1e-9 and 1e12 kilograms")]
-    Mass,
-    /// NaN, or outside the range.
-    #[error("its size is not between 1e-6 and 1e6 metres")]
-    Size,
-    /// No cells along an axis.
-    #[error("it has no cells")]
-    NoCells,
-    /// More than 2²⁴ particles.
-    #[error("it would have more than 16777216 particles")]
-    TooMany,
-    /// NaN, or outside the range: of the skin in N/m, of the lattice in Pa.
-    #[error("its stiffness is out of range")]
-    Stiffness,
-    /// NaN, infinite or negative.
-    #[error("its bending stiffness is not a finite number of newton metres")]
-    Bend,
-    /// NaN, or outside the range.
-    #[error("its Poisson's ratio is not between 0.25 and 0.49")]
-    Poisson,
-    /// NaN, or outside the range.
-    #[error("its damping ratio is not between 0 and 10")]
-    Damping,
-    /// NaN, or outside the range.
-    #[error("its pressure is not between 0.01 and 100 times its volume")]
-    Pressure,
-    /// The softness of its volume has a number out of range.
-    #[error("the softness of its volume is not a finite number in range")]
-    Softness,
-    /// NaN, negative or too large.
-    #[error("the radius of its particles is not between 0 and 1e6 metres")]
-    Radius,
-    /// NaN or outside 0..=1.
-    #[error("its drag is not a share between 0 and 1 per second")]
-    Drag,
-    /// Triangles or cells so small or so large that a mass, a length or a compliance is no ordinary `f32`.
-    #[error(
-        "a mass, a length or a compliance is too small or too large to simulate: check its units"
-    )]
-    Scale,
 }
 
 impl Default for SoftMeshSpec {
@@ -129,17 +80,17 @@ const SWEEPS: u32 = 8;
 /// by triangulated spring meshes*, 1998).
 ///
 /// # Errors
-/// What [`SoftFault`] lists: an open, flat or inverted mesh is [`SoftFault::Inside`].
+/// What [`RecipeFault`] lists: an open, flat or inverted mesh is [`RecipeFault::Inside`].
 pub fn soft_mesh(
     spec: &SoftMeshSpec,
     positions: &[Vec3],
     indices: &[u32],
-) -> Result<Blueprint, SoftFault> {
+) -> Result<Blueprint, RecipeFault> {
     check(spec)?;
     let welded = weld(positions, indices, spec.weld_tolerance)?;
     let (positions, triangles, edges) = (welded.positions, welded.triangles, welded.edges);
     let volume = MassProperties::of_mesh(&positions, &triangles)?.volume;
-    let mass = mass_of(spec.bulk, volume)?;
+    let mass = spec.bulk.mass_of(volume)?;
     let areas: Vec<f64> = triangles.iter().map(|t| area(&positions, t)).collect();
     let mut masses = vec![0.0; positions.len()];
     // Closed and not flat, so there is an area.
@@ -176,40 +127,17 @@ pub fn soft_mesh(
     sound(body)
 }
 
-fn check(spec: &SoftMeshSpec) -> Result<(), SoftFault> {
-    if !(1e-6..=1e9).contains(&spec.stretch) {
-        Err(SoftFault::Stiffness)
-    } else if !(spec.bend.is_finite() && spec.bend >= 0.0) {
-        Err(SoftFault::Bend)
-    } else if !(0.01..=100.0).contains(&spec.pressure) {
-        Err(SoftFault::Pressure)
-    } else if !spec.softness.is_valid() {
-        Err(SoftFault::Softness)
-    } else {
-        check_common(spec.damping, spec.radius, spec.drag)
-    }
+fn check(spec: &SoftMeshSpec) -> Result<(), RecipeFault> {
+    ensure((1e-6..=1e9).contains(&spec.stretch), RecipeFault::Stiffness)?;
+    ensure(spec.bend.is_finite() && spec.bend >= 0.0, RecipeFault::BendStiffness)?;
+    ensure((0.01..=100.0).contains(&spec.pressure), RecipeFault::Pressure)?;
+    ensure(spec.softness.is_valid(), RecipeFault::Softness)?;
+    ensure(DAMPING_RATIOS.contains(&spec.damping), RecipeFault::DampingRatio)?;
+    check_particles(spec.radius, spec.drag)
 }
 
-fn check_common(damping: f32, radius: f32, drag: f32) -> Result<(), SoftFault> {
-    if !(0.0..=10.0).contains(&damping) {
-        Err(SoftFault::Damping)
-    } else if !is_radius(radius) {
-        Err(SoftFault::Radius)
-    } else if !is_drag(drag) {
-        Err(SoftFault::Drag)
-    } else {
-        Ok(())
-    }
-}
-
-/// The mass of a body of that volume, kg.
-fn mass_of(bulk: Bulk, volume: f64) -> Result<f64, SoftFault> {
-    let mass = match bulk {
-        Bulk::Mass(mass) => f64::from(mass),
-        Bulk::Density(density) => f64::from(density) * volume,
-    };
-    if MASSES.contains(&(mass as f32)) { Ok(mass) } else { Err(SoftFault::Mass) }
-}
+/// Damping ratios that a soft body accepts.
+const DAMPING_RATIOS: RangeInclusive<f32> = 0.0..=10.0;
 
 /// m².
 fn area(positions: &[Vec3], t: &[u32; 3]) -> f64 {
@@ -253,12 +181,12 @@ fn damped(compliance: f64, inverse_mass: f64, ratio: f32) -> Softness {
 }
 
 /// The body, if all its numbers are ordinary ones: lengths are squared and masses inverted in `f32` at every sweep.
-fn sound(body: Blueprint) -> Result<Blueprint, SoftFault> {
+fn sound(body: Blueprint) -> Result<Blueprint, RecipeFault> {
     let corners = || body.particles.iter().map(|p| p.position);
     let low = corners().fold(DVec3::INFINITY, |a, b| a.min(b.as_dvec3()));
     let high = corners().fold(DVec3::NEG_INFINITY, |a, b| a.max(b.as_dvec3()));
     if !LENGTHS.contains(&((high - low).max_element() as f32)) {
-        return Err(SoftFault::Size);
+        return Err(RecipeFault::Size);
     }
     let lengths = body.distances.iter().map(|d| d.rest * d.rest);
     let compliances = body.distances.iter().filter_map(|d| match d.softness {
@@ -267,7 +195,7 @@ fn sound(body: Blueprint) -> Result<Blueprint, SoftFault> {
     });
     let mut ordinary = lengths.chain(compliances).chain(body.particles.iter().map(|p| p.mass));
     let sound = ordinary.all(|x| x.is_normal() && (1.0 / x).is_normal()) && body.validate().is_ok();
-    if sound { Ok(body) } else { Err(SoftFault::Scale) }
+    if sound { Ok(body) } else { Err(RecipeFault::Scale) }
 }
 
 #[cfg(test)]

@@ -16,12 +16,13 @@
 
 use glam::Vec3;
 
+use super::LENGTHS;
 use super::blueprint::{Blueprint, Part};
-use super::mass::{MassFault, MassProperties};
+use super::fault::{RecipeFault, check_mass, check_particles, ensure};
+use super::mass::MassProperties;
 use super::nearest::bounds;
-use super::{LENGTHS, MASSES, is_drag, is_radius};
 use crate::collide::Shape;
-use crate::convex_hull::{ConvexHullFault, convex_hull};
+use crate::convex_hull::convex_hull;
 use crate::particles::ParticleSeed;
 
 /// A solid to build. The default is empty, and refused: it has no shape.
@@ -65,6 +66,18 @@ pub enum Bulk {
     Density(f32),
 }
 
+impl Bulk {
+    /// The mass of a body of so many cubic metres, kg.
+    pub(super) fn mass_of(self, volume: f64) -> Result<f64, RecipeFault> {
+        let mass = match self {
+            Self::Mass(mass) => f64::from(mass),
+            Self::Density(density) => f64::from(density) * volume,
+        };
+        check_mass(mass as f32)?;
+        Ok(mass)
+    }
+}
+
 /// Which particles stand for a solid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum SolidLayout {
@@ -72,38 +85,9 @@ pub enum SolidLayout {
     ///
     /// Particle `i` is on the positive side of the axes nearest to x, y and z where bit 0, 1 and 2 of `i` is set.
     #[default]
-    Box8,
+    Eight,
     /// Four, at every other corner of that box, all 6 pairs tied: the same mass, barycentre and inertia with less than a quarter of the work.
-    Tetrahedron4,
-}
-
-/// Why a solid is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum SolidFault {
-    /// Its mesh has no inside.
-    #[error(transparent)]
-    Mesh(#[from] MassFault),
-    /// Its points have no hull.
-    #[error(transparent)]
-    Hull(#[from] ConvexHullFault),
-    /// Its shape is a half space, a mesh or a height field: what has no inside, or cannot move.
-    #[error("its shape is a half space, a mesh or a height field, which cannot be a solid")]
-    Shape,
-    /// Its longest side is out of range; or it is so thin (about 1 in 100 000), or so far from the zero of its coordinates, that `f32` cannot
-    /// say where its particles are.
-    #[error(
-        "its longest side is not between 1e-6 and 1e6 metres, or it is too thin or too far from zero"
-    )]
-    Size,
-    /// NaN, or outside the range; by density, what comes of it.
-    #[error("its mass is not between 1e-9 and 1e12 kilograms")]
-    Mass,
-    /// NaN, negative or too large.
-    #[error("the radius of its particles is not between 0 and 1e6 metres")]
-    Radius,
-    /// NaN or outside 0..=1.
-    #[error("its drag is not a share between 0 and 1 per second")]
-    Drag,
+    Four,
 }
 
 impl Default for SolidSpec {
@@ -122,12 +106,12 @@ impl SolidShape {
     /// What the shape encloses.
     ///
     /// # Errors
-    /// [`SolidFault::Mesh`] and [`SolidFault::Hull`].
-    pub fn mass_properties(&self) -> Result<MassProperties, SolidFault> {
+    /// [`RecipeFault::Inside`] and [`RecipeFault::Hull`].
+    pub fn mass_properties(&self) -> Result<MassProperties, RecipeFault> {
         Ok(match self {
             Self::Mesh { vertices, triangles } => MassProperties::of_mesh(vertices, triangles)?,
             Self::Hull(points) => MassProperties::of_mesh(points, &convex_hull(points)?)?,
-            Self::Collider(shape) => MassProperties::of_shape(shape).ok_or(SolidFault::Shape)?,
+            Self::Collider(shape) => MassProperties::of_shape(shape).ok_or(RecipeFault::Shape)?,
         })
     }
 
@@ -155,31 +139,16 @@ impl SolidShape {
 /// The part's size is that of the shape's bounding box. There are no triangles: the particles are inside, where no wind blows.
 ///
 /// # Errors
-/// What [`SolidFault`] lists.
-pub fn solid(spec: &SolidSpec) -> Result<Blueprint, SolidFault> {
-    if !is_radius(spec.radius) {
-        return Err(SolidFault::Radius);
-    }
-    if !is_drag(spec.drag) {
-        return Err(SolidFault::Drag);
-    }
+/// What [`RecipeFault`] lists.
+pub fn solid(spec: &SolidSpec) -> Result<Blueprint, RecipeFault> {
+    check_particles(spec.radius, spec.drag)?;
     let properties = spec.shape.mass_properties()?;
     let [low, high] = spec.shape.bounds();
     let size = high - low;
-    let mass = match spec.bulk {
-        Bulk::Mass(mass) => mass,
-        Bulk::Density(density) => (f64::from(density) * properties.volume) as f32,
-    };
-    if !LENGTHS.contains(&size.max_element()) {
-        return Err(SolidFault::Size);
-    }
-    if !MASSES.contains(&mass) {
-        return Err(SolidFault::Mass);
-    }
+    ensure(LENGTHS.contains(&size.max_element()), RecipeFault::Size)?;
+    let mass = spec.bulk.mass_of(properties.volume)? as f32;
     let rest = places(&properties, spec.layout);
-    if !told_apart(&rest, &properties) {
-        return Err(SolidFault::Size);
-    }
+    ensure(told_apart(&rest, &properties), RecipeFault::Size)?;
     let count = rest.len() as u32;
     let seed = |&position: &Vec3| {
         ParticleSeed::at(position)
@@ -209,9 +178,9 @@ fn places(properties: &MassProperties, layout: SolidLayout) -> Vec<Vec3> {
         (properties.barycentre + side(0) + side(1) + side(2)).as_vec3()
     };
     match layout {
-        SolidLayout::Box8 => [0, 1, 2, 3, 4, 5, 6, 7].iter().map(corner).collect(),
+        SolidLayout::Eight => [0, 1, 2, 3, 4, 5, 6, 7].iter().map(corner).collect(),
         // Those with an even number of minus signs.
-        SolidLayout::Tetrahedron4 => [7, 1, 2, 4].iter().map(corner).collect(),
+        SolidLayout::Four => [7, 1, 2, 4].iter().map(corner).collect(),
     }
 }
 

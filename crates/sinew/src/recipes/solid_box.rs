@@ -3,8 +3,9 @@
 
 use glam::{DVec3, Vec3};
 
+use super::LENGTHS;
 use super::blueprint::{Blueprint, Part};
-use super::{LENGTHS, MASSES, is_drag, is_radius};
+use super::fault::{RecipeFault, check_mass, check_particles, ensure};
 use crate::collide::Shape;
 use crate::constraints::GradientAt;
 use crate::particles::ParticleSeed;
@@ -37,23 +38,6 @@ pub enum BoxLayout {
     Equimomental,
 }
 
-/// Why a box is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum BoxFault {
-    /// An edge is NaN, or outside the range.
-    #[error("its size is not between 1e-6 and 1e6 metres on every axis")]
-    Size,
-    /// NaN, or outside the range.
-    #[error("its mass is not between 1e-9 and 1e12 kilograms")]
-    Mass,
-    /// NaN, negative or too large.
-    #[error("the radius of its particles is not between 0 and 1e6 metres")]
-    Radius,
-    /// NaN or outside 0..=1.
-    #[error("its drag is not a share between 0 and 1 per second")]
-    Drag,
-}
-
 impl Default for BoxSpec {
     fn default() -> Self {
         Self { size: Vec3::ONE, mass: 1.0, layout: BoxLayout::default(), radius: 0.0, drag: 0.0 }
@@ -63,7 +47,7 @@ impl Default for BoxSpec {
 /// A solid box about the origin: 8 particles, all 28 pairs tied, one part called `"box"`.
 ///
 /// Particle `i` is on the positive side of x, y and z where bit 0, 1 and 2 of `i` is set.
-pub fn box_3d(spec: &BoxSpec) -> Result<Blueprint, BoxFault> {
+pub fn box_3d(spec: &BoxSpec) -> Result<Blueprint, RecipeFault> {
     check(spec, &spec.size.to_array())?;
     let mut body = tied(spec, 8, spec.size);
     if spec.layout == BoxLayout::Corners {
@@ -74,11 +58,9 @@ pub fn box_3d(spec: &BoxSpec) -> Result<Blueprint, BoxFault> {
 
 /// A rectangle in the xy plane about the origin: 4 particles, all 6 pairs tied, one part called `"box"`, numbered as in
 /// [`box_3d`]. Its two triangles face +z. Equimomental, it turns in its plane as a solid plate does: `m/12·(a² + b²)`.
-pub fn box_2d(spec: &BoxSpec) -> Result<Blueprint, BoxFault> {
+pub fn box_2d(spec: &BoxSpec) -> Result<Blueprint, RecipeFault> {
     check(spec, &spec.size.to_array()[..2])?;
-    if !is_radius(spec.size.z) {
-        return Err(BoxFault::Size);
-    }
+    ensure((0.0..=*LENGTHS.end()).contains(&spec.size.z), RecipeFault::Size)?;
     let mut body = tied(spec, 4, spec.size.with_z(0.0));
     if spec.layout == BoxLayout::Corners {
         body.triangles = vec![[0, 1, 3], [0, 3, 2]];
@@ -90,18 +72,10 @@ pub fn box_2d(spec: &BoxSpec) -> Result<Blueprint, BoxFault> {
 const FACES: [[u32; 4]; 6] =
     [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
 
-fn check(spec: &BoxSpec, edges: &[f32]) -> Result<(), BoxFault> {
-    if !edges.iter().all(|edge| LENGTHS.contains(edge)) {
-        Err(BoxFault::Size)
-    } else if !MASSES.contains(&spec.mass) {
-        Err(BoxFault::Mass)
-    } else if !is_radius(spec.radius) {
-        Err(BoxFault::Radius)
-    } else if !is_drag(spec.drag) {
-        Err(BoxFault::Drag)
-    } else {
-        Ok(())
-    }
+fn check(spec: &BoxSpec, edges: &[f32]) -> Result<(), RecipeFault> {
+    ensure(edges.iter().all(|edge| LENGTHS.contains(edge)), RecipeFault::Size)?;
+    check_mass(spec.mass)?;
+    check_particles(spec.radius, spec.drag)
 }
 
 /// The first `count` corners of a box of `size`, tied each to each.
@@ -201,12 +175,12 @@ mod tests {
             assert_eq!(box_2d(&spec), Err(fault));
             fault
         };
-        assert_eq!(refused(|s| s.size.x = 0.0), BoxFault::Size);
-        assert_eq!(refused(|s| s.size.z = f32::NAN), BoxFault::Size);
-        assert_eq!(refused(|s| s.mass = f32::INFINITY), BoxFault::Mass);
-        assert_eq!(refused(|s| s.mass = -1.0), BoxFault::Mass);
-        assert_eq!(refused(|s| s.radius = -0.1), BoxFault::Radius);
-        assert_eq!(refused(|s| s.drag = 1.5), BoxFault::Drag);
+        assert_eq!(refused(|s| s.size.x = 0.0), RecipeFault::Size);
+        assert_eq!(refused(|s| s.size.z = f32::NAN), RecipeFault::Size);
+        assert_eq!(refused(|s| s.mass = f32::INFINITY), RecipeFault::Mass);
+        assert_eq!(refused(|s| s.mass = -1.0), RecipeFault::Mass);
+        assert_eq!(refused(|s| s.radius = -0.1), RecipeFault::Radius);
+        assert_eq!(refused(|s| s.drag = 1.5), RecipeFault::Drag);
         for (size, mass) in [(1e-6, 1e12), (1e6, 1e-9)] {
             let spec = BoxSpec {
                 size: Vec3::splat(size),

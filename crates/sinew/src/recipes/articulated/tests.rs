@@ -271,22 +271,22 @@ fn whatever_is_done_to_them_bones_stay_finite_and_come_together_again() {
 #[test]
 fn what_is_no_skeleton_is_refused() {
     type Spoil = fn(&mut Bone);
-    let cases: [(Spoil, ArticulatedFault); 10] = [
-        (|b| b.parent = Some(1), ArticulatedFault::Parent(1)),
-        (|b| b.tail = b.head, ArticulatedFault::Length(1)),
-        (|b| b.head.x = f32::NAN, ArticulatedFault::Length(1)),
-        (|b| b.head.x = 1e9, ArticulatedFault::Length(1)),
-        (|b| b.width = 0.0, ArticulatedFault::Width(1)),
-        (|b| b.mass = f32::INFINITY, ArticulatedFault::Mass(1)),
-        (|b| b.joint = Joint::Ball { cone: -1.0, twist: 1.0 }, ArticulatedFault::Limits(1)),
-        (|b| b.joint = Joint::Ball { cone: 1.0, twist: f32::NAN }, ArticulatedFault::Limits(1)),
+    let cases: [(Spoil, RecipeFault); 10] = [
+        (|b| b.parent = Some(1), RecipeFault::BoneParent(1)),
+        (|b| b.tail = b.head, RecipeFault::BoneLength(1)),
+        (|b| b.head.x = f32::NAN, RecipeFault::BoneLength(1)),
+        (|b| b.head.x = 1e9, RecipeFault::BoneLength(1)),
+        (|b| b.width = 0.0, RecipeFault::BoneWidth(1)),
+        (|b| b.mass = f32::INFINITY, RecipeFault::BoneMass(1)),
+        (|b| b.joint = Joint::Ball { cone: -1.0, twist: 1.0 }, RecipeFault::JointLimits(1)),
+        (|b| b.joint = Joint::Ball { cone: 1.0, twist: f32::NAN }, RecipeFault::JointLimits(1)),
         (
             |b| b.joint = Joint::Hinge { axis: Vec3::X, min: 0.1, max: 1.0 },
-            ArticulatedFault::Limits(1),
+            RecipeFault::JointLimits(1),
         ),
         (
             |b| b.joint = Joint::Hinge { axis: Vec3::ZERO, min: 0.0, max: 1.0 },
-            ArticulatedFault::Axis(1),
+            RecipeFault::JointAxis(1),
         ),
     ];
     for (spoil, fault) in cases {
@@ -294,7 +294,7 @@ fn what_is_no_skeleton_is_refused() {
         spoil(&mut bones[1]);
         assert_eq!(articulated(&ArticulatedSpec { bones, drag: 0.0 }), Err(fault));
     }
-    assert_eq!(articulated(&ArticulatedSpec::default()), Err(ArticulatedFault::NoBones));
+    assert_eq!(articulated(&ArticulatedSpec::default()), Err(RecipeFault::NoBones));
     let drag = ArticulatedSpec { bones: vec![post()], drag: f32::NAN };
-    assert_eq!(articulated(&drag), Err(ArticulatedFault::Drag));
+    assert_eq!(articulated(&drag), Err(RecipeFault::Drag));
 }

@@ -69,16 +69,16 @@ fn each_fault_is_told_apart() {
         assert_eq!(grid_uvs(&spec), Err(fault));
         fault
     };
-    assert_eq!(refused(|s| s.width = 0.0), ClothFault::Size);
-    assert_eq!(refused(|s| s.height = f32::NAN), ClothFault::Size);
-    assert_eq!(refused(|s| s.rows = 0), ClothFault::NoCells);
-    assert_eq!(refused(|s| s.columns = u32::MAX), ClothFault::TooMany);
-    assert_eq!(refused(|s| s.material.density = -0.2), ClothFault::Density);
-    assert_eq!(refused(|s| s.material.stretch_compliance = -1.0), ClothFault::StretchCompliance);
+    assert_eq!(refused(|s| s.width = 0.0), RecipeFault::Size);
+    assert_eq!(refused(|s| s.height = f32::NAN), RecipeFault::Size);
+    assert_eq!(refused(|s| s.rows = 0), RecipeFault::NoCells);
+    assert_eq!(refused(|s| s.columns = u32::MAX), RecipeFault::TooMany);
+    assert_eq!(refused(|s| s.material.density = -0.2), RecipeFault::Density);
+    assert_eq!(refused(|s| s.material.stretch_compliance = -1.0), RecipeFault::Compliance);
     assert_eq!(
         refused(|s| s.material.bend_compliance = Some(f32::NAN)),
-        ClothFault::BendCompliance
+        RecipeFault::BendCompliance
     );
-    assert_eq!(refused(|s| s.material.radius = -1.0), ClothFault::Radius);
-    assert_eq!(refused(|s| s.material.drag = 2.0), ClothFault::Drag);
+    assert_eq!(refused(|s| s.material.radius = -1.0), RecipeFault::Radius);
+    assert_eq!(refused(|s| s.material.drag = 2.0), RecipeFault::Drag);
 }

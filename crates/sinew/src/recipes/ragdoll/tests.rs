@@ -104,15 +104,15 @@ fn trunk_frames_are_rigid_and_limits_leave_room_to_move() {
 fn a_figure_without_a_height_or_mass_or_damping_is_refused() {
     for height in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         let spec = RagdollSpec { height, ..RagdollSpec::default() };
-        assert_eq!(ragdoll(&spec), Err(RagdollFault::Height));
+        assert_eq!(ragdoll(&spec), Err(RecipeFault::Size));
     }
     for mass in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         let spec = RagdollSpec { mass, ..RagdollSpec::default() };
-        assert_eq!(ragdoll(&spec), Err(RagdollFault::Mass));
+        assert_eq!(ragdoll(&spec), Err(RecipeFault::Mass));
     }
     for damping in [-1.0, f32::NAN, f32::INFINITY] {
         let spec = RagdollSpec { damping, ..RagdollSpec::default() };
-        assert_eq!(ragdoll(&spec), Err(RagdollFault::Damping));
+        assert_eq!(ragdoll(&spec), Err(RecipeFault::Damping));
     }
 }
 

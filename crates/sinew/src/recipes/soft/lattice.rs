@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use glam::{DVec3, UVec3, Vec3};
 
-use super::{SoftFault, check_common, damped, mass_of, sound};
+use super::{DAMPING_RATIOS, damped, sound};
 use crate::constraints::{Constraint, ConstraintKind, Distance, Tetrahedron};
 use crate::particles::ParticleSeed;
 use crate::recipes::blueprint::{Blueprint, gap};
+use crate::recipes::fault::{RecipeFault, check_particles, ensure};
 use crate::recipes::solid::Bulk;
 use crate::recipes::{LENGTHS, MOST_PARTICLES};
 
@@ -114,13 +115,13 @@ impl Default for SoftLatticeSpec {
 /// The rest, `λ - μ`, comes from the volumes: `½ (λ - μ) (V - V₀)²/V₀` is the energy of a volume law of compliance `V₀/(λ - μ)`.
 ///
 /// # Errors
-/// What [`SoftFault`] lists.
-pub fn soft_lattice(spec: &SoftLatticeSpec) -> Result<Blueprint, SoftFault> {
+/// What [`RecipeFault`] lists.
+pub fn soft_lattice(spec: &SoftLatticeSpec) -> Result<Blueprint, RecipeFault> {
     let lattice = cut(spec)?;
     let places: Vec<Vec3> = lattice.points.iter().map(|p| p.as_vec3()).collect();
     let volumes: Vec<f64> = lattice.tetrahedra.iter().map(|t| lattice.volume(t)).collect();
     let volume = volumes.iter().sum::<f64>();
-    let density = mass_of(spec.bulk, volume)? / volume;
+    let density = spec.bulk.mass_of(volume)? / volume;
     let mut masses = vec![0.0; places.len()];
     for (t, volume) in lattice.tetrahedra.iter().zip(&volumes) {
         t.iter().for_each(|&i| masses[i as usize] += 0.25 * density * volume);
@@ -162,7 +163,7 @@ pub fn soft_lattice(spec: &SoftLatticeSpec) -> Result<Blueprint, SoftFault> {
 
 /// The surface of [`soft_lattice`] as a mesh to draw, one vertex for each particle on it, in the order of [`Blueprint::vertices`]. Refuses what
 /// that refuses.
-pub fn soft_lattice_mesh(spec: &SoftLatticeSpec) -> Result<SoftSurface, SoftFault> {
+pub fn soft_lattice_mesh(spec: &SoftLatticeSpec) -> Result<SoftSurface, RecipeFault> {
     let body = soft_lattice(spec)?;
     let positions = body.vertices.iter().map(|&i| body.particles[i as usize].position).collect();
     // Every corner is among the vertices, which are sorted.
@@ -171,41 +172,29 @@ pub fn soft_lattice_mesh(spec: &SoftLatticeSpec) -> Result<SoftSurface, SoftFaul
     Ok(SoftSurface { positions, indices, vertices: body.vertices })
 }
 
-fn cut(spec: &SoftLatticeSpec) -> Result<Lattice, SoftFault> {
-    if !(1e-3..=1e12).contains(&spec.stiffness) {
-        return Err(SoftFault::Stiffness);
-    }
-    if !(0.25..=0.49).contains(&spec.poisson) {
-        return Err(SoftFault::Poisson);
-    }
-    check_common(spec.damping, spec.radius, spec.drag)?;
+fn cut(spec: &SoftLatticeSpec) -> Result<Lattice, RecipeFault> {
+    ensure((1e-3..=1e12).contains(&spec.stiffness), RecipeFault::Stiffness)?;
+    ensure((0.25..=0.49).contains(&spec.poisson), RecipeFault::Poisson)?;
+    ensure(DAMPING_RATIOS.contains(&spec.damping), RecipeFault::DampingRatio)?;
+    check_particles(spec.radius, spec.drag)?;
+    let check = |lengths: &[f32], cells: u32, count: u64| {
+        ensure(lengths.iter().all(|length| LENGTHS.contains(length)), RecipeFault::Size)?;
+        ensure(cells > 0, RecipeFault::NoCells)?;
+        ensure(count <= MOST_PARTICLES, RecipeFault::TooMany)
+    };
     match spec.shape {
         SoftShape::Box { size, cells } => {
             let count =
                 cells.to_array().iter().map(|&n| u64::from(n) + 1).fold(1, u64::saturating_mul);
-            if !size.to_array().iter().all(|edge| LENGTHS.contains(edge)) {
-                Err(SoftFault::Size)
-            } else if cells.min_element() == 0 {
-                Err(SoftFault::NoCells)
-            } else if count > MOST_PARTICLES {
-                Err(SoftFault::TooMany)
-            } else {
-                Ok(block(size.as_dvec3(), cells))
-            }
+            check(&size.to_array(), cells.min_element(), count)?;
+            Ok(block(size.as_dvec3(), cells))
         }
         SoftShape::Ball { radius, cells } => {
             let shells = cells.div_ceil(2);
             // A shell k has 10 k² + 2 particles.
             let count = u64::from(shells).saturating_pow(3).saturating_mul(4);
-            if !LENGTHS.contains(&radius) {
-                Err(SoftFault::Size)
-            } else if cells == 0 {
-                Err(SoftFault::NoCells)
-            } else if count > MOST_PARTICLES {
-                Err(SoftFault::TooMany)
-            } else {
-                Ok(ball(f64::from(radius), shells))
-            }
+            check(&[radius], cells, count)?;
+            Ok(ball(f64::from(radius), shells))
         }
     }
 }

@@ -4,6 +4,7 @@ use glam::UVec3;
 
 use super::*;
 use crate::recipes::blueprint::checks::assert_at_rest;
+use crate::recipes::{MassFault, MeshFault};
 use crate::{Plane, Simulation};
 
 fn ball_mesh(cells: u32) -> SoftSurface {
@@ -165,27 +166,27 @@ fn what_has_no_inside_or_no_sense_is_refused() {
     let made = |spec: &SoftMeshSpec| soft_mesh(spec, &mesh.positions, &mesh.indices).map(|_| ());
     assert_eq!(made(&good), Ok(()));
     let open = soft_mesh(&good, &mesh.positions, &mesh.indices[3..]);
-    assert!(matches!(open, Err(SoftFault::Inside(MassFault::Open(..)))), "{open:?}");
+    assert!(matches!(open, Err(RecipeFault::Inside(MassFault::Open(..)))), "{open:?}");
     let flat: Vec<Vec3> = mesh.positions.iter().map(|p| p.with_y(0.0)).collect();
     assert!(soft_mesh(&good, &flat, &mesh.indices).is_err());
     let lens = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::new(0.3, 1e-7, 0.3)];
     let exact = SoftMeshSpec { weld_tolerance: 0.0, ..good };
     let lens = soft_mesh(&exact, &lens, &[0, 1, 2, 0, 2, 3, 2, 1, 3, 1, 0, 3]);
-    assert_eq!(lens, Err(SoftFault::Inside(MassFault::Flat)));
+    assert_eq!(lens, Err(RecipeFault::Inside(MassFault::Flat)));
     let turned: Vec<u32> = mesh.indices.iter().rev().copied().collect();
     let turned = soft_mesh(&good, &mesh.positions, &turned);
-    assert_eq!(turned, Err(SoftFault::Inside(MassFault::InsideOut)));
-    assert_eq!(soft_mesh(&good, &[], &[]), Err(SoftFault::Mesh(MeshFault::Empty)));
+    assert_eq!(turned, Err(RecipeFault::Inside(MassFault::InsideOut)));
+    assert_eq!(soft_mesh(&good, &[], &[]), Err(RecipeFault::Mesh(MeshFault::Empty)));
     let cases = [
-        (SoftMeshSpec { bulk: Bulk::Mass(0.0), ..good }, SoftFault::Mass),
-        (SoftMeshSpec { bulk: Bulk::Density(f32::NAN), ..good }, SoftFault::Mass),
-        (SoftMeshSpec { stretch: 0.0, ..good }, SoftFault::Stiffness),
-        (SoftMeshSpec { bend: -1.0, ..good }, SoftFault::Bend),
-        (SoftMeshSpec { damping: f32::NAN, ..good }, SoftFault::Damping),
-        (SoftMeshSpec { pressure: 0.0, ..good }, SoftFault::Pressure),
-        (SoftMeshSpec { softness: Softness::frequency(0.0, 0.0), ..good }, SoftFault::Softness),
-        (SoftMeshSpec { radius: -1.0, ..good }, SoftFault::Radius),
-        (SoftMeshSpec { drag: 2.0, ..good }, SoftFault::Drag),
+        (SoftMeshSpec { bulk: Bulk::Mass(0.0), ..good }, RecipeFault::Mass),
+        (SoftMeshSpec { bulk: Bulk::Density(f32::NAN), ..good }, RecipeFault::Mass),
+        (SoftMeshSpec { stretch: 0.0, ..good }, RecipeFault::Stiffness),
+        (SoftMeshSpec { bend: -1.0, ..good }, RecipeFault::BendStiffness),
+        (SoftMeshSpec { damping: f32::NAN, ..good }, RecipeFault::DampingRatio),
+        (SoftMeshSpec { pressure: 0.0, ..good }, RecipeFault::Pressure),
+        (SoftMeshSpec { softness: Softness::frequency(0.0, 0.0), ..good }, RecipeFault::Softness),
+        (SoftMeshSpec { radius: -1.0, ..good }, RecipeFault::Radius),
+        (SoftMeshSpec { drag: 2.0, ..good }, RecipeFault::Drag),
     ];
     for (spec, fault) in cases {
         assert_eq!(made(&spec), Err(fault));
@@ -200,18 +201,18 @@ fn what_has_no_inside_or_no_sense_is_refused() {
         ..jelly
     };
     let cases = [
-        (boxed(Vec3::ZERO, UVec3::ONE), SoftFault::Size),
-        (boxed(Vec3::ONE, UVec3::new(1, 0, 1)), SoftFault::NoCells),
-        (boxed(Vec3::ONE, UVec3::MAX), SoftFault::TooMany),
-        (ball(f32::NAN, 2), SoftFault::Size),
-        (ball(1.0, 0), SoftFault::NoCells),
-        (ball(1.0, u32::MAX), SoftFault::TooMany),
-        (SoftLatticeSpec { stiffness: f32::INFINITY, ..jelly }, SoftFault::Stiffness),
-        (SoftLatticeSpec { poisson: 0.5, ..jelly }, SoftFault::Poisson),
-        (SoftLatticeSpec { damping: -1.0, ..jelly }, SoftFault::Damping),
-        (SoftLatticeSpec { bulk: Bulk::Mass(f32::NAN), ..jelly }, SoftFault::Mass),
-        (SoftLatticeSpec { radius: f32::NAN, ..jelly }, SoftFault::Radius),
-        (SoftLatticeSpec { drag: -0.1, ..jelly }, SoftFault::Drag),
+        (boxed(Vec3::ZERO, UVec3::ONE), RecipeFault::Size),
+        (boxed(Vec3::ONE, UVec3::new(1, 0, 1)), RecipeFault::NoCells),
+        (boxed(Vec3::ONE, UVec3::MAX), RecipeFault::TooMany),
+        (ball(f32::NAN, 2), RecipeFault::Size),
+        (ball(1.0, 0), RecipeFault::NoCells),
+        (ball(1.0, u32::MAX), RecipeFault::TooMany),
+        (SoftLatticeSpec { stiffness: f32::INFINITY, ..jelly }, RecipeFault::Stiffness),
+        (SoftLatticeSpec { poisson: 0.5, ..jelly }, RecipeFault::Poisson),
+        (SoftLatticeSpec { damping: -1.0, ..jelly }, RecipeFault::DampingRatio),
+        (SoftLatticeSpec { bulk: Bulk::Mass(f32::NAN), ..jelly }, RecipeFault::Mass),
+        (SoftLatticeSpec { radius: f32::NAN, ..jelly }, RecipeFault::Radius),
+        (SoftLatticeSpec { drag: -0.1, ..jelly }, RecipeFault::Drag),
     ];
     for (spec, fault) in cases {
         assert_eq!(soft_lattice(&spec), Err(fault));

@@ -2,12 +2,12 @@
 
 use super::super::blueprint::checks::assert_at_rest;
 use super::super::mass;
-use super::super::{BoxLayout, BoxSpec, box_3d};
+use super::super::{BoxLayout, BoxSpec, ConvexHullFault, MassFault, box_3d};
 use super::*;
 use crate::pose::{Motion, motion};
 use glam::DVec3;
 
-const LAYOUTS: [SolidLayout; 2] = [SolidLayout::Box8, SolidLayout::Tetrahedron4];
+const LAYOUTS: [SolidLayout; 2] = [SolidLayout::Eight, SolidLayout::Four];
 
 fn cuboid(size: Vec3, middle: Vec3) -> Vec<Vec3> {
     let side = |i: u8| f32::from(i & 1) - 0.5;
@@ -82,7 +82,7 @@ fn a_box_of_any_size_gives_its_own_equimomental_particles() {
             assert_eq!(a.mass, b.mass);
         }
         assert_eq!(body.parts[0].size, size);
-        let four = solid(&SolidSpec { layout: SolidLayout::Tetrahedron4, ..spec }).unwrap();
+        let four = solid(&SolidSpec { layout: SolidLayout::Four, ..spec }).unwrap();
         assert_eq!((four.particles.len(), four.distances.len()), (4, 6));
         assert!(
             four.particles.iter().all(|p| body.particles.iter().any(|q| p.position == q.position))
@@ -94,8 +94,7 @@ fn a_box_of_any_size_gives_its_own_equimomental_particles() {
 fn the_transform_that_is_read_back_is_that_of_the_mesh() {
     let shape = shapes().swap_remove(0);
     let body =
-        solid(&SolidSpec { shape, layout: SolidLayout::Tetrahedron4, ..SolidSpec::default() })
-            .unwrap();
+        solid(&SolidSpec { shape, layout: SolidLayout::Four, ..SolidSpec::default() }).unwrap();
     let part = &body.parts[0];
     assert_eq!((part.name, part.size), ("solid", Vec3::new(2.0, 3.0, 1.0)));
     let rotation = glam::Quat::from_xyzw(0.48, 0.0, 0.6, 0.64);
@@ -114,27 +113,27 @@ fn each_fault_is_told_apart_and_the_ends_of_the_ranges_are_accepted() {
         change(&mut spec);
         solid(&spec).unwrap_err()
     };
-    assert_eq!(solid(&SolidSpec::default()), Err(SolidFault::Hull(ConvexHullFault::TooFew)));
-    assert_eq!(solid(&hull(vec![Vec3::ONE; 8])), Err(SolidFault::Hull(ConvexHullFault::Flat)));
+    assert_eq!(solid(&SolidSpec::default()), Err(RecipeFault::Hull(ConvexHullFault::TooFew)));
+    assert_eq!(solid(&hull(vec![Vec3::ONE; 8])), Err(RecipeFault::Hull(ConvexHullFault::Flat)));
     let plate = cuboid(Vec3::new(1.0, 1.0, 0.0), Vec3::ZERO);
-    assert_eq!(solid(&hull(plate)), Err(SolidFault::Hull(ConvexHullFault::Flat)));
+    assert_eq!(solid(&hull(plate)), Err(RecipeFault::Hull(ConvexHullFault::Flat)));
     let nan = vec![Vec3::X, Vec3::NAN, Vec3::Y, Vec3::Z];
-    assert_eq!(solid(&hull(nan)), Err(SolidFault::Hull(ConvexHullFault::NotFinite(1))));
+    assert_eq!(solid(&hull(nan)), Err(RecipeFault::Hull(ConvexHullFault::NotFinite(1))));
     let open =
         SolidShape::Mesh { vertices: cuboid(Vec3::ONE, Vec3::ZERO), triangles: vec![[0, 1, 3]] };
     let open = SolidSpec { shape: open, ..SolidSpec::default() };
-    assert_eq!(solid(&open), Err(SolidFault::Mesh(MassFault::Open(0, 1))));
-    assert_eq!(solid(&hull(cuboid(Vec3::splat(1e-7), Vec3::ZERO))), Err(SolidFault::Size));
-    assert_eq!(solid(&hull(cuboid(Vec3::splat(2e6), Vec3::ZERO))), Err(SolidFault::Size));
-    assert_eq!(solid(&hull(cuboid(Vec3::ONE, Vec3::X * 1e6))), Err(SolidFault::Size));
+    assert_eq!(solid(&open), Err(RecipeFault::Inside(MassFault::Open(0, 1))));
+    assert_eq!(solid(&hull(cuboid(Vec3::splat(1e-7), Vec3::ZERO))), Err(RecipeFault::Size));
+    assert_eq!(solid(&hull(cuboid(Vec3::splat(2e6), Vec3::ZERO))), Err(RecipeFault::Size));
+    assert_eq!(solid(&hull(cuboid(Vec3::ONE, Vec3::X * 1e6))), Err(RecipeFault::Size));
     let sheet = cuboid(Vec3::new(1.0, 1.0, 5e-6), Vec3::ZERO);
-    assert_eq!(solid(&hull(sheet)), Err(SolidFault::Size));
-    assert_eq!(refused(|s| s.bulk = Bulk::Mass(0.0)), SolidFault::Mass);
-    assert_eq!(refused(|s| s.bulk = Bulk::Mass(f32::NAN)), SolidFault::Mass);
-    assert_eq!(refused(|s| s.bulk = Bulk::Density(-1.0)), SolidFault::Mass);
-    assert_eq!(refused(|s| s.bulk = Bulk::Density(f32::INFINITY)), SolidFault::Mass);
-    assert_eq!(refused(|s| s.radius = -0.1), SolidFault::Radius);
-    assert_eq!(refused(|s| s.drag = 1.5), SolidFault::Drag);
+    assert_eq!(solid(&hull(sheet)), Err(RecipeFault::Size));
+    assert_eq!(refused(|s| s.bulk = Bulk::Mass(0.0)), RecipeFault::Mass);
+    assert_eq!(refused(|s| s.bulk = Bulk::Mass(f32::NAN)), RecipeFault::Mass);
+    assert_eq!(refused(|s| s.bulk = Bulk::Density(-1.0)), RecipeFault::Mass);
+    assert_eq!(refused(|s| s.bulk = Bulk::Density(f32::INFINITY)), RecipeFault::Mass);
+    assert_eq!(refused(|s| s.radius = -0.1), RecipeFault::Radius);
+    assert_eq!(refused(|s| s.drag = 1.5), RecipeFault::Drag);
     for (size, mass) in [(1e-6, 1e12), (1e6, 1e-9)] {
         for layout in LAYOUTS {
             let spec = hull(cuboid(Vec3::splat(size), Vec3::ZERO));
@@ -164,7 +163,7 @@ fn round_solids_weigh_and_turn_as_formulas_have_it_and_collide_as_what_they_are(
         (Shape::cuboid(Vec3::new(1.0, 2.0, 3.0)).unwrap(), DVec3::new(13.0, 10.0, 5.0) / 12.0),
     ];
     for (shape, expected) in cases {
-        for layout in [SolidLayout::Box8, SolidLayout::Tetrahedron4] {
+        for layout in [SolidLayout::Eight, SolidLayout::Four] {
             let spec = SolidSpec {
                 shape: SolidShape::Collider(shape.clone()),
                 bulk: Bulk::Mass(3.0),
@@ -186,5 +185,5 @@ fn round_solids_weigh_and_turn_as_formulas_have_it_and_collide_as_what_they_are(
     }
     let flat =
         SolidSpec { shape: SolidShape::Collider(Shape::half_space()), ..SolidSpec::default() };
-    assert_eq!(solid(&flat), Err(SolidFault::Shape));
+    assert_eq!(solid(&flat), Err(RecipeFault::Shape));
 }
