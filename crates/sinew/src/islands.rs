@@ -3,7 +3,7 @@
 use core::ops::Range;
 
 use crate::settings::SolverSettings;
-use crate::union_find::{root, unite};
+use crate::union_find::UnionFind;
 
 /// The islands of a world. Scratch, never saved.
 #[derive(Clone, Debug, Default)]
@@ -73,33 +73,15 @@ impl Island {
     }
 }
 
-/// Which particles constraints connect.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Connected {
-    /// Towards the first particle of the island.
-    parent: Vec<u32>,
-}
-
-impl Connected {
-    /// Lets every one of so many particles stand alone.
-    pub(crate) fn reset(&mut self, particles: usize) {
-        self.parent.clear();
-        self.parent.extend(0..particles as u32);
-    }
-
-    /// Joins the islands of two particles, towards the smaller row, so that the root of an island is its first particle.
-    pub(crate) fn unite(&mut self, a: u32, b: u32) {
-        unite(&mut self.parent, a, b);
-    }
-
-    /// Numbers the islands by their first particles, and lists the members of each, ascending.
-    pub(crate) fn number(&mut self, islands: &mut Islands) {
-        let Islands { list, members, of } = islands;
-        let particles = self.parent.len();
+impl Islands {
+    /// Numbers the sets of connected particles by their first ones, and lists the members of each, ascending.
+    pub(crate) fn number(&mut self, connected: &mut UnionFind) {
+        let Self { list, members, of } = self;
+        let particles = connected.len();
         list.clear();
         of.clear();
         for row in 0..particles as u32 {
-            let first = root(&mut self.parent, row);
+            let first = connected.root(row);
             let number = if first == row {
                 list.push(Island::default());
                 list.len() as u32 - 1

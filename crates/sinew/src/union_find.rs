@@ -1,17 +1,37 @@
 //! Union-find: which of many things belong together, as a list of parents in which the root of each set is its smallest member.
 
-/// Joins the sets of two.
-pub(crate) fn unite(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(parent, a), root(parent, b));
-    parent[a.max(b) as usize] = a.min(b);
+/// Sets of numbers from 0 on.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct UnionFind {
+    parent: Vec<u32>,
 }
 
-/// The smallest one of a set, shortening the way for the next time (path halving).
-pub(crate) fn root(parent: &mut [u32], mut member: u32) -> u32 {
-    while parent[member as usize] != member {
-        let up = parent[parent[member as usize] as usize];
-        parent[member as usize] = up;
-        member = up;
+impl UnionFind {
+    /// Lets every one of so many stand alone.
+    pub(crate) fn reset(&mut self, count: usize) {
+        self.parent.clear();
+        self.parent.extend(0..count as u32);
     }
-    member
+
+    /// How many there are.
+    pub(crate) fn len(&self) -> usize {
+        self.parent.len()
+    }
+
+    /// Joins the sets of two.
+    pub(crate) fn unite(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.parent[a.max(b) as usize] = a.min(b);
+    }
+
+    /// The smallest one of a set, shortening the way for the next time (path halving).
+    pub(crate) fn root(&mut self, mut member: u32) -> u32 {
+        let parent = &mut self.parent;
+        while parent[member as usize] != member {
+            let up = parent[parent[member as usize] as usize];
+            parent[member as usize] = up;
+            member = up;
+        }
+        member
+    }
 }

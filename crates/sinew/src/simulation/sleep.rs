@@ -23,7 +23,7 @@ use pieces::Pieces;
 use super::Simulation;
 use crate::collide::Broad;
 use crate::particles::NO_BODY;
-use crate::union_find::{root, unite};
+use crate::union_find::UnionFind;
 
 /// Whether a body may sleep, and for how long it has been still: configuration and live state, to be saved and restored with its particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +80,7 @@ pub(super) struct SleepScratch {
     pairs: Vec<[u32; 2]>,
     broad: Broad,
     /// Towards the first island of a group.
-    parent: Vec<u32>,
+    groups: UnionFind,
     /// The first island of each body.
     first_of: Vec<u32>,
     /// How far the shape of a body collider reaches beyond its particles, metres, for each row; empty if those have changed.
@@ -258,7 +258,7 @@ impl Simulation {
     /// Joins islands that touch, those that a spring ties, and those of a body.
     fn group(&self, sleepers: &mut SleepScratch, compare: bool) {
         let Self { particles, scratch, .. } = self;
-        let SleepScratch { bounds, pieces, activities, pairs, broad, parent, first_of, .. } =
+        let SleepScratch { bounds, pieces, activities, pairs, broad, groups, first_of, .. } =
             sleepers;
         pairs.clear();
         // Where all lie still and have done so for long, each group sleeps, whoever is in it; and where all move, none does.
@@ -269,17 +269,16 @@ impl Simulation {
         if (compare || !still) && !moving {
             broad.pairs(bounds, pairs);
         }
-        parent.clear();
-        parent.extend(0..bounds.len() as u32);
+        groups.reset(bounds.len());
         for &[a, b] in pairs.iter() {
-            if root(parent, a) != root(parent, b) && pieces.touch([a, b], bounds) {
-                unite(parent, a, b);
+            if groups.root(a) != groups.root(b) && pieces.touch([a, b], bounds) {
+                groups.unite(a, b);
             }
         }
         for spring in &self.forces.springs {
             let ends = [spring.a, spring.b].map(|row| scratch.plan.islands.of.get(row as usize));
             if let [Some(&a), Some(&b)] = ends {
-                unite(parent, a, b);
+                groups.unite(a, b);
             }
         }
         first_of.clear();
@@ -289,23 +288,23 @@ impl Simulation {
                 if *first == u32::MAX {
                     *first = island;
                 }
-                unite(parent, *first, island);
+                groups.unite(*first, island);
             }
         }
     }
 
     /// Sums up each group, and lets it sleep, or lets its time go on.
     fn decide(&mut self, sleepers: &mut SleepScratch, dt: f32, compare: bool) {
-        let SleepScratch { activities, parent, .. } = &mut *sleepers;
+        let SleepScratch { activities, groups, .. } = &mut *sleepers;
         for island in 0..activities.len() {
-            let root = root(parent, island as u32) as usize;
+            let root = groups.root(island as u32) as usize;
             let own = activities[island];
             let group = &mut activities[root];
             group.active |= own.active;
             group.still = group.still.min(own.still);
         }
         for number in 0..self.scratch.plan.islands.list.len() {
-            let group = sleepers.activities[root(&mut sleepers.parent, number as u32) as usize];
+            let group = sleepers.activities[sleepers.groups.root(number as u32) as usize];
             let may = sleepers.activities[number].allowed && sleepers.bounds[number].0.is_finite();
             self.scratch.plan.islands.list[number].asleep =
                 may && !group.active && group.still >= SECONDS;
@@ -313,13 +312,13 @@ impl Simulation {
         if compare {
             self.compare_support(sleepers);
         }
-        let SleepScratch { activities, parent, masses, hashes, .. } = sleepers;
+        let SleepScratch { activities, groups, masses, hashes, .. } = sleepers;
         let Self { particles, sleep, scratch, .. } = self;
         let plan = &mut scratch.plan;
         // As a step would leave what stands still.
         let still = Vec3::ZERO.extend(self.settings.integrator.lag(scratch.substep.length));
         for number in 0..plan.islands.list.len() {
-            let root = root(parent, number as u32) as usize;
+            let root = groups.root(number as u32) as usize;
             let group = activities[root];
             let island = &mut plan.islands.list[number];
             island.asleep &= !group.active;
@@ -351,7 +350,7 @@ impl Simulation {
 
     /// Sums up what those of each group that are to sleep are made of and hang on, and wakes all of one in which that is not what it was.
     fn compare_support(&self, sleepers: &mut SleepScratch) {
-        let SleepScratch { activities, parent, hashes, bounds, .. } = sleepers;
+        let SleepScratch { activities, groups, hashes, bounds, .. } = sleepers;
         let islands = &self.scratch.plan.islands;
         hashes.clear();
         hashes.resize(islands.list.len(), 0);
@@ -364,13 +363,13 @@ impl Simulation {
             };
         }
         for number in 0..islands.list.len() {
-            let root = root(parent, number as u32) as usize;
+            let root = groups.root(number as u32) as usize;
             if root != number {
                 hashes[root] = hashes[root].wrapping_add(hashes[number]);
             }
         }
         for (number, island) in islands.list.iter().enumerate().filter(|(_, one)| one.asleep) {
-            let root = root(parent, number as u32) as usize;
+            let root = groups.root(number as u32) as usize;
             let bodies = islands.members[island.members.clone()].iter();
             let other = |&row: &u32| {
                 let body = self.sleep.get(self.particles.body[row as usize] as usize);

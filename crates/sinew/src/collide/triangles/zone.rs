@@ -12,13 +12,13 @@ use glam::DVec3;
 
 use super::neighbour_list::TriangleCandidate;
 use super::solve::SubstepState;
-use crate::union_find::{root, unite};
+use crate::union_find::UnionFind;
 
 /// Zones of a substep. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Zones {
     /// Of each member the first one of its zone, or one on the way there; empty as long as there is no zone.
-    parent: Vec<u32>,
+    connected: UnionFind,
     /// Of each first one what the zone has in mass and in way, kg and kg·m, and how many pinned ones with what way.
     sums: Vec<ZoneSum>,
 }
@@ -44,7 +44,7 @@ impl Zones {
         state: &mut SubstepState,
         sweep: u32,
     ) -> u32 {
-        self.parent.clear();
+        self.connected.reset(0);
         let mut since = 1;
         for round in 0..ROUNDS {
             let sweep = sweep + round;
@@ -66,12 +66,12 @@ impl Zones {
             if state.four(candidate).crossing().is_none() {
                 continue;
             }
-            if self.parent.is_empty() {
-                self.parent.extend(0..state.at.len() as u32);
+            if self.connected.len() == 0 {
+                self.connected.reset(state.at.len());
             }
             any = true;
             for &other in &candidate.four[1..] {
-                unite(&mut self.parent, candidate.four[0], other);
+                self.connected.unite(candidate.four[0], other);
             }
         }
         any
@@ -79,11 +79,11 @@ impl Zones {
 
     /// Moves each zone as one.
     fn lead(&mut self, state: &mut SubstepState, sweep: u32) {
-        let Self { parent, sums } = self;
+        let Self { connected, sums } = self;
         sums.clear();
-        sums.resize(parent.len(), ZoneSum::default());
-        for i in 0..parent.len() {
-            let sum = &mut sums[root(parent, i as u32) as usize];
+        sums.resize(connected.len(), ZoneSum::default());
+        for i in 0..connected.len() {
+            let sum = &mut sums[connected.root(i as u32) as usize];
             let (way, weight) = (state.at[i] - state.from[i], state.weight[i]);
             sum.participants += 1;
             if weight > 0.0 {
@@ -94,8 +94,8 @@ impl Zones {
                 sum.way += way;
             }
         }
-        for i in 0..parent.len() {
-            let sum = &sums[root(parent, i as u32) as usize];
+        for i in 0..connected.len() {
+            let sum = &sums[connected.root(i as u32) as usize];
             if sum.participants < 2 || state.weight[i] == 0.0 {
                 continue;
             }

@@ -1,7 +1,7 @@
 //! Which triangles meet at which edge: what bends, what is a border, and who is whose neighbour.
 
 use super::{Fold, NONE};
-use crate::union_find::{root, unite};
+use crate::union_find::UnionFind;
 
 /// All edges of some triangles, sorted.
 pub(in crate::recipes) struct Edges {
@@ -101,18 +101,15 @@ impl Edges {
 
     /// The connected pieces: the particles of each, ascending, in the order of their first ones.
     pub(super) fn pieces(&self, particles: usize) -> Vec<Vec<u32>> {
-        let mut parents: Vec<u32> = (0..particles as u32).collect();
+        let mut connected = UnionFind::default();
+        connected.reset(particles);
         for edge in &self.list {
-            let [a, b] = edge.ends;
-            // Mostly it is known already.
-            if parents[a as usize] != parents[b as usize] {
-                unite(&mut parents, a, b);
-            }
+            connected.unite(edge.ends[0], edge.ends[1]);
         }
         let mut pieces: Vec<Vec<u32>> = Vec::new();
         let mut numbers = vec![0; particles];
         for particle in 0..particles as u32 {
-            let first = root(&mut parents, particle);
+            let first = connected.root(particle);
             if first == particle {
                 numbers[particle as usize] = pieces.len();
                 pieces.push(Vec::new());

@@ -8,6 +8,8 @@
 //! **The rest** is coloured greedily: each takes the lowest colour that none of its particles has used, in the order given. A mesh takes some 13
 //! colours.
 
+use super::GroupKind;
+
 /// The colour of what found no other: a particle in more than 64 constraints. Solved one after the other, which is always right.
 pub(super) const OVERFLOW: u32 = GREEDY + 64;
 /// The first greedy colour, after those of the strides.
@@ -17,15 +19,7 @@ const STRIDES: usize = 32;
 /// So many rods of a stride are worth colours of their own: an eighth of them is lost to runs that do not fill the lanes.
 const LEAST: usize = 64;
 
-/// What has colours of its own: a rod and a constraint may have the same one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Class {
-    Rods,
-    Distances,
-    Constraints,
-}
-
-/// Which colours each particle's constraints have used, by class and phase.
+/// Which colours each particle's constraints have used, by kind and phase.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Colours {
     used: [Vec<[u64; 3]>; 3],
@@ -45,8 +39,8 @@ impl Colours {
     }
 
     /// The lowest colour that none of the particles has used, which they now have; [`OVERFLOW`] if there is none.
-    pub(super) fn greedy(&mut self, class: Class, phase: u32, rows: &[u32]) -> u32 {
-        let (used, phase) = (&mut self.used[class as usize], phase as usize);
+    pub(super) fn greedy(&mut self, kind: GroupKind, phase: u32, rows: &[u32]) -> u32 {
+        let (used, phase) = (&mut self.used[kind as usize], phase as usize);
         let taken = rows.iter().fold(0, |taken, &row| taken | used[row as usize][phase]);
         let colour = lowest(taken);
         if colour < OVERFLOW {

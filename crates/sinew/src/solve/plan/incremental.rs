@@ -14,10 +14,10 @@ mod tests;
 use std::collections::BTreeSet;
 
 use super::changes::{Added, Changes, List, Removed, list_of};
-use super::colours::{Class, GREEDY, OVERFLOW, lowest};
-use super::keys::{DISTANCES, Fields, Key, RODS};
+use super::colours::{GREEDY, OVERFLOW, lowest};
+use super::keys::{Fields, Key};
 use super::place::Compiling;
-use super::{Given, Plan};
+use super::{Given, GroupKind, Plan};
 use crate::constraints::Rows;
 
 /// So many may be looked at again.
@@ -56,7 +56,7 @@ pub(super) fn update_incrementally(
 }
 
 /// One to be looked at again. They are, in the order in which colours are given.
-type Recheck = (Class, u32);
+type Recheck = (GroupKind, u32);
 
 struct IncrementalUpdate<'a> {
     plan: &'a Plan,
@@ -171,10 +171,10 @@ impl IncrementalUpdate<'_> {
     }
 
     /// Gives one the colour that it has to have; and has those looked at who may have to have another one because of that.
-    fn recolour(&mut self, island: u32, (class, number): Recheck) {
-        let list = if class == Class::Constraints { List::Constraints } else { List::Distances };
+    fn recolour(&mut self, island: u32, (kind, number): Recheck) {
+        let list = if kind == GroupKind::Constraints { List::Constraints } else { List::Distances };
         let (rows, _) = self.given.rows_and_rank(list, number as usize);
-        let own = |&place: &usize| recheck(&self.keys[place]) == (class, number);
+        let own = |&place: &usize| recheck(&self.keys[place]) == (kind, number);
         let Some(mine) = self.around(island, &rows).find(own) else { return };
         let key = self.keys[mine];
         let (fields, ends) = (Fields::of(key.group), self.ends(&key));
@@ -193,7 +193,8 @@ impl IncrementalUpdate<'_> {
             }
         }
         let strides = &self.compiling.strides[fields.island as usize];
-        let strided = strides.colour(ends.0, ends.1).filter(|_| class == Class::Rods && !is_second);
+        let strided =
+            strides.colour(ends.0, ends.1).filter(|_| kind == GroupKind::Rods && !is_second);
         let colour = strided.map_or_else(|| lowest(taken), |(_, colour)| colour);
         if colour == fields.colour {
             return;
@@ -263,7 +264,7 @@ fn bit(colour: u32) -> u64 {
 }
 
 fn recheck(key: &Key) -> Recheck {
-    (class_of(key), key.number)
+    (kind_of(key), key.number)
 }
 
 fn island_of(key: &Key) -> u32 {
@@ -274,15 +275,11 @@ fn colour_of(key: &Key) -> u32 {
     Fields::of(key.group).colour
 }
 
-fn class_of(key: &Key) -> Class {
-    match Fields::of(key.group).rank {
-        RODS => Class::Rods,
-        DISTANCES => Class::Distances,
-        _ => Class::Constraints,
-    }
+fn kind_of(key: &Key) -> GroupKind {
+    Fields::of(key.group).kind()
 }
 
 /// Whether two may not have the same colour if they share a particle.
 fn are_rivals(one: &Key, other: &Key) -> bool {
-    class_of(one) == class_of(other) && Fields::of(one.group).phase == Fields::of(other.group).phase
+    kind_of(one) == kind_of(other) && Fields::of(one.group).phase == Fields::of(other.group).phase
 }

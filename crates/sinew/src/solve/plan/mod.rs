@@ -110,15 +110,15 @@ pub(crate) struct ClusterBatch {
     pub(crate) columns: bool,
 }
 
-/// The kinds of groups.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The kinds of groups. Each has colours of its own: a rod and a constraint may have the same one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum GroupKind {
-    /// Of the plan's constraints, by their equations.
-    Constraints,
-    /// Of the plan's distances, by the general kernel.
-    Distances,
     /// Of the plan's distances, hard ones of equality, by the shortest kernel.
     Rods,
+    /// Of the plan's distances, by the general kernel.
+    Distances,
+    /// Of the plan's constraints, by their equations.
+    Constraints,
 }
 
 /// What a plan is compiled from.
@@ -156,7 +156,7 @@ impl Plan {
         for (c, _) in given.constraints.iter().zip(&sound).filter(|(_, sound)| **sound) {
             c.rows.iter().for_each(|&row| connected.unite(c.rows[0], row));
         }
-        connected.number(&mut self.islands);
+        self.islands.number(connected);
         compiling.place_all(self, &given, &sound);
         self.cut(&given, &compiling.keys);
         self.compiling = compiling;

@@ -1,16 +1,16 @@
 //! Placing: each constraint gets the key that says where it goes.
 
 use super::clusters::{Clusters, Place};
-use super::colours::{Class, Colours, Strides};
+use super::colours::{Colours, Strides};
 use super::keys::{DISTANCES, Fields, Key, RIGID, RODS};
-use super::{Given, Plan};
+use super::{Given, GroupKind, Plan};
 use crate::constraints::{Bound, Constraint, ConstraintKind, Distance};
-use crate::islands::Connected;
+use crate::union_find::UnionFind;
 
 /// What compiling needs; kept for its memory, and for the next [incremental update](super::incremental).
 #[derive(Clone, Debug, Default)]
 pub(super) struct Compiling {
-    pub(super) connected: Connected,
+    pub(super) connected: UnionFind,
     /// The place of each particle among the members of its island.
     pub(super) slots: Vec<u32>,
     /// The sound distances of each island, island after island, in the order given.
@@ -115,13 +115,13 @@ impl Compiling {
             let (fields, ends) = self.fields(plan, &rows, rank_of(d));
             self.reaches[island] = self.reaches[island].max(ends.1 - ends.0);
             let phase = fields.phase;
-            let class = if is_rod(d) { Class::Rods } else { Class::Distances };
+            let kind = if is_rod(d) { GroupKind::Rods } else { GroupKind::Distances };
             let strided = if is_rod(d) { strides.colour(ends.0, ends.1) } else { None };
             let colour = match strided {
                 Some((number, colour)) if self.colours.take_stride(number, phase, d.a.min(d.b)) => {
                     colour
                 }
-                _ => self.colours.greedy(class, phase, &rows),
+                _ => self.colours.greedy(kind, phase, &rows),
             };
             let group = Fields { colour, ..fields }.key();
             self.keys.push(Key { group, first: ends.0, number });
@@ -148,7 +148,7 @@ impl Compiling {
         let (fields, ends) = self.fields(plan, &constraint.rows, rank_of_kind(&constraint.kind));
         let reach = &mut self.reaches[fields.island as usize];
         *reach = (*reach).max(ends.1 - ends.0);
-        let colour = self.colours.greedy(Class::Constraints, fields.phase, &constraint.rows);
+        let colour = self.colours.greedy(GroupKind::Constraints, fields.phase, &constraint.rows);
         let group = Fields { colour, ..fields }.key();
         self.keys.push(Key { group, first: ends.0, number });
     }
