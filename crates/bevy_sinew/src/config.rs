@@ -133,7 +133,7 @@ impl Default for SolverConfig {
 
 same_fields!(SolverConfig, SolverSettings {
     substeps, max_sweeps, tolerance, gradient_at, order, integrator, max_speed, keep_spin, long_range, microsteps, statics, timed,
-} and { threads: true });
+} own { threads: true });
 same_variants!(GradientAt, sinew::GradientAt { Current, StepStart });
 same_variants!(Order, sinew::Order { GaussSeidel, MostViolatedFirst, Jacobi });
 same_variants!(

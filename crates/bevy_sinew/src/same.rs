@@ -28,12 +28,16 @@ macro_rules! same_variants {
     };
 }
 
-/// A struct with the fields of another, and perhaps some of its own, with what they are where it is made from that one.
+/// A struct with the fields of another; and what fields of either are that the other one does not have, where it is made from that.
 macro_rules! same_fields {
-    ($own:ident, $other:ty { $($field:ident),* $(,)? } $(and { $($more:ident: $default:expr),* })?) => {
+    (
+        $own:ident, $other:ty { $($field:ident),* $(,)? }
+        $(own { $($more:ident: $default:expr),* })?
+        $(other { $($rest:ident: $usual:expr),* })?
+    ) => {
         impl From<$own> for $other {
             fn from(own: $own) -> Self {
-                Self { $($field: own.$field.into()),* }
+                Self { $($field: own.$field.into(),)* $($($rest: $usual),*)? }
             }
         }
 

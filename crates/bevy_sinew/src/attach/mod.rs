@@ -16,6 +16,7 @@ pub use anchor::{Anchor, RopeEnd};
 pub(crate) use carrier::place_of;
 pub use constraint::AnchorConstraint;
 
+use bevy::ecs::entity::MapEntities;
 use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::world::DeferredWorld;
 use bevy::prelude::*;
@@ -61,7 +62,7 @@ use crate::components::{CreationOrder, PinnedTo, Softness};
 /// # let world = app.world_mut();
 /// # assert_eq!(world.query::<&bevy_sinew::Attached>().iter(world).count(), 2);
 /// ```
-#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[derive(Component, MapEntities, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 #[require(CreationOrder)]
 #[component(on_remove = let_go)]
@@ -155,15 +156,7 @@ pub struct Attached {
     pub body: Entity,
     /// What it was when it took hold.
     #[entities]
-    pub entity: Entity,
-    /// The same.
-    pub part: Anchor,
-    /// The same.
-    pub anchor: Anchor,
-    /// The same.
-    pub snap: bool,
-    /// The same.
-    pub softness: Softness,
+    pub to: AttachTo,
     /// How often the body and the other entity had been built ([`BuiltBody`](crate::BuiltBody)); 0 of one that is no body.
     pub builds: [u32; 2],
     /// Where each tied point is kept, in the frame of the other entity if it has one.
@@ -176,12 +169,7 @@ pub struct Attached {
 impl Attached {
     /// Whether it took hold as this one.
     fn is_of(&self, body: Entity, to: &AttachTo) -> bool {
-        self.body == body
-            && self.entity == to.entity
-            && self.part == to.part
-            && self.anchor == to.anchor
-            && self.snap == to.snap
-            && self.softness == to.softness
+        self.body == body && self.to == *to
     }
 }
 
@@ -206,7 +194,7 @@ fn let_go(mut world: DeferredWorld, context: HookContext) {
 fn release(world: &mut World, attached: &Attached, joints: Vec<Entity>) {
     for &particle in &attached.pinned {
         if let Ok(mut particle) = world.get_entity_mut(particle)
-            && particle.get::<PinnedTo>().is_some_and(|pin| pin.entity == attached.entity)
+            && particle.get::<PinnedTo>().is_some_and(|pin| pin.entity == attached.to.entity)
         {
             particle.remove::<PinnedTo>();
         }

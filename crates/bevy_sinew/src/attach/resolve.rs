@@ -182,11 +182,7 @@ fn attach(
     }
     Ok(Outcome::Holds(Attached {
         body,
-        entity: to.entity,
-        part: to.part.clone(),
-        anchor: to.anchor.clone(),
-        snap: to.snap,
-        softness: to.softness,
+        to: to.clone(),
         builds: [builds(world, body), builds(world, to.entity)],
         offsets,
         pinned,

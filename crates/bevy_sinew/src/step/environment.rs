@@ -91,19 +91,27 @@ impl Fields<'_, '_> {
         };
 
         let wind = |(entity, order, wind, region): (_, &_, &Wind, _)| {
-            (*order, entity, within(entity, region).map(|region| wind.within(region)))
+            (
+                *order,
+                entity,
+                within(entity, region).map(|region| sinew::Wind { region, ..(*wind).into() }),
+            )
         };
         validator.fill(&mut forces.winds, self.winds.iter().map(wind), sinew::Wind::is_valid);
 
         let air = |(entity, order, air, region): (_, &_, &AirFlow, _)| {
-            (*order, entity, within(entity, region).map(|region| air.within(region)))
+            (
+                *order,
+                entity,
+                within(entity, region).map(|region| sinew::AirFlow { region, ..(*air).into() }),
+            )
         };
         validator.fill(&mut forces.air_flows, self.air.iter().map(air), sinew::AirFlow::is_valid);
 
         let fluid = |(entity, order, fluid, region): (_, &_, &Fluid, _)| {
             let under = |region| {
                 let (up, level) = plane(&frames.of(entity)?, Vec3::Y);
-                Ok(fluid.under(up, level, region))
+                Ok(sinew::Fluid { up, level, region, ..(*fluid).into() })
             };
             (*order, entity, within(entity, region).and_then(under))
         };

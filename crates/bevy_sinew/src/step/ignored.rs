@@ -50,13 +50,13 @@ pub(crate) fn gather_ignored(
         if !attached.pinned.is_empty() {
             continue;
         }
-        let Ok(by) = placed.get(attached.entity) else { continue };
+        let Ok(by) = placed.get(attached.to.entity) else { continue };
         let particle = || {
             let row = rows.get(attached.body).ok()?.get()?;
             (row < particles.len()).then(|| body_of_row(row))?
         };
         let held = body(attached.body).or_else(particle);
-        if let (Some(held), Some(by)) = (held, collider(attached.entity, by)) {
+        if let (Some(held), Some(by)) = (held, collider(attached.to.entity, by)) {
             list.push([held, by]);
         }
     }

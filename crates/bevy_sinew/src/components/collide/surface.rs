@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use sinew::{Layers, Material, PlanarDrag};
 
-use crate::same::same_variants;
+use crate::same::{same_fields, same_variants};
 
 /// What the surface of a [`Collider`](super::Collider), a body or a loose particle is made of. Without it, the default.
 ///
@@ -142,20 +142,11 @@ impl SurfaceMaterial {
     }
 }
 
-impl From<SurfaceMaterial> for Material {
-    fn from(material: SurfaceMaterial) -> Self {
-        let SurfaceMaterial { friction, restitution, friction_rule, restitution_rule, drag } =
-            material;
-        Self {
-            friction,
-            restitution,
-            friction_rule: friction_rule.into(),
-            restitution_rule: restitution_rule.into(),
-            drag: PlanarDrag { along: drag.along, across: drag.across },
-        }
-    }
-}
-
+same_fields!(
+    SurfaceMaterial,
+    Material { friction, restitution, friction_rule, restitution_rule, drag }
+);
+same_fields!(GroundDrag, PlanarDrag { along, across });
 same_variants!(Combine, sinew::Combine { Average, Min, Multiply, Max });
 
 impl Default for CollisionLayers {

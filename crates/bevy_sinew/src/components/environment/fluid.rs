@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 
 use crate::components::CreationOrder;
+use crate::same::same_fields;
 
 /// A fluid that fills the half-space below the entity's local xz plane, or of that the [`Region`](super::Region) on the same entity.
 ///
@@ -32,8 +33,7 @@ pub struct Fluid {
 
 impl Default for Fluid {
     fn default() -> Self {
-        let water = sinew::Fluid::water(0.0);
-        Self { density: water.density, drag: water.drag, current: water.current }
+        sinew::Fluid::water(0.0).into()
     }
 }
 
@@ -42,13 +42,11 @@ impl Fluid {
     pub fn flowing(current: Vec3) -> Self {
         Self { current, ..default() }
     }
-
-    /// The same for the solver, under the plane with the unit normal `up`, `level` metres along it.
-    pub(crate) fn under(self, up: Vec3, level: f32, region: sinew::Region) -> sinew::Fluid {
-        let Self { density, drag, current } = self;
-        sinew::Fluid { up, level, density, drag, current, region }
-    }
 }
+
+same_fields!(Fluid, sinew::Fluid { density, drag, current } other {
+    up: Vec3::Y, level: 0.0, region: sinew::Region::EVERYWHERE
+});
 
 /// A body that floats by its own shape, and not as the balls of its particles: a crate, a raft, a boat.
 ///

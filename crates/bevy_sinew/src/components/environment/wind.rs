@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 
 use crate::components::CreationOrder;
+use crate::same::same_fields;
 
 /// Share of their velocity that all particles lose to the air per second, 0 to 1. Default 0.1.
 ///
@@ -61,29 +62,11 @@ pub struct Wind {
 
 impl Default for Wind {
     fn default() -> Self {
-        let wind = sinew::Wind::steady(Vec3::X * 5.0);
-        Self {
-            pressure: wind.pressure,
-            gusts: wind.gusts,
-            gust_length: wind.gust_length,
-            gust_period: wind.gust_period,
-        }
+        sinew::Wind::steady(Vec3::X * 5.0).into()
     }
 }
 
-impl Wind {
-    /// The same for the solver.
-    pub(crate) fn within(self, region: sinew::Region) -> sinew::Wind {
-        let Self { pressure, gusts, gust_length, gust_period } = self;
-        sinew::Wind { pressure, gusts, gust_length, gust_period, region }
-    }
-}
-
-impl From<Wind> for sinew::Wind {
-    fn from(wind: Wind) -> Self {
-        wind.within(sinew::Region::EVERYWHERE)
-    }
-}
+same_fields!(Wind, sinew::Wind { pressure, gusts, gust_length, gust_period } other { region: sinew::Region::EVERYWHERE });
 
 /// Air with a velocity, everywhere or in the [`Region`](super::Region) on the same entity: things slow down, lift and fall in it as in air.
 ///
@@ -125,17 +108,7 @@ pub struct AirFlow {
 
 impl Default for AirFlow {
     fn default() -> Self {
-        let air = sinew::AirFlow::default();
-        Self {
-            velocity: air.velocity,
-            density: air.density,
-            drag: air.drag,
-            lift: air.lift,
-            gusts: air.gusts,
-            gust_length: air.gust_length,
-            gust_period: air.gust_period,
-            on_particles: air.on_particles,
-        }
+        sinew::AirFlow::default().into()
     }
 }
 
@@ -149,21 +122,8 @@ impl AirFlow {
     pub fn with_gusts(self, gusts: f32) -> Self {
         Self { gusts, ..self }
     }
-
-    /// The same for the solver.
-    pub(crate) fn within(self, region: sinew::Region) -> sinew::AirFlow {
-        let Self { velocity, density, drag, lift, gusts, gust_length, gust_period, on_particles } =
-            self;
-        sinew::AirFlow {
-            velocity,
-            density,
-            drag,
-            lift,
-            gusts,
-            gust_length,
-            gust_period,
-            region,
-            on_particles,
-        }
-    }
 }
+
+same_fields!(AirFlow, sinew::AirFlow {
+    velocity, density, drag, lift, gusts, gust_length, gust_period, on_particles,
+} other { region: sinew::Region::EVERYWHERE });

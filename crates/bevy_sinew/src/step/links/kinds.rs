@@ -77,7 +77,7 @@ impl Kinds {
         tables.stale |= any && !tables.links.sound;
         for (number, kind) in (FIRST..).zip(&mut self.kinds) {
             if !tables.stale && kind.detector().is_any() {
-                kind.collect_few(world, tables, number, &mut self.entries);
+                kind.collect(world, tables, number, true, &mut self.entries);
                 let (places, entries) = (&mut tables.links.constraints, self.entries.drain(..));
                 tables.stale =
                     !update_incrementally(simulation, places, entries, (number, kind.detector()));
@@ -86,7 +86,7 @@ impl Kinds {
         }
         if tables.stale {
             for (number, kind) in (FIRST..).zip(&mut self.kinds) {
-                kind.collect(world, tables, number, &mut self.entries);
+                kind.collect(world, tables, number, false, &mut self.entries);
             }
         }
     }
@@ -110,21 +110,13 @@ trait Kind: Send + Sync {
     /// What there was.
     fn detector(&self) -> &ChangeDetector;
 
-    /// Collects what came or changed.
-    fn collect_few(
-        &mut self,
-        world: &World,
-        tables: &Tables,
-        number: usize,
-        entries: &mut Vec<Entry<sinew::Constraint>>,
-    );
-
-    /// Collects all.
+    /// Collects all, or what came or changed alone.
     fn collect(
         &mut self,
         world: &World,
         tables: &Tables,
         number: usize,
+        few: bool,
         entries: &mut Vec<Entry<sinew::Constraint>>,
     );
 }
@@ -193,25 +185,21 @@ impl<T: ParticleConstraint> Kind for Of<T> {
         &self.detector
     }
 
-    fn collect_few(
-        &mut self,
-        world: &World,
-        tables: &Tables,
-        number: usize,
-        entries: &mut Vec<Entry<sinew::Constraint>>,
-    ) {
-        let all = self.all.query(world);
-        let added = self.detector.added.iter().filter_map(|&entity| all.get(entity).ok());
-        entries.extend(added.map(|one| Self::entry(tables, number, one)));
-    }
-
     fn collect(
         &mut self,
         world: &World,
         tables: &Tables,
         number: usize,
+        few: bool,
         entries: &mut Vec<Entry<sinew::Constraint>>,
     ) {
-        entries.extend(self.all.iter(world).map(|one| Self::entry(tables, number, one)));
+        let entry = |one| Self::entry(tables, number, one);
+        if few {
+            let all = self.all.query(world);
+            let added = self.detector.added.iter().filter_map(|&entity| all.get(entity).ok());
+            entries.extend(added.map(entry));
+        } else {
+            entries.extend(self.all.iter(world).map(entry));
+        }
     }
 }
