@@ -43,6 +43,9 @@ pub struct Hit {
     pub normal: Vec3,
 }
 
+/// How far a ray looks that has no end, metres: that and the squares of what it meets are numbers.
+const FARTHEST: f32 = 1e18;
+
 impl Default for Filter {
     fn default() -> Self {
         Self {
@@ -67,42 +70,15 @@ impl Simulation {
     ) -> Option<Hit> {
         let direction = direction.try_normalize()?;
         let mut ray = Ray { origin, direction, max, first: None };
-        for (number, collider) in self.colliders.iter().enumerate() {
-            let participant = ContactParticipant::Collider(number as u32);
-            if self.counts_collider(number, filter) {
-                ray.shape(&collider.shape, &collider.end, participant, None);
-            }
-        }
-        self.walls(filter, &mut |participant, wall, frame| {
-            ray.shape(wall, &frame, participant, None);
+        // A direction may be along an axis, and infinity has no product with zero.
+        let end = origin + direction * max.min(FARTHEST);
+        let around = enlarged((origin.min(end), origin.max(end)));
+        self.all_within(around, filter, &mut |participant, row, obstacle| match obstacle {
+            Obstacle::Shape(shape, frame) => ray.shape(shape, frame, participant, row),
+            Obstacle::Triangle(corners) => ray.triangle(*corners, participant, row),
+            Obstacle::Ball(_, radius) if *radius <= 0.0 => {}
+            Obstacle::Ball(at, radius) => ray.ball(*at, *radius, participant, row),
         });
-        if !filter.bodies {
-            return ray.first;
-        }
-        for solid in self.body_colliders.iter() {
-            let Some((participant, row)) = self.counts_solid(solid, filter) else { continue };
-            if let Some(frame) = self.frame_of(solid) {
-                ray.shape(&solid.shape, &frame, participant, Some(row));
-            }
-        }
-        for corners in &self.forces.surfaces {
-            let Some(participant) = self.counts_row(corners[0], filter) else { continue };
-            // A triangle whose particle is gone is none.
-            if corners.iter().any(|&row| row as usize >= self.particles.len()) {
-                continue;
-            }
-            let [a, b, c] = corners.map(|row| self.particles.position(row as usize));
-            ray.triangle([a, b, c], participant, corners[0]);
-        }
-        for row in 0..self.particles.len() as u32 {
-            let radius = self.particles.radius[row as usize];
-            if radius > 0.0
-                && !self.is_aside(row)
-                && let Some(participant) = self.counts_row(row, filter)
-            {
-                ray.ball(self.particles.position(row as usize), radius, participant, row);
-            }
-        }
         ray.first
     }
 
@@ -160,8 +136,28 @@ impl Simulation {
         first
     }
 
-    /// Calls with everything that counts and may be in a box: colliders, body colliders, triangles, particles' balls.
+    /// Calls with everything that counts, collides, and may be in a box: colliders, body colliders, triangles, particles' balls.
     pub(super) fn obstacles(
+        &self,
+        around: (Vec3, Vec3),
+        filter: &Filter,
+        call: &mut dyn FnMut(ContactParticipant, Option<u32>, &Obstacle),
+    ) {
+        self.all_within(around, filter, &mut |participant, row, obstacle| {
+            let collides = match obstacle {
+                Obstacle::Shape(..) => true,
+                // What is part of a body collider collides by that.
+                Obstacle::Triangle(_) => !row.is_some_and(|row| self.is_aside(row)),
+                Obstacle::Ball(_, radius) => *radius > 0.0,
+            };
+            if collides {
+                call(participant, row, obstacle);
+            }
+        });
+    }
+
+    /// The same with what does not collide: triangles that are part of a body collider, and particles without a radius.
+    fn all_within(
         &self,
         around: (Vec3, Vec3),
         filter: &Filter,
@@ -204,16 +200,14 @@ impl Simulation {
             }
             let obstacle =
                 Obstacle::Triangle(corners.map(|row| self.particles.position(row as usize)));
-            // What is part of a body collider collides by that.
-            if !self.is_aside(corners[0]) && in_reach(&obstacle) {
+            if in_reach(&obstacle) {
                 call(participant, Some(corners[0]), &obstacle);
             }
         }
         for row in 0..self.particles.len() as u32 {
             let i = row as usize;
             let obstacle = Obstacle::Ball(self.particles.position(i), self.particles.radius[i]);
-            if self.particles.radius[i] > 0.0
-                && in_reach(&obstacle)
+            if in_reach(&obstacle)
                 && !self.is_aside(row)
                 && let Some(participant) = self.counts_row(row, filter)
             {
@@ -260,51 +254,20 @@ impl Simulation {
         if !frame.is_valid() {
             return;
         }
-        for (number, collider) in self.colliders.iter().enumerate() {
-            if self.counts_collider(number, filter)
-                && overlap(shape, &collider.shape, &frame.from_within(&collider.end))
-            {
-                found(ContactParticipant::Collider(number as u32), None);
-            }
-        }
-        self.walls(filter, &mut |participant, wall, theirs| {
-            if overlap(shape, wall, &frame.from_within(&theirs)) {
-                found(participant, None);
+        let around = enlarged(shape.bounds_in(frame));
+        self.all_within(around, filter, &mut |participant, row, obstacle| {
+            let overlaps = match obstacle {
+                Obstacle::Shape(theirs, at) => overlap(shape, theirs, &frame.from_within(at)),
+                Obstacle::Triangle(corners) => {
+                    !row.is_some_and(|row| self.is_aside(row))
+                        && shape.meets_triangle(frame, corners)
+                }
+                Obstacle::Ball(at, radius) => shape.nearest(frame.local(*at)).distance <= *radius,
+            };
+            if overlaps {
+                found(participant, row);
             }
         });
-        if !filter.bodies {
-            return;
-        }
-        for solid in &self.body_colliders {
-            let Some((participant, row)) = self.counts_solid(solid, filter) else { continue };
-            let theirs = self.frame_of(solid);
-            if theirs
-                .is_some_and(|theirs| overlap(shape, &solid.shape, &frame.from_within(&theirs)))
-            {
-                found(participant, Some(row));
-            }
-        }
-        let (low, high) = shape.bounds_in(frame);
-        for corners in &self.forces.surfaces {
-            let Some(participant) = self.counts_row(corners[0], filter) else { continue };
-            if corners.iter().any(|&row| row as usize >= self.particles.len()) {
-                continue;
-            }
-            let places = corners.map(|row| self.particles.position(row as usize));
-            let bounds = Obstacle::Triangle(places).bounds();
-            let near = bounds.0.cmple(high).all() && bounds.1.cmpge(low).all();
-            if near && !self.is_aside(corners[0]) && shape.meets_triangle(frame, &places) {
-                found(participant, Some(corners[0]));
-            }
-        }
-        for row in 0..self.particles.len() as u32 {
-            let i = row as usize;
-            let Some(participant) = self.counts_row(row, filter) else { continue };
-            let at = frame.local(self.particles.position(i));
-            if !self.is_aside(row) && shape.nearest(at).distance <= self.particles.radius[i] {
-                found(participant, Some(row));
-            }
-        }
     }
 
     /// The particle whose centre is nearest to a point, within `max` metres, and how far away it is; of equals the first.
@@ -388,6 +351,12 @@ impl SweptHit {
     }
 }
 
+/// A box and a little around it: what touches by the last digit is not to be missed for how boxes are rounded.
+fn enlarged((low, high): (Vec3, Vec3)) -> (Vec3, Vec3) {
+    let margin = 1e-6 * low.abs().max(high.abs()).max_element();
+    (low - margin, high + margin)
+}
+
 /// Whether two shapes overlap, given where the first is in the coordinates of the second.
 fn overlap(a: &Shape, b: &Shape, a_in_b: &Frame) -> bool {
     let mut overlaps = false;
@@ -433,13 +402,19 @@ impl Ray {
     }
 
     /// `|o + t d - c|² = r²`; from within it is met at once.
-    fn ball(&mut self, centre: Vec3, radius: f32, participant: ContactParticipant, row: u32) {
+    fn ball(
+        &mut self,
+        centre: Vec3,
+        radius: f32,
+        participant: ContactParticipant,
+        row: Option<u32>,
+    ) {
         let from = self.origin - centre;
         let along = from.dot(self.direction);
         let outside = from.length_squared() - radius * radius;
         if outside <= 0.0 {
             let normal = from.try_normalize().unwrap_or(-self.direction);
-            self.meet(0.0, normal, participant, Some(row));
+            self.meet(0.0, normal, participant, row);
             return;
         }
         let beneath = along * along - outside;
@@ -448,12 +423,17 @@ impl Ray {
             // Made unit, because of a small ball far off the difference has few digits.
             let normal = (from + self.direction * distance).try_normalize();
             let normal = normal.unwrap_or(-self.direction);
-            self.meet(distance, normal, participant, Some(row));
+            self.meet(distance, normal, participant, row);
         }
     }
 
     /// Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection*, 1997: Cramer's rule for `o + t d = a + u (b - a) + v (c - a)`.
-    fn triangle(&mut self, [a, b, c]: [Vec3; 3], participant: ContactParticipant, row: u32) {
+    fn triangle(
+        &mut self,
+        [a, b, c]: [Vec3; 3],
+        participant: ContactParticipant,
+        row: Option<u32>,
+    ) {
         let (ab, ac, from) = (b - a, c - a, self.origin - a);
         let across = self.direction.cross(ac);
         let volume = ab.dot(across);
@@ -467,7 +447,7 @@ impl Ray {
             let normal = ab.cross(ac).normalize_or_zero();
             // Out of the side that it came to.
             let normal = if normal.dot(self.direction) > 0.0 { -normal } else { normal };
-            self.meet(distance, normal, participant, Some(row));
+            self.meet(distance, normal, participant, row);
         }
     }
 }
