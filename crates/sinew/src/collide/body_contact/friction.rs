@@ -42,7 +42,7 @@ use super::groups::BodyGroup;
 use super::pose::{Gathered, ParticleSource};
 use super::turn::{LaneArray, Matrix, Symmetric, load, tangents, zero};
 use super::wide_contact::WideContact;
-use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work, with};
+use crate::lanes::{FIELDS, LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
 
 /// Which part of the accumulated slip is taken back in a substep. With all of it a heap of a thousand boxes never rests (7 mm/s), with half of it at
@@ -61,22 +61,16 @@ const NOTHING: f32 = 1e-10;
 /// By which part of the mean what slides must be pressed more for friction to act on that at once. What sticks needs no more.
 const MORE: f32 = 0.1;
 
-/// Solves friction of wide contacts: before their normals are solved, against what pressed them in the substeps before; and after that, where it is
-/// needed, against what presses them more.
-pub(super) struct FrictionSolve<'a> {
-    pub(super) wide_contacts: &'a mut [WideContact],
-    pub(super) after: bool,
-    /// How far what sticks may be taken back in a substep, metres.
-    pub(super) max_correction: f32,
-    pub(super) bodies: &'a mut Bodies,
-}
-
-impl Work for FrictionSolve<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { wide_contacts, after, max_correction, bodies } = self;
+kernel!(
+    /// Solves friction of wide contacts: before their normals are solved, against what pressed them in the substeps before; and after that, where it is
+    /// needed, against what presses them more.
+    pub(super) fn solve_all_friction<L: Lanes>(
+        wide_contacts: &mut [WideContact],
+        after: bool,
+        // How far what sticks may be taken back in a substep, metres.
+        max_correction: f32,
+        bodies: &mut Bodies,
+    ) {
         if after {
             bodies.predicted.fill(Vec4::ZERO);
         }
@@ -88,7 +82,7 @@ impl Work for FrictionSolve<'_> {
             }
         }
     }
-}
+);
 
 /// Against what pressed it in the substeps before.
 #[inline(always)]
@@ -153,18 +147,9 @@ fn friction_after<L: Lanes>(wide: &mut WideContact, bodies: &mut Bodies, max_cor
     slip.predict_impulse(wide, friction_limit, bodies);
 }
 
-/// Predicts the impulses of wide contacts in the next substep, where nothing has pressed yet: all that was noted before is forgotten.
-pub(super) struct PredictImpulse<'a> {
-    pub(super) wide_contacts: &'a [WideContact],
-    pub(super) bodies: &'a mut Bodies,
-}
-
-impl Work for PredictImpulse<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { wide_contacts, bodies } = self;
+kernel!(
+    /// Predicts the impulses of wide contacts in the next substep, where nothing has pressed yet: all that was noted before is forgotten.
+    pub(super) fn predict_impulses<L: Lanes>(wide_contacts: &[WideContact], bodies: &mut Bodies) {
         bodies.predicted.fill(Vec4::ZERO);
         for wide in wide_contacts {
             let friction_limit = L::load(&wide.friction_limit);
@@ -174,7 +159,7 @@ impl Work for PredictImpulse<'_> {
             TangentialSlip::of(wide, bodies).predict_impulse(wide, friction_limit, bodies);
         }
     }
-}
+);
 
 /// Response of friction to a slip.
 struct FrictionResponse<L> {
@@ -460,34 +445,28 @@ impl BodyContactSolver {
                 fresh: false,
             };
             let (first, lanes) = (number * LANES, !rigid.lanes(number));
-            with(*instructions, MeasureResidual { lanes, group, source, bodies, first, gathered });
+            measure_residual(group, source, bodies, first, gathered, lanes, *instructions);
             any = true;
         }
         if any {
-            with(*instructions, ApplyResidual { wide_contacts, bodies });
+            apply_residual(wide_contacts, bodies, *instructions);
         }
     }
 }
 
-/// Compares where a group is with where contacts believe it to be.
-struct MeasureResidual<'a> {
-    group: &'a BodyGroup,
-    source: ParticleSource<'a>,
-    bodies: &'a mut Bodies,
-    /// The first row of the group among the bodies.
-    first: usize,
-    /// Scratch.
-    gathered: &'a mut Vec<Gathered>,
-    /// A bit for each that it is about: rigid states are where contacts believe them to be.
-    lanes: u32,
-}
-
-impl Work for MeasureResidual<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { group, source, bodies, first, gathered, lanes } = self;
+kernel!(
+    /// Compares where a group is with where contacts believe it to be.
+    fn measure_residual<L: Lanes>(
+        group: &BodyGroup,
+        source: ParticleSource<'_>,
+        bodies: &mut Bodies,
+        // The first row of the group among the bodies.
+        first: usize,
+        // Scratch.
+        gathered: &mut Vec<Gathered>,
+        // A bit for each that it is about: rigid states are where contacts believe them to be.
+        lanes: u32,
+    ) {
         let (rows, lanes) = (from_row(first), L::mask(lanes));
         let [shift, turn, along, across, _, believed, spin, rotation] =
             L::records::<FIELDS>(&bodies.rows, &rows);
@@ -509,20 +488,11 @@ impl Work for MeasureResidual<'_> {
         L::put_rows(&mut bodies.residual, &shifts, off.with(L::zero()));
         L::put_rows(&mut bodies.residual, &turns, turned.with(L::zero()));
     }
-}
+);
 
-/// Adds the residual to the accumulated slip of those that stick.
-struct ApplyResidual<'a> {
-    wide_contacts: &'a mut [WideContact],
-    bodies: &'a Bodies,
-}
-
-impl Work for ApplyResidual<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { wide_contacts, bodies } = self;
+kernel!(
+    /// Adds the residual to the accumulated slip of those that stick.
+    fn apply_residual<L: Lanes>(wide_contacts: &mut [WideContact], bodies: &Bodies) {
         for wide in wide_contacts.iter_mut().filter(|wide| wide.sticking != 0) {
             let sticks = L::mask(wide.sticking);
             let (n, arm) = (load::<L>(&wide.up), load::<L>(&wide.arm));
@@ -544,7 +514,7 @@ impl Work for ApplyResidual<'_> {
             }
         }
     }
-}
+);
 
 /// Centres of eight bodies when the substep began, metres from their origins.
 #[inline(always)]

@@ -60,15 +60,15 @@ use crate::particles::Particles;
 use bodies::{Bodies, CENTRE};
 use broad_phase::MissedPairs;
 use contact_cache::CacheBuilder;
-use friction::{FrictionSolve, PredictImpulse};
+use friction::{predict_impulses, solve_all_friction};
 use groups::BodyGroups;
 use loose::Loose;
 use narrow_phase::RestOverlaps;
-use normal_solve::NormalSolve;
+use normal_solve::solve_normals;
 use pose::{Gathered, OriginOffsets, PoseSums, SharedDeltas};
 use restitution::ImpactScratch;
 use rigid_islands::RigidIslands;
-use rigid_state::{CorrectStates, ShowStates};
+use rigid_state::{ShowStates, correct_states};
 use static_geometry::StaticGeometry;
 pub(crate) use static_geometry::half_spaces;
 use swept_bounds::{SweptBounds, WideSweptBounds};
@@ -198,26 +198,15 @@ impl BodyContactSolver {
         let elastic_pop = MAX_DEPENETRATION.0 * world.gravity * h * h;
         let Self { wide_contacts, bodies, instructions, fresh, .. } = self;
         if core::mem::take(fresh) {
-            with(*instructions, PredictImpulse { wide_contacts, bodies });
+            predict_impulses(wide_contacts, bodies, *instructions);
         }
-        with(
-            *instructions,
-            FrictionSolve {
-                wide_contacts,
-                after: false,
-                max_correction: max_depenetration,
-                bodies,
-            },
-        );
+        solve_all_friction(wide_contacts, false, max_depenetration, bodies, *instructions);
         let pops = [max_depenetration, elastic_pop];
         let sweeps = wide_contacts.iter().map(|wide| wide.sweeps).max().unwrap_or(0);
         for sweep in 0..sweeps {
-            with(*instructions, NormalSolve { wide_contacts, bodies, h, recover, pops, sweep });
+            solve_normals(wide_contacts, bodies, h, recover, pops, sweep, *instructions);
         }
-        with(
-            *instructions,
-            FrictionSolve { wide_contacts, after: true, max_correction: max_depenetration, bodies },
-        );
+        solve_all_friction(wide_contacts, true, max_depenetration, bodies, *instructions);
         self.loose.project(
             particles,
             &self.groups,
@@ -403,7 +392,7 @@ impl BodyContactSolver {
             if lanes != 0 {
                 let (state, mass) = (&mut rigid.states[number], &group.mass);
                 let first = number * LANES;
-                with(*instructions, CorrectStates { mass, state, bodies, first, h: *h });
+                correct_states(mass, state, bodies, first, *h, *instructions);
             }
             let lanes = lanes | self.asleep[number];
             if lanes != group.sound {

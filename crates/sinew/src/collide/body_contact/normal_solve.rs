@@ -54,7 +54,7 @@
 use super::bodies::{Bodies, WideBody as Rows};
 use super::turn::{Symmetric, load, store, tangents};
 use super::wide_contact::{FAR, WideContact};
-use crate::lanes::{LANES, Lanes, Vector, Work};
+use crate::lanes::{LANES, Lanes, Vector, kernel};
 
 /// How much of what keeps a manifold valid is used up in a substep because of its slope (`contact_cache::steepness`), at the most: what slides over a rim fast
 /// is compared again in every third substep. To compare it in each took a ninth of the time of a poured heap and had nothing lie less deep (0.28 mm in the mean
@@ -71,25 +71,19 @@ const PIN_REGULARISATION: f32 = 1e-3;
 /// Share of the stiffness that patches have added, so that a small one, whose tilt is round-off, does not answer that.
 const TILT_REGULARISATION: f32 = 1e-3;
 
-/// Solves the normals of wide contacts one after the other, over a substep of `h` seconds.
-pub(super) struct NormalSolve<'a> {
-    pub(super) wide_contacts: &'a mut [WideContact],
-    pub(super) bodies: &'a mut Bodies,
-    pub(super) h: f32,
-    /// How far out of an overlap that a substep began with two may be moved in it, metres.
-    pub(super) recover: f32,
-    /// Beyond which the speed that comes of it is to be taken off, metres; and of what has a restitution.
-    pub(super) pops: [f32; 2],
-    /// Which sweep of the substep it is: the first one, 0, is over all of them, others over those that take more.
-    pub(super) sweep: u32,
-}
-
-impl Work for NormalSolve<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { wide_contacts, bodies, h, recover, pops, sweep } = self;
+kernel!(
+    /// Solves the normals of wide contacts one after the other, over a substep of `h` seconds.
+    pub(super) fn solve_normals<L: Lanes>(
+        wide_contacts: &mut [WideContact],
+        bodies: &mut Bodies,
+        h: f32,
+        // How far out of an overlap that a substep began with two may be moved in it, metres.
+        recover: f32,
+        // Beyond which the speed that comes of it is to be taken off, metres; and of what has a restitution.
+        pops: [f32; 2],
+        // Which sweep of the substep it is: the first one, 0, is over all of them, others over those that take more.
+        sweep: u32,
+    ) {
         for wide in wide_contacts.iter_mut().filter(|wide| sweep < wide.sweeps) {
             // Most have two points at the most, and what is missing has no say.
             let third = L::load(&wide.missing[2]).lt(L::splat(FAR));
@@ -101,7 +95,7 @@ impl Work for NormalSolve<'_> {
             }
         }
     }
-}
+);
 
 #[inline(always)]
 fn solve_wide_contact<L: Lanes, const POINTS: usize>(

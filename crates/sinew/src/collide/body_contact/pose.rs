@@ -48,7 +48,7 @@ use super::groups::{
 use super::swept_bounds::WideSweptBounds;
 use super::turn::{LaneArray, Matrix, Symmetric, load, store, turn_further, zero};
 use crate::collide::World;
-use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work, with};
+use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work, kernel, with};
 use crate::particles::Particles;
 use crate::pose::rotation;
 
@@ -69,10 +69,7 @@ impl BodyContactSolver {
                 group.rotation_reference.as_ref().filter(|_| origin_offsets.of(group).is_none());
             let known = rotation_reference.map_or(0, |rotation_reference| {
                 let position = &particles.position;
-                with(
-                    *instructions,
-                    InitialRotation { rotation_reference, position, turned: &mut turned },
-                )
+                initial_rotations(rotation_reference, position, &mut turned, *instructions)
             });
             for (lane, &turned) in turned.iter().enumerate() {
                 let row = &mut bodies[number * LANES + lane];
@@ -87,24 +84,14 @@ impl BodyContactSolver {
     }
 }
 
-/// How eight body colliders are turned, to the bits of [`initial_rotation`].
-struct InitialRotation<'a> {
-    rotation_reference: &'a RotationReference,
-    position: &'a [Vec4],
-    turned: &'a mut [Vec4; LANES],
-}
-
-impl Work for InitialRotation<'_> {
-    /// A bit for each that it is known of.
-    type Output = u32;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> u32 {
-        let Self {
-            rotation_reference: RotationReference { rows: [first, far, side], rest },
-            position,
-            turned,
-        } = self;
+kernel!(
+    /// How eight body colliders are turned, to the bits of [`initial_rotation`]. Returns a bit for each that it is known of.
+    fn initial_rotations<L: Lanes>(
+        rotation_reference: &RotationReference,
+        position: &[Vec4],
+        turned: &mut [Vec4; LANES],
+    ) -> u32 {
+        let RotationReference { rows: [first, far, side], rest } = rotation_reference;
         let first = places::<L>(position, first);
         let (far, side) = (places(position, far) - first, places(position, side) - first);
         let (x, is_long) = unit(far);
@@ -115,7 +102,7 @@ impl Work for InitialRotation<'_> {
         L::put_run(turned, 0, q);
         is_long.and(is_wide).bits()
     }
-}
+);
 
 #[inline(always)]
 fn places<L: Lanes>(position: &[Vec4], rows: &[u32; LANES]) -> Vector<L> {
@@ -678,10 +665,7 @@ mod tests {
             for set in [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2] {
                 let mut turned = [Vec4::ZERO; LANES];
                 let (rotation_reference, position) = (&rotation_reference, &position[..]);
-                let known = with(
-                    set,
-                    InitialRotation { rotation_reference, position, turned: &mut turned },
-                );
+                let known = initial_rotations(rotation_reference, position, &mut turned, set);
                 for lane in 0..LANES {
                     let ([a, b, c], [p, q, r]) = (rest[lane], here[lane]);
                     let frames = (frame(b - a, c - a), frame(q - p, r - p));

@@ -12,7 +12,7 @@ use glam::{Mat3, Quat, Vec3, Vec4};
 
 use super::groups::BodyGroups;
 use super::rigid_state::{
-    AdvanceStates, ForceSums, PushStates, ReadStates, SumForces, WideRigidState, WriteStates,
+    AdvanceStates, ForceSums, ReadStates, WideRigidState, push_states, sum_forces, write_states,
 };
 use super::turn::LaneArray;
 use super::{BodyCollider, BodyContactSolver};
@@ -61,7 +61,7 @@ impl RigidIslands {
     ) {
         for (state, group) in self.states.iter_mut().zip(&groups.groups) {
             if state.pushed != 0 {
-                with(instructions, PushStates { mass: &group.mass, state, h });
+                push_states(&group.mass, state, h, instructions);
             }
         }
     }
@@ -243,7 +243,7 @@ impl BodyContactSolver {
             if uneven {
                 changes.clear();
                 changes.extend(slots.iter().map(|slot| changes_of(particles, &slot.rows, h)));
-                with(*instructions, SumForces { mass: &group.mass, slots, state, changes, sums });
+                sum_forces(&group.mass, slots, state, changes, sums, *instructions);
             } else {
                 state.note_losses(particles.air, h);
             }
@@ -340,7 +340,7 @@ impl BodyContactSolver {
                 let Particles { position, start, velocity, rounding, .. } = &mut *particles;
                 let slots = &groups.slots[group.slots.clone()];
                 let columns = [position, start, velocity, rounding].map(|column| &mut column[..]);
-                with(*instructions, WriteStates { group, slots, state, columns });
+                write_states(group, slots, state, columns, *instructions);
             }
         }
     }

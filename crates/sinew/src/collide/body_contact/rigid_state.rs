@@ -44,7 +44,7 @@ use super::rigid_rotation::{Rotation, WideRotation, load_four, store_four};
 use super::swept_bounds::WideSweptBounds;
 use super::turn::{LaneArray, Matrix, Symmetric, load, store, zero};
 use crate::integrate::loss;
-use crate::lanes::{FIELDS, LANES, Lanes, Record, Vector, Work};
+use crate::lanes::{FIELDS, LANES, Lanes, Record, Vector, Work, kernel};
 
 /// `v²` of the quaternion of a turn at the most: a quarter of a turn in a substep. What is faster turns by that.
 const MOST: f32 = 0.5;
@@ -119,7 +119,7 @@ impl WideRigidState {
         }
     }
 
-    /// Adds to the velocity of a lane, m/s, and to its angular momentum, kg·m²/s; to be settled by [`PushStates`].
+    /// Adds to the velocity of a lane, m/s, and to its angular momentum, kg·m²/s; to be settled by [`push_states`].
     pub(super) fn push(&mut self, lane: usize, velocity: Vec3, momentum: Vec3) {
         for (to, by) in self.velocity.iter_mut().zip(velocity.to_array()) {
             to[lane] += by;
@@ -350,22 +350,16 @@ pub(super) struct ForceSums {
     momentum: [LaneArray; 3],
 }
 
-/// Sums up what the particles of eight are accelerated by and lose in a substep of `h` seconds.
-pub(super) struct SumForces<'a> {
-    pub(super) mass: &'a WideMass,
-    pub(super) slots: &'a [Slot],
-    pub(super) state: &'a WideRigidState,
-    /// By how much the velocity of each particle of each slot changes, m/s.
-    pub(super) changes: &'a [[Vec4; LANES]],
-    pub(super) sums: &'a mut ForceSums,
-}
-
-impl Work for SumForces<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { mass, slots, state, changes, sums } = self;
+kernel!(
+    /// Sums up what the particles of eight are accelerated by and lose in a substep of `h` seconds.
+    pub(super) fn sum_forces<L: Lanes>(
+        mass: &WideMass,
+        slots: &[Slot],
+        state: &WideRigidState,
+        // By how much the velocity of each particle of each slot changes, m/s.
+        changes: &[[Vec4; LANES]],
+        sums: &mut ForceSums,
+    ) {
         let r = Rotation::<L>::load(&state.rotation).matrix();
         let (mut velocity, mut momentum) = (zero::<L>(), zero::<L>());
         for (slot, changes) in slots.iter().zip(changes) {
@@ -377,7 +371,7 @@ impl Work for SumForces<'_> {
         store(velocity * L::load(&mass.inverse_mass), &mut sums.velocity);
         store(momentum, &mut sums.momentum);
     }
-}
+);
 
 /// Takes eight through some substeps.
 pub(super) struct AdvanceStates<'a> {
@@ -507,21 +501,15 @@ fn put<L: Lanes>(bodies: &mut Bodies, first: usize, lanes: u32, fields: [[L; 4];
     }
 }
 
-/// Applies the pose deltas of contacts in a substep to eight.
-pub(super) struct CorrectStates<'a> {
-    pub(super) mass: &'a WideMass,
-    pub(super) state: &'a mut WideRigidState,
-    pub(super) bodies: &'a Bodies,
-    pub(super) first: usize,
-    pub(super) h: f32,
-}
-
-impl Work for CorrectStates<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { mass, state, bodies, first, .. } = self;
+kernel!(
+    /// Applies the pose deltas of contacts in a substep to eight.
+    pub(super) fn correct_states<L: Lanes>(
+        mass: &WideMass,
+        state: &mut WideRigidState,
+        bodies: &Bodies,
+        first: usize,
+        h: f32,
+    ) {
         let [shift, turn, ..] = L::records::<FIELDS>(&bodies.rows, &from_row(first));
         let (shift, turn) = (Vector::of(shift).0, Vector::of(turn).0);
         let moved = L::zero().lt(shift.length_squared() + turn.length_squared());
@@ -530,7 +518,7 @@ impl Work for CorrectStates<'_> {
         }
         let (inertia, inverse) =
             (Symmetric::load(&mass.inertia), Symmetric::load(&mass.inverse_inertia));
-        let (h, per) = (L::splat(self.h), L::splat(1.0 / self.h));
+        let (h, per) = (L::splat(h), L::splat(1.0 / h));
         let r = Rotation::<L>::load(&state.rotation).matrix();
         let gained = inertia.times_turned(&r, turn);
         let momentum = load::<L>(&state.momentum) + gained * per;
@@ -547,7 +535,7 @@ impl Work for CorrectStates<'_> {
         start.further(v, w).store(&mut state.rotation);
         store_four([v.x, v.y, v.z, w], &mut state.turn);
     }
-}
+);
 
 /// Gives eight the velocities that they bounced off with, of which contacts know where the substep began.
 pub(super) struct BounceStates<'a> {
@@ -606,23 +594,13 @@ fn settle<L: Lanes>(mass: &WideMass, state: &mut WideRigidState, h: f32, lanes: 
     }
 }
 
-/// Settles those of eight that were pushed where they are.
-pub(super) struct PushStates<'a> {
-    pub(super) mass: &'a WideMass,
-    pub(super) state: &'a mut WideRigidState,
-    pub(super) h: f32,
-}
-
-impl Work for PushStates<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { mass, state, h } = self;
+kernel!(
+    /// Settles those of eight that were pushed where they are.
+    pub(super) fn push_states<L: Lanes>(mass: &WideMass, state: &mut WideRigidState, h: f32) {
         let lanes = L::mask(core::mem::take(&mut state.pushed));
         settle::<L>(mass, state, h, lanes, lanes);
     }
-}
+);
 
 /// How eight bodies lie about their centres: a rotation, what is left of that, radians, and what is left of the centre, metres.
 struct WidePose<L> {
@@ -640,21 +618,16 @@ impl<L: Lanes> WidePose<L> {
     }
 }
 
-/// Writes the particles of eight.
-pub(super) struct WriteStates<'a> {
-    pub(super) group: &'a BodyGroup,
-    pub(super) slots: &'a [Slot],
-    pub(super) state: &'a WideRigidState,
-    /// Positions, where the substep began, velocities, and what was rounded off those.
-    pub(super) columns: [&'a mut [Vec4]; 4],
-}
-
-impl Work for WriteStates<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { group, slots, state, columns: [position, start, velocity, rounding] } = self;
+kernel!(
+    /// Writes the particles of eight.
+    pub(super) fn write_states<L: Lanes>(
+        group: &BodyGroup,
+        slots: &[Slot],
+        state: &WideRigidState,
+        // Positions, where the substep began, velocities, and what was rounded off those.
+        columns: [&mut [Vec4]; 4],
+    ) {
+        let [position, start, velocity, rounding] = columns;
         let lag = L::load(&state.lag);
         let (turn, none, two) = (load_four::<L>(&state.turn), L::zero(), L::splat(2.0));
         let v = Vector::new(turn[0], turn[1], turn[2]);
@@ -726,4 +699,4 @@ impl Work for WriteStates<'_> {
             }
         }
     }
-}
+);

@@ -3,13 +3,13 @@
 use glam::Vec4;
 
 use super::super::bodies::{Bodies, CENTRE, ROTATION, SHIFT, SPIN, STEP};
-use super::super::friction::{FrictionSolve, PredictImpulse};
-use super::super::normal_solve::NormalSolve;
+use super::super::friction::{predict_impulses, solve_all_friction};
+use super::super::normal_solve::solve_normals;
 use super::super::turn::set;
 use super::super::wide_contact::WideContact;
 use super::*;
 use crate::constraints::checks::Random;
-use crate::lanes::{InstructionSet, LANES, with};
+use crate::lanes::{InstructionSet, LANES};
 
 /// Eight body colliders that press on one that stands in row 8, in so many points; row 9 is nothing.
 fn eight_on_one(points: usize, random: &mut Random) -> (WideContact, Bodies) {
@@ -61,37 +61,11 @@ fn pressed(
 ) -> (Vec<[Vec4; 8]>, Vec<[f32; LANES]>) {
     let (mut wide_contacts, mut bodies) = ([WideContact { fixed, ..wide.clone() }], bodies.clone());
     let set = InstructionSet::Scalar;
-    with(set, PredictImpulse { wide_contacts: &wide_contacts, bodies: &mut bodies });
-    with(
-        set,
-        FrictionSolve {
-            wide_contacts: &mut wide_contacts,
-            after: false,
-            max_correction: 1e-3,
-            bodies: &mut bodies,
-        },
-    );
+    predict_impulses(&wide_contacts, &mut bodies, set);
+    solve_all_friction(&mut wide_contacts, false, 1e-3, &mut bodies, set);
     let (h, recover, max_depenetration) = (1.0 / 600.0, 1e-2, 1e-4);
-    with(
-        set,
-        NormalSolve {
-            wide_contacts: &mut wide_contacts,
-            bodies: &mut bodies,
-            h,
-            recover,
-            pops: [max_depenetration; 2],
-            sweep: 0,
-        },
-    );
-    with(
-        set,
-        FrictionSolve {
-            wide_contacts: &mut wide_contacts,
-            after: true,
-            max_correction: 1e-3,
-            bodies: &mut bodies,
-        },
-    );
+    solve_normals(&mut wide_contacts, &mut bodies, h, recover, [max_depenetration; 2], 0, set);
+    solve_all_friction(&mut wide_contacts, true, 1e-3, &mut bodies, set);
     let [wide] = wide_contacts;
     let rows = bodies.rows[..LANES].iter().map(|row| row.0).collect();
     let mut columns = [wide.force, wide.approach, wide.accumulated_slip].concat();
