@@ -36,7 +36,7 @@ pub(crate) fn gather_environment(
     let before = core::mem::take(&mut *known);
     let Scratch { places, planes } = &mut *scratch;
     let mut validator =
-        Validator { before, now: BTreeSet::new(), kind: 0, messages: &mut messages, places };
+        FieldValidator { before, now: BTreeSet::new(), kind: 0, messages: &mut messages, places };
     everywhere.add_to(&mut simulation.forces, &mut validator);
     fields.add_to(&mut simulation.forces, &frames, &mut validator);
     simulation.boundaries.plane_constraint = sheet(&sheets, planes, &frames, &mut validator);
@@ -56,7 +56,7 @@ pub(crate) struct Everywhere<'w, 's> {
 }
 
 impl Everywhere<'_, '_> {
-    fn add_to(&self, forces: &mut sinew::Forces, validator: &mut Validator) {
+    fn add_to(&self, forces: &mut sinew::Forces, validator: &mut FieldValidator) {
         let Gravity(gravity) = *self.gravity;
         let sound = validator.resource("Gravity", &self.gravity_at, gravity.is_finite());
         forces.gravity = if sound { gravity } else { Vec3::ZERO };
@@ -84,7 +84,7 @@ pub(crate) struct Fields<'w, 's> {
 }
 
 impl Fields<'_, '_> {
-    fn add_to(&self, forces: &mut sinew::Forces, frames: &Frames, validator: &mut Validator) {
+    fn add_to(&self, forces: &mut sinew::Forces, frames: &Frames, validator: &mut FieldValidator) {
         let within = |entity, region: Option<&Region>| {
             let Some(region) = region else { return Ok(sinew::Region::EVERYWHERE) };
             region.at(&frames.of(entity)?)
@@ -142,7 +142,7 @@ fn sheet(
     sheets: &Sheets,
     list: &mut Vec<Plane>,
     frames: &Frames,
-    validator: &mut Validator,
+    validator: &mut FieldValidator,
 ) -> Option<Plane> {
     let sheet = |(entity, order): (_, &_)| {
         let plane = frames.of(entity).map(|frame| {
@@ -174,7 +174,7 @@ type Broken = (Entity, u32);
 
 /// Lets the sound ones pass, in the order of creation, whatever the order of the query; and reports the others, once for each time that one
 /// broke.
-struct Validator<'a, 'w> {
+struct FieldValidator<'a, 'w> {
     before: BTreeSet<Broken>,
     now: BTreeSet<Broken>,
     /// Counts what was asked for.
@@ -184,7 +184,7 @@ struct Validator<'a, 'w> {
     places: &'a mut Vec<(CreationOrder, Entity, usize)>,
 }
 
-impl Validator<'_, '_> {
+impl FieldValidator<'_, '_> {
     fn fill<T>(
         &mut self,
         list: &mut Vec<T>,

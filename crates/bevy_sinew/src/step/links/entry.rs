@@ -141,7 +141,7 @@ pub(super) fn update_incrementally<L: Incremental>(
 }
 
 /// Lets the sound ones pass, and reports the others, once for each time that one broke.
-pub(super) struct Validator<'a, 'w> {
+pub(super) struct LinkValidator<'a, 'w> {
     before: ReportedErrors,
     now: ReportedErrors,
     /// Whether all passed so far.
@@ -149,7 +149,7 @@ pub(super) struct Validator<'a, 'w> {
     messages: &'a mut MessageWriter<'w, Refused>,
 }
 
-impl<'a, 'w> Validator<'a, 'w> {
+impl<'a, 'w> LinkValidator<'a, 'w> {
     pub(super) fn new(
         before: ReportedErrors,
         messages: &'a mut MessageWriter<'w, Refused>,

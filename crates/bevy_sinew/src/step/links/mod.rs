@@ -15,7 +15,7 @@ use crate::components::{CreationOrder, DistanceConstraint, Spring, WindSurface};
 use crate::messages::Refused;
 use crate::world::{Place, SinewWorld, Tables};
 use change_detection::ChangeDetector;
-use entry::{Entry, Validator, update_incrementally};
+use entry::{Entry, LinkValidator, update_incrementally};
 
 /// Notes whether distances, springs or surfaces came, went or changed; few distances are taken into account at once. No hook does: a body comes and
 /// goes with tens of thousands of them.
@@ -80,7 +80,7 @@ pub(crate) fn compile_links(
 
     let before = core::mem::take(&mut tables.reported_errors);
     let mut links = core::mem::take(&mut tables.links);
-    let mut validator = Validator::new(before, &mut messages);
+    let mut validator = LinkValidator::new(before, &mut messages);
     let entries = distances.iter().map(|one| entry(tables, one)).collect();
     validator.fill(simulation.distances_mut(), &mut links.distances, entries);
     let entries = springs.iter().map(|(entity, &order, spring)| {
