@@ -59,6 +59,7 @@
 //! | `threads` | tasks, and the [`Workers`] that a caller may lend |
 //! | `convex_hull` | the smallest body without dents around points |
 //! | `hash` | one number for many |
+//! | `kept` | scratch that copies do without |
 //! | `same_place` | which vertices of a mesh are one |
 //! | `union_find` | which of many belong together: islands, sleepers, zones, pieces of a mesh |
 //! | [`pose`] | transform, velocity, spin and inertia out of particles |
@@ -82,6 +83,7 @@ pub mod forces;
 pub(crate) mod hash;
 pub mod integrate;
 pub(crate) mod islands;
+pub(crate) mod kept;
 pub(crate) mod lanes;
 pub mod ledger;
 pub mod particles;

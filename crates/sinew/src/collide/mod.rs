@@ -63,19 +63,3 @@ pub(crate) use shape::{Kind as ShapeKind, ShapeTouch};
 pub(crate) use stage::Contacts;
 pub(crate) use triangles::Triangles;
 pub(crate) use world::World;
-
-/// Memory that is kept from call to call and has nothing to say in between: a copy has none.
-#[derive(Default)]
-struct Kept<T>(T);
-
-impl<T: Default> Clone for Kept<T> {
-    fn clone(&self) -> Self {
-        Self::default()
-    }
-}
-
-impl<T> core::fmt::Debug for Kept<T> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("Kept")
-    }
-}

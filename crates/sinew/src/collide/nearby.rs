@@ -5,7 +5,8 @@
 
 use glam::Vec3;
 
-use super::{Broad, Kept, World};
+use super::{Broad, World};
+use crate::kept::Kept;
 use crate::particles::{NO_BODY, Particles};
 
 /// Bodies, and which are near another one. Scratch of a step.

@@ -27,6 +27,7 @@ use crate::collide::{
 };
 use crate::constraints::{Boundaries, Constraint, Distance, Pin};
 use crate::forces::{self, Forces};
+use crate::kept::Kept;
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
 use crate::rigid::{Compound, Moving};
@@ -95,7 +96,7 @@ struct Scratch {
     /// Of measuring what is left.
     thread_scratch: solve::ThreadScratch,
     moving: Moving,
-    sleep_scratch: sleep::SleepScratch,
+    sleep_scratch: Kept<sleep::SleepScratch>,
     /// Pinned particles that were given another origin for this step.
     anchors: Vec<prepare::PinnedOrigin>,
     /// The pressure of each wind on each triangle, looked up when the step began.
@@ -114,7 +115,7 @@ struct Scratch {
     unseen: bool,
     /// Whether nothing moves in this step.
     at_rest: bool,
-    rest: rest::Rest,
+    rest: Kept<rest::Rest>,
 }
 
 /// Where in a step the simulation is.

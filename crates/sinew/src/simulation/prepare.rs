@@ -53,7 +53,7 @@ impl Simulation {
         // They were of islands that may have other numbers now.
         self.report.islands.clear();
         scratch.loads.expire();
-        scratch.sleep_scratch.forget_support();
+        scratch.sleep_scratch.0.forget_support();
     }
 
     /// Compiles it with rigid bodies, each of which is one shape.

@@ -10,6 +10,7 @@ use super::{Scratch, Simulation};
 use crate::collide::{BodyContacts, Collider, ContactParticipant};
 use crate::constraints::Boundaries;
 use crate::forces::Forces;
+use crate::kept::Kept;
 use crate::settings::{BodySettings, SolverSettings};
 
 /// What a step depends on, beside the columns of the particles, which count what is [written](crate::Particles::writes) to them, and the constraints, of which
@@ -29,19 +30,13 @@ struct Inputs {
     sleep: Vec<Sleep>,
 }
 
-/// What is remembered of steps at rest. A copy remembers nothing, and finds it again.
+/// What is remembered of steps at rest.
 #[derive(Debug, Default)]
 pub(super) struct Rest {
     /// Those of the last step, if all slept in it.
     inputs: Option<Box<Inputs>>,
     /// Whether the step before had the same ones.
     settled: bool,
-}
-
-impl Clone for Rest {
-    fn clone(&self) -> Self {
-        Self::default()
-    }
 }
 
 impl Simulation {
@@ -68,7 +63,7 @@ impl Simulation {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn step_at_rest(&mut self, dt: f32) -> bool {
-        let rest = &self.scratch.rest;
+        let rest = &self.scratch.rest.0;
         let same = rest.settled && rest.inputs.as_ref().is_some_and(|inputs| self.has(inputs, dt));
         if !same {
             return false;
@@ -84,7 +79,7 @@ impl Simulation {
     /// Whether the last two steps were such: the next is one, too, if nothing changes until then. The particles and the constraints have not so far; what else a
     /// step depends on is not looked at.
     pub fn is_settled(&self) -> bool {
-        let Scratch { rest, changes, .. } = &self.scratch;
+        let Scratch { rest: Kept(rest), changes, .. } = &self.scratch;
         let inputs = rest.inputs.as_ref().filter(|_| rest.settled && changes.is_empty());
         inputs.is_some_and(|inputs| inputs.writes == self.particles.writes())
     }
@@ -98,13 +93,13 @@ impl Simulation {
             && !self.report.frozen.iter().chain(&self.report.too_fast).any(|_| true)
             && !self.hears_of_contacts();
         let dt = self.scratch.length;
-        let before = self.scratch.rest.inputs.take();
-        self.scratch.rest.settled = false;
+        let before = self.scratch.rest.0.inputs.take();
+        self.scratch.rest.0.settled = false;
         if !slept {
             return;
         }
         if let Some(inputs) = before.filter(|inputs| self.has(inputs, dt)) {
-            self.scratch.rest = Rest { inputs: Some(inputs), settled: true };
+            self.scratch.rest.0 = Rest { inputs: Some(inputs), settled: true };
             return;
         }
         let inputs = Inputs {
@@ -119,7 +114,7 @@ impl Simulation {
             ignored: self.ignored.clone(),
             sleep: self.sleep.clone(),
         };
-        self.scratch.rest.inputs = Some(Box::new(inputs));
+        self.scratch.rest.0.inputs = Some(Box::new(inputs));
     }
 
     /// Whether a step of `dt` seconds would have these.

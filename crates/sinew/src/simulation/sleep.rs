@@ -103,19 +103,6 @@ impl SleepScratch {
     }
 }
 
-/// A copy has nothing to keep: between steps nothing is in it.
-impl Clone for SleepScratch {
-    fn clone(&self) -> Self {
-        Self::default()
-    }
-}
-
-impl core::fmt::Debug for SleepScratch {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("SleepScratch").finish_non_exhaustive()
-    }
-}
-
 /// How an island, and then a group, lies.
 #[derive(Clone, Copy, Debug)]
 struct IslandActivity {
@@ -134,7 +121,7 @@ impl Simulation {
     /// [`Particles::load`](crate::Particles::load).
     pub fn check_sleepers(&mut self) {
         self.scratch.rest = Default::default();
-        self.scratch.sleep_scratch.forget_support();
+        self.scratch.sleep_scratch.0.forget_support();
     }
 
     /// Finds which bodies sleep in a step of `dt` seconds, and puts them to sleep.
@@ -144,7 +131,7 @@ impl Simulation {
             self.particles.note_sleepers(false);
             return;
         }
-        let mut sleepers = core::mem::take(&mut self.scratch.sleep_scratch);
+        let mut sleepers = core::mem::take(&mut self.scratch.sleep_scratch.0);
         let now = [self.particles.edits(), support::of_surfaces(&self.colliders, &self.boundaries)];
         let changed = sleepers.seen.replace(now) != Some(now);
         self.measure_islands(&mut sleepers, dt);
@@ -155,14 +142,14 @@ impl Simulation {
         let compare = changed || sleepers.activities.iter().any(falls);
         self.group(&mut sleepers, compare);
         self.decide(&mut sleepers, dt, compare);
-        self.scratch.sleep_scratch = sleepers;
+        self.scratch.sleep_scratch.0 = sleepers;
         self.particles.note_sleepers(self.sleep.iter().any(|body| body.asleep));
     }
 
     /// Wakes: gives those that sleep their masses back, at the end of a step.
     pub(super) fn wake(&mut self) {
         let Self { particles, scratch, .. } = self;
-        for (row, w) in scratch.sleep_scratch.masses.drain(..) {
+        for (row, w) in scratch.sleep_scratch.0.masses.drain(..) {
             particles.position[row as usize].w = w;
         }
     }

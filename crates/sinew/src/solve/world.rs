@@ -20,6 +20,7 @@ use super::{SolverReport, gauss_seidel};
 use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::integrate::{Derive, MotionColumns, StepRows, derive};
 use crate::islands::Island;
+use crate::kept::Kept;
 use crate::particles::{Particles, Places};
 use crate::settings::Order;
 use crate::threads::{ExecutionContext, Pool, each};
@@ -34,17 +35,7 @@ pub(crate) struct SolveScratch {
     /// The same of islands whose loads are measured.
     measured: Vec<(u32, MomentumDrift)>,
     /// The most sweeps in each substep of a whole step.
-    iteration_counts: IterationCounts,
-}
-
-/// Counters; a copy has nothing to keep.
-#[derive(Debug, Default)]
-struct IterationCounts(Vec<AtomicU32>);
-
-impl Clone for IterationCounts {
-    fn clone(&self) -> Self {
-        Self::default()
-    }
+    iteration_counts: Kept<Vec<AtomicU32>>,
 }
 
 impl SolveScratch {

@@ -23,7 +23,8 @@ use super::contact_cache::{
 use super::groups::BodyGroups;
 use super::swept_bounds::SweptBounds;
 use super::wide_contact::{Contact, SensorOverlap, TORSIONAL_RADIUS, WideContact, put_manifold};
-use super::{BodyCollider, BodyContactSolver, Kept};
+use super::{BodyCollider, BodyContactSolver};
+use crate::kept::Kept;
 use crate::lanes::LANES;
 use crate::particles::{NO_BODY, Particles};
 use crate::pose::pose;

@@ -10,7 +10,8 @@ use glam::{DVec3, Vec3, Vec4};
 
 use super::distance::{of_segments, to_triangle};
 use super::participants::{EDGES, TriangleParticipants};
-use crate::collide::{Broad, ContactFilter, Kept};
+use crate::collide::{Broad, ContactFilter};
+use crate::kept::Kept;
 use crate::particles::Particles;
 
 /// A particle and a triangle, or two edges, that may come to touch.
