@@ -172,6 +172,20 @@ impl Blueprint {
         placed
     }
 
+    /// Particles at these places, metres, which share a mass, kg, evenly and are tied each to each.
+    pub(super) fn tied(places: &[Vec3], mass: f32, radius: f32, drag: f32) -> Self {
+        let count = places.len() as u32;
+        let seed = |&place: &Vec3| {
+            let seed = ParticleSeed::at(place).with_mass(mass / count as f32);
+            seed.with_radius(radius).with_drag(drag)
+        };
+        let mut body = Self { particles: places.iter().map(seed).collect(), ..Self::default() };
+        for a in 0..count {
+            (a + 1..count).for_each(|b| body.rod(a, b));
+        }
+        body
+    }
+
     /// Adds a hard rod between two particles that are there, as long as they are apart.
     pub(super) fn rod(&mut self, a: u32, b: u32) {
         let ends = [a, b].map(|i| self.particles[i as usize].position);

@@ -23,7 +23,6 @@ use super::mass::MassProperties;
 use super::nearest::bounds;
 use crate::collide::Shape;
 use crate::convex_hull::convex_hull;
-use crate::particles::ParticleSeed;
 
 /// A solid to build. The default is empty, and refused: it has no shape.
 #[derive(Clone, Debug, PartialEq)]
@@ -150,18 +149,7 @@ pub fn solid(spec: &SolidSpec) -> Result<Blueprint, RecipeFault> {
     let rest = places(&properties, spec.layout);
     ensure(told_apart(&rest, &properties), RecipeFault::Size)?;
     let count = rest.len() as u32;
-    let seed = |&position: &Vec3| {
-        ParticleSeed::at(position)
-            .with_mass(mass / count as f32)
-            .with_radius(spec.radius)
-            .with_drag(spec.drag)
-    };
-    let mut body = Blueprint { particles: rest.iter().map(seed).collect(), ..Blueprint::default() };
-    for a in 0..count {
-        for b in a + 1..count {
-            body.rod(a, b);
-        }
-    }
+    let mut body = Blueprint::tied(&rest, mass, spec.radius, spec.drag);
     let shape = spec.shape.collider();
     body.parts = vec![Part { name: "solid", particles: (0..count).collect(), rest, size, shape }];
     Ok(body)

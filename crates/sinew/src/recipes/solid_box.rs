@@ -8,7 +8,6 @@ use super::blueprint::{Blueprint, Part};
 use super::fault::{RecipeFault, check_mass, check_particles, ensure};
 use crate::collide::Shape;
 use crate::constraints::GradientAt;
-use crate::particles::ParticleSeed;
 
 /// A box to build. The default is a cube of 1 m and 1 kg, with its particles at the corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,18 +86,7 @@ fn tied(spec: &BoxSpec, count: u32, size: Vec3) -> Blueprint {
     let side = |i: u32, bit: u32| if i >> bit & 1 == 1 { reach } else { -reach };
     let corner = |i| (DVec3::new(side(i, 0), side(i, 1), side(i, 2)) * size.as_dvec3()).as_vec3();
     let rest: Vec<Vec3> = (0..count).map(corner).collect();
-    let seed = |&position: &Vec3| {
-        ParticleSeed::at(position)
-            .with_mass(spec.mass / count as f32)
-            .with_radius(spec.radius)
-            .with_drag(spec.drag)
-    };
-    let mut body = Blueprint { particles: rest.iter().map(seed).collect(), ..Blueprint::default() };
-    for a in 0..count {
-        for b in a + 1..count {
-            body.rod(a, b);
-        }
-    }
+    let mut body = Blueprint::tied(&rest, spec.mass, spec.radius, spec.drag);
     // Rods bleed the spin of what they hold unless they act along where they were. Hitting the ground takes more sweeps that way.
     body.settings.gradient_at = Some(GradientAt::StepStart);
     body.settings.max_sweeps = Some(8);
@@ -114,6 +102,7 @@ fn tied(spec: &BoxSpec, count: u32, size: Vec3) -> Blueprint {
 mod tests {
     use super::super::blueprint::checks::assert_at_rest;
     use super::*;
+    use crate::particles::ParticleSeed;
 
     fn brick(layout: BoxLayout) -> BoxSpec {
         BoxSpec { size: Vec3::new(1.0, 2.0, 3.0), mass: 5.0, layout, ..BoxSpec::default() }

@@ -4,6 +4,7 @@ use super::super::blueprint::checks::assert_at_rest;
 use super::super::mass;
 use super::super::{BoxLayout, BoxSpec, ConvexHullFault, MassFault, box_3d};
 use super::*;
+use crate::particles::ParticleSeed;
 use crate::pose::{Motion, motion};
 use glam::DVec3;
 
