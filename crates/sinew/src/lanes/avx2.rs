@@ -17,15 +17,22 @@ use super::{FIELDS, LANES, Lanes, Number, Record};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Eight(__m256);
 
+/// Operations of two that are one instruction each.
+macro_rules! lanewise {
+    ($($operation:ident $instruction:path),* $(,)?) => {$(
+        #[inline(always)]
+        fn $operation(self, other: Self) -> Self {
+            // SAFETY: see `Eight`.
+            Self(unsafe { $instruction(self.0, other.0) })
+        }
+    )*};
+}
+
 macro_rules! each {
     ($($of:ident $operation:ident $instruction:ident),*) => {$(
         impl $of for Eight {
             type Output = Self;
-            #[inline(always)]
-            fn $operation(self, other: Self) -> Self {
-                // SAFETY: see `Eight`.
-                Self(unsafe { $instruction(self.0, other.0) })
-            }
+            lanewise!($operation $instruction);
         }
     )*};
 }
@@ -62,47 +69,11 @@ impl Number for Eight {
         Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
     }
 
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        // SAFETY: see `Eight`. This instruction is that comparison and selection.
-        Self(unsafe { _mm256_min_ps(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        // SAFETY: see `Eight`. This instruction is that comparison and selection.
-        Self(unsafe { _mm256_max_ps(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn lt(self, other: Self) -> Self {
-        // SAFETY: see `Eight`.
-        Self(unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn le(self, other: Self) -> Self {
-        // SAFETY: see `Eight`.
-        Self(unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn same(self, other: Self) -> Self {
-        // SAFETY: see `Eight`.
-        Self(unsafe { _mm256_cmp_ps::<_CMP_EQ_OQ>(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn and(self, other: Self) -> Self {
-        // SAFETY: see `Eight`.
-        Self(unsafe { _mm256_and_ps(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn or(self, other: Self) -> Self {
-        // SAFETY: see `Eight`.
-        Self(unsafe { _mm256_or_ps(self.0, other.0) })
-    }
+    // The first two are that comparison and selection.
+    lanewise!(
+        min _mm256_min_ps, max _mm256_max_ps, lt _mm256_cmp_ps::<_CMP_LT_OQ>, le _mm256_cmp_ps::<_CMP_LE_OQ>,
+        same _mm256_cmp_ps::<_CMP_EQ_OQ>, and _mm256_and_ps, or _mm256_or_ps,
+    );
 
     #[inline(always)]
     fn select(self, yes: Self, no: Self) -> Self {

@@ -40,6 +40,21 @@ impl Neg for Fours {
     }
 }
 
+/// A bit for each lane in which it holds.
+macro_rules! comparison {
+    ($($name:ident $which:ident),*) => {$(
+        #[inline(always)]
+        fn $name(self, other: Self) -> u32 {
+            // SAFETY: see `Fours`.
+            unsafe {
+                let low = _mm256_movemask_pd(_mm256_cmp_pd::<$which>(self.0, other.0));
+                let high = _mm256_movemask_pd(_mm256_cmp_pd::<$which>(self.1, other.1));
+                (low | high << 4) as u32
+            }
+        }
+    )*};
+}
+
 impl Doubles for Fours {
     #[inline(always)]
     fn splat(x: f64) -> Self {
@@ -62,23 +77,5 @@ impl Doubles for Fours {
         }
     }
 
-    #[inline(always)]
-    fn lt(self, other: Self) -> u32 {
-        // SAFETY: see `Fours`.
-        unsafe {
-            let low = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0));
-            let high = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(self.1, other.1));
-            (low | high << 4) as u32
-        }
-    }
-
-    #[inline(always)]
-    fn le(self, other: Self) -> u32 {
-        // SAFETY: see `Fours`.
-        unsafe {
-            let low = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0));
-            let high = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.1, other.1));
-            (low | high << 4) as u32
-        }
-    }
+    comparison!(lt _CMP_LT_OQ, le _CMP_LE_OQ);
 }

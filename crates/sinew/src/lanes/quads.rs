@@ -66,6 +66,16 @@ impl Quads {
     }
 }
 
+/// Operations of two, four lanes at a time.
+macro_rules! pairwise {
+    ($($operation:ident)*) => {$(
+        #[inline(always)]
+        fn $operation(self, other: Self) -> Self {
+            Self(four::$operation(self.0, other.0), four::$operation(self.1, other.1))
+        }
+    )*};
+}
+
 impl Number for Quads {
     const ALL: u32 = 0xFF;
 
@@ -84,30 +94,7 @@ impl Number for Quads {
         Self(self.0.abs(), self.1.abs())
     }
 
-    #[inline(always)]
-    fn lt(self, other: Self) -> Self {
-        Self(four::lt(self.0, other.0), four::lt(self.1, other.1))
-    }
-
-    #[inline(always)]
-    fn le(self, other: Self) -> Self {
-        Self(four::le(self.0, other.0), four::le(self.1, other.1))
-    }
-
-    #[inline(always)]
-    fn same(self, other: Self) -> Self {
-        Self(four::same(self.0, other.0), four::same(self.1, other.1))
-    }
-
-    #[inline(always)]
-    fn and(self, other: Self) -> Self {
-        Self(four::and(self.0, other.0), four::and(self.1, other.1))
-    }
-
-    #[inline(always)]
-    fn or(self, other: Self) -> Self {
-        Self(four::or(self.0, other.0), four::or(self.1, other.1))
-    }
+    pairwise!(lt le same and or);
 
     #[inline(always)]
     fn select(self, yes: Self, no: Self) -> Self {
