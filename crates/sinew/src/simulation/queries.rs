@@ -73,11 +73,15 @@ impl Simulation {
         // A direction may be along an axis, and infinity has no product with zero.
         let end = origin + direction * max.min(FARTHEST);
         let around = enlarged((origin.min(end), origin.max(end)));
-        self.all_within(around, filter, &mut |participant, row, obstacle| match obstacle {
-            Obstacle::Shape(shape, frame) => ray.shape(shape, frame, participant, row),
-            Obstacle::Triangle(corners) => ray.triangle(*corners, participant, row),
-            Obstacle::Ball(_, radius) if *radius <= 0.0 => {}
-            Obstacle::Ball(at, radius) => ray.ball(*at, *radius, participant, row),
+        self.all_within(around, filter, &mut |participant, row, obstacle| {
+            let met = match obstacle {
+                Obstacle::Shape(shape, frame) => ray.shape(shape, frame),
+                Obstacle::Triangle(corners) => ray.triangle(*corners),
+                Obstacle::Ball(at, radius) => ray.ball(*at, *radius),
+            };
+            if let Some((distance, normal)) = met {
+                ray.meet(distance, normal, participant, row);
+            }
         });
         ray.first
     }
@@ -388,67 +392,45 @@ impl Ray {
         }
     }
 
-    fn shape(
-        &mut self,
-        shape: &Shape,
-        frame: &Frame,
-        participant: ContactParticipant,
-        row: Option<u32>,
-    ) {
+    /// How far off a shape is, metres, and the unit vector out of it there; `None` where the ray does not meet it. So too below.
+    fn shape(&self, shape: &Shape, frame: &Frame) -> Option<(f32, Vec3)> {
         let (origin, direction) = (frame.local(self.origin), frame.turn_back(self.direction));
-        if let Some(hit) = shape.cast_ray(origin, direction, self.max) {
-            self.meet(hit.distance, frame.turn(hit.normal), participant, row);
-        }
+        let hit = shape.cast_ray(origin, direction, self.max)?;
+        Some((hit.distance, frame.turn(hit.normal)))
     }
 
-    /// `|o + t d - c|² = r²`; from within it is met at once.
-    fn ball(
-        &mut self,
-        centre: Vec3,
-        radius: f32,
-        participant: ContactParticipant,
-        row: Option<u32>,
-    ) {
+    /// `|o + t d - c|² = r²`; from within it is met at once, and never where there is no radius.
+    fn ball(&self, centre: Vec3, radius: f32) -> Option<(f32, Vec3)> {
         let from = self.origin - centre;
         let along = from.dot(self.direction);
         let outside = from.length_squared() - radius * radius;
-        if outside <= 0.0 {
-            let normal = from.try_normalize().unwrap_or(-self.direction);
-            self.meet(0.0, normal, participant, row);
-            return;
-        }
         let beneath = along * along - outside;
-        if beneath >= 0.0 && along < 0.0 {
-            let distance = -along - beneath.sqrt();
-            // Made unit, because of a small ball far off the difference has few digits.
-            let normal = (from + self.direction * distance).try_normalize();
-            let normal = normal.unwrap_or(-self.direction);
-            self.meet(distance, normal, participant, row);
+        let inside = outside <= 0.0;
+        if radius <= 0.0 || !(inside || (beneath >= 0.0 && along < 0.0)) {
+            return None;
         }
+        let distance = if inside { 0.0 } else { -along - beneath.sqrt() };
+        // Made unit, because of a small ball far off the difference has few digits.
+        let normal = (from + self.direction * distance).try_normalize();
+        Some((distance, normal.unwrap_or(-self.direction)))
     }
 
     /// Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection*, 1997: Cramer's rule for `o + t d = a + u (b - a) + v (c - a)`.
-    fn triangle(
-        &mut self,
-        [a, b, c]: [Vec3; 3],
-        participant: ContactParticipant,
-        row: Option<u32>,
-    ) {
+    fn triangle(&self, [a, b, c]: [Vec3; 3]) -> Option<(f32, Vec3)> {
         let (ab, ac, from) = (b - a, c - a, self.origin - a);
         let across = self.direction.cross(ac);
         let volume = ab.dot(across);
         if volume == 0.0 {
-            return;
+            return None;
         }
         let u = from.dot(across) / volume;
         let other = from.cross(ab);
         let (v, distance) = (self.direction.dot(other) / volume, ac.dot(other) / volume);
-        if u >= 0.0 && v >= 0.0 && u + v <= 1.0 {
+        (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then(|| {
             let normal = ab.cross(ac).normalize_or_zero();
             // Out of the side that it came to.
-            let normal = if normal.dot(self.direction) > 0.0 { -normal } else { normal };
-            self.meet(distance, normal, participant, row);
-        }
+            (distance, if normal.dot(self.direction) > 0.0 { -normal } else { normal })
+        })
     }
 }
 
