@@ -40,7 +40,7 @@ impl Hinge {
 
     /// The angle that `[a, h0, h1, c]` make there, kept hard; 0 where there is none.
     pub fn rest(positions: [Vec3; 4]) -> Self {
-        let angle = dihedral(positions).map_or(0.0, |dihedral| dihedral.angle);
+        let angle = dihedral(positions).map_or(0.0, |(angle, _)| angle);
         Self::between(angle, angle)
     }
 
@@ -62,14 +62,13 @@ impl Hinge {
 /// `C` is how far the angle is above the range, or (negative) below, radians, and zero inside.
 impl Equation for Hinge {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
-        let Some(found) = dihedral([points.at(0), points.at(1), points.at(2), points.at(3)]) else {
-            return 0.0;
-        };
+        let places = [points.at(0), points.at(1), points.at(2), points.at(3)];
+        let Some((angle, by)) = dihedral(places) else { return 0.0 };
         // From the middle of the range, the short way round.
         let (middle, half) = (0.5 * (self.min + self.max), 0.5 * (self.max - self.min));
-        let value = beyond(around(found.angle - middle), -half, half);
+        let value = beyond(around(angle - middle), -half, half);
         if value != 0.0 {
-            gradients.copy_from_slice(&found.gradients);
+            gradients.copy_from_slice(&by);
         }
         value
     }
@@ -82,11 +81,6 @@ impl Equation for Hinge {
 /// An angle as the one of -π to π that points the same way.
 fn around(angle: f32) -> f32 {
     angle - TAU * (angle / TAU).round()
-}
-
-struct Dihedral {
-    angle: f32,
-    gradients: [Vec3; 4],
 }
 
 /// The dihedral angle and its gradients, rad/m; `None` where there is no axis or one of the outer particles lies on it.
@@ -108,7 +102,7 @@ struct Dihedral {
 ///
 /// (Bridson et al., *Simulation of Clothing with Folds and Wrinkles*, 2003, in other letters.) Unlike an angle without a sign, this one has a
 /// gradient where the joint is straight or folded flat, too.
-fn dihedral([a, h0, h1, c]: [Vec3; 4]) -> Option<Dihedral> {
+fn dihedral([a, h0, h1, c]: [Vec3; 4]) -> Option<(f32, [Vec3; 4])> {
     let edge = h1 - h0;
     let length = edge.length();
     if !(length > 0.0 && length.is_finite()) {
@@ -127,7 +121,7 @@ fn dihedral([a, h0, h1, c]: [Vec3; 4]) -> Option<Dihedral> {
     let (by_a, by_c) = (-n / n_square, m / m_square);
     let (s, t) = (to_a.dot(axis) / length, to_c.dot(axis) / length);
     let by_h0 = by_a * (s - 1.0) + by_c * (t - 1.0);
-    Some(Dihedral { angle, gradients: [by_a, by_h0, by_a * -s - by_c * t, by_c] })
+    Some((angle, [by_a, by_h0, by_a * -s - by_c * t, by_c]))
 }
 
 /// The numbers of eight [`Hinge`]s.

@@ -133,12 +133,12 @@ impl Load {
         let mut sum = Sum::default();
         for corners in hull.triangles() {
             let at = corners.map(|v| v as usize);
-            let wet = sum.add(at.map(|v| points[v]), up, level);
-            sum.area += wet.area.length();
-            sum.wetted += wet.area.length() * wet.wetting.share;
-            for (v, weight) in at.into_iter().zip(wet.wetting.weights) {
-                forces[v] -= wet.area * weight;
-                let pressure = wet.area.length() * weight;
+            let (area, wetting) = sum.add(at.map(|v| points[v]), up, level);
+            sum.area += area.length();
+            sum.wetted += area.length() * wetting.share;
+            for (v, weight) in at.into_iter().zip(wetting.weights) {
+                forces[v] -= area * weight;
+                let pressure = area.length() * weight;
                 sum.pressure += pressure;
                 sum.middle += points[v] * pressure;
             }
@@ -176,22 +176,16 @@ struct Sum {
     middle: DVec3,
 }
 
-struct Wet {
-    /// Vector area, m², out of the skin.
-    area: DVec3,
-    wetting: Wetting,
-}
-
 impl Sum {
-    /// One triangle: its share in the volume, and how it is wetted. A triangle that is not finite is none.
-    fn add(&mut self, [a, b, c]: [DVec3; 3], up: DVec3, level: f64) -> Wet {
+    /// One triangle: its share in the volume; its vector area, m², out of the skin, and how it is wetted. A triangle that is not finite is none.
+    fn add(&mut self, [a, b, c]: [DVec3; 3], up: DVec3, level: f64) -> (DVec3, Wetting) {
         let area = (b - a).cross(c - a) * 0.5;
         if !area.is_finite() {
-            return Wet { area: DVec3::ZERO, wetting: Wetting::default() };
+            return (DVec3::ZERO, Wetting::default());
         }
         // The cone from the first carrier over the triangle.
         self.volume += a.dot(area) / 3.0;
-        Wet { area, wetting: wetting([a, b, c].map(|x| level - up.dot(x))) }
+        (area, wetting([a, b, c].map(|x| level - up.dot(x))))
     }
 
     /// The lid: a fan over the rim about its middle, whose share each vertex of the rim bears equally.
@@ -212,10 +206,10 @@ impl Sum {
         for &[a, b] in rim {
             // The other way round: the skin is on the left of its rim, the lid on the right.
             let at = [b as usize, a as usize];
-            let wet = self.add([points[at[0]], points[at[1]], middle], up, level);
-            forces[at[0]] -= wet.area * wet.wetting.weights[0];
-            forces[at[1]] -= wet.area * wet.wetting.weights[1];
-            borne -= wet.area * wet.wetting.weights[2];
+            let (area, wetting) = self.add([points[at[0]], points[at[1]], middle], up, level);
+            forces[at[0]] -= area * wetting.weights[0];
+            forces[at[1]] -= area * wetting.weights[1];
+            borne -= area * wetting.weights[2];
         }
         for &[a, _] in rim {
             forces[a as usize] += borne * share;

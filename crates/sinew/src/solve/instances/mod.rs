@@ -12,8 +12,8 @@
 //!
 //! - `topology` finds them when a plan is compiled;
 //! - `lane_storage` is where their particles are meanwhile;
-//! - `solve` sweeps them until each holds, `rods`, `chains` and the plan's [constraint batches](super::wide) are what it does, `planes` puts them out of
-//!   planes, `surfaces` out of colliders, `convergence` is how it goes;
+//! - `solve` sweeps them until each holds, `rods`, `chains` and the plan's [constraint batches](super::wide) are what it does, `surfaces` puts them out of
+//!   planes and colliders, `convergence` is how it goes;
 //! - `lane_compaction` lets those that take longer than the others of their batch go on together;
 //! - `motion` predicts and derives, `momentum_drift` keeps round-off out of their momenta;
 //! - `batch_solve` does all that, batch by batch;
@@ -27,7 +27,6 @@ mod lane_storage;
 mod measure;
 mod momentum_drift;
 mod motion;
-mod planes;
 mod rods;
 mod solve;
 mod surfaces;

@@ -2,8 +2,7 @@
 
 use super::convergence::ConvergenceMask;
 use super::lane_storage::LaneStorage;
-use super::planes::project_planes;
-use super::surfaces::SurfaceContext;
+use super::surfaces::{SurfaceContext, project_planes};
 use super::{InstanceBatch, InstanceBatches, InstancePart, chains, rods};
 use crate::collide::NormalImpulses;
 use crate::constraints::{GradientAt, Plane, SubstepContext};
