@@ -264,7 +264,8 @@ impl<L: Lanes> Step<'_, L> {
         };
         let before = L::two(rounding, 0);
         let lags = [velocity[0].w, velocity[1].w];
-        let lost = if lags == [self.h; 2] && !self.steady.is_nan() {
+        // One by one: to compare arrays is a call.
+        let lost = if lags[0] == self.h && lags[1] == self.h && !self.steady.is_nan() {
             L::splat(self.steady)
         } else {
             let [one, other] = self.lost(lags, i);

@@ -124,8 +124,8 @@ pub(super) fn hold_at_once(
     }
     if island.has_chains() {
         let columns = (&mut *places.position, places.first);
-        let found =
-            plan.chains.project(island, columns, &mut thread_scratch.eliminated, |_, _, _| {});
+        let scratch = &mut thread_scratch.chains;
+        let found = plan.chains.project(island, columns, scratch, mode.instructions);
         worst = worst.max(mode.of_chains(found));
     }
     worst

@@ -268,14 +268,15 @@ impl Loads {
         }
         if mode.gradient_at == GradientAt::Current && island.has_chains() {
             let columns = (&mut *places.position, places.first);
-            let found = plan.chains.project(island, columns, eliminated, |rod, row, pull| {
-                let slot = distances.slots[rod as usize];
-                if slot != NONE {
-                    let pull = pull.as_dvec3();
-                    let is_first = plan.distances[rod as usize].a == row;
-                    distances.pulls[slot as usize] += if is_first { pull } else { -pull };
-                }
-            });
+            let found =
+                plan.chains.project_noting(island, columns, eliminated, |rod, row, pull| {
+                    let slot = distances.slots[rod as usize];
+                    if slot != NONE {
+                        let pull = pull.as_dvec3();
+                        let is_first = plan.distances[rod as usize].a == row;
+                        distances.pulls[slot as usize] += if is_first { pull } else { -pull };
+                    }
+                });
             worst = worst.max(mode.of_chains(found));
         }
         for &one in &*constraint_refs {

@@ -2,7 +2,7 @@
 
 use glam::Vec4;
 
-use super::chains::Eliminated;
+use super::chains::ChainScratch;
 use super::constraint_ref::{ConstraintRef, Local};
 use super::instances::{LaneCompaction, LaneParticles};
 use super::jacobi::Asked;
@@ -21,8 +21,7 @@ pub(crate) struct ThreadScratch {
     pub(super) columns: Columns,
     /// Where the pins of an island are that has tethers.
     pub(super) pins: Vec<Vec4>,
-    /// Of the chain at hand.
-    pub(super) eliminated: Vec<Eliminated<f32>>,
+    pub(super) chains: ChainScratch,
     pub(super) constraint_refs: Vec<ConstraintRef>,
     pub(super) asked: Asked,
     pub(super) queue: Queue,

@@ -3,6 +3,7 @@
 use core::ops::Range;
 
 use super::Link;
+use super::segments::{Rests, rests_of};
 use crate::constraints::Distance;
 
 /// The chains of a plan, island after island. Scratch, never saved.
@@ -11,12 +12,18 @@ pub(in crate::solve) struct Chains {
     /// Where the links of each are.
     pub(super) each: Vec<Range<usize>>,
     pub(super) links: Vec<Link>,
+    /// Of each chain where the lengths of its segments are; none where it is too short to be cut into some.
+    segments: Vec<Range<usize>>,
+    rests: Vec<Rests>,
     graph: RodGraph,
 }
 
 /// A chain of fewer rods is done as fast by sweeps; and where there are more rods than particles, in boxes and bones, what looks like a chain is one if it is
 /// longer than a limb.
 const FEWEST: [usize; 2] = [2, 4];
+
+/// Longer chains are cut into segments: so many particles as no body has that may be solved side by side with others, for those have to have the same bits alone.
+pub(in crate::solve) const LONG: usize = 64;
 
 /// Islands of more particles have their chains looked for only where there are no more rods than particles: they are cloth, and of cloth that is torn the plan
 /// is to be mended in a millisecond.
@@ -42,6 +49,8 @@ impl Chains {
     pub(in crate::solve) fn clear(&mut self) {
         self.each.clear();
         self.links.clear();
+        self.segments.clear();
+        self.rests.clear();
     }
 
     /// Finds those of an island with these members and so many hard distances of equality, each with its number in the plan; returns which they are.
@@ -57,6 +66,13 @@ impl Chains {
         if count >= fewest && !(is_dense && members.len() > LARGE) {
             self.graph.weave(members, rods);
             self.graph.chains((members, fewest), &mut self.each, &mut self.links);
+            for links in &self.each[begin..] {
+                let (links, first) = (&self.links[links.clone()], self.rests.len());
+                if links.len() > LONG {
+                    self.rests.extend(rests_of(links));
+                }
+                self.segments.push(first..self.rests.len());
+            }
         }
         begin..self.each.len()
     }
@@ -64,6 +80,11 @@ impl Chains {
     /// One of them.
     pub(in crate::solve) fn links(&self, number: usize) -> &[Link] {
         &self.links[self.each[number].clone()]
+    }
+
+    /// The lengths of its segments, if it is cut into some.
+    pub(super) fn rests(&self, number: usize) -> &[Rests] {
+        &self.rests[self.segments[number].clone()]
     }
 }
 

@@ -13,16 +13,19 @@
 
 mod find;
 mod project;
+mod segments;
 #[cfg(test)]
 mod tests;
 
-pub(super) use find::Chains;
+pub(super) use find::{Chains, LONG};
 pub(super) use project::{Links, project_chain};
 
 use glam::{Vec3, Vec4};
 
 use crate::islands::Island;
-use crate::lanes::Vector;
+use crate::lanes::{InstructionSet, Vector};
+use project::merged;
+use segments::SegmentScratch;
 
 /// The next particle of a chain and the rod that leads to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,16 +43,62 @@ impl Link {
     fn is_double(&self) -> bool {
         self.rows[0] != self.rows[1]
     }
+
+    /// Its particle, in columns of positions that begin with the row `first`; of two that are one, that of both.
+    #[inline(always)]
+    fn merged(&self, position: &[Vec4], first: u32) -> Vec4 {
+        let [one, other] = self.places(first);
+        if one == other {
+            return position[one];
+        }
+        let (p, w) = merged(position[one].to_array(), position[other].to_array());
+        Vec3::from(p).extend(w)
+    }
+
+    /// Where its particles are in columns that begin with the row `first`. No `array::map`, which is a call of several functions for each link.
+    #[inline(always)]
+    fn places(&self, first: u32) -> [usize; 2] {
+        let [one, other] = self.rows;
+        [(one - first) as usize, (other - first) as usize]
+    }
 }
 
 /// What elimination leaves of a rod for the way back. Scratch.
 pub(super) type Eliminated<N> = [N; 6];
 
+/// What solving chains needs. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ChainScratch {
+    eliminated: Vec<Eliminated<f32>>,
+    segments: SegmentScratch,
+}
+
 impl Chains {
-    /// Solves the chains of an island once, in columns of positions that begin with the row `first`. Returns the largest error found, metres. `pulled` is told
-    /// which rod, by its number, has given how much to the particle in which row, kg·m; its other end got the opposite.
-    #[inline]
+    /// Solves the chains of an island once, in columns of positions that begin with the row `first`. Returns the largest error found, metres.
     pub(super) fn project(
+        &self,
+        island: &Island,
+        (position, first): (&mut [Vec4], u32),
+        scratch: &mut ChainScratch,
+        instructions: InstructionSet,
+    ) -> f32 {
+        let ChainScratch { eliminated, segments } = scratch;
+        let mut worst = 0.0_f32;
+        for number in island.chains.clone() {
+            let (links, rests) = (self.links(number), self.rests(number));
+            let columns = (&mut *position, first);
+            worst = worst.max(if rests.is_empty() {
+                project_one(links, columns, eliminated, &mut |_, _, _| {})
+            } else {
+                segments.project((links, rests), columns, instructions)
+            });
+        }
+        worst
+    }
+
+    /// The same one rod after the other, and `pulled` is told which rod, by its number, has given how much to the particle in which row, kg·m; its other end
+    /// got the opposite.
+    pub(super) fn project_noting(
         &self,
         island: &Island,
         (position, first): (&mut [Vec4], u32),
@@ -58,19 +107,22 @@ impl Chains {
     ) -> f32 {
         let mut worst = 0.0_f32;
         for number in island.chains.clone() {
-            let links = self.links(number);
-            eliminated.resize(links.len().max(eliminated.len()), [0.0; _]);
-            let pulled = &mut pulled;
-            worst = worst.max(project_chain(&mut OfIsland {
-                links,
-                position,
-                first,
-                eliminated,
-                pulled,
-            }));
+            let columns = (&mut *position, first);
+            worst = worst.max(project_one(self.links(number), columns, eliminated, &mut pulled));
         }
         worst
     }
+}
+
+/// Solves one, one rod after the other.
+fn project_one(
+    links: &[Link],
+    (position, first): (&mut [Vec4], u32),
+    eliminated: &mut Vec<Eliminated<f32>>,
+    pulled: &mut impl FnMut(u32, u32, Vec3),
+) -> f32 {
+    eliminated.resize(links.len().max(eliminated.len()), [0.0; _]);
+    project_chain(&mut OfIsland { links, position, first, eliminated, pulled })
 }
 
 /// A chain of one island.
@@ -89,7 +141,7 @@ impl<P: FnMut(u32, u32, Vec3)> Links<f32> for OfIsland<'_, P> {
 
     #[inline(always)]
     fn ends(&self, link: usize) -> [[f32; 4]; 2] {
-        let [one, other] = self.links[link].rows.map(|row| (row - self.first) as usize);
+        let [one, other] = self.links[link].places(self.first);
         [self.position[one].to_array(), self.position[other].to_array()]
     }
 
@@ -106,14 +158,14 @@ impl<P: FnMut(u32, u32, Vec3)> Links<f32> for OfIsland<'_, P> {
     #[inline(always)]
     fn shift(&mut self, link: usize, by: Vector<f32>, [pull, next]: [Vector<f32>; 2]) {
         let Link { rows, rods, .. } = self.links[link];
-        let [one, other] = rows.map(|row| (row - self.first) as usize);
+        let [one, other] = self.links[link].places(self.first);
         let (pull, next, by) = (Vec3::from(pull), Vec3::from(next), Vec3::from(by));
         if link > 0 {
             (self.pulled)(rods[0], rows[0], pull);
         }
         if one != other {
             // The next rod pulls at the other one, which the knot takes along.
-            let [w, other_w] = [one, other].map(|at| self.position[at].w);
+            let (w, other_w) = (self.position[one].w, self.position[other].w);
             let knot = match () {
                 () if other_w > 0.0 => by / other_w + next,
                 () if w > 0.0 => pull - by / w,

@@ -39,12 +39,15 @@ pub(in crate::solve) trait Links<N: Number> {
 /// What is always added to the diagonal, as a share of it: some roundings, so that no pivot is nothing.
 const TRACE: f32 = 1e-6;
 
+/// What is left of a diagonal where that is nothing but round-off, as a share of it.
+pub(super) const NO_PIVOT: f32 = 0.1 * TRACE;
+
 /// The share `κ`. By 0.1 a rope that is jerked straight between free weights of a thousand of its pieces is off by as much as without, 20 %, and its pieces
 /// are flung at 11 m/s instead of 25; a tenth of it hardly helps. A load may be some `L/2κg h²` times a piece before it is held too softly, 9000 of 5 cm.
-const KAPPA: f32 = 0.1;
+pub(super) const KAPPA: f32 = 0.1;
 
 /// The same between two pins, where a straight chain can go nowhere at all: with 10 some of 20 pieces that are as long as their gap still tremble, by 0.4 m/s.
-const KAPPA_OF_TWO_PINS: f32 = 100.0;
+pub(super) const KAPPA_OF_TWO_PINS: f32 = 100.0;
 
 /// Solves a chain once. Returns the largest error found, metres.
 #[inline(always)]
@@ -67,13 +70,12 @@ pub(in crate::solve) fn project_chain<N: Number>(chain: &mut impl Links<N>) -> N
         let value = length - rest;
         // Two in one place have no direction, and pull at nobody.
         let n = d * zero.lt(length).and(one / length);
-        let share_off = zero.lt(rest).and(value.abs() / rest);
-        let diagonal = (w + next_w) * (N::splat(1.0 + TRACE) + kappa * share_off);
+        let diagonal = diagonal(w + next_w, kappa, value, rest);
         let coupling = -(w * n.dot(before));
         let share = coupling * inverse;
         let pivot = diagonal - share * coupling;
         // Two pins have none.
-        inverse = (diagonal * N::splat(0.1 * TRACE)).lt(pivot).and(one / pivot);
+        inverse = (diagonal * N::splat(NO_PIVOT)).lt(pivot).and(one / pivot);
         right = -value - share * right;
         chain.keep(link, [n.x, n.y, n.z, share, right * inverse, next_w]);
         sum = sum + value.abs();
@@ -93,15 +95,24 @@ pub(in crate::solve) fn project_chain<N: Number>(chain: &mut impl Links<N>) -> N
     worst
 }
 
+/// The diagonal of a rod between particles with so much inverse mass together, which is off by `value`, metres.
+#[inline(always)]
+pub(super) fn diagonal<N: Number>(w: N, kappa: N, value: N, rest: N) -> N {
+    let share_off = N::zero().lt(rest).and(value.abs() / rest);
+    w * (N::splat(1.0 + TRACE) + kappa * share_off)
+}
+
 /// Where a link is, and its inverse mass: of two particles, that of one with the mass of both.
 #[inline(always)]
 fn place<N: Number>(chain: &impl Links<N>, link: usize) -> (Vector<N>, N) {
     let [one, other] = chain.ends(link);
-    let (p, w) = Vector::of(one);
-    if !chain.is_double(link) {
-        return (p, w);
-    }
-    let (q, other_w) = Vector::of(other);
+    if chain.is_double(link) { merged(one, other) } else { Vector::of(one) }
+}
+
+/// Of two particles, one with the mass of both.
+#[inline(always)]
+pub(super) fn merged<N: Number>(one: [N; 4], other: [N; 4]) -> (Vector<N>, N) {
+    let ((p, w), (q, other_w)) = (Vector::of(one), Vector::of(other));
     let both = w + other_w;
     let moves = N::zero().lt(both);
     // Of two pins it is the first.
@@ -111,7 +122,7 @@ fn place<N: Number>(chain: &impl Links<N>, link: usize) -> (Vector<N>, N) {
 
 /// A way, shortened to `most` metres where it is longer.
 #[inline(always)]
-fn within<N: Number>(most: N, by: Vector<N>) -> Vector<N> {
+pub(super) fn within<N: Number>(most: N, by: Vector<N>) -> Vector<N> {
     let square = by.length_squared();
     let far = (most * most).lt(square);
     if !far.any() {

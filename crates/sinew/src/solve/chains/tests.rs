@@ -2,7 +2,10 @@
 
 use glam::Vec3;
 
+use super::segments::{SegmentScratch, rests_of};
+use super::{Link, project_one};
 use crate::constraints::{Distance, Pin};
+use crate::lanes::InstructionSet;
 use crate::particles::ParticleSeed;
 use crate::recipes::{BoxSpec, RopeSpec, box_3d, rope};
 use crate::simulation::Simulation;
@@ -269,4 +272,48 @@ fn a_box_on_a_rope_stretches_it_little_though_boxes_have_more_rods_than_particle
     let ((worst, sweeps), (without, _)) = (swung(true), swung(false));
     println!("{worst:.2e} in {sweeps:.1} sweeps a tick, {without:.2e} without");
     assert!(worst < 0.02 && worst < 0.2 * without, "{worst} {without}");
+}
+
+#[test]
+fn cut_into_segments_a_chain_is_solved_as_one_rod_after_the_other() {
+    let mut seed = 1_u32;
+    let mut random = || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (seed >> 8) as f32 / (1 << 24) as f32
+    };
+    for (rods, pins) in
+        [(65, [true, false]), (100, [false, false]), (163, [true, true]), (999, [true, false])]
+    {
+        let mut position = Vec::new();
+        let mut at = Vec3::ZERO;
+        for i in 0..=rods {
+            let pinned = i == 0 && pins[0] || i == rods && pins[1];
+            let w = if pinned { 0.0 } else { 50.0 * (0.1 + random()) };
+            position.push(at.extend(w));
+            at += (Vec3::new(0.3, random() - 0.5, random() - 0.5)).normalize()
+                * PIECE
+                * (1.0 + 0.02 * (random() - 0.5));
+        }
+        let links: Vec<_> = (0..=rods as u32)
+            .map(|i| Link { rows: [i; 2], rods: [i; 2], rest: if i > 0 { PIECE } else { 0.0 } })
+            .collect();
+        let mut one = position.clone();
+        let found = project_one(&links, (&mut one, 0), &mut Vec::new(), &mut |_, _, _| {});
+        let rests: Vec<_> = rests_of(&links).collect();
+        let mut results = Vec::new();
+        for instructions in
+            [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::best()]
+        {
+            let mut cut = position.clone();
+            let mut scratch = SegmentScratch::default();
+            let worst = scratch.project((&links, &rests), (&mut cut, 0), instructions);
+            assert_eq!(worst, found);
+            results.push(cut);
+        }
+        assert!(results.iter().all(|cut| *cut == results[0]));
+        let far = one.iter().zip(&position).map(|(a, b)| (a - b).length()).fold(0.0, f32::max);
+        let off = one.iter().zip(&results[0]).map(|(a, b)| (a - b).length()).fold(0.0, f32::max);
+        println!("{rods} {pins:?}: {off:.2e} of {far:.2e}");
+        assert!(off < 1e-3 * far, "{rods} {pins:?}: {off} of {far}");
+    }
 }

@@ -47,6 +47,8 @@ pub(crate) use lane_storage::{LaneParticles, LaneStorage};
 /// Eight bodies of so many particles, with their velocities and all, fit into a core's first cache: 32 kB and a half. Larger ones have enough of each
 /// colour to fill the lanes.
 pub(crate) const MOST: usize = 64;
+// What is solved side by side has the bits that it has alone.
+const _: () = assert!(MOST <= super::chains::LONG);
 
 /// The instance batches of a plan.
 #[derive(Clone, Debug, Default)]
