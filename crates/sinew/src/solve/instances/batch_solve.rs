@@ -253,11 +253,18 @@ impl<'a> BatchSolve<'a> {
         }
         for (batch, storage) in instance_batches.iter().zip(storages) {
             for (column, is_there) in storage.tethers.iter_mut().zip(are_there) {
-                column.clear();
+                // Whoever is there is written below.
                 column
                     .resize(if is_there { batch.members as usize } else { 0 }, LaneParticles::ZERO);
             }
             if are_there == [false; 2] {
+                continue;
+            }
+            let [one, others @ ..] = &storage.islands;
+            if let Some(one) = of(*one as usize)
+                && others.iter().all(|&other| of(other as usize).is_some_and(|o| o.are_like(one)))
+            {
+                self.load_like_tethers(one, storage, of);
                 continue;
             }
             for (lane, &number) in storage.islands.iter().enumerate() {
@@ -269,6 +276,31 @@ impl<'a> BatchSolve<'a> {
                         if let Some(spot) = column.get_mut(member) {
                             spot.set_lane_whole(lane, tether);
                         }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Takes tethers of bodies that have the same: only their pins are elsewhere.
+    fn load_like_tethers<'p>(
+        &self,
+        one: &IslandTethers,
+        storage: &mut LaneStorage,
+        of: impl Fn(usize) -> Option<&'p IslandTethers>,
+    ) {
+        for pin in 0..one.pin_rows().len() {
+            let mut place = LaneParticles::ZERO;
+            for (lane, &number) in storage.islands.iter().enumerate() {
+                let row = of(number as usize).map(|own| own.pin_rows()[pin]);
+                let row = row.unwrap_or(self.task.rows.start) - self.task.rows.start;
+                place.set_lane_whole(lane, self.position[row as usize]);
+            }
+            for (which, column) in storage.tethers.iter_mut().enumerate() {
+                for (spot, each) in column.iter_mut().zip(one.each()) {
+                    let (to, length) = each[which];
+                    if to as usize == pin {
+                        *spot = place.with_fourths(length);
                     }
                 }
             }

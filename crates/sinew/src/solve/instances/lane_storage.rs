@@ -78,6 +78,12 @@ impl LaneParticles {
         d.store(w);
     }
 
+    /// The same with one number in all fourth places.
+    pub(super) fn with_fourths(&self, fourth: f32) -> Self {
+        let [x, y, z, _] = self.0;
+        Self([x, y, z, [fourth; LANES]])
+    }
+
     /// What stands in the fourth places.
     pub(super) fn fourths(&self) -> &[f32; LANES] {
         &self.0[3]
@@ -157,13 +163,20 @@ impl LaneStorage {
 
     /// Takes a body of another lane storage, with all that it is solved by.
     pub(super) fn admit(&mut self, lane: usize, other: &Self, from: usize) {
-        let [near, far] = &mut self.tethers;
-        let [other_near, other_far] = &other.tethers;
-        let starts = self.start.iter_mut().zip(&other.start);
-        let tethers = near.iter_mut().zip(other_near).chain(far.iter_mut().zip(other_far));
-        let last_seen = self.last_seen.iter_mut().zip(&other.last_seen);
-        for (spot, other) in starts.chain(last_seen).chain(tethers) {
+        // Loops of their own, which the compiler unrolls; those of a chain it does not.
+        for (spot, other) in self.start.iter_mut().zip(&other.start) {
             spot.take(lane, other, from);
+        }
+        for (spot, other) in self.last_seen.iter_mut().zip(&other.last_seen) {
+            spot.take(lane, other, from);
+        }
+        // Tethers hold in the first sweep alone.
+        if other.convergence.sweeps[from] == 0.0 {
+            for (own, other) in self.tethers.iter_mut().zip(&other.tethers) {
+                for (spot, other) in own.iter_mut().zip(other) {
+                    spot.take(lane, other, from);
+                }
+            }
         }
         self.islands[lane] = other.islands[from];
         let columns = self.radius.iter_mut().zip(&other.radius);

@@ -64,7 +64,8 @@ impl Plan {
                 (None, None) => self.lengths(island, &pins),
             };
             let blocks = blocks(members, &each);
-            let made = IslandTethers { key, pins, each, blocks, ways: None };
+            let are_there = [0, 1].map(|which| each.iter().any(|own| own[which].1.is_finite()));
+            let made = IslandTethers { key, pins, each, are_there, blocks, ways: None };
             if place == tethers.islands.len() {
                 tethers.islands.push(made);
             } else {

@@ -55,6 +55,8 @@ pub(crate) struct IslandTethers {
     pins: Vec<u32>,
     /// Of each member, to which of the pins, and how long, metres; infinite without.
     each: Vec<[(u32, f32); 2]>,
+    /// Whether any member has a first one, and whether any has a second one.
+    are_there: [bool; 2],
     blocks: Vec<TetherBlock>,
     /// Along which rods they are, where that is asked for.
     ways: Option<TetherPaths>,
@@ -121,15 +123,32 @@ impl IslandTethers {
 
     /// The tethers of a member: where its pin is, in columns that begin with the row `first`, and how long each is, metres; infinite without.
     pub(super) fn of_member(&self, member: usize, position: &[Vec4], first: u32) -> [Vec4; 2] {
-        self.each[member].map(|(pin, length)| {
+        let [near, far] = self.each[member];
+        let tether = |(pin, length): (u32, f32)| {
             let row = self.pins.get(pin as usize).map_or(first, |row| *row);
             position[(row - first) as usize].truncate().extend(length)
-        })
+        };
+        [tether(near), tether(far)]
     }
 
     /// Whether any member has a first one, and whether any has a second one.
     pub(super) fn are_there(&self) -> [bool; 2] {
-        [0, 1].map(|which| self.each.iter().any(|own| own[which].1.is_finite()))
+        self.are_there
+    }
+
+    /// Whether another island has the same tethers, to pins of the same places among its members.
+    pub(super) fn are_like(&self, other: &Self) -> bool {
+        self.key == other.key
+    }
+
+    /// The rows of the pins.
+    pub(super) fn pin_rows(&self) -> &[u32] {
+        &self.pins
+    }
+
+    /// Of each member, to which of the pins its tethers are, and how long, metres; infinite without.
+    pub(super) fn each(&self) -> &[[(u32, f32); 2]] {
+        &self.each
     }
 
     /// Puts the members that are too far from their pins where they may be, one after the other, and adds what that took to what their tethers did, kg·m.
