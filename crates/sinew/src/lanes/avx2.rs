@@ -303,10 +303,20 @@ impl Lanes for Eight {
             // Each register holds a first and a second particle, each in its half: turn pairs 0 to 3, and 4 to 7, then sort the halves.
             let low = transposed([two(0), two(1), two(2), two(3)]);
             let high = transposed([two(4), two(5), two(6), two(7)]);
-            let ones =
-                core::array::from_fn(|i| Self(_mm256_permute2f128_ps::<0x20>(low[i], high[i])));
-            let others =
-                core::array::from_fn(|i| Self(_mm256_permute2f128_ps::<0x31>(low[i], high[i])));
+            // No `array::from_fn`: a closure has no AVX2, so that each instruction in it would be a call.
+            let ([a, b, c, d], [e, f, g, h]) = (low, high);
+            let ones = [
+                Self(_mm256_permute2f128_ps::<0x20>(a, e)),
+                Self(_mm256_permute2f128_ps::<0x20>(b, f)),
+                Self(_mm256_permute2f128_ps::<0x20>(c, g)),
+                Self(_mm256_permute2f128_ps::<0x20>(d, h)),
+            ];
+            let others = [
+                Self(_mm256_permute2f128_ps::<0x31>(a, e)),
+                Self(_mm256_permute2f128_ps::<0x31>(b, f)),
+                Self(_mm256_permute2f128_ps::<0x31>(c, g)),
+                Self(_mm256_permute2f128_ps::<0x31>(d, h)),
+            ];
             (ones, others)
         }
     }
@@ -316,10 +326,19 @@ impl Lanes for Eight {
         let to = packed[first..first + 2 * LANES].as_mut_ptr();
         // SAFETY: the sixteen rows from `to` on exist, as just checked; see `Eight`.
         unsafe {
-            let low =
-                core::array::from_fn(|i| _mm256_permute2f128_ps::<0x20>(ones[i].0, others[i].0));
-            let high =
-                core::array::from_fn(|i| _mm256_permute2f128_ps::<0x31>(ones[i].0, others[i].0));
+            let ([a, b, c, d], [e, f, g, h]) = (ones, others);
+            let low = [
+                _mm256_permute2f128_ps::<0x20>(a.0, e.0),
+                _mm256_permute2f128_ps::<0x20>(b.0, f.0),
+                _mm256_permute2f128_ps::<0x20>(c.0, g.0),
+                _mm256_permute2f128_ps::<0x20>(d.0, h.0),
+            ];
+            let high = [
+                _mm256_permute2f128_ps::<0x31>(a.0, e.0),
+                _mm256_permute2f128_ps::<0x31>(b.0, f.0),
+                _mm256_permute2f128_ps::<0x31>(c.0, g.0),
+                _mm256_permute2f128_ps::<0x31>(d.0, h.0),
+            ];
             // No chain of both: the compiler would keep them in memory and count.
             for (pair, value) in transposed(low).into_iter().enumerate() {
                 _mm256_storeu_ps(to.add(2 * pair).cast(), value);
