@@ -356,3 +356,32 @@ fn a_line_that_is_pinned_in_posts_or_on_them_hangs_still() {
         }
     }
 }
+
+/// Segments are read eight at a time, and only those that touch something.
+#[test]
+fn who_is_far_away_changes_no_bit_of_a_rope() {
+    let thrown = |others: usize| {
+        let mut world = empty(10);
+        post(&mut world);
+        for n in 0..others {
+            let far = Vec3::new(40.0 + 5.0 * n as f32, 0.3, 0.0);
+            add(&mut world, &line(far, Vec3::X), true, [0.0, 0.3]);
+            let cube = box_3d(&BoxSpec::default()).unwrap();
+            let cube = cube.transformed(Quat::IDENTITY, far - Vec3::Y);
+            cube.build_colliding(&mut world, contacts()).unwrap();
+        }
+        let first = world.particles.len();
+        add(&mut world, &line(Vec3::new(0.1, 0.3, 0.0), Vec3::X), true, [0.0, 0.3]);
+        let mut places = Vec::new();
+        for _ in 0..30 {
+            run(&mut world, 0.1, 60.0);
+            places.extend((first..first + 12).map(|i| world.particles.position(i)));
+        }
+        places
+    };
+    let alone = thrown(0);
+    assert!(alone.iter().all(|place| place.is_finite()));
+    for others in 1..5 {
+        assert!(thrown(others) == alone, "{others} others");
+    }
+}

@@ -108,6 +108,20 @@ impl BodyContactSolver {
         pack_contacts(contacts, (nothing, colours), [order, begins], wide_contacts, (row, centre));
         self.missed.wide_contacts = wide_contacts.len();
         self.fresh = true;
+        self.met.clear();
+        self.met.resize(self.groups.groups.len(), 0);
+        self.note_met(0);
+    }
+
+    /// Notes who is in a contact, of those from a number on, or may come to touch a single particle.
+    fn note_met(&mut self, first: usize) {
+        let Self { contacts, groups, loose, met, .. } = self;
+        let bodies = contacts[first..].iter().flat_map(|one| [one.a, one.b]).chain(loose.bodies());
+        // What stands has numbers behind those of body colliders.
+        for number in bodies.filter(|&number| (number as usize) < groups.parts.len()) {
+            let place = groups.place(number as usize);
+            met[place / LANES] |= 1 << (place % LANES);
+        }
     }
 
     /// Notes which body colliders sleep. What else cannot move may be led.
@@ -136,6 +150,8 @@ impl BodyContactSolver {
         self.wide_contacts.clear();
         self.loose.clear();
         self.outside_bounds.clear();
+        self.met.clear();
+        self.met.resize(self.groups.groups.len(), 0);
         self.missed.begin(0);
         self.missed.wide_contacts = 0;
     }
@@ -148,7 +164,7 @@ impl BodyContactSolver {
                 // Who was found the first time stays as it was: who is beside it must not matter.
                 let before = (asks != 0xFF).then(|| self.bodies.eight(first));
                 let columns = [&particles.position[..], &particles.velocity];
-                let residual = self.extract_pose(number, columns, None);
+                let residual = self.extract_pose(number, columns, None, !0);
                 let Self { groups, bodies, .. } = self;
                 if let Some(before) = before {
                     bodies.put_back(first, !asks, before);
@@ -279,7 +295,8 @@ impl BodyContactSolver {
         self.around(&outside_bounds, world, share, &mut pairs);
         let first = self.contacts.len();
         for &[a, b] in &pairs {
-            for number in [a, b].map(|number| number as usize) {
+            for number in [a as usize, b as usize] {
+                self.read_line(number, particles);
                 if let Some(part) = self.groups.parts.get(number).filter(|part| part.sound) {
                     let place = self.groups.place(number);
                     self.swept[number].frame = self.bodies.frame(place, part.centre);
@@ -300,6 +317,29 @@ impl BodyContactSolver {
         if !self.loose.none_collide() {
             self.note_contact_events();
             self.loose.broad_phase(&self.swept, &self.groups, particles, world, nearby);
+            let loose = core::mem::take(&mut self.loose);
+            loose.bodies().for_each(|number| self.read_line(number as usize, particles));
+            self.loose = loose;
+        }
+        self.note_met(first);
+    }
+
+    /// Reads a line that is asked for in this substep, if it was not, because it was in no contact.
+    fn read_line(&mut self, number: usize, particles: &Particles) {
+        let Some(place) = self.groups.parts.get(number).map(|_| self.groups.place(number)) else {
+            return;
+        };
+        let (group, lane) = (place / LANES, 1 << (place % LANES));
+        let stays = self.rigid.lanes(group) | self.asleep[group];
+        if lane & !(self.read[group] | stays) == 0 {
+            return;
+        }
+        self.read[group] |= lane;
+        let before = (stays != 0).then(|| self.bodies.eight(group * LANES));
+        let columns = [&particles.position[..], &particles.start];
+        self.extract_pose(group, columns, Some(0.0), lane);
+        if let Some(before) = before {
+            self.bodies.put_back(group * LANES, stays, before);
         }
     }
 

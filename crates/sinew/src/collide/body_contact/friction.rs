@@ -434,11 +434,24 @@ impl BodyContactSolver {
     pub(super) fn measure_residual(&mut self, particles: &Particles) {
         let Self { groups, origin_offsets, bodies, gathered, wide_contacts, instructions, .. } =
             self;
-        let rigid = &self.rigid;
+        let (rigid, sticking) = (&self.rigid, &mut self.sticking);
+        // Who sticks to nothing is not asked for.
+        sticking.clear();
+        sticking.resize(groups.groups.len(), false);
+        for wide in wide_contacts.iter().filter(|wide| wide.sticking != 0) {
+            for &row in wide.a.iter().chain(&wide.b) {
+                if let Some(sticks) = sticking.get_mut(row as usize / LANES) {
+                    *sticks = true;
+                }
+            }
+        }
         let mut any = false;
-        for (number, group) in groups.groups.iter().enumerate().filter(|(_, group)| group.shares) {
+        let slots = &groups.slots;
+        let groups = groups.groups.iter().zip(&*sticking).enumerate();
+        let sharing = groups.filter(|(_, (group, sticks))| group.shares && **sticks);
+        for (number, (group, _)) in sharing {
             let source = ParticleSource {
-                slots: &groups.slots[group.slots.clone()],
+                slots: &slots[group.slots.clone()],
                 origin_offsets: origin_offsets.of(group),
                 position: &particles.position,
                 other: &particles.start,

@@ -36,6 +36,9 @@ const LINE: f64 = 1e-5;
 /// reads the same pose; a greater one is nearer to the pin while they do not.
 const PIN: f64 = 16.0;
 
+/// No body collider.
+const NONE: u32 = u32::MAX;
+
 /// One particle of each of eight body colliders.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slot {
@@ -60,6 +63,8 @@ pub(super) struct BodyGroup {
     pub(super) shares: bool,
     /// Whether one of them has a pinned particle.
     pub(super) pinned: bool,
+    /// Whether all are of two particles: segments of ropes.
+    pub(super) lines: bool,
     /// A bit for each lane with a body collider that takes part.
     pub(super) sound: u32,
     /// What their initial rotation is computed from; `None` where that is not the same for all.
@@ -112,9 +117,9 @@ pub(super) struct BodyGroups {
     pub(super) slots: Vec<Slot>,
     pub(super) parts: Vec<CompiledCollider>,
     /// The row of each body collider among the bodies: those of as many particles are side by side, so that nobody waits for a torso of five among
-    /// limbs of three.
+    /// limbs of three, and those of two share their eights with no others.
     places: Vec<u32>,
-    /// The body collider of each of those rows.
+    /// The body collider of each of those rows; `NONE` where there is none.
     order: Vec<u32>,
     /// Rows of each body collider, one after the other.
     pub(super) rows: Vec<u32>,
@@ -160,16 +165,23 @@ impl BodyGroups {
         sharers.extend(rows.iter().map(|&row| count[row as usize]));
         *sharing = sharing_of(parts, rows, sharers);
         weighed.resize(rows.len(), f32::NAN);
+        let count = |number: u32| parts[number as usize].entries.len();
+        let mut sorted: Vec<u32> = (0..parts.len() as u32).collect();
+        sorted.sort_by_key(|&number| count(number));
         order.clear();
-        order.extend(0..parts.len() as u32);
-        order.sort_by_key(|&number| parts[number as usize].entries.len());
+        for alike in sorted.chunk_by(|&a, &b| count(a).cmp(&2) == count(b).cmp(&2)) {
+            order.resize(order.len().next_multiple_of(LANES), NONE);
+            order.extend(alike);
+        }
         places.clear();
         places.resize(parts.len(), 0);
         for (place, &number) in order.iter().enumerate() {
-            places[number as usize] = place as u32;
+            if let Some(to) = places.get_mut(number as usize) {
+                *to = place as u32;
+            }
         }
         for eight in order.chunks(LANES) {
-            let of = |lane: usize| eight.get(lane).map(|&number| &parts[number as usize]);
+            let of = |lane: usize| eight.get(lane).and_then(|&number| parts.get(number as usize));
             let each = || (0..LANES).filter_map(of);
             let most = each().map(|part| part.entries.len()).max().unwrap_or(0);
             let first = slots.len();
@@ -198,7 +210,7 @@ impl BodyGroups {
                 }
                 slots.push(slot);
             }
-            let whole = eight.len() == LANES && each().all(|part| part.sound);
+            let whole = each().count() == LANES && each().all(|part| part.sound);
             let entries = each().flat_map(|part| part.entries.clone());
             let alone = entries.into_iter().all(|i| sharers[i] == 1);
             groups.push(BodyGroup {
@@ -206,6 +218,7 @@ impl BodyGroups {
                 scattered: !(whole && alone),
                 shares: !alone,
                 pinned: false,
+                lines: each().all(|part| part.entries.len() == 2),
                 sound: (0..LANES).fold(0, |bits, lane| {
                     bits | u32::from(of(lane).is_some_and(|part| part.sound)) << lane
                 }),
@@ -220,7 +233,7 @@ impl BodyGroups {
             let sound = |part: &&CompiledCollider| part.sound;
             group.rotation_reference = RotationReference::of(
                 eight.iter().map(|&number| number as usize).filter_map(|number| {
-                    let part = Some(&parts[number]).filter(sound)?;
+                    let part = parts.get(number).filter(sound)?;
                     Some((part, &rows[part.entries.clone()], &*body_colliders[number].rest))
                 }),
             );
@@ -304,7 +317,7 @@ impl BodyGroups {
     /// The body collider in a lane of a group, if it is sound.
     pub(super) fn sound_in(&self, group: usize, lane: usize) -> Option<usize> {
         let number = *self.order.get(group * LANES + lane)? as usize;
-        self.parts[number].sound.then_some(number)
+        self.parts.get(number).is_some_and(|part| part.sound).then_some(number)
     }
 
     /// How many rows bodies need for the body colliders.

@@ -58,6 +58,11 @@ impl Loose {
         self.rows.is_empty()
     }
 
+    /// The body colliders that they may come to touch, each as often as it may.
+    pub(super) fn bodies(&self) -> impl Iterator<Item = u32> {
+        self.pairs.iter().map(|near| near.solid)
+    }
+
     /// Finds which particles may come to touch which body colliders.
     pub(super) fn broad_phase(
         &mut self,

@@ -141,6 +141,11 @@ pub(crate) struct BodyContactSolver {
     speeds: Vec<(u32, f32)>,
     impacts: ImpactScratch,
     rigid: RigidIslands,
+    /// For each group a bit for each body collider that is in a contact of this step; and for each that was read in this substep.
+    met: Vec<u32>,
+    read: Vec<u32>,
+    /// Groups of which one sticks. Scratch of friction.
+    sticking: Vec<bool>,
     /// For each group a bit for each body collider that sleeps: it stays where it was read when the step began.
     asleep: Vec<u32>,
     /// Whether contacts were looked for since the last substep.
@@ -356,13 +361,21 @@ impl BodyContactSolver {
     /// Poses as predicted, and how they got there, so many seconds after the step began; and who has left its swept bounds.
     fn extract_poses(&mut self, particles: &Particles, time: f32) {
         self.outside_bounds.clear();
+        self.read.clear();
+        self.read.resize(self.groups.groups.len(), !0);
         for number in 0..self.groups.groups.len() {
             let first = number * LANES;
             let (mut left, lanes, asleep) = (0, self.rigid.lanes(number), self.asleep[number]);
-            if lanes | asleep != self.groups.groups[number].sound {
+            let mut read = !0;
+            if self.groups.groups[number].lines {
+                left = self.lines_left(number, &particles.position, time) & !(lanes | asleep);
+                read = (self.met[number] | left) & !(lanes | asleep);
+                self.read[number] = read;
+            }
+            if read != 0 && lanes | asleep != self.groups.groups[number].sound {
                 let before = (asleep != 0).then(|| self.bodies.eight(first));
                 let columns = [&particles.position[..], &particles.start];
-                left = self.extract_pose(number, columns, Some(time)) & !(lanes | asleep);
+                left |= self.extract_pose(number, columns, Some(time), read) & !(lanes | asleep);
                 if let Some(before) = before {
                     self.bodies.put_back(first, asleep, before);
                 }
@@ -396,7 +409,7 @@ impl BodyContactSolver {
                 correct_states(mass, state, bodies, first, *h, *instructions);
             }
             let lanes = lanes | self.asleep[number];
-            if lanes != group.sound {
+            if lanes != group.sound && self.read[number] != 0 {
                 self.apply_pose_delta(number, !lanes, &mut particles.position, None);
             }
         }

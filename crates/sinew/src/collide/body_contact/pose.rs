@@ -21,6 +21,9 @@
 //!
 //! is the turn whose displacements `φ × r` are nearest to those of the particles. `Σ m (q - q̄)(p - p̄)ᵀ` is kept for the way back.
 //!
+//! Of two particles, a segment of a rope, the nearest rotation is the shortest arc from the last one. Most segments touch nothing, and what is read of them
+//! nobody asks for: in a substep those alone are read that are in a contact of the step or have left their swept bounds, which are asked for first.
+//!
 //! # The way back, and momentum
 //!
 //! Each particle is displaced by what its body collider was shifted and turned, so that rods inside stay as they are and what is soft keeps its own
@@ -217,12 +220,13 @@ pub(super) struct OriginOffsets {
 impl BodyContactSolver {
     /// Reads the poses of a group from two columns: from positions and those at the start of the substep, where `time` is that since the step began, seconds;
     /// or, without, afresh from positions and velocities. Returns a bit for each lane that has left its swept bounds or, afresh, whose rotation could not be
-    /// found.
+    /// found. Of lines alone those of `lanes` are read: what is beside them must not matter.
     pub(super) fn extract_pose(
         &mut self,
         number: usize,
         [position, other]: [&[Vec4]; 2],
         time: Option<f32>,
+        lanes: u32,
     ) -> u32 {
         let Self { groups, origin_offsets, bodies, sums, wide_swept, gathered, .. } = self;
         let group = &groups.groups[number];
@@ -233,6 +237,7 @@ impl BodyContactSolver {
             position,
             other,
             fresh: time.is_none(),
+            lanes,
             bodies,
             first: number * LANES,
             sums: &mut sums[number],
@@ -240,6 +245,15 @@ impl BodyContactSolver {
             gathered,
         };
         with(self.instructions, read)
+    }
+
+    /// A bit for each line of a group that has left its swept bounds, so many seconds after the step began.
+    pub(super) fn lines_left(&self, number: usize, position: &[Vec4], time: f32) -> u32 {
+        let Self { groups, origin_offsets, wide_swept, .. } = self;
+        let group = &groups.groups[number];
+        let slots = &groups.slots[group.slots.clone()];
+        let (origin_offsets, swept) = (origin_offsets.of(group), &wide_swept[number]);
+        lines_left(&group.mass, slots, origin_offsets, position, swept, time, self.instructions)
     }
 
     /// Displaces those particles of a group that are of the body colliders of some lanes, or changes their velocities instead. What several share is added to
@@ -278,6 +292,8 @@ struct ExtractPose<'a> {
     /// Positions at the start; or, afresh, velocities.
     other: &'a [Vec4],
     fresh: bool,
+    /// A bit for each line that is read.
+    lanes: u32,
     bodies: &'a mut Bodies,
     /// The first row of the group among the bodies.
     first: usize,
@@ -310,6 +326,7 @@ impl Work for ExtractPose<'_> {
             position,
             other,
             fresh,
+            lanes,
             bodies,
             first,
             sums,
@@ -324,7 +341,7 @@ impl Work for ExtractPose<'_> {
         let (centre, step) = source.centre::<L>(mass, gathered);
         let (mut pairs, mut moments, mut momentum) =
             (Matrix::<L>::zero(), Matrix::<L>::zero(), zero::<L>());
-        for (slot, kept) in slots.iter().zip(gathered) {
+        for (slot, kept) in slots.iter().zip(&*gathered) {
             let (q, moved) = (load(&kept.position), load(&kept.moved));
             let (w, pull) = (L::load(&kept.inverse_mass), L::load(&slot.pull));
             let own = L::zero().lt(w).and(pull);
@@ -336,7 +353,13 @@ impl Work for ExtractPose<'_> {
         }
         let rows = from_row(first);
         let [.., rotation] = L::records::<FIELDS>(&bodies.rows, &rows);
-        let (q, residual) = nearest(mass, &moments, rotation, fresh);
+        let (q, residual) = match (slots, &gathered[..]) {
+            ([one, other], [from, to, ..]) if group.lines => {
+                let rest = load::<L>(&other.rest) - load(&one.rest);
+                along_line(rest, load(&to.position) - load(&from.position), rotation, lanes)
+            }
+            _ => nearest(mass, &moments, rotation, fresh),
+        };
         let r = Matrix::of(q);
         let inverse = Symmetric::load(&mass.inverse_inertia).turned(&r);
         let led = if group.pinned { Symmetric::load(&mass.led).turned(&r) } else { inverse };
@@ -358,9 +381,43 @@ impl Work for ExtractPose<'_> {
         for (column, to) in [pairs.x, pairs.y, pairs.z].into_iter().zip(&mut sums.pairs) {
             store(column, to);
         }
-        wide_swept.map_or(residual, |(wide_swept, time)| wide_swept.left::<L>(centre, q, time))
+        match wide_swept {
+            // Whether lines have was asked before.
+            Some(_) if group.lines => 0,
+            Some((wide_swept, time)) => wide_swept.left::<L>(centre, q, time),
+            None => residual,
+        }
     }
 }
+
+kernel!(
+    /// Whether lines have left their swept bounds, a bit for each: asked of all of them, for most touch nothing and need not be read.
+    fn lines_left<L: Lanes>(
+        mass: &WideMass,
+        slots: &[Slot],
+        origin_offsets: Option<&[[LaneArray; 3]]>,
+        position: &[Vec4],
+        wide_swept: &WideSweptBounds,
+        time: f32,
+    ) -> u32 {
+        let [one, other] = slots else { return 0 };
+        let (mut from, _) = Vector::of(L::rows(position, &one.rows));
+        let (mut to, other_w) = Vector::of(L::rows(position, &other.rows));
+        if let Some([own, theirs]) = origin_offsets {
+            (from, to) = (from + load(own), to + load(theirs));
+        }
+        let held = L::zero().lt(L::load(&mass.held));
+        let line = to - from;
+        // As in `centre`, of which the first summand is nothing here.
+        let pull = L::load(&other.pull);
+        let free = L::zero().lt(other_w);
+        let decides = held.select(free.select(L::zero(), pull), pull);
+        let centre = from + line * decides * L::load(&mass.middle);
+        let length = line.length();
+        let line = line * L::zero().lt(length).and(L::splat(1.0) / length);
+        wide_swept.lines_left::<L>(centre, line, time)
+    }
+);
 
 /// Where particles are, and where they come from.
 pub(super) struct ParticleSource<'a> {
@@ -411,6 +468,29 @@ impl ParticleSource<'_> {
         }
         (q, moved, w)
     }
+}
+
+/// The rotation of a line that rests as `rest` and is now as `line`, from one that is near: by the shortest arc, which is what [`nearest`] comes to in any number
+/// of steps. Lanes that are not asked for stay as they were, and so does what has no direction or has turned about; a bit for each of those.
+#[inline(always)]
+fn along_line<L: Lanes>(
+    rest: Vector<L>,
+    line: Vector<L>,
+    from: [L; 4],
+    lanes: u32,
+) -> ([L; 4], u32) {
+    // As seen from the line as it was.
+    let line = Matrix::of(from).transposed_times_vector(line);
+    let size = (rest.length_squared() * line.length_squared()).sqrt();
+    let real = size + rest.dot(line);
+    let good = (size * L::splat(1e-6)).lt(real).and(real.lt(L::splat(f32::INFINITY)));
+    let q = turn_further(from, rest.cross(line), real);
+    let set = good.and(L::mask(lanes));
+    let mut turned = from;
+    for (old, new) in turned.iter_mut().zip(q) {
+        *old = set.select(new, *old);
+    }
+    (turned, !good.bits() & 0xFF)
 }
 
 /// The rotation nearest to the moments, from one that is near.

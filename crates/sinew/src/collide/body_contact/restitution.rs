@@ -197,7 +197,7 @@ impl BodyContactSolver {
                 let (lanes, first) = (self.rigid.lanes(number), number * LANES);
                 if lanes != self.groups.groups[number].sound {
                     let columns = [&particles.start[..], &particles.velocity];
-                    self.extract_pose(number, columns, None);
+                    self.extract_pose(number, columns, None, !0);
                 }
                 if lanes != 0 {
                     let Self { groups, bodies, rigid, instructions, h, .. } = self;

@@ -83,6 +83,8 @@ pub(super) struct WideSweptBounds {
     centre: [LaneArray; 3],
     velocity: [LaneArray; 3],
     rotation: [LaneArray; 4],
+    /// Of those of two particles: the direction from the first to the second.
+    line: [LaneArray; 3],
     /// Metres; infinite for none.
     speculative_margin: LaneArray,
     /// How far out they reach, metres.
@@ -94,19 +96,49 @@ impl Default for WideSweptBounds {
         let none = LaneArray::default();
         let vector = [none; 3];
         let (rotation, speculative_margin) = ([none; 4], [f32::INFINITY; LANES]);
-        Self { centre: vector, velocity: vector, rotation, speculative_margin, reach: none }
+        Self {
+            centre: vector,
+            velocity: vector,
+            rotation,
+            line: vector,
+            speculative_margin,
+            reach: none,
+        }
     }
 }
 
 impl WideSweptBounds {
     /// Notes a body collider that is where it was seen so many seconds after the step began.
-    fn put(&mut self, lane: usize, swept: &SweptBounds, q: Vec4, reach: f32, time: f32) {
+    fn put(
+        &mut self,
+        lane: usize,
+        (swept, line): (&SweptBounds, Vec3),
+        q: Vec4,
+        reach: f32,
+        time: f32,
+    ) {
+        set(&mut self.line, lane, line);
         set(&mut self.centre, lane, swept.centre - swept.velocity * time);
         set(&mut self.velocity, lane, swept.velocity);
         for (to, from) in self.rotation.iter_mut().zip(q.to_array()) {
             to[lane] = from;
         }
         (self.speculative_margin[lane], self.reach[lane]) = (swept.speculative_margin, reach);
+    }
+
+    /// Of body colliders of two particles, where their centres and the directions from the first to the second are now: the same by which [`left`](Self::left)
+    /// goes, but for how they turn about their own lines, which takes no point of them anywhere.
+    #[inline(always)]
+    pub(super) fn lines_left<L: Lanes>(
+        &self,
+        centre: Vector<L>,
+        line: Vector<L>,
+        time: f32,
+    ) -> u32 {
+        let there = load::<L>(&self.centre) + load::<L>(&self.velocity) * L::splat(time);
+        let turned = (line - load::<L>(&self.line)).length();
+        let gone = (centre - there).length() + turned * L::load(&self.reach);
+        L::load(&self.speculative_margin).lt(gone).bits() & 0xFF
     }
 
     /// A bit for each that is farther beside its path than its margin, so many seconds after the step began.
@@ -180,7 +212,11 @@ impl BodyContactSolver {
         let eight = &mut wide_swept[place / LANES];
         let lane = place % LANES;
         if sound {
-            eight.put(lane, &one, q, part.reach, dt * share);
+            let line = match &*world.body_colliders[number].rest {
+                &[from, to] => r * (to - from).normalize_or_zero(),
+                _ => Vec3::ZERO,
+            };
+            eight.put(lane, (&one, line), q, part.reach, dt * share);
         } else {
             eight.speculative_margin[lane] = f32::INFINITY;
         }

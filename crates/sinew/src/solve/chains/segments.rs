@@ -17,7 +17,7 @@ use glam::{Vec3, Vec4};
 
 use super::Link;
 use super::project::{KAPPA, KAPPA_OF_TWO_PINS, NO_PIVOT, diagonal, within};
-use crate::lanes::{InstructionSet, LANES, Lanes, Vector, Work, with};
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 
 /// Lengths of rods, metres, one of each segment.
 pub(super) type Rests = [f32; LANES];
@@ -61,7 +61,7 @@ impl SegmentScratch {
         particles.resize(1 + LANES * rests.len(), last);
         eliminated.resize(rests.len().max(eliminated.len()), [[0.0; LANES]; _]);
         let kappa = if one.w == 0.0 && last.w == 0.0 { KAPPA_OF_TWO_PINS } else { KAPPA };
-        let worst = with(instructions, SolveSegments { particles, rests, eliminated, kappa });
+        let worst = solve_segments(particles, rests, eliminated, kappa, instructions);
         for (link, &to) in links.iter().zip(&*particles) {
             let [at, other] = link.places(first);
             if at == other {
@@ -74,14 +74,6 @@ impl SegmentScratch {
         }
         worst
     }
-}
-
-/// Solves the segments of a chain once. Returns the largest error found, metres.
-struct SolveSegments<'a> {
-    particles: &'a mut [Vec4],
-    rests: &'a [Rests],
-    eliminated: &'a mut [Eliminated],
-    kappa: f32,
 }
 
 /// What is left of the separators: what their own segments left, less what those behind them take off.
@@ -119,12 +111,14 @@ impl Separators {
     }
 }
 
-impl Work for SolveSegments<'_> {
-    type Output = f32;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> f32 {
-        let Self { particles, rests, eliminated, kappa } = self;
+kernel!(
+    /// Solves the segments of a chain once. Returns the largest error found, metres.
+    fn solve_segments<L: Lanes>(
+        particles: &mut [Vec4],
+        rests: &[Rests],
+        eliminated: &mut [Eliminated],
+        kappa: f32,
+    ) -> f32 {
         let (zero, one) = (L::zero(), L::splat(1.0));
         let (kappa, no_pivot, steps) = (L::splat(kappa), L::splat(NO_PIVOT), rests.len() as u32);
         // The particle before each segment, and the one before that; the first segment has no rod before it.
@@ -225,7 +219,7 @@ impl Work for SolveSegments<'_> {
         particles[0] += Vec3::from(by).extend(0.0);
         worst.largest(0.0)
     }
-}
+);
 
 /// The next particle of each segment.
 #[inline(always)]
