@@ -48,19 +48,11 @@ impl Contacts {
         world: World,
         contact_cache: &mut ContactCache,
     ) {
-        let World { boundaries, colliders, filter, substeps, dt, gravity, .. } = world;
+        let World { filter, dt, .. } = world;
         self.impacts.clear();
         self.set_aside(particles, filter);
-        let microsteps = world.islands.list.iter().map(|island| island.microsteps).max();
-        let instants = (substeps, microsteps.unwrap_or(1).max(1));
-        self.particle_contacts.take(particles, (boundaries, colliders), filter, instants);
-        self.particle_contacts.set_solid(&self.aside);
-        self.particle_contacts.broad_phase(
-            particles,
-            &world,
-            (dt, gravity),
-            &mut self.normal_impulses,
-        );
+        let normal_impulses = &mut self.normal_impulses;
+        self.particle_contacts.begin(particles, &world, &self.aside, normal_impulses);
         self.nearby.broad_phase(particles, &world, &self.aside);
         let Self { aside, nearby, .. } = self;
         self.body_contact.broad_phase(particles, &world, nearby, contact_cache);

@@ -6,7 +6,6 @@ use super::super::World;
 use super::super::{CombinedMaterial, nearby};
 use super::surface::SurfaceForm;
 use super::{NormalImpulse, ParticleContacts, SurfaceCandidate};
-use crate::islands::Islands;
 use crate::particles::Particles;
 
 /// Memory of sorting candidates by row.
@@ -19,12 +18,11 @@ pub(super) struct CandidateSort {
 }
 
 impl ParticleContacts {
-    /// Finds them for a step of `dt` seconds under gravity of `g` m/s², and starts a press for each.
-    pub(crate) fn broad_phase(
+    /// Finds them for a step, and starts a press for each.
+    pub(super) fn broad_phase(
         &mut self,
         particles: &Particles,
         world: &World,
-        (dt, g): (f32, f32),
         normal_impulses: &mut Vec<NormalImpulse>,
     ) {
         self.first.clear();
@@ -33,11 +31,11 @@ impl ParticleContacts {
         self.reaches.clear();
         self.batches.clear();
         self.inside.clear();
-        self.set_recovery((dt / world.substeps.max(1) as f32, g));
+        self.set_recovery(world.dt / world.substeps.max(1) as f32, world.gravity);
         if self.is_empty() {
             return;
         }
-        self.see(particles, world.islands, dt, g);
+        self.see(particles, world);
         if !self.surfaces.is_empty() {
             self.find_candidates(particles, world);
             normal_impulses.resize(self.candidates.len(), NormalImpulse::default());
@@ -96,7 +94,8 @@ impl ParticleContacts {
     }
 
     /// Notes where each row is and how far it may go, and the box of each island.
-    fn see(&mut self, particles: &Particles, islands: &Islands, dt: f32, g: f32) {
+    fn see(&mut self, particles: &Particles, world: &World) {
+        let islands = world.islands;
         self.last_seen.resize(particles.len(), glam::Vec4::ZERO);
         self.sort.islands.clear();
         for island in &islands.list {
@@ -110,7 +109,7 @@ impl ParticleContacts {
                 .map(|i| particles.velocity[i].truncate().length_squared())
                 .fold(0.0, f32::max)
                 .sqrt();
-            let reach = nearby::reach(fastest, g, dt);
+            let reach = nearby::reach(fastest, world.gravity, world.dt);
             let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
             for i in rows() {
                 self.last_seen[i] = particles.position[i].truncate().extend(reach * reach);

@@ -24,7 +24,7 @@ pub(super) struct InsideRow {
 
 impl ParticleContacts {
     /// How much overlap is recovered in each substep, metres: for substeps of `h` seconds under gravity of `g` m/s².
-    pub(super) fn set_recovery(&mut self, (h, g): (f32, f32)) {
+    pub(super) fn set_recovery(&mut self, h: f32, g: f32) {
         self.recover = recovery(h, g);
         self.max_depenetration = in_substep(MAX_DEPENETRATION, h, g);
     }

@@ -22,8 +22,8 @@ use super::body_classes::BodyClasses;
 use super::bounds::{Bounds, ClassBounds};
 use super::friction::friction;
 use super::recovery::{recovered, recovered_way};
-use super::{Collider, CombinedMaterial, ContactFilter, Frame, ShapeTouch};
-use crate::constraints::{Boundaries, PlanarDrag, Plane};
+use super::{CombinedMaterial, Frame, ShapeTouch, World};
+use crate::constraints::{PlanarDrag, Plane};
 use crate::particles::{Particles, Places};
 
 pub(crate) use normal_impulse::{NormalImpulse, NormalImpulses};
@@ -95,28 +95,33 @@ struct SurfaceCandidate {
 }
 
 impl ParticleContacts {
-    /// Takes what is valid for a step of so many substeps with so many instants in each, and keeps its memory.
-    pub(crate) fn take(
+    /// Begins a step: takes what is valid, and finds what each row may touch, but for those that do not collide by themselves. Keeps its memory.
+    pub(crate) fn begin(
         &mut self,
         particles: &Particles,
-        (boundaries, colliders): (&Boundaries, &[Collider]),
-        filter: &ContactFilter,
-        (substeps, instants): (u32, u32),
+        world: &World,
+        solid: &[bool],
+        normal_impulses: &mut Vec<NormalImpulse>,
     ) {
-        self.classes.update(filter, particles);
-        let reported = filter.bodies().iter().any(|body| body.events);
+        self.classes.update(world.filter, particles);
+        let reported = || world.filter.bodies().iter().map(|body| body.events);
         self.reported.clear();
-        if reported {
-            self.reported.extend(filter.bodies().iter().map(|body| body.events));
+        if reported().any(|events| events) {
+            self.reported.extend(reported());
         }
         let Self { classes, bounds, surfaces, materials, .. } = self;
-        surface::list((boundaries, colliders), filter, classes, bounds, surfaces, materials);
+        surface::list(world, classes, bounds, surfaces, materials);
+        let microsteps = world.islands.list.iter().map(|island| island.microsteps).max();
+        self.instants = microsteps.unwrap_or(1).max(1);
         self.frames.clear();
-        self.instants = instants;
-        for instant in 0..=substeps * instants {
-            let share = instant as f32 / (substeps * instants) as f32;
+        let instants = world.substeps * self.instants;
+        for instant in 0..=instants {
+            let share = instant as f32 / instants as f32;
             self.frames.extend(self.surfaces.iter().map(|surface| surface.frame_at(share)));
         }
+        self.solid.clear();
+        self.solid.extend_from_slice(solid);
+        self.broad_phase(particles, world, normal_impulses);
     }
 
     /// From when to when a microstep of a substep goes, of which there are so many.
@@ -128,12 +133,6 @@ impl ParticleContacts {
     /// How much of an overlap is recovered meanwhile, metres: at one speed, however a substep is divided.
     fn recover_in(&self, interval: InstantInterval) -> f32 {
         self.recover * ((interval.end - interval.begin) as f32 / self.instants as f32)
-    }
-
-    /// Which rows do not collide by themselves.
-    pub(crate) fn set_solid(&mut self, solid: &[bool]) {
-        self.solid.clear();
-        self.solid.extend_from_slice(solid);
     }
 
     /// Whether there is nothing to touch.

@@ -6,9 +6,10 @@ use super::super::bounds::{Bounds, PlaneOrBox};
 use super::super::collider::on_the_way;
 use super::super::{
     Collider, CombinedMaterial, ContactFilter, ContactParticipant, Frame, Layers, Material, Shape,
+    World,
 };
 use super::ParticleContact;
-use crate::constraints::{Boundaries, InsideBox, PlanarDrag, Plane};
+use crate::constraints::{InsideBox, PlanarDrag, Plane};
 use crate::particles::Places;
 
 /// One of them.
@@ -40,13 +41,13 @@ pub(super) enum SurfaceForm {
 /// Lists what is valid: what holds a class of bodies and does no more to it goes to the bounds, all else to the surfaces, with what becomes of the
 /// materials of each surface and each class, surface by surface; `None` where a class does not touch it, or not as a surface.
 pub(super) fn list(
-    (boundaries, colliders): (&Boundaries, &[Collider]),
-    filter: &ContactFilter,
+    world: &World,
     classes: &BodyClasses,
     bounds: &mut Bounds,
     surfaces: &mut Vec<ContactSurface>,
     materials: &mut Vec<Option<CombinedMaterial>>,
 ) {
+    let World { boundaries, colliders, filter, .. } = *world;
     bounds.begin(boundaries, classes.all().len());
     surfaces.clear();
     materials.clear();
