@@ -48,8 +48,11 @@ pub(crate) fn advance_all(
         slices(context, bodies, multipliers, normal_impulses, &mut report.islands, &mut []);
     let iteration_counts = &*iteration_counts;
     let mut large = SmallVec::<[TaskSlice; 4]>::new();
-    let small = shares.filter_map(|alone| {
-        if alone.task.large && execution.workers.is_some() {
+    let small = shares.filter_map(|mut alone| {
+        if pipelined_wavefront(&mut alone, thread_scratches, iteration_counts) {
+            return None;
+        }
+        if alone.is_shared() {
             large.push(alone);
             return None;
         }
@@ -69,10 +72,8 @@ pub(crate) fn advance_all(
             }
         });
     });
-    for mut alone in large {
-        if !pipelined_wavefront(&mut alone, thread_scratches, iteration_counts) {
-            alone.step_by_all(thread_scratches, iteration_counts);
-        }
+    for alone in large {
+        alone.step_by_all(thread_scratches, iteration_counts);
     }
     for iteration_counts in iteration_counts {
         let iteration_counts = iteration_counts.load(Ordering::Relaxed);

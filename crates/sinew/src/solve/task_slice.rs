@@ -11,6 +11,12 @@ use super::plan::Task;
 use crate::collide::NormalImpulses;
 use crate::integrate::{MotionColumns, Predict};
 use crate::particles::Places;
+use crate::settings::Order;
+
+/// From so many rows on, one island is shared by all workers, who meet after each stage of each sweep. Two of them have two thirds of the speed of one alone at
+/// 16 thousand, and 1.2 times as much at 65 thousand: at 16 thousand a stage takes some 30 µs, as long as the meeting, and what one has written the other must
+/// fetch. Even threads that spin, which meet within a microsecond, gain no more than 1.4 times there, however many they are.
+const SHARED_ROWS: usize = 32_768;
 
 /// A task, and what is its alone.
 pub(super) struct TaskSlice<'a> {
@@ -59,6 +65,14 @@ pub(super) fn slices<'a>(
 }
 
 impl TaskSlice<'_> {
+    /// Whether all workers are to take it together, one island that it is, rather than one of them.
+    pub(super) fn is_shared(&self) -> bool {
+        let SolveContext { plan, execution, .. } = self.context;
+        let order = plan.islands.list[self.task.islands.start].settings.order;
+        let many = self.task.large && self.task.rows.len() >= SHARED_ROWS;
+        many && execution.workers.is_some() && order == Order::GaussSeidel
+    }
+
     /// The same, of which nothing else is done meanwhile, in another context.
     pub(super) fn lend<'b>(&'b mut self, context: SolveContext<'b>) -> TaskSlice<'b> {
         TaskSlice {

@@ -22,7 +22,6 @@ use crate::integrate::{Derive, MotionColumns, StepRows, derive};
 use crate::islands::Island;
 use crate::kept::Kept;
 use crate::particles::{Particles, Places};
-use crate::settings::Order;
 use crate::threads::{ExecutionContext, Pool, each};
 
 /// What solving needs and nobody saves.
@@ -67,13 +66,9 @@ pub(crate) fn solve_all(
     let (normal_impulses, drift) = (NormalImpulses::all(normal_impulses), &mut momentum_drift[..]);
     let (bodies, multipliers) = (MotionColumns::all(particles), all_multipliers.all());
     let shares = slices(context, bodies, multipliers, normal_impulses, &mut report.islands, drift);
-    let splits = |share: &TaskSlice| {
-        let order = plan.islands.list[share.task.islands.start].settings.order;
-        share.task.large && execution.workers.is_some() && order == Order::GaussSeidel
-    };
     let mut large = smallvec::SmallVec::<[TaskSlice; 4]>::new();
     let small = shares.filter_map(|share| {
-        if splits(&share) {
+        if share.is_shared() {
             large.push(share);
             return None;
         }

@@ -24,11 +24,8 @@ use crate::threads::{Pool, TASKS, Workers, each};
 /// A list of what there is one of for each stage range or each chunk, without a heap.
 type Few<T> = SmallVec<[T; TASKS]>;
 
-/// From so many rows on, threads that meet after each stage of each sweep are faster than one alone that keeps the particles in columns. Two of them
-/// have two thirds of its speed at 16 thousand, and 1.2 times as much at 65 thousand.
-const BARRIER_ROWS: usize = 32_768;
-
-/// Takes the one large island of a task through all substeps, if it can go as a wavefront; false if it is left as it was.
+/// Takes the one large island of a task through all substeps by several threads, if it can go as a wavefront; false if it is left as it was. With several
+/// sweeps it cannot: whether another follows is known when one is done, and there is nothing to hand on.
 pub(in crate::solve) fn pipelined_wavefront(
     island_step: &mut TaskSlice,
     thread_scratches: &Pool<ThreadScratch>,
@@ -37,15 +34,13 @@ pub(in crate::solve) fn pipelined_wavefront(
     let SolveContext { plan, execution, .. } = island_step.context;
     let number = island_step.task.islands.start;
     let settings = &plan.islands.list[number].settings;
+    if !island_step.task.large || execution.workers.is_none() || settings.max_sweeps > 1 {
+        return false;
+    }
     let rows = island_step.task.rows.len();
     let counts = SweepCounts::new(plan.islands.list[number].microsteps, iteration_counts);
     let iteration_counts = counts.each();
-    let threads = match settings.max_sweeps {
-        1 => execution.workers.map_or(1, Workers::threads),
-        // Whether another sweep follows is known when one is done: there is nothing to hand on.
-        _ if rows < BARRIER_ROWS => 1,
-        _ => return false,
-    };
+    let threads = execution.workers.map_or(1, Workers::threads);
     let found = thread_scratches.with(|thread_scratch| {
         stage_ranges(
             island_step,
