@@ -257,3 +257,24 @@ fn bodies_are_eased_whenever_they_are_told_to_be() {
     tick(&mut app, 3);
     assert!(places(&mut app, body) <= 4);
 }
+
+/// Nothing of it has been written then: whether a body may be elsewhere is asked of whole tables, and who has lost its parents says so by that alone.
+#[test]
+fn a_body_that_loses_its_parent_is_where_its_transform_says_without_one() {
+    for scale in [1.0, 2.0] {
+        let mut app = space();
+        let outer = Transform::from_xyz(4.0, 1.0, -2.0).with_scale(Vec3::splat(scale));
+        let own = Transform::from_xyz(0.2, -0.4, 0.6);
+        let parent = app.world_mut().spawn(outer).id();
+        let body = app.world_mut().spawn((RigidBox::new(Vec3::ONE), own, ChildOf(parent))).id();
+        tick(&mut app, 120);
+        assert!(app.world().get::<Sleep>(body).unwrap().asleep, "it rests");
+        app.world_mut().entity_mut(body).remove::<ChildOf>();
+        tick(&mut app, 2);
+        let corners = all_positions(&app, body);
+        let middle = corners.iter().sum::<Vec3>() / corners.len() as f32;
+        assert!(middle.abs_diff_eq(own.translation, 1e-4), "it is at {middle}");
+        let reach = corners.iter().map(|&corner| corner.distance(middle)).fold(0.0, f32::max);
+        assert!((reach - 0.75_f32.sqrt()).abs() < 1e-3, "its corners are {reach} m from there");
+    }
+}

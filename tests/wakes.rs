@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{AirFlow, Attractor, BodyParticles, ControlForce, ElectricField, SinewWorld};
-use bevy_sinew::{Charge, Electric, PhaseSystems, SubstepSchedule};
+use bevy_sinew::{Charge, Electric, PhaseSystems, SleepingDisabled, SubstepSchedule};
 
 use crate::support::{app, particles_of, tick};
 
@@ -187,6 +187,24 @@ fn what_fills_the_world_wakes_all_when_it_comes_changes_and_goes() {
 }
 
 /// A chandelier whose nail is drawn; a rope that is cut.
+/// While all rest, the solver is told of sleep once: that holds until somebody says something else, of whomever.
+#[test]
+fn who_is_to_stay_awake_wakes_in_a_world_that_has_rested_and_sleeps_again_when_it_may() {
+    let mut all = asleep();
+    tick(&mut all.app, 30);
+    all.app.world_mut().entity_mut(all.far).insert(SleepingDisabled);
+    tick(&mut all.app, 1);
+    assert!(!all.sleeps(all.far) && all.sleeps(all.upper) && all.sleeps(all.lower));
+    tick(&mut all.app, 120);
+    assert!(!all.sleeps(all.far), "as long as it is asked to");
+    all.app.world_mut().entity_mut(all.far).remove::<SleepingDisabled>();
+    tick(&mut all.app, 240);
+    assert!(all.sleeps(all.far));
+    all.app.world_mut().entity_mut(all.far).insert(ContactEvents::Every);
+    tick(&mut all.app, 2);
+    assert!(!all.sleeps(all.far), "it is to hear of every contact");
+}
+
 #[test]
 fn what_hung_falls_when_what_held_it_goes() {
     let causes: [(&str, fn(&mut World, Entity, Entity)); 3] = [

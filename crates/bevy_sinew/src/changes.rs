@@ -4,6 +4,8 @@ use bevy::ecs::change_detection::{ContiguousRef, Tick};
 use bevy::ecs::query::ArchetypeFilter;
 use bevy::prelude::*;
 
+use crate::components::ExtractedTransform;
+
 /// Ticks looked at in one go, so that the compiler compares several at once. They are few enough that what changed early ends the search early.
 const STRIDE: usize = 64;
 
@@ -73,4 +75,17 @@ pub(crate) fn census<'a, T: Component, F: ArchetypeFilter>(
             (count + 1, changed || component.is_changed())
         }),
     }
+}
+
+/// A run condition: whether a body may be elsewhere in the world than the simulation left it. Of one that has a parent that is not known before it is looked at,
+/// nor in the tick after it had one.
+pub(crate) fn any_may_have_moved(
+    transforms: Query<Ref<Transform>, With<ExtractedTransform>>,
+    known: Query<Ref<ExtractedTransform>>,
+    parented: Query<(), (With<ExtractedTransform>, With<ChildOf>)>,
+    mut were_parented: Local<bool>,
+) -> bool {
+    let parented = !parented.is_empty();
+    let were_parented = core::mem::replace(&mut *were_parented, parented);
+    parented || were_parented || census(&transforms).1 || census(&known).1
 }

@@ -6,6 +6,7 @@ use bevy::prelude::*;
 
 use crate::attach;
 use crate::breaking::{self, Breakables, Broke};
+use crate::changes::any_may_have_moved;
 use crate::commands;
 use crate::components::{self, AirDrag, Charge, CreationCounter, Drag, Electric, Gravity};
 use crate::components::{
@@ -162,8 +163,8 @@ impl Plugin for SinewPlugin {
             (
                 (
                     shares::share_out,
-                    teleports::follow_teleports,
-                    motion::follow_velocities,
+                    teleports::follow_teleports.run_if(any_may_have_moved),
+                    motion::follow_velocities.run_if(motion::any_sped),
                     commands::apply_pending,
                     motion::apply_impulses,
                     attach::resolve::resolve_attachments,
@@ -172,7 +173,7 @@ impl Plugin for SinewPlugin {
                     gather::gather_particles,
                     contact_shape::resolve_shapes,
                     bodies::gather_bodies,
-                    sleep::gather_sleep,
+                    sleep::gather_sleep.run_if(sleep::any_news),
                     pins::gather_pins,
                 )
                     .chain(),

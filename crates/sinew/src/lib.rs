@@ -95,6 +95,7 @@ pub(crate) mod settings;
 pub mod simulation;
 pub mod solve;
 pub(crate) mod threads;
+mod tracked;
 pub(crate) mod union_find;
 
 pub use glam;
@@ -123,3 +124,4 @@ pub use simulation::{
 };
 pub use solve::{IslandReport, SolverReport};
 pub use threads::Workers;
+pub use tracked::Tracked;

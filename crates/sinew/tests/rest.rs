@@ -184,7 +184,7 @@ fn sleeps_beside(box_at: Vec3) -> bool {
     let spec = BoxSpec { size: Vec3::splat(0.2), ..BoxSpec::default() };
     let lies = box_3d(&spec).unwrap().transformed(Quat::IDENTITY, box_at + Vec3::Y * 0.1);
     lies.build_colliding(&mut world, contacts).unwrap();
-    world.sleep = vec![Sleep::allowed(), Sleep { keeps_awake: true, ..Sleep::allowed() }];
+    *world.sleep = vec![Sleep::allowed(), Sleep { keeps_awake: true, ..Sleep::allowed() }];
     (0..60).for_each(|_| {
         world.step(DT).unwrap();
     });

@@ -19,7 +19,7 @@ fn a_body_may_ask_for_more_than_its_world_and_its_neighbour_does_not_notice() {
         }
         let own =
             BodySettings { max_sweeps: Some(50), tolerance: Some(1e-6), ..Default::default() };
-        world.bodies = vec![Default::default(), if picky { own } else { Default::default() }];
+        *world.bodies = vec![Default::default(), if picky { own } else { Default::default() }];
         for _ in 0..60 {
             world.step(1.0 / 60.0).unwrap();
         }
@@ -43,7 +43,7 @@ fn a_tolerance_as_a_speed_is_so_many_metres_in_a_substep() {
         let spec = RopeSpec { segments: 20, pin_start: true, ..Default::default() };
         rope(&spec).unwrap().build(&mut world).unwrap();
         (0..world.particles.len()).for_each(|i| world.particles.set_body(i, Some(0)));
-        world.bodies = vec![BodySettings { max_sweeps: Some(100), ..own }];
+        *world.bodies = vec![BodySettings { max_sweeps: Some(100), ..own }];
         let mut sweeps = 0;
         for _ in 0..60 {
             world.step(1.0 / 60.0).unwrap();

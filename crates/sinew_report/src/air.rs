@@ -29,7 +29,7 @@ fn sheet(mass: f32, angle: f64) -> Simulation {
             .push(ParticleSeed::at(at).with_mass(mass / share))
             .expect("a sound particle");
     }
-    world.forces.surfaces = vec![[0, 1, 2], [0, 2, 3]];
+    *world.forces.surfaces = vec![[0, 1, 2], [0, 2, 3]];
     world
 }
 
@@ -60,7 +60,7 @@ fn the_front_of_a_closed_body_feels_the_wind_on_its_silhouette() -> Vec<Row> {
                 let at = (turn * seed.position.as_dvec3()).as_vec3();
                 world.particles.push(ParticleSeed::at(at)).expect("a sound particle");
             }
-            world.forces.surfaces = body.triangles.clone();
+            *world.forces.surfaces = body.triangles.clone();
             world.forces.winds.push(Wind::steady(Vec3::X * 10.0));
             // A box shows each of its three pairs of faces by the cosine of its normal.
             let shown = |axis: DVec3, area: f64| (turn * axis).x.abs() * area;

@@ -28,6 +28,7 @@ pub use soft::{SoftBody, SoftShape};
 
 use bevy::prelude::*;
 
+use crate::changes::any_may_have_moved;
 use crate::schedule::{SinewSystems, SinewTick};
 
 /// Adds the builders of all recipes.
@@ -37,7 +38,8 @@ pub(crate) fn add(app: &mut App) {
     app.add_systems(
         SinewTick,
         (
-            build::notice_scale,
+            build::notice_scale
+                .run_if(any_may_have_moved.or_else(any_with_component::<build::AwaitsPlace>)),
             build::build::<RigidBox>,
             build::build::<Rope>,
             build::build::<Cloth>,

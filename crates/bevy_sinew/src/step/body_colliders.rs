@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use sinew::BodyCollider;
 
@@ -17,8 +18,18 @@ use crate::rows::{GONE, Rows};
 use crate::world::{SinewWorld, Tables};
 
 /// What changes the shape of a part, or whose part it is.
-type Reshaped =
-    (With<RigidPose>, With<Collider>, Or<(Changed<Collider>, Changed<RigidPose>, Changed<PartOf>)>);
+#[derive(SystemParam)]
+pub(crate) struct Reshaped<'w, 's> {
+    shapes: Query<'w, 's, Ref<'static, Collider>, With<RigidPose>>,
+    poses: Query<'w, 's, Ref<'static, RigidPose>, With<Collider>>,
+    owners: Query<'w, 's, Ref<'static, PartOf>, (With<RigidPose>, With<Collider>)>,
+}
+
+impl Reshaped<'_, '_> {
+    fn any(&self) -> bool {
+        census(&self.shapes).1 || census(&self.poses).1 || census(&self.owners).1
+    }
+}
 
 /// Who says how it takes part in contacts, whether it is a body and built, and what triangles it has.
 type Asking = (
@@ -59,7 +70,7 @@ pub(crate) fn compile_body_colliders(
     disabled: Query<Ref<ContactsDisabled>>,
     shaped: Query<Shaped>,
     asking: Query<Asking>,
-    reshaped: Query<(), Reshaped>,
+    reshaped: Reshaped,
     mut parts: Query<(
         Entity,
         &CreationOrder,
@@ -79,7 +90,7 @@ pub(crate) fn compile_body_colliders(
     let now = [all[0].0, all[1].0, all[2].0, parts.iter().len()];
     let went = core::mem::replace(counts, now) != now;
     let retied = || tables.retied || tables.properties_gathered || segments.are_off();
-    let anew = tables.stale || went || changed || !reshaped.is_empty();
+    let anew = tables.stale || went || changed || reshaped.any();
     // By what something collides; `None` if by nothing.
     let shape = |owner: Entity| match shaped.get(owner) {
         Ok((_, _, true)) => None,

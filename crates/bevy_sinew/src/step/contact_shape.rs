@@ -4,6 +4,7 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
+use crate::changes::census;
 use crate::components::{
     BodyConstraints, BodyParticles, Bound, ContactShape, DistanceConstraint, ParticleOf,
     ResolvedShape, RestPlace, WindSurface,
@@ -29,11 +30,12 @@ type Made = (
 pub(crate) fn resolve_shapes(
     world: Res<SinewWorld>,
     mut bodies: Query<Made>,
-    changed: Query<(), Or<(Changed<WindSurface>, Changed<BodyConstraints>)>>,
+    surfaces: Query<Ref<WindSurface>>,
+    constraints: Query<Ref<BodyConstraints>>,
     parts: Parts,
 ) {
     let (particles, tables) = (&world.simulation.particles, &world.tables);
-    if !tables.properties_gathered && changed.is_empty() {
+    if !(tables.properties_gathered || census(&surfaces).1 || census(&constraints).1) {
         return;
     }
     for (body, members, mut rows, surface, constraints, mut resolved) in &mut bodies {

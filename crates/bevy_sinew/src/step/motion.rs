@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 
+use crate::changes::census;
 use crate::commands::{BodyEdit, Editor};
 use crate::components::{
     AngularVelocity, BodyParticles, CreationOrder, ExternalImpulse, ExtractedVelocity,
@@ -14,6 +15,15 @@ type Asked = (Option<CreationOrder>, Entity, BodyEdit);
 
 /// Whose velocity somebody has written, be it the last tick: of a sleeper it has not.
 type Sped = Or<(Changed<LinearVelocity>, Changed<AngularVelocity>, Changed<ExtractedVelocity>)>;
+
+/// A run condition: whether there may be one.
+pub(crate) fn any_sped(
+    linear: Query<Ref<LinearVelocity>, With<BodyParticles>>,
+    angular: Query<Ref<AngularVelocity>, With<BodyParticles>>,
+    known: Query<Ref<ExtractedVelocity>, With<BodyParticles>>,
+) -> bool {
+    census(&linear).1 || census(&angular).1 || census(&known).1
+}
 
 /// Gives bodies the velocities that a game spawned with them, or has changed since the last tick.
 ///

@@ -3,6 +3,7 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
+use crate::changes::census;
 use crate::components::{
     AirDrag, AirFlow, Attractor, BodyParticles, ContactEvents, Electric, ElectricField, Gravity,
     Region, RegionShape, Sleep, SleepingDisabled, Touching,
@@ -84,22 +85,44 @@ fn mixed(kind: u64, numbers: impl IntoIterator<Item = f32>) -> u64 {
     numbers.into_iter().fold(begin, |hash, number| mix(hash, u64::from(number.to_bits())))
 }
 
+/// A run condition: whether the solver may have to be told anew who may sleep and who does. What it has been told holds while nothing was gathered, nobody's
+/// sleep has changed, which a step that changes it writes back, nothing else fills the world, and nobody asks for every contact.
+pub(crate) fn any_news(
+    world: Res<SinewWorld>,
+    surroundings: Surroundings,
+    asking: Query<&ContactEvents>,
+    sleepers: Query<Ref<Sleep>>,
+    disabled: Query<Ref<SleepingDisabled>>,
+    mut before: Local<(bool, u64, usize, usize)>,
+) -> bool {
+    let ((sleepers, changed), (disabled, came)) = (census(&sleepers), census(&disabled));
+    let now = (world.tables.deferred, surroundings.number(), sleepers, disabled);
+    let same = core::mem::replace(&mut *before, now) == now;
+    let asked = asking.iter().any(|events| *events == ContactEvents::Every);
+    !(now.0 && same) || changed || came || asked
+}
+
+/// Who is to be told of every contact, and what the solver is told; memory.
+#[derive(Default)]
+pub(crate) struct Scratch {
+    watched: Vec<Entity>,
+    told: Vec<sinew::Sleep>,
+}
+
 /// Tells the solver who may sleep and who does.
 pub(crate) fn gather_sleep(
     mut world: ResMut<SinewWorld>,
     surroundings: Surroundings,
     asking: Query<(Entity, &ContactEvents, &Touching)>,
     mut bodies: Query<(Entity, &Rows<BodyParticles>, &mut Sleep, Has<SleepingDisabled>)>,
-    mut watched: Local<Vec<Entity>>,
+    mut scratch: Local<Scratch>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
-    simulation.sleep.clear();
+    let (Scratch { watched, told }, number) = (&mut *scratch, simulation.bodies.len());
     tables.asleep.clear();
     tables.unmoved.clear();
-    if bodies.is_empty() {
-        return;
-    }
-    simulation.sleep.resize(simulation.bodies.len(), sinew::Sleep::default());
+    told.clear();
+    told.resize(if bodies.is_empty() { 0 } else { number }, sinew::Sleep::default());
     let now = surroundings.number();
     // Who asks for every contact is to hear of those that rest, too.
     watched.clear();
@@ -118,10 +141,14 @@ pub(crate) fn gather_sleep(
         }
         let row = rows.current(&tables.layout).iter().find(|&&row| row != GONE);
         let body = row.and_then(|&row| simulation.particles.body(row as usize));
-        if let Some(own) = body.and_then(|body| simulation.sleep.get_mut(body as usize)) {
+        if let Some(own) = body.and_then(|body| told.get_mut(body as usize)) {
             let Sleep { speed, still, asleep, support_hash, .. } = *sleep;
             *own = sinew::Sleep { allowed: true, keeps_awake, speed, still, asleep, support_hash };
         }
+    }
+    // What is as it was is not written, so that a step at rest is known at a glance.
+    if *simulation.sleep != *told {
+        (*simulation.sleep).clone_from(told);
     }
     tables.asleep.extend(simulation.sleep.iter().map(|body| body.asleep));
     if !tables.touched.all {

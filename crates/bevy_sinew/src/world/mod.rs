@@ -24,8 +24,9 @@ use crate::rows::Layout;
 /// Outside the substeps it holds the last tick's end. To change the simulation there, change components.
 #[derive(Resource, Default)]
 pub struct SinewWorld {
-    /// The simulation whose columns were gathered from the components of this tick.
-    pub(crate) simulation: Simulation,
+    /// The simulation whose columns were gathered from the components of this tick. In a box, since the world is moved out of its resource and back by systems
+    /// that need all else as well.
+    pub(crate) simulation: Box<Simulation>,
     pub(crate) tables: Tables,
 }
 

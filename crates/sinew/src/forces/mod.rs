@@ -29,6 +29,7 @@ pub(crate) use wind::{Air, apply_air, apply_wind, sample_air, sample_wind};
 use glam::Vec3;
 
 use crate::particles::{Particles, rate_of_drag};
+use crate::tracked::Tracked;
 
 /// The force laws of a simulation and what they act on.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +46,7 @@ pub struct Forces {
     pub springs: Vec<Spring>,
     /// Triangles of particles: wind presses on them and air drags, rays meet them, and bodies collide by them that ask for it
     /// ([`BodyContacts::surface`](crate::BodyContacts::surface)).
-    pub surfaces: Vec<[u32; 3]>,
+    pub surfaces: Tracked<Vec<[u32; 3]>>,
     /// Winds that press on them.
     pub winds: Vec<Wind>,
     /// Air that they and loose particles move in: with drag, lift and a velocity.
@@ -68,7 +69,7 @@ impl Default for Forces {
             drag: 0.0,
             controls: Vec::new(),
             springs: Vec::new(),
-            surfaces: Vec::new(),
+            surfaces: Tracked::default(),
             winds: Vec::new(),
             air_flows: Vec::new(),
             fluids: Vec::new(),

@@ -34,6 +34,7 @@ use crate::rigid::{Compound, Moving};
 use crate::settings::{BodySettings, SolverSettings};
 use crate::solve::{self, Changes, IslandReport, Plan, SolverReport};
 use crate::threads::{ExecutionContext, Workers};
+use crate::tracked::Tracked;
 use crate::{integrate, ledger};
 
 /// A world of particles.
@@ -51,12 +52,12 @@ pub struct Simulation {
     /// What holds single particles: planes, boxes, pins.
     pub boundaries: Boundaries,
     /// What single bodies ask of the solver. [`Particles::set_body`] says which particle belongs to which.
-    pub bodies: Vec<BodySettings>,
+    pub bodies: Tracked<Vec<BodySettings>>,
     /// Shapes that stand still or that the game moves. They may change at any step for free.
     pub colliders: Vec<Collider>,
     /// How single bodies take part in contacts, numbered as in `bodies`. What is missing takes part by its rigid parts, with the default; its other
     /// particles touch colliders alone.
-    pub contacts: Vec<BodyContacts>,
+    pub contacts: Tracked<Vec<BodyContacts>>,
     /// Pairs of a body and another body or a collider that never touch, though no constraint joins them: what is fastened to something that the game
     /// moves. In any order; others than those do nothing.
     pub ignored: Vec<[ContactParticipant; 2]>,
@@ -64,7 +65,7 @@ pub struct Simulation {
     /// elsewhere.
     pub contact_cache: ContactCache,
     /// Which bodies may sleep, and for how long they have been still, numbered as in `bodies`; what is missing is always awake.
-    pub sleep: Vec<Sleep>,
+    pub sleep: Tracked<Vec<Sleep>>,
     /// Which instructions the wide kernels use; the best that the machine has by default. It never changes a result.
     pub instructions: InstructionSet,
     /// Threads that may help; none by default. They never change a result.

@@ -12,6 +12,7 @@ use crate::constraints::Boundaries;
 use crate::forces::Forces;
 use crate::kept::Kept;
 use crate::settings::{BodySettings, SolverSettings};
+use crate::tracked::Tracked;
 
 /// What a step depends on, beside the columns of the particles, which count what is [written](crate::Particles::writes) to them, and the constraints, of which
 /// changes are noted.
@@ -24,10 +25,10 @@ struct Inputs {
     forces: Forces,
     boundaries: Boundaries,
     colliders: Vec<Collider>,
-    bodies: Vec<BodySettings>,
-    contacts: Vec<BodyContacts>,
+    bodies: Tracked<Vec<BodySettings>>,
+    contacts: Tracked<Vec<BodyContacts>>,
     ignored: Vec<[ContactParticipant; 2]>,
-    sleep: Vec<Sleep>,
+    sleep: Tracked<Vec<Sleep>>,
 }
 
 /// What is remembered of steps at rest.

@@ -24,7 +24,7 @@ fn hung() -> Simulation {
         world.particles.push(seed).unwrap();
     }
     world.distances_mut().extend(cloth.distances);
-    world.forces.surfaces = cloth.triangles;
+    *world.forces.surfaces = cloth.triangles;
     world.forces.winds.push(Wind::steady(Vec3::Z * 3.0));
     world
 }

@@ -88,7 +88,7 @@ fn a_falling_sheet_reaches_the_terminal_speed_at_which_drag_carries_its_weight()
         let mut world = Simulation::default();
         let surfaces;
         (world.particles, surfaces) = sheet(Vec3::Y, mass, Vec3::ZERO);
-        world.forces.surfaces = surfaces;
+        *world.forces.surfaces = surfaces;
         world.forces.air_flows.push(AirFlow::default());
         let exact = (2.0 * mass * 9.81 / (1.225 * 1.28)).sqrt();
         // It gets there as tanh(g t/v). Nothing holds these four particles together, and a free sheet is not steady for long.

@@ -11,7 +11,7 @@ fn stack(plates: usize, degrees: f32) -> Simulation {
     let turned = turn(Vec3::Z, -degrees.to_radians());
     let frame = Frame::new(Vec3::ZERO, turned);
     world.colliders.push(Collider::fixed(Shape::half_space(), frame).with_material(rough(0.5)));
-    world.contacts =
+    *world.contacts =
         vec![
             BodyContacts { material: rough(0.5), with_bodies: true, ..Default::default() };
             plates
@@ -115,13 +115,13 @@ fn a_box_that_is_carried_off_comes_to_lie_where_it_is_put() {
 #[test]
 fn sleepers_remember() {
     let mut world = stack(3, 20.0);
-    world.sleep = vec![Sleep::allowed(); 3];
+    *world.sleep = vec![Sleep::allowed(); 3];
     step(&mut world, 3.0);
     assert!(world.sleep.iter().all(|sleep| sleep.asleep));
     let before = world.contact_cache.clone();
     step(&mut world, 1.0);
     assert_eq!(world.contact_cache, before);
-    world.sleep = vec![Sleep::default(); 3];
+    *world.sleep = vec![Sleep::default(); 3];
     assert!(creep(&mut world, 1.0) < 1e-4);
 }
 

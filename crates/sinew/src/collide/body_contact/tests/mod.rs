@@ -72,7 +72,7 @@ fn elastic(restitution: f32) -> Material {
 
 /// Makes every body of this.
 fn contacts(world: &mut Simulation, material: Material) {
-    world.contacts = vec![BodyContacts { material, ..Default::default() }; 2000];
+    *world.contacts = vec![BodyContacts { material, ..Default::default() }; 2000];
 }
 
 fn step(world: &mut Simulation, seconds: f32) {

@@ -1,0 +1,103 @@
+//! Change tracking of what may be long and hardly ever changes: whether two are equal is one look, where one is a copy of the other.
+
+use core::ops::{Deref, DerefMut};
+use core::sync::atomic::{AtomicU64, Ordering};
+
+/// A value, and a number that it has for as long as nobody borrows it mutably. Two that have the same number are copies of each other; it is no part of the
+/// value.
+///
+/// ```
+/// use sinew::Tracked;
+///
+/// let mut list = Tracked::from(vec![1, 2]);
+/// let copy = list.clone();
+/// assert!(list == copy, "without a look at what is in them");
+/// list.push(3);
+/// assert!(list != copy);
+/// ```
+#[derive(Clone, Debug)]
+pub struct Tracked<T> {
+    value: T,
+    revision: u64,
+}
+
+/// The next number: of all values, so that those that come of different places have different ones.
+static NEXT: AtomicU64 = AtomicU64::new(0);
+
+fn next() -> u64 {
+    NEXT.fetch_add(1, Ordering::Relaxed)
+}
+
+impl<T> From<T> for Tracked<T> {
+    fn from(value: T) -> Self {
+        Self { value, revision: next() }
+    }
+}
+
+impl<T: Default> Default for Tracked<T> {
+    fn default() -> Self {
+        Self::from(T::default())
+    }
+}
+
+impl<T> Deref for Tracked<T> {
+    type Target = T;
+
+    #[inline]
+    fn deref(&self) -> &T {
+        &self.value
+    }
+}
+
+impl<T> DerefMut for Tracked<T> {
+    #[inline]
+    fn deref_mut(&mut self) -> &mut T {
+        self.revision = next();
+        &mut self.value
+    }
+}
+
+impl<'a, T> IntoIterator for &'a Tracked<T>
+where
+    &'a T: IntoIterator,
+{
+    type Item = <&'a T as IntoIterator>::Item;
+    type IntoIter = <&'a T as IntoIterator>::IntoIter;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.value.into_iter()
+    }
+}
+
+impl<T: PartialEq> PartialEq for Tracked<T> {
+    #[inline]
+    fn eq(&self, other: &Self) -> bool {
+        self.revision == other.revision || self.value == other.value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tells whether anybody looked at it.
+    #[derive(Clone, Debug)]
+    struct Unlike;
+
+    impl PartialEq for Unlike {
+        fn eq(&self, _: &Self) -> bool {
+            false
+        }
+    }
+
+    #[test]
+    fn a_copy_is_equal_until_one_of_them_is_written_and_then_the_value_says() {
+        let one = Tracked::from(Unlike);
+        let mut other = one.clone();
+        assert_eq!(one, other, "nobody looked");
+        let _ = &mut *other;
+        assert_ne!(one, other);
+        assert_ne!(Tracked::from(Unlike), Tracked::from(Unlike));
+        assert_eq!(Tracked::from(7), Tracked::from(7));
+    }
+}
