@@ -100,7 +100,7 @@ pub(crate) fn operate(
                     Representation::Particles
                 },
             };
-            world.bodies = vec![own];
+            *world.bodies = vec![own];
             for i in 0..count {
                 world.particles.set_body(i, input.flag().then_some(0));
             }
