@@ -164,7 +164,7 @@ impl Plugin for SinewPlugin {
                 (
                     shares::share_out,
                     teleports::follow_teleports.run_if(any_may_have_moved),
-                    motion::follow_velocities.run_if(motion::any_sped),
+                    motion::follow_velocities.run_if(motion::any_velocity_changed),
                     commands::apply_pending,
                     motion::apply_impulses,
                     attach::resolve::resolve_attachments,
@@ -173,7 +173,7 @@ impl Plugin for SinewPlugin {
                     gather::gather_particles,
                     contact_shape::resolve_shapes,
                     bodies::gather_bodies,
-                    sleep::gather_sleep.run_if(sleep::any_news),
+                    sleep::gather_sleep.run_if(sleep::any_sleep_changed),
                     pins::gather_pins,
                 )
                     .chain(),

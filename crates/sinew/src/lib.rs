@@ -61,6 +61,7 @@
 //! | `hash` | one number for many |
 //! | `kept` | scratch that copies do without |
 //! | `same_place` | which vertices of a mesh are one |
+//! | `tracked` | lists that are known to be equal without a look at what is in them: [`Tracked`] |
 //! | `union_find` | which of many belong together: islands, sleepers, zones, pieces of a mesh |
 //! | [`pose`] | transform, velocity, spin and inertia out of particles |
 //! | [`rigid`] | explicit rigid bodies, and the swap to particles and back |

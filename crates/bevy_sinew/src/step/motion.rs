@@ -16,8 +16,8 @@ type Asked = (Option<CreationOrder>, Entity, BodyEdit);
 /// Whose velocity somebody has written, be it the last tick: of a sleeper it has not.
 type Sped = Or<(Changed<LinearVelocity>, Changed<AngularVelocity>, Changed<ExtractedVelocity>)>;
 
-/// A run condition: whether there may be one.
-pub(crate) fn any_sped(
+/// A run condition: whether a velocity of a body was written, or read off its particles.
+pub(crate) fn any_velocity_changed(
     linear: Query<Ref<LinearVelocity>, With<BodyParticles>>,
     angular: Query<Ref<AngularVelocity>, With<BodyParticles>>,
     known: Query<Ref<ExtractedVelocity>, With<BodyParticles>>,

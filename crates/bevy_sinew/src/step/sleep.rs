@@ -85,9 +85,9 @@ fn mixed(kind: u64, numbers: impl IntoIterator<Item = f32>) -> u64 {
     numbers.into_iter().fold(begin, |hash, number| mix(hash, u64::from(number.to_bits())))
 }
 
-/// A run condition: whether the solver may have to be told anew who may sleep and who does. What it has been told holds while nothing was gathered, nobody's
-/// sleep has changed, which a step that changes it writes back, nothing else fills the world, and nobody asks for every contact.
-pub(crate) fn any_news(
+/// A run condition: whether [`gather_sleep`] may find anything else than the solver has. It does not while particles are not gathered, no [`Sleep`] has changed,
+/// which a step that changes it writes back, what fills the world is the same, and nobody asks for every contact.
+pub(crate) fn any_sleep_changed(
     world: Res<SinewWorld>,
     surroundings: Surroundings,
     asking: Query<&ContactEvents>,
@@ -102,11 +102,11 @@ pub(crate) fn any_news(
     !(now.0 && same) || changed || came || asked
 }
 
-/// Who is to be told of every contact, and what the solver is told; memory.
+/// Bodies whose contacts are all asked for, and what is gathered, by the numbers of bodies; memory.
 #[derive(Default)]
 pub(crate) struct Scratch {
     watched: Vec<Entity>,
-    told: Vec<sinew::Sleep>,
+    gathered: Vec<sinew::Sleep>,
 }
 
 /// Tells the solver who may sleep and who does.
@@ -118,11 +118,11 @@ pub(crate) fn gather_sleep(
     mut scratch: Local<Scratch>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
-    let (Scratch { watched, told }, number) = (&mut *scratch, simulation.bodies.len());
+    let (Scratch { watched, gathered }, number) = (&mut *scratch, simulation.bodies.len());
     tables.asleep.clear();
     tables.unmoved.clear();
-    told.clear();
-    told.resize(if bodies.is_empty() { 0 } else { number }, sinew::Sleep::default());
+    gathered.clear();
+    gathered.resize(if bodies.is_empty() { 0 } else { number }, sinew::Sleep::default());
     let now = surroundings.number();
     // Who asks for every contact is to hear of those that rest, too.
     watched.clear();
@@ -141,14 +141,14 @@ pub(crate) fn gather_sleep(
         }
         let row = rows.current(&tables.layout).iter().find(|&&row| row != GONE);
         let body = row.and_then(|&row| simulation.particles.body(row as usize));
-        if let Some(own) = body.and_then(|body| told.get_mut(body as usize)) {
+        if let Some(own) = body.and_then(|body| gathered.get_mut(body as usize)) {
             let Sleep { speed, still, asleep, support_hash, .. } = *sleep;
             *own = sinew::Sleep { allowed: true, keeps_awake, speed, still, asleep, support_hash };
         }
     }
     // What is as it was is not written, so that a step at rest is known at a glance.
-    if *simulation.sleep != *told {
-        (*simulation.sleep).clone_from(told);
+    if *simulation.sleep != *gathered {
+        (*simulation.sleep).clone_from(gathered);
     }
     tables.asleep.extend(simulation.sleep.iter().map(|body| body.asleep));
     if !tables.touched.all {

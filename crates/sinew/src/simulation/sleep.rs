@@ -301,7 +301,8 @@ impl Simulation {
         }
         let SleepScratch { activities, groups, masses, hashes, .. } = sleepers;
         let Self { particles, sleep, scratch, .. } = self;
-        let plan = &mut scratch.plan;
+        // Borrowed once: each time counts as a change.
+        let (sleep, plan) = (&mut **sleep, &mut scratch.plan);
         // As a step would leave what stands still.
         let still = Vec3::ZERO.extend(self.settings.integrator.lag(scratch.substep.length));
         for number in 0..plan.islands.list.len() {
