@@ -1,6 +1,7 @@
 //! Tubes around chains of particles: what a rope looks like.
 
 use core::f32::consts::TAU;
+use core::mem::{swap, take};
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
@@ -46,29 +47,45 @@ pub(crate) fn draw_tubes(
         let there = rows.iter().filter(|&&row| row != GONE);
         middle.extend(there.map(|&row| Vec3::from(frame.place(&world, row, ease))));
         let sides = tube.sides.clamp(3, 64) as usize;
-        skin.wrap(&middle, tube.radius, sides);
+        let mut draw = |mesh: &mut Mesh| {
+            // In the mesh's own memory.
+            skin.trade_lists(mesh);
+            skin.wrap(&middle, tube.radius, sides);
+            skin.trade_lists(mesh);
+            skin.put_triangles(mesh, tube.is_changed());
+        };
         if let Some(handle) = handle {
             if let Some(mut mesh) = meshes.get_mut(&handle.0) {
-                skin.write(&mut mesh);
+                draw(&mut mesh);
             }
             continue;
         }
         let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default());
-        skin.write(&mut mesh);
+        draw(&mut mesh);
         commands.entity(entity).try_insert(Mesh3d(meshes.add(mesh)));
     }
 }
 
 /// The skin of a tube, in rings of `sides + 1` vertices (the first stands again at the end, for the texture's seam). Kept from
-/// frame to frame for its memory alone.
+/// frame to frame for its memory, and for what tubes have in common.
 #[derive(Default)]
 pub(crate) struct Skin {
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
     indices: Vec<u32>,
-    /// Sine and cosine of the angle of each vertex of a ring.
-    turns: Vec<(f32, f32)>,
+    /// Of how many rings and sides the indices are.
+    indexed: (usize, usize),
+    /// Of each vertex of a ring.
+    turns: Vec<Turn>,
+}
+
+/// Where on a ring a vertex is.
+struct Turn {
+    /// Which share of the way around.
+    share: f32,
+    sin: f32,
+    cos: f32,
 }
 
 impl Skin {
@@ -79,22 +96,16 @@ impl Skin {
     /// The rings are carried along without twist: each ring's direction is the last one's, turned by the shortest arc between the two
     /// pieces of the chain that it stands between (parallel transport).
     fn wrap(&mut self, middle: &[Vec3], radius: f32, sides: usize) {
-        let Self { positions, normals, uvs, indices, turns } = self;
-        positions.clear();
-        normals.clear();
-        uvs.clear();
-        indices.clear();
         if middle.len() < 2 {
             let at = middle.first().copied().unwrap_or_default();
-            positions.extend([at.to_array(); 3]);
-            normals.extend([[0.0, 1.0, 0.0]; 3]);
-            uvs.extend([[0.0; 2]; 3]);
-            indices.extend([0, 1, 2]);
+            self.positions = vec![at.to_array(); 3];
+            self.normals = vec![[0.0, 1.0, 0.0]; 3];
+            self.uvs = vec![[0.0; 2]; 3];
+            (self.indices, self.indexed) = (vec![0, 1, 2], (0, 0));
             return;
         }
-        let share = |k: usize| k as f32 / sides as f32;
-        turns.clear();
-        turns.extend((0..=sides).map(|k| libm::sincosf(share(k) * TAU)));
+        self.lay_out(middle.len(), sides);
+        let Self { positions, normals, uvs, turns, .. } = self;
         let last = middle.len() - 1;
         let direction = |i: usize| {
             let (before, after) = (middle[i.saturating_sub(1)], middle[(i + 1).min(last)]);
@@ -102,31 +113,58 @@ impl Skin {
         };
         let mut along = direction(0).unwrap_or(Vec3::Y);
         let mut across = along.any_orthonormal_vector();
-        let mut run = 0.0;
-        for (i, point) in middle.iter().enumerate() {
+        let (mut run, around) = (0.0, TAU * radius.max(1e-6));
+        let rings =
+            positions.chunks_exact_mut(turns.len()).zip(normals.chunks_exact_mut(turns.len()));
+        let rings = rings.zip(uvs.chunks_exact_mut(turns.len()));
+        for (i, (point, ((positions, normals), uvs))) in middle.iter().zip(rings).enumerate() {
             let next = direction(i).unwrap_or(along);
-            across = (Quat::from_rotation_arc(along, next) * across).normalize_or(across);
+            across = carried(across, along, next);
             along = next;
             if i > 0 {
                 run += middle[i - 1].distance(*point);
             }
             let side = along.cross(across);
-            for (k, &(sin, cos)) in turns.iter().enumerate() {
-                let out = across * cos + side * sin;
-                positions.push((*point + out * radius).to_array());
-                normals.push(out.to_array());
-                // One turn of the texture is as long as it is around, so that a rope's strands keep their slant.
-                uvs.push([share(k), run / (TAU * radius.max(1e-6))]);
+            // One turn of the texture is as long as it is around, so that a rope's strands keep their slant.
+            let high = run / around;
+            let vertices = positions.iter_mut().zip(normals).zip(uvs);
+            for (((position, normal), uv), turn) in vertices.zip(&*turns) {
+                let out = across * turn.cos + side * turn.sin;
+                *position = (*point + out * radius).to_array();
+                *normal = out.to_array();
+                *uv = [turn.share, high];
             }
         }
-        let ring = sides as u32 + 1;
-        for i in 0..last as u32 {
+    }
+
+    /// Makes room for so many rings, and the triangles between them.
+    fn lay_out(&mut self, rings: usize, sides: usize) {
+        let Self { positions, normals, uvs, indices, indexed, turns } = self;
+        let vertices = rings * (sides + 1);
+        positions.resize(vertices, [0.0; 3]);
+        normals.resize(vertices, [0.0; 3]);
+        uvs.resize(vertices, [0.0; 2]);
+        if turns.len() != sides + 1 {
+            turns.clear();
+            turns.extend((0..=sides).map(|k| {
+                let share = k as f32 / sides as f32;
+                let (sin, cos) = libm::sincosf(share * TAU);
+                Turn { share, sin, cos }
+            }));
+        }
+        if *indexed == (rings, sides) {
+            return;
+        }
+        *indexed = (rings, sides);
+        indices.clear();
+        let (ring, last) = (sides as u32 + 1, rings as u32 - 1);
+        for i in 0..last {
             for k in 0..sides as u32 {
                 let (a, b) = (i * ring + k, i * ring + k + 1);
                 indices.extend([a, b, a + ring, b, b + ring, a + ring]);
             }
         }
-        for (first, flip) in [(0, true), (last as u32 * ring, false)] {
+        for (first, flip) in [(0, true), (last * ring, false)] {
             for k in 1..sides as u32 - 1 {
                 let (b, c) = if flip { (k + 1, k) } else { (k, k + 1) };
                 indices.extend([first, first + b, first + c]);
@@ -134,24 +172,44 @@ impl Skin {
         }
     }
 
-    /// Copies it into a mesh, into the memory that the mesh has where it can.
-    fn write(&self, mesh: &mut Mesh) {
-        let Self { positions, normals, uvs, indices, .. } = self;
-        for (attribute, new) in
+    /// Trades its lists of vertices for those of a mesh.
+    fn trade_lists(&mut self, mesh: &mut Mesh) {
+        let Self { positions, normals, uvs, .. } = self;
+        for (attribute, own) in
             [(Mesh::ATTRIBUTE_POSITION, positions), (Mesh::ATTRIBUTE_NORMAL, normals)]
         {
             match mesh.try_attribute_mut(attribute) {
-                Ok(VertexAttributeValues::Float32x3(list)) => list.clone_from(new),
-                _ => mesh.insert_attribute(attribute, new.clone()),
+                Ok(VertexAttributeValues::Float32x3(list)) => swap(list, own),
+                _ => mesh.insert_attribute(attribute, take(own)),
             }
         }
         match mesh.try_attribute_mut(Mesh::ATTRIBUTE_UV_0) {
-            Ok(VertexAttributeValues::Float32x2(list)) => list.clone_from(uvs),
-            _ => mesh.insert_attribute(Mesh::ATTRIBUTE_UV_0, uvs.clone()),
+            Ok(VertexAttributeValues::Float32x2(list)) => swap(list, uvs),
+            _ => mesh.insert_attribute(Mesh::ATTRIBUTE_UV_0, take(uvs)),
         }
+    }
+
+    /// Writes the triangles into a mesh where it may have others: `changed`, or of another number.
+    fn put_triangles(&self, mesh: &mut Mesh, changed: bool) {
+        let Self { indices, .. } = self;
         match mesh.try_indices_mut() {
+            Ok(Indices::U32(list)) if !changed && list.len() == indices.len() => {}
             Ok(Indices::U32(list)) => list.clone_from(indices),
             _ => mesh.insert_indices(Indices::U32(indices.clone())),
         }
     }
+}
+
+/// A unit vector across one direction, turned with it into another by the shortest arc between the two. With `w` their cross product and `c` their dot
+/// product, that is Rodrigues' `v + w × v + w × (w × v) / (1 + c)`.
+fn carried(across: Vec3, along: Vec3, next: Vec3) -> Vec3 {
+    let (axis, cos) = (along.cross(next), along.dot(next));
+    let turned = if cos > -0.99 {
+        let moved = axis.cross(across);
+        across + moved + axis.cross(moved) / (1.0 + cos)
+    } else {
+        // All but back to where it came from, which may be by many ways.
+        Quat::from_rotation_arc(along, next) * across
+    };
+    turned.normalize_or(across)
 }
