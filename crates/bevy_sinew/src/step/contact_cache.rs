@@ -51,14 +51,17 @@ pub(crate) fn keep_contact_cache(
             all = false;
             continue;
         };
-        // Of what is awake it is another one in nearly every tick: to ask that costs more than to write it.
-        let sleeps = || {
-            let row = solid.rows.first().map(|&row| row as usize);
-            let body = row.and_then(|row| simulation.particles.body(row));
-            body.and_then(|body| simulation.sleep.get(body as usize)).is_some_and(|own| own.asleep)
-        };
+        // Of who slept through the tick it is what it was. Of what is awake it is another one in nearly every tick: to ask that costs more than to write it.
+        let row = solid.rows.first().map(|&row| row as usize);
+        let body = row.and_then(|row| simulation.particles.body(row)).map(|body| body as usize);
+        let sleeps = |bodies: &[bool]| body.and_then(|body| bodies.get(body)) == Some(&true);
         let is_empty = own.0.is_empty() && now.is_empty();
-        if !is_empty && (!sleeps() || own.0 != now) {
+        if is_empty || sleeps(&tables.asleep) {
+            continue;
+        }
+        let falls_asleep =
+            body.and_then(|body| simulation.sleep.get(body)).is_some_and(|own| own.asleep);
+        if !falls_asleep || own.0 != now {
             own.0.clear();
             own.0.extend_from_slice(now);
         }

@@ -299,7 +299,7 @@ impl Simulation {
         let (gravity, lag) = (forces.gravity.length(), settings.integrator.lag(h));
         let substeps = report.substeps;
         let substep = substeps.saturating_sub(substep.remaining);
-        let open = contacts.is_active();
+        let open = contacts.is_active().then_some(&single_rows[..]);
         let Contacts { particle_contacts, normal_impulses, .. } = contacts;
         let common = solve::SolveContext {
             plan,
@@ -312,7 +312,7 @@ impl Simulation {
             execution,
         };
         solve::solve_all(particles, normal_impulses, common, open, (&mut *solving, loads), report);
-        if open {
+        if open.is_some() {
             let dt = h * substeps as f32;
             let world = World {
                 boundaries,

@@ -107,11 +107,14 @@ impl Simulation {
                 || plan.islands.members[island.members.clone()].iter().map(|&row| row as usize);
             let first = rows().find(|&i| particles.is_finite(i));
             // From the digits that it has, not from the world position, which has fewer far out.
-            let origin = first
-                .map(|first| particles.origin[first] + snap(particles.position[first].truncate()));
+            let Some(first) = first else {
+                plan.islands.list[number].one_origin = false;
+                continue;
+            };
+            let origin = particles.origin[first] + snap(particles.position[first].truncate());
             let all = plan.stretch(island).map(|rows| &particles.origin[rows]);
-            let mut one_origin = all.is_some_and(|all| all.iter().all(|&own| Some(own) == origin));
-            if let Some(origin) = origin.filter(|_| !one_origin) {
+            let mut one_origin = all.is_some_and(|all| all.iter().all(|own| *own == origin));
+            if !one_origin {
                 one_origin = true;
                 for i in rows() {
                     if particles.origin[i] == origin {

@@ -45,13 +45,13 @@ impl SolveScratch {
     }
 }
 
-/// Sweeps each island until the largest error met in it is within its tolerance, at most `max_sweeps` times; then derives the velocities, unless that
-/// is `open`: contacts between islands come first, and [`settle_all`] after them. Adds to the report.
+/// Sweeps each island until the largest error met in it is within its tolerance, at most `max_sweeps` times; then derives the velocities, unless some rows
+/// are `open`: contacts between islands come first, and [`settle_all`] of those rows after them. Adds to the report.
 pub(crate) fn solve_all(
     particles: &mut Particles,
     normal_impulses: &mut [NormalImpulse],
     context: SolveContext,
-    open: bool,
+    open: Option<&[StepRows]>,
     (scratch, loads): (&mut SolveScratch, &mut Loads),
     report: &mut SolverReport,
 ) {
@@ -61,8 +61,10 @@ pub(crate) fn solve_all(
     measured.clear();
     let reports = &mut report.islands[..];
     loads.solve(context, particles, normal_impulses, all_multipliers, reports, measured);
-    momentum_drift.clear();
-    momentum_drift.resize(if open { particles.len() } else { 0 }, Vec4::ZERO);
+    momentum_drift.resize(if open.is_some() { particles.len() } else { 0 }, Vec4::ZERO);
+    for StepRows { rows, .. } in open.into_iter().flatten() {
+        momentum_drift[rows.clone()].fill(Vec4::ZERO);
+    }
     let (normal_impulses, drift) = (NormalImpulses::all(normal_impulses), &mut momentum_drift[..]);
     let (bodies, multipliers) = (MotionColumns::all(particles), all_multipliers.all());
     let shares = slices(context, bodies, multipliers, normal_impulses, &mut report.islands, drift);
@@ -89,7 +91,7 @@ pub(crate) fn solve_all(
     for (number, drift) in &*measured {
         let rows = plan.members(*number as usize);
         let mut places = Places::all(particles);
-        if open {
+        if open.is_some() {
             note_drift(drift, &places, rows, momentum_drift, execution.instructions);
         } else {
             drift.take_off(&mut places, rows);
