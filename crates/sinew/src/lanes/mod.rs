@@ -193,6 +193,21 @@ fn has_avx2() -> bool {
     false
 }
 
+/// The lanes that have a bit in a mask, ascending: what `(0..LANES).filter(..)` says, without a call for each lane.
+pub(crate) struct SetLanes(pub(crate) u32);
+
+impl Iterator for SetLanes {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let lane = self.0.trailing_zeros();
+        // Of none, there is no bit to take away.
+        self.0 &= self.0.wrapping_sub(1);
+        (lane < u32::BITS).then_some(lane as usize)
+    }
+}
+
 /// What is asked for together of one thing: as many quadruples as there are lanes, on lines of the cache of its own.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]

@@ -30,8 +30,8 @@ kernel!(
         let normals = &mut normals[..];
         // One length for both, so that a row is compared with it once.
         let points = &points[..normals.len()];
-        for &rows in triangles {
-            let [a, b, c] = rows.map(|row| row as usize);
+        for &[a, b, c] in triangles {
+            let [a, b, c] = [a as usize, b as usize, c as usize];
             if a < points.len() && b < points.len() && c < points.len() {
                 let p = points[a];
                 let area = cross(points[b] - p, points[c] - p);

@@ -22,6 +22,7 @@ use pieces::Pieces;
 
 use super::Simulation;
 use crate::collide::Broad;
+use crate::islands::Island;
 use crate::particles::NO_BODY;
 use crate::union_find::UnionFind;
 
@@ -78,6 +79,8 @@ pub(super) struct SleepScratch {
     /// How much gusts may push each island, N.
     pushes: Vec<f32>,
     pairs: Vec<[u32; 2]>,
+    /// Who is near one.
+    near: Vec<u32>,
     broad: Broad,
     /// Towards the first island of a group.
     groups: UnionFind,
@@ -114,6 +117,12 @@ struct IslandActivity {
     asleep: bool,
     /// For how long all of it have been still, seconds.
     still: f32,
+}
+
+/// Whether a particle of a body lies still; also not where it moves by NaN.
+fn is_quiet(body: &Sleep, velocity: Vec4) -> bool {
+    let speed = velocity.truncate().length();
+    if body.asleep { speed == 0.0 } else { speed <= body.speed }
 }
 
 impl Simulation {
@@ -171,49 +180,16 @@ impl Simulation {
             }
         }
         let plan = &scratch.plan;
-        sleepers.pieces.begin(&self.body_colliders, &plan.islands);
         sleepers.bounds.clear();
         sleepers.activities.clear();
         for island in &plan.islands.list {
-            let mut activity =
-                IslandActivity { active: false, allowed: true, asleep: true, still: f32::INFINITY };
-            let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-            // Neighbours mostly share their body.
-            let (mut last, mut body) = (NO_BODY, Sleep::default());
-            for &row in &plan.islands.members[island.members.clone()] {
-                let i = row as usize;
-                if particles.position[i].w == 0.0 {
-                    continue;
-                }
-                if particles.body[i] != last {
-                    last = particles.body[i];
-                    let own = self.sleep.get(last as usize).filter(|_| last != NO_BODY);
-                    body = own.copied().unwrap_or_default();
-                }
-                let speed = particles.velocity[i].truncate().length();
-                let pushed = particles.external[i] != Vec3::ZERO;
-                // Also for NaN.
-                let quiet = if body.asleep { speed == 0.0 } else { speed <= body.speed };
-                activity.active |= !quiet || pushed || body.keeps_awake;
-                // What charges do to each other changes with each of them.
-                let charged = particles.charge[i] != 0.0 && forces.electric.constant != 0.0;
-                activity.allowed &= body.allowed && !charged;
-                activity.asleep &= body.asleep;
-                activity.still = activity.still.min(body.still);
-                // The same for all that is quiet, so that who touches whom does not change when they fall asleep.
-                let fastest = if quiet { body.speed } else { speed };
-                let reach = (fastest + forces.gravity.length() * dt) * dt;
-                let around = particles.radius[i] + sleepers.bounding_radius[i] + NEAR + reach;
-                let at = particles.origin[i] + particles.position[i].truncate();
-                (low, high) = (low.min(at - around), high.max(at + around));
-                sleepers.pieces.add(row, at, around);
-            }
-            if !activity.allowed {
-                // It keeps nobody awake who lies still beside it.
-                activity.still = f32::INFINITY;
-            }
-            sleepers.bounds.push((low, high));
-            sleepers.activities.push(activity);
+            sleepers.activities.push(self.activity_of(island));
+        }
+        // Where all move nobody is asked whom it touches.
+        if sleepers.activities.iter().any(|island| !island.active) {
+            self.enclose_islands(sleepers, dt);
+        } else {
+            sleepers.bounds.resize(plan.islands.list.len(), (Vec3::INFINITY, Vec3::NEG_INFINITY));
         }
         self.stay_awake_in_gusts(sleepers);
         let controls =
@@ -242,19 +218,109 @@ impl Simulation {
         }
     }
 
-    /// Joins islands that touch, those that a spring ties, and those of a body.
+    /// How an island lies. Of one that moves nothing else counts.
+    fn activity_of(&self, island: &Island) -> IslandActivity {
+        let Self { particles, scratch, forces, .. } = self;
+        let mut activity =
+            IslandActivity { active: false, allowed: true, asleep: true, still: f32::INFINITY };
+        // Neighbours mostly share their body.
+        let (mut last, mut body) = (NO_BODY, Sleep::default());
+        for &row in &scratch.plan.islands.members[island.members.clone()] {
+            let i = row as usize;
+            if particles.position[i].w == 0.0 {
+                continue;
+            }
+            if particles.body[i] != last {
+                last = particles.body[i];
+                body = self.sleep_of(last);
+            }
+            let pushed = particles.external[i] != Vec3::ZERO;
+            if !is_quiet(&body, particles.velocity[i]) || pushed || body.keeps_awake {
+                return IslandActivity { active: true, ..activity };
+            }
+            // What charges do to each other changes with each of them.
+            let charged = particles.charge[i] != 0.0 && forces.electric.constant != 0.0;
+            activity.allowed &= body.allowed && !charged;
+            activity.asleep &= body.asleep;
+            activity.still = activity.still.min(body.still);
+        }
+        if !activity.allowed {
+            // It keeps nobody awake who lies still beside it.
+            activity.still = f32::INFINITY;
+        }
+        activity
+    }
+
+    /// The box that each island, and each piece of it, may reach in a step of `dt` seconds.
+    fn enclose_islands(&self, sleepers: &mut SleepScratch, dt: f32) {
+        let Self { particles, scratch, forces, .. } = self;
+        let plan = &scratch.plan;
+        sleepers.pieces.begin(&self.body_colliders, &plan.islands);
+        let fall = forces.gravity.length() * dt;
+        for (number, island) in plan.islands.list.iter().enumerate() {
+            let in_pieces = sleepers.pieces.are_several(number);
+            let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+            let (mut last, mut body) = (NO_BODY, Sleep::default());
+            for &row in &plan.islands.members[island.members.clone()] {
+                let i = row as usize;
+                if particles.position[i].w == 0.0 {
+                    continue;
+                }
+                if particles.body[i] != last {
+                    last = particles.body[i];
+                    body = self.sleep_of(last);
+                }
+                let velocity = particles.velocity[i];
+                // The same for all that is quiet, so that who touches whom does not change when they fall asleep.
+                let quiet = is_quiet(&body, velocity);
+                let fastest = if quiet { body.speed } else { velocity.truncate().length() };
+                let reach = (fastest + fall) * dt;
+                let around = particles.radius[i] + sleepers.bounding_radius[i] + NEAR + reach;
+                let at = particles.origin[i] + particles.position[i].truncate();
+                (low, high) = (low.min(at - around), high.max(at + around));
+                if in_pieces {
+                    sleepers.pieces.add(row, at, around);
+                }
+            }
+            sleepers.bounds.push((low, high));
+        }
+    }
+
+    /// How a body sleeps, the default of none.
+    fn sleep_of(&self, body: u32) -> Sleep {
+        let own = self.sleep.get(body as usize).filter(|_| body != NO_BODY);
+        own.copied().unwrap_or_default()
+    }
+
+    /// Joins islands that touch, those that a spring ties, and those of a body. Two that touch and both move are left as they are: neither lets anybody sleep,
+    /// whoever else is with them.
     fn group(&self, sleepers: &mut SleepScratch, compare: bool) {
         let Self { particles, scratch, .. } = self;
-        let SleepScratch { bounds, pieces, activities, pairs, broad, groups, first_of, .. } =
-            sleepers;
+        let SleepScratch {
+            bounds, pieces, activities, pairs, near, broad, groups, first_of, ..
+        } = sleepers;
         pairs.clear();
         // Where all lie still and have done so for long, each group sleeps, whoever is in it; and where all move, none does.
         let (still, moving) = (
             activities.iter().all(|island| !island.active && island.still >= SECONDS),
             activities.iter().all(|island| island.active),
         );
+        let moves = |number: u32| activities[number as usize].active;
+        let lying = || (0..activities.len() as u32).filter(|&number| !moves(number));
         if (compare || !still) && !moving {
-            broad.pairs(bounds, pairs);
+            if 2 * lying().count() > activities.len() {
+                broad.pairs(bounds, pairs);
+                pairs.retain(|&[a, b]| !(moves(a) && moves(b)));
+            } else {
+                broad.fill(bounds);
+                for number in lying() {
+                    near.clear();
+                    broad.around(&bounds[number as usize], bounds, near);
+                    // Of two that lie still the first one has asked.
+                    let others = near.iter().filter(|&&other| other > number || moves(other));
+                    pairs.extend(others.map(|&other| [number, other]));
+                }
+            }
         }
         groups.reset(bounds.len());
         for &[a, b] in pairs.iter() {
@@ -270,8 +336,13 @@ impl Simulation {
         }
         first_of.clear();
         first_of.resize(self.sleep.len(), u32::MAX);
-        for (row, &island) in scratch.plan.islands.of.iter().enumerate() {
-            if let Some(first) = first_of.get_mut(particles.body[row] as usize) {
+        // Neighbours mostly are of one body and of one island.
+        let mut last = None;
+        for (&island, &body) in scratch.plan.islands.of.iter().zip(&particles.body) {
+            if last.replace((island, body)) == Some((island, body)) {
+                continue;
+            }
+            if let Some(first) = first_of.get_mut(body as usize) {
                 if *first == u32::MAX {
                     *first = island;
                 }
@@ -310,8 +381,12 @@ impl Simulation {
             let group = activities[root];
             let island = &mut plan.islands.list[number];
             island.asleep &= !group.active;
+            let mut last = None;
             for &row in &plan.islands.members[island.members.clone()] {
                 let i = row as usize;
+                if last.replace(particles.body[i]) == Some(particles.body[i]) && !island.asleep {
+                    continue;
+                }
                 let Some(body) = sleep.get_mut(particles.body[i] as usize) else { continue };
                 // Of many particles of a body the first tells.
                 if sleepers.first_of[particles.body[i] as usize] == number as u32 {

@@ -83,7 +83,8 @@ pub(crate) fn measure(
                 (error, strain) = (error.max(left), strain.max(share));
             }
         }
-        if !contacts.is_empty() {
+        // Nor do its particles touch anything by themselves.
+        if !contacts.is_empty() && !island.one_state {
             let rows = &plan.islands.members[island.members.clone()];
             error = error.max(contacts.island_error(&places, number, rows));
         }

@@ -116,12 +116,18 @@ impl BodyContactSolver {
     /// Notes who is in a contact, of those from a number on, or may come to touch a single particle.
     fn note_met(&mut self, first: usize) {
         let Self { contacts, groups, loose, met, .. } = self;
-        let bodies = contacts[first..].iter().flat_map(|one| [one.a, one.b]).chain(loose.bodies());
-        // What stands has numbers behind those of body colliders.
-        for number in bodies.filter(|&number| (number as usize) < groups.parts.len()) {
-            let place = groups.place(number as usize);
-            met[place / LANES] |= 1 << (place % LANES);
+        let mut note = |number: u32| {
+            // What stands has numbers behind those of body colliders.
+            if (number as usize) < groups.parts.len() {
+                let place = groups.place(number as usize);
+                met[place / LANES] |= 1 << (place % LANES);
+            }
+        };
+        for one in &contacts[first..] {
+            note(one.a);
+            note(one.b);
         }
+        loose.bodies().for_each(note);
     }
 
     /// Notes which body colliders sleep. What else cannot move may be led.

@@ -295,8 +295,10 @@ impl BodyContactSolver {
             islands.of.get(groups.rows[groups.parts[solid].entries.start] as usize).copied()
         };
         for wide in wide_contacts.iter().filter(|wide| wide.depenetrated != 0) {
-            let deep = (0..LANES).filter(|&lane| wide.left[lane] > depth);
-            deep_islands.extend(deep.flat_map(|i| [wide.a[i], wide.b[i]]).filter_map(home));
+            for lane in (0..LANES).filter(|&lane| wide.left[lane] > depth) {
+                deep_islands.extend(home(wide.a[lane]));
+                deep_islands.extend(home(wide.b[lane]));
+            }
         }
         deep_islands.sort_unstable();
         deep_islands.dedup();

@@ -285,8 +285,8 @@ impl PairQuery<'_> {
     ) {
         let Self { key, shapes, size: (size, smaller), reach } = self;
         let here = a.from_within(b);
-        let content_hashes = shapes.map(Shape::content_hash);
-        let of_triangles = shapes.into_iter().any(is_of_triangles);
+        let content_hashes = [shapes[0].content_hash(), shapes[1].content_hash()];
+        let of_triangles = is_of_triangles(shapes[0]) || is_of_triangles(shapes[1]);
         let known = cache.lookup(&key).filter(|known| known.content_hashes == content_hashes);
         let holds = known.and_then(|known| {
             Some((known.staleness(&here, (size, smaller), reach)?, known.is_near(&here, reach)))
@@ -336,8 +336,8 @@ impl PairQuery<'_> {
     ) {
         let Self { key, shapes, reach, .. } = self;
         let here = a.from_within(b);
-        let content_hashes = shapes.map(Shape::content_hash);
-        let of_triangles = shapes.into_iter().any(is_of_triangles);
+        let content_hashes = [shapes[0].content_hash(), shapes[1].content_hash()];
+        let of_triangles = is_of_triangles(shapes[0]) || is_of_triangles(shapes[1]);
         if !of_triangles && missed.has(pair, 0, contacts, cache) {
             return;
         }

@@ -243,8 +243,10 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
     }
     let good = good.and(size.lt(L::splat(1e30)));
     good.and(sum).store(&mut wide.sum);
-    let deepest = left.iter().zip(&force);
-    let deepest = deepest.fold(none, |most, (&left, &f)| most.max(none.lt(f).and(left)));
+    let mut deepest = none;
+    for i in 0..POINTS {
+        deepest = deepest.max(none.lt(force[i]).and(left[i]));
+    }
     deepest.store(&mut wide.left);
     let hit = good.and(hit.or(pressed(&depenetrated, &force)));
     wide.depenetrated = hit.bits();
@@ -399,11 +401,13 @@ impl<L: Lanes> Tilt<L> {
 
 /// Where a point that popped out presses.
 #[inline(always)]
+#[allow(clippy::needless_range_loop, reason = "points in several arrays")]
 fn pressed<L: Lanes, const POINTS: usize>(depenetrated: &[L; POINTS], force: &[L; POINTS]) -> L {
-    let pairs = depenetrated.iter().zip(force);
-    pairs.fold(L::zero(), |any, (&depenetrated, &force)| {
-        any.or(depenetrated.and(L::zero().lt(force)))
-    })
+    let mut any = L::zero();
+    for i in 0..POINTS {
+        any = any.or(depenetrated[i].and(L::zero().lt(force[i])));
+    }
+    any
 }
 
 /// How two bodies give way to impulses along the normal of a patch.
@@ -635,6 +639,7 @@ pub(super) fn solve_normal_impulses<L: Lanes, const POINTS: usize>(
 /// Where points are from the middle of those inside, which has been reckoned but for round-off. That is nothing to a patch, but all to one whose
 /// points are as near each other as it is: so it is taken off once more.
 #[inline(always)]
+#[allow(clippy::needless_range_loop, reason = "points in several arrays")]
 fn centred<L: Lanes, const POINTS: usize>(
     at: &[(L, L); POINTS],
     inside: &[L; POINTS],
@@ -644,10 +649,10 @@ fn centred<L: Lanes, const POINTS: usize>(
     let mut off = *at;
     let (mut more, mut and_more) = (L::zero(), L::zero());
     // No `map`: its closure is not made for the processor that it runs on, and is called for each operation.
-    for (off, inside) in off.iter_mut().zip(inside) {
-        *off = (off.0 - x, off.1 - y);
-        more = more + inside.and(off.0);
-        and_more = and_more + inside.and(off.1);
+    for i in 0..POINTS {
+        off[i] = (off[i].0 - x, off[i].1 - y);
+        more = more + inside[i].and(off[i].0);
+        and_more = and_more + inside[i].and(off[i].1);
     }
     let (more, and_more) = (more * share, and_more * share);
     for off in &mut off {

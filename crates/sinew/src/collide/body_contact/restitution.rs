@@ -58,7 +58,7 @@ use super::rigid_state::{BounceStates, ShowStates};
 use super::turn::{Matrix, load, tangents};
 use super::wide_contact::{Contact, FAR, WideContact};
 use crate::constraints::PlanarDrag;
-use crate::lanes::{LANES, Lanes, Record, Vector, Work, with};
+use crate::lanes::{LANES, Lanes, Record, SetLanes, Vector, Work, with};
 use crate::particles::{Particles, rate_of_drag};
 
 /// A change of a speed that is none, m/s: below what positions of a metre can hold in a substep.
@@ -124,7 +124,8 @@ impl BodyContactSolver {
                 // What has no restitution is asked once, and hands nothing on, unless an impact reaches it.
                 let (lanes, spread) = match round {
                     0 => {
-                        let fast = if wide.kept { fast(wide, &self.contacts, least) } else { 0 };
+                        let bounces = wide.kept && wide.elastic != 0;
+                        let fast = if bounces { fast(wide, &self.contacts, least) } else { 0 };
                         (wide.depenetrated | fast, fast)
                     }
                     _ if wide.kept => {
@@ -138,15 +139,15 @@ impl BodyContactSolver {
                 }
                 any = true;
                 self.enter(particles, wide, lanes);
-                let static_geometry = against_static(wide, &self.contacts);
+                let static_geometry = wide.against_static;
                 let stays = wide.depenetrated | static_geometry | !wide.elastic;
-                for lane in (0..LANES).filter(|lane| (lanes & stays) >> lane & 1 == 1) {
+                for lane in SetLanes(lanes & stays) {
                     mark(&mut self.impacts.stays, wide.a[lane]);
                     mark(&mut self.impacts.stays, wide.b[lane]);
                 }
                 let changed = spread & self.solve_impacts(wide, (lanes, static_geometry), least, h);
                 any_changed |= changed != 0;
-                for lane in (0..LANES).filter(|lane| changed >> lane & 1 == 1) {
+                for lane in SetLanes(changed) {
                     mark(&mut self.impacts.changed, wide.a[lane]);
                     mark(&mut self.impacts.changed, wide.b[lane]);
                 }
@@ -165,7 +166,7 @@ impl BodyContactSolver {
             }
             any = true;
             self.enter(particles, wide, slow);
-            for lane in (0..LANES).filter(|lane| slow >> lane & 1 == 1) {
+            for lane in SetLanes(slow) {
                 mark(&mut self.impacts.stays, wide.a[lane]);
                 mark(&mut self.impacts.stays, wide.b[lane]);
                 if let Some(one) = self.contacts.get(wide.number[lane] as usize) {
@@ -182,7 +183,7 @@ impl BodyContactSolver {
 
     /// Reads the body colliders of some manifolds with their velocities, where the substep began, unless they have been.
     fn enter(&mut self, particles: &Particles, wide: &WideContact, lanes: u32) {
-        for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
+        for lane in SetLanes(lanes) {
             for row in [wide.a[lane], wide.b[lane]] {
                 let number = row as usize / LANES;
                 let Some(bits) = self.impacts.read.get_mut(number) else { continue };
@@ -221,9 +222,10 @@ impl BodyContactSolver {
     ) -> u32 {
         let Self { contacts, bodies, instructions, .. } = self;
         let one = |lane: usize| contacts.get(wide.number[lane] as usize);
-        let restitution = core::array::from_fn(|lane| {
-            one(lane).map_or(0.0, |one| one.combined_material.restitution)
-        });
+        let mut restitution = [0.0; LANES];
+        for lane in SetLanes(wide.elastic) {
+            restitution[lane] = one(lane).map_or(0.0, |one| one.combined_material.restitution);
+        }
         with(
             *instructions,
             RestitutionSolve { wide, lanes, static_geometry, bodies, restitution, least, h },
@@ -262,7 +264,7 @@ impl BodyContactSolver {
         }
         for number in 0..groups.groups.len() {
             let bounced = impacts.read[number] & !impacts.stays[number] & !rigid.lanes(number);
-            for lane in (0..LANES).filter(|lane| bounced >> lane & 1 == 1) {
+            for lane in SetLanes(bounced) {
                 let solid = groups.sound_in(number, lane).map(|solid| &groups.parts[solid]);
                 let rows = solid.map_or(0..0, |part| part.entries.clone());
                 for row in groups.rows[rows].iter().map(|&row| row as usize) {
@@ -283,14 +285,6 @@ impl BodyContactSolver {
             }
         }
     }
-}
-
-/// A bit for each manifold of a wide contact whose second one stands.
-fn against_static(wide: &WideContact, contacts: &[Contact]) -> u32 {
-    let static_geometry = |lane: &usize| {
-        contacts.get(wide.number[*lane] as usize).is_some_and(|one| one.geometry.is_some())
-    };
-    (0..LANES).filter(static_geometry).fold(0, |bits, lane| bits | 1 << lane)
 }
 
 /// A bit for each manifold of a wide contact that bounces.
@@ -328,10 +322,21 @@ impl Work for RestitutionSolve<'_> {
     /// A bit for each manifold whose speeds were changed.
     type Output = u32;
 
-    /// Written out once for all: few bounce, and what is left out in `normal_solve` (a third point, a second one that stays where it is) is the same
-    /// bits.
+    /// Most have two points at the most, as in `normal_solve`; what is missing has no say. What is left out there of a second one that stays where it is
+    /// is the same bits.
     #[inline(always)]
     fn run<L: Lanes>(self) -> u32 {
+        if L::load(&self.wide.missing[2]).lt(L::splat(FAR)).any() {
+            self.solve::<L, 4>()
+        } else {
+            self.solve::<L, 2>()
+        }
+    }
+}
+
+impl RestitutionSolve<'_> {
+    #[inline(always)]
+    fn solve<L: Lanes, const POINTS: usize>(self) -> u32 {
         let Self { wide, lanes, static_geometry, bodies, restitution, least, h } = self;
         let (none, lanes) = (L::zero(), L::mask(lanes));
         let mut a = Rows::<L>::load(bodies, &wide.a);

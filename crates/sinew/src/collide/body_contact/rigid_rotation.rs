@@ -39,10 +39,10 @@ impl<L: Lanes> Rotation<L> {
         let by = v * s + axis * less + axis.cross(v);
         let by = [by.x, by.y, by.z, s * less - axis.dot(v)];
         let mut next = self;
-        for ((whole, remainder), by) in next.whole.iter_mut().zip(&mut next.remainder).zip(by) {
-            let (before, step) = (*whole, by + *remainder);
-            *whole = before + step;
-            *remainder = step - (*whole - before);
+        for (i, by) in by.into_iter().enumerate() {
+            let (before, step) = (next.whole[i], by + next.remainder[i]);
+            next.whole[i] = before + step;
+            next.remainder[i] = step - (next.whole[i] - before);
         }
         next
     }

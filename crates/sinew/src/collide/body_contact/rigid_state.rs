@@ -107,11 +107,10 @@ impl WideRigidState {
 
     /// Notes which shares of the velocities are lost over substeps of `h` seconds in air of the damping `air`, 1/s.
     pub(super) fn note_losses(&mut self, air: f32, h: f32) {
-        for (which, (exponents, lost)) in self.exponents.iter_mut().zip(&mut self.lost).enumerate()
-        {
+        for (which, lags) in [self.lag, [h; LANES]].iter().enumerate() {
+            let (exponents, lost) = (&mut self.exponents[which], &mut self.lost[which]);
             for lane in 0..LANES {
-                let lag = if which == 0 { self.lag[lane] } else { h };
-                let exponent = (self.rate[lane] + (air + 0.0)) * ((lag + h) * 0.5);
+                let exponent = (self.rate[lane] + (air + 0.0)) * ((lags[lane] + h) * 0.5);
                 if exponent.to_bits() != exponents[lane].to_bits() {
                     (exponents[lane], lost[lane]) = (exponent, loss(exponent));
                 }

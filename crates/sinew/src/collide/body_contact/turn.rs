@@ -24,9 +24,9 @@ pub(super) fn store<L: Lanes>(v: Vector<L>, [x, y, z]: &mut [LaneArray; 3]) {
 /// One vector into a lane of those.
 #[inline(always)]
 pub(super) fn set(to: &mut [LaneArray; 3], lane: usize, from: Vec3) {
-    for (to, from) in to.iter_mut().zip(from.to_array()) {
-        to[lane] = from;
-    }
+    // Written out: a loop over two arrays is one of calls, and this stands in the inner loops of packing.
+    let [x, y, z] = to;
+    (x[lane], y[lane], z[lane]) = (from.x, from.y, from.z);
 }
 
 /// Nothing, in each lane.

@@ -191,6 +191,7 @@ pub(super) fn put(
     wide.staleness[lane] = one.staleness;
     wide.friction[lane] = one.combined_material.friction;
     wide.elastic |= u32::from(one.combined_material.restitution > 0.0) << lane;
+    wide.against_static |= u32::from(one.geometry.is_some()) << lane;
     let drags = one.combined_material.drag != PlanarDrag::default();
     wide.kept |= one.reports_events || one.combined_material.restitution > 0.0 || drags;
     wide.set_friction_anchor(lane, &known.friction_anchor, h);
@@ -210,9 +211,8 @@ pub(super) fn put_manifold(
     let [own, theirs] = manifold.radii;
     (wide.radii[0][lane], wide.radii[1][lane]) = (own, theirs);
     wide.round |= theirs > 0.0;
-    for (lanes, axial) in wide.axial.iter_mut().zip(axial) {
-        *lanes = *lanes & !(1 << lane) | u32::from(axial) << lane;
-    }
+    let bit = |lanes: u32, axial: bool| lanes & !(1 << lane) | u32::from(axial) << lane;
+    wide.axial = [bit(wide.axial[0], axial[0]), bit(wide.axial[1], axial[1])];
     wide.own[lane] = match (own > 0.0, theirs > 0.0) {
         _ if one.geometry.is_some() => 1.0,
         (true, false) => 1.0,
@@ -235,13 +235,15 @@ pub(super) fn put_manifold(
         wide.friction_limit[lane] = 0.0;
     }
     for i in 0..wide.missing.len() {
-        let anchors =
-            points.get(i).map(|point| manifold.anchors_about(point, &known.seen_from, axial));
-        let [on_a, on_b] = anchors.map_or([Vec3::ZERO; 2], |[a, b]| [a - centre_a, b - centre_b]);
+        let (mut on_a, mut on_b, mut missing) = (Vec3::ZERO, Vec3::ZERO, FAR);
+        if let Some(point) = points.get(i) {
+            let [a, b] = manifold.anchors_about(point, &known.seen_from, axial);
+            (on_a, on_b, missing) = (a - centre_a, seen(b - centre_b), 0.0);
+        }
         set(&mut wide.on_a[i], lane, on_a);
-        set(&mut wide.on_b[i], lane, seen(on_b));
+        set(&mut wide.on_b[i], lane, on_b);
         wide.approach[i][lane] = FAR;
-        wide.missing[i][lane] = if anchors.is_some() { 0.0 } else { FAR };
+        wide.missing[i][lane] = missing;
     }
 }
 
@@ -299,6 +301,8 @@ pub(super) struct WideContact {
     pub(super) kept: bool,
     /// A bit for each manifold with a restitution: what it recovers of an overlap never turns into speed, but for what a load needs.
     pub(super) elastic: u32,
+    /// A bit for each manifold whose second one is static geometry, moving or not.
+    pub(super) against_static: u32,
     /// A bit for each manifold where more overlap was recovered in this substep than may turn into speed, or one of whose body colliders comes from
     /// where that was.
     pub(super) depenetrated: u32,
@@ -355,6 +359,7 @@ impl WideContact {
             own: none,
             kept: false,
             elastic: 0,
+            against_static: 0,
             depenetrated: 0,
             force: [none; 4],
             approach: [[FAR; LANES]; 4],

@@ -300,11 +300,15 @@ fn clipped(
     let [own_x, own_y, own_z] = [Vec3::from(c[i1]), Vec3::from(c[i2]), Vec3::from(c[i]) * side];
     let base = z * h[i];
     let mut manifold = Manifold::new(swap.map_or(z, |frame| frame.turn(-z)));
-    let lowest = chosen.as_slice().iter().map(|&n| corners[n]);
-    let lowest = lowest.reduce(|low, p| if p.z < low.z { p } else { low });
     let at_rim = |p: Vec3| (p.x.abs() > h[i1] * (1.0 - RIM)) | (p.y.abs() > h[i2] * (1.0 - RIM));
-    if lowest.is_some_and(at_rim) {
-        manifold.slope = (1.0 - c[i][j] * c[i][j]).max(0.0).sqrt();
+    if let [first, others @ ..] = chosen.as_slice() {
+        let mut lowest = corners[*first];
+        for &n in others {
+            lowest = if corners[n].z < lowest.z { corners[n] } else { lowest };
+        }
+        if at_rim(lowest) {
+            manifold.slope = (1.0 - c[i][j] * c[i][j]).max(0.0).sqrt();
+        }
     }
     for &n in chosen.as_slice() {
         let p = corners[n];

@@ -170,8 +170,11 @@ impl Manifold {
         let [own, theirs] = self.radii;
         let mut anchors =
             [point.on_a + a_in_b.turn_back(self.normal) * own, point.on_b - self.normal * theirs];
-        for (anchor, _) in anchors.iter_mut().zip(axial).filter(|(_, axial)| *axial) {
-            (anchor.x, anchor.z) = (0.0, 0.0);
+        if axial[0] {
+            (anchors[0].x, anchors[0].z) = (0.0, 0.0);
+        }
+        if axial[1] {
+            (anchors[1].x, anchors[1].z) = (0.0, 0.0);
         }
         anchors
     }

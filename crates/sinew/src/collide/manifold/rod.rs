@@ -2,7 +2,6 @@
 //! with that axis.
 
 use glam::Vec3;
-use smallvec::SmallVec;
 
 use super::round::{limit, rim};
 use super::{Frame, Manifold, Point};
@@ -39,27 +38,23 @@ pub(super) fn collide(
         let p = rod.at(along) + rim(rod.axis, along, half_height, -normal) * radius;
         Point { on_a: a_in_b.local(p), on_b: q, distance: (p - q).dot(normal) }
     };
-    let mut points: SmallVec<[Point; 2]> = SmallVec::new();
+    let within = |along: f32, q: Vec3| Some(point(along, q)).filter(|p| p.distance <= reach);
+    let mut manifold = Manifold::new(normal);
     // Within 8° of along the surface, one point would let it roll; and the second is not far off.
-    if rod.axis.dot(normal).abs() < 0.14 {
-        for (along, q) in rod.line(normal) {
-            points.push(point(along, q));
+    let line = if rod.axis.dot(normal).abs() < 0.14 { rod.line(normal) } else { None };
+    for (along, q) in line.into_iter().flatten() {
+        if let Some(point) = within(along, q) {
+            manifold.push(point);
         }
     }
-    if outside && points.is_empty() {
-        points.push(point(along, on_box));
-    } else if points.iter().all(|point| point.distance > reach) {
+    if manifold.len == 0 {
         let (along, q) = if outside { (along, on_box) } else { rod.deepest(normal) };
-        points.clear();
-        points.push(point(along, q));
+        if let Some(point) = within(along, q) {
+            manifold.push(point);
+        }
     }
-    let mut manifold = Manifold::new(normal);
-    points
-        .into_iter()
-        .filter(|point| point.distance <= reach)
-        .for_each(|point| manifold.push(point));
-    let free = rod.free(&manifold);
-    (manifold.len > 0).then_some(Manifold { free, ..manifold })
+    manifold.free = rod.free(&manifold);
+    (manifold.len > 0).then_some(manifold)
 }
 
 /// The direction in which an axis and a box are farthest apart, or overlap least, from the box outwards, and by how much, metres.
@@ -95,12 +90,14 @@ impl Rod {
         let Self { centre, axis, half, size } = self;
         let (mut best, mut most) = (Vec3::Y, f32::NEG_INFINITY);
         let beyond = (centre.abs() - size - axis.abs() * *half).to_array();
-        for (apart, (side, axis)) in
-            beyond.into_iter().zip(centre.to_array().into_iter().zip(Vec3::AXES))
-        {
+        let (mut face, sides) = (1, centre.to_array());
+        for (i, apart) in beyond.into_iter().enumerate() {
             if apart > most {
-                (best, most) = (axis * 1.0_f32.copysign(side), apart);
+                (face, most) = (i, apart);
             }
+        }
+        if most > f32::NEG_INFINITY {
+            best = Vec3::AXES[face] * 1.0_f32.copysign(sides[face]);
         }
         // Far from everything is far along a face, mostly.
         if most > reach {
@@ -158,7 +155,7 @@ impl Rod {
         let above = (farthest + centre).cmpge(size - slack);
         let comes_beyond = [below, above].map(|side| [side.test(0), side.test(1), side.test(2)]);
         // Numbers in a row: coordinates of a vector cannot be asked for by number at this price.
-        let ([middle, size], slopes) = ([*centre, *size].map(|v| v.to_array()), axis.to_array());
+        let (middle, size, slopes) = (centre.to_array(), size.to_array(), axis.to_array());
         for i in 0..3 {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
             let square = 1.0 - slopes[i] * slopes[i];
@@ -181,10 +178,10 @@ impl Rod {
     }
 
     /// The axis along the box's surface: where it comes above the face or edge that looks along `normal`, and where it leaves it.
-    fn line(&self, normal: Vec3) -> SmallVec<[(f32, Vec3); 2]> {
+    fn line(&self, normal: Vec3) -> Option<[(f32, Vec3); 2]> {
         let half = self.half;
-        let [centre, axis, size, normal] =
-            [self.centre, self.axis, self.size, normal].map(|v| v.to_array());
+        let (centre, axis) = (self.centre.to_array(), self.axis.to_array());
+        let (size, normal) = (self.size.to_array(), normal.to_array());
         let (mut from, mut to) = (-half, half);
         for i in 0..3 {
             // Across the surface there is nothing to be above of.
@@ -192,30 +189,29 @@ impl Rod {
                 continue;
             }
             if axis[i].abs() > 1e-6 {
-                let ends = [-size[i], size[i]].map(|side| (side - centre[i]) / axis[i]);
+                let end = |side: f32| (side - centre[i]) / axis[i];
+                let ends = [end(-size[i]), end(size[i])];
                 from = from.max(ends[0].min(ends[1]));
                 to = to.min(ends[0].max(ends[1]));
             } else if centre[i].abs() > size[i] {
-                return SmallVec::new();
+                return None;
             }
         }
         // Less than a hundredth of the axis is a point.
         if to - from < 0.01 * half {
-            return SmallVec::new();
+            return None;
         }
         // Pushed out onto the sides that look along the normal.
-        [from, to]
-            .into_iter()
-            .map(|along| {
-                let mut q = self.at(along).clamp(-self.size, self.size).to_array();
-                for i in 0..3 {
-                    if normal[i].abs() > 0.1 {
-                        q[i] = size[i].copysign(normal[i]);
-                    }
+        let end = |along: f32| {
+            let mut q = self.at(along).clamp(-self.size, self.size).to_array();
+            for i in 0..3 {
+                if normal[i].abs() > 0.1 {
+                    q[i] = size[i].copysign(normal[i]);
                 }
-                (along, q.into())
-            })
-            .collect()
+            }
+            (along, Vec3::from(q))
+        };
+        Some([end(from), end(to)])
     }
 
     /// How far its points on a face are from the rim of that, metres; 0 on edges and corners.

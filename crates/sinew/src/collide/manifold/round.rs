@@ -26,7 +26,8 @@ pub(super) fn capsules(a: [f32; 2], b: [f32; 2], a_in_b: &Frame, reach: f32) -> 
     let on_a = |s: f32| limit(s * cosine - along, half_a);
     let on_b = |u: f32| limit(t.y + u * cosine, half_b);
     // Where a's axis begins and ends beside b's.
-    let ends = [t.y - half_a * cosine.abs(), t.y + half_a * cosine.abs()].map(|s| limit(s, half_b));
+    let aside = half_a * cosine.abs();
+    let ends = [limit(t.y - aside, half_b), limit(t.y + aside, half_b)];
     let s = if square > 1e-6 {
         limit((t.y - cosine * along) / square, half_b)
     } else {

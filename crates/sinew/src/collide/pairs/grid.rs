@@ -183,7 +183,8 @@ impl GridLevel {
     fn slot(&self, place: DVec3) -> u32 {
         let cell = place * self.per_metre;
         // No coordinate is negative, but those of small members who ask on a level of larger ones are not, either: towards zero is down.
-        let [x, y, z] = [cell.x, cell.y, cell.z].map(|x| (x as i64 as u32).wrapping_add(1));
+        let number = |x: f64| (x as i64 as u32).wrapping_add(1);
+        let (x, y, z) = (number(cell.x), number(cell.y), number(cell.z));
         let (y, z) = (y.wrapping_mul(self.row), z.wrapping_mul(self.layer));
         x.wrapping_add(y).wrapping_add(z) & self.mask
     }

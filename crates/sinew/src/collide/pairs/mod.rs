@@ -128,11 +128,11 @@ impl Pairs {
             return 0.0;
         }
         if self.participants.expired
-            || self.skin_check.is_skin_exceeded(&self.participants, particles)
+            || self.skin_check.is_skin_exceeded(&self.participants, particles, self.instructions)
         {
             self.rebuild(particles, filter, true);
         }
-        let fast = self.skin_check.is_fast(&self.participants, particles);
+        let fast = SkinCheck::is_fast(&self.participants, particles, self.instructions);
         let Self { neighbours, touched, hits, times_of_impact, .. } = self;
         let sweep =
             PairSweep { neighbours, filter, particles, fast, h, touched, hits, times_of_impact };

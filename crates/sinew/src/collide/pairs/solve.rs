@@ -120,7 +120,7 @@ impl PairSweep<'_> {
         L::put_rows(&mut self.particles.position, rows_b, b.with(w_b));
         self.touched.push(Touched {
             block: number,
-            normal: [n.x, n.y, n.z].map(|x| hit.and(x).array()),
+            normal: [hit.and(n.x).array(), hit.and(n.y).array(), hit.and(n.z).array()],
             parting: n.dot(self.velocity(block)).array(),
             weights: [w_a.array(), w_b.array()],
             impulse: most.array(),

@@ -84,6 +84,11 @@ impl Pieces {
         begins.push(of_rows.len() as u32);
     }
 
+    /// Whether an island has more than one.
+    pub(super) fn are_several(&self, island: usize) -> bool {
+        self.starts[island] < self.starts[island + 1]
+    }
+
     /// Adds a row to the boxes about its pieces.
     #[inline]
     pub(super) fn add(&mut self, row: u32, at: Vec3, around: f32) {

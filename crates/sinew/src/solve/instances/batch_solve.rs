@@ -7,7 +7,7 @@ use glam::{Vec3, Vec4};
 use super::InstanceBatch;
 use super::lane_compaction::LaneCompaction;
 use super::lane_storage::LaneStorage;
-use super::lane_storage::{LaneParticles, gather, scatter};
+use super::lane_storage::{LaneParticles, gather, next, scatter};
 use super::momentum_drift::{derive_lanes, take_drift};
 use super::motion::predict_lanes;
 use super::solve::BatchContext;
@@ -109,17 +109,11 @@ impl<'a> BatchSolve<'a> {
         }
         let settings = &islands[0].settings;
         let contacts = self.context.contacts.of_batch(batch.rows())?;
-        let apart = || {
-            let place = |row: u32| (row - self.task.rows.start) as usize;
-            let rows = place(batch.rows().start)..place(batch.rows().end);
-            let mut bodies = self.origin[rows].chunks(batch.members as usize);
-            bodies.any(|origins| origins.iter().any(|origin| *origin != origins[0]))
-        };
         let ready = settings.order == Order::GaussSeidel
             && !settings.timed
             && islands.iter().all(|island| island.settings == *settings)
             // A body whose particles have more than one origin has more than one height above a plane.
-            && (contacts.planes.is_empty() || !apart());
+            && (contacts.planes.is_empty() || islands.iter().all(|island| island.one_origin));
         ready.then_some(contacts)
     }
 
@@ -351,13 +345,23 @@ impl<'a> BatchSolve<'a> {
         if planes.is_empty() {
             return;
         }
-        let places = |i: u32| batch.places(self.task.rows.start, i).map(|place| place as usize);
-        let origins = places(0).map(|place| self.origin[place]);
-        let heights =
-            |plane: &Plane| origins.map(|origin| ground(origin, plane.normal, plane.offset));
-        storage.ground.extend(planes.iter().map(heights));
-        let radii = |i: u32| places(i).map(|place| self.radius[place]);
-        storage.radius.extend((0..batch.members).map(radii));
+        let mut places = batch.places(self.task.rows.start, 0);
+        // Loops, and no `map` of an array: that is a call for each lane, in each substep.
+        for plane in planes {
+            let mut heights = [0.0; LANES];
+            for (lane, place) in places.into_iter().enumerate() {
+                heights[lane] = ground(self.origin[place as usize], plane.normal, plane.offset);
+            }
+            storage.ground.push(heights);
+        }
+        for _ in 0..batch.members {
+            let mut radii = [0.0; LANES];
+            for (lane, place) in places.into_iter().enumerate() {
+                radii[lane] = self.radius[place as usize];
+            }
+            storage.radius.push(radii);
+            next(&mut places);
+        }
     }
 }
 
@@ -393,12 +397,20 @@ fn limit_recovery(
 
 /// Notes at which rates velocities are lost.
 fn note_rates(batch: &InstanceBatch, begin: u32, whole: &WholeStep, storage: &mut LaneStorage) {
-    let own = |place: u32| match whole.damping {
-        [all] => *all,
-        each => each.get(place as usize).copied().unwrap_or(0.0),
-    };
-    let rates = |i: u32| batch.places(begin, i).map(|place| own(place) + (whole.air + 0.0));
+    let air = whole.air + 0.0;
     storage.rate.clear();
-    storage.rate.extend((0..batch.members).map(rates));
+    if let [all] = whole.damping {
+        storage.rate.resize(batch.members as usize, [all + air; LANES]);
+    } else {
+        let mut places = batch.places(begin, 0);
+        for _ in 0..batch.members {
+            let mut rates = [0.0; LANES];
+            for (lane, place) in places.into_iter().enumerate() {
+                rates[lane] = whole.damping.get(place as usize).copied().unwrap_or(0.0) + air;
+            }
+            storage.rate.push(rates);
+            next(&mut places);
+        }
+    }
     storage.lost.resize(storage.rate.len(), [0.0; LANES]);
 }

@@ -91,9 +91,10 @@ impl LaneParticles {
 
     /// Takes one of other bodies.
     fn take(&mut self, lane: usize, other: &Self, from: usize) {
-        for (column, other) in self.0.iter_mut().zip(&other.0) {
-            column[lane % LANES] = other[from % LANES];
-        }
+        // Written out: each particle of each body that changes its lane comes here.
+        let (lane, from) = (lane % LANES, from % LANES);
+        let ([x, y, z, w], [a, b, c, d]) = (&mut self.0, &other.0);
+        (x[lane], y[lane], z[lane], w[lane]) = (a[from], b[from], c[from], d[from]);
     }
 
     /// Of one body.
@@ -104,16 +105,14 @@ impl LaneParticles {
 
     /// Writes all four of one body.
     pub(super) fn set_lane_whole(&mut self, lane: usize, to: Vec4) {
-        for (column, number) in self.0.iter_mut().zip(to.to_array()) {
-            column[lane] = number;
-        }
+        let [x, y, z, w] = &mut self.0;
+        (x[lane], y[lane], z[lane], w[lane]) = (to.x, to.y, to.z, to.w);
     }
 
     /// Writes `x y z` of one body.
     pub(super) fn set_lane(&mut self, lane: usize, to: Vec3) {
-        for (column, number) in self.0.iter_mut().zip(to.to_array()) {
-            column[lane] = number;
-        }
+        let [x, y, z, _] = &mut self.0;
+        (x[lane], y[lane], z[lane]) = (to.x, to.y, to.z);
     }
 }
 
@@ -264,6 +263,6 @@ kernel!(
 
 /// The next particle of each body. Numbers made one by one would have to be waited for before they are read as one register.
 #[inline(always)]
-fn next(places: &mut [u32; LANES]) {
+pub(super) fn next(places: &mut [u32; LANES]) {
     places.iter_mut().for_each(|place| *place += 1);
 }

@@ -120,6 +120,10 @@ impl InstanceBatch {
     #[inline(always)]
     fn places(&self, begin: u32, i: u32) -> [u32; LANES] {
         let last = self.islands.len() as u32 - 1;
-        core::array::from_fn(|lane| self.first - begin + last.min(lane as u32) * self.members + i)
+        let mut places = [0; LANES];
+        for (place, lane) in places.iter_mut().zip(0..) {
+            *place = self.first - begin + last.min(lane) * self.members + i;
+        }
+        places
     }
 }

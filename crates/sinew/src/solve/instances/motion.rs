@@ -15,8 +15,10 @@ impl LaneStorage {
         let Self { velocity, rate, lost, .. } = self;
         for ((velocity, rate), lost) in velocity.iter().zip(rate).zip(lost) {
             let lags = velocity.fourths();
-            let exponents: [f32; LANES] =
-                core::array::from_fn(|lane| rate[lane] * ((lags[lane] + h) * 0.5));
+            let mut exponents = [0.0; LANES];
+            for (lane, exponent) in exponents.iter_mut().enumerate() {
+                *exponent = rate[lane] * ((lags[lane] + h) * 0.5);
+            }
             if exponents == [last.0; LANES] {
                 *lost = [last.1; LANES];
                 continue;
@@ -34,7 +36,10 @@ impl LaneStorage {
     pub(super) fn note_masses(&mut self) {
         self.mass.resize(self.now.len(), [0.0; LANES]);
         for (mass, spot) in self.mass.iter_mut().zip(&self.now) {
-            *mass = spot.fourths().map(|inverse| 1.0 / f64::from(inverse));
+            let inverses = spot.fourths();
+            for (lane, mass) in mass.iter_mut().enumerate() {
+                *mass = 1.0 / f64::from(inverses[lane]);
+            }
         }
     }
 }

@@ -157,7 +157,8 @@ kernel!(
         let (going, mut deepest) = (L::mask(going), L::zero());
         let LaneStorage { now, start, radius, ground, .. } = storage;
         for ((now, start), radius) in now.iter_mut().zip(start).zip(radius) {
-            for (plane, ground) in planes.iter().zip(&*ground) {
+            for (number, plane) in planes.iter().enumerate() {
+                let ground = &ground[number];
                 let (p, w) = Vector::of(now.load::<L>());
                 let normal = Vector::<L>::splat(plane.normal);
                 let height = normal.dot(p) + L::load(ground) - L::load(radius);

@@ -91,3 +91,16 @@ fn a_gas_that_bounces_never_has_more_energy_than_before() {
         }
     }
 }
+
+#[test]
+fn who_goes_straight_on_as_foreseen_has_nobody_looked_for_again() {
+    let mut world = World { contacts: vec![sociable(0.5, 0.0)], ..Default::default() };
+    for (x, speed) in [(0.0, 0.0), (0.3, 0.0), (0.6, 1.0)] {
+        let seed = ParticleSeed::at(Vec3::X * x).with_velocity(Vec3::X * speed);
+        world.push(seed.with_radius(0.065), 0);
+    }
+    (0..10).for_each(|_| {
+        world.step(DT);
+    });
+    assert_eq!(world.rebuilds, 10, "once a step");
+}
