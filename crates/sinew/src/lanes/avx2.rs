@@ -269,6 +269,24 @@ impl Lanes for Eight {
     }
 
     #[inline(always)]
+    fn part(self, next: Self) -> (Self, Self) {
+        // SAFETY: see `Eight`.
+        unsafe {
+            let firsts = _mm256_shuffle_ps::<0b10_00_10_00>(self.0, next.0);
+            (Self(firsts), Self(_mm256_shuffle_ps::<0b11_01_11_01>(self.0, next.0)))
+        }
+    }
+
+    #[inline(always)]
+    fn join(self, seconds: Self) -> (Self, Self) {
+        // SAFETY: see `Eight`.
+        unsafe {
+            let these = _mm256_unpacklo_ps(self.0, seconds.0);
+            (Self(these), Self(_mm256_unpackhi_ps(self.0, seconds.0)))
+        }
+    }
+
+    #[inline(always)]
     fn two(packed: &[Vec4], first: usize) -> Self {
         let from = packed[first..first + 2].as_ptr();
         // SAFETY: both rows exist, as just checked, and are eight floats; see `Eight`.

@@ -210,6 +210,11 @@ impl Pair {
         Self { a: place(a), b: place(b), numbers }
     }
 
+    /// Sixteen rows from one on, each two behind the one before, as eight pairs of neighbours in a column, in the order of [`PARTED`](super::PARTED).
+    pub(crate) fn of_neighbours(first: u32, numbers: [f32; LANES], half: usize) -> Self {
+        Self::new(first, first + 2 * LANES as u32, numbers, half)
+    }
+
     /// The same in columns whose odd rows begin elsewhere.
     pub(crate) fn moved(&self, half: usize, to: usize) -> Self {
         let (a, b) = self.rows(0, half);
@@ -278,6 +283,39 @@ impl Eights<'_> {
         unsafe { fourth.store(&mut *self.numbers.add(3 * self.column + at).cast()) }
     }
 
+    /// `x y z w` of eight rows in a row, in the order of [`PARITY`](super::PARITY), of which the first two are at these places. Panics if they are not there.
+    #[inline(always)]
+    pub(crate) fn load_run<L: Lanes>(&self, at: [usize; 2]) -> [L; 4] {
+        assert!(at[0].max(at[1]) + LANES / 2 <= self.column, "an eight that does not exist");
+        // SAFETY: they are within a column, as just checked, and all four are as long; the borrow of the columns is ours.
+        let of = |column: usize| unsafe {
+            let column = self.numbers.add(column * self.column);
+            (&*column.add(at[0]).cast(), &*column.add(at[1]).cast())
+        };
+        let (x, y, z, w) = (of(0), of(1), of(2), of(3));
+        [
+            L::load_halves(x.0, x.1),
+            L::load_halves(y.0, y.1),
+            L::load_halves(z.0, z.1),
+            L::load_halves(w.0, w.1),
+        ]
+    }
+
+    /// Writes `x y z` of them. Panics if they are not there.
+    #[inline(always)]
+    pub(crate) fn put_run<L: Lanes>(&mut self, at: [usize; 2], [x, y, z, _]: [L; 4]) {
+        let end = at[0].max(at[1]) + LANES / 2;
+        assert!(end <= self.column && at[0].abs_diff(at[1]) >= LANES / 2, "no such eight");
+        // SAFETY: they are within a column, as just checked, and apart; the borrow of the columns is ours.
+        unsafe {
+            let (first, second) = (self.numbers.add(at[0]), self.numbers.add(at[1]));
+            let (y_, z_) = (self.column, 2 * self.column);
+            x.store_halves(&mut *first.cast(), &mut *second.cast());
+            y.store_halves(&mut *first.add(y_).cast(), &mut *second.add(y_).cast());
+            z.store_halves(&mut *first.add(z_).cast(), &mut *second.add(z_).cast());
+        }
+    }
+
     /// Where the eights of a pair are, whose first row is `from` lanes behind the first of the columns. Panics if they are not there.
     #[inline(always)]
     pub(crate) fn find(&self, pair: &Pair, from: usize) -> (usize, usize) {
@@ -286,9 +324,9 @@ impl Eights<'_> {
         (a, b)
     }
 
-    /// Takes some pairs, of which no two have a lane that counts in common. `from` as in [`find`](Self::find).
+    /// Takes some pairs, of which no two have a lane that counts in common; or [of neighbours](Pair::of_neighbours). `from` as in [`find`](Self::find).
     #[inline(always)]
-    pub(crate) fn each<L: Lanes>(
+    pub(crate) fn each<L: Lanes, const NEIGHBOURS: bool>(
         &mut self,
         pairs: &[Pair],
         from: usize,
@@ -298,64 +336,102 @@ impl Eights<'_> {
         let mut old = CheckedPair::of(self, first, from);
         // SAFETY: what is found exists.
         let mut scale = unsafe {
-            let length = self.length(old, work);
-            self.scale(old, length, work)
+            let length = self.length::<L, NEIGHBOURS>(old, work);
+            self.scale::<L, NEIGHBOURS>(old, length, work)
         };
         if let [second, pairs @ ..] = pairs {
             let mut now = CheckedPair::of(self, second, from);
             // SAFETY: what is found exists.
-            let mut length = unsafe { self.length(now, work) };
+            let mut length = unsafe { self.length::<L, NEIGHBOURS>(now, work) };
             for pair in pairs {
                 let next = CheckedPair::of(self, pair, from);
                 // SAFETY: what is found exists.
                 unsafe {
-                    let following = self.length(next, work);
-                    let after = self.scale(now, length, work);
-                    self.apply(old, scale, work);
+                    let following = self.length::<L, NEIGHBOURS>(next, work);
+                    let after = self.scale::<L, NEIGHBOURS>(now, length, work);
+                    self.apply::<L, NEIGHBOURS>(old, scale, work);
                     (length, scale) = (following, after);
                 }
                 (old, now) = (now, next);
             }
             // SAFETY: what is found exists.
             unsafe {
-                let after = self.scale(now, length, work);
-                self.apply(old, scale, work);
+                let after = self.scale::<L, NEIGHBOURS>(now, length, work);
+                self.apply::<L, NEIGHBOURS>(old, scale, work);
                 (old, scale) = (now, after);
             }
         }
         // SAFETY: what is found exists.
-        unsafe { self.apply(old, scale, work) }
+        unsafe { self.apply::<L, NEIGHBOURS>(old, scale, work) }
     }
 
     /// # Safety
     /// The pair was found in these columns. So in the next two.
     #[inline(always)]
-    unsafe fn length<L: Lanes>(&self, at: CheckedPair, work: &impl OnPairs<L>) -> L {
+    unsafe fn length<L: Lanes, const NEIGHBOURS: bool>(
+        &self,
+        at: CheckedPair,
+        work: &impl OnPairs<L>,
+    ) -> L {
         // SAFETY: as promised.
         unsafe {
-            let ([x, y, z, _], [p, q, r, _]) = (self.get(at.a), self.get(at.b));
+            let ([x, y, z, _], [p, q, r, _]) = self.both::<L, NEIGHBOURS>(at);
             work.length([x, y, z], [p, q, r])
         }
     }
 
     #[inline(always)]
-    unsafe fn scale<L: Lanes>(&self, at: CheckedPair, length: L, work: &mut impl OnPairs<L>) -> L {
+    unsafe fn scale<L: Lanes, const NEIGHBOURS: bool>(
+        &self,
+        at: CheckedPair,
+        length: L,
+        work: &mut impl OnPairs<L>,
+    ) -> L {
         // SAFETY: as promised.
         unsafe {
-            let ([_, _, _, one], [_, _, _, other]) = (self.get(at.a), self.get(at.b));
+            let ([_, _, _, one], [_, _, _, other]) = self.both::<L, NEIGHBOURS>(at);
             work.scale([one, other], L::load(at.numbers), length)
         }
     }
 
     #[inline(always)]
-    unsafe fn apply<L: Lanes>(&mut self, at: CheckedPair, scale: L, work: &impl OnPairs<L>) {
+    unsafe fn apply<L: Lanes, const NEIGHBOURS: bool>(
+        &mut self,
+        at: CheckedPair,
+        scale: L,
+        work: &impl OnPairs<L>,
+    ) {
         // SAFETY: as promised.
         unsafe {
             let numbers = L::load(at.numbers);
-            let (one, other) = work.moved(self.get(at.a), self.get(at.b), numbers, scale);
-            self.set(at.a, one);
-            self.set(at.b, other);
+            let (one, other) = self.both::<L, NEIGHBOURS>(at);
+            let (one, other) = work.moved(one, other, numbers, scale);
+            if NEIGHBOURS {
+                let ([x, y, z, w], [p, q, r, _]) = (one, other);
+                let ((x, p), (y, q), (z, r)) = (x.join(p), y.join(q), z.join(r));
+                self.set(at.a, [x, y, z, w]);
+                self.set(at.b, [p, q, r, w]);
+            } else {
+                self.set(at.a, one);
+                self.set(at.b, other);
+            }
         }
+    }
+
+    /// `x y z w` of the first and of the second ones.
+    ///
+    /// # Safety
+    /// The pair was found in these columns.
+    #[inline(always)]
+    unsafe fn both<L: Lanes, const NEIGHBOURS: bool>(&self, at: CheckedPair) -> ([L; 4], [L; 4]) {
+        // SAFETY: as promised.
+        let (one, other) = unsafe { (self.get::<L>(at.a), self.get::<L>(at.b)) };
+        if !NEIGHBOURS {
+            return (one, other);
+        }
+        let ([x, y, z, w], [p, q, r, s]) = (one, other);
+        let ((x, p), (y, q), (z, r), (w, s)) = (x.part(p), y.part(q), z.part(r), w.part(s));
+        ([x, y, z, w], [p, q, r, s])
     }
 
     /// # Safety

@@ -61,7 +61,10 @@ pub(crate) use vector::Vector;
 pub(crate) const LANES: usize = 8;
 
 /// Which of eight rows each lane holds where they are sorted by parity.
-const PARITY: [usize; LANES] = [0, 2, 4, 6, 1, 3, 5, 7];
+pub(crate) const PARITY: [usize; LANES] = [0, 2, 4, 6, 1, 3, 5, 7];
+
+/// Which of eight pairs of neighbours each lane holds where sixteen numbers are [parted](Lanes::part): halves of a register are sorted each by itself.
+pub(crate) const PARTED: [usize; LANES] = [0, 1, 4, 5, 2, 3, 6, 7];
 
 /// Instructions that kernels are compiled for. Results are the same bits with each of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -331,6 +334,10 @@ pub(crate) trait Lanes: Number {
     fn load_halves(low: &[f32; LANES / 2], high: &[f32; LANES / 2]) -> Self;
     /// Into two arrays.
     fn store_halves(self, low: &mut [f32; LANES / 2], high: &mut [f32; LANES / 2]);
+    /// Sixteen numbers, these eight and the `next`, as eight pairs of neighbours in the order of [`PARTED`]: the first of each, and the second.
+    fn part(self, next: Self) -> (Self, Self);
+    /// The sixteen numbers of such pairs.
+    fn join(self, seconds: Self) -> (Self, Self);
     /// Two rows as they lie: `x y z w x y z w`.
     fn two(packed: &[Vec4], first: usize) -> Self;
     /// Writes them back.

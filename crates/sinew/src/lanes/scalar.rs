@@ -8,7 +8,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 use glam::Vec4;
 
 use super::doubles::Each;
-use super::{LANES, Lanes, Number, PARITY, Record};
+use super::{LANES, Lanes, Number, PARITY, PARTED, Record};
 
 /// Eight numbers, one after the other.
 #[derive(Clone, Copy, Debug)]
@@ -202,6 +202,23 @@ impl Lanes for Array {
         for lane in 0..LANES {
             packed[first + lane] = Self::row(columns, lane);
         }
+    }
+
+    #[inline(never)]
+    fn part(self, next: Self) -> (Self, Self) {
+        let all = [self.0, next.0].concat();
+        let each = |second: usize| core::array::from_fn(|lane| all[2 * PARTED[lane] + second]);
+        (Self(each(0)), Self(each(1)))
+    }
+
+    #[inline(never)]
+    fn join(self, seconds: Self) -> (Self, Self) {
+        let mut all = [[0.0; LANES]; 2];
+        for (lane, &pair) in PARTED.iter().enumerate() {
+            all.as_flattened_mut()[2 * pair] = self.0[lane];
+            all.as_flattened_mut()[2 * pair + 1] = seconds.0[lane];
+        }
+        (Self(all[0]), Self(all[1]))
     }
 
     #[inline(never)]

@@ -48,6 +48,7 @@ impl Work for Everything {
         let (a, b) = (L::load(&self.a), L::load(&self.b));
         let mask = a.lt(b);
         let both = mask.or(a.same(b));
+        let ((firsts, seconds), (these, next)) = (a.part(b), a.join(b));
         let bits = L::splat((a.le(b).bits() << 8 | mask.bits()) as f32);
         let any = L::splat(f32::from(u8::from(mask.any())));
         let all = [
@@ -68,6 +69,11 @@ impl Work for Everything {
             bits,
             any,
             b.lt(a).select(a, L::zero()),
+            firsts,
+            seconds,
+            these,
+            next,
+            firsts.join(seconds).1,
         ];
         // Which NaN it is depends on what a compiler makes of an expression; whether it is one does not.
         let number = |x: f32| if x.is_nan() { f32::NAN.to_bits() } else { x.to_bits() };

@@ -26,6 +26,8 @@ pub(crate) struct SolveMode {
     pub(crate) gradient_at: GradientAt,
     /// Whether tethers and spans are held in this sweep.
     pub(crate) tethers: bool,
+    /// Whether there is no other sweep in this substep: then nothing has to be summed up.
+    pub(crate) single_sweep: bool,
     /// What is off by more than this is violated, metres.
     pub(crate) violation: f32,
     /// For its kernels.

@@ -8,7 +8,9 @@ use super::constraint_ref::{SolveMode, project_constraint};
 use super::multipliers::MultiplierSlice;
 use super::plan::{ClusterBatch, ConstraintGroup, GroupKind, Plan};
 use super::scratch::ThreadScratch;
+use super::wide::sweep_loose;
 use crate::constraints::GradientAt;
+use crate::lanes::Columns;
 use crate::particles::Places;
 use crate::threads::{ExecutionContext, Pool, TASKS, each};
 
@@ -45,9 +47,16 @@ fn sweep_cluster_batch(
 ) -> f32 {
     let groups = &plan.groups[cluster_batch.groups.clone()];
     let (Plan { rods, constraints, .. }, instructions) = (plan, mode.instructions);
-    if cluster_batch.columns && mode.gradient_at == GradientAt::Current {
-        let (each, rows) = (groups.iter().map(ConstraintGroup::rods), cluster_batch.rows.clone());
-        return rods.sweep_columns(places, each, rows, &mut thread_scratch.columns, instructions);
+    // What is soft asks for no start of the substep, which columns do not know.
+    let current = cluster_batch.kind != GroupKind::Rods || mode.gradient_at == GradientAt::Current;
+    if cluster_batch.columns && current {
+        let (columns, rows) = (&mut thread_scratch.columns, cluster_batch.rows.clone());
+        let range = places.at(rows.start)..places.at(rows.end);
+        columns.reset(rods.half());
+        columns.turn_in(0, &places.position[range.clone()], instructions);
+        let worst = sweep_turned(columns, plan, cluster_batch, rows.start, multipliers, mode);
+        columns.turn_out(0, &mut places.position[range], instructions);
+        return worst;
     }
     let mut worst = 0.0_f32;
     for group in groups {
@@ -89,6 +98,37 @@ fn sweep_cluster_batch(
             }
         };
         worst = worst.max(found);
+    }
+    worst
+}
+
+/// The same of a cluster batch that is swept in columns, on columns that begin with the row `first`.
+pub(super) fn sweep_turned(
+    columns: &mut Columns,
+    plan: &Plan,
+    cluster_batch: &ClusterBatch,
+    first: u32,
+    multipliers: &mut MultiplierSlice,
+    mode: SolveMode,
+) -> f32 {
+    let groups = &plan.groups[cluster_batch.groups.clone()];
+    let (rows, instructions) = ((cluster_batch.rows.start, first), mode.instructions);
+    if cluster_batch.kind == GroupKind::Rods {
+        let each = groups.iter().map(ConstraintGroup::rods);
+        return plan.rods.sweep_turned(columns, each, rows, instructions);
+    }
+    let (mut worst, how) = (0.0_f32, (mode.substep_context, instructions));
+    for ConstraintGroup { range, runs, blocks, .. } in groups {
+        let sums = multipliers.of_distances(range.clone());
+        let kept = if mode.single_sweep { &mut [] } else { &mut *sums };
+        let (found, count) = plan.rods.sweep_soft(columns, runs.clone(), rows, kept, how);
+        worst = worst.max(found);
+        if !blocks.is_empty() {
+            let (loose, blocks, from) = (&plan.loose_distances, blocks.clone(), rows.0 - rows.1);
+            let sums = &mut sums[count..];
+            let found = sweep_loose(loose, columns, blocks, from, sums, how.0, instructions);
+            worst = worst.max(found);
+        }
     }
     worst
 }

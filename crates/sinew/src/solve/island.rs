@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use super::constraint_ref::{SolveMode, list_constraint_refs};
 use super::context::SolveContext;
+use super::gauss_seidel::{self, sweep_turned};
 use super::instances::MOST;
 use super::momentum::MomentumDrift;
 use super::multipliers::MultiplierSlice;
@@ -11,7 +12,7 @@ use super::plan::{GroupKind, Plan};
 use super::rods::COS_SQUARED;
 use super::scratch::ThreadScratch;
 use super::task_slice::IslandSlice;
-use super::{gauss_seidel, jacobi, most_violated_first};
+use super::{jacobi, most_violated_first};
 use crate::collide::{NormalImpulses, recovery};
 use crate::constraints::{GradientAt, SubstepContext};
 use crate::islands::Island;
@@ -30,8 +31,13 @@ pub(super) fn sweep_in_order(
     if order != Order::GaussSeidel {
         list_constraint_refs(plan, island, &mut thread_scratch.constraint_refs);
     }
+    let in_columns = if island.has_chains() { None } else { plan.fits_columns(island) };
     move |places, multipliers, mode| match order {
         Order::GaussSeidel => {
+            if let Some(rows) = in_columns.filter(|_| mode.gradient_at == GradientAt::Current) {
+                let scratch = &mut *thread_scratch;
+                return sweep_in_columns(plan, island, rows, places, multipliers, mode, scratch);
+            }
             let alone = ExecutionContext { instructions: mode.instructions, workers: None };
             let out = hold_at_once(plan, island, places, mode, alone, thread_scratch);
             let batches = island.cluster_batches.clone();
@@ -73,8 +79,15 @@ pub(super) fn solve(
     let (mut sweeps, mut converged, mut touched) = (0, false, false);
     while sweeps < settings.max_sweeps && !converged {
         let (tethers, instructions) = (sweeps == 0 || rows.len() > MOST, execution.instructions);
-        let mode =
-            SolveMode { substep_context, gradient_at, tethers, violation: most, instructions };
+        let single_sweep = settings.max_sweeps == 1;
+        let mode = SolveMode {
+            substep_context,
+            gradient_at,
+            tethers,
+            single_sweep,
+            violation: most,
+            instructions,
+        };
         let found = if island.groups.is_empty() { 0.0 } else { sweep(places, multipliers, mode) };
         report.violated = if sweeps == 0 { found > most } else { report.violated };
         let depth = project_contacts(context, places, &mut normal_impulses, (number, rows));
@@ -131,6 +144,40 @@ pub(super) fn hold_at_once(
     worst
 }
 
+/// Holds at once what is to be, and sweeps an island once, with all of its particles in columns meanwhile: rows from a first one on. To the bits of one after
+/// the other.
+fn sweep_in_columns(
+    plan: &Plan,
+    island: &Island,
+    (first, count): (u32, usize),
+    places: &mut Places,
+    multipliers: &mut MultiplierSlice,
+    mode: SolveMode,
+    thread_scratch: &mut ThreadScratch,
+) -> f32 {
+    let ThreadScratch { columns, pins, .. } = thread_scratch;
+    let (rows, instructions) = (places.at(first)..places.at(first) + count, mode.instructions);
+    columns.reset(plan.rods.half());
+    columns.turn_in(0, &places.position[rows.clone()], instructions);
+    let mut worst = 0.0_f32;
+    if mode.tethers {
+        if let Some(tethers) = plan.tethers.of(island) {
+            pins.clear();
+            pins.extend(tethers.pins(places.position, places.first));
+            worst = tethers.project_columns(columns, 0, &(0..count), pins, instructions);
+        }
+        if let Some(spans) = plan.tethers.spans_of(island) {
+            spans.project_columns(columns, first, instructions);
+        }
+    }
+    for cluster_batch in &plan.cluster_batches[island.cluster_batches.clone()] {
+        let found = sweep_turned(columns, plan, cluster_batch, first, multipliers, mode);
+        worst = worst.max(found);
+    }
+    columns.turn_out(0, &mut places.position[rows], instructions);
+    worst
+}
+
 /// Starts the multipliers of an island afresh.
 fn reset_multipliers(plan: &Plan, island: &Island, multipliers: &mut MultiplierSlice) {
     for group in &plan.groups[island.groups.clone()] {
@@ -176,4 +223,58 @@ fn project_contacts(
     }
     let with = (context.interval(), execution.instructions);
     contacts.project_island(places, normal_impulses, island, with)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Simulation;
+    use crate::lanes::InstructionSet;
+    use crate::recipes::{ClothSpec, cloth_grid};
+    use crate::solve::multipliers::Multipliers;
+
+    /// Pinned cloth that is being shaken: its tethers, spans, soft ties and rods do to the bit the same in columns as one cluster batch after the other.
+    #[test]
+    fn cloth_in_columns_has_the_bits_of_its_cluster_batches_one_by_one() {
+        for (columns, rows) in [(20, 20), (63, 63), (90, 31)] {
+            let spec = ClothSpec { columns, rows, ..Default::default() };
+            let mut cloth = cloth_grid(&spec).unwrap();
+            spec.corners()[..2].iter().for_each(|&corner| cloth.pin(corner).unwrap());
+            let mut world = Simulation::default();
+            cloth.build(&mut world).unwrap();
+            for i in 0..world.particles.len() {
+                let shaken = glam::Vec3::new((i % 7) as f32, (i % 5) as f32, (i % 11) as f32);
+                world.particles.set_velocity(i, shaken * 0.3);
+            }
+            for _ in 0..3 {
+                world.step(1.0 / 60.0).unwrap();
+            }
+            let (plan, particles) = (world.plan(), &world.particles);
+            let island = &plan.islands.list[0];
+            let mode = SolveMode {
+                substep_context: SubstepContext { h: 1.0 / 1200.0, sweeps: 2 },
+                gradient_at: GradientAt::Current,
+                tethers: true,
+                single_sweep: false,
+                violation: f32::INFINITY,
+                instructions: InstructionSet::best(),
+            };
+            let (mut own, mut other) = (particles.clone(), particles.clone());
+            let (mut scratch, mut multipliers) = (ThreadScratch::default(), Multipliers::default());
+            multipliers.resize(plan.distances.len(), plan.constraints.len());
+            let (all, sums) = (plan.fits_columns(island).unwrap(), &mut multipliers.all());
+            let places = &mut Places::all(&mut own);
+            let found = sweep_in_columns(plan, island, all, places, sums, mode, &mut scratch);
+            multipliers = Multipliers::default();
+            multipliers.resize(plan.distances.len(), plan.constraints.len());
+            let (places, sums) = (&mut Places::all(&mut other), &mut multipliers.all());
+            let alone = ExecutionContext { instructions: mode.instructions, workers: None };
+            let out = hold_at_once(plan, island, places, mode, alone, &mut scratch);
+            let batches = island.cluster_batches.clone();
+            let same = gauss_seidel::sweep(places, plan, batches, sums, mode, &mut scratch);
+            assert_eq!(found, out.max(same), "{columns} × {rows}");
+            assert!(own.position == other.position, "{columns} × {rows}");
+            assert!(own.position != particles.position && plan.tethers.spans_of(island).is_some());
+        }
+    }
 }

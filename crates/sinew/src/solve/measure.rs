@@ -42,6 +42,10 @@ pub(crate) fn measure(
         let cluster_batches = if measured { 0..0 } else { island.cluster_batches.clone() };
         for cluster_batch in &plan.cluster_batches[cluster_batches] {
             let groups = &plan.groups[cluster_batch.groups.clone()];
+            if cluster_batch.columns && cluster_batch.kind == GroupKind::Distances {
+                // What is soft has nothing left to be kept.
+                continue;
+            }
             if cluster_batch.columns {
                 let each = groups.iter().map(ConstraintGroup::rods);
                 let rows = cluster_batch.rows.clone();

@@ -29,7 +29,7 @@ use super::task_slice::TaskSlice;
 use crate::constraints::{ConstraintKind, GradientAt};
 use crate::integrate::{Derive, Integrator, Predict, StepRows, derive, predict_all};
 use crate::islands::Island;
-use crate::lanes::with;
+use crate::lanes::{LANES, with};
 use crate::particles::Places;
 use crate::settings::Order;
 
@@ -154,10 +154,15 @@ impl MicrostepScratch {
             start.extend_from_slice(&places.start[rows.clone()]);
         }
         led.clear();
-        led.extend(rows.filter_map(|i| {
-            let end = places.position[i];
-            (end.w == 0.0 && end != places.start[i]).then_some((i, end))
-        }));
+        let all = places.position[rows.clone()].chunks(2 * LANES);
+        for (begin, some) in rows.step_by(2 * LANES).zip(all) {
+            // Few are pinned: it is asked of several at once.
+            if some.iter().fold(false, |pinned, end| pinned | (end.w == 0.0)) {
+                let each = (begin..).zip(some);
+                let moves = each.filter(|(i, end)| end.w == 0.0 && **end != places.start[*i]);
+                led.extend(moves.map(|(i, end)| (i, *end)));
+            }
+        }
     }
 
     /// Leads pinned particles by one of so many equal parts of what they have left.

@@ -125,13 +125,16 @@ kernel!(
             // A triangle that names a row that is not there is left in the lee.
             let mut middles = [Vec4::ZERO; LANES];
             for (middle, corners) in middles.iter_mut().zip(eight) {
-                if corners.iter().all(|&i| (i as usize) < particles.len()) {
-                    let corners = corners.map(|i| i as usize);
+                // Not by `map`, which is not inlined in a kernel.
+                let [a, b, c] = *corners;
+                let corners = [a as usize, b as usize, c as usize];
+                if corners.iter().all(|&i| i < particles.len()) {
                     let share = region.map_or(1.0, |region| {
                         region.share_at(WorldPoint::middle(particles, corners))
                     });
-                    let [p0, p1, p2] = corners.map(|i| particles.position(i));
-                    *middle = ((p0 + p1 + p2) * THIRD).extend(share);
+                    let [a, b, c] = corners;
+                    let sum = particles.position(a) + particles.position(b) + particles.position(c);
+                    *middle = (sum * THIRD).extend(share);
                 }
             }
             let (middle, share) = Vector::<L>::of(L::run(&middles, 0));

@@ -1,6 +1,6 @@
 //! Colours: sets of constraints of which no two share a particle.
 //!
-//! **Strides.** Where particles are numbered row by row, most rods bind the particles `a` and `a + d` for one of a few strides `d`: along the row,
+//! **Strides.** Where particles are numbered row by row, most distances bind the particles `a` and `a + d` for one of a few strides `d`: along the row,
 //! across, along both diagonals. Those of one stride fall into two colours without looking at anything else: by whether `a/d`, rounded down, is even.
 //! For `a` within `[2jd, 2jd + d)` lies `a + d` within `[2jd + d, 2jd + 2d)`, so the pairs are disjoint. Such colours have long runs `(a, d), (a + 1,
 //! d), …`, which lanes take without gathering. So a grid is found wherever it is, in a recipe or in a game's own constraints.
@@ -16,15 +16,15 @@ pub(super) const OVERFLOW: u32 = GREEDY + 64;
 pub(super) const GREEDY: u32 = 2 * STRIDES as u32;
 /// The most strides that an island has colours for: a bit each.
 const STRIDES: usize = 32;
-/// So many rods of a stride are worth colours of their own: an eighth of them is lost to runs that do not fill the lanes.
+/// So many distances of a stride are worth colours of their own: an eighth of them is lost to runs that do not fill the lanes.
 const LEAST: usize = 64;
 
 /// Which colours each particle's constraints have used, by kind and phase.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Colours {
     used: [Vec<[u64; 3]>; 3],
-    /// Strides in which the particle is the first of a rod.
-    strided: Vec<[u32; 3]>,
+    /// Strides in which the particle is the first of a distance: of rods, and of the others.
+    strided: [Vec<[u32; 3]>; 2],
 }
 
 impl Colours {
@@ -34,8 +34,10 @@ impl Colours {
             used.clear();
             used.resize(particles, [0; 3]);
         }
-        self.strided.clear();
-        self.strided.resize(particles, [0; 3]);
+        for strided in &mut self.strided {
+            strided.clear();
+            strided.resize(particles, [0; 3]);
+        }
     }
 
     /// The lowest colour that none of the particles has used, which they now have; [`OVERFLOW`] if there is none.
@@ -50,9 +52,15 @@ impl Colours {
         colour
     }
 
-    /// Whether `row` is the first of a rod of that stride for the first time: of two rods between the same particles, the second has to go elsewhere.
-    pub(super) fn take_stride(&mut self, number: usize, phase: u32, row: u32) -> bool {
-        let taken = &mut self.strided[row as usize][phase as usize];
+    /// Whether `row` is the first of a distance of that stride for the first time: of two between the same particles, the second has to go elsewhere.
+    pub(super) fn take_stride(
+        &mut self,
+        kind: GroupKind,
+        number: usize,
+        phase: u32,
+        row: u32,
+    ) -> bool {
+        let taken = &mut self.strided[kind as usize][row as usize][phase as usize];
         let first = *taken & 1 << number == 0;
         *taken |= 1 << number;
         first
@@ -64,12 +72,12 @@ pub(super) fn lowest(taken: u64) -> u32 {
     GREEDY + (!taken).trailing_zeros()
 }
 
-/// The strides that many rods of an island have, ascending.
+/// The strides that many distances of one kind in an island have, ascending.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Strides(Vec<u32>);
 
 impl Strides {
-    /// Those of an island with these rods (first and last place in it). `scratch` is scratch.
+    /// Those of an island with these distances (first and last place in it). `scratch` is scratch.
     pub(super) fn of(ends: impl Iterator<Item = (u32, u32)>, scratch: &mut Vec<u32>) -> Self {
         scratch.clear();
         scratch.extend(ends.map(|(a, b)| b - a));
@@ -83,7 +91,7 @@ impl Strides {
         Self(runs.filter(|run| run.len() >= least).map(|run| run[0]).collect())
     }
 
-    /// The number of the stride between two places, and the colour that it gives to a rod between them; `None` if it is no stride of many.
+    /// The number of the stride between two places, and the colour that it gives to a distance between them; `None` if it is no stride of many.
     pub(super) fn colour(&self, a: u32, b: u32) -> Option<(usize, u32)> {
         let stride = b - a;
         let number = self.0.binary_search(&stride).ok()?;

@@ -5,6 +5,7 @@ use core::ops::Range;
 
 use super::clusters::PHASES;
 use super::keys::{Fields, Key};
+use super::place::may_stride;
 use super::{ClusterBatch, ConstraintGroup, GroupKind, Plan, colours, tasks};
 use crate::constraints::{Constraint, Distance};
 
@@ -22,6 +23,7 @@ impl Plan {
         self.cluster_batches.clear();
         self.rods.clear();
         self.constraint_batches.clear();
+        self.loose_distances.clear();
         self.islands
             .list
             .iter_mut()
@@ -49,7 +51,13 @@ impl Plan {
             let island = &mut self.islands.list[found.island as usize];
             (island.groups.end, island.cluster_batches.end) =
                 (groups.end, island.cluster_batches.end + 1);
-            self.cluster_batches.push(ClusterBatch { groups, stage, rows, columns });
+            self.cluster_batches.push(ClusterBatch {
+                kind: found.kind(),
+                groups,
+                stage,
+                rows,
+                columns,
+            });
         }
         self.tasks = tasks::cut(self);
     }
@@ -81,9 +89,10 @@ impl Plan {
         // Of strides, nearly all are in runs. Gathering from columns costs thrice what it costs packed, running a third.
         let strided = |key: &&Key| Fields::of(key.group).colour < colours::GREEDY;
         let running = keys.iter().filter(strided).count();
-        let columns = kind == GroupKind::Rods
+        let columns = kind != GroupKind::Constraints
             && running * 4 >= keys.len() * 3
-            && rows.len() <= 2 * keys.len();
+            && rows.len() <= 2 * keys.len()
+            && self.distances[begin..].iter().all(may_stride);
         if columns {
             // Strides are mostly even numbers: where the island's rows begin a line of the cache, most eights do.
             let origin =
@@ -103,6 +112,14 @@ impl Plan {
                 }
                 GroupKind::Rods => {
                     (runs, blocks) = self.rods.add(&self.distances[range.clone()], alone);
+                }
+                GroupKind::Distances if columns => {
+                    let distances = &self.distances[range.clone()];
+                    let in_step = if alone { &[] } else { distances };
+                    let (strided, loose) = self.rods.add_soft_to_columns(in_step, &rows);
+                    let loose = if alone { distances } else { &loose[..] };
+                    runs = strided;
+                    blocks = self.loose_distances.add(loose, alone, rows.start);
                 }
                 GroupKind::Distances => {
                     wide = Some(

@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 use super::changes::{Added, Changes, List, Removed, list_of};
 use super::colours::{GREEDY, OVERFLOW, lowest};
 use super::keys::{Fields, Key};
-use super::place::Compiling;
+use super::place::{Compiling, may_stride};
 use super::{Given, GroupKind, Plan};
 use crate::constraints::Rows;
 
@@ -178,7 +178,9 @@ impl IncrementalUpdate<'_> {
         let Some(mine) = self.around(island, &rows).find(own) else { return };
         let key = self.keys[mine];
         let (fields, ends) = (Fields::of(key.group), self.ends(&key));
-        // Of two rods between the same particles, only the first has the colour of their stride.
+        let may = |number: u32| may_stride(&self.given.distances[number as usize]);
+        let may_stride = list == List::Distances && may(number);
+        // Of two between the same particles, only the first has the colour of their stride.
         let (mut taken, mut is_second, mut later) = (0_u64, false, Vec::new());
         for place in self.around(island, &rows).filter(|&place| place != mine) {
             let other = &self.keys[place];
@@ -188,13 +190,13 @@ impl IncrementalUpdate<'_> {
             if other.number > number {
                 later.push((colour_of(other), recheck(other)));
             } else {
-                is_second |= self.ends(other) == ends;
+                is_second |= may_stride && self.ends(other) == ends && may(other.number);
                 taken |= bit(colour_of(other));
             }
         }
-        let strides = &self.compiling.strides[fields.island as usize];
+        let strides = self.compiling.strides[fields.island as usize].get(kind as usize);
         let strided =
-            strides.colour(ends.0, ends.1).filter(|_| kind == GroupKind::Rods && !is_second);
+            strides.filter(|_| may_stride && !is_second).and_then(|of| of.colour(ends.0, ends.1));
         let colour = strided.map_or_else(|| lowest(taken), |(_, colour)| colour);
         if colour == fields.colour {
             return;

@@ -33,9 +33,10 @@ use super::chains::Chains;
 use super::instances::InstanceBatches;
 use super::rods::Rods;
 use super::tethers::Tethers;
-use super::wide::{ConstraintBatches, Which};
+use super::wide::{ConstraintBatches, LooseDistances, Which};
 use crate::constraints::{Constraint, ConstraintKind, Distance};
 use crate::islands::{Island, Islands};
+use crate::lanes::LANES;
 pub(crate) use changes::{Change, Changes, List};
 use keys::Key;
 use place::Compiling;
@@ -52,6 +53,8 @@ pub(crate) struct Plan {
     pub(crate) rods: Rods,
     /// The others that have a kernel for eight at a time.
     pub(crate) constraint_batches: ConstraintBatches,
+    /// The soft distances that are swept in columns and are in no step.
+    pub(crate) loose_distances: LooseDistances,
     /// The groups of all of them, in the order of a sweep.
     pub(crate) groups: Vec<ConstraintGroup>,
     /// The cluster batches that these make.
@@ -78,10 +81,10 @@ pub(crate) struct ConstraintGroup {
     pub(crate) kind: GroupKind,
     /// Where they are in that list.
     pub(crate) range: Range<usize>,
-    /// Of rods: where they are among the plan's runs (or eights, in columns), and blocks.
+    /// Of rods: where they are among the plan's runs (or strided batches, in columns), and blocks. Of soft distances in columns: the same, and loose blocks.
     pub(crate) runs: Range<usize>,
     pub(crate) blocks: Range<usize>,
-    /// Of others: where they are among its constraint batches, if those have a kernel for eight at a time.
+    /// Of others: where they are among its constraint batches, if those have a kernel for eight at a time, and are not in columns.
     pub(crate) wide: Option<Which>,
 }
 
@@ -98,16 +101,25 @@ impl ConstraintGroup {
 }
 
 /// Groups of one rank, of one cluster in one phase, which are swept one after the other: what a thread takes at a time.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ClusterBatch {
+    /// Which kind its groups are of.
+    pub(crate) kind: GroupKind,
     /// Where they are among the plan's groups.
     pub(crate) groups: Range<usize>,
     /// Rank and phase. Cluster batches of one island and one stage share no particle.
     pub(crate) stage: u32,
     /// All rows that it touches are within these.
     pub(crate) rows: Range<u32>,
-    /// Whether it is swept in columns: rods, of which most are in runs, and enough of them to be worth turning the rows.
+    /// Whether it is swept in columns: rods or soft distances, of which most are in runs, and enough of them to be worth turning the rows.
     pub(crate) columns: bool,
+}
+
+impl ClusterBatch {
+    /// Whether it is of rods that are swept in columns.
+    pub(crate) fn has_rods_in_columns(&self) -> bool {
+        self.columns && self.kind == GroupKind::Rods
+    }
 }
 
 /// The kinds of groups. Each has colours of its own: a rod and a constraint may have the same one.
@@ -220,6 +232,20 @@ impl Plan {
             let each = each.map(|rod| (rod as u32, &distances[rod]));
             island.chains = chains.find(&members[island.members.clone()], count, each);
         }
+    }
+
+    /// The first row of an island and how many it has, if it can be swept with all of its particles in columns: where all of its constraints are.
+    pub(crate) fn fits_columns(&self, island: &Island) -> Option<(u32, usize)> {
+        let rows = self.stretch(island)?;
+        let (first, cluster_batches) = (rows.start as u32, island.cluster_batches.clone());
+        let fits = |cluster_batch: &ClusterBatch| {
+            let from = cluster_batch.rows.start.checked_sub(first);
+            cluster_batch.columns && from.is_some_and(|from| from.is_multiple_of(2))
+        };
+        // Beyond the last row, some more are read, and written back.
+        let has_room = rows.len().div_ceil(2) + 2 * LANES <= self.rods.half();
+        let fit = has_room && self.cluster_batches[cluster_batches].iter().all(fits);
+        fit.then_some((first, rows.len()))
     }
 
     /// The rows of an island's particles, where no other's are between them.

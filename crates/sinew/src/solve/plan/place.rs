@@ -5,6 +5,8 @@ use super::colours::{Colours, Strides};
 use super::keys::{DISTANCES, Fields, Key, RIGID, RODS};
 use super::{Given, GroupKind, Plan};
 use crate::constraints::{Bound, Constraint, ConstraintKind, Distance};
+use crate::solve::instances::MOST;
+use crate::solve::rods;
 use crate::union_find::UnionFind;
 
 /// What compiling needs; kept for its memory, and for the next [incremental update](super::incremental).
@@ -18,8 +20,8 @@ pub(super) struct Compiling {
     /// Where those of each island begin, and where the last end.
     begins: Vec<u32>,
     pub(super) colours: Colours,
-    /// The strides of each island, and room to find them in.
-    pub(super) strides: Vec<Strides>,
+    /// The strides of each island: of its rods, and of its other distances; and room to find them in.
+    pub(super) strides: Vec<[Strides; 2]>,
     pub(super) scratch: Vec<u32>,
     /// The clusters of each island.
     pub(super) clusters: Vec<Clusters>,
@@ -115,10 +117,10 @@ impl Compiling {
             let (fields, ends) = self.fields(plan, &rows, rank_of(d));
             self.reaches[island] = self.reaches[island].max(ends.1 - ends.0);
             let phase = fields.phase;
-            let kind = if is_rod(d) { GroupKind::Rods } else { GroupKind::Distances };
-            let strided = if is_rod(d) { strides.colour(ends.0, ends.1) } else { None };
+            let (kind, row) = (kind_of(d), d.a.min(d.b));
+            let strided = strides[kind as usize].colour(ends.0, ends.1).filter(|_| may_stride(d));
             let colour = match strided {
-                Some((number, colour)) if self.colours.take_stride(number, phase, d.a.min(d.b)) => {
+                Some((number, colour)) if self.colours.take_stride(kind, number, phase, row) => {
                     colour
                 }
                 _ => self.colours.greedy(kind, phase, &rows),
@@ -136,11 +138,18 @@ impl Compiling {
         island: usize,
         distances: impl Iterator<Item = &'a Distance> + Clone,
         scratch: &mut Vec<u32>,
-    ) -> (Clusters, Strides) {
+    ) -> (Clusters, [Strides; 2]) {
         let members = plan.islands.list[island].members.len();
         let ends = |d: &Distance| self.ends(&[d.a, d.b]);
         let clusters = Clusters::of(members, distances.clone().map(ends));
-        (clusters, Strides::of(distances.filter(|d| is_rod(d)).map(ends), scratch))
+        let mut of = |kind| {
+            let own = distances.clone().filter(|d| kind_of(d) == kind && may_stride(d));
+            Strides::of(own.map(ends), scratch)
+        };
+        let rods = of(GroupKind::Rods);
+        // What small islands have is solved in lanes of like islands, and not in columns.
+        let others = if members > MOST { of(GroupKind::Distances) } else { Strides::default() };
+        (clusters, [rods, others])
     }
 
     /// Gives a constraint its key.
@@ -157,6 +166,17 @@ impl Compiling {
 /// Whether a distance is a hard one of equality, which the shortest kernels take.
 pub(super) fn is_rod(d: &Distance) -> bool {
     d.softness.is_hard() && d.bound == Bound::Equal
+}
+
+/// Which of the groups of distances one belongs to.
+fn kind_of(d: &Distance) -> GroupKind {
+    if is_rod(d) { GroupKind::Rods } else { GroupKind::Distances }
+}
+
+/// Whether a distance may have the colour of a stride, and be swept in columns: a rod, or what yields both ways, but not to how fast it is pulled, for
+/// columns do not know where the substep began.
+pub(super) fn may_stride(d: &Distance) -> bool {
+    is_rod(d) || (d.bound == Bound::Equal && rods::compliance(d).is_some())
 }
 
 /// Where distances stand in a sweep.

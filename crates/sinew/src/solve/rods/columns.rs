@@ -16,25 +16,8 @@ use crate::particles::Places;
 type Colour<'a> = (&'a Range<usize>, &'a Range<usize>);
 
 impl Rods {
-    /// Projects groups of rods (their strided batches and blocks) once, in their order, on the particles of `rows`; returns the largest error found,
-    /// metres.
-    pub(crate) fn sweep_columns<'a>(
-        &self,
-        places: &mut Places,
-        groups: impl Iterator<Item = Colour<'a>>,
-        rows: Range<u32>,
-        columns: &mut Columns,
-        instructions: InstructionSet,
-    ) -> f32 {
-        let range = places.at(rows.start)..places.at(rows.end);
-        columns.reset(self.half);
-        columns.turn_in(0, &places.position[range.clone()], instructions);
-        let worst = self.sweep_turned(columns, groups, (rows.start, rows.start), instructions);
-        columns.turn_out(0, &mut places.position[range], instructions);
-        worst
-    }
-
-    /// The same on particles that are in columns, in which `rows` are the first of the cluster batch and that of the columns.
+    /// Projects groups of rods (their strided batches and blocks) once, in their order, on particles that are in columns; `rows` are the first of their
+    /// cluster batch, and that of the columns. Returns the largest error found, metres.
     pub(crate) fn sweep_turned<'a>(
         &self,
         columns: &mut Columns,
@@ -149,11 +132,19 @@ impl Rods {
         worst: L,
         parted: &mut f32,
     ) -> L {
-        let mut pull = RodPull { worst, all_move: L::zero().same(L::zero()) };
-        columns.eights().each(&self.pairs[strided_batches.full.clone()], from, &mut pull);
+        let mut pull = RodPull { worst, all_move: L::zero().same(L::zero()), soft: NotSoft };
+        columns.eights().each::<L, false>(
+            &self.pairs[strided_batches.full.clone()],
+            from,
+            &mut pull,
+        );
         let mut tail = Tail(pull);
-        columns.eights().each(&self.pairs[strided_batches.tails.clone()], from, &mut tail);
-        let Tail(RodPull { worst, all_move }) = tail;
+        columns.eights().each::<L, false>(
+            &self.pairs[strided_batches.tails.clone()],
+            from,
+            &mut tail,
+        );
+        let Tail(RodPull { worst, all_move, .. }) = tail;
         if !all_move.all() {
             for pair in &self.pairs[strided_batches.full.start..strided_batches.tails.end] {
                 let (a, b) = columns.eights().find(pair, from);
@@ -164,13 +155,45 @@ impl Rods {
     }
 }
 
-/// Eights, and what they come to: the largest errors, and which lanes could always be projected.
-struct RodPull<L> {
-    worst: L,
-    all_move: L,
+/// What rods that yield have beside their lengths. A constant of the kernel.
+pub(super) trait Yields<L: Lanes> {
+    /// `α/h²` of eight, 1/kg, and what they have summed up; `live` are the lanes in which there are any, a bit each.
+    fn before(&self, live: u32) -> Option<(L, L)>;
+    /// They have been pulled by so much more.
+    fn after(&mut self, live: u32, change: L);
 }
 
-impl<L: Lanes> OnPairs<L> for RodPull<L> {
+/// Rods do not.
+struct NotSoft;
+
+impl<L: Lanes> Yields<L> for NotSoft {
+    #[inline(always)]
+    fn before(&self, _: u32) -> Option<(L, L)> {
+        None
+    }
+
+    #[inline(always)]
+    fn after(&mut self, _: u32, _: L) {}
+}
+
+/// Eights, and what they come to: the largest errors, and which lanes could always be projected.
+pub(super) struct RodPull<L, S> {
+    pub(super) worst: L,
+    pub(super) all_move: L,
+    pub(super) soft: S,
+}
+
+impl<L: Lanes, S: Yields<L>> RodPull<L, S> {
+    /// How far to move eight, of which some lanes are live, how far they are off, and which could be projected.
+    #[inline(always)]
+    fn pull(&mut self, weights: [L; 2], rest: L, length: L, live: u32) -> (L, L, L) {
+        let found = stretch_of(length, weights, rest, self.soft.before(live));
+        self.soft.after(live, found.0 * length);
+        found
+    }
+}
+
+impl<L: Lanes, S: Yields<L>> OnPairs<L> for RodPull<L, S> {
     #[inline(always)]
     fn length(&self, [x, y, z]: [L; 3], [p, q, r]: [L; 3]) -> L {
         (Vector::new(x, y, z) - Vector::new(p, q, r)).length()
@@ -178,7 +201,7 @@ impl<L: Lanes> OnPairs<L> for RodPull<L> {
 
     #[inline(always)]
     fn scale(&mut self, weights: [L; 2], rest: L, length: L) -> L {
-        let (scale, error, moves) = stretch_of(length, weights, rest);
+        let (scale, error, moves) = self.pull(weights, rest, length, L::ALL);
         self.worst = error.max(self.worst);
         self.all_move = self.all_move.and(moves);
         scale
@@ -191,9 +214,9 @@ impl<L: Lanes> OnPairs<L> for RodPull<L> {
 }
 
 /// The same of fewer than eight. What lies beyond the last rod may be anything, NaN too, and belongs to others.
-struct Tail<L>(RodPull<L>);
+pub(super) struct Tail<P>(pub(super) P);
 
-impl<L: Lanes> OnPairs<L> for Tail<L> {
+impl<L: Lanes, S: Yields<L>> OnPairs<L> for Tail<RodPull<L, S>> {
     #[inline(always)]
     fn length(&self, one: [L; 3], other: [L; 3]) -> L {
         self.0.length(one, other)
@@ -202,7 +225,7 @@ impl<L: Lanes> OnPairs<L> for Tail<L> {
     #[inline(always)]
     fn scale(&mut self, weights: [L; 2], rest: L, length: L) -> L {
         let live = rest.le(rest);
-        let (scale, error, moves) = stretch_of(length, weights, rest);
+        let (scale, error, moves) = self.0.pull(weights, rest, length, live.bits());
         self.0.worst = live.and(error).max(self.0.worst);
         self.0.all_move = self.0.all_move.and(live.select(moves, self.0.all_move));
         live.and(scale)

@@ -5,12 +5,14 @@
 //!
 //! - `packed`: particles as they lie, `[x y z w]`, turned into lanes and back for every eight rods. For any mesh.
 //! - `columns`: a cluster whose rods mostly run in step, a grid's, is turned once, swept as columns of x, y, z and w without any further turning, and
-//!   turned back.
+//!   turned back. Soft distances of a grid go there as rods that yield, by the same formula.
 
 mod columns;
 mod packed;
+mod soft;
 
 pub(super) use packed::worse;
+pub(super) use soft::compliance;
 
 use core::ops::Range;
 
@@ -35,10 +37,14 @@ pub(crate) struct Rods {
     blocks: Vec<RodBlock>,
 }
 
-/// Rods of one colour in step by two rows, so that both their first and their second ends are neighbours in a column. Their rows count from the first
-/// one of their cluster batch.
+/// Rods of one colour in step by two rows, so that both their first and their second ends are neighbours in a column; or soft ones of one compliance. Their
+/// rows count from the first one of their cluster batch.
 #[derive(Clone, Debug)]
 struct StridedBatch {
+    /// How much they yield, m/N: zero of rods.
+    compliance: f32,
+    /// Whether they are pairs of neighbours in a column, in step by four rows; only soft ones are.
+    neighbours: bool,
     /// Eights.
     full: Range<usize>,
     /// The last ones of each run, fewer than eight.
@@ -122,7 +128,9 @@ impl Rods {
         }
         let full = begin..self.pairs.len();
         self.pairs.extend(tails);
-        self.strided_batches.push(StridedBatch { tails: full.end..self.pairs.len(), full });
+        let tails = full.end..self.pairs.len();
+        let batch = StridedBatch { compliance: 0.0, neighbours: false, tails, full };
+        self.strided_batches.push(batch);
         self.rests.truncate(rests);
         let first = if alone { blocks.start } else { self.blocks.len() };
         loose.chunks(LANES).for_each(|rods| self.blocks.push(RodBlock::of(rods)));
@@ -200,7 +208,7 @@ pub(super) fn project<L: Lanes>(one: [L; 4], other: [L; 4], rest: L) -> ([L; 4],
 }
 
 /// The particles of a rod, lower row first: nothing in the formula knows them apart.
-pub(super) fn ends(rod: &Distance) -> (u32, u32) {
+pub(in crate::solve) fn ends(rod: &Distance) -> (u32, u32) {
     (rod.a.min(rod.b), rod.a.max(rod.b))
 }
 
@@ -221,20 +229,26 @@ fn run(rods: &[Distance], steps: &[u32]) -> (u32, usize) {
 #[inline(always)]
 fn stretch<L: Lanes>(one: [L; 4], other: [L; 4], rest: L) -> (L, L, L) {
     let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));
-    stretch_of((a - b).length(), [wa, wb], rest)
+    stretch_of((a - b).length(), [wa, wb], rest, None)
 }
 
-/// The same of rods of some length.
+/// The same of rods of some length; or of some that yield, with `α/h²`, 1/kg, and what each has summed up: of those the error is how far they are moved.
 ///
-/// As [`project_rod`](crate::constraints::project_rod): with `d = a - b`, `s = (‖d‖ - L)/(‖d‖ (w_a + w_b))`.
+/// As [`project_rod`](crate::constraints::project_rod): with `d = a - b`, `s = (‖d‖ - L)/(‖d‖ (w_a + w_b))`. What yields by a compliance α asks for `α/h² Λ`
+/// less, and resists by as much more: `s = (‖d‖ - L - Λ α/h²)/(‖d‖ (w_a + w_b + α/h²))`, and `Λ` grows by `s ‖d‖` (see
+/// [`multiplier`](crate::constraints::SubstepContext)).
 #[inline(always)]
-fn stretch_of<L: Lanes>(length: L, [wa, wb]: [L; 2], rest: L) -> (L, L, L) {
-    let value = length - rest;
-    let weights = wa + wb;
+fn stretch_of<L: Lanes>(length: L, [wa, wb]: [L; 2], rest: L, yields: Option<(L, L)>) -> (L, L, L) {
+    let (value, weights) = (length - rest, wa + wb);
     let divisor = length * weights;
     let moves = L::zero().lt(divisor);
     // Between two pins there is nothing to part, and along the edge of a flag there are many such rods.
-    (moves.and(value / divisor), moves.and(value.abs()), moves.or(weights.le(L::zero())))
+    let settled = moves.or(weights.le(L::zero()));
+    let Some((yields, sum)) = yields else {
+        return (moves.and(value / divisor), moves.and(value.abs()), settled);
+    };
+    let scale = moves.and((value - yields * sum) / (length * (weights + yields)));
+    (scale, (scale * divisor).abs(), settled)
 }
 
 /// Moves them: `a -= w_a s d`, `b += w_b s d`.

@@ -212,10 +212,12 @@ fn blocks(members: &[u32], each: &[[(u32, f32); 2]]) -> Vec<TetherBlock> {
                 if (0..LANES).all(|lane| of(lane).1 == f32::INFINITY) {
                     continue;
                 }
+                let pin = of(0).0;
                 blocks.push(TetherBlock {
                     member: (begin + parity) as u32,
                     rows: core::array::from_fn(|lane| members[member(lane)]),
                     pins: core::array::from_fn(|lane| of(lane).0),
+                    one_pin: (0..LANES).all(|lane| of(lane).0 == pin),
                     length: core::array::from_fn(|lane| of(lane).1),
                 });
             }

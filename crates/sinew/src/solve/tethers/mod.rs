@@ -78,8 +78,9 @@ struct TetherBlock {
     member: u32,
     /// Their rows. Where there are fewer than eight, the first again.
     rows: [u32; LANES],
-    /// To which of the island's pins.
+    /// To which of the island's pins, and whether that is one for all.
     pins: [u32; LANES],
+    one_pin: bool,
     /// Metres; infinite where there is none.
     length: [f32; LANES],
 }

@@ -51,7 +51,7 @@ impl Work for ProjectTethers<'_> {
             let mut rows = block.rows;
             rows.iter_mut().for_each(|row| *row -= first);
             let (p, w) = Vector::of(L::rows(position, &rows));
-            let (held, far, out) = hold(p, w, L::rows(pins, &block.pins), L::load(&block.length));
+            let (held, far, out) = hold(p, w, block.pins_of(pins), L::load(&block.length));
             if out.any() {
                 L::put_rows(position, &rows, held.with(w));
                 worst = far.max(worst);
@@ -79,13 +79,25 @@ impl Work for ProjectColumns<'_> {
             let at = columns.at(block.member - first as u32);
             let mut eights = columns.eights();
             let (p, w) = Vector::of(eights.load::<L>(at));
-            let (held, far, out) = hold(p, w, L::rows(pins, &block.pins), L::load(&block.length));
+            let (held, far, out) = hold(p, w, block.pins_of(pins), L::load(&block.length));
             if out.any() {
                 eights.put(at, held.with(w));
                 worst = far.max(worst);
             }
         }
         worst.largest(0.0)
+    }
+}
+
+impl TetherBlock {
+    /// Where the pins of the eight are.
+    #[inline(always)]
+    fn pins_of<L: Lanes>(&self, pins: &[Vec4]) -> [L; 4] {
+        if self.one_pin {
+            let pin = pins[self.pins[0] as usize];
+            return [L::splat(pin.x), L::splat(pin.y), L::splat(pin.z), L::splat(pin.w)];
+        }
+        L::rows(pins, &self.pins)
     }
 }
 

@@ -6,6 +6,8 @@
 //! They are the coarse level of multigrid (hierarchical position based dynamics; Müller 2008) on a grid of which no particle is left out, so that nothing has to be
 //! interpolated.
 //!
+//! Where the island is swept in columns, they are held there: four loads for eight particles, where particles as they lie have to be turned for each span.
+//!
 //! They are found where rods run in step, as along the rows and the columns of a grid: of two strides, those of the shortest rods. Diagonals are left out, and so are
 //! meshes that are numbered in another order. `K` is the largest power of two that is no more than the root of how many particles such a row has: as many spans
 //! side by side reach through it as a span has rods.
@@ -16,7 +18,7 @@ use glam::Vec4;
 
 use super::taut;
 use crate::constraints::Distance;
-use crate::lanes::{LANES, Lanes, Vector, Work, with};
+use crate::lanes::{Columns, InstructionSet, LANES, Lanes, PARITY, Vector, Work, with};
 use crate::threads::{ExecutionContext, each};
 
 /// The spans of one island: colour by colour, of which no two share a particle.
@@ -32,16 +34,17 @@ struct SpanPart {
     /// Counted through all strides.
     colour: u32,
     rows: Range<u32>,
+    /// From each span's first particle to its second, rows.
+    reach: u32,
     blocks: Range<usize>,
 }
 
-/// Eight spans of one colour. Where there are fewer, one stands there again: it computes the same and writes the same.
+/// Spans from eight rows in a row, even ones of the eight first, as [columns](Columns) have them.
 #[derive(Clone, Debug)]
 struct SpanBlock {
-    /// Rows, counted from the first of the part.
-    a: [u32; LANES],
-    b: [u32; LANES],
-    /// Metres.
+    /// The first of the rows, counted from that of the part: a span begins there.
+    a: u32,
+    /// Metres; infinite where none begins.
     length: [f32; LANES],
 }
 
@@ -101,22 +104,35 @@ impl Spans {
                 let (own, position) = position.split_at_mut(part.rows.len());
                 left = Some((position, part.rows.end));
                 let blocks = &self.blocks[part.blocks.clone()];
-                Some(ProjectSpans { blocks, position: own })
+                Some(ProjectSpans { blocks, reach: part.reach, position: own })
             });
             each(execution.workers, tasks, |part| with(execution.instructions, part));
         }
     }
 
-    /// All of them, some more than once: the rows of their ends, in an island that begins with row 0, and their lengths, metres.
+    /// The same on particles that are in columns, which begin with row `first`.
+    pub(in crate::solve) fn project_columns(
+        &self,
+        columns: &mut Columns,
+        first: u32,
+        instructions: InstructionSet,
+    ) {
+        with(instructions, SpanColumns { spans: self, columns, first });
+    }
+
+    /// All of them: the rows of their ends, in an island that begins with row 0, and their lengths, metres.
     #[cfg(test)]
     pub(super) fn listed(&self) -> Vec<(u32, u32, f32)> {
         let each = self.parts.iter().flat_map(|part| {
             let blocks = self.blocks[part.blocks.clone()].iter();
-            blocks.map(|block| (part.rows.start, block))
+            blocks.map(|block| (part.rows.start, part.reach, block))
         });
-        each.flat_map(|(first, block)| {
-            (0..LANES)
-                .map(move |lane| (first + block.a[lane], first + block.b[lane], block.length[lane]))
+        each.flat_map(|(first, reach, block)| {
+            let spans = (0..LANES).filter(|lane| block.length[*lane].is_finite());
+            spans.map(move |lane| {
+                let a = first + block.a + PARITY[lane] as u32;
+                (a, a + reach, block.length[lane])
+            })
         })
         .collect()
     }
@@ -198,19 +214,28 @@ impl Strided {
                     .map(|a| ((a - begin) as u32, taut(length(a))))
                     // Not where a row ends, or has a gap.
                     .filter(|span| !span.1.is_nan());
-                let own: Vec<(u32, f32)> = own.collect();
                 let before = blocks.len();
-                blocks.extend(own.chunks(LANES).map(|some| {
-                    let of = |lane: usize| some[if lane < some.len() { lane } else { 0 }];
-                    SpanBlock {
-                        a: core::array::from_fn(|lane| of(lane).0),
-                        b: core::array::from_fn(|lane| of(lane).0 + reach as u32),
-                        length: core::array::from_fn(|lane| of(lane).1),
+                for (a, length) in own {
+                    // Not across the end of a band: there, what the first eight write back would be old to the other eight.
+                    let band = (a as usize + begin) / reach;
+                    let fits = |block: &&mut SpanBlock| {
+                        a < block.a + LANES as u32 && (block.a as usize + begin) / reach == band
+                    };
+                    let all = blocks.len() - before;
+                    let last = blocks.last_mut().filter(|_| all > 0).filter(fits);
+                    let lane = |from: u32| PARITY.iter().position(|row| *row as u32 == a - from);
+                    if let Some(block) = last {
+                        lane(block.a).into_iter().for_each(|lane| block.length[lane] = length);
+                    } else {
+                        let mut lengths = [f32::INFINITY; LANES];
+                        lengths[0] = length;
+                        blocks.push(SpanBlock { a, length: lengths });
                     }
-                }));
+                }
                 parts.push(SpanPart {
                     colour: colour + parity as u32,
                     rows: first + begin as u32..first + end as u32,
+                    reach: reach as u32,
                     blocks: before..blocks.len(),
                 });
             }
@@ -221,6 +246,7 @@ impl Strided {
 /// Projects some spans, whose part has these positions.
 struct ProjectSpans<'a> {
     blocks: &'a [SpanBlock],
+    reach: u32,
     position: &'a mut [Vec4],
 }
 
@@ -229,21 +255,73 @@ impl Work for ProjectSpans<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { blocks, position } = self;
-        for SpanBlock { a, b, length } in blocks {
-            let (one, wa) = Vector::of(L::rows(position, a));
-            let (other, wb) = Vector::of(L::rows(position, b));
-            let (d, length) = (one - other, L::load(length));
-            let (square, weights) = (d.length_squared(), wa + wb);
-            let out = (length * length).lt(square).and(L::zero().lt(weights));
-            if !out.any() {
-                continue;
+        let Self { blocks, reach, position } = self;
+        for SpanBlock { a, length } in blocks {
+            let (mut ones, mut others) = ([*a; LANES], [*a + reach; LANES]);
+            for lane in 0..LANES {
+                // Where no span begins, the first is taken again: what is there may not exist.
+                let row = if length[lane].is_finite() { PARITY[lane] as u32 } else { 0 };
+                (ones[lane], others[lane]) = (a + row, a + row + reach);
             }
-            // As of a rope: with `d = a - b`, `s = (‖d‖ - L)/(‖d‖ (w_a + w_b))`.
-            let distance = square.sqrt();
-            let scale = out.and((distance - length) / (distance * weights));
-            L::put_rows(position, a, (one - d * (wa * scale)).with(wa));
-            L::put_rows(position, b, (other + d * (wb * scale)).with(wb));
+            let (one, other) = (L::rows(position, &ones), L::rows(position, &others));
+            // Of rows that are written twice the last lane stays.
+            let mut again = *length;
+            for (lane, length_) in again.iter_mut().enumerate() {
+                *length_ = if length[lane].is_finite() { *length_ } else { length[0] };
+            }
+            let Some((one, other)) = hold(one, other, L::load(&again)) else { continue };
+            L::put_rows(position, &ones, one);
+            L::put_rows(position, &others, other);
         }
     }
+}
+
+/// Projects all spans of an island whose particles are in columns.
+struct SpanColumns<'a> {
+    spans: &'a Spans,
+    columns: &'a mut Columns,
+    /// The row with which they begin.
+    first: u32,
+}
+
+impl Work for SpanColumns<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { spans, columns, first } = self;
+        for part in &spans.parts {
+            let from = part.rows.start - first;
+            for SpanBlock { a, length } in &spans.blocks[part.blocks.clone()] {
+                let (a, b) = (from + a, from + a + part.reach);
+                let one = [columns.at(a), columns.at(a + 1)];
+                let other = [columns.at(b), columns.at(b + 1)];
+                let mut eights = columns.eights();
+                let held = hold(eights.load_run::<L>(one), eights.load_run(other), L::load(length));
+                let Some((moved, others)) = held else { continue };
+                // In this order: of the first eight, rows in which no span begins may be among the other eight.
+                eights.put_run(one, moved);
+                eights.put_run(other, others);
+            }
+        }
+    }
+}
+
+/// Both ends of eight spans where they may be; `None` if all are there already. What is no farther than it may be stays as it is, to the bit.
+///
+/// As of a rope: with `d = a - b`, `s = (‖d‖ - L)/(‖d‖ (w_a + w_b))`.
+#[inline(always)]
+fn hold<L: Lanes>(one: [L; 4], other: [L; 4], length: L) -> Option<([L; 4], [L; 4])> {
+    let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));
+    let d = a - b;
+    let (square, weights) = (d.length_squared(), wa + wb);
+    let out = (length * length).lt(square).and(L::zero().lt(weights));
+    if !out.any() {
+        return None;
+    }
+    let distance = square.sqrt();
+    let scale = (distance - length) / (distance * weights);
+    let (to_a, to_b) = (d * (wa * scale), d * (wb * scale));
+    let (a, b) = ((a - to_a).or_else(out, a), (b + to_b).or_else(out, b));
+    Some((a.with(wa), b.with(wb)))
 }

@@ -3,6 +3,7 @@
 use glam::{Quat, Vec3};
 
 use super::*;
+use crate::lanes::Columns;
 use crate::recipes::{Blueprint, ClothSpec, cloth_grid};
 use crate::threads::ExecutionContext;
 use crate::{Distance, GradientAt, InstructionSet, ParticleSeed, Simulation};
@@ -172,6 +173,15 @@ fn spans_pull_together_what_is_apart_keep_momentum_and_leave_what_is_slack() {
             },
         );
         assert!(after[0] == after[1] && after[1] == after[2], "the same bits");
+        for instructions in [InstructionSet::Scalar, InstructionSet::Simd128, InstructionSet::Avx2]
+        {
+            let (mut columns, mut position) = (Columns::default(), before.clone());
+            columns.reset(Columns::half(2 * before.len()));
+            columns.turn_in(0, &before, instructions);
+            own.project_columns(&mut columns, 0, instructions);
+            columns.turn_out(0, &mut position, instructions);
+            assert!(position == after[0], "the same bits in columns");
+        }
         let moved = |(p, q): (&Vec4, &Vec4)| (*q - *p).truncate();
         let all = || before.iter().zip(&after[0]);
         let far = all().map(|both| moved(both).length()).fold(0.0, f32::max);

@@ -95,7 +95,7 @@ impl TaskSlice<'_> {
         let (first, last) = (*members.first()?, *members.last()?);
         let fits = |cluster_batch: &ClusterBatch| {
             let from = cluster_batch.rows.start.checked_sub(first);
-            cluster_batch.columns && from.is_some_and(|from| from.is_multiple_of(2))
+            cluster_batch.has_rods_in_columns() && from.is_some_and(|from| from.is_multiple_of(2))
         };
         let cluster_batches = island.cluster_batches.clone();
         let held =

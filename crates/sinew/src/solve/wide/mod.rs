@@ -6,10 +6,11 @@
 //! - `compliance` is the softness of eight constraints, whatever each one's is;
 //! - `wide_constraint` projects eight constraints of one kind, by their values and gradients ([`Wide`]); `wide_distance` projects eight distances;
 //! - `particle_access` is where the particles of eight are, in memory or in the lanes of an [instance batch](super::instances);
-//! - here are the lists of them, and those in memory; `instanced` are those of instance batches.
+//! - here are the lists of them, and those in memory; `instanced` are those of instance batches, `loose_distances` those in columns.
 
 mod compliance;
 mod instanced;
+mod loose_distances;
 mod particle_access;
 #[cfg(test)]
 mod tests;
@@ -28,6 +29,7 @@ use crate::lanes::{InstructionSet, LANES, Lanes, Work, with};
 use crate::particles::Places;
 use compliance::{PackedCompliance, Shares};
 pub(super) use instanced::{InstancedConstraints, InstancedGroup, InstancedGroups};
+pub(super) use loose_distances::{LooseDistances, sweep_loose};
 use particle_access::{GatheredParticles, ParticleAccess};
 use wide_constraint::WideConstraint;
 use wide_distance::WideDistance;

@@ -2,6 +2,7 @@
 
 mod kept;
 mod limits;
+mod strided;
 
 use glam::{Vec3, Vec4};
 
@@ -64,6 +65,7 @@ impl State {
             substep_context,
             gradient_at: GradientAt::Current,
             tethers: true,
+            single_sweep: false,
             violation: f32::INFINITY,
             instructions: InstructionSet::best(),
         };

@@ -48,6 +48,25 @@ impl Lists {
         lists
     }
 
+    /// Cloth: a grid with rods along its edges and one diagonal each, and soft ties past each particle.
+    fn woven(side: u32) -> Self {
+        let mut lists = Self { particles: (side * side) as usize, ..Self::default() };
+        for (x, y) in (0..side).flat_map(|y| (0..side).map(move |x| (x, y))) {
+            let mut tie = |dx: u32, dy: u32, compliance: f32| {
+                if x + dx < side && y + dy < side {
+                    let (a, b) = (y * side + x, (y + dy) * side + x + dx);
+                    lists.distances.push(Distance::new(a, b, 1.0).with_compliance(compliance));
+                }
+            };
+            tie(1, 0, 0.0);
+            tie(0, 1, 0.0);
+            tie(1, 1, 0.0);
+            tie(2, 0, 1.0);
+            tie(0, 2, 1.0);
+        }
+        lists
+    }
+
     /// A mesh without any order: rods between random particles that are not far apart.
     fn tangle(particles: usize, rods: usize) -> Self {
         let mut state = 0x9E37_79B9_7F4A_7C15;
@@ -113,7 +132,9 @@ impl Lists {
                     1 => (Bound::Equal, f32::NAN),
                     _ => (Bound::Equal, 2.0),
                 };
+                let compliance = if below(state, 4) == 0 { 1.0 } else { 0.0 };
                 let rod = Distance::new(a as u32, (a + far) as u32, rest);
+                let rod = rod.with_compliance(compliance);
                 self.insert_distance(below(state, distances + 1), Distance { bound, ..rod });
             }
         }
@@ -146,23 +167,26 @@ fn mended(plan: &mut Plan, lists: &mut Lists) -> bool {
 
 #[test]
 fn a_tear_in_a_grid_is_mended_wherever_it_is() {
-    let whole = Lists::grid(24);
-    let plan = whole.compiled();
-    for at in (0..whole.distances.len()).step_by(7) {
-        let (mut lists, mut plan) = (whole.clone(), plan.clone());
-        lists.remove_distance(at);
-        assert!(mended(&mut plan, &mut lists), "distance {at}");
-    }
-    for at in (0..whole.constraints.len()).step_by(5) {
-        let (mut lists, mut plan) = (whole.clone(), plan.clone());
-        lists.remove_constraint(at);
-        assert!(mended(&mut plan, &mut lists), "constraint {at}");
+    for whole in [Lists::grid(24), Lists::woven(24)] {
+        let plan = whole.compiled();
+        for at in (0..whole.distances.len()).step_by(7) {
+            let (mut lists, mut plan) = (whole.clone(), plan.clone());
+            lists.remove_distance(at);
+            assert!(mended(&mut plan, &mut lists), "distance {at}");
+        }
+        for at in (0..whole.constraints.len()).step_by(5) {
+            let (mut lists, mut plan) = (whole.clone(), plan.clone());
+            lists.remove_constraint(at);
+            assert!(mended(&mut plan, &mut lists), "constraint {at}");
+        }
     }
 }
 
 #[test]
 fn five_hundred_changes_one_after_the_other_leave_the_plan_of_what_is_left() {
-    for (mut lists, most) in [(Lists::grid(24), 50), (Lists::tangle(600, 2400), 100)] {
+    // Nothing in cloth leads as far along a row as some of the random ones, which hold nothing together when they go.
+    let all = [(Lists::grid(24), 50), (Lists::woven(24), 100), (Lists::tangle(600, 2400), 100)];
+    let afresh = all.map(|(mut lists, most)| {
         let (mut plan, mut state, mut afresh) = (lists.compiled(), 88_172_645_463_325_252, 0);
         for _ in 0..500 {
             for _ in 0..=below(&mut state, 3) {
@@ -173,8 +197,9 @@ fn five_hundred_changes_one_after_the_other_leave_the_plan_of_what_is_left() {
                 plan = lists.compiled();
             }
         }
-        assert!(afresh < most, "{afresh} of 500 were not mended");
-    }
+        (afresh, most)
+    });
+    assert!(afresh.iter().all(|(own, most)| own < most), "not mended and most: {afresh:?}");
 }
 
 #[test]

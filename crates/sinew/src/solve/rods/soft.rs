@@ -1,0 +1,260 @@
+//! Soft distances of a grid as rods that yield: in step, eight by eight in columns. What is in no step is left to the kernel of any soft distances.
+
+use core::ops::Range;
+
+use super::columns::{RodPull, Tail, Yields};
+use super::{Rods, StridedBatch, ends};
+use crate::constraints::{Distance, Softness, SubstepContext, project};
+use crate::lanes::{Columns, InstructionSet, LANES, Lanes, PARTED, Pair, Work, with};
+
+/// In which step soft distances of a stride are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Pattern {
+    /// By two rows, so that both their first and their second ends are neighbours in a column.
+    Apart,
+    /// By four rows, of particles that are two apart: pairs of neighbours in a column.
+    Neighbours,
+}
+
+/// So many in step are worth lanes of their own.
+const WORTH: usize = 2;
+
+impl Pattern {
+    /// What is read for a lane without one is written back, and may not have been moved meanwhile: so the first and the second ones have no row in common.
+    fn of(stride: u32) -> Option<Self> {
+        match stride {
+            2 => Some(Self::Neighbours),
+            _ if stride % 2 == 1 || stride >= 2 * LANES as u32 => Some(Self::Apart),
+            _ => None,
+        }
+    }
+
+    /// How many rows it goes on by.
+    fn step(self) -> u32 {
+        if self == Self::Apart { 2 } else { 4 }
+    }
+
+    /// In which lane the one is that is so many steps behind the first.
+    fn lane(self, steps: usize) -> usize {
+        if self == Self::Apart { steps } else { PARTED[steps] }
+    }
+}
+
+/// The compliance of what may be swept here, m/N: what yields both ways and by nothing else.
+pub(in crate::solve) fn compliance(d: &Distance) -> Option<f32> {
+    match d.softness {
+        Softness::Compliant { compliance, damping: 0.0 } if compliance > 0.0 => Some(compliance),
+        _ => None,
+    }
+}
+
+impl Rods {
+    /// Takes soft distances of one colour in a cluster batch of so many rows: returns which strided batches they are, and what is in no step.
+    pub(crate) fn add_soft_to_columns(
+        &mut self,
+        distances: &[Distance],
+        rows: &Range<u32>,
+    ) -> (Range<usize>, Vec<Distance>) {
+        let (begin, mut loose) = (self.strided_batches.len(), Vec::new());
+        self.widen(rows.len());
+        // Those that may be in one batch, and within it those that may be in one eight.
+        let batch = |d: &Distance| {
+            let compliance = compliance(d).unwrap_or(0.0);
+            (ends(d).1 - ends(d).0, compliance.to_bits())
+        };
+        let class =
+            |d: &Distance| Pattern::of(batch(d).0).map_or(0, |pattern| ends(d).0 % pattern.step());
+        let mut sorted = distances.to_vec();
+        sorted.sort_by_key(|d| (batch(d), class(d), ends(d).0));
+        for own in sorted.chunk_by(|one, other| batch(one) == batch(other)) {
+            match (Pattern::of(batch(&own[0]).0), compliance(&own[0])) {
+                (Some(pattern), Some(compliance)) => {
+                    let (first, mut tails) = (self.pairs.len(), Vec::new());
+                    for own in own.chunk_by(|one, other| class(one) == class(other)) {
+                        self.add_eights(own, pattern, rows.start, &mut tails, &mut loose);
+                    }
+                    let full = first..self.pairs.len();
+                    self.pairs.extend(tails);
+                    let (neighbours, tails) =
+                        (pattern == Pattern::Neighbours, full.end..self.pairs.len());
+                    self.strided_batches.push(StridedBatch { compliance, neighbours, full, tails });
+                }
+                _ => loose.extend_from_slice(own),
+            }
+        }
+        (begin..self.strided_batches.len(), loose)
+    }
+
+    /// Takes those of one class, ascending. A lane without one has NaN for a rest length.
+    fn add_eights(
+        &mut self,
+        mut left: &[Distance],
+        pattern: Pattern,
+        first: u32,
+        tails: &mut Vec<Pair>,
+        loose: &mut Vec<Distance>,
+    ) {
+        while let [begin, ..] = left {
+            let (a, b) = ends(begin);
+            let steps = |d: &Distance| ((ends(d).0 - a) / pattern.step()) as usize;
+            let count = left.iter().take_while(|d| steps(d) < LANES).count();
+            if count < WORTH {
+                loose.extend_from_slice(&left[..count]);
+            } else {
+                let mut rests = [f32::NAN; LANES];
+                for d in &left[..count] {
+                    rests[pattern.lane(steps(d))] = d.rest;
+                }
+                let (a, b) = (a - first, b - first);
+                let pair = match pattern {
+                    Pattern::Apart => Pair::new(a, b, rests, self.half),
+                    Pattern::Neighbours => Pair::of_neighbours(a, rests, self.half),
+                };
+                if count == LANES { &mut self.pairs } else { &mut *tails }.push(pair);
+            }
+            left = &left[count..];
+        }
+    }
+
+    /// Projects soft strided batches once, in their order, on particles that are in columns; `rows` are the first of their cluster batch, and that of the
+    /// columns. `sums` are what they have summed up, and others behind them; none where nothing is. Returns how far the farthest moved, metres, and how
+    /// many sums were theirs.
+    pub(crate) fn sweep_soft(
+        &self,
+        columns: &mut Columns,
+        batches: Range<usize>,
+        rows: (u32, u32),
+        sums: &mut [f32],
+        (substep_context, instructions): (SubstepContext, InstructionSet),
+    ) -> (f32, usize) {
+        let from = (rows.0 - rows.1) as usize / 2;
+        let batches = &self.strided_batches[batches];
+        let sweep = SweepSoft { rods: self, columns, batches, from, sums, substep_context };
+        with(instructions, sweep)
+    }
+}
+
+/// Such a sweep.
+struct SweepSoft<'a> {
+    rods: &'a Rods,
+    columns: &'a mut Columns,
+    batches: &'a [StridedBatch],
+    /// By so many lanes the first row of the cluster batch is behind that of the columns.
+    from: usize,
+    sums: &'a mut [f32],
+    substep_context: SubstepContext,
+}
+
+impl Work for SweepSoft<'_> {
+    type Output = (f32, usize);
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> (f32, usize) {
+        let Self { rods, columns, batches, from, sums, substep_context } = self;
+        let (mut worst, mut parted, mut done) = (L::zero(), 0.0_f32, 0);
+        for batch in batches {
+            let begin = done;
+            let yields =
+                L::splat(batch.compliance * (1.0 / (substep_context.h * substep_context.h)));
+            let (full, tails) = (&rods.pairs[batch.full.clone()], &rods.pairs[batch.tails.clone()]);
+            let soft = Soft { yields, sums: &mut *sums, done };
+            let mut pull = RodPull { worst, all_move: L::zero().same(L::zero()), soft };
+            if batch.neighbours {
+                columns.eights().each::<L, true>(full, from, &mut pull);
+            } else {
+                columns.eights().each::<L, false>(full, from, &mut pull);
+            }
+            let mut tail = Tail(pull);
+            if batch.neighbours {
+                columns.eights().each::<L, true>(tails, from, &mut tail);
+            } else {
+                columns.eights().each::<L, false>(tails, from, &mut tail);
+            }
+            let Tail(RodPull { worst: found, all_move, soft }) = tail;
+            (worst, done) = (found, soft.done);
+            if !all_move.all() {
+                let eights = full.iter().chain(tails);
+                let own = sums.get_mut(begin..).unwrap_or_default();
+                parted = parted.max(part(columns, eights, batch, from, own, substep_context));
+            }
+        }
+        (worst.largest(parted), done)
+    }
+}
+
+/// What soft ones have summed up, as far as they have been pulled.
+struct Soft<'a, L> {
+    yields: L,
+    sums: &'a mut [f32],
+    done: usize,
+}
+
+impl<L: Lanes> Yields<L> for Soft<'_, L> {
+    #[inline(always)]
+    fn before(&self, live: u32) -> Option<(L, L)> {
+        let sums = self.sums.get(self.done..).unwrap_or_default();
+        let sum = match sums.first_chunk() {
+            _ if sums.is_empty() => L::zero(),
+            Some(eight) if live == L::ALL => L::load(eight),
+            _ => {
+                let mut eight = [0.0; LANES];
+                let lanes = eight.iter_mut().enumerate();
+                let lanes = lanes.filter(|(lane, _)| live >> lane & 1 != 0);
+                lanes.zip(sums).for_each(|((_, to), from)| *to = *from);
+                L::load(&eight)
+            }
+        };
+        Some((self.yields, sum))
+    }
+
+    #[inline(always)]
+    fn after(&mut self, live: u32, change: L) {
+        let sums = self.sums.get_mut(self.done..).unwrap_or_default();
+        self.done += live.count_ones() as usize;
+        match sums.first_chunk_mut() {
+            Some(eight) if live == L::ALL => (L::load(eight) + change).store(eight),
+            _ => {
+                let change = change.array();
+                let lanes = change.iter().enumerate().filter(|(lane, _)| live >> lane & 1 != 0);
+                lanes.zip(sums).for_each(|((_, by), to)| *to += by);
+            }
+        }
+    }
+}
+
+/// Parts those whose ends are in one place, one after the other: it is rare. What has a direction was projected.
+#[cold]
+fn part<'a>(
+    columns: &mut Columns,
+    eights: impl Iterator<Item = &'a Pair>,
+    batch: &StridedBatch,
+    from: usize,
+    sums: &mut [f32],
+    substep_context: SubstepContext,
+) -> f32 {
+    let (mut worst, mut done) = (0.0_f32, 0);
+    for pair in eights {
+        let (a, b) = columns.eights().find(pair, from);
+        for lane in (0..LANES).filter(|lane| !pair.numbers[*lane].is_nan()) {
+            let pairs = 2 * PARTED[lane];
+            let places = match batch.neighbours {
+                false => [a + lane, b + lane],
+                true => [a + pairs, a + pairs + 1],
+            };
+            let mut pair_ = places.map(|at| columns.get(at));
+            let (mut none, d) = (0.0, (pair_[0] - pair_[1]).truncate());
+            let sum = sums.get_mut(done).unwrap_or(&mut none);
+            done += 1;
+            if d.x * d.x + d.y * d.y + d.z * d.z == 0.0 {
+                let distance = Distance::new(0, 1, pair.numbers[lane]);
+                let distance = distance.with_compliance(batch.compliance);
+                let start = pair_;
+                let moved = project(&mut pair_, &start, &distance, substep_context, sum);
+                worst = worst.max(moved);
+                columns.set(places[0], pair_[0]);
+                columns.set(places[1], pair_[1]);
+            }
+        }
+    }
+    worst
+}
