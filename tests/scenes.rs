@@ -227,9 +227,14 @@ fn flaps_stop_at_their_marks_one_elbow_never_bends_backward_and_the_tail_stays_i
     }
     assert!(closed > 0.5, "it bends forward: {closed}");
     assert!(backward < -0.5, "the free one bends the other way: {backward}");
-    let root = bones(&app, tail);
-    let hangs = root[0].angle_between(root[8]).to_degrees();
-    assert!(hangs > 60.0, "the tail curls by a few degrees a bone: {hangs}°");
+    // Its end swings about straight down, a quarter of a turn from where its root points.
+    let hangs = (0..540).map(|_| {
+        tick(&mut app, 1);
+        let bones = bones(&app, tail);
+        bones[0].angle_between(bones[8]).to_degrees()
+    });
+    let hangs = hangs.sum::<f32>() / 540.0;
+    assert!((hangs - 90.0).abs() < 3.0, "the tail curls by a few degrees a bone: {hangs}°");
     assert_finite(&mut app);
 }
 

@@ -50,7 +50,6 @@ const FLAPS: [f32; 2] = [1.8, 2.3];
 fn spawn(world: &mut World) {
     let [stop, cone, gravity] = values(world);
     world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
-    world.insert_resource(SolverConfig { substeps: 20, ..default() });
     world.insert_resource(AirDrag(0.1));
     world.spawn((InScene, Ground));
     for (i, far) in [stop.to_radians(), FLAPS[0], FLAPS[1]].into_iter().enumerate() {
