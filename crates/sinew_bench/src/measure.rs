@@ -44,6 +44,11 @@ pub trait World {
     fn cubes(&self) -> Vec<Cube> {
         Vec::new()
     }
+
+    /// How fast those are, m/s, or whatever else there is.
+    fn speeds(&self) -> Vec<Vec3> {
+        self.cubes().iter().map(|cube| cube.velocity).collect()
+    }
 }
 
 /// A cube of 1 m that collides.
@@ -121,6 +126,12 @@ pub fn time(count: usize, mut work: impl FnMut()) -> Took {
     Took { cpu: cpu.elapsed().as_secs_f64() / count, wall: wall.elapsed().as_secs_f64() / count }
 }
 
+/// The mean of the squares of speeds, m²/s².
+pub fn mean_square(speeds: &[Vec3]) -> f64 {
+    let squares = speeds.iter().map(|speed| f64::from(speed.length_squared()));
+    squares.sum::<f64>() / speeds.len().max(1) as f64
+}
+
 /// The middle one; NaN of nothing.
 pub fn median(mut times: Vec<f64>) -> f64 {
     times.sort_unstable_by(f64::total_cmp);
@@ -194,5 +205,11 @@ mod tests {
     fn the_median_is_the_middle_one() {
         assert_eq!(median(vec![3.0, 1.0, 9.0]), 3.0);
         assert!(median(Vec::new()).is_nan());
+    }
+
+    #[test]
+    fn speeds_are_judged_by_the_mean_of_their_squares() {
+        assert_eq!(mean_square(&[3.0, 4.0].map(|v| Vec3::X * v)), 12.5);
+        assert_eq!(mean_square(&[]), 0.0);
     }
 }

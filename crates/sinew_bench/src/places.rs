@@ -1,6 +1,6 @@
 //! Where bodies and stairs of a scene stand: the same for ours and for a rival's.
 
-use sinew::glam::Vec3;
+use sinew::glam::{EulerRot, Quat, Vec3};
 
 /// Where the boxes of a heap begin, metres.
 pub(crate) fn stacked(edge: u32) -> impl Iterator<Item = Vec3> {
@@ -24,4 +24,59 @@ pub(crate) fn stairs(side: u32) -> impl Iterator<Item = (Vec3, Vec3)> {
 /// Places on a square with 2 m between them.
 pub(crate) fn places(side: u32) -> impl Iterator<Item = Vec3> {
     (0..side * side).map(move |n| Vec3::new((n % side) as f32, 0.0, (n / side) as f32) * 2.0)
+}
+
+/// Where and how turned a thousand boxes of 1 m are before they fall, metres: in rows, or in random poses above the middle of [`pit`].
+pub(crate) fn pile(poured: bool) -> impl Iterator<Item = (Vec3, Quat)> {
+    (0..1000_u32).map(move |n| {
+        let (layer, place) = (n / 100, n % 100);
+        let [x, z] = [place % 10, place / 10].map(|i| 1.1 * (i as f32 - 4.5));
+        let drift = 0.13 * (layer % 3) as f32;
+        if poured {
+            let [a, b, c] = [0.7, 1.3, 2.1].map(|by| by * n as f32);
+            let turn = Quat::from_euler(EulerRot::XYZ, a, b, c);
+            (Vec3::new(1.5 * x + drift, 1.0 + 1.8 * layer as f32, 1.5 * z - drift), turn)
+        } else {
+            (Vec3::new(x + drift, 0.6 + 1.2 * layer as f32, z - drift), Quat::IDENTITY)
+        }
+    })
+}
+
+/// Sizes and places of four walls about what is poured, metres.
+pub(crate) fn pit() -> impl Iterator<Item = (Vec3, Vec3)> {
+    let (reach, high) = (9.5, 20.0);
+    let wide = 2.0 * reach;
+    [(reach, 0.0), (-reach, 0.0), (0.0, reach), (0.0, -reach)].into_iter().map(move |(x, z)| {
+        let size = if z == 0.0 { Vec3::new(1.0, high, wide) } else { Vec3::new(wide, high, 1.0) };
+        (size, Vec3::new(x, 0.5 * high, z))
+    })
+}
+
+/// Steps of the stairs of [`figures`], and how deep each is, metres.
+const STEPS: u32 = 20;
+const GOING: f32 = 0.42;
+
+/// Sizes and places of stairs of so high steps that go down along x, metres; none without.
+pub(crate) fn flight(rise: f32) -> impl Iterator<Item = (Vec3, Vec3)> {
+    (0..STEPS).filter_map(move |n| {
+        let high = rise * (STEPS - n) as f32;
+        let place = Vec3::new(GOING * n as f32, 0.5 * high, 0.0);
+        (high > 0.0).then_some((Vec3::new(GOING, high, 24.0), place))
+    })
+}
+
+/// Where and how turned a hundred ragdolls are above such stairs, metres.
+pub(crate) fn figures(rise: f32) -> impl Iterator<Item = (Vec3, Quat)> {
+    (0..100_u32).map(move |n| {
+        let (row, place) = (n / 20, n % 20);
+        let turn = Quat::from_rotation_y(0.5 * n as f32) * Quat::from_rotation_z(-0.7);
+        let x = 1.6 * row as f32;
+        let above = rise * (STEPS as f32 - x / GOING).max(0.0);
+        (Vec3::new(x, 1.6 + above, 1.15 * (place as f32 - 9.5)), turn)
+    })
+}
+
+/// Where a thousand boxes of 1 m lie side by side, metres.
+pub(crate) fn lying() -> impl Iterator<Item = Vec3> {
+    (0..1000_u32).map(|n| Vec3::new(1.5 * (n % 32) as f32, 0.5, 1.5 * (n / 32) as f32))
 }

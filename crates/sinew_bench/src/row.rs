@@ -56,12 +56,16 @@ pub struct Row {
     pub naive: Option<f64>,
     /// What the rival took.
     pub peer: Option<f64>,
+    /// What Avian took, where it has the scene.
+    pub avian: Option<f64>,
     /// How well Sinew did it, after 4 s.
     pub stretch: Option<Stretch>,
     /// How well the naive reference did it, after 4 s.
     pub naive_stretch: Option<Stretch>,
     /// How well the rival did it, after 4 s.
     pub peer_stretch: Option<Stretch>,
+    /// How well Avian did it.
+    pub avian_stretch: Option<Stretch>,
     /// What one must know to read the figures.
     pub note: String,
 }
@@ -125,9 +129,11 @@ impl Row {
             ours: None,
             naive: None,
             peer: None,
+            avian: None,
             stretch: None,
             naive_stretch: None,
             peer_stretch: None,
+            avian_stretch: None,
             note: String::new(),
         }
     }

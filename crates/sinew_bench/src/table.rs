@@ -3,18 +3,20 @@
 use crate::row::{Row, Stretch, Unit};
 
 /// The heads of the columns.
-const HEADS: [&str; 11] = [
+const HEADS: [&str; 13] = [
     "",
     "scene",
     "unit",
     "ours",
     "naive",
-    "peer",
+    "rapier",
+    "Avian",
     "naive/ours",
-    "peer/ours",
+    "rapier/ours",
     "stretch, ours",
     "naive",
-    "peer",
+    "rapier",
+    "Avian",
 ];
 
 /// The rows as a table with aligned columns; the notes stand below it. A stretch is "mean / largest", per cent.
@@ -72,7 +74,7 @@ pub fn json(rows: &[Row]) -> String {
     format!("[\n{}\n]\n", objects.join(",\n"))
 }
 
-fn cells(row: &Row) -> [String; 11] {
+fn cells(row: &Row) -> [String; 13] {
     let (scale, unit) = shown(row);
     let figure = |x: Option<f64>| x.map_or("–".into(), |x| number(x * scale));
     let times = |x: Option<f64>| x.map_or("–".into(), |x| format!("{}×", number(x)));
@@ -83,17 +85,19 @@ fn cells(row: &Row) -> [String; 11] {
         figure(row.ours),
         figure(row.naive),
         figure(row.peer),
+        figure(row.avian),
         times(row.ratio()),
         times(row.peer_ratio()),
         stretched(row.stretch),
         stretched(row.naive_stretch),
         stretched(row.peer_stretch),
+        stretched(row.avian_stretch),
     ]
 }
 
 /// The unit in which a person reads it, and what to multiply with.
 fn shown(row: &Row) -> (f64, &'static str) {
-    let most = [row.ours, row.naive, row.peer].into_iter().flatten().fold(0.0, f64::max);
+    let most = [row.ours, row.naive, row.peer, row.avian].into_iter().flatten().fold(0.0, f64::max);
     match row.unit {
         Unit::Tick if most >= 1e5 => (1e-6, "ms/tick"),
         Unit::Tick => (1e-3, "µs/tick"),
@@ -137,6 +141,7 @@ fn object(row: &Row) -> String {
         ("ours_ns", ns(row.ours)),
         ("naive_ns", ns(row.naive)),
         ("peer_ns", ns(row.peer)),
+        ("avian_ns", ns(row.avian)),
         ("ours", numeral(row.ours)),
         ("naive", numeral(row.naive)),
         ("peer", numeral(row.peer)),
@@ -148,6 +153,8 @@ fn object(row: &Row) -> String {
         ("naive_max_stretch", part(row.naive_stretch, max)),
         ("peer_mean_stretch", part(row.peer_stretch, mean)),
         ("peer_max_stretch", part(row.peer_stretch, max)),
+        ("avian_mean_stretch", part(row.avian_stretch, mean)),
+        ("avian_max_stretch", part(row.avian_stretch, max)),
         ("note", quoted(&row.note)),
     ]
     .map(|(name, value)| format!("\"{name}\": {value}"))

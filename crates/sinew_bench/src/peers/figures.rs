@@ -1,12 +1,12 @@
-//! Boxes and ragdolls as rapier's rigid bodies and joints, with its default settings, except that nothing sleeps.
+//! Boxes and ragdolls as rapier's rigid bodies and joints, with its default settings; nothing sleeps but in the scenes of a user.
 
 use rapier3d::prelude::*;
 use sinew::glam::{Quat, Vec3};
 use sinew::pose::Pose;
-use sinew::recipes::{Blueprint, Part, RagdollParticle as P, RagdollSpec, ragdoll};
 
+use super::limbs::{self, Form, Limb, LimbJoint};
 use crate::measure::{Cube, World};
-use crate::places::{places, stacked, stairs};
+use crate::places;
 use crate::row::Stretch;
 
 /// A world of rigid bodies.
@@ -19,26 +19,9 @@ pub(super) struct Rigid {
 /// Half the size of the slab that is the floor, m.
 const FLOOR: Vec3 = Vec3::new(200.0, 1.0, 200.0);
 
-/// Where a part of a ragdoll hangs on another, and whether it turns about one axis alone.
-const JOINTS: [(&str, &str, P, bool); 10] = [
-    ("torso", "head", P::Neck, false),
-    ("torso", "pelvis", P::Waist, false),
-    ("torso", "left upper arm", P::LeftShoulder, false),
-    ("torso", "right upper arm", P::RightShoulder, false),
-    ("pelvis", "left thigh", P::LeftHip, false),
-    ("pelvis", "right thigh", P::RightHip, false),
-    ("left upper arm", "left forearm", P::LeftElbow, true),
-    ("right upper arm", "right forearm", P::RightElbow, true),
-    ("left thigh", "left shin", P::LeftKnee, true),
-    ("right thigh", "right shin", P::RightKnee, true),
-];
-
-/// Limits about each axis of a joint that turns about all three, radians, and of one that turns about one.
-const LIMITS: ([f32; 2], [f32; 2]) = ([-1.0, 1.0], [-2.4, 2.4]);
-
 pub(super) fn boxes(side: u32) -> Rigid {
     let mut world = floored();
-    for place in places(side) {
+    for place in places::places(side) {
         let place = vector(place + Vec3::Y * 0.5);
         let body = RigidBodyBuilder::dynamic().translation(place).can_sleep(false);
         world.insert(body, ColliderBuilder::cuboid(0.5, 0.5, 0.5));
@@ -48,7 +31,7 @@ pub(super) fn boxes(side: u32) -> Rigid {
 
 pub(super) fn heap(edge: u32) -> Rigid {
     let mut world = floored();
-    for place in stacked(edge) {
+    for place in places::stacked(edge) {
         let body = RigidBodyBuilder::dynamic().translation(vector(place)).can_sleep(false);
         world.insert(body, ColliderBuilder::cuboid(0.5, 0.5, 0.5));
     }
@@ -61,11 +44,45 @@ pub(super) fn ragdolls(side: u32) -> Rigid {
 
 pub(super) fn on_stairs(side: u32) -> Rigid {
     let mut world = PhysicsWorld::new();
-    for (half, place) in stairs(side) {
+    for (half, place) in places::stairs(side) {
         let stair = ColliderBuilder::cuboid(half.x, half.y, half.z).translation(vector(place));
         world.insert_collider(stair, None);
     }
     with_dolls(world, side)
+}
+
+/// A thousand boxes that lie side by side, and may sleep or not.
+pub(super) fn lying(sleep: bool) -> Rigid {
+    let mut world = floored();
+    for place in places::lying() {
+        let body = RigidBodyBuilder::dynamic().translation(vector(place)).can_sleep(sleep);
+        world.insert(body, ColliderBuilder::cuboid(0.5, 0.5, 0.5));
+    }
+    world.into()
+}
+
+/// A thousand boxes that fall and may sleep, in rows or poured between four walls.
+pub(super) fn pile(poured: bool) -> Rigid {
+    let mut world = floored();
+    if poured {
+        fixed(&mut world, places::pit());
+    }
+    for (place, turn) in places::pile(poured) {
+        let body = RigidBodyBuilder::dynamic()
+            .pose(rapier3d::math::Pose::from_parts(vector(place), turned(turn)));
+        world.insert(body, ColliderBuilder::cuboid(0.5, 0.5, 0.5));
+    }
+    world.into()
+}
+
+/// A hundred ragdolls that may sleep, above stairs of so high steps, and the floor.
+pub(super) fn figures(rise: f32) -> Rigid {
+    let mut world = floored();
+    fixed(&mut world, places::flight(rise));
+    let figure = limbs::figure();
+    let mut rigid = Rigid::from(world);
+    places::figures(rise).for_each(|place| insert(&mut rigid, &figure, place, true));
+    rigid
 }
 
 impl World for Rigid {
@@ -115,9 +132,10 @@ impl From<PhysicsWorld> for Rigid {
 
 /// The same with `side × side` ragdolls above the ground.
 fn with_dolls(world: PhysicsWorld, side: u32) -> Rigid {
-    let doll = ragdoll(&RagdollSpec::default()).expect("the ragdoll is sound");
+    let figure = limbs::figure();
     let mut rigid = Rigid::from(world);
-    places(side).for_each(|place| insert(&mut rigid, &doll, place + Vec3::Y));
+    let places = places::places(side).map(|place| (place + Vec3::Y, Quat::IDENTITY));
+    places.for_each(|place| insert(&mut rigid, &figure, place, false));
     rigid
 }
 
@@ -128,55 +146,57 @@ fn floored() -> PhysicsWorld {
     world
 }
 
-/// The parts of a ragdoll as capsules and boxes of the same sizes and masses, and a joint where two parts share a particle.
-fn insert(Rigid { world, lengths }: &mut Rigid, doll: &Blueprint, place: Vec3) {
-    let at = |i: u32| doll.particles[i as usize].position;
-    let mut handles = Vec::new();
-    for part in &doll.parts {
-        let (shape, centre) = shape(part, at);
-        let body = RigidBodyBuilder::dynamic().translation(vector(place + centre));
-        let (handle, _) = world.insert(body.can_sleep(false), shape.density(1000.0));
-        handles.push((part.name, handle, centre, part.size));
+/// Boxes of such sizes in such places that do not move.
+fn fixed(world: &mut PhysicsWorld, boxes: impl Iterator<Item = (Vec3, Vec3)>) {
+    for (size, place) in boxes {
+        let half = 0.5 * size;
+        let wall = ColliderBuilder::cuboid(half.x, half.y, half.z).translation(vector(place));
+        world.insert_collider(wall, None);
     }
-    let find = |name: &str| handles.iter().find(|(part, ..)| *part == name);
-    for (first, second, joint, hinge) in JOINTS {
-        let (Some(&(_, first, one, _)), Some(&(_, second, other, size))) =
-            (find(first), find(second))
-        else {
-            continue;
+}
+
+/// A figure, turned and put in a place.
+fn insert(
+    Rigid { world, lengths }: &mut Rigid,
+    (limbs, joints): &(Vec<Limb>, Vec<LimbJoint>),
+    (place, turn): (Vec3, Quat),
+    sleeps: bool,
+) {
+    let body = |limb: &Limb| {
+        let centre = vector(place + turn * limb.centre);
+        let pose = rapier3d::math::Pose::from_parts(centre, turned(turn));
+        let body = RigidBodyBuilder::dynamic().pose(pose).can_sleep(sleeps);
+        let shape = match limb.form {
+            Form::Capsule { half, radius } => {
+                ColliderBuilder::capsule_from_endpoints(vector(-half), vector(half), radius)
+            }
+            Form::Cuboid { half } => ColliderBuilder::cuboid(half.x, half.y, half.z),
         };
-        let point = at(joint.index());
-        let [one, other] = [point - one, point - other].map(vector);
-        let handle = if hinge {
-            let joint = RevoluteJointBuilder::new(Vector::X).limits(LIMITS.1);
+        world.insert(body, shape.density(limbs::DENSITY)).0
+    };
+    let bodies: Vec<RigidBodyHandle> = limbs.iter().map(body).collect();
+    for joint in joints {
+        let [first, second] = joint.limbs.map(|limb| bodies[limb]);
+        let [one, other] = joint.limbs.map(|limb| vector(joint.point - limbs[limb].centre));
+        let handle = if joint.hinge {
+            let joint = RevoluteJointBuilder::new(Vector::X).limits(limbs::LIMITS.1);
             let joint = joint.local_anchor1(one).local_anchor2(other).contacts_enabled(false);
             world.insert_impulse_joint(first, second, joint)
         } else {
             let axes = [JointAxis::AngX, JointAxis::AngY, JointAxis::AngZ];
             let joint = SphericalJointBuilder::new().local_anchor1(one).local_anchor2(other);
             let joint = joint.contacts_enabled(false);
-            let joint = axes.into_iter().fold(joint, |joint, axis| joint.limits(axis, LIMITS.0));
-            world.insert_impulse_joint(first, second, joint)
+            let limit = |joint: SphericalJointBuilder, axis| joint.limits(axis, limbs::LIMITS.0);
+            world.insert_impulse_joint(first, second, axes.into_iter().fold(joint, limit))
         };
-        lengths.push((handle, f64::from(size.max_element())));
-    }
-}
-
-/// A limb is a capsule from one joint to the next; what else there is, a box.
-fn shape(part: &Part, at: impl Fn(u32) -> Vec3) -> (ColliderBuilder, Vec3) {
-    let [from, to] = [part.particles[0], part.particles[1]].map(at);
-    let limb = ["arm", "thigh", "shin"].iter().any(|word| part.name.contains(word));
-    if limb {
-        let (centre, half) = (0.5 * (from + to), 0.5 * (to - from));
-        let radius = 0.5 * part.size.x;
-        (ColliderBuilder::capsule_from_endpoints(vector(-half), vector(half), radius), centre)
-    } else {
-        let half = 0.5 * part.size;
-        // A part of this kind is upright: a particle is as far from the centre as it says.
-        (ColliderBuilder::cuboid(half.x, half.y, half.z), from - part.rest[0])
+        lengths.push((handle, joint.length));
     }
 }
 
 fn vector(v: Vec3) -> Vector {
     Vector::from(v.to_array())
+}
+
+fn turned(q: Quat) -> Rotation {
+    Rotation::from_xyzw(q.x, q.y, q.z, q.w)
 }

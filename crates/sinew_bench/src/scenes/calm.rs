@@ -4,7 +4,7 @@ use sinew::Simulation;
 use sinew::glam::{Quat, Vec3};
 use sinew::pose::Pose;
 
-use crate::measure::{Cube, Effort, Ours, World};
+use crate::measure::{Cube, Effort, Ours, World, mean_square};
 use crate::peers;
 use crate::row::{Row, Unit};
 
@@ -25,8 +25,7 @@ pub(super) fn heaps(effort: &Effort, (mut world, edge): (Simulation, u32), subst
     let row = Row::new("P5", scene, Unit::Speed).sized(world.distances().len(), substeps, 1);
     let later = |world: &mut dyn World| {
         (0..ticks).for_each(|_| world.tick());
-        let cubes = world.cubes();
-        (1e3 * speed(&cubes), 1e3 * deepest(&cubes))
+        (1e3 * mean_square(&world.speeds()).sqrt(), 1e3 * deepest(&world.cubes()))
     };
     let (ours, depth) = later(&mut Ours(world));
     let peer = peers::heap(effort, edge, substeps).map(|mut peer| later(peer.as_mut()));
@@ -36,14 +35,8 @@ pub(super) fn heaps(effort: &Effort, (mut world, edge): (Simulation, u32), subst
     Row { ours: Some(ours), peer: peer.map(|(speed, _)| speed), ..row }.noted(note)
 }
 
-/// Root of the mean square, m/s.
-fn speed(cubes: &[Cube]) -> f64 {
-    let squares = cubes.iter().map(|cube| f64::from(cube.velocity.length_squared()));
-    (squares.sum::<f64>() / cubes.len().max(1) as f64).sqrt()
-}
-
 /// How deep any corner is in another cube, or in the floor, metres.
-fn deepest(cubes: &[Cube]) -> f64 {
+pub(super) fn deepest(cubes: &[Cube]) -> f64 {
     let mut deepest = 0.0_f32;
     for (number, cube) in cubes.iter().enumerate() {
         let near = |other: &Cube| other.pose.translation.distance(cube.pose.translation) < DIAGONAL;
@@ -91,11 +84,5 @@ mod tests {
         let tilted = Quat::from_rotation_z(core::f32::consts::FRAC_PI_4);
         let stands = cube(Vec3::Y * 0.7, tilted, Vec3::ZERO);
         assert!((deepest(&[stands]) - f64::from(0.5_f32.sqrt() - 0.7)).abs() < 1e-6);
-    }
-
-    #[test]
-    fn a_speed_is_the_root_of_the_mean_square() {
-        let cubes = [3.0, 4.0].map(|v| cube(Vec3::ZERO, Quat::IDENTITY, Vec3::X * v));
-        assert!((speed(&cubes) - 12.5_f64.sqrt()).abs() < 1e-9);
     }
 }

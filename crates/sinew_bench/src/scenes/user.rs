@@ -1,8 +1,9 @@
 //! What a user gets, U1 to U11: whole frames of apps with `MinimalPlugins` and `SinewPlugins`, nothing configured, a ground in each, on one thread, or with `--threads` on those that an app has.
 //!
 //! A frame is a tick of 1/60 s. What is timed is the mean of all frames from the first second to the fourth, after things have met; the quality stands
-//! beside it, over the last two seconds: how far hard distances are from their lengths, in the mean and at the worst; for bodies without any, how fast they
-//! still are.
+//! beside it, over the last two seconds: how far hard distances are from their lengths, in the mean and at the worst; how fast all still are; and of boxes how
+//! deep they lie in each other in the end. Which part of the time is the engine's own stands there, too. rapier3d has the rigid scenes in turn with ours, by
+//! itself and not in an app, and Avian in an app, with their default settings; of their ragdolls it is the joints that gape.
 
 use core::time::Duration;
 
@@ -10,10 +11,15 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    BodyContacts, BodyParticles, PhaseSystems, Region, SleepingDisabled, SubstepSchedule,
+    BodyContacts, BodyParticles, PhaseSystems, Region, SleepingDisabled, SubstepSchedule, TickTime,
 };
+use sinew::Simulation;
+use sinew::pose::Pose;
 
-use crate::measure::{Effort, stretch_of, time};
+use super::calm::deepest;
+use crate::measure::{Cube, Effort, Took, World as Contender, mean_square, stretch_of, time};
+use crate::peers::{self, Rivals};
+use crate::places;
 use crate::row::{Row, Stretch, Unit};
 
 /// One tick of the fixed schedule, as long as a frame: 60 Hz.
@@ -27,15 +33,23 @@ const JUDGED: usize = 120;
 /// Frames between two looks at the quality, which are not timed.
 const LOOK: usize = 12;
 
-/// A scene: its number, what it is, and what fills the world.
+/// A scene: its number, what it is, what fills the world, and rivals in it.
 struct Level {
     id: &'static str,
     what: &'static str,
     fill: fn(&mut World),
+    peers: fn(&Effort) -> Rivals,
 }
 
 const fn level(id: &'static str, what: &'static str, fill: fn(&mut World)) -> Level {
-    Level { id, what, fill }
+    Level { id, what, fill, peers: |_| Rivals { rapier: None, avian: None } }
+}
+
+impl Level {
+    /// The same beside rivals, which set the same scene up.
+    const fn beside(self, peers: fn(&Effort) -> Rivals) -> Self {
+        Self { peers, ..self }
+    }
 }
 
 /// U1 to U9.
@@ -54,10 +68,14 @@ const LEVELS: &[Level] = &[
         world.spawn((cloth, Transform::from_xyz(0.0, 2.5, 0.0)));
     }),
     level("U5", "20 ropes of 32 over a beam, weights", ropes),
-    level("U6", "1000 boxes in rows fall into a heap", |world| boxes(world, false)),
-    level("U6", "1000 boxes poured between four walls", |world| boxes(world, true)),
-    level("U7", "100 ragdolls on a floor", |world| figures(world, 0.0)),
-    level("U7", "100 ragdolls down stairs", |world| figures(world, 0.24)),
+    level("U6", "1000 boxes in rows fall into a heap", |world| boxes(world, false))
+        .beside(|effort| peers::pile(effort, false)),
+    level("U6", "1000 boxes poured between four walls", |world| boxes(world, true))
+        .beside(|effort| peers::pile(effort, true)),
+    level("U7", "100 ragdolls on a floor", |world| figures(world, 0.0))
+        .beside(|effort| peers::figures(effort, 0.0)),
+    level("U7", "100 ragdolls down stairs", |world| figures(world, 0.24))
+        .beside(|effort| peers::figures(effort, 0.24)),
     level("U8", "200 jelly cubes into a bin", jelly),
     level("U9", "a level of all of it", of_all),
 ];
@@ -116,8 +134,7 @@ pub(super) fn u10(effort: &Effort) -> Vec<Row> {
 /// U11.
 pub(super) fn u11(effort: &Effort) -> Vec<Row> {
     let fill = |world: &mut World, sleeps: bool| {
-        for n in 0..1000_u32 {
-            let place = Vec3::new(1.5 * (n % 32) as f32, 0.5, 1.5 * (n / 32) as f32);
+        for place in places::lying() {
             let mut body =
                 world.spawn((RigidBox::new(Vec3::ONE), Transform::from_translation(place)));
             if !sleeps {
@@ -131,8 +148,10 @@ pub(super) fn u11(effort: &Effort) -> Vec<Row> {
         let place = Transform::from_xyz(-3.0, 0.5, -3.0);
         world.spawn((RigidBox::new(Vec3::ONE), place, SleepingDisabled));
     };
-    let awake = level("U11", "1000 boxes side by side, awake", |_| {});
-    let asleep = level("U11", "1000 boxes side by side, asleep", |_| {});
+    let awake = level("U11", "1000 boxes side by side, awake", |_| {})
+        .beside(|effort| peers::lying(effort, false));
+    let asleep = level("U11", "1000 boxes side by side, asleep", |_| {})
+        .beside(|effort| peers::lying(effort, true));
     let but_one = level("U11", "1000 boxes side by side, asleep, and one awake", |_| {});
     vec![
         measured(&asleep, effort, |world| with_ground(world, |world| fill(world, true))),
@@ -151,65 +170,152 @@ fn with_ground(world: &mut World, fill: impl FnOnce(&mut World)) {
 
 /// Runs an app of that and fills in a row.
 fn measured(level: &Level, effort: &Effort, fill: impl FnOnce(&mut World)) -> Row {
-    let mut app = App::new();
-    app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin));
-    app.init_asset::<Mesh>();
-    app.add_plugins(SinewPlugins);
-    app.insert_resource(Time::<Fixed>::from_duration(TICK));
-    app.insert_resource(TimeUpdateStrategy::ManualDuration(TICK));
-    app.world_mut().resource_mut::<SolverConfig>().threads = effort.threads;
-    app.finish();
-    app.cleanup();
-    fill(app.world_mut());
-    // Bodies are built in the first tick: then what hangs on them can be hung there.
-    app.update();
-    load_ends(app.world_mut());
+    let mut ours = UserApp::new(effort, fill);
+    let Rivals { rapier, avian } = (level.peers)(effort);
+    let mut rivals = [("rapier", rapier), ("Avian", avian)];
     let short = if effort.quick { 10 } else { 1 };
-    (0..WARM / short).for_each(|_| app.update());
-    let (mut seconds, mut quality) = (0.0, Quality::default());
+    // Bodies are built in the first tick: then what hangs on them can be hung there.
+    ours.tick();
+    load_ends(ours.app.world_mut());
+    (0..WARM / short).for_each(|_| ours.tick());
+    for rival in rivals.iter_mut().filter_map(|(_, rival)| rival.as_mut()) {
+        (0..=WARM / short).for_each(|_| rival.tick());
+    }
+    ours.substeps = Duration::ZERO;
+    let (mut own, mut theirs) = (Contest::default(), [Contest::default(), Contest::default()]);
     let all = TIMED / short;
     let mut done = 0;
     while done < all {
         let frames = LOOK.min(all - done);
-        let took = time(1, || (0..frames).for_each(|_| app.update()));
-        seconds += if effort.threads { took.wall } else { took.cpu };
         done += frames;
-        if all - done <= JUDGED / short {
-            quality.look(app.world());
+        let judged = all - done <= JUDGED / short;
+        own.run(&mut ours, frames, judged);
+        for ((_, rival), contest) in rivals.iter_mut().zip(&mut theirs) {
+            if let Some(rival) = rival {
+                contest.run(rival.as_mut(), frames, judged);
+            }
         }
     }
-    let settings = *app.world().resource::<SolverConfig>();
-    let count = app.world().resource::<SinewWorld>().simulation().distances().len();
-    let row = Row::new(level.id, level.what, Unit::Tick).sized(
-        count,
-        settings.substeps,
-        settings.max_sweeps,
-    );
-    let row = Row { ours: Some(1e9 * seconds / all as f64), ..row };
-    Row { stretch: quality.stretch(), ..row }.noted(quality.speed())
+    let engine = 100.0 * ours.substeps.as_secs_f64() / own.took.wall;
+    let is_cubes = !ours.cubes().is_empty();
+    let mut note = format!("engine {engine:.0} %; {}", own.quality(&ours, is_cubes));
+    for ((name, rival), contest) in rivals.iter().zip(&theirs) {
+        if let Some(rival) = rival {
+            note += &format!("; {name} {}", contest.quality(rival.as_ref(), is_cubes));
+        }
+    }
+    let settings = *ours.app.world().resource::<SolverConfig>();
+    let count = ours.simulation().distances().len();
+    let row = Row::new(level.id, level.what, Unit::Tick);
+    let row = row.sized(count, settings.substeps, settings.max_sweeps).noted(note);
+    let spent = |contest: &Contest| {
+        let Took { cpu, wall } = contest.took;
+        let seconds = if effort.threads { wall } else { cpu };
+        (seconds > 0.0).then_some(1e9 * seconds / all as f64)
+    };
+    let [rapier, avian] = &theirs;
+    Row {
+        ours: spent(&own),
+        peer: spent(rapier),
+        avian: spent(avian),
+        stretch: own.stretch(),
+        peer_stretch: rapier.stretch(),
+        avian_stretch: avian.stretch(),
+        ..row
+    }
 }
 
-/// How well a scene holds together, over several looks.
-#[derive(Default)]
-struct Quality {
+/// An app as the README has it.
+struct UserApp {
+    app: App,
+    /// How long the engine itself took in it, of the frames so far.
+    substeps: Duration,
+}
+
+impl UserApp {
+    fn new(effort: &Effort, fill: impl FnOnce(&mut World)) -> Self {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin));
+        app.init_asset::<Mesh>();
+        app.add_plugins(SinewPlugins);
+        app.insert_resource(Time::<Fixed>::from_duration(TICK));
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(TICK));
+        app.world_mut().resource_mut::<SolverConfig>().threads = effort.threads;
+        app.finish();
+        app.cleanup();
+        fill(app.world_mut());
+        Self { app, substeps: Duration::ZERO }
+    }
+
+    fn simulation(&self) -> &Simulation {
+        self.app.world().resource::<SinewWorld>().simulation()
+    }
+}
+
+impl Contender for UserApp {
+    fn tick(&mut self) {
+        self.app.update();
+        self.substeps += self.app.world().resource::<TickTime>().substeps;
+    }
+
+    fn stretch(&self) -> Option<Stretch> {
+        let world = self.simulation();
+        stretch_of(world.distances(), |i| world.particles.position(i))
+    }
+
+    fn cubes(&self) -> Vec<Cube> {
+        let world = self.app.world();
+        let Some(mut boxes) = world.try_query::<(&RigidBox, &Transform, &LinearVelocity)>() else {
+            return Vec::new();
+        };
+        let whole = boxes.iter(world).filter(|(own, ..)| own.size == Vec3::ONE);
+        let cube = |(_, &Transform { translation, rotation, .. }, velocity): (_, &_, &_)| {
+            let LinearVelocity(velocity) = *velocity;
+            Cube { pose: Pose { translation, rotation }, velocity }
+        };
+        whole.map(cube).collect()
+    }
+
+    fn speeds(&self) -> Vec<Vec3> {
+        let cubes = self.cubes();
+        if !cubes.is_empty() {
+            return cubes.iter().map(|cube| cube.velocity).collect();
+        }
+        let particles = &self.simulation().particles;
+        (0..particles.len()).map(|i| particles.velocity(i)).collect()
+    }
+}
+
+/// How long a contender takes, and how well it holds together, over several looks.
+struct Contest {
+    /// Seconds in all.
+    took: Took,
     looks: u32,
     mean: f64,
     max: f64,
     squares: f64,
 }
 
-impl Quality {
-    fn look(&mut self, world: &World) {
-        let world = world.resource::<SinewWorld>().simulation();
-        let particles = &world.particles;
-        if let Some(now) = stretch_of(world.distances(), |i| particles.position(i)) {
-            self.mean += now.mean;
-            self.max = self.max.max(now.max);
+impl Default for Contest {
+    fn default() -> Self {
+        Self { took: Took { cpu: 0.0, wall: 0.0 }, looks: 0, mean: 0.0, max: 0.0, squares: 0.0 }
+    }
+}
+
+impl Contest {
+    /// Times it for so many frames, and looks at it then.
+    fn run(&mut self, world: &mut dyn Contender, frames: usize, judged: bool) {
+        let took = time(1, || (0..frames).for_each(|_| world.tick()));
+        self.took.cpu += took.cpu;
+        self.took.wall += took.wall;
+        if judged {
+            if let Some(now) = world.stretch() {
+                self.mean += now.mean;
+                self.max = self.max.max(now.max);
+            }
+            self.squares += mean_square(&world.speeds());
+            self.looks += 1;
         }
-        let count = particles.len().max(1) as f64;
-        let squares = (0..particles.len()).map(|i| particles.velocity(i).length_squared());
-        self.squares += squares.map(f64::from).sum::<f64>() / count;
-        self.looks += 1;
     }
 
     fn stretch(&self) -> Option<Stretch> {
@@ -217,9 +323,15 @@ impl Quality {
         (self.max > 0.0).then_some(Stretch { mean, max: self.max })
     }
 
-    fn speed(&self) -> String {
+    /// How fast all of it was (root of the mean square), and how deep the deepest corner of a cube lies in another or in the floor now.
+    fn quality(&self, world: &dyn Contender, is_cubes: bool) -> String {
         let mean = (self.squares / f64::from(self.looks.max(1))).sqrt();
-        format!("RMS speed {:.1} mm/s", 1e3 * mean)
+        let speed = format!("{:.1} mm/s", 1e3 * mean);
+        if is_cubes {
+            format!("{speed}, {:.1} mm deep", 1e3 * deepest(&world.cubes()))
+        } else {
+            speed
+        }
     }
 }
 
@@ -287,53 +399,28 @@ fn ropes(world: &mut World) {
 }
 
 fn boxes(world: &mut World, poured: bool) {
-    for n in 0..1000_u32 {
-        let (layer, place) = (n / 100, n % 100);
-        let [x, z] = [place % 10, place / 10].map(|i| 1.1 * (i as f32 - 4.5));
-        let high = 0.6 + 1.2 * layer as f32;
-        let turn = if poured {
-            let [a, b, c] = [0.7, 1.3, 2.1].map(|by| by * n as f32);
-            Quat::from_euler(EulerRot::XYZ, a, b, c)
-        } else {
-            Quat::IDENTITY
-        };
-        let high = if poured { 1.0 + 1.8 * layer as f32 } else { high };
-        let [x, z] = if poured { [1.5 * x, 1.5 * z] } else { [x, z] };
-        let drift = 0.13 * (layer % 3) as f32;
-        let place = Vec3::new(x + drift, high, z - drift);
+    for (place, turn) in places::pile(poured) {
         let place = Transform::from_translation(place).with_rotation(turn);
         world.spawn((RigidBox::new(Vec3::ONE), place));
     }
     if poured {
-        let (reach, high) = (9.5, 20.0);
-        for (x, z) in [(reach, 0.0), (-reach, 0.0), (0.0, reach), (0.0, -reach)] {
-            let wide = 2.0 * reach;
-            let size =
-                if z == 0.0 { Vec3::new(1.0, high, wide) } else { Vec3::new(wide, high, 1.0) };
-            world.spawn((Collider::cuboid(size), Transform::from_xyz(x, 0.5 * high, z)));
-        }
+        fixed(world, places::pit());
     }
 }
 
 /// A hundred, in front of stairs of so high steps; on the floor without any.
 fn figures(world: &mut World, rise: f32) {
-    let (steps, going) = (20, 0.42);
-    for n in 0..steps {
-        let high = rise * (steps - n) as f32;
-        if high > 0.0 {
-            let place = Vec3::new(going * n as f32, 0.5 * high, 0.0);
-            let size = Vec3::new(going, high, 24.0);
-            world.spawn((Collider::cuboid(size), Transform::from_translation(place)));
-        }
-    }
-    for n in 0..100_u32 {
-        let (row, place) = (n / 20, n % 20);
-        let turn = Quat::from_rotation_y(0.5 * n as f32) * Quat::from_rotation_z(-0.7);
-        let x = 1.6 * row as f32;
-        let above = rise * (steps as f32 - x / going).max(0.0);
-        let place = Vec3::new(x, 1.6 + above, 1.15 * (place as f32 - 9.5));
+    fixed(world, places::flight(rise));
+    for (place, turn) in places::figures(rise) {
         let place = Transform::from_translation(place).with_rotation(turn);
         world.spawn((Ragdoll::default(), place));
+    }
+}
+
+/// Boxes of such sizes in such places that do not move.
+fn fixed(world: &mut World, boxes: impl Iterator<Item = (Vec3, Vec3)>) {
+    for (size, place) in boxes {
+        world.spawn((Collider::cuboid(size), Transform::from_translation(place)));
     }
 }
 
