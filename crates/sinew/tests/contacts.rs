@@ -227,11 +227,9 @@ fn falls_on(name: &str, shape: Shape) {
             assert!(lowest > -1.0, "it hangs on the {name}, and did not slip off: {lowest}");
             rms
         };
-        // Of ten starts a tenth of a millimetre apart two go on sliding somewhere, by 1 to 2 mm/s, whatever the order of the sweeps: where the first of three does,
-        // the other two do not.
-        let rms = fall(0.0);
-        let others = || [1e-4, 2e-4].map(fall).into_iter().fold(0.0, f32::max);
-        assert!(rms < still || others() < still, "{name}, {hertz} Hz × {substeps}: {rms}");
+        // Of ten starts a tenth of a millimetre apart two go on sliding somewhere, by 1 to 2 mm/s, whatever the order of the sweeps: the mean of three is asked.
+        let rms = [0.0, 1e-4, 2e-4].map(fall).into_iter().sum::<f32>() / 3.0;
+        assert!(rms < still, "{name}, {hertz} Hz × {substeps}: {rms}");
     }
 }
 

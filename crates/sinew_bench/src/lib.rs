@@ -13,7 +13,7 @@
 //! |---|---|
 //! | [`scenes`] | what is measured; a file a family |
 //! | [`naive`] | the reference: an array of structs, in sequence, constraints in the order given |
-//! | [`peers`] | rapier3d on the same scenes; with the feature `peers` |
+//! | [`peers`] | rapier3d on the same scenes, with the feature `peers`; Avian on those of a user, with `avian` |
 //! | [`measure`] | taking turns, clocks, the median |
 //! | [`threads`] | the one place where a scene is given threads |
 //! | [`kernels`] | a table of kernels, for the micro benchmark `kernels` |
