@@ -63,7 +63,6 @@ const PITCH: f32 = 0.475;
 fn spawn(world: &mut World) {
     let [stiffness, density, friction] = values(world);
     let surface = SurfaceMaterial::new(friction);
-    world.insert_resource(SolverConfig { substeps: 8, max_sweeps: 2, ..default() });
     world.insert_resource(AirDrag(0.2));
     world.spawn((InScene, Ground, surface));
     let reach = 0.5 * (ROOM + THICK);
