@@ -220,20 +220,10 @@ impl Simulation {
 
     /// How an island lies. Of one that moves nothing else counts.
     fn activity_of(&self, island: &Island) -> IslandActivity {
-        let Self { particles, scratch, forces, .. } = self;
+        let Self { particles, forces, .. } = self;
         let mut activity =
             IslandActivity { active: false, allowed: true, asleep: true, still: f32::INFINITY };
-        // Neighbours mostly share their body.
-        let (mut last, mut body) = (NO_BODY, Sleep::default());
-        for &row in &scratch.plan.islands.members[island.members.clone()] {
-            let i = row as usize;
-            if particles.position[i].w == 0.0 {
-                continue;
-            }
-            if particles.body[i] != last {
-                last = particles.body[i];
-                body = self.sleep_of(last);
-            }
+        for (i, body) in self.loose_members(island) {
             let pushed = particles.external[i] != Vec3::ZERO;
             if !is_quiet(&body, particles.velocity[i]) || pushed || body.keeps_awake {
                 return IslandActivity { active: true, ..activity };
@@ -260,16 +250,7 @@ impl Simulation {
         for (number, island) in plan.islands.list.iter().enumerate() {
             let in_pieces = sleepers.pieces.are_several(number);
             let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-            let (mut last, mut body) = (NO_BODY, Sleep::default());
-            for &row in &plan.islands.members[island.members.clone()] {
-                let i = row as usize;
-                if particles.position[i].w == 0.0 {
-                    continue;
-                }
-                if particles.body[i] != last {
-                    last = particles.body[i];
-                    body = self.sleep_of(last);
-                }
+            for (i, body) in self.loose_members(island) {
                 let velocity = particles.velocity[i];
                 // The same for all that is quiet, so that who touches whom does not change when they fall asleep.
                 let quiet = is_quiet(&body, velocity);
@@ -279,17 +260,29 @@ impl Simulation {
                 let at = particles.origin[i] + particles.position[i].truncate();
                 (low, high) = (low.min(at - around), high.max(at + around));
                 if in_pieces {
-                    sleepers.pieces.add(row, at, around);
+                    sleepers.pieces.add(i as u32, at, around);
                 }
             }
             sleepers.bounds.push((low, high));
         }
     }
 
-    /// How a body sleeps, the default of none.
-    fn sleep_of(&self, body: u32) -> Sleep {
-        let own = self.sleep.get(body as usize).filter(|_| body != NO_BODY);
-        own.copied().unwrap_or_default()
+    /// The rows of an island that are not pinned, each with how its body sleeps: by default where it has none.
+    #[inline]
+    fn loose_members(&self, island: &Island) -> impl Iterator<Item = (usize, Sleep)> {
+        let Self { particles, scratch, sleep, .. } = self;
+        let members = scratch.plan.islands.members[island.members.clone()].iter();
+        // Neighbours mostly share their body.
+        let (mut last, mut body) = (NO_BODY, Sleep::default());
+        let loose = members.map(|&row| row as usize).filter(|&i| particles.position[i].w != 0.0);
+        loose.map(move |i| {
+            if particles.body[i] != last {
+                last = particles.body[i];
+                let own = sleep.get(last as usize).filter(|_| last != NO_BODY);
+                body = own.copied().unwrap_or_default();
+            }
+            (i, body)
+        })
     }
 
     /// Joins islands that touch, those that a spring ties, and those of a body. Two that touch and both move are left as they are: neither lets anybody sleep,

@@ -5,7 +5,7 @@
 //!
 //! - `packed`: particles as they lie, `[x y z w]`, turned into lanes and back for every eight rods. For any mesh.
 //! - `columns`: a cluster whose rods mostly run in step, a grid's, is turned once, swept as columns of x, y, z and w without any further turning, and
-//!   turned back. Soft distances of a grid go there as rods that yield, by the same formula.
+//!   turned back. `soft` are distances of a grid that yield by a compliance: rods there, by the same formula.
 
 mod columns;
 mod packed;
