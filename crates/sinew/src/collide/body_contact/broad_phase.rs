@@ -202,7 +202,8 @@ impl BodyContactSolver {
             let body = |i: usize| swept.get(i).map_or(NO_BODY, |one| one.body);
             body(i) != NO_BODY && body(i) == body(i - 1)
         };
-        clusters.0.pairs(bounds, of_one, nearby);
+        let way = |i: usize| swept.get(i).map_or(Vec3::ZERO, |one| one.velocity * world.dt);
+        clusters.0.pairs(bounds, of_one, way, nearby);
         pairs.clear();
         let mut nearby =
             nearby.iter().copied().filter(|pair| (pair[0] as usize) < swept.len()).peekable();

@@ -87,11 +87,43 @@ fn what_is_searched_in_clusters_has_the_same_pairs() {
         let size = [1, 2, 12, 50][round % 4];
         let spread = [1.0, 10.0, 1e3][round % 3];
         let bounds = clusters(200 / size, size, (spread, 1.0), &mut dice);
-        search.pairs(&bounds, |i| i < 200 && i % size != 0, &mut out);
+        search.pairs(&bounds, |i| i < 200 && i % size != 0, |_| Vec3::ZERO, &mut out);
         assert_eq!(out, naive(&bounds), "{round}");
     }
-    search.pairs(&[], |_| true, &mut out);
+    search.pairs(&[], |_| true, |_| Vec3::ZERO, &mut out);
     assert!(out.is_empty());
+}
+
+/// Step by step boxes go on, some of them aside, and now and then one is elsewhere, one is none, or all are.
+#[test]
+fn candidates_that_last_have_the_same_pairs() {
+    let mut dice = Dice(16);
+    let (mut search, mut out) = (ClusterSearch::default(), Vec::new());
+    for round in 0..12 {
+        let size = [1, 12][round % 2];
+        let mut bounds = clusters(200 / size, size, (4.0, 1.0), &mut dice);
+        let count = bounds.len();
+        let ways: Vec<_> = (0..count).map(|_| 0.05 * dice.vector()).collect();
+        let joined = |i: usize| i + 1 < count && !i.is_multiple_of(size);
+        for step in 0..40_usize {
+            search.pairs(&bounds, joined, |i| ways[i], &mut out);
+            assert_eq!(out, naive(&bounds), "{round} {step}");
+            for (own, way) in bounds.iter_mut().zip(&ways) {
+                let by = way + 0.002 * dice.vector();
+                *own = (own.0 + by, own.1 + by);
+            }
+            let number = 7 * step % (count - 1);
+            match step % 8 {
+                2 => bounds[number] = around(4.0 * dice.vector(), Vec3::ONE),
+                5 => bounds[number] = (Vec3::NAN, Vec3::NAN),
+                7 if step > 30 => bounds.iter_mut().for_each(|own| {
+                    let by = Vec3::splat(3.0);
+                    *own = (own.0 + by, own.1 + by);
+                }),
+                _ => {}
+            }
+        }
+    }
 }
 
 #[test]
@@ -104,7 +136,8 @@ fn what_has_moved_finds_all_that_it_overlaps_where_it_is_now() {
         let spread = [1.0, 5.0, 100.0][round % 3];
         let mut bounds = clusters(200 / size, size, (spread, 1.0), &mut dice);
         let count = bounds.len() as u32 - 1;
-        search.pairs(&bounds, |i| i < count as usize && i % size != 0, &mut out);
+        let joined = |i: usize| i < count as usize && !i.is_multiple_of(size);
+        search.pairs(&bounds, joined, |_| Vec3::ZERO, &mut out);
         let moved: Vec<u32> = (0..count).step_by(7).collect();
         for &number in &moved {
             let to = around(dice.vector() * spread, dice.vector().abs() * 2.0);
