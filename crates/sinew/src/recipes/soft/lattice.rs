@@ -11,6 +11,7 @@ use crate::recipes::blueprint::{Blueprint, gap};
 use crate::recipes::fault::{RecipeFault, check_particles, ensure};
 use crate::recipes::solid::Bulk;
 use crate::recipes::{LENGTHS, MOST_PARTICLES};
+use crate::settings::BodySettings;
 
 /// A soft box or ball. The default is a cube of jelly, 1 m and 100 kg, in 4×4×4 cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,8 +22,9 @@ pub struct SoftLatticeSpec {
     pub bulk: Bulk,
     /// Young's modulus, Pa, 1e-3 to 1e12; default 2e4 (gelatine 1e3 to 1e5, rubber 1e6).
     ///
-    /// Soft ties are swept once in a substep. That is enough as long as sound does not cross a cell in one: `h √(E/ρ)` below about half a cell.
-    /// What is stiffer than that needs more substeps, or yields more than it should.
+    /// Where sound crosses less than a quarter of the shortest tie in 1/600 s (`√(E/ρ)` for the density ρ), it asks for one sweep in a substep, which moves it
+    /// about as more would: a pile of jelly cubes is strained by as much to a twentieth. What is stiffer has the world's sweeps. Where sound crosses more than
+    /// half a tie in a substep it needs more of those, or yields more than it should.
     pub stiffness: f32,
     /// Poisson's ratio: how much it grows sideways when it is squashed, 0.25 to 0.49; default 0.35. Near 0.5 it keeps its volume, and a coarse
     /// lattice becomes too stiff.
@@ -87,6 +89,13 @@ impl Default for SoftLatticeSpec {
         }
     }
 }
+
+/// A substep as worlds have it by default, seconds.
+const SUBSTEP: f64 = 1.0 / 600.0;
+
+/// How much of its shortest tie sound may cross in a substep of what is swept once. At half of it jelly in a pile is strained by a fifth more than it should, at a
+/// quarter by a twentieth; four sweeps take twice as long.
+const CROSSED: f64 = 0.25;
 
 /// A lattice of tetrahedra, soft all through.
 ///
@@ -155,6 +164,10 @@ pub fn soft_lattice(spec: &SoftLatticeSpec) -> Result<Blueprint, RecipeFault> {
         let kind = ConstraintKind::Tetrahedron(Tetrahedron::of(corners).with_softness(softness));
         body.constraints.push(Constraint::new(t, kind));
     }
+    let shortest = body.distances.iter().map(|d| f64::from(d.rest)).fold(f64::INFINITY, f64::min);
+    let crossed = (young / density).sqrt() * SUBSTEP / shortest;
+    body.settings =
+        BodySettings { max_sweeps: (crossed < CROSSED).then_some(1), ..BodySettings::default() };
     let surface = lattice.surface();
     body.triangles = surface;
     body.vertices = outer(&body.triangles);

@@ -102,6 +102,29 @@ fn a_bar_gives_way_alike_however_fine_it_is_cut() {
 }
 
 #[test]
+fn what_is_soft_enough_asks_for_one_sweep_and_hangs_as_far_as_by_many() {
+    let jelly = SoftLatticeSpec { drag: 0.99, ..SoftLatticeSpec::default() };
+    let stiff = SoftLatticeSpec { stiffness: 3e5, ..jelly };
+    assert_eq!(soft_lattice(&stiff).unwrap().settings.max_sweeps, None);
+    let hangs = |sweeps: u32| {
+        let mut body = soft_lattice(&jelly).unwrap();
+        assert_eq!(body.settings.max_sweeps, Some(1));
+        body.settings.max_sweeps = Some(sweeps);
+        let top = |p: &ParticleSeed| p.position.y > 0.49;
+        let held: Vec<u32> =
+            (0..).zip(&body.particles).filter(|(_, p)| top(p)).map(|(i, _)| i).collect();
+        held.iter().for_each(|&i| body.pin(i).unwrap());
+        let mut world = Simulation::default();
+        body.build(&mut world).unwrap();
+        run(&mut world, 0..180);
+        height_of(&world) - 1.0
+    };
+    let [one, many] = [1, 20].map(hangs);
+    println!("hangs {one:.5} m by one sweep, {many:.5} m by twenty at the most");
+    assert!(many > 0.01 && (one / many - 1.0).abs() < 0.005, "{one} {many}");
+}
+
+#[test]
 fn a_cube_of_jelly_falls_and_is_whole_again() {
     let body = soft_lattice(&SoftLatticeSpec::default()).unwrap();
     let mut world = Simulation::default();
