@@ -72,17 +72,26 @@ fn volume([a, b, c, d]: [Vec3; 4]) -> (f32, [Vec3; 4]) {
 #[derive(Clone, Debug)]
 pub(crate) struct Tetrahedra {
     rest: [f32; LANES],
+    /// What `C²/Σ‖∇C‖²` has to be above for a step to be longer than what has the rest volume, m², less a little for rounding.
+    reach: [f32; LANES],
 }
+
+/// Squares of values below this may have lost digits, m⁶.
+const SMALLEST: f32 = 1e-30;
 
 impl Wide<4> for Tetrahedra {
     type Kind = Tetrahedron;
 
     fn of(all: [&Tetrahedron; LANES], _: [usize; LANES]) -> Self {
-        Self { rest: numbers(all, |tetrahedron| tetrahedron.rest) }
+        let reach = |tetrahedron: &Tetrahedron| {
+            let length = libm::cbrtf(tetrahedron.rest);
+            4.0 * (1.0 - 1e-5) * length * length
+        };
+        Self { rest: numbers(all, |tetrahedron| tetrahedron.rest), reach: numbers(all, reach) }
     }
 
-    /// See `volume`. The reach of a step is a third root; whether a gradient has to be steeper is asked without it, by the third power of the step,
-    /// and lanes that have collapsed are sent through the scalar formula.
+    /// See `volume`. The reach of a step is a third root; whether a gradient has to be steeper is asked without it, by squares, and where that is not sure by
+    /// the third power of the step, and lanes that have collapsed are sent through the scalar formula.
     #[inline(always)]
     fn evaluate<L: Lanes>(&self, points: &[Vector<L>; 4]) -> (L, [Vector<L>; 4]) {
         let [a, b, c, d] = *points;
@@ -92,11 +101,16 @@ impl Wide<4> for Tetrahedra {
         let mut gradients = [-(by_b + by_c + by_d), by_b, by_c, by_d];
         let (now, rest) = (by_d.dot(w), L::load(&self.rest));
         let value = now - rest;
-        let size = now.abs().max(rest.abs());
         let mut square = L::zero();
         for gradient in &gradients {
             square = square + gradient.length_squared();
         }
+        let (squared, zero) = (value * value, L::zero());
+        let within = L::splat(SMALLEST).lt(squared).and(squared.le(L::load(&self.reach) * square));
+        if within.or(value.same(zero)).all() {
+            return (value, gradients);
+        }
+        let size = now.abs().max(rest.abs());
         // The root of the mean square of a step, times two: four particles.
         let step = value.abs() / (square * L::splat(4.0)).sqrt();
         let far = is_size(step).and(size.lt(step * step * step));

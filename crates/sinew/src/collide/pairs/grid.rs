@@ -206,35 +206,28 @@ kernel!(
         neighbours: &mut NeighbourList,
     ) {
         let takes_part = grid.level.iter().filter(|level| **level != u8::MAX).count();
+        let (mut beside, mut larger) = (Stretches::default(), Stretches::default());
+        let mut last = None;
         for &i in &grid.sorted.participant[..takes_part] {
             let i = i as usize;
-            let own = grid.level[i];
+            let (own, slot) = (grid.level[i], grid.slot[i]);
             let asker = Asker::<L>::new(grid, (participants, filter), i);
-            for number in 0..=own {
+            // Those of one slot follow each other, and ask the same.
+            if last != Some((own, slot)) {
+                last = Some((own, slot));
+                beside.find(grid, own, slot, OWN_LINE);
+            }
+            for (stretch, of_own_line) in beside.iter() {
+                asker.ask(neighbours, stretch, of_own_line);
+            }
+            for number in 0..own {
                 let level = &grid.levels[number as usize];
                 if level.count == 0 {
                     continue;
                 }
-                let same = number == own;
-                let slot =
-                    if same { grid.slot[i] } else { level.slot(participants.place[i] - grid.low) };
-                let first_line = if same { OWN_LINE } else { 0 };
-                for line in first_line..9 {
-                    let beside = (line % 3).wrapping_sub(1).wrapping_mul(level.row);
-                    let below = (line / 3).wrapping_sub(1).wrapping_mul(level.layer);
-                    let left = slot.wrapping_add(beside).wrapping_add(below).wrapping_sub(1);
-                    let left = left & level.mask;
-                    // Three slots, which may go round the end of the table.
-                    let (end, slots) = (left + 3, level.mask + 1);
-                    let after = same && line == OWN_LINE;
-                    asker.ask(
-                        neighbours,
-                        [level.first + left, level.first + end.min(slots)],
-                        after,
-                    );
-                    if end > slots {
-                        asker.ask(neighbours, [level.first, level.first + end - slots], after);
-                    }
+                larger.find(grid, number, level.slot(participants.place[i] - grid.low), 0);
+                for (stretch, _) in larger.iter() {
+                    asker.ask(neighbours, stretch, false);
                 }
             }
         }
@@ -245,10 +238,58 @@ kernel!(
 /// Of the nine lines of cells, counted from below, that through one's own cell.
 const OWN_LINE: u32 = 4;
 
+/// Where those are among the sorted members who are in some lines of cells about one.
+#[derive(Default)]
+struct Stretches {
+    /// The first, and the first behind.
+    each: [[u32; 2]; 18],
+    count: usize,
+    /// So many of them are of the line through the cell itself.
+    of_own_line: usize,
+}
+
+impl Stretches {
+    /// Those about a slot of a level, from one of the nine lines on.
+    fn find(&mut self, grid: &PairGrid, level: u8, slot: u32, first_line: u32) {
+        let level = &grid.levels[level as usize];
+        let slots = level.mask + 1;
+        (self.count, self.of_own_line) = (0, 0);
+        for line in first_line..9 {
+            let beside = (line % 3).wrapping_sub(1).wrapping_mul(level.row);
+            let below = (line / 3).wrapping_sub(1).wrapping_mul(level.layer);
+            let left = slot.wrapping_add(beside).wrapping_add(below).wrapping_sub(1) & level.mask;
+            // Three slots, which may go round the end of the table.
+            let end = left + 3;
+            self.add(grid, level, [left, end.min(slots)]);
+            if end > slots {
+                self.add(grid, level, [0, end - slots]);
+            }
+            if line == OWN_LINE {
+                self.of_own_line = self.count;
+            }
+        }
+    }
+
+    /// Takes those in some slots of a level, if there are any.
+    fn add(&mut self, grid: &PairGrid, level: &GridLevel, slots: [u32; 2]) {
+        let stretch = slots.map(|slot| grid.starts[(level.first + slot) as usize]);
+        if stretch[0] < stretch[1] {
+            self.each[self.count] = stretch;
+            self.count += 1;
+        }
+    }
+
+    /// Each of them, and whether it is of the line through the cell itself: so it is where that is the first.
+    #[inline(always)]
+    fn iter(&self) -> impl Iterator<Item = ([u32; 2], bool)> {
+        let each = self.each[..self.count].iter().enumerate();
+        each.map(|(number, stretch)| (*stretch, number < self.of_own_line))
+    }
+}
+
 /// Who asks, in all lanes.
 struct Asker<'a, L> {
     sorted: &'a Sorted,
-    starts: &'a [u32],
     participants: &'a Participants,
     filter: &'a ContactFilter,
     number: usize,
@@ -275,7 +316,6 @@ impl<'a, L: Lanes> Asker<'a, L> {
         let alone = body < EXACT && !filter.body(body).with_itself;
         Self {
             sorted: &grid.sorted,
-            starts: &grid.starts,
             participants,
             filter,
             number,
@@ -287,12 +327,11 @@ impl<'a, L: Lanes> Asker<'a, L> {
         }
     }
 
-    /// Notes who is near in some slots; where all of a line ask each other, only those `after` it.
+    /// Notes who is near in a stretch of the sorted ones; where all of a line ask each other, only those `after` it.
     #[inline(always)]
-    fn ask(&self, neighbours: &mut NeighbourList, [from, to]: [u32; 2], after: bool) {
+    fn ask(&self, neighbours: &mut NeighbourList, [first, end]: [u32; 2], after: bool) {
         let Self { sorted, participants, filter, number, .. } = self;
-        let (first, end) = (self.starts[from as usize] as usize, self.starts[to as usize] as usize);
-        let mut at = first;
+        let (mut at, end) = (first as usize, end as usize);
         while at < end {
             let x = self.x - eight::<L>(&sorted.x, at);
             let y = self.y - eight::<L>(&sorted.y, at);

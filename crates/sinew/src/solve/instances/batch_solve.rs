@@ -9,7 +9,7 @@ use super::lane_compaction::LaneCompaction;
 use super::lane_storage::LaneStorage;
 use super::lane_storage::{LaneParticles, gather, next, scatter};
 use super::momentum_drift::{derive_lanes, take_drift};
-use super::motion::predict_lanes;
+use super::motion::{note_masses, predict_lanes};
 use super::solve::BatchContext;
 use super::surfaces::SurfaceContext;
 use crate::collide::{BatchContacts, NormalImpulses, recovery};
@@ -231,7 +231,7 @@ impl<'a> BatchSolve<'a> {
             note_rates(batch, begin, whole, storage);
         }
         if storage.free != 0 {
-            storage.note_masses();
+            note_masses(storage, instructions);
         }
     }
 

@@ -28,7 +28,7 @@ pub(crate) struct LaneStorage {
     pub(super) ground: Vec<[f32; LANES]>,
     /// Kilograms.
     pub(super) mass: Vec<[f64; LANES]>,
-    /// Multipliers of soft constraints.
+    /// Multipliers of soft constraints; empty where no sweep follows that would ask for them.
     pub(crate) multipliers: Vec<[f32; LANES]>,
     /// Where each was when it was looked for what it may touch, and the square of how far it may go from there, m²; empty where there are no surfaces.
     pub(super) last_seen: Vec<LaneParticles>,
@@ -130,8 +130,6 @@ impl LaneStorage {
         gather(&mut self.start, batch, begin, start, instructions);
         self.bodies = batch.islands.len();
         self.kept.resize(self.now.len(), LaneParticles::ZERO);
-        self.multipliers.clear();
-        self.multipliers.resize(batch.multipliers, [0.0; LANES]);
     }
 
     /// A bit for each body.

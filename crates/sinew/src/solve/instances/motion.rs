@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::LaneStorage;
 use crate::integrate::loss;
-use crate::lanes::{LANES, Lanes, Vector, kernel};
+use crate::lanes::{Doubles, LANES, Lanes, Vector, kernel};
 
 impl LaneStorage {
     /// Notes how much velocity is lost over a substep of `h` seconds by particles that had their last step as long ago as they say.
@@ -31,18 +31,19 @@ impl LaneStorage {
             }
         }
     }
+}
 
+kernel!(
     /// Notes masses.
-    pub(super) fn note_masses(&mut self) {
-        self.mass.resize(self.now.len(), [0.0; LANES]);
-        for (mass, spot) in self.mass.iter_mut().zip(&self.now) {
-            let inverses = spot.fourths();
-            for (lane, mass) in mass.iter_mut().enumerate() {
-                *mass = 1.0 / f64::from(inverses[lane]);
-            }
+    pub(super) fn note_masses<L: Lanes>(storage: &mut LaneStorage) {
+        let LaneStorage { mass, now, .. } = storage;
+        mass.resize(now.len(), [0.0; LANES]);
+        for (mass, spot) in mass.iter_mut().zip(now) {
+            let inverse = L::load(spot.fourths()).widen();
+            (L::Doubles::splat(1.0) / inverse).store(mass);
         }
     }
-}
+);
 
 kernel!(
     /// Predicts where all in a lane storage go in a substep of `h` seconds, accelerated by `a`, m/s².

@@ -34,7 +34,10 @@ impl BatchContext<'_> {
     /// Begins a substep: none has been swept.
     pub(super) fn begin(&self, storage: &mut LaneStorage) {
         storage.convergence = ConvergenceMask::default();
-        storage.multipliers.fill([0.0; _]);
+        storage.multipliers.clear();
+        if self.settings.max_sweeps > 1 {
+            storage.multipliers.resize(self.batch.multipliers, [0.0; _]);
+        }
         if self.settings.gradient_at == GradientAt::StepStart {
             let mut fell_back = 0;
             for part in &self.instance_batches.parts[self.batch.parts.clone()] {

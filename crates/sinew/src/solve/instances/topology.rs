@@ -99,7 +99,13 @@ impl InstanceBatches {
                 return;
             };
             multipliers += group.range.len();
-            self.parts.push(InstancePart::Constraints(part));
+            let joined = match self.parts[begin..].last_mut() {
+                Some(InstancePart::Constraints(last)) => last.join(&part),
+                _ => false,
+            };
+            if !joined {
+                self.parts.push(InstancePart::Constraints(part));
+            }
         }
         let members = lanes[0].members.len() as u32;
         let parts = begin..self.parts.len();

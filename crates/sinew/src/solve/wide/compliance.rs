@@ -43,6 +43,8 @@ pub(super) struct PackedCompliance {
     pub(super) plain: bool,
     /// All are hard.
     pub(super) all_hard: bool,
+    /// Some are hard.
+    pub(super) some_hard: bool,
     /// Some are damped, and need to know how far they have moved.
     pub(super) damped: bool,
     /// Some are frequencies.
@@ -122,6 +124,7 @@ impl PackedCompliance {
             at_least: flags(bound.map(|bound| bound == Bound::AtLeast)),
             plain: all_hard && !softness.iter().any(|softness| softness.remembers()),
             all_hard,
+            some_hard: softness.iter().any(|softness| softness.is_hard()),
             damped: damping.iter().any(|&damping| damping != 0.0),
             shares: share.iter().any(|&share| share != 1.0),
             limited: bound.iter().any(|&bound| bound != Bound::Equal),

@@ -90,7 +90,9 @@ impl InstancedConstraints {
         instructions: InstructionSet,
     ) -> LaneValues {
         let LaneStorage { now, start, multipliers, .. } = storage;
-        let multipliers = Some(&mut multipliers[part.multipliers..]);
+        // Where there is no other sweep nothing has to be summed up.
+        let from = if multipliers.is_empty() { 0 } else { part.multipliers };
+        let multipliers = Some(&mut multipliers[from..]);
         let task = InstancedTask { now, start, multipliers, substep_context, aside, worst };
         self.pass(part, task, instructions)[0]
     }
@@ -128,6 +130,19 @@ impl ConstraintBatches {
         let block = which.blocks.start + place / which.each;
         let number = on_list!([&] self, which.list, |batches| batches[block].packed_compliance);
         &self.compliances[number as usize]
+    }
+}
+
+impl InstancedGroup {
+    /// Takes the group that comes next, if both are in one list and nothing is between them: then they are swept as one. Says whether it did.
+    pub(in crate::solve) fn join(&mut self, next: &Self) -> bool {
+        let (end, multipliers) = (self.range.end, self.multipliers + self.range.len());
+        let joins =
+            self.list == next.list && end == next.range.start && multipliers == next.multipliers;
+        if joins {
+            self.range.end = next.range.end;
+        }
+        joins
     }
 }
 
@@ -192,11 +207,19 @@ impl<E: WideKernel<N>, const N: usize> Work for SweepInstanced<'_, E, N> {
         let InstancedTask { now, start, multipliers, substep_context, aside, worst } = task;
         let mut shares = Shares::new(substep_context.sweeps);
         let (aside, mut worst) = (L::mask(aside), (L::load(&worst), L::zero()));
-        let mut multipliers = multipliers.map(|all| all.iter_mut());
+        let measures = multipliers.is_none();
+        let mut multipliers = multipliers.unwrap_or_default().iter_mut();
         for own in batches {
             let packed_compliance = &compliances[own.packed_compliance as usize];
+            if measures && !packed_compliance.some_hard {
+                continue;
+            }
             let each = shares.of(own.packed_compliance, packed_compliance);
-            let sums = multipliers.as_mut().and_then(Iterator::next).map(|sums| &mut sums[..]);
+            let own_sums = match multipliers.next() {
+                Some(sums) => &mut sums[..],
+                None => &mut [],
+            };
+            let sums = if measures { None } else { Some(own_sums) };
             let mut particles = InstancedParticles { at: &own.particles, now, start };
             let context = (packed_compliance, each, substep_context.h, aside);
             let (error, share) = own.eight.project::<L>(context, &mut particles, sums);

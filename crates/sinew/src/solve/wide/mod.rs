@@ -359,11 +359,12 @@ macro_rules! each {
 
 use each;
 
-/// What one to eight constraints have summed up; the first one's again where there are fewer.
+/// What one to eight constraints have summed up; the first one's again where there are fewer. Nothing where there are none.
 #[inline(always)]
 fn load_sums<L: Lanes>(multipliers: &[f32]) -> L {
     match multipliers.try_into() {
         Ok(eight) => L::load(eight),
+        Err(_) if multipliers.is_empty() => L::zero(),
         Err(_) => {
             let mut eight = [multipliers.first().copied().unwrap_or(0.0); LANES];
             for (to, from) in eight.iter_mut().zip(multipliers) {
@@ -379,7 +380,7 @@ fn load_sums<L: Lanes>(multipliers: &[f32]) -> L {
 fn store_sums<L: Lanes>(lanes: L, multipliers: &mut [f32]) {
     if let Ok(eight) = <&mut [f32; LANES]>::try_from(&mut *multipliers) {
         lanes.store(eight);
-    } else {
+    } else if !multipliers.is_empty() {
         for (to, from) in multipliers.iter_mut().zip(lanes.array()) {
             *to = from;
         }

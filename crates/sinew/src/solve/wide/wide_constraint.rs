@@ -45,10 +45,23 @@ struct WideEvaluation<L, const N: usize> {
     gradients: [Vector<L>; N],
     /// `Σ w‖∇C‖²`.
     weights: L,
-    /// The value as a length, metres.
-    error: L,
+    /// `Σ ‖∇C‖²`.
+    steepness: L,
     /// Where there is something to be done, and can be.
     active: L,
+}
+
+impl<L: Lanes, const N: usize> WideEvaluation<L, N> {
+    /// The values as lengths, metres.
+    #[inline(always)]
+    fn error<W: Wide<N>>(&self) -> L {
+        let size = self.value.abs();
+        if W::IS_LENGTH {
+            size
+        } else {
+            L::splat(core::f32::consts::SQRT_2) * size / self.steepness.sqrt()
+        }
+    }
 }
 
 /// Values, gradients and what follows: as `solve` in `equation.rs`.
@@ -77,12 +90,7 @@ fn solve<L: Lanes, W: Wide<N>, const N: usize>(
             gradients[i] = Vector::new(active.and(x), active.and(y), active.and(z));
         });
     }
-    let error = if W::IS_LENGTH {
-        size
-    } else {
-        L::splat(core::f32::consts::SQRT_2) * size / steepness.sqrt()
-    };
-    WideEvaluation { value, gradients, weights, error, active }
+    WideEvaluation { value, gradients, weights, steepness, active }
 }
 
 /// Where the particles are, and their inverse masses.
@@ -110,12 +118,13 @@ impl<W: Wide<N>, const N: usize> WideKernel<N> for WideConstraint<W> {
             return (zero, zero);
         }
         let found = solve::<L, W, N>(&self.kind, &points, &inverse);
-        let WideEvaluation { value, gradients, weights, error, active } = found;
+        let WideEvaluation { value, gradients, weights, active, .. } = found;
         // Limits are kept more often than not.
         if !aside.select(zero, active).any() {
             return (zero, zero);
         }
         let Some(multipliers) = multipliers else {
+            let error = found.error::<W>();
             return (packed_compliance.hard::<L>().and(active).and(error), zero);
         };
         let change = if packed_compliance.plain {
@@ -145,9 +154,11 @@ impl<W: Wide<N>, const N: usize> WideKernel<N> for WideConstraint<W> {
         });
         // A soft one is not meant to be kept. It asks for another sweep as long as sweeps still move it.
         let error = if packed_compliance.all_hard {
-            error
+            found.error::<W>()
+        } else if packed_compliance.some_hard {
+            packed_compliance.hard::<L>().select(found.error::<W>(), farthest.sqrt())
         } else {
-            packed_compliance.hard::<L>().select(error, farthest.sqrt())
+            farthest.sqrt()
         };
         (active.and(error), zero)
     }

@@ -60,8 +60,11 @@ impl WideKernel<2> for WideDistance {
         let weights = wa + wb;
         let sum = if packed_compliance.plain { zero } else { load_sums::<L>(multipliers) };
         let mut active = zero.lt(weights).and(weights.le(most)).and(value.abs().le(most));
-        let holds = packed_compliance.holds(value);
-        active = sum.same(zero).and(holds).select(zero, active);
+        let mut holds = zero;
+        if packed_compliance.limited {
+            holds = packed_compliance.holds(value);
+            active = sum.same(zero).and(holds).select(zero, active);
+        }
         if !aside.select(zero, active).any() {
             return (zero, zero);
         }
@@ -93,12 +96,18 @@ impl WideKernel<2> for WideDistance {
         let moved_b = (b + n * to_b).or_else(active, b);
         particles.put(0, moved_a.with(wa));
         particles.put(1, moved_b.with(wb));
-        let hard = holds.select(zero, value.abs());
+        let mut hard = value.abs();
+        if packed_compliance.limited {
+            hard = holds.select(zero, hard);
+        }
+        // A soft one is not meant to be kept. It asks for another sweep as long as sweeps still move it.
+        let soft = (change * weights).abs();
         let error = if packed_compliance.all_hard {
             hard
+        } else if packed_compliance.some_hard {
+            packed_compliance.hard::<L>().select(hard, soft)
         } else {
-            // A soft one is not meant to be kept. It asks for another sweep as long as sweeps still move it.
-            packed_compliance.hard::<L>().select(hard, (change * weights).abs())
+            soft
         };
         (active.and(error), zero)
     }
