@@ -14,11 +14,11 @@ pub(super) const SCENE: Scene = Scene {
     name: "chain",
     heading: Heading::Contacts,
     title: "A chain of loops",
-    about: "loops of rope hang in each other by contact alone; the lowest carries a ball of two kilograms",
+    about: "loops of rope hang in each other by contact alone; the lowest carries a ball of two kilograms, and swings",
     eye: Vec3::new(1.9, 2.3, 4.9),
     target: Vec3::new(-0.25, 1.9, 0.0),
     seconds: 5.0,
-    moment: 1.6,
+    moment: 0.8,
     lesson: Some(Lesson {
         try_this: "hang a heavier ball on the chain, or pull harder at all of it",
         watch: "nothing ties one loop to the next: ropes that cross push each other off to two radii, and that carries the ball",
@@ -52,24 +52,33 @@ pub(super) const SCENE: Scene = Scene {
 /// Loops, and particles of each.
 const LOOPS: usize = 6;
 const BEADS: usize = 28;
-/// Radius of a loop and of its rope, metres. Neighbours overlap: nothing slips between two of them.
-const RING: f32 = 0.19;
+/// Radius of a rope, metres. Neighbours in a loop overlap: nothing slips between two of them.
 const ROPE: f32 = 0.03;
+/// A loop hangs as a link of a chain does, two half circles and what is straight between them: radius of the middle of its rope in the bends, where the next
+/// one fits in, length of each straight side, and half of its height, metres.
+const BEND: f32 = 2.0 * ROPE;
+const SIDE: f32 = 0.408;
+const HALF: f32 = 0.5 * SIDE + BEND;
+/// Where the middle of the uppermost rope is, metres.
+const TOP: f32 = 3.59;
+/// How fast it swings to begin with, rad/s.
+const SWING: f32 = 0.4;
 
 fn spawn(world: &mut World) {
     let [_, gravity, _] = values(world);
     world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
+    // What carries two kilograms by a contact of a few grams is pressed in by `F h²/m` in each substep, however many sweeps there are.
     world.insert_resource(SolverConfig { substeps: 20, max_sweeps: 8, ..default() });
     world.insert_resource(AirDrag(0.3));
     world.spawn((InScene, Ground));
     let colors = [0xc9a66b, 0xb8434e, 0x3f6f9f];
     for n in 0..LOOPS {
-        // Each hangs in the one above, a quarter turned, with some slack.
-        let centre = Vec3::Y * (3.4 - n as f32 * (2.0 * RING - 2.6 * ROPE));
+        // Each hangs in the one above, a quarter turned: rope on rope, with a millimetre of slack.
+        let centre = Vec3::Y * (TOP - HALF - n as f32 * (2.0 * HALF - 2.0 * ROPE - 1e-3));
         let look = Look::color(colors[n % colors.len()]).roughness(0.9);
         link(world, centre, n % 2 == 1, n == 0, n == LOOPS - 1, look);
     }
-    gallows(world, 3.4 + RING);
+    gallows(world, TOP);
 }
 
 /// What the chain hangs on at a height.
@@ -89,10 +98,10 @@ fn gallows(world: &mut World, high: f32) {
 fn link(world: &mut World, centre: Vec3, turned: bool, held: bool, last: bool, look: Look) {
     let [heavy, _, mass] = values(world);
     let body = world.spawn((InScene, Name::new("loop"), ParticleBody, look, Interpolate)).id();
+    let across = if turned { Vec3::Z } else { Vec3::X };
     let place = |i: usize| {
-        let (sin, cos) = libm::sincosf(core::f32::consts::TAU * i as f32 / BEADS as f32);
-        let across = if turned { Vec3::Z } else { Vec3::X };
-        centre + (across * sin + Vec3::Y * cos) * RING
+        let [out, up] = along_loop((i % BEADS) as f32 / BEADS as f32);
+        centre + across * out + Vec3::Y * up
     };
     let beads: Vec<Entity> = (0..BEADS)
         .map(|i| {
@@ -116,9 +125,29 @@ fn link(world: &mut World, centre: Vec3, turned: bool, held: bool, last: bool, l
     let mut particles = beads.clone();
     particles.extend([beads[0], beads[1]]);
     world.entity_mut(body).insert(TubeMesh { particles, radius: ROPE, sides: 10 });
+    swing(world, body, centre);
     if last {
         weight(world, beads[BEADS / 2], place(BEADS / 2), heavy);
     }
+}
+
+/// Where the middle of a loop's rope is from the centre, across and up, metres; at a share of its way around, from the top.
+fn along_loop(share: f32) -> [f32; 2] {
+    let quarter = 0.5 * core::f32::consts::PI * BEND;
+    let half = 2.0 * quarter + SIDE;
+    // The other side, and the lower half of either, are mirror images.
+    let (way, side) = if share <= 0.5 { (share, 1.0) } else { (1.0 - share, -1.0) };
+    let way = 2.0 * way * half;
+    let (way, upper) = if way <= 0.5 * half { (way, 1.0) } else { (half - way, -1.0) };
+    let (sin, cos) = libm::sincosf(way.min(quarter) / BEND);
+    [side * BEND * sin, upper * (HALF - BEND * (1.0 - cos) - (way - quarter).max(0.0))]
+}
+
+/// Has a body with this barycentre swing about the top of the chain.
+fn swing(world: &mut World, body: Entity, centre: Vec3) {
+    let turn = Vec3::Z * SWING;
+    let velocity = turn.cross(centre - Vec3::Y * TOP);
+    world.commands().entity(body).set_motion(velocity, turn);
 }
 
 /// A ball of so many kilograms on a short string.
@@ -139,6 +168,7 @@ fn weight(world: &mut World, bead: Entity, from: Vec3, heavy: f32) {
     let ball =
         world.spawn((Particle::at(centre), Mass(heavy), Radius(0.13), ParticleOf(body))).id();
     world.spawn((DistanceConstraint::new(bead, ball, 0.22), ConstraintOf(body)));
+    swing(world, body, centre);
     world.entity_mut(body).insert(RigidPose { particles: vec![ball], rest: vec![Vec3::ZERO] });
     let string = TubeMesh { particles: vec![bead, ball], radius: 0.008, sides: 8 };
     world.spawn((InScene, string, Look::color(0x555b61).metal()));

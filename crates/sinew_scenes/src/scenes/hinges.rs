@@ -17,8 +17,8 @@ pub(super) const SCENE: Scene = Scene {
     heading: Heading::Constraints,
     title: "Hinges, elbows, cones",
     about: "each flap stops at its red mark; the orange elbow never bends backward, the grey one does; each bone of the tail stays within 20° of the last",
-    eye: Vec3::new(1.2, 2.1, 6.2),
-    target: Vec3::new(-0.3, 1.45, 0.0),
+    eye: Vec3::new(1.45, 2.1, 6.9),
+    target: Vec3::new(0.1, 1.4, 0.0),
     seconds: 6.0,
     moment: 1.9,
     lesson: Some(Lesson {
