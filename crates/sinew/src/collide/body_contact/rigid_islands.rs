@@ -141,7 +141,7 @@ impl BodyContactSolver {
         {
             return;
         }
-        let Self { groups, rigid, bodies, instructions, .. } = self;
+        let Self { groups, rigid, bodies, gathered, asleep, instructions, .. } = self;
         rigid.states.resize(groups.groups.len(), WideRigidState::default());
         let RigidIslands { islands, states, count, pinned, .. } = rigid;
         pinned.clear();
@@ -150,7 +150,8 @@ impl BodyContactSolver {
         pinned.sort_unstable();
         for (number, (group, state)) in groups.groups.iter().zip(states).enumerate() {
             let (mut asks, mut reach, mut tolerance) = (0, [0.0; LANES], [0.0; LANES]);
-            for lane in 0..LANES {
+            let awake = group.sound & !asleep[number];
+            for lane in (0..LANES).filter(|lane| awake >> lane & 1 == 1) {
                 let Some(solid) = groups.sound_in(number, lane) else { continue };
                 let Some(island) = all.list.get(islands[solid] as usize) else { continue };
                 if pinned.binary_search(&islands[solid]).is_ok() {
@@ -178,6 +179,7 @@ impl BodyContactSolver {
                 tolerance,
                 state,
                 h: step.h,
+                gathered,
             };
             state.lanes = asks & with(*instructions, read);
             *count += state.lanes.count_ones() as usize;

@@ -40,6 +40,7 @@ use glam::{Vec3, Vec4};
 
 use super::bodies::{Bodies, ROTATION, from_row};
 use super::groups::{BodyGroup, Slot, WideMass};
+use super::pose::Gathered;
 use super::rigid_rotation::{Rotation, WideRotation, load_four, store_four};
 use super::swept_bounds::WideSweptBounds;
 use super::turn::{LaneArray, Matrix, Symmetric, load, store, zero};
@@ -217,7 +218,12 @@ fn rotation_of<L: Lanes>([x, y, z, w]: [L; 4]) -> Matrix<L> {
 fn limited<L: Lanes>(v: Vector<L>) -> Vector<L> {
     let square = v.length_squared();
     let most = L::splat(MOST);
-    v * square.le(most).select(L::splat(1.0), (most / square).sqrt())
+    let good = square.le(most);
+    // Hardly any is: a quotient and a root take as long as the rest of a turn.
+    if good.all() {
+        return v;
+    }
+    v * good.select(L::splat(1.0), (most / square).sqrt())
 }
 
 #[inline(always)]
@@ -241,6 +247,8 @@ pub(super) struct ReadStates<'a> {
     pub(super) tolerance: LaneArray,
     pub(super) state: &'a mut WideRigidState,
     pub(super) h: f32,
+    /// Scratch.
+    pub(super) gathered: &'a mut Vec<Gathered>,
 }
 
 impl Work for ReadStates<'_> {
@@ -250,14 +258,18 @@ impl Work for ReadStates<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> u32 {
         let Self { mass, slots, position, velocity, rounding, bodies, first, state, .. } = self;
+        let gathered = self.gathered;
         let Some(slot) = slots.first() else { return 0 };
         let (near, _) = Vector::of(L::rows(position, &slot.rows));
         let (pace, lag) = Vector::of(L::rows(velocity, &slot.rows));
         let (mut sum, mut speeds) = (zero::<L>(), zero::<L>());
         let mut good = L::zero().le(lag);
-        for slot in slots {
+        gathered.resize(slots.len(), Gathered::default());
+        for (slot, kept) in slots.iter().zip(&mut *gathered) {
             let (q, _) = Vector::of(L::rows(position, &slot.rows));
             let (v, own) = Vector::of(L::rows(velocity, &slot.rows));
+            store(q, &mut kept.position);
+            store(v, &mut kept.moved);
             let pull = L::load(&slot.pull);
             sum += (q - near) * pull;
             speeds += (v - pace) * pull;
@@ -265,17 +277,16 @@ impl Work for ReadStates<'_> {
         }
         let middle = L::load(&mass.middle);
         let (centre, shift) = (near + sum * middle, pace + speeds * middle);
-        let moments = Moments::of(slots, centre, shift, |slot| {
-            let (q, _) = Vector::of(L::rows(position, &slot.rows));
-            let (v, _) = Vector::of(L::rows(velocity, &slot.rows));
+        let moments = Moments::of(slots, centre, shift, |number, slot| {
+            let kept = &gathered[number];
             let (dropped, _) = Vector::of(L::rows(rounding, &slot.rows));
-            (q, v, dropped)
+            (load(&kept.position), load(&kept.moved), dropped)
         });
         let whole = L::records::<FIELDS>(&bodies.rows, &from_row(first))[ROTATION];
         let r = Matrix::of(whole);
         let (mut off, mut turned) = (L::zero(), zero::<L>());
-        for slot in slots {
-            let (q, _) = Vector::of(L::rows(position, &slot.rows));
+        for (slot, kept) in slots.iter().zip(&*gathered) {
+            let q = load(&kept.position);
             let (rest, pull) = (r.times(load(&slot.rest)), L::load(&slot.pull));
             let there = (q - centre) - rest;
             turned += rest.cross(there) * pull;
@@ -317,18 +328,18 @@ struct Moments<L> {
 }
 
 impl<L: Lanes> Moments<L> {
-    /// Where a particle of each slot is, its velocity, and what `f32` has dropped of that, is what `read` says.
+    /// Where a particle of each slot is, its velocity, and what `f32` has dropped of that, is what `read` says of its number.
     #[inline(always)]
     fn of(
         slots: &[Slot],
         centre: Vector<L>,
         velocity: Vector<L>,
-        mut read: impl FnMut(&Slot) -> (Vector<L>, Vector<L>, Vector<L>),
+        mut read: impl FnMut(usize, &Slot) -> (Vector<L>, Vector<L>, Vector<L>),
     ) -> Self {
         let (mut off, mut faster, mut dropped) = (zero::<L>(), zero::<L>(), zero::<L>());
         let (mut momentum, mut beside) = (zero::<L>(), zero::<L>());
-        for slot in slots {
-            let (q, v, rounded) = read(slot);
+        for (number, slot) in slots.iter().enumerate() {
+            let (q, v, rounded) = read(number, slot);
             let (arm, gone, pull) = (q - centre, v - velocity, L::load(&slot.pull));
             off += arm * pull;
             faster += gone * pull;
@@ -662,7 +673,7 @@ kernel!(
                 y: rates.y + more.cross(r.y),
                 z: rates.z + more.cross(r.z),
             };
-            let written = Moments::of(slots, centre, mean, |slot| {
+            let written = Moments::of(slots, centre, mean, |_, slot| {
                 let rest = load(&slot.rest);
                 (centre + pose.arm(rest), mean + rates.times(rest), zero())
             });
