@@ -57,9 +57,9 @@ impl ContactFilter {
         self.bodies.extend_from_slice(contacts);
         self.islands.clear();
         self.islands.extend_from_slice(&islands.of);
-        self.count_particles(particles);
-        if self.seen != Some(particles.edits()) {
+        if self.seen != Some(particles.edits()) || self.counts.len() != self.bodies.len() {
             self.seen = Some(particles.edits());
+            self.count_particles(particles);
             self.find_joints(particles, distances, constraints);
         }
         self.take_ignored(ignored);

@@ -111,9 +111,10 @@ impl Particles {
         })
     }
 
-    /// Slows down what is faster than `most`, m/s, and adds its rows to a list.
-    pub(crate) fn limit_speeds(&mut self, most: f32, limited: &mut Vec<u32>) {
-        for (v, row) in self.velocity.iter_mut().zip(0..) {
+    /// Slows down those of some rows that are faster than `most`, m/s, and adds them to a list.
+    pub(crate) fn limit_speeds(&mut self, rows: Range<usize>, most: f32, limited: &mut Vec<u32>) {
+        let first = rows.start as u32;
+        for (v, row) in self.velocity[rows].iter_mut().zip(first..) {
             let speed = v.truncate();
             // Its square may be infinite where it is not.
             if speed.length_squared() > most * most && speed.is_finite() {
@@ -124,11 +125,12 @@ impl Particles {
         }
     }
 
-    /// The first rows from `row` on, sixty-four at most, that are not all [finite](Self::is_finite): each number times zero is zero where it is, and
+    /// The first of some rows, sixty-four at most, that are not all [finite](Self::is_finite): each number times zero is zero where it is, and
     /// their sum is.
-    pub(crate) fn next_broken(&self, row: usize) -> Option<Range<usize>> {
+    pub(crate) fn next_broken(&self, among: Range<usize>) -> Option<Range<usize>> {
         const SOME: usize = 64;
-        let mut rows = (row..self.len()).step_by(SOME).map(|row| row..self.len().min(row + SOME));
+        let Range { start, end } = among;
+        let mut rows = (start..end).step_by(SOME).map(|row| row..end.min(row + SOME));
         rows.find(|rows| {
             let (position, origin) = (&self.position[rows.clone()], &self.origin[rows.clone()]);
             let all = position.iter().zip(origin).zip(&self.velocity[rows.clone()]);

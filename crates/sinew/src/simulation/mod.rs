@@ -17,6 +17,7 @@ pub use sleep::Sleep;
 pub use slide::{SlideConfig, SlideOutput};
 pub use statics::Relaxed;
 
+use core::ops::Range;
 use std::sync::Arc;
 
 use glam::{Vec3, Vec4};
@@ -86,6 +87,9 @@ struct Scratch {
     plan: Plan,
     /// What the plan does not know of yet.
     changes: Changes,
+    /// What the settings of islands followed from in the last step: the world's, the length of a substep, seconds, and the numbers of what bodies ask for and of
+    /// edits. `None` where that is not all.
+    settled: Option<(SolverSettings, f32, u64, u64)>,
     substep: Substep,
     electric: forces::ElectricScratch,
     fluids: forces::FluidScratch,
@@ -112,6 +116,8 @@ struct Scratch {
     length: f32,
     /// Rows that do not follow from rigid states in this step.
     single_rows: Vec<integrate::StepRows>,
+    /// Rows of which none sleeps in this step, or stands in no one stretch with others of its island.
+    awake_rows: Vec<Range<usize>>,
     /// Whether nobody looks at the particles until the step ends, so that those of rigid states may be written then.
     unseen: bool,
     /// Whether nothing moves in this step.
@@ -357,24 +363,29 @@ impl Simulation {
         self.wake();
         self.scratch.loads.end(&self.scratch.plan);
         self.particles.watch(false);
-        let mut row = 0;
-        while let Some(rows) = self.particles.next_broken(row) {
-            row = rows.end;
-            for i in rows {
-                if self.particles.is_finite(i) {
-                    continue;
+        let len = self.particles.len();
+        let awake = |rows: &Range<usize>| rows.start.min(len)..rows.end.min(len);
+        for mut among in self.scratch.awake_rows.iter().map(awake) {
+            while let Some(rows) = self.particles.next_broken(among.clone()) {
+                among.start = rows.end;
+                for i in rows {
+                    if self.particles.is_finite(i) {
+                        continue;
+                    }
+                    let good = self.scratch.checkpoint.get(i).copied().unwrap_or_default();
+                    self.particles.position[i] = good;
+                    self.particles.start[i] = good;
+                    self.particles.set_velocity(i, Vec3::ZERO);
+                    self.report.frozen.push(i as u32);
                 }
-                let good = self.scratch.checkpoint.get(i).copied().unwrap_or_default();
-                self.particles.position[i] = good;
-                self.particles.start[i] = good;
-                self.particles.set_velocity(i, Vec3::ZERO);
-                self.report.frozen.push(i as u32);
             }
         }
         self.scratch.contacts.particle_contacts.take_off_recovery(&mut self.particles);
         let most = self.settings.clamped().max_speed;
         if most < f32::INFINITY {
-            self.particles.limit_speeds(most, &mut self.report.too_fast);
+            for rows in self.scratch.awake_rows.iter().map(awake) {
+                self.particles.limit_speeds(rows, most, &mut self.report.too_fast);
+            }
         }
         let Scratch { plan, contacts, thread_scratch, .. } = &mut self.scratch;
         let (instructions, report) = (self.instructions, &mut self.report);

@@ -19,9 +19,22 @@ impl Simulation {
         self.list_single_rows();
     }
 
-    /// Lists the rows that do not follow from rigid states and do not sleep.
+    /// Lists the rows that do not follow from rigid states and do not sleep, and those that do not sleep.
     fn list_single_rows(&mut self) {
-        let Scratch { plan, single_rows, .. } = &mut self.scratch;
+        let Scratch { plan, single_rows, awake_rows, .. } = &mut self.scratch;
+        let (mut next, last) = (0, self.particles.len());
+        awake_rows.clear();
+        for island in plan.islands.list.iter().filter(|island| island.asleep) {
+            if let Some(rows) = plan.stretch(island) {
+                if next < rows.start {
+                    awake_rows.push(next..rows.start);
+                }
+                next = rows.end;
+            }
+        }
+        if next < last {
+            awake_rows.push(next..last);
+        }
         single_rows.clear();
         let mut next = 0;
         let mut push = |rows: Range<usize>, microsteps| {

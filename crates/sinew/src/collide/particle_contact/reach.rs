@@ -53,6 +53,10 @@ impl ParticleContacts {
 
     /// How far out the farthest of the rows of an island is at the end of a step, metres, moving nothing.
     pub(crate) fn island_error(&self, places: &Places, number: usize, rows: &[u32]) -> f32 {
+        // Whose particles touch nothing by themselves.
+        if rows.iter().all(|&row| self.is_solid(row)) {
+            return 0.0;
+        }
         let (rows, strays) = self.in_reach(places, number, rows);
         let common = self.common_bounds();
         let errors = rows.iter().map(|&row| {
