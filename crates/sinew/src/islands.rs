@@ -14,6 +14,10 @@ pub(crate) struct Islands {
     pub(crate) members: Vec<u32>,
     /// The number of each particle's island.
     pub(crate) of: Vec<u32>,
+    /// For each island whether it is dormant: asleep as in the last step, without anything being done to it. Empty, with the number 0, where none is; and as
+    /// long as the number is another one, the same are.
+    pub(crate) dormant: Vec<bool>,
+    pub(crate) dormant_number: u64,
 }
 
 /// Particles that constraints connect, and those constraints.
@@ -76,7 +80,7 @@ impl Island {
 impl Islands {
     /// Numbers the sets of connected particles by their first ones, and lists the members of each, ascending.
     pub(crate) fn number(&mut self, connected: &mut UnionFind) {
-        let Self { list, members, of } = self;
+        let Self { list, members, of, .. } = self;
         let particles = connected.len();
         list.clear();
         of.clear();

@@ -29,6 +29,13 @@ fn next() -> u64 {
     NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
+impl<T> Tracked<T> {
+    /// The number.
+    pub(crate) fn revision(&self) -> u64 {
+        self.revision
+    }
+}
+
 impl<T> From<T> for Tracked<T> {
     fn from(value: T) -> Self {
         Self { value, revision: next() }

@@ -13,6 +13,13 @@ impl UnionFind {
         self.parent.extend(0..count as u32);
     }
 
+    /// Lets some stand alone again, with whom nobody else is.
+    pub(crate) fn part(&mut self, these: &[u32]) {
+        for &one in these {
+            self.parent[one as usize] = one;
+        }
+    }
+
     /// How many there are.
     pub(crate) fn len(&self) -> usize {
         self.parent.len()

@@ -64,7 +64,6 @@ impl Particles {
         let metres = snap(translation);
         let rest = (translation - metres).as_dvec3();
         // All arms first: the barycentre hangs on the first row, which moves as well.
-        self.note_write();
         let moves: Vec<(usize, Vec3)> = present(self, rows)
             .map(|i| {
                 let arm = whole.arm(self, i);
@@ -72,6 +71,7 @@ impl Particles {
             })
             .collect();
         for (i, by) in moves {
+            self.note_write(i);
             self.origin[i] += metres;
             self.position[i] += by.extend(0.0);
             self.start[i] += by.extend(0.0);
@@ -112,8 +112,8 @@ impl Particles {
         let answer = whole.answer(impulse, turn + lever.cross(impulse));
         let rows = moving(self, rows);
         if rows.iter().all(|&i| answer.at(whole.arm(self, i)).is_finite()) {
-            self.note_write();
             for i in rows {
+                self.note_write(i);
                 let change = answer.at(whole.arm(self, i));
                 self.velocity[i] += change.extend(0.0);
             }

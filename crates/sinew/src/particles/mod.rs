@@ -94,10 +94,14 @@ pub struct Particles {
     /// Whether somebody asks which rows others move, and which those are, the last one last.
     watched: bool,
     moved: Vec<u32>,
-    /// Whether some sleep, and who is to wake.
+    /// Whether some sleep, who is to wake, and which rows were written to meanwhile.
     sleepers: bool,
     woken: Vec<u32>,
+    touched: Vec<u32>,
 }
+
+/// How many rows that were written to are listed, at most: a force of a game's own may be added to all of them in each substep.
+const TOUCHED: usize = 4096;
 
 /// The body of a particle that belongs to none.
 pub(crate) const NO_BODY: u32 = u32::MAX;
@@ -274,7 +278,7 @@ impl Particles {
 
     /// Has what particle `i` belongs to be awake in the next step: for who adds forces between two phases, which a sleeper does not feel.
     pub fn wake(&mut self, i: usize) {
-        self.note_write();
+        self.note_write(i);
         if self.sleepers && self.woken.last() != Some(&(i as u32)) {
             self.woken.push(i as u32);
         }
@@ -285,10 +289,17 @@ impl Particles {
         &self.woken
     }
 
-    /// Notes whether some sleep in this step, and forgets who was to wake.
+    /// Rows that somebody wrote to from outside of a step, as [`writes`](Self::writes) counts it, since it was last noted whether some sleep; if some do. `None` if
+    /// they are more than are listed.
+    pub(crate) fn touched(&self) -> Option<&[u32]> {
+        (self.touched.len() < TOUCHED).then_some(&self.touched)
+    }
+
+    /// Notes whether some sleep in this step, and forgets who was to wake and who was written to.
     pub(crate) fn note_sleepers(&mut self, any: bool) {
         self.sleepers = any;
         self.woken.clear();
+        self.touched.clear();
     }
 
     /// Counts what wrote to a row from outside of a step: to its state, its forces or its properties. Where the number is what it was, so are the rows,
@@ -298,13 +309,17 @@ impl Particles {
     }
 
     #[inline]
-    fn note_write(&mut self) {
+    fn note_write(&mut self, i: usize) {
         self.writes = self.writes.wrapping_add(1);
+        let is_listed = self.touched.last() == Some(&(i as u32)) || self.touched.len() == TOUCHED;
+        if self.sleepers && !is_listed {
+            self.touched.push(i as u32);
+        }
     }
 
     #[inline]
     fn note_moved(&mut self, i: usize) {
-        self.note_write();
+        self.note_write(i);
         if self.watched {
             self.moved.push(i as u32);
         }
@@ -403,8 +418,20 @@ impl Particles {
 /// The whole metres nearest to a position; halves go up, on either side of zero, so that a scene moved by whole metres is snapped alike.
 #[inline]
 pub(crate) fn snap(position: Vec3) -> Vec3 {
-    (position + 0.5).floor()
+    let half_up = position + 0.5;
+    if half_up.abs().cmplt(Vec3::splat(WHOLE)).all() {
+        // The same without a call of the library's.
+        let floor = |x: f32| {
+            let whole = x as i32 as f32;
+            if whole > x { whole - 1.0 } else { whole }
+        };
+        return Vec3::new(floor(half_up.x), floor(half_up.y), floor(half_up.z));
+    }
+    half_up.floor()
 }
+
+/// From here on all numbers are whole, metres: 2²³.
+const WHOLE: f32 = 8_388_608.0;
 
 #[cfg(test)]
 mod tests {
@@ -458,6 +485,17 @@ mod tests {
         copy.displace(0, -tiny);
         assert!((copy.remainder(0).x).abs() < 1e-7);
         assert_eq!(copy.position(0), Vec3::new(5000.25, -0.5, 1e20));
+    }
+
+    #[test]
+    fn what_is_snapped_is_the_floor_of_what_is_half_a_metre_farther() {
+        let near = [0.0, -0.0, 0.3, 0.5, 0.49999997, 0.50000006, 1.5, 7.25, 1e-20, 1e-42, 999.4999];
+        let far = [4_194_303.5, 8_388_607.0, 8_388_607.5, 8_388_608.0, 1.6e7, 3e9, f32::INFINITY];
+        for x in near.iter().chain(&far).flat_map(|&x| [x, -x]) {
+            let (own, floor) = (snap(Vec3::new(x, 0.0, x)), (x + 0.5).floor());
+            assert_eq!([own.x, own.z].map(f32::to_bits), [floor.to_bits(); 2], "{x}");
+        }
+        assert!(snap(Vec3::new(f32::NAN, 1.0, 1.0)).x.is_nan());
     }
 
     #[test]

@@ -62,7 +62,7 @@ impl Particles {
     /// Forces add up; pinned particles do not notice.
     #[inline]
     pub fn add_force(&mut self, i: usize, force: Vec3) {
-        self.note_write();
+        self.note_write(i);
         self.acceleration_dirty = true;
         self.acceleration[i] += (force * self.position[i].w).extend(0.0);
     }
@@ -70,7 +70,7 @@ impl Particles {
     /// Adds an acceleration, m/s², for this substep: a force that is proportional to mass, as gravity is.
     #[inline]
     pub fn add_acceleration(&mut self, i: usize, acceleration: Vec3) {
-        self.note_write();
+        self.note_write(i);
         self.acceleration_dirty = true;
         self.acceleration[i] += acceleration.extend(0.0);
     }
@@ -83,7 +83,7 @@ impl Particles {
     /// Drags particle `i` towards `velocity` (m/s) in this substep, at the rate `rate` (1/s, finite): what a medium does that may be moving. Media
     /// add up.
     pub fn drag_towards(&mut self, i: usize, rate: f32, velocity: Vec3) {
-        self.note_write();
+        self.note_write(i);
         self.medium_dirty = true;
         self.medium[i] += rate;
         if velocity != Vec3::ZERO && self.drift.is_empty() {

@@ -8,16 +8,20 @@
 //! - when something that moves comes near, or a collider near it moves;
 //! - when what it is made of and hangs on is not the same: places, masses, constraints, springs, and what it lay beside (`support`).
 //!
-//! What gusts may move does not sleep in them (`gusts`).
+//! What gusts may move does not sleep in them (`gusts`). Who has slept for long, and lies where nobody comes near, is not looked at (`dormant`).
 //!
 //! Nothing else is remembered: what is to survive a step is in [`Sleep`], a body's own.
 
+mod dormant;
 mod gusts;
 mod pieces;
 mod support;
 
+use core::ops::Range;
+
 use glam::{Vec3, Vec4};
 
+use dormant::Dormant;
 use pieces::Pieces;
 
 use super::Simulation;
@@ -73,6 +77,12 @@ impl Sleep {
 /// Scratch of the sleeping decision.
 #[derive(Default)]
 pub(super) struct SleepScratch {
+    /// Islands that are looked at in this step, ascending, and stretches of rows in which theirs are: all but dormant ones.
+    looked: Vec<u32>,
+    looked_rows: Vec<Range<usize>>,
+    looked_bounds: Vec<(Vec3, Vec3)>,
+    dormant: Dormant,
+    /// Of each island.
     bounds: Vec<(Vec3, Vec3)>,
     pieces: Pieces,
     activities: Vec<IslandActivity>,
@@ -103,6 +113,7 @@ impl SleepScratch {
         self.seen = None;
         self.bounding_radius.clear();
         self.pieces.forget();
+        self.dormant.forget();
     }
 }
 
@@ -117,6 +128,11 @@ struct IslandActivity {
     asleep: bool,
     /// For how long all of it have been still, seconds.
     still: f32,
+}
+
+impl IslandActivity {
+    /// Of one that moves nothing else counts.
+    const MOVING: Self = Self { active: true, allowed: true, asleep: true, still: f32::INFINITY };
 }
 
 /// Whether a particle of a body lies still; also not where it moves by NaN.
@@ -135,35 +151,63 @@ impl Simulation {
 
     /// Finds which bodies sleep in a step of `dt` seconds, and puts them to sleep.
     pub(super) fn put_to_sleep(&mut self, dt: f32) {
-        self.scratch.plan.islands.list.iter_mut().for_each(|island| island.asleep = false);
-        if !self.sleep.iter().any(|body| body.allowed) {
-            self.particles.note_sleepers(false);
-            return;
-        }
         let mut sleepers = core::mem::take(&mut self.scratch.sleep_scratch.0);
-        let now = [self.particles.edits(), support::of_surfaces(&self.colliders, &self.boundaries)];
-        let changed = sleepers.seen.replace(now) != Some(now);
-        self.measure_islands(&mut sleepers, dt);
-        // Who falls asleep remembers what it lies on.
-        let falls = |island: &IslandActivity| {
-            island.allowed && !island.asleep && !island.active && island.still >= SECONDS
-        };
-        let compare = changed || sleepers.activities.iter().any(falls);
-        self.group(&mut sleepers, compare);
-        self.decide(&mut sleepers, dt, compare);
+        if self.sleep.iter().any(|body| body.allowed) {
+            let standing = support::of_surfaces(&self.colliders, &self.boundaries);
+            let now = [self.particles.edits(), standing];
+            let changed = sleepers.seen.replace(now) != Some(now);
+            let inputs = self.sleep_inputs(dt, now);
+            if !self.leaves_dormant(&sleepers.dormant, &inputs) {
+                sleepers.dormant.forget();
+            }
+            self.look_at_islands(&mut sleepers, dt);
+            if sleepers.dormant.is_near(&sleepers.looked, &sleepers.bounds) {
+                sleepers.dormant.forget();
+                self.look_at_islands(&mut sleepers, dt);
+            }
+            // Who falls asleep remembers what it lies on.
+            let falls = |&number: &u32| {
+                let island = sleepers.activities[number as usize];
+                island.allowed && !island.asleep && !island.active && island.still >= SECONDS
+            };
+            let compare = changed || sleepers.looked.iter().any(falls);
+            self.group(&mut sleepers, compare);
+            self.decide(&mut sleepers, dt, compare);
+            let number = sleepers.dormant.number();
+            self.note_dormant(&mut sleepers, inputs);
+            self.scratch.plan.islands.dormant_number = number;
+            self.particles.note_sleepers(self.sleep.iter().any(|body| body.asleep));
+        } else {
+            sleepers.dormant.forget();
+            self.scratch.plan.islands.dormant_number = 0;
+            self.scratch.plan.islands.list.iter_mut().for_each(|island| island.asleep = false);
+            self.particles.note_sleepers(false);
+        }
         self.scratch.sleep_scratch.0 = sleepers;
-        self.particles.note_sleepers(self.sleep.iter().any(|body| body.asleep));
     }
 
     /// Wakes: gives those that sleep their masses back, at the end of a step.
     pub(super) fn wake(&mut self) {
         let Self { particles, scratch, .. } = self;
-        for (row, w) in scratch.sleep_scratch.0.masses.drain(..) {
+        let SleepScratch { masses, dormant, .. } = &mut scratch.sleep_scratch.0;
+        for (row, w) in masses.drain(..) {
             particles.position[row as usize].w = w;
         }
+        dormant.wake(particles);
     }
 
-    /// Looks at each island: how it lies, and the box that it may reach in the step.
+    /// Looks at each island but dormant ones: how it lies, and the box that it may reach in the step.
+    fn look_at_islands(&mut self, sleepers: &mut SleepScratch, dt: f32) {
+        let islands = &mut self.scratch.plan.islands;
+        let SleepScratch { looked, looked_rows, dormant, .. } = &mut *sleepers;
+        dormant.others(islands, looked, looked_rows);
+        for &number in looked.iter() {
+            islands.list[number as usize].asleep = false;
+        }
+        self.measure_islands(sleepers, dt);
+    }
+
+    /// Looks at the islands that are to be looked at.
     fn measure_islands(&self, sleepers: &mut SleepScratch, dt: f32) {
         let Self { particles, scratch, forces, .. } = self;
         if sleepers.bounding_radius.len() != particles.len() {
@@ -180,17 +224,24 @@ impl Simulation {
             }
         }
         let plan = &scratch.plan;
-        sleepers.bounds.clear();
-        sleepers.activities.clear();
-        for island in &plan.islands.list {
-            sleepers.activities.push(self.activity_of(island));
+        let count = plan.islands.list.len();
+        sleepers.bounds.resize(count, (Vec3::INFINITY, Vec3::NEG_INFINITY));
+        sleepers.activities.resize(count, IslandActivity::MOVING);
+        let (mut any_lie, looked) = (false, core::mem::take(&mut sleepers.looked));
+        for &number in &looked {
+            let activity = self.activity_of(&plan.islands.list[number as usize]);
+            any_lie |= !activity.active;
+            sleepers.activities[number as usize] = activity;
         }
-        // Where all move nobody is asked whom it touches.
-        if sleepers.activities.iter().any(|island| !island.active) {
-            self.enclose_islands(sleepers, dt);
+        // Where all move nobody is asked whom it touches, but by those that are dormant.
+        if any_lie || !sleepers.dormant.is_empty() {
+            self.enclose_islands(sleepers, &looked, dt);
         } else {
-            sleepers.bounds.resize(plan.islands.list.len(), (Vec3::INFINITY, Vec3::NEG_INFINITY));
+            for &number in &looked {
+                sleepers.bounds[number as usize] = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+            }
         }
+        sleepers.looked = looked;
         self.stay_awake_in_gusts(sleepers);
         let controls =
             forces.controls.iter().filter(|control| control.is_valid() && !control.is_idle());
@@ -241,13 +292,15 @@ impl Simulation {
         activity
     }
 
-    /// The box that each island, and each piece of it, may reach in a step of `dt` seconds.
-    fn enclose_islands(&self, sleepers: &mut SleepScratch, dt: f32) {
+    /// The box that each of some islands, and each piece of it, may reach in a step of `dt` seconds.
+    fn enclose_islands(&self, sleepers: &mut SleepScratch, these: &[u32], dt: f32) {
         let Self { particles, scratch, forces, .. } = self;
         let plan = &scratch.plan;
-        sleepers.pieces.begin(&self.body_colliders, &plan.islands);
+        sleepers.pieces.begin(&self.body_colliders, &plan.islands, these);
         let fall = forces.gravity.length() * dt;
-        for (number, island) in plan.islands.list.iter().enumerate() {
+        for &number in these {
+            let number = number as usize;
+            let island = &plan.islands.list[number];
             let in_pieces = sleepers.pieces.are_several(number);
             let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
             for (i, body) in self.loose_members(island) {
@@ -263,7 +316,7 @@ impl Simulation {
                     sleepers.pieces.add(i as u32, at, around);
                 }
             }
-            sleepers.bounds.push((low, high));
+            sleepers.bounds[number] = (low, high);
         }
     }
 
@@ -290,33 +343,52 @@ impl Simulation {
     fn group(&self, sleepers: &mut SleepScratch, compare: bool) {
         let Self { particles, scratch, .. } = self;
         let SleepScratch {
-            bounds, pieces, activities, pairs, near, broad, groups, first_of, ..
+            looked,
+            looked_rows,
+            looked_bounds,
+            bounds,
+            pieces,
+            activities,
+            pairs,
+            near,
+            broad,
+            groups,
+            first_of,
+            ..
         } = sleepers;
         pairs.clear();
+        let each = || looked.iter().map(|&number| &activities[number as usize]);
         // Where all lie still and have done so for long, each group sleeps, whoever is in it; and where all move, none does.
         let (still, moving) = (
-            activities.iter().all(|island| !island.active && island.still >= SECONDS),
-            activities.iter().all(|island| island.active),
+            each().all(|island| !island.active && island.still >= SECONDS),
+            each().all(|island| island.active),
         );
-        let moves = |number: u32| activities[number as usize].active;
-        let lying = || (0..activities.len() as u32).filter(|&number| !moves(number));
+        let moves = |place: u32| activities[looked[place as usize] as usize].active;
+        let lying = || (0..looked.len() as u32).filter(|&place| !moves(place));
         if (compare || !still) && !moving {
-            if 2 * lying().count() > activities.len() {
-                broad.pairs(bounds, pairs);
+            looked_bounds.clear();
+            looked_bounds.extend(looked.iter().map(|&number| bounds[number as usize]));
+            if 2 * lying().count() > looked.len() {
+                broad.pairs(looked_bounds, pairs);
                 pairs.retain(|&[a, b]| !(moves(a) && moves(b)));
             } else {
-                broad.fill(bounds);
-                for number in lying() {
+                broad.fill(looked_bounds);
+                for place in lying() {
                     near.clear();
-                    broad.around(&bounds[number as usize], bounds, near);
+                    broad.around(&looked_bounds[place as usize], looked_bounds, near);
                     // Of two that lie still the first one has asked.
-                    let others = near.iter().filter(|&&other| other > number || moves(other));
-                    pairs.extend(others.map(|&other| [number, other]));
+                    let others = near.iter().filter(|&&other| other > place || moves(other));
+                    pairs.extend(others.map(|&other| [place, other]));
                 }
             }
         }
-        groups.reset(bounds.len());
+        if looked.len() == bounds.len() {
+            groups.reset(bounds.len());
+        } else {
+            groups.part(looked);
+        }
         for &[a, b] in pairs.iter() {
+            let [a, b] = [looked[a as usize], looked[b as usize]];
             if groups.root(a) != groups.root(b) && pieces.touch([a, b], bounds) {
                 groups.unite(a, b);
             }
@@ -331,7 +403,8 @@ impl Simulation {
         first_of.resize(self.sleep.len(), u32::MAX);
         // Neighbours mostly are of one body and of one island.
         let mut last = None;
-        for (&island, &body) in scratch.plan.islands.of.iter().zip(&particles.body) {
+        for i in looked_rows.iter().flat_map(Clone::clone) {
+            let (island, body) = (scratch.plan.islands.of[i], particles.body[i]);
             if last.replace((island, body)) == Some((island, body)) {
                 continue;
             }
@@ -346,32 +419,35 @@ impl Simulation {
 
     /// Sums up each group, and lets it sleep, or lets its time go on.
     fn decide(&mut self, sleepers: &mut SleepScratch, dt: f32, compare: bool) {
-        let SleepScratch { activities, groups, .. } = &mut *sleepers;
-        for island in 0..activities.len() {
-            let root = groups.root(island as u32) as usize;
-            let own = activities[island];
+        let SleepScratch { activities, groups, looked, bounds, .. } = &mut *sleepers;
+        for &island in looked.iter() {
+            let root = groups.root(island) as usize;
+            let own = activities[island as usize];
             let group = &mut activities[root];
             group.active |= own.active;
             group.still = group.still.min(own.still);
         }
-        for number in 0..self.scratch.plan.islands.list.len() {
-            let group = sleepers.activities[sleepers.groups.root(number as u32) as usize];
-            let may = sleepers.activities[number].allowed && sleepers.bounds[number].0.is_finite();
+        for &number in looked.iter() {
+            let group = activities[groups.root(number) as usize];
+            let number = number as usize;
+            let may = activities[number].allowed && bounds[number].0.is_finite();
             self.scratch.plan.islands.list[number].asleep =
                 may && !group.active && group.still >= SECONDS;
         }
         if compare {
             self.compare_support(sleepers);
         }
-        let SleepScratch { activities, groups, masses, hashes, .. } = sleepers;
+        let SleepScratch { activities, groups, masses, hashes, looked, dormant, .. } = sleepers;
         let Self { particles, sleep, scratch, .. } = self;
         // Borrowed once: each time counts as a change.
         let (sleep, plan) = (&mut **sleep, &mut scratch.plan);
         // As a step would leave what stands still.
         let still = Vec3::ZERO.extend(self.settings.integrator.lag(scratch.substep.length));
-        for number in 0..plan.islands.list.len() {
-            let root = groups.root(number as u32) as usize;
+        dormant.stop(particles, still);
+        for &number in looked.iter() {
+            let root = groups.root(number) as usize;
             let group = activities[root];
+            let number = number as usize;
             let island = &mut plan.islands.list[number];
             island.asleep &= !group.active;
             let mut last = None;
@@ -406,26 +482,28 @@ impl Simulation {
 
     /// Sums up what those of each group that are to sleep are made of and hang on, and wakes all of one in which that is not what it was.
     fn compare_support(&self, sleepers: &mut SleepScratch) {
-        let SleepScratch { activities, groups, hashes, bounds, .. } = sleepers;
+        let SleepScratch { activities, groups, hashes, bounds, looked, .. } = sleepers;
         let islands = &self.scratch.plan.islands;
         hashes.clear();
         hashes.resize(islands.list.len(), 0);
         self.add_springs(hashes);
-        for ((island, bounds), hashes) in islands.list.iter().zip(&*bounds).zip(&mut *hashes) {
-            *hashes = if island.asleep {
-                hashes.wrapping_add(self.support_of(island, *bounds))
+        for number in looked.iter().map(|&number| number as usize) {
+            let (island, hash) = (&islands.list[number], &mut hashes[number]);
+            *hash = if island.asleep {
+                hash.wrapping_add(self.support_of(island, bounds[number]))
             } else {
                 0
             };
         }
-        for number in 0..islands.list.len() {
-            let root = groups.root(number as u32) as usize;
-            if root != number {
-                hashes[root] = hashes[root].wrapping_add(hashes[number]);
+        for &number in looked.iter() {
+            let root = groups.root(number) as usize;
+            if root != number as usize {
+                hashes[root] = hashes[root].wrapping_add(hashes[number as usize]);
             }
         }
-        for (number, island) in islands.list.iter().enumerate().filter(|(_, one)| one.asleep) {
-            let root = groups.root(number as u32) as usize;
+        for &number in looked.iter().filter(|&&number| islands.list[number as usize].asleep) {
+            let island = &islands.list[number as usize];
+            let root = groups.root(number) as usize;
             let bodies = islands.members[island.members.clone()].iter();
             let other = |&row: &u32| {
                 let body = self.sleep.get(self.particles.body[row as usize] as usize);

@@ -53,12 +53,16 @@ impl IndexMut<usize> for Bodies {
 }
 
 impl Bodies {
-    /// Makes room for so many, none of which moves.
-    pub(super) fn resize(&mut self, len: usize) {
+    /// Makes room for so many, none of which moves; some of the first ones stay as they are, by a bit for each, eight rows a number.
+    pub(super) fn resize(&mut self, len: usize, kept: &[u32]) {
         let mut fixed = Record([Vec4::ZERO; FIELDS]);
         fixed.0[ROTATION] = Vec4::W;
-        self.rows.clear();
         self.rows.resize(len, fixed);
+        for (row, to) in self.rows.iter_mut().enumerate() {
+            if kept.get(row / LANES).is_none_or(|kept| kept >> (row % LANES) & 1 == 0) {
+                *to = fixed;
+            }
+        }
         self.predicted.clear();
         self.predicted.resize(2 * len, Vec4::ZERO);
         self.residual.clear();

@@ -23,6 +23,7 @@ use super::swept_bounds::{SweptBounds, WideSweptBounds};
 use super::wide_contact::{
     Contact, SWEEPS, WideContact, colour, keep_for_impacts, pack_contacts, put, set_levels,
 };
+use crate::kept::Kept;
 use crate::lanes::LANES;
 use crate::particles::{NO_BODY, Particles};
 
@@ -45,34 +46,45 @@ impl BodyContactSolver {
         }
         self.sensor_overlaps.clear();
         self.h = world.dt / world.substeps.max(1) as f32;
-        self.groups.weigh(world.body_colliders, particles);
+        let is_new = self.dormant.0.begin(world, &self.groups, &self.met);
+        if is_new {
+            self.cache.forget_dormant();
+        }
+        self.groups.weigh(world.body_colliders, self.dormant.0.looked(), particles);
         self.note_sleepers(world);
         super::static_geometry::list(world, &mut self.floor, &mut self.static_geometry);
         let rows = self.groups.padded() + self.static_geometry.len() + 1;
-        self.bodies.resize(rows);
+        self.bodies.resize(rows, self.dormant.0.kept());
         self.sums.resize(self.groups.groups.len(), Default::default());
         if world.at_rest {
             self.rest();
             return;
         }
         self.overlaps.update(world.body_colliders, &self.groups, particles, world.filter);
-        self.origin_offsets.take(&self.groups, particles);
+        self.origin_offsets.take(&self.groups, self.dormant.0.looked(), particles);
         self.note_initial_rotations(particles, world);
         self.extract_poses_afresh(particles, world);
-        self.wide_swept.clear();
-        self.wide_swept.resize(self.groups.groups.len(), WideSweptBounds::default());
-        self.swept.clear();
-        self.swept.resize(self.groups.parts.len(), SweptBounds::default());
-        for number in 0..self.swept.len() {
+        if !self.dormant.0.is_kept {
+            self.wide_swept.clear();
+            self.wide_swept.resize(self.groups.groups.len(), WideSweptBounds::default());
+            self.swept.clear();
+            self.swept.resize(self.groups.parts.len(), SweptBounds::default());
+        }
+        for place in 0..self.dormant.0.looked().len() {
+            let number = self.dormant.0.looked()[place] as usize;
             self.note_swept_bounds(number, particles, world, (0.0, 1.0));
         }
         self.place_static_geometry(world, 0.0, 0.0);
         let mut pairs = core::mem::take(&mut self.pairs);
         self.near_pairs(world, &mut pairs);
         self.contacts.clear();
-        self.cache.begin();
+        self.cache.begin(self.dormant.0.is_kept);
         for &[a, b] in &pairs {
+            let before = self.cache.now.len();
             self.compare([a as usize, b as usize], particles, world, (0.0, false));
+            if is_new && self.dormant.0.have_both(&self.groups, [a, b]) {
+                self.cache.note_dormant(before);
+            }
         }
         self.pairs = pairs;
         self.cache.in_order();
@@ -132,11 +144,14 @@ impl BodyContactSolver {
 
     /// Notes which body colliders sleep. What else cannot move may be led.
     fn note_sleepers(&mut self, world: &World) {
-        let Self { groups, asleep, .. } = self;
+        let Self { groups, asleep, dormant, .. } = self;
         asleep.clear();
+        asleep.extend_from_slice(dormant.0.kept());
         asleep.resize(groups.groups.len(), 0);
         let islands = world.islands;
-        for (number, part) in groups.parts.iter().enumerate().filter(|(_, part)| part.immovable) {
+        let looked = dormant.0.looked().iter().map(|&number| number as usize);
+        let parts = looked.map(|number| (number, &groups.parts[number]));
+        for (number, part) in parts.filter(|(_, part)| part.immovable) {
             let first = groups.rows.get(part.entries.start);
             let island = first.and_then(|&row| islands.of.get(row as usize));
             if part.sound && island.is_some_and(|&island| islands.list[island as usize].asleep) {
@@ -148,6 +163,7 @@ impl BodyContactSolver {
 
     /// Nothing moves: nothing is looked for, and the cache stays as it is.
     fn rest(&mut self) {
+        self.dormant.0.forget();
         self.cache.in_order();
         self.wide_swept.clear();
         self.wide_swept.resize(self.groups.groups.len(), WideSweptBounds::default());
@@ -165,7 +181,12 @@ impl BodyContactSolver {
     /// Poses and velocities.
     fn extract_poses_afresh(&mut self, particles: &Particles, world: &World) {
         for number in 0..self.groups.groups.len() {
+            let kept = self.dormant.0.kept_of(number);
+            if kept != 0 && kept == self.groups.groups[number].sound {
+                continue;
+            }
             let (first, mut asks) = (number * LANES, 0xFF);
+            let eight = (kept != 0).then(|| self.bodies.eight(first));
             for _ in 0..2 {
                 // Who was found the first time stays as it was: who is beside it must not matter.
                 let before = (asks != 0xFF).then(|| self.bodies.eight(first));
@@ -187,16 +208,29 @@ impl BodyContactSolver {
                     }
                 }
             }
+            if let Some(eight) = eight {
+                self.bodies.put_back(first, kept, eight);
+            }
         }
     }
 
     /// Pairs of body colliders, and of body colliders with static geometry, that are near each other; sorted.
     fn near_pairs(&mut self, world: &World, pairs: &mut Vec<[u32; 2]>) {
         let Self {
-            swept, static_geometry, clusters, bounds, groups, nearby, order: endless, ..
+            swept,
+            static_geometry,
+            clusters,
+            bounds,
+            groups,
+            nearby,
+            order: endless,
+            dormant: Kept(dormant),
+            ..
         } = self;
-        bounds.clear();
-        bounds.extend(swept.iter().map(|swept| swept.bounds));
+        bounds.resize(swept.len(), (Vec3::NAN, Vec3::NAN));
+        for &number in dormant.looked() {
+            bounds[number as usize] = swept[number as usize].bounds;
+        }
         bounds.extend(static_geometry.iter().map(|geometry| geometry.bounds(world)));
         let of_one = |i: usize| {
             let body = |i: usize| swept.get(i).map_or(NO_BODY, |one| one.body);
@@ -205,14 +239,19 @@ impl BodyContactSolver {
         let way = |i: usize| swept.get(i).map_or(Vec3::ZERO, |one| one.velocity * world.dt);
         clusters.0.pairs(bounds, of_one, way, nearby);
         pairs.clear();
-        let mut nearby =
-            nearby.iter().copied().filter(|pair| (pair[0] as usize) < swept.len()).peekable();
+        // What is between two dormant ones was found before.
+        let is_looked_at = |pair: &[u32; 2]| {
+            (pair[0] as usize) < swept.len()
+                && !(dormant.is_kept && dormant.have_both(groups, *pair))
+        };
+        let mut nearby = nearby.iter().copied().filter(is_looked_at).peekable();
         // What has no end is looked at by everyone; both lists are sorted.
         endless.clear();
         endless.extend(
             (0..static_geometry.len() as u32).filter(|&i| static_geometry[i as usize].endless),
         );
-        for (a, one) in swept.iter().enumerate().filter(|(_, one)| one.sound) {
+        let looked = dormant.looked().iter().map(|&number| number as usize);
+        for (a, one) in looked.map(|a| (a, &swept[a])).filter(|(_, one)| one.sound) {
             for &number in &*endless {
                 if static_geometry[number as usize].is_below(one, groups.parts[a].reach, world, 0.0)
                 {

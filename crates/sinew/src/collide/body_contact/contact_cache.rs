@@ -285,6 +285,12 @@ pub(super) struct CacheBuilder {
     next: usize,
     /// How many of those that are now are in order; others came later.
     sorted: usize,
+    /// Who touches whom of those that may be carried over unasked, ascending; whether they are in this step; the first that is not yet; and the first of those
+    /// that were which may be one.
+    dormant: Vec<ContactKey>,
+    carries: bool,
+    next_dormant: usize,
+    from_dormant: usize,
 }
 
 impl CacheBuilder {
@@ -301,15 +307,48 @@ impl CacheBuilder {
         self.now.clear();
     }
 
-    /// Begins a step: what is cached is from the step before.
-    pub(super) fn begin(&mut self) {
+    /// Begins a step: what is cached is from the step before. Says whether those that were [noted](Self::note_dormant) are carried over unasked in it.
+    pub(super) fn begin(&mut self, carries: bool) {
+        self.carries = carries;
         core::mem::swap(&mut self.was, &mut self.now);
         self.now.clear();
         self.next = 0;
+        (self.next_dormant, self.from_dormant) = (0, 0);
+    }
+
+    /// Notes that none may be carried over unasked.
+    pub(super) fn forget_dormant(&mut self) {
+        self.dormant.clear();
+    }
+
+    /// Notes those from a place on that may be carried over unasked in the next steps.
+    pub(super) fn note_dormant(&mut self, from: usize) {
+        self.dormant.extend(self.now[from..].iter().map(|one| one.key));
+    }
+
+    /// Carries those over unasked that come before a key; without one, all.
+    fn carry_dormant(&mut self, before: Option<&ContactKey>) {
+        let Self { was, now, dormant, carries, next_dormant, from_dormant, .. } = self;
+        if !*carries {
+            return;
+        }
+        while let Some(key) = dormant.get(*next_dormant) {
+            if before.is_some_and(|before| before <= key) {
+                break;
+            }
+            *next_dormant += 1;
+            while was.get(*from_dormant).is_some_and(|one| one.key < *key) {
+                *from_dormant += 1;
+            }
+            if was.get(*from_dormant).is_some_and(|one| one.key == *key) {
+                now.extend_from_slice(&was[*from_dormant..=*from_dormant]);
+            }
+        }
     }
 
     /// The cached manifold of a key; to be asked in ascending order.
     pub(super) fn lookup(&mut self, key: &ContactKey) -> Option<&CachedManifold> {
+        self.carry_dormant(Some(key));
         while self.was.get(self.next).is_some_and(|one| one.key < *key) {
             self.next += 1;
         }
@@ -353,6 +392,7 @@ impl CacheBuilder {
 
     /// Says that all that is cached by now is in order.
     pub(super) fn in_order(&mut self) {
+        self.carry_dormant(None);
         self.sorted = self.now.len();
     }
 

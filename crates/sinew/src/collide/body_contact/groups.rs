@@ -240,9 +240,15 @@ impl BodyGroups {
         }
     }
 
-    /// Weighs those body colliders again whose particles have other masses than they had. A function of the present masses alone.
-    pub(super) fn weigh(&mut self, body_colliders: &[BodyCollider], particles: &Particles) {
-        for (number, solid) in body_colliders.iter().enumerate() {
+    /// Weighs those of some body colliders again whose particles have other masses than they had. A function of the present masses alone.
+    pub(super) fn weigh(
+        &mut self,
+        body_colliders: &[BodyCollider],
+        these: &[u32],
+        particles: &Particles,
+    ) {
+        for number in these.iter().map(|&number| number as usize) {
+            let Some(solid) = body_colliders.get(number) else { continue };
             let Some(part) = self.parts.get(number).filter(|part| part.sound) else { continue };
             let entries = part.entries.clone();
             let now = |i: usize| particles.position[self.rows[i] as usize].w;

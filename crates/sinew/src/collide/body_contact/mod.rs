@@ -19,6 +19,7 @@
 //! | `swept_bounds` | where a body collider goes in a step |
 //! | `broad_phase` | what it may come to touch there, and what does that has left those bounds |
 //! | `narrow_phase` | the manifolds of a pair: cached, or computed afresh, or within a step once it has turned; and which overlap at rest, and never touch |
+//! | `dormant` | those of sleepers to which nothing was done, and what is kept of them |
 //! | `contact_cache` | what is kept from one step to the next |
 //! | `wide_contact` | contacts of a step: coloured, packed by eight, and which are pressed more than once in a substep |
 //! | `normal_solve` | their normal impulses, those of one manifold solved together |
@@ -31,6 +32,7 @@ mod bodies;
 mod body_collider;
 mod broad_phase;
 mod contact_cache;
+mod dormant;
 mod friction;
 mod groups;
 mod loose;
@@ -61,6 +63,7 @@ use crate::particles::Particles;
 use bodies::{Bodies, CENTRE};
 use broad_phase::MissedPairs;
 use contact_cache::CacheBuilder;
+use dormant::DormantColliders;
 use friction::{predict_impulses, solve_all_friction};
 use groups::BodyGroups;
 use loose::Loose;
@@ -148,6 +151,7 @@ pub(crate) struct BodyContactSolver {
     sticking: Vec<bool>,
     /// For each group a bit for each body collider that sleeps: it stays where it was read when the step began.
     asleep: Vec<u32>,
+    dormant: Kept<DormantColliders>,
     /// Whether contacts were looked for since the last substep.
     fresh: bool,
     /// Length of the last substep, seconds.
@@ -159,6 +163,7 @@ impl BodyContactSolver {
     pub(crate) fn compile(&mut self, body_colliders: &[BodyCollider], particles: &Particles) {
         self.groups.compile(body_colliders, particles);
         self.overlaps.reset();
+        self.dormant.0.forget();
         self.wide_contacts.clear();
         self.contacts.clear();
         self.loose.clear();

@@ -64,9 +64,13 @@ const FRESH: u32 = 8;
 impl BodyContactSolver {
     /// Notes a rotation near that of each sound body collider.
     pub(super) fn note_initial_rotations(&mut self, particles: &Particles, world: &World) {
-        let Self { groups, origin_offsets, bodies, instructions, .. } = self;
+        let Self { groups, origin_offsets, bodies, dormant, instructions, .. } = self;
         let mut turned = [Vec4::W; LANES];
         for (number, group) in groups.groups.iter().enumerate() {
+            let kept = dormant.0.kept_of(number);
+            if kept != 0 && kept == group.sound {
+                continue;
+            }
             // Where particles of one body collider have origins of their own, none is computed so.
             let rotation_reference =
                 group.rotation_reference.as_ref().filter(|_| origin_offsets.of(group).is_none());
@@ -75,6 +79,9 @@ impl BodyContactSolver {
                 initial_rotations(rotation_reference, position, &mut turned, *instructions)
             });
             for (lane, &turned) in turned.iter().enumerate() {
+                if kept >> lane & 1 == 1 {
+                    continue;
+                }
                 let row = &mut bodies[number * LANES + lane];
                 if known >> lane & 1 == 1 {
                     row[ROTATION] = turned;
@@ -534,8 +541,9 @@ fn nearest<L: Lanes>(
 }
 
 impl OriginOffsets {
-    /// Notes the origins of particles where they differ within a body collider.
-    pub(super) fn take(&mut self, groups: &BodyGroups, particles: &Particles) {
+    /// Notes the origins of particles where they differ within a body collider; `these` are the numbers of all those that may have others than before.
+    pub(super) fn take(&mut self, groups: &BodyGroups, these: &[u32], particles: &Particles) {
+        let were_even = self.origin_offsets.is_empty();
         self.origin_offsets.clear();
         let origin = |row: u32| particles.origin[row as usize];
         let even = |part: &CompiledCollider| {
@@ -543,7 +551,8 @@ impl OriginOffsets {
             let first = rows.first().map_or(Vec3::ZERO, |&first| origin(first));
             rows.iter().all(|&row| origin(row) == first)
         };
-        if groups.parts.iter().all(even) {
+        let looked = |number: &u32| even(&groups.parts[*number as usize]);
+        if if were_even { these.iter().all(looked) } else { groups.parts.iter().all(even) } {
             return;
         }
         for group in &groups.groups {

@@ -43,7 +43,7 @@ impl Simulation {
 }
 
 /// By how much gusts change the pressure on a sheet at the most, Pa: of a wind by its share, of air by that of its speed, twice the standard deviation.
-fn most_of_gusts(forces: &Forces) -> f32 {
+pub(super) fn most_of_gusts(forces: &Forces) -> f32 {
     let winds = forces.winds.iter().filter(|wind| wind.is_valid());
     let winds = winds.map(|wind| wind.gusts.abs() * wind.pressure.length());
     let flows = forces.air_flows.iter().filter(|flow| flow.is_valid());

@@ -11,6 +11,9 @@ use crate::islands::Islands;
 /// The least and the greatest corner of a box.
 type Bounds = (Vec3, Vec3);
 
+/// One that nothing is in.
+const NOTHING: Bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+
 /// The pieces of all islands, island after island. Scratch.
 #[derive(Default)]
 pub(super) struct Pieces {
@@ -31,14 +34,22 @@ impl Pieces {
         self.known = false;
     }
 
-    /// Begins to look where they are.
-    pub(super) fn begin(&mut self, body_colliders: &[BodyCollider], islands: &Islands) {
+    /// Begins to look where those of some islands are.
+    pub(super) fn begin(
+        &mut self,
+        body_colliders: &[BodyCollider],
+        islands: &Islands,
+        these: &[u32],
+    ) {
         if !self.known || self.starts.len() != islands.list.len() + 1 {
             self.find(body_colliders, islands);
+            let count = self.starts.last().map_or(0, |&end| end as usize);
+            self.bounds.resize(count, NOTHING);
         }
-        let count = self.starts.last().map_or(0, |&end| end as usize);
-        self.bounds.clear();
-        self.bounds.resize(count, (Vec3::INFINITY, Vec3::NEG_INFINITY));
+        for &island in these {
+            let (from, to) = (self.starts[island as usize], self.starts[island as usize + 1]);
+            self.bounds[from as usize..to as usize].fill(NOTHING);
+        }
     }
 
     fn find(&mut self, body_colliders: &[BodyCollider], islands: &Islands) {

@@ -14,7 +14,7 @@ use crate::lanes::{InstructionSet, LANES};
 /// Eight body colliders that press on one that stands in row 8, in so many points; row 9 is nothing.
 fn eight_on_one(points: usize, random: &mut Random) -> (WideContact, Bodies) {
     let mut bodies = Bodies::default();
-    bodies.resize(LANES + 2);
+    bodies.resize(LANES + 2, &[]);
     let mut wide = WideContact::empty(9, false, 1);
     for lane in 0..LANES {
         let some = |random: &mut Random, much: f32| random.vector() * much;

@@ -1,0 +1,358 @@
+//! Sleepers that a step does not look at: the dormant.
+//!
+//! Who sleeps for as long as is counted, in a group of such, goes on to sleep unless something is done to him, something that he hangs on changes, or somebody
+//! who is awake comes near. What is done to particles and what changes is noted elsewhere, so that it is a look at a few numbers; and whoever is awake asks a
+//! grid of the boxes about all dormant islands. If there is anything, all islands are looked at, as in a step without any of this, and with the same result.
+
+use core::ops::Range;
+
+use glam::{Vec3, Vec4};
+
+use super::{SECONDS, SleepScratch, gusts};
+use crate::collide::{Broad, ContactParticipant};
+use crate::islands::Islands;
+use crate::particles::Particles;
+use crate::simulation::Simulation;
+
+/// What it depends on whether the dormant sleep on, beside what is done to them and who comes near.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SleepInputs {
+    /// Of the step and of a substep, seconds; how far bounds reach depends on it, and what a sleeper's velocity is the mean of.
+    dt: f32,
+    lag: f32,
+    /// m/s².
+    gravity: f32,
+    /// [Edits](crate::Particles::edits), and the number of what stands.
+    support: [u64; 2],
+    /// Of the lists of who sleeps and of how bodies touch.
+    sleep: u64,
+    contacts: u64,
+    /// Charges push each other.
+    electric: f32,
+}
+
+/// Dormant islands.
+#[derive(Default)]
+pub(super) struct Dormant {
+    /// Those of the last step; `None` if there are no dormant islands.
+    inputs: Option<SleepInputs>,
+    /// Pairs that never touch, in that step.
+    ignored: Vec<[ContactParticipant; 2]>,
+    /// How often some were found.
+    count: u64,
+    /// For each island whether it is dormant.
+    of: Vec<bool>,
+    /// Stretches of rows of dormant islands that can move when they are awake, and their inverse masses, one after the other.
+    rows: Vec<Range<usize>>,
+    masses: Vec<f32>,
+    /// The boxes about them, and a search among those.
+    bounds: Vec<(Vec3, Vec3)>,
+    broad: Broad,
+    near: Vec<u32>,
+}
+
+impl Dormant {
+    /// Has all islands be looked at in the next step.
+    pub(super) fn forget(&mut self) {
+        self.inputs = None;
+    }
+
+    /// Whether there are none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.inputs.is_none()
+    }
+
+    /// A number that is another one for others; 0 if there are none.
+    pub(super) fn number(&self) -> u64 {
+        if self.is_empty() { 0 } else { self.count }
+    }
+
+    /// Lets the rows sleep, with a velocity of none. All else of them is as the step before has left it.
+    pub(super) fn stop(&self, particles: &mut Particles, still: Vec4) {
+        for rows in self.rows() {
+            particles.position[rows.clone()].iter_mut().for_each(|position| position.w = 0.0);
+            particles.velocity[rows.clone()].fill(still);
+        }
+    }
+
+    /// Gives them their masses back.
+    pub(super) fn wake(&self, particles: &mut Particles) {
+        let mut masses = self.masses.iter();
+        for rows in self.rows() {
+            for (position, &w) in particles.position[rows.clone()].iter_mut().zip(&mut masses) {
+                position.w = w;
+            }
+        }
+    }
+
+    fn rows(&self) -> &[Range<usize>] {
+        if self.is_empty() { &[] } else { &self.rows }
+    }
+
+    /// Lists the islands that are not dormant, and stretches of rows in which theirs are.
+    pub(super) fn others(
+        &self,
+        islands: &Islands,
+        others: &mut Vec<u32>,
+        rows: &mut Vec<Range<usize>>,
+    ) {
+        let count = islands.list.len() as u32;
+        if self.is_empty() {
+            others.clear();
+            others.extend(0..count);
+            rows.clear();
+            rows.push(0..islands.of.len());
+        } else if others.len() == count as usize {
+            others.retain(|&number| !self.of[number as usize]);
+            rows.clear();
+            for (row, &number) in islands.of.iter().enumerate() {
+                if self.of[number as usize] {
+                    continue;
+                }
+                lengthen(rows, row);
+            }
+        }
+    }
+
+    /// Whether one of some islands comes near a dormant one; `bounds` are those of all islands.
+    pub(super) fn is_near(&mut self, these: &[u32], bounds: &[(Vec3, Vec3)]) -> bool {
+        let Self { inputs, bounds: own, broad, near, .. } = self;
+        near.clear();
+        inputs.is_some()
+            && these.iter().any(|&number| {
+                broad.around(&bounds[number as usize], own, near);
+                !near.is_empty()
+            })
+    }
+}
+
+/// Adds a row behind all of some stretches.
+fn lengthen(rows: &mut Vec<Range<usize>>, row: usize) {
+    match rows.last_mut() {
+        Some(last) if last.end == row => last.end += 1,
+        _ => rows.push(row..row + 1),
+    }
+}
+
+impl Simulation {
+    /// What sleepers in a step of `dt` seconds depend on.
+    pub(super) fn sleep_inputs(&self, dt: f32, support: [u64; 2]) -> SleepInputs {
+        SleepInputs {
+            dt,
+            lag: self.settings.integrator.lag(self.scratch.substep.length),
+            gravity: self.forces.gravity.length(),
+            support,
+            sleep: self.sleep.revision(),
+            contacts: self.contacts.revision(),
+            electric: self.forces.electric.constant,
+        }
+    }
+
+    /// Whether the dormant of the last step need not be looked at in this one, unless somebody is near them.
+    pub(super) fn leaves_dormant(&self, dormant: &Dormant, inputs: &SleepInputs) -> bool {
+        let Self { particles, forces, boundaries, settings, .. } = self;
+        let islands = &self.scratch.plan.islands.of;
+        let is_dormant = |row: u32| {
+            let island = islands.get(row as usize);
+            island.is_some_and(|&island| dormant.of[island as usize])
+        };
+        let controls = forces.controls.iter().filter(|control| !control.is_idle());
+        dormant.inputs.as_ref() == Some(inputs)
+            && dormant.ignored == self.ignored
+            && !settings.statics
+            && self.compounds.is_empty()
+            && forces.springs.is_empty()
+            && gusts::most_of_gusts(forces) == 0.0
+            && self.colliders.iter().all(|collider| collider.start == collider.end)
+            && particles.touched().is_some_and(|rows| !rows.iter().any(|&row| is_dormant(row)))
+            && !controls.flat_map(|control| &control.rows).any(|&row| is_dormant(row))
+            && !boundaries.pins.iter().any(|pin| is_dormant(pin.particle))
+    }
+
+    /// Notes who is dormant from this step on, where all islands were looked at.
+    pub(super) fn note_dormant(&mut self, sleepers: &mut SleepScratch, inputs: SleepInputs) {
+        let SleepScratch { dormant, masses, activities, groups, bounds, looked, .. } = sleepers;
+        let islands = &mut self.scratch.plan.islands;
+        let mut lasts = |number: u32| {
+            let group = activities[groups.root(number) as usize];
+            // Longer is not counted: the list of who sleeps stays as it is.
+            islands.list[number as usize].asleep && group.still >= 2.0 * SECONDS
+        };
+        let now = SleepInputs { sleep: self.sleep.revision(), ..inputs };
+        if !dormant.is_empty() {
+            // When others have slept for as long, all are looked at again.
+            dormant.inputs = (!looked.iter().any(|&number| lasts(number))).then_some(now);
+            if dormant.is_empty() {
+                let rows = dormant.rows.iter().flat_map(Clone::clone).map(|row| row as u32);
+                masses.extend(rows.zip(dormant.masses.iter().copied()));
+            }
+            return;
+        }
+        let Dormant { ignored, count, of, rows, masses: own, bounds: boxes, broad, .. } = dormant;
+        of.clear();
+        of.extend((0..islands.list.len() as u32).map(lasts));
+        if !of.contains(&true) {
+            return;
+        }
+        boxes.clear();
+        boxes.extend(of.iter().zip(&*bounds).filter(|(own, _)| **own).map(|(_, bounds)| *bounds));
+        broad.fill(boxes);
+        masses.sort_unstable_by_key(|&(row, _)| row);
+        rows.clear();
+        own.clear();
+        masses.retain(|&(row, w)| {
+            let is_own = of[islands.of[row as usize] as usize];
+            if is_own {
+                lengthen(rows, row as usize);
+                own.push(w);
+            }
+            !is_own
+        });
+        *count += 1;
+        ignored.clone_from(&self.ignored);
+        islands.dormant.clone_from(of);
+        dormant.inputs = Some(now);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Quat;
+
+    use super::*;
+    use crate::collide::{BodyContacts, Collider, Frame, Shape};
+    use crate::constraints::{Distance, Pin, Plane};
+    use crate::forces::{Control, Spring, Wind};
+    use crate::particles::ParticleSeed;
+    use crate::recipes::{BoxSpec, box_3d};
+    use crate::simulation::Sleep;
+
+    /// One box on another, two beside them, a ball that stands, and a box that stays awake.
+    fn level() -> Simulation {
+        let mut world = Simulation::default();
+        world.boundaries.planes.push(Plane::ground(0.0));
+        let contacts = BodyContacts { with_bodies: true, ..Default::default() };
+        for (x, y) in [(0.0, 0.5), (0.05, 1.5), (2.0, 0.5), (3.02, 0.5), (12.0, 0.5)] {
+            let at = Vec3::new(x, y, 0.0);
+            let cube = box_3d(&BoxSpec::default()).unwrap().transformed(Quat::IDENTITY, at);
+            cube.build_colliding(&mut world, contacts).unwrap();
+        }
+        let ball = Frame::at(Vec3::new(-3.0, 0.5, 0.0));
+        world.colliders.push(Collider::fixed(Shape::sphere(0.5).unwrap(), ball));
+        world.sleep.resize(5, Sleep::allowed());
+        world.sleep[4].keeps_awake = true;
+        for _ in 0..150 {
+            world.step(1.0 / 60.0).unwrap();
+        }
+        world
+    }
+
+    fn count(world: &Simulation) -> usize {
+        let dormant = &world.scratch.sleep_scratch.0.dormant;
+        if dormant.is_empty() { 0 } else { dormant.of.iter().filter(|own| **own).count() }
+    }
+
+    #[test]
+    fn long_sleepers_are_dormant_until_somebody_comes_near() {
+        let mut world = level();
+        assert_eq!(count(&world), 4);
+        (32..40).for_each(|row| world.particles.set_velocity(row, Vec3::X * -14.0));
+        let mut looked_again = false;
+        for _ in 0..90 {
+            world.step(1.0 / 60.0).unwrap();
+            looked_again |= count(&world) == 0;
+        }
+        assert!(looked_again);
+        assert!(world.particles.position(24).x < 2.5, "the last one was hit");
+    }
+
+    /// What is done to them, changes around them, or comes: all that happens is what happens where all are looked at, to the last bit.
+    #[test]
+    fn nobody_sees_that_they_are_not_looked_at() {
+        type Edit = fn(&mut Simulation);
+        let edits: [(&str, Edit); 25] = [
+            ("nothing", |_| {}),
+            ("a velocity", |world| world.particles.set_velocity(0, Vec3::X)),
+            ("none", |world| world.particles.set_velocity(0, Vec3::ZERO)),
+            ("an impulse", |world| world.particles.apply_impulse(&[8, 9], Vec3::X)),
+            ("a place", |world| world.particles.displace(9, Vec3::Y * 0.1)),
+            ("a teleport", |world| {
+                let rows: Vec<u32> = (16..24).collect();
+                world.particles.teleport(&rows, Vec3::Y, Quat::IDENTITY);
+                world.check_sleepers();
+            }),
+            ("a force", |world| world.particles.set_external_force(0, Vec3::Y * 100.0)),
+            ("a mass", |world| {
+                let seed = ParticleSeed { mass: 9.0, ..world.particles.seed(0) };
+                world.particles.set(0, seed).unwrap();
+                world.particles.set_body(0, Some(0));
+            }),
+            ("a wake", |world| world.particles.wake(20)),
+            ("a particle", |world| {
+                let seed = ParticleSeed::at(Vec3::new(2.0, 3.0, 0.0)).with_radius(0.1);
+                world.particles.push(seed).unwrap();
+            }),
+            ("gravity", |world| world.forces.gravity = Vec3::new(8.0, -9.81, 0.0)),
+            ("a wind", |world| world.forces.winds.push(Wind::steady(Vec3::X * 100.0))),
+            ("a spring", |world| {
+                let (rest, stiffness, damping) = (0.1, 1e4, 1.0);
+                world.forces.springs.push(Spring { a: 0, b: 39, rest, stiffness, damping });
+            }),
+            ("a control", |world| {
+                let jet = Control::force("jet", [0_u32, 1, 2, 3], Vec3::Y * 500.0);
+                world.forces.controls.push(jet);
+            }),
+            ("a tie", |world| world.distances_mut().push(Distance::new(0, 39, 5.0))),
+            ("a lower ground", |world| world.boundaries.planes[0].offset = -1.0),
+            ("a pin", |world| {
+                let target = world.particles.position(26) + Vec3::Y;
+                world.boundaries.pins.push(Pin { particle: 26, target });
+            }),
+            ("a ball that comes", |world| {
+                world.colliders[0].end = Frame::at(Vec3::new(-0.6, 0.5, 0.0));
+            }),
+            ("who touches nobody", |world| world.contacts[0].disabled = true),
+            ("a pair that is ignored", |world| {
+                world.ignored.push([0, 1].map(ContactParticipant::Body));
+            }),
+            ("a lost cache", |world| world.contact_cache.clear()),
+            ("one who wakes", |world| world.sleep[2].still = 0.0),
+            ("other substeps", |world| world.settings.substeps = 7),
+            ("somebody who comes", |world| {
+                (32..40).for_each(|row| world.particles.set_velocity(row, Vec3::X * -14.0));
+            }),
+            ("somebody who falls on them", |world| {
+                let rows: Vec<u32> = (32..40).collect();
+                let by = Vec3::new(-9.4, 2.5, 0.1);
+                world.particles.teleport(&rows, by, Quat::from_rotation_z(0.3));
+            }),
+        ];
+        let bits = |world: &Simulation| -> Vec<u32> {
+            let all = world.particles.position.iter().chain(&world.particles.velocity);
+            all.flat_map(Vec4::to_array).map(f32::to_bits).collect()
+        };
+        let (level, mut moved) = (level(), 0);
+        for (what, edit) in edits {
+            let (mut world, mut looked_at) = (level.clone(), level.clone());
+            let mut before = Vec::new();
+            for tick in 0..100 {
+                if tick == 5 {
+                    assert_eq!((count(&world), count(&looked_at)), (4, 0), "{what}");
+                    before = bits(&world);
+                    edit(&mut world);
+                    edit(&mut looked_at);
+                }
+                world.step(1.0 / 60.0).unwrap();
+                looked_at.step(1.0 / 60.0).unwrap();
+                assert_eq!(bits(&world), bits(&looked_at), "{what}, tick {tick}");
+                assert!(world.sleep == looked_at.sleep, "{what}, tick {tick}");
+                assert!(world.contact_cache == looked_at.contact_cache, "{what}, tick {tick}");
+                let error = |world: &Simulation| world.report().error.to_bits();
+                assert_eq!(error(&world), error(&looked_at), "{what}, tick {tick}");
+                looked_at.scratch.sleep_scratch.0.dormant.forget();
+            }
+            moved += usize::from(bits(&world) != before);
+        }
+        assert!(moved > 12, "{moved} of them move something");
+    }
+}
