@@ -2,8 +2,8 @@
 //!
 //! A warm tick copies what moves, the [`Particle`]s, table by table. What rarely changes (masses, radii, charges and so on) stands in the columns
 //! already, and is copied again for the tables in which Bevy saw a change; for all, where something was taken away, which leaves no mark behind. So
-//! what is written around Bevy's change detection is not seen, except in a [`Particle`]. A `Particle` that sleeps is not scattered, so that its change
-//! tick says whether somebody else wrote to it.
+//! what is written around Bevy's change detection is not seen, except in a [`Particle`] that is awake. A `Particle` that sleeps is not scattered, so that its change
+//! tick says whether somebody else wrote to it; where nobody did, it stands in the columns already, too.
 
 use bevy::ecs::change_detection::ContiguousRef;
 use bevy::prelude::*;
@@ -117,7 +117,7 @@ fn gather_tables(
     particles: &Query<ParticleData>,
     all: bool,
 ) -> bool {
-    let mut is_new = false;
+    let (mut is_new, keeps_sleepers) = (false, world.keeps_sleepers());
     for table in particles.contiguous_iter().into_iter().flatten() {
         let (states, rows) = (&*table.1, table.2);
         if all || properties_changed(&table) {
@@ -126,8 +126,16 @@ fn gather_tables(
         }
         let mut i = 0;
         while i < rows.len() {
-            let run = world.tables.sound_run(&rows[i..]);
-            let loaded = world.load(states, rows, i);
+            let mut end = rows.len();
+            if keeps_sleepers {
+                i += world.sleeping_run(states, rows, i);
+                if i == end {
+                    break;
+                }
+                end = i + world.waking_run(rows, i);
+            }
+            let run = world.tables.sound_run(&rows[i..end]);
+            let loaded = world.load(&states[..end], &rows[..end], i);
             i += loaded;
             // What stopped it is a particle that is or was set aside.
             if loaded == 0 || loaded < run {

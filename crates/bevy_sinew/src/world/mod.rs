@@ -282,6 +282,53 @@ impl SinewWorld {
         !rows.is_empty() && rows.iter().all(|row| (*row as usize) < particles && listed(row))
     }
 
+    /// Whether those who slept through the last tick need not be loaded: nobody has written to any of them, neither as a component nor in the columns.
+    pub(crate) fn keeps_sleepers(&self) -> bool {
+        let Tables { touched, set_aside, .. } = &self.tables;
+        let as_they_were = !touched.all && touched.rows.is_empty() && *set_aside == 0;
+        as_they_were && self.simulation.are_sleepers_untouched()
+    }
+
+    /// How many particles of a table from a place on are of bodies that slept through the last tick, and stand in their rows as they were written back: since then the
+    /// length of a substep may have been another one.
+    pub(crate) fn sleeping_run(
+        &self,
+        states: &[Particle],
+        rows: &[ParticleRow],
+        from: usize,
+    ) -> usize {
+        let particles = &self.simulation.particles;
+        let (mut place, mut last) = (from, None);
+        while let Some(row) = rows.get(place).and_then(|row| row.get()) {
+            let body = if row < particles.len() { particles.body(row) } else { None };
+            let Some(body) = body else { break };
+            // What is written back of a body is so at once.
+            let sleeps = || self.tables.asleep.get(body as usize) == Some(&true);
+            if last != Some(body) && !(sleeps() && particles.lag(row) == states[place].lag) {
+                break;
+            }
+            (place, last) = (place + 1, Some(body));
+        }
+        place - from
+    }
+
+    /// How many particles of a table there are from a place on until the next one of a body that slept through the last tick; one at least.
+    pub(crate) fn waking_run(&self, rows: &[ParticleRow], from: usize) -> usize {
+        let particles = &self.simulation.particles;
+        let body = |place: usize| {
+            let row = rows[place].get().filter(|&row| row < particles.len());
+            row.and_then(|row| particles.body(row))
+        };
+        let mut last = body(from);
+        let mut others = from + 1..rows.len();
+        let next = others.find(|&place| {
+            let before = core::mem::replace(&mut last, body(place));
+            let sleeps = |body: u32| self.tables.asleep.get(body as usize) == Some(&true);
+            before != last && last.is_some_and(sleeps)
+        });
+        next.unwrap_or(rows.len()) - from
+    }
+
     /// Loads the particles of a table from a place on, as long as they stand in consecutive rows and none is at fault. Returns how many.
     pub(crate) fn load(&mut self, states: &[Particle], rows: &[ParticleRow], from: usize) -> usize {
         let run = self.tables.sound_run(&rows[from..]);

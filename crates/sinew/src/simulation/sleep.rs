@@ -149,6 +149,17 @@ impl Simulation {
         self.scratch.sleep_scratch.0.forget_support();
     }
 
+    /// Whether nobody has written to a particle of a sleeper since the last step put it to sleep. Then all of it stands in its rows as that step has left it, and who
+    /// loads it from elsewhere need not.
+    pub fn are_sleepers_untouched(&self) -> bool {
+        let Self { particles, sleep, .. } = self;
+        let sleeps = |&row: &u32| {
+            let body = particles.body.get(row as usize).and_then(|&body| sleep.get(body as usize));
+            body.is_some_and(|body| body.asleep)
+        };
+        particles.touched().is_some_and(|rows| !rows.iter().any(sleeps))
+    }
+
     /// Finds which bodies sleep in a step of `dt` seconds, and puts them to sleep.
     pub(super) fn put_to_sleep(&mut self, dt: f32) {
         let mut sleepers = core::mem::take(&mut self.scratch.sleep_scratch.0);
