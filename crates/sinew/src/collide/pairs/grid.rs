@@ -15,7 +15,6 @@
 use glam::DVec3;
 
 use super::super::ContactFilter;
-use super::neighbour_list::NeighbourList;
 use super::participants::Participants;
 use crate::lanes::{LANES, Lanes, kernel};
 
@@ -23,6 +22,8 @@ use crate::lanes::{LANES, Lanes, kernel};
 #[derive(Clone, Debug, Default)]
 pub(super) struct PairGrid {
     levels: Vec<GridLevel>,
+    /// Of each member how far it reaches, metres.
+    reach: Vec<f32>,
     /// Of each member its level, largest members first, and its slot there.
     level: Vec<u8>,
     slot: Vec<u32>,
@@ -70,7 +71,11 @@ const LEVELS: usize = 12;
 
 impl PairGrid {
     /// Sorts the members.
-    pub(super) fn fill(&mut self, participants: &Participants) {
+    /// Each reaches as far as its radius and its allowance, metres.
+    pub(super) fn fill(&mut self, participants: &Participants, allowances: &[f32]) {
+        self.reach.clear();
+        let columns = participants.radius.iter().zip(allowances);
+        self.reach.extend(columns.map(|(radius, allowance)| radius + allowance));
         self.measure(participants);
         self.count(participants);
         self.sort(participants);
@@ -83,7 +88,7 @@ impl PairGrid {
         for (i, place) in participants.place.iter().enumerate() {
             if place.x.is_finite() {
                 (low, high) = (low.min(*place), high.max(*place));
-                most = most.max(reach_of(participants, i));
+                most = most.max(self.reach[i]);
             }
         }
         self.levels.clear();
@@ -94,7 +99,7 @@ impl PairGrid {
                 self.level.push(u8::MAX);
                 continue;
             }
-            let reach = reach_of(participants, i);
+            let reach = self.reach[i];
             // How often it goes into the greatest, as a power of two: the exponent of an `f32`.
             let exponent = ((most / reach).to_bits() >> 23).saturating_sub(127);
             let number = (exponent as usize).min(LEVELS - 1);
@@ -142,7 +147,7 @@ impl PairGrid {
     }
 
     fn sort(&mut self, participants: &Participants) {
-        let Self { levels, level, slot, starts, sorted, low, .. } = self;
+        let Self { levels, level, slot, starts, sorted, low, reach: reaches, .. } = self;
         let count = participants.rows.len();
         sorted.participant.resize(count, 0);
         let Sorted { body, x, y, z, reach, .. } = sorted;
@@ -156,7 +161,7 @@ impl PairGrid {
             let (at, place) = (*mark as usize, (participants.place[i] - *low).as_vec3());
             sorted.participant[at] = i as u32;
             (sorted.x[at], sorted.y[at], sorted.z[at]) = (place.x, place.y, place.z);
-            sorted.reach[at] = reach_of(participants, i);
+            sorted.reach[at] = reaches[i];
             sorted.body[at] = participants.body[i] as f32;
         }
     }
@@ -190,20 +195,15 @@ impl GridLevel {
     }
 }
 
-#[inline(always)]
-fn reach_of(participants: &Participants, i: usize) -> f32 {
-    participants.radius[i] + participants.home[i].w
-}
-
 kernel!(
     /// Asks for every member who is near it.
     /// Cell by cell, so that those who are asked for are in the cache. Each asks for those in half of the cells about its own, and is asked for from
     /// the other half.
-    pub(super) fn list_neighbours<L: Lanes>(
+    pub(super) fn list_candidates<L: Lanes>(
         grid: &PairGrid,
         participants: &Participants,
         filter: &ContactFilter,
-        neighbours: &mut NeighbourList,
+        found: &mut Vec<[u32; 2]>,
     ) {
         let takes_part = grid.level.iter().filter(|level| **level != u8::MAX).count();
         let (mut beside, mut larger) = (Stretches::default(), Stretches::default());
@@ -218,7 +218,7 @@ kernel!(
                 beside.find(grid, own, slot, OWN_LINE);
             }
             for (stretch, of_own_line) in beside.iter() {
-                asker.ask(neighbours, stretch, of_own_line);
+                asker.ask(found, stretch, of_own_line);
             }
             for number in 0..own {
                 let level = &grid.levels[number as usize];
@@ -227,11 +227,10 @@ kernel!(
                 }
                 larger.find(grid, number, level.slot(participants.place[i] - grid.low), 0);
                 for (stretch, _) in larger.iter() {
-                    asker.ask(neighbours, stretch, false);
+                    asker.ask(found, stretch, false);
                 }
             }
         }
-        neighbours.order(participants.rows.len());
     }
 );
 
@@ -290,8 +289,6 @@ impl Stretches {
 /// Who asks, in all lanes.
 struct Asker<'a, L> {
     sorted: &'a Sorted,
-    participants: &'a Participants,
-    filter: &'a ContactFilter,
     number: usize,
     x: L,
     y: L,
@@ -316,21 +313,19 @@ impl<'a, L: Lanes> Asker<'a, L> {
         let alone = body < EXACT && !filter.body(body).with_itself;
         Self {
             sorted: &grid.sorted,
-            participants,
-            filter,
             number,
             x: L::splat(place.x),
             y: L::splat(place.y),
             z: L::splat(place.z),
-            reach: L::splat(reach_of(participants, number) + grid.slack),
+            reach: L::splat(grid.reach[number] + grid.slack),
             own: if alone { Some(L::splat(body as f32)) } else { None },
         }
     }
 
     /// Notes who is near in a stretch of the sorted ones; where all of a line ask each other, only those `after` it.
     #[inline(always)]
-    fn ask(&self, neighbours: &mut NeighbourList, [first, end]: [u32; 2], after: bool) {
-        let Self { sorted, participants, filter, number, .. } = self;
+    fn ask(&self, found: &mut Vec<[u32; 2]>, [first, end]: [u32; 2], after: bool) {
+        let Self { sorted, number, .. } = self;
         let (mut at, end) = (first as usize, end as usize);
         while at < end {
             let x = self.x - eight::<L>(&sorted.x, at);
@@ -349,7 +344,7 @@ impl<'a, L: Lanes> Asker<'a, L> {
                 let other = sorted.participant[at + bits.trailing_zeros() as usize] as usize;
                 bits &= bits - 1;
                 if other > *number || !after {
-                    neighbours.consider((participants, filter), *number, other);
+                    found.push([(*number).min(other) as u32, (*number).max(other) as u32]);
                 }
             }
             at += LANES;

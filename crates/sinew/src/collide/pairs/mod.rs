@@ -5,6 +5,7 @@
 //! | `participants` | who takes part, where each was when it was looked at, and how far it may go before it must be looked at again |
 //! | `skin` | whether somebody went further |
 //! | `grid` | which two are near each other: cells, by counting sort |
+//! | `candidates` | the pairs that it found, kept while nobody can have come near anybody else |
 //! | `neighbour_list` | those that may come to touch, in colours, eight to a block |
 //! | `solve` | the blocks, eight pairs at a time |
 //! | `swept` | the pairs that eight at a time are not for: coincident ones, and fast ones |
@@ -35,6 +36,7 @@
 //! that is pressed so hard that the overlap at the start of a substep is more than the gap leaves (a quarter of the distance in a square lattice),
 //! stays where it got to. Wider meshes need their [`triangles`](super::triangles).
 
+mod candidates;
 mod grid;
 mod neighbour_list;
 mod participants;
@@ -52,7 +54,8 @@ use super::{ContactFilter, Impacts};
 use crate::lanes::{InstructionSet, with};
 use crate::particles::Particles;
 
-use grid::{PairGrid, list_neighbours};
+use candidates::Candidates;
+use grid::PairGrid;
 use neighbour_list::NeighbourList;
 use participants::Participants;
 use restitution::{PairHit, Touched, bounce_pairs};
@@ -60,7 +63,7 @@ use skin::SkinCheck;
 use solve::PairSweep;
 use swept::TimeOfImpact;
 
-/// Contacts between particles: scratch of a step, and nothing of it outlives the next [`broad_phase`](Self::broad_phase).
+/// Contacts between particles: scratch. Nothing of it outlives the next [`broad_phase`](Self::broad_phase) but what saves looking, and changes no result.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pairs {
     /// Which instructions are used; all give the same bits.
@@ -68,6 +71,7 @@ pub(crate) struct Pairs {
     participants: Participants,
     skin_check: SkinCheck,
     grid: PairGrid,
+    candidates: Candidates,
     neighbours: NeighbourList,
     /// Of this substep: blocks in which some touched.
     touched: Vec<Touched>,
@@ -127,12 +131,11 @@ impl Pairs {
         if self.is_empty() || self.participants.last() >= particles.len() {
             return 0.0;
         }
-        if self.participants.expired
-            || self.skin_check.is_skin_exceeded(&self.participants, particles, self.instructions)
-        {
+        let [exceeded, fast] =
+            self.skin_check.check(&self.participants, particles, self.instructions);
+        if exceeded || self.participants.expired {
             self.rebuild(particles, filter, true);
         }
-        let fast = SkinCheck::is_fast(&self.participants, particles, self.instructions);
         let Self { neighbours, touched, hits, times_of_impact, .. } = self;
         let sweep =
             PairSweep { neighbours, filter, particles, fast, h, touched, hits, times_of_impact };
@@ -167,12 +170,12 @@ impl Pairs {
 
     /// Looks where everybody is, and who is near whom; at the beginning of a step, or within a substep that has been predicted.
     fn rebuild(&mut self, particles: &Particles, filter: &ContactFilter, within: bool) {
-        let Self { participants, skin_check, grid, neighbours, .. } = self;
+        let Self { participants, skin_check, grid, candidates, neighbours, .. } = self;
         participants.place(particles, within);
         skin_check.begin(participants);
-        grid.fill(participants);
+        candidates.update(participants, grid, filter, self.instructions);
         neighbours.clear();
-        list_neighbours(grid, participants, filter, neighbours, self.instructions);
+        neighbours.take(&candidates.pairs, participants, filter);
         neighbours.colour(participants, filter);
         self.rebuilds += 1;
     }

@@ -13,11 +13,6 @@ pub(super) struct NeighbourList {
     pub(super) pairs: Vec<[u32; 2]>,
     /// Of each the least distance that it may have, metres.
     pub(super) reach: Vec<f32>,
-    /// As they were found.
-    found: Vec<([u32; 2], f32)>,
-    /// By the lower one; then where the pairs of each member end.
-    sorted: Vec<(u32, f32)>,
-    ends: Vec<u32>,
     /// The colours that each member has taken, a bit each.
     taken: Vec<u64>,
     /// The colour of each pair.
@@ -54,62 +49,37 @@ pub(super) const NO_OFFSET: u32 = u32::MAX;
 /// Colours that a bit stands for. A pair for which none is left gets a block of its own, after all others.
 const COLOURS: usize = 64;
 
+/// What sums of radii and margins in another order may differ by, squared.
+const ROUNDED: f32 = 1.0 + 1e-5;
+
 impl NeighbourList {
     pub(super) fn clear(&mut self) {
         self.pairs.clear();
         self.reach.clear();
         self.blocks.clear();
         self.offsets.clear();
-        self.found.clear();
     }
 
-    /// Takes two that are about near enough, if they are, and if they may touch.
-    pub(super) fn consider(
+    /// Takes those of some candidates, sorted, that are near enough and may touch.
+    pub(super) fn take(
         &mut self,
-        (participants, filter): (&Participants, &ContactFilter),
-        i: usize,
-        other: usize,
+        candidates: &[[u32; 2]],
+        participants: &Participants,
+        filter: &ContactFilter,
     ) {
-        let Some(reach) = participants.reach(filter, i, other) else { return };
-        let (low, high) = (i.min(other), i.max(other));
-        let pinned = participants.pinned[i] && participants.pinned[other];
-        if !pinned && is_near(participants, low, high, reach) {
-            self.found.push(([low as u32, high as u32], reach));
-        }
-    }
-
-    /// Puts all in order: by counting those of each lower one, and then those few by the higher.
-    pub(super) fn order(&mut self, count: usize) {
-        let Self { pairs, reach, found, sorted, ends, .. } = self;
-        ends.clear();
-        ends.resize(count + 1, 0);
-        for ([low, _], _) in found.iter() {
-            ends[*low as usize + 1] += 1;
-        }
-        let mut sum = 0;
-        for end in ends.iter_mut() {
-            sum += *end;
-            *end = sum;
-        }
-        sorted.resize(found.len(), (0, 0.0));
-        for &([low, high], reach) in found.iter() {
-            let at = &mut ends[low as usize];
-            sorted[*at as usize] = (high, reach);
-            *at += 1;
-        }
-        let mut begin = 0;
-        for (low, &end) in ends[..count].iter().enumerate() {
-            let own = &mut sorted[begin..end as usize];
-            begin = end as usize;
-            own.sort_unstable_by_key(|(high, _)| *high);
-            let mut last = None;
-            for &(high, distance) in own.iter() {
-                // Slots may hold several cells, and so be asked twice.
-                if last != Some(high) {
-                    pairs.push([low as u32, high]);
-                    reach.push(distance);
-                }
-                last = Some(high);
+        let Participants { radius, home, pinned, .. } = participants;
+        for &[low, high] in candidates {
+            let (i, j) = (low as usize, high as usize);
+            // No pair has a greater reach than both radii.
+            let within = radius[i] + radius[j] + home[i].w + home[j].w;
+            let apart = participants.separation(i, j).length_squared();
+            if apart > within * within * ROUNDED || pinned[i] && pinned[j] {
+                continue;
+            }
+            let Some(reach) = participants.reach(filter, i, j) else { continue };
+            if is_near(participants, i, j, reach) {
+                self.pairs.push([low, high]);
+                self.reach.push(reach);
             }
         }
     }

@@ -30,6 +30,8 @@ pub(super) struct Participants {
     pub(super) path: Vec<Vec3>,
     /// Consecutive ones of one body: where they end, and whose they are.
     pub(super) runs: Vec<(usize, u32)>,
+    /// Whether nobody goes farther in a step than its margin may be.
+    pub(super) calm: bool,
     /// Whether somebody was too fast for what was found to last longer than this substep.
     pub(super) expired: bool,
     /// Length of the step, seconds.
@@ -96,7 +98,7 @@ impl Participants {
         self.origin.clear();
         self.place.clear();
         self.path.clear();
-        self.expired = false;
+        (self.calm, self.expired) = (true, false);
         let finite = |row: &u32| particles.position[*row as usize].is_finite();
         let first = self.rows.iter().copied().find(finite).unwrap_or(self.rows[0]);
         let zero = particles.origin[first as usize];
@@ -107,6 +109,7 @@ impl Participants {
             let reached = particles.velocity[i].truncate().length() * self.dt;
             let [least, most] = MARGIN;
             let margin = reached.max(least * radius).min(most * radius);
+            self.calm &= reached <= most * radius;
             self.home.push(position.truncate().extend(margin));
             self.pinned.push(position.w == 0.0);
             self.origin.push(origin);
@@ -116,6 +119,13 @@ impl Participants {
         if within {
             self.follow(particles);
         }
+    }
+
+    /// How far from where it is the margin of each may reach, metres, before it must be asked again who is about: as far again, where nobody is so fast that this
+    /// would not last for another step.
+    pub(super) fn allowances(&self) -> impl Iterator<Item = f32> {
+        let share = if self.calm && !self.expired { 2.0 } else { 1.0 };
+        self.home.iter().map(move |home| share * home.w)
     }
 
     /// Widens the margin of each to where it was when the substep began.

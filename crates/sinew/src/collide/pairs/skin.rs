@@ -70,18 +70,24 @@ impl SkinCheck {
         }
     }
 
-    /// Whether somebody may have come near whom it was not near.
-    pub(super) fn is_skin_exceeded(
+    /// Whether somebody may have come near whom it was not near; and whether somebody moves so far in this substep that it may pass through another.
+    pub(super) fn check(
         &mut self,
         participants: &Participants,
         particles: &Particles,
         instructions: InstructionSet,
-    ) -> bool {
+    ) -> [bool; 2] {
         core::mem::swap(&mut self.displacement_bounds, &mut self.before);
-        let each = &mut self.displacement_bounds;
-        bounds_of_runs(participants, &particles.position, each, instructions);
+        let (each, all) = (&mut self.displacement_bounds, [(participants.rows.len(), 0)]);
+        let runs = if self.boxes.is_empty() { &all[..] } else { &participants.runs };
+        let columns = [&particles.position[..], &particles.start];
+        let paths = bounds_of_runs(participants, columns, runs, each, instructions);
+        [self.is_skin_exceeded(participants, particles), paths.is_empty()]
+    }
+
+    fn is_skin_exceeded(&self, participants: &Participants, particles: &Particles) -> bool {
         let (mut all, mut torn) = (DisplacementBounds::ANY, false);
-        for spread in each.iter() {
+        for spread in &self.displacement_bounds {
             torn |= spread.is_empty();
             all.intersect(spread);
         }
@@ -119,59 +125,50 @@ impl SkinCheck {
         }
         false
     }
-
-    /// Whether somebody moves so far in this substep that it may pass through another.
-    pub(super) fn is_fast(
-        participants: &Participants,
-        particles: &Particles,
-        instructions: InstructionSet,
-    ) -> bool {
-        let columns = [&particles.position[..], &particles.start];
-        bounds_of_paths(participants, columns, instructions).is_empty()
-    }
 }
 
 kernel!(
-    /// What the participants of each run have done since they were looked at.
+    /// What the participants of each run have done since they were looked at. Returns how all of them got from the second of two columns to the
+    /// first in this substep, within a share of their radii.
     fn bounds_of_runs<L: Lanes>(
         participants: &Participants,
-        position: &[Vec4],
+        columns: [&[Vec4]; 2],
+        // Where each ends.
+        runs: &[(usize, u32)],
         to: &mut Vec<DisplacementBounds>,
-    ) {
+    ) -> DisplacementBounds {
         to.clear();
-        let Participants { rows, home, runs, .. } = participants;
+        let [position, start] = columns;
+        let Participants { rows, home, radius, .. } = participants;
+        let mut paths = WideBounds::<L>::any();
         let mut first = 0;
         for &(end, _) in runs {
-            let (rows, home) = (&rows[first..end], &home[first..end]);
+            let (rows, home, radius) = (&rows[first..end], &home[first..end], &radius[first..end]);
             let mut bounds = WideBounds::<L>::any();
             for at in (0..rows.len()).step_by(LANES) {
-                let now = Vector::of(L::rows(position, &eight_of(rows, at))).0;
+                let now = Vector::of(read::<L>(position, rows, at)).0;
+                let start = Vector::of(read::<L>(start, rows, at)).0;
                 let (home, margin) = Vector::of(L::run(&eight_of(home, at), 0));
                 bounds.add(now - home, margin);
+                paths.add(now - start, L::load(&eight_of(radius, at)) * L::splat(FAST));
             }
             to.push(bounds.of_all());
             first = end;
         }
+        paths.of_all()
     }
 );
 
-kernel!(
-    /// How all participants got from the second of two columns to the first in this substep, within a share of their radii.
-    fn bounds_of_paths<L: Lanes>(
-        participants: &Participants,
-        columns: [&[Vec4]; 2],
-    ) -> DisplacementBounds {
-        let [position, start] = columns;
-        let mut bounds = WideBounds::<L>::any();
-        for at in (0..participants.rows.len()).step_by(LANES) {
-            let rows = eight_of(&participants.rows, at);
-            let (now, start) = (Vector::of(L::rows(position, &rows)).0, L::rows(start, &rows));
-            let radius = L::load(&eight_of(&participants.radius, at));
-            bounds.add(now - Vector::of(start).0, radius * L::splat(FAST));
+/// What is in eight of some rows from one on, as [`eight_of`] has them. They ascend, so mostly they follow each other.
+#[inline(always)]
+fn read<L: Lanes>(column: &[Vec4], rows: &[u32], at: usize) -> [L; 4] {
+    match rows[at..].first_chunk::<LANES>() {
+        Some([first, .., last]) if last - first == LANES as u32 - 1 => {
+            L::run(column, *first as usize)
         }
-        bounds.of_all()
+        _ => L::rows(column, &eight_of(rows, at)),
     }
-);
+}
 
 /// Eight of a column from one on, or those that are left of it, and the last of them again.
 #[inline(always)]

@@ -345,7 +345,8 @@ impl<'a> BatchSolve<'a> {
         if planes.is_empty() {
             return;
         }
-        let mut places = batch.places(self.task.rows.start, 0);
+        let begin = self.task.rows.start;
+        let mut places = batch.places(begin, 0);
         // Loops, and no `map` of an array: that is a call for each lane, in each substep.
         for plane in planes {
             let mut heights = [0.0; LANES];
@@ -353,6 +354,17 @@ impl<'a> BatchSolve<'a> {
                 heights[lane] = ground(self.origin[place as usize], plane.normal, plane.offset);
             }
             storage.ground.push(heights);
+        }
+        // Most bodies have one radius all through.
+        let rows = batch.rows();
+        let radii = &self.radius[(rows.start - begin) as usize..(rows.end - begin) as usize];
+        let (first, mut uniform) = (radii.first().copied().unwrap_or(0.0), true);
+        for radius in radii {
+            uniform &= *radius == first;
+        }
+        if uniform {
+            storage.radius.resize(batch.members as usize, [first; LANES]);
+            return;
         }
         for _ in 0..batch.members {
             let mut radii = [0.0; LANES];
