@@ -4,6 +4,7 @@ use glam::{Vec3, Vec4};
 
 use crate::collide::{BodyContacts, Collider, Frame};
 use crate::constraints::{Boundaries, Points, Softness};
+use crate::forces::Spring;
 use crate::hash::fnv;
 use crate::islands::Island;
 use crate::simulation::Simulation;
@@ -97,16 +98,27 @@ impl Simulation {
     pub(super) fn add_springs(&self, hashes: &mut [u64]) {
         let islands = &self.scratch.plan.islands;
         for spring in &self.forces.springs {
-            let numbers = [spring.rest, spring.stiffness, spring.damping];
             for end in [spring.a, spring.b] {
                 let Some(&number) = islands.of.get(end as usize) else { continue };
                 let members = &islands.members[islands.list[number as usize].members.clone()];
                 let rank = members.partition_point(|&member| member < end) as u32;
-                let own = fnv([SPRING, rank].into_iter().chain(bits(numbers)));
+                let own = fnv([SPRING, rank].into_iter().chain(numbers_of(spring)));
                 hashes[number as usize] = hashes[number as usize].wrapping_add(own);
             }
         }
     }
+}
+
+/// The hash of all springs, by the rows that they are at.
+pub(super) fn of_springs(springs: &[Spring]) -> u64 {
+    let each = springs
+        .iter()
+        .map(|spring| fnv([SPRING, spring.a, spring.b].into_iter().chain(numbers_of(spring))));
+    each.fold(0, u64::wrapping_add)
+}
+
+fn numbers_of(spring: &Spring) -> impl Iterator<Item = u32> {
+    bits([spring.rest, spring.stiffness, spring.damping])
 }
 
 /// The hash of all that stands. What moves wakes by coming near, and would have all sleepers looked at in every step.
