@@ -89,6 +89,7 @@ pub(crate) fn operate(
             world.forces.attractors.push(Attractor::new(input.vector(), input.any()));
             let own = BodySettings {
                 max_sweeps: input.flag().then(|| input.below(6)),
+                single_sweep_below: input.flag().then(|| input.any()),
                 tolerance: input.flag().then(|| input.any()),
                 tolerance_speed: input.flag().then(|| input.any()),
                 gradient_at: input.flag().then(|| gradient_at(input)),

@@ -69,6 +69,9 @@ pub struct SolverConfig {
 pub struct BodySolver {
     /// The most sweeps in a substep, 1 to 1000.
     pub max_sweeps: Option<u32>,
+    /// Substeps shorter than this, seconds, are swept once, whatever `max_sweeps` are: for what yields so much that a neighbour hardly moves it in so short a time. Solid
+    /// soft bodies ask for it. Not positive or NaN: none are.
+    pub single_sweep_below: Option<f32>,
     /// Error in metres at which sweeping stops early, 0 or more.
     pub tolerance: Option<f32>,
     /// The same as a speed, m/s, 0 or more: the error may be as large as what that goes in a substep, so that a body is as quiet with many substeps
@@ -145,6 +148,7 @@ impl From<BodySolver> for BodySettings {
     fn from(body: BodySolver) -> Self {
         Self {
             max_sweeps: body.max_sweeps,
+            single_sweep_below: body.single_sweep_below,
             tolerance: body.tolerance,
             tolerance_speed: body.tolerance_speed,
             gradient_at: body.gradient_at.map(Into::into),
@@ -160,6 +164,7 @@ impl From<BodySettings> for BodySolver {
     fn from(settings: BodySettings) -> Self {
         Self {
             max_sweeps: settings.max_sweeps,
+            single_sweep_below: settings.single_sweep_below,
             tolerance: settings.tolerance,
             tolerance_speed: settings.tolerance_speed,
             gradient_at: settings.gradient_at.map(Into::into),

@@ -128,6 +128,9 @@ pub enum Representation {
 pub struct BodySettings {
     /// The most sweeps in a substep, 1 to 1000.
     pub max_sweeps: Option<u32>,
+    /// Substeps shorter than this, seconds, are swept once, whatever `max_sweeps` are: for what yields so much that a neighbour hardly moves it in so short a time. Jelly
+    /// asks for it ([`SoftLatticeSpec::stiffness`](crate::recipes::SoftLatticeSpec::stiffness)). Not positive or NaN: none are.
+    pub single_sweep_below: Option<f32>,
     /// Error in metres at which sweeping stops early, 0 or more.
     pub tolerance: Option<f32>,
     /// The same as a speed, m/s, 0 or more: the error may be as large as what that goes in a substep. Where there is a `tolerance`, that counts.
@@ -148,8 +151,10 @@ impl BodySettings {
     /// The world's settings with this body's own in their place, every number inside its range; for substeps of `h` seconds.
     pub fn over(self, world: SolverSettings, h: f32) -> SolverSettings {
         let tolerance = self.tolerance.or(self.tolerance_speed.map(|speed| speed * h));
+        let most = self.max_sweeps.unwrap_or(world.max_sweeps);
+        let is_short = self.single_sweep_below.is_some_and(|below| h < below);
         SolverSettings {
-            max_sweeps: self.max_sweeps.unwrap_or(world.max_sweeps),
+            max_sweeps: if is_short { 1 } else { most },
             tolerance: tolerance.unwrap_or(world.tolerance),
             gradient_at: self.gradient_at.unwrap_or(world.gradient_at),
             order: self.order.unwrap_or(world.order),

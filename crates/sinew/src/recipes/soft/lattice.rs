@@ -22,9 +22,9 @@ pub struct SoftLatticeSpec {
     pub bulk: Bulk,
     /// Young's modulus, Pa, 1e-3 to 1e12; default 2e4 (gelatine 1e3 to 1e5, rubber 1e6).
     ///
-    /// Where sound crosses less than a quarter of the shortest tie in 1/600 s (`√(E/ρ)` for the density ρ), it asks for one sweep in a substep, which moves it
-    /// about as more would: a pile of jelly cubes is strained by as much to a twentieth. What is stiffer has the world's sweeps. Where sound crosses more than
-    /// half a tie in a substep it needs more of those, or yields more than it should.
+    /// In substeps in which sound, at `√(E/ρ)` for the density ρ, crosses less than an eighth of the shortest tie (its Courant number), it asks for
+    /// [one sweep](BodySettings::single_sweep_below), which moves it about as more would: a pile of jelly cubes is strained by as much to a fortieth. In longer ones it has
+    /// the world's sweeps. Where sound crosses more than half a tie in a substep it needs more of those, or yields more than it should.
     pub stiffness: f32,
     /// Poisson's ratio: how much it grows sideways when it is squashed, 0.25 to 0.49; default 0.35. Near 0.5 it keeps its volume, and a coarse
     /// lattice becomes too stiff.
@@ -90,12 +90,9 @@ impl Default for SoftLatticeSpec {
     }
 }
 
-/// A substep as worlds have it by default, seconds.
-const SUBSTEP: f64 = 1.0 / 600.0;
-
-/// How much of its shortest tie sound may cross in a substep of what is swept once. At half of it jelly in a pile is strained by a fifth more than it should, at a
-/// quarter by a twentieth; four sweeps take twice as long.
-const CROSSED: f64 = 0.25;
+/// The Courant number below which one sweep does. What yields then hangs deeper by some twice the square of it: a cube of jelly by 22 % at a
+/// half, by 8 % at a quarter, by 3.5 % here.
+const COURANT: f64 = 1.0 / 8.0;
 
 /// A lattice of tetrahedra, soft all through.
 ///
@@ -165,9 +162,9 @@ pub fn soft_lattice(spec: &SoftLatticeSpec) -> Result<Blueprint, RecipeFault> {
         body.constraints.push(Constraint::new(t, kind));
     }
     let shortest = body.distances.iter().map(|d| f64::from(d.rest)).fold(f64::INFINITY, f64::min);
-    let crossed = (young / density).sqrt() * SUBSTEP / shortest;
+    let below = COURANT * shortest / (young / density).sqrt();
     body.settings =
-        BodySettings { max_sweeps: (crossed < CROSSED).then_some(1), ..BodySettings::default() };
+        BodySettings { single_sweep_below: Some(below as f32), ..BodySettings::default() };
     let surface = lattice.surface();
     body.triangles = surface;
     body.vertices = outer(&body.triangles);

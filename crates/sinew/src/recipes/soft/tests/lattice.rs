@@ -101,27 +101,39 @@ fn a_bar_gives_way_alike_however_fine_it_is_cut() {
     assert!((fine / bent - 1.0).abs() < 0.1, "{fine}");
 }
 
+/// One sweep in a substep is what jelly has where that moves it as many would: of another stiffness, and in longer substeps, it has the world's.
 #[test]
-fn what_is_soft_enough_asks_for_one_sweep_and_hangs_as_far_as_by_many() {
-    let jelly = SoftLatticeSpec { drag: 0.99, ..SoftLatticeSpec::default() };
-    let stiff = SoftLatticeSpec { stiffness: 3e5, ..jelly };
-    assert_eq!(soft_lattice(&stiff).unwrap().settings.max_sweeps, None);
-    let hangs = |sweeps: u32| {
-        let mut body = soft_lattice(&jelly).unwrap();
-        assert_eq!(body.settings.max_sweeps, Some(1));
-        body.settings.max_sweeps = Some(sweeps);
-        let top = |p: &ParticleSeed| p.position.y > 0.49;
-        let held: Vec<u32> =
-            (0..).zip(&body.particles).filter(|(_, p)| top(p)).map(|(i, _)| i).collect();
-        held.iter().for_each(|&i| body.pin(i).unwrap());
-        let mut world = Simulation::default();
-        body.build(&mut world).unwrap();
-        run(&mut world, 0..180);
-        height_of(&world) - 1.0
-    };
-    let [one, many] = [1, 20].map(hangs);
-    println!("hangs {one:.5} m by one sweep, {many:.5} m by twenty at the most");
-    assert!(many > 0.01 && (one / many - 1.0).abs() < 0.005, "{one} {many}");
+fn jelly_hangs_as_far_as_by_many_sweeps_whatever_the_substeps() {
+    for (substeps, stiffness, once) in [
+        (4, 2e4, false),
+        (8, 2e4, true),
+        (10, 2e4, true),
+        (10, 8e4, false),
+        (40, 2e4, true),
+        (40, 8e4, true),
+        (4, 3e3, true),
+    ] {
+        let jelly = SoftLatticeSpec { drag: 0.99, stiffness, ..SoftLatticeSpec::default() };
+        let hangs = |sweeps: Option<u32>| {
+            let mut body = soft_lattice(&jelly).unwrap();
+            if sweeps.is_some() {
+                body.settings = BodySettings { max_sweeps: sweeps, ..BodySettings::default() };
+            }
+            let top = |p: &ParticleSeed| p.position.y > 0.49;
+            let held: Vec<u32> =
+                (0..).zip(&body.particles).filter(|(_, p)| top(p)).map(|(i, _)| i).collect();
+            held.iter().for_each(|&i| body.pin(i).unwrap());
+            let mut world = Simulation::default();
+            (world.settings.substeps, world.settings.tolerance) = (substeps, 0.0);
+            body.build(&mut world).unwrap();
+            run(&mut world, 0..180);
+            (height_of(&world) - 1.0, world.report().most_sweeps)
+        };
+        let [(own, sweeps), (many, _)] = [None, Some(20)].map(hangs);
+        println!("{substeps} substeps, {stiffness} Pa: {own:.5} m by {sweeps}, {many:.5} by 20");
+        assert_eq!(sweeps, if once { 1 } else { 4 }, "{substeps} substeps, {stiffness} Pa");
+        assert!((own / many - 1.0).abs() < 0.035, "{substeps}, {stiffness}: {own} {many}");
+    }
 }
 
 #[test]
