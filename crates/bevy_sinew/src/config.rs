@@ -20,7 +20,8 @@ pub struct SolverConfig {
     /// Substeps in a tick, 1 to 256. Default 10, which is meant for all that is soft. Boxes and ragdolls do with 4, in half the time;
     /// [`SolverSettings::substeps`] says what that costs.
     pub substeps: u32,
-    /// The most sweeps over all constraints in a substep, 1 to 1000. Default 4. Large cloth takes them as [`microsteps`](Self::microsteps).
+    /// The most sweeps over all constraints in a substep, 1 to 1000. Default 4. Large cloth takes them as [`microsteps`](Self::microsteps), and
+    /// solid soft bodies that yield enough take one ([`BodySolver::single_sweep_below`]).
     pub max_sweeps: u32,
     /// Error in metres at which a substep stops sweeping early, 0 or more. Default 1e-4.
     pub tolerance: f32,

@@ -29,6 +29,33 @@ fn next() -> u64 {
     NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
+/// A number for what is changed in many places, each of which [says so](Self::advance). A copy has another one: it may come to stand where something else was that
+/// was known by the number that both would have had.
+#[derive(Debug)]
+pub(crate) struct Revision(u64);
+
+impl Revision {
+    pub(crate) fn number(&self) -> u64 {
+        self.0
+    }
+
+    pub(crate) fn advance(&mut self) {
+        self.0 = next();
+    }
+}
+
+impl Default for Revision {
+    fn default() -> Self {
+        Self(next())
+    }
+}
+
+impl Clone for Revision {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
 impl<T> Tracked<T> {
     /// The number.
     pub(crate) fn revision(&self) -> u64 {

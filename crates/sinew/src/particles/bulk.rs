@@ -78,16 +78,16 @@ impl Particles {
         count
     }
 
-    /// Counts the calls that changed a property of a row, or gave it to another particle: who keeps the properties elsewhere and finds the number
-    /// that it left need not write them again. What [`load`](Self::load), the steps and the methods for positions and velocities change is not
-    /// counted.
+    /// A number that is another one after each call that changed a property of a row, or gave it to another particle, and in each copy: who keeps the
+    /// properties elsewhere and finds the number that it left need not write them again. What [`load`](Self::load), the steps and the methods for positions
+    /// and velocities change does not count.
     pub fn edits(&self) -> u64 {
-        self.edits
+        self.edits.number()
     }
 
-    /// Counts a change of properties that was written into the columns.
+    /// Notes a change of properties that was written into the columns.
     pub(crate) fn note_edit(&mut self) {
-        self.edits = self.edits.wrapping_add(1);
+        self.edits.advance();
     }
 
     /// The states of some rows, in order; rows that are not there are left out. [`load`](Self::load) puts them back to the last bit.

@@ -18,7 +18,7 @@ impl Particles {
     /// body with itself let particles come as near to each other as they are there. `None`, the default, for one that has no place: it keeps off by
     /// its radius.
     pub fn set_rest(&mut self, i: usize, place: Option<Vec3>) {
-        self.edits = self.edits.wrapping_add(1);
+        self.note_edit();
         if place.is_some() && self.rest.is_empty() {
             self.rest.resize(self.len(), Vec3::NAN);
         }

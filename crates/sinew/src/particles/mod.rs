@@ -56,6 +56,8 @@ pub(crate) use total_mass::TotalMass;
 
 use glam::{Vec3, Vec4};
 
+use crate::tracked::Revision;
+
 /// All particles of a simulation, in columns. Rows are numbered from 0 in the order of [`push`](Self::push).
 #[derive(Clone, Debug, Default)]
 pub struct Particles {
@@ -87,7 +89,7 @@ pub struct Particles {
     /// Where each particle is in its body's rest shape, metres; NaN for one that has no place there. Empty while none has.
     pub(crate) rest: Vec<Vec3>,
     /// See `edits`.
-    pub(crate) edits: u64,
+    edits: Revision,
     /// See `writes`.
     writes: u64,
     pub(crate) column_summary: ColumnSummary,
@@ -148,14 +150,14 @@ impl Particles {
             return Err(fault);
         }
         self.write(i, &seed);
-        self.edits = self.edits.wrapping_add(1);
+        self.note_edit();
         self.external[i] = Vec3::ZERO;
         Ok(())
     }
 
     /// Makes room for exactly `len` particles. New rows are particles at the origin with infinite mass, which nothing moves.
     pub fn resize(&mut self, len: usize) {
-        self.edits = self.edits.wrapping_add(1);
+        self.note_edit();
         self.position.resize(len, Vec4::ZERO);
         self.origin.resize(len, Vec3::ZERO);
         self.start.resize(len, Vec4::ZERO);
@@ -302,10 +304,10 @@ impl Particles {
         self.touched.clear();
     }
 
-    /// Counts what wrote to a row from outside of a step: to its state, its forces or its properties. Where the number is what it was, so are the rows,
+    /// Numbers of what wrote to a row from outside of a step: to its properties, and to its state or its forces. Where they are what they were, so are the rows,
     /// unless they were [loaded](Self::load).
-    pub(crate) fn writes(&self) -> u64 {
-        self.writes.wrapping_add(self.edits)
+    pub(crate) fn writes(&self) -> [u64; 2] {
+        [self.edits(), self.writes]
     }
 
     #[inline]
@@ -347,14 +349,14 @@ impl Particles {
 
     /// Sets the external force on particle `i`, N, which acts in every substep until it is set again.
     pub fn set_external_force(&mut self, i: usize, force: Vec3) {
-        self.edits = self.edits.wrapping_add(1);
+        self.note_edit();
         self.external[i] = force;
         self.column_summary.plain &= force == Vec3::ZERO;
     }
 
     /// Multiplies the scale of gravity on particle `i` by a finite factor; others are ignored.
     pub fn scale_gravity(&mut self, i: usize, factor: f32) {
-        self.edits = self.edits.wrapping_add(1);
+        self.note_edit();
         let scaled = self.gravity_scale[i] * factor;
         if scaled.is_finite() {
             self.gravity_scale[i] = scaled;
@@ -364,7 +366,7 @@ impl Particles {
 
     /// Says to which of the simulation's [bodies](crate::Simulation::bodies) particle `i` belongs; `None` for none, as by default.
     pub fn set_body(&mut self, i: usize, body: Option<u32>) {
-        self.edits = self.edits.wrapping_add(1);
+        self.note_edit();
         self.body[i] = body.unwrap_or(NO_BODY);
     }
 

@@ -24,7 +24,7 @@ impl Particles {
     /// Looks at the columns that seldom differ, if one was written to since. To be called when a step begins; whoever writes to them later takes it
     /// back.
     pub(crate) fn revalidate(&mut self) {
-        if self.column_summary.seen == Some(self.edits) {
+        if self.column_summary.seen == Some(self.edits()) {
             return;
         }
         // Without a way out in the middle the compiler takes eight at a time.
@@ -34,7 +34,7 @@ impl Particles {
         let free = self.external.iter().fold(true, |free, &force| free & (force == Vec3::ZERO));
         let plain = plain && free;
         let neutral = self.charge.iter().fold(true, |neutral, &charge| neutral & (charge == 0.0));
-        let (damping, seen) = (even.then_some(first), Some(self.edits));
+        let (damping, seen) = (even.then_some(first), Some(self.edits()));
         self.column_summary = ColumnSummary { plain, neutral, damping, seen };
     }
 

@@ -14,13 +14,13 @@ use crate::kept::Kept;
 use crate::settings::{BodySettings, SolverSettings};
 use crate::tracked::Tracked;
 
-/// What a step depends on, beside the columns of the particles, which count what is [written](crate::Particles::writes) to them, and the constraints, of which
+/// What a step depends on, beside the columns of the particles, which number what is [written](crate::Particles::writes) to them, and the constraints, of which
 /// changes are noted.
 #[derive(Clone, Debug, PartialEq)]
 struct Inputs {
     /// Seconds.
     dt: f32,
-    writes: u64,
+    writes: [u64; 2],
     settings: SolverSettings,
     forces: Forces,
     boundaries: Boundaries,

@@ -293,6 +293,52 @@ mod tests {
         }
     }
 
+    /// Who goes back by putting earlier particles into a world has to find what a copy of it finds, which knows of nothing before: of sleepers that have been
+    /// elsewhere meanwhile, and of pins.
+    #[test]
+    fn particles_that_are_put_back_are_looked_at_as_in_a_copy() {
+        let pin = |world: &mut Simulation, row: usize| {
+            let body = world.particles.body(row);
+            world.particles.set(row, world.particles.seed(row).pinned()).unwrap();
+            world.particles.set_body(row, body);
+        };
+        let step = |world: &mut Simulation| world.step(1.0 / 60.0).map(drop).unwrap();
+        for what in ["a sleeper was elsewhere", "another one was pinned"] {
+            let mut world = level();
+            let earlier = world.particles.clone();
+            if what == "a sleeper was elsewhere" {
+                let rows: Vec<u32> = (24..32).collect();
+                world.particles.teleport(&rows, Vec3::Z * 3.0, Quat::IDENTITY);
+                world.check_sleepers();
+                (0..200).for_each(|_| step(&mut world));
+                assert_eq!(count(&world), 4, "{what}: all lie still");
+                world.particles = earlier;
+            } else {
+                pin(&mut world, 32);
+                step(&mut world);
+                world.particles = earlier;
+                pin(&mut world, 8);
+                world.particles.set_velocity(33, Vec3::new(-3.0, 1.0, 0.0));
+            }
+            let mut copy = world.clone();
+            copy.scratch.settled = None;
+            for tick in 0..60 {
+                step(&mut world);
+                step(&mut copy);
+                let same = world.particles.position == copy.particles.position
+                    && world.particles.velocity == copy.particles.velocity
+                    && world.contact_cache == copy.contact_cache
+                    && world.sleep == copy.sleep;
+                assert!(same, "{what}, tick {tick}");
+                let free = |world: &Simulation, row: usize| {
+                    let islands = &world.scratch.plan.islands;
+                    islands.list[islands.of[row] as usize].free
+                };
+                assert!([8, 32].iter().all(|&row| free(&world, row) == free(&copy, row)), "{what}");
+            }
+        }
+    }
+
     /// What is done to them, changes around them, or comes: all that happens is what happens where all are looked at, to the last bit.
     #[test]
     fn nobody_sees_that_they_are_not_looked_at() {
