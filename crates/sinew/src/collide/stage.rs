@@ -19,7 +19,7 @@ pub(crate) struct Contacts {
     nearby: Nearby,
     pairs: Pairs,
     triangles: Triangles,
-    body_contact: BodyContactSolver,
+    pub(crate) body_contact: BodyContactSolver,
     impacts: Impacts,
 }
 

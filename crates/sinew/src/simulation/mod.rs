@@ -332,7 +332,7 @@ impl Simulation {
                 at_rest,
             };
             contacts.project(particles, &world, h, substep);
-            let Contacts { particle_contacts, normal_impulses, .. } = contacts;
+            let Contacts { particle_contacts, normal_impulses, body_contact, .. } = contacts;
             let common = solve::SolveContext {
                 plan,
                 contacts: particle_contacts,
@@ -343,6 +343,8 @@ impl Simulation {
                 microstep: solve::Microstep::WHOLE,
                 execution,
             };
+            let stopped = body_contact.stopped();
+            solve::propagate_impacts(particles, normal_impulses, common, stopped, solving, report);
             solve::settle_all(particles, normal_impulses, common, single_rows, solving);
             contacts.bounce(particles, h, gravity);
         }

@@ -2,6 +2,8 @@
 
 use std::time::Instant;
 
+use glam::Vec4;
+
 use super::constraint_ref::{SolveMode, list_constraint_refs};
 use super::context::SolveContext;
 use super::gauss_seidel::{self, sweep_turned};
@@ -58,27 +60,104 @@ pub(super) fn solve(
     context: SolveContext,
     number: usize,
     own: IslandSlice,
-    mut sweep: impl FnMut(&mut Places, &mut MultiplierSlice, SolveMode) -> f32,
+    sweep: impl FnMut(&mut Places, &mut MultiplierSlice, SolveMode) -> f32,
 ) -> Option<MomentumDrift> {
-    let IslandSlice { places, multipliers, normal_impulses, report } = own;
-    let (mut places, mut multipliers, mut normal_impulses) = (places, multipliers, normal_impulses);
-    let (places, multipliers) = (&mut places, &mut multipliers);
-    let SolveContext { plan, h, execution, .. } = context;
+    let IslandSlice { mut places, mut multipliers, mut normal_impulses, report } = own;
+    let SolveContext { plan, h, .. } = context;
     let island = &plan.islands.list[number];
-    let (settings, rows) = (&island.settings, &plan.islands.members[island.members.clone()]);
+    let (settings, rows) = (&island.settings, plan.members(number));
     let began = settings.timed.then(Instant::now);
     let mut gradient_at = settings.gradient_at;
-    if gradient_at == GradientAt::StepStart && turns_too_fast(places, plan, island) {
+    if gradient_at == GradientAt::StepStart && turns_too_fast(&places, plan, island) {
         gradient_at = GradientAt::Current;
         report.fallbacks += 1;
     }
-    reset_multipliers(plan, island, multipliers);
+    reset_multipliers(plan, island, &mut multipliers);
+    let columns = (&mut places, &mut multipliers, &mut normal_impulses);
+    let Swept { sweeps, converged, touched, violated } =
+        sweep_until_held(context, number, gradient_at, columns, sweep);
+    report.violated = violated;
+    report.sweeps += sweeps;
+    report.most_sweeps = report.most_sweeps.max(sweeps);
+    report.last_sweeps = sweeps;
+    report.converged &= converged;
+    let keeps_angular = gradient_at == GradientAt::StepStart || settings.keep_spin;
+    let free = island.free && !touched;
+    let momentum_drift =
+        if free { MomentumDrift::of(&places, rows, h, keeps_angular) } else { None };
+    report.seconds += began.map_or(0.0, |began| began.elapsed().as_secs_f64());
+    momentum_drift
+}
+
+/// Whether the island of a number can be swept once more after contacts between bodies: hard constraints on particles alone. The multiplier of a soft one, which
+/// starts afresh, would press twice in a substep, and of a chain each sweep is the whole of the load that a contact holds.
+fn can_propagate(plan: &Plan, island: &Island) -> bool {
+    let settings = &island.settings;
+    let suits = settings.order == Order::GaussSeidel
+        && settings.gradient_at == GradientAt::Current
+        && !(settings.statics || island.is_left_alone() || island.takes_microsteps());
+    suits
+        && !(island.rigid || island.custom || island.measured || island.has_chains())
+        && plan.is_hard(island)
+}
+
+/// Sweeps the island of a number once more in a substep in which a contact between bodies has stopped a part of it suddenly; returns what its corrections gave it
+/// and should not have. `before` is scratch.
+pub(super) fn propagate_impact(
+    context: SolveContext,
+    number: usize,
+    own: IslandSlice,
+    sweep: impl FnMut(&mut Places, &mut MultiplierSlice, SolveMode) -> f32,
+    before: &mut Vec<Vec4>,
+) -> Option<MomentumDrift> {
+    let IslandSlice { mut places, mut multipliers, mut normal_impulses, report } = own;
+    let SolveContext { plan, h, .. } = context;
+    let island = &plan.islands.list[number];
+    if !can_propagate(plan, island) {
+        return None;
+    }
+    let rows = plan.members(number);
+    before.clear();
+    before.extend(rows.iter().map(|&row| places.position[places.at(row)]));
+    let columns = (&mut places, &mut multipliers, &mut normal_impulses);
+    let Swept { sweeps, touched, .. } =
+        sweep_until_held(context, number, GradientAt::Current, columns, sweep);
+    report.sweeps += sweeps;
+    let free = island.free && !touched;
+    let settings = &island.settings;
+    if free { MomentumDrift::since(&places, (rows, before), h, settings.keep_spin) } else { None }
+}
+
+/// How sweeping an island went.
+struct Swept {
+    sweeps: u32,
+    converged: bool,
+    /// Whether one of its particles touched something that stands.
+    touched: bool,
+    /// Whether it was off by more than is recovered in a substep.
+    violated: bool,
+}
+
+/// Sweeps until the largest error met is within the tolerance, or the sweeps are spent.
+#[inline]
+fn sweep_until_held(
+    context: SolveContext,
+    number: usize,
+    gradient_at: GradientAt,
+    columns: (&mut Places, &mut MultiplierSlice, &mut NormalImpulses),
+    mut sweep: impl FnMut(&mut Places, &mut MultiplierSlice, SolveMode) -> f32,
+) -> Swept {
+    let (places, multipliers, normal_impulses) = columns;
+    let SolveContext { plan, h, execution, .. } = context;
+    let island = &plan.islands.list[number];
+    let (settings, rows) = (&island.settings, plan.members(number));
     let sweeps = settings.max_sweeps * context.microstep.of;
     let substep_context = SubstepContext { h, sweeps };
     let most = recovery(h, context.gravity);
-    let (mut sweeps, mut converged, mut touched) = (0, false, false);
-    while sweeps < settings.max_sweeps && !converged {
-        let (tethers, instructions) = (sweeps == 0 || rows.len() > MOST, execution.instructions);
+    let mut swept = Swept { sweeps: 0, converged: false, touched: false, violated: false };
+    while swept.sweeps < settings.max_sweeps && !swept.converged {
+        let (tethers, instructions) =
+            (swept.sweeps == 0 || rows.len() > MOST, execution.instructions);
         let single_sweep = settings.max_sweeps == 1;
         let mode = SolveMode {
             substep_context,
@@ -89,22 +168,13 @@ pub(super) fn solve(
             instructions,
         };
         let found = if island.groups.is_empty() { 0.0 } else { sweep(places, multipliers, mode) };
-        report.violated = if sweeps == 0 { found > most } else { report.violated };
-        let depth = project_contacts(context, places, &mut normal_impulses, (number, rows));
-        touched |= depth > 0.0;
-        sweeps += 1;
-        converged = found.max(depth) <= settings.tolerance;
+        swept.violated = if swept.sweeps == 0 { found > most } else { swept.violated };
+        let depth = project_contacts(context, places, normal_impulses, (number, rows));
+        swept.touched |= depth > 0.0;
+        swept.sweeps += 1;
+        swept.converged = found.max(depth) <= settings.tolerance;
     }
-    report.sweeps += sweeps;
-    report.most_sweeps = report.most_sweeps.max(sweeps);
-    report.last_sweeps = sweeps;
-    report.converged &= converged;
-    let keeps_angular = gradient_at == GradientAt::StepStart || settings.keep_spin;
-    let free = island.free && !touched;
-    let momentum_drift =
-        if free { MomentumDrift::of(places, rows, h, keeps_angular) } else { None };
-    report.seconds += began.map_or(0.0, |began| began.elapsed().as_secs_f64());
-    momentum_drift
+    swept
 }
 
 /// Holds at once what rods hold one after the other, before they have their say: what hangs on pins to what it may be away from them, particles of large

@@ -59,4 +59,4 @@ pub(crate) use momentum::is_free;
 pub(crate) use plan::{Change, Changes, Given, GroupKind, List, Plan};
 pub(crate) use recovery::limit_all_recoveries;
 pub(crate) use scratch::ThreadScratch;
-pub(crate) use world::{SolveScratch, settle_all, solve_all};
+pub(crate) use world::{SolveScratch, propagate_impacts, settle_all, solve_all};

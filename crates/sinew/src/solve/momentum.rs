@@ -51,6 +51,34 @@ impl MomentumDrift {
         Some(Self { anchor, centre, shift, turn })
     }
 
+    /// The same of corrections since particles were where they were `before`, within the substep.
+    pub(super) fn since(
+        places: &Places,
+        (rows, before): (&[u32], &[Vec4]),
+        h: f32,
+        keeps_angular: bool,
+    ) -> Option<Self> {
+        let anchor = places.start[places.at(*rows.first()?)].truncate().as_dvec3();
+        let per_second = f64::from(1.0 / h);
+        let mut sums = MomentumSums::default();
+        for (&row, before) in rows.iter().zip(before) {
+            let i = places.at(row);
+            let (q, start) = (places.position[i], places.start[i].truncate().as_dvec3());
+            let moved = q.truncate().as_dvec3() - before.truncate().as_dvec3();
+            sums.add(1.0 / f64::from(q.w), start - anchor, moved * per_second);
+        }
+        let (centre, shift, turn) = sums.answer(keeps_angular)?;
+        Some(Self { anchor, centre, shift, turn })
+    }
+
+    /// Adds it to what particles are to have taken off when their velocities are derived, m/s.
+    pub(super) fn add_to(&self, places: &Places, rows: &[u32], to: &mut [Vec4]) {
+        for &row in rows {
+            let i = places.at(row);
+            to[i] += self.share(places.start[i]).extend(0.0);
+        }
+    }
+
     /// Takes it off the derived velocities.
     pub(super) fn take_off(&self, places: &mut Places, rows: &[u32]) {
         for &row in rows {

@@ -8,14 +8,14 @@ use glam::Vec4;
 use super::constraint_ref::SolveMode;
 use super::context::SolveContext;
 use super::instances::{BatchMotion, BatchSolve};
-use super::island::{hold_at_once, sweep_in_order};
+use super::island::{hold_at_once, propagate_impact, sweep_in_order};
 use super::loads::Loads;
 use super::microsteps::{derive_whole_steps, list_step_rows};
 use super::momentum::{MomentumDrift, note_drift};
 use super::multipliers::{MultiplierSlice, Multipliers};
 use super::plan::Plan;
 use super::scratch::ThreadScratch;
-use super::task_slice::{TaskSlice, slices};
+use super::task_slice::{IslandSlice, TaskSlice, slices};
 use super::{SolverReport, gauss_seidel};
 use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::integrate::{Derive, MotionColumns, StepRows, derive};
@@ -33,6 +33,8 @@ pub(crate) struct SolveScratch {
     momentum_drift: Vec<Vec4>,
     /// The same of islands whose loads are measured.
     measured: Vec<(u32, MomentumDrift)>,
+    /// Where particles of an island were before it was swept once more.
+    before: Vec<Vec4>,
     /// The most sweeps in each substep of a whole step.
     iteration_counts: Kept<Vec<AtomicU32>>,
 }
@@ -102,6 +104,35 @@ pub(crate) fn solve_all(
     report.sweeps += iteration_counts;
     report.most_sweeps = report.most_sweeps.max(iteration_counts);
     report.converged &= report.islands.iter().all(|island| island.converged);
+}
+
+/// Sweeps islands of some numbers once more after an `open` [`solve_all`] and after contacts between bodies, which have stopped a part of each suddenly: what
+/// constraints hand on of that reaches the others in the same substep.
+pub(crate) fn propagate_impacts(
+    particles: &mut Particles,
+    normal_impulses: &mut [NormalImpulse],
+    context: SolveContext,
+    stopped: &[u32],
+    scratch: &mut SolveScratch,
+    report: &mut SolverReport,
+) {
+    let SolveScratch { all_multipliers, thread_scratches, momentum_drift, before, .. } = scratch;
+    let (plan, context) = (context.plan, context.by_one());
+    for number in stopped.iter().map(|&number| number as usize) {
+        let own = IslandSlice {
+            places: Places::all(particles),
+            multipliers: all_multipliers.all(),
+            normal_impulses: NormalImpulses::all(normal_impulses),
+            report: &mut report.islands[number],
+        };
+        let drift = thread_scratches.with(|thread_scratch| {
+            let sweep = sweep_in_order(plan, &plan.islands.list[number], thread_scratch);
+            propagate_impact(context, number, own, sweep, before)
+        });
+        if let Some(drift) = drift {
+            drift.add_to(&Places::all(particles), plan.members(number), momentum_drift);
+        }
+    }
 }
 
 /// Derives the velocities of some rows after an `open` [`solve_all`].

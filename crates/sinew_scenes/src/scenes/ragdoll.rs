@@ -48,7 +48,6 @@ fn spawn(world: &mut World) {
     let [speed, spin, gravity] = values(world);
     world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
     world.insert_resource(AirDrag(DRAG));
-    world.insert_resource(SolverConfig { substeps: 20, max_sweeps: 8, ..default() });
     world.spawn((InScene, Ground, SurfaceMaterial::new(0.6)));
     let figures = [
         ("ragdoll", Vec3::new(0.0, 0.02, 0.0), 0.0, 0.0, 0xd9622b),

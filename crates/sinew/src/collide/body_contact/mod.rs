@@ -24,6 +24,8 @@
 //! | `wide_contact` | contacts of a step: coloured, packed by eight, and which are pressed more than once in a substep |
 //! | `normal_solve` | their normal impulses, those of one manifold solved together |
 //! | `friction` | their friction: how far they have slid, what holds them, and what joints take back of it where body colliders share particles |
+//! | `deep_overlap` | how fast what was deep in something may leave |
+//! | `sudden` | who was stopped suddenly, so that the constraints of its island are swept once more |
 //! | `restitution` | restitution, as one problem; and drags, the lectures' friction |
 //! | `loose` | body colliders and single particles |
 //! | `turn` | rotations, symmetric matrices and directions of eight body colliders |
@@ -32,6 +34,7 @@ mod bodies;
 mod body_collider;
 mod broad_phase;
 mod contact_cache;
+mod deep_overlap;
 mod dormant;
 mod friction;
 mod groups;
@@ -44,6 +47,7 @@ mod rigid_islands;
 mod rigid_rotation;
 mod rigid_state;
 mod static_geometry;
+mod sudden;
 mod swept_bounds;
 #[cfg(test)]
 mod tests;
@@ -56,13 +60,13 @@ use super::manifold::{ClusterSearch, ManifoldScratch};
 use super::nearby::Nearby;
 use super::recovery::in_substep;
 use super::{ContactParticipant, Shape, World};
-use crate::islands::Islands;
 use crate::kept::Kept;
 use crate::lanes::{InstructionSet, LANES, with};
 use crate::particles::Particles;
 use bodies::{Bodies, CENTRE};
 use broad_phase::MissedPairs;
 use contact_cache::CacheBuilder;
+use deep_overlap::DeepOverlaps;
 use dormant::DormantColliders;
 use friction::{predict_impulses, solve_all_friction};
 use groups::BodyGroups;
@@ -139,9 +143,9 @@ pub(crate) struct BodyContactSolver {
     loads: Vec<f32>,
     /// Of each row of a body collider, how deep it is in another, metres.
     deepest: Vec<f32>,
-    /// Islands in which a body collider is deep in something, and rows of those with the speeds at which they may leave the substep, m/s.
-    deep_islands: Vec<u32>,
-    speeds: Vec<(u32, f32)>,
+    deep_overlaps: DeepOverlaps,
+    /// Islands of which a part was stopped suddenly in this substep, ascending.
+    stopped: Vec<u32>,
     impacts: ImpactScratch,
     rigid: RigidIslands,
     /// For each group a bit for each body collider that is in a contact of this step; and for each that was read in this substep.
@@ -187,7 +191,8 @@ impl BodyContactSolver {
         h: f32,
         substep: u32,
     ) {
-        self.speeds.clear();
+        self.deep_overlaps.clear();
+        self.stopped.clear();
         if self.is_empty() || self.swept.len() != self.groups.parts.len() {
             return;
         }
@@ -217,6 +222,8 @@ impl BodyContactSolver {
         for sweep in 0..sweeps {
             solve_normals(wide_contacts, bodies, h, recover, pops, sweep, *instructions);
         }
+        self.note_stopped(world.islands, (h, world.gravity));
+        let Self { wide_contacts, bodies, instructions, .. } = self;
         solve_all_friction(wide_contacts, true, max_depenetration, bodies, *instructions);
         self.loose.project(
             particles,
@@ -226,7 +233,8 @@ impl BodyContactSolver {
             (h, max_depenetration),
         );
         let depth = recover * (DEEP / h).max(1.0);
-        self.note_speeds(particles, world.islands, depth, (recover / h, world.gravity * h));
+        let speeds = (recover / h, world.gravity * h);
+        self.note_deep_overlaps(particles, world.islands, depth, speeds);
         self.apply_pose_deltas(particles);
         self.measure_residual(particles);
     }
@@ -279,51 +287,6 @@ impl BodyContactSolver {
             let solid = groups.sound_in(row / LANES, row % LANES)?;
             Some((groups.rows[groups.parts[solid].entries.start], left))
         })
-    }
-
-    /// Notes how fast the particles of islands may leave the substep in which a body collider was deeper in than so many metres: at the speed at which overlap is
-    /// recovered, or by what gravity gives, both m/s, faster than they came. What holds it there, pins and limits of joints, gives way meanwhile, by ever more,
-    /// and when that comes back at once it flings all of them.
-    fn note_speeds(
-        &mut self,
-        particles: &Particles,
-        islands: &Islands,
-        depth: f32,
-        (recovery, gained): (f32, f32),
-    ) {
-        let Self { wide_contacts, groups, deep_islands, speeds, .. } = self;
-        deep_islands.clear();
-        let home = |row: u32| {
-            // What stands, and nothing, have the rows behind those of body colliders.
-            let (number, lane) = (row as usize / LANES, row as usize % LANES);
-            let solid = groups.groups.get(number).and_then(|_| groups.sound_in(number, lane))?;
-            islands.of.get(groups.rows[groups.parts[solid].entries.start] as usize).copied()
-        };
-        for wide in wide_contacts.iter().filter(|wide| wide.depenetrated != 0) {
-            for lane in (0..LANES).filter(|&lane| wide.left[lane] > depth) {
-                deep_islands.extend(home(wide.a[lane]));
-                deep_islands.extend(home(wide.b[lane]));
-            }
-        }
-        deep_islands.sort_unstable();
-        deep_islands.dedup();
-        // Rigid states have no particles that could be flung apart.
-        let rows = deep_islands.iter().map(|&number| &islands.list[number as usize]);
-        let rows = rows.filter(|island| !island.one_state);
-        let rows = rows.flat_map(|island| &islands.members[island.members.clone()]);
-        let most = |row: u32| recovery.max(particles.velocity(row as usize).length() + gained);
-        speeds.extend(rows.map(|&row| (row, most(row))));
-    }
-
-    /// Takes off what they have become faster by.
-    fn limit_speeds(&self, particles: &mut Particles) {
-        for &(row, most) in &self.speeds {
-            let velocity = &mut particles.velocity[row as usize];
-            let now = velocity.truncate();
-            if now.length() > most {
-                *velocity = (now * (most / now.length())).extend(velocity.w);
-            }
-        }
     }
 
     /// Adds the contact events of the wide contacts so far.

@@ -248,6 +248,19 @@ impl Plan {
         fit.then_some((first, rows.len()))
     }
 
+    /// Whether none of an island's constraints is soft.
+    pub(crate) fn is_hard(&self, island: &Island) -> bool {
+        self.groups[island.groups.clone()].iter().all(|group| match group.kind {
+            GroupKind::Rods => true,
+            GroupKind::Distances => {
+                self.distances[group.range.clone()].iter().all(|one| one.softness.is_hard())
+            }
+            GroupKind::Constraints => self.constraints[group.range.clone()]
+                .iter()
+                .all(|one| one.kind.equation().softness().is_hard()),
+        })
+    }
+
     /// The rows of an island's particles, where no other's are between them.
     pub(crate) fn stretch(&self, island: &Island) -> Option<Range<usize>> {
         let members = self.islands.members.get(island.members.clone())?;
