@@ -522,6 +522,20 @@ fn and_so_are_the_numbers_of_the_other_half_of_the_scenes() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
+/// A crate that had landed was said to spin at 2.4 rad/s, and by the formula at 2.7.
+#[test]
+fn a_formula_of_flight_is_compared_until_it_lands_and_no_longer() {
+    for name in ["crate", "jelly", "square", "ragdoll"] {
+        let mut app = app_with(ScenesPlugin);
+        let scene = sinew_scenes::find(name).unwrap();
+        sinew_scenes::load(app.world_mut(), scene);
+        (0..240).for_each(|_| tick(&mut app, 1));
+        let [measured, expected] = app.world().resource::<OnStage>().reading.unwrap();
+        let agrees = scene.lesson.unwrap().agrees(measured, expected);
+        assert!(agrees, "{name} after four seconds: {measured}, by the formula {expected}");
+    }
+}
+
 #[test]
 fn every_heading_has_scenes_and_every_name_is_used_once() {
     for heading in Heading::ALL {

@@ -175,7 +175,7 @@ pub fn load_with(world: &mut World, scene: &'static Scene, values: &[f32]) {
             entity.despawn();
         }
     }
-    world.insert_resource(OnStage { scene, values, reading: None });
+    world.insert_resource(OnStage { scene, values, reading: None, ended: None });
     world.insert_resource(SinewClock::default());
     world.insert_resource(SolverConfig::default());
     world.insert_resource(Gravity::default());

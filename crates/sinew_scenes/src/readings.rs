@@ -44,6 +44,17 @@ pub(crate) fn deepest_below(world: &mut World, level: f32) -> f64 {
     depths.fold(0.0, f64::max) * 1e3
 }
 
+/// Whether the bodies of a name are clear of the ground, each particle by its radius and a centimetre.
+pub(crate) fn is_in_flight(world: &mut World, name: &str) -> bool {
+    all_named(world, name).into_iter().all(|body| {
+        let Some(particles) = world.get::<BodyParticles>(body) else { return false };
+        particles.iter().all(|particle| {
+            let radius = world.get::<Radius>(particle).map_or(0.0, |radius| radius.0);
+            world.get::<Particle>(particle).is_some_and(|at| at.position.y > radius + 0.01)
+        })
+    })
+}
+
 /// How far the particles of the body of a name are spread along x, metres.
 pub(crate) fn width_of(world: &mut World, name: &str) -> Option<f64> {
     let along = points_of(world, name).into_iter().map(|point| f64::from(point.x));

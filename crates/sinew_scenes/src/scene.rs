@@ -103,7 +103,7 @@ pub struct Lesson {
     pub unit: &'static str,
     /// Simulated time after which the number is compared with the formula, seconds.
     pub after: f32,
-    /// Reads the number off the world; `None` while there is nothing to read.
+    /// Reads the number off the world; `None` while there is nothing to read, and when the formula holds no longer: what has landed. The last number stays then.
     pub measure: fn(&mut World) -> Option<f64>,
     /// The number by the formula, from the values of the sliders and the simulated time in seconds.
     pub expect: fn(&[f32], f64) -> f64,
@@ -128,6 +128,8 @@ pub struct OnStage {
     pub values: Vec<f32>,
     /// The measured number and the one that the formula gives for the same moment.
     pub reading: Option<[f64; 2]>,
+    /// When there was nothing more to measure, simulated seconds.
+    pub(crate) ended: Option<f64>,
 }
 
 /// Measures the number of the scene that is on. Runs once a frame, after the ticks.
@@ -135,9 +137,15 @@ pub(crate) fn measure(world: &mut World) {
     let Some(stage) = world.get_resource::<OnStage>() else { return };
     let Some(lesson) = stage.scene.lesson else { return };
     let seconds = world.resource::<SinewClock>().seconds;
+    // Whoever goes back in time is before that again.
+    if stage.ended.is_some_and(|ended| ended <= seconds) {
+        return;
+    }
     let expected = (lesson.expect)(&stage.values, seconds);
     let measured = (lesson.measure)(world);
-    world.resource_mut::<OnStage>().reading = measured.map(|measured| [measured, expected]);
+    let mut stage = world.resource_mut::<OnStage>();
+    stage.ended = (measured.is_none() && stage.reading.is_some()).then_some(seconds);
+    stage.reading = measured.map(|measured| [measured, expected]).or(stage.reading);
 }
 
 /// The values of the sliders of the scene that is being spawned.

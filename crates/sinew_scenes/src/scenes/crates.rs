@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, mesh};
+use crate::readings::is_in_flight;
 use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
 
@@ -30,7 +31,7 @@ pub(super) const SCENE: Scene = Scene {
         after: 0.5,
         measure: |world| {
             let spin: AngularVelocity = of_named(world, "first crate")?;
-            Some(f64::from(spin.0.length()))
+            is_in_flight(world, "first crate").then_some(f64::from(spin.0.length()))
         },
         expect: |values, seconds| {
             f64::from(values[0]) * libm::pow(1.0 - f64::from(values[2]), seconds)

@@ -7,7 +7,7 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{ConstraintOf, MeshFollow, ParticleBody, ParticleOf, WindSurface};
 
 use super::{Scene, mesh};
-use crate::readings::thrown;
+use crate::readings::{is_in_flight, thrown};
 use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider};
 
@@ -34,7 +34,7 @@ pub(super) const SCENE: Scene = Scene {
         after: 0.35,
         measure: |world| {
             let velocity: LinearVelocity = of_named(world, "red jelly")?;
-            Some(f64::from(velocity.0.y))
+            is_in_flight(world, "red jelly").then_some(f64::from(velocity.0.y))
         },
         expect: |values, seconds| thrown(f64::from(values[2]), 9.81, f64::from(DRAG), seconds),
         tolerance: [0.01, 0.005],

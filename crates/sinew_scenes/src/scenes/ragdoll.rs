@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::Scene;
-use crate::readings::thrown;
+use crate::readings::{is_in_flight, thrown};
 use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider};
 
@@ -31,7 +31,7 @@ pub(super) const SCENE: Scene = Scene {
         after: 0.4,
         measure: |world| {
             let velocity: LinearVelocity = of_named(world, "yellow figure")?;
-            Some(f64::from(velocity.0.y))
+            is_in_flight(world, "yellow figure").then_some(f64::from(velocity.0.y))
         },
         expect: |values, seconds| {
             thrown(f64::from(values[0]), f64::from(values[2]), f64::from(DRAG), seconds)

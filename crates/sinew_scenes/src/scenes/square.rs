@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
 use super::{Scene, curve, mesh};
+use crate::readings::is_in_flight;
 use crate::scene::{of_named, values};
 use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
 
@@ -30,7 +31,7 @@ pub(super) const SCENE: Scene = Scene {
         after: 0.5,
         measure: |world| {
             let spin: AngularVelocity = of_named(world, "blue square")?;
-            Some(f64::from(spin.0.z))
+            is_in_flight(world, "blue square").then_some(f64::from(spin.0.z))
         },
         expect: |values, _| {
             let [impulse, mass, edge] = [values[0], values[1], values[2]].map(f64::from);
