@@ -76,7 +76,8 @@ impl Job {
     /// When the first frame is taken, simulated seconds.
     fn begin(&self, scene: &Scene) -> f64 {
         match self {
-            Self::Films { .. } => 0.0,
+            // Before the first tick recipes have built nothing, and the first frame is what a page shows until all of it is loaded.
+            Self::Films { .. } => f64::MIN_POSITIVE,
             Self::Stills(_) | Self::Thumbnails(_) => f64::from(scene.moment),
         }
     }
