@@ -22,8 +22,8 @@ impl Blueprint {
     /// that is [`Bound::AtMost`] folds up.
     ///
     /// Contacts and rods take turns, once a substep: a heavy load draws a light rope into what holds it up. With ten substeps a rope bears at each
-    /// end some five times the mass of one of its particles where it lies across another rope, and a hundred times where it lies on a collider of its
-    /// own thickness; with forty it is more than twenty-five and two hundred and fifty times. With more than that they may pass through each other:
+    /// end some five times the mass of one of its particles where it lies across another rope, and ten times where it lies on a post of its own
+    /// thickness; with forty it is twenty-five and a hundred times. With more than that they may pass through each other:
     /// take more substeps, or heavier and fewer particles.
     ///
     /// What is tied to an end of the rope is to be tied by more than both are thick there, or to be on [`Layers`](crate::Layers) that the rope does

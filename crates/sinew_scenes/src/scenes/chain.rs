@@ -26,7 +26,7 @@ pub(super) const SCENE: Scene = Scene {
         sliders: &[
             SceneSlider { label: "Ball", unit: "kg", range: [0.2, 4.0], default: 2.0 },
             SceneSlider { label: "Gravity", unit: "m/s²", range: [3.7, 15.0], default: 9.81 },
-            SceneSlider { label: "Mass of a loop", unit: "kg", range: [0.14, 0.8], default: 0.28 },
+            SceneSlider { label: "Mass of a loop", unit: "kg", range: [0.4, 1.6], default: 0.8 },
         ],
         number: "Nearest middles of two loops",
         unit: "mm",
@@ -67,8 +67,6 @@ const SWING: f32 = 0.4;
 fn spawn(world: &mut World) {
     let [_, gravity, _] = values(world);
     world.insert_resource(Gravity(Vec3::NEG_Y * gravity));
-    // What carries two kilograms by a contact of a few grams is pressed in by `F h²/m` in each substep, however many sweeps there are.
-    world.insert_resource(SolverConfig { substeps: 20, max_sweeps: 8, ..default() });
     world.insert_resource(AirDrag(0.3));
     world.spawn((InScene, Ground));
     let colors = [0xc9a66b, 0xb8434e, 0x3f6f9f];
