@@ -36,19 +36,14 @@ impl MomentumDrift {
     /// `L = Σ r × m (v' - u)` about the point that `r` is measured from, where the substep began. A rigid body of the same masses answers with
     /// `P/M` and `I⁻¹ (L - r̄ × P)`. Differences of velocities are exact in `f64`, so nothing is lost by summing up.
     pub(super) fn of(places: &Places, rows: &[u32], h: f32, keeps_angular: bool) -> Option<Self> {
-        let anchor = places.start[places.at(*rows.first()?)].truncate().as_dvec3();
         let per_second = 1.0 / h;
-        let mut sums = MomentumSums::default();
-        for &row in rows {
-            let i = places.at(row);
-            let (q, start, u) =
-                (places.position[i], places.start[i].truncate(), places.velocity[i]);
-            let u = u.truncate();
-            let v = u + (q.truncate() - (start + u * h)) * per_second;
-            sums.add(1.0 / f64::from(q.w), start.as_dvec3() - anchor, v.as_dvec3() - u.as_dvec3());
-        }
-        let (centre, shift, turn) = sums.answer(keeps_angular)?;
-        Some(Self { anchor, centre, shift, turn })
+        let gained = |_, i: usize| {
+            let (q, start) = (places.position[i].truncate(), places.start[i].truncate());
+            let u = places.velocity[i].truncate();
+            let v = u + (q - (start + u * h)) * per_second;
+            v.as_dvec3() - u.as_dvec3()
+        };
+        Self::of_gains(places, rows, keeps_angular, gained)
     }
 
     /// The same of corrections since particles were where they were `before`, within the substep.
@@ -58,14 +53,28 @@ impl MomentumDrift {
         h: f32,
         keeps_angular: bool,
     ) -> Option<Self> {
-        let anchor = places.start[places.at(*rows.first()?)].truncate().as_dvec3();
         let per_second = f64::from(1.0 / h);
+        let gained = |number: usize, i: usize| {
+            let moved = places.position[i].truncate().as_dvec3();
+            (moved - before[number].truncate().as_dvec3()) * per_second
+        };
+        Self::of_gains(places, rows, keeps_angular, gained)
+    }
+
+    /// Of particles that have gained so much velocity, m/s, by their numbers among the rows and where they are among the places.
+    #[inline(always)]
+    fn of_gains(
+        places: &Places,
+        rows: &[u32],
+        keeps_angular: bool,
+        gained: impl Fn(usize, usize) -> DVec3,
+    ) -> Option<Self> {
+        let anchor = places.start[places.at(*rows.first()?)].truncate().as_dvec3();
         let mut sums = MomentumSums::default();
-        for (&row, before) in rows.iter().zip(before) {
+        for (number, &row) in rows.iter().enumerate() {
             let i = places.at(row);
-            let (q, start) = (places.position[i], places.start[i].truncate().as_dvec3());
-            let moved = q.truncate().as_dvec3() - before.truncate().as_dvec3();
-            sums.add(1.0 / f64::from(q.w), start - anchor, moved * per_second);
+            let (w, start) = (places.position[i].w, places.start[i].truncate().as_dvec3());
+            sums.add(1.0 / f64::from(w), start - anchor, gained(number, i));
         }
         let (centre, shift, turn) = sums.answer(keeps_angular)?;
         Some(Self { anchor, centre, shift, turn })

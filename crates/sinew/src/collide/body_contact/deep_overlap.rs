@@ -45,12 +45,7 @@ impl BodyContactSolver {
     ) {
         let Self { wide_contacts, groups, deep_overlaps, .. } = self;
         deep_overlaps.clear();
-        let home = |row: u32| {
-            // What stands, and nothing, have the rows behind those of body colliders.
-            let (number, lane) = (row as usize / LANES, row as usize % LANES);
-            let solid = groups.groups.get(number).and_then(|_| groups.sound_in(number, lane))?;
-            islands.of.get(groups.rows[groups.parts[solid].entries.start] as usize).copied()
-        };
+        let home = |row: u32| groups.island_of(row, islands);
         for wide in wide_contacts.iter().filter(|wide| wide.depenetrated != 0) {
             for lane in (0..LANES).filter(|&lane| wide.left[lane] > depth) {
                 let (a, b) = (home(wide.a[lane]), home(wide.b[lane]));

@@ -25,6 +25,7 @@ use glam::{DVec3, Mat3, Vec3};
 
 use super::BodyCollider;
 use super::turn::LaneArray;
+use crate::islands::Islands;
 use crate::lanes::LANES;
 use crate::particles::Particles;
 use crate::pose::symmetric;
@@ -324,6 +325,13 @@ impl BodyGroups {
     pub(super) fn sound_in(&self, group: usize, lane: usize) -> Option<usize> {
         let number = *self.order.get(group * LANES + lane)? as usize;
         self.parts.get(number).is_some_and(|part| part.sound).then_some(number)
+    }
+
+    /// The island of the body collider in a row among the bodies, if it is sound. What stands, and nothing, have the rows behind those of body colliders.
+    pub(super) fn island_of(&self, row: u32, islands: &Islands) -> Option<u32> {
+        let (number, lane) = (row as usize / LANES, row as usize % LANES);
+        let solid = self.groups.get(number).and_then(|_| self.sound_in(number, lane))?;
+        islands.of.get(self.rows[self.parts[solid].entries.start] as usize).copied()
     }
 
     /// How many rows bodies need for the body colliders.

@@ -55,11 +55,10 @@ impl BodyContactSolver {
                         continue;
                     }
                     let Some(solid) = groups.sound_in(number, own) else { continue };
-                    let entries = &groups.parts[solid].entries;
-                    let island = islands.of.get(groups.rows[entries.start] as usize).copied();
+                    let particles = groups.parts[solid].entries.len();
                     let is_part =
-                        |&number: &u32| islands.list[number as usize].members.len() > entries.len();
-                    stopped.extend(island.filter(is_part));
+                        |&number: &u32| islands.list[number as usize].members.len() > particles;
+                    stopped.extend(groups.island_of(row as u32, islands).filter(is_part));
                 }
             }
         }
