@@ -49,7 +49,7 @@ pub use impact::{ContactParticipant, Impact};
 pub use material::{BodyContacts, Combine, CombinedMaterial, Layers, Material};
 pub use shape::{Nearest, RayHit, Shape, ShapeFault};
 
-pub(crate) use body_contact::{BodyContactSolver, RigidStep, half_spaces};
+pub(crate) use body_contact::{BodyContactSolver, RigidStep, Written, half_spaces};
 pub(crate) use filter::ContactFilter;
 pub(crate) use impact::Impacts;
 pub(crate) use manifold::{Broad, ManifoldScratch, collide};

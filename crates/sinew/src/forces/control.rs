@@ -62,7 +62,7 @@ pub(crate) fn apply(particles: &mut Particles, controls: &[Control]) {
             if i < particles.len() && particles.position[i].w > 0.0 {
                 let acceleration = answer.at(whole.arm(particles, i));
                 if acceleration.is_finite() {
-                    particles.add_acceleration(i, acceleration);
+                    particles.push_acceleration(i, acceleration);
                 }
             }
         }

@@ -71,7 +71,7 @@ impl Particles {
             })
             .collect();
         for (i, by) in moves {
-            self.note_write(i);
+            self.note_moved(i);
             self.origin[i] += metres;
             self.position[i] += by.extend(0.0);
             self.start[i] += by.extend(0.0);
@@ -113,7 +113,7 @@ impl Particles {
         let rows = moving(self, rows);
         if rows.iter().all(|&i| answer.at(whole.arm(self, i)).is_finite()) {
             for i in rows {
-                self.note_write(i);
+                self.note_moved(i);
                 let change = answer.at(whole.arm(self, i));
                 self.velocity[i] += change.extend(0.0);
             }

@@ -96,6 +96,8 @@ pub struct Particles {
     /// Whether somebody asks which rows others move, and which those are, the last one last.
     watched: bool,
     moved: Vec<u32>,
+    /// The same of rows that others push.
+    pushed: Vec<u32>,
     /// Whether some sleep, who is to wake, and which rows were written to meanwhile.
     sleepers: bool,
     woken: Vec<u32>,
@@ -171,7 +173,7 @@ impl Particles {
         self.gravity_scale.resize(len, 1.0);
         self.medium.resize(len, 0.0);
         self.drift.clear();
-        self.column_summary = ColumnSummary::default();
+        self.forget_summary();
         self.body.resize(len, NO_BODY);
         if !self.rest.is_empty() {
             self.rest.resize(len, Vec3::NAN);
@@ -271,11 +273,17 @@ impl Particles {
     pub(crate) fn watch(&mut self, watched: bool) {
         self.watched = watched;
         self.moved.clear();
+        self.pushed.clear();
     }
 
     /// Takes one row off those that were noted.
     pub(crate) fn take_moved(&mut self) -> Option<u32> {
         self.moved.pop()
+    }
+
+    /// The same of rows that forces or media were added to.
+    pub(crate) fn take_pushed(&mut self) -> Option<u32> {
+        self.pushed.pop()
     }
 
     /// Has what particle `i` belongs to be awake in the next step: for who adds forces between two phases, which a sleeper does not feel.
@@ -320,10 +328,17 @@ impl Particles {
     }
 
     #[inline]
-    fn note_moved(&mut self, i: usize) {
+    pub(super) fn note_moved(&mut self, i: usize) {
         self.note_write(i);
         if self.watched {
             self.moved.push(i as u32);
+        }
+    }
+
+    #[inline]
+    fn note_pushed(&mut self, i: usize) {
+        if self.watched && self.pushed.last() != Some(&(i as u32)) {
+            self.pushed.push(i as u32);
         }
     }
 
@@ -351,7 +366,7 @@ impl Particles {
     pub fn set_external_force(&mut self, i: usize, force: Vec3) {
         self.note_edit();
         self.external[i] = force;
-        self.column_summary.plain &= force == Vec3::ZERO;
+        self.note_singular(i);
     }
 
     /// Multiplies the scale of gravity on particle `i` by a finite factor; others are ignored.
@@ -360,7 +375,7 @@ impl Particles {
         let scaled = self.gravity_scale[i] * factor;
         if scaled.is_finite() {
             self.gravity_scale[i] = scaled;
-            self.column_summary.plain = false;
+            self.note_singular(i);
         }
     }
 
@@ -407,7 +422,8 @@ impl Particles {
         self.radius[i] = seed.radius;
         self.charge[i] = seed.charge;
         self.gravity_scale[i] = seed.gravity_scale;
-        self.column_summary = ColumnSummary::default();
+        self.forget_summary();
+        self.note_singular(i);
         self.body[i] = NO_BODY;
         if let Some(rest) = self.rest.get_mut(i) {
             *rest = Vec3::NAN;

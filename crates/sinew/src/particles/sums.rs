@@ -8,10 +8,10 @@ use glam::{Vec3, Vec4};
 use super::Particles;
 
 /// What all particles have in common, as far as somebody looked: what a step needs to know to leave columns unread.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct ColumnSummary {
-    /// Whether gravity acts on all alike, and no force of a game's own on any.
-    pub(crate) plain: bool,
+    /// Rows on which gravity acts otherwise than on all, or a force of a game's own, ascending.
+    pub(crate) singular: Vec<u32>,
     /// Whether none has a charge.
     pub(crate) neutral: bool,
     /// The damping that all have, 1/s, if it is one.
@@ -21,6 +21,22 @@ pub(crate) struct ColumnSummary {
 }
 
 impl Particles {
+    /// Has gravity and the game's own force on row `i` be summed up by themselves from now on.
+    pub(super) fn note_singular(&mut self, i: usize) {
+        let singular = &mut self.column_summary.singular;
+        if let Err(at) = singular.binary_search(&(i as u32)) {
+            singular.insert(at, i as u32);
+        }
+        self.note_pushed(i);
+    }
+
+    /// Nothing is known of what all rows have in common; of those that there still are it is known which differ.
+    pub(super) fn forget_summary(&mut self) {
+        let mut singular = core::mem::take(&mut self.column_summary.singular);
+        singular.truncate(singular.partition_point(|&row| (row as usize) < self.len()));
+        self.column_summary = ColumnSummary { singular, ..ColumnSummary::default() };
+    }
+
     /// Looks at the columns that seldom differ, if one was written to since. To be called when a step begins; whoever writes to them later takes it
     /// back.
     pub(crate) fn revalidate(&mut self) {
@@ -30,12 +46,14 @@ impl Particles {
         // Without a way out in the middle the compiler takes eight at a time.
         let first = self.damping.first().copied().unwrap_or(0.0);
         let even = self.damping.iter().fold(true, |even, &rate| even & (rate == first));
-        let plain = self.gravity_scale.iter().fold(true, |plain, &scale| plain & (scale == 1.0));
-        let free = self.external.iter().fold(true, |free, &force| free & (force == Vec3::ZERO));
-        let plain = plain && free;
+        let mut singular = core::mem::take(&mut self.column_summary.singular);
+        singular.clear();
+        let is_singular =
+            |&i: &usize| self.gravity_scale[i] != 1.0 || self.external[i] != Vec3::ZERO;
+        singular.extend((0..self.len()).filter(is_singular).map(|row| row as u32));
         let neutral = self.charge.iter().fold(true, |neutral, &charge| neutral & (charge == 0.0));
         let (damping, seen) = (even.then_some(first), Some(self.edits()));
-        self.column_summary = ColumnSummary { plain, neutral, damping, seen };
+        self.column_summary = ColumnSummary { singular, neutral, damping, seen };
     }
 
     /// Starts the sums afresh: no acceleration, and the damping `air` (1/s) alone.
@@ -62,14 +80,26 @@ impl Particles {
     /// Forces add up; pinned particles do not notice.
     #[inline]
     pub fn add_force(&mut self, i: usize, force: Vec3) {
-        self.note_write(i);
-        self.acceleration_dirty = true;
-        self.acceleration[i] += (force * self.position[i].w).extend(0.0);
+        self.note_pushed(i);
+        self.push_force(i, force);
+    }
+
+    /// The same for force laws of ours, of which it is known on which rows they act.
+    #[inline]
+    pub(crate) fn push_force(&mut self, i: usize, force: Vec3) {
+        self.push_acceleration(i, force * self.position[i].w);
     }
 
     /// Adds an acceleration, m/s², for this substep: a force that is proportional to mass, as gravity is.
     #[inline]
     pub fn add_acceleration(&mut self, i: usize, acceleration: Vec3) {
+        self.note_pushed(i);
+        self.push_acceleration(i, acceleration);
+    }
+
+    /// The same for force laws of ours.
+    #[inline]
+    pub(crate) fn push_acceleration(&mut self, i: usize, acceleration: Vec3) {
         self.note_write(i);
         self.acceleration_dirty = true;
         self.acceleration[i] += acceleration.extend(0.0);
@@ -83,6 +113,12 @@ impl Particles {
     /// Drags particle `i` towards `velocity` (m/s) in this substep, at the rate `rate` (1/s, finite): what a medium does that may be moving. Media
     /// add up.
     pub fn drag_towards(&mut self, i: usize, rate: f32, velocity: Vec3) {
+        self.note_pushed(i);
+        self.push_drag(i, rate, velocity);
+    }
+
+    /// The same for media of ours.
+    pub(crate) fn push_drag(&mut self, i: usize, rate: f32, velocity: Vec3) {
         self.note_write(i);
         self.medium_dirty = true;
         self.medium[i] += rate;

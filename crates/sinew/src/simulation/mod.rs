@@ -18,6 +18,7 @@ pub use slide::{SlideConfig, SlideOutput};
 pub use statics::Relaxed;
 
 use core::ops::Range;
+use core::slice;
 use std::sync::Arc;
 
 use glam::{Vec3, Vec4};
@@ -118,8 +119,10 @@ struct Scratch {
     single_rows: Vec<integrate::StepRows>,
     /// Rows of which none sleeps in this step, or stands in no one stretch with others of its island.
     awake_rows: Vec<Range<usize>>,
-    /// Whether nobody looks at the particles until the step ends, so that those of rigid states may be written then.
+    /// Whether only our own forces look at particles until the step ends, so that those of rigid states on which none of them acts one by one may be written then.
     unseen: bool,
+    /// Triangles that winds press on corner by corner: those of what does not move as rigid states.
+    separate_surfaces: Vec<Range<usize>>,
     /// Whether nothing moves in this step.
     at_rest: bool,
     rest: Kept<rest::Rest>,
@@ -198,6 +201,7 @@ impl Simulation {
         self.begin_contacts();
         self.begin_rigid_states();
         self.feel_winds();
+        self.note_forces();
         self.report.substeps = settings.substeps;
         self.report.sweeps = 0;
         self.report.most_sweeps = 0;
@@ -235,8 +239,12 @@ impl Simulation {
     /// Phase 2: adds the pressure of the winds on the surfaces, and the drag and the lift of the air.
     pub fn apply_wind(&mut self) {
         let Self { particles, forces, instructions, scratch, .. } = self;
-        let Scratch { pressures, air, substep, .. } = scratch;
-        forces::apply_wind(particles, &forces.surfaces, pressures);
+        let Scratch { pressures, air, substep, unseen, separate_surfaces, .. } = scratch;
+        // In the last substep all, for what particles are accelerated by then is read between steps.
+        let all = 0..forces.surfaces.len();
+        let some = *unseen && substep.remaining > 1;
+        let which = if some { &separate_surfaces[..] } else { slice::from_ref(&all) };
+        forces::apply_wind(particles, &forces.surfaces, pressures, which);
         forces::apply_air(particles, &forces.surfaces, air, substep.length, *instructions);
     }
 
@@ -269,7 +277,7 @@ impl Simulation {
         let execution = execution(self.instructions, &self.workers);
         let (integrator, rows) = (self.settings.integrator, &self.scratch.single_rows);
         integrate::predict(&mut self.particles, integrator, length, rows, execution);
-        self.write_rigid_states();
+        self.write_rigid_states(false);
         self.scratch.moving.predict(&mut self.particles, &self.compounds, length);
         for pin in &self.boundaries.pins {
             let i = pin.particle as usize;
@@ -351,7 +359,7 @@ impl Simulation {
         let reports = &mut report.islands;
         solve::limit_all_recoveries(particles, plan, (h, gravity), reports, thread_scratch);
         integrate::finish(particles, settings.integrator, h);
-        self.write_rigid_states();
+        self.write_rigid_states(true);
         self.scratch.moving.settle(&mut self.particles, &self.compounds, h);
         self.time += f64::from(h);
         self.scratch.substep.remaining = self.scratch.substep.remaining.saturating_sub(1);
@@ -360,7 +368,7 @@ impl Simulation {
     /// Ends a step: puts rows that turned non-finite back to where the step began, at rest, slows down what is too fast, and measures the errors left.
     pub fn end_step(&mut self) {
         if core::mem::take(&mut self.scratch.unseen) {
-            self.write_rigid_states();
+            self.write_all_rigid_states();
         }
         self.wake();
         self.scratch.loads.end(&self.scratch.plan);

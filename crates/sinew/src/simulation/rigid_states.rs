@@ -3,7 +3,8 @@
 use core::ops::Range;
 
 use super::{Scratch, Simulation, Substep, carried};
-use crate::collide::RigidStep;
+use crate::collide::{RigidStep, Written};
+use crate::forces::Forces;
 use crate::integrate::StepRows;
 use crate::islands::Island;
 use crate::pose::{Motion, Pose};
@@ -68,9 +69,11 @@ impl Simulation {
     /// Predicts them, before their particles are.
     pub(super) fn predict_rigid_states(&mut self) {
         let which = self.which_substep();
-        let Self { particles, scratch: Scratch { contacts, substep, .. }, .. } = self;
+        let Self { particles, scratch, .. } = self;
+        let Scratch { plan, contacts, pressures, substep: Substep { length: h, .. }, .. } = scratch;
         if contacts.has_rigid_states() {
-            contacts.rigid_states().predict_rigid_states(particles, substep.length, which);
+            let states = contacts.rigid_states();
+            states.predict_rigid_states(particles, &plan.islands, pressures, *h, which);
         }
     }
 
@@ -92,11 +95,66 @@ impl Simulation {
         true
     }
 
-    /// Writes their particles, unless nobody looks.
-    pub(super) fn write_rigid_states(&mut self) {
-        let Self { particles, scratch: Scratch { contacts, unseen, .. }, .. } = self;
-        if contacts.has_rigid_states() && !*unseen {
-            contacts.rigid_states().write_rigid_states(particles);
+    /// Notes what acts on them in this step, and which triangles are of others.
+    pub(super) fn note_forces(&mut self) {
+        let Self { particles, forces, scratch, .. } = self;
+        let Scratch { plan, contacts, pressures, separate_surfaces, .. } = scratch;
+        // Named one by one, so that the compiler asks of what a new force acts on: on all particles alike, on skins, on any particle that it reaches, or on
+        // those that it names.
+        let Forces {
+            gravity: _,
+            drag: _,
+            hulls: _,
+            electric: _,
+            electric_fields: _,
+            winds: _,
+            surfaces,
+            attractors,
+            air_flows,
+            fluids,
+            controls,
+            springs,
+        } = forces;
+        separate_surfaces.clear();
+        if !contacts.has_rigid_states() {
+            separate_surfaces.push(0..surfaces.len());
+            return;
+        }
+        let any = !attractors.is_empty() || !air_flows.is_empty() || !fluids.is_empty();
+        let charges = if particles.column_summary.neutral { &[][..] } else { &particles.charge };
+        let charged = charges.iter().enumerate().filter(|(_, charge)| **charge != 0.0);
+        let rows = particles.column_summary.singular.iter().copied();
+        let rows = rows.chain(controls.iter().flat_map(|control| control.rows.iter().copied()));
+        let rows = rows.chain(springs.iter().flat_map(|spring| [spring.a, spring.b]));
+        let rows = rows.chain(charged.map(|(row, _)| row as u32));
+        let states = contacts.rigid_states();
+        if !pressures.is_empty() {
+            states.find_skins(surfaces);
+        }
+        states.note_forces(&plan.islands, (any, rows), pressures, separate_surfaces);
+    }
+
+    /// Writes their particles for who looks at them within the step; where the substep `ends` before the last one, too.
+    pub(super) fn write_rigid_states(&mut self, ends: bool) {
+        let Self { particles, scratch: Scratch { contacts, unseen, substep, .. }, .. } = self;
+        if !contacts.has_rigid_states() {
+            return;
+        }
+        let which = match (*unseen, ends, substep.remaining) {
+            (false, ..) => Written::All,
+            // They are to be where they are when the wind in the last substep is summed up.
+            (true, true, 2) => Written::ForcedAndWindy,
+            (true, ..) => Written::Forced,
+        };
+        let exact = ends && substep.remaining <= 1;
+        contacts.rigid_states().write_rigid_states(particles, which, exact);
+    }
+
+    /// Writes all of their particles when the step ends.
+    pub(super) fn write_all_rigid_states(&mut self) {
+        let Self { particles, scratch: Scratch { contacts, .. }, .. } = self;
+        if contacts.has_rigid_states() {
+            contacts.rigid_states().write_rigid_states(particles, Written::All, true);
         }
     }
 
@@ -124,11 +182,11 @@ impl Simulation {
             let rows = &self.body_colliders[number].rows;
             changed.iter().any(|all| all.iter().any(|row| rows.contains(row)))
         };
-        let uneven = self.particles.acceleration_dirty || !self.scratch.first_velocity.is_empty();
-        if uneven || is_changed() {
+        let bodies = self.scratch.contacts.body_contact();
+        let found = bodies.rigid_motion(number)?;
+        if bodies.is_forced(number) || !self.scratch.first_velocity.is_empty() || is_changed() {
             return None;
         }
-        let found = self.scratch.contacts.body_contact().rigid_motion(number)?;
         let (a, length) = (self.particles.acceleration(first), self.scratch.length);
         let mean = (found.velocity - found.gone / length) / (0.5 * (length - found.lag));
         let motion = Motion {

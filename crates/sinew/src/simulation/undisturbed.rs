@@ -49,7 +49,7 @@ impl Simulation {
             && air_flows.is_empty()
             && fluids.is_empty();
         let summary = &self.particles.column_summary;
-        quiet && summary.plain && summary.neutral
+        quiet && summary.singular.is_empty() && summary.neutral
     }
 
     /// Whether nothing moves in this step: all sleep, or are single particles that are pinned and stay, and what stands around them goes nowhere. Then each
@@ -85,7 +85,7 @@ impl Simulation {
     /// All phases of all substeps that remain, to the same bits as one by one. To be called where [`is_undisturbed`](Self::is_undisturbed) says so;
     /// otherwise the phases are to follow, and nobody may look at particles between them.
     pub fn take_substeps(&mut self) {
-        self.scratch.unseen = self.is_quiet();
+        self.scratch.unseen = true;
         // A single particle that is pinned has its sweeps counted in every substep.
         if self.scratch.at_rest && self.scratch.plan.islands.list.iter().all(|island| island.asleep)
         {

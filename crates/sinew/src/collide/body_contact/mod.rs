@@ -15,6 +15,7 @@
 //! | `pose` | poses out of particles, from nothing and from the last substep's; and the change of a pose back to them, with momentum |
 //! | `bodies` | what contacts know of a body collider, or of static geometry: columns |
 //! | `rigid_islands`, `rigid_state`, `rigid_rotation` | body colliders that move as one rigid state, and their particles follow: which, and how |
+//! | `rigid_forces` | what acts on those, particle by particle, and the wind on their skins |
 //! | `static_geometry` | colliders, planes and boxes |
 //! | `swept_bounds` | where a body collider goes in a step |
 //! | `broad_phase` | what it may come to touch there, and what does that has left those bounds |
@@ -43,6 +44,7 @@ mod narrow_phase;
 mod normal_solve;
 mod pose;
 mod restitution;
+mod rigid_forces;
 mod rigid_islands;
 mod rigid_rotation;
 mod rigid_state;
@@ -85,7 +87,7 @@ use wide_contact::{Contact, SensorOverlap, WideContact};
 
 pub use body_collider::{BodyCollider, BodyColliderFault};
 pub use contact_cache::{CachedManifold, ContactCache};
-pub(crate) use rigid_islands::RigidStep;
+pub(crate) use rigid_islands::{RigidStep, Written};
 
 /// How much overlap is recovered in a substep: so many times what gravity adds to it, and what this speed is, m/s. A tower of so many boxes needs
 /// that much, since a sweep hands a push on by one; more at once would be seen as a jump. With the 20 of single particles, which hand on nothing, ropes that

@@ -5,37 +5,37 @@
 //! state if none of its particles is pinned or asleep, no load of its rods is measured, its body has [`Representation::Auto`], and its particles are where a
 //! rigid body has them. All of that follows from saved state, so a restored world goes on to the same bits.
 //!
-//! Its particles are written after each substep, or once a step where no system runs in between. Where one of them is moved between two phases, the island
-//! goes on as particles until the step ends.
+//! Its particles are written after each substep, or once a step where no system runs in between and no force acts on one of them alone (`rigid_forces`). Where one of
+//! them is moved between two phases, the island goes on as particles until the step ends.
 
 use glam::{Mat3, Quat, Vec3, Vec4};
 
 use super::groups::BodyGroups;
-use super::rigid_state::{
-    AdvanceStates, ForceSums, ReadStates, WideRigidState, push_states, sum_forces, write_states,
-};
+use super::rigid_forces::{Acting, RigidForces};
+use super::rigid_state::{AdvanceStates, ReadStates, WideRigidState, push_states, write_states};
 use super::turn::LaneArray;
 use super::{BodyCollider, BodyContactSolver};
 use crate::constraints::{GradientAt, Pin};
-use crate::integrate::{Integrator, loss};
+use crate::integrate::Integrator;
 use crate::islands::{Island, Islands};
 use crate::lanes::{InstructionSet, LANES, with};
 use crate::particles::Particles;
 use crate::pose::Pose;
 use crate::settings::{BodySettings, Representation};
 
-/// No island.
-const NONE: u32 = u32::MAX;
+/// No island, and no body collider.
+pub(super) const NONE: u32 = u32::MAX;
 
 /// Which body colliders are rigid states. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RigidIslands {
     /// The island of each body collider that is all there is of one; `NONE` for others.
-    islands: Vec<u32>,
+    pub(super) islands: Vec<u32>,
+    /// The body collider that all of an island is; `NONE` of others.
+    pub(super) solids: Vec<u32>,
     /// The states of each group.
     pub(super) states: Vec<WideRigidState>,
-    sums: ForceSums,
-    changes: Vec<[Vec4; LANES]>,
+    pub(super) forces: RigidForces,
     /// How many lanes are rigid states.
     count: usize,
     /// Whether all body colliders are rigid states, and none can touch anything in this step as long as all stay within their swept bounds.
@@ -119,6 +119,14 @@ impl BodyContactSolver {
                 found.unwrap_or(NONE)
             },
         ));
+        rigid.solids.clear();
+        rigid.solids.resize(islands.list.len(), NONE);
+        for (number, &island) in rigid.islands.iter().enumerate() {
+            if let Some(solid) = rigid.solids.get_mut(island as usize) {
+                *solid = number as u32;
+            }
+        }
+        self.forget_skins();
     }
 
     /// Reads the rigid states of this step from their particles, after the broad phase, and marks their islands; none where
@@ -213,10 +221,9 @@ impl BodyContactSolver {
             if !core::mem::take(&mut island.one_state) {
                 continue;
             }
-            let solid = self.rigid.islands.iter().position(|&island| island == number);
-            if let Some((state, lane)) =
-                solid.and_then(|solid| self.rigid.of_row(self.groups.place(solid)))
-            {
+            let solid = self.rigid.solids.get(number as usize).filter(|&&solid| solid != NONE);
+            let place = solid.map(|&solid| self.groups.place(solid as usize));
+            if let Some((state, lane)) = place.and_then(|place| self.rigid.of_row(place)) {
                 state.lanes &= !(1 << lane);
                 self.rigid.count -= 1;
                 self.rigid.idle = false;
@@ -226,34 +233,34 @@ impl BodyContactSolver {
         any
     }
 
-    /// Moves the rigid states through one substep of `h` seconds, by the forces summed up on their particles.
+    /// Moves the rigid states through one substep of `h` seconds, by the forces summed up on their particles and such pressures on their skins.
     pub(crate) fn predict_rigid_states(
         &mut self,
-        particles: &Particles,
+        particles: &mut Particles,
+        islands: &Islands,
+        pressures: &[Vec4],
         h: f32,
         (substep, substeps): (u32, u32),
     ) {
+        self.note_pushed(particles, islands);
         let Self { groups, rigid, wide_swept, instructions, .. } = self;
-        let RigidIslands { states, sums, changes, idle, times, .. } = rigid;
+        let RigidIslands { states, forces, idle, times, .. } = rigid;
         note_times(times, substep..substep + 1, h, substeps);
-        let uneven = particles.acceleration_dirty || particles.medium_dirty;
         let groups = groups.groups.iter().map(|group| (group, &groups.slots[group.slots.clone()]));
-        for ((state, (group, slots)), wide_swept) in states.iter_mut().zip(groups).zip(wide_swept) {
+        let each = states.iter_mut().zip(groups).zip(wide_swept).enumerate();
+        for (number, ((state, (group, slots)), wide_swept)) in each {
             if state.lanes == 0 {
                 continue;
             }
-            if uneven {
-                changes.clear();
-                changes.extend(slots.iter().map(|slot| changes_of(particles, &slot.rows, h)));
-                sum_forces(&group.mass, slots, state, changes, sums, *instructions);
-            } else {
-                state.note_losses(particles.air, h);
-            }
+            state.note_losses(particles.air, h);
+            let acting = Acting { particles, pressures, h };
+            let body = (&group.mass, slots);
+            let sums = forces.sum(number, body, state, acting, *instructions);
             let advance = AdvanceStates {
                 mass: &group.mass,
                 state,
                 common: particles.common,
-                sums: uneven.then_some(sums),
+                sums,
                 h,
                 wide_swept,
                 times,
@@ -334,18 +341,40 @@ impl BodyContactSolver {
         })
     }
 
-    /// Writes the particles of the rigid states.
-    pub(crate) fn write_rigid_states(&self, particles: &mut Particles) {
+    /// Writes particles of the rigid states: of which, and whether [exactly](write_states).
+    pub(crate) fn write_rigid_states(
+        &self,
+        particles: &mut Particles,
+        which: Written,
+        exact: bool,
+    ) {
         let Self { groups, rigid, instructions, .. } = self;
-        for (group, state) in groups.groups.iter().zip(&rigid.states) {
-            if state.lanes != 0 {
+        let RigidForces { forced, windy, .. } = &rigid.forces;
+        for (number, (group, state)) in groups.groups.iter().zip(&rigid.states).enumerate() {
+            let of = |bits: &[u32]| bits.get(number).copied().unwrap_or(0);
+            let lanes = match which {
+                Written::All => state.lanes,
+                Written::Forced => state.lanes & of(forced),
+                Written::ForcedAndWindy => state.lanes & (of(forced) | of(windy)),
+            };
+            if lanes != 0 {
                 let Particles { position, start, velocity, rounding, .. } = &mut *particles;
                 let slots = &groups.slots[group.slots.clone()];
                 let columns = [position, start, velocity, rounding].map(|column| &mut column[..]);
-                write_states(group, slots, state, columns, *instructions);
+                write_states(group, slots, state, lanes, exact, columns, *instructions);
             }
         }
     }
+}
+
+/// Of which rigid states particles are written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Written {
+    All,
+    /// On whose particles something acts one by one.
+    Forced,
+    /// And those whose skins winds press on.
+    ForcedAndWindy,
 }
 
 /// When some substeps of `h` seconds end, since the step began.
@@ -353,30 +382,6 @@ fn note_times(times: &mut Vec<f32>, which: core::ops::Range<u32>, h: f32, subste
     let dt = h * substeps as f32;
     times.clear();
     times.extend(which.map(|number| (number + 1) as f32 / substeps.max(1) as f32 * dt));
-}
-
-/// By how much the velocities of eight particles change in a substep of `h` seconds by what does not act on all alike, m/s: as `integrate` has it.
-fn changes_of(particles: &Particles, rows: &[u32; LANES], h: f32) -> [Vec4; LANES] {
-    let mut last = (0.0, 0.0);
-    rows.map(|row| {
-        let i = row as usize;
-        let (velocity, rate) = (particles.velocity[i], particles.rate(i));
-        let tau = (velocity.w + h) * 0.5;
-        let exponent = if tau > 0.0 { rate * tau } else { 0.0 };
-        if exponent != last.0 {
-            last = (exponent, loss(exponent));
-        }
-        let slip = match particles.drift.get(i) {
-            Some(&drift) if drift != Vec3::ZERO => velocity.truncate() - drift / rate,
-            _ => velocity.truncate(),
-        };
-        let own = if particles.acceleration_dirty {
-            particles.acceleration[i].truncate()
-        } else {
-            Vec3::ZERO
-        };
-        (own * tau - slip * last.1).extend(0.0)
-    })
 }
 
 /// The damping of the particles of an island that may move as a rigid state in this step, 1/s; `None` of one that may not.

@@ -41,6 +41,7 @@ use glam::{Vec3, Vec4};
 use super::bodies::{Bodies, ROTATION, from_row};
 use super::groups::{BodyGroup, Slot, WideMass};
 use super::pose::Gathered;
+use super::rigid_forces::ForceSums;
 use super::rigid_rotation::{Rotation, WideRotation, load_four, store_four};
 use super::swept_bounds::WideSweptBounds;
 use super::turn::{LaneArray, Matrix, Symmetric, load, store, zero};
@@ -76,14 +77,14 @@ pub(super) struct WideRigidState {
     rounding: [LaneArray; 3],
     /// Angular momentum about the centre as Verlet keeps it, kg·m²/s.
     momentum: [LaneArray; 3],
-    rotation: WideRotation,
+    pub(super) rotation: WideRotation,
     /// Where the substep began.
     start_centre: [LaneArray; 3],
     start_rotation: WideRotation,
     /// How it turned in the last substep, in its own axes.
     turn: [LaneArray; 4],
     /// Length of the last substep, seconds.
-    lag: LaneArray,
+    pub(super) lag: LaneArray,
     /// Damping of its particles, 1/s.
     pub(super) rate: LaneArray,
     /// Exponents of a substep after the last one and of those after that, and which shares of the velocities are lost.
@@ -351,45 +352,13 @@ impl<L: Lanes> Moments<L> {
     }
 }
 
-/// Forces that do not act on all particles alike: what they are summed up to of eight body colliders in a substep.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct ForceSums {
-    /// Gain of velocity, m/s.
-    velocity: [LaneArray; 3],
-    /// Gain of angular momentum, kg·m²/s.
-    momentum: [LaneArray; 3],
-}
-
-kernel!(
-    /// Sums up what the particles of eight are accelerated by and lose in a substep of `h` seconds.
-    pub(super) fn sum_forces<L: Lanes>(
-        mass: &WideMass,
-        slots: &[Slot],
-        state: &WideRigidState,
-        // By how much the velocity of each particle of each slot changes, m/s.
-        changes: &[[Vec4; LANES]],
-        sums: &mut ForceSums,
-    ) {
-        let r = Rotation::<L>::load(&state.rotation).matrix();
-        let (mut velocity, mut momentum) = (zero::<L>(), zero::<L>());
-        for (slot, changes) in slots.iter().zip(changes) {
-            let (change, _) = Vector::of(L::run(changes, 0));
-            let gained = change * L::load(&slot.pull);
-            velocity += gained;
-            momentum += r.times(load(&slot.rest)).cross(gained);
-        }
-        store(velocity * L::load(&mass.inverse_mass), &mut sums.velocity);
-        store(momentum, &mut sums.momentum);
-    }
-);
-
 /// Takes eight through some substeps.
 pub(super) struct AdvanceStates<'a> {
     pub(super) mass: &'a WideMass,
     pub(super) state: &'a mut WideRigidState,
     /// Acceleration of all, m/s².
     pub(super) common: Vec3,
-    /// What forces do besides, for a single substep; losses are in it.
+    /// What forces do besides, for a single substep.
     pub(super) sums: Option<&'a ForceSums>,
     pub(super) h: f32,
     /// Their swept bounds, and when each substep ends, seconds since the step began.
@@ -418,13 +387,15 @@ impl Work for AdvanceStates<'_> {
             let tau = (lag + h) * half;
             lag = h;
             let mut change = a * tau + rounding;
+            let mut lost = L::load(&state.lost[number.min(1)]);
+            if let Some(sums) = sums {
+                lost = L::mask(sums.forced).select(L::zero(), lost);
+            }
+            change -= velocity * lost;
+            momentum -= momentum * lost;
             if let Some(sums) = sums {
                 change += load(&sums.velocity);
                 momentum += load(&sums.momentum);
-            } else {
-                let lost = L::load(&state.lost[number.min(1)]);
-                change -= velocity * lost;
-                momentum -= momentum * lost;
             }
             let next = velocity + change;
             rounding = change - (next - velocity);
@@ -629,11 +600,13 @@ impl<L: Lanes> WidePose<L> {
 }
 
 kernel!(
-    /// Writes the particles of eight.
+    /// Writes the particles of some of eight: `exact` where the next step is to read the momenta that they have, else to round-off.
     pub(super) fn write_states<L: Lanes>(
         group: &BodyGroup,
         slots: &[Slot],
         state: &WideRigidState,
+        lanes: u32,
+        exact: bool,
         // Positions, where the substep began, velocities, and what was rounded off those.
         columns: [&mut [Vec4]; 4],
     ) {
@@ -666,8 +639,8 @@ kernel!(
         let pose = WidePose { r, nudge, remainder };
         // What all of that rounds of the momenta is given back: in a hundred steps it would else lose or gain the same a hundred times. What the
         // velocities cannot hold of it is what `f32` drops of them.
-        let (mut more, mut faster) = (zero::<L>(), zero::<L>());
-        for _ in 0..2 {
+        let (mut more, mut faster) = (zero::<L>(), dropped);
+        for _ in 0..if exact { 2 } else { 0 } {
             rates = Matrix {
                 x: rates.x + more.cross(r.x),
                 y: rates.y + more.cross(r.y),
@@ -681,7 +654,7 @@ kernel!(
             more = r.times(inverse.times(missing));
             faster = dropped - written.velocity * L::load(&group.mass.middle);
         }
-        let whole = !group.scattered && state.lanes == 0xFF;
+        let whole = !group.scattered && lanes == 0xFF;
         for slot in slots {
             let (rest, w) = (load::<L>(&slot.rest), L::load(&slot.inverse_mass));
             let arm = pose.arm(rest);
@@ -702,7 +675,7 @@ kernel!(
                 let mut eight = [Vec4::ZERO; LANES];
                 L::put_run(&mut eight, 0, field);
                 for (lane, own) in eight.into_iter().enumerate() {
-                    if state.lanes >> lane & 1 == 1 && slot.share[lane] > 0.0 {
+                    if lanes >> lane & 1 == 1 && slot.share[lane] > 0.0 {
                         column[slot.rows[lane] as usize] = own;
                     }
                 }

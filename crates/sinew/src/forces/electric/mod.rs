@@ -112,7 +112,7 @@ pub(crate) fn apply(
     }
     let sign = electric.constant.signum();
     for (k, item) in tree.items.iter().enumerate() {
-        particles.add_force(item.row as usize, columns.force(k) * sign);
+        particles.push_force(item.row as usize, columns.force(k) * sign);
     }
 }
 
@@ -127,7 +127,7 @@ fn apply_fields(particles: &mut Particles, law: &Electric, fields: &[ElectricFie
         if charge != 0.0 {
             let at = |f: &ElectricField| f.field * f.region.share_of(particles, i);
             let field = local().fold(everywhere, |sum, f| sum + at(f));
-            particles.add_force(i, field * charge);
+            particles.push_force(i, field * charge);
         }
     }
 }

@@ -34,8 +34,8 @@ pub(super) fn apply(particles: &mut Particles, fluid: &Fluid, gravity: Vec3, car
             let inside = fluid.region.share_at(middle);
             if inside > 0.0 {
                 let share = volume / (4.0 / 3.0 * PI * radius * radius * radius);
-                particles.add_force(i, lift * (volume * inside));
-                particles.drag_towards(i, rate * share * inside, fluid.current);
+                particles.push_force(i, lift * (volume * inside));
+                particles.push_drag(i, rate * share * inside, fluid.current);
             }
         }
     }

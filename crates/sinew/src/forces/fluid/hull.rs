@@ -71,7 +71,7 @@ pub(super) fn apply(
             }
             let rate = fluid.rate() * load.share as f32 * inside;
             for &i in &hull.rows {
-                particles.drag_towards(i as usize, rate, fluid.current);
+                particles.push_drag(i as usize, rate, fluid.current);
             }
         }
     }
@@ -220,7 +220,7 @@ impl Sum {
 /// Puts the forces of the vertices onto the carriers that they are.
 fn apply_forces(particles: &mut Particles, hull: &Hull, forces: &[DVec3], weight: f64) {
     for (&i, &force) in hull.rows.iter().zip(forces) {
-        particles.add_force(i as usize, (force * weight).as_vec3());
+        particles.push_force(i as usize, (force * weight).as_vec3());
     }
 }
 
@@ -252,7 +252,7 @@ fn push(particles: &mut Particles, hull: &Hull, load: &Load, weight: f64) {
     for &i in &hull.rows {
         if particles.position[i as usize].w > 0.0 {
             let r = from(particles, i, first) - barycentre;
-            particles.add_acceleration(i as usize, (linear + angular.cross(r)).as_vec3());
+            particles.push_acceleration(i as usize, (linear + angular.cross(r)).as_vec3());
         }
     }
 }

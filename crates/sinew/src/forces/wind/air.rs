@@ -236,7 +236,7 @@ pub(crate) fn apply(
             let held = 0.5 * (particles.lag(i).max(h) + h);
             let force = felt.on_ball(felt.velocity - particles.velocity(i), held);
             if force.is_finite() {
-                particles.add_force(i, force);
+                particles.push_force(i, force);
             }
         }
     }

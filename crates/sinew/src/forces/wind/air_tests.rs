@@ -1,5 +1,7 @@
 //! What air must do to sheets and balls: the analytic results of physics.md F5, and that no substep makes it throw anything about.
 
+use core::slice;
+
 use glam::Vec3;
 
 use super::air::{Air, AirFlow, apply, sample};
@@ -283,7 +285,12 @@ fn every_instruction_set_blows_with_the_same_bits_and_as_one_triangle_at_a_time_
             particles.clear_sums(0.0);
             // A length at which the limits are reached for some and not for others.
             apply(&mut particles, surfaces, &air, 0.004, set);
-            pressure::apply(&mut particles, surfaces, &pressures);
+            pressure::apply(
+                &mut particles,
+                surfaces,
+                &pressures,
+                slice::from_ref(&(0..surfaces.len())),
+            );
             particles.acceleration.clone()
         };
         let truth = blown(&surfaces, InstructionSet::Scalar);

@@ -1,5 +1,7 @@
 //! Wind pressure on triangles, as the lectures give it (physics.md F5), with gusts that travel downwind.
 
+use core::ops::Range;
+
 use glam::{Vec3, Vec4};
 
 use super::gusts::{VectorField, arch, at_one_place, fraction};
@@ -87,12 +89,18 @@ pub(crate) fn sample(
 }
 
 /// Adds the force of a wind on each triangle: `‖½ (p1-p0)×(p2-p0) · w‖ · w/‖w‖`, a third to each corner. `pressures` holds the
-/// [`sample`] of one wind after the other.
+/// [`sample`] of one wind after the other, of which those of the triangles `which` count.
 ///
 /// A triangle at a time: the rows of its corners are most of the work, and neighbours share them.
-pub(crate) fn apply(particles: &mut Particles, surfaces: &[[u32; 3]], pressures: &[Vec4]) {
+pub(crate) fn apply(
+    particles: &mut Particles,
+    surfaces: &[[u32; 3]],
+    pressures: &[Vec4],
+    which: &[Range<usize>],
+) {
     if pressures.is_empty()
         || surfaces.is_empty()
+        || which.is_empty()
         || !pressures.len().is_multiple_of(surfaces.len())
     {
         return;
@@ -101,13 +109,16 @@ pub(crate) fn apply(particles: &mut Particles, surfaces: &[[u32; 3]], pressures:
     let Particles { position, origin, acceleration, .. } = particles;
     let sheet = Sheet { position, origin };
     for pressures in pressures.chunks_exact(surfaces.len()) {
-        for (&corners, &w) in surfaces.iter().zip(pressures) {
-            // The second for whoever exchanged triangles since the winds were sampled.
-            if w.w == 0.0 || !sheet.has(corners) {
-                continue;
+        for range in which.iter().cloned() {
+            let of_one = surfaces.get(range.clone()).unwrap_or_default().iter();
+            for (&corners, &w) in of_one.zip(&pressures[range]) {
+                // The second for whoever exchanged triangles since the winds were sampled.
+                if w.w == 0.0 || !sheet.has(corners) {
+                    continue;
+                }
+                let facing = sheet.twice_the_area(corners).truncate().dot(w.truncate());
+                sheet.add(acceleration, corners, (w * (facing.abs() * w.w)).with_w(0.0));
             }
-            let facing = sheet.twice_the_area(corners).truncate().dot(w.truncate());
-            sheet.add(acceleration, corners, (w * (facing.abs() * w.w)).with_w(0.0));
         }
     }
 }
@@ -224,6 +235,8 @@ fn level_across(along: Vec3) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
+    use core::slice;
+
     use super::*;
     use crate::particles::ParticleSeed;
 
@@ -231,7 +244,7 @@ mod tests {
         let mut pressures = Vec::new();
         sample(particles, surfaces, wind, 0.0, &mut pressures, InstructionSet::best());
         particles.clear_sums(0.0);
-        apply(particles, surfaces, &pressures);
+        apply(particles, surfaces, &pressures, slice::from_ref(&(0..surfaces.len())));
         (0..particles.len()).map(|i| particles.acceleration(i)).sum()
     }
 

@@ -1,0 +1,336 @@
+//! Forces on rigid states: which act on their particles one by one, and the pressure of winds on a skin.
+//!
+//! Where something pulls on single particles of a rigid state (a spring, a control, a force of a game's own), these are written in every substep, so that it finds them where
+//! they are, and what it does to them is summed up. All others need no particles until the step ends: gravity and damping are the same for all of a body, and
+//! winds are summed up over its triangles in its own axes, where those stand still.
+//!
+//! # Wind on a triangle of a rigid body
+//!
+//! With `A` the area of a triangle, a vector across it, and `w` the pressure there, the lectures' law (`forces/wind/pressure.rs` of the crate) gives each corner a third of
+//! `F = w |A·w| / ‖w‖`. That is the force `F` at the middle `c` of its corners: the body gains `Σ F` and `Σ c × F`, and with `w` turned into its axes once, `A` and
+//! `c` are numbers that do not change.
+
+use core::ops::Range;
+
+use glam::{Vec3, Vec4};
+
+use super::BodyContactSolver;
+use super::groups::{BodyGroups, Slot, WideMass};
+use super::rigid_islands::{NONE, RigidIslands};
+use super::rigid_rotation::Rotation;
+use super::rigid_state::WideRigidState;
+use super::turn::{LaneArray, load, set, store, zero};
+use crate::integrate::loss;
+use crate::islands::Islands;
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
+use crate::particles::Particles;
+use crate::tracked::Tracked;
+
+/// What acts on the rigid states of a step. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(super) struct RigidForces {
+    /// A bit for each lane of a group on whose particles something acts one by one in this step, and for each whose skin winds press on.
+    pub(super) forced: Vec<u32>,
+    pub(super) windy: Vec<u32>,
+    skins: Skins,
+    sums: ForceSums,
+    changes: Vec<[Vec4; LANES]>,
+}
+
+/// Triangles of bodies that may be rigid states, in their own axes.
+#[derive(Clone, Debug, Default)]
+struct Skins {
+    /// Eight triangles each, and where those of each group are.
+    facets: Vec<WideFacet>,
+    of_group: Vec<Range<usize>>,
+    /// The row among the bodies of whom each triangle belongs to; `NONE` of others.
+    owners: Vec<u32>,
+    /// Particles of bodies of triangles that belong to nobody: these are pressed on one by one.
+    shared: Vec<u32>,
+    /// The number of the list of triangles that they are of; `None` if bodies have changed since.
+    revision: Option<u64>,
+}
+
+/// A triangle of each of eight bodies.
+#[derive(Clone, Copy, Debug, Default)]
+struct WideFacet {
+    /// Numbers of the triangles; of lanes without one any, and no area.
+    numbers: [u32; LANES],
+    /// The middle of its corners from the body's centre, metres, and its area, m², across it.
+    middle: [LaneArray; 3],
+    area: [LaneArray; 3],
+}
+
+/// Forces that do not act on all particles alike: what they are summed up to of eight body colliders in a substep.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ForceSums {
+    /// Gain of velocity, m/s.
+    pub(super) velocity: [LaneArray; 3],
+    /// Gain of angular momentum, kg·m²/s.
+    pub(super) momentum: [LaneArray; 3],
+    /// A bit for each lane of which losses by damping are in that.
+    pub(super) forced: u32,
+}
+
+/// What acts on rigid states in a substep of `h` seconds.
+pub(super) struct Acting<'a> {
+    pub(super) particles: &'a Particles,
+    /// The pressures of one wind after the other on all triangles.
+    pub(super) pressures: &'a [Vec4],
+    pub(super) h: f32,
+}
+
+impl RigidForces {
+    /// Those on one group, if there are any.
+    pub(super) fn sum(
+        &mut self,
+        number: usize,
+        (mass, slots): (&WideMass, &[Slot]),
+        state: &WideRigidState,
+        Acting { particles, pressures, h }: Acting,
+        instructions: InstructionSet,
+    ) -> Option<&ForceSums> {
+        let Self { forced, windy, skins, sums, changes } = self;
+        let of = |bits: &[u32]| bits.get(number).map_or(0, |bits| bits & state.lanes);
+        let uneven = particles.acceleration_dirty || particles.medium_dirty;
+        let forced = if uneven { of(forced) } else { 0 };
+        let windy = of(windy) & !forced;
+        if forced | windy == 0 {
+            return None;
+        }
+        *sums = ForceSums { forced, ..ForceSums::default() };
+        if forced != 0 {
+            changes.clear();
+            changes.extend(slots.iter().map(|slot| changes_of(particles, &slot.rows, forced, h)));
+            sum_forces(mass, slots, state, changes, sums, instructions);
+        }
+        if windy != 0 {
+            let facets = &skins.facets[skins.of_group[number].clone()];
+            let count = skins.owners.len();
+            press(mass, state, facets, (pressures, count), windy, h, sums, instructions);
+        }
+        Some(sums)
+    }
+}
+
+impl BodyContactSolver {
+    /// Lays out the skins of bodies that may be rigid states, if triangles or bodies have changed.
+    pub(crate) fn find_skins(&mut self, surfaces: &Tracked<Vec<[u32; 3]>>) {
+        let skins = &mut self.rigid.forces.skins;
+        if skins.revision == Some(surfaces.revision()) {
+            return;
+        }
+        skins.lay_out(&self.groups, &self.rigid.islands, surfaces);
+        skins.revision = Some(surfaces.revision());
+    }
+
+    /// Has skins be laid out anew: bodies have changed.
+    pub(super) fn forget_skins(&mut self) {
+        self.rigid.forces.skins.revision = None;
+    }
+
+    /// Notes on which rigid states something acts particle by particle in this step: on those of such rows, or on all of them; and on whose skins winds press, that
+    /// have such pressures on all triangles. Appends the triangles to `others` that belong to particles that move by themselves.
+    pub(crate) fn note_forces(
+        &mut self,
+        islands: &Islands,
+        (all, rows): (bool, impl Iterator<Item = u32>),
+        pressures: &[Vec4],
+        others: &mut Vec<Range<usize>>,
+    ) {
+        let Self { groups, rigid, asleep, .. } = self;
+        let RigidIslands { states, solids, forces, .. } = rigid;
+        let RigidForces { forced, windy, skins, .. } = forces;
+        forced.clear();
+        forced.resize(groups.groups.len(), if all { u32::MAX } else { 0 });
+        windy.clear();
+        windy.resize(groups.groups.len(), 0);
+        let shared = skins.shared.iter().copied().filter(|_| !pressures.is_empty());
+        for row in rows.chain(shared) {
+            force_row(forced, groups, solids, islands, row);
+        }
+        if pressures.is_empty() {
+            return;
+        }
+        let rests = |place: usize| {
+            let (group, lane) = (place / LANES, place % LANES);
+            let state = states.get(group).map_or(0, |state| state.lanes);
+            (state & !forced[group] | asleep[group]) >> lane & 1 == 1
+        };
+        let mut next = 0;
+        for (number, &owner) in skins.owners.iter().enumerate() {
+            if owner != NONE && rests(owner as usize) {
+                let blows = |of_one: &[Vec4]| of_one[number].w != 0.0;
+                if pressures.chunks_exact(skins.owners.len()).any(blows) {
+                    windy[owner as usize / LANES] |= 1 << (owner as usize % LANES);
+                }
+                if next < number {
+                    others.push(next..number);
+                }
+                next = number + 1;
+            }
+        }
+        if next < skins.owners.len() {
+            others.push(next..skins.owners.len());
+        }
+    }
+
+    /// Notes that something acts on single particles of the rigid states of which rows were pushed from outside.
+    pub(super) fn note_pushed(&mut self, particles: &mut Particles, islands: &Islands) {
+        let Self { groups, rigid, .. } = self;
+        while let Some(row) = particles.take_pushed() {
+            force_row(&mut rigid.forces.forced, groups, &rigid.solids, islands, row);
+        }
+    }
+
+    /// Whether the particles of a body collider that is a rigid state are accelerated one by one.
+    pub(crate) fn is_forced(&self, number: usize) -> bool {
+        let place = self.groups.place(number);
+        let RigidForces { forced, windy, .. } = &self.rigid.forces;
+        let bits = |of: &[u32]| of.get(place / LANES).copied().unwrap_or(0);
+        (bits(forced) | bits(windy)) >> (place % LANES) & 1 == 1
+    }
+}
+
+/// Marks the lane of the rigid state that a particle belongs to.
+fn force_row(forced: &mut [u32], groups: &BodyGroups, solids: &[u32], islands: &Islands, row: u32) {
+    let island = islands.of.get(row as usize);
+    let solid = island.and_then(|&island| solids.get(island as usize));
+    let Some(&solid) = solid.filter(|&&solid| solid != NONE) else { return };
+    let place = groups.place(solid as usize);
+    if let Some(bits) = forced.get_mut(place / LANES) {
+        *bits |= 1 << (place % LANES);
+    }
+}
+
+impl Skins {
+    fn lay_out(&mut self, groups: &BodyGroups, islands: &[u32], surfaces: &[[u32; 3]]) {
+        let Self { facets, of_group, owners, shared, .. } = self;
+        facets.clear();
+        of_group.clear();
+        owners.clear();
+        shared.clear();
+        // Where each row is: whose it is, and where it rests.
+        let len = groups.solid.len();
+        let mut places = vec![(NONE, Vec3::ZERO); len];
+        for (number, part) in groups.parts.iter().enumerate() {
+            if islands.get(number).is_none_or(|&island| island == NONE) {
+                continue;
+            }
+            let place = groups.place(number);
+            let slots = &groups.slots[groups.groups[place / LANES].slots.clone()];
+            for (&row, slot) in groups.rows[part.entries.clone()].iter().zip(slots) {
+                let rest = slot.rest.map(|numbers| numbers[place % LANES]);
+                places[row as usize] = (place as u32, Vec3::from_array(rest));
+            }
+        }
+        let of = |row: u32| places.get(row as usize).copied().unwrap_or((NONE, Vec3::ZERO));
+        let mut own = vec![Vec::new(); groups.groups.len() * LANES];
+        for (number, corners) in surfaces.iter().enumerate() {
+            let [a, b, c] = corners.map(of);
+            let owner = if a.0 == b.0 && a.0 == c.0 { a.0 } else { NONE };
+            owners.push(owner);
+            if owner == NONE {
+                shared.extend(corners.iter().filter(|&&row| of(row).0 != NONE));
+                continue;
+            }
+            let middle = (a.1 + b.1 + c.1) / 3.0;
+            let area = (b.1 - a.1).cross(c.1 - a.1) * 0.5;
+            own[owner as usize].push((number as u32, middle, area));
+        }
+        for eight in own.chunks(LANES) {
+            let (first, most) = (facets.len(), eight.iter().map(Vec::len).max().unwrap_or(0));
+            facets.resize(first + most, WideFacet::default());
+            for (lane, own) in eight.iter().enumerate() {
+                for (facet, &(number, middle, area)) in facets[first..].iter_mut().zip(own) {
+                    facet.numbers[lane] = number;
+                    set(&mut facet.middle, lane, middle);
+                    set(&mut facet.area, lane, area);
+                }
+            }
+            of_group.push(first..facets.len());
+        }
+    }
+}
+
+/// By how much the velocities of some of eight particles change in a substep of `h` seconds by what does not act on all alike, m/s: as `integrate` has it.
+fn changes_of(particles: &Particles, rows: &[u32; LANES], forced: u32, h: f32) -> [Vec4; LANES] {
+    let mut last = (0.0, 0.0);
+    let mut changes = [Vec4::ZERO; LANES];
+    for lane in (0..LANES).filter(|lane| forced >> lane & 1 == 1) {
+        let i = rows[lane] as usize;
+        let (velocity, rate) = (particles.velocity[i], particles.rate(i));
+        let tau = (velocity.w + h) * 0.5;
+        let exponent = if tau > 0.0 { rate * tau } else { 0.0 };
+        if exponent != last.0 {
+            last = (exponent, loss(exponent));
+        }
+        let slip = match particles.drift.get(i) {
+            Some(&drift) if drift != Vec3::ZERO => velocity.truncate() - drift / rate,
+            _ => velocity.truncate(),
+        };
+        let own = if particles.acceleration_dirty {
+            particles.acceleration[i].truncate()
+        } else {
+            Vec3::ZERO
+        };
+        changes[lane] = (own * tau - slip * last.1).extend(0.0);
+    }
+    changes
+}
+
+kernel!(
+    /// Sums up what the particles of eight are accelerated by and lose in a substep of `h` seconds.
+    fn sum_forces<L: Lanes>(
+        mass: &WideMass,
+        slots: &[Slot],
+        state: &WideRigidState,
+        // By how much the velocity of each particle of each slot changes, m/s.
+        changes: &[[Vec4; LANES]],
+        sums: &mut ForceSums,
+    ) {
+        let r = Rotation::<L>::load(&state.rotation).matrix();
+        let (mut velocity, mut momentum) = (zero::<L>(), zero::<L>());
+        for (slot, changes) in slots.iter().zip(changes) {
+            let (change, _) = Vector::of(L::run(changes, 0));
+            let gained = change * L::load(&slot.pull);
+            velocity += gained;
+            momentum += r.times(load(&slot.rest)).cross(gained);
+        }
+        store(velocity * L::load(&mass.inverse_mass), &mut sums.velocity);
+        store(momentum, &mut sums.momentum);
+    }
+);
+
+kernel!(
+    /// Adds what winds do to the skins of some of eight in a substep of `h` seconds.
+    fn press<L: Lanes>(
+        mass: &WideMass,
+        state: &WideRigidState,
+        facets: &[WideFacet],
+        // Of one wind after the other, on so many triangles.
+        pressures: (&[Vec4], usize),
+        windy: u32,
+        h: f32,
+        sums: &mut ForceSums,
+    ) {
+        let r = Rotation::<L>::load(&state.rotation).matrix();
+        let (mut force, mut torque) = (zero::<L>(), zero::<L>());
+        for pressures in pressures.0.chunks_exact(pressures.1) {
+            for facet in facets {
+                // With a sixth of one by its strength.
+                let (w, sixth) = Vector::of(L::rows(pressures, &facet.numbers));
+                let w = r.transposed_times_vector(w);
+                let facing = load::<L>(&facet.area).dot(w).abs();
+                let push = w * (facing * sixth * L::splat(6.0));
+                force += push;
+                torque += load::<L>(&facet.middle).cross(push);
+            }
+        }
+        let lanes = L::mask(windy);
+        let tau = lanes.and((L::load(&state.lag) + L::splat(h)) * L::splat(0.5));
+        let velocity = r.times(force) * (L::load(&mass.inverse_mass) * tau);
+        store(load::<L>(&sums.velocity) + velocity, &mut sums.velocity);
+        store(load::<L>(&sums.momentum) + r.times(torque) * tau, &mut sums.momentum);
+    }
+);
