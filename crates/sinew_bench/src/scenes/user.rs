@@ -99,52 +99,75 @@ users!(
 );
 
 /// U10: what a ground, a far collider, a wind and a game's own system between two phases cost each scene, as a share of the frame without any of them.
+///
+/// Cloth and ropes are there without a ground. What falls has one, for falling for ever is nobody's scene, and is kept awake, so that as much is at work in each of
+/// them: a wind wakes whom it moves, and these boxes are no denser than air. What sleeps is asked beside a system of a game's own only.
 pub(super) fn u10(effort: &Effort) -> Vec<Row> {
-    let extras: [(&str, fn(&mut World)); 4] = [
-        ("a ground", |world| {
-            world.spawn(Ground);
-        }),
-        ("a far collider", |world| {
-            world.spawn((Collider::sphere(1.0), Transform::from_xyz(100.0, -50.0, 0.0)));
-        }),
-        ("a wind", |world| {
-            world.spawn(Wind::default());
-        }),
-        ("an own system", |world| {
-            let own = nothing.in_set(PhaseSystems::Integrate);
-            world.resource_mut::<Schedules>().add_systems(SubstepSchedule, own);
-        }),
-    ];
-    let rows = LEVELS.iter().map(|level| {
-        // Without its own ground nothing that falls is ever caught: what hangs and what lies on something is what this is about.
-        let bare = measured(level, effort, level.fill);
-        let share = |fill: fn(&mut World)| {
-            let with = measured(level, effort, |world| {
-                (level.fill)(world);
-                fill(world);
-            });
-            with.ours.unwrap_or(f64::NAN) / bare.ours.unwrap_or(f64::NAN)
-        };
-        let shares = extras.map(|(what, fill)| format!("{what} {:.2}×", share(fill)));
-        Row { id: "U10", stretch: None, ..bare }.noted(shares.join(", "))
-    });
-    rows.collect()
+    let falls = |level: &Level| ["U6", "U7", "U8"].contains(&level.id);
+    let asleep = level("U11", "1000 boxes side by side, asleep", |world| lying(world, true));
+    LEVELS
+        .iter()
+        .map(|level| match falls(level) {
+            false => with_extras(level, effort, |_| {}, &[A_GROUND, FAR, A_WIND, OWN_SYSTEM]),
+            true => with_extras(level, effort, awake_on_a_ground, &[FAR, A_WIND, OWN_SYSTEM]),
+        })
+        .chain([with_extras(&asleep, effort, |world| with_ground(world, |_| {}), &[OWN_SYSTEM])])
+        .collect()
+}
+
+/// What may be added to a scene, and what it is called.
+type Extra = (&'static str, fn(&mut World));
+
+const A_GROUND: Extra = ("a ground", |world| {
+    world.spawn(Ground);
+});
+const FAR: Extra = ("a far collider", |world| {
+    world.spawn((Collider::sphere(1.0), Transform::from_xyz(100.0, -50.0, 0.0)));
+});
+const A_WIND: Extra = ("a wind", |world| {
+    world.spawn(Wind::default());
+});
+const OWN_SYSTEM: Extra = ("an own system", |world| {
+    let own = nothing.in_set(PhaseSystems::Integrate);
+    world.resource_mut::<Schedules>().add_systems(SubstepSchedule, own);
+});
+
+/// A ground, and nobody on it sleeps.
+fn awake_on_a_ground(world: &mut World) {
+    world.spawn(Ground);
+    world.resource_mut::<Schedules>().add_systems(Update, stay_awake);
+}
+
+fn stay_awake(
+    mut commands: Commands,
+    sleepers: Query<Entity, (With<Sleep>, Without<SleepingDisabled>)>,
+) {
+    for entity in &sleepers {
+        commands.entity(entity).insert(SleepingDisabled);
+    }
+}
+
+/// A scene in such surroundings, and what each of those costs that are added to them.
+fn with_extras(level: &Level, effort: &Effort, around: fn(&mut World), extras: &[Extra]) -> Row {
+    let run = |fill: fn(&mut World)| {
+        measured(level, effort, |world| {
+            around(world);
+            (level.fill)(world);
+            fill(world);
+        })
+    };
+    let bare = run(|_| {});
+    let share = |with: Row| with.ours.unwrap_or(f64::NAN) / bare.ours.unwrap_or(f64::NAN);
+    let shares = extras.iter().map(|(what, fill)| format!("{what} {:.2}×", share(run(*fill))));
+    let shares = shares.collect::<Vec<_>>().join(", ");
+    Row { id: "U10", stretch: None, ..bare }.noted(shares)
 }
 
 /// U11.
 pub(super) fn u11(effort: &Effort) -> Vec<Row> {
-    let fill = |world: &mut World, sleeps: bool| {
-        for place in places::lying() {
-            let mut body =
-                world.spawn((RigidBox::new(Vec3::ONE), Transform::from_translation(place)));
-            if !sleeps {
-                body.insert(SleepingDisabled);
-            }
-        }
-    };
     // What a level is like most of the time: somebody moves, and all else lies.
     let one_awake = |world: &mut World| {
-        fill(world, true);
+        lying(world, true);
         let place = Transform::from_xyz(-3.0, 0.5, -3.0);
         world.spawn((RigidBox::new(Vec3::ONE), place, SleepingDisabled));
     };
@@ -154,10 +177,20 @@ pub(super) fn u11(effort: &Effort) -> Vec<Row> {
         .beside(|effort| peers::lying(effort, true));
     let but_one = level("U11", "1000 boxes side by side, asleep, and one awake", |_| {});
     vec![
-        measured(&asleep, effort, |world| with_ground(world, |world| fill(world, true))),
+        measured(&asleep, effort, |world| with_ground(world, |world| lying(world, true))),
         measured(&but_one, effort, |world| with_ground(world, one_awake)),
-        measured(&awake, effort, |world| with_ground(world, |world| fill(world, false))),
+        measured(&awake, effort, |world| with_ground(world, |world| lying(world, false))),
     ]
+}
+
+/// A thousand boxes side by side, which may sleep or not.
+fn lying(world: &mut World, sleeps: bool) {
+    for place in places::lying() {
+        let mut body = world.spawn((RigidBox::new(Vec3::ONE), Transform::from_translation(place)));
+        if !sleeps {
+            body.insert(SleepingDisabled);
+        }
+    }
 }
 
 /// A system of a game's own that does nothing.
