@@ -290,7 +290,8 @@ fn constraints_cloned_and_put_back_go_on_bit_for_bit() {
     one_of_each(app.world_mut());
     tick(&mut app, 60);
     let simulation = app.world().resource::<SinewWorld>().simulation();
-    assert_eq!(simulation.constraints().len(), 12);
+    let count = simulation.constraints().len();
+    assert_eq!(count, 12, "`one_of_each` spawns that many: a new one is to be counted here, too");
     let hashes = |app: &mut App| -> Vec<u64> {
         (0..60)
             .map(|_| {

@@ -198,6 +198,8 @@ pub struct ExtractedTransform(pub Option<Transform>);
 /// Spawned with a body it is its first motion; changed by a game, it changes the body's, at the beginning of the next tick: all its particles by the same,
 /// so that spin and inner motion stay. Pinned particles do not move. A number that is not finite is refused, and the body goes on as it did.
 ///
+/// It does nothing on a [`Particle`](crate::Particle) that belongs to no body: use [`Particle::with_velocity`](crate::Particle::with_velocity) there.
+///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_sinew::prelude::*;

@@ -91,6 +91,11 @@ pub(crate) fn assert_gradients(equation: &dyn Equation, positions: &[Vec3]) {
     let largest = gradients.iter().map(|g| g.length()).fold(0.0, f32::max);
     assert!(largest > 0.0, "no gradient, but a value of {value}");
     let step = 0.02 * extent(positions);
+    assert!(
+        step > 0.0,
+        "the positions have no extent, of which the step of the differences is a share: for a constraint of one particle, add a second position, \
+         which the equation does not look at"
+    );
     for i in 0..positions.len() {
         for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
             let at = |distance: f32| {
