@@ -31,8 +31,8 @@ pub(crate) struct Island {
     pub(crate) members: Range<usize>,
     /// Whether a compound in it moves as an explicit rigid body, which keeps its own momenta.
     pub(crate) rigid: bool,
-    /// Whether a game's own constraint is in it, which may hold on to the world.
-    pub(crate) custom: bool,
+    /// Whether a constraint in it may hold on to the world ([`Equation::is_internal`](crate::constraints::Equation::is_internal)).
+    pub(crate) external: bool,
     /// Whether all its particles have one origin in this step.
     pub(crate) one_origin: bool,
     /// Whether nothing outside holds it in this step: its constraints are among its own particles, of which none is pinned.

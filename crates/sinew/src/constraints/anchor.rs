@@ -149,6 +149,10 @@ impl Equation for AnchorDistance {
         self.softness
     }
 
+    fn is_internal(&self) -> bool {
+        true
+    }
+
     fn is_length(&self) -> bool {
         true
     }

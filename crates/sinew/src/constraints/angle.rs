@@ -66,6 +66,10 @@ impl Equation for Angle {
     fn softness(&self) -> Softness {
         self.softness
     }
+
+    fn is_internal(&self) -> bool {
+        true
+    }
 }
 
 /// How far a number is above a range, or (negative) below.

@@ -49,6 +49,10 @@ impl Equation for Area {
     fn softness(&self) -> Softness {
         self.softness
     }
+
+    fn is_internal(&self) -> bool {
+        true
+    }
 }
 
 /// The area of a triangle, m², and how it changes with its corners, m.

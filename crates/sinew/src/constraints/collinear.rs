@@ -43,6 +43,10 @@ impl Equation for Collinear {
         self.softness
     }
 
+    fn is_internal(&self) -> bool {
+        true
+    }
+
     fn is_length(&self) -> bool {
         true
     }

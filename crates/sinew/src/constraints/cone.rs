@@ -103,6 +103,10 @@ impl Equation for Cone {
     fn softness(&self) -> Softness {
         self.softness
     }
+
+    fn is_internal(&self) -> bool {
+        true
+    }
 }
 
 /// The numbers of eight [`Cone`]s of four or five particles.

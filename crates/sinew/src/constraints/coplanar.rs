@@ -48,6 +48,10 @@ impl Equation for Coplanar {
         self.softness
     }
 
+    fn is_internal(&self) -> bool {
+        true
+    }
+
     fn is_length(&self) -> bool {
         true
     }

@@ -97,6 +97,10 @@ impl Equation for Distance {
         self.softness
     }
 
+    fn is_internal(&self) -> bool {
+        true
+    }
+
     fn is_length(&self) -> bool {
         true
     }

@@ -64,6 +64,13 @@ pub trait Equation: Send + Sync + core::fmt::Debug {
     fn is_length(&self) -> bool {
         false
     }
+
+    /// Whether it acts between its own particles alone, as a rod does: its value stays what it is where all of them are moved and turned together, so that it keeps their
+    /// momentum. Where that holds of all constraints of an island, the solver gives back what round-off takes of its momenta. Not by default, which is right of anything:
+    /// an equation that ties particles to a place in the world must not say so, or what it stops would keep its velocity.
+    fn is_internal(&self) -> bool {
+        false
+    }
 }
 
 /// The particles of one constraint, in its own order, as an [`Equation`] sees them.

@@ -76,6 +76,10 @@ impl Equation for Hinge {
     fn softness(&self) -> Softness {
         self.softness
     }
+
+    fn is_internal(&self) -> bool {
+        true
+    }
 }
 
 /// An angle as the one of -π to π that points the same way.

@@ -69,6 +69,10 @@ impl Equation for Patch {
     fn softness(&self) -> Softness {
         self.softness
     }
+
+    fn is_internal(&self) -> bool {
+        true
+    }
 }
 
 /// Uniform scaling by `factor` about the mass barycentre, as a value and gradients that the generic projection turns into just that.

@@ -50,6 +50,10 @@ impl Equation for Tetrahedron {
     fn softness(&self) -> Softness {
         self.softness
     }
+
+    fn is_internal(&self) -> bool {
+        true
+    }
 }
 
 /// The signed volume, m³, and how it changes with each corner, m².

@@ -101,6 +101,10 @@ impl Equation for Volume {
     fn softness(&self) -> Softness {
         self.softness
     }
+
+    fn is_internal(&self) -> bool {
+        true
+    }
 }
 
 #[cfg(test)]

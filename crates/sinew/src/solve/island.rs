@@ -97,7 +97,7 @@ fn can_propagate(plan: &Plan, island: &Island) -> bool {
         && settings.gradient_at == GradientAt::Current
         && !(settings.statics || island.is_left_alone() || island.takes_microsteps());
     suits
-        && !(island.rigid || island.custom || island.measured || island.has_chains())
+        && !(island.rigid || island.external || island.measured || island.has_chains())
         && plan.is_hard(island)
 }
 

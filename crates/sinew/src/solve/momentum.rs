@@ -203,6 +203,6 @@ pub(crate) fn is_free(island: &Island, held: bool) -> bool {
     !held
         && !island.groups.is_empty()
         && !island.rigid
-        && !island.custom
+        && !island.external
         && island.settings.integrator != Integrator::ExplicitEuler
 }

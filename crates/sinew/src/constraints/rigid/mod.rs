@@ -64,6 +64,10 @@ impl Equation for Rigid {
         self.softness
     }
 
+    fn is_internal(&self) -> bool {
+        true
+    }
+
     fn is_length(&self) -> bool {
         true
     }

@@ -34,7 +34,7 @@ use super::instances::InstanceBatches;
 use super::rods::Rods;
 use super::tethers::Tethers;
 use super::wide::{ConstraintBatches, LooseDistances, Which};
-use crate::constraints::{Constraint, ConstraintKind, Distance};
+use crate::constraints::{Constraint, Distance};
 use crate::islands::{Island, Islands};
 use crate::lanes::LANES;
 pub(crate) use changes::{Change, Changes, List};
@@ -207,12 +207,10 @@ impl Plan {
         self.tethers.expire();
         let Self { islands, groups, constraints, .. } = self;
         for island in &mut islands.list {
-            // They are of groups of their own.
-            island.custom = groups[island.groups.clone()].iter().any(|group| {
-                let first = constraints.get(group.range.start);
-                group.kind == GroupKind::Constraints
-                    && matches!(first.map(|c| &c.kind), Some(ConstraintKind::Custom(_)))
-            });
+            let own = groups[island.groups.clone()].iter();
+            let own = own.filter(|group| group.kind == GroupKind::Constraints);
+            let mut own = own.flat_map(|group| constraints.get(group.range.clone()).unwrap_or(&[]));
+            island.external = own.any(|one| !one.kind.equation().is_internal());
         }
     }
 
