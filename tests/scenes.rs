@@ -570,6 +570,15 @@ fn the_guide_lists_every_scene_under_a_topic_and_none_that_is_not_there() {
         let found = listed.binary_search(&scene.name);
         assert!(found.is_ok(), "the guide lists {} under no topic", scene.name);
     }
+    let said = [include_str!("../README.md"), include_str!("../CHANGELOG.md")];
+    let say_so = said
+        .iter()
+        .all(|text| text.contains("sixty scenes") || text.contains("sixty named scenes"));
+    assert!(
+        say_so && sinew_scenes::ALL.len() == 60,
+        "README.md and CHANGELOG.md say how many scenes there are, and this test: {}",
+        sinew_scenes::ALL.len()
+    );
 }
 
 /// What the panel's button Back promises of each scene. Of `ropes` the lantern's rotation once differed in its last digits: while the world rested its pose was
