@@ -3,7 +3,8 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{
-    Charge, ContactsDisabled, ControlForce, Drag, ExtractedVelocity, Inertia, Refusal, TickForces,
+    Charge, ContactsDisabled, ControlForce, Drag, ExtractedVelocity, Inertia, Refusal,
+    SinewSnapshot, TickForces,
 };
 
 use crate::support::{app, bits, hash, heard, particles_of, tick};
@@ -79,6 +80,35 @@ fn a_velocity_that_a_game_changes_is_the_bodys_and_leaves_the_other_alone() {
     });
     tick(&mut app, 60);
     assert_close(velocity(&app, body), Vec3::new(3.0, 0.0, 1.0), "accelerated");
+}
+
+/// It was ignored without a word, where a newcomer threw a ball with it.
+#[test]
+fn a_single_particle_that_has_a_linear_velocity_follows_it_too() {
+    let mut app = app();
+    app.insert_resource(AirDrag(0.0));
+    let thrown = LinearVelocity(Vec3::new(2.0, 5.0, 0.0));
+    let ball = app.world_mut().spawn((Particle::at(Vec3::ZERO), Mass(0.5), thrown)).id();
+    let own = Particle::at(Vec3::Z).with_velocity(Vec3::X);
+    let other = app.world_mut().spawn((own, LinearVelocity::default())).id();
+    tick(&mut app, 30);
+    let time = 0.5;
+    let place = app.world().get::<Particle>(ball).unwrap().position;
+    assert_close(place, Vec3::new(1.0, 5.0 * time - 0.5 * 9.81 * time * time, 0.0), "a parabola");
+    assert_close(velocity(&app, ball), Vec3::new(2.0, 5.0 - 9.81 * time, 0.0), "read off it");
+    assert_close(velocity(&app, other), Vec3::new(1.0, -9.81 * time, 0.0), "it keeps its own");
+    app.world_mut().get_mut::<LinearVelocity>(ball).unwrap().0 = Vec3::Y * 3.0;
+    let saved = SinewSnapshot::capture(app.world());
+    tick(&mut app, 60);
+    assert_close(velocity(&app, ball), Vec3::Y * (3.0 - 9.81), "written");
+    let first = hash(&mut app);
+    saved.restore(app.world_mut()).unwrap();
+    tick(&mut app, 60);
+    assert_eq!(hash(&mut app), first);
+    app.world_mut().get_mut::<LinearVelocity>(ball).unwrap().0.x = f32::INFINITY;
+    tick(&mut app, 1);
+    assert!(velocity(&app, ball).is_finite(), "refused");
+    assert!(matches!(heard(&app)[..], [(entity, Refusal::Edit(_))] if entity == ball));
 }
 
 #[test]

@@ -255,6 +255,13 @@ fn what_goes_on_or_back_in_the_middle_of_half_steps_finds_a_whole_tick() {
     start.restore(app.world_mut()).unwrap();
     tick(&mut app, 1);
     let rested = hash(&app);
+    assert_eq!(
+        rested,
+        start.hash(),
+        "velocities too are those of the snapshot, though no step has read them off"
+    );
+    tick(&mut app, 3);
+    assert_eq!(hash(&app), rested, "for as long as time stands still");
     (0..7).for_each(|_| _ = half_step(&mut app));
     assert!(shown(&app).is_some());
     // A whole step goes on from the tick's end, and so does the simulation when it runs.

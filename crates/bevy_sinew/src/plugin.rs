@@ -220,6 +220,7 @@ impl Plugin for SinewPlugin {
                 extract::extract_poses,
                 extract::extract_motion,
                 extract::extract_particles,
+                extract::extract_particle_velocities,
                 extract::extract_reports,
             )
                 .chain()

@@ -193,12 +193,11 @@ pub struct Interpolate;
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct ExtractedTransform(pub Option<Transform>);
 
-/// Velocity of a body's barycentre in the world, m/s: `Σ m v / Σ m`. Written after each tick.
+/// Velocity of a body's barycentre in the world, m/s: `Σ m v / Σ m`. Written after each tick. Bodies come with it; a single [`Particle`](crate::Particle) has one where a game
+/// adds it, and then its velocity.
 ///
 /// Spawned with a body it is its first motion; changed by a game, it changes the body's, at the beginning of the next tick: all its particles by the same,
 /// so that spin and inner motion stay. Pinned particles do not move. A number that is not finite is refused, and the body goes on as it did.
-///
-/// It does nothing on a [`Particle`](crate::Particle) that belongs to no body: use [`Particle::with_velocity`](crate::Particle::with_velocity) there.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -211,6 +210,7 @@ pub struct ExtractedTransform(pub Option<Transform>);
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[require(ExtractedVelocity)]
 pub struct LinearVelocity(pub Vec3);
 
 /// Angular velocity of a body about its barycentre in the world, rad/s: `I⁻¹ Σ m r×v`. Written after each tick.

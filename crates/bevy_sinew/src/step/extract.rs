@@ -163,8 +163,12 @@ fn found(
 }
 
 /// Writes the velocities, the barycentre and the inertia of every body that has particles.
+///
+/// In a tick in which no time passes velocities are what they were, unless somebody has changed one of its particles: what a step knew of accelerations is not of what a
+/// restored snapshot has put in its place.
 pub(crate) fn extract_motion(
     world: Res<SinewWorld>,
+    particles: Query<Ref<Particle>>,
     mut bodies: Query<(
         Ref<BodyParticles>,
         &mut Rows<BodyParticles>,
@@ -196,6 +200,8 @@ pub(crate) fn extract_motion(
         }
         let rows = rows.resolve(&tables.layout, members.is_changed(), members.iter());
         let sound = |row: u32| row != GONE && tables.refused[row as usize].is_none();
+        let is_written = |entity| particles.get(entity).is_ok_and(|one| one.is_changed());
+        let moves = tables.stepped || is_stale(&known, || members.iter().any(is_written));
         // One part is all there is of it.
         let at_hand = part
             .filter(|part| part.current(&tables.layout) == rows)
@@ -212,14 +218,46 @@ pub(crate) fn extract_motion(
             Some(Motion { barycentre: near + found.barycentre, ..found })
         });
         if let Some(found) = found {
-            linear.0 = found.velocity;
-            angular.0 = found.angular_velocity;
-            known.0 = Some((found.velocity, found.angular_velocity));
+            if moves {
+                linear.0 = found.velocity;
+                angular.0 = found.angular_velocity;
+                known.0 = Some((found.velocity, found.angular_velocity));
+            }
             barycenter.position = found.barycentre;
             barycenter.mass = found.mass;
             inertia.0 = found.inertia;
         }
     }
+}
+
+/// Writes the velocities of single particles that are to have one.
+pub(crate) fn extract_particle_velocities(
+    world: Res<SinewWorld>,
+    mut particles: Query<
+        (Ref<Particle>, &ParticleRow, &mut LinearVelocity, &mut ExtractedVelocity),
+        Without<BodyParticles>,
+    >,
+) {
+    let (simulation, tables) = (&world.simulation, &world.tables);
+    if tables.rested {
+        return;
+    }
+    for (particle, row, mut linear, mut known) in &mut particles {
+        let is_sound = |&i: &usize| tables.refused.get(i).is_some_and(Option::is_none);
+        let Some(i) = row.get().filter(is_sound) else { continue };
+        if !tables.stepped && !is_stale(&known, || particle.is_changed()) {
+            continue;
+        }
+        let velocity = simulation.velocity_now(i);
+        linear.0 = velocity;
+        known.0 = Some((velocity, Vec3::ZERO));
+    }
+}
+
+/// Whether velocities that were known are no longer so, in a tick in which no time passes: none were, or particles were written, and not the velocities with them, as where
+/// a snapshot is restored.
+fn is_stale(known: &Mut<ExtractedVelocity>, mut is_written: impl FnMut() -> bool) -> bool {
+    known.0.is_none() || !known.is_changed() && is_written()
 }
 
 /// Moves the transforms of loose particles that have one: a ball on its own is drawn where its particle is. In the frame of its parents, if it has any.

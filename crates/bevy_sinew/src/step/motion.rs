@@ -16,16 +16,19 @@ type Asked = (Option<CreationOrder>, Entity, BodyEdit);
 /// Whose velocity somebody has written, be it the last tick: of a sleeper it has not.
 type Sped = Or<(Changed<LinearVelocity>, Changed<AngularVelocity>, Changed<ExtractedVelocity>)>;
 
-/// A run condition: whether a velocity of a body was written, or read off its particles.
+/// What has velocities: bodies, and single particles.
+type Moves = Or<(With<BodyParticles>, With<Particle>)>;
+
+/// A run condition: whether a velocity was written, or read off particles.
 pub(crate) fn any_velocity_changed(
-    linear: Query<Ref<LinearVelocity>, With<BodyParticles>>,
-    angular: Query<Ref<AngularVelocity>, With<BodyParticles>>,
-    known: Query<Ref<ExtractedVelocity>, With<BodyParticles>>,
+    linear: Query<Ref<LinearVelocity>, Moves>,
+    angular: Query<Ref<AngularVelocity>, Moves>,
+    known: Query<Ref<ExtractedVelocity>, Moves>,
 ) -> bool {
     census(&linear).1 || census(&angular).1 || census(&known).1
 }
 
-/// Gives bodies the velocities that a game spawned with them, or has changed since the last tick.
+/// Gives bodies and single particles the velocities that a game spawned with them, or has changed since the last tick.
 ///
 /// One that is not finite is refused and put back to what the body has.
 pub(crate) fn follow_velocities(
@@ -34,11 +37,12 @@ pub(crate) fn follow_velocities(
             Entity,
             Option<&CreationOrder>,
             &mut LinearVelocity,
-            &mut AngularVelocity,
+            // A particle has none: it is a point.
+            Option<&mut AngularVelocity>,
             &mut ExtractedVelocity,
             Option<&mut Sleep>,
         ),
-        (With<BodyParticles>, Sped),
+        (Moves, Sped),
     >,
     mut editor: Editor,
     mut messages: MessageWriter<Refused>,
@@ -46,11 +50,11 @@ pub(crate) fn follow_velocities(
 ) {
     asked.clear();
     for (entity, order, linear, angular, mut known, sleep) in &mut bodies {
-        let now = (linear.0, angular.0);
+        let now = (linear.0, angular.as_ref().map_or(Vec3::ZERO, |angular| angular.0));
         if known.0 == Some(now) {
             continue;
         }
-        let (mut linear, mut angular) = (linear, angular);
+        let mut linear = linear;
         let order = order.copied();
         let edits = match known.0 {
             // Particles of a body at rest may have velocities of their own.
@@ -66,7 +70,10 @@ pub(crate) fn follow_velocities(
             known.0 = Some(now);
         } else {
             let last = known.0.unwrap_or_default();
-            (linear.0, angular.0) = last;
+            linear.0 = last.0;
+            if let Some(mut angular) = angular {
+                angular.0 = last.1;
+            }
         }
         asked.extend(edits.into_iter().flatten().map(|edit| (order, entity, edit)));
         if let Some(mut sleep) = sleep {
