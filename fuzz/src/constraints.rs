@@ -94,6 +94,7 @@ pub(crate) fn operate(
                 tolerance_speed: input.flag().then(|| input.any()),
                 gradient_at: input.flag().then(|| gradient_at(input)),
                 order: input.flag().then(|| order(input)),
+                keep_spin: input.flag().then(|| input.flag()),
                 damping: input.any(),
                 representation: if input.flag() {
                     Representation::Auto

@@ -53,7 +53,7 @@ pub struct SolverConfig {
 /// What one body asks of the solver, where that differs from [`SolverConfig`]: put it onto the body. What is `None` is as in the world.
 ///
 /// Bodies that constraints connect are solved together: with the most sweeps and the smallest tolerance that any of them asks for, along the start
-/// of the step if all of them do, and in the order that the first of them wants.
+/// of the step if all of them do, in the order that the first of them wants, and with their spin if any of them keeps it.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -82,6 +82,8 @@ pub struct BodySolver {
     pub gradient_at: Option<GradientAt>,
     /// In which order its constraints are enforced.
     pub order: Option<Order>,
+    /// Whether it is given back the spin that sweeps take from it or give to it ([`SolverConfig::keep_spin`]).
+    pub keep_spin: Option<bool>,
     /// How fast what its particles do against each other dies away, 1/s, 0 and up: friction in its joints, or in its stuff. It falls, flies and spins
     /// as without. A negative or non-finite one counts as 0. Default 0; recipes may ask for some.
     pub damping: f32,
@@ -154,6 +156,7 @@ impl From<BodySolver> for BodySettings {
             tolerance_speed: body.tolerance_speed,
             gradient_at: body.gradient_at.map(Into::into),
             order: body.order.map(Into::into),
+            keep_spin: body.keep_spin,
             damping: body.damping,
             // Set from the component of that name.
             representation: sinew::Representation::default(),
@@ -170,6 +173,7 @@ impl From<BodySettings> for BodySolver {
             tolerance_speed: settings.tolerance_speed,
             gradient_at: settings.gradient_at.map(Into::into),
             order: settings.order.map(Into::into),
+            keep_spin: settings.keep_spin,
             damping: settings.damping,
         }
     }

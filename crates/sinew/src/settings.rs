@@ -117,7 +117,7 @@ pub enum Representation {
 /// What one body asks of the solver, where that differs from its world. What is `None` is as in the world.
 ///
 /// Bodies that constraints connect are solved together: with the most sweeps and the smallest tolerance that any of them asks for, along the start
-/// of the step if all of them do, and in the order that the first of them wants.
+/// of the step if all of them do, in the order that the first of them wants, and with their spin if any of them keeps it.
 ///
 /// # Tolerance as a speed
 ///
@@ -139,6 +139,8 @@ pub struct BodySettings {
     pub gradient_at: Option<GradientAt>,
     /// In which order its constraints are enforced.
     pub order: Option<Order>,
+    /// Whether it is given back the spin that sweeps take from it or give to it ([`SolverSettings::keep_spin`]).
+    pub keep_spin: Option<bool>,
     /// How fast what its particles do against each other dies away, 1/s, 0 and up, default 0: friction in its joints, or in its stuff. What all of it
     /// does together, as a rigid body would, stays: it falls, flies and spins as without (Müller et al., *Position Based Dynamics*, 2007, section
     /// 3.5). A negative or non-finite one counts as 0.
@@ -158,6 +160,7 @@ impl BodySettings {
             tolerance: tolerance.unwrap_or(world.tolerance),
             gradient_at: self.gradient_at.unwrap_or(world.gradient_at),
             order: self.order.unwrap_or(world.order),
+            keep_spin: self.keep_spin.unwrap_or(world.keep_spin),
             ..world
         }
         .clamped()

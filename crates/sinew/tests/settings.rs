@@ -1,8 +1,8 @@
 //! What bodies ask of the solver for themselves.
 
 use sinew::glam::Vec3;
-use sinew::recipes::{RopeSpec, rope};
-use sinew::{BodySettings, Simulation};
+use sinew::recipes::{BoxLayout, BoxSpec, RopeSpec, box_3d, rope};
+use sinew::{BodySettings, Bound, Distance, GradientAt, Representation, Simulation};
 
 #[test]
 fn a_body_may_ask_for_more_than_its_world_and_its_neighbour_does_not_notice() {
@@ -32,6 +32,50 @@ fn a_body_may_ask_for_more_than_its_world_and_its_neighbour_does_not_notice() {
     for i in 0..21 {
         assert_eq!(picky.particles.position(i), plain.particles.position(i));
     }
+}
+
+/// Corrections to the nearest point bleed spin. It is given back to who is to keep it, as all are by default, and together to those whom constraints connect with them.
+#[test]
+fn a_body_may_ask_for_the_lectures_loop_which_does_not_keep_its_spin() {
+    let spinning = |asked: [Option<bool>; 2], tied: bool| {
+        let mut world = Simulation::default();
+        world.forces.gravity = Vec3::ZERO;
+        for (number, keep_spin) in asked.into_iter().enumerate() {
+            let at = Vec3::X * (5.0 * number as f32);
+            let spec = BoxSpec { layout: BoxLayout::Corners, ..Default::default() };
+            let body = box_3d(&spec).unwrap().transformed(Default::default(), at);
+            for i in body.build(&mut world).unwrap() {
+                let arm = world.particles.position(i) - at;
+                world.particles.set_velocity(i, Vec3::new(0.0, 9.0, 3.0).cross(arm));
+            }
+            let own = &mut world.bodies[number];
+            own.gradient_at = Some(GradientAt::Current);
+            (own.keep_spin, own.representation) = (keep_spin, Representation::Particles);
+        }
+        if tied {
+            let gap = world.particles.position(0).distance(world.particles.position(8));
+            world.distances_mut().push(Distance::new(0, 8, 2.0 * gap).with_bound(Bound::AtMost));
+        }
+        let spin = |world: &Simulation, first: usize| {
+            let rows = first..first + 8;
+            let centre = rows.clone().map(|i| world.particles.position(i)).sum::<Vec3>() / 8.0;
+            let of = |i| (world.particles.position(i) - centre).cross(world.particles.velocity(i));
+            rows.map(of).sum::<Vec3>().length()
+        };
+        let (before, all) = (spin(&world, 0), world.ledger().angular_momentum);
+        for _ in 0..120 {
+            world.step(1.0 / 60.0).unwrap();
+        }
+        let now = world.ledger().angular_momentum;
+        let [one, other] = [0, 8].map(|first| spin(&world, first) / before);
+        [one, other, ((now - all).length() / all.length()) as f32]
+    };
+    let [lost, kept, _] = spinning([Some(false), None], false);
+    assert!(lost < 0.95 && (kept - 1.0).abs() < 1e-4, "{lost}, {kept}");
+    let [.., drift] = spinning([Some(false), Some(true)], true);
+    assert!(drift < 1e-4, "together, {drift}");
+    let [.., drift] = spinning([Some(false); 2], true);
+    assert!(drift > 0.05, "and where neither keeps it, {drift}");
 }
 
 #[test]

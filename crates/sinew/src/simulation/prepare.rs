@@ -324,6 +324,7 @@ fn settings_of(
             } else {
                 Default::default()
             },
+            keep_spin: sum.keep_spin || own.keep_spin,
             ..sum
         }));
     }

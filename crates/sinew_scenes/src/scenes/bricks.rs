@@ -70,8 +70,6 @@ fn spawn(world: &mut World) {
     let thrown = spin * Vec3::new(tilt, 1.0, 0.0);
     world.insert_resource(Gravity(Vec3::ZERO));
     world.insert_resource(AirDrag(0.0));
-    // So that one sees what the corrections do by themselves.
-    world.insert_resource(SolverConfig { keep_spin: false, ..default() });
     let ways = [
         (-4.0, 0xd9622b, GradientAt::Current, Representation::Particles),
         (0.0, 0x3d7ea6, GradientAt::StepStart, Representation::Particles),
@@ -88,7 +86,8 @@ fn spawn(world: &mut World) {
                     particles: BoxParticles::Equimomental,
                     ..RigidBox::new(SIZE).with_mass(mass)
                 },
-                BodySolver { gradient_at: Some(gradient_at), ..default() },
+                // So that one sees what the corrections do by themselves.
+                BodySolver { gradient_at: Some(gradient_at), keep_spin: Some(false), ..default() },
                 representation,
                 skin,
                 Look::color(color).roughness(0.5),

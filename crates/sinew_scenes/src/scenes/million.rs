@@ -123,9 +123,9 @@ fn spawn(world: &mut World) {
     let [thousand, speed, drop] = values(world);
     let side = side(thousand);
     let gap = LAKE / (side - 1) as f32;
-    // In half a gap a substep or less, so that Verlet is stable: it is up to 0.7.
-    let substeps = (speed / gap / 30.0).ceil().max(1.0) as u32;
-    world.insert_resource(SolverConfig { substeps, max_sweeps: 1, ..default() });
+    // In half a gap a substep or less, so that Verlet is stable: it is up to 0.7. That takes more substeps than the default ones of many particles alone.
+    let substeps = SolverConfig::default().substeps.max((speed / gap / 30.0).ceil() as u32);
+    world.insert_resource(SolverConfig { substeps, ..default() });
     world.insert_resource(Gravity(Vec3::ZERO));
     world.insert_resource(AirDrag(0.0));
     let water = Look::color(0x1f6f9f).roughness(0.12).double_sided();
