@@ -18,6 +18,28 @@ pub(crate) struct Islands {
     /// long as the number is another one, the same are.
     pub(crate) dormant: Vec<bool>,
     pub(crate) dormant_number: u64,
+    /// Stretches of islands of one particle each that no constraint holds, in this step.
+    pub(crate) singles: Vec<Singles>,
+}
+
+/// Islands one behind the other of a particle each, in rows one behind the other: there is nothing to sweep, and only what may touch something is looked at.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Singles {
+    pub(crate) islands: Range<usize>,
+    pub(crate) rows: Range<u32>,
+}
+
+/// Fewer islands in a stretch are taken one by one: to know a stretch costs as much as to look at some of them.
+const STRETCH: usize = 16;
+
+impl Singles {
+    /// Those of some islands.
+    pub(crate) fn among(&self, islands: &Range<usize>) -> Self {
+        let first = self.islands.start.max(islands.start).min(self.islands.end);
+        let end = self.islands.end.min(islands.end).max(first);
+        let row = |number: usize| self.rows.start + (number - self.islands.start) as u32;
+        Self { islands: first..end, rows: row(first)..row(end) }
+    }
 }
 
 /// Particles that constraints connect, and those constraints.
@@ -78,6 +100,33 @@ impl Island {
 }
 
 impl Islands {
+    /// Finds the stretches of single particles, when it is known what sleeps in a step.
+    pub(crate) fn find_singles(&mut self) {
+        let Self { list, members, singles, .. } = self;
+        singles.clear();
+        let mut stretch = Singles::default();
+        let mut keep = |stretch: &Singles| {
+            if stretch.islands.len() >= STRETCH {
+                singles.push(stretch.clone());
+            }
+        };
+        for (number, island) in list.iter().enumerate() {
+            let is_single = island.members.len() == 1
+                && island.groups.is_empty()
+                && !(island.asleep || island.measured || island.rigid);
+            if !is_single {
+                continue;
+            }
+            let row = members[island.members.start];
+            if stretch.islands.end != number || stretch.rows.end != row {
+                keep(&stretch);
+                stretch = Singles { islands: number..number, rows: row..row };
+            }
+            (stretch.islands.end, stretch.rows.end) = (number + 1, row + 1);
+        }
+        keep(&stretch);
+    }
+
     /// Numbers the sets of connected particles by their first ones, and lists the members of each, ascending.
     pub(crate) fn number(&mut self, connected: &mut UnionFind) {
         let Self { list, members, of, .. } = self;
@@ -108,5 +157,43 @@ impl Islands {
             members[span.end] = row as u32;
             span.end += 1;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Islands of so many particles each, with a constraint where there are several.
+    fn islands(sizes: impl IntoIterator<Item = usize>) -> Islands {
+        let sizes: Vec<usize> = sizes.into_iter().collect();
+        let mut connected = UnionFind::default();
+        connected.reset(sizes.iter().sum());
+        let mut first = 0;
+        for size in &sizes {
+            (first + 1..first + size).for_each(|row| connected.unite(first as u32, row as u32));
+            first += size;
+        }
+        let mut islands = Islands::default();
+        islands.number(&mut connected);
+        for island in islands.list.iter_mut().filter(|island| island.members.len() > 1) {
+            island.groups = 0..1;
+        }
+        islands
+    }
+
+    #[test]
+    fn stretches_of_single_particles_end_where_something_else_stands() {
+        // Two tied ones, thirty single ones of which one sleeps, three tied ones, and too few to be worth it.
+        let mut all = islands([2].into_iter().chain([1; 30]).chain([3]).chain([1; 9]));
+        all.list[12].asleep = true;
+        all.find_singles();
+        let found: Vec<_> =
+            all.singles.iter().map(|one| (one.islands.clone(), one.rows.clone())).collect();
+        assert_eq!(found, [(13..31, 14..32)]);
+        let among = |islands: Range<usize>| all.singles[0].among(&islands);
+        assert_eq!((among(0..20).islands, among(0..20).rows), (13..20, 14..21));
+        assert_eq!((among(20..40).islands, among(20..40).rows), (20..31, 21..32));
+        assert!(among(0..5).islands.is_empty() && among(33..40).islands.is_empty());
     }
 }

@@ -442,7 +442,7 @@ fn where_all_sleep_one_substep_has_the_bits_of_all_of_them() {
     };
     let cases: [(&str, Change, u32); 5] = [
         ("nothing", &|_| {}, 1),
-        ("a pinned particle, whose sweeps are counted", &pinned, 10),
+        ("a pinned particle", &pinned, 1),
         ("something that the game moves", &lift, 10),
         ("something that falls", &falling, 10),
         ("a sleeper that is pushed", &sweep, 10),

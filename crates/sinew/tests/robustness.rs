@@ -138,7 +138,10 @@ fn a_step_of_no_length_or_no_number_is_refused_and_changes_nothing() {
 #[test]
 fn settings_out_of_range_are_clamped() {
     let mut world = on_the_ground();
-    world.particles.push(ParticleSeed::at(Vec3::Y)).unwrap();
+    for x in [0.0, 1.0] {
+        world.particles.push(ParticleSeed::at(Vec3::new(x, 1.0, 0.0))).unwrap();
+    }
+    world.distances_mut().push(Distance::new(0, 1, 0.9));
     world.settings.substeps = 0;
     world.settings.max_sweeps = 0;
     world.settings.tolerance = f32::NAN;

@@ -86,9 +86,7 @@ impl Simulation {
     /// otherwise the phases are to follow, and nobody may look at particles between them.
     pub fn take_substeps(&mut self) {
         self.scratch.unseen = true;
-        // A single particle that is pinned has its sweeps counted in every substep.
-        if self.scratch.at_rest && self.scratch.plan.islands.list.iter().all(|island| island.asleep)
-        {
+        if self.scratch.at_rest {
             self.pass_to_last_substep();
         }
         if !self.is_undisturbed() {

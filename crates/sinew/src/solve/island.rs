@@ -77,6 +77,8 @@ pub(super) fn solve(
     let Swept { sweeps, converged, touched, violated } =
         sweep_until_held(context, number, gradient_at, columns, sweep);
     report.violated = violated;
+    // Of constraints: who has none only left what it touches.
+    let sweeps = if island.groups.is_empty() { 0 } else { sweeps };
     report.sweeps += sweeps;
     report.most_sweeps = report.most_sweeps.max(sweeps);
     report.last_sweeps = sweeps;

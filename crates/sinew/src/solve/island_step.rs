@@ -62,6 +62,7 @@ pub(crate) fn advance_all(
         thread_scratches.with(|thread_scratch| {
             thread_scratch.begin(&alone.task);
             leave_states(plan, &alone.task, &mut thread_scratch.remaining);
+            thread_scratch.remaining.leave_singles(&plan.islands.singles, &alone.task);
             if !alone.task.instance_batches.is_empty() {
                 alone.step_batches(thread_scratch, iteration_counts).run();
             }
@@ -80,7 +81,6 @@ pub(crate) fn advance_all(
         report.sweeps += iteration_counts;
         report.most_sweeps = report.most_sweeps.max(iteration_counts);
     }
-    report.converged &= report.islands.iter().all(|island| island.converged);
 }
 
 /// Leaves out what moves as rigid states, whose rows are one stretch each.
@@ -178,6 +178,7 @@ impl TaskSlice<'_> {
             }
             thread_scratch.momentum_drifts.clear();
             let mut sweeps = 0;
+            self.solve_singles();
             for number in islands() {
                 let island = &plan.islands.list[number];
                 if island.is_left_alone() {

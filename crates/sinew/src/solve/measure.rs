@@ -21,6 +21,7 @@ pub(crate) fn measure(
     report: &mut SolverReport,
 ) {
     (report.error, report.strain) = (0.0, 0.0);
+    report.converged &= report.islands.iter().all(|island| island.converged);
     // What moves as one rigid state has nothing left to correct.
     for (island, own) in plan.islands.list.iter().zip(&mut report.islands) {
         own.measured |= island.one_state;

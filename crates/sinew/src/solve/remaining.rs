@@ -3,6 +3,7 @@
 use core::ops::Range;
 
 use super::plan::Task;
+use crate::islands::Singles;
 
 /// Islands of a task, and its rows.
 #[derive(Clone, Debug, Default)]
@@ -32,8 +33,22 @@ impl Remaining {
 
     /// Less some islands and their rows.
     pub(super) fn leave(&mut self, islands: Range<usize>, rows: Range<u32>) {
-        cut(&mut self.islands, islands);
+        self.leave_islands(islands);
         cut(&mut self.rows, rows);
+    }
+
+    /// Less some islands, of which the rows go on as all do.
+    pub(super) fn leave_islands(&mut self, islands: Range<usize>) {
+        cut(&mut self.islands, islands);
+    }
+
+    /// Less the [single particles](Singles) of a task, which are not swept.
+    pub(super) fn leave_singles(&mut self, singles: &[Singles], task: &Task) {
+        for islands in singles.iter().map(|all| all.among(&task.islands).islands) {
+            if !islands.is_empty() {
+                self.leave_islands(islands);
+            }
+        }
     }
 }
 

@@ -30,7 +30,7 @@ pub struct SolverReport {
 /// How the last step of one island went: of particles that constraints connect, and so of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IslandReport {
-    /// Sweeps, summed over the substeps.
+    /// Sweeps over its constraints, summed over the substeps; none of what has none.
     pub sweeps: u32,
     /// The most that it needed in one substep.
     pub most_sweeps: u32,

@@ -8,7 +8,7 @@ use glam::Vec4;
 use super::constraint_ref::SolveMode;
 use super::context::SolveContext;
 use super::instances::{BatchMotion, BatchSolve};
-use super::island::{hold_at_once, propagate_impact, sweep_in_order};
+use super::island::{hold_at_once, propagate_impact, solve, sweep_in_order};
 use super::loads::Loads;
 use super::microsteps::{derive_whole_steps, list_step_rows};
 use super::momentum::{MomentumDrift, note_drift};
@@ -16,10 +16,10 @@ use super::multipliers::{MultiplierSlice, Multipliers};
 use super::plan::Plan;
 use super::scratch::ThreadScratch;
 use super::task_slice::{IslandSlice, TaskSlice, slices};
-use super::{SolverReport, gauss_seidel};
+use super::{IslandReport, SolverReport, gauss_seidel};
 use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::integrate::{Derive, MotionColumns, StepRows, derive};
-use crate::islands::Island;
+use crate::islands::{Island, Singles};
 use crate::kept::Kept;
 use crate::particles::{Particles, Places};
 use crate::threads::{ExecutionContext, Pool, each};
@@ -99,11 +99,17 @@ pub(crate) fn solve_all(
             drift.take_off(&mut places, rows);
         }
     }
-    let iteration_counts =
-        report.islands.iter().map(|island| island.last_sweeps).max().unwrap_or(0);
+    // Single particles are not swept.
+    let (mut iteration_counts, mut next) = (0, 0);
+    let most = |reports: &[IslandReport]| reports.iter().map(|own| own.last_sweeps).max();
+    for singles in &plan.islands.singles {
+        let swept = most(&report.islands[next..singles.islands.start]);
+        iteration_counts = iteration_counts.max(swept.unwrap_or(0));
+        next = singles.islands.end;
+    }
+    iteration_counts = iteration_counts.max(most(&report.islands[next..]).unwrap_or(0));
     report.sweeps += iteration_counts;
     report.most_sweeps = report.most_sweeps.max(iteration_counts);
-    report.converged &= report.islands.iter().all(|island| island.converged);
 }
 
 /// Sweeps islands of some numbers once more after an `open` [`solve_all`] and after contacts between bodies, which have stopped a part of each suddenly: what
@@ -171,8 +177,10 @@ impl TaskSlice<'_> {
     fn one_by_one(mut self, thread_scratch: &mut ThreadScratch) {
         self.context = self.context.by_one();
         let plan = self.context.plan;
-        let remaining = take(&mut thread_scratch.remaining);
+        let mut remaining = take(&mut thread_scratch.remaining);
         let mut microsteps = take(&mut thread_scratch.microsteps);
+        remaining.leave_singles(&plan.islands.singles, &self.task);
+        self.solve_singles();
         for number in remaining.islands.iter().cloned().flatten() {
             let island = &plan.islands.list[number];
             if island.measured || island.is_left_alone() {
@@ -195,6 +203,7 @@ impl TaskSlice<'_> {
         // Instance batches are solved, and to be derived: these are all rows of the task.
         let mut step_rows = take(&mut thread_scratch.step_rows);
         thread_scratch.remaining.reset(&task);
+        thread_scratch.remaining.leave_singles(&plan.islands.singles, &task);
         list_step_rows(plan, task.rows.start, &thread_scratch.remaining, &mut step_rows);
         derive_whole_steps(&mut places, &step_rows, context);
         thread_scratch.step_rows = step_rows;
@@ -202,6 +211,23 @@ impl TaskSlice<'_> {
             momentum_drift.take_off(&mut places, plan.members(number as usize));
         }
         context.bounce(&mut places, &mut normal_impulses, task.rows);
+    }
+
+    /// Has single particles leave what they touch.
+    pub(super) fn solve_singles(&mut self) {
+        let SolveContext { plan, contacts, .. } = self.context;
+        if contacts.is_empty() {
+            return;
+        }
+        for singles in &plan.islands.singles {
+            let Singles { islands, rows } = singles.among(&self.task.islands);
+            for (number, row) in islands.zip(rows) {
+                if contacts.may_touch(&self.places, number, row) {
+                    let nothing = |_: &mut Places, _: &mut MultiplierSlice, _: SolveMode| 0.0;
+                    solve(self.context, number, self.island(number), nothing);
+                }
+            }
+        }
     }
 
     /// Notes what the particles of an island are to have taken off when their velocities are derived.

@@ -119,6 +119,15 @@ impl ParticleContacts {
         is_beyond(places.position[places.at(row)], self.last_seen[row as usize])
     }
 
+    /// Whether the only row of an island may touch something now.
+    #[inline]
+    pub(crate) fn may_touch(&self, places: &Places, number: usize, row: u32) -> bool {
+        match self.reaches.get(number) {
+            Some(reach) => !reach.is_empty() || self.exceeds_skin(places, row),
+            None => true,
+        }
+    }
+
     /// Those of the rows of an island that may touch something, while none has gone further than was looked; `None` where nobody looked.
     pub(crate) fn touching(&self, number: usize) -> Option<&[u32]> {
         self.reaches.get(number).map(|reach| &self.touching[reach.clone()])
