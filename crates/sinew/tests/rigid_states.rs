@@ -447,6 +447,35 @@ fn the_wind_on_its_skin_is_that_on_its_particles() {
     }
 }
 
+/// Its centre moves in its own frame, about which the wind turns it.
+#[test]
+fn the_wind_turns_a_body_about_its_centre_when_what_it_weighs_has_changed() {
+    let blown = |representation| {
+        let mut world = thrown(Vec3::ZERO, 10);
+        world.forces.winds.push(Wind::steady(Vec3::new(4.0, 2.0, 3.0)));
+        cover(&mut world, 0);
+        world.bodies[0].representation = representation;
+        step(&mut world, 10);
+        for i in 0..3 {
+            let seed = world.particles.seed(i);
+            let (velocity, lag) = (world.particles.velocity(i), world.particles.lag(i));
+            world.particles.set(i, seed.with_mass(4.0 * seed.mass)).unwrap();
+            world.particles.set_body(i, Some(0));
+            assert_eq!((velocity, lag), (world.particles.velocity(i), world.particles.lag(i)));
+        }
+        step(&mut world, 50);
+        world
+    };
+    let (world, rods) = (blown(Representation::Auto), blown(Representation::Particles));
+    assert!(is_one_state(&world, 0) && !is_one_state(&rods, 0));
+    let turn = |world: &Simulation| long_axis(world, 0).normalize();
+    assert!(turn(&world).distance(turn(&thrown(Vec3::ZERO, 10))) > 0.1, "it turns");
+    for i in 0..8 {
+        let off = (world.particles.position(i) - rods.particles.position(i)).length();
+        assert!(off < 5e-3, "particle {i}: {off} m");
+    }
+}
+
 /// What a particle is accelerated by says how fast it is now, so the wind on a skin has to be in that, too.
 #[test]
 fn what_lies_in_a_wind_reports_no_velocity() {

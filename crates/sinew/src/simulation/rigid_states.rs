@@ -97,7 +97,7 @@ impl Simulation {
 
     /// Notes what acts on them in this step, and which triangles are of others.
     pub(super) fn note_forces(&mut self) {
-        let Self { particles, forces, scratch, .. } = self;
+        let Self { particles, forces, body_colliders, scratch, .. } = self;
         let Scratch { plan, contacts, pressures, separate_surfaces, .. } = scratch;
         // Named one by one, so that the compiler asks of what a new force acts on: on all particles alike, on skins, on any particle that it reaches, or on
         // those that it names.
@@ -129,7 +129,7 @@ impl Simulation {
         let rows = rows.chain(charged.map(|(row, _)| row as u32));
         let states = contacts.rigid_states();
         if !pressures.is_empty() {
-            states.find_skins(surfaces);
+            states.find_skins(surfaces, body_colliders);
         }
         states.note_forces(&plan.islands, (any, rows), pressures, separate_surfaces);
     }

@@ -24,7 +24,7 @@ use core::ops::Range;
 use glam::{DVec3, Mat3, Vec3};
 
 use super::BodyCollider;
-use super::turn::LaneArray;
+use super::turn::{LaneArray, set};
 use crate::islands::Islands;
 use crate::lanes::LANES;
 use crate::particles::Particles;
@@ -78,6 +78,8 @@ pub(super) struct BodyGroup {
 pub(super) struct WideMass {
     /// One by the sum of what decides where the centre is.
     pub(super) middle: LaneArray,
+    /// Where it is in the body collider's own frame, metres.
+    pub(super) centre: [LaneArray; 3],
     /// 1 where that are the pinned particles alone.
     pub(super) held: LaneArray,
     pub(super) inverse_mass: LaneArray,
@@ -276,6 +278,7 @@ impl BodyGroups {
         group.pinned |= weights.pins > 0;
         let mass = &mut group.mass;
         mass.middle[lane] = weights.middle as f32;
+        set(&mut mass.centre, lane, part.centre);
         mass.held[lane] = if weights.pins > 0 { 1.0 } else { 0.0 };
         mass.free[lane] = if weights.pins > 0 { 0.0 } else { 1.0 };
         mass.inverse_mass[lane] = weights.inverse_mass as f32;

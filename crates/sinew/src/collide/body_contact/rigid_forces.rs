@@ -7,19 +7,19 @@
 //! # Wind on a triangle of a rigid body
 //!
 //! With `A` the area of a triangle, a vector across it, and `w` the pressure there, the lectures' law (`forces/wind/pressure.rs` of the crate) gives each corner a third of
-//! `F = w |A·w| / ‖w‖`. That is the force `F` at the middle `c` of its corners: the body gains `Σ F` and `Σ c × F`, and with `w` turned into its axes once, `A` and
-//! `c` are numbers that do not change.
+//! `F = w |A·w| / ‖w‖`. That is the force `F` at the middle `c` of its corners: the body gains `Σ F` and, about its centre `z`, `Σ (c - z) × F = Σ c × F - z × Σ F`. With `w`
+//! turned into its axes, `A` and `c` are numbers that do not change, whatever it weighs.
 
 use core::ops::Range;
 
 use glam::{Vec3, Vec4};
 
-use super::BodyContactSolver;
 use super::groups::{BodyGroups, Slot, WideMass};
 use super::rigid_islands::{NONE, RigidIslands};
 use super::rigid_rotation::Rotation;
 use super::rigid_state::WideRigidState;
 use super::turn::{LaneArray, load, set, store, zero};
+use super::{BodyCollider, BodyContactSolver};
 use crate::integrate::loss;
 use crate::islands::Islands;
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
@@ -56,7 +56,7 @@ struct Skins {
 struct WideFacet {
     /// Numbers of the triangles; of lanes without one any, and no area.
     numbers: [u32; LANES],
-    /// The middle of its corners from the body's centre, metres, and its area, m², across it.
+    /// The middle of its corners in the body's own frame, metres, and its area, m², across it.
     middle: [LaneArray; 3],
     area: [LaneArray; 3],
 }
@@ -115,12 +115,16 @@ impl RigidForces {
 
 impl BodyContactSolver {
     /// Lays out the skins of bodies that may be rigid states, if triangles or bodies have changed.
-    pub(crate) fn find_skins(&mut self, surfaces: &Tracked<Vec<[u32; 3]>>) {
+    pub(crate) fn find_skins(
+        &mut self,
+        surfaces: &Tracked<Vec<[u32; 3]>>,
+        body_colliders: &[BodyCollider],
+    ) {
         let skins = &mut self.rigid.forces.skins;
         if skins.revision == Some(surfaces.revision()) {
             return;
         }
-        skins.lay_out(&self.groups, &self.rigid.islands, surfaces);
+        skins.lay_out(&self.groups, &self.rigid.islands, body_colliders, surfaces);
         skins.revision = Some(surfaces.revision());
     }
 
@@ -204,7 +208,13 @@ fn force_row(forced: &mut [u32], groups: &BodyGroups, solids: &[u32], islands: &
 }
 
 impl Skins {
-    fn lay_out(&mut self, groups: &BodyGroups, islands: &[u32], surfaces: &[[u32; 3]]) {
+    fn lay_out(
+        &mut self,
+        groups: &BodyGroups,
+        islands: &[u32],
+        body_colliders: &[BodyCollider],
+        surfaces: &[[u32; 3]],
+    ) {
         let Self { facets, of_group, owners, shared, .. } = self;
         facets.clear();
         of_group.clear();
@@ -213,15 +223,13 @@ impl Skins {
         // Where each row is: whose it is, and where it rests.
         let len = groups.solid.len();
         let mut places = vec![(NONE, Vec3::ZERO); len];
-        for (number, part) in groups.parts.iter().enumerate() {
+        for (number, solid) in body_colliders.iter().enumerate() {
             if islands.get(number).is_none_or(|&island| island == NONE) {
                 continue;
             }
-            let place = groups.place(number);
-            let slots = &groups.slots[groups.groups[place / LANES].slots.clone()];
-            for (&row, slot) in groups.rows[part.entries.clone()].iter().zip(slots) {
-                let rest = slot.rest.map(|numbers| numbers[place % LANES]);
-                places[row as usize] = (place as u32, Vec3::from_array(rest));
+            let place = groups.place(number) as u32;
+            for (&row, &rest) in solid.rows.iter().zip(&*solid.rest) {
+                places[row as usize] = (place, rest);
             }
         }
         let of = |row: u32| places.get(row as usize).copied().unwrap_or((NONE, Vec3::ZERO));
@@ -327,6 +335,7 @@ kernel!(
                 torque += load::<L>(&facet.middle).cross(push);
             }
         }
+        torque -= load::<L>(&mass.centre).cross(force);
         let lanes = L::mask(windy);
         let tau = lanes.and((L::load(&state.lag) + L::splat(h)) * L::splat(0.5));
         let velocity = r.times(force) * (L::load(&mass.inverse_mass) * tau);
