@@ -61,6 +61,32 @@ pub struct Forces {
     pub electric_fields: Vec<ElectricField>,
 }
 
+impl Forces {
+    /// The particles that these act on otherwise than on all alike: those that they name; `None` where it may be any of them. Which surfaces winds press on, and which
+    /// particles have a charge, a gravity or a force of their own, is known elsewhere.
+    pub(crate) fn rows(&self) -> Option<impl Iterator<Item = u32>> {
+        // Each by its name, so that the compiler asks of which kind a new force is.
+        let Self {
+            gravity: _,
+            drag: _,
+            surfaces: _,
+            winds: _,
+            hulls: _,
+            electric: _,
+            electric_fields: _,
+            attractors,
+            air_flows,
+            fluids,
+            controls,
+            springs,
+        } = self;
+        let any = !(attractors.is_empty() && air_flows.is_empty() && fluids.is_empty());
+        let controlled = controls.iter().flat_map(|control| control.rows.iter().copied());
+        let tied = springs.iter().flat_map(|spring| [spring.a, spring.b]);
+        (!any).then(|| controlled.chain(tied))
+    }
+}
+
 impl Default for Forces {
     fn default() -> Self {
         Self {

@@ -4,7 +4,6 @@ use core::ops::Range;
 
 use super::{Scratch, Simulation, Substep, carried};
 use crate::collide::{RigidStep, Written};
-use crate::forces::Forces;
 use crate::integrate::StepRows;
 use crate::islands::Island;
 use crate::pose::{Motion, Pose};
@@ -99,42 +98,26 @@ impl Simulation {
     pub(super) fn note_forces(&mut self) {
         let Self { particles, forces, body_colliders, scratch, .. } = self;
         let Scratch { plan, contacts, pressures, separate_surfaces, .. } = scratch;
-        // Named one by one, so that the compiler asks of what a new force acts on: on all particles alike, on skins, on any particle that it reaches, or on
-        // those that it names.
-        let Forces {
-            gravity: _,
-            drag: _,
-            hulls: _,
-            electric: _,
-            electric_fields: _,
-            winds: _,
-            surfaces,
-            attractors,
-            air_flows,
-            fluids,
-            controls,
-            springs,
-        } = forces;
         separate_surfaces.clear();
         if !contacts.has_rigid_states() {
-            separate_surfaces.push(0..surfaces.len());
+            separate_surfaces.push(0..forces.surfaces.len());
             return;
         }
-        let any = !attractors.is_empty() || !air_flows.is_empty() || !fluids.is_empty();
+        let named = forces.rows();
+        let any = named.is_none();
         let charges = if particles.column_summary.neutral { &[][..] } else { &particles.charge };
         let charged = charges.iter().enumerate().filter(|(_, charge)| **charge != 0.0);
         let rows = particles.column_summary.singular.iter().copied();
-        let rows = rows.chain(controls.iter().flat_map(|control| control.rows.iter().copied()));
-        let rows = rows.chain(springs.iter().flat_map(|spring| [spring.a, spring.b]));
+        let rows = rows.chain(named.into_iter().flatten());
         let rows = rows.chain(charged.map(|(row, _)| row as u32));
         let states = contacts.rigid_states();
         if !pressures.is_empty() {
-            states.find_skins(surfaces, body_colliders);
+            states.find_skins(&forces.surfaces, body_colliders);
         }
         states.note_forces(&plan.islands, (any, rows), pressures, separate_surfaces);
     }
 
-    /// Writes their particles for who looks at them within the step; where the substep `ends` before the last one, too.
+    /// Writes the particles of those that somebody looks at within the step: when they have been predicted, and when a substep `ends`.
     pub(super) fn write_rigid_states(&mut self, ends: bool) {
         let Self { particles, scratch: Scratch { contacts, unseen, substep, .. }, .. } = self;
         if !contacts.has_rigid_states() {

@@ -26,28 +26,10 @@ impl Simulation {
 
     /// Whether the forces of all substeps are the same on all particles, wherever those are.
     fn is_quiet(&self) -> bool {
-        // Named one by one, so that the compiler asks of which of the two a new force is: these are the same everywhere, or act on charges alone.
-        let Forces {
-            gravity: _,
-            drag: _,
-            hulls: _,
-            electric: _,
-            electric_fields: _,
-            surfaces,
-            attractors,
-            controls,
-            springs,
-            winds,
-            air_flows,
-            fluids,
-        } = &self.forces;
-        let quiet = attractors.is_empty()
-            && controls.is_empty()
-            && springs.is_empty()
-            // They press on surfaces alone.
-            && (winds.is_empty() || surfaces.is_empty())
-            && air_flows.is_empty()
-            && fluids.is_empty();
+        let Forces { surfaces, winds, .. } = &self.forces;
+        // Winds press on surfaces alone.
+        let is_calm = winds.is_empty() || surfaces.is_empty();
+        let quiet = is_calm && self.forces.rows().is_some_and(|mut rows| rows.next().is_none());
         let summary = &self.particles.column_summary;
         quiet && summary.singular.is_empty() && summary.neutral
     }
