@@ -300,4 +300,14 @@ mod tests {
         }
         assert!(missing.is_empty(), "{missing:?}");
     }
+
+    /// A longer one made the panel wider than its place, so that its right edge was cut off, and a button with it.
+    #[test]
+    fn labels_of_sliders_fit_into_the_panel() {
+        let lessons = ALL.iter().filter_map(|scene| scene.lesson);
+        for slider in lessons.flat_map(|lesson| lesson.sliders) {
+            let letters = slider.label.chars().count() + slider.unit.chars().count();
+            assert!(letters <= 19, "{} {}: {letters} letters", slider.label, slider.unit);
+        }
+    }
 }

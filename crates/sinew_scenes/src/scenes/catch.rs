@@ -25,12 +25,7 @@ pub(super) const SCENE: Scene = Scene {
         sliders: &[
             SceneSlider { label: "Mass", unit: "kg", range: [1.0, 8.0], default: 4.0 },
             SceneSlider { label: "Drop", unit: "m", range: [0.2, 1.2], default: 0.7 },
-            SceneSlider {
-                label: "Softness of a thread",
-                unit: "mm/N",
-                range: [0.1, 0.4],
-                default: 0.2,
-            },
+            SceneSlider { label: "Softness", unit: "mm/N", range: [0.1, 0.4], default: 0.2 },
         ],
         number: "From the crate to the nearest particle",
         unit: "mm",

@@ -204,7 +204,8 @@ fn cape(world: &mut World, at: Vec3, color: u32) {
     let (head, up) = (mesh(world, ball(0.15)), Vec3::Y * (high + 0.12));
     let solid = Collider::sphere(0.15);
     world.spawn((InScene, solid, head, stone, Transform::from_translation(at + up)));
-    let cloth = Cloth { radius: 0.012, ..Cloth::grid(0.95, 1.15, 23, 23) };
+    // So wide that its particles leave no gaps for what touches it: then it need not collide by its triangles.
+    let cloth = Cloth { radius: 0.018, ..Cloth::grid(0.95, 1.15, 23, 23) };
     // It hangs behind the figure as the wind comes: the wind presses it on, and lifts what is free.
     let hangs = at + Vec3::new(0.12, high - 0.1 - 0.575, radius + 0.05);
     world.spawn((
