@@ -105,6 +105,11 @@ fn a_single_particle_that_has_a_linear_velocity_follows_it_too() {
     saved.restore(app.world_mut()).unwrap();
     tick(&mut app, 60);
     assert_eq!(hash(&mut app), first);
+    app.world_mut().resource_mut::<SinewControl>().pause();
+    let own = Particle::at(Vec3::X).with_velocity(Vec3::Z);
+    let late = app.world_mut().spawn((own, LinearVelocity::default())).id();
+    tick(&mut app, 2);
+    assert_eq!(velocity(&app, late), Vec3::Z, "read off it while time stands still");
     app.world_mut().get_mut::<LinearVelocity>(ball).unwrap().0.x = f32::INFINITY;
     tick(&mut app, 1);
     assert!(velocity(&app, ball).is_finite(), "refused");

@@ -57,8 +57,8 @@ pub(crate) fn follow_velocities(
         let mut linear = linear;
         let order = order.copied();
         let edits = match known.0 {
-            // Particles of a body at rest may have velocities of their own.
-            None if now == (Vec3::ZERO, Vec3::ZERO) => [None, None],
+            // Particles of a body at rest may have velocities of their own, which are yet to be read off them.
+            None if now == (Vec3::ZERO, Vec3::ZERO) => continue,
             None => [Some(BodyEdit::Motion(now.0, now.1)), None],
             Some((velocity, spin)) => {
                 let moved = (velocity != now.0).then_some(BodyEdit::LinearVelocity(now.0));
