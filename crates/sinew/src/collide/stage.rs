@@ -77,11 +77,6 @@ impl Contacts {
         &mut self.body_contact
     }
 
-    /// The same, to read.
-    pub(crate) fn body_contact(&self) -> &BodyContactSolver {
-        &self.body_contact
-    }
-
     /// Reads those of this step, and notes which islands they are. In a world in 2D there are none: single particles are held in its plane.
     pub(crate) fn begin_rigid_states(
         &mut self,

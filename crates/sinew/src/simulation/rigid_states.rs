@@ -147,7 +147,7 @@ impl Simulation {
     /// Of the last step: not of particles that were moved since.
     pub fn rigid_pose(&self, number: usize) -> Option<Pose> {
         let first = *self.body_colliders.get(number)?.rows.first()? as usize;
-        let pose = self.scratch.contacts.body_contact().rigid_pose(number)?;
+        let pose = self.scratch.contacts.body_contact.rigid_pose(number)?;
         let translation = self.particles.origin.get(first)? + pose.translation;
         let is_finite = translation.is_finite() && pose.rotation.is_finite();
         is_finite.then_some(Pose { translation, ..pose })
@@ -165,7 +165,7 @@ impl Simulation {
             let rows = &self.body_colliders[number].rows;
             changed.iter().any(|all| all.iter().any(|row| rows.contains(row)))
         };
-        let bodies = self.scratch.contacts.body_contact();
+        let bodies = &self.scratch.contacts.body_contact;
         let found = bodies.rigid_motion(number)?;
         if bodies.is_forced(number) || !self.scratch.first_velocity.is_empty() || is_changed() {
             return None;

@@ -276,7 +276,7 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
     }
 
     // Where friction is to act: at the centre of the pressure, and how far it reaches from there.
-    let share = good.and(one / sum);
+    let share = good.and(none.lt(sum)).and(one / sum);
     let (x, y, z) = (x * share, y * share, z * share);
     let mut spread = none;
     for i in 0..POINTS {
