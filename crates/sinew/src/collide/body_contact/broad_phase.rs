@@ -79,13 +79,7 @@ impl BodyContactSolver {
         self.near_pairs(world, &mut pairs);
         self.contacts.clear();
         self.cache.begin(self.dormant.0.is_kept);
-        for &[a, b] in &pairs {
-            let before = self.cache.now.len();
-            self.compare([a as usize, b as usize], particles, world, (0.0, false));
-            if is_new && self.dormant.0.have_both(&self.groups, [a, b]) {
-                self.cache.note_dormant(before);
-            }
-        }
+        self.compare_all(&pairs, particles, world, is_new);
         self.pairs = pairs;
         self.cache.in_order();
         self.missed.begin(self.contacts.len());
@@ -348,7 +342,7 @@ impl BodyContactSolver {
                     self.swept[number].frame = self.bodies.frame(place, part.centre);
                 }
             }
-            self.compare([a as usize, b as usize], particles, world, (share, true));
+            self.compare_missed([a, b], particles, world, share);
         }
         (self.outside_bounds, self.missed.pairs) = (outside_bounds, pairs);
         for number in first..self.contacts.len() {

@@ -21,7 +21,7 @@
 //! goes elsewhere changes nothing. A cache that is lost, or is of something else, counts as empty: friction then begins anew. Vectors are in the axes
 //! of the world, as they are from substep to substep (`friction`).
 
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
 use super::super::Frame;
 use super::super::manifold::Manifold;
@@ -346,43 +346,53 @@ impl CacheBuilder {
         }
     }
 
-    /// The cached manifold of a key; to be asked in ascending order.
-    pub(super) fn lookup(&mut self, key: &ContactKey) -> Option<&CachedManifold> {
-        self.carry_dormant(Some(key));
-        while self.was.get(self.next).is_some_and(|one| one.key < *key) {
-            self.next += 1;
-        }
-        self.was.get(self.next).filter(|one| one.key == *key)
+    /// Where the first manifold of the step before is that does not come before a key; to be asked in ascending order.
+    pub(super) fn seek(&mut self, key: &ContactKey) -> usize {
+        self.next = self.first_from(self.next, key);
+        self.next
     }
 
-    /// Keeps what was [looked up](Self::lookup) last, and says where; what it holds only if it is near.
-    pub(super) fn keep(&mut self, near: bool) -> u32 {
+    /// The same from a place on.
+    fn first_from(&self, from: usize, key: &ContactKey) -> usize {
+        let before = self.was[from..].iter().take_while(|one| one.key < *key);
+        from + before.count()
+    }
+
+    /// The cached manifold at a place, if it has a key.
+    pub(super) fn cached(&self, at: usize, key: &ContactKey) -> Option<&CachedManifold> {
+        self.was.get(at).filter(|one| one.key == *key)
+    }
+
+    /// Says that what is added next has a key, and what is carried over unasked before it belongs here.
+    pub(super) fn come_to(&mut self, key: &ContactKey) {
+        self.carry_dormant(Some(key));
+    }
+
+    /// Keeps what is cached at a place, and says where; what friction holds there only if it is near.
+    pub(super) fn keep(&mut self, at: usize, near: bool) -> u32 {
         let place = self.now.len();
         // At once to where it belongs: it has three hundred bytes.
-        self.now.extend_from_slice(&self.was[self.next..=self.next]);
+        self.now.extend_from_slice(&self.was[at..=at]);
         if !near {
             self.now[place].friction_anchor = FrictionAnchor::default();
         }
         place as u32
     }
 
-    /// Carries the manifolds of a pair over as they were.
-    pub(super) fn carry_over(&mut self, key: &ContactKey) {
-        self.lookup(key);
-        let from = self.next;
-        while self.was.get(self.next).is_some_and(|one| one.key.is_of(key)) {
-            self.next += 1;
+    /// Adds a manifold. What friction held of the one with its key, from a place on, it holds, if that is the same contact; `axes` are the second one's.
+    pub(super) fn add(&mut self, mut one: CachedManifold, from: usize, axes: &Mat3) {
+        let was = self.cached(self.first_from(from, &one.key), &one.key);
+        let normal = *axes * one.manifold.normal;
+        if let Some(was) = was.filter(|was| was.friction_anchor.up.dot(normal) > SAME) {
+            one.friction_anchor = was.friction_anchor;
         }
-        self.now.extend_from_slice(&self.was[from..self.next]);
+        self.now.push(one);
     }
 
-    /// What friction held at a place where something was found afresh, if that is the same contact; `frame` is the second one's.
-    pub(super) fn inherit_anchor(&mut self, place: usize, frame: &Frame) {
-        let (key, normal) = (self.now[place].key, frame.turn(self.now[place].manifold.normal));
-        if let Some(was) = self.lookup(&key).filter(|was| was.friction_anchor.up.dot(normal) > SAME)
-        {
-            self.now[place].friction_anchor = was.friction_anchor;
-        }
+    /// Carries the manifolds of a pair over as they were, from the first of them on.
+    pub(super) fn carry_over(&mut self, key: &ContactKey, from: usize) {
+        let same = self.was[from..].iter().take_while(|one| one.key.is_of(key)).count();
+        self.now.extend_from_slice(&self.was[from..from + same]);
     }
 
     /// Which part of two a manifold is of.

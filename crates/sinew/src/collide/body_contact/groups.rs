@@ -309,6 +309,7 @@ impl BodyGroups {
     }
 
     /// Whether two body colliders have a particle in common.
+    #[inline]
     pub(super) fn share_a_row(&self, a: usize, b: usize) -> bool {
         self.sharing[a].contains(&(b as u32))
     }

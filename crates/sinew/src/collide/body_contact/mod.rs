@@ -19,7 +19,8 @@
 //! | `static_geometry` | colliders, planes and boxes |
 //! | `swept_bounds` | where a body collider goes in a step |
 //! | `broad_phase` | what it may come to touch there, and what does that has left those bounds |
-//! | `narrow_phase` | the manifolds of a pair: cached, or computed afresh, or within a step once it has turned; and which overlap at rest, and never touch |
+//! | `narrow_phase` | the manifolds of a pair: cached, or computed afresh, or within a step once it has turned |
+//! | `rest_overlaps` | which parts of a body overlap at rest, and never touch |
 //! | `dormant` | those of sleepers to which nothing was done, and what is kept of them |
 //! | `contact_cache` | what is kept from one step to the next |
 //! | `wide_contact` | contacts of a step: coloured, packed by eight, and which are pressed more than once in a substep |
@@ -43,6 +44,7 @@ mod loose;
 mod narrow_phase;
 mod normal_solve;
 mod pose;
+mod rest_overlaps;
 mod restitution;
 mod rigid_forces;
 mod rigid_islands;
@@ -58,7 +60,7 @@ mod wide_contact;
 
 use glam::Vec3;
 
-use super::manifold::{ClusterSearch, ManifoldScratch};
+use super::manifold::ClusterSearch;
 use super::nearby::Nearby;
 use super::recovery::in_substep;
 use super::{ContactParticipant, Shape, World};
@@ -73,9 +75,10 @@ use dormant::DormantColliders;
 use friction::{predict_impulses, solve_all_friction};
 use groups::BodyGroups;
 use loose::Loose;
-use narrow_phase::RestOverlaps;
+use narrow_phase::NarrowPhase;
 use normal_solve::solve_normals;
 use pose::{Gathered, OriginOffsets, PoseSums, SharedDeltas};
+use rest_overlaps::RestOverlaps;
 use restitution::ImpactScratch;
 use rigid_islands::RigidIslands;
 use rigid_state::{ShowStates, correct_states};
@@ -125,7 +128,7 @@ pub(crate) struct BodyContactSolver {
     floor: Option<Shape>,
     swept: Vec<SweptBounds>,
     clusters: Kept<ClusterSearch>,
-    scratch: Kept<ManifoldScratch>,
+    narrow_phase: Kept<NarrowPhase>,
     bounds: Vec<(Vec3, Vec3)>,
     /// Who has left its swept bounds in this substep.
     outside_bounds: Vec<u32>,

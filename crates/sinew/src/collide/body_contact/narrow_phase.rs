@@ -1,212 +1,445 @@
 //! Narrow phase: the manifolds of a pair.
 //!
-//! They are taken from the contact cache as long as they are valid, and otherwise computed afresh.
+//! They are taken from the contact cache as long as they are valid, and otherwise computed afresh. Boxes are compared eight pairs at a time
+//! ([`BoxPairs`]): pairs are asked for one after the other, and those of boxes wait, and all behind them, until some are together.
 //!
 //! # Refresh within a step
 //!
 //! Pairs that turn and slide on each other are compared again, where they are by then, and kinematic geometry is followed.
-//!
-//! # Overlap at rest
-//!
-//! Parts of one body that overlap in its rest shape never touch: a thigh and the pelvis that it goes into, two bones away. They are found when body
-//! colliders, bodies or rest places have changed, for the bodies that touch themselves. Those that are very many are segments of a rope, which are
-//! compared when they come near each other ([`overlaps_at_rest`](BodyCollider::overlaps_at_rest)).
 
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
-use super::super::manifold::{ManifoldScratch, collide, is_of_triangles};
-use super::super::{ContactFilter, ContactParticipant, Frame, Shape, World};
-use super::broad_phase::MissedPairs;
-use super::contact_cache::{
-    CacheBuilder, CachedManifold, ContactKey, FrictionAnchor, Other, SLACK, sort,
-};
+use super::super::manifold::{BoxPairs, Manifold, ManifoldScratch, collide, is_of_triangles};
+use super::super::{ContactParticipant, Frame, Shape, World};
+use super::contact_cache::{CachedManifold, ContactKey, FrictionAnchor, Other, SLACK, sort};
 use super::groups::BodyGroups;
+use super::static_geometry::StaticGeometry;
 use super::swept_bounds::SweptBounds;
-use super::wide_contact::{Contact, SensorOverlap, TORSIONAL_RADIUS, WideContact, put_manifold};
+use super::wide_contact::{Contact, SensorOverlap, TORSIONAL_RADIUS, put_manifold};
 use super::{BodyCollider, BodyContactSolver};
-use crate::kept::Kept;
-use crate::lanes::LANES;
+use crate::lanes::{LANES, SetLanes};
 use crate::particles::{NO_BODY, Particles};
-use crate::pose::pose;
 
-/// Parts of a body up to which all pairs are compared beforehand.
-const MOST: usize = 64;
+/// So many pairs wait for boxes at the most: what is known of them stays in the fastest memory.
+const AT_ONCE: usize = 64;
 
-/// By how much two must be clear of each other in the rest shape to touch at all, as a share of how far the smaller one reaches.
-const CLEAR: f32 = 0.01;
+/// Pairs that wait, and what they are computed with. Scratch.
+#[derive(Default)]
+pub(super) struct NarrowPhase {
+    waiting: Vec<Comparison>,
+    boxes: BoxPairs,
+    /// Of each pair of boxes whose manifold has become stale within a step, the wide contact and the lane.
+    stale: Vec<(usize, usize)>,
+    manifolds: ManifoldScratch,
+}
 
 impl BodyContactSolver {
-    /// Computes the manifolds of a pair after a share of the step, or takes them from the cache; within a step those alone that the broad phase
-    /// missed.
-    #[inline]
-    pub(super) fn compare(
+    /// Computes the manifolds of pairs when a step begins, or takes them from the cache; notes those that may be carried over unasked, if `is_new`.
+    pub(super) fn compare_all(
         &mut self,
-        pair: [usize; 2],
+        pairs: &[[u32; 2]],
         particles: &Particles,
         world: &World,
-        when: (f32, bool),
+        is_new: bool,
     ) {
-        if pair[1] < self.swept.len() {
-            self.compare_solids(pair, particles, world, when);
+        for &pair in pairs {
+            let Some(query) = self.query(pair, particles, world, None) else { continue };
+            let (from, answer) = self.ask(&query, world);
+            let NarrowPhase { waiting, .. } = &mut self.narrow_phase.0;
+            // Behind boxes that are not compared yet all have to wait, for manifolds come in the order of the pairs.
+            if waiting.is_empty() && !matches!(answer, Answer::Boxes(_)) {
+                let first = self.settle(&query, from, &answer, &[], world);
+                self.note_dormant(pair, first, is_new);
+                continue;
+            }
+            waiting.push(Comparison { query, from, answer });
+            if waiting.len() >= AT_ONCE {
+                self.settle_waiting(world, is_new);
+            }
+        }
+        self.settle_waiting(world, is_new);
+    }
+
+    /// Looks for the manifolds of a query in the cache, and says where they begin there, and where they are to come from.
+    #[inline(always)]
+    fn ask(&mut self, query: &PairQuery, world: &World) -> (usize, Answer) {
+        let PairQuery { pair, ref key, ref here, size, reach, stuck } = *query;
+        let from = self.cache.seek(key);
+        if stuck {
+            return (from, Answer::Carried);
+        }
+        let shapes = shapes(pair, world, &self.static_geometry);
+        let known = self.cache.cached(from, key);
+        let held = known.filter(|known| known.content_hashes == content_hashes(shapes));
+        let held = held.and_then(|known| {
+            let staleness = known.staleness(here, size, reach)?;
+            Some(Answer::Held { staleness, near: known.is_near(here, reach) })
+        });
+        let boxes = &mut self.narrow_phase.0.boxes;
+        let mut compared = || {
+            let boxes = boxes.push(shapes, here, reach + SLACK * size.1);
+            boxes.map_or(Answer::Afresh, Answer::Boxes)
+        };
+        (from, held.unwrap_or_else(&mut compared))
+    }
+
+    /// Compares the boxes that wait, and settles all that do.
+    fn settle_waiting(&mut self, world: &World, is_new: bool) {
+        let NarrowPhase { boxes, waiting, .. } = &mut self.narrow_phase.0;
+        let (mut boxes, mut waiting) = (core::mem::take(boxes), core::mem::take(waiting));
+        let found = boxes.collide(self.instructions);
+        for Comparison { query, from, answer } in waiting.drain(..) {
+            let first = self.settle(&query, from, &answer, found, world);
+            self.note_dormant(query.pair, first, is_new);
+        }
+        boxes.clear();
+        (self.narrow_phase.0.boxes, self.narrow_phase.0.waiting) = (boxes, waiting);
+    }
+
+    /// Adds the manifolds of a pair to the cache, and those that may come to press to the contacts. Says where in the cache the first of them is.
+    #[inline(always)]
+    fn settle(
+        &mut self,
+        query: &PairQuery,
+        from: usize,
+        answer: &Answer,
+        found: &[Manifold],
+        world: &World,
+    ) -> usize {
+        let PairQuery { pair, ref key, ref here, size, reach, .. } = *query;
+        self.cache.come_to(key);
+        let first = self.cache.now.len();
+        match *answer {
+            Answer::Carried => self.cache.carry_over(key, from),
+            Answer::Held { staleness, near } => {
+                let cache_index = self.cache.keep(from, near);
+                if near {
+                    let contact = self.contact(pair, (cache_index, staleness), world, 0.0);
+                    self.contacts.push(contact);
+                }
+            }
+            Answer::Boxes(_) | Answer::Afresh => {
+                let axes = self.second_frame(pair, world, 0.0).rotation;
+                let Self { cache, static_geometry, narrow_phase, .. } = self;
+                let (shapes, far) = (shapes(pair, world, static_geometry), reach + SLACK * size.1);
+                let mut add = |manifold: &Manifold| {
+                    cache.add(query.cached(shapes, manifold, far), from, &axes);
+                };
+                if let Answer::Boxes(number) = *answer {
+                    let manifold = &found[number];
+                    if !manifold.points().is_empty() {
+                        add(manifold);
+                    }
+                } else {
+                    let [a, b] = shapes;
+                    collide(a, b, here, far, &mut narrow_phase.0.manifolds, &mut add);
+                    // Triangles come in any order.
+                    sort(&mut cache.now[first..]);
+                }
+                for place in first..self.cache.now.len() {
+                    if self.cache.now[place].is_near(here, reach) {
+                        let contact = self.contact(pair, (place as u32, 0.0), world, 0.0);
+                        self.contacts.push(contact);
+                    }
+                }
+            }
+        }
+        first
+    }
+
+    /// Notes that the manifolds of a pair, from a place on, may be carried over unasked, if those who may are noted in this step and the two are of them.
+    #[inline(always)]
+    fn note_dormant(&mut self, pair: [u32; 2], first: usize, is_new: bool) {
+        if is_new && self.dormant.0.have_both(&self.groups, pair) {
+            self.cache.note_dormant(first);
+        }
+    }
+
+    /// Where the second one of a pair is as seen from the first one's origin, after a share of the step if it is static geometry.
+    #[inline(always)]
+    fn second_frame(&self, [a, b]: [u32; 2], world: &World, share: f32) -> Frame {
+        let (one, b) = (&self.swept[a as usize], b as usize);
+        match b.checked_sub(self.swept.len()) {
+            None => {
+                let other = &self.swept[b];
+                let offset = other.origin - one.origin;
+                Frame { translation: other.frame.translation + offset, ..other.frame }
+            }
+            Some(number) => {
+                let geometry = &self.static_geometry[number];
+                geometry.seen_from(&geometry.frame_at(world, share), one.origin)
+            }
+        }
+    }
+
+    /// What a manifold of a pair is to be, which is at a place in the cache and so stale; after a share of the step.
+    #[inline(always)]
+    fn contact(
+        &self,
+        [a, b]: [u32; 2],
+        (cache_index, staleness): (u32, f32),
+        world: &World,
+        share: f32,
+    ) -> Contact {
+        let Self { groups, swept, static_geometry, .. } = self;
+        let (first, second) = (a as usize, b as usize);
+        let (one, part) = (&swept[first], &groups.parts[first]);
+        let (own, is_alone) = (world.filter.body(one.body), groups.is_alone(first));
+        let participant_a = participant(groups, first, one.body);
+        // Joints of bones turn these on their points, and they crept on over the floor when that was held.
+        let torsional =
+            |is_alone: bool, size: f32| if is_alone { TORSIONAL_RADIUS * size } else { 0.0 };
+        let Some(number) = second.checked_sub(swept.len()) else {
+            let (other, their) = (&swept[second], &groups.parts[second]);
+            let theirs = world.filter.body(other.body);
+            let size = part.reach.min(their.reach);
+            return Contact {
+                a,
+                b,
+                geometry: None,
+                fixed: None,
+                cache_index,
+                offset: other.origin - one.origin,
+                combined_material: own.material.against(&theirs.material),
+                reports_events: own.events || theirs.events,
+                participants: [participant_a, participant(groups, second, other.body)],
+                colour: 0,
+                level: 0,
+                size,
+                staleness,
+                torsional_radius: torsional(is_alone && groups.is_alone(second), size),
+            };
+        };
+        let geometry = &static_geometry[number];
+        let here = self.second_frame([a, b], world, share);
+        Contact {
+            a,
+            b: (groups.padded() + number) as u32,
+            geometry: Some(number as u32),
+            fixed: geometry.moving.is_none().then_some(here.rotation),
+            cache_index,
+            offset: here.translation,
+            combined_material: geometry.combined_material(&own.material),
+            reports_events: own.events || geometry.events,
+            participants: [participant_a, geometry.participant],
+            colour: 0,
+            level: 0,
+            size: part.reach,
+            staleness,
+            torsional_radius: torsional(is_alone, part.reach),
+        }
+    }
+
+    /// Two that may touch, after a share of the step if the broad phase missed them, or when it begins; nothing of those that never do, and of sensors, which
+    /// are noted.
+    #[inline(always)]
+    fn query(
+        &mut self,
+        pair: [u32; 2],
+        particles: &Particles,
+        world: &World,
+        missed: Option<f32>,
+    ) -> Option<PairQuery> {
+        if (pair[1] as usize) < self.swept.len() {
+            self.query_solids(pair, particles, world, missed)
         } else {
-            self.compare_with_geometry(pair, world, when);
+            self.query_geometry(pair, world, missed.unwrap_or(0.0))
         }
     }
 
     /// Two body colliders.
-    fn compare_solids(
-        &mut self,
-        [a, b]: [usize; 2],
+    #[inline(always)]
+    fn query_solids(
+        &self,
+        pair: [u32; 2],
         particles: &Particles,
         world: &World,
-        (share, missed): (f32, bool),
-    ) {
-        let Self { groups, overlaps, swept, contacts, cache, scratch, missed: known, .. } = self;
+        missed: Option<f32>,
+    ) -> Option<PairQuery> {
+        let Self { groups, overlaps, swept, .. } = self;
+        let [a, b] = pair.map(|number| number as usize);
         let (one, other) = (&swept[a], &swept[b]);
         // Neighbours in a body are near each other all the time.
         let same = one.body == other.body && one.body != NO_BODY;
         if same && groups.share_a_row(a, b) {
-            return;
+            return None;
         }
-        let filter = world.filter;
-        let (own, theirs) = (filter.body(one.body), filter.body(other.body));
         let overlap = || {
             overlaps.has(a, b)
                 || world.body_colliders[a].overlaps_at_rest(&world.body_colliders[b], particles)
         };
         let of = |swept: &SweptBounds| (swept.body, swept.row);
-        if !filter.rows_may_touch(of(one), of(other)) || same && overlap() {
-            return;
+        if !world.filter.rows_may_touch(of(one), of(other)) || same && overlap() {
+            return None;
         }
         let (solid, with) = (&world.body_colliders[a], &world.body_colliders[b]);
-        let key = ContactKey { a: solid.id, other: Other::BodyCollider(with.id), nth: 0 };
         let (part, their) = (&groups.parts[a], &groups.parts[b]);
-        let offset = other.origin - one.origin;
-        let there = Frame { translation: other.frame.translation + offset, ..other.frame };
-        let stuck = part.immovable && their.immovable
-            || are_pinned_together(groups, [a, b], [solid, with], [&one.frame, &there]);
-        if stuck {
-            if !missed {
-                cache.carry_over(&key);
-            }
-            return;
-        }
-        let (shapes, size) =
-            ([&solid.shape, &with.shape], (part.reach, part.reach.min(their.reach)));
-        // Joints of bones turn these on their points, and they crept on over the floor when that was held.
-        let torsional_radius =
-            if groups.is_alone(a) && groups.is_alone(b) { TORSIONAL_RADIUS * size.1 } else { 0.0 };
-        let meeting = || Contact {
-            a: a as u32,
-            b: b as u32,
-            geometry: None,
-            fixed: None,
-            cache_index: 0,
-            offset,
-            combined_material: own.material.against(&theirs.material),
-            reports_events: own.events || theirs.events,
-            participants: [participant(groups, a, one.body), participant(groups, b, other.body)],
-            colour: 0,
-            level: 0,
-            size: size.1,
-            staleness: 0.0,
-            torsional_radius,
-        };
+        let there = self.second_frame(pair, world, 0.0);
         // Within a step nobody is quite where he was expected.
-        let off = if missed { one.speculative_margin + other.speculative_margin } else { 0.0 };
-        let reach = one.reach_of(other, (1.0 - share) * world.dt) + off;
-        let (query, frames) = (PairQuery { key, shapes, size, reach }, [&one.frame, &there]);
-        if missed {
-            let pair = [a as u32, b as u32];
-            query.find_missed(frames, (pair, meeting), known, cache, contacts, &mut scratch.0);
-        } else {
-            query.narrow_phase(frames, meeting, cache, contacts, &mut scratch.0);
-        }
+        let off = missed.map_or(0.0, |_| one.speculative_margin + other.speculative_margin);
+        Some(PairQuery {
+            pair,
+            key: ContactKey { a: solid.id, other: Other::BodyCollider(with.id), nth: 0 },
+            here: one.frame.from_within(&there),
+            size: (part.reach, part.reach.min(their.reach)),
+            reach: one.reach_of(other, (1.0 - missed.unwrap_or(0.0)) * world.dt) + off,
+            stuck: part.immovable && their.immovable
+                || are_pinned_together(groups, [a, b], [solid, with], [&one.frame, &there]),
+        })
     }
 
     /// A body collider and static geometry.
-    fn compare_with_geometry(
-        &mut self,
-        [a, b]: [usize; 2],
-        world: &World,
-        (share, missed): (f32, bool),
-    ) {
-        let Self {
-            groups,
-            swept,
-            static_geometry,
-            contacts,
-            cache,
-            sensor_overlaps,
-            scratch,
-            missed: known,
-            ..
-        } = self;
-        let (one, number) = (&swept[a], b - swept.len());
+    fn query_geometry(&mut self, pair: [u32; 2], world: &World, share: f32) -> Option<PairQuery> {
+        let here = self.second_frame(pair, world, share);
+        let Self { groups, swept, static_geometry, sensor_overlaps, narrow_phase, .. } = self;
+        let (a, number) = (pair[0] as usize, pair[1] as usize - swept.len());
+        let (one, part) = (&swept[a], &groups.parts[a]);
         let (solid, geometry) = (&world.body_colliders[a], &static_geometry[number]);
         let own = world.filter.body(one.body);
         let ignored = matches!(geometry.participant, ContactParticipant::Collider(collider)
             if !world.filter.may_touch_collider(one.body, collider));
         if ignored || !own.layers.meets(geometry.layers) {
-            return;
+            return None;
         }
-        let frame = geometry.frame_at(world, share);
-        let here = geometry.seen_from(&frame, one.origin);
-        let reports_events = own.events || geometry.events;
-        let participants = || [participant(groups, a, one.body), geometry.participant];
+        let seen_from = one.frame.from_within(&here);
         if geometry.sensor {
-            if reports_events {
-                let seen_from = one.frame.from_within(&here);
-                let (shape, scratch) = (&solid.shape, &mut scratch.0);
+            if own.events || geometry.events {
+                let participants = [participant(groups, a, one.body), geometry.participant];
+                let (shape, scratch) = (&solid.shape, &mut narrow_phase.0.manifolds);
                 collide(shape, &geometry.shape, &seen_from, 0.0, scratch, &mut |manifold| {
                     if let Some(point) = manifold.points().first() {
-                        let normal = frame.turn(manifold.normal);
+                        let normal = here.turn(manifold.normal);
                         let point = one.origin + one.frame.point(point.on_a);
-                        sensor_overlaps.push(SensorOverlap {
-                            participants: participants(),
-                            point,
-                            normal,
-                        });
+                        sensor_overlaps.push(SensorOverlap { participants, point, normal });
                     }
                 });
             }
-            return;
+            return None;
         }
-        let (part, key) =
-            (&groups.parts[a], ContactKey { a: solid.id, other: geometry.other, nth: 0 });
-        if part.immovable || is_nailed(groups, a, solid, [&one.frame, &here], &geometry.shape) {
-            if !missed {
-                cache.carry_over(&key);
-            }
+        Some(PairQuery {
+            pair,
+            key: ContactKey { a: solid.id, other: geometry.other, nth: 0 },
+            here: seen_from,
+            size: (part.reach, part.reach),
+            reach: one.reach((1.0 - share) * world.dt) + geometry.carries(one, world, share),
+            stuck: part.immovable
+                || is_nailed(groups, a, solid, [&one.frame, &here], &geometry.shape),
+        })
+    }
+
+    /// Computes the manifolds of a pair that the broad phase missed, after a share of the step: those that were not found before.
+    pub(super) fn compare_missed(
+        &mut self,
+        pair: [u32; 2],
+        particles: &Particles,
+        world: &World,
+        share: f32,
+    ) {
+        let Some(query) = self.query(pair, particles, world, Some(share)).filter(|it| !it.stuck)
+        else {
             return;
-        }
-        let row = (groups.padded() + number) as u32;
-        let meeting = || Contact {
-            a: a as u32,
-            b: row,
-            geometry: Some(number as u32),
-            fixed: geometry.moving.is_none().then_some(here.rotation),
-            cache_index: 0,
-            offset: here.translation,
-            combined_material: geometry.combined_material(&own.material),
-            reports_events,
-            participants: participants(),
-            colour: 0,
-            level: 0,
-            size: part.reach,
-            staleness: 0.0,
-            torsional_radius: if groups.is_alone(a) { TORSIONAL_RADIUS * part.reach } else { 0.0 },
         };
-        let (shapes, size) = ([&solid.shape, &geometry.shape], (part.reach, part.reach));
-        let reach = one.reach((1.0 - share) * world.dt) + geometry.carries(one, world, share);
-        let (query, frames) = (PairQuery { key, shapes, size, reach }, [&one.frame, &here]);
-        if missed {
-            let pair = [a as u32, row];
-            query.find_missed(frames, (pair, meeting), known, cache, contacts, &mut scratch.0);
-        } else {
-            query.narrow_phase(frames, meeting, cache, contacts, &mut scratch.0);
+        let contact = self.contact(pair, (0, 0.0), world, share);
+        let reach = query.reach;
+        let Self { missed, cache, contacts, narrow_phase, static_geometry, .. } = self;
+        let shapes = shapes(pair, world, static_geometry);
+        let (of_triangles, pair) = (have_triangles(shapes), [contact.a, contact.b]);
+        if !of_triangles && missed.has(pair, 0, contacts, cache) {
+            return;
+        }
+        let [a, b] = shapes;
+        collide(a, b, &query.here, reach, &mut narrow_phase.0.manifolds, &mut |manifold| {
+            if of_triangles && missed.has(pair, manifold.part, contacts, cache) {
+                return;
+            }
+            let cache_index = cache.insert_missed(query.cached(shapes, manifold, reach));
+            contacts.push(Contact { cache_index, ..contact });
+        });
+    }
+}
+
+/// A body collider, and another one or static geometry.
+struct PairQuery {
+    /// Numbers of the body colliders, the second one's behind them if it is static geometry.
+    pair: [u32; 2],
+    key: ContactKey,
+    /// Where the first one is in the coordinates of the second one.
+    here: Frame,
+    /// How far the first one reaches, and the smaller one of the two, metres.
+    size: (f32, f32),
+    /// How near they may come in the step, metres.
+    reach: f32,
+    /// Whether neither can be moved by the other.
+    stuck: bool,
+}
+
+/// A pair, and where its manifolds come from.
+struct Comparison {
+    query: PairQuery,
+    /// Where those of the step before begin.
+    from: usize,
+    answer: Answer,
+}
+
+/// Where the manifolds of a pair come from.
+enum Answer {
+    /// They are carried over, and nothing may come of them.
+    Carried,
+    /// What is cached holds, so stale, and is near or not.
+    Held { staleness: f32, near: bool },
+    /// Two boxes: the number of the pair in their list.
+    Boxes(usize),
+    /// They are to be computed.
+    Afresh,
+}
+
+impl PairQuery {
+    /// A manifold of theirs as it is cached, looked for up to a reach, metres. Those of triangles are found anew in each step.
+    #[inline(always)]
+    fn cached(&self, shapes: [&Shape; 2], manifold: &Manifold, reach: f32) -> CachedManifold {
+        CachedManifold {
+            key: ContactKey { nth: manifold.part, ..self.key },
+            content_hashes: content_hashes(shapes),
+            manifold: *manifold,
+            seen_from: self.here,
+            reach: if have_triangles(shapes) { -1.0 } else { reach },
+            friction_anchor: FrictionAnchor::default(),
         }
     }
+}
+
+/// The shapes of a pair: of two body colliders, or of one and static geometry, whose numbers come behind theirs.
+#[inline(always)]
+fn shapes<'a>(
+    pair: [u32; 2],
+    world: &World<'a>,
+    static_geometry: &'a [StaticGeometry],
+) -> [&'a Shape; 2] {
+    let [a, b] = pair.map(|number| number as usize);
+    let solid = &world.body_colliders[a].shape;
+    match b.checked_sub(world.body_colliders.len()) {
+        None => [solid, &world.body_colliders[b].shape],
+        Some(number) => [solid, &static_geometry[number].shape],
+    }
+}
+
+/// Whether two have a manifold for each triangle of one of them.
+#[inline(always)]
+fn have_triangles([a, b]: [&Shape; 2]) -> bool {
+    is_of_triangles(a) || is_of_triangles(b)
+}
+
+#[inline(always)]
+fn content_hashes([a, b]: [&Shape; 2]) -> [u64; 2] {
+    [a.content_hash(), b.content_hash()]
+}
+
+/// Centres of the two of a contact in their own frames; of static geometry it is its zero.
+#[inline(always)]
+fn centres(groups: &BodyGroups, one: &Contact) -> [Vec3; 2] {
+    let second =
+        if one.geometry.is_none() { groups.parts[one.b as usize].centre } else { Vec3::ZERO };
+    [groups.parts[one.a as usize].centre, second]
 }
 
 /// Whether a segment is pinned in static geometry, or nearer to it than it is thick. What is nailed to a post does not run into it: about its pin a
@@ -262,105 +495,6 @@ fn are_pinned_together(
         || pins(1).any(|pin| is_in(pin, 0, their))
 }
 
-/// A body collider, and another one or static geometry.
-struct PairQuery<'a> {
-    key: ContactKey,
-    shapes: [&'a Shape; 2],
-    /// How far the first one reaches, and the smaller one of the two, metres.
-    size: (f32, f32),
-    /// How near they may come in the step, metres.
-    reach: f32,
-}
-
-impl PairQuery<'_> {
-    /// Adds their manifolds to the cache, and those that may come to press to the contacts, each as `meeting` has it.
-    #[inline(always)]
-    fn narrow_phase(
-        self,
-        [a, b]: [&Frame; 2],
-        meeting: impl Fn() -> Contact,
-        cache: &mut CacheBuilder,
-        contacts: &mut Vec<Contact>,
-        scratch: &mut ManifoldScratch,
-    ) {
-        let Self { key, shapes, size: (size, smaller), reach } = self;
-        let here = a.from_within(b);
-        let content_hashes = [shapes[0].content_hash(), shapes[1].content_hash()];
-        let of_triangles = is_of_triangles(shapes[0]) || is_of_triangles(shapes[1]);
-        let known = cache.lookup(&key).filter(|known| known.content_hashes == content_hashes);
-        let holds = known.and_then(|known| {
-            Some((known.staleness(&here, (size, smaller), reach)?, known.is_near(&here, reach)))
-        });
-        if let Some((staleness, near)) = holds {
-            let cache_index = cache.keep(near);
-            if near {
-                contacts.push(Contact { staleness, cache_index, ..meeting() });
-            }
-            return;
-        }
-        let (first, far) = (cache.now.len(), reach + SLACK * smaller);
-        collide(shapes[0], shapes[1], &here, far, scratch, &mut |manifold| {
-            let (key, manifold) = (ContactKey { nth: manifold.part, ..key }, *manifold);
-            let (reach, friction_anchor) =
-                (if of_triangles { -1.0 } else { far }, FrictionAnchor::default());
-            cache.now.push(CachedManifold {
-                key,
-                content_hashes,
-                manifold,
-                seen_from: here,
-                reach,
-                friction_anchor,
-            });
-        });
-        // Triangles come in any order.
-        if of_triangles {
-            sort(&mut cache.now[first..]);
-        }
-        for place in first..cache.now.len() {
-            cache.inherit_anchor(place, b);
-            if cache.now[place].is_near(&here, reach) {
-                contacts.push(Contact { cache_index: place as u32, ..meeting() });
-            }
-        }
-    }
-
-    /// The same within a step, for those that were not found before; the pair as it is in [`Contact`].
-    fn find_missed(
-        self,
-        [a, b]: [&Frame; 2],
-        (pair, meeting): ([u32; 2], impl Fn() -> Contact),
-        missed: &MissedPairs,
-        cache: &mut CacheBuilder,
-        contacts: &mut Vec<Contact>,
-        scratch: &mut ManifoldScratch,
-    ) {
-        let Self { key, shapes, reach, .. } = self;
-        let here = a.from_within(b);
-        let content_hashes = [shapes[0].content_hash(), shapes[1].content_hash()];
-        let of_triangles = is_of_triangles(shapes[0]) || is_of_triangles(shapes[1]);
-        if !of_triangles && missed.has(pair, 0, contacts, cache) {
-            return;
-        }
-        collide(shapes[0], shapes[1], &here, reach, scratch, &mut |manifold| {
-            if of_triangles && missed.has(pair, manifold.part, contacts, cache) {
-                return;
-            }
-            let (key, manifold) = (ContactKey { nth: manifold.part, ..key }, *manifold);
-            let (reach, friction_anchor) =
-                (if of_triangles { -1.0 } else { reach }, FrictionAnchor::default());
-            let one = CachedManifold {
-                key,
-                content_hashes,
-                manifold,
-                seen_from: here,
-                reach,
-                friction_anchor,
-            };
-            contacts.push(Contact { cache_index: cache.insert_missed(one), ..meeting() });
-        });
-    }
-}
-
 /// Who a body collider is, for the report.
 pub(super) fn participant(groups: &BodyGroups, number: usize, body: u32) -> ContactParticipant {
     if body == NO_BODY {
@@ -385,21 +519,18 @@ impl BodyContactSolver {
             contacts,
             wide_contacts,
             bodies,
-            scratch,
+            narrow_phase,
             cache,
+            instructions,
             ..
         } = self;
+        let NarrowPhase { boxes, stale, manifolds, .. } = &mut narrow_phase.0;
+        boxes.clear();
+        stale.clear();
         let frame = |number: usize| bodies.frame(groups.place(number), groups.parts[number].centre);
         let time = (1.0 - share) * world.dt;
-        for wide in wide_contacts {
-            // Nearly all are as they were: that is one question.
-            if (0..LANES).fold(true, |good, lane| good & holds(wide, lane)) {
-                continue;
-            }
-            for lane in 0..LANES {
-                if holds(wide, lane) {
-                    continue;
-                }
+        for (number, wide) in wide_contacts.iter_mut().enumerate() {
+            for lane in SetLanes(wide.stale) {
                 let Some(one) = contacts.get_mut(wide.number[lane] as usize) else { continue };
                 let known = &mut cache.now[one.cache_index as usize];
                 // Those of several are found once a step.
@@ -409,35 +540,42 @@ impl BodyContactSolver {
                 let (a, b) = (one.a as usize, one.b as usize);
                 let (shape, own) = (&world.body_colliders[a].shape, frame(a));
                 let geometry = one.geometry.map(|number| &static_geometry[number as usize]);
-                let (other, theirs, centre, reach) = match geometry {
+                let (other, theirs, reach) = match geometry {
                     Some(geometry) => {
                         let theirs = geometry.frame_at(world, share);
                         let theirs = geometry.seen_from(&theirs, swept[a].origin);
                         one.offset = theirs.translation;
                         let reach =
                             swept[a].reach(time) + geometry.carries(&swept[a], world, share);
-                        (&geometry.shape, theirs, Vec3::ZERO, reach)
+                        (&geometry.shape, theirs, reach)
                     }
                     None => {
                         let theirs = frame(b);
                         let reach = swept[a].reach_of(&swept[b], time);
                         let translation = theirs.translation + one.offset;
-                        (
-                            &world.body_colliders[b].shape,
-                            Frame { translation, ..theirs },
-                            groups.parts[b].centre,
-                            reach,
-                        )
+                        (&world.body_colliders[b].shape, Frame { translation, ..theirs }, reach)
                     }
                 };
                 let seen_from = own.from_within(&theirs);
-                known.manifold = Default::default();
                 (known.seen_from, known.reach) = (seen_from, reach);
-                collide(shape, other, &seen_from, reach, &mut scratch.0, &mut |manifold| {
+                if boxes.push([shape, other], &seen_from, reach).is_some() {
+                    stale.push((number, lane));
+                    continue;
+                }
+                known.manifold = Default::default();
+                collide(shape, other, &seen_from, reach, manifolds, &mut |manifold| {
                     known.manifold = *manifold;
                 });
-                put_manifold(wide, lane, (one, known), [groups.parts[a].centre, centre]);
+                put_manifold(wide, lane, (one, known), centres(groups, one));
             }
+        }
+        let found = boxes.collide(*instructions);
+        for (&(number, lane), manifold) in stale.iter().zip(found) {
+            let wide = &mut wide_contacts[number];
+            let one = &contacts[wide.number[lane] as usize];
+            let known = &mut cache.now[one.cache_index as usize];
+            known.manifold = *manifold;
+            put_manifold(wide, lane, (one, known), centres(groups, one));
         }
     }
 
@@ -460,116 +598,6 @@ impl BodyContactSolver {
                     for (to, from) in wide.offset.iter_mut().zip(here.to_array()) {
                         to[lane] = from;
                     }
-                }
-            }
-        }
-    }
-}
-
-/// Whether a manifold is still good for what it is needed for.
-#[inline(always)]
-fn holds(wide: &WideContact, lane: usize) -> bool {
-    let staleness = wide.staleness[lane];
-    (staleness < 1.0) | (wide.elsewhere[lane] * staleness < wide.predicted_gap[lane])
-}
-
-/// The pairs that overlap at rest. Scratch.
-#[derive(Clone, Debug, Default)]
-pub(super) struct RestOverlaps {
-    /// Numbers of body colliders, the lower first; sorted.
-    pairs: Vec<[u32; 2]>,
-    /// [Edits](Particles::edits) of the particles when they were found; `None` when body colliders have changed since.
-    seen: Option<u64>,
-    /// Body and number of each body collider; where those of the body at hand are at rest, and the boxes about them.
-    body_colliders: Vec<(u32, u32)>,
-    frames: Vec<(u32, Frame, (Vec3, Vec3))>,
-    scratch: Kept<ManifoldScratch>,
-}
-
-impl RestOverlaps {
-    /// Has them looked for anew.
-    pub(super) fn reset(&mut self) {
-        self.seen = None;
-    }
-
-    /// Whether two body colliders of one body overlap at rest, as far as that was found beforehand.
-    #[inline]
-    pub(super) fn has(&self, a: usize, b: usize) -> bool {
-        !self.pairs.is_empty() && self.pairs.binary_search(&[a as u32, b as u32]).is_ok()
-    }
-
-    /// Finds them, if anything has changed.
-    pub(super) fn update(
-        &mut self,
-        body_colliders: &[BodyCollider],
-        groups: &BodyGroups,
-        particles: &Particles,
-        filter: &ContactFilter,
-    ) {
-        if self.seen == Some(particles.edits()) {
-            return;
-        }
-        self.seen = Some(particles.edits());
-        self.pairs.clear();
-        self.body_colliders.clear();
-        if particles.rest.is_empty() {
-            return;
-        }
-        for (number, (solid, part)) in body_colliders.iter().zip(&groups.parts).enumerate() {
-            // A row may be gone.
-            let first = solid.rows.first().and_then(|&row| particles.body.get(row as usize));
-            let body = first.copied().unwrap_or(NO_BODY);
-            if part.sound && filter.body(body).with_itself {
-                self.body_colliders.push((body, number as u32));
-            }
-        }
-        self.body_colliders.sort_unstable();
-        let all = core::mem::take(&mut self.body_colliders);
-        for own in all.chunk_by(|one, other| one.0 == other.0) {
-            if (2..=MOST).contains(&own.len()) {
-                self.compare(own, body_colliders, groups, particles);
-            }
-        }
-        self.body_colliders = all;
-        self.pairs.sort_unstable();
-    }
-
-    /// Compares the body colliders of one body with each other.
-    fn compare(
-        &mut self,
-        own: &[(u32, u32)],
-        body_colliders: &[BodyCollider],
-        groups: &BodyGroups,
-        particles: &Particles,
-    ) {
-        let Self { frames, pairs, scratch, .. } = self;
-        frames.clear();
-        for &(_, number) in own {
-            let solid = &body_colliders[number as usize];
-            let points = solid.rows.iter().zip(&*solid.rest);
-            let points = points.map(|(&row, &rest)| (particles.rest[row as usize], rest, 1.0));
-            // Without a place at rest there is no frame either.
-            if let Some(contacts) = pose(points, Quat::IDENTITY) {
-                let frame = Frame::new(contacts.translation, contacts.rotation);
-                frames.push((number, frame, solid.shape.bounds_in(&frame)));
-            }
-        }
-        for (i, &(a, frame_a, bounds_a)) in frames.iter().enumerate() {
-            for &(b, frame_b, bounds_b) in &frames[i + 1..] {
-                let [one, other] = [a, b].map(|number| number as usize);
-                let apart =
-                    bounds_a.0.cmpgt(bounds_b.1).any() || bounds_b.0.cmpgt(bounds_a.1).any();
-                if apart || groups.share_a_row(one, other) {
-                    continue;
-                }
-                let (shape, with) = (&body_colliders[one].shape, &body_colliders[other].shape);
-                let clear = CLEAR * groups.parts[one].reach.min(groups.parts[other].reach);
-                let (here, mut overlap) = (frame_a.from_within(&frame_b), false);
-                collide(shape, with, &here, clear, &mut scratch.0, &mut |manifold| {
-                    overlap |= manifold.points().iter().any(|point| point.distance < clear);
-                });
-                if overlap {
-                    pairs.push([a.min(b), a.max(b)]);
                 }
             }
         }

@@ -143,7 +143,8 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
     let moved = turned + across;
     let steep = (moved * L::load(&wide.steepness)).min(L::splat(STEEP_SHARE));
     let staleness = moved + steep;
-    (L::load(&wide.staleness) + staleness).store(&mut wide.staleness);
+    let total_staleness = L::load(&wide.staleness) + staleness;
+    total_staleness.store(&mut wide.staleness);
 
     let plane = PatchPlane { t, u, apart: (apart.dot(t), apart.dot(u)) };
     let (mut turning, mut spinning) = (plane.tilt(a.turn), plane.tilt(a.spin));
@@ -170,9 +171,14 @@ fn solve_wide_contact<L: Lanes, const POINTS: usize>(
         depenetrated[i] = max_depenetration.lt(left[i]);
     }
     let most = c.iter().fold(c[0], |most, &c| most.max(c));
+    // How far apart the nearest of their points will be if they go on as in this substep, by how far they may slide; where that is not known, 0. Where others of
+    // their points may not have come nearer than that, nothing touches, and what is stale will do.
     let predicted_gap =
         none - (most + before.max(none)) * stiff - staleness * L::load(&wide.elsewhere);
-    L::splat(-0.5 * FAR).lt(most).and(predicted_gap).store(&mut wide.predicted_gap);
+    let predicted_gap = L::splat(-0.5 * FAR).lt(most).and(predicted_gap);
+    let may_be_nearer = L::load(&wide.elsewhere) * total_staleness;
+    let holds = total_staleness.lt(L::splat(1.0)).or(may_be_nearer.lt(predicted_gap));
+    wide.stale = !holds.bits() & 0xFF;
     if sweep == 0 && !none.lt(most).any() {
         // Nothing touches: nor did it press in this substep.
         wide.sum = [0.0; LANES];

@@ -229,7 +229,8 @@ pub(super) fn put_manifold(
     (wide.bent[lane], wide.stiff[lane]) = (1.0 / turn, 1.0 / slide);
     wide.torsional_radius[lane] = one.torsional_radius;
     wide.elsewhere[lane] = 2.0 * one.size * turn / slide;
-    (wide.staleness[lane], wide.predicted_gap[lane]) = (0.0, 0.0);
+    wide.staleness[lane] = 0.0;
+    wide.stale &= !(1 << lane);
     let points = known.manifold.points();
     if points.is_empty() {
         wide.friction_limit[lane] = 0.0;
@@ -289,8 +290,8 @@ pub(super) struct WideContact {
     pub(super) steepness: LaneArray,
     /// How much they have turned and slid since they were compared: 1 is as much as they may, where they touch.
     pub(super) staleness: LaneArray,
-    /// How far apart the nearest of their points will be if they go on as in the last substep, by how far they may slide; 0 where that is not known.
-    pub(super) predicted_gap: LaneArray,
+    /// A bit for each that is too stale for what it is needed for, and is to be compared again.
+    pub(super) stale: u32,
     /// The arm at which friction acts against turning on what is a point, metres: [`TORSIONAL_RADIUS`] of its size, if its particles are nobody
     /// else's.
     pub(super) torsional_radius: LaneArray,
@@ -354,7 +355,7 @@ impl WideContact {
             elsewhere: none,
             steepness: none,
             staleness: none,
-            predicted_gap: none,
+            stale: 0,
             torsional_radius: none,
             own: none,
             kept: false,

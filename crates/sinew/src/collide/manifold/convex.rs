@@ -12,6 +12,7 @@ use parry3d::shape::{Shape as ParryShape, Triangle, TrianglePseudoNormals};
 
 use super::super::Shape;
 use super::super::shape::{Kind, ours, pose};
+use super::boxes::BoxPairs;
 use super::features::{ShapeOrTriangle, best_face, contacts, of_face};
 use super::reduce::reduced;
 use super::round::{limit, rim};
@@ -20,6 +21,7 @@ use super::{Frame, Manifold, Point};
 /// What is kept between calls, for its memory alone.
 #[derive(Default)]
 pub(crate) struct ManifoldScratch {
+    pub(super) boxes: BoxPairs,
     manifold: ContactManifold<(), ()>,
 }
 

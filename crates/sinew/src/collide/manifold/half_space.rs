@@ -1,9 +1,10 @@
 //! Anything convex and what is solid below its own zero height: the lowest points of it that are within reach.
 
 use glam::Vec3;
+use smallvec::SmallVec;
 
 use super::super::shape::Kind;
-use super::reduce::{choose, reduced};
+use super::reduce::reduced;
 use super::round::rim;
 use super::{Frame, Manifold, Point, ROLLS, across_axis};
 
@@ -23,18 +24,9 @@ pub(super) fn collide(kind: Kind, frame: &Frame, reach: f32) -> Manifold {
         Kind::Box { half_size } => gather(lowest_face(half_size, up), frame, reach),
         Kind::Cylinder { radius, half_height } => cylinder(radius, half_height, up, frame, reach),
         Kind::Hull(corners) => {
-            let chosen = choose(
-                corners.len(),
-                reach,
-                Vec3::Y,
-                |i| height(corners[i]),
-                |i| frame.point(corners[i]),
-            );
-            let mut manifold = Manifold::new(Vec3::Y);
-            for &i in chosen.as_slice() {
-                manifold.push(point(corners[i], frame));
-            }
-            manifold
+            let near = corners.iter().filter(|corner| height(**corner) <= reach);
+            let points: SmallVec<[Point; 16]> = near.map(|&corner| point(corner, frame)).collect();
+            reduced(Vec3::Y, reach, &points)
         }
         Kind::HalfSpace | Kind::InsideBox | Kind::Mesh | Kind::HeightField => Manifold::default(),
     }

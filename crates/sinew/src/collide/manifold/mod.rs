@@ -3,7 +3,7 @@
 //!
 //! | file | which pairs |
 //! |---|---|
-//! | `boxes` | box and box: separating axes; `clip` their faces; corners where no face looks at another |
+//! | `boxes` | box and box, eight pairs at a time: separating axes; their faces, clipped; corners where no face looks at another |
 //! | `half_space` | anything convex and what is infinite |
 //! | `round` | spheres; capsule and capsule |
 //! | `rod` | capsule and box |
@@ -13,7 +13,6 @@
 
 mod boxes;
 mod broad;
-mod clip;
 mod convex;
 mod features;
 mod half_space;
@@ -28,7 +27,9 @@ use glam::Vec3;
 use super::shape::Kind;
 use super::words::{Reader, Write};
 use super::{Frame, Shape};
+use crate::lanes::InstructionSet;
 
+pub(crate) use boxes::BoxPairs;
 pub(crate) use broad::{Broad, ClusterSearch};
 pub(crate) use convex::ManifoldScratch;
 
@@ -261,8 +262,11 @@ fn in_order(
         (_, Kind::Hull(_)) if is_of_triangles(b) => {
             return convex::on_triangles(a, b, a_in_b, reach, scratch, out);
         }
-        (Kind::Box { half_size: a }, Kind::Box { half_size: b }) => {
-            boxes::collide(a, b, a_in_b, reach)
+        (Kind::Box { .. }, Kind::Box { .. }) => {
+            let pairs = &mut scratch.boxes;
+            pairs.clear();
+            pairs.push([a, b], a_in_b, reach);
+            pairs.collide(InstructionSet::best()).first().copied().unwrap_or_default()
         }
         (Kind::Sphere { radius }, _) => round::sphere(radius, b, a_in_b, reach).unwrap_or_default(),
         (

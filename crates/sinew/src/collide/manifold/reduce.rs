@@ -1,26 +1,10 @@
 //! Of many points of contact, the four that hold as well: a solver's work is proportional to their number.
 
 use glam::Vec3;
+use smallvec::SmallVec;
 
 use super::{Manifold, Point};
-
-/// Numbers of points, four at most.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Chosen {
-    list: [usize; 4],
-    len: usize,
-}
-
-impl Chosen {
-    fn push(&mut self, i: usize) {
-        self.list[self.len] = i;
-        self.len += 1;
-    }
-
-    pub(super) fn as_slice(&self) -> &[usize] {
-        &self.list[..self.len]
-    }
-}
+use crate::lanes::{Number, Vector};
 
 /// How steeply what is above the deepest point may rise from there and yet come down before the two are compared again: until then two of which one
 /// leans by two degrees on the other's rim turn by no more than that, rad (`body_contact::normal_solve`).
@@ -29,84 +13,84 @@ const LOW: f32 = 5e-3;
 /// it rocks from the one to the other for ever; but two points so near each other that they are as good as one are no better for being low.
 const HIGH: f32 = 0.25;
 
-/// Chooses among `count` points those within reach; of more than four: the deepest, the one farthest from it, and on both sides of the line between
-/// them the one that spans the largest triangle with it; rather those that may come down soon ([`LOW`]). Of equals the first.
+/// Chooses among points those within reach, whose masks are left; of more than four: the deepest, the one farthest from it, and on both sides of the line
+/// between them the one that spans the largest triangle with it; rather those that may come down soon ([`LOW`]). Of equals the first.
 #[inline(always)]
-pub(super) fn choose(
-    count: usize,
-    reach: f32,
-    normal: Vec3,
-    distance: impl Fn(usize) -> f32,
-    place: impl Fn(usize) -> Vec3,
-) -> Chosen {
-    let (mut chosen, mut within) = (Chosen::default(), 0);
-    let (mut least, mut deepest) = (f32::INFINITY, 0);
-    for i in 0..count {
-        let d = distance(i);
-        if d > reach {
-            continue;
-        }
-        if within < 4 {
-            chosen.push(i);
-        }
-        within += 1;
-        if d < least {
-            (least, deepest) = (d, i);
-        }
+pub(super) fn choose<N: Number>(
+    places: &[Vector<N>],
+    distances: &[N],
+    normal: Vector<N>,
+    reach: N,
+    chosen: &mut [N],
+) {
+    let (zero, one) = (N::zero(), N::splat(1.0));
+    let (mut count, mut least, mut deepest) = (zero, N::splat(f32::INFINITY), zero);
+    let mut origin = normal;
+    for i in 0..places.len() {
+        chosen[i] = chosen[i].and(distances[i].le(reach));
+        count = count + chosen[i].and(one);
+        let less = chosen[i].and(distances[i].lt(least));
+        least = less.select(distances[i], least);
+        deepest = less.select(N::splat(i as f32), deepest);
+        origin = places[i].or_else(less, origin);
     }
-    if within <= 4 {
-        return chosen;
+    let many = N::splat(4.0).lt(count);
+    if !many.any() {
+        return;
     }
-    let origin = place(deepest);
-    let share = |i: usize, squared: f32| {
-        let rise = distance(i) - least;
-        if rise * rise <= LOW * LOW * squared { 1.0 } else { HIGH }
-    };
-    let (mut most, mut farthest) = (0.0, deepest);
-    for i in 0..count {
-        let squared = (place(i) - origin).length_squared();
-        let length = squared.sqrt() * share(i, squared);
-        if length > most && distance(i) <= reach {
-            (most, farthest) = (length, i);
-        }
+    // By squares: how far the farthest is, and what spans less than a millionth of a square with the line adds nothing to it.
+    let (mut most, mut farthest, mut line) = (zero, deepest, Vector::new(zero, zero, zero));
+    for i in 0..places.len() {
+        let out = places[i] - origin;
+        let squared = out.length_squared();
+        let share = share(distances[i] - least, squared);
+        let length = squared * share * share;
+        let more = chosen[i].and(most.lt(length));
+        most = more.select(length, most);
+        farthest = more.select(N::splat(i as f32), farthest);
+        line = out.or_else(more, line);
     }
-    chosen = Chosen::default();
-    chosen.push(deepest);
-    if farthest == deepest {
-        return chosen;
-    }
-    chosen.push(farthest);
-    let across = normal.cross(place(farthest) - origin);
-    // What spans less than a millionth of a square with the line adds nothing to it.
-    let flat = 1e-6 * most * most;
+    let across = normal.cross(line);
+    let flat = most * N::splat(1e-6);
     let (mut sides, mut ends) = ([-flat, flat], [deepest; 2]);
-    for i in 0..count {
-        let out = place(i) - origin;
-        let area = across.dot(out) * share(i, out.length_squared());
-        if distance(i) > reach {
-            continue;
-        }
-        if area < sides[0] {
-            (sides[0], ends[0]) = (area, i);
-        }
-        if area > sides[1] {
-            (sides[1], ends[1]) = (area, i);
+    for i in 0..places.len() {
+        let out = places[i] - origin;
+        let area = across.dot(out) * share(distances[i] - least, out.length_squared());
+        let beyond = [chosen[i].and(area.lt(sides[0])), chosen[i].and(sides[1].lt(area))];
+        for side in 0..2 {
+            sides[side] = beyond[side].select(area, sides[side]);
+            ends[side] = beyond[side].select(N::splat(i as f32), ends[side]);
         }
     }
-    for end in ends {
-        if end != deepest {
-            chosen.push(end);
-        }
+    for (i, chosen) in chosen.iter_mut().enumerate() {
+        let i = N::splat(i as f32);
+        let spans = i.same(ends[0]).or(i.same(ends[1]));
+        let best = i.same(deepest).or(i.same(farthest)).or(spans);
+        *chosen = many.select(best, *chosen);
     }
-    chosen
+}
+
+/// How much the length to a point counts that is so much higher than the deepest one, metres, and so far away, metres².
+#[inline(always)]
+fn share<N: Number>(rise: N, squared: N) -> N {
+    (rise * rise).le(squared * N::splat(LOW * LOW)).select(N::splat(1.0), N::splat(HIGH))
 }
 
 /// A manifold of those of some points that [`choose`] chooses.
 pub(super) fn reduced(normal: Vec3, reach: f32, points: &[Point]) -> Manifold {
-    let chosen = choose(points.len(), reach, normal, |i| points[i].distance, |i| points[i].on_b);
     let mut manifold = Manifold::new(normal);
-    for &i in chosen.as_slice() {
-        manifold.push(points[i]);
+    if points.len() <= manifold.points.len() {
+        let within = points.iter().filter(|point| point.distance <= reach);
+        within.for_each(|point| manifold.push(*point));
+        return manifold;
+    }
+    let mut places: SmallVec<[Vector<f32>; 17]> = SmallVec::new();
+    places.extend(points.iter().map(|point| Vector::splat(point.on_b)));
+    let distances: SmallVec<[f32; 17]> = points.iter().map(|point| point.distance).collect();
+    let mut chosen: SmallVec<[f32; 17]> = distances.iter().map(|d| d.same(*d)).collect();
+    choose(&places, &distances, Vector::splat(normal), reach, &mut chosen);
+    for (point, _) in points.iter().zip(&chosen).filter(|(_, chosen)| chosen.any()) {
+        manifold.push(*point);
     }
     manifold
 }

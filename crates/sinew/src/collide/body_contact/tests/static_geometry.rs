@@ -72,13 +72,14 @@ fn pressed(
     columns.extend([wide.up, wide.arm].concat());
     columns.extend([
         wide.staleness,
-        wide.predicted_gap,
         wide.radius,
         wide.sum,
         wide.friction_limit_used,
         wide.friction_limit,
     ]);
-    columns.push([wide.sticking as f32, wide.depenetrated as f32, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let bits = [wide.sticking, wide.depenetrated, wide.stale];
+    let [sticking, depenetrated, stale] = bits.map(|bits| bits as f32);
+    columns.push([sticking, depenetrated, stale, 0.0, 0.0, 0.0, 0.0, 0.0]);
     (rows, columns)
 }
 
