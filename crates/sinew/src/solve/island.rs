@@ -41,9 +41,12 @@ pub(super) fn sweep_in_order(
                 return sweep_in_columns(plan, island, rows, places, multipliers, mode, scratch);
             }
             let alone = ExecutionContext { instructions: mode.instructions, workers: None };
-            let out = hold_at_once(plan, island, places, mode, alone, thread_scratch);
+            let out = hold_at_once(plan, island, places, mode, thread_scratch);
             let batches = island.cluster_batches.clone();
-            out.max(gauss_seidel::sweep(places, plan, batches, multipliers, mode, thread_scratch))
+            let found =
+                gauss_seidel::sweep(places, plan, batches, multipliers, mode, thread_scratch);
+            hold_again(plan, island, places, mode, alone, thread_scratch);
+            out.max(found)
         }
         Order::Jacobi => jacobi::sweep(places, plan, island, multipliers, mode, thread_scratch),
         Order::MostViolatedFirst => {
@@ -179,16 +182,15 @@ fn sweep_until_held(
     swept
 }
 
-/// Holds at once what rods hold one after the other, before they have their say: what hangs on pins to what it may be away from them, particles of large
-/// cloth to what they may be away from each other, and chains. Returns how far out the farthest from its pin was, metres; of a chain, whose rods have next
-/// to nothing left to find, only what is a violation. Where corrections are to keep energy, along the start of the substep, there is none of it; and small
-/// islands have tethers in the first sweep of a substep alone, after which little is left to hold.
+/// Holds at once what rods hold one after the other, before they have their say: what hangs on pins to what it may be away from them, and chains. Returns how
+/// far out the farthest from its pin was, metres; of a chain, whose rods have next to nothing left to find, only what is a violation. Where corrections are to
+/// keep energy, along the start of the substep, there is none of it; and small islands have tethers in the first sweep of a substep alone, after which little is
+/// left to hold.
 pub(super) fn hold_at_once(
     plan: &Plan,
     island: &Island,
     places: &mut Places,
     mode: SolveMode,
-    execution: ExecutionContext,
     thread_scratch: &mut ThreadScratch,
 ) -> f32 {
     if mode.gradient_at == GradientAt::StepStart {
@@ -196,16 +198,7 @@ pub(super) fn hold_at_once(
     }
     let mut worst = 0.0_f32;
     if mode.tethers {
-        if let Some(tethers) = plan.tethers.of(island) {
-            let pins = &mut thread_scratch.pins;
-            pins.clear();
-            pins.extend(tethers.pins(places.position, places.first));
-            worst = tethers.project(places.position, places.first, pins, mode.instructions);
-        }
-        // How far out spans are, the rods between their ends find.
-        if let Some(spans) = plan.tethers.spans_of(island) {
-            spans.project(places.position, places.first, execution);
-        }
+        worst = hold_by_pins(plan, island, places, mode, thread_scratch);
     }
     if island.has_chains() {
         let columns = (&mut *places.position, places.first);
@@ -214,6 +207,39 @@ pub(super) fn hold_at_once(
         worst = worst.max(mode.of_chains(found));
     }
     worst
+}
+
+/// Holds large cloth at once after its rods have had their say: to its pins again, and its particles to what they may be away from each other. Each
+/// sweep leaves most where it was last, and what is worst is then what rods left; where spans had the first word, cloth was stretched by a seventh more at the
+/// worst, and a flag at the corner that all of it hangs on by a quarter. How far out they are, the rods between their ends find in the next sweep.
+pub(super) fn hold_again(
+    plan: &Plan,
+    island: &Island,
+    places: &mut Places,
+    mode: SolveMode,
+    execution: ExecutionContext,
+    thread_scratch: &mut ThreadScratch,
+) {
+    let Some(spans) = plan.tethers.spans_of(island) else { return };
+    if mode.tethers && mode.gradient_at == GradientAt::Current {
+        hold_by_pins(plan, island, places, mode, thread_scratch);
+        spans.project(places.position, places.first, execution);
+    }
+}
+
+/// Holds what hangs on pins to what it may be away from them; returns how far out the farthest was, metres.
+fn hold_by_pins(
+    plan: &Plan,
+    island: &Island,
+    places: &mut Places,
+    mode: SolveMode,
+    thread_scratch: &mut ThreadScratch,
+) -> f32 {
+    let Some(tethers) = plan.tethers.of(island) else { return 0.0 };
+    let pins = &mut thread_scratch.pins;
+    pins.clear();
+    pins.extend(tethers.pins(places.position, places.first));
+    tethers.project(places.position, places.first, pins, mode.instructions)
 }
 
 /// Holds at once what is to be, and sweeps an island once, with all of its particles in columns meanwhile: rows from a first one on. To the bits of one after
@@ -231,20 +257,23 @@ fn sweep_in_columns(
     let (rows, instructions) = (places.at(first)..places.at(first) + count, mode.instructions);
     columns.reset(plan.rods.half());
     columns.turn_in(0, &places.position[rows.clone()], instructions);
+    let tethers = plan.tethers.of(island).filter(|_| mode.tethers);
     let mut worst = 0.0_f32;
-    if mode.tethers {
-        if let Some(tethers) = plan.tethers.of(island) {
-            pins.clear();
-            pins.extend(tethers.pins(places.position, places.first));
-            worst = tethers.project_columns(columns, 0, &(0..count), pins, instructions);
-        }
-        if let Some(spans) = plan.tethers.spans_of(island) {
-            spans.project_columns(columns, first, instructions);
-        }
+    if let Some(tethers) = tethers {
+        // Pins stay where they are in a sweep.
+        pins.clear();
+        pins.extend(tethers.pins(places.position, places.first));
+        worst = tethers.project_columns(columns, 0, &(0..count), pins, instructions);
     }
     for cluster_batch in &plan.cluster_batches[island.cluster_batches.clone()] {
         let found = sweep_turned(columns, plan, cluster_batch, first, multipliers, mode);
         worst = worst.max(found);
+    }
+    if let Some(spans) = plan.tethers.spans_of(island).filter(|_| mode.tethers) {
+        if let Some(tethers) = tethers {
+            tethers.project_columns(columns, 0, &(0..count), pins, instructions);
+        }
+        spans.project_columns(columns, first, instructions);
     }
     columns.turn_out(0, &mut places.position[rows], instructions);
     worst
@@ -341,9 +370,10 @@ mod tests {
             multipliers.resize(plan.distances.len(), plan.constraints.len());
             let (places, sums) = (&mut Places::all(&mut other), &mut multipliers.all());
             let alone = ExecutionContext { instructions: mode.instructions, workers: None };
-            let out = hold_at_once(plan, island, places, mode, alone, &mut scratch);
+            let out = hold_at_once(plan, island, places, mode, &mut scratch);
             let batches = island.cluster_batches.clone();
             let same = gauss_seidel::sweep(places, plan, batches, sums, mode, &mut scratch);
+            hold_again(plan, island, places, mode, alone, &mut scratch);
             assert_eq!(found, out.max(same), "{columns} × {rows}");
             assert!(own.position == other.position, "{columns} × {rows}");
             assert!(own.position != particles.position && plan.tethers.spans_of(island).is_some());

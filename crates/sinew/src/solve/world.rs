@@ -8,7 +8,7 @@ use glam::Vec4;
 use super::constraint_ref::SolveMode;
 use super::context::SolveContext;
 use super::instances::{BatchMotion, BatchSolve};
-use super::island::{hold_at_once, propagate_impact, solve, sweep_in_order};
+use super::island::{hold_again, hold_at_once, propagate_impact, solve, sweep_in_order};
 use super::loads::Loads;
 use super::microsteps::{derive_whole_steps, list_step_rows};
 use super::momentum::{MomentumDrift, note_drift};
@@ -296,13 +296,11 @@ fn sweep_shared(
     thread_scratches: &Pool<ThreadScratch>,
 ) -> impl FnMut(&mut Places, &mut MultiplierSlice, SolveMode) -> f32 {
     move |places, multipliers, mode| {
-        let out = thread_scratches.with(|thread_scratch| {
-            hold_at_once(plan, island, places, mode, execution, thread_scratch)
-        });
-        let (places, multipliers, cluster_batches) =
-            (places.lend(), multipliers.lend(), island.cluster_batches.clone());
+        let out = thread_scratches
+            .with(|thread_scratch| hold_at_once(plan, island, places, mode, thread_scratch));
+        let (multipliers, cluster_batches) = (multipliers.lend(), island.cluster_batches.clone());
         let found = gauss_seidel::sweep_shared(
-            places,
+            places.lend(),
             plan,
             cluster_batches,
             multipliers,
@@ -310,6 +308,9 @@ fn sweep_shared(
             execution,
             thread_scratches,
         );
+        thread_scratches.with(|thread_scratch| {
+            hold_again(plan, island, places, mode, execution, thread_scratch);
+        });
         out.max(found)
     }
 }

@@ -6,6 +6,8 @@
 //! They are the coarse level of multigrid (hierarchical position based dynamics; Müller 2008) on a grid of which no particle is left out, so that nothing has to be
 //! interpolated.
 //!
+//! They have the last word in a sweep: what rods leave is worst where they were last.
+//!
 //! Where the island is swept in columns, they are held there: four loads for eight particles, where particles as they lie have to be turned for each span.
 //!
 //! They are found where rods run in step, as along the rows and the columns of a grid: of two strides, those of the shortest rods. Diagonals are left out, and so are
