@@ -26,7 +26,7 @@ const AT_ONCE: usize = 64;
 /// Pairs that wait, and what they are computed with. Scratch.
 #[derive(Default)]
 pub(super) struct NarrowPhase {
-    waiting: Vec<Comparison>,
+    pending: Vec<Comparison>,
     boxes: BoxPairs,
     /// Of each pair of boxes whose manifold has become stale within a step, the wide contact and the lane.
     stale: Vec<(usize, usize)>,
@@ -44,88 +44,88 @@ impl BodyContactSolver {
     ) {
         for &pair in pairs {
             let Some(query) = self.query(pair, particles, world, None) else { continue };
-            let (from, answer) = self.ask(&query, world);
-            let NarrowPhase { waiting, .. } = &mut self.narrow_phase.0;
+            let (from, source) = self.find_source(&query, world);
+            let NarrowPhase { pending, .. } = &mut self.narrow_phase.0;
             // Behind boxes that are not compared yet all have to wait, for manifolds come in the order of the pairs.
-            if waiting.is_empty() && !matches!(answer, Answer::Boxes(_)) {
-                let first = self.settle(&query, from, &answer, &[], world);
+            if pending.is_empty() && !matches!(source, ManifoldSource::BoxPair(_)) {
+                let first = self.add_manifolds(&query, from, &source, &[], world);
                 self.note_dormant(pair, first, is_new);
                 continue;
             }
-            waiting.push(Comparison { query, from, answer });
-            if waiting.len() >= AT_ONCE {
-                self.settle_waiting(world, is_new);
+            pending.push(Comparison { query, from, source });
+            if pending.len() >= AT_ONCE {
+                self.add_pending(world, is_new);
             }
         }
-        self.settle_waiting(world, is_new);
+        self.add_pending(world, is_new);
     }
 
     /// Looks for the manifolds of a query in the cache, and says where they begin there, and where they are to come from.
     #[inline(always)]
-    fn ask(&mut self, query: &PairQuery, world: &World) -> (usize, Answer) {
+    fn find_source(&mut self, query: &PairQuery, world: &World) -> (usize, ManifoldSource) {
         let PairQuery { pair, ref key, ref here, size, reach, stuck } = *query;
         let from = self.cache.seek(key);
         if stuck {
-            return (from, Answer::Carried);
+            return (from, ManifoldSource::CarriedOver);
         }
         let shapes = shapes(pair, world, &self.static_geometry);
         let known = self.cache.cached(from, key);
         let held = known.filter(|known| known.content_hashes == content_hashes(shapes));
         let held = held.and_then(|known| {
             let staleness = known.staleness(here, size, reach)?;
-            Some(Answer::Held { staleness, near: known.is_near(here, reach) })
+            Some(ManifoldSource::Cached { staleness, near: known.is_near(here, reach) })
         });
         let boxes = &mut self.narrow_phase.0.boxes;
         let mut compared = || {
             let boxes = boxes.push(shapes, here, reach + SLACK * size.1);
-            boxes.map_or(Answer::Afresh, Answer::Boxes)
+            boxes.map_or(ManifoldSource::Computed, ManifoldSource::BoxPair)
         };
         (from, held.unwrap_or_else(&mut compared))
     }
 
-    /// Compares the boxes that wait, and settles all that do.
-    fn settle_waiting(&mut self, world: &World, is_new: bool) {
-        let NarrowPhase { boxes, waiting, .. } = &mut self.narrow_phase.0;
-        let (mut boxes, mut waiting) = (core::mem::take(boxes), core::mem::take(waiting));
+    /// Compares the boxes of the pending pairs, and adds the manifolds of all of these.
+    fn add_pending(&mut self, world: &World, is_new: bool) {
+        let NarrowPhase { boxes, pending, .. } = &mut self.narrow_phase.0;
+        let (mut boxes, mut pending) = (core::mem::take(boxes), core::mem::take(pending));
         let found = boxes.collide(self.instructions);
-        for Comparison { query, from, answer } in waiting.drain(..) {
-            let first = self.settle(&query, from, &answer, found, world);
+        for Comparison { query, from, source } in pending.drain(..) {
+            let first = self.add_manifolds(&query, from, &source, found, world);
             self.note_dormant(query.pair, first, is_new);
         }
         boxes.clear();
-        (self.narrow_phase.0.boxes, self.narrow_phase.0.waiting) = (boxes, waiting);
+        (self.narrow_phase.0.boxes, self.narrow_phase.0.pending) = (boxes, pending);
     }
 
     /// Adds the manifolds of a pair to the cache, and those that may come to press to the contacts. Says where in the cache the first of them is.
     #[inline(always)]
-    fn settle(
+    fn add_manifolds(
         &mut self,
         query: &PairQuery,
         from: usize,
-        answer: &Answer,
+        source: &ManifoldSource,
         found: &[Manifold],
         world: &World,
     ) -> usize {
         let PairQuery { pair, ref key, ref here, size, reach, .. } = *query;
         self.cache.come_to(key);
         let first = self.cache.now.len();
-        match *answer {
-            Answer::Carried => self.cache.carry_over(key, from),
-            Answer::Held { staleness, near } => {
+        match *source {
+            ManifoldSource::CarriedOver => self.cache.carry_over(key, from),
+            ManifoldSource::Cached { staleness, near } => {
                 let cache_index = self.cache.keep(from, near);
                 if near {
                     let contact = self.contact(pair, (cache_index, staleness), world, 0.0);
                     self.contacts.push(contact);
                 }
             }
-            Answer::Boxes(_) | Answer::Afresh => {
+            ManifoldSource::BoxPair(_) | ManifoldSource::Computed => {
                 let axes = self.second_frame(pair, world, 0.0).rotation;
                 let Self { cache, static_geometry, narrow_phase, .. } = self;
                 let (shapes, far) = (shapes(pair, world, static_geometry), reach + SLACK * size.1);
                 let mut add = |manifold: &Manifold| {
                     cache.add(query.cached(shapes, manifold, far), from, &axes);
                 };
-                if let Answer::Boxes(number) = *answer {
+                if let ManifoldSource::BoxPair(number) = *source {
                     let manifold = &found[number];
                     if !manifold.points().is_empty() {
                         add(manifold);
@@ -378,19 +378,19 @@ struct Comparison {
     query: PairQuery,
     /// Where those of the step before begin.
     from: usize,
-    answer: Answer,
+    source: ManifoldSource,
 }
 
 /// Where the manifolds of a pair come from.
-enum Answer {
+enum ManifoldSource {
     /// They are carried over, and nothing may come of them.
-    Carried,
+    CarriedOver,
     /// What is cached holds, so stale, and is near or not.
-    Held { staleness: f32, near: bool },
+    Cached { staleness: f32, near: bool },
     /// Two boxes: the number of the pair in their list.
-    Boxes(usize),
+    BoxPair(usize),
     /// They are to be computed.
-    Afresh,
+    Computed,
 }
 
 impl PairQuery {
