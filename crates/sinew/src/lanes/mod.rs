@@ -50,7 +50,7 @@ mod vector;
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 
 pub(crate) use angle::atan2;
 pub(crate) use columns::{Columns, Eights, OnPairs, Pair};
@@ -59,6 +59,9 @@ pub(crate) use vector::Vector;
 
 /// How many lanes there are.
 pub(crate) const LANES: usize = 8;
+
+/// Eight numbers as they lie in memory.
+pub(crate) type LaneArray = [f32; LANES];
 
 /// Which of eight rows each lane holds where they are sorted by parity.
 pub(crate) const PARITY: [usize; LANES] = [0, 2, 4, 6, 1, 3, 5, 7];
@@ -394,4 +397,12 @@ fn pair_rows(first: usize) -> ([u32; LANES], [u32; LANES]) {
         (pairs.0[k], pairs.1[k]) = ((first + 2 * k) as u32, (first + 2 * k + 1) as u32);
     }
     pairs
+}
+
+/// One vector into a lane of those that lie in memory.
+#[inline(always)]
+pub(crate) fn set(to: &mut [LaneArray; 3], lane: usize, from: Vec3) {
+    // Written out: a loop over two arrays is one of calls, and this stands in the inner loops of packing.
+    let [x, y, z] = to;
+    (x[lane], y[lane], z[lane]) = (from.x, from.y, from.z);
 }

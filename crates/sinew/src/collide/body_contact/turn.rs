@@ -1,11 +1,7 @@
 //! Rotations, symmetric matrices and directions of eight body colliders side by side.
 
-use glam::Vec3;
-
-use crate::lanes::{LANES, Lanes, Vector};
-
-/// Eight numbers as they lie in memory.
-pub(super) type LaneArray = [f32; LANES];
+pub(super) use crate::lanes::{LaneArray, set};
+use crate::lanes::{Lanes, Vector};
 
 /// Vectors as they lie in memory.
 #[inline(always)]
@@ -19,14 +15,6 @@ pub(super) fn store<L: Lanes>(v: Vector<L>, [x, y, z]: &mut [LaneArray; 3]) {
     v.x.store(x);
     v.y.store(y);
     v.z.store(z);
-}
-
-/// One vector into a lane of those.
-#[inline(always)]
-pub(super) fn set(to: &mut [LaneArray; 3], lane: usize, from: Vec3) {
-    // Written out: a loop over two arrays is one of calls, and this stands in the inner loops of packing.
-    let [x, y, z] = to;
-    (x[lane], y[lane], z[lane]) = (from.x, from.y, from.z);
 }
 
 /// Nothing, in each lane.

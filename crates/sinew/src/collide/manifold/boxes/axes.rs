@@ -12,7 +12,7 @@
 use glam::{Mat3, Vec3};
 
 use super::{BoxPair, Frame, NEXT};
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{LANES, LaneArray, Lanes, set};
 
 /// Edges closer to parallel than this (squared sine) have no product worth the name; a face's normal is as good there.
 pub(super) const PARALLEL: f32 = 1e-6;
@@ -23,8 +23,6 @@ const BIAS: (f32, f32) = (0.03, 2e-3);
 
 /// What rounding leaves in a separation, as a share of the numbers that it is a difference of: a few units in the last place.
 const ROUNDING: f32 = 5e-7;
-
-type LaneArray = [f32; LANES];
 
 /// Eight pairs, or fewer.
 #[derive(Clone, Copy, Debug)]
@@ -266,13 +264,7 @@ pub(super) fn three<L: Lanes>([x, y, z]: &[LaneArray; 3]) -> [L; 3] {
     [L::load(x), L::load(y), L::load(z)]
 }
 
-/// A vector into a lane.
-#[inline(always)]
-pub(super) fn set([x, y, z]: &mut [LaneArray; 3], lane: usize, from: Vec3) {
-    (x[lane], y[lane], z[lane]) = (from.x, from.y, from.z);
-}
-
-/// And back.
+/// A vector out of a lane.
 #[inline(always)]
 pub(super) fn get([x, y, z]: &[LaneArray; 3], lane: usize) -> Vec3 {
     Vec3::new(x[lane], y[lane], z[lane])

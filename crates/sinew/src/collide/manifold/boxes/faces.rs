@@ -15,7 +15,7 @@
 use super::super::reduce::choose;
 use super::super::{Manifold, Point};
 use super::axes::{LoadedPairs, WideAxes, get};
-use crate::lanes::{LANES, Lanes, SetLanes, Vector};
+use crate::lanes::{LANES, LaneArray, Lanes, SetLanes, Vector};
 
 /// By which share of its size a face is larger than it is: some roundings.
 const ROUNDING: f32 = 2e-6;
@@ -27,8 +27,6 @@ const RIM: f32 = 1e-4;
 /// How many places may be corners of what two faces have in common, and how many of them stay.
 const PLACES: usize = 12;
 const POINTS: usize = 4;
-
-type LaneArray = [f32; LANES];
 
 /// Manifolds of the faces of eight pairs.
 pub(super) struct WideManifolds {
@@ -305,9 +303,9 @@ mod tests {
     use glam::{Vec2, Vec3};
 
     use super::super::super::tests::Dice;
-    use super::super::axes::{set, three};
+    use super::super::axes::three;
     use super::*;
-    use crate::lanes::{InstructionSet, kernel};
+    use crate::lanes::{InstructionSet, kernel, set};
 
     fn vector<L: Lanes>(from: &[LaneArray; 3]) -> Vector<L> {
         let [x, y, z] = three::<L>(from);
