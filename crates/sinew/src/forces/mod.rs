@@ -24,7 +24,7 @@ pub(crate) use electric::{ElectricScratch, apply as apply_electric, energy as el
 pub(crate) use fluid::{FluidScratch, apply as apply_fluids};
 pub(crate) use gravity::{apply as apply_gravity_and_external, energy as gravity_energy};
 pub(crate) use spring::apply as apply_springs;
-pub(crate) use wind::{Air, apply_air, apply_wind, sample_air, sample_wind};
+pub(crate) use wind::{Air, PackedSurfaces, Pressures, apply_air, apply_wind, sample_air};
 
 use glam::Vec3;
 

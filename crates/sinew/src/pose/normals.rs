@@ -57,7 +57,7 @@ kernel!(
 
 /// The cross product of the first three numbers; the fourth is nothing.
 #[inline(always)]
-pub(crate) fn cross(a: Vec4, b: Vec4) -> Vec4 {
+fn cross(a: Vec4, b: Vec4) -> Vec4 {
     (a * b.yzxw() - a.yzxw() * b).yzxw()
 }
 

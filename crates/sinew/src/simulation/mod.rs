@@ -18,7 +18,6 @@ pub use slide::{SlideConfig, SlideOutput};
 pub use statics::Relaxed;
 
 use core::ops::Range;
-use core::slice;
 use std::sync::Arc;
 
 use glam::{Vec3, Vec4};
@@ -106,7 +105,9 @@ struct Scratch {
     /// Pinned particles that were given another origin for this step.
     anchors: Vec<prepare::PinnedOrigin>,
     /// The pressure of each wind on each triangle, looked up when the step began.
-    pressures: Vec<Vec4>,
+    pressures: forces::Pressures,
+    /// The triangles that those press on.
+    surfaces: forces::PackedSurfaces,
     /// The air at each triangle and loose particle, looked up at the same time.
     air: forces::Air,
     /// Where the step began, with the inverse mass: what went non-finite took that with it.
@@ -203,6 +204,7 @@ impl Simulation {
         self.begin_rigid_states();
         self.feel_winds();
         self.note_forces();
+        self.pack_surfaces();
         self.report.substeps = settings.substeps;
         self.report.sweeps = 0;
         self.report.most_sweeps = 0;
@@ -239,14 +241,12 @@ impl Simulation {
 
     /// Phase 2: adds the pressure of the winds on the surfaces, and the drag and the lift of the air.
     pub fn apply_wind(&mut self) {
-        let Self { particles, forces, instructions, scratch, .. } = self;
-        let Scratch { pressures, air, substep, unseen, separate_surfaces, .. } = scratch;
+        let Self { particles, instructions, scratch, .. } = self;
+        let Scratch { surfaces, pressures, air, substep, unseen, .. } = scratch;
         // In the last substep all, for what particles are accelerated by then is read between steps.
-        let all = 0..forces.surfaces.len();
-        let some = *unseen && substep.remaining > 1;
-        let which = if some { &separate_surfaces[..] } else { slice::from_ref(&all) };
-        forces::apply_wind(particles, &forces.surfaces, pressures, which);
-        forces::apply_air(particles, &forces.surfaces, air, substep.length, *instructions);
+        let separate = *unseen && substep.remaining > 1;
+        forces::apply_wind(particles, surfaces, pressures, separate, *instructions);
+        forces::apply_air(particles, surfaces, air, substep.length, *instructions);
     }
 
     /// Phase 3: adds the buoyancy and the drag of the fluids.
@@ -536,6 +536,7 @@ impl Simulation {
         self.compile();
         self.share_origins();
         self.feel_winds();
+        self.pack_surfaces();
         self.begin_substep();
         self.accumulate_forces();
         self.apply_wind();

@@ -273,14 +273,17 @@ impl Simulation {
         );
         scratch.pressures.clear();
         for wind in &forces.winds {
-            forces::sample_wind(
-                particles,
-                &forces.surfaces,
-                wind,
-                self.time,
-                &mut scratch.pressures,
-                *instructions,
-            );
+            let surfaces = &forces.surfaces;
+            scratch.pressures.sample(particles, surfaces, wind, self.time, *instructions);
+        }
+    }
+
+    /// Packs the triangles that winds press on, and air drags at, if there is any.
+    pub(super) fn pack_surfaces(&mut self) {
+        let Self { particles, forces, scratch, .. } = self;
+        let Scratch { surfaces, pressures, air, separate_surfaces, .. } = scratch;
+        if !pressures.is_empty() || air.is_at_triangles() {
+            surfaces.pack(&forces.surfaces, separate_surfaces, &particles.origin);
         }
     }
 }

@@ -20,6 +20,7 @@ use super::rigid_rotation::Rotation;
 use super::rigid_state::WideRigidState;
 use super::turn::{LaneArray, load, set, store, zero};
 use super::{BodyCollider, BodyContactSolver};
+use crate::forces::Pressures;
 use crate::integrate::loss;
 use crate::islands::Islands;
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
@@ -75,8 +76,7 @@ pub(super) struct ForceSums {
 /// What acts on rigid states in a substep of `h` seconds.
 pub(super) struct Acting<'a> {
     pub(super) particles: &'a Particles,
-    /// The pressures of one wind after the other on all triangles.
-    pub(super) pressures: &'a [Vec4],
+    pub(super) pressures: &'a Pressures,
     pub(super) h: f32,
 }
 
@@ -106,8 +106,7 @@ impl RigidForces {
         }
         if windy != 0 {
             let facets = &skins.facets[skins.of_group[number].clone()];
-            let count = skins.owners.len();
-            press(mass, state, facets, (pressures, count), windy, h, sums, instructions);
+            press(mass, state, facets, pressures, windy, h, sums, instructions);
         }
         Some(sums)
     }
@@ -139,7 +138,7 @@ impl BodyContactSolver {
         &mut self,
         islands: &Islands,
         (all, rows): (bool, impl Iterator<Item = u32>),
-        pressures: &[Vec4],
+        pressures: &Pressures,
         others: &mut Vec<Range<usize>>,
     ) {
         let Self { groups, rigid, asleep, .. } = self;
@@ -164,8 +163,7 @@ impl BodyContactSolver {
         let mut next = 0;
         for (number, &owner) in skins.owners.iter().enumerate() {
             if owner != NONE && rests(owner as usize) {
-                let blows = |of_one: &[Vec4]| of_one[number].w != 0.0;
-                if pressures.chunks_exact(skins.owners.len()).any(blows) {
+                if pressures.blow_on(number) {
                     windy[owner as usize / LANES] |= 1 << (owner as usize % LANES);
                 }
                 if next < number {
@@ -316,18 +314,17 @@ kernel!(
         mass: &WideMass,
         state: &WideRigidState,
         facets: &[WideFacet],
-        // Of one wind after the other, on so many triangles.
-        pressures: (&[Vec4], usize),
+        pressures: &Pressures,
         windy: u32,
         h: f32,
         sums: &mut ForceSums,
     ) {
         let r = Rotation::<L>::load(&state.rotation).matrix();
         let (mut force, mut torque) = (zero::<L>(), zero::<L>());
-        for pressures in pressures.0.chunks_exact(pressures.1) {
+        for wind in pressures.winds() {
             for facet in facets {
                 // With a sixth of one by its strength.
-                let (w, sixth) = Vector::of(L::rows(pressures, &facet.numbers));
+                let (w, sixth) = wind.of::<L>(&facet.numbers);
                 let w = r.transposed_times_vector(w);
                 let facing = load::<L>(&facet.area).dot(w).abs();
                 let push = w * (facing * sixth * L::splat(6.0));

@@ -8,7 +8,7 @@
 //! Its particles are written after each substep, or once a step where no system runs in between and no force acts on one of them alone (`rigid_forces`). Where one of
 //! them is moved between two phases, the island goes on as particles until the step ends.
 
-use glam::{Mat3, Quat, Vec3, Vec4};
+use glam::{Mat3, Quat, Vec3};
 
 use super::groups::BodyGroups;
 use super::rigid_forces::{Acting, RigidForces};
@@ -16,6 +16,7 @@ use super::rigid_state::{AdvanceStates, ReadStates, WideRigidState, push_states,
 use super::turn::LaneArray;
 use super::{BodyCollider, BodyContactSolver};
 use crate::constraints::{GradientAt, Pin};
+use crate::forces::Pressures;
 use crate::integrate::Integrator;
 use crate::islands::{Island, Islands};
 use crate::lanes::{InstructionSet, LANES, with};
@@ -238,7 +239,7 @@ impl BodyContactSolver {
         &mut self,
         particles: &mut Particles,
         islands: &Islands,
-        pressures: &[Vec4],
+        pressures: &Pressures,
         h: f32,
         (substep, substeps): (u32, u32),
     ) {

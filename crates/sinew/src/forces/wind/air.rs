@@ -47,7 +47,7 @@ use core::f32::consts::PI;
 use glam::{Vec3, Vec4};
 
 use super::gusts::{CurlNoise, VectorField, at_one_place};
-use super::sheet::Sheet;
+use super::surfaces::{Motion, PackedSurfaces, SurfaceForce};
 use crate::forces::region::{Extent, Region, WorldPoint};
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
@@ -148,6 +148,13 @@ pub(crate) struct Air {
     crowd: Vec<u32>,
 }
 
+impl Air {
+    /// Whether there is any at triangles.
+    pub(crate) fn is_at_triangles(&self) -> bool {
+        !self.triangles.is_empty()
+    }
+}
+
 /// The air at a ball, and how that answers to it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Felt {
@@ -221,14 +228,13 @@ pub(crate) fn sample(
 /// Adds drag and lift for a substep of `h` seconds, from the air that was last [sampled](sample).
 pub(crate) fn apply(
     particles: &mut Particles,
-    surfaces: &[[u32; 3]],
+    surfaces: &PackedSurfaces,
     air: &Air,
     h: f32,
     instructions: InstructionSet,
 ) {
-    if !air.triangles.is_empty() && !surfaces.is_empty() {
-        particles.acceleration_dirty = true;
-        sum_air_forces(particles, surfaces, air, h, instructions);
+    if air.is_at_triangles() {
+        surfaces.accelerate(particles, &Dragging { air, h }, false, instructions);
     }
     for &(i, felt) in &air.balls {
         let i = i as usize;
@@ -318,53 +324,61 @@ kernel!(
     }
 );
 
-kernel!(
-    /// The forces on the triangles.
-    fn sum_air_forces<L: Lanes>(
-        particles: &mut Particles,
-        surfaces: &[[u32; 3]],
-        air: &Air,
-        h: f32,
-    ) {
-        let Particles { position, origin, velocity, acceleration, .. } = particles;
-        let sheet = Sheet { position, origin };
-        let eights = air.triangles.chunks_exact(LANES).zip(air.answers.chunks_exact(LANES));
-        for (surfaces, (felt, answers)) in surfaces.chunks(LANES).zip(eights) {
-            let (mut areas, mut velocities) = ([Vec4::ZERO; LANES], [Vec4::ZERO; LANES]);
-            let columns = areas.iter_mut().zip(&mut velocities).zip(felt);
-            for (((area, sum), felt), &corners) in columns.zip(surfaces) {
-                // The second for whoever exchanged particles since the air was sampled.
-                if felt.w == 0.0 || !sheet.has(corners) {
-                    continue;
-                }
-                *area = sheet.twice_the_area(corners);
-                let [a, b, c] = corners.map(|i| velocity[i as usize]);
-                *sum = (a + b + c).with_w(a.w.max(b.w).max(c.w));
-            }
-            let (area, _) = Vector::<L>::of(L::run(&areas, 0));
-            let (sum, lag) = Vector::of(L::run(&velocities, 0));
-            let (velocity, density) = Vector::of(L::run(felt, 0));
-            let [drag, lift, give, _] = L::run(answers, 0);
-            // A force acts from the middle of the last substep to that of this one; the longer of the two readings, as not every integrator does
-            // that.
-            let held = L::splat(0.5) * (lag.max(L::splat(h)) + L::splat(h));
-            let relative = velocity - sum * L::splat(THIRD);
-            let answer =
-                AirResponse { drag: density * drag, lift: density * lift, give: held * give };
-            let force = answer.on_sheet(area * L::splat(0.5), relative);
-            // Speeds beyond 1e19 m/s have no square: there the air gives up before the particles do. Nor has a triangle without an area a force.
-            let largest = force.x.abs() + force.y.abs() + force.z.abs();
-            let pushed = largest.lt(L::splat(f32::INFINITY)).bits();
-            let mut thirds = [Vec4::ZERO; LANES];
-            L::put_run(&mut thirds, 0, (force * L::splat(THIRD)).with(L::zero()));
-            for (lane, &corners) in surfaces.iter().enumerate() {
-                if pushed >> lane & 1 != 0 && felt[lane].w != 0.0 && sheet.has(corners) {
-                    sheet.add(acceleration, corners, thirds[lane]);
-                }
-            }
-        }
+/// What air does to triangles in a substep of `h` seconds.
+struct Dragging<'a> {
+    air: &'a Air,
+    h: f32,
+}
+
+impl SurfaceForce for Dragging<'_> {
+    /// The velocity of the air, m/s, and what answers to it, but for the time.
+    type Local<L: Lanes> = (Vector<L>, AirResponse<L>);
+    const ASKS_MOTION: bool = true;
+
+    #[inline(always)]
+    fn at<L: Lanes>(&self, numbers: &[u32; LANES]) -> Option<Self::Local<L>> {
+        let Air { triangles, answers, .. } = self.air;
+        felt(L::rows(triangles, numbers), L::rows(answers, numbers))
     }
-);
+
+    #[inline(always)]
+    fn at_pairs<L: Lanes>(&self, first: usize) -> [Option<Self::Local<L>>; 2] {
+        let Air { triangles, answers, .. } = self.air;
+        let (flow, answer) = (L::pairs(triangles, first), L::pairs(answers, first));
+        [felt(flow.0, answer.0), felt(flow.1, answer.1)]
+    }
+
+    #[inline(always)]
+    fn third<L: Lanes>(
+        &self,
+        (velocity, answer): (Vector<L>, AirResponse<L>),
+        twice_the_area: Vector<L>,
+        motion: &Motion<L>,
+    ) -> Vector<L> {
+        let h = L::splat(self.h);
+        // A force acts from the middle of the last substep to that of this one; the longer of the two readings, as not every integrator does that.
+        let held = L::splat(0.5) * (motion.lag.max(h) + h);
+        let relative = velocity - motion.sum * L::splat(THIRD);
+        let answer = AirResponse { give: held * answer.give, ..answer };
+        let force = answer.on_sheet(twice_the_area * L::splat(0.5), relative);
+        // Speeds beyond 1e19 m/s have no square: there the air gives up before the particles do. Nor has a triangle without an area a force.
+        let largest = force.x.abs() + force.y.abs() + force.z.abs();
+        let pushed = largest.lt(L::splat(f32::INFINITY));
+        let third = force * L::splat(THIRD);
+        Vector::new(pushed.and(third.x), pushed.and(third.y), pushed.and(third.z))
+    }
+}
+
+/// The air at eight triangles and how those answer to it, as they are packed; `None` where there is none.
+#[inline(always)]
+fn felt<L: Lanes>(
+    flow: [L; 4],
+    [drag, lift, give, _]: [L; 4],
+) -> Option<(Vector<L>, AirResponse<L>)> {
+    let (velocity, density) = Vector::of(flow);
+    let answer = AirResponse { drag: density * drag, lift: density * lift, give };
+    L::zero().lt(density).any().then_some((velocity, answer))
+}
 
 impl<L: Lanes> AirResponse<L> {
     /// The force on sheets of the given area vectors (m²) from air that moves at `v` relative to them (m/s); N. Here the density is in `drag` and

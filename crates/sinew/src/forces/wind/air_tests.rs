@@ -1,10 +1,9 @@
 //! What air must do to sheets and balls: the analytic results of physics.md F5, and that no substep makes it throw anything about.
 
-use core::slice;
-
 use glam::Vec3;
 
 use super::air::{Air, AirFlow, apply, sample};
+use super::surfaces::PackedSurfaces;
 use crate::forces::Region;
 use crate::lanes::InstructionSet;
 use crate::particles::{ParticleSeed, Particles};
@@ -31,7 +30,8 @@ fn felt(particles: &mut Particles, surfaces: &[[u32; 3]], flows: &[AirFlow], h: 
     let mut air = Air::default();
     sample(particles, surfaces, flows, 0.0, &mut air, InstructionSet::best());
     particles.clear_sums(0.0);
-    apply(particles, surfaces, &air, h, InstructionSet::best());
+    let packed = PackedSurfaces::of(surfaces, particles);
+    apply(particles, &packed, &air, h, InstructionSet::best());
     (0..particles.len())
         .filter(|&i| particles.inverse_mass(i) > 0.0)
         .map(|i| particles.acceleration(i) * particles.mass(i))
@@ -184,7 +184,8 @@ fn a_crumpled_cloth_of_light_particles_never_gains_energy_from_still_air() {
             let flow = AirFlow { lift, ..AirFlow::default() };
             sample(&particles, &surfaces, &[flow], 0.0, &mut air, InstructionSet::best());
             particles.clear_sums(0.0);
-            apply(&mut particles, &surfaces, &air, H, InstructionSet::best());
+            let packed = PackedSurfaces::of(&surfaces, &particles);
+            apply(&mut particles, &packed, &air, H, InstructionSet::best());
             for i in 0..particles.len() {
                 let change = particles.acceleration(i).extend(0.0) * H;
                 particles.velocity[i] += change;
@@ -279,18 +280,14 @@ fn every_instruction_set_blows_with_the_same_bits_and_as_one_triangle_at_a_time_
     for n in [2, 3, 5, 12] {
         let (mut particles, surfaces) = crumpled(n);
         let mut blown = |surfaces: &[[u32; 3]], set| {
-            let (mut air, mut pressures) = (Air::default(), vec![]);
+            let (mut air, mut pressures) = (Air::default(), pressure::Pressures::default());
             sample(&particles, surfaces, &[gusty, fan], 7.3, &mut air, set);
-            pressure::sample(&particles, surfaces, &wind, 7.3, &mut pressures, set);
+            pressures.sample(&particles, surfaces, &wind, 7.3, set);
             particles.clear_sums(0.0);
             // A length at which the limits are reached for some and not for others.
-            apply(&mut particles, surfaces, &air, 0.004, set);
-            pressure::apply(
-                &mut particles,
-                surfaces,
-                &pressures,
-                slice::from_ref(&(0..surfaces.len())),
-            );
+            let packed = PackedSurfaces::of(surfaces, &particles);
+            apply(&mut particles, &packed, &air, 0.004, set);
+            pressure::apply(&mut particles, &packed, &pressures, false, set);
             particles.acceleration.clone()
         };
         let truth = blown(&surfaces, InstructionSet::Scalar);
@@ -309,7 +306,8 @@ fn a_triangle_that_is_not_finite_leaves_what_it_does_not_touch_alone() {
         let mut air = Air::default();
         sample(&particles, &surfaces, &[flow], 0.0, &mut air, InstructionSet::best());
         particles.clear_sums(0.0);
-        apply(&mut particles, &surfaces, &air, H, InstructionSet::best());
+        let packed = PackedSurfaces::of(&surfaces, &particles);
+        apply(&mut particles, &packed, &air, H, InstructionSet::best());
         particles.acceleration.clone()
     };
     let (good, bad) = (blown(Vec3::ONE), blown(Vec3::NAN));

@@ -7,10 +7,11 @@ mod air;
 mod air_tests;
 mod gusts;
 mod pressure;
-mod sheet;
+mod surfaces;
 
 pub use air::AirFlow;
 pub use pressure::Wind;
 
 pub(crate) use air::{Air, apply as apply_air, sample as sample_air};
-pub(crate) use pressure::{apply as apply_wind, sample as sample_wind};
+pub(crate) use pressure::{Pressures, apply as apply_wind};
+pub(crate) use surfaces::PackedSurfaces;

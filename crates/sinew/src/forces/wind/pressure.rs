@@ -5,7 +5,7 @@ use core::ops::Range;
 use glam::{Vec3, Vec4};
 
 use super::gusts::{VectorField, arch, at_one_place, fraction};
-use super::sheet::Sheet;
+use super::surfaces::{Motion, PackedSurfaces, SurfaceForce};
 use crate::forces::region::{Extent, Region, WorldPoint};
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
@@ -62,65 +62,143 @@ impl Wind {
     }
 }
 
-/// Appends what `wind` is at each triangle at the time `time` (seconds): `[x y z k]`, the pressure in Pa and `1/(6 ‖w‖)`, which [`apply`] needs. `k`
-/// is 0 where nothing blows. Nothing at all for a wind that does not blow.
-///
-/// Gusts are looked up once a step, not once a substep: they take a good part of a second to pass.
-pub(crate) fn sample(
-    particles: &Particles,
-    surfaces: &[[u32; 3]],
-    wind: &Wind,
-    time: f64,
-    pressures: &mut Vec<Vec4>,
-    instructions: InstructionSet,
-) {
-    if !wind.is_valid() || wind.pressure == Vec3::ZERO {
-        return;
+/// What winds are at each triangle in a step: `[x y z k]`, the pressure in Pa and `1/(6 ‖w‖)`, which [`apply`] needs. `k` is 0 where nothing blows.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Pressures {
+    winds: Vec<Sampled>,
+    /// Of the winds that are not everywhere the same, one after the other on all triangles.
+    each: Vec<Vec4>,
+}
+
+#[derive(Clone, Debug)]
+enum Sampled {
+    Everywhere(Vec4),
+    /// In `each`.
+    Each(Range<usize>),
+}
+
+impl Pressures {
+    pub(crate) fn clear(&mut self) {
+        self.winds.clear();
+        self.each.clear();
     }
-    let gusts = Gusts::of(wind, time);
-    let region = (wind.region.extent != Extent::Everywhere).then_some(&wind.region);
-    if gusts.gusts == 0.0 && region.is_none() {
-        let strength = wind.pressure.length();
-        let k = if strength > 0.0 { 0.5 * THIRD / strength } else { 0.0 };
-        pressures.resize(pressures.len() + surfaces.len(), wind.pressure.extend(k));
-    } else {
-        sample_gusts(particles, surfaces, gusts, region, pressures, instructions);
+
+    /// Whether there is no wind.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.winds.is_empty()
+    }
+
+    pub(crate) fn winds(&self) -> impl Iterator<Item = Pressure<'_>> {
+        self.winds.iter().map(|wind| match wind {
+            Sampled::Everywhere(w) => Pressure::Everywhere(*w),
+            Sampled::Each(range) => Pressure::Each(&self.each[range.clone()]),
+        })
+    }
+
+    /// Whether any wind blows on a triangle.
+    pub(crate) fn blow_on(&self, number: usize) -> bool {
+        self.winds().any(|wind| match wind {
+            Pressure::Everywhere(w) => w.w != 0.0,
+            Pressure::Each(of) => of[number].w != 0.0,
+        })
+    }
+
+    /// Adds what `wind` is at the time `time`, seconds; nothing for one that does not blow.
+    ///
+    /// Gusts are looked up once a step, not once a substep: they take a good part of a second to pass.
+    pub(crate) fn sample(
+        &mut self,
+        particles: &Particles,
+        surfaces: &[[u32; 3]],
+        wind: &Wind,
+        time: f64,
+        instructions: InstructionSet,
+    ) {
+        if !wind.is_valid() || wind.pressure == Vec3::ZERO || surfaces.is_empty() {
+            return;
+        }
+        let gusts = Gusts::of(wind, time);
+        let region = (wind.region.extent != Extent::Everywhere).then_some(&wind.region);
+        self.winds.push(if gusts.gusts == 0.0 && region.is_none() {
+            let strength = wind.pressure.length();
+            let k = if strength > 0.0 { 0.5 * THIRD / strength } else { 0.0 };
+            Sampled::Everywhere(wind.pressure.extend(k))
+        } else {
+            let begin = self.each.len();
+            sample_gusts(particles, surfaces, gusts, region, &mut self.each, instructions);
+            Sampled::Each(begin..self.each.len())
+        });
     }
 }
 
-/// Adds the force of a wind on each triangle: `‖½ (p1-p0)×(p2-p0) · w‖ · w/‖w‖`, a third to each corner. `pressures` holds the
-/// [`sample`] of one wind after the other, of which those of the triangles `which` count.
-///
-/// A triangle at a time: the rows of its corners are most of the work, and neighbours share them.
+/// Adds the force of winds on each triangle: `‖½ (p1-p0)×(p2-p0) · w‖ · w/‖w‖`, a third to each corner; on separate ones alone, if they are asked for.
 pub(crate) fn apply(
     particles: &mut Particles,
-    surfaces: &[[u32; 3]],
-    pressures: &[Vec4],
-    which: &[Range<usize>],
+    surfaces: &PackedSurfaces,
+    pressures: &Pressures,
+    separate: bool,
+    instructions: InstructionSet,
 ) {
-    if pressures.is_empty()
-        || surfaces.is_empty()
-        || which.is_empty()
-        || !pressures.len().is_multiple_of(surfaces.len())
-    {
-        return;
+    for wind in pressures.winds() {
+        surfaces.accelerate(particles, &wind, separate, instructions);
     }
-    particles.acceleration_dirty = true;
-    let Particles { position, origin, acceleration, .. } = particles;
-    let sheet = Sheet { position, origin };
-    for pressures in pressures.chunks_exact(surfaces.len()) {
-        for range in which.iter().cloned() {
-            let of_one = surfaces.get(range.clone()).unwrap_or_default().iter();
-            for (&corners, &w) in of_one.zip(&pressures[range]) {
-                // The second for whoever exchanged triangles since the winds were sampled.
-                if w.w == 0.0 || !sheet.has(corners) {
-                    continue;
-                }
-                let facing = sheet.twice_the_area(corners).truncate().dot(w.truncate());
-                sheet.add(acceleration, corners, (w * (facing.abs() * w.w)).with_w(0.0));
-            }
-        }
+}
+
+/// A wind at the triangles of a list.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Pressure<'a> {
+    /// The same at all of them.
+    Everywhere(Vec4),
+    Each(&'a [Vec4]),
+}
+
+impl Pressure<'_> {
+    /// Pressures at eight triangles, Pa, and their factors `1/(6 ‖w‖)`.
+    #[inline(always)]
+    pub(crate) fn of<L: Lanes>(&self, numbers: &[u32; LANES]) -> (Vector<L>, L) {
+        Vector::of(match self {
+            Self::Everywhere(w) => splat(*w),
+            Self::Each(of) => L::rows(of, numbers),
+        })
     }
+}
+
+impl SurfaceForce for Pressure<'_> {
+    type Local<L: Lanes> = (Vector<L>, L);
+    const ASKS_MOTION: bool = false;
+
+    #[inline(always)]
+    fn at<L: Lanes>(&self, numbers: &[u32; LANES]) -> Option<Self::Local<L>> {
+        blowing(self.of(numbers))
+    }
+
+    #[inline(always)]
+    fn at_pairs<L: Lanes>(&self, first: usize) -> [Option<Self::Local<L>>; 2] {
+        let (one, other) = match self {
+            Self::Everywhere(w) => (splat(*w), splat(*w)),
+            Self::Each(of) => L::pairs(of, first),
+        };
+        [blowing(Vector::of(one)), blowing(Vector::of(other))]
+    }
+
+    #[inline(always)]
+    fn third<L: Lanes>(&self, (w, k): (Vector<L>, L), area: Vector<L>, _: &Motion<L>) -> Vector<L> {
+        let force = w * (area.dot(w).abs() * k);
+        // In the lee it is none, whatever the area is.
+        let blows = L::zero().lt(k);
+        Vector::new(blows.and(force.x), blows.and(force.y), blows.and(force.z))
+    }
+}
+
+#[inline(always)]
+fn splat<L: Lanes>(w: Vec4) -> [L; 4] {
+    Vector::splat(w.truncate()).with(L::splat(w.w))
+}
+
+/// `None` where nothing blows.
+#[inline(always)]
+fn blowing<L: Lanes>((w, k): (Vector<L>, L)) -> Option<(Vector<L>, L)> {
+    L::zero().lt(k).any().then_some((w, k))
 }
 
 kernel!(
@@ -235,16 +313,15 @@ fn level_across(along: Vec3) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
-    use core::slice;
-
     use super::*;
     use crate::particles::ParticleSeed;
 
     fn pushed(particles: &mut Particles, surfaces: &[[u32; 3]], wind: &Wind) -> Vec3 {
-        let mut pressures = Vec::new();
-        sample(particles, surfaces, wind, 0.0, &mut pressures, InstructionSet::best());
+        let (mut pressures, instructions) = (Pressures::default(), InstructionSet::best());
+        pressures.sample(particles, surfaces, wind, 0.0, instructions);
         particles.clear_sums(0.0);
-        apply(particles, surfaces, &pressures, slice::from_ref(&(0..surfaces.len())));
+        let packed = PackedSurfaces::of(surfaces, particles);
+        apply(particles, &packed, &pressures, false, instructions);
         (0..particles.len()).map(|i| particles.acceleration(i)).sum()
     }
 
