@@ -91,7 +91,7 @@ pub(crate) fn measure(
         // Nor do its particles touch anything by themselves.
         if !contacts.is_empty() && !island.one_state {
             let rows = &plan.islands.members[island.members.clone()];
-            error = error.max(contacts.island_error(&places, number, rows));
+            error = error.max(contacts.island_error(&places, (number, rows), instructions));
         }
         (own.error, own.strain) = (error, strain);
         report.error = report.error.max(error);

@@ -5,7 +5,7 @@ use glam::{Vec3, Vec4};
 use super::super::bounds::ClassBounds;
 use super::{InstantInterval, NormalImpulses, ParticleContacts};
 use crate::islands::Islands;
-use crate::lanes::InstructionSet;
+use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 use crate::particles::{Particles, Places};
 
 impl ParticleContacts {
@@ -18,7 +18,7 @@ impl ParticleContacts {
         (number, rows): (usize, &[u32]),
         (interval, instructions): (InstantInterval, InstructionSet),
     ) -> f32 {
-        let (near, strays) = self.in_reach(places, number, rows);
+        let (near, strays) = self.in_reach(places, number, rows, instructions);
         let common = self.common_bounds();
         if strays || !self.has_batches(number) {
             let depths = near.iter().map(|&row| {
@@ -52,12 +52,17 @@ impl ParticleContacts {
     }
 
     /// How far out the farthest of the rows of an island is at the end of a step, metres, moving nothing.
-    pub(crate) fn island_error(&self, places: &Places, number: usize, rows: &[u32]) -> f32 {
+    pub(crate) fn island_error(
+        &self,
+        places: &Places,
+        (number, rows): (usize, &[u32]),
+        instructions: InstructionSet,
+    ) -> f32 {
         // Whose particles touch nothing by themselves.
         if rows.iter().all(|&row| self.is_solid(row)) {
             return 0.0;
         }
-        let (rows, strays) = self.in_reach(places, number, rows);
+        let (rows, strays) = self.in_reach(places, number, rows, instructions);
         let common = self.common_bounds();
         let errors = rows.iter().map(|&row| {
             let bounds = self.bounds_of(row, strays, common);
@@ -91,9 +96,10 @@ impl ParticleContacts {
         places: &Places,
         number: usize,
         rows: &'a [u32],
+        instructions: InstructionSet,
     ) -> (&'a [u32], bool) {
         match self.reaches.get(number) {
-            Some(reach) if !self.any_exceeds_skin(places, rows) => {
+            Some(reach) if !self.any_exceeds_skin(places, rows, instructions) => {
                 (&self.touching[reach.clone()], false)
             }
             _ => (rows, true),
@@ -101,7 +107,12 @@ impl ParticleContacts {
     }
 
     /// Whether one of some rows has gone further than was looked.
-    fn any_exceeds_skin(&self, places: &Places, rows: &[u32]) -> bool {
+    fn any_exceeds_skin(
+        &self,
+        places: &Places,
+        rows: &[u32],
+        instructions: InstructionSet,
+    ) -> bool {
         let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else { return false };
         if (last - first) as usize + 1 != rows.len() {
             return rows.iter().any(|&row| self.exceeds_skin(places, row));
@@ -109,8 +120,7 @@ impl ParticleContacts {
         // Mostly they stand one after the other: all of them are looked at, which takes less than to ask after each whether to go on.
         let now = &places.position[places.at(first)..][..rows.len()];
         let seen = &self.last_seen[first as usize..][..rows.len()];
-        let strayed = now.iter().zip(seen).map(|(&now, &seen)| is_beyond(now, seen));
-        strayed.fold(false, |any, strayed| any | strayed)
+        any_beyond(now, seen, instructions)
     }
 
     /// Whether a row has gone further than was looked.
@@ -187,6 +197,22 @@ impl ParticleContacts {
 fn is_beyond(now: Vec4, seen: Vec4) -> bool {
     (now - seen).truncate().length_squared() > seen.w
 }
+
+kernel!(
+    /// Whether any of some places [is](is_beyond).
+    fn any_beyond<L: Lanes>(now: &[Vec4], seen: &[Vec4]) -> bool {
+        let (eights, others) = now.as_chunks::<LANES>();
+        let (eights_seen, others_seen) = seen.as_chunks::<LANES>();
+        let mut beyond = L::zero();
+        for (now, seen) in eights.iter().zip(eights_seen) {
+            let (now, _) = Vector::of(L::run(now, 0));
+            let (seen, most) = Vector::of(L::run(seen, 0));
+            beyond = beyond.or(most.lt((now - seen).length_squared()));
+        }
+        let others = others.iter().zip(others_seen);
+        others.fold(beyond.any(), |any, (&now, &seen)| any | is_beyond(now, seen))
+    }
+);
 
 /// What a coordinate of a box may be off by, as a share of it: it is a sum of two roundings.
 const ROUNDED: f32 = 1e-6;

@@ -39,7 +39,10 @@ fn asked(world: &mut Simulation) -> Vec<u32> {
     let (contacts, plan) = (world.particle_contacts().clone(), world.plan().clone());
     let number = plan.islands.of[0] as usize;
     let rows = &plan.islands.members[plan.islands.list[number].members.clone()];
-    contacts.in_reach(&Places::all(&mut world.particles), number, rows).0.to_vec()
+    contacts
+        .in_reach(&Places::all(&mut world.particles), number, rows, InstructionSet::best())
+        .0
+        .to_vec()
 }
 
 #[test]

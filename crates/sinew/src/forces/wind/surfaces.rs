@@ -209,6 +209,9 @@ fn cells(triangles: &[[u32; 3]]) -> Option<[u32; 4]> {
     let (one, other) = (triangles[0], triangles[1]);
     let mut shared = one.into_iter().filter(|row| other.contains(row));
     let shared = [shared.next()?, shared.next()?];
+    if shared[0] == shared[1] {
+        return None;
+    }
     let alone = |of: [u32; 3]| of.into_iter().find(|row| !shared.contains(row));
     Some([alone(one)?, shared[0], shared[1], alone(other)?])
 }
