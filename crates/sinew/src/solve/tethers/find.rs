@@ -141,10 +141,12 @@ impl Plan {
                 if from.length(sources[pin]) > from.length(sources[far]) { pin } else { far }
             })
         };
-        let one = farthest(&web.field(&sources[..1]));
+        let from_first = web.field(&sources[..1]);
+        let one = farthest(&from_first);
         let from_one = web.field(&sources[one..=one]);
         let other = farthest(&from_one);
-        let from_other = web.field(&sources[other..=other]);
+        // Of two pins that is the first one again.
+        let from_other = if other == 0 { from_first } else { web.field(&sources[other..=other]) };
         let far = [one as u32, other as u32];
         PinFields { sources, nearest, far, from: [from_one, from_other] }
     }
