@@ -79,6 +79,8 @@ pub(crate) struct Island {
     pub(crate) settings: SolverSettings,
     /// The microsteps that it takes in each substep, 1 or more.
     pub(crate) microsteps: u32,
+    /// Whether a body of its particles may come to touch another one in this step; asked of what takes microsteps.
+    pub(crate) meets_others: bool,
 }
 
 impl Island {

@@ -59,7 +59,9 @@ pub struct SolverSettings {
     /// Whether large cloth takes its sweeps as smaller substeps of its own (microsteps, or multirate integration): half as many of one sweep each, down to 1/2500
     /// s, which hold it as well at half of the work. Only where corrections are along [`GradientAt::Current`] and in [`Order::GaussSeidel`], by Verlet, in
     /// islands of more than 64 particles with distances and bends alone, more than two for each particle, and no springs. Forces are those of the
-    /// substep; between integration and solving, positions are what the first microstep has predicted. Default so.
+    /// substep; between integration and solving, positions are what the first microstep has predicted. And where something holds it, and nothing that moves may
+    /// touch it, such an island ends a step with three sweeps in which each rod takes a part of its error, so that those that contradict each other share what none of
+    /// them can have (under-relaxation); that changes positions, and no velocity. Default so.
     pub microsteps: bool,
     /// Whether velocities are forgotten in every substep, so that the state walks to rest (the lectures' statics, physics.md F9). Default not.
     pub statics: bool,

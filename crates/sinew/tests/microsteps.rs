@@ -5,6 +5,7 @@ use sinew::glam::{Quat, Vec3};
 use sinew::recipes::{BoxSpec, ClothMaterial, ClothSpec, box_3d, cloth_grid};
 use sinew::{
     BodyContacts, Collider, Frame, Material, Pin, Plane, Shape, Simulation, SolverSettings, Spring,
+    Wind,
 };
 
 const DT: f32 = 1.0 / 60.0;
@@ -235,4 +236,88 @@ fn a_jerk_at_its_edge_stretches_it_less_with_spans_and_none_of_its_momentum_is_l
     let (with, without) = (jerked(true), jerked(false));
     println!("{with:.3} with, {without:.3} without");
     assert!(with < 0.8 * without, "{with} {without}");
+}
+
+/// How far hard rods are from their lengths, as a share: the farthest.
+fn worst_strain(world: &Simulation) -> f32 {
+    let rods = world.distances().iter().filter(|d| d.softness.is_hard());
+    let strains = rods.map(|d| {
+        let apart = world.particles.separation(d.a as usize, d.b as usize).length();
+        (apart / d.rest - 1.0).abs()
+    });
+    strains.fold(0.0, f32::max)
+}
+
+#[test]
+fn what_the_rods_of_a_flag_cannot_all_have_is_shared_out() {
+    // It hangs on the upper end of its pole, by a few cells whose diagonals no fold can all please: one of them was off by 7 % at some moment of each start.
+    for turned in [0.0, 1e-4] {
+        let mut world = Simulation::default();
+        world.forces.gravity = Vec3::new(9.81 * turned, -9.81, 0.0);
+        let wind = Wind::steady(Vec3::new(13.0, 0.0, 3.5)).with_gusts(0.55);
+        world.forces.winds.push(Wind { gust_length: 1.1, gust_period: 0.9, ..wind });
+        let material = ClothMaterial { density: 0.18, drag: 0.75, ..Default::default() };
+        let spec = ClothSpec {
+            width: 1.92,
+            height: 1.2,
+            columns: 48,
+            rows: 30,
+            material,
+            ..Default::default()
+        };
+        let mut cloth = cloth_grid(&spec).unwrap();
+        (0..31).for_each(|row| cloth.pin(49 * row).unwrap());
+        cloth.build(&mut world).unwrap();
+        let mut worst = 0.0_f32;
+        for tick in 0..240 {
+            world.step(DT).unwrap();
+            worst = if tick < 60 { 0.0 } else { worst.max(worst_strain(&world)) };
+        }
+        println!("turned by {turned}: {worst:.3}");
+        assert!(worst < 0.055, "{worst}");
+    }
+}
+
+#[test]
+fn what_nothing_holds_keeps_its_spin_though_its_rods_contradict_each_other() {
+    // A sheet in space of whose diagonals every one is too long, whirled. Shared out as what hangs is, it lost a sixth of its spin.
+    for elsewhere in [false, true] {
+        let mut world = Simulation::default();
+        world.forces.gravity = Vec3::ZERO;
+        let spec = ClothSpec { columns: CELLS, rows: CELLS, ..Default::default() };
+        let mut cloth = cloth_grid(&spec).unwrap();
+        for d in cloth.distances.iter_mut().filter(|d| d.softness.is_hard()) {
+            d.rest *= if d.rest > 0.06 { 1.03 } else { 1.0 };
+        }
+        cloth.build(&mut world).unwrap();
+        if elsewhere {
+            brick_elsewhere(&mut world);
+        }
+        let spin = Vec3::new(0.0, 0.0, 0.5);
+        for i in of_sheet() {
+            let at = world.particles.position(i);
+            world.particles.set_velocity(i, spin.cross(at) + Vec3::X * 0.2);
+        }
+        let mass = |world: &Simulation, i: usize| world.particles.mass(i);
+        let total: f32 = of_sheet().map(|i| mass(&world, i)).sum();
+        let centre = |world: &Simulation| -> Vec3 {
+            of_sheet().map(|i| world.particles.position(i) * mass(world, i)).sum::<Vec3>() / total
+        };
+        let velocity = |world: &Simulation| -> Vec3 {
+            of_sheet().map(|i| world.velocity_now(i) * mass(world, i)).sum::<Vec3>() / total
+        };
+        let turning = |world: &Simulation| -> Vec3 {
+            let (at, v) = (centre(world), velocity(world));
+            let arm = |i: usize| world.particles.position(i) - at;
+            of_sheet().map(|i| arm(i).cross(world.velocity_now(i) - v) * mass(world, i)).sum()
+        };
+        let before = turning(&world);
+        run(&mut world, 0..240);
+        let (at, v) = (centre(&world), velocity(&world));
+        assert!((at - Vec3::X * 0.8).length() < 2e-3, "{elsewhere}: {at}");
+        assert!((v - Vec3::X * 0.2).length() < 1e-3, "{elsewhere}: {v}");
+        let lost = (turning(&world) - before).length() / before.length();
+        println!("{elsewhere}: {at}, {v}, {lost:.2e}, strain {}", worst_strain(&world));
+        assert!(lost < 2e-3, "{elsewhere}: {lost}");
+    }
 }

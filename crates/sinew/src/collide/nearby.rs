@@ -17,6 +17,8 @@ pub(crate) struct Nearby {
     broad: Kept<Broad>,
     pairs: Vec<[u32; 2]>,
     near: Vec<bool>,
+    /// Of each body, whether it is near another one.
+    beside: Vec<bool>,
 }
 
 /// Where a body is.
@@ -49,8 +51,10 @@ impl Nearby {
     /// Finds them. Rows that are marked in `aside` do not collide by themselves.
     pub(super) fn broad_phase(&mut self, particles: &Particles, world: &World, aside: &[bool]) {
         let contacts = world.filter.bodies();
-        self.near.clear();
-        self.near.resize(contacts.len(), false);
+        for bodies in [&mut self.near, &mut self.beside] {
+            bodies.clear();
+            bodies.resize(contacts.len(), false);
+        }
         if !contacts.iter().any(super::BodyContacts::takes_part) {
             return;
         }
@@ -67,7 +71,7 @@ impl Nearby {
         if !self.bodies.iter().any(|body| body.free) {
             return;
         }
-        let Self { bodies, bounds, broad, pairs, near } = self;
+        let Self { bodies, bounds, broad, pairs, near, beside } = self;
         bounds.clear();
         bounds.extend(bodies.iter().map(|body| body.bounds(world)));
         broad.0.pairs(bounds, pairs);
@@ -78,6 +82,7 @@ impl Nearby {
             let [a, b] = [a as usize, b as usize];
             if (bodies[a].free || bodies[b].free) && contacts[a].meets(&contacts[b]) {
                 (near[a], near[b]) = (true, true);
+                (beside[a], beside[b]) = (true, true);
             }
         }
     }
@@ -86,6 +91,11 @@ impl Nearby {
     #[inline(always)]
     pub(super) fn has(&self, body: u32) -> bool {
         self.near.get(body as usize).is_some_and(|&near| near)
+    }
+
+    /// Whether a body may come to touch another one.
+    pub(super) fn has_beside(&self, body: u32) -> bool {
+        self.beside.get(body as usize).is_some_and(|&beside| beside)
     }
 
     /// Puts a box about each body that takes part, and about where its pins lead.

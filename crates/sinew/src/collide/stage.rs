@@ -60,6 +60,11 @@ impl Contacts {
         self.triangles.broad_phase(particles, surfaces, (filter, nearby), aside, dt);
     }
 
+    /// Whether a body may come to touch another one in this step.
+    pub(crate) fn may_meet_others(&self, body: u32) -> bool {
+        self.nearby.has_beside(body)
+    }
+
     /// Notes which rows do not collide by themselves.
     fn set_aside(&mut self, particles: &Particles, filter: &ContactFilter) {
         let Self { aside, body_contact, .. } = self;

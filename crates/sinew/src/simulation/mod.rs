@@ -323,6 +323,7 @@ impl Simulation {
             lag,
             gravity,
             substep,
+            substeps,
             microstep: solve::Microstep::WHOLE,
             execution,
         };
@@ -349,6 +350,7 @@ impl Simulation {
                 lag,
                 gravity,
                 substep,
+                substeps,
                 microstep: solve::Microstep::WHOLE,
                 execution,
             };

@@ -6,7 +6,8 @@ use super::{Scratch, Simulation, Substep};
 use crate::collide::World;
 use crate::constraints::{Constraint, Distance};
 use crate::forces;
-use crate::particles::{Particles, snap};
+use crate::islands::Islands;
+use crate::particles::{NO_BODY, Particles, snap};
 use crate::rigid::Compound;
 use crate::settings::{BodySettings, SolverSettings};
 use crate::solve::{Given, divide, is_free};
@@ -257,6 +258,16 @@ impl Simulation {
         scratch.contacts.use_instructions(self.instructions);
         scratch.contacts.begin((particles, &forces.surfaces), world, contact_cache);
         scratch.contacts.particle_contacts.note_inside(particles);
+        let Scratch { contacts, plan, .. } = scratch;
+        let Islands { list, members, .. } = &mut plan.islands;
+        for island in list.iter_mut().filter(|island| island.takes_microsteps()) {
+            let mut last = NO_BODY;
+            // Neighbours mostly share their body.
+            island.meets_others = members[island.members.clone()].iter().any(|&row| {
+                let body = particles.body[row as usize];
+                core::mem::replace(&mut last, body) != body && contacts.may_meet_others(body)
+            });
+        }
     }
 
     /// Looks up the gusts on every triangle.

@@ -97,6 +97,7 @@ impl Simulation {
             lag: h,
             gravity,
             substep,
+            substeps: report.substeps,
             microstep: solve::Microstep::WHOLE,
             execution,
         };

@@ -3,7 +3,8 @@
 use glam::{Vec3, Vec4};
 
 use super::multipliers::MultiplierSlice;
-use super::plan::{GroupKind, Plan};
+use super::plan::{ClusterBatch, GroupKind, Plan};
+use super::rods::Relaxation;
 use crate::constraints::{
     Constraint, Distance, Equation, GradientAt, Points, SubstepContext, equation_energy,
     equation_error, project, project_equation, project_rod, project_rod_from_start,
@@ -26,6 +27,8 @@ pub(crate) struct SolveMode {
     pub(crate) gradient_at: GradientAt,
     /// Whether tethers and spans are held in this sweep.
     pub(crate) tethers: bool,
+    /// How much of their errors rods take, if not all, in a sweep of rods alone: see [`relaxation`](super::relaxation).
+    pub(crate) relaxed: Option<Relaxation>,
     /// Whether there is no other sweep in this substep: then nothing has to be summed up.
     pub(crate) single_sweep: bool,
     /// What is off by more than this is violated, metres.
@@ -35,6 +38,11 @@ pub(crate) struct SolveMode {
 }
 
 impl SolveMode {
+    /// Whether a cluster batch is swept.
+    pub(super) fn takes(&self, cluster_batch: &ClusterBatch) -> bool {
+        self.relaxed.is_none() || cluster_batch.kind == GroupKind::Rods
+    }
+
     /// What counts of the largest error that chains found, metres: they correct it at once, so it only matters where it is a violation.
     pub(super) fn of_chains(&self, found: f32) -> f32 {
         if found > self.violation { found } else { 0.0 }

@@ -31,8 +31,9 @@ pub(crate) struct SolveContext<'a> {
     pub(crate) lag: f32,
     /// Magnitude of gravity, m/s².
     pub(crate) gravity: f32,
-    /// Which substep of the step it is, counted from 0.
+    /// Which substep of the step it is, counted from 0, and of how many.
     pub(crate) substep: u32,
+    pub(crate) substeps: u32,
     /// Which part of it.
     pub(crate) microstep: Microstep,
     pub(crate) execution: ExecutionContext<'a>,

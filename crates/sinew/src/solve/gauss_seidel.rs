@@ -24,7 +24,7 @@ pub(super) fn sweep(
     thread_scratch: &mut ThreadScratch,
 ) -> f32 {
     let mut worst = 0.0_f32;
-    for cluster_batch in &plan.cluster_batches[cluster_batches] {
+    for cluster_batch in plan.cluster_batches[cluster_batches].iter().filter(|it| mode.takes(it)) {
         worst = worst.max(sweep_cluster_batch(
             places,
             plan,
@@ -74,7 +74,8 @@ fn sweep_cluster_batch(
                     );
                     worst = worst.max(found);
                 }
-                rods.sweep(places, runs, blocks, mode.gradient_at, instructions)
+                let how = (mode.gradient_at, mode.relaxed);
+                rods.sweep(places, runs, blocks, how, instructions)
             }
             GroupKind::Distances | GroupKind::Constraints => {
                 let lambdas = match group.kind {
@@ -115,7 +116,7 @@ pub(super) fn sweep_turned(
     let (rows, instructions) = ((cluster_batch.rows.start, first), mode.instructions);
     if cluster_batch.kind == GroupKind::Rods {
         let each = groups.iter().map(ConstraintGroup::rods);
-        return plan.rods.sweep_turned(columns, each, rows, instructions);
+        return plan.rods.sweep_turned(columns, each, rows, mode.relaxed, instructions);
     }
     let (mut worst, how) = (0.0_f32, (mode.substep_context, instructions));
     for ConstraintGroup { range, runs, blocks, .. } in groups {

@@ -168,6 +168,7 @@ fn sweep_until_held(
             substep_context,
             gradient_at,
             tethers,
+            relaxed: None,
             single_sweep,
             violation: most,
             instructions,
@@ -193,7 +194,7 @@ pub(super) fn hold_at_once(
     mode: SolveMode,
     thread_scratch: &mut ThreadScratch,
 ) -> f32 {
-    if mode.gradient_at == GradientAt::StepStart {
+    if mode.gradient_at == GradientAt::StepStart || mode.relaxed.is_some() {
         return 0.0;
     }
     let mut worst = 0.0_f32;
@@ -265,7 +266,8 @@ fn sweep_in_columns(
         pins.extend(tethers.pins(places.position, places.first));
         worst = tethers.project_columns(columns, 0, &(0..count), pins, instructions);
     }
-    for cluster_batch in &plan.cluster_batches[island.cluster_batches.clone()] {
+    let cluster_batches = plan.cluster_batches[island.cluster_batches.clone()].iter();
+    for cluster_batch in cluster_batches.filter(|it| mode.takes(it)) {
         let found = sweep_turned(columns, plan, cluster_batch, first, multipliers, mode);
         worst = worst.max(found);
     }
@@ -312,7 +314,7 @@ fn turns_too_fast(places: &Places, plan: &Plan, island: &Island) -> bool {
 
 /// Projects the particles of an island out of whatever stands in the world once; returns the deepest it found, metres.
 #[inline]
-fn project_contacts(
+pub(super) fn project_contacts(
     context: SolveContext,
     places: &mut Places,
     normal_impulses: &mut NormalImpulses,
@@ -356,6 +358,7 @@ mod tests {
                 substep_context: SubstepContext { h: 1.0 / 1200.0, sweeps: 2 },
                 gradient_at: GradientAt::Current,
                 tethers: true,
+                relaxed: None,
                 single_sweep: false,
                 violation: f32::INFINITY,
                 instructions: InstructionSet::best(),

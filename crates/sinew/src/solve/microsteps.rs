@@ -23,6 +23,7 @@ use super::island::solve;
 use super::momentum::MomentumDrift;
 use super::multipliers::MultiplierSlice;
 use super::plan::{GroupKind, Plan};
+use super::relaxation::relax;
 use super::remaining::Remaining;
 use super::scratch::MicrostepScratch;
 use super::task_slice::TaskSlice;
@@ -112,6 +113,7 @@ impl TaskSlice<'_> {
         let of = island.microsteps;
         let h = self.context.h / of as f32;
         scratch.begin(&self.places, own.clone(), !self.momentum_drift.is_empty());
+        let ends_step = self.context.substep + 1 == self.context.substeps;
         let mut sweeps = 0;
         for number_of_step in 0..of {
             if number_of_step > 0 {
@@ -132,10 +134,16 @@ impl TaskSlice<'_> {
                 lag: h,
             };
             derive(all, execution);
+            let is_held = drift.is_none();
             if let Some(drift) = drift {
                 drift.take_off(places, members);
             }
             context.bounce(places, &mut self.normal_impulses, rows.clone());
+            if is_held && !island.meets_others && ends_step && number_of_step + 1 == of {
+                let MicrostepScratch { start, moved, .. } = &mut *scratch;
+                relax(context, number, self.island(number), own.clone(), &mut sweep, moved);
+                start.iter_mut().zip(moved).for_each(|(start, moved)| *start += *moved);
+            }
         }
         let report = self.report(number);
         report.last_sweeps = sweeps;
@@ -148,7 +156,7 @@ impl TaskSlice<'_> {
 
 impl MicrostepScratch {
     fn begin(&mut self, places: &Places, rows: Range<usize>, keeps_start: bool) {
-        let Self { start, led } = self;
+        let Self { start, led, .. } = self;
         start.clear();
         if keeps_start {
             start.extend_from_slice(&places.start[rows.clone()]);

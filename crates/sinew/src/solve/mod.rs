@@ -5,7 +5,7 @@
 //! - `world` deals islands out to threads, `island_step` for whole steps; `island` solves one: until the largest error in it is small enough or the
 //!   sweeps are spent;
 //! - `context` is what all of them need to know of a substep, `task_slice` what a task or an island has to itself, `scratch` what a thread keeps the memory of;
-//! - `microsteps` takes a large soft island through a substep in smaller steps of its own;
+//! - `microsteps` takes a large soft island through a substep in smaller steps of its own, and `relaxation` shares out what is left of its errors when a step ends;
 //! - `instances` takes islands that are built alike side by side;
 //! - `wavefront` takes the substeps of a step through a large island of rods one behind the other, and several threads one behind the other, too;
 //! - `rods` takes hard rods eight by eight; `chains` solves those of a rope at once; `tethers` hold what hangs on a pin through many of them;
@@ -36,6 +36,7 @@ mod most_violated_first;
 mod multipliers;
 mod plan;
 mod recovery;
+mod relaxation;
 mod remaining;
 mod report;
 mod rods;

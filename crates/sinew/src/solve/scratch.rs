@@ -59,4 +59,6 @@ pub(super) struct MicrostepScratch {
     pub(super) start: Vec<Vec4>,
     /// The places of pinned particles that are led, and where to.
     pub(super) led: Vec<(usize, Vec4)>,
+    /// How far a relaxation moved each particle.
+    pub(super) moved: Vec<Vec4>,
 }

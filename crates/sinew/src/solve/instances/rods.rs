@@ -29,7 +29,7 @@ kernel!(
                 let start = (start[a].load::<L>(), start[b].load::<L>());
                 project_from_start(one, other, start, rest, may)
             } else {
-                project(one, other, rest)
+                project(one, other, rest, None)
             };
             now[a].put(one);
             now[b].put(other);

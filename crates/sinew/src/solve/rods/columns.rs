@@ -7,7 +7,7 @@
 use core::ops::Range;
 
 use super::worse;
-use super::{RodBlock, Rods, StridedBatch, moved, stretch, stretch_of};
+use super::{Relaxation, RodBlock, Rods, StridedBatch, moved, stretch, stretch_of};
 use crate::constraints::project_rod;
 use crate::lanes::{Columns, InstructionSet, LANES, Lanes, OnPairs, Vector, Work, with};
 use crate::particles::Places;
@@ -23,9 +23,14 @@ impl Rods {
         columns: &mut Columns,
         groups: impl Iterator<Item = Colour<'a>>,
         rows: (u32, u32),
+        relaxed: Option<Relaxation>,
         instructions: InstructionSet,
     ) -> f32 {
-        with(instructions, SweepColumns { rods: self, columns, groups, rows })
+        let rods = self;
+        match relaxed {
+            None => with(instructions, SweepColumns { rods, columns, groups, rows, how: Whole }),
+            Some(how) => with(instructions, SweepColumns { rods, columns, groups, rows, how }),
+        }
     }
 
     /// What is left to correct of the same: largest error, metres, and largest share of a rest length. Moves nothing.
@@ -56,27 +61,29 @@ impl Rods {
 }
 
 /// A sweep over particles in columns, as [`Rods::sweep_turned`] has it.
-struct SweepColumns<'a, G> {
+struct SweepColumns<'a, G, H> {
     rods: &'a Rods,
     columns: &'a mut Columns,
     groups: G,
     rows: (u32, u32),
+    how: H,
 }
 
-impl<'a, G: Iterator<Item = Colour<'a>>> Work for SweepColumns<'_, G> {
+impl<'a, G: Iterator<Item = Colour<'a>>, H: Hard> Work for SweepColumns<'_, G, H> {
     type Output = f32;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
-        let Self { rods, columns, groups, rows } = self;
+        let Self { rods, columns, groups, rows, how } = self;
         let (mut worst, mut parted) = (L::zero(), 0.0_f32);
         for (strided_batches, blocks) in groups {
             for strided_batches in &rods.strided_batches[strided_batches.clone()] {
                 let from = (rows.0 - rows.1) as usize / 2;
-                worst = rods.sweep_strided::<L>(columns, strided_batches, from, worst, &mut parted);
+                let which = (strided_batches, from);
+                worst = rods.sweep_strided::<L, H>(columns, which, how, worst, &mut parted);
             }
             for block in &rods.blocks[blocks.clone()] {
-                worst = sweep_block::<L>(columns, block, rows.1, worst, &mut parted);
+                worst = sweep_block::<L, H>(columns, (block, rows.1), how, worst, &mut parted);
             }
         }
         worst.largest(parted)
@@ -124,15 +131,15 @@ impl<'a, G: Iterator<Item = Colour<'a>>> Work for MeasureColumns<'_, G> {
 impl Rods {
     /// The strided batches of a colour, of which the first row of their cluster batch is `from` lanes behind that of the columns.
     #[inline(always)]
-    fn sweep_strided<L: Lanes>(
+    fn sweep_strided<L: Lanes, H: Hard>(
         &self,
         columns: &mut Columns,
-        strided_batches: &StridedBatch,
-        from: usize,
+        (strided_batches, from): (&StridedBatch, usize),
+        how: H,
         worst: L,
         parted: &mut f32,
     ) -> L {
-        let mut pull = RodPull { worst, all_move: L::zero().same(L::zero()), soft: NotSoft };
+        let mut pull = RodPull { worst, all_move: L::zero().same(L::zero()), soft: how };
         columns.eights().each::<L, false>(
             &self.pairs[strided_batches.full.clone()],
             from,
@@ -159,17 +166,48 @@ impl Rods {
 pub(super) trait Yields<L: Lanes> {
     /// `α/h²` of eight, 1/kg, and what they have summed up; `live` are the lanes in which there are any, a bit each.
     fn before(&self, live: u32) -> Option<(L, L)>;
+    /// How much of such errors is corrected; `None` for all.
+    #[inline(always)]
+    fn share(&self, _error: L, _rest: L) -> Option<L> {
+        None
+    }
     /// They have been pulled by so much more.
     fn after(&mut self, live: u32, change: L);
 }
 
-/// Rods do not.
-struct NotSoft;
+/// Rods do not, but may be corrected in part. A constant of the kernel, too.
+pub(super) trait Hard: Copy {
+    /// How much of such errors is corrected; `None` for all.
+    fn share<L: Lanes>(self, error: L, rest: L) -> Option<L>;
+}
 
-impl<L: Lanes> Yields<L> for NotSoft {
+/// All of every error.
+#[derive(Clone, Copy)]
+struct Whole;
+
+impl Hard for Whole {
+    #[inline(always)]
+    fn share<L: Lanes>(self, _: L, _: L) -> Option<L> {
+        None
+    }
+}
+
+impl Hard for Relaxation {
+    #[inline(always)]
+    fn share<L: Lanes>(self, error: L, rest: L) -> Option<L> {
+        Some(Relaxation::share(self, error, rest))
+    }
+}
+
+impl<L: Lanes, H: Hard> Yields<L> for H {
     #[inline(always)]
     fn before(&self, _: u32) -> Option<(L, L)> {
         None
+    }
+
+    #[inline(always)]
+    fn share(&self, error: L, rest: L) -> Option<L> {
+        Hard::share(*self, error, rest)
     }
 
     #[inline(always)]
@@ -187,9 +225,12 @@ impl<L: Lanes, S: Yields<L>> RodPull<L, S> {
     /// How far to move eight, of which some lanes are live, how far they are off, and which could be projected.
     #[inline(always)]
     fn pull(&mut self, weights: [L; 2], rest: L, length: L, live: u32) -> (L, L, L) {
-        let found = stretch_of(length, weights, rest, self.soft.before(live));
-        self.soft.after(live, found.0 * length);
-        found
+        let (mut scale, error, moves) = stretch_of(length, weights, rest, self.soft.before(live));
+        if let Some(share) = self.soft.share(error, rest) {
+            scale = scale * share;
+        }
+        self.soft.after(live, scale * length);
+        (scale, error, moves)
     }
 }
 
@@ -244,10 +285,10 @@ impl<L: Lanes, S: Yields<L>> OnPairs<L> for Tail<RodPull<L, S>> {
 
 /// Eight rods of any rows; the columns begin with row `first`.
 #[inline(always)]
-fn sweep_block<L: Lanes>(
+fn sweep_block<L: Lanes, H: Hard>(
     columns: &mut Columns,
-    block: &RodBlock,
-    first: u32,
+    (block, first): (&RodBlock, u32),
+    how: H,
     worst: L,
     parted: &mut f32,
 ) -> L {
@@ -259,7 +300,11 @@ fn sweep_block<L: Lanes>(
         (packed[lane], packed[LANES + lane]) = (columns.get(a[lane]), columns.get(b[lane]));
     }
     let (one, other) = (L::run(&packed, 0), L::run(&packed, LANES));
-    let (scale, error, moves) = stretch(one, other, L::load(&block.rest));
+    let rest = L::load(&block.rest);
+    let (mut scale, error, moves) = stretch(one, other, rest);
+    if let Some(share) = how.share(error, rest) {
+        scale = scale * share;
+    }
     let (one, other) = moved(one, other, scale);
     L::put_run(&mut packed, 0, one);
     L::put_run(&mut packed, LANES, other);

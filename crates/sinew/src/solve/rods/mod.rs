@@ -199,10 +199,37 @@ impl RodBlock {
     }
 }
 
-/// Both ends moved to the nearest point, the errors, and which of the rods were projected or have no end that moves.
+/// How much of their errors rods take in a sweep that is to share out what they cannot all have.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Relaxation {
+    /// Of what is beyond the tolerance.
+    pub(crate) share: f32,
+    /// As a share of the rest length: what is off by less is left.
+    pub(crate) tolerance: f32,
+}
+
+impl Relaxation {
+    /// How much of such errors is corrected.
+    #[inline(always)]
+    fn share<L: Lanes>(self, error: L, rest: L) -> L {
+        let beyond = (error - rest * L::splat(self.tolerance)) / error;
+        // Of none it is no number.
+        beyond.max(L::zero()) * L::splat(self.share)
+    }
+}
+
+/// Both ends moved to the nearest point, or some of the way, the errors, and which of the rods were projected or have no end that moves.
 #[inline(always)]
-pub(super) fn project<L: Lanes>(one: [L; 4], other: [L; 4], rest: L) -> ([L; 4], [L; 4], L, L) {
-    let (scale, error, moves) = stretch(one, other, rest);
+pub(super) fn project<L: Lanes>(
+    one: [L; 4],
+    other: [L; 4],
+    rest: L,
+    relaxed: Option<Relaxation>,
+) -> ([L; 4], [L; 4], L, L) {
+    let (mut scale, error, moves) = stretch(one, other, rest);
+    if let Some(relaxation) = relaxed {
+        scale = scale * relaxation.share(error, rest);
+    }
     let (one, other) = moved(one, other, scale);
     (one, other, error, moves)
 }

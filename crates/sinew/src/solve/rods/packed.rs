@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use glam::Vec4;
 
-use super::{RodRun, Rods, StridedBatch, project, project_from_start};
+use super::{Relaxation, RodRun, Rods, StridedBatch, project, project_from_start};
 use crate::constraints::{GradientAt, project_rod};
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 use crate::particles::Places;
@@ -16,13 +16,15 @@ impl Rods {
         places: &mut Places,
         runs: Range<usize>,
         blocks: Range<usize>,
-        gradient_at: GradientAt,
+        (gradient_at, relaxed): (GradientAt, Option<Relaxation>),
         instructions: InstructionSet,
     ) -> f32 {
-        let rods = self;
+        let (rods, which) = (self, (runs, blocks));
         match gradient_at {
-            GradientAt::Current => sweep_packed::<false>(rods, places, runs, blocks, instructions),
-            GradientAt::StepStart => sweep_packed::<true>(rods, places, runs, blocks, instructions),
+            GradientAt::Current => {
+                sweep_packed::<false>(rods, places, which, relaxed, instructions)
+            }
+            GradientAt::StepStart => sweep_packed::<true>(rods, places, which, None, instructions),
         }
     }
 
@@ -56,9 +58,10 @@ kernel!(
     fn sweep_packed<L: Lanes, const START: bool>(
         rods: &Rods,
         places: &mut Places<'_>,
-        runs: Range<usize>,
-        blocks: Range<usize>,
+        which: (Range<usize>, Range<usize>),
+        relaxed: Option<Relaxation>,
     ) -> f32 {
+        let (runs, blocks) = which;
         let (mut worst, mut parted) = (L::zero(), 0.0_f32);
         for run in &rods.runs[runs] {
             let (rests, pattern) = (rods.rests_of(run), run.pattern());
@@ -71,7 +74,7 @@ kernel!(
                     let left = run.count - along;
                     let rows = [run.rows(a, left), run.rows(b, left)];
                     let (found, together) =
-                        eight_rods::<L, START>(places, rows, &run.padded(rest, left));
+                        eight_rods::<L, START>(places, rows, &run.padded(rest, left), relaxed);
                     (worst, parted) = (found.max(worst), parted.max(together));
                     continue;
                 }
@@ -81,7 +84,7 @@ kernel!(
                     let start = load::<L>(places.start, pattern, a, b);
                     project_from_start(one, other, start, rests, L::zero().same(L::zero()))
                 } else {
-                    project(one, other, rests)
+                    project(one, other, rests, relaxed)
                 };
                 if pattern == LoadPattern::Pairs {
                     L::put_pairs(places.position, a, one, other);
@@ -98,7 +101,7 @@ kernel!(
         }
         for block in &rods.blocks[blocks] {
             let rows = [less(&block.a, places.first), less(&block.b, places.first)];
-            let (found, together) = eight_rods::<L, START>(places, rows, &block.rest);
+            let (found, together) = eight_rods::<L, START>(places, rows, &block.rest, relaxed);
             (worst, parted) = (found.max(worst), parted.max(together));
         }
         worst.largest(parted)
@@ -165,7 +168,7 @@ kernel!(
                     let (a, b) = pair.rows(own, rods.half);
                     (ends[0][lane], ends[1][lane]) = (first + a, first + b);
                 }
-                let (found, together) = eight_rods::<L, true>(places, ends, &rest);
+                let (found, together) = eight_rods::<L, true>(places, ends, &rest, None);
                 (worst, parted) = (found.max(worst), parted.max(together));
             }
         }
@@ -179,13 +182,14 @@ fn eight_rods<L: Lanes, const START: bool>(
     places: &mut Places,
     [a, b]: [[u32; LANES]; 2],
     rest: &[f32; LANES],
+    relaxed: Option<Relaxation>,
 ) -> (L, f32) {
     let (one, other) = (L::rows(places.position, &a), L::rows(places.position, &b));
     let (one, other, error, moves) = if START {
         let start = (L::rows(places.start, &a), L::rows(places.start, &b));
         project_from_start(one, other, start, L::load(rest), L::zero().same(L::zero()))
     } else {
-        project(one, other, L::load(rest))
+        project(one, other, L::load(rest), relaxed)
     };
     L::put_rows(places.position, &a, one);
     L::put_rows(places.position, &b, other);

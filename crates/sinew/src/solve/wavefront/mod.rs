@@ -325,7 +325,7 @@ impl Wavefront {
                         plan.groups[cluster_batch.groups.clone()].iter().map(ConstraintGroup::rods);
                     let rows = (cluster_batch.rows.start, first + window.rows.start as u32);
                     let columns = &mut window.moving.position;
-                    let found = plan.rods.sweep_turned(columns, groups, rows, instructions);
+                    let found = plan.rods.sweep_turned(columns, groups, rows, None, instructions);
                     worst[substep] = worst[substep].max(found);
                 }
                 What::Measure { .. } => {

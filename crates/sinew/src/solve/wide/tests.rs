@@ -65,6 +65,7 @@ impl State {
             substep_context,
             gradient_at: GradientAt::Current,
             tethers: true,
+            relaxed: None,
             single_sweep: false,
             violation: f32::INFINITY,
             instructions: InstructionSet::best(),
