@@ -43,7 +43,6 @@ mod tests;
 
 pub(crate) use inertia::spin as pseudo_solve;
 pub use inertia::{Motion, motion};
-
 pub use normals::normals;
 pub(crate) use symmetric::WORST;
 

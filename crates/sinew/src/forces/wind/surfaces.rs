@@ -97,11 +97,13 @@ impl PackedSurfaces {
             self.ranges.extend_from_slice(separate);
             self.cells.clear();
             self.gathered.clear();
+            // The list may have become shorter since it was said which are separate.
             let len = surfaces.len();
-            self.pack_ranges(surfaces, separate.iter().cloned(), origin.len());
+            let there = || separate.iter().map(|range| range.start.min(len)..range.end.min(len));
+            self.pack_ranges(surfaces, there(), origin.len());
             self.separate = [self.cells.len(), self.gathered.len()];
-            let begins = core::iter::once(0).chain(separate.iter().map(|range| range.end));
-            let ends = separate.iter().map(|range| range.start).chain([len]);
+            let begins = core::iter::once(0).chain(there().map(|range| range.end));
+            let ends = there().map(|range| range.start).chain([len]);
             let between = begins.zip(ends).map(|(begin, end)| begin..end);
             self.pack_ranges(surfaces, between, origin.len());
         }
@@ -542,6 +544,12 @@ mod tests {
         let best = InstructionSet::best();
         assert_near(&accelerated(&mut particles, &TRIAL, (&packed, false), best), &all, "all");
         assert_near(&accelerated(&mut particles, &TRIAL, (&packed, true), best), &some, "separate");
+        // Of a list that became shorter since then, what there is.
+        triangles.truncate(20);
+        packed.pack(&triangles.clone().into(), &separate, &particles.origin);
+        let left = expected(&particles, triangles.iter().copied().enumerate());
+        let found = accelerated(&mut particles, &TRIAL, (&packed, false), best);
+        assert_near(&found, &left, "shorter");
         // Of a world with fewer particles than were packed nothing is touched.
         let mut fewer = grid(19, 3, 0).0;
         let touched = accelerated(&mut fewer, &TRIAL, (&packed, false), best);

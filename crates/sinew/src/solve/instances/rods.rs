@@ -6,7 +6,7 @@ use super::InstancedRod;
 use super::lane_storage::LaneParticles;
 use crate::constraints::project_rod;
 use crate::lanes::{LANES, Lanes, Vector, kernel};
-use crate::solve::rods::{COS_SQUARED, project, project_from_start};
+use crate::solve::rods::{COS_SQUARED, Whole, project, project_from_start};
 use crate::solve::tethers::hold;
 
 kernel!(
@@ -29,7 +29,7 @@ kernel!(
                 let start = (start[a].load::<L>(), start[b].load::<L>());
                 project_from_start(one, other, start, rest, may)
             } else {
-                project(one, other, rest, None)
+                project(one, other, rest, Whole)
             };
             now[a].put(one);
             now[b].put(other);

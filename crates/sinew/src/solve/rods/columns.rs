@@ -7,7 +7,10 @@
 use core::ops::Range;
 
 use super::worse;
-use super::{Relaxation, RodBlock, Rods, StridedBatch, moved, stretch, stretch_of};
+use super::{
+    Correction, Relaxation, RodBlock, Rods, StridedBatch, Whole, moved, project, stretch,
+    stretch_of,
+};
 use crate::constraints::project_rod;
 use crate::lanes::{Columns, InstructionSet, LANES, Lanes, OnPairs, Vector, Work, with};
 use crate::particles::Places;
@@ -61,15 +64,15 @@ impl Rods {
 }
 
 /// A sweep over particles in columns, as [`Rods::sweep_turned`] has it.
-struct SweepColumns<'a, G, H> {
+struct SweepColumns<'a, G, C> {
     rods: &'a Rods,
     columns: &'a mut Columns,
     groups: G,
     rows: (u32, u32),
-    how: H,
+    how: C,
 }
 
-impl<'a, G: Iterator<Item = Colour<'a>>, H: Hard> Work for SweepColumns<'_, G, H> {
+impl<'a, G: Iterator<Item = Colour<'a>>, C: Correction> Work for SweepColumns<'_, G, C> {
     type Output = f32;
 
     #[inline(always)]
@@ -80,10 +83,10 @@ impl<'a, G: Iterator<Item = Colour<'a>>, H: Hard> Work for SweepColumns<'_, G, H
             for strided_batches in &rods.strided_batches[strided_batches.clone()] {
                 let from = (rows.0 - rows.1) as usize / 2;
                 let which = (strided_batches, from);
-                worst = rods.sweep_strided::<L, H>(columns, which, how, worst, &mut parted);
+                worst = rods.sweep_strided::<L, C>(columns, which, how, worst, &mut parted);
             }
             for block in &rods.blocks[blocks.clone()] {
-                worst = sweep_block::<L, H>(columns, (block, rows.1), how, worst, &mut parted);
+                worst = sweep_block::<L, C>(columns, (block, rows.1), how, worst, &mut parted);
             }
         }
         worst.largest(parted)
@@ -131,11 +134,11 @@ impl<'a, G: Iterator<Item = Colour<'a>>> Work for MeasureColumns<'_, G> {
 impl Rods {
     /// The strided batches of a colour, of which the first row of their cluster batch is `from` lanes behind that of the columns.
     #[inline(always)]
-    fn sweep_strided<L: Lanes, H: Hard>(
+    fn sweep_strided<L: Lanes, C: Correction>(
         &self,
         columns: &mut Columns,
         (strided_batches, from): (&StridedBatch, usize),
-        how: H,
+        how: C,
         worst: L,
         parted: &mut f32,
     ) -> L {
@@ -175,31 +178,8 @@ pub(super) trait Yields<L: Lanes> {
     fn after(&mut self, live: u32, change: L);
 }
 
-/// Rods do not, but may be corrected in part. A constant of the kernel, too.
-pub(super) trait Hard: Copy {
-    /// How much of such errors is corrected; `None` for all.
-    fn share<L: Lanes>(self, error: L, rest: L) -> Option<L>;
-}
-
-/// All of every error.
-#[derive(Clone, Copy)]
-struct Whole;
-
-impl Hard for Whole {
-    #[inline(always)]
-    fn share<L: Lanes>(self, _: L, _: L) -> Option<L> {
-        None
-    }
-}
-
-impl Hard for Relaxation {
-    #[inline(always)]
-    fn share<L: Lanes>(self, error: L, rest: L) -> Option<L> {
-        Some(Relaxation::share(self, error, rest))
-    }
-}
-
-impl<L: Lanes, H: Hard> Yields<L> for H {
+/// Rods do not, but may be corrected in part.
+impl<L: Lanes, C: Correction> Yields<L> for C {
     #[inline(always)]
     fn before(&self, _: u32) -> Option<(L, L)> {
         None
@@ -207,7 +187,7 @@ impl<L: Lanes, H: Hard> Yields<L> for H {
 
     #[inline(always)]
     fn share(&self, error: L, rest: L) -> Option<L> {
-        Hard::share(*self, error, rest)
+        Correction::share(*self, error, rest)
     }
 
     #[inline(always)]
@@ -285,10 +265,10 @@ impl<L: Lanes, S: Yields<L>> OnPairs<L> for Tail<RodPull<L, S>> {
 
 /// Eight rods of any rows; the columns begin with row `first`.
 #[inline(always)]
-fn sweep_block<L: Lanes, H: Hard>(
+fn sweep_block<L: Lanes, C: Correction>(
     columns: &mut Columns,
     (block, first): (&RodBlock, u32),
-    how: H,
+    how: C,
     worst: L,
     parted: &mut f32,
 ) -> L {
@@ -300,12 +280,7 @@ fn sweep_block<L: Lanes, H: Hard>(
         (packed[lane], packed[LANES + lane]) = (columns.get(a[lane]), columns.get(b[lane]));
     }
     let (one, other) = (L::run(&packed, 0), L::run(&packed, LANES));
-    let rest = L::load(&block.rest);
-    let (mut scale, error, moves) = stretch(one, other, rest);
-    if let Some(share) = how.share(error, rest) {
-        scale = scale * share;
-    }
-    let (one, other) = moved(one, other, scale);
+    let (one, other, error, moves) = project(one, other, L::load(&block.rest), how);
     L::put_run(&mut packed, 0, one);
     L::put_run(&mut packed, LANES, other);
     for lane in 0..LANES {

@@ -208,13 +208,39 @@ pub(crate) struct Relaxation {
     pub(crate) tolerance: f32,
 }
 
-impl Relaxation {
-    /// How much of such errors is corrected.
+/// How much of their errors rods take in a sweep. A constant of a kernel, but where it is an option.
+pub(super) trait Correction: Copy {
+    /// That of eight; `None` for all.
+    fn share<L: Lanes>(self, error: L, rest: L) -> Option<L>;
+}
+
+/// All of every error.
+#[derive(Clone, Copy)]
+pub(super) struct Whole;
+
+impl Correction for Whole {
     #[inline(always)]
-    fn share<L: Lanes>(self, error: L, rest: L) -> L {
+    fn share<L: Lanes>(self, _: L, _: L) -> Option<L> {
+        None
+    }
+}
+
+impl Correction for Relaxation {
+    #[inline(always)]
+    fn share<L: Lanes>(self, error: L, rest: L) -> Option<L> {
         let beyond = (error - rest * L::splat(self.tolerance)) / error;
         // Of none it is no number.
-        beyond.max(L::zero()) * L::splat(self.share)
+        Some(beyond.max(L::zero()) * L::splat(self.share))
+    }
+}
+
+impl Correction for Option<Relaxation> {
+    #[inline(always)]
+    fn share<L: Lanes>(self, error: L, rest: L) -> Option<L> {
+        match self {
+            Some(relaxation) => relaxation.share(error, rest),
+            None => None,
+        }
     }
 }
 
@@ -224,11 +250,11 @@ pub(super) fn project<L: Lanes>(
     one: [L; 4],
     other: [L; 4],
     rest: L,
-    relaxed: Option<Relaxation>,
+    how: impl Correction,
 ) -> ([L; 4], [L; 4], L, L) {
     let (mut scale, error, moves) = stretch(one, other, rest);
-    if let Some(relaxation) = relaxed {
-        scale = scale * relaxation.share(error, rest);
+    if let Some(share) = how.share(error, rest) {
+        scale = scale * share;
     }
     let (one, other) = moved(one, other, scale);
     (one, other, error, moves)
