@@ -32,13 +32,11 @@ pub(super) struct Place {
 }
 
 impl Clusters {
-    /// For an island of so many particles, of which these pairs are bound (first and last place in the island).
-    pub(super) fn of(members: usize, ends: impl Iterator<Item = (u32, u32)>) -> Self {
+    /// For an island of so many particles, of which so many pairs are bound, which reach over so many places in sum.
+    pub(super) fn of(members: usize, count: u64, reach: u64) -> Self {
         if members <= LEAST as usize {
             return Self { size: u32::MAX };
         }
-        let (count, reach) =
-            ends.fold((0_u64, 0_u64), |(count, sum), (a, b)| (count + 1, sum + u64::from(b - a)));
         let wanted = (REACHES * reach / count.max(1)).clamp(LEAST.into(), MOST.into()) as u32;
         let enough = (members as u32).div_ceil(CLUSTERS / 2);
         Self { size: wanted.max(enough).next_power_of_two() }
@@ -68,7 +66,8 @@ mod tests {
         let columns = 200;
         let ends =
             (0..40_000_u32).flat_map(|a| [(a, a + 1), (a, a + columns), (a, a + columns + 1)]);
-        let clusters = Clusters::of(40_300, ends.clone());
+        let reach = ends.clone().map(|(a, b)| u64::from(b - a)).sum();
+        let clusters = Clusters::of(40_300, ends.clone().count() as u64, reach);
         let mut owner = [vec![None; 40_300], vec![None; 40_300]];
         let mut counts = [0; 3];
         for (a, b) in ends {
@@ -87,7 +86,7 @@ mod tests {
 
     #[test]
     fn a_small_island_is_one_cluster() {
-        let clusters = Clusters::of(2000, [(0, 1999)].into_iter());
+        let clusters = Clusters::of(2000, 1, 1999);
         assert_eq!(clusters.place(0, 1999), Place { phase: 0, cluster: 0 });
     }
 }

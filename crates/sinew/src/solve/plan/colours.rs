@@ -17,7 +17,7 @@ pub(super) const GREEDY: u32 = 2 * STRIDES as u32;
 /// The most strides that an island has colours for: a bit each.
 const STRIDES: usize = 32;
 /// So many distances of a stride are worth colours of their own: an eighth of them is lost to runs that do not fill the lanes.
-const LEAST: usize = 64;
+const LEAST: u32 = 64;
 
 /// Which colours each particle's constraints have used, by kind and phase.
 #[derive(Clone, Debug, Default)]
@@ -72,23 +72,40 @@ pub(super) fn lowest(taken: u64) -> u32 {
     GREEDY + (!taken).trailing_zeros()
 }
 
+/// How many distances have which stride. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(super) struct StrideCounts {
+    of: Vec<u32>,
+    all: u32,
+}
+
+impl StrideCounts {
+    pub(super) fn clear(&mut self) {
+        self.of.clear();
+        self.all = 0;
+    }
+
+    /// Counts a distance between two places in an island.
+    pub(super) fn add(&mut self, (a, b): (u32, u32)) {
+        let stride = (b - a) as usize;
+        if stride >= self.of.len() {
+            self.of.resize(stride + 1, 0);
+        }
+        self.of[stride] += 1;
+        self.all += 1;
+    }
+}
+
 /// The strides that many distances of one kind in an island have, ascending.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Strides(Vec<u32>);
 
 impl Strides {
-    /// Those of an island with these distances (first and last place in it). `scratch` is scratch.
-    pub(super) fn of(ends: impl Iterator<Item = (u32, u32)>, scratch: &mut Vec<u32>) -> Self {
-        scratch.clear();
-        scratch.extend(ends.map(|(a, b)| b - a));
-        if scratch.len() < LEAST {
-            return Self::default();
-        }
+    /// Those that so many have.
+    pub(super) fn of(counts: &StrideCounts) -> Self {
         // A thirty-second each: no more than there is room for.
-        let least = LEAST.max(scratch.len() / STRIDES + 1);
-        scratch.sort_unstable();
-        let runs = scratch.chunk_by(|a, b| a == b);
-        Self(runs.filter(|run| run.len() >= least).map(|run| run[0]).collect())
+        let least = LEAST.max(counts.all / STRIDES as u32 + 1);
+        Self((0..).zip(&counts.of).filter(|(_, count)| **count >= least).map(|own| own.0).collect())
     }
 
     /// The number of the stride between two places, and the colour that it gives to a distance between them; `None` if it is no stride of many.

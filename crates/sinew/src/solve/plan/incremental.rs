@@ -14,7 +14,7 @@ mod tests;
 use std::collections::BTreeSet;
 
 use super::changes::{Added, Changes, List, Removed, list_of};
-use super::colours::{GREEDY, OVERFLOW, lowest};
+use super::colours::{GREEDY, OVERFLOW, StrideCounts, lowest};
 use super::keys::{Fields, Key};
 use super::place::{Compiling, may_stride};
 use super::{Given, GroupKind, Plan};
@@ -73,7 +73,12 @@ struct IncrementalUpdate<'a> {
 }
 
 impl IncrementalUpdate<'_> {
-    fn run(&mut self, removed: &[Removed], added: &[Added], scratch: &mut Vec<u32>) -> bool {
+    fn run(
+        &mut self,
+        removed: &[Removed],
+        added: &[Added],
+        scratch: &mut [StrideCounts; 2],
+    ) -> bool {
         for &(list, number) in added {
             let Some(key) = self.uncoloured(list, number) else { return false };
             self.keys.push(key);
@@ -88,7 +93,12 @@ impl IncrementalUpdate<'_> {
     }
 
     /// Gives the constraints of an island the colours that they have to have; false if it is not what it was.
-    fn update_island(&mut self, island: u32, removed: &[Removed], scratch: &mut Vec<u32>) -> bool {
+    fn update_island(
+        &mut self,
+        island: u32,
+        removed: &[Removed],
+        scratch: &mut [StrideCounts; 2],
+    ) -> bool {
         let removed = || removed.iter().filter(|(key, _)| island_of(key) == island);
         let connected = removed().all(|(_, rows)| self.are_connected(island, rows));
         if !connected || !self.is_cut_as_before(island, scratch) {
@@ -119,13 +129,12 @@ impl IncrementalUpdate<'_> {
     }
 
     /// Whether the clusters and the strides of an island are what they were.
-    fn is_cut_as_before(&self, island: u32, scratch: &mut Vec<u32>) -> bool {
+    fn is_cut_as_before(&self, island: u32, scratch: &mut [StrideCounts; 2]) -> bool {
         let keys = self.of_island(island).map(|place| &self.keys[place]);
         let distances = keys.filter(|key| list_of(key) == List::Distances);
         let distances = distances.map(|key| &self.given.distances[key.number as usize]);
         let number = island as usize;
-        let (clusters, strides) =
-            self.compiling.examine(self.plan, number, distances.clone(), scratch);
+        let (clusters, strides) = self.compiling.examine(self.plan, number, distances, scratch);
         clusters == self.compiling.clusters[number] && strides == self.compiling.strides[number]
     }
 

@@ -1,7 +1,7 @@
 //! Placing: each constraint gets the key that says where it goes.
 
 use super::clusters::{Clusters, Place};
-use super::colours::{Colours, Strides};
+use super::colours::{Colours, StrideCounts, Strides};
 use super::keys::{DISTANCES, Fields, Key, RIGID, RODS};
 use super::{Given, GroupKind, Plan};
 use crate::constraints::{Bound, Constraint, ConstraintKind, Distance};
@@ -22,7 +22,7 @@ pub(super) struct Compiling {
     pub(super) colours: Colours,
     /// The strides of each island: of its rods, and of its other distances; and room to find them in.
     pub(super) strides: Vec<[Strides; 2]>,
-    pub(super) scratch: Vec<u32>,
+    pub(super) scratch: [StrideCounts; 2],
     /// The clusters of each island.
     pub(super) clusters: Vec<Clusters>,
     /// No constraint of an island reaches farther, counted in places.
@@ -136,20 +136,22 @@ impl Compiling {
         &self,
         plan: &Plan,
         island: usize,
-        distances: impl Iterator<Item = &'a Distance> + Clone,
-        scratch: &mut Vec<u32>,
+        distances: impl Iterator<Item = &'a Distance>,
+        scratch: &mut [StrideCounts; 2],
     ) -> (Clusters, [Strides; 2]) {
         let members = plan.islands.list[island].members.len();
-        let ends = |d: &Distance| self.ends(&[d.a, d.b]);
-        let clusters = Clusters::of(members, distances.clone().map(ends));
-        let mut of = |kind| {
-            let own = distances.clone().filter(|d| kind_of(d) == kind && may_stride(d));
-            Strides::of(own.map(ends), scratch)
-        };
-        let rods = of(GroupKind::Rods);
-        // What small islands have is solved in lanes of like islands, and not in columns.
-        let others = if members > MOST { of(GroupKind::Distances) } else { Strides::default() };
-        (clusters, [rods, others])
+        scratch.iter_mut().for_each(StrideCounts::clear);
+        let (mut count, mut reach) = (0, 0);
+        for d in distances {
+            let ends = self.ends(&[d.a, d.b]);
+            (count, reach) = (count + 1, reach + u64::from(ends.1 - ends.0));
+            let kind = kind_of(d);
+            // What small islands have that is no rod is solved in lanes of like islands, and not in columns.
+            if may_stride(d) && (kind == GroupKind::Rods || members > MOST) {
+                scratch[kind as usize].add(ends);
+            }
+        }
+        (Clusters::of(members, count, reach), [0, 1].map(|kind| Strides::of(&scratch[kind])))
     }
 
     /// Gives a constraint its key.

@@ -64,8 +64,9 @@ impl Rods {
         };
         let class =
             |d: &Distance| Pattern::of(batch(d).0).map_or(0, |pattern| ends(d).0 % pattern.step());
+        // They come by their first rows, and those of a class stay so.
         let mut sorted = distances.to_vec();
-        sorted.sort_by_key(|d| (batch(d), class(d), ends(d).0));
+        sorted.sort_by_key(|d| (batch(d), class(d)));
         for own in sorted.chunk_by(|one, other| batch(one) == batch(other)) {
             match (Pattern::of(batch(&own[0]).0), compliance(&own[0])) {
                 (Some(pattern), Some(compliance)) => {

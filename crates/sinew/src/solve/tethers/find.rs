@@ -1,8 +1,9 @@
 //! Which tethers and spans the islands of a plan have: found from their rods and their pins, when those have changed.
 
-use super::geodesic::{DistanceField, Web};
+use super::geodesic::Web;
+use super::pin_fields::PinFields;
 use super::spans::Spans;
-use super::{IslandTethers, TetherBlock, TetherPaths, taut};
+use super::{IslandTethers, TetherBlock, TetherPaths};
 use crate::constraints::{Bound, Distance, Softness};
 use crate::hash::fnv;
 use crate::islands::Island;
@@ -58,14 +59,24 @@ impl Plan {
             let known = before.iter().position(|other| other.key == key);
             // Many islands in a row may be alike.
             let twin = tethers.islands.last().filter(|last| last.key == key);
-            let each = match (known, twin) {
-                (Some(at), _) => before.swap_remove(at).each,
-                (None, Some(twin)) => twin.each.clone(),
-                (None, None) => self.lengths(island, &pins),
+            let (fields, each) = match (known, twin) {
+                (Some(at), _) => {
+                    let known = before.swap_remove(at);
+                    (known.fields, known.each)
+                }
+                (None, Some(twin)) => (None, twin.each.clone()),
+                (None, None) if pins.is_empty() => Default::default(),
+                (None, None) => {
+                    let mut same = before.iter_mut().filter(|other| other.pins == pins);
+                    let known = same.find_map(|other| other.fields.take());
+                    let fields = self.fields(island, &pins, known);
+                    let each = fields.lengths();
+                    (Some(fields), each)
+                }
             };
             let blocks = blocks(members, &each);
             let are_there = [0, 1].map(|which| each.iter().any(|own| own[which].1.is_finite()));
-            let made = IslandTethers { key, pins, each, are_there, blocks, ways: None };
+            let made = IslandTethers { key, pins, fields, each, are_there, blocks, ways: None };
             if place == tethers.islands.len() {
                 tethers.islands.push(made);
             } else {
@@ -92,7 +103,7 @@ impl Plan {
 
     /// The ways of the tethers of an island along its rods.
     fn ways(&self, island: &Island, pins: &[u32]) -> TetherPaths {
-        let fields = self.fields(island, pins);
+        let (fields, web) = (self.fields(island, pins, None), self.web(island));
         // Numbers of hard distances, as `hard` lists them.
         let groups = self.groups[island.groups.clone()].iter();
         let numbers: Vec<u32> = groups
@@ -101,8 +112,8 @@ impl Plan {
             .filter(|&number| is_hard(&self.distances[number]))
             .map(|number| number as u32)
             .collect();
-        let inwards = [&fields.nearest, &fields.from[0], &fields.from[1]].map(|field| {
-            let all = field.inwards().into_iter();
+        let inwards = [&fields.nearest, fields.from(0), fields.from(1)].map(|field| {
+            let all = field.inwards(&web).into_iter();
             all.map(|(member, before, rod)| (member, before, numbers[rod as usize])).collect()
         });
         TetherPaths { far: fields.far, inwards }
@@ -125,71 +136,31 @@ impl Plan {
         fnv([island.members.len() as u32].into_iter().chain(rods).chain(pins))
     }
 
-    /// How far the members of an island are from its pins, of which there is one at least.
-    fn fields(&self, island: &Island, pins: &[u32]) -> PinFields {
+    /// The hard distances of an island, as rods between its members.
+    fn web(&self, island: &Island) -> Web {
         let members = &self.islands.members[island.members.clone()];
-        let place = |row: u32| members.partition_point(|&member| member < row) as u32;
+        let place = places(members);
         let (_, distances) = self.hard(island);
         let rods: Vec<_> = distances.map(|d| (place(d.a), place(d.b), d.rest)).collect();
-        let web = Web::new(members.len(), &rods);
-        let sources: Vec<u32> = pins.iter().map(|&pin| place(pin)).collect();
-        let nearest = web.field(&sources);
-        // Two pins far from each other: the farthest from any, and the farthest from that.
-        let farthest = |from: &DistanceField| {
-            let reached = (0..sources.len()).filter(|&pin| from.length(sources[pin]).is_finite());
-            reached.fold(0, |far, pin| {
-                if from.length(sources[pin]) > from.length(sources[far]) { pin } else { far }
-            })
-        };
-        let from_first = web.field(&sources[..1]);
-        let one = farthest(&from_first);
-        let from_one = web.field(&sources[one..=one]);
-        let other = farthest(&from_one);
-        // Of two pins that is the first one again.
-        let from_other = if other == 0 { from_first } else { web.field(&sources[other..=other]) };
-        let far = [one as u32, other as u32];
-        PinFields { sources, nearest, far, from: [from_one, from_other] }
+        Web::new(members.len(), &rods)
     }
 
-    /// Of each member of an island, to which of the pins it is tethered, and how long that is.
-    fn lengths(&self, island: &Island, pins: &[u32]) -> Vec<[(u32, f32); 2]> {
-        const NONE: (u32, f32) = (0, f32::INFINITY);
-        if pins.is_empty() {
-            return Vec::new();
-        }
-        let PinFields { sources, nearest, far: [one, other], from: [from_one, from_other] } =
-            self.fields(island, pins);
-        let mut each: Vec<_> = (0..island.members.len() as u32)
-            .map(|member| {
-                let near = (nearest.source(member), nearest.length(member));
-                let ends = [(one, &from_one), (other, &from_other)];
-                let ends = ends.map(|(pin, field)| (pin, field.length(member)));
-                let far = ends.into_iter().filter(|end| end.0 != near.0 && end.1.is_finite());
-                let far = far.reduce(|a, b| if b.1 > a.1 { b } else { a });
-                [near, far.unwrap_or((near.0, f64::INFINITY))]
-            })
-            .map(|tethers| tethers.map(|(pin, length)| (pin, taut(length))))
-            .collect();
-        for &source in &sources {
-            each[source as usize] = [NONE; 2];
-        }
-        // What nothing hard leads to.
-        for tethers in &mut each {
-            *tethers = tethers.map(|own| if own.1.is_finite() { own } else { NONE });
-        }
-        each
+    /// How far the members of an island are from its pins, of which there is one at least; out of what was `known`.
+    fn fields(&self, island: &Island, pins: &[u32], known: Option<PinFields>) -> PinFields {
+        let place = places(&self.islands.members[island.members.clone()]);
+        let sources = pins.iter().map(|&pin| place(pin)).collect();
+        PinFields::of(&self.web(island), sources, known)
     }
 }
 
-/// How far members are from the pins of their island.
-struct PinFields {
-    /// The pins among the members.
-    sources: Vec<u32>,
-    /// From the nearest of them.
-    nearest: DistanceField,
-    /// Which two are far from each other, and how far members are from either.
-    far: [u32; 2],
-    from: [DistanceField; 2],
+/// Where rows are among members, which ascend.
+fn places(members: &[u32]) -> impl Fn(u32) -> u32 {
+    let (first, last) = (members[0], members[members.len() - 1]);
+    let in_a_row = (last - first) as usize + 1 == members.len();
+    move |row| match in_a_row {
+        true => row - first,
+        false => members.partition_point(|&member| member < row) as u32,
+    }
 }
 
 /// Whether a distance is one that tethers may rely on.

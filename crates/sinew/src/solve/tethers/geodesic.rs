@@ -15,44 +15,94 @@
 //! how far it is in the plane; the rest of the way is within a triangle whose sides are rods. So no tether asks for more than the rods it stands for.
 //!
 //! The order is Dijkstra's; ways over triangles as in Novotni and Klein, *Computing Geodesic Distances on Triangular Meshes*, 2002.
+//!
+//! # Tears
+//!
+//! What is right does not depend on the order in which it is found: each particle has the least of what the ways to its neighbours offer it, and a way leads on
+//! only from what is nearer to the source. So when some rods have changed, a field may be [updated](Web::update) where it depended on those (dynamic shortest
+//! paths; Ramalingam and Reps, *An Incremental Algorithm for a Generalization of the Shortest-Path Problem*, 1996), and has the bits of one made from nothing.
+//! Behind a tear those are its shadow, as seen from the source.
 
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
+
+/// No particle, and no rod.
+const NONE: u32 = u32::MAX;
 
 /// Particles and the rods between them.
 pub(super) struct Web {
     /// Where the rods of each particle begin, and in the end their number.
     first: Vec<u32>,
-    /// The other end of each, its number, and its length, metres.
+    /// The other end of each, its number, and its length, metres. Of several between the same two particles each is the shortest.
     rods: Vec<(u32, u32, f64)>,
 }
 
 /// How far each particle is from the nearest of some sources.
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct DistanceField {
-    length: Vec<f64>,
-    source: Vec<u32>,
-    /// The particle before each on its way along rods, and the number of the rod between the two.
-    toward: Vec<(u32, u32)>,
-    /// All that were reached, each after the one before it on its way: those in one place are equally far.
-    order: Vec<u32>,
+    ways: Vec<Way>,
+}
+
+/// The shortest way of a particle. Of several that are equally long, the first in the order of these fields.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+struct Way {
+    /// Metres; infinite where no rods lead.
+    length: f64,
+    /// More than those of what it leads over, so that of two that are equally far one is nearer.
+    steps: u32,
+    /// To which of the sources.
+    source: u32,
+    /// Over which particles it leads: one end of the side that it crosses, the farther one, and the other, if there is one. A source has neither.
+    over: [u32; 2],
+}
+
+impl Way {
+    const UNKNOWN: Self = Self { length: f64::INFINITY, steps: NONE, source: 0, over: [NONE; 2] };
+
+    fn is_known(&self) -> bool {
+        self.length < f64::INFINITY
+    }
+
+    fn is_of_a_source(&self) -> bool {
+        self.is_known() && self.over[0] == NONE
+    }
+
+    /// Whether it leads over a particle.
+    fn leads_over(&self, particle: u32) -> bool {
+        self.over.contains(&particle)
+    }
+
+    /// What particles are ordered by, the nearest first: length, steps and number. The bits of lengths, which are not negative, order as they do.
+    fn order(&self, particle: u32) -> (u64, u32, u32) {
+        (self.length.to_bits(), self.steps, particle)
+    }
 }
 
 impl DistanceField {
     /// The particles that rods lead to, less the sources, the farthest first, with the one before each on its way and the number of the rod between.
-    pub(super) fn inwards(&self) -> Vec<(u32, u32, u32)> {
-        let each = self.order.iter().rev().map(|&i| (i, self.toward[i as usize]));
-        let reached = each.filter(|(_, (_, rod))| *rod != u32::MAX);
-        reached.map(|(i, (before, rod))| (i, before, rod)).collect()
+    pub(super) fn inwards(&self, web: &Web) -> Vec<(u32, u32, u32)> {
+        let known = |i: &u32| {
+            let way = self.ways[*i as usize];
+            way.is_known() && !way.is_of_a_source()
+        };
+        let mut reached: Vec<u32> = (0..self.ways.len() as u32).filter(known).collect();
+        reached.sort_unstable_by_key(|&i| Reverse(self.ways[i as usize].order(i)));
+        let each = reached.into_iter().filter_map(|i| {
+            let before = self.ways[i as usize].over[0];
+            let rod = web.rods_of(i).iter().find(|rod| rod.0 == before)?;
+            Some((i, before, rod.1))
+        });
+        each.collect()
     }
 
     /// Metres; infinite where no rods lead.
     pub(super) fn length(&self, particle: u32) -> f64 {
-        self.length[particle as usize]
+        self.ways[particle as usize].length
     }
 
     /// Which of the sources it is.
     pub(super) fn source(&self, particle: u32) -> u32 {
-        self.source[particle as usize]
+        self.ways[particle as usize].source
     }
 }
 
@@ -75,7 +125,30 @@ impl Web {
                 *place += 1;
             }
         }
-        Self { first, rods: all }
+        let mut web = Self { first, rods: all };
+        web.have_the_shortest_count();
+        web
+    }
+
+    /// Gives all rods between the same two particles the length and the number of the shortest.
+    fn have_the_shortest_count(&mut self) {
+        let Self { first, rods } = self;
+        let mut beside = vec![NONE; first.len()];
+        for (particle, ends) in (0..).zip(first.windows(2)) {
+            let own = &mut rods[ends[0] as usize..ends[1] as usize];
+            let several = own.iter().fold(false, |several, rod| {
+                several | (core::mem::replace(&mut beside[rod.0 as usize], particle) == particle)
+            });
+            if !several {
+                continue;
+            }
+            for place in 0..own.len() {
+                let (to, ..) = own[place];
+                let between = own.iter().filter(|rod| rod.0 == to);
+                let shortest = between.copied().reduce(|a, b| if b.2 < a.2 { b } else { a });
+                own[place] = shortest.unwrap_or(own[place]);
+            }
+        }
     }
 
     fn rods_of(&self, particle: u32) -> &[(u32, u32, f64)] {
@@ -83,48 +156,246 @@ impl Web {
         &self.rods[self.first[at] as usize..self.first[at + 1] as usize]
     }
 
+    /// Of each particle a hash of its rods, whatever order they are in: two webs differ at the particles whose hashes do.
+    pub(super) fn hashes(&self) -> Vec<u64> {
+        let hash = |&(to, _, length): &(u32, u32, f64)| {
+            let word = (length.to_bits() ^ u64::from(to)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            (word ^ word >> 32).wrapping_mul(0xD6E8_FEB8_6659_FD93)
+        };
+        let rods = self.first.windows(2).map(|ends| &self.rods[ends[0] as usize..ends[1] as usize]);
+        rods.map(|own| own.iter().map(hash).fold(own.len() as u64, u64::wrapping_add)).collect()
+    }
+
     /// How far each particle is from the nearest of some.
     pub(super) fn field(&self, sources: &[u32]) -> DistanceField {
-        let particles = self.first.len() - 1;
-        let (mut length, mut source) = (vec![f64::INFINITY; particles], vec![0; particles]);
-        let mut toward = vec![(0, u32::MAX); particles];
-        let (mut done, mut order) = (vec![false; particles], Vec::with_capacity(particles));
-        // Beside which particle each was seen last, and how long the rod between the two is.
-        let mut beside = vec![(u32::MAX, 0.0_f64); particles];
-        let mut open = BinaryHeap::new();
-        for (number, &particle) in (0..).zip(sources) {
-            (length[particle as usize], source[particle as usize]) = (0.0, number);
-            // The bits of numbers that are not negative order as they do.
-            open.push(Reverse((0_u64, particle)));
+        let mut field = DistanceField { ways: vec![Way::UNKNOWN; self.first.len() - 1] };
+        let mut search = Search::of(self, &mut field);
+        for (source, &particle) in (0..).zip(sources) {
+            search.offer(particle, Way { length: 0.0, steps: 0, source, over: [NONE; 2] });
         }
-        while let Some(Reverse((_, near))) = open.pop() {
-            if core::mem::replace(&mut done[near as usize], true) {
+        search.run();
+        field
+    }
+
+    /// Brings a field up to date that was right when these particles, and no others, had other rods: to the bits of a [new one](Self::field).
+    pub(super) fn update(&self, field: &mut DistanceField, changed: &[u32]) {
+        // A side of a triangle may be between two of them, or have been.
+        let mut beside: Vec<u32> =
+            changed.iter().flat_map(|&one| self.rods_of(one)).map(|rod| rod.0).collect();
+        beside.sort_unstable();
+        let corners = beside.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]);
+        let mut asked: Vec<u32> = changed.iter().copied().chain(corners).collect();
+        // The nearest first: what their ways lead over is right, or lost.
+        asked.sort_unstable_by_key(|&one| field.ways[one as usize].order(one));
+        asked.dedup();
+        let mut search = Search::of(self, field);
+        for particle in asked {
+            search.ask_again(particle);
+        }
+        search.recover();
+        search.run();
+    }
+}
+
+/// Looks for the shortest ways.
+///
+/// Those that are final, as far as is known, lead others on. The others are open: the nearest of them is final, as nothing can offer it a shorter one any more.
+struct Search<'a> {
+    web: &'a Web,
+    ways: &'a mut [Way],
+    states: Vec<State>,
+    /// The open ones, the nearest first; and some that are not what they were.
+    open: BinaryHeap<Reverse<(u64, u32, u32)>>,
+    /// Those that have lost their ways: their neighbours are to be asked again.
+    lost: Vec<u32>,
+    /// Beside which particle each was seen last, and how long the rod between the two is.
+    beside: Vec<(u32, f64)>,
+}
+
+/// Where the search for a particle's way is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum State {
+    Final,
+    Open,
+    Lost,
+}
+
+impl<'a> Search<'a> {
+    fn of(web: &'a Web, field: &'a mut DistanceField) -> Self {
+        let particles = field.ways.len();
+        Self {
+            web,
+            ways: &mut field.ways,
+            states: vec![State::Final; particles],
+            open: BinaryHeap::new(),
+            lost: Vec::new(),
+            beside: vec![(NONE, 0.0); particles],
+        }
+    }
+
+    /// Until all are final.
+    fn run(&mut self) {
+        while let Some(Reverse(order)) = self.open.pop() {
+            let near = order.2;
+            let (way, state) = (self.ways[near as usize], &mut self.states[near as usize]);
+            if *state == State::Open && way.order(near) == order {
+                *state = State::Final;
+                self.lead_on(near);
+                self.lose_followers();
+                self.recover();
+            }
+        }
+    }
+
+    /// Offers the neighbours of one that has become final the ways over it, and over it and another final one.
+    fn lead_on(&mut self, near: u32) {
+        let (web, own) = (self.web, self.ways[near as usize]);
+        self.see_from(near);
+        for &(corner, _, p) in web.rods_of(near) {
+            let known = self.ways[corner as usize].order(corner);
+            if self.is_final(corner) && known < own.order(near) {
                 continue;
             }
-            order.push(near);
-            let (a, own) = (length[near as usize], source[near as usize]);
-            for &(other, _, c) in self.rods_of(near) {
-                beside[other as usize] = (near, c);
+            let mut best = along(&own, near, p);
+            for &(other, _, q) in web.rods_of(corner) {
+                let (seen, c) = self.beside[other as usize];
+                if seen == near && self.is_final(other) {
+                    let ends = [own, self.ways[other as usize]];
+                    best = first_of(best, across_side(ends, [near, other], c, [p, q]));
+                }
             }
-            for &(corner, number, p) in self.rods_of(near) {
-                let at = corner as usize;
-                if done[at] {
-                    continue;
-                }
-                let mut best = a + p;
-                for &(other, _, q) in self.rods_of(corner) {
-                    let (i, (seen, c)) = (other as usize, beside[other as usize]);
-                    if seen == near && done[i] && source[i] == own {
-                        best = best.min(across([a, length[i]], c, [p, q]));
-                    }
-                }
-                if best < length[at] {
-                    (length[at], source[at], toward[at]) = (best, own, (near, number));
-                    open.push(Reverse((best.to_bits(), corner)));
+            self.offer(corner, best);
+        }
+    }
+
+    /// Gives a particle a way, if it is better than its own. Those whose ways lead over it then have to look for others.
+    fn offer(&mut self, particle: u32, way: Way) {
+        let at = particle as usize;
+        if way >= self.ways[at] {
+            return;
+        }
+        let was_final = self.is_final(particle);
+        (self.ways[at], self.states[at]) = (way, State::Open);
+        self.open.push(Reverse(way.order(particle)));
+        if was_final {
+            self.lose_those_over(particle);
+        }
+    }
+
+    /// Takes the way of a particle, and those over it, if its final neighbours do not offer it that one as the best.
+    fn ask_again(&mut self, particle: u32) {
+        let way = self.ways[particle as usize];
+        if self.states[particle as usize] == State::Final
+            && !way.is_of_a_source()
+            && self.best(particle) != way
+        {
+            self.lose(particle);
+            self.lose_followers();
+        }
+    }
+
+    /// Takes the way of a particle that is no source.
+    fn lose(&mut self, particle: u32) {
+        let at = particle as usize;
+        if !self.ways[at].is_of_a_source() && self.states[at] != State::Lost {
+            (self.ways[at], self.states[at]) = (Way::UNKNOWN, State::Lost);
+            self.lost.push(particle);
+        }
+    }
+
+    fn lose_those_over(&mut self, particle: u32) {
+        let web = self.web;
+        for &(corner, ..) in web.rods_of(particle) {
+            if self.ways[corner as usize].leads_over(particle) {
+                self.lose(corner);
+            }
+        }
+    }
+
+    /// Takes the ways over those that have lost theirs, and so on.
+    fn lose_followers(&mut self) {
+        let mut next = 0;
+        while let Some(&particle) = self.lost.get(next) {
+            self.lose_those_over(particle);
+            next += 1;
+        }
+    }
+
+    /// Gives those that have lost their ways the best that their final neighbours offer.
+    fn recover(&mut self) {
+        while let Some(particle) = self.lost.pop() {
+            let best = self.best(particle);
+            if self.states[particle as usize] == State::Lost {
+                self.states[particle as usize] = State::Final;
+            }
+            self.offer(particle, best);
+        }
+    }
+
+    /// The best way that the final neighbours of a particle offer it.
+    fn best(&mut self, particle: u32) -> Way {
+        self.see_from(particle);
+        let web = self.web;
+        let mut best = Way::UNKNOWN;
+        for &(near, _, p) in web.rods_of(particle).iter().filter(|rod| self.is_final(rod.0)) {
+            let own = self.ways[near as usize];
+            best = first_of(best, along(&own, near, p));
+            for &(other, _, c) in web.rods_of(near) {
+                let (seen, q) = self.beside[other as usize];
+                if seen == particle && other > near && self.is_final(other) {
+                    let ends = [own, self.ways[other as usize]];
+                    best = first_of(best, across_side(ends, [near, other], c, [p, q]));
                 }
             }
         }
-        DistanceField { length, source, toward, order }
+        best
+    }
+
+    /// Whether a particle has a way that is final as far as is known.
+    fn is_final(&self, particle: u32) -> bool {
+        self.states[particle as usize] == State::Final && self.ways[particle as usize].is_known()
+    }
+
+    /// Notes the neighbours of a particle.
+    fn see_from(&mut self, particle: u32) {
+        for &(other, _, length) in self.web.rods_of(particle) {
+            self.beside[other as usize] = (particle, length);
+        }
+    }
+}
+
+fn first_of(one: Way, other: Way) -> Way {
+    if other < one { other } else { one }
+}
+
+/// On from a particle along a rod of length `p`.
+fn along(own: &Way, near: u32, p: f64) -> Way {
+    Way {
+        length: own.length + p,
+        steps: own.steps.saturating_add(1),
+        source: own.source,
+        over: [near, NONE],
+    }
+}
+
+/// On across the side of length `c` between two particles, from which it is `p` and `q` to the corner. Unknown if their ways are to two sources, or it were nearer
+/// than they are: then it has a way over others.
+fn across_side(ends: [Way; 2], numbers: [u32; 2], c: f64, rods: [f64; 2]) -> Way {
+    let second = ends[0].order(numbers[0]) < ends[1].order(numbers[1]);
+    let [far, near] = if second { [1, 0] } else { [0, 1] };
+    let (own, other) = (ends[far], ends[near]);
+    if own.source != other.source {
+        return Way::UNKNOWN;
+    }
+    let length = across([own.length, other.length], c, [rods[far], rods[near]]);
+    if length < own.length || length == f64::INFINITY {
+        return Way::UNKNOWN;
+    }
+    Way {
+        length,
+        steps: own.steps.max(other.steps).saturating_add(1),
+        source: own.source,
+        over: [numbers[far], numbers[near]],
     }
 }
 
@@ -138,10 +409,10 @@ fn across([a, b]: [f64; 2], c: f64, [p, q]: [f64; 2]) -> f64 {
         return f64::INFINITY;
     }
     let (below, above) = (below.sqrt(), above.sqrt());
-    let crossing = s + (t - s) * below / (below + above);
-    if !(0.0..=c).contains(&crossing) {
+    let (x, y) = (t - s, below + above);
+    // Where it crosses the side, times `y`.
+    if !(0.0..=c * y).contains(&(s * above + t * below)) {
         return f64::INFINITY;
     }
-    let (x, y) = (t - s, below + above);
     (x * x + y * y).sqrt()
 }

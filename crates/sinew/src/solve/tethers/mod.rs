@@ -19,6 +19,7 @@
 
 mod find;
 mod geodesic;
+mod pin_fields;
 mod project;
 mod spans;
 #[cfg(test)]
@@ -31,6 +32,7 @@ use glam::Vec4;
 use crate::islands::Island;
 use crate::lanes::LANES;
 use crate::particles::Places;
+use pin_fields::PinFields;
 pub(super) use project::hold;
 use spans::Spans;
 
@@ -53,6 +55,8 @@ pub(crate) struct IslandTethers {
     key: u64,
     /// The rows of its pinned particles, ascending.
     pins: Vec<u32>,
+    /// How far its members are from those. None of what was found to be like another island.
+    fields: Option<PinFields>,
     /// Of each member, to which of the pins, and how long, metres; infinite without.
     each: Vec<[(u32, f32); 2]>,
     /// Whether any member has a first one, and whether any has a second one.

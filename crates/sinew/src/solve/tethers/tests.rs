@@ -2,6 +2,7 @@
 
 use glam::{Quat, Vec3};
 
+use super::geodesic::Web;
 use super::*;
 use crate::lanes::Columns;
 use crate::recipes::{Blueprint, ClothSpec, cloth_grid};
@@ -90,6 +91,58 @@ fn a_slit_is_gone_around_and_what_is_cut_off_is_free_in_the_same_step() {
     world.begin_step(1.0 / 60.0).unwrap();
     let plan = world.plan();
     assert!(plan.islands.list.iter().all(|island| plan.tethers.of(island).is_none()));
+}
+
+/// Rods of a cloth of so many particles to a side, with both diagonals, some of them twice.
+fn rods_of_cloth(side: u32) -> Vec<(u32, u32, f32)> {
+    let mut rods = Vec::new();
+    for a in 0..side * side {
+        let (row, column) = (a / side, a % side);
+        for (down, right) in [(0, 1_i32), (1, -1), (1, 0), (1, 1)] {
+            let (row, column) = (row + down, column.wrapping_add_signed(right));
+            if row < side && column < side {
+                let uneven = 1.0 + 0.02 * (a % 7) as f32;
+                let rest = uneven * ((down + right.unsigned_abs()) as f32).sqrt();
+                rods.extend([(a, row * side + column, rest)]);
+                rods.extend((a % 11 == 0).then_some((row * side + column, a, 0.9 * rest)));
+            }
+        }
+    }
+    rods
+}
+
+/// After each of many changes (rods torn, put back, made longer, of no length) what is kept of how far particles are from pins is what is reckoned anew.
+#[test]
+fn what_a_tear_leaves_of_distances_is_what_a_new_reckoning_gives() {
+    let side = 24;
+    let whole = rods_of_cloth(side);
+    let last = side * side - 1;
+    for pins in [&[0][..], &[0, side - 1], &[side / 2 * side, 3], &[0, 5, last - side, last]] {
+        let (mut rods, mut gone) = (whole.clone(), Vec::new());
+        let mut known = PinFields::of(&Web::new(last as usize + 1, &rods), pins.to_vec(), None);
+        let (mut seed, mut moved) = (7_u32, 0);
+        let mut any = |below: usize| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 8) as usize % below
+        };
+        for round in 0..150 {
+            for _ in 0..=any(3) {
+                let at = any(rods.len());
+                match round % 8 {
+                    6 => rods.extend(gone.pop()),
+                    7 => rods[at].2 *= [0.0, 0.5, 1.5][any(3)],
+                    _ => gone.push(rods.swap_remove(at)),
+                }
+            }
+            let web = Web::new(last as usize + 1, &rods);
+            let anew = PinFields::of(&web, pins.to_vec(), None);
+            let before = known.lengths();
+            known = PinFields::of(&web, pins.to_vec(), Some(known));
+            assert!(known == anew, "round {round}, pins {pins:?}");
+            moved += usize::from(known.lengths() != before);
+        }
+        assert!(moved > 100, "{moved}");
+    }
 }
 
 /// By how much a rope of a hundred pieces is longer, with a weight of twice its own at its end, two seconds after it was hung up straight.

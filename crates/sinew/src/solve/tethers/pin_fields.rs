@@ -1,0 +1,105 @@
+//! How far the particles of an island are from its pins: from the nearest, and from two that are far from each other. Kept from one plan to the next, so that a tear
+//! has only those looked at again whose ways it cut.
+
+use super::geodesic::{DistanceField, Web};
+use super::taut;
+
+/// Where more than one in so many particles has other rods, it is as quick to begin anew.
+const FEW: usize = 16;
+
+/// No tether.
+const NONE: (u32, f32) = (0, f32::INFINITY);
+
+/// How far members are from the pins of their island.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct PinFields {
+    /// The pins among the members.
+    sources: Vec<u32>,
+    /// Of each member a [hash](Web::hashes) of its rods.
+    hashes: Vec<u64>,
+    pub(super) nearest: DistanceField,
+    /// From single pins: the first one, and two that are far from each other.
+    from: Vec<(u32, DistanceField)>,
+    /// Which of the pins those two are.
+    pub(super) far: [u32; 2],
+}
+
+impl PinFields {
+    /// Of an island with these rods, and with pins, of which there is one at least; out of what was `known` of an island, to the same bits.
+    pub(super) fn of(web: &Web, sources: Vec<u32>, known: Option<Self>) -> Self {
+        let hashes = web.hashes();
+        let same = |known: &Self| known.sources == sources && known.hashes.len() == hashes.len();
+        let known = known.filter(same).and_then(|known| {
+            let both = hashes.iter().zip(&known.hashes).zip(0..);
+            let changed = both.filter(|((new, old), _)| new != old).map(|(_, member)| member);
+            let changed: Vec<u32> = changed.collect();
+            (changed.len() * FEW <= hashes.len()).then_some((known, changed))
+        });
+        let (changed, nearest, mut old) = match known {
+            Some((known, changed)) => (changed, Some(known.nearest), known.from),
+            None => Default::default(),
+        };
+        let field = |known: Option<DistanceField>, sources: &[u32]| match known {
+            Some(mut known) => {
+                web.update(&mut known, &changed);
+                known
+            }
+            None => web.field(sources),
+        };
+        let mut from = Vec::<(u32, DistanceField)>::new();
+        let mut farthest = |pin: u32| {
+            let own = match from.iter().position(|(of, _)| *of == pin) {
+                Some(there) => there,
+                None => {
+                    let known = old.iter().position(|(of, _)| *of == pin);
+                    let known = known.map(|known| old.swap_remove(known).1);
+                    let at = pin as usize;
+                    from.push((pin, field(known, &sources[at..=at])));
+                    from.len() - 1
+                }
+            };
+            let (_, own) = &from[own];
+            let each = (0..).zip(&sources).map(|(pin, &source)| (pin, own.length(source)));
+            let reached = each.filter(|(_, length)| length.is_finite());
+            reached.fold((0, 0.0), |far, own| if own.1 > far.1 { own } else { far }).0
+        };
+        // The farthest from any, and the farthest from that.
+        let one = farthest(0);
+        let far = [one, farthest(one)];
+        farthest(far[1]);
+        let nearest = match &from[..] {
+            [(_, only)] if sources.len() == 1 => only.clone(),
+            _ => field(nearest, &sources),
+        };
+        Self { sources, hashes, nearest, from, far }
+    }
+
+    /// From one of the two that are far from each other.
+    pub(super) fn from(&self, which: usize) -> &DistanceField {
+        let pin = self.far[which];
+        self.from.iter().find(|(of, _)| *of == pin).map_or(&self.nearest, |(_, own)| own)
+    }
+
+    /// Of each member to which of the pins it is tethered, and how long that is, metres; infinite without.
+    pub(super) fn lengths(&self) -> Vec<[(u32, f32); 2]> {
+        let ends = [0, 1].map(|which| (self.far[which], self.from(which)));
+        let mut each: Vec<_> = (0..self.hashes.len() as u32)
+            .map(|member| {
+                let near = (self.nearest.source(member), self.nearest.length(member));
+                let ends = ends.map(|(pin, field)| (pin, field.length(member)));
+                let far = ends.into_iter().filter(|end| end.0 != near.0 && end.1.is_finite());
+                let far = far.reduce(|a, b| if b.1 > a.1 { b } else { a });
+                [near, far.unwrap_or((near.0, f64::INFINITY))]
+            })
+            .map(|tethers| tethers.map(|(pin, length)| (pin, taut(length))))
+            .collect();
+        for &source in &self.sources {
+            each[source as usize] = [NONE; 2];
+        }
+        // What nothing hard leads to.
+        for tethers in &mut each {
+            *tethers = tethers.map(|own| if own.1.is_finite() { own } else { NONE });
+        }
+        each
+    }
+}
