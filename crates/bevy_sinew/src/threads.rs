@@ -1,6 +1,6 @@
 //! Threads for the solver: Bevy's own pool, or whatever a game lends.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, available_parallelism};
@@ -18,7 +18,7 @@ pub struct SinewWorkers(pub Option<Arc<dyn Workers>>);
 
 impl Default for SinewWorkers {
     fn default() -> Self {
-        let several = available_parallelism() > 1;
+        let several = processors() > 1;
         Self(several.then(|| Arc::new(ComputePool) as Arc<dyn Workers>))
     }
 }
@@ -39,8 +39,14 @@ impl Workers for ComputePool {
 
     fn threads(&self) -> usize {
         let there = ComputeTaskPool::try_get().map_or(0, |pool| pool.thread_num());
-        (there + 1).min(available_parallelism())
+        (there + 1).min(processors())
     }
+}
+
+/// How many threads the machine runs side by side. To ask that reads files of the system, which takes tens of microseconds: once is enough.
+fn processors() -> usize {
+    static PROCESSORS: OnceLock<usize> = OnceLock::new();
+    *PROCESSORS.get_or_init(available_parallelism)
 }
 
 /// Lends the solver its helpers, or takes them back.

@@ -2,7 +2,7 @@
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
-use sinew::pose::{Motion, Pose, motion, pose};
+use sinew::pose::{Pose, pose};
 
 use crate::components::{
     AngularVelocity, BodyParticles, BodyReport, ExtractedTransform, ExtractedVelocity, Inertia,
@@ -207,15 +207,8 @@ pub(crate) fn extract_motion(
             .filter(|part| part.current(&tables.layout) == rows)
             .and_then(|part| world.rigid_motion(part.collider?));
         let found = at_hand.or_else(|| {
-            let &first = rows.iter().find(|&&row| sound(row))?;
-            let near = simulation.particles.position(first as usize);
-            let points = rows.iter().filter(|&&row| sound(row)).map(|&row| {
-                let i = row as usize;
-                let position = simulation.particles.relative_to(i, near);
-                (position, simulation.velocity_now(i), tables.mass[i])
-            });
-            let found = motion(points)?;
-            Some(Motion { barycentre: near + found.barycentre, ..found })
+            let there = rows.iter().filter(|&&row| sound(row));
+            simulation.motion(there.map(|&row| (row, tables.mass[row as usize])))
         });
         if let Some(found) = found {
             if moves {

@@ -14,8 +14,10 @@
 //! velocity tells the spin about such an axis, and the pseudo-inverse, `ω = Σ e (e·L)/λ` over the eigenpairs with `λ > 0`,
 //! sets it to zero. The sums are those of [`pose`](super::pose): `f64`, one pass, relative to the first particle.
 
-use super::{counts, outer, symmetric};
 use glam::{DMat3, DVec3, Mat3, Vec3};
+
+use super::{Moments, counts, symmetric};
+use crate::lanes::{InstructionSet, LANES, LaneArray, Lanes, Vector, kernel};
 
 /// Eigenvalues of the inertia below this share of the greatest one count as zero: thinner than 1 in 30 000.
 const LINE: f64 = 1e-9;
@@ -38,8 +40,8 @@ pub struct Motion {
 
 /// The motion of a compound, from the position (m), the velocity (m/s) and the mass (kg) of each of its particles.
 ///
-/// `points` is read once, twice if no mass counts, always in its own order; nothing is allocated. Position and velocity
-/// must be of the same instant.
+/// `points` is read once, twice if no mass counts, always in its own order, and summed up eight by eight; nothing is allocated. Position and velocity
+/// must be of the same instant. Of particles of a simulation [`Simulation::motion`](crate::Simulation::motion) says it sooner.
 ///
 /// A particle whose mass is zero, negative, infinite or NaN does not count: give a pinned one the mass that it would have if
 /// it were let go. If no mass counts, all particles count equally for the barycentre and the velocities, and `mass` and
@@ -49,74 +51,128 @@ pub struct Motion {
 /// result outside `f32`): keep what was last read, and report the compound.
 pub fn motion(points: impl Iterator<Item = (Vec3, Vec3, f32)> + Clone) -> Option<Motion> {
     let weighted = points.clone().filter(|&(_, _, mass)| counts(mass));
-    let found =
-        if let Some(sums) = MassMoments::of(weighted.map(|(p, v, mass)| (p, v, f64::from(mass)))) {
-            sums.motion()
-        } else {
-            Motion {
-                mass: 0.0,
-                inertia: Mat3::ZERO,
-                ..MassMoments::of(points.map(|(p, v, _)| (p, v, 1.0)))?.motion()
-            }
-        };
-    let finite = found.mass.is_finite()
-        && found.barycentre.is_finite()
-        && found.velocity.is_finite()
-        && found.angular_velocity.is_finite()
-        && found.inertia.is_finite();
-    finite.then_some(found)
+    match MassMoments::of(weighted) {
+        Some(sums) => sums.motion(),
+        None => MassMoments::of(points.map(|(p, v, _)| (p, v, 1.0)))?.motion_without_mass(),
+    }
 }
 
 /// Means, and moments about the barycentre.
-struct MassMoments {
+pub(crate) struct MassMoments {
     mass: f64,
     barycentre: DVec3,
     velocity: DVec3,
-    /// `Σ m r rᵀ`.
-    moments: DMat3,
+    /// `Σ m r rᵀ`: its diagonal, and what is beside it, `xy`, `yz` and `zx`.
+    squares: DVec3,
+    products: DVec3,
     /// `Σ m r × u`.
     angular_momentum: DVec3,
 }
 
+/// Eight points as lanes have them. Where there are fewer, the others have no mass.
+#[derive(Clone, Copy)]
+struct Eight {
+    position: [LaneArray; 3],
+    velocity: [LaneArray; 3],
+    mass: LaneArray,
+}
+
+/// So many eights are summed up at a time.
+const EIGHTS: usize = 8;
+
 impl MassMoments {
     /// `None` if there is nothing to sum.
-    fn of(mut points: impl Iterator<Item = (Vec3, Vec3, f64)>) -> Option<Self> {
-        let (position, velocity, mut mass) = points.next()?;
+    fn of(points: impl Iterator<Item = (Vec3, Vec3, f32)>) -> Option<Self> {
+        let mut points = points.peekable();
+        let &(position, velocity, _) = points.peek()?;
         let (position, velocity) = (position.as_dvec3(), velocity.as_dvec3());
-        // The first particle adds nothing but its mass: it is the origin.
-        let (mut first, mut momentum) = (DVec3::ZERO, DVec3::ZERO);
-        let (mut moments, mut angular_momentum) = (DMat3::ZERO, DVec3::ZERO);
-        for (p, v, m) in points {
-            let (r, u) = (p.as_dvec3() - position, (v.as_dvec3() - velocity) * m);
-            mass += m;
-            first += r * m;
-            momentum += u;
-            moments += outer(r * m, r);
-            angular_momentum += r.cross(u);
+        let mut sums = Moments::NONE;
+        while points.peek().is_some() {
+            let none = Eight {
+                position: position.as_vec3().to_array().map(|x| [x; LANES]),
+                velocity: velocity.as_vec3().to_array().map(|x| [x; LANES]),
+                mass: [0.0; LANES],
+            };
+            let (mut eights, mut count) = ([none; EIGHTS], 0);
+            for (p, v, m) in points.by_ref().take(EIGHTS * LANES) {
+                let (eight, lane) = (&mut eights[count / LANES], count % LANES);
+                for axis in 0..3 {
+                    (eight.position[axis][lane], eight.velocity[axis][lane]) = (p[axis], v[axis]);
+                }
+                eight.mass[lane] = m;
+                count += 1;
+            }
+            let eights = &eights[..count.div_ceil(LANES)];
+            add_eights(eights, [position, velocity], &mut sums, InstructionSet::best());
         }
-        let share = 1.0 / mass;
-        let (mean, drift) = (first * share, momentum * share);
-        Some(Self {
-            mass,
-            barycentre: position + mean,
-            velocity: velocity + drift,
-            moments: moments - outer(first, mean),
-            angular_momentum: angular_momentum - mean.cross(momentum),
-        })
+        Some(Self::about(position, velocity, &sums))
     }
 
-    fn motion(&self) -> Motion {
-        let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = self.moments.to_cols_array_2d();
-        let inertia = [[yy + zz, -xy, -xz], [-xy, xx + zz, -yz], [-xz, -yz, xx + yy]];
-        Motion {
-            mass: self.mass as f32,
-            barycentre: self.barycentre.as_vec3(),
-            velocity: self.velocity.as_vec3(),
-            angular_velocity: spin(inertia, self.angular_momentum).as_vec3(),
-            inertia: DMat3::from_cols_array_2d(&inertia).as_mat3(),
+    /// Out of sums of positions relative to one point, and of velocities relative to that of one.
+    pub(crate) fn about(position: DVec3, velocity: DVec3, sums: &Moments<f64>) -> Self {
+        let [first, squares, products, momentum, angular] =
+            [sums.first, sums.squares, sums.products, sums.momentum, sums.angular]
+                .map(|v| DVec3::new(v.x, v.y, v.z));
+        let share = 1.0 / sums.mass;
+        let (mean, drift) = (first * share, momentum * share);
+        Self {
+            mass: sums.mass,
+            barycentre: position + mean,
+            velocity: velocity + drift,
+            squares: squares - first * mean,
+            products: products - first * DVec3::new(mean.y, mean.z, mean.x),
+            angular_momentum: angular - mean.cross(momentum),
         }
     }
+
+    /// `None` if it is not finite.
+    pub(crate) fn motion(&self) -> Option<Motion> {
+        let found = Motion {
+            mass: self.mass as f32,
+            inertia: DMat3::from_cols_array_2d(&self.inertia()).as_mat3(),
+            ..self.motion_without_mass()?
+        };
+        (found.mass.is_finite() && found.inertia.is_finite()).then_some(found)
+    }
+
+    /// The same of what has no mass, and was summed up as if all had the same.
+    pub(crate) fn motion_without_mass(&self) -> Option<Motion> {
+        let found = Motion {
+            mass: 0.0,
+            barycentre: self.barycentre.as_vec3(),
+            velocity: self.velocity.as_vec3(),
+            angular_velocity: spin(self.inertia(), self.angular_momentum).as_vec3(),
+            inertia: Mat3::ZERO,
+        };
+        let finite = found.barycentre.is_finite()
+            && found.velocity.is_finite()
+            && found.angular_velocity.is_finite();
+        finite.then_some(found)
+    }
+
+    fn inertia(&self) -> [[f64; 3]; 3] {
+        let (DVec3 { x: xx, y: yy, z: zz }, DVec3 { x: xy, y: yz, z: xz }) =
+            (self.squares, self.products);
+        [[yy + zz, -xy, -xz], [-xy, xx + zz, -yz], [-xz, -yz, xx + yy]]
+    }
 }
+
+kernel!(
+    /// Adds points, relative to a position and a velocity.
+    fn add_eights<L: Lanes>(eights: &[Eight], about: [DVec3; 2], sums: &mut Moments<f64>) {
+        let [position, velocity] = about;
+        let (position, velocity) = (Vector::double(position), Vector::double(velocity));
+        let mut own = Moments::<L::Doubles>::none();
+        for eight in eights {
+            let [x, y, z] = &eight.position;
+            let p = Vector::new(L::load(x), L::load(y), L::load(z)).widen();
+            let [x, y, z] = &eight.velocity;
+            let v = Vector::new(L::load(x), L::load(y), L::load(z)).widen();
+            own.add(L::load(&eight.mass).widen(), p - position, v - velocity);
+        }
+        sums.add_lanes(&own);
+    }
+);
 
 /// `ω` with `I ω = L`, and nothing along the directions in which `I` vanishes.
 pub(crate) fn spin(inertia: [[f64; 3]; 3], angular_momentum: DVec3) -> DVec3 {

@@ -35,14 +35,17 @@
 #[cfg(test)]
 mod degenerate_tests;
 mod inertia;
+mod moments;
 mod normals;
 pub(crate) mod rotation;
 pub(crate) mod symmetric;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use inertia::MassMoments;
 pub(crate) use inertia::spin as pseudo_solve;
 pub use inertia::{Motion, motion};
+pub(crate) use moments::Moments;
 pub use normals::normals;
 pub(crate) use symmetric::WORST;
 
@@ -120,7 +123,7 @@ pub fn pose(
 
 /// Whether a particle of this mass counts in an average.
 #[inline]
-fn counts(mass: f32) -> bool {
+pub(crate) fn counts(mass: f32) -> bool {
     mass > 0.0 && mass.is_finite()
 }
 

@@ -10,6 +10,7 @@ mod sleep;
 mod slide;
 mod statics;
 mod undisturbed;
+mod velocities;
 mod weight;
 
 pub use queries::{Filter, Hit};
@@ -485,37 +486,6 @@ impl Simulation {
         self.scratch.plan.islands.list.len()
     }
 
-    /// Velocity of particle `i` at the instant of its position, m/s: the mean velocity of the last substep, carried half a substep further.
-    ///
-    /// It is carried by the acceleration `a` that [`accumulate_forces`](Self::accumulate_forces) and its followers last summed up. What is held is not
-    /// accelerated by that: where the mean acceleration `A` of the last step was less, it is carried by that, so that what lies or hangs still has no
-    /// velocity, and not that of half a substep's fall. What is in between gets a part of both: all of `A` up to half of `a`, and none from `a` on, for
-    /// there it is free, or something has hit it.
-    #[inline]
-    pub fn velocity_now(&self, i: usize) -> Vec3 {
-        let particles = &self.particles;
-        let (velocity, lag) = (particles.velocity(i), particles.lag(i));
-        carried(velocity, lag, particles.acceleration(i), self.mean_acceleration(i))
-    }
-
-    /// By what particle `i` was accelerated in the mean of the last step, m/s², by all there is; `None` where that is not known.
-    ///
-    /// Under a constant acceleration the mean velocity of a step of `T` seconds, `D/T`, is that at its middle, and `v` that at the middle of the last
-    /// substep, `(T - h)/2` later. In a step of one substep both are the same; there `v` is compared with the velocity that the step began with.
-    fn mean_acceleration(&self, i: usize) -> Option<Vec3> {
-        let (v, h) = (self.particles.velocity(i), self.particles.lag(i));
-        let (began, step) = (self.scratch.checkpoint.get(i)?, self.scratch.length);
-        let (from, apart) = match self.scratch.first_velocity.get(i) {
-            Some(first) => (first.truncate(), step - 0.5 * (h - first.w)),
-            None => {
-                let gone = (self.particles.position[i] - *began).truncate();
-                (gone / step, 0.5 * (step - h))
-            }
-        };
-        let mean = (v - from) / apart;
-        (h > 0.0 && mean.is_finite()).then_some(mean)
-    }
-
     /// What the last step was solved by.
     #[cfg(test)]
     pub(crate) fn plan(&self) -> &solve::Plan {
@@ -549,20 +519,6 @@ impl Simulation {
         self.restore_anchors();
         ledger
     }
-}
-
-/// The mean velocity of a substep of `lag` seconds, m/s, carried half of it further by the acceleration `a`, m/s², or by the `mean` one of the step, where that is
-/// known and less: see [`Simulation::velocity_now`].
-#[inline]
-fn carried(velocity: Vec3, lag: f32, a: Vec3, mean: Option<Vec3>) -> Vec3 {
-    let free = velocity + a * (0.5 * lag);
-    let Some(mean) = mean else { return free };
-    let (size, square) = (mean.length(), a.length_squared());
-    if size * size >= square {
-        return free;
-    }
-    let held = (2.0 - 2.0 * size / square.sqrt()).min(1.0);
-    free + (mean - a) * (0.5 * lag * held)
 }
 
 /// What the machine lends to a phase.

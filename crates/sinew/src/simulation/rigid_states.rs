@@ -2,7 +2,8 @@
 
 use core::ops::Range;
 
-use super::{Scratch, Simulation, Substep, carried};
+use super::velocities::carried;
+use super::{Scratch, Simulation, Substep};
 use crate::collide::{RigidStep, Written};
 use crate::integrate::StepRows;
 use crate::islands::Island;

@@ -39,16 +39,23 @@ struct Level {
     what: &'static str,
     fill: fn(&mut World),
     peers: fn(&Effort) -> Rivals,
+    /// Substeps in a tick, where they are not the default ones.
+    substeps: Option<u32>,
 }
 
 const fn level(id: &'static str, what: &'static str, fill: fn(&mut World)) -> Level {
-    Level { id, what, fill, peers: |_| Rivals { rapier: None, avian: None } }
+    Level { id, what, fill, peers: |_| Rivals { rapier: None, avian: None }, substeps: None }
 }
 
 impl Level {
     /// The same beside rivals, which set the same scene up.
     const fn beside(self, peers: fn(&Effort) -> Rivals) -> Self {
         Self { peers, ..self }
+    }
+
+    /// The same with as many substeps as rapier takes iterations by default.
+    const fn as_rapier_steps(self, what: &'static str) -> Self {
+        Self { what, substeps: Some(4), ..self }
     }
 }
 
@@ -68,17 +75,26 @@ const LEVELS: &[Level] = &[
         world.spawn((cloth, Transform::from_xyz(0.0, 2.5, 0.0)));
     }),
     level("U5", "20 ropes of 32 over a beam, weights", ropes),
-    level("U6", "1000 boxes in rows fall into a heap", |world| boxes(world, false))
-        .beside(|effort| peers::pile(effort, false)),
-    level("U6", "1000 boxes poured between four walls", |world| boxes(world, true))
-        .beside(|effort| peers::pile(effort, true)),
-    level("U7", "100 ragdolls on a floor", |world| figures(world, 0.0))
-        .beside(|effort| peers::figures(effort, 0.0)),
-    level("U7", "100 ragdolls down stairs", |world| figures(world, 0.24))
-        .beside(|effort| peers::figures(effort, 0.24)),
+    HEAP,
+    POURED,
+    POURED.as_rapier_steps("the same with four substeps"),
+    ON_A_FLOOR,
+    ON_A_FLOOR.as_rapier_steps("the same with four substeps"),
+    DOWN_STAIRS,
+    DOWN_STAIRS.as_rapier_steps("the same with four substeps"),
     level("U8", "200 jelly cubes into a bin", jelly),
     level("U9", "a level of all of it", of_all),
 ];
+
+const HEAP: Level = level("U6", "1000 boxes in rows fall into a heap", |world| boxes(world, false))
+    .beside(|effort| peers::pile(effort, false));
+const POURED: Level =
+    level("U6", "1000 boxes poured between four walls", |world| boxes(world, true))
+        .beside(|effort| peers::pile(effort, true));
+const ON_A_FLOOR: Level = level("U7", "100 ragdolls on a floor", |world| figures(world, 0.0))
+    .beside(|effort| peers::figures(effort, 0.0));
+const DOWN_STAIRS: Level = level("U7", "100 ragdolls down stairs", |world| figures(world, 0.24))
+    .beside(|effort| peers::figures(effort, 0.24));
 
 /// Those of one number.
 fn run(id: &str, effort: &Effort) -> Vec<Row> {
@@ -105,8 +121,8 @@ users!(
 pub(super) fn u10(effort: &Effort) -> Vec<Row> {
     let falls = |level: &Level| ["U6", "U7", "U8"].contains(&level.id);
     let asleep = level("U11", "1000 boxes side by side, asleep", |world| lying(world, true));
-    LEVELS
-        .iter()
+    let by_default = LEVELS.iter().filter(|level| level.substeps.is_none());
+    by_default
         .map(|level| match falls(level) {
             false => with_extras(level, effort, |_| {}, &[A_GROUND, FAR, A_WIND, OWN_SYSTEM]),
             true => with_extras(level, effort, awake_on_a_ground, &[FAR, A_WIND, OWN_SYSTEM]),
@@ -204,6 +220,9 @@ fn with_ground(world: &mut World, fill: impl FnOnce(&mut World)) {
 /// Runs an app of that and fills in a row.
 fn measured(level: &Level, effort: &Effort, fill: impl FnOnce(&mut World)) -> Row {
     let mut ours = UserApp::new(effort, fill);
+    if let Some(substeps) = level.substeps {
+        ours.app.world_mut().resource_mut::<SolverConfig>().substeps = substeps;
+    }
     let Rivals { rapier, avian } = (level.peers)(effort);
     let mut rivals = [("rapier", rapier), ("Avian", avian)];
     let short = if effort.quick { 10 } else { 1 };

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::lane_storage::LaneStorage;
 use crate::lanes::{Doubles, LANES, Lanes, Vector, kernel};
-use crate::pose::{WORST, pseudo_solve};
+use crate::pose::{Moments, WORST, pseudo_solve};
 use crate::solve::momentum::{MomentumDrift, WideMomentumDrift};
 
 impl<D: Doubles> WideMomentumDrift<D> {
@@ -113,7 +113,7 @@ impl LaneStorage {
             None => Vector::double(DVec3::ZERO),
             Some(first) => Vector::of(first.load::<L>()).0.widen(),
         };
-        let mut sums = WideMomentumSums::<L::Doubles>::none();
+        let mut sums = Moments::<L::Doubles>::none();
         for (((now, start), velocity), mass) in now.iter().zip(start).zip(velocity).zip(mass) {
             let ((q, _), (from, _)) = (Vector::of(now.load::<L>()), Vector::of(start.load()));
             let u = Vector::of(velocity.load::<L>()).0;
@@ -126,41 +126,7 @@ impl LaneStorage {
     }
 }
 
-/// What is summed up over the bodies.
-struct WideMomentumSums<D> {
-    mass: D,
-    first: Vector<D>,
-    squares: Vector<D>,
-    products: Vector<D>,
-    momentum: Vector<D>,
-    angular: Vector<D>,
-}
-
-impl<D: Doubles> WideMomentumSums<D> {
-    #[inline(always)]
-    fn none() -> Self {
-        let zero = Vector::double(DVec3::ZERO);
-        Self {
-            mass: zero.x,
-            first: zero,
-            squares: zero,
-            products: zero,
-            momentum: zero,
-            angular: zero,
-        }
-    }
-
-    #[inline(always)]
-    fn add(&mut self, m: D, r: Vector<D>, change: Vector<D>) {
-        let (weighed, gained) = (r * m, change * m);
-        self.mass = self.mass + m;
-        self.first += weighed;
-        self.squares += weighed.times(r);
-        self.products += weighed.times(Vector { x: r.y, y: r.z, z: r.x });
-        self.momentum += gained;
-        self.angular += r.cross(gained);
-    }
-
+impl<D: Doubles> Moments<D> {
     /// Barycentres, velocities and angular velocities; the last of those whose bits are set, zero of others.
     #[inline(always)]
     fn answer(&self, turning: u32) -> (Vector<D>, Vector<D>, Vector<D>) {
