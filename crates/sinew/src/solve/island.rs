@@ -48,9 +48,15 @@ pub(super) fn sweep_in_order(
             hold_again(plan, island, places, mode, alone, thread_scratch);
             out.max(found)
         }
-        Order::Jacobi => jacobi::sweep(places, plan, island, multipliers, mode, thread_scratch),
+        Order::Jacobi => {
+            let ThreadScratch { local, constraint_refs, asked, .. } = thread_scratch;
+            let all = (local, &constraint_refs[..]);
+            jacobi::sweep(places, plan, island, multipliers, mode, all, asked)
+        }
         Order::MostViolatedFirst => {
-            most_violated_first::sweep(places, plan, island, multipliers, mode, thread_scratch)
+            let ThreadScratch { local, constraint_refs, queue, .. } = thread_scratch;
+            let all = (local, &constraint_refs[..]);
+            most_violated_first::sweep(places, plan, island, multipliers, mode, all, queue)
         }
     }
 }

@@ -7,13 +7,13 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use smallvec::SmallVec;
 
-use super::SolverReport;
 use super::context::SolveContext;
 use super::instances::{BatchMotion, BatchSolve, WholeStep};
 use super::island::sweep_in_order;
 use super::microsteps::{derive_whole_steps, list_step_rows};
 use super::plan::{Plan, Task};
 use super::remaining::Remaining;
+use super::report::SolverReport;
 use super::scratch::ThreadScratch;
 use super::task_slice::{TaskSlice, slices};
 use super::wavefront::{pipelined_wavefront, run_wavefronts};

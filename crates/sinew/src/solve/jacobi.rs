@@ -6,10 +6,9 @@
 
 use glam::Vec3;
 
-use super::constraint_ref::SolveMode;
+use super::constraint_ref::{ConstraintRef, Local, SolveMode};
 use super::multipliers::MultiplierSlice;
 use super::plan::Plan;
-use super::scratch::ThreadScratch;
 use crate::islands::Island;
 use crate::particles::Places;
 
@@ -27,9 +26,9 @@ pub(super) fn sweep(
     island: &Island,
     multipliers: &mut MultiplierSlice,
     mode: SolveMode,
-    thread_scratch: &mut ThreadScratch,
+    (local, constraint_refs): (&mut Local, &[ConstraintRef]),
+    asked: &mut Asked,
 ) -> f32 {
-    let ThreadScratch { local, constraint_refs, asked, .. } = thread_scratch;
     asked.sum.resize(plan.rows, Vec3::ZERO);
     asked.count.resize(plan.rows, 0);
     let members = plan.islands.members[island.members.clone()].to_vec();
@@ -38,14 +37,14 @@ pub(super) fn sweep(
         asked.count[row as usize] = 0;
     }
     let mut pair = [0; 2];
-    for item in &*constraint_refs {
+    for item in constraint_refs {
         for &row in item.rows(plan, &mut pair) {
             asked.count[row as usize] += 1;
         }
     }
     let mut worst = 0.0_f32;
     let mut rows = Vec::new();
-    for item in &*constraint_refs {
+    for item in constraint_refs {
         rows.clear();
         rows.extend_from_slice(item.rows(plan, &mut pair));
         local.take(places, &rows);

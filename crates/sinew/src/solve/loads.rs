@@ -13,7 +13,6 @@
 
 use glam::{DVec3, Vec3};
 
-use super::IslandReport;
 use super::chains::Eliminated;
 use super::constraint_ref::{ConstraintRef, Local, SolveMode, list_constraint_refs};
 use super::context::SolveContext;
@@ -21,6 +20,7 @@ use super::island::solve;
 use super::momentum::MomentumDrift;
 use super::multipliers::{MultiplierSlice, Multipliers};
 use super::plan::{GroupKind, Plan};
+use super::report::IslandReport;
 use super::task_slice::IslandSlice;
 use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::constraints::GradientAt;

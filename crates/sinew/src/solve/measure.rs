@@ -1,8 +1,8 @@
 //! What is left to correct, for the report.
 
-use super::SolverReport;
 use super::constraint_ref::{constraint_error, distance_error};
 use super::plan::{ConstraintGroup, GroupKind, Plan};
+use super::report::SolverReport;
 use super::scratch::ThreadScratch;
 use crate::collide::ParticleContacts;
 use crate::constraints::Distance;

@@ -2,10 +2,9 @@
 
 use std::collections::BinaryHeap;
 
-use super::constraint_ref::{ConstraintRef, SolveMode};
+use super::constraint_ref::{ConstraintRef, Local, SolveMode};
 use super::multipliers::MultiplierSlice;
 use super::plan::Plan;
-use super::scratch::ThreadScratch;
 use crate::islands::Island;
 use crate::particles::Places;
 
@@ -31,13 +30,13 @@ pub(super) fn sweep(
     island: &Island,
     multipliers: &mut MultiplierSlice,
     mode: SolveMode,
-    thread_scratch: &mut ThreadScratch,
+    (local, constraint_refs): (&mut Local, &[ConstraintRef]),
+    queue: &mut Queue,
 ) -> f32 {
-    let ThreadScratch { local, constraint_refs, queue, .. } = thread_scratch;
     let (mut pair, tolerance) = ([0; 2], island.settings.tolerance);
     queue.connect(plan, island, constraint_refs);
     let mut worst = 0.0_f32;
-    for item in &*constraint_refs {
+    for item in constraint_refs {
         if !item.is_hard(plan) {
             worst = worst.max(item.project(places, plan, multipliers, mode, local));
         }

@@ -12,10 +12,10 @@
 //! It costs where a sweep has met a violation of so much, and nothing elsewhere. Islands that are swept in columns, which are cloth, are left out, and so
 //! are those that take microsteps.
 
-use super::IslandReport;
 use super::constraint_ref::{ConstraintRef, Local, list_constraint_refs};
 use super::context::SolveContext;
 use super::plan::Plan;
+use super::report::IslandReport;
 use super::scratch::ThreadScratch;
 use crate::collide::recovery;
 use crate::constraints::{GradientAt, Points, Solved, solve_equation};

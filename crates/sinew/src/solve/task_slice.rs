@@ -4,10 +4,10 @@ use core::ops::Range;
 
 use glam::Vec4;
 
-use super::IslandReport;
 use super::context::SolveContext;
 use super::multipliers::MultiplierSlice;
 use super::plan::Task;
+use super::report::IslandReport;
 use crate::collide::NormalImpulses;
 use crate::integrate::{MotionColumns, Predict};
 use crate::particles::Places;

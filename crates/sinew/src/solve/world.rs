@@ -7,6 +7,7 @@ use glam::Vec4;
 
 use super::constraint_ref::SolveMode;
 use super::context::SolveContext;
+use super::gauss_seidel;
 use super::instances::{BatchMotion, BatchSolve};
 use super::island::{hold_again, hold_at_once, propagate_impact, solve, sweep_in_order};
 use super::loads::Loads;
@@ -14,9 +15,9 @@ use super::microsteps::{derive_whole_steps, list_step_rows};
 use super::momentum::{MomentumDrift, note_drift};
 use super::multipliers::{MultiplierSlice, Multipliers};
 use super::plan::Plan;
+use super::report::{IslandReport, SolverReport};
 use super::scratch::ThreadScratch;
 use super::task_slice::{IslandSlice, TaskSlice, slices};
-use super::{IslandReport, SolverReport, gauss_seidel};
 use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::integrate::{Derive, MotionColumns, StepRows, derive};
 use crate::islands::{Island, Singles};

@@ -37,8 +37,8 @@ const LINE: f64 = 1e-5;
 /// reads the same pose; a greater one is nearer to the pin while they do not.
 const PIN: f64 = 16.0;
 
-/// No body collider.
-const NONE: u32 = u32::MAX;
+/// No body collider, and no island.
+pub(super) const NONE: u32 = u32::MAX;
 
 /// One particle of each of eight body colliders.
 #[derive(Clone, Copy, Debug)]

@@ -14,15 +14,13 @@ use core::ops::Range;
 
 use glam::{Vec3, Vec4};
 
-use super::groups::{BodyGroups, Slot, WideMass};
-use super::rigid_islands::{NONE, RigidIslands};
+use super::BodyCollider;
+use super::groups::{BodyGroups, NONE, Slot, WideMass};
 use super::rigid_rotation::Rotation;
-use super::rigid_state::WideRigidState;
+use super::rigid_state::{ForceSums, WideRigidState};
 use super::turn::{LaneArray, load, set, store, zero};
-use super::{BodyCollider, BodyContactSolver};
 use crate::forces::Pressures;
 use crate::integrate::loss;
-use crate::islands::Islands;
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;
 use crate::tracked::Tracked;
@@ -62,17 +60,6 @@ struct WideFacet {
     area: [LaneArray; 3],
 }
 
-/// Forces that do not act on all particles alike: what they are summed up to of eight body colliders in a substep.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct ForceSums {
-    /// Gain of velocity, m/s.
-    pub(super) velocity: [LaneArray; 3],
-    /// Gain of angular momentum, kg·m²/s.
-    pub(super) momentum: [LaneArray; 3],
-    /// A bit for each lane of which losses by damping are in that.
-    pub(super) forced: u32,
-}
-
 /// What acts on rigid states in a substep of `h` seconds.
 pub(super) struct Acting<'a> {
     pub(super) particles: &'a Particles,
@@ -81,6 +68,82 @@ pub(super) struct Acting<'a> {
 }
 
 impl RigidForces {
+    /// Lays out the skins of bodies that may be rigid states, of each body collider that is one its island, if triangles or bodies have changed.
+    pub(super) fn find_skins(
+        &mut self,
+        groups: &BodyGroups,
+        islands: &[u32],
+        body_colliders: &[BodyCollider],
+        surfaces: &Tracked<Vec<[u32; 3]>>,
+    ) {
+        if self.skins.revision != Some(surfaces.revision()) {
+            self.skins.lay_out(groups, islands, body_colliders, surfaces);
+            self.skins.revision = Some(surfaces.revision());
+        }
+    }
+
+    /// Has skins be laid out anew: bodies have changed.
+    pub(super) fn forget_skins(&mut self) {
+        self.skins.revision = None;
+    }
+
+    /// Begins a step with so many groups: something acts on the particles of all rigid states one by one, or of none so far.
+    pub(super) fn begin(&mut self, groups: usize, all: bool) {
+        self.forced.clear();
+        self.forced.resize(groups, if all { u32::MAX } else { 0 });
+        self.windy.clear();
+        self.windy.resize(groups, 0);
+    }
+
+    /// Something acts on single particles of what is in a row among the bodies.
+    pub(super) fn force(&mut self, place: usize) {
+        if let Some(bits) = self.forced.get_mut(place / LANES) {
+            *bits |= 1 << (place % LANES);
+        }
+    }
+
+    /// Particles of bodies that winds press on one by one.
+    pub(super) fn shared(&self) -> &[u32] {
+        &self.skins.shared
+    }
+
+    /// Notes on whose skins such pressures on all triangles press. Appends the triangles to `others` that belong to particles that move by themselves.
+    pub(super) fn press_on(
+        &mut self,
+        states: &[WideRigidState],
+        asleep: &[u32],
+        pressures: &Pressures,
+        others: &mut Vec<Range<usize>>,
+    ) {
+        let Self { forced, windy, skins, .. } = self;
+        let rests = |place: usize| {
+            let (group, lane) = (place / LANES, place % LANES);
+            let state = states.get(group).map_or(0, |state| state.lanes);
+            (state & !forced[group] | asleep[group]) >> lane & 1 == 1
+        };
+        let mut next = 0;
+        for (number, &owner) in skins.owners.iter().enumerate() {
+            if owner != NONE && rests(owner as usize) {
+                if pressures.blow_on(number) {
+                    windy[owner as usize / LANES] |= 1 << (owner as usize % LANES);
+                }
+                if next < number {
+                    others.push(next..number);
+                }
+                next = number + 1;
+            }
+        }
+        if next < skins.owners.len() {
+            others.push(next..skins.owners.len());
+        }
+    }
+
+    /// Whether the particles of what is in a row among the bodies are accelerated one by one.
+    pub(super) fn is_forced(&self, place: usize) -> bool {
+        let bits = |of: &[u32]| of.get(place / LANES).copied().unwrap_or(0);
+        (bits(&self.forced) | bits(&self.windy)) >> (place % LANES) & 1 == 1
+    }
+
     /// Those on one group, if there are any.
     pub(super) fn sum(
         &mut self,
@@ -109,99 +172,6 @@ impl RigidForces {
             press(mass, state, facets, pressures, windy, h, sums, instructions);
         }
         Some(sums)
-    }
-}
-
-impl BodyContactSolver {
-    /// Lays out the skins of bodies that may be rigid states, if triangles or bodies have changed.
-    pub(crate) fn find_skins(
-        &mut self,
-        surfaces: &Tracked<Vec<[u32; 3]>>,
-        body_colliders: &[BodyCollider],
-    ) {
-        let skins = &mut self.rigid.forces.skins;
-        if skins.revision == Some(surfaces.revision()) {
-            return;
-        }
-        skins.lay_out(&self.groups, &self.rigid.islands, body_colliders, surfaces);
-        skins.revision = Some(surfaces.revision());
-    }
-
-    /// Has skins be laid out anew: bodies have changed.
-    pub(super) fn forget_skins(&mut self) {
-        self.rigid.forces.skins.revision = None;
-    }
-
-    /// Notes on which rigid states something acts particle by particle in this step: on those of such rows, or on all of them; and on whose skins winds press, that
-    /// have such pressures on all triangles. Appends the triangles to `others` that belong to particles that move by themselves.
-    pub(crate) fn note_forces(
-        &mut self,
-        islands: &Islands,
-        (all, rows): (bool, impl Iterator<Item = u32>),
-        pressures: &Pressures,
-        others: &mut Vec<Range<usize>>,
-    ) {
-        let Self { groups, rigid, asleep, .. } = self;
-        let RigidIslands { states, solids, forces, .. } = rigid;
-        let RigidForces { forced, windy, skins, .. } = forces;
-        forced.clear();
-        forced.resize(groups.groups.len(), if all { u32::MAX } else { 0 });
-        windy.clear();
-        windy.resize(groups.groups.len(), 0);
-        let shared = skins.shared.iter().copied().filter(|_| !pressures.is_empty());
-        for row in rows.chain(shared) {
-            force_row(forced, groups, solids, islands, row);
-        }
-        if pressures.is_empty() {
-            return;
-        }
-        let rests = |place: usize| {
-            let (group, lane) = (place / LANES, place % LANES);
-            let state = states.get(group).map_or(0, |state| state.lanes);
-            (state & !forced[group] | asleep[group]) >> lane & 1 == 1
-        };
-        let mut next = 0;
-        for (number, &owner) in skins.owners.iter().enumerate() {
-            if owner != NONE && rests(owner as usize) {
-                if pressures.blow_on(number) {
-                    windy[owner as usize / LANES] |= 1 << (owner as usize % LANES);
-                }
-                if next < number {
-                    others.push(next..number);
-                }
-                next = number + 1;
-            }
-        }
-        if next < skins.owners.len() {
-            others.push(next..skins.owners.len());
-        }
-    }
-
-    /// Notes that something acts on single particles of the rigid states of which rows were pushed from outside.
-    pub(super) fn note_pushed(&mut self, particles: &mut Particles, islands: &Islands) {
-        let Self { groups, rigid, .. } = self;
-        while let Some(row) = particles.take_pushed() {
-            force_row(&mut rigid.forces.forced, groups, &rigid.solids, islands, row);
-        }
-    }
-
-    /// Whether the particles of a body collider that is a rigid state are accelerated one by one.
-    pub(crate) fn is_forced(&self, number: usize) -> bool {
-        let place = self.groups.place(number);
-        let RigidForces { forced, windy, .. } = &self.rigid.forces;
-        let bits = |of: &[u32]| of.get(place / LANES).copied().unwrap_or(0);
-        (bits(forced) | bits(windy)) >> (place % LANES) & 1 == 1
-    }
-}
-
-/// Marks the lane of the rigid state that a particle belongs to.
-fn force_row(forced: &mut [u32], groups: &BodyGroups, solids: &[u32], islands: &Islands, row: u32) {
-    let island = islands.of.get(row as usize);
-    let solid = island.and_then(|&island| solids.get(island as usize));
-    let Some(&solid) = solid.filter(|&&solid| solid != NONE) else { return };
-    let place = groups.place(solid as usize);
-    if let Some(bits) = forced.get_mut(place / LANES) {
-        *bits |= 1 << (place % LANES);
     }
 }
 

@@ -8,9 +8,11 @@
 //! Its particles are written after each substep, or once a step where no system runs in between and no force acts on one of them alone (`rigid_forces`). Where one of
 //! them is moved between two phases, the island goes on as particles until the step ends.
 
+use core::ops::Range;
+
 use glam::{Mat3, Quat, Vec3};
 
-use super::groups::BodyGroups;
+use super::groups::{BodyGroups, NONE};
 use super::rigid_forces::{Acting, RigidForces};
 use super::rigid_state::{AdvanceStates, ReadStates, WideRigidState, push_states, write_states};
 use super::turn::LaneArray;
@@ -23,9 +25,7 @@ use crate::lanes::{InstructionSet, LANES, with};
 use crate::particles::Particles;
 use crate::pose::Pose;
 use crate::settings::{BodySettings, Representation};
-
-/// No island, and no body collider.
-pub(super) const NONE: u32 = u32::MAX;
+use crate::tracked::Tracked;
 
 /// Which body colliders are rigid states. Scratch.
 #[derive(Clone, Debug, Default)]
@@ -64,6 +64,15 @@ impl RigidIslands {
             if state.pushed != 0 {
                 push_states(&group.mass, state, h, instructions);
             }
+        }
+    }
+
+    /// Notes that something acts on a single particle, by its row, of the rigid state that it belongs to, if it does.
+    fn force(&mut self, groups: &BodyGroups, islands: &Islands, row: u32) {
+        let island = islands.of.get(row as usize);
+        let solid = island.and_then(|&island| self.solids.get(island as usize));
+        if let Some(&solid) = solid.filter(|&&solid| solid != NONE) {
+            self.forces.force(groups.place(solid as usize));
         }
     }
 
@@ -127,7 +136,7 @@ impl BodyContactSolver {
                 *solid = number as u32;
             }
         }
-        self.forget_skins();
+        self.rigid.forces.forget_skins();
     }
 
     /// Reads the rigid states of this step from their particles, after the broad phase, and marks their islands; none where
@@ -232,6 +241,52 @@ impl BodyContactSolver {
             }
         }
         any
+    }
+
+    /// Lays out the skins of bodies that may be rigid states, if triangles or bodies have changed.
+    pub(crate) fn find_skins(
+        &mut self,
+        surfaces: &Tracked<Vec<[u32; 3]>>,
+        body_colliders: &[BodyCollider],
+    ) {
+        let RigidIslands { islands, forces, .. } = &mut self.rigid;
+        forces.find_skins(&self.groups, islands, body_colliders, surfaces);
+    }
+
+    /// Notes on which rigid states something acts particle by particle in this step: on those of such rows, or on all of them; and on whose skins winds press, that
+    /// have such pressures on all triangles. Appends the triangles to `others` that belong to particles that move by themselves.
+    pub(crate) fn note_forces(
+        &mut self,
+        islands: &Islands,
+        (all, rows): (bool, impl Iterator<Item = u32>),
+        pressures: &Pressures,
+        others: &mut Vec<Range<usize>>,
+    ) {
+        let Self { groups, rigid, asleep, .. } = self;
+        rigid.forces.begin(groups.groups.len(), all);
+        for row in rows {
+            rigid.force(groups, islands, row);
+        }
+        if pressures.is_empty() {
+            return;
+        }
+        for place in 0..rigid.forces.shared().len() {
+            let row = rigid.forces.shared()[place];
+            rigid.force(groups, islands, row);
+        }
+        rigid.forces.press_on(&rigid.states, asleep, pressures, others);
+    }
+
+    /// Notes that something acts on single particles of the rigid states of which rows were pushed from outside.
+    fn note_pushed(&mut self, particles: &mut Particles, islands: &Islands) {
+        while let Some(row) = particles.take_pushed() {
+            self.rigid.force(&self.groups, islands, row);
+        }
+    }
+
+    /// Whether the particles of a body collider that is a rigid state are accelerated one by one.
+    pub(crate) fn is_forced(&self, number: usize) -> bool {
+        self.rigid.forces.is_forced(self.groups.place(number))
     }
 
     /// Moves the rigid states through one substep of `h` seconds, by the forces summed up on their particles and such pressures on their skins.

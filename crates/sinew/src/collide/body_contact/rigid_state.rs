@@ -41,7 +41,6 @@ use glam::{Vec3, Vec4};
 use super::bodies::{Bodies, ROTATION, from_row};
 use super::groups::{BodyGroup, Slot, WideMass};
 use super::pose::Gathered;
-use super::rigid_forces::ForceSums;
 use super::rigid_rotation::{Rotation, WideRotation, load_four, store_four};
 use super::swept_bounds::WideSweptBounds;
 use super::turn::{LaneArray, Matrix, Symmetric, load, store, zero};
@@ -350,6 +349,17 @@ impl<L: Lanes> Moments<L> {
         }
         Self { centre: off, velocity: faster + dropped, momentum: momentum + beside }
     }
+}
+
+/// Forces that do not act on all particles alike: what they are summed up to of eight body colliders in a substep.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ForceSums {
+    /// Gain of velocity, m/s.
+    pub(super) velocity: [LaneArray; 3],
+    /// Gain of angular momentum, kg·m²/s.
+    pub(super) momentum: [LaneArray; 3],
+    /// A bit for each lane of which losses by damping are in that.
+    pub(super) forced: u32,
 }
 
 /// Takes eight through some substeps.

@@ -19,9 +19,9 @@ use core::ops::Range;
 use core::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
-use super::IslandReport;
 use super::plan::{ClusterBatch, ConstraintGroup, Plan};
 use super::remaining::Remaining;
+use super::report::IslandReport;
 use super::task_slice::TaskSlice;
 use glam::Vec4;
 use smallvec::SmallVec;
