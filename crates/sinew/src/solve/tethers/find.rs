@@ -103,7 +103,9 @@ impl Plan {
 
     /// The ways of the tethers of an island along its rods.
     fn ways(&self, island: &Island, pins: &[u32]) -> TetherPaths {
-        let (fields, web) = (self.fields(island, pins, None), self.web(island));
+        let (web, sources) = (self.web(island), self.places(island, pins));
+        let nearest = web.field(&sources);
+        let fields = PinFields::of(&web, sources, None);
         // Numbers of hard distances, as `hard` lists them.
         let groups = self.groups[island.groups.clone()].iter();
         let numbers: Vec<u32> = groups
@@ -112,8 +114,8 @@ impl Plan {
             .filter(|&number| is_hard(&self.distances[number]))
             .map(|number| number as u32)
             .collect();
-        let inwards = [&fields.nearest, fields.from(0), fields.from(1)].map(|field| {
-            let all = field.inwards(&web).into_iter();
+        let inwards = [Some(&nearest), fields.from(0), fields.from(1)].map(|field| {
+            let all = field.into_iter().flat_map(|field| field.inwards(&web));
             all.map(|(member, before, rod)| (member, before, numbers[rod as usize])).collect()
         });
         TetherPaths { far: fields.far, inwards }
@@ -147,9 +149,13 @@ impl Plan {
 
     /// How far the members of an island are from its pins, of which there is one at least; out of what was `known`.
     fn fields(&self, island: &Island, pins: &[u32], known: Option<PinFields>) -> PinFields {
+        PinFields::of(&self.web(island), self.places(island, pins), known)
+    }
+
+    /// Where rows are among the members of an island.
+    fn places(&self, island: &Island, rows: &[u32]) -> Vec<u32> {
         let place = places(&self.islands.members[island.members.clone()]);
-        let sources = pins.iter().map(|&pin| place(pin)).collect();
-        PinFields::of(&self.web(island), sources, known)
+        rows.iter().map(|&row| place(row)).collect()
     }
 }
 

@@ -17,7 +17,8 @@ pub(super) struct PinFields {
     sources: Vec<u32>,
     /// Of each member a [hash](Web::hashes) of its rods.
     hashes: Vec<u64>,
-    pub(super) nearest: DistanceField,
+    /// From the nearest; none where there are two pins at the most, and that is the nearer of those.
+    nearest: Option<DistanceField>,
     /// From single pins: the first one, and two that are far from each other.
     from: Vec<(u32, DistanceField)>,
     /// Which of the pins those two are.
@@ -36,7 +37,7 @@ impl PinFields {
             (changed.len() * FEW <= hashes.len()).then_some((known, changed))
         });
         let (changed, nearest, mut old) = match known {
-            Some((known, changed)) => (changed, Some(known.nearest), known.from),
+            Some((known, changed)) => (changed, known.nearest, known.from),
             None => Default::default(),
         };
         let field = |known: Option<DistanceField>, sources: &[u32]| match known {
@@ -67,17 +68,13 @@ impl PinFields {
         let one = farthest(0);
         let far = [one, farthest(one)];
         farthest(far[1]);
-        let nearest = match &from[..] {
-            [(_, only)] if sources.len() == 1 => only.clone(),
-            _ => field(nearest, &sources),
-        };
+        let nearest = (sources.len() > 2).then(|| field(nearest, &sources));
         Self { sources, hashes, nearest, from, far }
     }
 
     /// From one of the two that are far from each other.
-    pub(super) fn from(&self, which: usize) -> &DistanceField {
-        let pin = self.far[which];
-        self.from.iter().find(|(of, _)| *of == pin).map_or(&self.nearest, |(_, own)| own)
+    pub(super) fn from(&self, which: usize) -> Option<&DistanceField> {
+        self.from.iter().find(|(of, _)| *of == self.far[which]).map(|(_, own)| own)
     }
 
     /// Of each member to which of the pins it is tethered, and how long that is, metres; infinite without.
@@ -85,8 +82,14 @@ impl PinFields {
         let ends = [0, 1].map(|which| (self.far[which], self.from(which)));
         let mut each: Vec<_> = (0..self.hashes.len() as u32)
             .map(|member| {
-                let near = (self.nearest.source(member), self.nearest.length(member));
-                let ends = ends.map(|(pin, field)| (pin, field.length(member)));
+                let from = |field: &DistanceField| field.length(member);
+                let ends = ends.map(|(pin, field)| (pin, field.map_or(f64::INFINITY, from)));
+                let near = match &self.nearest {
+                    Some(nearest) => (nearest.source(member), nearest.length(member)),
+                    // Of two that are equally far, the first of the pins.
+                    None if (ends[1].1, ends[1].0) < (ends[0].1, ends[0].0) => ends[1],
+                    None => ends[0],
+                };
                 let far = ends.into_iter().filter(|end| end.0 != near.0 && end.1.is_finite());
                 let far = far.reduce(|a, b| if b.1 > a.1 { b } else { a });
                 [near, far.unwrap_or((near.0, f64::INFINITY))]
