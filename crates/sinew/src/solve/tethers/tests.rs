@@ -145,6 +145,54 @@ fn what_a_tear_leaves_of_distances_is_what_a_new_reckoning_gives() {
     }
 }
 
+/// Two cloths from which rods are torn, to which others are tied, and of which other particles are pinned, are tethered as a world is that was so from the first.
+#[test]
+fn after_tears_and_other_pins_tethers_are_those_of_a_world_that_was_always_so() {
+    let mut world = cloth(&[0, 20], |p| p);
+    let second = cloth_grid(&ClothSpec::default()).unwrap();
+    second.transformed(Quat::IDENTITY, 3.0 * Vec3::X).build(&mut world).unwrap();
+    let (mut seed, mut different) = (11_u32, 0);
+    let mut any = |below: usize| {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (seed >> 8) as usize % below
+    };
+    let lengths = |world: &Simulation| -> Vec<Vec<[(u32, f32); 2]>> {
+        let plan = world.plan();
+        let each = plan.islands.list.iter().map(|island| plan.tethers.of(island));
+        each.map(|own| own.map_or(Vec::new(), |own| own.each.clone())).collect()
+    };
+    for round in 0..80 {
+        let before = lengths(&world);
+        match round % 10 {
+            4 => {
+                let pin = 441 + any(441);
+                let seed = world.particles.seed(pin);
+                let is_free = world.particles.inverse_mass(pin) > 0.0;
+                let seed = if is_free { seed.pinned() } else { seed.with_mass(0.01) };
+                world.particles.set(pin, seed).unwrap();
+            }
+            7 => {
+                let (a, b) = (any(441) as u32, 441 + any(441) as u32);
+                let last = world.distances().len();
+                world.insert_distance(last, Distance::new(a, b, 2.0));
+            }
+            8 => world.distances_mut().retain(|d| (d.a < 441) == (d.b < 441)),
+            _ => (0..=any(2)).for_each(|_| {
+                let at = any(world.distances().len());
+                world.remove_distance(at);
+            }),
+        }
+        world.begin_step(1.0 / 60.0).unwrap();
+        let mut anew = Simulation::default();
+        anew.particles = world.particles.clone();
+        anew.distances_mut().extend(world.distances().iter().copied());
+        anew.begin_step(1.0 / 60.0).unwrap();
+        assert!(lengths(&world) == lengths(&anew), "round {round}");
+        different += usize::from(lengths(&world) != before);
+    }
+    assert!(different > 40, "{different}");
+}
+
 /// By how much a rope of a hundred pieces is longer, with a weight of twice its own at its end, two seconds after it was hung up straight.
 fn hung(gradient_at: GradientAt) -> f32 {
     let mut world = Simulation::default();
