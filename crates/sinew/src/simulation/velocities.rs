@@ -131,9 +131,9 @@ fn mean_acceleration<N: Number>(
         None => (gone / step, half * (step - h)),
     };
     let mean = (v - from) / apart;
-    // What is no number, and what is infinite, leaves no zero of itself.
-    let left = (mean.x - mean.x) + (mean.y - mean.y) + (mean.z - mean.z);
-    (mean, N::zero().lt(h).and(left.same(N::zero())))
+    // Of what is no number, and of what is infinite, nothing times is no zero.
+    let none = mean * N::zero();
+    (mean, N::zero().lt(h).and((none.x + none.y + none.z).same(N::zero())))
 }
 
 /// What the velocities of particles at this instant follow from.

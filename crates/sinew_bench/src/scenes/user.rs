@@ -1,4 +1,4 @@
-//! What a user gets, U1 to U11: whole frames of apps with `MinimalPlugins` and `SinewPlugins`, nothing configured, a ground in each, on one thread, or with `--threads` on those that an app has.
+//! What a user gets, U1 to U11: whole frames of apps with `MinimalPlugins` and `SinewPlugins`, nothing configured (but four substeps where a row says so), a ground in each, on one thread, or with `--threads` on those that an app has.
 //!
 //! A frame is a tick of 1/60 s. What is timed is the mean of all frames from the first second to the fourth, after things have met; the quality stands
 //! beside it, over the last two seconds: how far hard distances are from their lengths, in the mean and at the worst; how fast all still are; and of boxes how
@@ -53,9 +53,9 @@ impl Level {
         Self { peers, ..self }
     }
 
-    /// The same with as many substeps as rapier takes iterations by default.
-    const fn as_rapier_steps(self, what: &'static str) -> Self {
-        Self { what, substeps: Some(4), ..self }
+    /// The same with four substeps: as many as rapier takes by default.
+    const fn with_four_substeps(self) -> Self {
+        Self { what: "the same with four substeps", substeps: Some(4), ..self }
     }
 }
 
@@ -77,11 +77,11 @@ const LEVELS: &[Level] = &[
     level("U5", "20 ropes of 32 over a beam, weights", ropes),
     HEAP,
     POURED,
-    POURED.as_rapier_steps("the same with four substeps"),
+    POURED.with_four_substeps(),
     ON_A_FLOOR,
-    ON_A_FLOOR.as_rapier_steps("the same with four substeps"),
+    ON_A_FLOOR.with_four_substeps(),
     DOWN_STAIRS,
-    DOWN_STAIRS.as_rapier_steps("the same with four substeps"),
+    DOWN_STAIRS.with_four_substeps(),
     level("U8", "200 jelly cubes into a bin", jelly),
     level("U9", "a level of all of it", of_all),
 ];
