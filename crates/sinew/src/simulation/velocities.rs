@@ -20,6 +20,9 @@ const EIGHTS: usize = 32;
 
 impl Simulation {
     /// Velocity of particle `i` at the instant of its position, m/s: the mean velocity of the last substep, carried half a substep further.
+    ///
+    /// It is carried by the acceleration that [`accumulate_forces`](Self::accumulate_forces) and its followers last summed up; or, of what is held and so accelerated
+    /// by less, by the mean acceleration of the last step: what lies or hangs still has no velocity, and not that of half a substep's fall.
     #[inline]
     pub fn velocity_now(&self, i: usize) -> Vec3 {
         let particles = &self.particles;
