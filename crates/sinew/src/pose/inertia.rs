@@ -16,7 +16,7 @@
 
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
-use super::{Moments, counts, symmetric};
+use super::{MomentSums, counts, symmetric};
 use crate::lanes::{InstructionSet, LANES, LaneArray, Lanes, Vector, kernel};
 
 /// Eigenvalues of the inertia below this share of the greatest one count as zero: thinner than 1 in 30 000.
@@ -71,7 +71,7 @@ pub(crate) struct MassMoments {
 
 /// Eight points as lanes have them. Where there are fewer, the others have no mass.
 #[derive(Clone, Copy)]
-struct Eight {
+struct WidePoint {
     position: [LaneArray; 3],
     velocity: [LaneArray; 3],
     mass: LaneArray,
@@ -86,9 +86,9 @@ impl MassMoments {
         let mut points = points.peekable();
         let &(position, velocity, _) = points.peek()?;
         let (position, velocity) = (position.as_dvec3(), velocity.as_dvec3());
-        let mut sums = Moments::NONE;
+        let mut sums = MomentSums::NONE;
         while points.peek().is_some() {
-            let none = Eight {
+            let none = WidePoint {
                 position: position.as_vec3().to_array().map(|x| [x; LANES]),
                 velocity: velocity.as_vec3().to_array().map(|x| [x; LANES]),
                 mass: [0.0; LANES],
@@ -109,7 +109,7 @@ impl MassMoments {
     }
 
     /// Out of sums of positions relative to one point, and of velocities relative to that of one.
-    pub(crate) fn about(position: DVec3, velocity: DVec3, sums: &Moments<f64>) -> Self {
+    pub(crate) fn about(position: DVec3, velocity: DVec3, sums: &MomentSums<f64>) -> Self {
         let [first, squares, products, momentum, angular] =
             [sums.first, sums.squares, sums.products, sums.momentum, sums.angular]
                 .map(|v| DVec3::new(v.x, v.y, v.z));
@@ -159,10 +159,10 @@ impl MassMoments {
 
 kernel!(
     /// Adds points, relative to a position and a velocity.
-    fn add_eights<L: Lanes>(eights: &[Eight], about: [DVec3; 2], sums: &mut Moments<f64>) {
+    fn add_eights<L: Lanes>(eights: &[WidePoint], about: [DVec3; 2], sums: &mut MomentSums<f64>) {
         let [position, velocity] = about;
         let (position, velocity) = (Vector::double(position), Vector::double(velocity));
-        let mut own = Moments::<L::Doubles>::none();
+        let mut own = MomentSums::<L::Doubles>::none();
         for eight in eights {
             let [x, y, z] = &eight.position;
             let p = Vector::new(L::load(x), L::load(y), L::load(z)).widen();

@@ -45,7 +45,7 @@ mod tests;
 pub(crate) use inertia::MassMoments;
 pub(crate) use inertia::spin as pseudo_solve;
 pub use inertia::{Motion, motion};
-pub(crate) use moments::Moments;
+pub(crate) use moments::MomentSums;
 pub use normals::normals;
 pub(crate) use symmetric::WORST;
 

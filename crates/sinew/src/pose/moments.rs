@@ -1,13 +1,11 @@
 //! Sums over particles, eight at a time: of their masses, of what those have for first and second moments about a point, and of the momenta that they have, or are
 //! given. What they do as a whole follows from these.
 
-use glam::DVec3;
-
 use crate::lanes::{Doubles, LANES, Vector};
 
 /// Such sums: eight side by side, or one.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Moments<N> {
+pub(crate) struct MomentSums<N> {
     /// `Σ m`.
     pub(crate) mass: N,
     /// `Σ m r`.
@@ -22,18 +20,26 @@ pub(crate) struct Moments<N> {
     pub(crate) angular: Vector<N>,
 }
 
-impl<D: Doubles> Moments<D> {
+impl<N: Copy> MomentSums<N> {
+    /// Of nothing.
+    #[inline(always)]
+    const fn all(zero: N) -> Self {
+        let vector = Vector { x: zero, y: zero, z: zero };
+        Self {
+            mass: zero,
+            first: vector,
+            squares: vector,
+            products: vector,
+            momentum: vector,
+            angular: vector,
+        }
+    }
+}
+
+impl<D: Doubles> MomentSums<D> {
     #[inline(always)]
     pub(crate) fn none() -> Self {
-        let zero = Vector::double(DVec3::ZERO);
-        Self {
-            mass: zero.x,
-            first: zero,
-            squares: zero,
-            products: zero,
-            momentum: zero,
-            angular: zero,
-        }
+        Self::all(D::splat(0.0))
     }
 
     /// Adds eight masses, where they are and how fast.
@@ -49,23 +55,13 @@ impl<D: Doubles> Moments<D> {
     }
 }
 
-impl Moments<f64> {
-    pub(crate) const NONE: Self = {
-        let zero = Vector { x: 0.0, y: 0.0, z: 0.0 };
-        Self {
-            mass: 0.0,
-            first: zero,
-            squares: zero,
-            products: zero,
-            momentum: zero,
-            angular: zero,
-        }
-    };
+impl MomentSums<f64> {
+    pub(crate) const NONE: Self = Self::all(0.0);
 
     /// Adds those of all lanes, the lowest first.
     #[inline(always)]
-    pub(crate) fn add_lanes<D: Doubles>(&mut self, sums: &Moments<D>) {
-        let Moments { mass, first, squares, products, momentum, angular } = sums;
+    pub(crate) fn add_lanes<D: Doubles>(&mut self, sums: &MomentSums<D>) {
+        let MomentSums { mass, first, squares, products, momentum, angular } = sums;
         add_all(&mut self.mass, *mass);
         let own = [
             (&mut self.first, first),

@@ -13,7 +13,7 @@ use glam::{DVec3, Vec3, Vec4};
 use super::Simulation;
 use crate::lanes::{LANES, LaneArray, Lanes, Number, Vector, kernel};
 use crate::particles::Particles;
-use crate::pose::{MassMoments, Moments, Motion, counts, motion};
+use crate::pose::{MassMoments, MomentSums, Motion, counts, motion};
 
 /// So many eights of particles are summed up at a time.
 const EIGHTS: usize = 32;
@@ -56,7 +56,7 @@ impl Simulation {
     fn moments(&self, points: impl Iterator<Item = (u32, f32)>, near: Vec3) -> Option<MassMoments> {
         let (mut points, particles) = (points.peekable(), &self.particles);
         let &(first, _) = points.peek()?;
-        let given = Given {
+        let context = MotionContext {
             particles,
             began: Some(&self.scratch.checkpoint[..]).filter(|all| all.len() == particles.len())?,
             first: &self.scratch.first_velocity,
@@ -65,7 +65,7 @@ impl Simulation {
         };
         let i = first as usize;
         let about = [particles.relative_to(i, near), self.velocity_now(i)].map(Vec3::as_dvec3);
-        let mut sums = Moments::NONE;
+        let mut sums = MomentSums::NONE;
         while points.peek().is_some() {
             let (mut eights, mut count) = ([([first; LANES], [0.0; LANES]); EIGHTS], 0);
             for (row, mass) in points.by_ref().take(EIGHTS * LANES) {
@@ -74,7 +74,7 @@ impl Simulation {
                 count += 1;
             }
             let eights = &eights[..count.div_ceil(LANES)];
-            add_particles(eights, given, about, &mut sums, self.instructions);
+            add_particles(eights, context, about, &mut sums, self.instructions);
         }
         Some(MassMoments::about(about[0], about[1], &sums))
     }
@@ -141,7 +141,7 @@ fn mean_acceleration<N: Number>(
 
 /// What the velocities of particles at this instant follow from.
 #[derive(Clone, Copy)]
-struct Given<'a> {
+struct MotionContext<'a> {
     particles: &'a Particles,
     /// Where they were when the last step began, and how fast if that was one of one substep.
     began: &'a [Vec4],
@@ -156,16 +156,16 @@ kernel!(
     /// Adds particles of these rows and masses, relative to a position and a velocity.
     fn add_particles<L: Lanes>(
         eights: &[([u32; LANES], LaneArray)],
-        given: Given<'_>,
+        context: MotionContext<'_>,
         about: [DVec3; 2],
-        sums: &mut Moments<f64>,
+        sums: &mut MomentSums<f64>,
     ) {
-        let Given { particles, began, first, step, near } = given;
+        let MotionContext { particles, began, first, step, near } = context;
         let [position, velocity] = about;
         let (position, velocity) = (Vector::double(position), Vector::double(velocity));
         let common = Vector::<L>::splat(particles.common);
         let near = Vector::<L>::splat(near);
-        let mut own = Moments::<L::Doubles>::none();
+        let mut own = MomentSums::<L::Doubles>::none();
         for (rows, masses) in eights {
             let (q, w) = Vector::of(L::rows(&particles.position, rows));
             let (v, h) = Vector::of(L::rows(&particles.velocity, rows));

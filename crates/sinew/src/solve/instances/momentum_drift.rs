@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::lane_storage::LaneStorage;
 use crate::lanes::{Doubles, LANES, Lanes, Vector, kernel};
-use crate::pose::{Moments, WORST, pseudo_solve};
+use crate::pose::{MomentSums, WORST, pseudo_solve};
 use crate::solve::momentum::{MomentumDrift, WideMomentumDrift};
 
 impl<D: Doubles> WideMomentumDrift<D> {
@@ -113,7 +113,7 @@ impl LaneStorage {
             None => Vector::double(DVec3::ZERO),
             Some(first) => Vector::of(first.load::<L>()).0.widen(),
         };
-        let mut sums = Moments::<L::Doubles>::none();
+        let mut sums = MomentSums::<L::Doubles>::none();
         for (((now, start), velocity), mass) in now.iter().zip(start).zip(velocity).zip(mass) {
             let ((q, _), (from, _)) = (Vector::of(now.load::<L>()), Vector::of(start.load()));
             let u = Vector::of(velocity.load::<L>()).0;
@@ -126,7 +126,7 @@ impl LaneStorage {
     }
 }
 
-impl<D: Doubles> Moments<D> {
+impl<D: Doubles> MomentSums<D> {
     /// Barycentres, velocities and angular velocities; the last of those whose bits are set, zero of others.
     #[inline(always)]
     fn answer(&self, turning: u32) -> (Vector<D>, Vector<D>, Vector<D>) {

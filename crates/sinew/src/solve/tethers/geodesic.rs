@@ -40,12 +40,12 @@ pub(super) struct Web {
 /// How far each particle is from the nearest of some sources.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct DistanceField {
-    ways: Vec<Way>,
+    paths: Vec<Path>,
 }
 
-/// The shortest way of a particle. Of several that are equally long, the first in the order of these fields.
+/// The shortest path of a particle. Of several that are equally long, the first in the order of these fields.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-struct Way {
+struct Path {
     /// Metres; infinite where no rods lead.
     length: f64,
     /// More than those of what it leads over, so that of two that are equally far one is nearer.
@@ -56,7 +56,7 @@ struct Way {
     over: [u32; 2],
 }
 
-impl Way {
+impl Path {
     const UNKNOWN: Self = Self { length: f64::INFINITY, steps: NONE, source: 0, over: [NONE; 2] };
 
     fn is_known(&self) -> bool {
@@ -82,13 +82,13 @@ impl DistanceField {
     /// The particles that rods lead to, less the sources, the farthest first, with the one before each on its way and the number of the rod between.
     pub(super) fn inwards(&self, web: &Web) -> Vec<(u32, u32, u32)> {
         let known = |i: &u32| {
-            let way = self.ways[*i as usize];
-            way.is_known() && !way.is_of_a_source()
+            let path = self.paths[*i as usize];
+            path.is_known() && !path.is_of_a_source()
         };
-        let mut reached: Vec<u32> = (0..self.ways.len() as u32).filter(known).collect();
-        reached.sort_unstable_by_key(|&i| Reverse(self.ways[i as usize].order(i)));
+        let mut reached: Vec<u32> = (0..self.paths.len() as u32).filter(known).collect();
+        reached.sort_unstable_by_key(|&i| Reverse(self.paths[i as usize].order(i)));
         let each = reached.into_iter().filter_map(|i| {
-            let before = self.ways[i as usize].over[0];
+            let before = self.paths[i as usize].over[0];
             let rod = web.rods_of(i).iter().find(|rod| rod.0 == before)?;
             Some((i, before, rod.1))
         });
@@ -97,12 +97,12 @@ impl DistanceField {
 
     /// Metres; infinite where no rods lead.
     pub(super) fn length(&self, particle: u32) -> f64 {
-        self.ways[particle as usize].length
+        self.paths[particle as usize].length
     }
 
     /// Which of the sources it is.
     pub(super) fn source(&self, particle: u32) -> u32 {
-        self.ways[particle as usize].source
+        self.paths[particle as usize].source
     }
 }
 
@@ -168,10 +168,10 @@ impl Web {
 
     /// How far each particle is from the nearest of some.
     pub(super) fn field(&self, sources: &[u32]) -> DistanceField {
-        let mut field = DistanceField { ways: vec![Way::UNKNOWN; self.first.len() - 1] };
+        let mut field = DistanceField { paths: vec![Path::UNKNOWN; self.first.len() - 1] };
         let mut search = Search::of(self, &mut field);
         for (source, &particle) in (0..).zip(sources) {
-            search.offer(particle, Way { length: 0.0, steps: 0, source, over: [NONE; 2] });
+            search.offer(particle, Path { length: 0.0, steps: 0, source, over: [NONE; 2] });
         }
         search.run();
         field
@@ -186,7 +186,7 @@ impl Web {
         let corners = beside.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]);
         let mut asked: Vec<u32> = changed.iter().copied().chain(corners).collect();
         // The nearest first: what their ways lead over is right, or lost.
-        asked.sort_unstable_by_key(|&one| field.ways[one as usize].order(one));
+        asked.sort_unstable_by_key(|&one| field.paths[one as usize].order(one));
         asked.dedup();
         let mut search = Search::of(self, field);
         for particle in asked {
@@ -202,11 +202,11 @@ impl Web {
 /// Those that are final, as far as is known, lead others on. The others are open: the nearest of them is final, as nothing can offer it a shorter one any more.
 struct Search<'a> {
     web: &'a Web,
-    ways: &'a mut [Way],
+    paths: &'a mut [Path],
     states: Vec<State>,
     /// The open ones, the nearest first; and some that are not what they were.
     open: BinaryHeap<Reverse<(u64, u32, u32)>>,
-    /// Those that have lost their ways: their neighbours are to be asked again.
+    /// Those that have lost their paths: their neighbours are to be asked again.
     lost: Vec<u32>,
     /// Beside which particle each was seen last, and how long the rod between the two is.
     beside: Vec<(u32, f64)>,
@@ -222,10 +222,10 @@ enum State {
 
 impl<'a> Search<'a> {
     fn of(web: &'a Web, field: &'a mut DistanceField) -> Self {
-        let particles = field.ways.len();
+        let particles = field.paths.len();
         Self {
             web,
-            ways: &mut field.ways,
+            paths: &mut field.paths,
             states: vec![State::Final; particles],
             open: BinaryHeap::new(),
             lost: Vec::new(),
@@ -237,8 +237,8 @@ impl<'a> Search<'a> {
     fn run(&mut self) {
         while let Some(Reverse(order)) = self.open.pop() {
             let near = order.2;
-            let (way, state) = (self.ways[near as usize], &mut self.states[near as usize]);
-            if *state == State::Open && way.order(near) == order {
+            let (path, state) = (self.paths[near as usize], &mut self.states[near as usize]);
+            if *state == State::Open && path.order(near) == order {
                 *state = State::Final;
                 self.lead_on(near);
                 self.lose_followers();
@@ -249,10 +249,10 @@ impl<'a> Search<'a> {
 
     /// Offers the neighbours of one that has become final the ways over it, and over it and another final one.
     fn lead_on(&mut self, near: u32) {
-        let (web, own) = (self.web, self.ways[near as usize]);
+        let (web, own) = (self.web, self.paths[near as usize]);
         self.see_from(near);
         for &(corner, _, p) in web.rods_of(near) {
-            let known = self.ways[corner as usize].order(corner);
+            let known = self.paths[corner as usize].order(corner);
             if self.is_final(corner) && known < own.order(near) {
                 continue;
             }
@@ -260,7 +260,7 @@ impl<'a> Search<'a> {
             for &(other, _, q) in web.rods_of(corner) {
                 let (seen, c) = self.beside[other as usize];
                 if seen == near && self.is_final(other) {
-                    let ends = [own, self.ways[other as usize]];
+                    let ends = [own, self.paths[other as usize]];
                     best = first_of(best, across_side(ends, [near, other], c, [p, q]));
                 }
             }
@@ -269,14 +269,14 @@ impl<'a> Search<'a> {
     }
 
     /// Gives a particle a way, if it is better than its own. Those whose ways lead over it then have to look for others.
-    fn offer(&mut self, particle: u32, way: Way) {
+    fn offer(&mut self, particle: u32, path: Path) {
         let at = particle as usize;
-        if way >= self.ways[at] {
+        if path >= self.paths[at] {
             return;
         }
         let was_final = self.is_final(particle);
-        (self.ways[at], self.states[at]) = (way, State::Open);
-        self.open.push(Reverse(way.order(particle)));
+        (self.paths[at], self.states[at]) = (path, State::Open);
+        self.open.push(Reverse(path.order(particle)));
         if was_final {
             self.lose_those_over(particle);
         }
@@ -284,10 +284,10 @@ impl<'a> Search<'a> {
 
     /// Takes the way of a particle, and those over it, if its final neighbours do not offer it that one as the best.
     fn ask_again(&mut self, particle: u32) {
-        let way = self.ways[particle as usize];
+        let path = self.paths[particle as usize];
         if self.states[particle as usize] == State::Final
-            && !way.is_of_a_source()
-            && self.best(particle) != way
+            && !path.is_of_a_source()
+            && self.best(particle) != path
         {
             self.lose(particle);
             self.lose_followers();
@@ -297,8 +297,8 @@ impl<'a> Search<'a> {
     /// Takes the way of a particle that is no source.
     fn lose(&mut self, particle: u32) {
         let at = particle as usize;
-        if !self.ways[at].is_of_a_source() && self.states[at] != State::Lost {
-            (self.ways[at], self.states[at]) = (Way::UNKNOWN, State::Lost);
+        if !self.paths[at].is_of_a_source() && self.states[at] != State::Lost {
+            (self.paths[at], self.states[at]) = (Path::UNKNOWN, State::Lost);
             self.lost.push(particle);
         }
     }
@@ -306,7 +306,7 @@ impl<'a> Search<'a> {
     fn lose_those_over(&mut self, particle: u32) {
         let web = self.web;
         for &(corner, ..) in web.rods_of(particle) {
-            if self.ways[corner as usize].leads_over(particle) {
+            if self.paths[corner as usize].leads_over(particle) {
                 self.lose(corner);
             }
         }
@@ -333,17 +333,17 @@ impl<'a> Search<'a> {
     }
 
     /// The best way that the final neighbours of a particle offer it.
-    fn best(&mut self, particle: u32) -> Way {
+    fn best(&mut self, particle: u32) -> Path {
         self.see_from(particle);
         let web = self.web;
-        let mut best = Way::UNKNOWN;
+        let mut best = Path::UNKNOWN;
         for &(near, _, p) in web.rods_of(particle).iter().filter(|rod| self.is_final(rod.0)) {
-            let own = self.ways[near as usize];
+            let own = self.paths[near as usize];
             best = first_of(best, along(&own, near, p));
             for &(other, _, c) in web.rods_of(near) {
                 let (seen, q) = self.beside[other as usize];
                 if seen == particle && other > near && self.is_final(other) {
-                    let ends = [own, self.ways[other as usize]];
+                    let ends = [own, self.paths[other as usize]];
                     best = first_of(best, across_side(ends, [near, other], c, [p, q]));
                 }
             }
@@ -353,7 +353,7 @@ impl<'a> Search<'a> {
 
     /// Whether a particle has a way that is final as far as is known.
     fn is_final(&self, particle: u32) -> bool {
-        self.states[particle as usize] == State::Final && self.ways[particle as usize].is_known()
+        self.states[particle as usize] == State::Final && self.paths[particle as usize].is_known()
     }
 
     /// Notes the neighbours of a particle.
@@ -364,13 +364,13 @@ impl<'a> Search<'a> {
     }
 }
 
-fn first_of(one: Way, other: Way) -> Way {
+fn first_of(one: Path, other: Path) -> Path {
     if other < one { other } else { one }
 }
 
 /// On from a particle along a rod of length `p`.
-fn along(own: &Way, near: u32, p: f64) -> Way {
-    Way {
+fn along(own: &Path, near: u32, p: f64) -> Path {
+    Path {
         length: own.length + p,
         steps: own.steps.saturating_add(1),
         source: own.source,
@@ -380,18 +380,18 @@ fn along(own: &Way, near: u32, p: f64) -> Way {
 
 /// On across the side of length `c` between two particles, from which it is `p` and `q` to the corner. Unknown if their ways are to two sources, or it were nearer
 /// than they are: then it has a way over others.
-fn across_side(ends: [Way; 2], numbers: [u32; 2], c: f64, rods: [f64; 2]) -> Way {
+fn across_side(ends: [Path; 2], numbers: [u32; 2], c: f64, rods: [f64; 2]) -> Path {
     let second = ends[0].order(numbers[0]) < ends[1].order(numbers[1]);
     let [far, near] = if second { [1, 0] } else { [0, 1] };
     let (own, other) = (ends[far], ends[near]);
     if own.source != other.source {
-        return Way::UNKNOWN;
+        return Path::UNKNOWN;
     }
     let length = across([own.length, other.length], c, [rods[far], rods[near]]);
     if length < own.length || length == f64::INFINITY {
-        return Way::UNKNOWN;
+        return Path::UNKNOWN;
     }
-    Way {
+    Path {
         length,
         steps: own.steps.max(other.steps).saturating_add(1),
         source: own.source,
