@@ -185,6 +185,20 @@ fn what_breaks_is_the_same_each_run_and_says_so_in_the_order_of_creation() {
 }
 
 #[test]
+fn cloth_that_may_tear_at_a_strain_shows_what_a_jerk_does_to_it() {
+    // Strains of large cloth are limited to 3 % when a tick ends: but for what breaks by them.
+    let mut app = app();
+    listen(&mut app);
+    let world = app.world_mut();
+    world.spawn(Wind { pressure: Vec3::Z * 5.0, gusts: 0.0, ..default() });
+    let sheet = Cloth::grid(2.0, 2.0, 60, 60).pinned(ClothPins::TopCorners);
+    world.spawn((sheet, BreakAt::strain(0.04), Transform::from_xyz(0.0, 4.0, 0.0)));
+    tick(&mut app, 90);
+    let strains: Vec<f32> = broken(&app).iter().map(|broke| broke.strain).collect();
+    assert!(!strains.is_empty() && strains.iter().all(|&strain| strain > 0.04), "{strains:?}");
+}
+
+#[test]
 fn nothing_breaks_by_a_number_that_is_none() {
     let mut app = app();
     listen(&mut app);

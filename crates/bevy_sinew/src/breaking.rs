@@ -59,7 +59,7 @@ pub(crate) struct Breakables {
     count: usize,
 }
 
-/// Says which constraints may break, and has the loads of those measured that may by a force.
+/// Says which constraints may break, and has the loads of those measured that may by a force, and the strains of those that may by that.
 pub(crate) fn gather_breakables(
     mut world: ResMut<SinewWorld>,
     mut breakables: ResMut<Breakables>,
@@ -83,6 +83,7 @@ pub(crate) fn gather_breakables(
         if went {
             breakables.all.clear();
             simulation.measure_loads([], []);
+            simulation.measure_strains([]);
         }
         return;
     }
@@ -123,6 +124,8 @@ pub(crate) fn gather_breakables(
     distances.sort_unstable();
     constraints.sort_unstable();
     simulation.measure_loads(distances, constraints);
+    let by_strain = list.iter().filter(|(.., one)| one.limits.strain.is_finite());
+    simulation.measure_strains(by_strain.filter_map(|(.., one)| one.at.distance()));
 }
 
 /// Breaks what had to hold too much.

@@ -63,6 +63,8 @@ pub(crate) struct Island {
     pub(crate) asleep: bool,
     /// Whether loads of constraints in it are measured, so that it is solved by itself.
     pub(crate) measured: bool,
+    /// Whether it is measured how far distances in it are stretched, so that what the solver leaves is not [relaxed](crate::solve).
+    pub(crate) strain_measured: bool,
     /// Whether it moves as one rigid state in this step: its constraints are not swept, and its particles follow.
     pub(crate) one_state: bool,
     /// Where its chains are among the plan's.
@@ -71,6 +73,8 @@ pub(crate) struct Island {
     pub(crate) tethers: Option<u32>,
     /// Which of the plan's spans are its own.
     pub(crate) spans: Option<u32>,
+    /// Which of the plan's rod graphs is its own.
+    pub(crate) rod_graph: Option<u32>,
     /// Whether a part of it collides as a rigid shape.
     pub(crate) has_solids: bool,
     /// Whether a spring pulls on it in this step.
@@ -81,6 +85,8 @@ pub(crate) struct Island {
     pub(crate) microsteps: u32,
     /// Whether a body of its particles may come to touch another one in this step; asked of what takes microsteps.
     pub(crate) meets_others: bool,
+    /// Whether one may come to touch another one, or itself.
+    pub(crate) meets_any: bool,
 }
 
 impl Island {

@@ -250,7 +250,8 @@ fn worst_strain(world: &Simulation) -> f32 {
 
 #[test]
 fn what_the_rods_of_a_flag_cannot_all_have_is_shared_out() {
-    // It hangs on the upper end of its pole, by a few cells whose diagonals no fold can all please: one of them was off by 7 % at some moment of each start.
+    // It hangs on the upper end of its pole, by a few cells whose diagonals no fold can all please: one of them was off by 7 % at some moment of each start, and
+    // by 4.3 before strains were limited to 3.
     for turned in [0.0, 1e-4] {
         let mut world = Simulation::default();
         world.forces.gravity = Vec3::new(9.81 * turned, -9.81, 0.0);
@@ -274,7 +275,7 @@ fn what_the_rods_of_a_flag_cannot_all_have_is_shared_out() {
             worst = if tick < 60 { 0.0 } else { worst.max(worst_strain(&world)) };
         }
         println!("turned by {turned}: {worst:.3}");
-        assert!(worst < 0.055, "{worst}");
+        assert!(worst < 0.0301, "{worst}");
     }
 }
 
@@ -319,5 +320,27 @@ fn what_nothing_holds_keeps_its_spin_though_its_rods_contradict_each_other() {
         let lost = (turning(&world) - before).length() / before.length();
         println!("{elsewhere}: {at}, {v}, {lost:.2e}, strain {}", worst_strain(&world));
         assert!(lost < 2e-3, "{elsewhere}: {lost}");
+    }
+}
+
+#[test]
+fn a_jerk_that_goes_through_a_large_sheet_is_not_seen_as_long_rods() {
+    // It swings from two corners in a wind and snaps taut now and then: rods there were off by 17 to 25 % before strains were limited.
+    for turned in [0.0, 1e-4] {
+        let mut world = Simulation::default();
+        world.forces.gravity = Vec3::new(9.81 * turned, -9.81, 0.0);
+        world.forces.winds.push(Wind::steady(Vec3::new(0.0, 0.0, 5.0)));
+        let spec =
+            ClothSpec { width: 2.0, height: 2.0, columns: 127, rows: 127, ..Default::default() };
+        let mut cloth = cloth_grid(&spec).unwrap();
+        [0, 127].into_iter().for_each(|row| cloth.pin(row).unwrap());
+        cloth.build(&mut world).unwrap();
+        let mut worst = 0.0_f32;
+        for tick in 0..240 {
+            world.step(DT).unwrap();
+            worst = if tick < 60 { 0.0 } else { worst.max(worst_strain(&world)) };
+        }
+        println!("turned by {turned}: {worst:.3}");
+        assert!(worst < 0.12, "{worst}");
     }
 }

@@ -65,6 +65,11 @@ impl Contacts {
         self.nearby.has_beside(body)
     }
 
+    /// Whether it may come to touch another one in this step, or itself.
+    pub(crate) fn may_meet_any(&self, body: u32) -> bool {
+        self.nearby.has(body)
+    }
+
     /// Notes which rows do not collide by themselves.
     fn set_aside(&mut self, particles: &Particles, filter: &ContactFilter) {
         let Self { aside, body_contact, .. } = self;

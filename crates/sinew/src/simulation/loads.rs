@@ -34,6 +34,16 @@ impl Simulation {
         self.scratch.loads.want(distances.into_iter(), constraints.into_iter());
     }
 
+    /// Has these distances, by their numbers in [`distances`](Self::distances), be as far from their lengths when a step ends as the solver left them, from
+    /// the next step on, and no others: for whoever breaks them by that. Otherwise large cloth that something holds has its errors shared out and its strain
+    /// limited to 3 % then ([`SolverSettings::microsteps`](crate::SolverSettings::microsteps)). Where one is added or removed, numbers change: then say them
+    /// again.
+    pub fn measure_strains(&mut self, distances: impl IntoIterator<Item = usize>) {
+        self.scratch.measured_strains.clear();
+        self.scratch.measured_strains.extend(distances);
+        self.scratch.settled = None;
+    }
+
     /// The tension of a distance, N, in the mean over the last step; negative where it holds its ends apart. `None` if it was not
     /// [measured](Self::measure_loads), or could not act.
     ///

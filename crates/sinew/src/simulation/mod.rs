@@ -91,6 +91,8 @@ struct Scratch {
     /// What the settings of islands followed from in the last step: the world's, the length of a substep, seconds, and the numbers of what bodies ask for and of
     /// edits. `None` where that is not all.
     settled: Option<(SolverSettings, f32, u64, u64)>,
+    /// Numbers of the distances whose strains are measured.
+    measured_strains: Vec<usize>,
     substep: Substep,
     electric: forces::ElectricScratch,
     fluids: forces::FluidScratch,

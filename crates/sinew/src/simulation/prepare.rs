@@ -162,8 +162,8 @@ impl Simulation {
 
     /// Gives each island the settings that its bodies ask for.
     pub(super) fn settle_islands(&mut self, world: SolverSettings) {
-        let Self { particles, bodies, forces, scratch, .. } = self;
-        let Scratch { plan, substep, settled, loads, .. } = scratch;
+        let Self { particles, bodies, forces, distances, scratch, .. } = self;
+        let Scratch { plan, substep, settled, loads, measured_strains, .. } = scratch;
         let h = substep.length;
         // Of what springs, loads and a walk to rest change from step to step none is asked for the same twice.
         let is_plain = forces.springs.is_empty() && loads.is_empty() && !world.statics;
@@ -172,10 +172,17 @@ impl Simulation {
             return plan.tether(particles);
         }
         *settled = is_plain.then_some(inputs);
-        plan.islands.list.iter_mut().for_each(|island| island.has_springs = false);
+        for island in &mut plan.islands.list {
+            (island.has_springs, island.strain_measured) = (false, false);
+        }
         for row in forces.springs.iter().flat_map(|spring| [spring.a, spring.b]) {
             if let Some(&number) = plan.islands.of.get(row as usize) {
                 plan.islands.list[number as usize].has_springs = true;
+            }
+        }
+        for distance in measured_strains.iter().filter_map(|&number| distances.get(number)) {
+            if let Some(&number) = plan.islands.of.get(distance.a as usize) {
+                plan.islands.list[number as usize].strain_measured = true;
             }
         }
         let held = |position: &Vec4| position.w == 0.0;
@@ -262,11 +269,15 @@ impl Simulation {
         let Islands { list, members, .. } = &mut plan.islands;
         for island in list.iter_mut().filter(|island| island.takes_microsteps()) {
             let mut last = NO_BODY;
-            // Neighbours mostly share their body.
-            island.meets_others = members[island.members.clone()].iter().any(|&row| {
+            (island.meets_others, island.meets_any) = (false, false);
+            for &row in &members[island.members.clone()] {
                 let body = particles.body[row as usize];
-                core::mem::replace(&mut last, body) != body && contacts.may_meet_others(body)
-            });
+                // Neighbours mostly share their body.
+                if core::mem::replace(&mut last, body) != body {
+                    island.meets_others |= contacts.may_meet_others(body);
+                    island.meets_any |= contacts.may_meet_any(body);
+                }
+            }
         }
     }
 

@@ -139,9 +139,11 @@ impl TaskSlice<'_> {
                 drift.take_off(places, members);
             }
             context.bounce(places, &mut self.normal_impulses, rows.clone());
-            if is_held && !island.meets_others && ends_step && number_of_step + 1 == of {
-                let MicrostepScratch { start, moved, .. } = &mut *scratch;
-                relax(context, number, self.island(number), own.clone(), &mut sweep, moved);
+            let relaxes = is_held && !island.meets_others && !island.strain_measured;
+            if relaxes && ends_step && number_of_step + 1 == of {
+                let MicrostepScratch { start, moved, strain, .. } = &mut *scratch;
+                let scratch = (&mut *moved, strain);
+                relax(context, number, self.island(number), own.clone(), &mut sweep, scratch);
                 start.iter_mut().zip(moved).for_each(|(start, moved)| *start += *moved);
             }
         }

@@ -5,7 +5,9 @@
 //! - `world` deals islands out to threads, `island_step` for whole steps; `island` solves one: until the largest error in it is small enough or the
 //!   sweeps are spent;
 //! - `context` is what all of them need to know of a substep, `task_slice` what a task or an island has to itself, `scratch` what a thread keeps the memory of;
-//! - `microsteps` takes a large soft island through a substep in smaller steps of its own, and `relaxation` shares out what is left of its errors when a step ends;
+//! - `microsteps` takes a large soft island through a substep in smaller steps of its own; when a step ends `relaxation` shares out what is left of its errors, and
+//!   `strain_limit` has none of its rods be off by more than 3 %;
+//! - `rod_graph` says which rods end at a particle;
 //! - `instances` takes islands that are built alike side by side;
 //! - `wavefront` takes the substeps of a step through a large island of rods one behind the other, and several threads one behind the other, too;
 //! - `rods` takes hard rods eight by eight; `chains` solves those of a rope at once; `tethers` hold what hangs on a pin through many of them;
@@ -39,8 +41,10 @@ mod recovery;
 mod relaxation;
 mod remaining;
 mod report;
+mod rod_graph;
 mod rods;
 mod scratch;
+mod strain_limit;
 mod task_slice;
 mod tethers;
 mod wavefront;

@@ -25,6 +25,7 @@ use super::context::SolveContext;
 use super::island::project_contacts;
 use super::multipliers::MultiplierSlice;
 use super::rods::Relaxation;
+use super::strain_limit::StrainScratch;
 use super::task_slice::IslandSlice;
 use crate::constraints::{GradientAt, SubstepContext};
 use crate::particles::Places;
@@ -37,8 +38,8 @@ const SWEEPS: [Relaxation; 3] = [
     Relaxation { share: 0.5, tolerance: 0.02 },
 ];
 
-/// Islands that are slower than this, m/s, root mean square, are relaxed by as much less. A sheet on a table at 240 × 3 substeps a second is left with 3 mm/s by
-/// the whole of it.
+/// Islands that are slower than this, m/s, root mean square, are relaxed by as much less, and their strain is not limited. A sheet on a table at 240 × 3 substeps a
+/// second is left with 3 mm/s by the whole of it.
 const CALM: f32 = 0.02;
 
 /// Takes the island of a number, whose places are in such a range of its own, through the relaxed sweeps after the last microstep of a step, which `context` is of.
@@ -49,13 +50,16 @@ pub(super) fn relax(
     own: IslandSlice,
     range: Range<usize>,
     mut sweep: impl FnMut(&mut Places, &mut MultiplierSlice, SolveMode) -> f32,
-    moved: &mut Vec<Vec4>,
+    (moved, strain): (&mut Vec<Vec4>, &mut StrainScratch),
 ) {
     let IslandSlice { mut places, mut multipliers, mut normal_impulses, .. } = own;
+    let island = &context.plan.islands.list[number];
     moved.clear();
     moved.extend_from_slice(&places.position[range.clone()]);
     let motion = (rms_speed(&places.velocity[range.clone()]) / CALM).min(1.0);
     for Relaxation { share, tolerance } in SWEEPS {
+        strain.before.clear();
+        strain.before.extend_from_slice(&places.position[range.clone()]);
         let mode = SolveMode {
             substep_context: SubstepContext { h: context.h, sweeps: SWEEPS.len() as u32 },
             gradient_at: GradientAt::Current,
@@ -66,6 +70,13 @@ pub(super) fn relax(
             instructions: context.execution.instructions,
         };
         sweep(&mut places, &mut multipliers, mode);
+    }
+    // What touches itself would be pushed back.
+    if let Some(graph) = context.plan.tethers.graph_of(island)
+        && !island.meets_any
+        && motion >= 1.0
+    {
+        strain.limit(graph, &mut places.position[range.clone()]);
     }
     let island = (number, context.plan.members(number));
     project_contacts(context, &mut places, &mut normal_impulses, island);

@@ -10,6 +10,7 @@ use super::momentum::MomentumDrift;
 use super::most_violated_first::Queue;
 use super::plan::Task;
 use super::remaining::Remaining;
+use super::strain_limit::StrainScratch;
 use super::wavefront::Wavefront;
 use crate::integrate::StepRows;
 use crate::lanes::Columns;
@@ -61,4 +62,5 @@ pub(super) struct MicrostepScratch {
     pub(super) led: Vec<(usize, Vec4)>,
     /// How far a relaxation moved each particle.
     pub(super) moved: Vec<Vec4>,
+    pub(super) strain: StrainScratch,
 }

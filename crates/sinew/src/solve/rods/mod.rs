@@ -17,7 +17,7 @@ pub(super) use soft::compliance;
 use core::ops::Range;
 
 use crate::constraints::Distance;
-use crate::lanes::{Columns, LANES, Lanes, Pair, Vector};
+use crate::lanes::{Columns, LANES, Lanes, Number, Pair, Vector};
 
 /// cos² of 0.35 rad, by which a rod may turn in a substep so that the direction that it had at the start still serves to correct it.
 pub(super) const COS_SQUARED: f32 = 0.882_43;
@@ -211,7 +211,7 @@ pub(crate) struct Relaxation {
 /// How much of their errors rods take in a sweep. A constant of a kernel, but where it is an option.
 pub(super) trait Correction: Copy {
     /// That of eight; `None` for all.
-    fn share<L: Lanes>(self, error: L, rest: L) -> Option<L>;
+    fn share<N: Number>(self, error: N, rest: N) -> Option<N>;
 }
 
 /// All of every error.
@@ -220,23 +220,23 @@ pub(super) struct Whole;
 
 impl Correction for Whole {
     #[inline(always)]
-    fn share<L: Lanes>(self, _: L, _: L) -> Option<L> {
+    fn share<N: Number>(self, _: N, _: N) -> Option<N> {
         None
     }
 }
 
 impl Correction for Relaxation {
     #[inline(always)]
-    fn share<L: Lanes>(self, error: L, rest: L) -> Option<L> {
-        let beyond = (error - rest * L::splat(self.tolerance)) / error;
+    fn share<N: Number>(self, error: N, rest: N) -> Option<N> {
+        let beyond = (error - rest * N::splat(self.tolerance)) / error;
         // Of none it is no number.
-        Some(beyond.max(L::zero()) * L::splat(self.share))
+        Some(beyond.max(N::splat(0.0)) * N::splat(self.share))
     }
 }
 
 impl Correction for Option<Relaxation> {
     #[inline(always)]
-    fn share<L: Lanes>(self, error: L, rest: L) -> Option<L> {
+    fn share<N: Number>(self, error: N, rest: N) -> Option<N> {
         match self {
             Some(relaxation) => relaxation.share(error, rest),
             None => None,
@@ -246,12 +246,12 @@ impl Correction for Option<Relaxation> {
 
 /// Both ends moved to the nearest point, or some of the way, the errors, and which of the rods were projected or have no end that moves.
 #[inline(always)]
-pub(super) fn project<L: Lanes>(
-    one: [L; 4],
-    other: [L; 4],
-    rest: L,
+pub(super) fn project<N: Number>(
+    one: [N; 4],
+    other: [N; 4],
+    rest: N,
     how: impl Correction,
-) -> ([L; 4], [L; 4], L, L) {
+) -> ([N; 4], [N; 4], N, N) {
     let (mut scale, error, moves) = stretch(one, other, rest);
     if let Some(share) = how.share(error, rest) {
         scale = scale * share;
@@ -280,7 +280,7 @@ fn run(rods: &[Distance], steps: &[u32]) -> (u32, usize) {
 /// How far eight rods are to be moved: the multiplier `s` of their direction, the error, metres, and a mask of those of which nothing is left to do: they
 /// have a direction, or no end that moves.
 #[inline(always)]
-fn stretch<L: Lanes>(one: [L; 4], other: [L; 4], rest: L) -> (L, L, L) {
+fn stretch<N: Number>(one: [N; 4], other: [N; 4], rest: N) -> (N, N, N) {
     let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));
     stretch_of((a - b).length(), [wa, wb], rest, None)
 }
@@ -291,12 +291,17 @@ fn stretch<L: Lanes>(one: [L; 4], other: [L; 4], rest: L) -> (L, L, L) {
 /// less, and resists by as much more: `s = (‖d‖ - L - Λ α/h²)/(‖d‖ (w_a + w_b + α/h²))`, and `Λ` grows by `s ‖d‖` (see
 /// [`multiplier`](crate::constraints::SubstepContext)).
 #[inline(always)]
-fn stretch_of<L: Lanes>(length: L, [wa, wb]: [L; 2], rest: L, yields: Option<(L, L)>) -> (L, L, L) {
+fn stretch_of<N: Number>(
+    length: N,
+    [wa, wb]: [N; 2],
+    rest: N,
+    yields: Option<(N, N)>,
+) -> (N, N, N) {
     let (value, weights) = (length - rest, wa + wb);
     let divisor = length * weights;
-    let moves = L::zero().lt(divisor);
+    let moves = N::zero().lt(divisor);
     // Between two pins there is nothing to part, and along the edge of a flag there are many such rods.
-    let settled = moves.or(weights.le(L::zero()));
+    let settled = moves.or(weights.le(N::zero()));
     let Some((yields, sum)) = yields else {
         return (moves.and(value / divisor), moves.and(value.abs()), settled);
     };
@@ -306,7 +311,7 @@ fn stretch_of<L: Lanes>(length: L, [wa, wb]: [L; 2], rest: L, yields: Option<(L,
 
 /// Moves them: `a -= w_a s d`, `b += w_b s d`.
 #[inline(always)]
-fn moved<L: Lanes>(one: [L; 4], other: [L; 4], scale: L) -> ([L; 4], [L; 4]) {
+fn moved<N: Number>(one: [N; 4], other: [N; 4], scale: N) -> ([N; 4], [N; 4]) {
     let ((a, wa), (b, wb)) = (Vector::of(one), Vector::of(other));
     let d = a - b;
     ((a - d * (wa * scale)).with(wa), (b + d * (wb * scale)).with(wb))

@@ -1,6 +1,5 @@
 //! Which tethers and spans the islands of a plan have: found from their rods and their pins, when those have changed.
 
-use super::geodesic::Web;
 use super::pin_fields::PinFields;
 use super::spans::Spans;
 use super::{IslandTethers, TetherBlock, TetherPaths};
@@ -10,6 +9,7 @@ use crate::islands::Island;
 use crate::lanes::LANES;
 use crate::particles::Particles;
 use crate::solve::plan::{GroupKind, Plan};
+use crate::solve::rod_graph::RodGraph;
 
 /// An island of no more particles has no tethers: there is one rod, or two, between any of them and its pin.
 const SMALL: usize = 3;
@@ -21,18 +21,24 @@ impl Plan {
         let stale = core::mem::take(&mut tethers.stale);
         if stale {
             tethers.spans.clear();
+            tethers.graphs.clear();
         }
         let mut before = if stale { core::mem::take(&mut tethers.islands) } else { Vec::new() };
         for number in 0..self.islands.list.len() {
             let island = &mut self.islands.list[number];
             if stale {
-                (island.tethers, island.spans) = (None, None);
+                (island.tethers, island.spans, island.rod_graph) = (None, None, None);
             }
             let spans =
                 island.microsteps > 1 && island.settings.long_range && island.spans.is_none();
             if spans {
                 tethers.spans.push(self.spans(number));
                 self.islands.list[number].spans = Some(tethers.spans.len() as u32 - 1);
+            }
+            let island = &self.islands.list[number];
+            if island.microsteps > 1 && island.rod_graph.is_none() {
+                tethers.graphs.push(self.graph(island));
+                self.islands.list[number].rod_graph = Some(tethers.graphs.len() as u32 - 1);
             }
             let island = &mut self.islands.list[number];
             let small = island.members.len() <= SMALL && !island.measured;
@@ -69,7 +75,11 @@ impl Plan {
                 (None, None) => {
                     let mut same = before.iter_mut().filter(|other| other.pins == pins);
                     let known = same.find_map(|other| other.fields.take());
-                    let fields = self.fields(island, &pins, known);
+                    let sources = self.places(island, &pins);
+                    let fields = match tethers.graph_of(island) {
+                        Some(graph) => PinFields::of(graph, sources, known),
+                        None => PinFields::of(&self.graph(island), sources, known),
+                    };
                     let each = fields.lengths();
                     (Some(fields), each)
                 }
@@ -103,9 +113,9 @@ impl Plan {
 
     /// The ways of the tethers of an island along its rods.
     fn ways(&self, island: &Island, pins: &[u32]) -> TetherPaths {
-        let (web, sources) = (self.web(island), self.places(island, pins));
-        let nearest = web.field(&sources);
-        let fields = PinFields::of(&web, sources, None);
+        let (graph, sources) = (self.graph(island), self.places(island, pins));
+        let nearest = graph.field(&sources);
+        let fields = PinFields::of(&graph, sources, None);
         // Numbers of hard distances, as `hard` lists them.
         let groups = self.groups[island.groups.clone()].iter();
         let numbers: Vec<u32> = groups
@@ -115,7 +125,7 @@ impl Plan {
             .map(|number| number as u32)
             .collect();
         let inwards = [Some(&nearest), fields.from(0), fields.from(1)].map(|field| {
-            let all = field.into_iter().flat_map(|field| field.inwards(&web));
+            let all = field.into_iter().flat_map(|field| field.inwards(&graph));
             all.map(|(member, before, rod)| (member, before, numbers[rod as usize])).collect()
         });
         TetherPaths { far: fields.far, inwards }
@@ -139,17 +149,12 @@ impl Plan {
     }
 
     /// The hard distances of an island, as rods between its members.
-    fn web(&self, island: &Island) -> Web {
+    fn graph(&self, island: &Island) -> RodGraph {
         let members = &self.islands.members[island.members.clone()];
         let place = places(members);
         let (_, distances) = self.hard(island);
         let rods: Vec<_> = distances.map(|d| (place(d.a), place(d.b), d.rest)).collect();
-        Web::new(members.len(), &rods)
-    }
-
-    /// How far the members of an island are from its pins, of which there is one at least; out of what was `known`.
-    fn fields(&self, island: &Island, pins: &[u32], known: Option<PinFields>) -> PinFields {
-        PinFields::of(&self.web(island), self.places(island, pins), known)
+        RodGraph::new(members.len(), &rods)
     }
 
     /// Where rows are among the members of an island.

@@ -1,4 +1,4 @@
-//! The shortest ways along a web of rods: over the triangles that they span, not only along the rods.
+//! The shortest ways along the rods of a graph: over the triangles that they span, not only along the rods.
 //!
 //! Along the rods of a square with both diagonals a way is up to 8 % longer than the straight line, and a tether of that length would hold too late. So
 //! the way may cross a triangle: from its side of length `c`, whose ends are `a` and `b` from the source, to its third corner, `p` and `q` from those ends.
@@ -10,7 +10,7 @@
 //!
 //! and if the line between the two crosses the side, it is the way.
 //!
-//! **It is a bound whatever shape the cloth is in**, and however the web was bent when it was made. A point that divides the side as `u : 1 - u` is, by
+//! **It is a bound whatever shape the cloth is in**, and however the rods lay when it was made. A point that divides the side as `u : 1 - u` is, by
 //! Stewart's theorem, no farther from the source than `√((1 - u) a² + u b² - u (1 - u) c²)` if its ends are no farther than `a` and `b`, and that is
 //! how far it is in the plane; the rest of the way is within a triangle whose sides are rods. So no tether asks for more than the rods it stands for.
 //!
@@ -19,23 +19,17 @@
 //! # Tears
 //!
 //! What is right does not depend on the order in which it is found: each particle has the least of what the ways to its neighbours offer it, and a way leads on
-//! only from what is nearer to the source. So when some rods have changed, a field may be [updated](Web::update) where it depended on those (dynamic shortest
+//! only from what is nearer to the source. So when some rods have changed, a field may be [updated](RodGraph::update) where it depended on those (dynamic shortest
 //! paths; Ramalingam and Reps, *An Incremental Algorithm for a Generalization of the Shortest-Path Problem*, 1996), and has the bits of one made from nothing.
 //! Behind a tear those are its shadow, as seen from the source.
 
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use crate::solve::rod_graph::{RodEnd, RodGraph};
+
 /// No particle, and no rod.
 const NONE: u32 = u32::MAX;
-
-/// Particles and the rods between them.
-pub(super) struct Web {
-    /// Where the rods of each particle begin, and in the end their number.
-    first: Vec<u32>,
-    /// The other end of each, its number, and its length, metres. Of several between the same two particles each is the shortest.
-    rods: Vec<(u32, u32, f64)>,
-}
 
 /// How far each particle is from the nearest of some sources.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,7 +74,7 @@ impl Path {
 
 impl DistanceField {
     /// The particles that rods lead to, less the sources, the farthest first, with the one before each on its way and the number of the rod between.
-    pub(super) fn inwards(&self, web: &Web) -> Vec<(u32, u32, u32)> {
+    pub(super) fn inwards(&self, graph: &RodGraph) -> Vec<(u32, u32, u32)> {
         let known = |i: &u32| {
             let path = self.paths[*i as usize];
             path.is_known() && !path.is_of_a_source()
@@ -89,8 +83,8 @@ impl DistanceField {
         reached.sort_unstable_by_key(|&i| Reverse(self.paths[i as usize].order(i)));
         let each = reached.into_iter().filter_map(|i| {
             let before = self.paths[i as usize].over[0];
-            let rod = web.rods_of(i).iter().find(|rod| rod.0 == before)?;
-            Some((i, before, rod.1))
+            let rod = graph.rods_of(i).iter().find(|rod| rod.to == before)?;
+            Some((i, before, rod.number))
         });
         each.collect()
     }
@@ -106,69 +100,10 @@ impl DistanceField {
     }
 }
 
-impl Web {
-    /// Of so many particles.
-    pub(super) fn new(particles: usize, rods: &[(u32, u32, f32)]) -> Self {
-        let mut first = vec![0_u32; particles + 1];
-        for &(a, b, _) in rods {
-            first[a as usize + 1] += 1;
-            first[b as usize + 1] += 1;
-        }
-        for particle in 0..particles {
-            first[particle + 1] += first[particle];
-        }
-        let (mut next, mut all) = (first.clone(), vec![(0, 0, 0.0); 2 * rods.len()]);
-        for (&(a, b, rest), number) in rods.iter().zip(0..) {
-            for (from, to) in [(a, b), (b, a)] {
-                let place = &mut next[from as usize];
-                all[*place as usize] = (to, number, f64::from(rest));
-                *place += 1;
-            }
-        }
-        let mut web = Self { first, rods: all };
-        web.have_the_shortest_count();
-        web
-    }
-
-    /// Gives all rods between the same two particles the length and the number of the shortest.
-    fn have_the_shortest_count(&mut self) {
-        let Self { first, rods } = self;
-        let mut beside = vec![NONE; first.len()];
-        for (particle, ends) in (0..).zip(first.windows(2)) {
-            let own = &mut rods[ends[0] as usize..ends[1] as usize];
-            let several = own.iter().fold(false, |several, rod| {
-                several | (core::mem::replace(&mut beside[rod.0 as usize], particle) == particle)
-            });
-            if !several {
-                continue;
-            }
-            for place in 0..own.len() {
-                let (to, ..) = own[place];
-                let between = own.iter().filter(|rod| rod.0 == to);
-                let shortest = between.copied().reduce(|a, b| if b.2 < a.2 { b } else { a });
-                own[place] = shortest.unwrap_or(own[place]);
-            }
-        }
-    }
-
-    fn rods_of(&self, particle: u32) -> &[(u32, u32, f64)] {
-        let at = particle as usize;
-        &self.rods[self.first[at] as usize..self.first[at + 1] as usize]
-    }
-
-    /// Of each particle a hash of its rods, whatever order they are in: two webs differ at the particles whose hashes do.
-    pub(super) fn hashes(&self) -> Vec<u64> {
-        let hash = |&(to, _, length): &(u32, u32, f64)| {
-            let word = (length.to_bits() ^ u64::from(to)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-            (word ^ word >> 32).wrapping_mul(0xD6E8_FEB8_6659_FD93)
-        };
-        let rods = self.first.windows(2).map(|ends| &self.rods[ends[0] as usize..ends[1] as usize]);
-        rods.map(|own| own.iter().map(hash).fold(own.len() as u64, u64::wrapping_add)).collect()
-    }
-
+impl RodGraph {
     /// How far each particle is from the nearest of some.
     pub(super) fn field(&self, sources: &[u32]) -> DistanceField {
-        let mut field = DistanceField { paths: vec![Path::UNKNOWN; self.first.len() - 1] };
+        let mut field = DistanceField { paths: vec![Path::UNKNOWN; self.particles()] };
         let mut search = Search::of(self, &mut field);
         for (source, &particle) in (0..).zip(sources) {
             search.offer(particle, Path { length: 0.0, steps: 0, source, over: [NONE; 2] });
@@ -181,7 +116,7 @@ impl Web {
     pub(super) fn update(&self, field: &mut DistanceField, changed: &[u32]) {
         // A side of a triangle may be between two of them, or have been.
         let mut beside: Vec<u32> =
-            changed.iter().flat_map(|&one| self.rods_of(one)).map(|rod| rod.0).collect();
+            changed.iter().flat_map(|&one| self.rods_of(one)).map(|rod| rod.to).collect();
         beside.sort_unstable();
         let corners = beside.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]);
         let mut asked: Vec<u32> = changed.iter().copied().chain(corners).collect();
@@ -201,7 +136,7 @@ impl Web {
 ///
 /// Those that are final, as far as is known, lead others on. The others are open: the nearest of them is final, as nothing can offer it a shorter one any more.
 struct Search<'a> {
-    web: &'a Web,
+    graph: &'a RodGraph,
     paths: &'a mut [Path],
     states: Vec<State>,
     /// The open ones, the nearest first; and some that are not what they were.
@@ -209,7 +144,7 @@ struct Search<'a> {
     /// Those that have lost their paths: their neighbours are to be asked again.
     lost: Vec<u32>,
     /// Beside which particle each was seen last, and how long the rod between the two is.
-    beside: Vec<(u32, f64)>,
+    beside: Vec<(u32, f32)>,
 }
 
 /// Where the search for a particle's way is.
@@ -221,10 +156,10 @@ enum State {
 }
 
 impl<'a> Search<'a> {
-    fn of(web: &'a Web, field: &'a mut DistanceField) -> Self {
+    fn of(graph: &'a RodGraph, field: &'a mut DistanceField) -> Self {
         let particles = field.paths.len();
         Self {
-            web,
+            graph,
             paths: &mut field.paths,
             states: vec![State::Final; particles],
             open: BinaryHeap::new(),
@@ -249,15 +184,15 @@ impl<'a> Search<'a> {
 
     /// Offers the neighbours of one that has become final the ways over it, and over it and another final one.
     fn lead_on(&mut self, near: u32) {
-        let (web, own) = (self.web, self.paths[near as usize]);
+        let (graph, own) = (self.graph, self.paths[near as usize]);
         self.see_from(near);
-        for &(corner, _, p) in web.rods_of(near) {
+        for &RodEnd { to: corner, rest: p, .. } in graph.rods_of(near) {
             let known = self.paths[corner as usize].order(corner);
             if self.is_final(corner) && known < own.order(near) {
                 continue;
             }
             let mut best = along(&own, near, p);
-            for &(other, _, q) in web.rods_of(corner) {
+            for &RodEnd { to: other, rest: q, .. } in graph.rods_of(corner) {
                 let (seen, c) = self.beside[other as usize];
                 if seen == near && self.is_final(other) {
                     let ends = [own, self.paths[other as usize]];
@@ -304,8 +239,8 @@ impl<'a> Search<'a> {
     }
 
     fn lose_those_over(&mut self, particle: u32) {
-        let web = self.web;
-        for &(corner, ..) in web.rods_of(particle) {
+        let graph = self.graph;
+        for &RodEnd { to: corner, .. } in graph.rods_of(particle) {
             if self.paths[corner as usize].leads_over(particle) {
                 self.lose(corner);
             }
@@ -335,12 +270,14 @@ impl<'a> Search<'a> {
     /// The best way that the final neighbours of a particle offer it.
     fn best(&mut self, particle: u32) -> Path {
         self.see_from(particle);
-        let web = self.web;
+        let graph = self.graph;
         let mut best = Path::UNKNOWN;
-        for &(near, _, p) in web.rods_of(particle).iter().filter(|rod| self.is_final(rod.0)) {
+        for &RodEnd { to: near, rest: p, .. } in
+            graph.rods_of(particle).iter().filter(|rod| self.is_final(rod.to))
+        {
             let own = self.paths[near as usize];
             best = first_of(best, along(&own, near, p));
-            for &(other, _, c) in web.rods_of(near) {
+            for &RodEnd { to: other, rest: c, .. } in graph.rods_of(near) {
                 let (seen, q) = self.beside[other as usize];
                 if seen == particle && other > near && self.is_final(other) {
                     let ends = [own, self.paths[other as usize]];
@@ -358,8 +295,8 @@ impl<'a> Search<'a> {
 
     /// Notes the neighbours of a particle.
     fn see_from(&mut self, particle: u32) {
-        for &(other, _, length) in self.web.rods_of(particle) {
-            self.beside[other as usize] = (particle, length);
+        for &RodEnd { to, rest, .. } in self.graph.rods_of(particle) {
+            self.beside[to as usize] = (particle, rest);
         }
     }
 }
@@ -369,9 +306,9 @@ fn first_of(one: Path, other: Path) -> Path {
 }
 
 /// On from a particle along a rod of length `p`.
-fn along(own: &Path, near: u32, p: f64) -> Path {
+fn along(own: &Path, near: u32, p: f32) -> Path {
     Path {
-        length: own.length + p,
+        length: own.length + f64::from(p),
         steps: own.steps.saturating_add(1),
         source: own.source,
         over: [near, NONE],
@@ -380,14 +317,15 @@ fn along(own: &Path, near: u32, p: f64) -> Path {
 
 /// On across the side of length `c` between two particles, from which it is `p` and `q` to the corner. Unknown if their ways are to two sources, or it were nearer
 /// than they are: then it has a way over others.
-fn across_side(ends: [Path; 2], numbers: [u32; 2], c: f64, rods: [f64; 2]) -> Path {
+fn across_side(ends: [Path; 2], numbers: [u32; 2], c: f32, rods: [f32; 2]) -> Path {
     let second = ends[0].order(numbers[0]) < ends[1].order(numbers[1]);
     let [far, near] = if second { [1, 0] } else { [0, 1] };
     let (own, other) = (ends[far], ends[near]);
     if own.source != other.source {
         return Path::UNKNOWN;
     }
-    let length = across([own.length, other.length], c, [rods[far], rods[near]]);
+    let length =
+        across([own.length, other.length], c.into(), [rods[far].into(), rods[near].into()]);
     if length < own.length || length == f64::INFINITY {
         return Path::UNKNOWN;
     }

@@ -29,6 +29,7 @@ use core::ops::Range;
 
 use glam::Vec4;
 
+use super::rod_graph::RodGraph;
 use crate::islands::Island;
 use crate::lanes::LANES;
 use crate::particles::Places;
@@ -44,6 +45,8 @@ const SMALL_IN_STATICS: usize = 64;
 pub(crate) struct Tethers {
     islands: Vec<IslandTethers>,
     spans: Vec<Spans>,
+    /// The hard rods of islands that take microsteps: for tethers, and for strain limiting.
+    graphs: Vec<RodGraph>,
     /// Whether the plan was compiled since they were made.
     stale: bool,
 }
@@ -108,6 +111,11 @@ impl Tethers {
         let wanted = island.settings.long_range && island.microsteps > 1;
         let own = self.spans.get(island.spans? as usize);
         own.filter(|own| wanted && !own.is_empty())
+    }
+
+    /// The hard rods of an island that takes microsteps, between its members.
+    pub(super) fn graph_of(&self, island: &Island) -> Option<&RodGraph> {
+        self.graphs.get(island.rod_graph? as usize)
     }
 
     fn made(&self, island: &Island) -> Option<&IslandTethers> {

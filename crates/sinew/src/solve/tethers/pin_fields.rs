@@ -1,8 +1,9 @@
 //! How far the particles of an island are from its pins: from the nearest, and from two that are far from each other. Kept from one plan to the next, so that a tear
 //! has only those looked at again whose ways it cut.
 
-use super::geodesic::{DistanceField, Web};
+use super::geodesic::DistanceField;
 use super::taut;
+use crate::solve::rod_graph::RodGraph;
 
 /// Where more than one in so many particles has other rods, it is as quick to begin anew.
 const FEW: usize = 16;
@@ -15,7 +16,7 @@ const NONE: (u32, f32) = (0, f32::INFINITY);
 pub(super) struct PinFields {
     /// The pins among the members.
     sources: Vec<u32>,
-    /// Of each member a [hash](Web::hashes) of its rods.
+    /// Of each member a [hash](RodGraph::hashes) of its rods.
     hashes: Vec<u64>,
     /// From the nearest; none where there are two pins at the most, and that is the nearer of those.
     nearest: Option<DistanceField>,
@@ -27,8 +28,8 @@ pub(super) struct PinFields {
 
 impl PinFields {
     /// Of an island with these rods, and with pins, of which there is one at least; out of what was `known` of an island, to the same bits.
-    pub(super) fn of(web: &Web, sources: Vec<u32>, known: Option<Self>) -> Self {
-        let hashes = web.hashes();
+    pub(super) fn of(graph: &RodGraph, sources: Vec<u32>, known: Option<Self>) -> Self {
+        let hashes = graph.hashes();
         let same = |known: &Self| known.sources == sources && known.hashes.len() == hashes.len();
         let known = known.filter(same).and_then(|known| {
             let both = hashes.iter().zip(&known.hashes).zip(0..);
@@ -42,10 +43,10 @@ impl PinFields {
         };
         let field = |known: Option<DistanceField>, sources: &[u32]| match known {
             Some(mut known) => {
-                web.update(&mut known, &changed);
+                graph.update(&mut known, &changed);
                 known
             }
-            None => web.field(sources),
+            None => graph.field(sources),
         };
         let mut from = Vec::<(u32, DistanceField)>::new();
         let mut farthest = |pin: u32| {

@@ -2,10 +2,10 @@
 
 use glam::{Quat, Vec3};
 
-use super::geodesic::Web;
 use super::*;
 use crate::lanes::Columns;
 use crate::recipes::{Blueprint, ClothSpec, cloth_grid};
+use crate::solve::rod_graph::RodGraph;
 use crate::threads::ExecutionContext;
 use crate::{Distance, GradientAt, InstructionSet, ParticleSeed, Simulation};
 
@@ -119,7 +119,8 @@ fn what_a_tear_leaves_of_distances_is_what_a_new_reckoning_gives() {
     let last = side * side - 1;
     for pins in [&[0][..], &[0, side - 1], &[side / 2 * side, 3], &[0, 5, last - side, last]] {
         let (mut rods, mut gone) = (whole.clone(), Vec::new());
-        let mut known = PinFields::of(&Web::new(last as usize + 1, &rods), pins.to_vec(), None);
+        let mut known =
+            PinFields::of(&RodGraph::new(last as usize + 1, &rods), pins.to_vec(), None);
         let (mut seed, mut moved) = (7_u32, 0);
         let mut any = |below: usize| {
             seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -134,10 +135,10 @@ fn what_a_tear_leaves_of_distances_is_what_a_new_reckoning_gives() {
                     _ => gone.push(rods.swap_remove(at)),
                 }
             }
-            let web = Web::new(last as usize + 1, &rods);
-            let anew = PinFields::of(&web, pins.to_vec(), None);
+            let graph = RodGraph::new(last as usize + 1, &rods);
+            let anew = PinFields::of(&graph, pins.to_vec(), None);
             let before = known.lengths();
-            known = PinFields::of(&web, pins.to_vec(), Some(known));
+            known = PinFields::of(&graph, pins.to_vec(), Some(known));
             assert!(known == anew, "round {round}, pins {pins:?}");
             moved += usize::from(known.lengths() != before);
         }

@@ -1,0 +1,98 @@
+//! The rods of an island as a graph: at each particle those that end there, and where they lead.
+
+/// No particle.
+const NONE: u32 = u32::MAX;
+
+/// Particles, and the rods between them (an adjacency list).
+#[derive(Clone, Debug)]
+pub(super) struct RodGraph {
+    /// Where the rods of each particle begin, and in the end their number.
+    first: Vec<u32>,
+    /// Of several between the same two particles each is the shortest.
+    rods: Vec<RodEnd>,
+}
+
+/// A rod as seen from one of its ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct RodEnd {
+    /// The particle at the other end.
+    pub(super) to: u32,
+    /// Its number among the rods that the graph is of.
+    pub(super) number: u32,
+    /// Rest length, metres.
+    pub(super) rest: f32,
+}
+
+impl RodGraph {
+    /// Of so many particles; rods as their two ends and their rest length, metres.
+    pub(super) fn new(particles: usize, rods: &[(u32, u32, f32)]) -> Self {
+        let mut first = vec![0_u32; particles + 1];
+        for &(a, b, _) in rods {
+            first[a as usize + 1] += 1;
+            first[b as usize + 1] += 1;
+        }
+        for particle in 0..particles {
+            first[particle + 1] += first[particle];
+        }
+        let none = RodEnd { to: NONE, number: 0, rest: 0.0 };
+        let (mut next, mut all) = (first.clone(), vec![none; 2 * rods.len()]);
+        for (&(a, b, rest), number) in rods.iter().zip(0..) {
+            for (from, to) in [(a, b), (b, a)] {
+                let place = &mut next[from as usize];
+                all[*place as usize] = RodEnd { to, number, rest };
+                *place += 1;
+            }
+        }
+        let mut graph = Self { first, rods: all };
+        graph.have_the_shortest_count();
+        graph
+    }
+
+    /// Gives all rods between the same two particles the length and the number of the shortest.
+    fn have_the_shortest_count(&mut self) {
+        let Self { first, rods } = self;
+        let mut beside = vec![NONE; first.len()];
+        for (particle, ends) in (0..).zip(first.windows(2)) {
+            let own = &mut rods[ends[0] as usize..ends[1] as usize];
+            let several = own.iter().fold(false, |several, rod| {
+                several | (core::mem::replace(&mut beside[rod.to as usize], particle) == particle)
+            });
+            if !several {
+                continue;
+            }
+            for place in 0..own.len() {
+                let to = own[place].to;
+                let between = own.iter().filter(|rod| rod.to == to);
+                let shortest = between.copied().reduce(|a, b| if b.rest < a.rest { b } else { a });
+                own[place] = shortest.unwrap_or(own[place]);
+            }
+        }
+    }
+
+    /// How many particles it has.
+    pub(super) fn particles(&self) -> usize {
+        self.first.len() - 1
+    }
+
+    /// How many ends its rods have.
+    pub(super) fn ends(&self) -> usize {
+        self.rods.len()
+    }
+
+    /// The rods that end at a particle.
+    pub(super) fn rods_of(&self, particle: u32) -> &[RodEnd] {
+        let at = particle as usize;
+        &self.rods[self.first[at] as usize..self.first[at + 1] as usize]
+    }
+
+    /// Of each particle a hash of its rods, whatever order they are in: two graphs differ at the particles whose hashes do.
+    pub(super) fn hashes(&self) -> Vec<u64> {
+        let hash = |rod: &RodEnd| {
+            let ends = u64::from(rod.rest.to_bits()) << 32 | u64::from(rod.to);
+            let word = ends.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            (word ^ word >> 32).wrapping_mul(0xD6E8_FEB8_6659_FD93)
+        };
+        let rods = (0..self.particles() as u32).map(|particle| self.rods_of(particle));
+        rods.map(|own| own.iter().map(hash).fold(own.len() as u64, u64::wrapping_add)).collect()
+    }
+}
