@@ -296,41 +296,20 @@ impl Simulation {
 
     /// Phase 6: enforces the constraints, derives the velocities from where the particles ended, and closes the substep.
     pub fn solve_constraints(&mut self) {
-        let h = self.scratch.substep.length;
         self.release_moved();
+        let parameters = self.substep_parameters();
+        let solve::SubstepParameters { h, gravity, number: substep, of: substeps, .. } = parameters;
         let Self { particles, settings, instructions, workers, scratch, report, .. } = self;
-        let (forces, boundaries) = (&self.forces, &self.boundaries);
-        let (colliders, body_colliders) = (&self.colliders, &self.body_colliders);
+        let (boundaries, colliders, body_colliders) =
+            (&self.boundaries, &self.colliders, &self.body_colliders);
         let at_rest = scratch.at_rest;
-        let Scratch {
-            plan,
-            filter,
-            contacts,
-            solving,
-            loads,
-            substep,
-            single_rows,
-            thread_scratch,
-            ..
-        } = scratch;
+        let Scratch { plan, filter, contacts, solving, loads, single_rows, thread_scratch, .. } =
+            scratch;
         let execution = execution(*instructions, workers);
-        let (gravity, lag) = (forces.gravity.length(), settings.integrator.lag(h));
-        let substeps = report.substeps;
-        let substep = substeps.saturating_sub(substep.remaining);
         let open = contacts.is_active().then_some(&single_rows[..]);
         let Contacts { particle_contacts, normal_impulses, .. } = contacts;
-        let common = solve::SolveContext {
-            plan,
-            contacts: particle_contacts,
-            h,
-            lag,
-            gravity,
-            substep,
-            substeps,
-            microstep: solve::Microstep::WHOLE,
-            execution,
-        };
-        solve::solve_all(particles, normal_impulses, common, open, (&mut *solving, loads), report);
+        let context = solve::SolveContext::new(plan, particle_contacts, parameters, execution);
+        solve::solve_all(particles, normal_impulses, context, open, (&mut *solving, loads), report);
         if open.is_some() {
             let dt = h * substeps as f32;
             let world = World {
@@ -346,20 +325,10 @@ impl Simulation {
             };
             contacts.project(particles, &world, h, substep);
             let Contacts { particle_contacts, normal_impulses, body_contact, .. } = contacts;
-            let common = solve::SolveContext {
-                plan,
-                contacts: particle_contacts,
-                h,
-                lag,
-                gravity,
-                substep,
-                substeps,
-                microstep: solve::Microstep::WHOLE,
-                execution,
-            };
+            let context = solve::SolveContext::new(plan, particle_contacts, parameters, execution);
             let stopped = body_contact.stopped();
-            solve::propagate_impacts(particles, normal_impulses, common, stopped, solving, report);
-            solve::settle_all(particles, normal_impulses, common, single_rows, solving);
+            solve::propagate_impacts(particles, normal_impulses, context, stopped, solving, report);
+            solve::settle_all(particles, normal_impulses, context, single_rows, solving);
             contacts.bounce(particles, h, gravity);
         }
         let reports = &mut report.islands;
@@ -369,6 +338,14 @@ impl Simulation {
         self.scratch.moving.settle(&mut self.particles, &self.compounds, h);
         self.time += f64::from(h);
         self.scratch.substep.remaining = self.scratch.substep.remaining.saturating_sub(1);
+    }
+
+    /// The substep at hand, for solving.
+    fn substep_parameters(&self) -> solve::SubstepParameters {
+        let Substep { length: h, remaining } = self.scratch.substep;
+        let (lag, gravity) = (self.settings.integrator.lag(h), self.forces.gravity.length());
+        let of = self.report.substeps;
+        solve::SubstepParameters { h, lag, gravity, number: of.saturating_sub(remaining), of }
     }
 
     /// Ends a step: puts rows that turned non-finite back to where the step began, at rest, slows down what is too fast, and measures the errors left.

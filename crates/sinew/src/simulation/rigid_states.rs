@@ -8,6 +8,7 @@ use crate::collide::{RigidStep, Written};
 use crate::integrate::StepRows;
 use crate::islands::Island;
 use crate::pose::{Motion, Pose};
+use crate::solve::SubstepParameters;
 
 impl Simulation {
     /// Reads those of this step.
@@ -186,7 +187,7 @@ impl Simulation {
 
     /// The number of the substep at hand, and how many there are in the step.
     fn which_substep(&self) -> (u32, u32) {
-        let (remaining, all) = (self.scratch.substep.remaining, self.report.substeps);
-        (all.saturating_sub(remaining), all)
+        let SubstepParameters { number, of, .. } = self.substep_parameters();
+        (number, of)
     }
 }

@@ -79,29 +79,18 @@ impl Simulation {
         if !self.advance_idle_states() {
             return;
         }
-        let (h, remaining) = (self.scratch.substep.length, self.scratch.substep.remaining);
-        let Self { particles, forces, instructions, workers, scratch, report, .. } = self;
+        let (parameters, remaining) = (self.substep_parameters(), self.scratch.substep.remaining);
+        let Self { particles, instructions, workers, scratch, report, .. } = self;
         let Scratch {
             plan,
             contacts: Contacts { particle_contacts, normal_impulses, .. },
             solving,
             ..
         } = scratch;
-        let substep = report.substeps.saturating_sub(remaining);
-        let gravity = forces.gravity.length();
         let execution = execution(*instructions, workers);
-        let common = solve::SolveContext {
-            plan,
-            contacts: particle_contacts,
-            h,
-            lag: h,
-            gravity,
-            substep,
-            substeps: report.substeps,
-            microstep: solve::Microstep::WHOLE,
-            execution,
-        };
-        solve::advance_all(particles, normal_impulses, common, remaining, solving, report);
+        let context = solve::SolveContext::new(plan, particle_contacts, parameters, execution);
+        solve::advance_all(particles, normal_impulses, context, remaining, solving, report);
+        let h = parameters.h;
         (0..remaining).for_each(|_| self.time += f64::from(h));
         self.scratch.substep.remaining = 0;
     }

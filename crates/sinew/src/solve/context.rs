@@ -20,6 +20,20 @@ impl Microstep {
     pub(crate) const WHOLE: Self = Self { number: 0, of: 1 };
 }
 
+/// A substep, whatever is solved in it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SubstepParameters {
+    /// Length, seconds.
+    pub(crate) h: f32,
+    /// How much of it a derived velocity is the mean of, seconds.
+    pub(crate) lag: f32,
+    /// Magnitude of gravity, m/s².
+    pub(crate) gravity: f32,
+    /// Which of the step it is, counted from 0, and of how many.
+    pub(crate) number: u32,
+    pub(crate) of: u32,
+}
+
 /// What solving needs to know, the same for all islands.
 #[derive(Clone, Copy)]
 pub(crate) struct SolveContext<'a> {
@@ -39,7 +53,19 @@ pub(crate) struct SolveContext<'a> {
     pub(crate) execution: ExecutionContext<'a>,
 }
 
-impl SolveContext<'_> {
+impl<'a> SolveContext<'a> {
+    /// That of a whole substep.
+    pub(crate) fn new(
+        plan: &'a Plan,
+        contacts: &'a ParticleContacts,
+        SubstepParameters { h, lag, gravity, number, of }: SubstepParameters,
+        execution: ExecutionContext<'a>,
+    ) -> Self {
+        let microstep = Microstep::WHOLE;
+        let (substep, substeps) = (number, of);
+        Self { plan, contacts, h, lag, gravity, substep, substeps, microstep, execution }
+    }
+
     /// From when to when surfaces move in it.
     pub(super) fn interval(&self) -> InstantInterval {
         let Microstep { number, of } = self.microstep;

@@ -54,7 +54,7 @@ mod world;
 pub use report::{IslandReport, SolverReport};
 
 pub(crate) use constraint_ref::soft_energy;
-pub(crate) use context::{Microstep, SolveContext};
+pub(crate) use context::{SolveContext, SubstepParameters};
 pub(crate) use damping::Damping;
 pub(crate) use island_step::advance_all;
 pub(crate) use loads::Loads;
