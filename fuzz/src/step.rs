@@ -1,6 +1,7 @@
 //! Random operations on a world, and steps of odd lengths: whatever a game does to it, the world stands.
 
 use sinew::glam::Vec3;
+use sinew::recipes::{ClothSpec, cloth_grid};
 use sinew::{Bound, Distance, Electric, Fluid, InsideBox, ParticleSeed, Pin, Plane};
 use sinew::{Simulation, SolverSettings, Spring, Wind};
 
@@ -19,6 +20,9 @@ pub fn step(data: &[u8]) {
     let mut input = Input::new(data);
     let mut world = Simulation::default();
     world.settings = settings(&mut input);
+    if input.rarely(4) {
+        sheet(&mut world, &mut input);
+    }
     let mut steps = 0;
     while !input.is_spent() && steps < MOST_STEPS {
         if input.rarely(6) {
@@ -30,6 +34,16 @@ pub fn step(data: &[u8]) {
         }
     }
     take_step(&mut world, 1.0 / 60.0);
+}
+
+/// A sheet of nine by nine particles: enough to take microsteps, to be held by tethers and spans, and to have its strain limited.
+fn sheet(world: &mut Simulation, input: &mut Input) {
+    let spec = ClothSpec { columns: 8, rows: 8, shear: input.flag(), ..ClothSpec::default() };
+    let mut cloth = cloth_grid(&spec).expect("a sheet of ordinary numbers");
+    for _ in 0..input.below(4) {
+        cloth.pin(input.below(81)).expect("it has so many particles");
+    }
+    cloth.build(world).expect("an empty world has room for it");
 }
 
 /// The solver's settings: extremes in one number only, because together they are a quarter of a million sweeps.
@@ -102,6 +116,12 @@ fn operate(world: &mut Simulation, input: &mut Input) {
                 2 => world.particles.set_external_force(i, input.vector()),
                 _ => world.particles.add_impulse(i, input.vector()),
             }
+        }
+        19 => {
+            let mut numbers = || (0..input.below(4)).map(|_| input.below(400) as usize).collect();
+            let [strains, distances, constraints]: [Vec<usize>; 3] = [(); 3].map(|()| numbers());
+            world.measure_strains(strains);
+            world.measure_loads(distances, constraints);
         }
         _ => {
             world.ledger();
