@@ -73,12 +73,12 @@ impl Equation for Volume {
     fn evaluate(&self, points: &Points, gradients: &mut [Vec3]) -> f32 {
         let Some(first) = (!points.is_empty()).then(|| points.at(0)) else { return 0.0 };
         let mut sum = 0.0_f64;
-        for triangle in self.triangles.iter() {
-            let [i, j, k] = triangle.map(|i| i as usize);
-            let [a, b, c] = [i, j, k].map(|i| points.at(i) - first);
-            let by_a = b.cross(c);
+        // No array is mapped here: that is a call for each, in the loop that a balloon spends its time in.
+        for &[i, j, k] in self.triangles.iter() {
+            let (i, j, k) = (i as usize, j as usize, k as usize);
+            let (a, b, c) = (points.at(i) - first, points.at(j) - first, points.at(k) - first);
             sum += a.as_dvec3().dot(b.as_dvec3().cross(c.as_dvec3()));
-            gradients[i] += by_a;
+            gradients[i] += b.cross(c);
             gradients[j] += c.cross(a);
             gradients[k] += a.cross(b);
         }
