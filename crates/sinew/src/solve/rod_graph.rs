@@ -21,25 +21,27 @@ pub(super) struct RodEnd {
     pub(super) number: u32,
     /// Rest length, metres.
     pub(super) rest: f32,
+    /// Whether it may be shorter: a rope, not a bar.
+    pub(super) slackens: bool,
 }
 
 impl RodGraph {
-    /// Of so many particles; rods as their two ends and their rest length, metres.
-    pub(super) fn new(particles: usize, rods: &[(u32, u32, f32)]) -> Self {
+    /// Of so many particles; rods as their two ends, their rest length, metres, and whether they slacken.
+    pub(super) fn new(particles: usize, rods: &[(u32, u32, f32, bool)]) -> Self {
         let mut first = vec![0_u32; particles + 1];
-        for &(a, b, _) in rods {
+        for &(a, b, ..) in rods {
             first[a as usize + 1] += 1;
             first[b as usize + 1] += 1;
         }
         for particle in 0..particles {
             first[particle + 1] += first[particle];
         }
-        let none = RodEnd { to: NONE, number: 0, rest: 0.0 };
+        let none = RodEnd { to: NONE, number: 0, rest: 0.0, slackens: false };
         let (mut next, mut all) = (first.clone(), vec![none; 2 * rods.len()]);
-        for (&(a, b, rest), number) in rods.iter().zip(0..) {
+        for (&(a, b, rest, slackens), number) in rods.iter().zip(0..) {
             for (from, to) in [(a, b), (b, a)] {
                 let place = &mut next[from as usize];
-                all[*place as usize] = RodEnd { to, number, rest };
+                all[*place as usize] = RodEnd { to, number, rest, slackens };
                 *place += 1;
             }
         }

@@ -5,7 +5,8 @@
 //! through a large sheet a few hundred are, by up to a third. Those are few, and their neighbours have room. So a rod that is off by more than the limit is
 //! projected to somewhat within it, and so are those around it that this brings beyond, and so on: a list of particles that have moved since their rods were looked
 //! at, the oldest first, until it is empty. That is Gauss and Seidel's way where it matters and nowhere else, one projection where a sweep over all has hundreds.
-//! Each rod is a convex set of places but for shortening, so where there is a place for all of them this goes towards it (projections onto convex sets).
+//! Places where no rod is too long are a convex set, and where there are such this goes towards them (projections onto convex sets). What is a rope and no bar
+//! may be as short as it likes.
 //!
 //! It is a part of [relaxation](super::relaxation), and has the rules of it: positions move, velocities do not.
 
@@ -60,8 +61,8 @@ impl StrainScratch {
             if now.is_empty() || now.len() * MANY > count {
                 return;
             }
+            now.iter().for_each(|&i| listed[i as usize] = false);
             for i in now.drain(..) {
-                listed[i as usize] = false;
                 let rods = graph.rods_of(i);
                 let Some(left) = looks.checked_sub(rods.len()) else { return };
                 looks = left;
@@ -84,8 +85,9 @@ fn bring_within(position: &mut [Vec4], i: u32, rod: &RodEnd) -> bool {
     let (a, b) = (i as usize, rod.to as usize);
     let (one, other, rest) = (position[a], position[b], rod.rest);
     let square = (one - other).truncate().length_squared();
-    let [least, most] = [1.0 - LIMIT, 1.0 + LIMIT].map(|share| rest * share);
-    if (least * least..=most * most).contains(&square) {
+    let (least, most) = (rest * (1.0 - LIMIT), rest * (1.0 + LIMIT));
+    let is_short = square < least * least;
+    if is_short && rod.slackens || (least * least..=most * most).contains(&square) {
         return false;
     }
     let how = Relaxation { share: 1.0, tolerance: LIMIT * WITHIN };
@@ -105,15 +107,20 @@ mod tests {
 
     /// A square of cells of 1 m with both diagonals.
     fn square(side: u32) -> (RodGraph, Vec<Vec4>) {
+        woven(side, false)
+    }
+
+    /// The same of ropes, or of bars.
+    fn woven(side: u32, slackens: bool) -> (RodGraph, Vec<Vec4>) {
         let row = |x: u32, y: u32| y * (side + 1) + x;
         let mut rods = Vec::new();
         for (x, y) in (0..=side).flat_map(|y| (0..=side).map(move |x| (x, y))) {
             let (right, up) = (x < side, y < side);
-            rods.extend(right.then(|| (row(x, y), row(x + 1, y), 1.0)));
-            rods.extend(up.then(|| (row(x, y), row(x, y + 1), 1.0)));
+            rods.extend(right.then(|| (row(x, y), row(x + 1, y), 1.0, slackens)));
+            rods.extend(up.then(|| (row(x, y), row(x, y + 1), 1.0, slackens)));
             let diagonal = core::f32::consts::SQRT_2;
-            rods.extend((right && up).then(|| (row(x, y), row(x + 1, y + 1), diagonal)));
-            rods.extend((right && up).then(|| (row(x + 1, y), row(x, y + 1), diagonal)));
+            rods.extend((right && up).then(|| (row(x, y), row(x + 1, y + 1), diagonal, slackens)));
+            rods.extend((right && up).then(|| (row(x + 1, y), row(x, y + 1), diagonal, slackens)));
         }
         let all = (0..=side).flat_map(|y| (0..=side).map(move |x| (x, y)));
         let position: Vec<Vec4> =
@@ -163,6 +170,26 @@ mod tests {
         // It was there before, so the sweeps before have left it there.
         position[60] += Vec4::new(0.2, 0.0, 0.0, 0.0);
         assert_eq!(limited(&graph, &position, position.clone()), position);
+    }
+
+    #[test]
+    fn ropes_stay_slack_and_are_not_seen_longer() {
+        let (graph, flat) = woven(30, true);
+        let mut position = flat.clone();
+        position[15 * 31 + 15] += Vec4::new(0.0, 0.0, 0.6, 0.0);
+        // Two that have come nearer to each other.
+        position[5 * 31 + 5] += Vec4::new(0.02, 0.0, 0.0, 0.0);
+        position[5 * 31 + 6] -= Vec4::new(0.02, 0.0, 0.0, 0.0);
+        let after = limited(&graph, &flat, position.clone());
+        let slack = 5 * 31 + 5..5 * 31 + 7;
+        assert_eq!(after[slack.clone()], position[slack]);
+        assert_ne!(after[15 * 31 + 15], position[15 * 31 + 15]);
+        for i in 0..after.len() as u32 {
+            for rod in graph.rods_of(i) {
+                let apart = (after[i as usize] - after[rod.to as usize]).truncate().length();
+                assert!(apart <= 1.0001 * (1.0 + LIMIT) * rod.rest, "{i}: {apart}");
+            }
+        }
     }
 
     #[test]

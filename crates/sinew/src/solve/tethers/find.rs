@@ -153,7 +153,8 @@ impl Plan {
         let members = &self.islands.members[island.members.clone()];
         let place = places(members);
         let (_, distances) = self.hard(island);
-        let rods: Vec<_> = distances.map(|d| (place(d.a), place(d.b), d.rest)).collect();
+        let rod = |d: &Distance| (place(d.a), place(d.b), d.rest, d.bound == Bound::AtMost);
+        let rods: Vec<_> = distances.map(rod).collect();
         RodGraph::new(members.len(), &rods)
     }
 

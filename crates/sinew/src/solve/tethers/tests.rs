@@ -94,7 +94,7 @@ fn a_slit_is_gone_around_and_what_is_cut_off_is_free_in_the_same_step() {
 }
 
 /// Rods of a cloth of so many particles to a side, with both diagonals, some of them twice.
-fn rods_of_cloth(side: u32) -> Vec<(u32, u32, f32)> {
+fn rods_of_cloth(side: u32) -> Vec<(u32, u32, f32, bool)> {
     let mut rods = Vec::new();
     for a in 0..side * side {
         let (row, column) = (a / side, a % side);
@@ -103,8 +103,8 @@ fn rods_of_cloth(side: u32) -> Vec<(u32, u32, f32)> {
             if row < side && column < side {
                 let uneven = 1.0 + 0.02 * (a % 7) as f32;
                 let rest = uneven * ((down + right.unsigned_abs()) as f32).sqrt();
-                rods.extend([(a, row * side + column, rest)]);
-                rods.extend((a % 11 == 0).then_some((row * side + column, a, 0.9 * rest)));
+                rods.extend([(a, row * side + column, rest, false)]);
+                rods.extend((a % 11 == 0).then_some((row * side + column, a, 0.9 * rest, false)));
             }
         }
     }
