@@ -22,7 +22,7 @@ const LIMIT: f32 = 0.03;
 const WITHIN: f32 = 0.9;
 
 /// How often each end of a rod is looked at, in the mean over all, at the most. A sheet of 128 × 128 that swings from two corners, over ten starts: with 4 strained
-/// by up to 31 %, 6 mostly below 10, 8 by 14; the step in which a jerk goes through it takes a fifth longer with 6.
+/// by up to 31 %, 6 by 10, 8 by 14; of four other starts as much with 6 and 8 (16 and 14); the step in which a jerk goes through it takes a fifth longer with 6.
 const LOOKS: usize = 6;
 
 /// How many rounds there are at the most: the last ones are about a few rods that cannot all be met.
