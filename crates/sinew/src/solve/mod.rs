@@ -6,7 +6,7 @@
 //!   sweeps are spent;
 //! - `context` is what all of them need to know of a substep, `task_slice` what a task or an island has to itself, `scratch` what a thread keeps the memory of;
 //! - `microsteps` takes a large soft island through a substep in smaller steps of its own; when a step ends `relaxation` shares out what is left of its errors, and
-//!   `strain_limit` has none of its rods be off by more than 3 %;
+//!   `strain_limit` brings within 3 % those of its rods that are off by more;
 //! - `rod_graph` says which rods end at a particle;
 //! - `instances` takes islands that are built alike side by side;
 //! - `wavefront` takes the substeps of a step through a large island of rods one behind the other, and several threads one behind the other, too;

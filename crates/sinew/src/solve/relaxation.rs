@@ -57,9 +57,12 @@ pub(super) fn relax(
     moved.clear();
     moved.extend_from_slice(&places.position[range.clone()]);
     let motion = (rms_speed(&places.velocity[range.clone()]) / CALM).min(1.0);
-    for Relaxation { share, tolerance } in SWEEPS {
-        strain.before.clear();
-        strain.before.extend_from_slice(&places.position[range.clone()]);
+    for (nth, Relaxation { share, tolerance }) in SWEEPS.into_iter().enumerate() {
+        // What the last one leaves where it was is within its tolerance.
+        if nth + 1 == SWEEPS.len() {
+            strain.before.clear();
+            strain.before.extend_from_slice(&places.position[range.clone()]);
+        }
         let mode = SolveMode {
             substep_context: SubstepContext { h: context.h, sweeps: SWEEPS.len() as u32 },
             gradient_at: GradientAt::Current,
