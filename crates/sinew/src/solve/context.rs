@@ -39,15 +39,7 @@ pub(crate) struct SubstepParameters {
 pub(crate) struct SolveContext<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) contacts: &'a ParticleContacts,
-    /// Length of the substep, seconds.
-    pub(crate) h: f32,
-    /// How much of it a derived velocity is the mean of, seconds.
-    pub(crate) lag: f32,
-    /// Magnitude of gravity, m/s².
-    pub(crate) gravity: f32,
-    /// Which substep of the step it is, counted from 0, and of how many.
-    pub(crate) substep: u32,
-    pub(crate) substeps: u32,
+    pub(crate) substep: SubstepParameters,
     /// Which part of it.
     pub(crate) microstep: Microstep,
     pub(crate) execution: ExecutionContext<'a>,
@@ -58,18 +50,28 @@ impl<'a> SolveContext<'a> {
     pub(crate) fn new(
         plan: &'a Plan,
         contacts: &'a ParticleContacts,
-        SubstepParameters { h, lag, gravity, number, of }: SubstepParameters,
+        substep: SubstepParameters,
         execution: ExecutionContext<'a>,
     ) -> Self {
-        let microstep = Microstep::WHOLE;
-        let (substep, substeps) = (number, of);
-        Self { plan, contacts, h, lag, gravity, substep, substeps, microstep, execution }
+        Self { plan, contacts, substep, microstep: Microstep::WHOLE, execution }
+    }
+
+    /// The same in a part of `h` seconds of the substep.
+    pub(super) fn divided(self, microstep: Microstep, h: f32) -> Self {
+        let substep = SubstepParameters { h, lag: h, ..self.substep };
+        Self { substep, microstep, ..self }
+    }
+
+    /// The same in a later substep of the step, by so many.
+    pub(super) fn later(self, by: u32) -> Self {
+        let number = self.substep.number + by;
+        Self { substep: SubstepParameters { number, ..self.substep }, ..self }
     }
 
     /// From when to when surfaces move in it.
     pub(super) fn interval(&self) -> InstantInterval {
         let Microstep { number, of } = self.microstep;
-        self.contacts.interval(self.substep, number, of)
+        self.contacts.interval(self.substep.number, number, of)
     }
 
     /// The same, for one worker alone.
@@ -85,7 +87,12 @@ impl<'a> SolveContext<'a> {
         rows: Range<u32>,
     ) {
         if self.contacts.bounces() {
-            self.contacts.bounce(places, normal_impulses, rows, (self.h, self.gravity));
+            self.contacts.bounce(
+                places,
+                normal_impulses,
+                rows,
+                (self.substep.h, self.substep.gravity),
+            );
         }
     }
 }

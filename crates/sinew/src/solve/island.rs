@@ -5,7 +5,7 @@ use std::time::Instant;
 use glam::Vec4;
 
 use super::constraint_ref::{SolveMode, list_constraint_refs};
-use super::context::SolveContext;
+use super::context::{SolveContext, SubstepParameters};
 use super::gauss_seidel::{self, sweep_turned};
 use super::instances::MOST;
 use super::momentum::MomentumDrift;
@@ -72,7 +72,7 @@ pub(super) fn solve(
     sweep: impl FnMut(&mut Places, &mut MultiplierSlice, SolveMode) -> f32,
 ) -> Option<MomentumDrift> {
     let IslandSlice { mut places, mut multipliers, mut normal_impulses, report } = own;
-    let SolveContext { plan, h, .. } = context;
+    let (plan, h) = (context.plan, context.substep.h);
     let island = &plan.islands.list[number];
     let (settings, rows) = (&island.settings, plan.members(number));
     let began = settings.timed.then(Instant::now);
@@ -122,7 +122,7 @@ pub(super) fn propagate_impact(
     before: &mut Vec<Vec4>,
 ) -> Option<MomentumDrift> {
     let IslandSlice { mut places, mut multipliers, mut normal_impulses, report } = own;
-    let SolveContext { plan, h, .. } = context;
+    let (plan, h) = (context.plan, context.substep.h);
     let island = &plan.islands.list[number];
     if !can_propagate(plan, island) {
         return None;
@@ -159,12 +159,13 @@ fn sweep_until_held(
     mut sweep: impl FnMut(&mut Places, &mut MultiplierSlice, SolveMode) -> f32,
 ) -> Swept {
     let (places, multipliers, normal_impulses) = columns;
-    let SolveContext { plan, h, execution, .. } = context;
+    let SolveContext { plan, substep: SubstepParameters { h, gravity, .. }, execution, .. } =
+        context;
     let island = &plan.islands.list[number];
     let (settings, rows) = (&island.settings, plan.members(number));
     let sweeps = settings.max_sweeps * context.microstep.of;
     let substep_context = SubstepContext { h, sweeps };
-    let most = recovery(h, context.gravity);
+    let most = recovery(h, gravity);
     let mut swept = Swept { sweeps: 0, converged: false, touched: false, violated: false };
     while swept.sweeps < settings.max_sweeps && !swept.converged {
         let (tethers, instructions) =

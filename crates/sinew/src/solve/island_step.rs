@@ -7,7 +7,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use smallvec::SmallVec;
 
-use super::context::SolveContext;
+use super::context::{SolveContext, SubstepParameters};
 use super::instances::{BatchMotion, BatchSolve, WholeStep};
 use super::island::sweep_in_order;
 use super::microsteps::{derive_whole_steps, list_step_rows};
@@ -143,11 +143,10 @@ impl TaskSlice<'_> {
         let (all, execution) = (self.task.rows.len(), self.context.execution);
         let island = &self.context.plan.islands.list[self.task.islands.start];
         let first = if island.takes_microsteps() { island.microsteps } else { 1 };
-        let h = self.context.h / first as f32;
+        let h = self.context.substep.h / first as f32;
         for (number, iteration_counts) in iteration_counts.iter().enumerate() {
             predict_all(Predict { h, ..self.predict(0..all) }, execution);
-            let substep = self.context.substep + number as u32;
-            let share = self.lend(SolveContext { substep, ..self.context });
+            let share = self.lend(self.context.later(number as u32));
             share.by_all(thread_scratches);
             thread_scratches.with(|thread_scratch| {
                 let (number, report) = (self.task.islands.start, &mut self.reports[0]);
@@ -164,14 +163,15 @@ impl TaskSlice<'_> {
         iteration_counts: &[AtomicU32],
     ) {
         self.context = self.context.by_one();
-        let SolveContext { plan, h, execution, substep: first, .. } = self.context;
+        let begun = self.context;
+        let SolveContext { plan, substep: SubstepParameters { h, .. }, execution, .. } = begun;
         let remaining = take(&mut thread_scratch.remaining);
         let mut step_rows = take(&mut thread_scratch.step_rows);
         let mut microsteps = take(&mut thread_scratch.microsteps);
         list_step_rows(plan, self.task.rows.start, &remaining, &mut step_rows);
         let islands = || remaining.islands.iter().cloned().flatten();
         for (number, iteration_counts) in iteration_counts.iter().enumerate() {
-            self.context.substep = first + number as u32;
+            self.context = begun.later(number as u32);
             for StepRows { rows, microsteps } in step_rows.iter().cloned() {
                 let h = h / microsteps as f32;
                 with(execution.instructions, Predict { h, ..self.predict(rows) });

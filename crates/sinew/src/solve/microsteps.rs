@@ -17,7 +17,7 @@ use core::ops::Range;
 use glam::Vec4;
 
 use super::constraint_ref::SolveMode;
-use super::context::{Microstep, SolveContext};
+use super::context::{Microstep, SolveContext, SubstepParameters};
 use super::instances::MOST;
 use super::island::solve;
 use super::momentum::MomentumDrift;
@@ -111,9 +111,10 @@ impl TaskSlice<'_> {
         let rows = members[0]..members[0] + members.len() as u32;
         let own = self.places.at(rows.start)..self.places.at(rows.start) + members.len();
         let of = island.microsteps;
-        let h = self.context.h / of as f32;
+        let substep = self.context.substep;
+        let h = substep.h / of as f32;
         scratch.begin(&self.places, own.clone(), !self.momentum_drift.is_empty());
-        let ends_step = self.context.substep + 1 == self.context.substeps;
+        let ends_step = substep.number + 1 == substep.of;
         let mut sweeps = 0;
         for number_of_step in 0..of {
             if number_of_step > 0 {
@@ -121,7 +122,7 @@ impl TaskSlice<'_> {
             }
             scratch.lead(&mut self.places, of - number_of_step);
             let microstep = Microstep { number: number_of_step, of };
-            let context = SolveContext { h, lag: h, microstep, ..self.context };
+            let context = self.context.divided(microstep, h);
             let drift = solve(context, number, self.island(number), &mut sweep);
             sweeps += self.report(number).last_sweeps;
             let places = &mut self.places;
@@ -151,7 +152,7 @@ impl TaskSlice<'_> {
         report.last_sweeps = sweeps;
         report.most_sweeps = report.most_sweeps.max(sweeps);
         if !self.momentum_drift.is_empty() {
-            scratch.join(&mut self.places, own, self.context.h, self.momentum_drift);
+            scratch.join(&mut self.places, own, substep.h, self.momentum_drift);
         }
     }
 }
@@ -235,7 +236,7 @@ pub(super) fn derive_whole_steps(
     step_rows: &[StepRows],
     context: SolveContext,
 ) {
-    let SolveContext { h, lag, execution, .. } = context;
+    let SolveContext { substep: SubstepParameters { h, lag, .. }, execution, .. } = context;
     for rows in step_rows.iter().filter(|rows| rows.microsteps == 1).map(|all| all.rows.clone()) {
         let derive = Derive {
             position: &places.position[rows.clone()],

@@ -13,7 +13,7 @@
 //! are those that take microsteps.
 
 use super::constraint_ref::{ConstraintRef, Local, list_constraint_refs};
-use super::context::SolveContext;
+use super::context::{SolveContext, SubstepParameters};
 use super::plan::Plan;
 use super::report::IslandReport;
 use super::scratch::ThreadScratch;
@@ -86,7 +86,8 @@ impl SolveContext<'_> {
     ) {
         let island = &self.plan.islands.list[number];
         if core::mem::take(&mut report.violated) && self.plan.bounds_recovery(island) {
-            let bounds = (self.h, recovery(self.h, self.gravity));
+            let SubstepParameters { h, gravity, .. } = self.substep;
+            let bounds = (h, recovery(h, gravity));
             limit_recovery(self.plan, island, places, bounds, thread_scratch.constraints());
         }
     }

@@ -64,7 +64,7 @@ pub(super) fn relax(
             strain.before.extend_from_slice(&places.position[range.clone()]);
         }
         let mode = SolveMode {
-            substep_context: SubstepContext { h: context.h, sweeps: SWEEPS.len() as u32 },
+            substep_context: SubstepContext { h: context.substep.h, sweeps: SWEEPS.len() as u32 },
             gradient_at: GradientAt::Current,
             tethers: false,
             relaxed: Some(Relaxation { share: share * motion, tolerance }),

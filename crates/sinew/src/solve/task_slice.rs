@@ -106,7 +106,7 @@ impl TaskSlice<'_> {
     #[inline(always)]
     pub(super) fn predict(&mut self, rows: Range<usize>) -> Predict<'_> {
         let Places { position, start, velocity, .. } = &mut self.places;
-        self.motion.predict([position, start, velocity], rows, self.context.h)
+        self.motion.predict([position, start, velocity], rows, self.context.substep.h)
     }
 }
 

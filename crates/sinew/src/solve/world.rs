@@ -6,7 +6,7 @@ use core::sync::atomic::AtomicU32;
 use glam::Vec4;
 
 use super::constraint_ref::SolveMode;
-use super::context::SolveContext;
+use super::context::{SolveContext, SubstepParameters};
 use super::gauss_seidel;
 use super::instances::{BatchMotion, BatchSolve};
 use super::island::{hold_again, hold_at_once, propagate_impact, solve, sweep_in_order};
@@ -154,7 +154,8 @@ pub(crate) fn settle_all(
     let mut places = Places::all(particles);
     let (Places { position, start, velocity, .. }, momentum_drift) =
         (&mut places, &scratch.momentum_drift[..]);
-    let SolveContext { h, lag, execution, .. } = context;
+    let SolveContext { substep: SubstepParameters { h, lag, gravity, .. }, execution, .. } =
+        context;
     for StepRows { rows, microsteps } in which.iter().cloned() {
         let derive_some = Derive {
             position: &position[rows.clone()],
@@ -169,7 +170,7 @@ pub(crate) fn settle_all(
     }
     if context.contacts.bounces() {
         let mut normal_impulses = NormalImpulses::all(normal_impulses);
-        context.contacts.bounce(&mut places, &mut normal_impulses, rows, (h, context.gravity));
+        context.contacts.bounce(&mut places, &mut normal_impulses, rows, (h, gravity));
     }
 }
 
@@ -257,7 +258,8 @@ impl TaskSlice<'_> {
 
     /// A single large island, by all workers.
     pub(super) fn by_all(mut self, thread_scratches: &Pool<ThreadScratch>) {
-        let SolveContext { plan, execution, h, lag, .. } = self.context;
+        let SolveContext { plan, execution, substep, .. } = self.context;
+        let SubstepParameters { h, lag, .. } = substep;
         let number = self.task.islands.start;
         let island = &plan.islands.list[number];
         if island.is_left_alone() {

@@ -18,7 +18,7 @@ use crate::lanes::LANES;
 use crate::particles::{Places, ground};
 use crate::settings::Order;
 use crate::solve::IslandReport;
-use crate::solve::context::SolveContext;
+use crate::solve::context::{SolveContext, SubstepParameters};
 use crate::solve::plan::Task;
 use crate::solve::scratch::ThreadScratch;
 use crate::solve::tethers::IslandTethers;
@@ -130,7 +130,8 @@ impl<'a> BatchSolve<'a> {
         BatchContacts { planes, surfaces }: BatchContacts,
         lane_compaction: &mut LaneCompaction,
     ) {
-        let SolveContext { plan, h, execution, .. } = self.context;
+        let SolveContext { plan, substep: SubstepParameters { h, gravity, .. }, execution, .. } =
+            self.context;
         let instructions = execution.instructions;
         let settings = &plan.islands.list[instance_batches[0].islands.start].settings;
         let (begin, origin, radius) = (self.task.rows.start, self.origin, self.radius);
@@ -145,7 +146,7 @@ impl<'a> BatchSolve<'a> {
             settings,
             planes,
             recover: self.context.contacts.recover(),
-            violation: recovery(h, self.context.gravity),
+            violation: recovery(h, gravity),
             surfaces: surfaces.then_some(of_surfaces),
             chained: plan.islands.list[instance_batches[0].islands.start].has_chains(),
             h,
@@ -191,7 +192,7 @@ impl<'a> BatchSolve<'a> {
                 }
             }
             if let Some(surfaces) = &mut context.surfaces {
-                surfaces.context.substep += 1;
+                surfaces.context = surfaces.context.later(1);
             }
         }
         for (batch, storage) in instance_batches.iter().zip(lane_compaction.storages()) {

@@ -12,7 +12,7 @@ use crate::collide::NormalImpulses;
 use crate::constraints::Plane;
 use crate::lanes::{LANES, Lanes, Vector, kernel};
 use crate::particles::Places;
-use crate::solve::context::SolveContext;
+use crate::solve::context::{SolveContext, SubstepParameters};
 
 /// What putting rows outside of surfaces needs to know of them.
 #[derive(Clone, Copy)]
@@ -67,7 +67,8 @@ impl SurfaceContext<'_> {
 
     /// Gives the rows that touched something the velocity that they bounce off with, when velocities in the lanes have been derived.
     pub(super) fn bounce(&self, storage: &mut LaneStorage, normal_impulses: &mut NormalImpulses) {
-        let SolveContext { contacts, h, gravity, .. } = self.context;
+        let SolveContext { contacts, substep: SubstepParameters { h, gravity, .. }, .. } =
+            self.context;
         for lane in 0..storage.bodies {
             let first = self.rows(storage, lane).start;
             for &row in contacts.touching(storage.islands[lane] as usize).unwrap_or_default() {

@@ -127,7 +127,11 @@ impl TaskSlice<'_> {
         {
             return None;
         }
-        StepConstants::new(motion.common.truncate(), rate, context.h / island.microsteps as f32)
+        StepConstants::new(
+            motion.common.truncate(),
+            rate,
+            context.substep.h / island.microsteps as f32,
+        )
     }
 
     /// Where the pins are that an island's tethers go to; none without. They stand: what is led goes phase after phase.
