@@ -89,7 +89,16 @@ pub(crate) struct Island {
     pub(crate) meets_any: bool,
 }
 
+/// An island of no more particles is small: eight of them with their velocities and all fit into a core's first cache, 32 kB and a half, and so are solved
+/// side by side. Larger ones have enough of each colour to fill the lanes.
+pub(crate) const SMALL_ISLAND: usize = 64;
+
 impl Island {
+    /// Whether it may be in an [instance batch](crate::solve): its tethers are held once in a substep then, and those of a large one before each sweep.
+    pub(crate) fn is_small(&self) -> bool {
+        self.members.len() <= SMALL_ISLAND
+    }
+
     /// Whether nobody is to sweep its constraints in this step.
     pub(crate) fn is_left_alone(&self) -> bool {
         self.asleep || self.one_state

@@ -7,7 +7,6 @@ use glam::Vec4;
 use super::constraint_ref::{SolveMode, list_constraint_refs};
 use super::context::{SolveContext, SubstepParameters};
 use super::gauss_seidel::{self, sweep_turned};
-use super::instances::MOST;
 use super::momentum::MomentumDrift;
 use super::multipliers::MultiplierSlice;
 use super::plan::{GroupKind, Plan};
@@ -169,7 +168,7 @@ fn sweep_until_held(
     let mut swept = Swept { sweeps: 0, converged: false, touched: false, violated: false };
     while swept.sweeps < settings.max_sweeps && !swept.converged {
         let (tethers, instructions) =
-            (swept.sweeps == 0 || rows.len() > MOST, execution.instructions);
+            (swept.sweeps == 0 || !island.is_small(), execution.instructions);
         let single_sweep = settings.max_sweeps == 1;
         let mode = SolveMode {
             substep_context,

@@ -18,7 +18,6 @@ use glam::Vec4;
 
 use super::constraint_ref::SolveMode;
 use super::context::{Microstep, SolveContext, SubstepParameters};
-use super::instances::MOST;
 use super::island::solve;
 use super::momentum::MomentumDrift;
 use super::multipliers::MultiplierSlice;
@@ -45,7 +44,7 @@ pub(crate) fn divide(plan: &mut Plan, number: usize, h: f32) {
     let island = &plan.islands.list[number];
     let settings = &island.settings;
     let suits = settings.microsteps
-        && island.members.len() > MOST
+        && !island.is_small()
         && !(island.rigid || island.has_solids || island.has_springs || island.measured)
         && plan.is_cloth(island)
         && settings.order == Order::GaussSeidel

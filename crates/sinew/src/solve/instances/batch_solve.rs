@@ -4,7 +4,6 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{Vec3, Vec4};
 
-use super::InstanceBatch;
 use super::lane_compaction::LaneCompaction;
 use super::lane_storage::LaneStorage;
 use super::lane_storage::{LaneParticles, gather, next, scatter};
@@ -17,9 +16,10 @@ use crate::constraints::Plane;
 use crate::lanes::LANES;
 use crate::particles::{Places, ground};
 use crate::settings::Order;
-use crate::solve::IslandReport;
 use crate::solve::context::{SolveContext, SubstepParameters};
 use crate::solve::plan::Task;
+use crate::solve::plan::instance_batches::InstanceBatch;
+use crate::solve::report::IslandReport;
 use crate::solve::scratch::ThreadScratch;
 use crate::solve::tethers::IslandTethers;
 

@@ -5,14 +5,7 @@ use core::ops::Range;
 use super::lane_storage::LaneParticles;
 use crate::lanes::{LANES, Lanes, Vector, Work};
 use crate::solve::chains::{Eliminated, Links, project_chain};
-
-/// A link of each of eight bodies, between particles of the same numbers.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct InstancedLink {
-    /// Of both particles; the same twice where there is one.
-    pub(super) at: [u32; 2],
-    pub(super) rest: [f32; LANES],
-}
+use crate::solve::plan::instance_batches::InstancedLink;
 
 /// Solves chains once, and leaves bodies of the mask `aside` where they are. Returns the largest error found in each body, metres.
 pub(super) struct ProjectInstancedChains<'a> {

@@ -1,7 +1,7 @@
 //! Convergence masks: which of eight bodies have converged in a substep.
 
 use crate::lanes::LANES;
-use crate::solve::IslandReport;
+use crate::solve::report::IslandReport;
 
 /// A bit for each body, and sweeps.
 #[derive(Clone, Debug)]

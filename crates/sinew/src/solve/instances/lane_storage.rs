@@ -2,10 +2,10 @@
 
 use glam::{Vec3, Vec4};
 
-use super::InstanceBatch;
 use super::convergence::ConvergenceMask;
 use crate::lanes::{InstructionSet, LANES, Lanes, kernel};
 use crate::solve::chains::Eliminated;
+use crate::solve::plan::instance_batches::InstanceBatch;
 
 /// The particles of eight bodies. Scratch.
 #[derive(Clone, Debug, Default)]

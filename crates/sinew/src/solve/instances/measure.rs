@@ -3,9 +3,9 @@
 use glam::Vec4;
 
 use super::lane_storage::{LaneParticles, gather};
-use super::{InstanceBatches, InstancePart, InstancedRod};
 use crate::lanes::{InstructionSet, LANES, Lanes, kernel};
-use crate::solve::IslandReport;
+use crate::solve::plan::instance_batches::{InstanceBatches, InstancePart, InstancedRod};
+use crate::solve::report::IslandReport;
 use crate::solve::rods::worse;
 
 impl InstanceBatches {

@@ -2,10 +2,10 @@
 
 use glam::Vec4;
 
-use super::InstancedRod;
 use super::lane_storage::LaneParticles;
 use crate::constraints::project_rod;
 use crate::lanes::{LANES, Lanes, Vector, kernel};
+use crate::solve::plan::instance_batches::InstancedRod;
 use crate::solve::rods::{COS_SQUARED, Whole, project, project_from_start};
 use crate::solve::tethers::hold;
 

@@ -3,11 +3,12 @@
 use super::convergence::ConvergenceMask;
 use super::lane_storage::LaneStorage;
 use super::surfaces::{SurfaceContext, project_planes};
-use super::{InstanceBatch, InstanceBatches, InstancePart, chains, rods};
+use super::{chains, rods};
 use crate::collide::NormalImpulses;
 use crate::constraints::{GradientAt, Plane, SubstepContext};
 use crate::lanes::{InstructionSet, LANES, with};
 use crate::settings::SolverSettings;
+use crate::solve::plan::instance_batches::{InstanceBatch, InstanceBatches, InstancePart};
 
 /// What solving needs to know beside the lane storage.
 #[derive(Clone, Copy)]

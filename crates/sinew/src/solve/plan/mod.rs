@@ -20,17 +20,18 @@ mod clusters;
 mod colours;
 mod cut;
 mod incremental;
+pub(super) mod instance_batches;
 mod keys;
 mod place;
 mod rigid;
 mod tasks;
 #[cfg(test)]
 mod tests;
+mod tethers;
 
 use core::ops::Range;
 
 use super::chains::Chains;
-use super::instances::InstanceBatches;
 use super::rods::Rods;
 use super::tethers::Tethers;
 use super::wide::{ConstraintBatches, LooseDistances, Which};
@@ -38,6 +39,7 @@ use crate::constraints::{Constraint, Distance};
 use crate::islands::{Island, Islands};
 use crate::lanes::LANES;
 pub(crate) use changes::{Change, Changes, List};
+use instance_batches::InstanceBatches;
 use keys::Key;
 use place::Compiling;
 pub(crate) use tasks::Task;

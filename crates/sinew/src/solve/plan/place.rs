@@ -5,7 +5,6 @@ use super::colours::{Colours, StrideCounts, Strides};
 use super::keys::{DISTANCES, Fields, Key, RIGID, RODS};
 use super::{Given, GroupKind, Plan};
 use crate::constraints::{Bound, Constraint, ConstraintKind, Distance};
-use crate::solve::instances::MOST;
 use crate::solve::rods;
 use crate::union_find::UnionFind;
 
@@ -147,7 +146,7 @@ impl Compiling {
             (count, reach) = (count + 1, reach + u64::from(ends.1 - ends.0));
             let kind = kind_of(d);
             // What small islands have that is no rod is solved in lanes of like islands, and not in columns.
-            if may_stride(d) && (kind == GroupKind::Rods || members > MOST) {
+            if may_stride(d) && (kind == GroupKind::Rods || !plan.islands.list[island].is_small()) {
                 scratch[kind as usize].add(ends);
             }
         }

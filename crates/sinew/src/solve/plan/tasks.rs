@@ -4,7 +4,6 @@ use core::ops::Range;
 
 use super::Plan;
 use crate::lanes::LANES;
-use crate::solve::instances;
 use crate::threads::TASKS;
 
 /// Consecutive islands, which are solved one after the other.
@@ -24,7 +23,7 @@ pub(crate) struct Task {
 
 impl Plan {
     /// The tasks for one worker alone, or for several. One has nothing of many tasks: where one ends amid bodies that are all the same, it goes on
-    /// with the next, so that they make larger [instance batches](instances).
+    /// with the next, so that they make larger [instance batches](super::instance_batches).
     pub(crate) fn tasks(&self, alone: bool) -> impl Iterator<Item = Task> {
         let joins = move |one: &Task, next: &Task| {
             alone
@@ -79,9 +78,7 @@ pub(super) fn cut(plan: &Plan) -> Vec<Task> {
         let large = distance - distances + constraint - constraints >= LARGE
             && members.len() == (last - first) as usize + 1;
         // Small islands go by eights, which are what an instance batch takes.
-        let whole = |task: &Task| {
-            task.islands.len().is_multiple_of(LANES) || members.len() > instances::MOST
-        };
+        let whole = |task: &Task| task.islands.len().is_multiple_of(LANES) || !island.is_small();
         let full = |task: &Task| task.large || large || (work(task) >= share && whole(task));
         let begin = match tasks.last() {
             None => true,

@@ -33,7 +33,7 @@ const NONE: u32 = u32::MAX;
 
 /// How far each particle is from the nearest of some sources.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct DistanceField {
+pub(in crate::solve) struct DistanceField {
     paths: Vec<Path>,
 }
 
@@ -74,7 +74,7 @@ impl Path {
 
 impl DistanceField {
     /// The particles that rods lead to, less the sources, the farthest first, with the one before each on its way and the number of the rod between.
-    pub(super) fn inwards(&self, graph: &RodGraph) -> Vec<(u32, u32, u32)> {
+    pub(in crate::solve) fn inwards(&self, graph: &RodGraph) -> Vec<(u32, u32, u32)> {
         let known = |i: &u32| {
             let path = self.paths[*i as usize];
             path.is_known() && !path.is_of_a_source()
@@ -102,7 +102,7 @@ impl DistanceField {
 
 impl RodGraph {
     /// How far each particle is from the nearest of some.
-    pub(super) fn field(&self, sources: &[u32]) -> DistanceField {
+    pub(in crate::solve) fn field(&self, sources: &[u32]) -> DistanceField {
         let mut field = DistanceField { paths: vec![Path::UNKNOWN; self.particles()] };
         let mut search = Search::of(self, &mut field);
         for (source, &particle) in (0..).zip(sources) {

@@ -17,7 +17,6 @@
 //!
 //! Between particles that are all free, [spans](spans) do the same at a smaller scale.
 
-mod find;
 mod geodesic;
 mod pin_fields;
 mod project;
@@ -33,9 +32,9 @@ use super::rod_graph::RodGraph;
 use crate::islands::Island;
 use crate::lanes::LANES;
 use crate::particles::Places;
-use pin_fields::PinFields;
+pub(super) use pin_fields::PinFields;
 pub(super) use project::hold;
-use spans::Spans;
+pub(super) use spans::Spans;
 
 /// An island of no more particles has no tethers where everything walks to rest: by tethers a rope between two pins still moved by micrometres after 20 000 such steps.
 const SMALL_IN_STATICS: usize = 64;
@@ -43,44 +42,44 @@ const SMALL_IN_STATICS: usize = 64;
 /// The tethers of a plan. Derived from its rods and the pins; scratch, never saved.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tethers {
-    islands: Vec<IslandTethers>,
-    spans: Vec<Spans>,
+    pub(in crate::solve) islands: Vec<IslandTethers>,
+    pub(in crate::solve) spans: Vec<Spans>,
     /// The hard rods of islands that take microsteps: for tethers, and for strain limiting.
-    graphs: Vec<RodGraph>,
+    pub(in crate::solve) graphs: Vec<RodGraph>,
     /// Whether the plan was compiled since they were made.
-    stale: bool,
+    pub(in crate::solve) stale: bool,
 }
 
 /// Those of one island.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct IslandTethers {
     /// A hash of the rods and of what is pinned. The same rods of another island, or of this one in another plan, have the same.
-    key: u64,
+    pub(in crate::solve) key: u64,
     /// The rows of its pinned particles, ascending.
-    pins: Vec<u32>,
+    pub(in crate::solve) pins: Vec<u32>,
     /// How far its members are from those. None of what was found to be like another island.
-    fields: Option<PinFields>,
+    pub(in crate::solve) fields: Option<PinFields>,
     /// Of each member, to which of the pins, and how long, metres; infinite without.
-    each: Vec<[(u32, f32); 2]>,
+    pub(in crate::solve) each: Vec<[(u32, f32); 2]>,
     /// Whether any member has a first one, and whether any has a second one.
     are_there: [bool; 2],
-    blocks: Vec<TetherBlock>,
+    pub(in crate::solve) blocks: Vec<TetherBlock>,
     /// Along which rods they are, where that is asked for.
-    ways: Option<TetherPaths>,
+    pub(in crate::solve) ways: Option<TetherPaths>,
 }
 
 /// The ways of tethers along rods: to the nearest pin, and to either of two that are far from each other.
 #[derive(Clone, Debug)]
-struct TetherPaths {
+pub(in crate::solve) struct TetherPaths {
     /// Which of the pins those two are.
-    far: [u32; 2],
+    pub(in crate::solve) far: [u32; 2],
     /// Of each of the three, all members from the farthest on: which one, the one before it on its way, and the plan's number of the rod between.
-    inwards: [Vec<(u32, u32, u32)>; 3],
+    pub(in crate::solve) inwards: [Vec<(u32, u32, u32)>; 3],
 }
 
 /// Tethers of eight members, each the second after the one before: as columns have them side by side.
 #[derive(Clone, Debug)]
-struct TetherBlock {
+pub(in crate::solve) struct TetherBlock {
     /// The first of the members, counted from that of the island.
     member: u32,
     /// Their rows. Where there are fewer than eight, the first again.
@@ -118,7 +117,7 @@ impl Tethers {
         self.graphs.get(island.rod_graph? as usize)
     }
 
-    fn made(&self, island: &Island) -> Option<&IslandTethers> {
+    pub(in crate::solve) fn made(&self, island: &Island) -> Option<&IslandTethers> {
         self.islands.get(island.tethers? as usize)
     }
 }
@@ -129,6 +128,19 @@ fn taut(length: f64) -> f32 {
 }
 
 impl IslandTethers {
+    /// Of an island of such members: the hash of its rods and pins, and those; how far its members are from them, if that was reckoned; and to which of the pins
+    /// each is tied, and how long, metres; infinite without.
+    pub(super) fn of(
+        members: &[u32],
+        (key, pins): (u64, Vec<u32>),
+        fields: Option<PinFields>,
+        each: Vec<[(u32, f32); 2]>,
+    ) -> Self {
+        let are_there = [0, 1].map(|which| each.iter().any(|own| own[which].1.is_finite()));
+        let blocks = blocks(members, &each);
+        Self { key, pins, fields, each, are_there, blocks, ways: None }
+    }
+
     /// Where its pins are, in columns that begin with the row `first`.
     pub(super) fn pins(&self, position: &[Vec4], first: u32) -> impl Iterator<Item = Vec4> {
         self.pins.iter().map(move |row| position[(row - first) as usize])
@@ -224,4 +236,35 @@ impl IslandTethers {
         let place = |end: usize| self.blocks.partition_point(|block| (block.member as usize) < end);
         &self.blocks[place(members.start)..place(members.end)]
     }
+}
+
+/// Puts the tethers of members eight by eight: first those to the nearest pins, then the others.
+fn blocks(members: &[u32], each: &[[(u32, f32); 2]]) -> Vec<TetherBlock> {
+    let mut blocks = Vec::new();
+    for begin in (0..each.len()).step_by(2 * LANES) {
+        for which in 0..2 {
+            for parity in 0..2 {
+                let member = |lane: usize| {
+                    let member = begin + parity + 2 * lane;
+                    if member < each.len() { member } else { begin + parity }
+                };
+                if begin + parity >= each.len() {
+                    continue;
+                }
+                let of = |lane: usize| each[member(lane)][which];
+                if (0..LANES).all(|lane| of(lane).1 == f32::INFINITY) {
+                    continue;
+                }
+                let pin = of(0).0;
+                blocks.push(TetherBlock {
+                    member: (begin + parity) as u32,
+                    rows: core::array::from_fn(|lane| members[member(lane)]),
+                    pins: core::array::from_fn(|lane| of(lane).0),
+                    one_pin: (0..LANES).all(|lane| of(lane).0 == pin),
+                    length: core::array::from_fn(|lane| of(lane).1),
+                });
+            }
+        }
+    }
+    blocks
 }

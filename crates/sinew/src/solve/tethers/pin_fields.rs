@@ -13,7 +13,7 @@ const NONE: (u32, f32) = (0, f32::INFINITY);
 
 /// How far members are from the pins of their island.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct PinFields {
+pub(in crate::solve) struct PinFields {
     /// The pins among the members.
     sources: Vec<u32>,
     /// Of each member a [hash](RodGraph::hashes) of its rods.
@@ -23,12 +23,12 @@ pub(super) struct PinFields {
     /// From single pins: the first one, and two that are far from each other.
     from: Vec<(u32, DistanceField)>,
     /// Which of the pins those two are.
-    pub(super) far: [u32; 2],
+    pub(in crate::solve) far: [u32; 2],
 }
 
 impl PinFields {
     /// Of an island with these rods, and with pins, of which there is one at least; out of what was `known` of an island, to the same bits.
-    pub(super) fn of(graph: &RodGraph, sources: Vec<u32>, known: Option<Self>) -> Self {
+    pub(in crate::solve) fn of(graph: &RodGraph, sources: Vec<u32>, known: Option<Self>) -> Self {
         let hashes = graph.hashes();
         let same = |known: &Self| known.sources == sources && known.hashes.len() == hashes.len();
         let known = known.filter(same).and_then(|known| {
@@ -74,12 +74,12 @@ impl PinFields {
     }
 
     /// From one of the two that are far from each other.
-    pub(super) fn from(&self, which: usize) -> Option<&DistanceField> {
+    pub(in crate::solve) fn from(&self, which: usize) -> Option<&DistanceField> {
         self.from.iter().find(|(of, _)| *of == self.far[which]).map(|(_, own)| own)
     }
 
     /// Of each member to which of the pins it is tethered, and how long that is, metres; infinite without.
-    pub(super) fn lengths(&self) -> Vec<[(u32, f32); 2]> {
+    pub(in crate::solve) fn lengths(&self) -> Vec<[(u32, f32); 2]> {
         let ends = [0, 1].map(|which| (self.far[which], self.from(which)));
         let mut each: Vec<_> = (0..self.hashes.len() as u32)
             .map(|member| {

@@ -77,7 +77,7 @@ const FEWEST: usize = 4;
 
 impl Spans {
     /// Of an island whose particles are the consecutive rows from its first on.
-    pub(super) fn of<'a>(
+    pub(in crate::solve) fn of<'a>(
         first: u32,
         members: usize,
         rods: impl Iterator<Item = &'a Distance>,

@@ -3,7 +3,6 @@
 use core::ops::Range;
 
 use crate::islands::Island;
-use crate::solve::instances::MOST;
 use crate::solve::plan::Plan;
 
 /// Stages over all rows of an island, one after the other, each in tiles in the order of their rows.
@@ -74,7 +73,7 @@ impl Stages {
         let cluster_batches = &plan.cluster_batches[island.cluster_batches.clone()];
         let mut first = island.cluster_batches.start;
         self.tethered = plan.tethers.of(island).is_some();
-        self.tethered_again = island.members.len() > MOST;
+        self.tethered_again = !island.is_small();
         self.all.clear();
         self.sweep_stages.clear();
         for stage in cluster_batches.chunk_by(|one, other| one.stage == other.stage) {

@@ -1,18 +1,107 @@
-//! Finds instance batches: consecutive islands of the same topology.
+//! Instance batches, as a plan has them: consecutive islands of the same topology, found when it is compiled. What is done with them:
+//! [`instances`](crate::solve::instances).
 
 use core::ops::Range;
 
-use super::chains::InstancedLink;
-use super::{InstanceBatch, InstanceBatches, InstancePart, InstancedRod, MOST};
+use super::{ConstraintGroup, GroupKind, Plan, Task};
 use crate::constraints::{Constraint, Distance};
-use crate::islands::Island;
+use crate::islands::{Island, SMALL_ISLAND};
 use crate::lanes::LANES;
-use crate::solve::plan::{ConstraintGroup, GroupKind, Plan, Task};
+use crate::solve::chains::LONG;
 use crate::solve::rods::ends;
-use crate::solve::wide::InstancedGroups;
+use crate::solve::wide::{InstancedConstraints, InstancedGroup, InstancedGroups};
+
+// What is solved side by side has the bits that it has alone.
+const _: () = assert!(SMALL_ISLAND <= LONG);
 
 /// A batch costs what two or three of its bodies cost alone; less, where it is solved together with others.
 const LEAST: usize = 3;
+
+/// The instance batches of a plan.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct InstanceBatches {
+    pub(in crate::solve) all: Vec<InstanceBatch>,
+    pub(in crate::solve) parts: Vec<InstancePart>,
+    pub(in crate::solve) rods: Vec<InstancedRod>,
+    pub(in crate::solve) chains: Vec<Range<usize>>,
+    pub(in crate::solve) links: Vec<InstancedLink>,
+    pub(in crate::solve) instanced: InstancedConstraints,
+}
+
+/// Three to eight consecutive islands that are built alike, whose rows follow each other.
+#[derive(Clone, Debug)]
+pub(in crate::solve) struct InstanceBatch {
+    pub(in crate::solve) islands: Range<usize>,
+    /// The first row of the first island, and how many each has.
+    pub(in crate::solve) first: u32,
+    pub(in crate::solve) members: u32,
+    /// What a sweep consists of, in its order.
+    pub(in crate::solve) parts: Range<usize>,
+    /// The chains with which a sweep begins.
+    pub(in crate::solve) chains: Range<usize>,
+    /// How many constraints may have sums.
+    pub(in crate::solve) multipliers: usize,
+    /// Bodies of batches with the same number here are identical. `None` if those of this one are not.
+    topology: Option<usize>,
+}
+
+/// Constraints of one kind that a sweep takes one after the other.
+#[derive(Clone, Debug)]
+pub(in crate::solve) enum InstancePart {
+    /// Which of the instance batches' rods.
+    Rods(Range<usize>),
+    Constraints(InstancedGroup),
+}
+
+/// A hard rod of each of eight bodies, between particles of the same numbers.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::solve) struct InstancedRod {
+    pub(in crate::solve) a: u32,
+    pub(in crate::solve) b: u32,
+    pub(in crate::solve) rest: [f32; LANES],
+}
+
+/// A link of each of eight bodies, between particles of the same numbers.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::solve) struct InstancedLink {
+    /// Of both particles; the same twice where there is one.
+    pub(in crate::solve) at: [u32; 2],
+    pub(in crate::solve) rest: [f32; LANES],
+}
+
+impl InstanceBatches {
+    /// Whether the last of some instance batches and the first of others are of the same bodies.
+    pub(crate) fn have_same_topology(&self, some: Range<usize>, others: Range<usize>) -> bool {
+        match (self.all[some].last(), self.all[others].first()) {
+            (Some(last), Some(first)) => last.has_same_topology(first),
+            _ => false,
+        }
+    }
+}
+
+impl InstanceBatch {
+    /// All rows of its bodies.
+    pub(in crate::solve) fn rows(&self) -> Range<u32> {
+        self.first..self.first + self.islands.len() as u32 * self.members
+    }
+
+    /// Whether the bodies of both are the same in every number.
+    pub(in crate::solve) fn has_same_topology(&self, other: &Self) -> bool {
+        self.topology.is_some() && self.topology == other.topology
+    }
+
+    /// In which place, from that of row `begin` on, particle `i` of each body is. Lanes that are left have the last body again: it computes the same
+    /// and writes the same.
+    #[inline(always)]
+    pub(in crate::solve) fn places(&self, begin: u32, i: u32) -> [u32; LANES] {
+        let last = self.islands.len() as u32 - 1;
+        let mut places = [0; LANES];
+        for (place, lane) in places.iter_mut().zip(0..) {
+            *place = self.first - begin + last.min(lane) * self.members + i;
+        }
+        places
+    }
+}
 
 impl InstanceBatches {
     /// Finds those of a plan, task by task, and tells the tasks which are theirs.
@@ -171,7 +260,7 @@ fn suits(plan: &Plan, island: &Island) -> bool {
     let (Some(&first), Some(&last)) = (members.first(), members.last()) else { return false };
     let wide = |group: &ConstraintGroup| group.kind == GroupKind::Rods || group.wide.is_some();
     !island.groups.is_empty()
-        && members.len() <= MOST
+        && island.is_small()
         && (last - first) as usize + 1 == members.len()
         && plan.groups[island.groups.clone()].iter().all(wide)
         && plan.cluster_batches[island.cluster_batches.clone()]

@@ -1,15 +1,12 @@
 //! Which tethers and spans the islands of a plan have: found from their rods and their pins, when those have changed.
 
-use super::pin_fields::PinFields;
-use super::spans::Spans;
-use super::{IslandTethers, TetherBlock, TetherPaths};
+use super::{GroupKind, Plan};
 use crate::constraints::{Bound, Distance, Softness};
 use crate::hash::fnv;
 use crate::islands::Island;
-use crate::lanes::LANES;
 use crate::particles::Particles;
-use crate::solve::plan::{GroupKind, Plan};
 use crate::solve::rod_graph::RodGraph;
+use crate::solve::tethers::{IslandTethers, PinFields, Spans, TetherPaths};
 
 /// An island of no more particles has no tethers: there is one rod, or two, between any of them and its pin.
 const SMALL: usize = 3;
@@ -84,9 +81,7 @@ impl Plan {
                     (Some(fields), each)
                 }
             };
-            let blocks = blocks(members, &each);
-            let are_there = [0, 1].map(|which| each.iter().any(|own| own[which].1.is_finite()));
-            let made = IslandTethers { key, pins, fields, each, are_there, blocks, ways: None };
+            let made = IslandTethers::of(members, (key, pins), fields, each);
             if place == tethers.islands.len() {
                 tethers.islands.push(made);
             } else {
@@ -178,35 +173,4 @@ fn places(members: &[u32]) -> impl Fn(u32) -> u32 {
 /// Whether a distance is one that tethers may rely on.
 fn is_hard(d: &Distance) -> bool {
     d.softness == Softness::Hard && d.bound != Bound::AtLeast
-}
-
-/// Puts the tethers of members eight by eight: first those to the nearest pins, then the others.
-fn blocks(members: &[u32], each: &[[(u32, f32); 2]]) -> Vec<TetherBlock> {
-    let mut blocks = Vec::new();
-    for begin in (0..each.len()).step_by(2 * LANES) {
-        for which in 0..2 {
-            for parity in 0..2 {
-                let member = |lane: usize| {
-                    let member = begin + parity + 2 * lane;
-                    if member < each.len() { member } else { begin + parity }
-                };
-                if begin + parity >= each.len() {
-                    continue;
-                }
-                let of = |lane: usize| each[member(lane)][which];
-                if (0..LANES).all(|lane| of(lane).1 == f32::INFINITY) {
-                    continue;
-                }
-                let pin = of(0).0;
-                blocks.push(TetherBlock {
-                    member: (begin + parity) as u32,
-                    rows: core::array::from_fn(|lane| members[member(lane)]),
-                    pins: core::array::from_fn(|lane| of(lane).0),
-                    one_pin: (0..LANES).all(|lane| of(lane).0 == pin),
-                    length: core::array::from_fn(|lane| of(lane).1),
-                });
-            }
-        }
-    }
-    blocks
 }
