@@ -102,7 +102,8 @@ struct Scratch {
     loads: solve::Loads,
     damping: solve::Damping,
     /// Of measuring what is left.
-    thread_scratch: solve::ThreadScratch,
+    sweep_scratch: solve::SweepScratch,
+    lane_particles: Vec<solve::LaneParticles>,
     moving: Moving,
     sleep_scratch: Kept<sleep::SleepScratch>,
     /// Pinned particles that were given another origin for this step.
@@ -303,7 +304,7 @@ impl Simulation {
         let (boundaries, colliders, body_colliders) =
             (&self.boundaries, &self.colliders, &self.body_colliders);
         let at_rest = scratch.at_rest;
-        let Scratch { plan, filter, contacts, solving, loads, single_rows, thread_scratch, .. } =
+        let Scratch { plan, filter, contacts, solving, loads, single_rows, sweep_scratch, .. } =
             scratch;
         let execution = execution(*instructions, workers);
         let open = contacts.is_active().then_some(&single_rows[..]);
@@ -332,7 +333,7 @@ impl Simulation {
             contacts.bounce(particles, h, gravity);
         }
         let reports = &mut report.islands;
-        solve::limit_all_recoveries(particles, plan, (h, gravity), reports, thread_scratch);
+        solve::limit_all_recoveries(particles, plan, (h, gravity), reports, sweep_scratch);
         integrate::finish(particles, settings.integrator, h);
         self.write_rigid_states(true);
         self.scratch.moving.settle(&mut self.particles, &self.compounds, h);
@@ -380,14 +381,14 @@ impl Simulation {
                 self.particles.limit_speeds(rows, most, &mut self.report.too_fast);
             }
         }
-        let Scratch { plan, contacts, thread_scratch, .. } = &mut self.scratch;
+        let Scratch { plan, contacts, sweep_scratch, lane_particles, .. } = &mut self.scratch;
         let (instructions, report) = (self.instructions, &mut self.report);
         solve::measure(
             &mut self.particles,
             &contacts.particle_contacts,
             plan,
             instructions,
-            thread_scratch,
+            (sweep_scratch, lane_particles),
             report,
         );
         solve::measure_overlaps(contacts.overlaps(), &plan.islands, report);

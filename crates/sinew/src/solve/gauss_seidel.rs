@@ -7,7 +7,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use super::constraint_ref::{SolveMode, project_constraint};
 use super::multipliers::MultiplierSlice;
 use super::plan::{ClusterBatch, ConstraintGroup, GroupKind, Plan};
-use super::scratch::ThreadScratch;
+use super::sweep_scratch::SweepScratch;
 use super::wide::sweep_loose;
 use crate::constraints::GradientAt;
 use crate::lanes::Columns;
@@ -21,18 +21,12 @@ pub(super) fn sweep(
     cluster_batches: Range<usize>,
     multipliers: &mut MultiplierSlice,
     mode: SolveMode,
-    thread_scratch: &mut ThreadScratch,
+    scratch: &mut SweepScratch,
 ) -> f32 {
     let mut worst = 0.0_f32;
     for cluster_batch in plan.cluster_batches[cluster_batches].iter().filter(|it| mode.takes(it)) {
-        worst = worst.max(sweep_cluster_batch(
-            places,
-            plan,
-            cluster_batch,
-            multipliers,
-            mode,
-            thread_scratch,
-        ));
+        worst =
+            worst.max(sweep_cluster_batch(places, plan, cluster_batch, multipliers, mode, scratch));
     }
     worst
 }
@@ -43,14 +37,14 @@ fn sweep_cluster_batch(
     cluster_batch: &ClusterBatch,
     multipliers: &mut MultiplierSlice,
     mode: SolveMode,
-    thread_scratch: &mut ThreadScratch,
+    scratch: &mut SweepScratch,
 ) -> f32 {
     let groups = &plan.groups[cluster_batch.groups.clone()];
     let (Plan { rods, constraints, .. }, instructions) = (plan, mode.instructions);
     // What is soft asks for no start of the substep, which columns do not know.
     let current = cluster_batch.kind != GroupKind::Rods || mode.gradient_at == GradientAt::Current;
     if cluster_batch.columns && current {
-        let (columns, rows) = (&mut thread_scratch.columns, cluster_batch.rows.clone());
+        let (columns, rows) = (&mut scratch.columns, cluster_batch.rows.clone());
         let range = places.at(rows.start)..places.at(rows.end);
         columns.reset(rods.half());
         columns.turn_in(0, &places.position[range.clone()], instructions);
@@ -92,7 +86,7 @@ fn sweep_cluster_batch(
                     )
                 } else {
                     let (each, local) =
-                        (constraints[range].iter().zip(lambdas), &mut thread_scratch.local);
+                        (constraints[range].iter().zip(lambdas), &mut scratch.local);
                     each.map(|(c, lambda)| project_constraint(places, c, mode, lambda, local))
                         .fold(0.0, f32::max)
                 }
@@ -142,7 +136,7 @@ pub(super) fn sweep_shared(
     mut multipliers: MultiplierSlice,
     mode: SolveMode,
     execution: ExecutionContext,
-    thread_scratches: &Pool<ThreadScratch>,
+    scratches: &Pool<impl AsMut<SweepScratch> + Default + Send>,
 ) -> f32 {
     // Errors are not negative, and the bits of such numbers order as they do.
     let worst = AtomicU32::new(0);
@@ -158,8 +152,9 @@ pub(super) fn sweep_shared(
             Some((places, multipliers, begin..number))
         });
         each(execution.workers, tasks, |(mut places, mut multipliers, cluster_batches)| {
-            let found = thread_scratches.with(|thread_scratch| {
-                sweep(&mut places, plan, cluster_batches, &mut multipliers, mode, thread_scratch)
+            let found = scratches.with(|scratch| {
+                let scratch = scratch.as_mut();
+                sweep(&mut places, plan, cluster_batches, &mut multipliers, mode, scratch)
             });
             worst.fetch_max(found.to_bits(), Ordering::Relaxed);
         });

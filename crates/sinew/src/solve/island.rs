@@ -11,7 +11,7 @@ use super::momentum::MomentumDrift;
 use super::multipliers::MultiplierSlice;
 use super::plan::{GroupKind, Plan};
 use super::rods::COS_SQUARED;
-use super::scratch::ThreadScratch;
+use super::sweep_scratch::SweepScratch;
 use super::task_slice::IslandSlice;
 use super::{jacobi, most_violated_first};
 use crate::collide::{NormalImpulses, recovery};
@@ -26,34 +26,33 @@ use crate::threads::ExecutionContext;
 pub(super) fn sweep_in_order(
     plan: &Plan,
     island: &Island,
-    thread_scratch: &mut ThreadScratch,
+    scratch: &mut SweepScratch,
 ) -> impl FnMut(&mut Places, &mut MultiplierSlice, SolveMode) -> f32 {
     let order = island.settings.order;
     if order != Order::GaussSeidel {
-        list_constraint_refs(plan, island, &mut thread_scratch.constraint_refs);
+        list_constraint_refs(plan, island, &mut scratch.constraint_refs);
     }
     let in_columns = if island.has_chains() { None } else { plan.fits_columns(island) };
     move |places, multipliers, mode| match order {
         Order::GaussSeidel => {
             if let Some(rows) = in_columns.filter(|_| mode.gradient_at == GradientAt::Current) {
-                let scratch = &mut *thread_scratch;
+                let scratch = &mut *scratch;
                 return sweep_in_columns(plan, island, rows, places, multipliers, mode, scratch);
             }
             let alone = ExecutionContext { instructions: mode.instructions, workers: None };
-            let out = hold_at_once(plan, island, places, mode, thread_scratch);
+            let out = hold_at_once(plan, island, places, mode, scratch);
             let batches = island.cluster_batches.clone();
-            let found =
-                gauss_seidel::sweep(places, plan, batches, multipliers, mode, thread_scratch);
-            hold_again(plan, island, places, mode, alone, thread_scratch);
+            let found = gauss_seidel::sweep(places, plan, batches, multipliers, mode, scratch);
+            hold_again(plan, island, places, mode, alone, scratch);
             out.max(found)
         }
         Order::Jacobi => {
-            let ThreadScratch { local, constraint_refs, asked, .. } = thread_scratch;
+            let SweepScratch { local, constraint_refs, asked, .. } = scratch;
             let all = (local, &constraint_refs[..]);
             jacobi::sweep(places, plan, island, multipliers, mode, all, asked)
         }
         Order::MostViolatedFirst => {
-            let ThreadScratch { local, constraint_refs, queue, .. } = thread_scratch;
+            let SweepScratch { local, constraint_refs, queue, .. } = scratch;
             let all = (local, &constraint_refs[..]);
             most_violated_first::sweep(places, plan, island, multipliers, mode, all, queue)
         }
@@ -198,18 +197,18 @@ pub(super) fn hold_at_once(
     island: &Island,
     places: &mut Places,
     mode: SolveMode,
-    thread_scratch: &mut ThreadScratch,
+    scratch: &mut SweepScratch,
 ) -> f32 {
     if mode.gradient_at == GradientAt::StepStart || mode.relaxed.is_some() {
         return 0.0;
     }
     let mut worst = 0.0_f32;
     if mode.tethers {
-        worst = hold_by_pins(plan, island, places, mode, thread_scratch);
+        worst = hold_by_pins(plan, island, places, mode, scratch);
     }
     if island.has_chains() {
         let columns = (&mut *places.position, places.first);
-        let scratch = &mut thread_scratch.chains;
+        let scratch = &mut scratch.chains;
         let found = plan.chains.project(island, columns, scratch, mode.instructions);
         worst = worst.max(mode.of_chains(found));
     }
@@ -225,11 +224,11 @@ pub(super) fn hold_again(
     places: &mut Places,
     mode: SolveMode,
     execution: ExecutionContext,
-    thread_scratch: &mut ThreadScratch,
+    scratch: &mut SweepScratch,
 ) {
     let Some(spans) = plan.tethers.spans_of(island) else { return };
     if mode.tethers && mode.gradient_at == GradientAt::Current {
-        hold_by_pins(plan, island, places, mode, thread_scratch);
+        hold_by_pins(plan, island, places, mode, scratch);
         spans.project(places.position, places.first, execution);
     }
 }
@@ -240,10 +239,10 @@ fn hold_by_pins(
     island: &Island,
     places: &mut Places,
     mode: SolveMode,
-    thread_scratch: &mut ThreadScratch,
+    scratch: &mut SweepScratch,
 ) -> f32 {
     let Some(tethers) = plan.tethers.of(island) else { return 0.0 };
-    let pins = &mut thread_scratch.pins;
+    let pins = &mut scratch.pins;
     pins.clear();
     pins.extend(tethers.pins(places.position, places.first));
     tethers.project(places.position, places.first, pins, mode.instructions)
@@ -258,9 +257,9 @@ fn sweep_in_columns(
     places: &mut Places,
     multipliers: &mut MultiplierSlice,
     mode: SolveMode,
-    thread_scratch: &mut ThreadScratch,
+    scratch: &mut SweepScratch,
 ) -> f32 {
-    let ThreadScratch { columns, pins, .. } = thread_scratch;
+    let SweepScratch { columns, pins, .. } = scratch;
     let (rows, instructions) = (places.at(first)..places.at(first) + count, mode.instructions);
     columns.reset(plan.rods.half());
     columns.turn_in(0, &places.position[rows.clone()], instructions);
@@ -373,7 +372,7 @@ mod tests {
             let island = &plan.islands.list[0];
             let mode = SolveMode { instructions: InstructionSet::best(), ..MODE };
             let (mut own, mut other) = (particles.clone(), particles.clone());
-            let (mut scratch, mut multipliers) = (ThreadScratch::default(), Multipliers::default());
+            let (mut scratch, mut multipliers) = (SweepScratch::default(), Multipliers::default());
             multipliers.resize(plan.distances.len(), plan.constraints.len());
             let (all, sums) = (plan.fits_columns(island).unwrap(), &mut multipliers.all());
             let places = &mut Places::all(&mut own);
@@ -413,7 +412,7 @@ mod tests {
             let mut world = Simulation::default();
             cloth.build(&mut world).unwrap();
             world.step(1.0 / 60.0).unwrap();
-            let (plan, mut scratch) = (world.plan().clone(), ThreadScratch::default());
+            let (plan, mut scratch) = (world.plan().clone(), SweepScratch::default());
             let island = &plan.islands.list[0];
             let mut swept = |relaxed: Option<Relaxation>| {
                 let mut own = world.particles.clone();

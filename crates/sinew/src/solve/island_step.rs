@@ -14,10 +14,9 @@ use super::microsteps::{derive_whole_steps, list_step_rows};
 use super::plan::{Plan, Task};
 use super::remaining::Remaining;
 use super::report::SolverReport;
-use super::scratch::ThreadScratch;
 use super::task_slice::{TaskSlice, slices};
 use super::wavefront::{pipelined_wavefront, run_wavefronts};
-use super::world::SolveScratch;
+use super::world::{SolveScratch, ThreadScratch};
 use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::integrate::{MotionColumns, Predict, StepRows, predict_all};
 use crate::lanes::with;
@@ -130,7 +129,7 @@ impl TaskSlice<'_> {
                 common: common.truncate(),
                 iteration_counts,
             }),
-            thread_scratch,
+            scratch: thread_scratch.of_batches(),
         }
     }
 
@@ -150,7 +149,12 @@ impl TaskSlice<'_> {
             share.by_all(thread_scratches);
             thread_scratches.with(|thread_scratch| {
                 let (number, report) = (self.task.islands.start, &mut self.reports[0]);
-                self.context.limit_recovery(number, &mut self.places, report, thread_scratch);
+                self.context.limit_recovery(
+                    number,
+                    &mut self.places,
+                    report,
+                    &mut thread_scratch.sweep,
+                );
             });
             iteration_counts.fetch_max(self.reports[0].last_sweeps, Ordering::Relaxed);
         }
@@ -184,7 +188,7 @@ impl TaskSlice<'_> {
                 if island.is_left_alone() {
                     continue;
                 }
-                let sweep = sweep_in_order(plan, island, thread_scratch);
+                let sweep = sweep_in_order(plan, island, &mut thread_scratch.sweep);
                 let momentum_drift = self.solve_substep(number, sweep, &mut microsteps);
                 thread_scratch
                     .momentum_drifts
@@ -200,7 +204,7 @@ impl TaskSlice<'_> {
             context.bounce(places, normal_impulses, task.rows.clone());
             for number in islands() {
                 let report = &mut reports[number - task.islands.start];
-                context.limit_recovery(number, places, report, thread_scratch);
+                context.limit_recovery(number, places, report, &mut thread_scratch.sweep);
             }
         }
         thread_scratch.remaining = remaining;

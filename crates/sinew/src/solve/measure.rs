@@ -1,9 +1,10 @@
 //! What is left to correct, for the report.
 
 use super::constraint_ref::{constraint_error, distance_error};
+use super::lane_particles::LaneParticles;
 use super::plan::{ConstraintGroup, GroupKind, Plan};
 use super::report::SolverReport;
-use super::scratch::ThreadScratch;
+use super::sweep_scratch::SweepScratch;
 use crate::collide::ParticleContacts;
 use crate::constraints::Distance;
 use crate::islands::Islands;
@@ -17,7 +18,7 @@ pub(crate) fn measure(
     contacts: &ParticleContacts,
     plan: &Plan,
     instructions: InstructionSet,
-    thread_scratch: &mut ThreadScratch,
+    (sweep_scratch, lane_particles): (&mut SweepScratch, &mut Vec<LaneParticles>),
     report: &mut SolverReport,
 ) {
     (report.error, report.strain) = (0.0, 0.0);
@@ -29,7 +30,7 @@ pub(crate) fn measure(
     let mut places = Places::all(particles);
     plan.instance_batches.measure(
         places.position,
-        &mut thread_scratch.lane_particles,
+        lane_particles,
         &mut report.islands,
         instructions,
     );
@@ -54,7 +55,7 @@ pub(crate) fn measure(
                     &places,
                     each,
                     rows,
-                    &mut thread_scratch.columns,
+                    &mut sweep_scratch.columns,
                     instructions,
                 );
                 (error, strain) = (error.max(left), strain.max(share));
@@ -81,7 +82,7 @@ pub(crate) fn measure(
                     GroupKind::Constraints => {
                         let each = plan.constraints[range].iter();
                         let errors =
-                            each.map(|c| constraint_error(&places, c, &mut thread_scratch.local));
+                            each.map(|c| constraint_error(&places, c, &mut sweep_scratch.local));
                         (errors.fold(0.0, f32::max), 0.0)
                     }
                 };

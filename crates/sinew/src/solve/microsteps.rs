@@ -24,7 +24,7 @@ use super::multipliers::MultiplierSlice;
 use super::plan::{GroupKind, Plan};
 use super::relaxation::relax;
 use super::remaining::Remaining;
-use super::scratch::MicrostepScratch;
+use super::strain_limit::StrainScratch;
 use super::task_slice::TaskSlice;
 use crate::constraints::{ConstraintKind, GradientAt};
 use crate::integrate::{Derive, Integrator, Predict, StepRows, derive, predict_all};
@@ -154,6 +154,18 @@ impl TaskSlice<'_> {
             scratch.join(&mut self.places, own, substep.h, self.momentum_drift);
         }
     }
+}
+
+/// What taking microsteps needs. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MicrostepScratch {
+    /// Where each particle was when the substep began.
+    start: Vec<Vec4>,
+    /// The places of pinned particles that are led, and where to.
+    led: Vec<(usize, Vec4)>,
+    /// How far a relaxation moved each particle.
+    moved: Vec<Vec4>,
+    strain: StrainScratch,
 }
 
 impl MicrostepScratch {

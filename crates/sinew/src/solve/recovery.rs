@@ -16,7 +16,7 @@ use super::constraint_ref::{ConstraintRef, Local, list_constraint_refs};
 use super::context::{SolveContext, SubstepParameters};
 use super::plan::Plan;
 use super::report::IslandReport;
-use super::scratch::ThreadScratch;
+use super::sweep_scratch::SweepScratch;
 use crate::collide::recovery;
 use crate::constraints::{GradientAt, Points, Solved, solve_equation};
 use crate::islands::Island;
@@ -40,8 +40,9 @@ fn limit_recovery(
     island: &Island,
     places: &mut Places,
     (h, most): (f32, f32),
-    (local, constraint_refs): (&mut Local, &mut Vec<ConstraintRef>),
+    scratch: &mut SweepScratch,
 ) {
+    let SweepScratch { local, constraint_refs, .. } = scratch;
     list_constraint_refs(plan, island, constraint_refs);
     constraint_refs.retain(|one| {
         one.is_hard(plan) && solved(*one, plan, places, local).is_some_and(|own| most < own.error)
@@ -82,13 +83,13 @@ impl SolveContext<'_> {
         number: usize,
         places: &mut Places,
         report: &mut IslandReport,
-        thread_scratch: &mut ThreadScratch,
+        scratch: &mut SweepScratch,
     ) {
         let island = &self.plan.islands.list[number];
         if core::mem::take(&mut report.violated) && self.plan.bounds_recovery(island) {
             let SubstepParameters { h, gravity, .. } = self.substep;
             let bounds = (h, recovery(h, gravity));
-            limit_recovery(self.plan, island, places, bounds, thread_scratch.constraints());
+            limit_recovery(self.plan, island, places, bounds, scratch);
         }
     }
 }
@@ -99,13 +100,13 @@ pub(crate) fn limit_all_recoveries(
     plan: &Plan,
     (h, g): (f32, f32),
     reports: &mut [IslandReport],
-    thread_scratch: &mut ThreadScratch,
+    scratch: &mut SweepScratch,
 ) {
     let mut places = Places::all(particles);
     for (island, report) in plan.islands.list.iter().zip(reports) {
         if core::mem::take(&mut report.violated) && plan.bounds_recovery(island) {
             let most = recovery(h, g);
-            limit_recovery(plan, island, &mut places, (h, most), thread_scratch.constraints());
+            limit_recovery(plan, island, &mut places, (h, most), scratch);
         }
     }
 }

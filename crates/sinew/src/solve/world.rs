@@ -8,16 +8,18 @@ use glam::Vec4;
 use super::constraint_ref::SolveMode;
 use super::context::{SolveContext, SubstepParameters};
 use super::gauss_seidel;
-use super::instances::{BatchMotion, BatchSolve};
+use super::instances::{BatchMotion, BatchScratch, BatchSolve, LaneCompaction};
 use super::island::{hold_again, hold_at_once, propagate_impact, solve, sweep_in_order};
 use super::loads::Loads;
-use super::microsteps::{derive_whole_steps, list_step_rows};
+use super::microsteps::{MicrostepScratch, derive_whole_steps, list_step_rows};
 use super::momentum::{MomentumDrift, note_drift};
 use super::multipliers::{MultiplierSlice, Multipliers};
-use super::plan::Plan;
+use super::plan::{Plan, Task};
+use super::remaining::Remaining;
 use super::report::{IslandReport, SolverReport};
-use super::scratch::ThreadScratch;
+use super::sweep_scratch::SweepScratch;
 use super::task_slice::{IslandSlice, TaskSlice, slices};
+use super::wavefront::Wavefront;
 use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::integrate::{Derive, MotionColumns, StepRows, derive};
 use crate::islands::{Island, Singles};
@@ -38,6 +40,48 @@ pub(crate) struct SolveScratch {
     before: Vec<Vec4>,
     /// The most sweeps in each substep of a whole step.
     iteration_counts: Kept<Vec<AtomicU32>>,
+}
+
+/// What a thread needs while it solves.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ThreadScratch {
+    pub(super) sweep: SweepScratch,
+    pub(super) lane_compaction: LaneCompaction,
+    /// What is left of a task beside its instance batches.
+    pub(super) remaining: Remaining,
+    /// Where a large island is meanwhile.
+    pub(super) wavefront: Wavefront,
+    /// Rows of a task by how they step.
+    pub(super) step_rows: Vec<StepRows>,
+    pub(super) microsteps: MicrostepScratch,
+    /// Islands whose corrections gave them what has to be taken off again.
+    pub(super) momentum_drifts: Vec<(u32, MomentumDrift)>,
+}
+
+impl ThreadScratch {
+    /// Begins with a task.
+    pub(super) fn begin(&mut self, task: &Task) {
+        self.remaining.reset(task);
+        self.momentum_drifts.clear();
+    }
+
+    /// What solving instance batches needs of it.
+    pub(super) fn of_batches(&mut self) -> BatchScratch<'_> {
+        let Self { sweep, lane_compaction, remaining, momentum_drifts, .. } = self;
+        BatchScratch { sweep, lane_compaction, remaining, momentum_drifts }
+    }
+}
+
+impl AsMut<SweepScratch> for ThreadScratch {
+    fn as_mut(&mut self) -> &mut SweepScratch {
+        &mut self.sweep
+    }
+}
+
+impl AsMut<Wavefront> for ThreadScratch {
+    fn as_mut(&mut self) -> &mut Wavefront {
+        &mut self.wavefront
+    }
 }
 
 impl SolveScratch {
@@ -133,7 +177,7 @@ pub(crate) fn propagate_impacts(
             report: &mut report.islands[number],
         };
         let drift = thread_scratches.with(|thread_scratch| {
-            let sweep = sweep_in_order(plan, &plan.islands.list[number], thread_scratch);
+            let sweep = sweep_in_order(plan, &plan.islands.list[number], &mut thread_scratch.sweep);
             propagate_impact(context, number, own, sweep, before)
         });
         if let Some(drift) = drift {
@@ -188,7 +232,7 @@ impl TaskSlice<'_> {
             if island.measured || island.is_left_alone() {
                 continue;
             }
-            let sweep = sweep_in_order(plan, island, thread_scratch);
+            let sweep = sweep_in_order(plan, island, &mut thread_scratch.sweep);
             let momentum_drift = self.solve_substep(number, sweep, &mut microsteps);
             let Some(momentum_drift) = momentum_drift else { continue };
             if self.momentum_drift.is_empty() {
@@ -252,7 +296,7 @@ impl TaskSlice<'_> {
             radius,
             normal_impulses: normal_impulses.lend(),
             reports: self.reports,
-            thread_scratch,
+            scratch: thread_scratch.of_batches(),
         }
     }
 
@@ -299,8 +343,8 @@ fn sweep_shared(
     thread_scratches: &Pool<ThreadScratch>,
 ) -> impl FnMut(&mut Places, &mut MultiplierSlice, SolveMode) -> f32 {
     move |places, multipliers, mode| {
-        let out = thread_scratches
-            .with(|thread_scratch| hold_at_once(plan, island, places, mode, thread_scratch));
+        let out =
+            thread_scratches.with(|own| hold_at_once(plan, island, places, mode, &mut own.sweep));
         let (multipliers, cluster_batches) = (multipliers.lend(), island.cluster_batches.clone());
         let found = gauss_seidel::sweep_shared(
             places.lend(),
@@ -311,9 +355,8 @@ fn sweep_shared(
             execution,
             thread_scratches,
         );
-        thread_scratches.with(|thread_scratch| {
-            hold_again(plan, island, places, mode, execution, thread_scratch);
-        });
+        thread_scratches
+            .with(|own| hold_again(plan, island, places, mode, execution, &mut own.sweep));
         out.max(found)
     }
 }

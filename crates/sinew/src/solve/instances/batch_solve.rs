@@ -6,7 +6,7 @@ use glam::{Vec3, Vec4};
 
 use super::lane_compaction::LaneCompaction;
 use super::lane_storage::LaneStorage;
-use super::lane_storage::{LaneParticles, gather, next, scatter};
+use super::lane_storage::{gather, next, scatter};
 use super::momentum_drift::{derive_lanes, take_drift};
 use super::motion::{note_masses, predict_lanes};
 use super::solve::BatchContext;
@@ -17,18 +17,21 @@ use crate::lanes::LANES;
 use crate::particles::{Places, ground};
 use crate::settings::Order;
 use crate::solve::context::{SolveContext, SubstepParameters};
+use crate::solve::lane_particles::LaneParticles;
+use crate::solve::momentum::MomentumDrift;
 use crate::solve::plan::Task;
 use crate::solve::plan::instance_batches::InstanceBatch;
+use crate::solve::remaining::Remaining;
 use crate::solve::report::IslandReport;
-use crate::solve::scratch::ThreadScratch;
+use crate::solve::sweep_scratch::SweepScratch;
 use crate::solve::tethers::IslandTethers;
 
 /// Particles of the bodies side by side in all storage that is solved together, at most: with all that belongs to them they fit into a core's second
 /// cache.
 const STORED_PARTICLES: usize = 512;
 
-/// The instance batches of a task, to be solved. What cannot be in lanes in this step is left to others, and noted in the thread scratch's
-/// [`Remaining`](crate::solve::remaining::Remaining).
+/// The instance batches of a task, to be solved. What cannot be in lanes in this step is left to others, and noted as
+/// [remaining](BatchScratch::remaining).
 pub(crate) struct BatchSolve<'a> {
     pub(crate) context: SolveContext<'a>,
     pub(crate) task: &'a Task,
@@ -39,13 +42,23 @@ pub(crate) struct BatchSolve<'a> {
     pub(crate) radius: &'a [f32],
     pub(crate) normal_impulses: NormalImpulses<'a>,
     pub(crate) reports: &'a mut [IslandReport],
-    pub(crate) thread_scratch: &'a mut ThreadScratch,
+    pub(crate) scratch: BatchScratch<'a>,
+}
+
+/// What solving them needs of a thread's scratch.
+pub(crate) struct BatchScratch<'a> {
+    pub(crate) sweep: &'a mut SweepScratch,
+    pub(crate) lane_compaction: &'a mut LaneCompaction,
+    /// What is not solved is left here.
+    pub(crate) remaining: &'a mut Remaining,
+    /// Islands whose corrections gave them what has to be taken off again.
+    pub(crate) momentum_drifts: &'a mut Vec<(u32, MomentumDrift)>,
 }
 
 /// How far they are solved.
 pub(crate) enum BatchMotion<'a> {
     /// Through the solving of a substep that has been predicted. Velocities are not derived: what has to be taken off then is noted for each
-    /// particle, m/s, or where there is no place for that, for each island in the thread scratch.
+    /// particle, m/s, or where there is no place for that, for each island in the scratch.
     Substep { start: &'a [Vec4], velocity: &'a [Vec4], momentum_drift: &'a mut [Vec4] },
     /// Through all substeps of a step.
     Step(WholeStep<'a>),
@@ -71,7 +84,7 @@ impl<'a> BatchSolve<'a> {
     pub(crate) fn run(mut self) {
         let plan = self.context.plan;
         let instance_batches = &plan.instance_batches.all[self.task.instance_batches.clone()];
-        let mut lane_compaction = core::mem::take(&mut self.thread_scratch.lane_compaction);
+        let mut lane_compaction = core::mem::take(self.scratch.lane_compaction);
         let (mut begin, mut found) =
             (0, instance_batches.first().and_then(|first| self.contacts(first)));
         while begin < instance_batches.len() {
@@ -92,13 +105,13 @@ impl<'a> BatchSolve<'a> {
             }
             if let Some(contacts) = contacts {
                 instance_batches[begin..end].iter().for_each(|batch| {
-                    self.thread_scratch.remaining.leave(batch.islands.clone(), batch.rows());
+                    self.scratch.remaining.leave(batch.islands.clone(), batch.rows());
                 });
                 self.solve_batches(&instance_batches[begin..end], contacts, &mut lane_compaction);
             }
             begin = end;
         }
-        self.thread_scratch.lane_compaction = lane_compaction;
+        *self.scratch.lane_compaction = lane_compaction;
     }
 
     /// What an instance batch may touch, if its bodies can go through this step together.
@@ -187,7 +200,7 @@ impl<'a> BatchSolve<'a> {
                     let violated = storage.convergence.violated & storage.mask();
                     for lane in (0..LANES).filter(|lane| violated >> lane & 1 != 0) {
                         let one = (batch.islands.start + lane, lane);
-                        limit_recovery(self.context, one, storage, reports, self.thread_scratch);
+                        limit_recovery(self.context, one, storage, reports, self.scratch.sweep);
                     }
                 }
             }
@@ -329,7 +342,7 @@ impl<'a> BatchSolve<'a> {
                 // No more of them than there are bodies.
                 let own = momentum_drifts.each(left & storage.mask());
                 let own = own.map(|(lane, one)| ((batch.islands.start + lane) as u32, one));
-                self.thread_scratch.momentum_drifts.extend(own);
+                self.scratch.momentum_drifts.extend(own);
             }
             BatchMotion::Step(whole) => {
                 scatter(&storage.start, batch, begin, whole.start, instructions);
@@ -385,7 +398,7 @@ fn limit_recovery(
     (number, lane): (usize, usize),
     storage: &mut LaneStorage,
     reports: &mut [IslandReport],
-    thread_scratch: &mut ThreadScratch,
+    scratch: &mut SweepScratch,
 ) {
     let own = |column: &[LaneParticles]| -> Vec<Vec4> {
         column.iter().map(|spot| spot.lane(lane)).collect()
@@ -401,7 +414,7 @@ fn limit_recovery(
         radius: &[],
         velocity: &mut velocity,
     };
-    context.limit_recovery(number, &mut places, &mut reports[lane], thread_scratch);
+    context.limit_recovery(number, &mut places, &mut reports[lane], scratch);
     let end = if lane + 1 == storage.bodies { LANES } else { lane + 1 };
     for (spot, velocity) in storage.velocity.iter_mut().zip(velocity) {
         (lane..end).for_each(|lane| spot.set_lane(lane, velocity.truncate()));

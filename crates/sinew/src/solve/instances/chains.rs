@@ -2,9 +2,9 @@
 
 use core::ops::Range;
 
-use super::lane_storage::LaneParticles;
 use crate::lanes::{LANES, Lanes, Vector, Work};
 use crate::solve::chains::{Eliminated, Links, project_chain};
+use crate::solve::lane_particles::LaneParticles;
 use crate::solve::plan::instance_batches::InstancedLink;
 
 /// Solves chains once, and leaves bodies of the mask `aside` where they are. Returns the largest error found in each body, metres.

@@ -2,8 +2,9 @@
 
 use glam::Vec4;
 
-use super::lane_storage::{LaneParticles, gather};
+use super::lane_storage::gather;
 use crate::lanes::{InstructionSet, LANES, Lanes, kernel};
+use crate::solve::lane_particles::LaneParticles;
 use crate::solve::plan::instance_batches::{InstanceBatches, InstancePart, InstancedRod};
 use crate::solve::report::IslandReport;
 use crate::solve::rods::worse;

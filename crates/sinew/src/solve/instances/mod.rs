@@ -33,6 +33,6 @@ mod surfaces;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use batch_solve::{BatchMotion, BatchSolve, WholeStep};
+pub(crate) use batch_solve::{BatchMotion, BatchScratch, BatchSolve, WholeStep};
 pub(crate) use lane_compaction::LaneCompaction;
-pub(crate) use lane_storage::{LaneParticles, LaneStorage};
+use lane_storage::LaneStorage;

@@ -2,9 +2,9 @@
 
 use glam::Vec4;
 
-use super::lane_storage::LaneParticles;
 use crate::constraints::project_rod;
 use crate::lanes::{LANES, Lanes, Vector, kernel};
+use crate::solve::lane_particles::LaneParticles;
 use crate::solve::plan::instance_batches::InstancedRod;
 use crate::solve::rods::{COS_SQUARED, Whole, project, project_from_start};
 use crate::solve::tethers::hold;

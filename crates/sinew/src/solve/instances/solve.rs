@@ -155,7 +155,7 @@ impl BatchContext<'_> {
                 }
                 InstancePart::Constraints(part) => instance_batches.instanced.sweep(
                     part,
-                    storage,
+                    (&mut storage.now, &storage.start, &mut storage.multipliers),
                     substep_context,
                     (aside, worst),
                     instructions,

@@ -7,12 +7,13 @@ use core::ops::Range;
 
 use glam::{Vec3, Vec4};
 
-use super::lane_storage::{LaneParticles, LaneStorage};
+use super::lane_storage::LaneStorage;
 use crate::collide::NormalImpulses;
 use crate::constraints::Plane;
 use crate::lanes::{LANES, Lanes, Vector, kernel};
 use crate::particles::Places;
 use crate::solve::context::{SolveContext, SubstepParameters};
+use crate::solve::lane_particles::LaneParticles;
 
 /// What putting rows outside of surfaces needs to know of them.
 #[derive(Clone, Copy)]

@@ -13,11 +13,10 @@ use std::time::Instant;
 use smallvec::SmallVec;
 
 use super::stages::{Stages, TILE};
-use super::{Store, SweepCounts, run_substeps};
+use super::{Store, SweepCounts, Wavefront, run_substeps};
 use crate::integrate::{Predict, StepConstants};
 use crate::solve::context::SolveContext;
 use crate::solve::report::IslandReport;
-use crate::solve::scratch::ThreadScratch;
 use crate::solve::task_slice::TaskSlice;
 use crate::threads::{Pool, TASKS, Workers, each};
 
@@ -28,7 +27,7 @@ type Few<T> = SmallVec<[T; TASKS]>;
 /// sweeps it cannot: whether another follows is known when one is done, and there is nothing to hand on.
 pub(in crate::solve) fn pipelined_wavefront(
     island_step: &mut TaskSlice,
-    thread_scratches: &Pool<ThreadScratch>,
+    scratches: &Pool<impl AsMut<Wavefront> + Default + Send>,
     iteration_counts: &[AtomicU32],
 ) -> bool {
     let SolveContext { plan, execution, .. } = island_step.context;
@@ -41,19 +40,19 @@ pub(in crate::solve) fn pipelined_wavefront(
     let counts = SweepCounts::new(plan.islands.list[number].microsteps, iteration_counts);
     let iteration_counts = counts.each();
     let threads = execution.workers.map_or(1, Workers::threads);
-    let found = thread_scratches.with(|thread_scratch| {
+    let found = scratches.with(|scratch| {
         stage_ranges(
             island_step,
             number,
             threads,
             iteration_counts.len(),
-            &mut thread_scratch.wavefront.stages,
+            &mut scratch.as_mut().stages,
         )
     });
     let Some((step, substeps)) = found else { return false };
 
     let began = settings.timed.then(Instant::now);
-    let mut pins = thread_scratches.with(|thread_scratch| take(&mut thread_scratch.pins));
+    let mut pins = scratches.with(|scratch| take(&mut scratch.as_mut().pins));
     island_step.gather_pins(number, &mut pins);
     let chunk = rows.div_ceil(TASKS).next_multiple_of(TILE);
     let chunks: Few<_> = island_step.predict(0..rows).chunks(chunk).map(Mutex::new).collect();
@@ -64,8 +63,8 @@ pub(in crate::solve) fn pipelined_wavefront(
         let before = range.checked_sub(1).map(|range| &settled[range]);
         let mut worker =
             PipelineWorker { chunks: &chunks, chunk, held: None, before, own: &settled[range] };
-        thread_scratches.with(|thread_scratch| {
-            let wavefront = &mut thread_scratch.wavefront;
+        scratches.with(|scratch| {
+            let wavefront = scratch.as_mut();
             wavefront.stages.begin(plan, &plan.islands.list[number]);
             wavefront.pins.clone_from(&pins);
             let iteration_counts = (iteration_counts, range + 1 == settled.len());
@@ -81,7 +80,7 @@ pub(in crate::solve) fn pipelined_wavefront(
         });
     });
     drop(chunks);
-    thread_scratches.with(|thread_scratch| thread_scratch.pins = pins);
+    scratches.with(|scratch| scratch.as_mut().pins = pins);
     let whole = &mut island_step.reports[0];
     for report in reports {
         whole.sweeps += report.sweeps;

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::constraints::{Constraint, Distance, FromKind, SubstepContext, Wide};
 use crate::lanes::{InstructionSet, LANES, Lanes, Work, with};
-use crate::solve::instances::{LaneParticles, LaneStorage};
+use crate::solve::lane_particles::LaneParticles;
 
 /// By their numbers in a body, which are the same in all eight.
 #[derive(Clone, Debug, Default)]
@@ -79,17 +79,17 @@ impl InstancedConstraints {
         Some(groups.group(groups.which.list, range))
     }
 
-    /// Projects a group once; returns the largest error found in each body, metres, or what it was before. Nothing is asked of bodies of the mask
+    /// Projects a group once, of particles that are `now` somewhere and where they were at the start of the substep, with the multipliers of all that the bodies
+    /// have, if another sweep follows; returns the largest error found in each body, metres, or what it was before. Nothing is asked of bodies of the mask
     /// `aside`: what becomes of them does not matter.
     pub(in crate::solve) fn sweep(
         &self,
         part: &InstancedGroup,
-        storage: &mut LaneStorage,
+        (now, start, multipliers): (&mut [LaneParticles], &[LaneParticles], &mut [LaneValues]),
         substep_context: SubstepContext,
         (aside, worst): (u32, LaneValues),
         instructions: InstructionSet,
     ) -> LaneValues {
-        let LaneStorage { now, start, multipliers, .. } = storage;
         // Where there is no other sweep nothing has to be summed up.
         let from = if multipliers.is_empty() { 0 } else { part.multipliers };
         let multipliers = Some(&mut multipliers[from..]);

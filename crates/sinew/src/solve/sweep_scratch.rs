@@ -1,0 +1,22 @@
+//! What sweeping an island needs, in whatever order, and keeps the memory of.
+
+use glam::Vec4;
+
+use super::chains::ChainScratch;
+use super::constraint_ref::{ConstraintRef, Local};
+use super::jacobi::Asked;
+use super::most_violated_first::Queue;
+use crate::lanes::Columns;
+
+/// What a thread needs to sweep an island, or to look at its constraints one by one. Scratch.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SweepScratch {
+    pub(super) local: Local,
+    pub(super) columns: Columns,
+    /// Where the pins of an island are that has tethers.
+    pub(super) pins: Vec<Vec4>,
+    pub(super) chains: ChainScratch,
+    pub(super) constraint_refs: Vec<ConstraintRef>,
+    pub(super) asked: Asked,
+    pub(super) queue: Queue,
+}
