@@ -1,7 +1,8 @@
 //! Classes of bodies: those that all static geometry treats alike, because they are made of the same, are in the same layers and are listened to
 //! alike. There are few of them, so that what holds between a class and a plane is looked up, and not combined again for each particle.
 
-use super::{BodyContacts, ContactFilter, Layers, Material};
+use super::filter::ContactFilter;
+use super::material::{BodyContacts, Layers, Material};
 use crate::particles::Particles;
 
 /// What a class has in common.

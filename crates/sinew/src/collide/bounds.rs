@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use super::Collider;
+use super::collider::Collider;
 use super::friction::push;
 use crate::constraints::{Boundaries, InsideBox, PlanarDrag, Plane};
 use crate::particles::{Particles, Places, ground};

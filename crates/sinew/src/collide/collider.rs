@@ -2,7 +2,9 @@
 
 use glam::{Mat3, Vec3};
 
-use super::{Frame, Layers, Material, Shape};
+use super::frame::Frame;
+use super::material::{Layers, Material};
+use super::shape::Shape;
 
 /// A shape in the world. Nothing moves it but the game: what touches it is pushed, and it is not.
 ///

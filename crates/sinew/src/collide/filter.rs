@@ -9,7 +9,8 @@
 //!
 //! Bodies that a joint connects do not touch each other: so it is in most engines, because a joint mostly has its anchors inside both.
 
-use super::{BodyContacts, ContactParticipant};
+use super::impact::ContactParticipant;
+use super::material::BodyContacts;
 use crate::constraints::{Constraint, Distance};
 use crate::islands::Islands;
 use crate::particles::{NO_BODY, Particles};

@@ -5,7 +5,9 @@
 
 use glam::Vec3;
 
-use super::{Broad, World};
+use super::manifold::Broad;
+use super::material::BodyContacts;
+use super::world::World;
 use crate::kept::Kept;
 use crate::particles::{NO_BODY, Particles};
 
@@ -43,8 +45,8 @@ pub(super) fn reach(speed: f32, gravity: f32, dt: f32) -> f32 {
 impl Nearby {
     /// All that take part, wherever they are.
     #[cfg(test)]
-    pub(super) fn everywhere(contacts: &[super::BodyContacts]) -> Self {
-        let near = contacts.iter().map(super::BodyContacts::takes_part).collect();
+    pub(super) fn everywhere(contacts: &[BodyContacts]) -> Self {
+        let near = contacts.iter().map(BodyContacts::takes_part).collect();
         Self { near, ..Self::default() }
     }
 
@@ -55,7 +57,7 @@ impl Nearby {
             bodies.clear();
             bodies.resize(contacts.len(), false);
         }
-        if !contacts.iter().any(super::BodyContacts::takes_part) {
+        if !contacts.iter().any(BodyContacts::takes_part) {
             return;
         }
         // Where all that collide do so by a shape, nobody is looked for.

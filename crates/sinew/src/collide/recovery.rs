@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use super::{Shape, ShapeTouch};
+use super::shape::{Shape, ShapeTouch};
 
 /// How much of an overlap is recovered in a substep: so many times what gravity adds to it, and what this speed is, m/s.
 const RECOVERED: (f32, f32) = (20.0, 2.0);

@@ -1,10 +1,14 @@
 //! All that a step needs to know of contacts and nobody saves, and in which order its parts are asked.
 
+use super::body_collider::BodyCollider;
+use super::body_contact::{BodyContactSolver, ContactCache, RigidStep};
+use super::filter::ContactFilter;
+use super::impact::{Impact, Impacts};
 use super::nearby::Nearby;
-use super::{
-    BodyCollider, BodyContactSolver, ContactCache, ContactFilter, Impact, Impacts, NormalImpulse,
-    Pairs, ParticleContacts, RigidStep, Triangles, World,
-};
+use super::pairs::Pairs;
+use super::particle_contact::{NormalImpulse, NormalImpulses, ParticleContacts};
+use super::triangles::Triangles;
+use super::world::World;
 use crate::islands::Islands;
 use crate::lanes::InstructionSet;
 use crate::particles::Particles;
@@ -144,7 +148,7 @@ impl Contacts {
 
     /// What has touched what in a step.
     pub(crate) fn report(&mut self, particles: &Particles) -> &[Impact] {
-        let mut normal_impulses = super::NormalImpulses::all(&mut self.normal_impulses);
+        let mut normal_impulses = NormalImpulses::all(&mut self.normal_impulses);
         self.particle_contacts.report(particles, &mut normal_impulses, &mut self.impacts);
         self.body_contact.report(&mut self.impacts);
         self.pairs.report(&mut self.impacts);

@@ -1,6 +1,8 @@
 //! What the parts of contacts are told of a world.
 
-use super::{BodyCollider, Collider, ContactFilter};
+use super::body_collider::BodyCollider;
+use super::collider::Collider;
+use super::filter::ContactFilter;
 use crate::constraints::Boundaries;
 use crate::islands::Islands;
 

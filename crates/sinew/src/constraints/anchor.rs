@@ -7,8 +7,11 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
+use super::correction::GradientAt;
 use super::distance::direction;
-use super::{Bound, ConstraintFault, Equation, Points, Softness};
+use super::equation::{Bound, Equation, Points};
+use super::fault::ConstraintFault;
+use super::softness::Softness;
 use crate::pose::{pseudo_solve, symmetric};
 
 /// Two anchors stay a distance apart: `C = ‖x_a - x_b‖ - L`. With `L = 0` it is a ball joint.
@@ -71,7 +74,7 @@ impl Anchor {
             }
             return;
         }
-        let start = points.gradient_at() == super::GradientAt::StepStart;
+        let start = points.gradient_at() == GradientAt::StepStart;
         let at = |i: usize| if start { points.start(i) } else { points.at(i) };
         let mass = |i: usize| f64::from(points.inverse_mass(i)).recip();
         let (mut all, mut sum) = (0.0, DVec3::ZERO);

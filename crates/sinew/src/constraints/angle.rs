@@ -4,8 +4,10 @@ use core::f32::consts::PI;
 
 use glam::Vec3;
 
+use super::equation::{Equation, Points};
+use super::fault::ConstraintFault;
+use super::softness::Softness;
 use super::wide::{Wide, beyond as beyond_wide, is_size, numbers};
-use super::{ConstraintFault, Equation, Points, Softness};
 use crate::lanes::{LANES, Lanes, Vector, atan2};
 
 /// The angle `a b c` at the joint `b` of the particles `[a, b, c]`, between two limits in 0..=π.

@@ -3,8 +3,10 @@
 use glam::Vec3;
 
 use super::angle::{any_normal, any_normal_wide};
+use super::equation::{Equation, Points};
+use super::fault::ConstraintFault;
+use super::softness::Softness;
 use super::wide::{Wide, numbers};
-use super::{ConstraintFault, Equation, Points, Softness};
 use crate::lanes::{LANES, Lanes, Vector};
 
 /// The area of the triangle `[a, b, c]`.

@@ -2,8 +2,10 @@
 
 use glam::{DVec3, Vec3};
 
+use super::equation::{Equation, Points};
+use super::fault::ConstraintFault;
+use super::softness::Softness;
 use super::wide::{Wide, numbers};
-use super::{ConstraintFault, Equation, Points, Softness};
 use crate::lanes::{LANES, Lanes, Vector};
 
 /// Keeps two triangles that share an edge from bending; particles `[e0, e1, a, b]`: the edge, then the two opposite corners.

@@ -3,8 +3,8 @@
 
 use glam::Vec3;
 
-use super::Pin;
-use super::PlanarDrag;
+use super::pin::Pin;
+use super::planar_drag::PlanarDrag;
 use crate::particles::Places;
 
 /// What is enforced on single particles. [`Constraint`](super::Constraint)s and distances are kept apart, in the

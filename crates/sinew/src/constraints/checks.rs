@@ -2,7 +2,9 @@
 
 use glam::{Vec3, Vec4};
 
-use super::{Equation, GradientAt, Points, SubstepContext, equation_error, project_equation};
+use super::correction::GradientAt;
+use super::equation::{Equation, Points, error as equation_error, project as project_equation};
+use super::softness::SubstepContext;
 
 /// A substep of a sixtieth of a second, of eight sweeps.
 const CONTEXT: SubstepContext = SubstepContext { h: 1.0 / 60.0, sweeps: 8 };

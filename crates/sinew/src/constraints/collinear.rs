@@ -3,8 +3,10 @@
 use glam::Vec3;
 
 use super::coplanar::Spread;
+use super::equation::{Equation, Points};
+use super::fault::ConstraintFault;
+use super::softness::Softness;
 use super::towards::towards;
-use super::{ConstraintFault, Equation, Points, Softness};
 
 /// All particles lie on one line, wherever that is; three of them or more. It does not keep their order or their distances.
 ///

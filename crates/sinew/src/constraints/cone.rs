@@ -5,8 +5,10 @@ use core::f32::consts::PI;
 use glam::Vec3;
 
 use super::angle::{Turns, between, between_wide};
+use super::equation::{Equation, Points};
+use super::fault::ConstraintFault;
+use super::softness::Softness;
 use super::wide::{CLEAR, Wide, is_below, numbers};
-use super::{ConstraintFault, Equation, Points, Softness};
 use crate::lanes::{LANES, Lanes, Vector};
 
 /// The segment `c → d` stays within the angle `max` of an axis that is fixed in the frame of three particles: the shoulder or the hip of a ragdoll.

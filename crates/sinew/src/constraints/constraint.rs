@@ -4,10 +4,21 @@ use std::sync::Arc;
 
 use smallvec::SmallVec;
 
-use super::{
-    AnchorDistance, Angle, Area, Bend, Collinear, Cone, ConstraintFault, Coplanar, Equation, Hinge,
-    Patch, Rigid, Softness, Tetrahedron, Volume,
-};
+use super::anchor::AnchorDistance;
+use super::angle::Angle;
+use super::area::Area;
+use super::bend::Bend;
+use super::collinear::Collinear;
+use super::cone::Cone;
+use super::coplanar::Coplanar;
+use super::equation::Equation;
+use super::fault::ConstraintFault;
+use super::hinge::Hinge;
+use super::patch::Patch;
+use super::rigid::Rigid;
+use super::softness::Softness;
+use super::tetrahedron::Tetrahedron;
+use super::volume::Volume;
 
 /// The rows of the particles that a constraint binds, in its own order.
 pub type Rows = SmallVec<[u32; 5]>;

@@ -2,8 +2,10 @@
 
 use glam::{DVec3, Vec3};
 
+use super::equation::{Equation, Points};
+use super::fault::ConstraintFault;
+use super::softness::Softness;
 use super::towards::{Weights, towards};
-use super::{ConstraintFault, Equation, Points, Softness};
 use crate::pose::symmetric;
 
 /// All particles lie in one plane, wherever that is; four of them or more.

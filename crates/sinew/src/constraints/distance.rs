@@ -2,9 +2,8 @@
 
 use glam::{Vec3, Vec4};
 
-use super::equation::change;
+use super::equation::{Bound, Equation, Points, change};
 use super::softness::{Softness, SubstepContext};
-use super::{Bound, Equation, Points};
 
 /// "Particles `a` and `b` stay `rest` metres apart."
 #[derive(Clone, Copy, Debug, PartialEq)]

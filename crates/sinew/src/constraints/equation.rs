@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::GradientAt;
+use super::correction::GradientAt;
 use super::softness::{Softness, SubstepContext, multiplier};
 
 /// A constraint of any kind: a value that is to be zero, and how it changes with each particle.

@@ -5,8 +5,10 @@ use core::f32::consts::TAU;
 use glam::Vec3;
 
 use super::angle::beyond;
+use super::equation::{Equation, Points};
+use super::fault::ConstraintFault;
+use super::softness::Softness;
 use super::wide::{CLEAR, Wide, beyond as beyond_wide, is_below, is_size, numbers};
-use super::{ConstraintFault, Equation, Points, Softness};
 use crate::lanes::{LANES, Lanes, Vector, atan2};
 
 /// The signed angle about the axis `h0 → h1` from the half-plane of `a` to the half-plane of `c`, of the particles `[a, h0, h1, c]`, between two

@@ -5,7 +5,10 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3, Vec4};
 
 use super::area::{area, area_wide, keep_within_reach};
-use super::{ConstraintFault, Equation, Points, SizeCorrection, Softness};
+use super::correction::SizeCorrection;
+use super::equation::{Equation, Points};
+use super::fault::ConstraintFault;
+use super::softness::Softness;
 use crate::lanes::{InstructionSet, LANES, Lanes, Vector, kernel};
 
 /// The total area of a patch of triangles: one may grow while another shrinks.

@@ -53,7 +53,7 @@ impl PlanarDrag {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::constraints::Plane;
+    use crate::constraints::boundaries::Plane;
     use crate::particles::ParticleSeed;
     use crate::simulation::Simulation;
 

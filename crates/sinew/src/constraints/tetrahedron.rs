@@ -3,8 +3,10 @@
 use glam::Vec3;
 
 use super::area::{keep_within_reach, steeper};
+use super::equation::{Equation, Points};
+use super::fault::ConstraintFault;
+use super::softness::Softness;
 use super::wide::{Wide, is_size, numbers};
-use super::{ConstraintFault, Equation, Points, Softness};
 use crate::lanes::{LANES, Lanes, Vector};
 
 /// The signed volume of the tetrahedron `[a, b, c, d]`: `⅙ (b - a)×(c - a)·(d - a)`.

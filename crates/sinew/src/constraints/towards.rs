@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::Points;
+use super::equation::Points;
 
 /// Value and gradients of "every free particle moves by its own `dᵢ`", metres; zero where that is not finite.
 ///

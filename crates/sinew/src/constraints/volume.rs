@@ -5,8 +5,11 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use super::area::keep_within_reach;
+use super::correction::SizeCorrection;
+use super::equation::{Equation, Points};
+use super::fault::ConstraintFault;
 use super::patch::{scale, triangle_fault};
-use super::{ConstraintFault, Equation, Points, SizeCorrection, Softness};
+use super::softness::Softness;
 
 /// The volume inside a closed mesh of triangles: what keeps a balloon or a soft body full.
 #[derive(Clone, Debug, PartialEq)]

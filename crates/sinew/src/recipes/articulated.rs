@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 use self::joints::{BoneAxes, Skeleton};
 use super::blueprint::{Blueprint, Part};
 use super::fault::{RecipeFault, check_particles, ensure};
-use super::{LENGTHS, MASSES};
+use super::limits::{LENGTHS, MASSES};
 use crate::collide::Shape;
 use crate::constraints::{Constraint, ConstraintKind, Rigid};
 use crate::particles::ParticleSeed;

@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use super::{Blueprint, BlueprintFault};
+use super::blueprint::{Blueprint, BlueprintFault};
 use crate::collide::{BodyCollider, BodyContacts};
 use crate::constraints::{Constraint, Distance};
 use crate::simulation::Simulation;

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::blueprint::Blueprint;
 use super::fault::{RecipeFault, check_particles, ensure};
-use super::{LENGTHS, MOST_PARTICLES, is_compliance};
+use super::limits::{LENGTHS, MOST_PARTICLES, is_compliance};
 use crate::constraints::Distance;
 use crate::particles::ParticleSeed;
 

@@ -1,6 +1,8 @@
 //! Why a recipe is refused: what all of them may say, and what only one does.
 
-use super::{LENGTHS, MASSES, MassFault, MeshFault};
+use super::limits::{LENGTHS, MASSES};
+use super::mass::MassFault;
+use super::mesh::MeshFault;
 use crate::convex_hull::ConvexHullFault;
 
 /// Why a recipe is refused: a number that is NaN or out of its range, unless something else is said.

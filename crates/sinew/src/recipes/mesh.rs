@@ -10,7 +10,7 @@ use core::ops::Range;
 use glam::{DVec3, Vec3};
 
 pub(super) use self::edges::{Edges, sort};
-use super::MOST_PARTICLES;
+use super::limits::MOST_PARTICLES;
 use super::nearest::{NearestSearch, bounds};
 
 /// A mesh with its seams closed: what [`weld`] returns, in the order that suits the solver.

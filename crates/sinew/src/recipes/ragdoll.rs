@@ -9,9 +9,9 @@ mod anatomy;
 use glam::{DVec3, Vec3};
 
 use self::anatomy::{APART, BONES, FIGURE, LIMITS, Limit, PARTS, PartShape};
-use super::LENGTHS;
 use super::blueprint::{Blueprint, Part};
 use super::fault::{RecipeFault, check_mass, ensure};
+use super::limits::LENGTHS;
 use crate::collide::Shape as Solid;
 use crate::constraints::{Bound, Cone, Constraint, ConstraintKind, Distance, Hinge};
 use crate::particles::ParticleSeed;

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::blueprint::Blueprint;
 use super::fault::{RecipeFault, check_mass, check_particles, ensure};
-use super::{LENGTHS, MOST_PARTICLES, is_compliance};
+use super::limits::{LENGTHS, MOST_PARTICLES, is_compliance};
 use crate::constraints::{Bound, Distance};
 use crate::particles::ParticleSeed;
 

@@ -2,8 +2,7 @@
 
 use glam::Vec3;
 
-use super::Blueprint;
-use super::blueprint::Part;
+use super::blueprint::{Blueprint, Part};
 use crate::collide::Shape;
 use crate::constraints::{Bound, Distance};
 

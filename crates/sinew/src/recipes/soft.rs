@@ -10,9 +10,9 @@ use core::ops::RangeInclusive;
 use glam::{DVec3, Vec3};
 
 pub use self::lattice::{SoftLatticeSpec, SoftShape, SoftSurface, soft_lattice, soft_lattice_mesh};
-use super::LENGTHS;
 use super::blueprint::{Blueprint, gap};
 use super::fault::{RecipeFault, check_particles, ensure};
+use super::limits::LENGTHS;
 use super::mass::MassProperties;
 use super::mesh::{Fold, weld};
 use super::solid::Bulk;

@@ -16,9 +16,9 @@
 
 use glam::Vec3;
 
-use super::LENGTHS;
 use super::blueprint::{Blueprint, Part};
 use super::fault::{RecipeFault, check_mass, check_particles, ensure};
+use super::limits::LENGTHS;
 use super::mass::MassProperties;
 use super::nearest::bounds;
 use crate::collide::Shape;

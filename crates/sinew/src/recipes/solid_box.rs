@@ -3,9 +3,9 @@
 
 use glam::{DVec3, Vec3};
 
-use super::LENGTHS;
 use super::blueprint::{Blueprint, Part};
 use super::fault::{RecipeFault, check_mass, check_particles, ensure};
+use super::limits::LENGTHS;
 use crate::collide::Shape;
 use crate::constraints::GradientAt;
 

@@ -5,7 +5,7 @@ use core::ops::{Index, IndexMut};
 
 use glam::{Mat3, Vec3, Vec4};
 
-use super::super::Frame;
+use super::super::frame::Frame;
 use super::turn::{Matrix, Symmetric};
 use crate::lanes::{FIELDS, LANES, Lanes, Record, Vector};
 

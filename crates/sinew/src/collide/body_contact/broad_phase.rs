@@ -13,8 +13,8 @@
 
 use glam::Vec3;
 
-use super::super::World;
 use super::super::nearby::Nearby;
+use super::super::world::World;
 use super::BodyContactSolver;
 use super::bodies::{ROTATION, SHIFT};
 use super::contact_cache::{CacheBuilder, ContactCache};

@@ -17,13 +17,13 @@
 //! # Whose it is
 //!
 //! All of it is live state, to be saved and restored with the particles. Contacts are named by the ids of those that touch
-//! ([`BodyCollider::id`](super::BodyCollider), [`Collider::id`](super::super::Collider)) and not by their places in lists, so that what comes and
+//! ([`BodyCollider::id`](crate::BodyCollider), [`Collider::id`](crate::Collider)) and not by their places in lists, so that what comes and
 //! goes elsewhere changes nothing. A cache that is lost, or is of something else, counts as empty: friction then begins anew. Vectors are in the axes
 //! of the world, as they are from substep to substep (`friction`).
 
 use glam::{Mat3, Vec3};
 
-use super::super::Frame;
+use super::super::frame::Frame;
 use super::super::manifold::Manifold;
 use super::super::words::{Reader, Write};
 

@@ -4,7 +4,7 @@
 //! The first step of a set of dormant islands finds all of it, with them asleep; from the next one on it is kept. Who is in a contact with somebody awake has its
 //! rows written to: then all is found anew in the next step, which comes to the same.
 
-use super::super::World;
+use super::super::world::World;
 use super::groups::BodyGroups;
 use crate::lanes::LANES;
 

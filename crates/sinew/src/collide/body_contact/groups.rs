@@ -23,7 +23,7 @@ use core::ops::Range;
 
 use glam::{DVec3, Mat3, Vec3};
 
-use super::BodyCollider;
+use super::super::body_collider::BodyCollider;
 use super::turn::{LaneArray, set};
 use crate::islands::Islands;
 use crate::lanes::LANES;

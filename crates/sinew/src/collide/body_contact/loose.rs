@@ -2,9 +2,11 @@
 
 use glam::{Vec3, Vec4};
 
+use super::super::impact::ContactParticipant;
+use super::super::material::CombinedMaterial;
 use super::super::nearby::Nearby;
 use super::super::recovery::{recovered, recovery};
-use super::super::{CombinedMaterial, ContactParticipant, World};
+use super::super::world::World;
 use super::bodies::{Bodies, CENTRE, ROTATION, SHIFT, TURN, rotation};
 use super::groups::BodyGroups;
 use super::narrow_phase::participant;

@@ -10,7 +10,6 @@
 //!
 //! | file | what it is |
 //! |---|---|
-//! | `body_collider` | what one is made of |
 //! | `groups` | eight body colliders at a time: particles that several share, what one weighs, pinned particles, rods |
 //! | `pose` | poses out of particles, from nothing and from the last substep's; and the change of a pose back to them, with momentum |
 //! | `bodies` | what contacts know of a body collider, or of static geometry: columns |
@@ -33,7 +32,6 @@
 //! | `turn` | rotations, symmetric matrices and directions of eight body colliders |
 
 mod bodies;
-mod body_collider;
 mod broad_phase;
 mod contact_cache;
 mod deep_overlap;
@@ -60,10 +58,13 @@ mod wide_contact;
 
 use glam::Vec3;
 
+use super::body_collider::BodyCollider;
+use super::impact::{ContactParticipant, Impacts};
 use super::manifold::ClusterSearch;
 use super::nearby::Nearby;
 use super::recovery::in_substep;
-use super::{ContactParticipant, Shape, World};
+use super::shape::Shape;
+use super::world::World;
 use crate::kept::Kept;
 use crate::lanes::{InstructionSet, LANES, with};
 use crate::particles::Particles;
@@ -88,7 +89,6 @@ use swept_bounds::{SweptBounds, WideSweptBounds};
 use turn::LaneArray;
 use wide_contact::{Contact, SensorOverlap, WideContact};
 
-pub use body_collider::{BodyCollider, BodyColliderFault};
 pub use contact_cache::{CachedManifold, ContactCache};
 pub(crate) use rigid_islands::{RigidStep, Written};
 
@@ -251,7 +251,7 @@ impl BodyContactSolver {
     }
 
     /// What has touched what.
-    pub(crate) fn report(&mut self, impacts: &mut super::Impacts) {
+    pub(crate) fn report(&mut self, impacts: &mut Impacts) {
         self.note_contact_events();
         for contact_events in self.contact_events.drain(..) {
             impacts.add(

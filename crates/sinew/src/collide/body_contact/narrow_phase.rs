@@ -9,14 +9,18 @@
 
 use glam::Vec3;
 
+use super::super::body_collider::BodyCollider;
+use super::super::frame::Frame;
+use super::super::impact::ContactParticipant;
 use super::super::manifold::{BoxPairs, Manifold, ManifoldScratch, collide, is_of_triangles};
-use super::super::{ContactParticipant, Frame, Shape, World};
+use super::super::shape::Shape;
+use super::super::world::World;
+use super::BodyContactSolver;
 use super::contact_cache::{CachedManifold, ContactKey, FrictionAnchor, Other, SLACK, sort};
 use super::groups::BodyGroups;
 use super::static_geometry::StaticGeometry;
 use super::swept_bounds::SweptBounds;
 use super::wide_contact::{Contact, SensorOverlap, TORSIONAL_RADIUS, put_manifold};
-use super::{BodyCollider, BodyContactSolver};
 use crate::lanes::{LANES, SetLanes};
 use crate::particles::{NO_BODY, Particles};
 

@@ -50,7 +50,7 @@ use super::groups::{
 };
 use super::swept_bounds::WideSweptBounds;
 use super::turn::{LaneArray, Matrix, Symmetric, load, store, turn_further, zero};
-use crate::collide::World;
+use crate::collide::world::World;
 use crate::lanes::{FIELDS, LANES, Lanes, Vector, Work, kernel, with};
 use crate::particles::Particles;
 use crate::pose::rotation;

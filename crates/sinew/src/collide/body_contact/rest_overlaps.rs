@@ -4,9 +4,10 @@
 
 use glam::{Quat, Vec3};
 
+use super::super::body_collider::BodyCollider;
+use super::super::filter::ContactFilter;
+use super::super::frame::Frame;
 use super::super::manifold::{ManifoldScratch, collide};
-use super::super::{ContactFilter, Frame};
-use super::BodyCollider;
 use super::groups::BodyGroups;
 use crate::kept::Kept;
 use crate::particles::{NO_BODY, Particles};

@@ -14,7 +14,7 @@ use core::ops::Range;
 
 use glam::{Vec3, Vec4};
 
-use super::BodyCollider;
+use super::super::body_collider::BodyCollider;
 use super::groups::{BodyGroups, NONE, Slot, WideMass};
 use super::rigid_rotation::Rotation;
 use super::rigid_state::{ForceSums, WideRigidState};

@@ -12,11 +12,12 @@ use core::ops::Range;
 
 use glam::{Mat3, Quat, Vec3};
 
+use super::super::body_collider::BodyCollider;
+use super::BodyContactSolver;
 use super::groups::{BodyGroups, NONE};
 use super::rigid_forces::{Acting, RigidForces};
 use super::rigid_state::{AdvanceStates, ReadStates, WideRigidState, push_states, write_states};
 use super::turn::LaneArray;
-use super::{BodyCollider, BodyContactSolver};
 use crate::constraints::{GradientAt, Pin};
 use crate::forces::Pressures;
 use crate::integrate::Integrator;

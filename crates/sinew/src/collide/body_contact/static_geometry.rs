@@ -2,9 +2,12 @@
 
 use glam::{Mat3, Vec3};
 
-use super::super::{
-    Collider, CombinedMaterial, ContactParticipant, Frame, Layers, Material, Shape, World,
-};
+use super::super::collider::Collider;
+use super::super::frame::Frame;
+use super::super::impact::ContactParticipant;
+use super::super::material::{CombinedMaterial, Layers, Material};
+use super::super::shape::Shape;
+use super::super::world::World;
 use super::contact_cache::Other;
 use super::swept_bounds::SweptBounds;
 use crate::constraints::{Boundaries, InsideBox, Plane};

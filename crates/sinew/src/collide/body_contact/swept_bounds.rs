@@ -5,7 +5,8 @@
 
 use glam::{Vec3, Vec4};
 
-use super::super::{Frame, World};
+use super::super::frame::Frame;
+use super::super::world::World;
 use super::BodyContactSolver;
 use super::bodies::{ROTATION, rotation};
 use super::turn::{LaneArray, load, set};

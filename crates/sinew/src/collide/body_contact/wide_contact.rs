@@ -14,7 +14,8 @@
 
 use glam::{Mat3, Vec3};
 
-use super::super::{CombinedMaterial, ContactParticipant};
+use super::super::impact::ContactParticipant;
+use super::super::material::CombinedMaterial;
 use super::contact_cache::{CachedManifold, FrictionAnchor, may_slide, may_turn, steepness};
 use super::turn::{LaneArray, set, store};
 use crate::constraints::PlanarDrag;

@@ -10,8 +10,7 @@ use parry3d::query::details::NormalConstraints;
 use parry3d::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
 use parry3d::shape::{Shape as ParryShape, Triangle, TrianglePseudoNormals};
 
-use super::super::Shape;
-use super::super::shape::{Kind, ours, pose};
+use super::super::shape::{Kind, Shape, ours, pose};
 use super::boxes::BoxPairs;
 use super::features::{ShapeOrTriangle, best_face, contacts, of_face};
 use super::reduce::reduced;

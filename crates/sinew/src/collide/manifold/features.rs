@@ -4,8 +4,7 @@
 use glam::Vec3;
 use smallvec::SmallVec;
 
-use super::super::Shape;
-use super::super::shape::Kind;
+use super::super::shape::{Kind, Shape};
 use super::{Frame, Point, across_axis};
 
 /// Corners in order about the normal: one, the two of an edge, or those of a face.

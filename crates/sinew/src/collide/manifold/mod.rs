@@ -24,9 +24,9 @@ mod tests;
 
 use glam::Vec3;
 
-use super::shape::Kind;
+use super::frame::Frame;
+use super::shape::{Kind, Shape};
 use super::words::{Reader, Write};
-use super::{Frame, Shape};
 use crate::lanes::InstructionSet;
 
 pub(crate) use boxes::BoxPairs;

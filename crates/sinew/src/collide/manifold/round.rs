@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::super::Shape;
+use super::super::shape::Shape;
 use super::{Frame, Manifold, Point};
 
 /// A sphere and anything that knows its nearest point.

@@ -6,7 +6,8 @@
 
 use glam::DVec3;
 
-use super::super::{BodyContacts, ContactFilter};
+use super::super::filter::ContactFilter;
+use super::super::material::BodyContacts;
 use super::grid::{PairGrid, list_candidates};
 use super::participants::Participants;
 use crate::lanes::InstructionSet;

@@ -14,7 +14,7 @@
 
 use glam::DVec3;
 
-use super::super::ContactFilter;
+use super::super::filter::ContactFilter;
 use super::participants::Participants;
 use crate::lanes::{LANES, Lanes, kernel};
 

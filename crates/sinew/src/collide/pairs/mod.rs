@@ -49,8 +49,9 @@ mod tests;
 
 use glam::Vec3;
 
+use super::filter::ContactFilter;
+use super::impact::Impacts;
 use super::nearby::Nearby;
-use super::{ContactFilter, Impacts};
 use crate::lanes::{InstructionSet, with};
 use crate::particles::Particles;
 

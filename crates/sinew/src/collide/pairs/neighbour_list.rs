@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::super::ContactFilter;
+use super::super::filter::ContactFilter;
 use super::participants::Participants;
 use crate::lanes::LANES;
 

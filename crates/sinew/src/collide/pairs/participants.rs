@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3, Vec4};
 
-use super::super::ContactFilter;
+use super::super::filter::ContactFilter;
 use super::super::nearby::Nearby;
 use crate::particles::Particles;
 

@@ -17,7 +17,8 @@
 
 use glam::{Vec3, Vec4};
 
-use super::super::{ContactFilter, ContactParticipant, Impacts};
+use super::super::filter::ContactFilter;
+use super::super::impact::{ContactParticipant, Impacts};
 use super::neighbour_list::PairBlock;
 use crate::lanes::{LANES, Lanes, Vector, kernel};
 use crate::particles::Particles;

@@ -13,7 +13,7 @@
 
 use glam::Vec3;
 
-use super::super::ContactFilter;
+use super::super::filter::ContactFilter;
 use super::neighbour_list::{NO_OFFSET, NeighbourList, PairBlock};
 use super::restitution::{PairHit, Touched};
 use super::swept::{COINCIDENT, SweptPair, TimeOfImpact};

@@ -9,8 +9,8 @@ use core::ops::Range;
 
 use glam::Vec3;
 
-use super::super::shape::ClosedForm;
-use super::super::{Frame, ShapeTouch};
+use super::super::frame::Frame;
+use super::super::shape::{ClosedForm, ShapeTouch};
 use super::surface::SurfaceForm;
 use super::{InstantInterval, NormalImpulses, ParticleContact, ParticleContacts};
 use crate::islands::Islands;

@@ -2,8 +2,9 @@
 
 use glam::Vec3;
 
-use super::super::World;
-use super::super::{CombinedMaterial, nearby};
+use super::super::material::CombinedMaterial;
+use super::super::nearby;
+use super::super::world::World;
 use super::surface::SurfaceForm;
 use super::{NormalImpulse, ParticleContacts, SurfaceCandidate};
 use crate::particles::Particles;

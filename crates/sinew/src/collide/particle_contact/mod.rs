@@ -20,9 +20,12 @@ use glam::{Vec3, Vec4};
 
 use super::body_classes::BodyClasses;
 use super::bounds::{Bounds, ClassBounds};
+use super::frame::Frame;
 use super::friction::friction;
+use super::material::CombinedMaterial;
 use super::recovery::{recovered, recovered_way};
-use super::{CombinedMaterial, Frame, ShapeTouch, World};
+use super::shape::ShapeTouch;
+use super::world::World;
 use crate::constraints::{PlanarDrag, Plane};
 use crate::particles::{Particles, Places};
 

@@ -3,11 +3,13 @@
 
 use super::super::body_classes::{BodyClass, BodyClasses};
 use super::super::bounds::{Bounds, PlaneOrBox};
-use super::super::collider::on_the_way;
-use super::super::{
-    Collider, CombinedMaterial, ContactFilter, ContactParticipant, Frame, Layers, Material, Shape,
-    World,
-};
+use super::super::collider::{Collider, on_the_way};
+use super::super::filter::ContactFilter;
+use super::super::frame::Frame;
+use super::super::impact::ContactParticipant;
+use super::super::material::{CombinedMaterial, Layers, Material};
+use super::super::shape::Shape;
+use super::super::world::World;
 use super::ParticleContact;
 use crate::constraints::{InsideBox, PlanarDrag, Plane};
 use crate::particles::Places;

@@ -10,7 +10,7 @@ use super::height::Heights;
 use super::hull::ConvexHull;
 use super::mesh::Mesh;
 use super::{Form, Shape};
-use crate::collide::Frame;
+use crate::collide::frame::Frame;
 
 /// A shape of that library.
 pub(super) struct Twin(Box<dyn parry::Shape>);

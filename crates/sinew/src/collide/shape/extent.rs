@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::convex::Convex as _;
 use super::{Form, Shape};
-use crate::collide::Frame;
+use crate::collide::frame::Frame;
 
 impl Shape {
     /// The lowest and the highest coordinates of the smallest box around it along its own axes, metres. A half space has no end but the one at the

@@ -11,11 +11,11 @@ use glam::{DMat3, DVec3, Vec3};
 use smallvec::SmallVec;
 
 use super::{Kind, Shape};
-use crate::collide::Frame;
+use crate::collide::frame::Frame;
 
 /// A convex shape: what is within a radius of its core. Coordinates of its own, metres.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct RoundedCore<'a> {
+pub(in crate::collide) struct RoundedCore<'a> {
     core: Core<'a>,
     radius: f64,
 }
@@ -37,20 +37,20 @@ enum Core<'a> {
 
 /// What is between two that are apart, in coordinates of the second one.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Gap {
+pub(in crate::collide) struct Gap {
     /// Their separation along the normal, metres; negative where they overlap by less than their radii.
-    pub(super) distance: f64,
+    pub(in crate::collide) distance: f64,
     /// Unit vector from the second to the first.
-    pub(super) normal: DVec3,
+    pub(in crate::collide) normal: DVec3,
     /// Where on the second one.
-    pub(super) point: DVec3,
+    pub(in crate::collide) point: DVec3,
     /// How far their cores are apart, metres: of a small one the normal is not known better than the places are.
-    pub(super) cores: f64,
+    pub(in crate::collide) cores: f64,
 }
 
 /// Where one is in the coordinates of another, in the digits that the difference has.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Relative {
+pub(in crate::collide) struct Relative {
     rotation: DMat3,
     translation: DVec3,
 }
@@ -62,7 +62,7 @@ const APART: f64 = 1e-20;
 
 impl<'a> RoundedCore<'a> {
     /// The same of a shape; `None` of half-spaces, meshes and landscapes.
-    pub(super) fn of(shape: &'a Shape) -> Option<Self> {
+    pub(in crate::collide) fn of(shape: &'a Shape) -> Option<Self> {
         let round = |core, radius: f32| Self { core, radius: f64::from(radius) };
         Some(match shape.kind() {
             Kind::Sphere { radius } => round(Core::Point, radius),
@@ -80,17 +80,17 @@ impl<'a> RoundedCore<'a> {
     }
 
     /// A ball about the origin.
-    pub(super) fn ball(radius: f32) -> Self {
+    pub(in crate::collide) fn ball(radius: f32) -> Self {
         Self { core: Core::Point, radius: f64::from(radius) }
     }
 
     /// A triangle.
-    pub(super) fn triangle(corners: [Vec3; 3]) -> Self {
+    pub(in crate::collide) fn triangle(corners: [Vec3; 3]) -> Self {
         Self { core: Core::Triangle(corners.map(Vec3::as_dvec3)), radius: 0.0 }
     }
 
     /// The point of it that is farthest along a unit vector.
-    pub(super) fn farthest(&self, along: DVec3) -> DVec3 {
+    pub(in crate::collide) fn farthest(&self, along: DVec3) -> DVec3 {
         self.support(along) + along * self.radius
     }
 
@@ -114,7 +114,7 @@ impl<'a> RoundedCore<'a> {
     }
 
     /// How far it is above the plane `y = 0` of a half-space, and where it is nearest to that.
-    pub(super) fn above_plane(&self, seen: &Relative) -> Gap {
+    pub(in crate::collide) fn above_plane(&self, seen: &Relative) -> Gap {
         let lowest = seen.point(self.support(seen.rotation.transpose() * -DVec3::Y));
         Gap {
             distance: lowest.y - self.radius,
@@ -125,7 +125,7 @@ impl<'a> RoundedCore<'a> {
     }
 
     /// What is between this one, seen from the other one, and that; `None` where their cores touch or overlap.
-    pub(super) fn gap(&self, seen: &Relative, other: &Self) -> Option<Gap> {
+    pub(in crate::collide) fn gap(&self, seen: &Relative, other: &Self) -> Option<Gap> {
         let back = seen.rotation.transpose();
         // Of the points of the difference the one that is least along a direction, and the point of the other one that belongs to it.
         let support = |v: DVec3| {
@@ -168,7 +168,7 @@ impl<'a> RoundedCore<'a> {
 impl RoundedCore<'_> {
     /// A way out of another one whose core this one's touches or overlaps, as a gap below zero: the least far along a normal of a triangle, an axis of this
     /// one's, or away from the other's middle. That parts them, though there may be a shorter way. `None` if a number is not finite.
-    pub(super) fn way_out(&self, seen: &Relative, other: &Self) -> Option<Gap> {
+    pub(in crate::collide) fn way_out(&self, seen: &Relative, other: &Self) -> Option<Gap> {
         let mut ways: SmallVec<[DVec3; 16]> = SmallVec::new();
         let mut middle = DVec3::ZERO;
         if let Core::Triangle([a, b, c]) = other.core {
@@ -196,7 +196,7 @@ impl RoundedCore<'_> {
 
 impl Relative {
     /// Where `one` is as seen from `other`.
-    pub(super) fn new(one: &Frame, other: &Frame) -> Self {
+    pub(in crate::collide) fn new(one: &Frame, other: &Frame) -> Self {
         let back = other.rotation.as_dmat3().transpose();
         let between = one.translation.as_dvec3() - other.translation.as_dvec3();
         Self { rotation: back * one.rotation.as_dmat3(), translation: back * between }

@@ -3,7 +3,7 @@
 use glam::{Mat3, Vec3};
 
 use super::{Form, Nearest, RayHit, Shape, ShapeTouch};
-use crate::collide::Frame;
+use crate::collide::frame::Frame;
 
 /// A box about the origin whose inside is empty, and all around it is solid.
 #[derive(Clone, Copy, Debug, PartialEq)]

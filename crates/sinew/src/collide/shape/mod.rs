@@ -15,18 +15,17 @@
 //! | `content_hash` | a number made of what a shape is |
 //! | `words` | a shape as plain words, to be stored |
 //! | `gap` | how far two convex shapes are apart |
-//! | `sweep` | what a shape meets on a straight way, and what it is near |
 //! | `convert` | the shapes that `parry3d` knows, for what two solids do to each other |
 
 mod closed_form;
 mod coarse;
 mod content_hash;
-mod convert;
+pub(super) mod convert;
 mod convex;
 mod extent;
 mod fault;
 mod flat;
-mod gap;
+pub(super) mod gap;
 mod height;
 mod hull;
 mod inside;
@@ -34,7 +33,6 @@ mod mesh;
 mod round;
 mod scale;
 mod surface;
-mod sweep;
 mod tree;
 mod triangle;
 mod words;
@@ -47,7 +45,6 @@ pub use fault::ShapeFault;
 
 pub(crate) use closed_form::ClosedForm;
 pub(crate) use convert::{ours, pose};
-pub(crate) use sweep::{AtStart, Obstacle, SweepHit, SweepMotion};
 
 use convex::Convex;
 use fault::{is_length, is_size};
@@ -279,6 +276,21 @@ impl Shape {
             Form::Mesh(mesh) => mesh.nearest(point),
             Form::Heights(heights) => heights.nearest(point),
         }
+    }
+
+    /// Calls with the triangles within a box, metres, whose own boxes `keep` lets pass, by their lowest and highest coordinates; false for what is of none.
+    pub(super) fn triangles_near(
+        &self,
+        bounds: (Vec3, Vec3),
+        keep: &dyn Fn(Vec3, Vec3) -> bool,
+        call: &mut dyn FnMut([Vec3; 3]),
+    ) -> bool {
+        match &self.form {
+            Form::Mesh(mesh) => mesh.near(keep, call),
+            Form::Heights(field) => field.near(bounds, keep, call),
+            _ => return false,
+        }
+        true
     }
 
     /// What it is.

@@ -22,7 +22,7 @@
 
 use glam::DVec3;
 
-use super::distance::{foot, has_size, of_lines};
+use super::super::distance::{foot, has_size, of_lines};
 
 /// Four points, where they began and where they are; of a particle and a triangle the particle first, of two edges one after the other.
 #[derive(Clone, Copy, Debug)]

@@ -43,7 +43,6 @@
 //! The thickness is softer than that: in a squeeze it may be less for a while, never nothing.
 
 mod crossing;
-mod distance;
 mod neighbour_list;
 mod participants;
 mod restitution;
@@ -52,10 +51,9 @@ mod solve;
 mod tests;
 mod zone;
 
-pub(super) use distance::of_segments;
-
+use super::filter::ContactFilter;
+use super::impact::Impacts;
 use super::nearby::Nearby;
-use super::{ContactFilter, Impacts};
 use crate::particles::Particles;
 
 use neighbour_list::TriangleNeighbours;

@@ -8,9 +8,10 @@ use core::cmp::Ordering;
 
 use glam::{DVec3, Vec3, Vec4};
 
-use super::distance::{of_segments, to_triangle};
+use super::super::distance::{of_segments, to_triangle};
 use super::participants::{EDGES, TriangleParticipants};
-use crate::collide::{Broad, ContactFilter};
+use crate::collide::filter::ContactFilter;
+use crate::collide::manifold::Broad;
 use crate::kept::Kept;
 use crate::particles::Particles;
 

@@ -8,7 +8,8 @@
 
 use glam::Vec3;
 
-use super::super::{ContactFilter, ContactParticipant, Impacts};
+use super::super::filter::ContactFilter;
+use super::super::impact::{ContactParticipant, Impacts};
 use super::neighbour_list::TriangleCandidate;
 use super::participants::TriangleParticipants;
 use super::solve::{SubstepState, TriangleContact};

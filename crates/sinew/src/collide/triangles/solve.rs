@@ -33,8 +33,8 @@
 
 use glam::{DVec3, Vec3};
 
+use super::super::distance::{of_lines, to_triangle};
 use super::crossing::{ContactShares, Four, gap};
-use super::distance::{of_lines, to_triangle};
 use super::neighbour_list::TriangleCandidate;
 use super::participants::TriangleParticipants;
 use crate::particles::Particles;

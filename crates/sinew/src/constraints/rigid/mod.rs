@@ -6,8 +6,11 @@ use std::sync::Arc;
 
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
+use super::correction::GradientAt;
+use super::equation::{Equation, Points};
+use super::fault::ConstraintFault;
+use super::softness::Softness;
 use super::towards::{Weights, towards};
-use super::{ConstraintFault, Equation, GradientAt, Points, Softness};
 use crate::pose::rotation;
 
 /// All particles keep the places that they have in a rigid shape, which may be anywhere and turned in any way, but never mirrored.

@@ -9,8 +9,8 @@ use crate::constraints::{Constraint, ConstraintKind, Distance, Tetrahedron};
 use crate::particles::ParticleSeed;
 use crate::recipes::blueprint::{Blueprint, gap};
 use crate::recipes::fault::{RecipeFault, check_particles, ensure};
+use crate::recipes::limits::{LENGTHS, MOST_PARTICLES};
 use crate::recipes::solid::Bulk;
-use crate::recipes::{LENGTHS, MOST_PARTICLES};
 use crate::settings::BodySettings;
 
 /// A soft box or ball. The default is a cube of jelly, 1 m and 100 kg, in 4×4×4 cells.

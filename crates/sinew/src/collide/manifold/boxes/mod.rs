@@ -13,8 +13,7 @@ mod faces;
 
 use glam::Vec3;
 
-use super::super::Shape;
-use super::super::shape::Kind;
+use super::super::shape::{Kind, Shape};
 use super::{Frame, Manifold};
 use crate::lanes::{InstructionSet, LANES, Lanes, SetLanes, kernel};
 use axes::{Axes, WidePairs};

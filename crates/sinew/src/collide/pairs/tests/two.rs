@@ -175,7 +175,7 @@ fn contacts_are_told_where_a_body_asks_for_it() {
     world.push(ball(Vec3::X * -0.03, Vec3::X).with_mass(2.0), 0);
     world.push(ball(Vec3::ZERO, Vec3::ZERO).with_mass(2.0), 1);
     world.step(DT);
-    let mut impacts = crate::collide::Impacts::default();
+    let mut impacts = crate::collide::impact::Impacts::default();
     world.pairs.report(&mut impacts);
     let merged = impacts.merge();
     assert_eq!(merged.len(), 1);

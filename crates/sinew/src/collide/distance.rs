@@ -86,7 +86,7 @@ pub(super) fn of_lines([a, b]: [DVec3; 2], [c, d]: [DVec3; 2], slack: f64) -> Op
 
 /// The least distance of two segments.
 #[inline]
-pub(in crate::collide) fn of_segments(one: [DVec3; 2], other: [DVec3; 2]) -> f64 {
+pub(super) fn of_segments(one: [DVec3; 2], other: [DVec3; 2]) -> f64 {
     let at = |[a, b]: [DVec3; 2], along: f64| a.lerp(b, along);
     if let Some([s, t]) = of_lines(one, other, 0.0) {
         return (at(one, s) - at(other, t)).length();

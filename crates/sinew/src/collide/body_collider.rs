@@ -4,9 +4,8 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::super::shape::Kind;
-use super::super::triangles::of_segments;
-use super::super::{Shape, ShapeFault};
+use super::distance::of_segments;
+use super::shape::{Kind, Shape, ShapeFault};
 use crate::particles::Particles;
 
 /// By how much two segments must be clear of each other in the rest shape to touch at all, as a share of how thick they are: those that just touch there would
@@ -87,7 +86,7 @@ impl BodyCollider {
 
     /// Whether two segments overlap in the rest shape of their body. Anything else does not, and neither do those whose particles have no place
     /// there.
-    pub(super) fn overlaps_at_rest(&self, other: &Self, particles: &Particles) -> bool {
+    pub(in crate::collide) fn overlaps_at_rest(&self, other: &Self, particles: &Particles) -> bool {
         let axis = |solid: &Self| {
             let (&[a, b], Kind::Capsule { radius, .. }) = (&*solid.rows, solid.shape.kind()) else {
                 return None;

@@ -12,11 +12,11 @@ use parry3d::math::Pose;
 use parry3d::query;
 use parry3d::shape as parry;
 
-use super::convert::{pose, theirs};
-use super::gap::{Gap, Relative, RoundedCore};
-use super::{Form, Shape};
-use crate::collide::Frame;
-use crate::collide::manifold::{ManifoldScratch, collide};
+use super::frame::Frame;
+use super::manifold::{ManifoldScratch, collide};
+use super::shape::Shape;
+use super::shape::convert::{pose, theirs};
+use super::shape::gap::{Gap, Relative, RoundedCore};
 
 /// What a shape may meet, in coordinates of the world, metres.
 #[derive(Clone, Copy, Debug)]
@@ -148,23 +148,15 @@ impl Shape {
                 let swept = SweptBox::new(self, &frame.from_within(&at), &at, way);
                 let triangle =
                     &mut |corners| call(ConvexPiece::Convex(RoundedCore::triangle(corners)), &at);
-                match &shape.form {
-                    Form::HalfSpace | Form::InsideBox(_) => {
-                        shape
-                            .half_spaces()
-                            .for_each(|wall| call(ConvexPiece::HalfSpace, &at.of(&wall)));
-                    }
-                    Form::Mesh(mesh) => mesh.near(&|low, high| swept.meets(low, high), triangle),
-                    Form::Heights(field) => {
-                        field.near(swept.bounds(), &|low, high| swept.meets(low, high), triangle);
-                    }
-                    _ => {
-                        let (low, high) = shape.bounds();
-                        let convex = RoundedCore::of(shape).filter(|_| swept.meets(low, high));
-                        convex
-                            .into_iter()
-                            .for_each(|convex| call(ConvexPiece::Convex(convex), &at));
-                    }
+                let keep = |low, high| swept.meets(low, high);
+                if shape.is_endless() {
+                    shape
+                        .half_spaces()
+                        .for_each(|wall| call(ConvexPiece::HalfSpace, &at.of(&wall)));
+                } else if !shape.triangles_near(swept.bounds(), &keep, triangle) {
+                    let (low, high) = shape.bounds();
+                    let convex = RoundedCore::of(shape).filter(|_| keep(low, high));
+                    convex.into_iter().for_each(|convex| call(ConvexPiece::Convex(convex), &at));
                 }
             }
         }
