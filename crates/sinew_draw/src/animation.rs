@@ -13,7 +13,7 @@ use std::{
 use color_quant::NeuQuant;
 use gif::{DisposalMethod, Encoder, EncodingError, Frame, Repeat};
 
-use super::Image;
+use super::image::Image;
 
 /// Colours in the palette; one more entry means "as before".
 const COLORS: usize = 255;

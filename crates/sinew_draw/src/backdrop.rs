@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 
-use super::{camera::View, image::linear_of};
+use super::camera::View;
+use super::image::linear_of;
 
 /// Colours in linear light, and the scale of the ground's squares.
 pub(crate) struct Backdrop {

@@ -3,10 +3,8 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{
-    camera::View,
-    scene::{Item, Line, Scene},
-};
+use super::camera::View;
+use super::scene::{Item, Line, Scene};
 
 /// Faces that meet at less than this angle (its cosine) are one smooth surface: 40 degrees.
 const CREASE: f32 = 0.766;

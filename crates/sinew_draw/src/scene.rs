@@ -4,7 +4,8 @@ use std::{borrow::Cow, sync::Arc};
 
 use glam::{Vec2, Vec3};
 
-use super::{Camera, Texture};
+use super::camera::Camera;
+use super::texture::Texture;
 
 /// One moment to draw.
 pub struct Scene<'a> {

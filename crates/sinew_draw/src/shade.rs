@@ -2,16 +2,15 @@
 
 use glam::Vec3;
 
-use super::{
-    Image, Scene,
-    backdrop::Backdrop,
-    camera::View,
-    geometry::{self, Source, Triangle},
-    image::{SrgbTable, linear_of, tone},
-    occlusion::{self, Facet, each_row},
-    raster::{self, Fragment, Samples},
-    shadow::ShadowMap,
-};
+use super::backdrop::Backdrop;
+use super::camera::View;
+use super::geometry::{self, Source, Triangle};
+use super::image::Image;
+use super::image::{SrgbTable, linear_of, tone};
+use super::occlusion::{self, Facet, each_row};
+use super::raster::{self, Fragment, Samples};
+use super::scene::Scene;
+use super::shadow::ShadowMap;
 
 /// Samples along each side of a pixel.
 const FINE: usize = 2;

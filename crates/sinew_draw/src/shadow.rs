@@ -3,7 +3,9 @@
 use euc::buffer::Buffer2d;
 use glam::{Vec3, Vec4};
 
-use super::{camera::View, geometry::Triangle, raster};
+use super::camera::View;
+use super::geometry::Triangle;
+use super::raster;
 
 /// The scene as the sun sees it.
 pub(crate) struct ShadowMap {

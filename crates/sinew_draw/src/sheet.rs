@@ -1,9 +1,7 @@
 //! Several pictures on one page, to see a motion at a glance.
 
-use super::{
-    Image,
-    text::{self, Style},
-};
+use super::image::Image;
+use super::text::{self, Style};
 
 const PAPER: [u8; 4] = [250, 250, 251, 255];
 const INK: [u8; 3] = [28, 33, 43];

@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::Path;
 
-use super::Image;
 use super::animation::indexed;
+use super::image::Image;
 
 /// Writes a picture as PNG of at most 255 colours, without transparency: a third of the bytes of [`write_png`](crate::write_png), for what is kept in a repository.
 pub fn write_small_png(path: impl AsRef<Path>, image: &Image) -> io::Result<()> {

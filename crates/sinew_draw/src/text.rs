@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
 
-use super::Image;
+use super::image::Image;
 
 /// How a piece of text looks.
 #[derive(Clone, Copy)]

@@ -2,7 +2,9 @@
 
 use bevy::prelude::*;
 
-use crate::{InScene, Look, cylinder};
+use crate::look::Look;
+use crate::scene::InScene;
+use crate::shapes::cylinder;
 
 /// An arrow from point to point: a shaft and a head, two entities.
 #[derive(Clone, Copy, Debug)]

@@ -69,6 +69,7 @@
 mod arrow;
 mod bevy_version;
 mod look;
+mod props;
 mod readings;
 mod rounds;
 mod scene;
@@ -78,7 +79,7 @@ mod skin;
 mod toys;
 
 pub use look::Look;
-pub use scene::{Heading, Lesson, OnStage, Scene, SceneSlider};
+pub use scene::{Heading, InScene, Lesson, OnStage, Scene, SceneSlider};
 pub use scenes::{ALL, find};
 pub use shapes::{ball, capsule, coil, cylinder, rounded_box};
 pub use skin::{Skin, SkinShape};
@@ -147,11 +148,6 @@ fn time_passes(control: Res<SinewControl>) -> bool {
     control.running()
 }
 
-/// Marks what a scene spawned, so that the next one can clear it away.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
-#[reflect(Component, Default, Clone)]
-pub struct InScene;
-
 /// Clears the last scene away and spawns another, from the beginning: time zero, settings as the scene wants them, sliders at their defaults.
 pub fn load(world: &mut World, scene: &'static Scene) {
     let sliders = scene.lesson.map_or(&[][..], |lesson| lesson.sliders);
@@ -197,16 +193,6 @@ fn dress_part(
         return;
     };
     let look = bodies.get(body.0).cloned().unwrap_or_default();
-    let mesh = part_mesh(part, name);
+    let mesh = shapes::part_mesh(part, name);
     commands.entity(added.entity).insert((Mesh3d(meshes.add(mesh)), look));
-}
-
-/// The skin of a part of a ragdoll, by what it is called.
-fn part_mesh(part: &BodyPart, name: &Name) -> Mesh {
-    let size = part.size;
-    match name.as_str() {
-        "torso" | "pelvis" => rounded_box(size, size.min_element() * 0.42, 5),
-        "head" => rounded_box(size, size.min_element() * 0.5, 6),
-        _ => capsule(size.x * 0.5, size.y),
-    }
 }

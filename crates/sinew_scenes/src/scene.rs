@@ -119,6 +119,11 @@ impl Lesson {
     }
 }
 
+/// Marks what a scene spawned, so that the next one can clear it away.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(Component, Default, Clone)]
+pub struct InScene;
+
 /// The scene that is on, the values of its sliders, and what was measured last.
 #[derive(Resource, Clone, Debug)]
 pub struct OnStage {

@@ -5,6 +5,7 @@ use core::f32::consts::TAU;
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
+use bevy_sinew::BodyPart;
 
 /// A ball of the given radius, metres, with the texture wrapped around its y axis.
 pub fn ball(radius: f32) -> Mesh {
@@ -120,4 +121,14 @@ fn stops(half: f32, radius: f32, detail: u32) -> Vec<f32> {
     let mut stops: Vec<f32> = low.chain(high).collect();
     stops.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
     stops
+}
+
+/// The skin of a part of a ragdoll, by what it is called.
+pub(crate) fn part_mesh(part: &BodyPart, name: &Name) -> Mesh {
+    let size = part.size;
+    match name.as_str() {
+        "torso" | "pelvis" => rounded_box(size, size.min_element() * 0.42, 5),
+        "head" => rounded_box(size, size.min_element() * 0.5, 6),
+        _ => capsule(size.x * 0.5, size.y),
+    }
 }

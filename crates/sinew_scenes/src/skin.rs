@@ -8,7 +8,9 @@ use bevy::prelude::*;
 use bevy_sinew::{BodyPart, MeshFollow, PartOf, WindSurface};
 
 use crate::bevy_version::OnAdd;
-use crate::{InScene, Look, ball, cylinder, part_mesh, rounded_box};
+use crate::look::Look;
+use crate::scene::InScene;
+use crate::shapes::{ball, cylinder, part_mesh, rounded_box};
 
 /// What an entity is drawn as, as words. Part of the state, saved along: what comes back from a file is given its mesh and its [`Look`] again.
 ///

@@ -3,7 +3,9 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use crate::{InScene, Look, Skin, SkinShape};
+use crate::look::Look;
+use crate::scene::InScene;
+use crate::skin::{Skin, SkinShape};
 
 /// A body to play with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -8,10 +8,10 @@ use crate::components::{
     AirDrag, AirFlow, Attractor, BodyParticles, ContactEvents, Electric, ElectricField, Gravity,
     Region, RegionShape, Sleep, SleepingDisabled, Touching,
 };
+use crate::components::{Fluid, Wind};
 use crate::frames::Frames;
 use crate::rows::{GONE, Rows};
 use crate::world::SinewWorld;
-use crate::{Fluid, Wind};
 
 /// What fills the world: where something of it changes, all wake.
 #[derive(SystemParam)]

@@ -11,10 +11,11 @@ use bevy_sinew::{
     ConstraintOf, MeshFollow, ParticleBody, ParticleOf, PatchConstraint, SizeCorrection,
 };
 
-use super::{FLOOR, Scene, floor, mesh, post};
+use crate::look::Look;
+use crate::props::{FLOOR, curve, floor, mesh, post};
 use crate::readings::width_of;
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
+use crate::shapes::rounded_box;
 
 pub(super) const SCENE: Scene = Scene {
     name: "areas",
@@ -108,7 +109,7 @@ fn spawn(world: &mut World) {
         // Where the rim was.
         let rim = (0..=AROUND).map(|i| middle + points[1 + (i % AROUND) as usize] + Vec3::Z * 0.02);
         let rim: Vec<Vec3> = rim.collect();
-        super::curve(world, &rim, 0.008, Look::color(0xf3f1ea));
+        curve(world, &rim, 0.008, Look::color(0xf3f1ea));
         // As far apart as the scaled one becomes wide.
         let out = 0.5 * width * libm::sqrtf(times) + 0.02;
         for side in [-1.0, 1.0] {

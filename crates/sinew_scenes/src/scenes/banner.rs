@@ -3,10 +3,10 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, curve, post};
+use crate::look::Look;
+use crate::props::{curve, post};
 use crate::readings::points_of;
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 
 pub(super) const SCENE: Scene = Scene {
     name: "banner",

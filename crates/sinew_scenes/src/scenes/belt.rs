@@ -4,9 +4,10 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{Combine, ParticleBody, ParticleOf, RigidPose, SinewClock};
 
-use super::{Scene, curve, mesh};
-use crate::scene::{of_named, values};
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, rounded_box};
+use crate::look::Look;
+use crate::props::{curve, mesh};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::shapes::{ball, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "belt",

@@ -5,10 +5,11 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{BodyParticles, BoxParticles, Representation};
 use bevy_sinew::{BodySolver, GradientAt, RigidIntegrator};
 
-use super::{Scene, mesh};
+use crate::look::Look;
+use crate::props::mesh;
 use crate::readings::all_named;
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder, rounded_box};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
+use crate::shapes::{ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "bricks",

@@ -3,9 +3,10 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, curve, mesh};
-use crate::scene::{of_named, values};
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
+use crate::look::Look;
+use crate::props::{curve, mesh};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::shapes::ball;
 
 pub(super) const SCENE: Scene = Scene {
     name: "buoys",

@@ -5,10 +5,11 @@ use bevy_sinew::TubeMesh;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{Charge, ConstraintOf, ElectricField, ParticleBody, ParticleOf, Region};
 
-use super::{Scene, mesh, post};
 use crate::arrow::Arrow;
-use crate::scene::{of_named, values};
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, rounded_box};
+use crate::look::Look;
+use crate::props::{mesh, post};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::shapes::{ball, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "capacitor",

@@ -4,9 +4,9 @@ use bevy::prelude::*;
 use bevy_sinew::BodyParticles;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, curve, post};
-use crate::scene::{of_named, values};
-use crate::{Heading, InScene, Lesson, Look, SceneSlider};
+use crate::look::Look;
+use crate::props::{curve, post};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
 
 pub(super) const SCENE: Scene = Scene {
     name: "catenary",

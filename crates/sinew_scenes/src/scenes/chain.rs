@@ -5,10 +5,11 @@ use bevy_sinew::TubeMesh;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{BodyParticles, Bound, ConstraintOf, ParticleBody, ParticleOf, RigidPose};
 
-use super::{Scene, mesh, post};
+use crate::look::Look;
+use crate::props::{mesh, post};
 use crate::readings::all_named;
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
+use crate::shapes::ball;
 
 pub(super) const SCENE: Scene = Scene {
     name: "chain",

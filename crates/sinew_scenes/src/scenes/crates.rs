@@ -3,10 +3,11 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, mesh};
+use crate::look::Look;
+use crate::props::mesh;
 use crate::readings::is_in_flight;
-use crate::scene::{of_named, values};
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::shapes::rounded_box;
 
 pub(super) const SCENE: Scene = Scene {
     name: "crate",

@@ -4,10 +4,10 @@ use bevy::prelude::*;
 use bevy_sinew::BodySolver;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, mesh, post};
+use crate::look::Look;
+use crate::props::{mesh, post};
 use crate::readings::{all_named, faceted_ball, volume_of};
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 
 pub(super) const SCENE: Scene = Scene {
     name: "curtain",

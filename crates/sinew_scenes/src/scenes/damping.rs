@@ -4,10 +4,11 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{Drag, SinewClock};
 
-use super::{FLOOR, Scene, floor, mesh};
+use crate::look::Look;
+use crate::props::{FLOOR, floor, mesh};
 use crate::rounds::{Rounds, into_round};
-use crate::scene::{of_named, values};
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder, rounded_box};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::shapes::{ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "damping",

@@ -4,10 +4,11 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{BodyContacts, BodyParticles};
 
-use super::{Scene, mesh};
+use crate::look::Look;
+use crate::props::mesh;
 use crate::readings::of_place;
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, rounded_box};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
+use crate::shapes::{ball, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "drape",

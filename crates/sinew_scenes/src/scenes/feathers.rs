@@ -4,10 +4,10 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{AirFlow, Region};
 
-use super::{Scene, mesh, post};
+use crate::look::Look;
+use crate::props::{mesh, post};
 use crate::readings::of_place;
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 
 pub(super) const SCENE: Scene = Scene {
     name: "feathers",

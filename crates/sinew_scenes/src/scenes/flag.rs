@@ -3,10 +3,11 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, mesh, post};
+use crate::look::Look;
+use crate::props::{mesh, post};
 use crate::readings::{mean, strains_of};
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
+use crate::shapes::ball;
 
 pub(super) const SCENE: Scene = Scene {
     name: "flag",

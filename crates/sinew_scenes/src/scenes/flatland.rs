@@ -4,9 +4,10 @@ use bevy::prelude::*;
 use bevy_sinew::Flatland;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, mesh};
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
+use crate::look::Look;
+use crate::props::mesh;
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
+use crate::shapes::rounded_box;
 
 pub(super) const SCENE: Scene = Scene {
     name: "flatland",

@@ -7,10 +7,10 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{Articulated, TubeMesh};
 use bevy_sinew::{BodyParts, BodySolver, Bone, BoneJoint, GradientAt};
 
-use super::{Scene, post};
+use crate::look::Look;
+use crate::props::post;
 use crate::readings::of_place;
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 
 pub(super) const SCENE: Scene = Scene {
     name: "hinges",

@@ -4,9 +4,10 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{BoxParticles, Representation, RigidIntegrator};
 
-use super::{Scene, floor, mesh};
-use crate::scene::{of_named, values};
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder, rounded_box};
+use crate::look::Look;
+use crate::props::{floor, mesh};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::shapes::{ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "inertia",

@@ -6,10 +6,10 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{ConstraintOf, MeshFollow, ParticleBody, ParticleOf, WindSurface};
 
-use super::{Scene, mesh};
+use crate::look::Look;
+use crate::props::mesh;
 use crate::readings::{is_in_flight, thrown};
-use crate::scene::{of_named, values};
-use crate::{Heading, InScene, Lesson, Look, SceneSlider};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
 
 pub(super) const SCENE: Scene = Scene {
     name: "jelly",

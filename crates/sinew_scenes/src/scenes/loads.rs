@@ -5,9 +5,10 @@ use bevy_sinew::TubeMesh;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{ConstraintOf, ParticleBody, ParticleOf};
 
-use super::{Scene, mesh, post};
-use crate::scene::{of_named, values};
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
+use crate::look::Look;
+use crate::props::{mesh, post};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::shapes::ball;
 
 pub(super) const SCENE: Scene = Scene {
     name: "loads",

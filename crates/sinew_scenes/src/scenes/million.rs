@@ -6,9 +6,10 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{ConstraintOf, ContactsDisabled, MeshFollow, ParticleBody, ParticleOf};
 
-use super::{Scene, mesh};
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, OnStage, SceneSlider, rounded_box};
+use crate::look::Look;
+use crate::props::mesh;
+use crate::scene::{Heading, InScene, Lesson, OnStage, Scene, SceneSlider, values};
+use crate::shapes::rounded_box;
 
 pub(super) const SCENE: Scene = Scene {
     name: "million",

@@ -4,10 +4,10 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{BodyContacts, ContactShape};
 
-use super::{Scene, mesh, post};
+use crate::look::Look;
+use crate::props::{mesh, post};
 use crate::readings::all_named;
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 
 pub(super) const SCENE: Scene = Scene {
     name: "net",

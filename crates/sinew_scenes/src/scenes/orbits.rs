@@ -5,9 +5,10 @@ use bevy_sinew::Attractor;
 use bevy_sinew::TubeMesh;
 use bevy_sinew::prelude::*;
 
-use super::{Scene, mesh};
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
+use crate::look::Look;
+use crate::props::mesh;
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
+use crate::shapes::ball;
 
 pub(super) const SCENE: Scene = Scene {
     name: "orbits",

@@ -5,10 +5,11 @@ use bevy_sinew::AnyConstraint;
 use bevy_sinew::prelude::*;
 use bevy_sinew::sinew::{Bound, ConstraintKind, Equation, Points};
 
-use super::{FLOOR, Scene, floor, mesh};
+use crate::look::Look;
+use crate::props::{FLOOR, floor, mesh};
 use crate::rounds::{Again, into_round};
-use crate::scene::{of_named, values};
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder, rounded_box};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::shapes::{ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "plane",

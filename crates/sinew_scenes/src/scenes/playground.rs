@@ -3,10 +3,12 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use super::{FLOOR, Scene};
+use crate::look::Look;
+use crate::props::FLOOR;
 use crate::readings::deepest_below;
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, Skin, SkinShape, Toy};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
+use crate::skin::{Skin, SkinShape};
+use crate::toys::Toy;
 
 pub(super) const SCENE: Scene = Scene {
     name: "playground",

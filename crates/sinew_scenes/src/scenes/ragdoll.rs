@@ -3,10 +3,9 @@
 use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 
-use super::Scene;
+use crate::look::Look;
 use crate::readings::{is_in_flight, thrown};
-use crate::scene::{of_named, values};
-use crate::{Heading, InScene, Lesson, Look, SceneSlider};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
 
 pub(super) const SCENE: Scene = Scene {
     name: "ragdoll",

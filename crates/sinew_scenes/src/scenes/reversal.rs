@@ -5,10 +5,11 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{Drag, SinewClock};
 
-use super::{FLOOR, Scene, curve, floor, mesh, post};
+use crate::look::Look;
+use crate::props::{FLOOR, curve, floor, mesh, post};
 use crate::rounds::{Rounds, into_round, quarters};
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
+use crate::shapes::ball;
 
 pub(super) const SCENE: Scene = Scene {
     name: "reversal",

@@ -6,11 +6,12 @@ use bevy_sinew::{
     BodyParticles, ConstraintOf, ParticleBody, ParticleOf, PinnedTo, RigidPose, SinewClock,
 };
 
-use super::{Scene, mesh, post};
 use crate::bevy_version::OnAdd;
+use crate::look::Look;
+use crate::props::{mesh, post};
 use crate::readings::points_of;
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
+use crate::shapes::ball;
 
 pub(super) const SCENE: Scene = Scene {
     name: "ropes",

@@ -4,9 +4,10 @@ use bevy::prelude::*;
 use bevy_sinew::SinewClock;
 use bevy_sinew::prelude::*;
 
-use super::{FLOOR, Scene, floor, mesh};
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, OnStage, SceneSlider, ball, rounded_box};
+use crate::look::Look;
+use crate::props::{FLOOR, floor, mesh};
+use crate::scene::{Heading, InScene, Lesson, OnStage, Scene, SceneSlider, values};
+use crate::shapes::{ball, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "sleep",

@@ -4,10 +4,11 @@ use bevy::prelude::*;
 use bevy_sinew::prelude::*;
 use bevy_sinew::{BoxParticles, Region};
 
-use super::{Scene, mesh, post};
+use crate::look::Look;
+use crate::props::{mesh, post};
 use crate::readings::deepest_below;
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, capsule, cylinder, rounded_box};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
+use crate::shapes::{ball, capsule, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "stage",

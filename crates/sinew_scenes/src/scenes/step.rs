@@ -8,11 +8,12 @@ use bevy_sinew::sinew::{
     Bound, Constraint, ConstraintKind, Equation, ParticleSeed, Points, Simulation, SolverSettings,
 };
 
-use super::{FLOOR, Scene, floor, mesh};
 use crate::arrow::Arrow;
+use crate::look::Look;
+use crate::props::{FLOOR, floor, mesh};
 use crate::rounds::into_round;
-use crate::scene::{of_named, values};
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder, rounded_box};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::shapes::{ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "step",

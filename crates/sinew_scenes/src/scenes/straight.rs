@@ -10,9 +10,10 @@ use bevy_sinew::{
 };
 
 use super::pendulums::swing;
-use super::{FLOOR, Scene, floor, mesh, post};
-use crate::scene::{of_named, values};
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
+use crate::look::Look;
+use crate::props::{FLOOR, floor, mesh, post};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::shapes::ball;
 
 pub(super) const SCENE: Scene = Scene {
     name: "straight",

@@ -5,10 +5,11 @@ use bevy_sinew::prelude::*;
 use bevy_sinew::{BoxParticles, Representation};
 use bevy_sinew::{RigidIntegrator, SinewClock};
 
-use super::{Scene, mesh};
+use crate::look::Look;
+use crate::props::mesh;
 use crate::readings::of_place;
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, rounded_box};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
+use crate::shapes::rounded_box;
 
 pub(super) const SCENE: Scene = Scene {
     name: "swap",

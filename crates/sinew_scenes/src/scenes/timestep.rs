@@ -4,10 +4,11 @@ use bevy::prelude::*;
 use bevy_sinew::SinewClock;
 use bevy_sinew::prelude::*;
 
-use super::{FLOOR, Scene, curve, floor, mesh, post};
+use crate::look::Look;
+use crate::props::{FLOOR, curve, floor, mesh, post};
 use crate::rounds::{Rounds, into_round};
-use crate::scene::{of_named, values};
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, of_named, values};
+use crate::shapes::ball;
 
 pub(super) const SCENE: Scene = Scene {
     name: "timestep",

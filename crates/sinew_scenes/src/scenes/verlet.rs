@@ -4,11 +4,12 @@ use bevy::prelude::*;
 use bevy_sinew::SinewClock;
 use bevy_sinew::sinew::{Integrator, ParticleSeed, Simulation, SolverSettings};
 
-use super::{FLOOR, Scene, curve, floor, mesh};
 use crate::arrow::Arrow;
+use crate::look::Look;
+use crate::props::{FLOOR, curve, floor, mesh};
 use crate::rounds::into_round;
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider, ball, cylinder, rounded_box};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
+use crate::shapes::{ball, cylinder, rounded_box};
 
 pub(super) const SCENE: Scene = Scene {
     name: "verlet",

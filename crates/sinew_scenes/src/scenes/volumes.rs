@@ -9,10 +9,10 @@ use bevy_sinew::{
     ConstraintOf, MeshFollow, ParticleBody, ParticleOf, SizeCorrection, VolumeConstraint,
 };
 
-use super::{Scene, floor, mesh, post};
+use crate::look::Look;
+use crate::props::{floor, mesh, post};
 use crate::readings::width_of;
-use crate::scene::values;
-use crate::{Heading, InScene, Lesson, Look, SceneSlider};
+use crate::scene::{Heading, InScene, Lesson, Scene, SceneSlider, values};
 
 pub(super) const SCENE: Scene = Scene {
     name: "volumes",
