@@ -13,7 +13,7 @@
 use glam::Vec4;
 
 use super::rod_graph::{RodEnd, RodGraph};
-use super::rods::{Relaxation, project};
+use super::rods::{Whole, project};
 
 /// By how much of its length a rod may be off. Weft and warp of a woven cloth give way by about as much before they are taut.
 const LIMIT: f32 = 0.03;
@@ -90,8 +90,9 @@ fn bring_within(position: &mut [Vec4], i: u32, rod: &RodEnd) -> bool {
     if is_short && rod.slackens || (least * least..=most * most).contains(&square) {
         return false;
     }
-    let how = Relaxation { share: 1.0, tolerance: LIMIT * WITHIN };
-    let (one, other, ..) = project::<f32>(one.to_array(), other.to_array(), rest, how);
+    let within = if is_short { -LIMIT * WITHIN } else { LIMIT * WITHIN };
+    let (one, other, ..) =
+        project::<f32>(one.to_array(), other.to_array(), rest + rest * within, Whole);
     let (one, other) = (Vec4::from_array(one), Vec4::from_array(other));
     // Of two pins none moves; nor does what lies in one place, or is nowhere.
     let moves = (one, other) != (position[a], position[b]) && (one + other).is_finite();
