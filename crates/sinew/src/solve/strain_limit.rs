@@ -4,7 +4,9 @@
 //! What sweeps leave is not spread evenly: of a flag's 5838 rods seven are off by more than 3 %, at the corner that all of it hangs on, and where a jerk goes
 //! through a large sheet a few hundred are, by up to a third. Those are few, and their neighbours have room. So a rod that is off by more than the limit is
 //! projected to somewhat within it, and so are those around it that this brings beyond, and so on: a list of particles that have moved since their rods were looked
-//! at, the oldest first, until it is empty. That is Gauss and Seidel's way where it matters and nowhere else, one projection where a sweep over all has hundreds.
+//! at, the oldest first, until it is empty. What is off most comes first: the limit is at first somewhat below the largest strain, and gets less step by step. Where a
+//! jerk goes through all of a sheet, time is spent before the last limit, and what is left is spread evenly. That is Gauss and Seidel's way where it matters and
+//! nowhere else, one projection where a sweep over all has hundreds.
 //! Places where no rod is too long are a convex set, and where there are such this goes towards them (projections onto convex sets). What is a rope and no bar
 //! may be as short as it likes.
 //!
@@ -21,11 +23,15 @@ const LIMIT: f32 = 0.03;
 /// To which share of that it is brought. To all of it takes longer: each that moves brings its neighbours beyond.
 const WITHIN: f32 = 0.9;
 
-/// How often each end of a rod is looked at, in the mean over all, at the most. A sheet of 128 × 128 that swings from two corners, over ten starts: with 4 strained
-/// by up to 31 %, 6 by 10, 8 by 14; of four other starts as much with 6 and 8 (16 and 14); they are 2 ms at the most of its steps of 6 ms, by their number.
-const LOOKS: usize = 6;
+/// By how much the limits get less, one after the other, from what is worst down to the last. A sheet of 128 × 128 that swings from two corners, twelve starts each,
+/// its worst strain and engine time by this: 1.1 11.8 % and 6.9 ms, 1.15 12.4 and 6.9, 1.2 13.0 and 7.0.
+const STEP: f32 = 1.15;
 
-/// How many rounds there are at the most: the last ones are about a few rods that cannot all be met.
+/// How often each end of a rod is looked at, in the mean over all, at the most. Of the same sheet: once 14.8 % and 6.7 ms, twice 12.4 and 6.9, three times 11.3 and
+/// 7.1; its slowest ticks take 3 to 4 ms more than others.
+const LOOKS: usize = 2;
+
+/// How many rounds there are at the most for one limit: the last ones are about a few rods that cannot all be met.
 const ROUNDS: usize = 256;
 
 /// Where more than one in so many particles is on the list, all of it is stretched, and nobody has room.
@@ -41,58 +47,137 @@ pub(super) struct StrainScratch {
     next: Vec<u32>,
     /// Whether each particle is among the next.
     listed: Vec<bool>,
+    /// Those of which a rod is beyond the last limit, and within the present one; and whether each particle is among them.
+    later: Vec<u32>,
+    put_off: Vec<bool>,
 }
 
 impl StrainScratch {
     /// Limits the strain of the rods of a graph, of which none is off that does not end at a particle that is elsewhere than `before`.
     pub(super) fn limit(&mut self, graph: &RodGraph, position: &mut [Vec4]) {
-        let Self { before, now, next, listed } = self;
-        let count = position.len();
-        for list in [&mut *now, &mut *next] {
-            list.clear();
-            list.reserve(count);
-        }
-        listed.clear();
-        listed.resize(count, false);
-        let moved = before.iter().zip(&*position).zip(0..);
-        now.extend(moved.filter(|((before, here), _)| before != here).map(|(_, i)| i));
         let mut looks = LOOKS * graph.ends();
+        self.list_moved(position);
+        // Nothing is beyond that: it is found what is beyond the last limit.
+        let mut limit = f32::MAX;
+        while self.bring_within(graph, position, limit, &mut looks) && limit > LIMIT {
+            if limit == f32::MAX {
+                limit = self.worst(graph, position);
+            }
+            limit = (limit / STEP).max(LIMIT);
+            core::mem::swap(&mut self.now, &mut self.later);
+        }
+    }
+
+    /// Lists who is elsewhere than before.
+    fn list_moved(&mut self, position: &[Vec4]) {
+        let Self { before, now, next, listed, later, put_off } = self;
+        for list in [&mut *now, next, later] {
+            list.clear();
+            list.reserve(position.len());
+        }
+        for flags in [listed, put_off] {
+            flags.clear();
+            flags.resize(position.len(), false);
+        }
+        let moved = before.iter().zip(position).zip(0..);
+        now.extend(moved.filter(|((before, here), _)| before != here).map(|(_, i)| i));
+    }
+
+    /// Brings what is listed, and what that brings beyond it, within a limit; lists for later what is beyond the last one. False if there is no time left, or
+    /// no room.
+    fn bring_within(
+        &mut self,
+        graph: &RodGraph,
+        position: &mut [Vec4],
+        limit: f32,
+        looks: &mut usize,
+    ) -> bool {
+        let Self { now, next, listed, later, put_off, .. } = self;
+        let (band, last) = (Band::of(limit), Band::of(LIMIT));
+        now.iter().for_each(|&i| put_off[i as usize] = false);
         for _ in 0..ROUNDS {
-            if now.is_empty() || now.len() * MANY > count {
-                return;
+            if now.len() * MANY > position.len() {
+                return false;
             }
             now.iter().for_each(|&i| listed[i as usize] = false);
             for i in now.drain(..) {
                 let rods = graph.rods_of(i);
-                let Some(left) = looks.checked_sub(rods.len()) else { return };
-                looks = left;
-                for rod in rods.iter().filter(|rod| bring_within(position, i, rod)) {
-                    for end in [i, rod.to] {
-                        if !core::mem::replace(&mut listed[end as usize], true) {
-                            next.push(end);
+                let Some(left) = looks.checked_sub(rods.len()) else { return false };
+                *looks = left;
+                let mut waits = false;
+                for rod in rods {
+                    if last.holds(position, i, rod) {
+                        continue;
+                    }
+                    if band.holds(position, i, rod) {
+                        waits = true;
+                    } else if bring_to(position, i, rod, limit * WITHIN) {
+                        for end in [i, rod.to] {
+                            if !core::mem::replace(&mut listed[end as usize], true) {
+                                next.push(end);
+                            }
                         }
                     }
                 }
+                if waits && !core::mem::replace(&mut put_off[i as usize], true) {
+                    later.push(i);
+                }
             }
             core::mem::swap(now, next);
+            if now.is_empty() {
+                return true;
+            }
         }
+        // What cannot be met is left as it is.
+        now.clear();
+        true
+    }
+
+    /// The largest strain of what is listed for later.
+    fn worst(&self, graph: &RodGraph, position: &[Vec4]) -> f32 {
+        let ends =
+            self.later.iter().flat_map(|&i| graph.rods_of(i).iter().map(move |rod| (i, rod)));
+        let strains =
+            ends.map(|(i, rod)| (libm::sqrtf(square(position, i, rod)) / rod.rest - 1.0).abs());
+        strains.fold(0.0, f32::max)
     }
 }
 
-/// Projects a rod that is beyond the limit to within it; says whether it was, and moved.
-#[inline]
-fn bring_within(position: &mut [Vec4], i: u32, rod: &RodEnd) -> bool {
-    let (a, b) = (i as usize, rod.to as usize);
-    let (one, other, rest) = (position[a], position[b], rod.rest);
-    let square = (one - other).truncate().length_squared();
-    let (least, most) = (rest * (1.0 - LIMIT), rest * (1.0 + LIMIT));
-    let is_short = square < least * least;
-    if is_short && rod.slackens || (least * least..=most * most).contains(&square) {
-        return false;
+/// Between which squares of lengths rods are within a limit, as shares of the squares of their rest lengths.
+#[derive(Clone, Copy)]
+struct Band {
+    least: f32,
+    most: f32,
+}
+
+impl Band {
+    fn of(limit: f32) -> Self {
+        let (least, most) = ((1.0 - limit).max(0.0), 1.0 + limit);
+        Self { least: least * least, most: most * most }
     }
-    let within = if is_short { -LIMIT * WITHIN } else { LIMIT * WITHIN };
-    let (one, other, ..) =
-        project::<f32>(one.to_array(), other.to_array(), rest + rest * within, Whole);
+
+    /// Whether a rod at a particle is within. What slackens may be as short as it likes.
+    #[inline(always)]
+    fn holds(&self, position: &[Vec4], i: u32, rod: &RodEnd) -> bool {
+        let (square, whole) = (square(position, i, rod), rod.rest * rod.rest);
+        square <= self.most * whole && (rod.slackens || self.least * whole <= square)
+    }
+}
+
+/// The square of the length of a rod at a particle, m².
+#[inline(always)]
+fn square(position: &[Vec4], i: u32, rod: &RodEnd) -> f32 {
+    (position[i as usize] - position[rod.to as usize]).truncate().length_squared()
+}
+
+/// Projects a rod to such a strain, longer or shorter than it should be as it is; says whether it moved.
+#[inline]
+fn bring_to(position: &mut [Vec4], i: u32, rod: &RodEnd, strain: f32) -> bool {
+    let (a, b) = (i as usize, rod.to as usize);
+    let is_short = square(position, i, rod) < rod.rest * rod.rest;
+    let rest = rod.rest + rod.rest * if is_short { -strain } else { strain };
+    let (one, other) = (position[a].to_array(), position[b].to_array());
+    let (one, other, ..) = project::<f32>(one, other, rest, Whole);
     let (one, other) = (Vec4::from_array(one), Vec4::from_array(other));
     // Of two pins none moves; nor does what lies in one place, or is nowhere.
     let moves = (one, other) != (position[a], position[b]) && (one + other).is_finite();
