@@ -61,7 +61,8 @@ impl StrainScratch {
         let mut limit = f32::MAX;
         while self.bring_within(graph, position, limit, &mut looks) && limit > LIMIT {
             if limit == f32::MAX {
-                limit = self.worst(graph, position);
+                // What is twice as long as it may be is not worth a limit of its own, however far away somebody has put it.
+                limit = self.worst(graph, position).min(1.0);
             }
             limit = (limit / STEP).max(LIMIT);
             core::mem::swap(&mut self.now, &mut self.later);
@@ -128,8 +129,8 @@ impl StrainScratch {
                 return true;
             }
         }
-        // What cannot be met is left as it is.
-        now.clear();
+        // What cannot be met is left as it is, until something beside it moves.
+        now.drain(..).for_each(|i| listed[i as usize] = false);
         true
     }
 

@@ -5,8 +5,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use glam::{Vec3, Vec4};
 
 use super::lane_compaction::LaneCompaction;
-use super::lane_storage::LaneStorage;
-use super::lane_storage::{gather, next, scatter};
+use super::lane_storage::{LaneStorage, gather, next, scatter};
 use super::momentum_drift::{derive_lanes, take_drift};
 use super::motion::{note_masses, predict_lanes};
 use super::solve::BatchContext;
