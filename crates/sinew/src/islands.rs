@@ -29,6 +29,9 @@ pub(crate) struct Singles {
     pub(crate) rows: Range<u32>,
 }
 
+/// No island.
+const NONE: u32 = u32::MAX;
+
 /// Fewer islands in a stretch are taken one by one: to know a stretch costs as much as to look at some of them.
 const STRETCH: usize = 16;
 
@@ -144,36 +147,45 @@ impl Islands {
         keep(&stretch);
     }
 
-    /// Numbers the sets of connected particles by their first ones, and lists the members of each, ascending.
-    pub(crate) fn number(&mut self, connected: &mut UnionFind) {
+    /// Numbers the sets of connected particles by their first ones, and lists the members of each, ascending; but for the first `kept` islands, which are what
+    /// they were.
+    pub(crate) fn number(&mut self, kept: usize, connected: &mut UnionFind) {
         let Self { list, members, of, .. } = self;
-        let particles = connected.len();
-        list.clear();
-        of.clear();
-        for row in 0..particles as u32 {
-            let first = connected.root(row);
-            let number = if first == row {
+        list.truncate(kept);
+        let mut begin = list.last().map_or(0, |island| island.members.end);
+        // Whoever is in none of those that are kept has none yet.
+        members.get(begin..).unwrap_or(&[]).iter().for_each(|&row| of[row as usize] = NONE);
+        of.resize(connected.len(), NONE);
+        for row in 0..connected.len() {
+            if of[row] != NONE {
+                continue;
+            }
+            let first = connected.root(row as u32) as usize;
+            if first == row {
+                of[row] = list.len() as u32;
                 list.push(Island::default());
-                list.len() as u32 - 1
             } else {
-                of[first as usize]
-            };
-            of.push(number);
-            list[number as usize].members.end += 1;
+                of[row] = of[first];
+            }
+            list[of[row] as usize].members.end += 1;
         }
-        let mut begin = 0;
-        for island in list.iter_mut() {
+        for island in &mut list[kept..] {
             let count = island.members.end;
             island.members = begin..begin;
             begin += count;
         }
-        members.clear();
-        members.resize(particles, 0);
-        for (row, &number) in of.iter().enumerate() {
+        members.resize(begin, 0);
+        for (row, &number) in of.iter().enumerate().filter(|(_, number)| **number >= kept as u32) {
             let span = &mut list[number as usize].members;
             members[span.end] = row as u32;
             span.end += 1;
         }
+    }
+
+    /// The particles that are not in the first `kept` islands, island after island.
+    pub(crate) fn members_behind(&self, kept: usize) -> &[u32] {
+        let begin = self.list[..kept].last().map_or(0, |island| island.members.end);
+        self.members.get(begin..).unwrap_or(&[])
     }
 }
 
@@ -192,7 +204,7 @@ mod tests {
             first += size;
         }
         let mut islands = Islands::default();
-        islands.number(&mut connected);
+        islands.number(0, &mut connected);
         for island in islands.list.iter_mut().filter(|island| island.members.len() > 1) {
             island.groups = 0..1;
         }

@@ -13,6 +13,13 @@ impl UnionFind {
         self.parent.extend(0..count as u32);
     }
 
+    /// Has so many: those that are new stand alone, and with those that are gone nobody may be who stays.
+    pub(crate) fn resize(&mut self, count: usize) {
+        let had = self.parent.len();
+        self.parent.truncate(count);
+        self.parent.extend(had as u32..count as u32);
+    }
+
     /// Lets some stand alone again, with whom nobody else is.
     pub(crate) fn part(&mut self, these: &[u32]) {
         for &one in these {

@@ -88,6 +88,66 @@ fn a_step_taken_at_once_has_the_bits_of_its_phases_one_by_one() {
     assert!(at_once >= 3, "only {at_once} scenes were taken at once");
 }
 
+/// What comes, goes and tears beside other bodies leaves those compiled that come before it; and gives the bits of a plan that is compiled afresh each time.
+#[test]
+fn bodies_that_stay_compiled_have_the_bits_of_compiling_afresh() {
+    let mut worlds = [(); 2].map(|()| {
+        let mut world = sheet(30, 30, 1.0);
+        let spec = ClothSpec { columns: 24, rows: 24, ..ClothSpec::default() };
+        for n in 1..4 {
+            let mut cloth = cloth_grid(&spec).unwrap();
+            cloth.pin(24).unwrap();
+            let cloth = cloth.transformed(Quat::IDENTITY, Vec3::X * 2.0 * n as f32);
+            cloth.build_colliding(&mut world, BodyContacts::default()).unwrap();
+        }
+        world
+    });
+    let cord = RopeSpec { segments: 12, ..RopeSpec::default() };
+    let crate_of_wood = box_3d(&BoxSpec::default()).unwrap();
+    for tick in 0..60_usize {
+        for world in &mut worlds {
+            let place = Vec3::new(tick as f32, 4.0, 1.0);
+            match tick % 6 {
+                0 => {
+                    let one =
+                        if tick % 4 == 0 { rope(&cord).unwrap() } else { crate_of_wood.clone() };
+                    let one = one.transformed(Quat::IDENTITY, place);
+                    one.build_colliding(world, BodyContacts::default()).unwrap();
+                }
+                1 => {
+                    world.remove_distance(31 * tick + 4000);
+                }
+                2 => {
+                    // More than can be followed one by one, in the second cloth or the third.
+                    let mut list = world.distances().to_vec();
+                    list.drain(90 * tick + 3000..90 * tick + 3030);
+                    world.set_distances(list);
+                }
+                3 => {
+                    // Something that hangs on an old body, and something that goes.
+                    let last = world.particles.len() as u32 - 1;
+                    let apart = world.particles.separation(last as usize, 1500).length();
+                    world.extend_distances([Distance::new(1500, last, apart)]);
+                    world.remove_distance(tick);
+                }
+                _ => {}
+            }
+        }
+        worlds[1].distances_mut();
+        worlds.iter_mut().for_each(|world| drop(world.step(1.0 / 60.0).unwrap()));
+        let [one, other] = &worlds;
+        assert_eq!(one.particles.len(), other.particles.len());
+        for i in 0..one.particles.len() {
+            let of =
+                |world: &Simulation| [world.particles.position(i), world.particles.velocity(i)];
+            let bits = |[p, v]: [Vec3; 2]| {
+                (p.to_array().map(f32::to_bits), v.to_array().map(f32::to_bits))
+            };
+            assert_eq!(bits(of(one)), bits(of(other)), "particle {i} in tick {tick}");
+        }
+    }
+}
+
 fn same(name: &str, how: &str, found: &[u64], expected: &[u64]) {
     let tick = found.iter().zip(expected).position(|(a, b)| a != b);
     assert_eq!(tick, None, "{name} with {how}: other bits from this tick on");

@@ -66,10 +66,10 @@ impl Blueprint {
         }
         let offset = first as u32;
         let moved = |d: &Distance| Distance { a: d.a + offset, b: d.b + offset, ..*d };
-        simulation.distances_mut().extend(self.distances.iter().map(moved));
+        simulation.extend_distances(self.distances.iter().map(moved));
         let moved =
             |c: &Constraint| Constraint::new(c.rows.iter().map(|row| row + offset), c.kind.clone());
-        simulation.constraints_mut().extend(self.constraints.iter().map(moved));
+        simulation.extend_constraints(self.constraints.iter().map(moved));
         if body {
             let body = simulation.bodies.len() as u32;
             simulation.bodies.push(self.settings);

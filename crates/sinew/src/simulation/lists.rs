@@ -17,10 +17,27 @@ impl Simulation {
     /// The distances, to add to, change or remove from. The plan is compiled afresh at the next step; a faulty distance is left out of it.
     ///
     /// For one or a few there are [`insert_distance`](Self::insert_distance), [`remove_distance`](Self::remove_distance) and
-    /// [`replace_distance`](Self::replace_distance): a plan that knows what changed is updated incrementally, which takes a fraction of the time.
+    /// [`replace_distance`](Self::replace_distance): a plan that knows what changed is updated incrementally, which takes a fraction of the time. For
+    /// bodies that are added there is [`extend_distances`](Self::extend_distances), and for another list [`set_distances`](Self::set_distances).
     pub fn distances_mut(&mut self) -> &mut Vec<Distance> {
         self.scratch.changes.note_all();
         &mut self.distances
+    }
+
+    /// Puts distances behind those that there are. Bodies that they do not tie to something stay compiled.
+    pub fn extend_distances(&mut self, distances: impl IntoIterator<Item = Distance>) {
+        self.scratch.changes.note_behind(List::Distances, self.distances.len());
+        self.distances.extend(distances);
+    }
+
+    /// Puts other distances in the place of all that there are. Bodies stay compiled before the first of which a distance has changed, in the order of their
+    /// first particles.
+    pub fn set_distances(&mut self, distances: Vec<Distance>) {
+        let same = in_common(&self.distances, &distances);
+        if same < self.distances.len().max(distances.len()) {
+            self.scratch.changes.note_behind(List::Distances, same);
+        }
+        self.distances = distances;
     }
 
     /// Puts a distance into the list, before the one that has been number `at`. It acts from the next step on.
@@ -63,6 +80,21 @@ impl Simulation {
     pub fn constraints_mut(&mut self) -> &mut Vec<Constraint> {
         self.scratch.changes.note_all();
         &mut self.constraints
+    }
+
+    /// Puts constraints behind those that there are, as [`extend_distances`](Self::extend_distances) does.
+    pub fn extend_constraints(&mut self, constraints: impl IntoIterator<Item = Constraint>) {
+        self.scratch.changes.note_behind(List::Constraints, self.constraints.len());
+        self.constraints.extend(constraints);
+    }
+
+    /// Puts other constraints in the place of all that there are, as [`set_distances`](Self::set_distances) does.
+    pub fn set_constraints(&mut self, constraints: Vec<Constraint>) {
+        let same = in_common(&self.constraints, &constraints);
+        if same < self.constraints.len().max(constraints.len()) {
+            self.scratch.changes.note_behind(List::Constraints, same);
+        }
+        self.constraints = constraints;
     }
 
     /// Puts a constraint into the list, as [`insert_distance`](Self::insert_distance) does.
@@ -114,7 +146,12 @@ impl Simulation {
 
     /// The compounds that collide by their shape, to add to, change or remove from. Their particles then touch nothing by themselves.
     pub fn body_colliders_mut(&mut self) -> &mut Vec<BodyCollider> {
-        self.scratch.changes.note_all();
+        self.scratch.changes.note_colliders();
         &mut self.body_colliders
     }
+}
+
+/// How many are the same in both, from the first on.
+fn in_common<T: PartialEq>(one: &[T], other: &[T]) -> usize {
+    one.iter().zip(other).take_while(|(one, other)| one == other).count()
 }

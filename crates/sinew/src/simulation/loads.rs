@@ -67,8 +67,10 @@ impl Simulation {
     /// Looks up where in the plan those are that are measured, when the step begins.
     pub(super) fn find_loads(&mut self) {
         if self.scratch.loads.is_stale() {
-            let [mut distances, mut constraints] = self.scratch.plan.numbers();
-            if !self.compounds.is_empty() {
+            let none = self.scratch.loads.is_empty();
+            let numbers = if none { Default::default() } else { self.scratch.plan.numbers() };
+            let [mut distances, mut constraints] = numbers;
+            if !none && !self.compounds.is_empty() {
                 let [outer, others] = self.numbers_beside_compounds();
                 let given = |all: &[u32], i: u32| all.get(i as usize).copied().unwrap_or(u32::MAX);
                 distances.iter_mut().for_each(|i| *i = given(&outer, *i));

@@ -27,7 +27,7 @@ impl Simulation {
         } else if changes.are_few() && !particles_came_or_went {
             plan.keep_up(given, changes);
         } else {
-            plan.compile(given);
+            plan.compile_changed(given, changes.same());
         }
         let Self { particles, distances, constraints, body_colliders, scratch, .. } = self;
         let Scratch { changes, contacts, filter, plan, .. } = scratch;

@@ -45,12 +45,12 @@ struct RodGraph {
 }
 
 impl Chains {
-    /// Forgets all, and keeps the memory.
-    pub(in crate::solve) fn clear(&mut self) {
-        self.each.clear();
-        self.links.clear();
-        self.segments.clear();
-        self.rests.clear();
+    /// Forgets all but the first so many, and keeps the memory.
+    pub(in crate::solve) fn truncate(&mut self, chains: usize) {
+        self.each.truncate(chains);
+        self.links.truncate(self.each.last().map_or(0, |links| links.end));
+        self.segments.truncate(chains);
+        self.rests.truncate(self.segments.last().map_or(0, |rests| rests.end));
     }
 
     /// Finds those of an island with these members and so many hard distances of equality, each with its number in the plan; returns which they are.

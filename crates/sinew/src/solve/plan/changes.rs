@@ -25,32 +25,63 @@ pub(crate) enum Change {
 }
 
 /// What changed in the lists since the plan was compiled.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Changes {
-    everything: bool,
+    /// How many of each list, from the first on, are what they were.
+    same: [usize; 2],
+    /// The changes one by one, unless there are too many.
     few: Vec<Change>,
+    many: bool,
+}
+
+/// None.
+impl Default for Changes {
+    fn default() -> Self {
+        Self { same: [usize::MAX; 2], few: Vec::new(), many: false }
+    }
 }
 
 impl Changes {
     /// Anything may have changed.
     pub(crate) fn note_all(&mut self) {
-        self.everything = true;
+        self.note_behind(List::Distances, 0);
+        self.note_behind(List::Constraints, 0);
+    }
+
+    /// Anything may have changed in a list but for so many, from the first on.
+    pub(crate) fn note_behind(&mut self, list: List, same: usize) {
+        self.many = true;
+        let own = &mut self.same[list as usize];
+        *own = same.min(*own);
+    }
+
+    /// Other compounds collide by their shape. Constraints are what they were.
+    pub(crate) fn note_colliders(&mut self) {
+        self.many = true;
     }
 
     pub(crate) fn note(&mut self, change: Change) {
-        self.everything |= self.few.len() == MOST;
-        if !self.everything {
+        let (&Change::Added(list, at) | &Change::Removed(list, at, _)) = &change;
+        let own = &mut self.same[list as usize];
+        *own = at.min(*own);
+        self.many |= self.few.len() == MOST;
+        if !self.many {
             self.few.push(change);
         }
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        !self.everything && self.few.is_empty()
+        !self.many && self.few.is_empty()
     }
 
     /// Whether there are only few of them.
     pub(crate) fn are_few(&self) -> bool {
-        !self.everything
+        !self.many
+    }
+
+    /// How many of the distances and how many of the constraints, from the first on, are what they were.
+    pub(crate) fn same(&self) -> [usize; 2] {
+        self.same
     }
 
     /// Whether one of the few may have bound, or may bind, two particles of which something holds.
@@ -72,8 +103,9 @@ impl Changes {
     }
 
     pub(crate) fn clear(&mut self) {
-        self.everything = false;
+        self.same = [usize::MAX; 2];
         self.few.clear();
+        self.many = false;
     }
 
     /// Takes out the keys of what was removed, and lets the others have their new numbers. Returns what was taken out, and what valid was added.
@@ -123,6 +155,26 @@ pub(super) fn list_of(key: &Key) -> List {
 }
 
 impl Given<'_> {
+    /// What is in order among all but so many of each list, from the first on.
+    pub(super) fn sound_behind(&self, same: [usize; 2]) -> Vec<Added> {
+        let [distances, constraints] = same;
+        let each = (distances..self.distances.len()).map(|number| (List::Distances, number));
+        let others = (constraints..self.constraints.len()).map(|n| (List::Constraints, n));
+        let sound = each.chain(others).filter(|&(list, number)| self.is_sound(list, number));
+        sound.map(|(list, number)| (list, number as u32)).collect()
+    }
+
+    /// Does something with the particles of a constraint.
+    pub(super) fn on_rows<T>(&self, list: List, number: u32, act: impl FnOnce(&[u32]) -> T) -> T {
+        match list {
+            List::Distances => {
+                let d = &self.distances[number as usize];
+                act(&[d.a, d.b])
+            }
+            List::Constraints => act(&self.constraints[number as usize].rows),
+        }
+    }
+
     pub(super) fn is_sound(&self, list: List, number: usize) -> bool {
         match list {
             List::Distances => self.distances[number].fault(self.particles).is_none(),
@@ -132,15 +184,10 @@ impl Given<'_> {
 
     /// The particles of a constraint, and where its kind stands in a sweep.
     pub(super) fn rows_and_rank(&self, list: List, number: usize) -> (Rows, u32) {
-        match list {
-            List::Distances => {
-                let d = &self.distances[number];
-                (Rows::from_slice(&[d.a, d.b]), rank_of(d))
-            }
-            List::Constraints => {
-                let c = &self.constraints[number];
-                (c.rows.clone(), rank_of_kind(&c.kind))
-            }
-        }
+        let rank = match list {
+            List::Distances => rank_of(&self.distances[number]),
+            List::Constraints => rank_of_kind(&self.constraints[number].kind),
+        };
+        (self.on_rows(list, number as u32, Rows::from_slice), rank)
     }
 }

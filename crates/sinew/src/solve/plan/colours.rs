@@ -28,15 +28,15 @@ pub(super) struct Colours {
 }
 
 impl Colours {
-    /// Nothing is used by any of so many particles.
-    pub(super) fn reset(&mut self, particles: usize) {
+    /// Of so many particles, nothing is used by these.
+    pub(super) fn reset(&mut self, particles: usize, these: &[u32]) {
         for used in &mut self.used {
-            used.clear();
             used.resize(particles, [0; 3]);
+            these.iter().for_each(|&row| used[row as usize] = [0; 3]);
         }
         for strided in &mut self.strided {
-            strided.clear();
             strided.resize(particles, [0; 3]);
+            these.iter().for_each(|&row| strided[row as usize] = [0; 3]);
         }
     }
 

@@ -10,28 +10,20 @@ use super::{ClusterBatch, ConstraintGroup, GroupKind, Plan, colours, tasks};
 use crate::constraints::{Constraint, Distance};
 
 impl Plan {
-    /// Copies the constraints in the order of their keys, and cuts them into cluster batches and groups.
+    /// Adds constraints in the order of their keys, and cuts them into cluster batches and groups.
     pub(super) fn take_in_order(
         &mut self,
         distances: &[Distance],
         constraints: &[Constraint],
         keys: &[Key],
     ) {
-        self.distances.clear();
-        self.constraints.clear();
-        self.groups.clear();
-        self.cluster_batches.clear();
-        self.rods.clear();
-        self.constraint_batches.clear();
-        self.loose_distances.clear();
-        self.islands
-            .list
-            .iter_mut()
-            .for_each(|island| (island.groups, island.cluster_batches) = (0..0, 0..0));
         for keys in keys.chunk_by(|one, other| {
             Fields::cluster_batch(one.group) == Fields::cluster_batch(other.group)
         }) {
             let found = Fields::of(keys[0].group);
+            if self.islands.list[found.island as usize].cluster_batches.is_empty() {
+                self.mark(found.island as usize);
+            }
             let island = &mut self.islands.list[found.island as usize];
             if island.cluster_batches.is_empty() {
                 island.groups = self.groups.len()..self.groups.len();
@@ -59,6 +51,7 @@ impl Plan {
                 columns,
             });
         }
+        self.mark_end();
         self.tasks = tasks::cut(self);
     }
 

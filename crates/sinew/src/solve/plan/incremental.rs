@@ -26,16 +26,20 @@ const RECHECKS: usize = 64;
 /// So far from a constraint that was removed it is looked whether its particles are still connected: beyond them two of the cells of a mesh.
 const ROUNDS: usize = 3;
 
-/// Brings the keys up to date; false if that takes more than an incremental update, when they are worth nothing any more.
+/// It takes more than an incremental update: keys have the numbers of what they are of, and not their colours.
+pub(super) struct Fault {
+    /// So many islands, from the first on, are what they were.
+    pub(super) kept: usize,
+    /// What has no key.
+    pub(super) added: Vec<Added>,
+}
+
+/// Brings the keys up to date after few changes of as many particles, and says which islands have changed, ascending.
 pub(super) fn update_incrementally(
     plan: &Plan,
     compiling: &mut Compiling,
-    given: &Given,
-    changes: &Changes,
-) -> bool {
-    if !changes.are_few() || plan.rows != given.particles {
-        return false;
-    }
+    (given, changes): (&Given, &Changes),
+) -> Result<Vec<u32>, Fault> {
     let mut keys = core::mem::take(&mut compiling.keys);
     let mut scratch = core::mem::take(&mut compiling.scratch);
     let (removed, added) = changes.renumber(&mut keys, given);
@@ -50,9 +54,15 @@ pub(super) fn update_incrementally(
         rechecks: BTreeSet::new(),
     };
     let mended = mending.run(&removed, &added, &mut scratch);
-    compiling.keys = keys;
     compiling.scratch = scratch;
-    mended
+    if mended.is_none() {
+        keys.truncate(old);
+    }
+    compiling.keys = keys;
+    mended.ok_or_else(|| {
+        let first = removed.iter().map(|(key, _)| island_of(key)).min();
+        Fault { kept: first.map_or(plan.islands.list.len(), |first| first as usize), added }
+    })
 }
 
 /// One to be looked at again. They are, in the order in which colours are given.
@@ -78,18 +88,18 @@ impl IncrementalUpdate<'_> {
         removed: &[Removed],
         added: &[Added],
         scratch: &mut [StrideCounts; 2],
-    ) -> bool {
+    ) -> Option<Vec<u32>> {
         for &(list, number) in added {
-            let Some(key) = self.uncoloured(list, number) else { return false };
+            let key = self.uncoloured(list, number)?;
             self.keys.push(key);
         }
         let concerned = removed.iter().map(|(key, _)| key).chain(&self.keys[self.old..]);
         let islands: BTreeSet<u32> = concerned.map(island_of).collect();
         let mended = islands.iter().all(|&island| self.update_island(island, removed, scratch));
-        if mended {
+        mended.then(|| {
             self.put_in_order();
-        }
-        mended
+            islands.into_iter().collect()
+        })
     }
 
     /// Gives the constraints of an island the colours that they have to have; false if it is not what it was.

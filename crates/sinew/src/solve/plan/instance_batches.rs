@@ -110,7 +110,7 @@ impl InstanceBatches {
         all.clear();
         parts.clear();
         rods.clear();
-        instanced.clear();
+        instanced.truncate(&Default::default());
         chains.clear();
         links.clear();
         let mut tasks = core::mem::take(&mut plan.tasks);

@@ -44,6 +44,11 @@ impl Fields {
         Self { island: (key >> 32) as u32, rank, phase, cluster, colour }
     }
 
+    /// Whether a key is of an island before that of a number.
+    pub(super) fn is_before(key: u64, island: usize) -> bool {
+        ((key >> 32) as usize) < island
+    }
+
     /// What the keys of a cluster batch have in common: all but the colour.
     pub(super) fn cluster_batch(key: u64) -> u64 {
         key >> 12

@@ -1,6 +1,7 @@
 //! The plan: constraints sorted into islands, and within an island into groups that the kernels take as a whole. Compiled when the topology changes,
 //! from the present constraints alone: whatever was added and removed before, the same world has the same plan, and so the same bits. Where few were
-//! added or removed, it is [updated incrementally](incremental) instead, to what compiling would have given.
+//! added or removed, it is [updated incrementally](incremental) instead, to what compiling would have given; and islands before the first that has changed
+//! [stay](marks): what is spawned or despawned beside a hall full of cloth costs what it is, and not what stands there.
 //!
 //! An **island** is a set of particles that constraints connect. Each is swept until it holds, or its sweeps are spent, by itself: what happens
 //! in one never changes a bit in another, however hard it works.
@@ -22,6 +23,7 @@ mod cut;
 mod incremental;
 pub(super) mod instance_batches;
 mod keys;
+mod marks;
 mod place;
 mod rigid;
 mod tasks;
@@ -38,9 +40,11 @@ use super::wide::{ConstraintBatches, LooseDistances, Which};
 use crate::constraints::{Constraint, Distance};
 use crate::islands::{Island, Islands};
 use crate::lanes::LANES;
+use changes::Added;
 pub(crate) use changes::{Change, Changes, List};
 use instance_batches::InstanceBatches;
-use keys::Key;
+use keys::{Fields, Key};
+use marks::Mark;
 use place::Compiling;
 pub(crate) use tasks::Task;
 
@@ -73,6 +77,8 @@ pub(crate) struct Plan {
     pub(crate) tethers: Tethers,
     /// Rods one behind the other, which are solved at once.
     pub(super) chains: Chains,
+    /// How long the lists were where some of the islands begin, ascending.
+    marks: Vec<Mark>,
     compiling: Compiling,
 }
 
@@ -144,49 +150,88 @@ pub(crate) struct Given<'a> {
     pub(crate) particles: usize,
 }
 
-impl<'a> Given<'a> {
-    /// The distances that are in order, with their numbers.
-    fn sound_distances(&self) -> impl Iterator<Item = (&'a Distance, u32)> + use<'a> {
-        let particles = self.particles;
-        self.distances.iter().zip(0..).filter(move |(d, _)| d.fault(particles).is_none())
-    }
-}
-
 impl Plan {
     /// Compiles the valid ones among some distances and constraints. Keeps its memory.
     ///
     /// A pinned particle (of infinite mass) belongs to the island of what hangs on it, and joins several into one.
     pub(crate) fn compile(&mut self, given: Given) {
-        self.rows = given.particles;
-        let mut compiling = core::mem::take(&mut self.compiling);
-        let sound: Vec<bool> =
-            given.constraints.iter().map(|c| c.fault(given.particles).is_none()).collect();
+        self.compiling.keys.clear();
+        self.compile_behind(&given, 0, &given.sound_behind([0, 0]));
+    }
 
-        let connected = &mut compiling.connected;
-        connected.reset(given.particles);
-        for (d, _) in given.sound_distances() {
-            connected.unite(d.a, d.b);
+    /// The same where so many distances and constraints, from the first on, are what they were.
+    pub(crate) fn compile_changed(&mut self, given: Given, same: [usize; 2]) {
+        let Compiling { keys, given: before, .. } = &mut self.compiling;
+        // What was faulty may be in order now.
+        if keys.len() < before.iter().sum() {
+            return self.compile(given);
         }
-        for (c, _) in given.constraints.iter().zip(&sound).filter(|(_, sound)| **sound) {
-            c.rows.iter().for_each(|&row| connected.unite(c.rows[0], row));
+        let was_there = |key: &Key| (key.number as usize) < same[changes::list_of(key) as usize];
+        let mut kept = self.islands.list.len() as u32;
+        let any_gone = same[0] < before[0] || same[1] < before[1];
+        let first = if any_gone { keys.iter().position(|key| !was_there(key)) } else { None };
+        if let Some(place) = first {
+            kept = Fields::of(keys[place].group).island;
+            let others = keys.split_off(place);
+            keys.extend(others.into_iter().filter(was_there));
         }
-        self.islands.number(connected);
-        compiling.place_all(self, &given, &sound);
-        self.cut(&given, &compiling.keys);
-        self.compiling = compiling;
+        let gone = self.islands.of.get(given.particles..).unwrap_or(&[]);
+        let kept = gone.iter().copied().fold(kept, u32::min) as usize;
+        if self.marked_before(kept) == 0 {
+            return self.compile(given);
+        }
+        self.compile_behind(&given, kept, &given.sound_behind(same));
     }
 
     /// Compiles as [`compile`](Self::compile) does, for as many particles as before, and where that can be without looking at everything again.
     pub(crate) fn keep_up(&mut self, given: Given, changes: &Changes) {
         let mut compiling = core::mem::take(&mut self.compiling);
-        let mended = incremental::update_incrementally(self, &mut compiling, &given, changes);
-        if mended {
-            self.cut(&given, &compiling.keys);
-        }
+        let updated = incremental::update_incrementally(self, &mut compiling, (&given, changes));
         self.compiling = compiling;
-        if !mended {
-            self.compile(given);
+        match updated {
+            Ok(islands) => {
+                self.compiling.note(&given);
+                for &island in &islands {
+                    let island = &mut self.islands.list[island as usize];
+                    (island.tethers, island.spans, island.rod_graph) = (None, None, None);
+                }
+                if let Some(&first) = islands.first() {
+                    self.cut(&given, self.marked_before(first as usize));
+                }
+            }
+            Err(incremental::Fault { kept, added }) => self.compile_behind(&given, kept, &added),
         }
+    }
+
+    /// Compiles all but the first `kept` islands: of what was there, that which has a key, and what was added. No constraint of those islands has
+    /// changed, and what was added may tie something to them.
+    fn compile_behind(&mut self, given: &Given, kept: usize, added: &[Added]) {
+        let mut compiling = core::mem::take(&mut self.compiling);
+        let old = &self.islands.of[..self.rows.min(given.particles)];
+        let island = |&row: &u32| old.get(row as usize).map(|&island| island as usize);
+        let kept = added.iter().fold(kept, |kept, &(list, number)| {
+            let first = |rows: &[u32]| rows.iter().filter_map(island).min();
+            given.on_rows(list, number, first).map_or(kept, |first| first.min(kept))
+        });
+        let kept = self.marked_before(kept);
+
+        let numbers = compiling.take_behind(kept, given, added);
+        let connected = &mut compiling.connected;
+        connected.part(self.islands.members_behind(kept));
+        connected.resize(given.particles);
+        for list in [List::Distances, List::Constraints] {
+            for &number in &numbers[list as usize] {
+                given.on_rows(list, number, |rows| {
+                    rows.iter().skip(1).for_each(|&row| connected.unite(rows[0], row));
+                });
+            }
+        }
+        self.rows = given.particles;
+        self.islands.number(kept, connected);
+        compiling.place_behind(kept, self, given, &numbers);
+        compiling.note(given);
+        self.compiling = compiling;
+        self.cut(given, kept);
     }
 
     /// The number, as given, of each distance and of each constraint of the plan.
@@ -199,16 +244,20 @@ impl Plan {
         numbers
     }
 
-    /// Copies what was given in the order of its keys, and finds what goes side by side.
-    fn cut(&mut self, given: &Given, keys: &[Key]) {
-        self.take_in_order(given.distances, given.constraints, keys);
-        self.find_chains();
+    /// Copies what was given in the order of its keys, from that of a marked island on, and finds what goes side by side.
+    fn cut(&mut self, given: &Given, from: usize) {
+        self.cut_off(from);
+        let keys = core::mem::take(&mut self.compiling.keys);
+        let first = keys.partition_point(|key| Fields::is_before(key.group, from));
+        self.take_in_order(given.distances, given.constraints, &keys[first..]);
+        self.compiling.keys = keys;
+        self.find_chains(from);
         let mut instance_batches = core::mem::take(&mut self.instance_batches);
         instance_batches.find(self);
         self.instance_batches = instance_batches;
         self.tethers.expire();
         let Self { islands, groups, constraints, .. } = self;
-        for island in &mut islands.list {
+        for island in &mut islands.list[from..] {
             let own = groups[island.groups.clone()].iter();
             let own = own.filter(|group| group.kind == GroupKind::Constraints);
             let mut own = own.flat_map(|group| constraints.get(group.range.clone()).unwrap_or(&[]));
@@ -221,10 +270,9 @@ impl Plan {
         &self.islands.members[self.islands.list[number].members.clone()]
     }
 
-    fn find_chains(&mut self) {
+    fn find_chains(&mut self, from: usize) {
         let Self { chains, islands: Islands { list, members, .. }, groups, distances, .. } = self;
-        chains.clear();
-        for island in list {
+        for island in &mut list[from..] {
             let groups = groups[island.groups.clone()].iter();
             let rods = groups.filter(|group| group.kind == GroupKind::Rods);
             let count = rods.clone().map(|group| group.range.len()).sum();

@@ -1,5 +1,8 @@
 //! Placing: each constraint gets the key that says where it goes.
 
+use core::ops::Range;
+
+use super::changes::{Added, list_of};
 use super::clusters::{Clusters, Place};
 use super::colours::{Colours, StrideCounts, Strides};
 use super::keys::{DISTANCES, Fields, Key, RIGID, RODS};
@@ -14,10 +17,12 @@ pub(super) struct Compiling {
     pub(super) connected: UnionFind,
     /// The place of each particle among the members of its island.
     pub(super) slots: Vec<u32>,
-    /// The sound distances of each island, island after island, in the order given.
-    of_island: Vec<u32>,
-    /// Where those of each island begin, and where the last end.
+    /// The sound distances of each island that is compiled, island after island, in the order given.
+    pub(super) of_island: Vec<u32>,
+    /// Where those of each of these islands begin, and where the last end.
     begins: Vec<u32>,
+    /// How many distances and constraints were given.
+    pub(super) given: [usize; 2],
     pub(super) colours: Colours,
     /// The strides of each island: of its rods, and of its other distances; and room to find them in.
     pub(super) strides: Vec<[Strides; 2]>,
@@ -31,25 +36,53 @@ pub(super) struct Compiling {
 }
 
 impl Compiling {
-    /// Gives every constraint of the plan's islands its key.
-    pub(super) fn place_all(&mut self, plan: &Plan, given: &Given, sound: &[bool]) {
-        self.number_slots(plan);
-        self.sort_by_island(plan, given);
-        self.keys.clear();
-        self.colours.reset(plan.rows);
-        self.clusters.clear();
-        self.reaches.clear();
+    /// Notes what was given, of which all that is sound has its key.
+    pub(super) fn note(&mut self, given: &Given) {
+        self.given = [given.distances.len(), given.constraints.len()];
+    }
+
+    /// The numbers of the distances and of the constraints that have keys, but for those of the first `kept` islands, and of what was added, ascending: as far
+    /// as they are in order. Their keys are taken out.
+    pub(super) fn take_behind(
+        &mut self,
+        kept: usize,
+        given: &Given,
+        added: &[Added],
+    ) -> [Vec<u32>; 2] {
+        let first = self.keys.partition_point(|key| Fields::is_before(key.group, kept));
+        let taken = self.keys.drain(first..).map(|key| (list_of(&key), key.number));
+        let taken = taken.filter(|&(list, number)| given.is_sound(list, number as usize));
+        let mut numbers = [Vec::new(), Vec::new()];
+        taken.chain(added.iter().copied()).for_each(|(list, n)| numbers[list as usize].push(n));
+        numbers.iter_mut().for_each(|numbers| numbers.sort_unstable());
+        numbers
+    }
+
+    /// Gives the constraints of these numbers their keys: those of all but the first `kept` of the plan's islands.
+    pub(super) fn place_behind(
+        &mut self,
+        kept: usize,
+        plan: &Plan,
+        given: &Given,
+        numbers: &[Vec<u32>; 2],
+    ) {
+        self.number_slots(kept, plan);
+        let [distances, constraints] = numbers;
+        self.sort_by_island(kept, plan, (given.distances, distances));
+        let first = self.keys.len();
+        self.colours.reset(plan.rows, plan.islands.members_behind(kept));
+        self.clusters.truncate(kept);
+        self.reaches.truncate(kept);
         self.reaches.resize(plan.islands.list.len(), 0);
-        self.strides.clear();
-        for island in 0..plan.islands.list.len() {
-            self.place_distances(plan, given.distances, island);
+        self.strides.truncate(kept);
+        for (island, place) in (kept..plan.islands.list.len()).zip(0..) {
+            let own = self.begins[place] as usize..self.begins[place + 1] as usize;
+            self.place_distances(plan, given.distances, (island, own));
         }
-        for ((constraint, number), _) in
-            given.constraints.iter().zip(0..).zip(sound).filter(|(_, sound)| **sound)
-        {
-            self.place_constraint(plan, constraint, number);
+        for &number in constraints {
+            self.place_constraint(plan, &given.constraints[number as usize], number);
         }
-        self.keys.sort_unstable();
+        self.keys[first..].sort_unstable();
     }
 
     /// Where a constraint among these particles goes, but for its colour, and its first and last place in its island.
@@ -66,32 +99,40 @@ impl Compiling {
         (slots().min().unwrap_or(0), slots().max().unwrap_or(0))
     }
 
-    fn number_slots(&mut self, plan: &Plan) {
+    fn number_slots(&mut self, kept: usize, plan: &Plan) {
         self.slots.resize(plan.rows, 0);
-        for island in &plan.islands.list {
+        for island in &plan.islands.list[kept..] {
             for (slot, &row) in (0..).zip(&plan.islands.members[island.members.clone()]) {
                 self.slots[row as usize] = slot;
             }
         }
     }
 
-    /// Lists the sound distances island by island, in the order given: a counting sort.
-    fn sort_by_island(&mut self, plan: &Plan, given: &Given) {
+    /// Lists distances of all but the first `kept` islands island by island, in the order given: a counting sort.
+    fn sort_by_island(
+        &mut self,
+        kept: usize,
+        plan: &Plan,
+        (distances, numbers): (&[Distance], &[u32]),
+    ) {
         let Self { begins, of_island, .. } = self;
         begins.clear();
-        begins.resize(plan.islands.list.len() + 1, 0);
-        let island = |d: &Distance| plan.islands.of[d.a as usize] as usize;
-        for (d, _) in given.sound_distances() {
-            begins[island(d)] += 1;
+        begins.resize(plan.islands.list.len() - kept + 1, 0);
+        let place = |number: u32| {
+            let row = distances[number as usize].a;
+            plan.islands.of[row as usize] as usize - kept
+        };
+        for &number in numbers {
+            begins[place(number)] += 1;
         }
         let mut sum = 0;
         for begin in begins.iter_mut() {
             sum += core::mem::replace(begin, sum);
         }
         of_island.clear();
-        of_island.resize(given.distances.len(), 0);
-        for (d, number) in given.sound_distances() {
-            let begin = &mut begins[island(d)];
+        of_island.resize(numbers.len(), 0);
+        for &number in numbers {
+            let begin = &mut begins[place(number)];
             of_island[*begin as usize] = number;
             *begin += 1;
         }
@@ -100,10 +141,14 @@ impl Compiling {
         begins[0] = 0;
     }
 
-    /// Gives each distance of an island its key.
-    fn place_distances(&mut self, plan: &Plan, distances: &[Distance], island: usize) {
+    /// Gives each distance of an island its key: those in these places of the list of all of them.
+    fn place_distances(
+        &mut self,
+        plan: &Plan,
+        distances: &[Distance],
+        (island, places): (usize, Range<usize>),
+    ) {
         let mut scratch = core::mem::take(&mut self.scratch);
-        let places = self.begins[island] as usize..self.begins[island + 1] as usize;
         let numbers = self.of_island[places.clone()].iter();
         let all = numbers.map(|&number| &distances[number as usize]);
         let (clusters, strides) = self.examine(plan, island, all, &mut scratch);

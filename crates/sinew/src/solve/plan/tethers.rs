@@ -15,17 +15,17 @@ impl Plan {
     /// Gives the islands their tethers for this step. Whether an island is free has been found.
     pub(crate) fn tether(&mut self, particles: &Particles) {
         let mut tethers = core::mem::take(&mut self.tethers);
-        let stale = core::mem::take(&mut tethers.stale);
-        if stale {
-            tethers.spans.clear();
-            tethers.graphs.clear();
+        let mut before = Vec::new();
+        if core::mem::take(&mut tethers.stale) {
+            let islands = &mut self.islands.list;
+            before = keep(&mut tethers.islands, islands, |island| &mut island.tethers);
+            keep(&mut tethers.spans, islands, |island| &mut island.spans);
+            keep(&mut tethers.graphs, islands, |island| &mut island.rod_graph);
+            // Rods have other numbers now.
+            tethers.islands.iter_mut().for_each(|made| made.ways = None);
         }
-        let mut before = if stale { core::mem::take(&mut tethers.islands) } else { Vec::new() };
         for number in 0..self.islands.list.len() {
-            let island = &mut self.islands.list[number];
-            if stale {
-                (island.tethers, island.spans, island.rod_graph) = (None, None, None);
-            }
+            let island = &self.islands.list[number];
             let spans =
                 island.microsteps > 1 && island.settings.long_range && island.spans.is_none();
             if spans {
@@ -158,6 +158,23 @@ impl Plan {
         let place = places(&self.islands.members[island.members.clone()]);
         rows.iter().map(|&row| place(row)).collect()
     }
+}
+
+/// Keeps of a list what islands have, in their order, and returns what they have no more.
+fn keep<T>(
+    list: &mut Vec<T>,
+    islands: &mut [Island],
+    own: impl Fn(&mut Island) -> &mut Option<u32>,
+) -> Vec<T> {
+    let mut before: Vec<Option<T>> = core::mem::take(list).into_iter().map(Some).collect();
+    for place in islands.iter_mut().map(own) {
+        let kept = place.and_then(|place| before[place as usize].take());
+        *place = kept.map(|kept| {
+            list.push(kept);
+            list.len() as u32 - 1
+        });
+    }
+    before.into_iter().flatten().collect()
 }
 
 /// Where rows are among members, which ascend.

@@ -74,15 +74,38 @@ struct RodBlock {
     rest: [f32; LANES],
 }
 
+/// How long the lists are.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct RodCounts {
+    runs: usize,
+    rests: usize,
+    strided_batches: usize,
+    pairs: usize,
+    blocks: usize,
+    /// Where odd rows begin.
+    half: usize,
+}
+
 impl Rods {
-    /// Forgets all, and keeps the memory.
-    pub(crate) fn clear(&mut self) {
-        self.runs.clear();
-        self.rests.clear();
-        self.strided_batches.clear();
-        self.pairs.clear();
-        self.half = 0;
-        self.blocks.clear();
+    pub(super) fn counts(&self) -> RodCounts {
+        RodCounts {
+            runs: self.runs.len(),
+            rests: self.rests.len(),
+            strided_batches: self.strided_batches.len(),
+            pairs: self.pairs.len(),
+            blocks: self.blocks.len(),
+            half: self.half,
+        }
+    }
+
+    /// Forgets what came after it had so many, and keeps the memory.
+    pub(super) fn truncate(&mut self, counts: &RodCounts) {
+        self.runs.truncate(counts.runs);
+        self.rests.truncate(counts.rests);
+        self.strided_batches.truncate(counts.strided_batches);
+        self.pairs.truncate(counts.pairs);
+        self.blocks.truncate(counts.blocks);
+        self.set_half(counts.half);
     }
 
     /// Takes the rods of one colour, sorted by their first particles, and returns which runs and which blocks they are. `alone` for those that share
@@ -139,11 +162,13 @@ impl Rods {
 
     /// Lets columns have room for some cluster batches of so many rows, which a [wavefront](super::wavefront) is on its way through.
     fn widen(&mut self, rows: usize) {
-        let half = Columns::half(BUNDLES * rows.next_power_of_two());
-        if half > self.half {
-            let old = self.half;
+        self.set_half(self.half.max(Columns::half(BUNDLES * rows.next_power_of_two())));
+    }
+
+    fn set_half(&mut self, half: usize) {
+        let old = core::mem::replace(&mut self.half, half);
+        if half != old {
             self.pairs.iter_mut().for_each(|pair| *pair = pair.moved(old, half));
-            self.half = half;
         }
     }
 

@@ -27,12 +27,18 @@ struct BlockRows {
     count: usize,
 }
 
+/// How long the lists are: of compliances, and of blocks.
+pub(crate) type LooseCounts = [usize; 2];
+
 impl LooseDistances {
-    /// Forgets all, and keeps the memory.
-    pub(crate) fn clear(&mut self) {
-        let Self { compliances, blocks } = self;
-        compliances.clear();
-        blocks.clear();
+    pub(in crate::solve) fn counts(&self) -> LooseCounts {
+        [self.compliances.len(), self.blocks.len()]
+    }
+
+    /// Forgets what came after they were so long, and keeps the memory.
+    pub(in crate::solve) fn truncate(&mut self, &[compliances, blocks]: &LooseCounts) {
+        self.compliances.truncate(compliances);
+        self.blocks.truncate(blocks);
     }
 
     /// Takes distances of one colour in a cluster batch that begins with the row `first`: returns which blocks. `alone` for those that share particles: each

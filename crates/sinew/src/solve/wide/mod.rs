@@ -29,7 +29,7 @@ use crate::lanes::{InstructionSet, LANES, Lanes, Work, with};
 use crate::particles::Places;
 use compliance::{PackedCompliance, Shares};
 pub(super) use instanced::{InstancedConstraints, InstancedGroup, InstancedGroups};
-pub(super) use loose_distances::{LooseDistances, sweep_loose};
+pub(super) use loose_distances::{LooseCounts, LooseDistances, sweep_loose};
 use particle_access::{GatheredParticles, ParticleAccess};
 use wide_constraint::WideConstraint;
 use wide_distance::WideDistance;
@@ -148,18 +148,35 @@ impl BatchList {
     }
 }
 
+/// How long the lists are: of compliances, and of each kind of constraints.
+pub(crate) type BatchCounts = [usize; 8];
+
 impl<A: Names> BatchLists<A> {
-    /// Forgets all, and keeps the memory.
-    pub(crate) fn clear(&mut self) {
+    pub(super) fn counts(&self) -> BatchCounts {
         let Self { compliances, distances, bends, areas, tetrahedra, angles, hinges, cones } = self;
-        compliances.clear();
-        distances.clear();
-        bends.clear();
-        areas.clear();
-        tetrahedra.clear();
-        angles.clear();
-        hinges.clear();
-        cones.clear();
+        [
+            compliances.len(),
+            distances.len(),
+            bends.len(),
+            areas.len(),
+            tetrahedra.len(),
+            angles.len(),
+            hinges.len(),
+            cones.len(),
+        ]
+    }
+
+    /// Forgets what came after they were so long, and keeps the memory.
+    pub(super) fn truncate(&mut self, counts: &BatchCounts) {
+        let Self { compliances, distances, bends, areas, tetrahedra, angles, hinges, cones } = self;
+        compliances.truncate(counts[0]);
+        distances.truncate(counts[1]);
+        bends.truncate(counts[2]);
+        areas.truncate(counts[3]);
+        tetrahedra.truncate(counts[4]);
+        angles.truncate(counts[5]);
+        hinges.truncate(counts[6]);
+        cones.truncate(counts[7]);
     }
 }
 

@@ -112,7 +112,7 @@ fn what_has_no_wide_kernel_or_not_the_same_is_refused_and_leaves_nothing() {
     assert_eq!(constraint_batches.add(&[Constraint::new(0..3, line)], false), None);
     assert!(constraint_batches.bends.is_empty() && constraint_batches.hinges.is_empty());
     let first = constraint_batches.add(core::slice::from_ref(&one), false).unwrap();
-    constraint_batches.clear();
+    constraint_batches.truncate(&Default::default());
     assert_eq!(
         constraint_batches.add(core::slice::from_ref(&one), false),
         Some(first),

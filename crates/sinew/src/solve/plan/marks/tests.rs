@@ -1,0 +1,190 @@
+//! What is compiled behind a mark is what would be compiled afresh, whatever came and went before.
+
+use super::super::*;
+use crate::constraints::{Bend, ConstraintKind, Softness};
+
+/// Bodies one behind the other, and ties between them.
+#[derive(Clone, Default)]
+struct Bodies {
+    sizes: Vec<Body>,
+    /// From which particle of which body to which of which.
+    ties: Vec<[(usize, u32); 2]>,
+}
+
+#[derive(Clone, Copy)]
+enum Body {
+    /// Of so many columns and as many rows, with bends along its rows.
+    Cloth(u32),
+    /// Of so many particles.
+    Rope(u32),
+}
+
+impl Body {
+    fn particles(self) -> u32 {
+        match self {
+            Self::Cloth(side) => side * side,
+            Self::Rope(count) => count,
+        }
+    }
+}
+
+impl Bodies {
+    fn lists(&self) -> (Vec<Distance>, Vec<Constraint>, usize) {
+        let (mut distances, mut constraints) = (Vec::new(), Vec::new());
+        let (mut first, mut firsts) = (0, Vec::new());
+        for &body in &self.sizes {
+            firsts.push(first);
+            match body {
+                Body::Rope(count) => {
+                    let rod = |i: u32| Distance::new(first + i, first + i + 1, 1.0);
+                    distances.extend((0..count - 1).map(rod));
+                }
+                Body::Cloth(side) => {
+                    let at = |c: u32, r: u32| first + r * side + c;
+                    for (r, c) in (0..side).flat_map(|r| (0..side).map(move |c| (r, c))) {
+                        if c + 1 < side {
+                            distances.push(Distance::new(at(c, r), at(c + 1, r), 1.0));
+                        }
+                        if r + 1 < side {
+                            distances.push(Distance::new(at(c, r), at(c, r + 1), 1.0));
+                        }
+                        if r + 2 < side {
+                            let soft = Distance::new(at(c, r), at(c, r + 2), 2.0);
+                            distances.push(soft.with_compliance(1.0));
+                        }
+                        if c + 3 < side {
+                            constraints.push(bend([0, 1, 2, 3].map(|i| at(c + i, r))));
+                        }
+                    }
+                }
+            }
+            first += body.particles();
+        }
+        let row = |(body, particle): (usize, u32)| firsts[body] + particle;
+        distances.extend(self.ties.iter().map(|ends| {
+            let [a, b] = ends.map(row);
+            Distance::new(a, b, 0.5)
+        }));
+        (distances, constraints, first as usize)
+    }
+
+    fn remove(&mut self, body: usize) {
+        self.sizes.remove(body);
+        self.ties.retain(|ends| ends.iter().all(|end| end.0 != body));
+        for end in self.ties.iter_mut().flatten().filter(|end| end.0 > body) {
+            end.0 -= 1;
+        }
+    }
+
+    fn change(&mut self, random: &mut impl FnMut(usize) -> usize) {
+        let count = self.sizes.len();
+        let body = |random: &mut dyn FnMut(usize) -> usize| match random(3) {
+            0 => Body::Cloth(6 + random(20) as u32),
+            _ => Body::Rope(1 + random(40) as u32),
+        };
+        match random(8) {
+            0..3 => self.sizes.push(body(random)),
+            3 if count > 3 => self.remove(random(count)),
+            4 if count > 3 => self.remove(count - 1),
+            5 => self.sizes[random(count)] = body(random),
+            6 => {
+                let ends = [0, 1].map(|_| {
+                    let own = random(count);
+                    (own, random(self.sizes[own].particles() as usize) as u32)
+                });
+                if ends[0] != ends[1] {
+                    self.ties.push(ends);
+                }
+            }
+            _ if !self.ties.is_empty() => drop(self.ties.remove(random(self.ties.len()))),
+            _ => {}
+        }
+        let sizes = self.sizes.clone();
+        self.ties.retain(|ends| ends.iter().all(|&(own, i)| i < sizes[own].particles()));
+    }
+}
+
+fn bend(rows: [u32; 4]) -> Constraint {
+    let bend = Bend { weights: [0.5, 0.5, -0.5, -0.5], rest: 0.0, softness: Softness::default() };
+    Constraint::new(rows, ConstraintKind::Bend(bend))
+}
+
+/// All that a plan has of its constraints and its islands.
+fn contents(plan: &Plan) -> [String; 12] {
+    let Plan { distances, constraints, rods, constraint_batches, loose_distances, .. } = plan;
+    let Plan { groups, cluster_batches, tasks, islands, instance_batches, .. } = plan;
+    let chains = islands.list.iter().flat_map(|island| island.chains.clone());
+    let chains = chains.map(|number| plan.chains.links(number));
+    let Compiling { keys, slots, strides, clusters, reaches, .. } = &plan.compiling;
+    [
+        format!("{distances:?}"),
+        format!("{constraints:?}"),
+        format!("{rods:?}"),
+        format!("{constraint_batches:?}"),
+        format!("{loose_distances:?}"),
+        format!("{groups:?}"),
+        format!("{cluster_batches:?}"),
+        format!("{tasks:?}"),
+        format!("{islands:?}"),
+        format!("{:?}", chains.collect::<Vec<_>>()),
+        format!("{instance_batches:?}"),
+        format!("{keys:?} {slots:?} {strides:?} {clusters:?} {reaches:?}"),
+    ]
+}
+
+#[test]
+fn what_comes_and_goes_leaves_the_plan_of_what_is_there() {
+    let mut state = 88_172_645_463_325_252_u64;
+    let mut random = move |below: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (state >> 33) as usize % below
+    };
+    let mut bodies = Bodies::default();
+    bodies.sizes.extend([Body::Cloth(24), Body::Rope(9), Body::Cloth(18), Body::Rope(1)]);
+    let (mut plan, mut before) = (Plan::default(), (Vec::new(), Vec::new(), 0));
+    let mut kept = 0;
+    for round in 0..300 {
+        let now = bodies.lists();
+        let given = Given { distances: &now.0, constraints: &now.1, particles: now.2 };
+        let distances = before.0.iter().zip(&now.0).take_while(|(a, b)| a == b).count();
+        let constraints = before.1.iter().zip(&now.1).take_while(|(a, b)| a == b).count();
+        plan.compile_changed(given, [distances, constraints]);
+        kept += usize::from(plan.marks.len() > 2);
+        let mut fresh = Plan::default();
+        fresh.compile(given);
+        for (own, expected) in contents(&plan).iter().zip(&contents(&fresh)) {
+            assert!(own == expected, "round {round}");
+        }
+        before = now;
+        bodies.change(&mut random);
+    }
+    assert!(kept > 200, "there is hardly ever a mark: {kept}");
+}
+
+/// What is spawned last costs itself: what stands before it keeps its place in memory and its keys.
+#[test]
+fn what_is_added_behind_is_all_that_is_compiled() {
+    let mut bodies = Bodies::default();
+    bodies.sizes.extend([Body::Cloth(24); 3]);
+    let (distances, constraints, particles) = bodies.lists();
+    let mut plan = Plan::default();
+    plan.compile(Given { distances: &distances, constraints: &constraints, particles });
+    let same = [distances.len(), constraints.len()];
+    assert_eq!(plan.marked_before(plan.islands.list.len()), 3);
+    bodies.sizes.push(Body::Rope(5));
+    let (distances, constraints, particles) = bodies.lists();
+    let added = Given { distances: &distances, constraints: &constraints, particles };
+    assert_eq!(added.sound_behind(same).len(), 4);
+    plan.compile_changed(added, same);
+    assert_eq!(plan.compiling.of_island.len(), 4);
+    // A rope tied to the second cloth has that one compiled again, and the third, which comes after it.
+    bodies.ties.push([(1, 3), (3, 0)]);
+    let same = [distances.len(), constraints.len()];
+    let (distances, constraints, particles) = bodies.lists();
+    plan.compile_changed(
+        Given { distances: &distances, constraints: &constraints, particles },
+        same,
+    );
+    let first = distances.iter().filter(|d| d.a < 24 * 24).count();
+    assert_eq!(plan.compiling.of_island.len(), distances.len() - first);
+}
