@@ -5,10 +5,10 @@ use core::time::Duration;
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy_sinew::BodyConstraints;
 use bevy_sinew::prelude::*;
+use bevy_sinew::{BodyConstraints, WindSurface};
 
-use crate::support::{app, forget, hash, heard, particles_of, tick};
+use crate::support::{app, forget, hash, heard, particles_of, position, tick};
 
 /// A cloth of some two thousand distances, with bends.
 fn hung() -> (App, Entity) {
@@ -66,6 +66,74 @@ fn a_hundred_ticks_of_tears_leave_the_bits_of_compiling_everything_each_time() {
         assert_eq!(hash(&mut mended), hash(&mut afresh), "tick {n}");
     }
     assert_eq!(heard(&mended), []);
+}
+
+/// What comes and goes beside the cloth before tick number `n`; `others` are the bodies that did.
+fn come_and_go(app: &mut App, cloth: Entity, others: &mut Vec<Entity>, n: usize) {
+    let place = Transform::from_xyz(2.0 + (n % 9) as f32, 1.0, (n / 9) as f32);
+    let world = app.world_mut();
+    let came = match n % 7 {
+        0 => Some(world.spawn((RigidBox::new(Vec3::splat(0.3)), place)).id()),
+        1 => Some(world.spawn((Cloth::grid(0.5, 0.5, 6, 6), place)).id()),
+        2 => Some(world.spawn((Rope::between(Vec3::ZERO, Vec3::X), place)).id()),
+        4 => Some(world.spawn((SoftBody::ball(0.2, 4), place)).id()),
+        _ => None,
+    };
+    others.extend(came);
+    if n % 3 == 2 {
+        let gone = others.remove(n * 7 % others.len());
+        world.despawn(gone);
+    }
+    if n % 4 == 3 {
+        fray(app, cloth, n);
+    }
+    if n % 5 == 4 {
+        let (old, last) = (particles_of(app, cloth), others.last().copied().unwrap_or(cloth));
+        let new = particles_of(app, last);
+        let old = old[n * 13 % old.len()];
+        if let Some(&end) = new.first() {
+            let apart = position(app, old).distance(position(app, end));
+            app.world_mut().spawn(DistanceConstraint::new(old, end, apart));
+        }
+    }
+    if n % 11 == 6 {
+        app.world_mut().entity_mut(cloth).remove::<WindSurface>();
+    }
+    if n == 24 {
+        let one = particles_of(app, cloth)[30];
+        app.world_mut().despawn(one);
+    }
+}
+
+#[test]
+fn what_comes_and_goes_beside_others_leaves_the_bits_of_looking_at_everything_each_time() {
+    let ((mut some, cloth), (mut all, same)) = (hung(), hung());
+    // Where one link cannot act, all are looked at whenever anything has changed.
+    let nail = all.world_mut().spawn((Particle::at(Vec3::Y * 50.0), Pinned::HERE)).id();
+    let nail_of_some = some.world_mut().spawn((Particle::at(Vec3::Y * 50.0), Pinned::HERE)).id();
+    all.world_mut().spawn(DistanceConstraint::new(nail, nail, 1.0));
+    some.world_mut().spawn_empty();
+    let (mut others, mut others_of_all) = (Vec::new(), Vec::new());
+    tick(&mut some, 1);
+    tick(&mut all, 1);
+    for n in 0..70 {
+        come_and_go(&mut some, cloth, &mut others, n);
+        come_and_go(&mut all, same, &mut others_of_all, n);
+        tick(&mut some, 1);
+        tick(&mut all, 1);
+        let lists = |app: &App| {
+            let world = app.world().resource::<SinewWorld>().simulation();
+            (
+                world.distances().to_vec(),
+                world.constraints().to_vec(),
+                world.forces.surfaces.clone(),
+                world.body_colliders().len(),
+            )
+        };
+        assert!(lists(&some) == lists(&all), "tick {n}");
+        assert_eq!(hash(&mut some), hash(&mut all), "tick {n}");
+    }
+    assert!(others.len() > 5 && some.world().get_entity(nail_of_some).is_ok());
 }
 
 #[test]

@@ -10,6 +10,8 @@ use bevy::prelude::*;
 pub(crate) struct Layout {
     /// Counts the layouts, so that whoever resolved entities into rows knows when to do so again.
     pub(crate) number: u64,
+    /// So many rows, from the first on, have the particles that they had before this tick.
+    pub(crate) same: usize,
     /// The row of each particle: for rebuilding what names particles; never read in a tick without changes.
     pub(crate) row_of: EntityHashMap<u32>,
 }
@@ -38,13 +40,20 @@ impl<T: Send + Sync + 'static> Default for Rows<T> {
 }
 
 impl<T: Send + Sync + 'static> Rows<T> {
-    /// The rows, resolved afresh if `named` changed or the particles were laid out anew. [`GONE`] for what is no particle (any more).
+    /// The rows, resolved afresh if `named` changed or one of the particles stands in another row. [`GONE`] for what is no particle (any more).
     pub(crate) fn resolve(
         &mut self,
         layout: &Layout,
         changed: bool,
         named: impl Iterator<Item = Entity>,
     ) -> &[u32] {
+        let stay = || {
+            self.layout + 1 == layout.number
+                && self.rows.iter().all(|&row| (row as usize) < layout.same)
+        };
+        if !changed && self.layout != layout.number && stay() {
+            self.layout = layout.number;
+        }
         if changed || self.layout != layout.number {
             self.layout = layout.number;
             self.plain = None;

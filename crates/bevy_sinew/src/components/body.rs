@@ -110,6 +110,7 @@ pub struct RigidPose {
 /// ```
 #[derive(Component, Reflect, Clone, Debug, Default)]
 #[reflect(Component, Default, Clone)]
+#[require(Rows<WindSurface>)]
 pub struct WindSurface {
     /// The corners of each triangle.
     #[entities]

@@ -138,6 +138,7 @@ pub(crate) fn compile_body_colliders(
         let explicit = contacts.get(body).is_ok_and(|own| own.shape == ContactShape::Segments);
         bends(body) && (explicit || with_parts.binary_search(&body).is_err())
     };
+    let asks = (*any_bends, asks);
     segments.list((&simulation.particles, tables), asks, &mut owners, &mut body_colliders);
     body_colliders.sort_unstable_by_key(|&(order, part, _)| (order, part));
     owners.sort_unstable();

@@ -192,7 +192,9 @@ fn gather_one(
     let held = pinned.is_some() || pinned_to.is_some();
     let put = simulation.particles.set(row, if held { seed.pinned() } else { seed });
     debug_assert!(put.is_ok(), "the seed was checked above");
-    simulation.particles.set_external_force(row, external);
+    if external != Vec3::ZERO {
+        simulation.particles.set_external_force(row, external);
+    }
     tables.mass[row] = mass[i].0;
     is_new
 }

@@ -14,6 +14,7 @@ pub(crate) fn lay_out(
     mut particles: Query<(Entity, &mut CreationOrder, &mut ParticleRow), With<Particle>>,
     mut order: Local<Vec<(CreationOrder, Entity)>>,
 ) {
+    world.tables.layout.same = world.tables.entities.len();
     if !changed.0 {
         return;
     }
@@ -31,42 +32,48 @@ pub(crate) fn lay_out(
     order.sort_unstable();
 
     let SinewWorld { simulation, tables } = &mut *world;
-    let unchanged = order.len() == tables.entities.len()
-        && order.iter().zip(&tables.entities).all(|((_, new), old)| new == old);
+    let both = order.iter().zip(&tables.entities);
+    let same = both.take_while(|((_, new), old)| new == *old).count();
     tables.stale = true;
-    if unchanged {
+    if same == order.len() && same == tables.entities.len() {
         return;
     }
     tables.layout.number += 1;
+    tables.layout.same = same;
     carry_over(simulation, tables, &order);
-    for (row, (_, entity)) in order.iter().enumerate() {
+    for (row, (_, entity)) in order.iter().enumerate().skip(same) {
         if let Ok((_, _, mut its_row)) = particles.get_mut(*entity) {
             its_row.0 = row as u32;
         }
     }
 }
 
-/// Moves the rows that stay to their new places, so that a particle that is set aside keeps its last good position.
+/// Moves the rows that stay, behind those that are the same, to their new places, so that a particle that is set aside keeps its last good position.
 fn carry_over(simulation: &mut Simulation, tables: &mut Tables, order: &[(CreationOrder, Entity)]) {
-    let mut columns = sinew::Particles::default();
-    columns.resize(order.len());
-    let mut refused = vec![None; order.len()];
-    for (row, (_, entity)) in order.iter().enumerate() {
-        if let Some(&old) = tables.layout.row_of.get(entity) {
-            let position = simulation.particles.position(old as usize);
-            columns.set_position(row, position);
-            refused[row] = tables.refused[old as usize];
+    let same = tables.layout.same;
+    let new = order.iter().map(|(_, entity)| *entity).skip(same);
+    let known = new.clone().map(|entity| {
+        let old = *tables.layout.row_of.get(&entity)? as usize;
+        Some((simulation.particles.position(old), tables.refused[old]))
+    });
+    let known: Vec<_> = known.collect();
+    simulation.particles.resize(same);
+    simulation.particles.resize(order.len());
+    tables.refused.truncate(same);
+    for (row, known) in (same..).zip(known) {
+        if let Some((position, _)) = known {
+            simulation.particles.set_position(row, position);
         }
+        tables.refused.push(known.and_then(|(_, refused)| refused));
     }
-    simulation.particles = columns;
     simulation.forget_step_start();
-    tables.set_aside = refused.iter().flatten().count();
-    tables.refused = refused;
-    tables.mass.clear();
+    tables.set_aside = tables.refused.iter().flatten().count();
+    tables.mass.truncate(same);
     tables.mass.resize(order.len(), 0.0);
-    tables.entities.clear();
-    tables.entities.extend(order.iter().map(|(_, entity)| *entity));
-    tables.layout.row_of.clear();
-    let rows = tables.entities.iter().zip(0..);
-    tables.layout.row_of.extend(rows.map(|(entity, row)| (*entity, row)));
+    let row_of = &mut tables.layout.row_of;
+    for entity in tables.entities.drain(same..) {
+        row_of.remove(&entity);
+    }
+    tables.entities.extend(new);
+    row_of.extend(tables.entities.iter().copied().zip(0..).skip(same));
 }

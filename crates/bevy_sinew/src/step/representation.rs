@@ -41,7 +41,9 @@ pub(crate) fn compile_compounds(
         }
     }
     compounds.sort_by_key(|(order, _)| *order);
-    let list = simulation.compounds_mut();
-    list.clear();
-    list.extend(compounds.into_iter().map(|(_, compound)| compound));
+    let compounds = compounds.into_iter().map(|(_, compound)| compound);
+    // To say that they may have changed is to have all compiled afresh.
+    if !compounds.clone().eq(simulation.compounds().iter().cloned()) {
+        *simulation.compounds_mut() = compounds.collect();
+    }
 }

@@ -34,17 +34,20 @@ impl Segments<'_, '_> {
         self.remembering.iter().len() != *self.listed
     }
 
-    /// Lists the segments of bodies that ask for them, and who has any. What becomes one is given a memory of what it touches, and loses that when it
+    /// Lists the segments of bodies that ask for them, if `any` does, and who has any. What becomes one is given a memory of what it touches, and loses that when it
     /// ceases to be one.
     pub(crate) fn list(
         &mut self,
         (particles, tables): (&Particles, &Tables),
-        asks: impl Fn(Entity) -> bool,
+        (any, asks): (bool, impl Fn(Entity) -> bool),
         owners: &mut Vec<Entity>,
         body_colliders: &mut Vec<(CreationOrder, Entity, BodyCollider)>,
     ) {
-        let Self { rods, members, commands, listed, .. } = self;
+        let Self { rods, members, commands, listed, remembering } = self;
         **listed = 0;
+        if !any && remembering.is_empty() {
+            return;
+        }
         let mut last = None;
         for (entity, order, rod, remembers) in &*rods {
             let owner = owner(rod, members).filter(|&body| asks(body));

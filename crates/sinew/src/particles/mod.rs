@@ -160,6 +160,11 @@ impl Particles {
     /// Makes room for exactly `len` particles. New rows are particles at the origin with infinite mass, which nothing moves.
     pub fn resize(&mut self, len: usize) {
         self.note_edit();
+        if len < self.len() {
+            // What was noted of rows may be of others soon.
+            self.watch(false);
+            self.note_sleepers(false);
+        }
         self.position.resize(len, Vec4::ZERO);
         self.origin.resize(len, Vec3::ZERO);
         self.start.resize(len, Vec4::ZERO);
@@ -371,6 +376,9 @@ impl Particles {
 
     /// Multiplies the scale of gravity on particle `i` by a finite factor; others are ignored.
     pub fn scale_gravity(&mut self, i: usize, factor: f32) {
+        if factor == 1.0 {
+            return;
+        }
         self.note_edit();
         let scaled = self.gravity_scale[i] * factor;
         if scaled.is_finite() {

@@ -32,9 +32,12 @@ impl Particles {
 
     /// Nothing is known of what all rows have in common; of those that there still are it is known which differ.
     pub(super) fn forget_summary(&mut self) {
-        let mut singular = core::mem::take(&mut self.column_summary.singular);
-        singular.truncate(singular.partition_point(|&row| (row as usize) < self.len()));
-        self.column_summary = ColumnSummary { singular, ..ColumnSummary::default() };
+        let (rows, summary) = (self.len(), &mut self.column_summary);
+        if summary.singular.last().is_some_and(|&row| row as usize >= rows) {
+            let singular = summary.singular.partition_point(|&row| (row as usize) < rows);
+            summary.singular.truncate(singular);
+        }
+        (summary.neutral, summary.damping, summary.seen) = (false, None, None);
     }
 
     /// Looks at the columns that seldom differ, if one was written to since. To be called when a step begins; whoever writes to them later takes it

@@ -30,14 +30,23 @@ impl Simulation {
         self.distances.extend(distances);
     }
 
+    /// Puts other distances in the place of those from number `from` on, as [`set_distances`](Self::set_distances) does.
+    ///
+    /// # Panics
+    /// If there are fewer than `from` distances.
+    pub fn replace_distances_behind(&mut self, from: usize, distances: Vec<Distance>) {
+        let same = from + in_common(&self.distances[from..], &distances);
+        if same < self.distances.len().max(from + distances.len()) {
+            self.scratch.changes.note_behind(List::Distances, same);
+        }
+        self.distances.truncate(from);
+        self.distances.extend(distances);
+    }
+
     /// Puts other distances in the place of all that there are. Bodies stay compiled before the first of which a distance has changed, in the order of their
     /// first particles.
     pub fn set_distances(&mut self, distances: Vec<Distance>) {
-        let same = in_common(&self.distances, &distances);
-        if same < self.distances.len().max(distances.len()) {
-            self.scratch.changes.note_behind(List::Distances, same);
-        }
-        self.distances = distances;
+        self.replace_distances_behind(0, distances);
     }
 
     /// Puts a distance into the list, before the one that has been number `at`. It acts from the next step on.
@@ -88,13 +97,22 @@ impl Simulation {
         self.constraints.extend(constraints);
     }
 
-    /// Puts other constraints in the place of all that there are, as [`set_distances`](Self::set_distances) does.
-    pub fn set_constraints(&mut self, constraints: Vec<Constraint>) {
-        let same = in_common(&self.constraints, &constraints);
-        if same < self.constraints.len().max(constraints.len()) {
+    /// Puts other constraints in the place of those from number `from` on, as [`set_distances`](Self::set_distances) does.
+    ///
+    /// # Panics
+    /// If there are fewer than `from` constraints.
+    pub fn replace_constraints_behind(&mut self, from: usize, constraints: Vec<Constraint>) {
+        let same = from + in_common(&self.constraints[from..], &constraints);
+        if same < self.constraints.len().max(from + constraints.len()) {
             self.scratch.changes.note_behind(List::Constraints, same);
         }
-        self.constraints = constraints;
+        self.constraints.truncate(from);
+        self.constraints.extend(constraints);
+    }
+
+    /// Puts other constraints in the place of all that there are, as [`set_distances`](Self::set_distances) does.
+    pub fn set_constraints(&mut self, constraints: Vec<Constraint>) {
+        self.replace_constraints_behind(0, constraints);
     }
 
     /// Puts a constraint into the list, as [`insert_distance`](Self::insert_distance) does.

@@ -1,11 +1,11 @@
-//! Change detection: what was added, changed or removed among the components of one type since the last look; one by one, as long as they are few.
+//! Change detection: what was added, changed or removed among the components of one type since the last look.
 
 use bevy::ecs::query::ArchetypeFilter;
 use bevy::prelude::*;
 
 use crate::changes::ChangeTicks;
 
-/// Of more than these it is as well to compile everything.
+/// More than these are not taken into account one by one.
 const MOST: usize = 16;
 
 /// Keeps an eye on all components of one type. No hook and no observer does, which are the game's; besides, a body comes and goes with tens of
@@ -19,7 +19,6 @@ pub(crate) struct ChangeDetector {
     pub(super) gone: Vec<Entity>,
     /// By how many more there are.
     pub(super) grown: isize,
-    many: bool,
 }
 
 impl ChangeDetector {
@@ -31,45 +30,40 @@ impl ChangeDetector {
     ) {
         self.added.clear();
         self.gone.clear();
-        let (mut count, mut many) = (0, false);
-        let mut note = |entity| match self.added.len() {
-            MOST => many = true,
-            _ => self.added.push(entity),
-        };
+        let (mut count, added) = (0, &mut self.added);
         match all.contiguous_iter() {
             Ok(tables) => tables.for_each(|(entities, column)| {
                 let change_ticks = ChangeTicks::of(&column);
                 count += entities.len();
                 if change_ticks.any_changed() {
-                    change_ticks.changed().for_each(|place| note(entities[place]));
+                    added.extend(change_ticks.changed().map(|place| entities[place]));
                 }
             }),
             // A component that is kept in a sparse set has no column.
             Err(_) => all.iter().for_each(|(entity, component)| {
                 count += 1;
                 if component.is_changed() {
-                    note(entity);
+                    added.push(entity);
                 }
             }),
         }
-        for entity in gone.filter(|&entity| !all.contains(entity)) {
-            match self.gone.len() {
-                MOST => many = true,
-                _ => self.gone.push(entity),
-            }
-        }
-        self.many = many;
+        self.gone.extend(gone.filter(|&entity| !all.contains(entity)));
         self.grown = count as isize - self.count as isize;
         self.count = count;
     }
 
     /// Whether there is any.
     pub(super) fn is_any(&self) -> bool {
-        self.many || self.grown != 0 || !self.added.is_empty()
+        self.grown != 0 || !self.added.is_empty()
     }
 
-    /// Whether each can be named.
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Whether it is worth taking each into account by itself.
     pub(super) fn is_few(&self) -> bool {
-        !self.many
+        self.added.len().max(self.gone.len()) <= MOST
     }
 }

@@ -1,5 +1,6 @@
 //! One link on its way from a component to the solver's list: its particles resolved, checked, put in order, and reported if it cannot act.
 
+use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 use sinew::constraints::Rows;
 use sinew::{ConstraintFault, DistanceFault, Simulation, SpringFault};
@@ -15,6 +16,9 @@ pub(super) trait Link: Sized {
 
     /// Why it cannot act among so many particles, or `None` if it can.
     fn refusal(&self, particles: usize) -> Option<Refusal>;
+
+    /// The rows of its particles.
+    fn rows(&self) -> impl Iterator<Item = u32>;
 }
 
 impl Link for sinew::Distance {
@@ -22,6 +26,10 @@ impl Link for sinew::Distance {
 
     fn refusal(&self, particles: usize) -> Option<Refusal> {
         self.fault(particles).map(Refusal::Distance)
+    }
+
+    fn rows(&self) -> impl Iterator<Item = u32> {
+        [self.a, self.b].into_iter()
     }
 }
 
@@ -31,6 +39,10 @@ impl Link for sinew::Spring {
     fn refusal(&self, particles: usize) -> Option<Refusal> {
         self.fault(particles).map(Refusal::Spring)
     }
+
+    fn rows(&self) -> impl Iterator<Item = u32> {
+        [self.a, self.b].into_iter()
+    }
 }
 
 impl Link for sinew::Constraint {
@@ -38,6 +50,10 @@ impl Link for sinew::Constraint {
 
     fn refusal(&self, particles: usize) -> Option<Refusal> {
         self.fault(particles).map(Refusal::Constraint)
+    }
+
+    fn rows(&self) -> impl Iterator<Item = u32> {
+        self.rows.iter().copied()
     }
 }
 
@@ -138,6 +154,42 @@ pub(super) fn update_incrementally<L: Incremental>(
         link.insert(simulation, at);
     }
     grown == detector.grown
+}
+
+/// What a list of the solver holds from the first link on that is not what it was, its number and the links from there on; and their places. `None` if one of them
+/// cannot act, or it does not add up to what there is: then the list has to be filled afresh.
+///
+/// A link is what it was if its particles are among the first `same_rows`, it is not among those that were added or changed, nor said to have gone, and none
+/// before it is. `again` makes the entries of what stands in some places and is still there, and there are `count` in all.
+pub(super) fn refill<L: Link>(
+    (list, places): (&[L], &mut Vec<Place>),
+    (same_rows, count): (usize, usize),
+    (mut entries, gone): (Vec<Entry<L>>, &[Entity]),
+    again: impl Fn(&[Place], &mut Vec<Entry<L>>),
+) -> Option<(usize, Vec<L>)> {
+    let moved = |link: &L| link.rows().any(|row| row as usize >= same_rows);
+    let mut kept = list.iter().position(moved).unwrap_or(list.len());
+    if let Some(first) = entries.iter().map(|entry| entry.place).min() {
+        kept = kept.min(places.partition_point(|&own| own < first));
+    }
+    let is_all_there = entries.is_empty() && kept == places.len() && kept == count;
+    if !is_all_there && !gone.is_empty() {
+        let gone: EntityHashSet = gone.iter().copied().collect();
+        let went = |place: &Place| gone.contains(&place.entity);
+        kept = places[..kept].iter().position(went).unwrap_or(kept);
+    }
+    again(&places[kept..], &mut entries);
+    entries.sort_unstable_by_key(|entry| entry.place);
+    entries.dedup_by_key(|entry| entry.place);
+    if kept + entries.len() != count {
+        return None;
+    }
+    places.truncate(kept);
+    let links = entries.into_iter().map(|Entry { place, outcome }| {
+        places.push(place);
+        if let Outcome::Sound(link) = outcome { Some(link) } else { None }
+    });
+    Some((kept, links.collect::<Option<_>>()?))
 }
 
 /// Lets the sound ones pass, and reports the others, once for each time that one broke.

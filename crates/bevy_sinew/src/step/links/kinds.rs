@@ -6,9 +6,10 @@ use bevy::ecs::component::ComponentId;
 use bevy::ecs::lifecycle::RemovedComponentEntity;
 use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
+use sinew::Simulation;
 
 use super::change_detection::ChangeDetector;
-use super::entry::{Entry, update_incrementally};
+use super::entry::{Entry, refill, update_incrementally};
 use crate::attach::AnchorConstraint;
 use crate::components::{CreationOrder, ParticleConstraint, for_each_constraint};
 use crate::messages::Refusal;
@@ -59,12 +60,29 @@ pub(crate) fn register_ours(app: &mut App) {
 /// The types that were registered, in that order, and what was collected of them for this tick.
 #[derive(Resource, Default)]
 pub(crate) struct Kinds {
+    /// What came, went or changed among distances, which have a list of their own.
+    pub(super) distances: ChangeDetector,
     kinds: Vec<Box<dyn Kind>>,
-    entries: Vec<Entry<sinew::Constraint>>,
+    collected: Collected,
+}
+
+/// What there is of the registered types.
+pub(super) enum Collected {
+    /// All, as far as it can act or not.
+    All(Vec<Entry<sinew::Constraint>>),
+    /// What the solver's list holds from this number on.
+    Behind(usize, Vec<sinew::Constraint>),
+}
+
+/// Nothing.
+impl Default for Collected {
+    fn default() -> Self {
+        Self::All(Vec::new())
+    }
 }
 
 impl Kinds {
-    /// Mends the list if few came, went or changed. Otherwise marks the tables stale; and if they are, collects all.
+    /// Mends the list if few came, went or changed. Otherwise marks the tables stale; and if they are, collects what is to be compiled.
     pub(super) fn collect(&mut self, world: &mut World, sinew: &mut SinewWorld) {
         let SinewWorld { simulation, tables } = sinew;
         let mut any = false;
@@ -77,23 +95,62 @@ impl Kinds {
         tables.stale |= any && !tables.links.sound;
         for (number, kind) in (FIRST..).zip(&mut self.kinds) {
             if !tables.stale && kind.detector().is_any() {
-                kind.collect(world, tables, number, true, &mut self.entries);
-                let (places, entries) = (&mut tables.links.constraints, self.entries.drain(..));
+                let mut entries = Vec::new();
+                kind.collect_changed(world, tables, number, &mut entries);
+                let places = &mut tables.links.constraints;
                 tables.stale =
                     !update_incrementally(simulation, places, entries, (number, kind.detector()));
                 tables.links.version += 1;
             }
         }
         if tables.stale {
-            for (number, kind) in (FIRST..).zip(&mut self.kinds) {
-                kind.collect(world, tables, number, false, &mut self.entries);
-            }
+            let behind = self.collect_behind(world, (simulation, tables));
+            self.collected = behind.unwrap_or_else(|| {
+                let mut all = Vec::new();
+                for (number, kind) in (FIRST..).zip(&mut self.kinds) {
+                    kind.collect(world, tables, number, None, &mut all);
+                }
+                Collected::All(all)
+            });
         }
     }
 
+    /// Collects from the first on that is not what it was; `None` if all have to be.
+    fn collect_behind(
+        &mut self,
+        world: &World,
+        (simulation, tables): (&Simulation, &mut Tables),
+    ) -> Option<Collected> {
+        if !tables.links.sound || tables.set_aside > 0 {
+            return None;
+        }
+        let mut places = core::mem::take(&mut tables.links.constraints);
+        let (mut added, mut gone, mut count) = (Vec::new(), Vec::new(), 0);
+        for (number, kind) in (FIRST..).zip(&mut self.kinds) {
+            kind.collect_changed(world, tables, number, &mut added);
+            gone.extend_from_slice(&kind.detector().gone);
+            count += kind.detector().count();
+        }
+        let kinds = &self.kinds;
+        let refilled = refill(
+            (simulation.constraints(), &mut places),
+            (tables.layout.same, count),
+            (added, &gone),
+            |behind, entries| {
+                for (number, kind) in (FIRST..).zip(kinds) {
+                    let own = behind.iter().filter(|place| place.kind == number);
+                    let own: Vec<Entity> = own.map(|place| place.entity).collect();
+                    kind.collect(world, tables, number, Some(&own), entries);
+                }
+            },
+        );
+        tables.links.constraints = places;
+        refilled.map(|(kept, list)| Collected::Behind(kept, list))
+    }
+
     /// What was collected.
-    pub(super) fn take(&mut self) -> Vec<Entry<sinew::Constraint>> {
-        core::mem::take(&mut self.entries)
+    pub(super) fn take(&mut self) -> Collected {
+        core::mem::take(&mut self.collected)
     }
 }
 
@@ -110,15 +167,26 @@ trait Kind: Send + Sync {
     /// What there was.
     fn detector(&self) -> &ChangeDetector;
 
-    /// Collects all, or what came or changed alone.
+    /// Collects all, or those of some entities that have one.
     fn collect(
-        &mut self,
+        &self,
         world: &World,
         tables: &Tables,
         number: usize,
-        few: bool,
+        some: Option<&[Entity]>,
         entries: &mut Vec<Entry<sinew::Constraint>>,
     );
+
+    /// Collects what came or changed.
+    fn collect_changed(
+        &self,
+        world: &World,
+        tables: &Tables,
+        number: usize,
+        entries: &mut Vec<Entry<sinew::Constraint>>,
+    ) {
+        self.collect(world, tables, number, Some(&self.detector().added), entries);
+    }
 }
 
 struct Of<T: ParticleConstraint> {
@@ -175,7 +243,8 @@ impl<T: ParticleConstraint> Kind for Of<T> {
     }
 
     fn refresh(&mut self, world: &World) {
-        let Self { present, id, gone, detector, .. } = self;
+        let Self { all, present, id, gone, detector, .. } = self;
+        all.update_archetypes(world);
         let removed = world.removed_components().get(*id);
         let gone = removed.map(|removed| gone.read(removed)).into_iter().flatten();
         detector.detect(&present.query(world), gone.cloned().map(Entity::from));
@@ -186,20 +255,21 @@ impl<T: ParticleConstraint> Kind for Of<T> {
     }
 
     fn collect(
-        &mut self,
+        &self,
         world: &World,
         tables: &Tables,
         number: usize,
-        few: bool,
+        some: Option<&[Entity]>,
         entries: &mut Vec<Entry<sinew::Constraint>>,
     ) {
         let entry = |one| Self::entry(tables, number, one);
-        if few {
-            let all = self.all.query(world);
-            let added = self.detector.added.iter().filter_map(|&entity| all.get(entity).ok());
-            entries.extend(added.map(entry));
-        } else {
-            entries.extend(self.all.iter(world).map(entry));
+        match some {
+            Some(some) => {
+                let those =
+                    some.iter().filter_map(|&entity| self.all.get_manual(world, entity).ok());
+                entries.extend(those.map(entry));
+            }
+            None => entries.extend(self.all.iter_manual(world).map(entry)),
         }
     }
 }

@@ -9,30 +9,34 @@ pub use kinds::RegisterParticleConstraint;
 pub(crate) use kinds::{Kinds, register_ours};
 
 use bevy::prelude::*;
+use sinew::Simulation;
 
 use crate::changes::census;
 use crate::components::{CreationOrder, DistanceConstraint, Spring, WindSurface};
 use crate::messages::Refused;
+use crate::rows::Rows;
 use crate::world::{Place, SinewWorld, Tables};
 use change_detection::ChangeDetector;
-use entry::{Entry, LinkValidator, update_incrementally};
+use entry::{Entry, LinkValidator, refill, update_incrementally};
+use kinds::Collected;
 
 /// Notes whether distances, springs or surfaces came, went or changed; few distances are taken into account at once. No hook does: a body comes and
 /// goes with tens of thousands of them.
 pub(crate) fn notice_links(
     mut world: ResMut<SinewWorld>,
+    mut kinds: ResMut<Kinds>,
     distances: Query<(Entity, Ref<DistanceConstraint>)>,
     numbered: Query<(Entity, &CreationOrder, &DistanceConstraint)>,
     springs: Query<Ref<Spring>>,
     surfaces: Query<Ref<WindSurface>>,
     mut removed: RemovedComponents<DistanceConstraint>,
-    mut detector: Local<ChangeDetector>,
     mut counts: Local<[usize; 2]>,
 ) {
     // Of what was removed Bevy tells for two frames, and a tick may be farther away. Who replaces it has changed, so their numbers say it all.
     let found = [census(&springs), census(&surfaces)];
     let now = found.map(|(count, _)| count);
     let went = core::mem::replace(&mut *counts, now) != now;
+    let detector = &mut kinds.distances;
     detector.detect(&distances, removed.read());
     let SinewWorld { simulation, tables } = &mut *world;
     tables.retied = detector.is_any();
@@ -46,12 +50,12 @@ pub(crate) fn notice_links(
         let entries: Vec<_> = added.map(|one| entry(tables, one)).collect();
         let places = &mut tables.links.distances;
         tables.stale =
-            !update_incrementally(simulation, places, entries, (kinds::DISTANCES, &detector));
+            !update_incrementally(simulation, places, entries, (kinds::DISTANCES, detector));
         tables.links.version += 1;
     }
 }
 
-/// Looks at the registered constraints: whether any came, went or changed, and, if anything is to be compiled, what they all are among rows.
+/// Looks at the registered constraints: whether any came, went or changed, and, if anything is to be compiled, what they are among rows.
 pub(crate) fn collect_constraints(world: &mut World) {
     world.resource_scope(|world, mut kinds: Mut<Kinds>| {
         world.resource_scope(|world, mut sinew: Mut<SinewWorld>| {
@@ -60,7 +64,7 @@ pub(crate) fn collect_constraints(world: &mut World) {
     });
 }
 
-/// Compiles all links afresh if particles or surfaces came, went or changed, or many links did.
+/// Compiles links afresh if particles or surfaces came, went or changed, or many links did: those from the first on that is not what it was, or all.
 ///
 /// A link that cannot act is left out, so that the others run bit for bit as if it were not there, and reported once. One that
 /// waits for a particle that is set aside is not reported: the particle was.
@@ -70,7 +74,7 @@ pub(crate) fn compile_links(
     mut messages: MessageWriter<Refused>,
     distances: Query<(Entity, &CreationOrder, &DistanceConstraint)>,
     springs: Query<(Entity, &CreationOrder, &Spring)>,
-    surfaces: Query<&WindSurface>,
+    mut surfaces: Query<(Ref<WindSurface>, &mut Rows<WindSurface>)>,
 ) {
     let SinewWorld { simulation, tables } = &mut *world;
     if !tables.stale {
@@ -80,9 +84,15 @@ pub(crate) fn compile_links(
 
     let before = core::mem::take(&mut tables.reported_errors);
     let mut links = core::mem::take(&mut tables.links);
+    let stay = links.sound && tables.set_aside == 0;
     let mut validator = LinkValidator::new(before, &mut messages);
-    let entries = distances.iter().map(|one| entry(tables, one)).collect();
-    validator.fill(simulation.distances_mut(), &mut links.distances, entries);
+    let lists = (&*tables, &mut links.distances);
+    if !(stay && refill_distances(simulation, lists, &kinds.distances, &distances)) {
+        let entries = distances.iter().map(|one| entry(tables, one)).collect();
+        let mut list = Vec::with_capacity(simulation.distances().len());
+        validator.fill(&mut list, &mut links.distances, entries);
+        simulation.set_distances(list);
+    }
     let entries = springs.iter().map(|(entity, &order, spring)| {
         let place = Place { order, entity, kind: kinds::SPRINGS };
         Entry::new(tables, place, &[spring.a, spring.b], |rows| {
@@ -96,23 +106,50 @@ pub(crate) fn compile_links(
         })
     });
     validator.fill(&mut simulation.forces.springs, &mut links.springs, entries.collect());
-    validator.fill(simulation.constraints_mut(), &mut links.constraints, kinds.take());
+    match kinds.take() {
+        Collected::Behind(kept, list) => simulation.replace_constraints_behind(kept, list),
+        Collected::All(entries) => {
+            let mut list = Vec::with_capacity(entries.len());
+            validator.fill(&mut list, &mut links.constraints, entries);
+            simulation.set_constraints(list);
+        }
+    }
     links.sound = validator.passed_all();
     links.version += 1;
     tables.reported_errors = validator.reported_errors();
-    tables.links = links;
 
     // Triangles are ordered by their particles' rows, which follow creation; a torn corner just leaves its triangles out.
     let list = &mut simulation.forces.surfaces;
     list.clear();
-    for surface in &surfaces {
-        let rows = |corners: &[Entity; 3]| {
-            let [a, b, c] = corners.map(|corner| tables.sound_row(corner));
-            Some([a?, b?, c?])
-        };
-        list.extend(surface.triangles.iter().filter_map(rows));
+    for (surface, mut rows) in &mut surfaces {
+        let corners = surface.triangles.iter().flatten().copied();
+        let rows = rows.resolve(&tables.layout, surface.is_changed(), corners);
+        let all_sound =
+            |corners: &&[u32; 3]| corners.iter().all(|&row| tables.is_sound(row as usize));
+        list.extend(rows.as_chunks().0.iter().filter(all_sound));
     }
     list.sort_unstable();
+    tables.links = links;
+}
+
+/// Compiles the distances from the first on that is not what it was; false if all have to be.
+fn refill_distances(
+    simulation: &mut Simulation,
+    (tables, places): (&Tables, &mut Vec<Place>),
+    detector: &ChangeDetector,
+    all: &Query<(Entity, &CreationOrder, &DistanceConstraint)>,
+) -> bool {
+    let entry = |entity: Entity| all.get(entity).ok().map(|one| entry(tables, one));
+    let added = detector.added.iter().filter_map(|&entity| entry(entity)).collect();
+    let refilled = refill(
+        (simulation.distances(), places),
+        (tables.layout.same, detector.count()),
+        (added, &detector.gone),
+        |behind, entries| entries.extend(behind.iter().filter_map(|place| entry(place.entity))),
+    );
+    let Some((kept, list)) = refilled else { return false };
+    simulation.replace_distances_behind(kept, list);
+    true
 }
 
 /// A distance on its way to the solver.
