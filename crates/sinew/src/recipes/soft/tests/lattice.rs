@@ -1,6 +1,7 @@
 //! What a lattice of tetrahedra must be: without gaps, as stiff as asked at any fineness, and whole after a fall.
 
 use super::*;
+use crate::BodySettings;
 
 fn boxed(size: Vec3, cells: [u32; 3]) -> SoftLatticeSpec {
     let shape = SoftShape::Box { size, cells: UVec3::from_array(cells) };
