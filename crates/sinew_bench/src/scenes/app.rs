@@ -4,7 +4,10 @@ use core::time::Duration;
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy_sinew::{BodyConstraints, Cloth, ClothPins, Ground, Ragdoll, SinewPlugin, SolverConfig};
+use bevy_sinew::{
+    BodyConstraints, Cloth, ClothPins, DistanceConstraint, Ground, Ragdoll, RigidBox, SinewPlugin,
+    SolverConfig,
+};
 
 use super::allocations;
 use crate::measure::{Effort, World as Contender, median, time};
@@ -67,11 +70,58 @@ pub(super) fn come_and_go(effort: &Effort) -> Vec<Row> {
         let row = Row::new("P10", scene, Unit::Once).sized(constraints, 1, 1);
         Row { ours: Some(1e9 * median(times)), ..row }
     };
-    let note = "a frame with it less a frame without";
+    let mut rows = vec![
+        row("spawn", spawn).noted(LESS),
+        row("despawn", despawn).noted(LESS),
+        row("tear one constraint of", tear).noted(LESS),
+    ];
+    rows.extend(beside_others(effort));
+    rows
+}
+
+/// What a frame is compared with, where something comes or goes in it.
+const LESS: &str = "a frame with it less a frame without";
+
+/// The same of a box beside eight such cloths, and of a constraint of one of them: at the default substeps and sweeps, as a game has it.
+fn beside_others(effort: &Effort) -> Vec<Row> {
+    let mut app = plain();
+    app.add_plugins(SinewPlugin::default());
+    let mut app = ready(app);
+    for n in 0..8 {
+        let cloth = Cloth::grid(2.0, 2.0, SIDE - 1, SIDE - 1).pinned(ClothPins::TopCorners);
+        app.world_mut().spawn((cloth, Transform::from_xyz(3.0 * n as f32, 0.0, 0.0)));
+    }
+    frames(&mut app, WARM);
+    let mut ties = app.world_mut().query_filtered::<Entity, With<DistanceConstraint>>();
+    let ties: Vec<Entity> = ties.iter(app.world()).collect();
+    let [mut spawn, mut despawn, mut tear] = [const { Vec::new() }; 3];
+    for n in 0..4 * effort.rounds.max(1) {
+        let before = frame(&mut app, |_| {});
+        let (mut body, place) = (Entity::PLACEHOLDER, Transform::from_xyz(-3.0, 0.0, 0.0));
+        let recipe = (RigidBox::new(Vec3::ONE), place);
+        let built = frame(&mut app, |world| body = world.spawn(recipe).id());
+        frames(&mut app, 2);
+        let torn = frame(&mut app, |world| {
+            world.despawn(ties[n * 7919 % ties.len()]);
+        });
+        frames(&mut app, 2);
+        let gone = frame(&mut app, |world| {
+            world.despawn(body);
+        });
+        frames(&mut app, 2);
+        let whole = 0.5 * (before + frame(&mut app, |_| {}));
+        spawn.push(built - whole);
+        despawn.push(gone - whole);
+        tear.push(torn - whole);
+    }
+    let row = |what: &str, times: Vec<f64>| {
+        let row = Row::new("P10", format!("{what} 8 cloths of {SIDE}×{SIDE}"), Unit::Once);
+        Row { ours: Some(1e9 * median(times)), ..row.sized(ties.len(), 10, 4) }.noted(LESS)
+    };
     vec![
-        row("spawn", spawn).noted(note),
-        row("despawn", despawn).noted(note),
-        row("tear one constraint of", tear).noted(note),
+        row("spawn a box beside", spawn),
+        row("despawn a box beside", despawn),
+        row("tear one constraint of", tear),
     ]
 }
 
