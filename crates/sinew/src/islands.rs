@@ -183,7 +183,7 @@ impl Islands {
     }
 
     /// The particles that are not in the first `kept` islands, island after island.
-    pub(crate) fn members_behind(&self, kept: usize) -> &[u32] {
+    pub(crate) fn members_from(&self, kept: usize) -> &[u32] {
         let begin = self.list[..kept].last().map_or(0, |island| island.members.end);
         self.members.get(begin..).unwrap_or(&[])
     }

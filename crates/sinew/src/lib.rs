@@ -40,7 +40,7 @@
 //! once ([`InstructionSet`] says by which instructions; the bits are the same). Rods between rows that are a constant **stride** apart, as in a cloth
 //! numbered row by row, need no gathering. Large islands are swept **cluster** by cluster, each as much as a core's first cache holds, and several
 //! [`Workers`] may each take some clusters, or some of the substeps. Where a few constraints are added or removed, the plan is updated incrementally,
-//! to what compiling it would give. A column that nothing wrote to is not read. A warm step allocates nothing.
+//! to what compiling it would give; and of several bodies those before the first that changed stay compiled. A column that nothing wrote to is not read. A warm step allocates nothing.
 //!
 //! # The map
 //!

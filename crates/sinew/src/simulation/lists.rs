@@ -26,7 +26,7 @@ impl Simulation {
 
     /// Puts distances behind those that there are. Bodies that they do not tie to something stay compiled.
     pub fn extend_distances(&mut self, distances: impl IntoIterator<Item = Distance>) {
-        self.scratch.changes.note_behind(List::Distances, self.distances.len());
+        self.scratch.changes.note_from(List::Distances, self.distances.len());
         self.distances.extend(distances);
     }
 
@@ -34,19 +34,16 @@ impl Simulation {
     ///
     /// # Panics
     /// If there are fewer than `from` distances.
-    pub fn replace_distances_behind(&mut self, from: usize, distances: Vec<Distance>) {
-        let same = from + in_common(&self.distances[from..], &distances);
-        if same < self.distances.len().max(from + distances.len()) {
-            self.scratch.changes.note_behind(List::Distances, same);
+    pub fn replace_distances_from(&mut self, from: usize, distances: Vec<Distance>) {
+        if let Some(same) = replace_from(&mut self.distances, from, distances) {
+            self.scratch.changes.note_from(List::Distances, same);
         }
-        self.distances.truncate(from);
-        self.distances.extend(distances);
     }
 
     /// Puts other distances in the place of all that there are. Bodies stay compiled before the first of which a distance has changed, in the order of their
     /// first particles.
     pub fn set_distances(&mut self, distances: Vec<Distance>) {
-        self.replace_distances_behind(0, distances);
+        self.replace_distances_from(0, distances);
     }
 
     /// Puts a distance into the list, before the one that has been number `at`. It acts from the next step on.
@@ -93,7 +90,7 @@ impl Simulation {
 
     /// Puts constraints behind those that there are, as [`extend_distances`](Self::extend_distances) does.
     pub fn extend_constraints(&mut self, constraints: impl IntoIterator<Item = Constraint>) {
-        self.scratch.changes.note_behind(List::Constraints, self.constraints.len());
+        self.scratch.changes.note_from(List::Constraints, self.constraints.len());
         self.constraints.extend(constraints);
     }
 
@@ -101,18 +98,15 @@ impl Simulation {
     ///
     /// # Panics
     /// If there are fewer than `from` constraints.
-    pub fn replace_constraints_behind(&mut self, from: usize, constraints: Vec<Constraint>) {
-        let same = from + in_common(&self.constraints[from..], &constraints);
-        if same < self.constraints.len().max(from + constraints.len()) {
-            self.scratch.changes.note_behind(List::Constraints, same);
+    pub fn replace_constraints_from(&mut self, from: usize, constraints: Vec<Constraint>) {
+        if let Some(same) = replace_from(&mut self.constraints, from, constraints) {
+            self.scratch.changes.note_from(List::Constraints, same);
         }
-        self.constraints.truncate(from);
-        self.constraints.extend(constraints);
     }
 
     /// Puts other constraints in the place of all that there are, as [`set_distances`](Self::set_distances) does.
     pub fn set_constraints(&mut self, constraints: Vec<Constraint>) {
-        self.replace_constraints_behind(0, constraints);
+        self.replace_constraints_from(0, constraints);
     }
 
     /// Puts a constraint into the list, as [`insert_distance`](Self::insert_distance) does.
@@ -169,7 +163,12 @@ impl Simulation {
     }
 }
 
-/// How many are the same in both, from the first on.
-fn in_common<T: PartialEq>(one: &[T], other: &[T]) -> usize {
-    one.iter().zip(other).take_while(|(one, other)| one == other).count()
+/// Puts others in the place of all from number `from` on. How many are what they were, if not all.
+fn replace_from<T: PartialEq>(list: &mut Vec<T>, from: usize, others: Vec<T>) -> Option<usize> {
+    let both = list[from..].iter().zip(&others);
+    let same = from + both.take_while(|(one, other)| one == other).count();
+    let all = list.len().max(from + others.len());
+    list.truncate(from);
+    list.extend(others);
+    (same < all).then_some(same)
 }

@@ -1,6 +1,5 @@
 //! One link on its way from a component to the solver's list: its particles resolved, checked, put in order, and reported if it cannot act.
 
-use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 use sinew::constraints::Rows;
 use sinew::{ConstraintFault, DistanceFault, Simulation, SpringFault};
@@ -156,27 +155,33 @@ pub(super) fn update_incrementally<L: Incremental>(
     grown == detector.grown
 }
 
+/// How many links of a list stand before the first of which a particle is not among the first `same_rows`; `None` if no more stay than have moved, or `changed`.
+pub(super) fn unmoved<L: Link>(list: &[L], same_rows: usize, changed: usize) -> Option<usize> {
+    let moved = |link: &L| link.rows().any(|row| row as usize >= same_rows);
+    let unmoved = list.iter().position(moved).unwrap_or(list.len());
+    (list.len() - unmoved + changed < unmoved).then_some(unmoved)
+}
+
 /// What a list of the solver holds from the first link on that is not what it was, its number and the links from there on; and their places. `None` if one of them
 /// cannot act, or it does not add up to what there is: then the list has to be filled afresh.
 ///
-/// A link is what it was if its particles are among the first `same_rows`, it is not among those that were added or changed, nor said to have gone, and none
-/// before it is. `again` makes the entries of what stands in some places and is still there, and there are `count` in all.
-pub(super) fn refill<L: Link>(
-    (list, places): (&[L], &mut Vec<Place>),
-    (same_rows, count): (usize, usize),
+/// A link is what it was if it is among the first [`unmoved`] ones, not among those that were added or changed, nor said to have gone, and none before it
+/// is. `again` makes the entries of what stands in some places and is still there, and there are `count` in all.
+pub(super) fn refill<L>(
+    places: &mut Vec<Place>,
+    (unmoved, count): (usize, usize),
     (mut entries, gone): (Vec<Entry<L>>, &[Entity]),
     again: impl Fn(&[Place], &mut Vec<Entry<L>>),
 ) -> Option<(usize, Vec<L>)> {
-    let moved = |link: &L| link.rows().any(|row| row as usize >= same_rows);
-    let mut kept = list.iter().position(moved).unwrap_or(list.len());
-    if let Some(first) = entries.iter().map(|entry| entry.place).min() {
-        kept = kept.min(places.partition_point(|&own| own < first));
-    }
-    let is_all_there = entries.is_empty() && kept == places.len() && kept == count;
-    if !is_all_there && !gone.is_empty() {
-        let gone: EntityHashSet = gone.iter().copied().collect();
-        let went = |place: &Place| gone.contains(&place.entity);
-        kept = places[..kept].iter().position(went).unwrap_or(kept);
+    let first = entries.iter().map(|entry| entry.place).min();
+    let before = |first: Place| places.partition_point(|&own| own < first);
+    let mut kept = first.map_or(unmoved, |first| unmoved.min(before(first)));
+    let mut gone = gone.to_vec();
+    gone.sort_unstable();
+    let went = |place: &&Place| gone.binary_search(&place.entity).is_ok();
+    // Mostly they went with their particles, and nobody else has to be asked.
+    if places[kept..].iter().filter(went).count() < gone.len() {
+        kept = places[..kept].iter().position(|place| went(&place)).unwrap_or(kept);
     }
     again(&places[kept..], &mut entries);
     entries.sort_unstable_by_key(|entry| entry.place);

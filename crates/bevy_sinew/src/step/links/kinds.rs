@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use sinew::Simulation;
 
 use super::change_detection::ChangeDetector;
-use super::entry::{Entry, refill, update_incrementally};
+use super::entry::{Entry, refill, unmoved, update_incrementally};
 use crate::attach::AnchorConstraint;
 use crate::components::{CreationOrder, ParticleConstraint, for_each_constraint};
 use crate::messages::Refusal;
@@ -71,7 +71,7 @@ pub(super) enum Collected {
     /// All, as far as it can act or not.
     All(Vec<Entry<sinew::Constraint>>),
     /// What the solver's list holds from this number on.
-    Behind(usize, Vec<sinew::Constraint>),
+    From(usize, Vec<sinew::Constraint>),
 }
 
 /// Nothing.
@@ -104,8 +104,8 @@ impl Kinds {
             }
         }
         if tables.stale {
-            let behind = self.collect_behind(world, (simulation, tables));
-            self.collected = behind.unwrap_or_else(|| {
+            let changed = self.collect_from(world, (simulation, tables));
+            self.collected = changed.unwrap_or_else(|| {
                 let mut all = Vec::new();
                 for (number, kind) in (FIRST..).zip(&mut self.kinds) {
                     kind.collect(world, tables, number, None, &mut all);
@@ -116,7 +116,7 @@ impl Kinds {
     }
 
     /// Collects from the first on that is not what it was; `None` if all have to be.
-    fn collect_behind(
+    fn collect_from(
         &mut self,
         world: &World,
         (simulation, tables): (&Simulation, &mut Tables),
@@ -124,6 +124,9 @@ impl Kinds {
         if !tables.links.sound || tables.set_aside > 0 {
             return None;
         }
+        let changes = self.kinds.iter().map(|kind| kind.detector());
+        let changed = changes.map(|detector| detector.added.len() + detector.gone.len()).sum();
+        let unmoved = unmoved(simulation.constraints(), tables.layout.same, changed)?;
         let mut places = core::mem::take(&mut tables.links.constraints);
         let (mut added, mut gone, mut count) = (Vec::new(), Vec::new(), 0);
         for (number, kind) in (FIRST..).zip(&mut self.kinds) {
@@ -132,20 +135,15 @@ impl Kinds {
             count += kind.detector().count();
         }
         let kinds = &self.kinds;
-        let refilled = refill(
-            (simulation.constraints(), &mut places),
-            (tables.layout.same, count),
-            (added, &gone),
-            |behind, entries| {
-                for (number, kind) in (FIRST..).zip(kinds) {
-                    let own = behind.iter().filter(|place| place.kind == number);
-                    let own: Vec<Entity> = own.map(|place| place.entity).collect();
-                    kind.collect(world, tables, number, Some(&own), entries);
-                }
-            },
-        );
+        let refilled = refill(&mut places, (unmoved, count), (added, &gone), |tail, entries| {
+            for (number, kind) in (FIRST..).zip(kinds) {
+                let own = tail.iter().filter(|place| place.kind == number);
+                let own: Vec<Entity> = own.map(|place| place.entity).collect();
+                kind.collect(world, tables, number, Some(&own), entries);
+            }
+        });
         tables.links.constraints = places;
-        refilled.map(|(kept, list)| Collected::Behind(kept, list))
+        refilled.map(|(kept, list)| Collected::From(kept, list))
     }
 
     /// What was collected.

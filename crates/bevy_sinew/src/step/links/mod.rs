@@ -17,7 +17,7 @@ use crate::messages::Refused;
 use crate::rows::Rows;
 use crate::world::{Place, SinewWorld, Tables};
 use change_detection::ChangeDetector;
-use entry::{Entry, LinkValidator, refill, update_incrementally};
+use entry::{Entry, LinkValidator, refill, unmoved, update_incrementally};
 use kinds::Collected;
 
 /// Notes whether distances, springs or surfaces came, went or changed; few distances are taken into account at once. No hook does: a body comes and
@@ -107,7 +107,7 @@ pub(crate) fn compile_links(
     });
     validator.fill(&mut simulation.forces.springs, &mut links.springs, entries.collect());
     match kinds.take() {
-        Collected::Behind(kept, list) => simulation.replace_constraints_behind(kept, list),
+        Collected::From(kept, list) => simulation.replace_constraints_from(kept, list),
         Collected::All(entries) => {
             let mut list = Vec::with_capacity(entries.len());
             validator.fill(&mut list, &mut links.constraints, entries);
@@ -139,16 +139,17 @@ fn refill_distances(
     detector: &ChangeDetector,
     all: &Query<(Entity, &CreationOrder, &DistanceConstraint)>,
 ) -> bool {
+    let changed = detector.added.len() + detector.gone.len();
+    let unmoved = unmoved(simulation.distances(), tables.layout.same, changed);
+    let Some(unmoved) = unmoved else { return false };
     let entry = |entity: Entity| all.get(entity).ok().map(|one| entry(tables, one));
     let added = detector.added.iter().filter_map(|&entity| entry(entity)).collect();
-    let refilled = refill(
-        (simulation.distances(), places),
-        (tables.layout.same, detector.count()),
-        (added, &detector.gone),
-        |behind, entries| entries.extend(behind.iter().filter_map(|place| entry(place.entity))),
-    );
+    let refilled =
+        refill(places, (unmoved, detector.count()), (added, &detector.gone), |tail, entries| {
+            entries.extend(tail.iter().filter_map(|place| entry(place.entity)));
+        });
     let Some((kept, list)) = refilled else { return false };
-    simulation.replace_distances_behind(kept, list);
+    simulation.replace_distances_from(kept, list);
     true
 }
 

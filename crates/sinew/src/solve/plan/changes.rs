@@ -44,12 +44,12 @@ impl Default for Changes {
 impl Changes {
     /// Anything may have changed.
     pub(crate) fn note_all(&mut self) {
-        self.note_behind(List::Distances, 0);
-        self.note_behind(List::Constraints, 0);
+        self.note_from(List::Distances, 0);
+        self.note_from(List::Constraints, 0);
     }
 
     /// Anything may have changed in a list but for so many, from the first on.
-    pub(crate) fn note_behind(&mut self, list: List, same: usize) {
+    pub(crate) fn note_from(&mut self, list: List, same: usize) {
         self.many = true;
         let own = &mut self.same[list as usize];
         *own = same.min(*own);
@@ -156,7 +156,7 @@ pub(super) fn list_of(key: &Key) -> List {
 
 impl Given<'_> {
     /// What is in order among all but so many of each list, from the first on.
-    pub(super) fn sound_behind(&self, same: [usize; 2]) -> Vec<Added> {
+    pub(super) fn sound_from(&self, same: [usize; 2]) -> Vec<Added> {
         let [distances, constraints] = same;
         let each = (distances..self.distances.len()).map(|number| (List::Distances, number));
         let others = (constraints..self.constraints.len()).map(|n| (List::Constraints, n));

@@ -55,7 +55,7 @@ impl Plan {
         self.marks.push(end);
     }
 
-    /// The number of the first island behind the last mark that is not behind the island of a number: with that one, compiling may begin.
+    /// The number of the last marked island up to that of a number: with that one, compiling may begin.
     pub(super) fn marked_before(&self, island: usize) -> usize {
         let marks = self.marks.partition_point(|mark| mark.island <= island);
         self.marks[..marks].last().map_or(0, |mark| mark.island)

@@ -156,7 +156,7 @@ impl Plan {
     /// A pinned particle (of infinite mass) belongs to the island of what hangs on it, and joins several into one.
     pub(crate) fn compile(&mut self, given: Given) {
         self.compiling.keys.clear();
-        self.compile_behind(&given, 0, &given.sound_behind([0, 0]));
+        self.compile_from(&given, 0, &given.sound_from([0, 0]));
     }
 
     /// The same where so many distances and constraints, from the first on, are what they were.
@@ -180,7 +180,7 @@ impl Plan {
         if self.marked_before(kept) == 0 {
             return self.compile(given);
         }
-        self.compile_behind(&given, kept, &given.sound_behind(same));
+        self.compile_from(&given, kept, &given.sound_from(same));
     }
 
     /// Compiles as [`compile`](Self::compile) does, for as many particles as before, and where that can be without looking at everything again.
@@ -199,13 +199,13 @@ impl Plan {
                     self.cut(&given, self.marked_before(first as usize));
                 }
             }
-            Err(incremental::Fault { kept, added }) => self.compile_behind(&given, kept, &added),
+            Err(incremental::Fault { kept, added }) => self.compile_from(&given, kept, &added),
         }
     }
 
     /// Compiles all but the first `kept` islands: of what was there, that which has a key, and what was added. No constraint of those islands has
     /// changed, and what was added may tie something to them.
-    fn compile_behind(&mut self, given: &Given, kept: usize, added: &[Added]) {
+    fn compile_from(&mut self, given: &Given, kept: usize, added: &[Added]) {
         let mut compiling = core::mem::take(&mut self.compiling);
         let old = &self.islands.of[..self.rows.min(given.particles)];
         let island = |&row: &u32| old.get(row as usize).map(|&island| island as usize);
@@ -215,9 +215,9 @@ impl Plan {
         });
         let kept = self.marked_before(kept);
 
-        let numbers = compiling.take_behind(kept, given, added);
+        let numbers = compiling.take_from(kept, given, added);
         let connected = &mut compiling.connected;
-        connected.part(self.islands.members_behind(kept));
+        connected.part(self.islands.members_from(kept));
         connected.resize(given.particles);
         for list in [List::Distances, List::Constraints] {
             for &number in &numbers[list as usize] {
@@ -228,7 +228,7 @@ impl Plan {
         }
         self.rows = given.particles;
         self.islands.number(kept, connected);
-        compiling.place_behind(kept, self, given, &numbers);
+        compiling.place_from(kept, self, given, &numbers);
         compiling.note(given);
         self.compiling = compiling;
         self.cut(given, kept);

@@ -43,7 +43,7 @@ impl Compiling {
 
     /// The numbers of the distances and of the constraints that have keys, but for those of the first `kept` islands, and of what was added, ascending: as far
     /// as they are in order. Their keys are taken out.
-    pub(super) fn take_behind(
+    pub(super) fn take_from(
         &mut self,
         kept: usize,
         given: &Given,
@@ -59,7 +59,7 @@ impl Compiling {
     }
 
     /// Gives the constraints of these numbers their keys: those of all but the first `kept` of the plan's islands.
-    pub(super) fn place_behind(
+    pub(super) fn place_from(
         &mut self,
         kept: usize,
         plan: &Plan,
@@ -70,7 +70,7 @@ impl Compiling {
         let [distances, constraints] = numbers;
         self.sort_by_island(kept, plan, (given.distances, distances));
         let first = self.keys.len();
-        self.colours.reset(plan.rows, plan.islands.members_behind(kept));
+        self.colours.reset(plan.rows, plan.islands.members_from(kept));
         self.clusters.truncate(kept);
         self.reaches.truncate(kept);
         self.reaches.resize(plan.islands.list.len(), 0);

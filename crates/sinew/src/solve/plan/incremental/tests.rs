@@ -159,7 +159,7 @@ fn mended(plan: &mut Plan, lists: &mut Lists) -> bool {
             let first = islands.first().map_or(0, |&first| plan.marked_before(first as usize));
             plan.cut(&given, first);
         }
-        Some(Err(Fault { kept, added })) => plan.compile_behind(&given, kept, &added),
+        Some(Err(Fault { kept, added })) => plan.compile_from(&given, kept, &added),
         None => plan.compile_changed(given, changes.same()),
     }
     plan.compiling.note(&given);
