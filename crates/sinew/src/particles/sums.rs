@@ -23,9 +23,12 @@ pub(crate) struct ColumnSummary {
 impl Particles {
     /// Has gravity and the game's own force on row `i` be summed up by themselves from now on.
     pub(super) fn note_singular(&mut self, i: usize) {
-        let singular = &mut self.column_summary.singular;
-        if let Err(at) = singular.binary_search(&(i as u32)) {
-            singular.insert(at, i as u32);
+        let (row, singular) = (i as u32, &mut self.column_summary.singular);
+        // Mostly all are written, one after the other.
+        if singular.last().is_none_or(|&last| last < row) {
+            singular.push(row);
+        } else if let Err(at) = singular.binary_search(&row) {
+            singular.insert(at, row);
         }
         self.note_pushed(i);
     }

@@ -1,8 +1,7 @@
 //! Changes: what was added to the lists and removed from them since a plan was compiled, and what numbers that leaves to the rest.
 
 use super::Given;
-use super::keys::{DISTANCES, Fields, Key, RODS};
-use super::place::{rank_of, rank_of_kind};
+use super::keys::{DISTANCES, Fields, Key, RODS, rank_of, rank_of_kind};
 use crate::constraints::Rows;
 
 /// With more changes than these it is hardly worth it: each is looked for among all.

@@ -1,6 +1,7 @@
 //! Keys: where each constraint goes in a plan, as one number to sort by.
 
 use super::GroupKind;
+use crate::constraints::{Bound, ConstraintKind, Distance};
 
 /// Where a constraint goes, and which it is. They are compared from the first field to the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -18,7 +19,7 @@ pub(super) const DISTANCES: u32 = 32;
 /// The rank of rods, after the rest of their island.
 pub(super) const RODS: u32 = 33;
 /// The rank of rigid shapes.
-pub(super) const RIGID: u32 = 34;
+const RIGID: u32 = 34;
 
 /// What the key of a group is made of, most significant first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,4 +62,19 @@ impl Fields {
             _ => GroupKind::Constraints,
         }
     }
+}
+
+/// Whether a distance is a hard one of equality, which the shortest kernels take.
+pub(super) fn is_rod(d: &Distance) -> bool {
+    d.softness.is_hard() && d.bound == Bound::Equal
+}
+
+/// Where distances stand in a sweep.
+pub(super) fn rank_of(d: &Distance) -> u32 {
+    if is_rod(d) { RODS } else { DISTANCES }
+}
+
+/// And other constraints.
+pub(super) fn rank_of_kind(kind: &ConstraintKind) -> u32 {
+    if matches!(kind, ConstraintKind::Rigid(_)) { RIGID } else { kind.rank() }
 }

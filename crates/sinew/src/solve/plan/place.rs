@@ -5,9 +5,9 @@ use core::ops::Range;
 use super::changes::{Added, list_of};
 use super::clusters::{Clusters, Place};
 use super::colours::{Colours, StrideCounts, Strides};
-use super::keys::{DISTANCES, Fields, Key, RIGID, RODS};
+use super::keys::{Fields, Key, is_rod, rank_of, rank_of_kind};
 use super::{Given, GroupKind, Plan};
-use crate::constraints::{Bound, Constraint, ConstraintKind, Distance};
+use crate::constraints::{Bound, Constraint, Distance};
 use crate::solve::rods;
 use crate::union_find::UnionFind;
 
@@ -209,11 +209,6 @@ impl Compiling {
     }
 }
 
-/// Whether a distance is a hard one of equality, which the shortest kernels take.
-pub(super) fn is_rod(d: &Distance) -> bool {
-    d.softness.is_hard() && d.bound == Bound::Equal
-}
-
 /// Which of the groups of distances one belongs to.
 fn kind_of(d: &Distance) -> GroupKind {
     if is_rod(d) { GroupKind::Rods } else { GroupKind::Distances }
@@ -223,14 +218,4 @@ fn kind_of(d: &Distance) -> GroupKind {
 /// columns do not know where the substep began.
 pub(super) fn may_stride(d: &Distance) -> bool {
     is_rod(d) || (d.bound == Bound::Equal && rods::compliance(d).is_some())
-}
-
-/// Where distances stand in a sweep.
-pub(super) fn rank_of(d: &Distance) -> u32 {
-    if is_rod(d) { RODS } else { DISTANCES }
-}
-
-/// And other constraints.
-pub(super) fn rank_of_kind(kind: &ConstraintKind) -> u32 {
-    if matches!(kind, ConstraintKind::Rigid(_)) { RIGID } else { kind.rank() }
 }
