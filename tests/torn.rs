@@ -47,7 +47,7 @@ fn fray(app: &mut App, cloth: Entity, n: usize) {
     }
 }
 
-/// Has everything compiled again: more changed than is worth mending.
+/// Has all of them looked at again: more changed than is worth mending one by one.
 fn touch_all(app: &mut App) {
     let world = app.world_mut();
     let mut all = world.query::<&mut DistanceConstraint>();
