@@ -10,10 +10,21 @@ use bevy::prelude::*;
 pub(crate) struct Layout {
     /// Counts the layouts, so that whoever resolved entities into rows knows when to do so again.
     pub(crate) number: u64,
-    /// So many rows, from the first on, have the particles that they had before this tick.
+    /// So many rows, from the first on, have the particles that they had in the layout before this one.
     pub(crate) same: usize,
     /// The row of each particle: for rebuilding what names particles; never read in a tick without changes.
     pub(crate) row_of: EntityHashMap<u32>,
+}
+
+impl Layout {
+    /// How many rows, from the first on, have the particles that they had in the layout of a number, as far as that is known.
+    pub(crate) fn same_since(&self, number: u64) -> usize {
+        match self.number.wrapping_sub(number) {
+            0 => usize::MAX,
+            1 => self.same,
+            _ => 0,
+        }
+    }
 }
 
 /// The rows of the particles that the component `T` of the same entity names, in its order. Scratch.
@@ -47,15 +58,9 @@ impl<T: Send + Sync + 'static> Rows<T> {
         changed: bool,
         named: impl Iterator<Item = Entity>,
     ) -> &[u32] {
-        let stay = || {
-            self.layout + 1 == layout.number
-                && self.rows.iter().all(|&row| (row as usize) < layout.same)
-        };
-        if !changed && self.layout != layout.number && stay() {
-            self.layout = layout.number;
-        }
-        if changed || self.layout != layout.number {
-            self.layout = layout.number;
+        let is_old = self.layout != layout.number;
+        let same = layout.same_since(core::mem::replace(&mut self.layout, layout.number));
+        if changed || is_old && self.rows.iter().any(|&row| row as usize >= same) {
             self.plain = None;
             self.rows.clear();
             self.rows.extend(named.map(|entity| *layout.row_of.get(&entity).unwrap_or(&GONE)));

@@ -121,7 +121,7 @@ fn bodies_that_stay_compiled_have_the_bits_of_compiling_afresh() {
                     // More than can be followed one by one, in the second cloth or the third.
                     let mut list = world.distances().to_vec();
                     list.drain(90 * tick + 3000..90 * tick + 3030);
-                    world.set_distances(list);
+                    world.replace_distances_from(0, list);
                 }
                 3 => {
                     // Something that hangs on an old body, and something that goes.

@@ -48,15 +48,11 @@ pub(crate) fn resolve_shapes(
             (None, Some(constraints)) => constraints.is_changed(),
             (None, None) => false,
         };
-        // Its particles and its surface are what they were, or it would have changed itself.
-        let stays = resolved.layout == tables.layout.number
-            || resolved.layout + 1 == tables.layout.number
-                && !members.is_changed()
-                && rows.iter().all(|&row| (row as usize) < tables.layout.same);
+        let same = tables.layout.same_since(resolved.layout);
+        let stays = !members.is_changed() && rows.iter().all(|&row| (row as usize) < same);
         if !new && stays && resolved.radius == radius {
-            if resolved.layout != tables.layout.number {
-                resolved.bypass_change_detection().layout = tables.layout.number;
-            }
+            // What it comes to is the same.
+            resolved.bypass_change_detection().layout = tables.layout.number;
             continue;
         }
         let triangles = surface.as_ref().map_or(&[][..], |surface| &surface.triangles);

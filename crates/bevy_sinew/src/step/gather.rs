@@ -192,6 +192,7 @@ fn gather_one(
     let held = pinned.is_some() || pinned_to.is_some();
     let put = simulation.particles.set(row, if held { seed.pinned() } else { seed });
     debug_assert!(put.is_ok(), "the seed was checked above");
+    // It has none since it was put there.
     if external != Vec3::ZERO {
         simulation.particles.set_external_force(row, external);
     }

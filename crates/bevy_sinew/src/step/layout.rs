@@ -14,7 +14,6 @@ pub(crate) fn lay_out(
     mut particles: Query<(Entity, &mut CreationOrder, &mut ParticleRow), With<Particle>>,
     mut order: Local<Vec<(CreationOrder, Entity)>>,
 ) {
-    world.tables.layout.same = world.tables.entities.len();
     if !changed.0 {
         return;
     }

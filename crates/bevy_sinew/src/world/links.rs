@@ -12,6 +12,8 @@ pub(crate) struct Links {
     pub(crate) springs: Vec<Place>,
     /// Whether all links there are do.
     pub(crate) sound: bool,
+    /// The layout whose rows they name.
+    pub(crate) layout: u64,
     /// Counts the changes of the lists.
     pub(crate) version: u64,
 }

@@ -18,7 +18,8 @@ impl Simulation {
     ///
     /// For one or a few there are [`insert_distance`](Self::insert_distance), [`remove_distance`](Self::remove_distance) and
     /// [`replace_distance`](Self::replace_distance): a plan that knows what changed is updated incrementally, which takes a fraction of the time. For
-    /// bodies that are added there is [`extend_distances`](Self::extend_distances), and for another list [`set_distances`](Self::set_distances).
+    /// bodies that are added there is [`extend_distances`](Self::extend_distances), and for another list
+    /// [`replace_distances_from`](Self::replace_distances_from).
     pub fn distances_mut(&mut self) -> &mut Vec<Distance> {
         self.scratch.changes.note_all();
         &mut self.distances
@@ -30,7 +31,8 @@ impl Simulation {
         self.distances.extend(distances);
     }
 
-    /// Puts other distances in the place of those from number `from` on, as [`set_distances`](Self::set_distances) does.
+    /// Puts other distances in the place of those from number `from` on; of all that there are, from 0 on. Bodies stay compiled before the first of which a
+    /// distance has changed, in the order of their first particles.
     ///
     /// # Panics
     /// If there are fewer than `from` distances.
@@ -38,12 +40,6 @@ impl Simulation {
         if let Some(same) = replace_from(&mut self.distances, from, distances) {
             self.scratch.changes.note_from(List::Distances, same);
         }
-    }
-
-    /// Puts other distances in the place of all that there are. Bodies stay compiled before the first of which a distance has changed, in the order of their
-    /// first particles.
-    pub fn set_distances(&mut self, distances: Vec<Distance>) {
-        self.replace_distances_from(0, distances);
     }
 
     /// Puts a distance into the list, before the one that has been number `at`. It acts from the next step on.
@@ -94,7 +90,7 @@ impl Simulation {
         self.constraints.extend(constraints);
     }
 
-    /// Puts other constraints in the place of those from number `from` on, as [`set_distances`](Self::set_distances) does.
+    /// Puts other constraints in the place of those from number `from` on, as [`replace_distances_from`](Self::replace_distances_from) does.
     ///
     /// # Panics
     /// If there are fewer than `from` constraints.
@@ -102,11 +98,6 @@ impl Simulation {
         if let Some(same) = replace_from(&mut self.constraints, from, constraints) {
             self.scratch.changes.note_from(List::Constraints, same);
         }
-    }
-
-    /// Puts other constraints in the place of all that there are, as [`set_distances`](Self::set_distances) does.
-    pub fn set_constraints(&mut self, constraints: Vec<Constraint>) {
-        self.replace_constraints_from(0, constraints);
     }
 
     /// Puts a constraint into the list, as [`insert_distance`](Self::insert_distance) does.

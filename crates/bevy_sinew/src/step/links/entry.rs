@@ -15,9 +15,6 @@ pub(super) trait Link: Sized {
 
     /// Why it cannot act among so many particles, or `None` if it can.
     fn refusal(&self, particles: usize) -> Option<Refusal>;
-
-    /// The rows of its particles.
-    fn rows(&self) -> impl Iterator<Item = u32>;
 }
 
 impl Link for sinew::Distance {
@@ -25,10 +22,6 @@ impl Link for sinew::Distance {
 
     fn refusal(&self, particles: usize) -> Option<Refusal> {
         self.fault(particles).map(Refusal::Distance)
-    }
-
-    fn rows(&self) -> impl Iterator<Item = u32> {
-        [self.a, self.b].into_iter()
     }
 }
 
@@ -38,10 +31,6 @@ impl Link for sinew::Spring {
     fn refusal(&self, particles: usize) -> Option<Refusal> {
         self.fault(particles).map(Refusal::Spring)
     }
-
-    fn rows(&self) -> impl Iterator<Item = u32> {
-        [self.a, self.b].into_iter()
-    }
 }
 
 impl Link for sinew::Constraint {
@@ -50,16 +39,15 @@ impl Link for sinew::Constraint {
     fn refusal(&self, particles: usize) -> Option<Refusal> {
         self.fault(particles).map(Refusal::Constraint)
     }
-
-    fn rows(&self) -> impl Iterator<Item = u32> {
-        self.rows.iter().copied()
-    }
 }
 
 /// A link that can come and go by itself: the solver's plan keeps up with it.
 pub(super) trait Incremental: Link {
     fn insert(self, simulation: &mut Simulation, at: usize);
     fn remove(simulation: &mut Simulation, at: usize);
+
+    /// The rows of its particles.
+    fn rows(&self) -> impl Iterator<Item = u32>;
 }
 
 impl Incremental for sinew::Distance {
@@ -70,6 +58,10 @@ impl Incremental for sinew::Distance {
     fn remove(simulation: &mut Simulation, at: usize) {
         simulation.remove_distance(at);
     }
+
+    fn rows(&self) -> impl Iterator<Item = u32> {
+        [self.a, self.b].into_iter()
+    }
 }
 
 impl Incremental for sinew::Constraint {
@@ -79,6 +71,10 @@ impl Incremental for sinew::Constraint {
 
     fn remove(simulation: &mut Simulation, at: usize) {
         simulation.remove_constraint(at);
+    }
+
+    fn rows(&self) -> impl Iterator<Item = u32> {
+        self.rows.iter().copied()
     }
 }
 
@@ -156,7 +152,11 @@ pub(super) fn update_incrementally<L: Incremental>(
 }
 
 /// How many links of a list stand before the first of which a particle is not among the first `same_rows`; `None` if no more stay than have moved, or `changed`.
-pub(super) fn unmoved<L: Link>(list: &[L], same_rows: usize, changed: usize) -> Option<usize> {
+pub(super) fn unmoved<L: Incremental>(
+    list: &[L],
+    same_rows: usize,
+    changed: usize,
+) -> Option<usize> {
     let moved = |link: &L| link.rows().any(|row| row as usize >= same_rows);
     let unmoved = list.iter().position(moved).unwrap_or(list.len());
     (list.len() - unmoved + changed < unmoved).then_some(unmoved)

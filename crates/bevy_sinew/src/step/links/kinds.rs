@@ -126,7 +126,11 @@ impl Kinds {
         }
         let changes = self.kinds.iter().map(|kind| kind.detector());
         let changed = changes.map(|detector| detector.added.len() + detector.gone.len()).sum();
-        let unmoved = unmoved(simulation.constraints(), tables.layout.same, changed)?;
+        let unmoved = unmoved(
+            simulation.constraints(),
+            tables.layout.same_since(tables.links.layout),
+            changed,
+        )?;
         let mut places = core::mem::take(&mut tables.links.constraints);
         let (mut added, mut gone, mut count) = (Vec::new(), Vec::new(), 0);
         for (number, kind) in (FIRST..).zip(&mut self.kinds) {

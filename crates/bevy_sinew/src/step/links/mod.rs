@@ -86,12 +86,13 @@ pub(crate) fn compile_links(
     let mut links = core::mem::take(&mut tables.links);
     let stay = links.sound && tables.set_aside == 0;
     let mut validator = LinkValidator::new(before, &mut messages);
+    let same_rows = tables.layout.same_since(links.layout);
     let lists = (&*tables, &mut links.distances);
-    if !(stay && refill_distances(simulation, lists, &kinds.distances, &distances)) {
+    if !(stay && refill_distances(simulation, lists, (&kinds.distances, same_rows), &distances)) {
         let entries = distances.iter().map(|one| entry(tables, one)).collect();
         let mut list = Vec::with_capacity(simulation.distances().len());
         validator.fill(&mut list, &mut links.distances, entries);
-        simulation.set_distances(list);
+        simulation.replace_distances_from(0, list);
     }
     let entries = springs.iter().map(|(entity, &order, spring)| {
         let place = Place { order, entity, kind: kinds::SPRINGS };
@@ -111,10 +112,11 @@ pub(crate) fn compile_links(
         Collected::All(entries) => {
             let mut list = Vec::with_capacity(entries.len());
             validator.fill(&mut list, &mut links.constraints, entries);
-            simulation.set_constraints(list);
+            simulation.replace_constraints_from(0, list);
         }
     }
     links.sound = validator.passed_all();
+    links.layout = tables.layout.number;
     links.version += 1;
     tables.reported_errors = validator.reported_errors();
 
@@ -136,11 +138,11 @@ pub(crate) fn compile_links(
 fn refill_distances(
     simulation: &mut Simulation,
     (tables, places): (&Tables, &mut Vec<Place>),
-    detector: &ChangeDetector,
+    (detector, same_rows): (&ChangeDetector, usize),
     all: &Query<(Entity, &CreationOrder, &DistanceConstraint)>,
 ) -> bool {
     let changed = detector.added.len() + detector.gone.len();
-    let unmoved = unmoved(simulation.distances(), tables.layout.same, changed);
+    let unmoved = unmoved(simulation.distances(), same_rows, changed);
     let Some(unmoved) = unmoved else { return false };
     let entry = |entity: Entity| all.get(entity).ok().map(|one| entry(tables, one));
     let added = detector.added.iter().filter_map(|&entity| entry(entity)).collect();
