@@ -2,6 +2,10 @@
 //!
 //! It is asked for bodies that have particles of their own to collide with: cloth, ropes, soft bodies, single particles. Rigid parts are compared one by
 //! one as it is (`body_contact`), and stand here for what those may run into.
+//!
+//! Of a large body that is near another one mostly a few particles are: a sail has ropes at its corners. The others are far from everything, too.
+
+use core::ops::Range;
 
 use glam::Vec3;
 
@@ -21,6 +25,15 @@ pub(crate) struct Nearby {
     near: Vec<bool>,
     /// Of each body, whether it is near another one.
     beside: Vec<bool>,
+    /// Of each body where the regions are in which its particles may come to touch another one; none where all of them may.
+    of_body: Vec<Range<u32>>,
+    regions: Vec<(Vec3, Vec3)>,
+    /// Large bodies, each with one that it is near; sorted.
+    met: Vec<[u32; 2]>,
+    /// Of each body how many particles are in its regions.
+    inside: Vec<u32>,
+    /// Of each row whether it is far from all others, though its body is near one; empty where that is so of none.
+    far: Vec<bool>,
 }
 
 /// Where a body is.
@@ -30,9 +43,24 @@ struct BodyExtent {
     high: Vec3,
     /// The square of its fastest particle's speed, m²/s².
     fastest: f32,
+    /// Of its largest particle, metres.
+    radius: f32,
+    /// How far the pin that is led farthest in this step is led, metres.
+    led: f32,
+    /// How many particles it has.
+    particles: u32,
     /// Whether it has particles that collide by themselves.
     free: bool,
 }
+
+/// Of smaller bodies all particles are asked.
+const LARGE: u32 = 64;
+
+/// Of more regions none are made: all particles are asked as fast.
+const MOST_REGIONS: usize = 16;
+
+/// Where more than one in so many particles of a body is in a region, all take part: who does changes less, and what was found lasts longer.
+const MANY: u32 = 2;
 
 /// How much further than its fastest particle would go alone, a body may go: what is flung by its neighbours is faster than all of them were.
 pub(super) const HASTE: f32 = 1.5;
@@ -53,6 +81,9 @@ impl Nearby {
     /// Finds them. Rows that are marked in `aside` do not collide by themselves.
     pub(super) fn broad_phase(&mut self, particles: &Particles, world: &World, aside: &[bool]) {
         let contacts = world.filter.bodies();
+        self.of_body.clear();
+        self.regions.clear();
+        self.far.clear();
         for bodies in [&mut self.near, &mut self.beside] {
             bodies.clear();
             bodies.resize(contacts.len(), false);
@@ -73,7 +104,7 @@ impl Nearby {
         if !self.bodies.iter().any(|body| body.free) {
             return;
         }
-        let Self { bodies, bounds, broad, pairs, near, beside } = self;
+        let Self { bodies, bounds, broad, pairs, near, beside, .. } = self;
         bounds.clear();
         bounds.extend(bodies.iter().map(|body| body.bounds(world)));
         broad.0.pairs(bounds, pairs);
@@ -87,6 +118,79 @@ impl Nearby {
                 (beside[a], beside[b]) = (true, true);
             }
         }
+        self.find_regions(world);
+        self.find_far(particles);
+    }
+
+    /// Notes where particles of large bodies, which do not touch themselves, may come to touch another one: where that may come to.
+    fn find_regions(&mut self, world: &World) {
+        let contacts = world.filter.bodies();
+        let Self { bodies, bounds, pairs, beside, of_body, regions, met, .. } = self;
+        let is_large = |body: usize| {
+            bodies[body].particles > LARGE && beside[body] && !contacts[body].with_itself
+        };
+        if !(0..bodies.len()).any(is_large) {
+            return;
+        }
+        let meet = |&&[a, b]: &&[u32; 2]| {
+            let [a, b] = [a as usize, b as usize];
+            (bodies[a].free || bodies[b].free) && contacts[a].meets(&contacts[b])
+        };
+        let both_ways = pairs.iter().filter(meet).flat_map(|&[a, b]| [[a, b], [b, a]]);
+        met.clear();
+        met.extend(both_ways.filter(|&[body, _]| is_large(body as usize)));
+        met.sort_unstable();
+        of_body.resize(bodies.len(), 0..0);
+        for met in met.chunk_by(|one, other| one[0] == other[0]) {
+            if met.len() > MOST_REGIONS {
+                continue;
+            }
+            let body = met[0][0] as usize;
+            let others = || met.iter().map(|&[_, other]| other as usize);
+            // Who is hit is as fast as what hits it.
+            let fastest = others().map(|other| bodies[other].fastest);
+            let extent = &bodies[body];
+            let fastest = fastest.fold(extent.fastest, f32::max);
+            let wide = extent.led + extent.radius + reach(fastest.sqrt(), world.gravity, world.dt);
+            let first = regions.len() as u32;
+            regions.extend(others().map(|other| {
+                let (low, high) = bounds[other];
+                (low - wide, high + wide)
+            }));
+            of_body[body] = first..regions.len() as u32;
+        }
+    }
+
+    /// Marks the particles that are in no region of their body, where those are most of it.
+    fn find_far(&mut self, particles: &Particles) {
+        let Self { bodies, of_body, regions, far, inside, .. } = self;
+        if regions.is_empty() {
+            return;
+        }
+        inside.clear();
+        inside.resize(bodies.len(), 0);
+        far.resize(particles.len(), false);
+        for (row, &body) in particles.body.iter().enumerate() {
+            let own = of_body.get(body as usize).filter(|own| !own.is_empty());
+            let Some(own) = own else { continue };
+            let at = particles.origin[row] + particles.position[row].truncate();
+            let regions = &regions[own.start as usize..own.end as usize];
+            far[row] = !regions.iter().any(|&region| is_within((at, at), region));
+            inside[body as usize] += u32::from(!far[row]);
+        }
+        let mut any = false;
+        for ((own, extent), inside) in of_body.iter_mut().zip(&*bodies).zip(&*inside) {
+            if *inside * MANY > extent.particles {
+                *own = 0..0;
+            }
+            any |= own.start < own.end;
+        }
+        if !any {
+            far.clear();
+        }
+        for (far, &body) in far.iter_mut().zip(&particles.body) {
+            *far &= of_body.get(body as usize).is_some_and(|own| !own.is_empty());
+        }
     }
 
     /// Whether a body may come to touch another one, or itself.
@@ -98,6 +202,22 @@ impl Nearby {
     /// Whether a body may come to touch another one.
     pub(super) fn has_beside(&self, body: u32) -> bool {
         self.beside.get(body as usize).is_some_and(|&beside| beside)
+    }
+
+    /// Whether the particle of a row, which is of a body, may come to touch another body, or its own.
+    #[inline(always)]
+    pub(super) fn has_particle(&self, row: usize, body: u32) -> bool {
+        self.has(body) && !self.far.get(row).is_some_and(|&far| far)
+    }
+
+    /// The same of what is between some points of a body, metres in the world.
+    pub(super) fn has_hull(&self, body: u32, points: [Vec3; 3]) -> bool {
+        let own = self.of_body.get(body as usize).filter(|own| !own.is_empty());
+        let Some(own) = own else { return self.has(body) };
+        let [a, b, c] = points;
+        let bounds = (a.min(b).min(c), a.max(b).max(c));
+        let regions = &self.regions[own.start as usize..own.end as usize];
+        regions.iter().any(|&region| is_within(bounds, region))
     }
 
     /// Puts a box about each body that takes part, and about where its pins lead.
@@ -115,6 +235,7 @@ impl Nearby {
             extent.add(at, radius);
             let speed = particles.velocity[row].truncate().length_squared();
             extent.fastest = extent.fastest.max(speed);
+            extent.particles += 1;
             let aside = aside.get(row).is_some_and(|&aside| aside);
             extent.free |= !aside && (radius > 0.0 || own.surface);
         }
@@ -123,20 +244,31 @@ impl Nearby {
             if let Some(extent) = self.bodies.get_mut(body as usize)
                 && pin.target.is_finite()
             {
-                extent.add(pin.target, particles.radius[pin.particle as usize]);
+                let row = pin.particle as usize;
+                extent.add(pin.target, particles.radius[row]);
+                let at = particles.origin[row] + particles.position[row].truncate();
+                extent.led = extent.led.max((pin.target - at).length());
             }
         }
     }
 }
 
 impl BodyExtent {
-    const NOWHERE: Self =
-        Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY, fastest: 0.0, free: false };
+    const NOWHERE: Self = Self {
+        low: Vec3::INFINITY,
+        high: Vec3::NEG_INFINITY,
+        fastest: 0.0,
+        radius: 0.0,
+        led: 0.0,
+        particles: 0,
+        free: false,
+    };
 
     #[inline(always)]
     fn add(&mut self, at: Vec3, radius: f32) {
         self.low = self.low.min(at - radius);
         self.high = self.high.max(at + radius);
+        self.radius = self.radius.max(radius);
     }
 
     /// What it may reach in the step; a box that overlaps nothing for one that takes no part.
@@ -145,5 +277,144 @@ impl BodyExtent {
         // Far out the sum with the origin is rounded.
         let wide = reach + 1e-6 * (self.low.abs().max(self.high.abs()).max_element() + 1.0);
         (self.low - wide, self.high + wide)
+    }
+}
+
+/// Whether a box is within a region, in part; what is no number is nowhere.
+fn is_within((low, high): (Vec3, Vec3), region: (Vec3, Vec3)) -> bool {
+    low.cmple(region.1).all() && region.0.cmple(high).all()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collide::ContactFilter;
+    use crate::constraints::{Boundaries, Pin};
+    use crate::islands::Islands;
+    use crate::particles::ParticleSeed;
+
+    /// A flat sheet of 40 × 40 particles that are 0.1 m apart and have a radius of 0.04 m, from the origin on; and other bodies.
+    #[derive(Default)]
+    struct Sheet {
+        particles: Particles,
+        contacts: Vec<BodyContacts>,
+        boundaries: Boundaries,
+    }
+
+    impl Sheet {
+        const SIDE: usize = 40;
+
+        fn new() -> Self {
+            let mut sheet = Self::default();
+            let all = (0..Self::SIDE * Self::SIDE).map(|i| [i % Self::SIDE, i / Self::SIDE]);
+            sheet.add(all.map(|[x, z]| Vec3::new(x as f32, 0.0, z as f32) * 0.1), Vec3::ZERO);
+            sheet
+        }
+
+        /// Adds a body of such particles, all of which have a velocity.
+        fn add(&mut self, places: impl IntoIterator<Item = Vec3>, velocity: Vec3) {
+            let body = self.contacts.len() as u32;
+            self.contacts.push(BodyContacts { with_bodies: true, ..BodyContacts::DEFAULT });
+            for place in places {
+                let seed = ParticleSeed::at(place).with_radius(0.04);
+                let row = self.particles.push(seed).unwrap() as usize;
+                self.particles.set_body(row, Some(body));
+                self.particles.set_velocity(row, velocity);
+            }
+        }
+
+        /// Who may come to touch whom in a sixtieth of a second.
+        fn nearby(&self) -> Nearby {
+            let (filter, islands) = (ContactFilter::untied(&self.contacts), Islands::default());
+            let world = World {
+                boundaries: &self.boundaries,
+                colliders: &[],
+                body_colliders: &[],
+                filter: &filter,
+                islands: &islands,
+                dt: 1.0 / 60.0,
+                substeps: 10,
+                gravity: 9.81,
+                at_rest: false,
+            };
+            let mut nearby = Nearby::default();
+            nearby.broad_phase(&self.particles, &world, &[]);
+            nearby
+        }
+
+        /// The places of those particles of the sheet that may come to touch another body.
+        fn taking_part(&self) -> Vec<Vec3> {
+            let nearby = self.nearby();
+            // Of the others all that are near.
+            let sheet = 0..Self::SIDE * Self::SIDE;
+            let mut others = sheet.end..self.particles.len();
+            let body = |row: usize| self.particles.body[row];
+            assert!(others.all(|row| nearby.has_particle(row, body(row)) == nearby.has(body(row))));
+            let place = |row: usize| self.particles.position(row);
+            sheet.filter(|&row| nearby.has_particle(row, 0)).map(place).collect()
+        }
+    }
+
+    #[test]
+    fn of_a_sheet_with_a_thing_on_its_corner_only_what_is_below_it_takes_part() {
+        let mut sheet = Sheet::new();
+        sheet.add([Vec3::new(0.1, 0.08, 0.1)], Vec3::ZERO);
+        let taking_part = sheet.taking_part();
+        // Two radii about it, and what gravity may do to each in the step.
+        let near = 0.1 + 2.0 * (0.04 + reach(0.0, 9.81, 1.0 / 60.0));
+        assert_eq!(taking_part.len(), 1, "{taking_part:?}");
+        assert!(taking_part.iter().all(|at| at.max_element() <= near));
+    }
+
+    #[test]
+    fn where_something_comes_fast_more_of_it_takes_part() {
+        let mut sheet = Sheet::new();
+        sheet.add([Vec3::new(1.0, 0.1, 1.0)], Vec3::new(12.0, -3.0, 0.0));
+        // What is hit goes as fast, and that is twice 0.3 m in the step.
+        let within = |at: &&Vec3| (at.x - 1.0).abs() < 0.6 && (at.z - 1.0).abs() < 0.6;
+        let all = Sheet::new().particles;
+        let wanted = (0..all.len()).map(|row| all.position(row)).filter(|at| within(&at)).count();
+        let taking_part = sheet.taking_part();
+        assert_eq!(taking_part.iter().filter(within).count(), wanted);
+        assert!(wanted > 100 && taking_part.len() < 250, "{wanted} of {}", taking_part.len());
+    }
+
+    #[test]
+    fn what_a_pin_is_led_to_takes_part_from_where_it_is() {
+        let mut sheet = Sheet::new();
+        sheet.add([Vec3::new(0.0, 1.5, 0.0)], Vec3::ZERO);
+        assert_eq!(sheet.taking_part().len(), 0);
+        sheet.particles.position[0].w = 0.0;
+        sheet.boundaries.pins.push(Pin { particle: 0, target: Vec3::new(0.0, 1.5, 0.0) });
+        // It takes its neighbours along.
+        let taking_part = sheet.taking_part();
+        assert!(taking_part.contains(&Vec3::ZERO) && taking_part.len() > 100);
+        assert!(taking_part.iter().all(|at| at.max_element() < 1.7));
+    }
+
+    #[test]
+    fn where_most_of_it_is_near_others_or_there_are_many_all_of_it_takes_part() {
+        let corner = Vec3::new(0.1, 0.08, 0.1);
+        let mut sheet = Sheet::new();
+        sheet.add([corner, Vec3::new(3.0, 0.08, 3.0)], Vec3::ZERO);
+        assert_eq!(sheet.taking_part().len(), Sheet::SIDE * Sheet::SIDE);
+        let mut sheet = Sheet::new();
+        for _ in 0..=MOST_REGIONS {
+            sheet.add([corner], Vec3::ZERO);
+        }
+        assert_eq!(sheet.taking_part().len(), Sheet::SIDE * Sheet::SIDE);
+        sheet.contacts.pop();
+        sheet.contacts.push(BodyContacts { disabled: true, ..BodyContacts::DEFAULT });
+        sheet.particles.set_body(sheet.particles.len() - 1, Some(1));
+        assert_eq!(sheet.taking_part().len(), 1);
+    }
+
+    #[test]
+    fn a_triangle_takes_part_where_it_is_over_a_thing_none_of_its_corners_is_near() {
+        let mut sheet = Sheet::new();
+        sheet.add([Vec3::new(2.0, 0.08, 2.0)], Vec3::ZERO);
+        let nearby = sheet.nearby();
+        let corners = |size: f32| [Vec3::ZERO, Vec3::X * size, Vec3::Z * size];
+        assert!(nearby.has_hull(0, corners(3.9)) && !nearby.has_hull(0, corners(1.0)));
     }
 }

@@ -87,7 +87,8 @@ impl Loose {
         };
         for row in 0..particles.len() {
             let solid = groups.solid.get(row).copied().unwrap_or(false);
-            if particles.radius[row] > 0.0 && !solid && nearby.has(particles.body[row]) {
+            let takes_part = nearby.has_particle(row, particles.body[row]);
+            if particles.radius[row] > 0.0 && !solid && takes_part {
                 let low = particles.position(row).x - reach(row);
                 if low.is_finite() {
                     rows.push((low, row as u32));

@@ -71,7 +71,11 @@ impl TriangleParticipants {
             }
             let body = particles.body[a];
             let one = particles.body[b] == body && particles.body[c] == body;
-            if one && asks(body) && [a, b, c].iter().all(|&row| is_loose(row)) {
+            if !(one && asks(body) && [a, b, c].iter().all(|&row| is_loose(row))) {
+                continue;
+            }
+            let place = |row: usize| particles.origin[row] + particles.position[row].truncate();
+            if nearby.has_hull(body, [place(a), place(b), place(c)]) {
                 self.triangles.push(corners);
             }
         }
@@ -101,7 +105,8 @@ impl TriangleParticipants {
         for (row, ((&its_body, &its_radius), number)) in columns.zip(&mut *number).enumerate() {
             if *number != CORNER {
                 // A radius of no number takes no part, either.
-                if !(nearby.has(its_body) && its_radius > 0.0 && is_loose(row)) {
+                let takes_part = nearby.has_particle(row, its_body);
+                if !(takes_part && its_radius > 0.0 && is_loose(row)) {
                     continue;
                 }
                 loose.push(rows.len() as u32);
