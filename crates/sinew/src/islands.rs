@@ -54,6 +54,8 @@ pub(crate) struct Island {
     pub(crate) cluster_batches: Range<usize>,
     /// Where its particles are among the plan's members.
     pub(crate) members: Range<usize>,
+    /// The most of them whose rows follow each other.
+    pub(crate) run: Range<usize>,
     /// Whether a compound in it moves as an explicit rigid body, which keeps its own momenta.
     pub(crate) rigid: bool,
     /// Whether a constraint in it may hold on to the world ([`Equation::is_internal`](crate::constraints::Equation::is_internal)).
@@ -76,8 +78,9 @@ pub(crate) struct Island {
     pub(crate) tethers: Option<u32>,
     /// Which of the plan's spans are its own.
     pub(crate) spans: Option<u32>,
-    /// Which of the plan's rod graphs is its own.
+    /// Which of the plan's rod graphs is its own, and which patches are.
     pub(crate) rod_graph: Option<u32>,
+    pub(crate) patches: Option<u32>,
     /// Whether a part of it collides as a rigid shape.
     pub(crate) has_solids: bool,
     /// Whether a spring pulls on it in this step.
@@ -86,6 +89,8 @@ pub(crate) struct Island {
     pub(crate) settings: SolverSettings,
     /// The microsteps that it takes in each substep, 1 or more.
     pub(crate) microsteps: u32,
+    /// How often what is tied to large cloth is swept in each sweep of that, at the most.
+    pub(crate) sweeps_of_parts: u32,
     /// Whether a body of its particles may come to touch another one in this step; asked of what takes microsteps.
     pub(crate) meets_others: bool,
     /// Whether one may come to touch another one, or itself.
@@ -180,6 +185,9 @@ impl Islands {
             members[span.end] = row as u32;
             span.end += 1;
         }
+        for island in &mut list[kept..] {
+            island.run = longest_run(members, island.members.clone());
+        }
     }
 
     /// The particles that are not in the first `kept` islands, island after island.
@@ -187,6 +195,20 @@ impl Islands {
         let begin = self.list[..kept].last().map_or(0, |island| island.members.end);
         self.members.get(begin..).unwrap_or(&[])
     }
+}
+
+/// The longest run, and of several the first, of rows that follow each other, among these of some members.
+fn longest_run(members: &[u32], of: Range<usize>) -> Range<usize> {
+    let (mut begin, mut longest) = (of.start, of.start..of.start);
+    for end in of.start + 1..=of.end {
+        if end == of.end || members[end] != members[end - 1] + 1 {
+            if end - begin > longest.len() {
+                longest = begin..end;
+            }
+            begin = end;
+        }
+    }
+    longest
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@
 //! | `settings` | what bodies ask for themselves |
 //! | `solver` | its choices against each other |
 //! | `ticks` | ticks of changing length |
+//! | `tied` | cloth on ropes, and what hangs on cloth |
 //! | `wavefronts` | large cloth through a step in columns, and from thread to thread |
 //!
 //! `threads` is what they are helped by.
@@ -39,4 +40,5 @@ mod settings;
 mod solver;
 mod threads;
 mod ticks;
+mod tied;
 mod wavefronts;

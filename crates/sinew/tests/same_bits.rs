@@ -1,6 +1,6 @@
 //! The same bits whatever computes them: each instruction set, any number of threads, debug or release.
 //!
-//! Eight scenes run for 600 ticks, and a hash of all positions and velocities is taken after each. The last hash of each scene stands below: whoever
+//! Ten scenes run for 600 ticks, and a hash of all positions and velocities is taken after each. The last hash of each scene stands below: whoever
 //! changes what the solver computes has to change it there, on purpose, and a build that computes something else is found out. Run with
 //! `SINEW_HASHES=show` to see the new ones.
 
@@ -21,7 +21,7 @@ use sinew::{
 const TICKS: usize = 600;
 
 /// What each scene comes to.
-const HASHES: [(&str, fn() -> Simulation, u64); 9] = [
+const HASHES: [(&str, fn() -> Simulation, u64); 10] = [
     ("a flag in the wind over the ground", flag, 0x42f3_9bde_e729_a05e),
     ("ropes, tethers and springs", ropes, 0x3e06_4fec_0dd3_2f71),
     ("bricks that tumble", bricks, 0x2a42_1822_b58e_2836),
@@ -30,6 +30,7 @@ const HASHES: [(&str, fn() -> Simulation, u64); 9] = [
     ("a large cloth", large, 0xd284_20b0_3f09_2047),
     ("boxes and balls poured onto a ramp", heap, 0x468a_9f9b_f572_0d23),
     ("cloth and a figure on a ball and on stairs", drape, 0x9ea5_b0b2_a93f_e143),
+    ("cloth on ropes, with a crate", tied, 0xf8ca_c218_bff2_00a7),
     ("rigid states among particles", states, 0x3a69_3822_4e9c_cbb2),
 ];
 
@@ -379,4 +380,41 @@ fn random() -> impl FnMut() -> f32 {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (state >> 8) as f32 / 16_777_216.0 - 0.5
     }
+}
+
+/// Cloth that hangs level on three ropes, with a crate on a fourth, over a ball; some of it was there before the cloth, and a ragdoll between.
+fn tied() -> Simulation {
+    let mut world = Simulation::default();
+    let contacts = BodyContacts { with_bodies: true, ..BodyContacts::default() };
+    let at = Frame { translation: Vec3::new(0.1, 0.2, 0.0), ..Frame::IDENTITY };
+    world.colliders.push(Collider::fixed(Shape::sphere(0.5).unwrap(), at));
+    world.boundaries.planes.push(Plane::ground(-2.0));
+    let add = |world: &mut Simulation, body: &Blueprint, turn: Quat, at: Vec3| {
+        body.transformed(turn, at).build_colliding(world, contacts).unwrap()
+    };
+    let crate_of_wood =
+        box_3d(&BoxSpec { size: Vec3::splat(0.2), mass: 0.5, ..BoxSpec::default() });
+    let crate_of_wood =
+        add(&mut world, &crate_of_wood.unwrap(), Quat::IDENTITY, Vec3::new(1.2, 0.5, 1.0));
+    let spec = ClothSpec { columns: 30, rows: 30, width: 2.0, height: 2.0, ..ClothSpec::default() };
+    let figure = ragdoll(&RagdollSpec::default()).unwrap();
+    add(&mut world, &figure, Quat::IDENTITY, Vec3::new(3.0, 0.0, 0.0));
+    let level = Quat::from_xyzw(1.0, 0.0, 0.0, -1.0).normalize();
+    let cloth = add(&mut world, &cloth_grid(&spec).unwrap(), level, Vec3::Y);
+    for (number, corner) in spec.corners().into_iter().enumerate() {
+        let row = cloth.start + corner as usize;
+        let from = world.particles.position(row);
+        let hangs = number > 0;
+        let to = if hangs { from * 1.3 + Vec3::Y } else { Vec3::new(1.2, 0.6, 1.0) };
+        let spec = RopeSpec { from, to, pin_end: hangs, segments: 12, ..RopeSpec::default() };
+        let rows = add(&mut world, &rope(&spec).unwrap(), Quat::IDENTITY, Vec3::ZERO);
+        world.extend_distances([Distance::new(row as u32, rows.start as u32, 0.0)]);
+        if !hangs {
+            let [last, corner] = [rows.end - 1, crate_of_wood.start];
+            let apart = world.particles.separation(last, corner).length();
+            world.extend_distances([Distance::new(last as u32, corner as u32, apart)]);
+        }
+    }
+    world.forces.winds.push(Wind::steady(Vec3::new(0.0, 0.3, 0.4)));
+    world
 }

@@ -44,6 +44,7 @@ mod columns;
 mod kicks;
 mod wide;
 
+use core::iter::Peekable;
 use core::ops::Range;
 
 use crate::lanes::with;
@@ -85,6 +86,27 @@ pub(crate) struct StepRows {
     pub(crate) rows: Range<usize>,
     /// Microsteps in a substep, 1 or more.
     pub(crate) microsteps: u32,
+}
+
+impl StepRows {
+    /// Hands out some rows that take substeps whole, but for those that are `apart`, which ascend: as they are, or not at all if they take no microsteps.
+    pub(crate) fn cut(
+        mut rows: Range<usize>,
+        apart: &mut Peekable<impl Iterator<Item = Self>>,
+        mut each: impl FnMut(Self),
+    ) {
+        let mut hand_out = |rows: Range<usize>, microsteps| {
+            if !rows.is_empty() && microsteps > 0 {
+                each(Self { rows, microsteps });
+            }
+        };
+        while let Some(own) = apart.next_if(|own| own.rows.start < rows.end) {
+            hand_out(rows.start..own.rows.start, 1);
+            rows.start = own.rows.end;
+            hand_out(own.rows, own.microsteps);
+        }
+        hand_out(rows, 1);
+    }
 }
 
 /// Predicts the next position of every particle in some rows that can move, from its acceleration, over a substep of `h` seconds.

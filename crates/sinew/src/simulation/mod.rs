@@ -122,6 +122,8 @@ struct Scratch {
     length: f32,
     /// Rows that do not follow from rigid states in this step.
     single_rows: Vec<integrate::StepRows>,
+    /// Rows that are none of these, or take microsteps.
+    rows_apart: Vec<integrate::StepRows>,
     /// Rows of which none sleeps in this step, or stands in no one stretch with others of its island.
     awake_rows: Vec<Range<usize>>,
     /// Whether only our own forces look at particles until the step ends, so that those of rigid states on which none of them acts one by one may be written then.

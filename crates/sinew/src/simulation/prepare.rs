@@ -1,6 +1,7 @@
 //! What a step needs before its first substep: a plan, origins, settings, a state to go back to, and the gusts.
 
 use glam::{Vec3, Vec4};
+use smallvec::SmallVec;
 
 use super::{Scratch, Simulation, Substep};
 use crate::collide::World;
@@ -216,7 +217,14 @@ impl Simulation {
             let island = &mut plan.islands.list[number];
             island.settings = settings;
             island.free = is_free(island, is_held);
-            divide(plan, number, h);
+            let members = &plan.islands.members[island.members.clone()];
+            let most = match body {
+                None if !island.is_small() => {
+                    settings_of_most(members, particles, bodies, (world, h))
+                }
+                _ => settings,
+            };
+            divide(plan, number, h, most);
         }
         plan.tether(particles);
     }
@@ -320,6 +328,27 @@ pub(super) struct PinnedOrigin {
     place: Vec4,
     /// Where it is from the island's.
     shifted: Vec4,
+}
+
+/// What the body that most particles of an island are of asks for in substeps of `h` seconds.
+fn settings_of_most(
+    members: &[u32],
+    particles: &Particles,
+    bodies: &[BodySettings],
+    (world, h): (SolverSettings, f32),
+) -> SolverSettings {
+    let body = |row: &u32| particles.body[*row as usize];
+    let mut counts = SmallVec::<[(u32, usize); 8]>::new();
+    for run in members.chunk_by(|one, next| body(one) == body(next)) {
+        match counts.iter_mut().find(|(known, _)| *known == body(&run[0])) {
+            Some((_, count)) => *count += run.len(),
+            None => counts.push((body(&run[0]), run.len())),
+        }
+    }
+    // Of several the first.
+    let most = counts.into_iter().reduce(|most, next| if next.1 > most.1 { next } else { most });
+    let own = most.and_then(|(body, _)| bodies.get(body as usize));
+    own.map_or(world, |body| body.over(world, h))
 }
 
 /// What the bodies of an island ask for together in substeps of `h` seconds.

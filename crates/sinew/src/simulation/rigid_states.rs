@@ -1,12 +1,9 @@
 //! Islands that move as one rigid state: when they are read, moved and written.
 
-use core::ops::Range;
-
 use super::velocities::carried;
 use super::{Scratch, Simulation, Substep};
 use crate::collide::{RigidStep, Written};
 use crate::integrate::StepRows;
-use crate::islands::Island;
 use crate::pose::{Motion, Pose};
 use crate::solve::SubstepParameters;
 
@@ -23,7 +20,7 @@ impl Simulation {
 
     /// Lists the rows that do not follow from rigid states and do not sleep, and those that do not sleep.
     fn list_single_rows(&mut self) {
-        let Scratch { plan, single_rows, awake_rows, .. } = &mut self.scratch;
+        let Scratch { plan, single_rows, rows_apart, awake_rows, .. } = &mut self.scratch;
         let (mut next, last) = (0, self.particles.len());
         awake_rows.clear();
         for island in plan.islands.list.iter().filter(|island| island.asleep) {
@@ -37,24 +34,19 @@ impl Simulation {
         if next < last {
             awake_rows.push(next..last);
         }
-        single_rows.clear();
-        let mut next = 0;
-        let mut push = |rows: Range<usize>, microsteps| {
-            if !rows.is_empty() {
-                single_rows.push(StepRows { rows, microsteps });
-            }
-        };
-        let others = |island: &&Island| island.is_left_alone() || island.takes_microsteps();
-        for island in plan.islands.list.iter().filter(others) {
-            // Both are one stretch of rows each.
-            let Some(rows) = plan.stretch(island) else { continue };
-            push(next..rows.start, 1);
-            next = rows.end;
-            if island.takes_microsteps() {
-                push(rows, island.microsteps);
+        rows_apart.clear();
+        for island in &plan.islands.list {
+            if island.is_left_alone() {
+                let rows = plan.stretch(island);
+                rows_apart.extend(rows.map(|rows| StepRows { rows, microsteps: 0 }));
+            } else if island.takes_microsteps() {
+                rows_apart.extend(plan.step_rows(island));
             }
         }
-        push(next..self.particles.len(), 1);
+        rows_apart.sort_unstable_by_key(|own| own.rows.start);
+        single_rows.clear();
+        let mut rows_apart = rows_apart.iter().cloned().peekable();
+        StepRows::cut(0..last, &mut rows_apart, |own| single_rows.push(own));
     }
 
     /// Has those go on as particles that somebody else has moved.

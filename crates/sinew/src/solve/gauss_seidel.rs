@@ -31,7 +31,7 @@ pub(super) fn sweep(
     worst
 }
 
-fn sweep_cluster_batch(
+pub(super) fn sweep_cluster_batch(
     places: &mut Places,
     plan: &Plan,
     cluster_batch: &ClusterBatch,

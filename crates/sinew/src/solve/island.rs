@@ -4,15 +4,18 @@ use std::time::Instant;
 
 use glam::Vec4;
 
+use super::column_sweep::ColumnSweep;
 use super::constraint_ref::{SolveMode, list_constraint_refs};
 use super::context::{SolveContext, SubstepParameters};
-use super::gauss_seidel::{self, sweep_turned};
+use super::gauss_seidel;
 use super::momentum::MomentumDrift;
 use super::multipliers::MultiplierSlice;
+use super::parts::Parts;
 use super::plan::{GroupKind, Plan};
 use super::rods::COS_SQUARED;
 use super::sweep_scratch::SweepScratch;
 use super::task_slice::IslandSlice;
+use super::turned_places::TurnedPlaces;
 use super::{jacobi, most_violated_first};
 use crate::collide::{NormalImpulses, recovery};
 use crate::constraints::{GradientAt, SubstepContext};
@@ -32,17 +35,20 @@ pub(super) fn sweep_in_order(
     if order != Order::GaussSeidel {
         list_constraint_refs(plan, island, &mut scratch.constraint_refs);
     }
-    let in_columns = if island.has_chains() { None } else { plan.fits_columns(island) };
+    let in_columns = plan.fits_columns(island);
     move |places, multipliers, mode| match order {
         Order::GaussSeidel => {
-            if let Some(rows) = in_columns.filter(|_| mode.gradient_at == GradientAt::Current) {
-                let scratch = &mut *scratch;
-                return sweep_in_columns(plan, island, rows, places, multipliers, mode, scratch);
+            let run = in_columns.as_ref().filter(|_| mode.gradient_at == GradientAt::Current);
+            if let Some(run) = run {
+                let sweep = ColumnSweep::of(plan, island, run, mode);
+                return sweep.sweep(places, multipliers, scratch);
             }
             let alone = ExecutionContext { instructions: mode.instructions, workers: None };
             let out = hold_at_once(plan, island, places, mode, scratch);
             let batches = island.cluster_batches.clone();
             let found = gauss_seidel::sweep(places, plan, batches, multipliers, mode, scratch);
+            let at = &mut TurnedPlaces { columns: None, places };
+            Parts { plan, island, mode }.sweep_again(at, multipliers, scratch);
             hold_again(plan, island, places, mode, alone, scratch);
             out.max(found)
         }
@@ -248,44 +254,6 @@ fn hold_by_pins(
     tethers.project(places.position, places.first, pins, mode.instructions)
 }
 
-/// Holds at once what is to be, and sweeps an island once, with all of its particles in columns meanwhile: rows from a first one on. To the bits of one after
-/// the other.
-fn sweep_in_columns(
-    plan: &Plan,
-    island: &Island,
-    (first, count): (u32, usize),
-    places: &mut Places,
-    multipliers: &mut MultiplierSlice,
-    mode: SolveMode,
-    scratch: &mut SweepScratch,
-) -> f32 {
-    let SweepScratch { columns, pins, .. } = scratch;
-    let (rows, instructions) = (places.at(first)..places.at(first) + count, mode.instructions);
-    columns.reset(plan.rods.half());
-    columns.turn_in(0, &places.position[rows.clone()], instructions);
-    let tethers = plan.tethers.of(island).filter(|_| mode.tethers);
-    let mut worst = 0.0_f32;
-    if let Some(tethers) = tethers {
-        // Pins stay where they are in a sweep.
-        pins.clear();
-        pins.extend(tethers.pins(places.position, places.first));
-        worst = tethers.project_columns(columns, 0, &(0..count), pins, instructions);
-    }
-    let cluster_batches = plan.cluster_batches[island.cluster_batches.clone()].iter();
-    for cluster_batch in cluster_batches.filter(|it| mode.takes(it)) {
-        let found = sweep_turned(columns, plan, cluster_batch, first, multipliers, mode);
-        worst = worst.max(found);
-    }
-    if let Some(spans) = plan.tethers.spans_of(island).filter(|_| mode.tethers) {
-        if let Some(tethers) = tethers {
-            tethers.project_columns(columns, 0, &(0..count), pins, instructions);
-        }
-        spans.project_columns(columns, first, instructions);
-    }
-    columns.turn_out(0, &mut places.position[rows], instructions);
-    worst
-}
-
 /// Starts the multipliers of an island afresh.
 fn reset_multipliers(plan: &Plan, island: &Island, multipliers: &mut MultiplierSlice) {
     for group in &plan.groups[island.groups.clone()] {
@@ -337,8 +305,10 @@ pub(super) fn project_contacts(
 mod tests {
     use super::*;
     use crate::Simulation;
+    use crate::constraints::Distance;
     use crate::lanes::InstructionSet;
-    use crate::recipes::{ClothMaterial, ClothSpec, cloth_grid};
+    use crate::particles::ParticleSeed;
+    use crate::recipes::{BoxSpec, ClothMaterial, ClothSpec, RopeSpec, box_3d, cloth_grid, rope};
     use crate::solve::multipliers::Multipliers;
     use crate::solve::rods::Relaxation;
 
@@ -352,31 +322,79 @@ mod tests {
         instructions: InstructionSet::Simd128,
     };
 
-    /// Pinned cloth that is being shaken: its tethers, spans, soft ties and rods do to the bit the same in columns as one cluster batch after the other.
+    /// Cloth of so many columns and rows, pinned by two corners, that is being shaken. By its other corners it hangs on two ropes, one that was there before it and one
+    /// that has come after it, if so many particles of others are between them; the second rope carries a box. With the number of its island.
+    fn shaken_cloth((columns, rows): (u32, u32), between: Option<usize>) -> (Simulation, usize) {
+        let mut world = Simulation::default();
+        let others = |world: &mut Simulation, count: usize| {
+            for i in 0..count {
+                let at = glam::Vec3::new(30.0, i as f32, 0.0);
+                world.particles.push(ParticleSeed::at(at)).unwrap();
+            }
+        };
+        let rope = |world: &mut Simulation, from: glam::Vec3| {
+            let to = from + glam::Vec3::new(0.3, -1.0, 0.2);
+            let spec = RopeSpec { from, to, segments: 10, ..Default::default() };
+            rope(&spec).unwrap().build(world).unwrap()
+        };
+        let spec = ClothSpec { columns, rows, ..Default::default() };
+        let corners = spec.corners();
+        let mut cloth = cloth_grid(&spec).unwrap();
+        corners[..2].iter().for_each(|&corner| cloth.pin(corner).unwrap());
+        let place = |corner: usize| cloth.particles[corners[corner] as usize].position;
+        let first = between.map(|count| {
+            let rows = rope(&mut world, place(2));
+            others(&mut world, count);
+            rows
+        });
+        let cloth = cloth.build(&mut world).unwrap();
+        if let (Some(count), Some(first)) = (between, first) {
+            others(&mut world, count);
+            let second = rope(&mut world, place(3));
+            others(&mut world, count);
+            let spec = BoxSpec { size: glam::Vec3::splat(0.2), mass: 1.0, ..Default::default() };
+            let at = world.particles.position(second.end - 1);
+            let crate_ = box_3d(&spec).unwrap().transformed(glam::Quat::IDENTITY, at);
+            let crate_ = crate_.build(&mut world).unwrap();
+            let tie = |a: usize, b: usize, rest| Distance::new(a as u32, b as u32, rest);
+            let corner = |corner: usize| cloth.start + corners[corner] as usize;
+            let gap = world.particles.position(second.end - 1);
+            let gap = gap.distance(world.particles.position(crate_.start));
+            world.extend_distances([
+                tie(corner(2), first.start, 0.0),
+                tie(corner(3), second.start, 0.0),
+                tie(second.end - 1, crate_.start, gap),
+            ]);
+        }
+        for i in 0..world.particles.len() {
+            let shaken = glam::Vec3::new((i % 7) as f32, (i % 5) as f32, (i % 11) as f32);
+            world.particles.set_velocity(i, shaken * 0.3);
+        }
+        for _ in 0..3 {
+            world.step(1.0 / 60.0).unwrap();
+        }
+        let island = world.island_of(cloth.start).unwrap();
+        (world, island as usize)
+    }
+
+    /// Its tethers, spans, soft ties and rods, and what is tied to it, do to the bit the same in columns as one cluster batch after the other.
     #[test]
     fn cloth_in_columns_has_the_bits_of_its_cluster_batches_one_by_one() {
-        for (columns, rows) in [(20, 20), (63, 63), (90, 31)] {
-            let spec = ClothSpec { columns, rows, ..Default::default() };
-            let mut cloth = cloth_grid(&spec).unwrap();
-            spec.corners()[..2].iter().for_each(|&corner| cloth.pin(corner).unwrap());
-            let mut world = Simulation::default();
-            cloth.build(&mut world).unwrap();
-            for i in 0..world.particles.len() {
-                let shaken = glam::Vec3::new((i % 7) as f32, (i % 5) as f32, (i % 11) as f32);
-                world.particles.set_velocity(i, shaken * 0.3);
-            }
-            for _ in 0..3 {
-                world.step(1.0 / 60.0).unwrap();
-            }
+        let sizes = [(20, 20), (63, 63), (90, 31)];
+        let ways = [None, Some(0), Some(1), Some(6), Some(700)];
+        for (size, between) in sizes.into_iter().flat_map(|size| ways.map(|way| (size, way))) {
+            let (world, number) = shaken_cloth(size, between);
             let (plan, particles) = (world.plan(), &world.particles);
-            let island = &plan.islands.list[0];
+            let island = &plan.islands.list[number];
+            assert_eq!(island.microsteps, 2, "{size:?}, {between:?}");
             let mode = SolveMode { instructions: InstructionSet::best(), ..MODE };
             let (mut own, mut other) = (particles.clone(), particles.clone());
             let (mut scratch, mut multipliers) = (SweepScratch::default(), Multipliers::default());
             multipliers.resize(plan.distances.len(), plan.constraints.len());
-            let (all, sums) = (plan.fits_columns(island).unwrap(), &mut multipliers.all());
+            let (run, sums) = (plan.fits_columns(island).unwrap(), &mut multipliers.all());
             let places = &mut Places::all(&mut own);
-            let found = sweep_in_columns(plan, island, all, places, sums, mode, &mut scratch);
+            let sweep = ColumnSweep::of(plan, island, &run, mode);
+            let found = sweep.sweep(places, sums, &mut scratch);
             multipliers = Multipliers::default();
             multipliers.resize(plan.distances.len(), plan.constraints.len());
             let (places, sums) = (&mut Places::all(&mut other), &mut multipliers.all());
@@ -384,9 +402,11 @@ mod tests {
             let out = hold_at_once(plan, island, places, mode, &mut scratch);
             let batches = island.cluster_batches.clone();
             let same = gauss_seidel::sweep(places, plan, batches, sums, mode, &mut scratch);
+            let at = &mut TurnedPlaces { columns: None, places };
+            Parts { plan, island, mode }.sweep_again(at, sums, &mut scratch);
             hold_again(plan, island, places, mode, alone, &mut scratch);
-            assert_eq!(found, out.max(same), "{columns} × {rows}");
-            assert!(own.position == other.position, "{columns} × {rows}");
+            assert_eq!(found, out.max(same), "{size:?}, {between:?}");
+            assert!(own.position == other.position, "{size:?}, {between:?}");
             assert!(own.position != particles.position && plan.tethers.spans_of(island).is_some());
         }
     }

@@ -172,7 +172,8 @@ impl TaskSlice<'_> {
         let remaining = take(&mut thread_scratch.remaining);
         let mut step_rows = take(&mut thread_scratch.step_rows);
         let mut microsteps = take(&mut thread_scratch.microsteps);
-        list_step_rows(plan, self.task.rows.start, &remaining, &mut step_rows);
+        let (first, apart) = (self.task.rows.start, &mut microsteps.apart);
+        list_step_rows(plan, first, &remaining, &mut step_rows, apart);
         let islands = || remaining.islands.iter().cloned().flatten();
         for (number, iteration_counts) in iteration_counts.iter().enumerate() {
             self.context = begun.later(number as u32);

@@ -9,7 +9,7 @@
 //! come to where it is; what its last microstep left it faster or slower than that is given back after them.
 //!
 //! Substeps are taken as they are by small islands; by ropes and what else has few constraints for a particle, where integration would cost more than is
-//! gained; by what keeps a volume, or has rigid parts; where springs pull, whose forces change with every bit of the way; and where
+//! gained; by what keeps a volume, or moves as an explicit rigid body; where springs pull, whose forces change with every bit of the way; and where
 //! [loads](super::loads) are measured.
 
 use core::ops::Range;
@@ -31,28 +31,38 @@ use crate::integrate::{Derive, Integrator, Predict, StepRows, derive, predict_al
 use crate::islands::Island;
 use crate::lanes::{LANES, with};
 use crate::particles::Places;
-use crate::settings::Order;
+use crate::settings::{Order, SolverSettings};
 
 /// As many sweeps of a substep are worth one microstep with one.
 const SWEEPS: u32 = 2;
 
+/// An island whose rows are in more stretches than this takes substeps as they are.
+const MOST_RUNS: usize = 32;
+
 /// No microstep is shorter than this, seconds: positions are rounded to some 3e-8 of a metre, and what a step is rounded by is a speed.
 const SHORTEST: f32 = 1.0 / 2500.0;
 
-/// Decides how an island of the `plan` goes through substeps of `h` seconds, when its settings are those of its bodies.
-pub(crate) fn divide(plan: &mut Plan, number: usize, h: f32) {
+/// Decides how an island of the `plan` goes through substeps of `h` seconds, when its settings are those of its bodies; `most` are those of the body that most of it
+/// is of. Of cloth that something else is tied to, which asks for more sweeps, that gets more in each sweep.
+pub(crate) fn divide(plan: &mut Plan, number: usize, h: f32, most: SolverSettings) {
     let island = &plan.islands.list[number];
     let settings = &island.settings;
     let suits = settings.microsteps
         && !island.is_small()
-        && !(island.rigid || island.has_solids || island.has_springs || island.measured)
+        && !(island.rigid || island.has_springs || island.measured)
         && plan.is_cloth(island)
         && settings.order == Order::GaussSeidel
         && settings.gradient_at == GradientAt::Current
         && settings.integrator == Integrator::Verlet
         && !settings.statics
-        && plan.stretch(island).is_some();
+        && plan.runs(island).take(MOST_RUNS + 1).count() <= MOST_RUNS;
+    let parts_apart = suits && plan.is_mostly_in_columns(island);
     let island = &mut plan.islands.list[number];
+    island.sweeps_of_parts = 1;
+    if parts_apart && most.max_sweeps < island.settings.max_sweeps {
+        island.sweeps_of_parts = island.settings.max_sweeps.div_ceil(most.max_sweeps);
+        island.settings.max_sweeps = most.max_sweeps;
+    }
     let sweeps = island.settings.max_sweeps;
     // A power of two: the instants of those that take few are among the instants of those that take many.
     let most = (sweeps / SWEEPS).min((h / SHORTEST) as u32).max(1).ilog2();
@@ -63,8 +73,15 @@ pub(crate) fn divide(plan: &mut Plan, number: usize, h: f32) {
 }
 
 impl Plan {
-    /// Whether an island is of distances and bends alone, of which each particle has several: then integration, which microsteps have more of, is the
-    /// smaller part.
+    /// The rows of an island that takes microsteps.
+    pub(crate) fn step_rows(&self, island: &Island) -> impl Iterator<Item = StepRows> {
+        let microsteps = island.microsteps;
+        self.runs(island)
+            .map(move |run| StepRows { rows: run.start as usize..run.end as usize, microsteps })
+    }
+
+    /// Whether an island is cloth, and what is tied to it: of which each particle has several constraints, so that integration, which microsteps have more
+    /// of, is the smaller part, and none keeps a volume, an area or a rigid shape.
     fn is_cloth(&self, island: &Island) -> bool {
         let mut constraints = 0;
         let mut groups = self.groups[island.groups.clone()].iter();
@@ -72,12 +89,16 @@ impl Plan {
             constraints += group.range.len();
             let first = self.constraints.get(group.range.start);
             group.kind != GroupKind::Constraints
-                || first.is_some_and(|first| {
-                    matches!(first.kind, ConstraintKind::Bend(_) | ConstraintKind::Hinge(_))
-                })
+                || first.is_some_and(|one| bends_or_ties(&one.kind))
         });
         suit && constraints > 2 * island.members.len()
     }
+}
+
+/// Whether it is a bend, a joint or a tie.
+fn bends_or_ties(kind: &ConstraintKind) -> bool {
+    use ConstraintKind::{Anchors, Angle, Bend, Cone, Hinge};
+    matches!(kind, Anchors(_) | Angle(_) | Bend(_) | Cone(_) | Hinge(_))
 }
 
 impl TaskSlice<'_> {
@@ -107,17 +128,21 @@ impl TaskSlice<'_> {
         let SolveContext { plan, execution, .. } = self.context;
         let island = &plan.islands.list[number];
         let members = &plan.islands.members[island.members.clone()];
-        let rows = members[0]..members[0] + members.len() as u32;
-        let own = self.places.at(rows.start)..self.places.at(rows.start) + members.len();
         let of = island.microsteps;
+        let places_of = |run: Range<u32>| self.places.at(run.start)..self.places.at(run.end);
+        let mut runs = core::mem::take(&mut scratch.runs);
+        runs.clear();
+        runs.extend(plan.runs(island).map(places_of));
         let substep = self.context.substep;
         let h = substep.h / of as f32;
-        scratch.begin(&self.places, own.clone(), !self.momentum_drift.is_empty());
+        scratch.begin(&self.places, &runs, !self.momentum_drift.is_empty());
         let ends_step = substep.number + 1 == substep.of;
         let mut sweeps = 0;
         for number_of_step in 0..of {
             if number_of_step > 0 {
-                predict_all(Predict { h, ..self.predict(own.clone()) }, execution);
+                for run in &runs {
+                    predict_all(Predict { h, ..self.predict(run.clone()) }, execution);
+                }
             }
             scratch.lead(&mut self.places, of - number_of_step);
             let microstep = Microstep { number: number_of_step, of };
@@ -125,25 +150,33 @@ impl TaskSlice<'_> {
             let drift = solve(context, number, self.island(number), &mut sweep);
             sweeps += self.report(number).last_sweeps;
             let places = &mut self.places;
-            let all = Derive {
-                position: &places.position[own.clone()],
-                start: &places.start[own.clone()],
-                velocity: &mut places.velocity[own.clone()],
-                momentum_drift: &[],
-                h,
-                lag: h,
-            };
-            derive(all, execution);
+            for run in &runs {
+                let all = Derive {
+                    position: &places.position[run.clone()],
+                    start: &places.start[run.clone()],
+                    velocity: &mut places.velocity[run.clone()],
+                    momentum_drift: &[],
+                    h,
+                    lag: h,
+                };
+                derive(all, execution);
+            }
             let is_held = drift.is_none();
             if let Some(drift) = drift {
                 drift.take_off(places, members);
             }
-            context.bounce(places, &mut self.normal_impulses, rows.clone());
+            for run in plan.runs(island) {
+                context.bounce(places, &mut self.normal_impulses, run);
+            }
             let relaxes = is_held && !island.meets_others && !island.strain_measured;
-            if relaxes && ends_step && number_of_step + 1 == of {
+            if relaxes
+                && ends_step
+                && number_of_step + 1 == of
+                && let [run] = &runs[..]
+            {
                 let MicrostepScratch { start, moved, strain, .. } = &mut *scratch;
                 let scratch = (&mut *moved, strain);
-                relax(context, number, self.island(number), own.clone(), &mut sweep, scratch);
+                relax(context, number, self.island(number), run.clone(), &mut sweep, scratch);
                 start.iter_mut().zip(moved).for_each(|(start, moved)| *start += *moved);
             }
         }
@@ -151,14 +184,17 @@ impl TaskSlice<'_> {
         report.last_sweeps = sweeps;
         report.most_sweeps = report.most_sweeps.max(sweeps);
         if !self.momentum_drift.is_empty() {
-            scratch.join(&mut self.places, own, substep.h, self.momentum_drift);
+            scratch.join(&mut self.places, &runs, substep.h, self.momentum_drift);
         }
+        scratch.runs = runs;
     }
 }
 
 /// What taking microsteps needs. Scratch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MicrostepScratch {
+    /// Where the particles of the island are among the places, stretch by stretch.
+    runs: Vec<Range<usize>>,
     /// Where each particle was when the substep began.
     start: Vec<Vec4>,
     /// The places of pinned particles that are led, and where to.
@@ -166,23 +202,27 @@ pub(super) struct MicrostepScratch {
     /// How far a relaxation moved each particle.
     moved: Vec<Vec4>,
     strain: StrainScratch,
+    /// Rows of a task that take microsteps.
+    pub(super) apart: Vec<StepRows>,
 }
 
 impl MicrostepScratch {
-    fn begin(&mut self, places: &Places, rows: Range<usize>, keeps_start: bool) {
+    fn begin(&mut self, places: &Places, runs: &[Range<usize>], keeps_start: bool) {
         let Self { start, led, .. } = self;
         start.clear();
-        if keeps_start {
-            start.extend_from_slice(&places.start[rows.clone()]);
-        }
         led.clear();
-        let all = places.position[rows.clone()].chunks(2 * LANES);
-        for (begin, some) in rows.step_by(2 * LANES).zip(all) {
-            // Few are pinned: it is asked of several at once.
-            if some.iter().fold(false, |pinned, end| pinned | (end.w == 0.0)) {
-                let each = (begin..).zip(some);
-                let moves = each.filter(|(i, end)| end.w == 0.0 && **end != places.start[*i]);
-                led.extend(moves.map(|(i, end)| (i, *end)));
+        for run in runs.iter().cloned() {
+            if keeps_start {
+                start.extend_from_slice(&places.start[run.clone()]);
+            }
+            let all = places.position[run.clone()].chunks(2 * LANES);
+            for (begin, some) in run.step_by(2 * LANES).zip(all) {
+                // Few are pinned: it is asked of several at once.
+                if some.iter().fold(false, |pinned, end| pinned | (end.w == 0.0)) {
+                    let each = (begin..).zip(some);
+                    let moves = each.filter(|(i, end)| end.w == 0.0 && **end != places.start[*i]);
+                    led.extend(moves.map(|(i, end)| (i, *end)));
+                }
             }
         }
     }
@@ -197,9 +237,9 @@ impl MicrostepScratch {
     }
 
     /// Makes one step of `h` seconds of all microsteps: from where the first began, at the mean velocity.
-    fn join(&self, places: &mut Places, rows: Range<usize>, h: f32, later: &mut [Vec4]) {
+    fn join(&self, places: &mut Places, runs: &[Range<usize>], h: f32, later: &mut [Vec4]) {
         let per_second = 1.0 / h;
-        for (i, start) in rows.zip(&self.start) {
+        for (i, start) in runs.iter().cloned().flatten().zip(&self.start) {
             let own = places.velocity[i];
             let mean = ((places.position[i] - *start) * per_second).truncate();
             later[i] = (mean - own.truncate()).extend(0.0);
@@ -209,35 +249,29 @@ impl MicrostepScratch {
     }
 }
 
-/// Lists rows that are left of a task by the microsteps they take, counted from the first row of the task.
+/// Lists rows that are left of a task by the microsteps they take, counted from the first row of the task. `apart` is scratch.
 pub(super) fn list_step_rows(
     plan: &Plan,
     first: u32,
     remaining: &Remaining,
     step_rows: &mut Vec<StepRows>,
+    apart: &mut Vec<StepRows>,
 ) {
     step_rows.clear();
-    let mut divided = remaining.islands.iter().cloned().flatten().filter_map(|number| {
-        let island = &plan.islands.list[number];
-        let rows = island.takes_microsteps().then(|| plan.stretch(island)).flatten()?;
-        Some((rows, island.microsteps))
-    });
-    let mut next = divided.next();
-    let mut push = |rows: Range<usize>, microsteps: u32| {
-        if !rows.is_empty() {
-            let rows = rows.start - first as usize..rows.end - first as usize;
-            step_rows.push(StepRows { rows, microsteps });
-        }
-    };
+    apart.clear();
+    let islands = remaining.islands.iter().cloned().flatten();
+    let islands = islands.map(|number| &plan.islands.list[number]);
+    for island in islands.filter(|island| island.takes_microsteps()) {
+        apart.extend(plan.step_rows(island));
+    }
+    apart.sort_unstable_by_key(|own| own.rows.start);
+    let mut apart = apart.iter().cloned().peekable();
+    let first = first as usize;
     for rows in &remaining.rows {
-        let mut rows = rows.start as usize..rows.end as usize;
-        while let Some((own, microsteps)) = next.take_if(|(own, _)| own.start < rows.end) {
-            push(rows.start..own.start, 1);
-            push(own.clone(), microsteps);
-            rows.start = own.end;
-            next = divided.next();
-        }
-        push(rows, 1);
+        StepRows::cut(rows.start as usize..rows.end as usize, &mut apart, |mut own| {
+            own.rows = own.rows.start - first..own.rows.end - first;
+            step_rows.push(own);
+        });
     }
 }
 

@@ -13,6 +13,8 @@ use crate::lanes::Columns;
 pub(crate) struct SweepScratch {
     pub(super) local: Local,
     pub(super) columns: Columns,
+    /// The same of a whole island.
+    pub(super) island_columns: Columns,
     /// Where the pins of an island are that has tethers.
     pub(super) pins: Vec<Vec4>,
     pub(super) chains: ChainScratch,

@@ -14,11 +14,13 @@ use super::loads::Loads;
 use super::microsteps::{MicrostepScratch, derive_whole_steps, list_step_rows};
 use super::momentum::{MomentumDrift, note_drift};
 use super::multipliers::{MultiplierSlice, Multipliers};
+use super::parts::Parts;
 use super::plan::{Plan, Task};
 use super::remaining::Remaining;
 use super::report::{IslandReport, SolverReport};
 use super::sweep_scratch::SweepScratch;
 use super::task_slice::{IslandSlice, TaskSlice, slices};
+use super::turned_places::TurnedPlaces;
 use super::wavefront::Wavefront;
 use crate::collide::{NormalImpulse, NormalImpulses};
 use crate::integrate::{Derive, MotionColumns, StepRows, derive};
@@ -250,7 +252,9 @@ impl TaskSlice<'_> {
         let mut step_rows = take(&mut thread_scratch.step_rows);
         thread_scratch.remaining.reset(&task);
         thread_scratch.remaining.leave_singles(&plan.islands.singles, &task);
-        list_step_rows(plan, task.rows.start, &thread_scratch.remaining, &mut step_rows);
+        let ThreadScratch { remaining, microsteps, .. } = &mut *thread_scratch;
+        let apart = &mut microsteps.apart;
+        list_step_rows(plan, task.rows.start, remaining, &mut step_rows, apart);
         derive_whole_steps(&mut places, &step_rows, context);
         thread_scratch.step_rows = step_rows;
         for (number, momentum_drift) in thread_scratch.momentum_drifts.drain(..) {
@@ -345,18 +349,21 @@ fn sweep_shared(
     move |places, multipliers, mode| {
         let out =
             thread_scratches.with(|own| hold_at_once(plan, island, places, mode, &mut own.sweep));
-        let (multipliers, cluster_batches) = (multipliers.lend(), island.cluster_batches.clone());
+        let cluster_batches = island.cluster_batches.clone();
         let found = gauss_seidel::sweep_shared(
             places.lend(),
             plan,
             cluster_batches,
-            multipliers,
+            multipliers.lend(),
             mode,
             execution,
             thread_scratches,
         );
-        thread_scratches
-            .with(|own| hold_again(plan, island, places, mode, execution, &mut own.sweep));
+        thread_scratches.with(|own| {
+            let at = &mut TurnedPlaces { columns: None, places };
+            Parts { plan, island, mode }.sweep_again(at, multipliers, &mut own.sweep);
+            hold_again(plan, island, places, mode, execution, &mut own.sweep);
+        });
         out.max(found)
     }
 }

@@ -43,16 +43,48 @@ impl Plan {
             let island = &mut self.islands.list[found.island as usize];
             (island.groups.end, island.cluster_batches.end) =
                 (groups.end, island.cluster_batches.end + 1);
-            self.cluster_batches.push(ClusterBatch {
+            let mut cluster_batch = ClusterBatch {
                 kind: found.kind(),
                 groups,
                 stage,
                 rows,
                 columns,
-            });
+                shared_rows: 0..0,
+            };
+            self.share_rows(found.island as usize, &mut cluster_batch);
+            self.cluster_batches.push(cluster_batch);
         }
         self.mark_end();
         self.tasks = tasks::cut(self);
+    }
+
+    /// Lists which rows of the run of a large island a cluster batch touches that is not swept in the columns of that.
+    fn share_rows(&mut self, island: usize, cluster_batch: &mut ClusterBatch) {
+        let island = &self.islands.list[island];
+        let run = self.run(island);
+        if island.is_small() || cluster_batch.is_within(&run) {
+            return;
+        }
+        let begin = self.shared_rows.len();
+        for ConstraintGroup { kind, range, .. } in &self.groups[cluster_batch.groups.clone()] {
+            if *kind == GroupKind::Constraints {
+                let rows = self.constraints[range.clone()].iter().flat_map(|c| &c.rows).copied();
+                self.shared_rows.extend(rows.filter(|row| run.contains(row)));
+            } else {
+                let rows = self.distances[range.clone()].iter().flat_map(|d| [d.a, d.b]);
+                self.shared_rows.extend(rows.filter(|row| run.contains(row)));
+            }
+        }
+        self.shared_rows[begin..].sort_unstable();
+        let mut end = begin;
+        for place in begin..self.shared_rows.len() {
+            if end == begin || self.shared_rows[place] != self.shared_rows[end - 1] {
+                self.shared_rows[end] = self.shared_rows[place];
+                end += 1;
+            }
+        }
+        self.shared_rows.truncate(end);
+        cluster_batch.shared_rows = begin..end;
     }
 
     /// Copies the constraints of one cluster batch, group by group; returns within which rows they are, and whether they are to be swept in columns.
@@ -88,8 +120,10 @@ impl Plan {
             && self.distances[begin..].iter().all(may_stride);
         if columns {
             // Strides are mostly even numbers: where the island's rows begin a line of the cache, most eights do.
-            let origin =
-                self.islands.members[self.islands.list[found.island as usize].members.start];
+            let island = &self.islands.list[found.island as usize];
+            let [origin, run] =
+                [&island.members, &island.run].map(|of| self.islands.members[of.start]);
+            let origin = if run <= rows.start { run } else { origin };
             rows.start -= (rows.start - origin) % 32;
             rows.start = rows.start.max(first);
         }

@@ -130,7 +130,11 @@ impl IncrementalUpdate<'_> {
     /// The key of one that was added, without a colour; `None` if it joins islands.
     fn uncoloured(&mut self, list: List, number: u32) -> Option<Key> {
         let (rows, rank) = self.given.rows_and_rank(list, number as usize);
-        let (fields, ends) = self.compiling.fields(self.plan, &rows, rank);
+        let distance = match list {
+            List::Distances => self.given.distances.get(number as usize),
+            List::Constraints => None,
+        };
+        let (fields, ends) = self.compiling.fields(self.plan, &rows, (rank, distance));
         let together = rows.iter().all(|&row| self.plan.islands.of[row as usize] == fields.island);
         let group = Fields { colour: UNKNOWN, ..fields }.key();
         let reach = &mut self.compiling.reaches[fields.island as usize];

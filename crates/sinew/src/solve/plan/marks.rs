@@ -21,6 +21,7 @@ pub(super) struct Mark {
     constraints: usize,
     groups: usize,
     cluster_batches: usize,
+    shared_rows: usize,
     rods: RodCounts,
     constraint_batches: BatchCounts,
     loose_distances: LooseCounts,
@@ -70,6 +71,7 @@ impl Plan {
         self.constraints.truncate(mark.constraints);
         self.groups.truncate(mark.groups);
         self.cluster_batches.truncate(mark.cluster_batches);
+        self.shared_rows.truncate(mark.shared_rows);
         self.rods.truncate(&mark.rods);
         self.constraint_batches.truncate(&mark.constraint_batches);
         self.loose_distances.truncate(&mark.loose_distances);
@@ -87,6 +89,7 @@ impl Plan {
             constraints: self.constraints.len(),
             groups: self.groups.len(),
             cluster_batches: self.cluster_batches.len(),
+            shared_rows: self.shared_rows.len(),
             rods: self.rods.counts(),
             constraint_batches: self.constraint_batches.counts(),
             loose_distances: self.loose_distances.counts(),

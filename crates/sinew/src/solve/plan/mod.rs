@@ -65,6 +65,8 @@ pub(crate) struct Plan {
     pub(crate) groups: Vec<ConstraintGroup>,
     /// The cluster batches that these make.
     pub(crate) cluster_batches: Vec<ClusterBatch>,
+    /// What those that are not swept in the columns of a large island touch there: rows, ascending for each.
+    pub(crate) shared_rows: Vec<u32>,
     /// What threads may do side by side.
     pub(crate) tasks: Vec<Task>,
     /// The islands.
@@ -121,9 +123,18 @@ pub(crate) struct ClusterBatch {
     pub(crate) rows: Range<u32>,
     /// Whether it is swept in columns: rods or soft distances, of which most are in runs, and enough of them to be worth turning the rows.
     pub(crate) columns: bool,
+    /// Where the rows are among the plan's that it touches of the run of its island, if that is swept in columns and it is not.
+    pub(crate) shared_rows: Range<usize>,
 }
 
 impl ClusterBatch {
+    /// Whether it is swept in columns that begin where a run of rows does, and have all of that.
+    pub(crate) fn is_within(&self, run: &Range<u32>) -> bool {
+        let from = self.rows.start.checked_sub(run.start);
+        let even = from.is_some_and(|from| from.is_multiple_of(2));
+        self.columns && even && self.rows.end <= run.end
+    }
+
     /// Whether it is of rods that are swept in columns.
     pub(crate) fn has_rods_in_columns(&self) -> bool {
         self.columns && self.kind == GroupKind::Rods
@@ -140,6 +151,10 @@ pub(crate) enum GroupKind {
     /// Of the plan's constraints, by their equations.
     Constraints,
 }
+
+/// An island of whose constraints so large a share is swept in columns is swept with its particles in columns all the time: what the others touch is read
+/// from there, and written back.
+const IN_COLUMNS: (usize, usize) = (7, 8);
 
 /// What a plan is compiled from.
 #[derive(Clone, Copy)]
@@ -194,6 +209,7 @@ impl Plan {
                 for &island in &islands {
                     let island = &mut self.islands.list[island as usize];
                     (island.tethers, island.spans, island.rod_graph) = (None, None, None);
+                    island.patches = None;
                 }
                 if let Some(&first) = islands.first() {
                     self.cut(&given, self.marked_before(first as usize));
@@ -282,18 +298,34 @@ impl Plan {
         }
     }
 
-    /// The first row of an island and how many it has, if it can be swept with all of its particles in columns: where all of its constraints are.
-    pub(crate) fn fits_columns(&self, island: &Island) -> Option<(u32, usize)> {
-        let rows = self.stretch(island)?;
-        let (first, cluster_batches) = (rows.start as u32, island.cluster_batches.clone());
-        let fits = |cluster_batch: &ClusterBatch| {
-            let from = cluster_batch.rows.start.checked_sub(first);
-            cluster_batch.columns && from.is_some_and(|from| from.is_multiple_of(2))
-        };
+    /// The rows of an island that follow each other, if it is worth sweeping it with those in columns: where nearly all of its constraints are.
+    pub(crate) fn fits_columns(&self, island: &Island) -> Option<Range<u32>> {
+        let run = self.run(island);
         // Beyond the last row, some more are read, and written back.
-        let has_room = rows.len().div_ceil(2) + 2 * LANES <= self.rods.half();
-        let fit = has_room && self.cluster_batches[cluster_batches].iter().all(fits);
-        fit.then_some((first, rows.len()))
+        let has_room = run.len().div_ceil(2) + 2 * LANES <= self.rods.half();
+        (has_room && self.is_mostly_in_columns(island)).then_some(run)
+    }
+
+    /// Whether nearly all constraints of an island are of cluster batches that are swept in columns, among its rows that follow each other.
+    pub(crate) fn is_mostly_in_columns(&self, island: &Island) -> bool {
+        let run = self.run(island);
+        let (mut all, mut within) = (0, 0);
+        for cluster_batch in &self.cluster_batches[island.cluster_batches.clone()] {
+            let groups = &self.groups[cluster_batch.groups.clone()];
+            let count = groups.iter().map(|group| group.range.len()).sum::<usize>();
+            all += count;
+            within += if cluster_batch.is_within(&run) { count } else { 0 };
+        }
+        within * IN_COLUMNS.1 >= all * IN_COLUMNS.0
+    }
+
+    /// Most of the rows of an island, which follow each other.
+    pub(crate) fn run(&self, island: &Island) -> Range<u32> {
+        match self.islands.members.get(island.run.clone()) {
+            Some([first, .., last]) => *first..*last + 1,
+            Some([one]) => *one..*one + 1,
+            _ => 0..0,
+        }
     }
 
     /// Whether none of an island's constraints is soft.
@@ -307,6 +339,13 @@ impl Plan {
                 .iter()
                 .all(|one| one.kind.equation().softness().is_hard()),
         })
+    }
+
+    /// The rows of an island's particles, stretch by stretch.
+    pub(crate) fn runs(&self, island: &Island) -> impl Iterator<Item = Range<u32>> {
+        let members = self.islands.members.get(island.members.clone()).unwrap_or(&[]);
+        let runs = members.chunk_by(|one, next| one + 1 == *next);
+        runs.map(|run| run[0]..run[run.len() - 1] + 1)
     }
 
     /// The rows of an island's particles, where no other's are between them.

@@ -8,6 +8,7 @@ use super::colours::{Colours, StrideCounts, Strides};
 use super::keys::{Fields, Key, is_rod, rank_of, rank_of_kind};
 use super::{Given, GroupKind, Plan};
 use crate::constraints::{Bound, Constraint, Distance};
+use crate::islands::Island;
 use crate::solve::rods;
 use crate::union_find::UnionFind;
 
@@ -85,11 +86,20 @@ impl Compiling {
         self.keys[first..].sort_unstable();
     }
 
-    /// Where a constraint among these particles goes, but for its colour, and its first and last place in its island.
-    pub(super) fn fields(&self, plan: &Plan, rows: &[u32], rank: u32) -> (Fields, (u32, u32)) {
+    /// Where a constraint among these particles goes, but for its colour, and its first and last place in its island. A distance of a large island that is no good
+    /// in columns stands last, that others may be in columns: a figure has some, and wears a cape.
+    pub(super) fn fields(
+        &self,
+        plan: &Plan,
+        rows: &[u32],
+        (rank, distance): (u32, Option<&Distance>),
+    ) -> (Fields, (u32, u32)) {
         let island = plan.islands.of[rows[0] as usize];
         let ends = self.ends(rows);
-        let Place { phase, cluster } = self.clusters[island as usize].place(ends.0, ends.1);
+        let last = distance.is_some_and(|d| !may_stride(d))
+            && !plan.islands.list[island as usize].is_small();
+        let place = self.clusters[island as usize].place(ends.0, ends.1);
+        let Place { phase, cluster } = if last { Place::LAST } else { place };
         (Fields { island, rank, phase, cluster, colour: 0 }, ends)
     }
 
@@ -158,7 +168,7 @@ impl Compiling {
             let number = self.of_island[place];
             let d = &distances[number as usize];
             let rows = [d.a, d.b];
-            let (fields, ends) = self.fields(plan, &rows, rank_of(d));
+            let (fields, ends) = self.fields(plan, &rows, (rank_of(d), Some(d)));
             self.reaches[island] = self.reaches[island].max(ends.1 - ends.0);
             let phase = fields.phase;
             let (kind, row) = (kind_of(d), d.a.min(d.b));
@@ -183,7 +193,8 @@ impl Compiling {
         distances: impl Iterator<Item = &'a Distance>,
         scratch: &mut [StrideCounts; 2],
     ) -> (Clusters, [Strides; 2]) {
-        let members = plan.islands.list[island].members.len();
+        let Island { members, run, .. } = &plan.islands.list[island];
+        let run = run.start - members.start..run.end - members.start;
         scratch.iter_mut().for_each(StrideCounts::clear);
         let (mut count, mut reach) = (0, 0);
         for d in distances {
@@ -195,12 +206,16 @@ impl Compiling {
                 scratch[kind as usize].add(ends);
             }
         }
-        (Clusters::of(members, count, reach), [0, 1].map(|kind| Strides::of(&scratch[kind])))
+        (
+            Clusters::of(members.len(), run, count, reach),
+            [0, 1].map(|kind| Strides::of(&scratch[kind])),
+        )
     }
 
     /// Gives a constraint its key.
     fn place_constraint(&mut self, plan: &Plan, constraint: &Constraint, number: u32) {
-        let (fields, ends) = self.fields(plan, &constraint.rows, rank_of_kind(&constraint.kind));
+        let (fields, ends) =
+            self.fields(plan, &constraint.rows, (rank_of_kind(&constraint.kind), None));
         let reach = &mut self.reaches[fields.island as usize];
         *reach = (*reach).max(ends.1 - ends.0);
         let colour = self.colours.greedy(GroupKind::Constraints, fields.phase, &constraint.rows);

@@ -5,8 +5,9 @@ use crate::constraints::{Bound, Distance, Softness};
 use crate::hash::fnv;
 use crate::islands::Island;
 use crate::particles::Particles;
+use crate::solve::patches::Patches;
 use crate::solve::rod_graph::RodGraph;
-use crate::solve::tethers::{IslandTethers, PinFields, Spans, TetherPaths};
+use crate::solve::tethers::{IslandTethers, PinFields, Spans, TetherPaths, Tethers};
 
 /// An island of no more particles has no tethers: there is one rod, or two, between any of them and its pin.
 const SMALL: usize = 3;
@@ -21,6 +22,7 @@ impl Plan {
             before = keep(&mut tethers.islands, islands, |island| &mut island.tethers);
             keep(&mut tethers.spans, islands, |island| &mut island.spans);
             keep(&mut tethers.graphs, islands, |island| &mut island.rod_graph);
+            keep(&mut tethers.patches, islands, |island| &mut island.patches);
             // Rods have other numbers now.
             tethers.islands.iter_mut().for_each(|made| made.ways = None);
         }
@@ -37,6 +39,7 @@ impl Plan {
                 tethers.graphs.push(self.graph(island));
                 self.islands.list[number].rod_graph = Some(tethers.graphs.len() as u32 - 1);
             }
+            self.patch(number, particles, &mut tethers);
             let island = &mut self.islands.list[number];
             let small = island.members.len() <= SMALL && !island.measured;
             if small {
@@ -81,7 +84,9 @@ impl Plan {
                     (Some(fields), each)
                 }
             };
-            let made = IslandTethers::of(members, (key, pins), fields, each);
+            let begin = island.members.start;
+            let run = island.run.start - begin..island.run.end - begin;
+            let made = IslandTethers::of((members, run), (key, pins), fields, each);
             if place == tethers.islands.len() {
                 tethers.islands.push(made);
             } else {
@@ -99,11 +104,50 @@ impl Plan {
         self.tethers = tethers;
     }
 
-    /// The spans of an island; none where rows of others are between its own.
+    /// Finds the patches of an island that takes microsteps, if they are not known.
+    fn patch(&mut self, number: usize, particles: &Particles, tethers: &mut Tethers) {
+        let (island, edits) = (&self.islands.list[number], particles.edits());
+        let known = island.patches.map(|place| &tethers.patches[place as usize]);
+        let is_known = known.is_some_and(|known| known.edits == edits);
+        if island.microsteps <= 1 || is_known {
+            return;
+        }
+        let body = |row: u32| particles.body[row as usize];
+        let hard = self.hard(island).1.filter(|d| body(d.a) != body(d.b));
+        let mut tied: Vec<u32> = hard.flat_map(|d| [d.a, d.b]).collect();
+        let groups = self.groups[island.groups.clone()].iter();
+        let constraints = groups.filter(|group| group.kind == GroupKind::Constraints);
+        for constraint in constraints.flat_map(|group| &self.constraints[group.range.clone()]) {
+            let rows = &constraint.rows;
+            let of_several = rows.iter().any(|&row| body(row) != body(rows[0]));
+            if of_several && constraint.kind.equation().softness().is_hard() {
+                tied.extend(rows);
+            }
+        }
+        tied.sort_unstable();
+        tied.dedup();
+        let found = match tethers.graph_of(island) {
+            Some(graph) if !tied.is_empty() => {
+                let members = &self.islands.members[island.members.clone()];
+                Patches::of(graph, members, self.places(island, &tied), edits)
+            }
+            _ => Patches::none(edits),
+        };
+        match self.islands.list[number].patches {
+            Some(place) => tethers.patches[place as usize] = found,
+            None => {
+                tethers.patches.push(found);
+                self.islands.list[number].patches = Some(tethers.patches.len() as u32 - 1);
+            }
+        }
+    }
+
+    /// The spans of an island, among those of its rows that follow each other.
     fn spans(&self, number: usize) -> Spans {
         let island = &self.islands.list[number];
-        let Some(rows) = self.stretch(island) else { return Spans::default() };
-        Spans::of(rows.start as u32, rows.len(), self.hard(island).1)
+        let run = self.run(island);
+        let within = |d: &&Distance| run.contains(&d.a) && run.contains(&d.b);
+        Spans::of(run.start, run.len(), self.hard(island).1.filter(within))
     }
 
     /// The ways of the tethers of an island along its rods.

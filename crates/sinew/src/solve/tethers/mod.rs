@@ -28,6 +28,7 @@ use core::ops::Range;
 
 use glam::Vec4;
 
+use super::patches::Patches;
 use super::rod_graph::RodGraph;
 use crate::islands::Island;
 use crate::lanes::LANES;
@@ -46,6 +47,8 @@ pub(crate) struct Tethers {
     pub(in crate::solve) spans: Vec<Spans>,
     /// The hard rods of islands that take microsteps: for tethers, and for strain limiting.
     pub(in crate::solve) graphs: Vec<RodGraph>,
+    /// What is tied to them.
+    pub(in crate::solve) patches: Vec<Patches>,
     /// Whether the plan was compiled since they were made.
     pub(in crate::solve) stale: bool,
 }
@@ -117,6 +120,12 @@ impl Tethers {
         self.graphs.get(island.rod_graph? as usize)
     }
 
+    /// The patches of an island that takes microsteps.
+    pub(super) fn patches_of(&self, island: &Island) -> Option<&Patches> {
+        let own = self.patches.get(island.patches? as usize);
+        own.filter(|own| island.microsteps > 1 && own.sweeps() > 0)
+    }
+
     pub(in crate::solve) fn made(&self, island: &Island) -> Option<&IslandTethers> {
         self.islands.get(island.tethers? as usize)
     }
@@ -128,16 +137,17 @@ fn taut(length: f64) -> f32 {
 }
 
 impl IslandTethers {
-    /// Of an island of such members: the hash of its rods and pins, and those; how far its members are from them, if that was reckoned; and to which of the pins
+    /// Of an island of such members, of which a run may be in columns: the hash of its rods and pins, and those; how far its members are from them, if that was reckoned; and to which of the pins
     /// each is tied, and how long, metres; infinite without.
     pub(super) fn of(
-        members: &[u32],
+        (members, run): (&[u32], Range<usize>),
         (key, pins): (u64, Vec<u32>),
         fields: Option<PinFields>,
         each: Vec<[(u32, f32); 2]>,
     ) -> Self {
         let are_there = [0, 1].map(|which| each.iter().any(|own| own[which].1.is_finite()));
-        let blocks = blocks(members, &each);
+        let sections = [0..run.start, run.clone(), run.end..members.len()];
+        let blocks = sections.into_iter().flat_map(|own| blocks(members, &each, own)).collect();
         Self { key, pins, fields, each, are_there, blocks, ways: None }
     }
 
@@ -231,24 +241,30 @@ impl IslandTethers {
         }
     }
 
-    /// The blocks of some members, of which the first and the end are multiples of 16.
+    /// The blocks of some members, of which the first and the end are multiples of 16 from where a section begins.
     fn among(&self, members: &Range<usize>) -> &[TetherBlock] {
+        &self.blocks[self.places_among(members)]
+    }
+
+    fn places_among(&self, members: &Range<usize>) -> Range<usize> {
         let place = |end: usize| self.blocks.partition_point(|block| (block.member as usize) < end);
-        &self.blocks[place(members.start)..place(members.end)]
+        place(members.start)..place(members.end)
     }
 }
 
-/// Puts the tethers of members eight by eight: first those to the nearest pins, then the others.
-fn blocks(members: &[u32], each: &[[(u32, f32); 2]]) -> Vec<TetherBlock> {
+/// Puts the tethers of a section of members eight by eight: first those to the nearest pins, then the others.
+fn blocks(members: &[u32], each: &[[(u32, f32); 2]], section: Range<usize>) -> Vec<TetherBlock> {
     let mut blocks = Vec::new();
-    for begin in (0..each.len()).step_by(2 * LANES) {
+    // Without a pin there is none.
+    let section = if each.is_empty() { 0..0 } else { section };
+    for begin in section.clone().step_by(2 * LANES) {
         for which in 0..2 {
             for parity in 0..2 {
                 let member = |lane: usize| {
                     let member = begin + parity + 2 * lane;
-                    if member < each.len() { member } else { begin + parity }
+                    if member < section.end { member } else { begin + parity }
                 };
-                if begin + parity >= each.len() {
+                if begin + parity >= section.end {
                     continue;
                 }
                 let of = |lane: usize| each[member(lane)][which];

@@ -20,7 +20,7 @@ impl IslandTethers {
         with(instructions, ProjectTethers { blocks: &self.blocks, position, first, pins })
     }
 
-    /// The same of some members that are in columns, which begin with the member `first`, an even number.
+    /// The same of some members that are in columns, which begin with the member `first`, an even number from their own.
     pub(in crate::solve) fn project_columns(
         &self,
         columns: &mut Columns,
@@ -30,6 +30,26 @@ impl IslandTethers {
         instructions: InstructionSet,
     ) -> f32 {
         with(instructions, ProjectColumns { blocks: self.among(members), columns, first, pins })
+    }
+
+    /// As [`project`](Self::project), of all but some members, which are one section.
+    pub(in crate::solve) fn project_others(
+        &self,
+        position: &mut [Vec4],
+        first: u32,
+        members: &Range<usize>,
+        pins: &[Vec4],
+        instructions: InstructionSet,
+    ) -> f32 {
+        let among = self.places_among(members);
+        let others = [&self.blocks[..among.start], &self.blocks[among.end..]];
+        let mut worst = 0.0_f32;
+        for blocks in others.into_iter().filter(|blocks| !blocks.is_empty()) {
+            let position = &mut *position;
+            let found = with(instructions, ProjectTethers { blocks, position, first, pins });
+            worst = worst.max(found);
+        }
+        worst
     }
 }
 

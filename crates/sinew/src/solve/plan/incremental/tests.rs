@@ -168,6 +168,7 @@ fn mended(plan: &mut Plan, lists: &mut Lists) -> bool {
     assert_eq!(plan.distances, fresh.distances);
     assert_eq!(plan.groups, fresh.groups);
     assert_eq!(plan.cluster_batches, fresh.cluster_batches);
+    assert_eq!(plan.shared_rows, fresh.shared_rows);
     assert_eq!(plan.islands.list, fresh.islands.list);
     assert_eq!(plan.tasks, fresh.tasks);
     lists.changes.clear();

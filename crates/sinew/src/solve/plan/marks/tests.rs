@@ -110,9 +110,9 @@ fn bend(rows: [u32; 4]) -> Constraint {
 }
 
 /// All that a plan has of its constraints and its islands.
-fn contents(plan: &Plan) -> [String; 12] {
+fn contents(plan: &Plan) -> [String; 13] {
     let Plan { distances, constraints, rods, constraint_batches, loose_distances, .. } = plan;
-    let Plan { groups, cluster_batches, tasks, islands, instance_batches, .. } = plan;
+    let Plan { groups, cluster_batches, shared_rows, tasks, islands, instance_batches, .. } = plan;
     let chains = islands.list.iter().flat_map(|island| island.chains.clone());
     let chains = chains.map(|number| plan.chains.links(number));
     let Compiling { keys, slots, strides, clusters, reaches, .. } = &plan.compiling;
@@ -124,6 +124,7 @@ fn contents(plan: &Plan) -> [String; 12] {
         format!("{loose_distances:?}"),
         format!("{groups:?}"),
         format!("{cluster_batches:?}"),
+        format!("{shared_rows:?}"),
         format!("{tasks:?}"),
         format!("{islands:?}"),
         format!("{:?}", chains.collect::<Vec<_>>()),

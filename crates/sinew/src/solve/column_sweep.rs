@@ -1,0 +1,101 @@
+//! A sweep over large cloth with its particles in columns from beginning to end: a run of its rows, and what is [tied](super::parts) to them beside it.
+
+use core::ops::Range;
+
+use glam::Vec4;
+
+use super::constraint_ref::SolveMode;
+use super::gauss_seidel::sweep_turned;
+use super::multipliers::MultiplierSlice;
+use super::parts::Parts;
+use super::plan::Plan;
+use super::sweep_scratch::SweepScratch;
+use super::tethers::IslandTethers;
+use super::turned_places::TurnedPlaces;
+use crate::islands::Island;
+use crate::particles::Places;
+
+/// How an island is swept, with a run of its rows in columns.
+pub(super) struct ColumnSweep<'a> {
+    plan: &'a Plan,
+    island: &'a Island,
+    run: &'a Range<u32>,
+    mode: SolveMode,
+}
+
+impl<'a> ColumnSweep<'a> {
+    pub(super) fn of(
+        plan: &'a Plan,
+        island: &'a Island,
+        run: &'a Range<u32>,
+        mode: SolveMode,
+    ) -> Self {
+        Self { plan, island, run, mode }
+    }
+
+    /// Holds at once what is to be, and sweeps the island once. Returns the largest error found, metres.
+    pub(super) fn sweep(
+        &self,
+        places: &mut Places,
+        multipliers: &mut MultiplierSlice,
+        scratch: &mut SweepScratch,
+    ) -> f32 {
+        let Self { plan, island, run, mode } = *self;
+        let mut columns = core::mem::take(&mut scratch.island_columns);
+        let (rows, instructions) = (places.at(run.start)..places.at(run.end), mode.instructions);
+        columns.reset(plan.rods.half());
+        columns.turn_in(0, &places.position[rows.clone()], instructions);
+        let tethers = plan.tethers.of(island).filter(|_| mode.tethers);
+        if let Some(tethers) = tethers {
+            // Pins stay where they are in a sweep.
+            scratch.pins.clear();
+            scratch.pins.extend(tethers.pins(places.position, places.first));
+        }
+        let at = &mut TurnedPlaces { columns: Some((&mut columns, run)), places };
+        let mut worst = self.hold(tethers, at, &scratch.pins);
+        if island.has_chains() && mode.relaxed.is_none() {
+            worst = worst.max(self.sweep_chains(at, scratch));
+        }
+        let parts = Parts { plan, island, mode };
+        let cluster_batches = plan.cluster_batches[island.cluster_batches.clone()].iter();
+        for cluster_batch in cluster_batches.filter(|it| mode.takes(it)) {
+            let found = match &mut at.columns {
+                Some((columns, _)) if cluster_batch.is_within(run) => {
+                    sweep_turned(columns, plan, cluster_batch, run.start, multipliers, mode)
+                }
+                _ => parts.sweep(cluster_batch, at, multipliers, scratch),
+            };
+            worst = worst.max(found);
+        }
+        parts.sweep_again(at, multipliers, scratch);
+        if let Some(spans) = plan.tethers.spans_of(island).filter(|_| mode.tethers) {
+            self.hold(tethers, at, &scratch.pins);
+            spans.project_columns(&mut columns, run.start, instructions);
+        }
+        columns.turn_out(0, &mut places.position[rows], instructions);
+        scratch.island_columns = columns;
+        worst
+    }
+
+    /// Holds all particles to what they may be away from their pins; returns how far out the farthest was, metres.
+    fn hold(&self, tethers: Option<&IslandTethers>, at: &mut TurnedPlaces, pins: &[Vec4]) -> f32 {
+        let (Some(tethers), Some((columns, _))) = (tethers, &mut at.columns) else { return 0.0 };
+        let (island, instructions) = (self.island, self.mode.instructions);
+        let (position, first) = (&mut *at.places.position, at.places.first);
+        let own = island.run.start - island.members.start..island.run.end - island.members.start;
+        let others = tethers.project_others(position, first, &own, pins, instructions);
+        others.max(tethers.project_columns(columns, own.start, &own, pins, instructions))
+    }
+
+    /// Solves ropes that are chains at once.
+    fn sweep_chains(&self, at: &mut TurnedPlaces, scratch: &mut SweepScratch) -> f32 {
+        let Self { plan, island, run, mode } = *self;
+        let links = || island.chains.clone().flat_map(|chain| plan.chains.links(chain));
+        let shared = || links().flat_map(|link| link.rows).filter(|row| run.contains(row));
+        at.turn_out(shared());
+        let all = (&mut *at.places.position, at.places.first);
+        let found = plan.chains.project(island, all, &mut scratch.chains, mode.instructions);
+        at.turn_in(shared());
+        mode.of_chains(found)
+    }
+}
