@@ -3,7 +3,8 @@
 //! It is asked for bodies that have particles of their own to collide with: cloth, ropes, soft bodies, single particles. Rigid parts are compared one by
 //! one as it is (`body_contact`), and stand here for what those may run into.
 //!
-//! Of a large body that is near another one mostly a few particles are: a sail has ropes at its corners. The others are far from everything, too.
+//! Of a large body that is near another one mostly a few particles are: a sail has ropes at its corners. The others are far from everything, too. They are asked
+//! where each of some strips of the other may come to: the box about a rope that goes to a corner aslant has half of the sail in it.
 
 use core::ops::Range;
 
@@ -30,6 +31,10 @@ pub(crate) struct Nearby {
     regions: Vec<(Vec3, Vec3)>,
     /// Large bodies, each with one that it is near; sorted.
     met: Vec<[u32; 2]>,
+    /// Of each body that large ones are near where its strips are, how many particles each has, and how many of it have been looked at.
+    strips_of: Vec<StripsOf>,
+    /// Boxes about consecutive particles of a body.
+    strips: Vec<(Vec3, Vec3)>,
     /// Of each body how many particles are in its regions.
     inside: Vec<u32>,
     /// Of each row whether it is far from all others, though its body is near one; empty where that is so of none.
@@ -43,6 +48,10 @@ struct BodyExtent {
     high: Vec3,
     /// The square of its fastest particle's speed, m²/s².
     fastest: f32,
+    /// Its mean velocity, m/s: before it is known that somebody large is near, or that it is large and near somebody, the sum over its particles.
+    velocity: Vec3,
+    /// How much its particles' velocities differ from that at the most, m/s; of the same bodies.
+    spread: f32,
     /// Of its largest particle, metres.
     radius: f32,
     /// How far the pin that is led farthest in this step is led, metres.
@@ -53,11 +62,23 @@ struct BodyExtent {
     free: bool,
 }
 
+/// Where the strips of a body are.
+#[derive(Clone, Debug, Default)]
+struct StripsOf {
+    strips: Range<u32>,
+    size: u32,
+    seen: u32,
+}
+
+/// In so many strips a body is cut at the most, and none has fewer particles than this.
+const STRIPS: u32 = 8;
+const STRIP: u32 = 4;
+
 /// Of smaller bodies all particles are asked.
 const LARGE: u32 = 64;
 
 /// Of more regions none are made: all particles are asked as fast.
-const MOST_REGIONS: usize = 16;
+const MOST_REGIONS: usize = 48;
 
 /// Where more than one in so many particles of a body is in a region, all take part: who does changes less, and what was found lasts longer.
 const MANY: u32 = 2;
@@ -118,14 +139,19 @@ impl Nearby {
                 (beside[a], beside[b]) = (true, true);
             }
         }
-        self.find_regions(world);
+        self.find_met(world);
+        if !self.met.is_empty() {
+            self.find_strips(particles, world);
+            self.find_regions(world);
+        }
         self.find_far(particles);
     }
 
-    /// Notes where particles of large bodies, which do not touch themselves, may come to touch another one: where that may come to.
-    fn find_regions(&mut self, world: &World) {
+    /// Lists large bodies, which do not touch themselves, with those that they are near.
+    fn find_met(&mut self, world: &World) {
         let contacts = world.filter.bodies();
-        let Self { bodies, bounds, pairs, beside, of_body, regions, met, .. } = self;
+        let Self { bodies, pairs, beside, met, .. } = self;
+        met.clear();
         let is_large = |body: usize| {
             bodies[body].particles > LARGE && beside[body] && !contacts[body].with_itself
         };
@@ -137,26 +163,80 @@ impl Nearby {
             (bodies[a].free || bodies[b].free) && contacts[a].meets(&contacts[b])
         };
         let both_ways = pairs.iter().filter(meet).flat_map(|&[a, b]| [[a, b], [b, a]]);
-        met.clear();
         met.extend(both_ways.filter(|&[body, _]| is_large(body as usize)));
         met.sort_unstable();
-        of_body.resize(bodies.len(), 0..0);
-        for met in met.chunk_by(|one, other| one[0] == other[0]) {
-            if met.len() > MOST_REGIONS {
+    }
+
+    /// Puts boxes about the strips of those that they are near, and finds how fast both are.
+    fn find_strips(&mut self, particles: &Particles, world: &World) {
+        let contacts = world.filter.bodies();
+        let Self { bodies, met, strips_of, strips, .. } = self;
+        strips.clear();
+        strips_of.clear();
+        strips_of.resize(bodies.len(), StripsOf::default());
+        for &body in met.iter().flatten() {
+            let (extent, own) = (&mut bodies[body as usize], &mut strips_of[body as usize]);
+            if own.size == 0 {
+                own.size = extent.particles.div_ceil(STRIPS).max(STRIP);
+                extent.velocity /= extent.particles as f32;
+                let first = strips.len() as u32;
+                let end = first + extent.particles.div_ceil(own.size);
+                own.strips = first..end;
+                strips.resize(end as usize, (Vec3::INFINITY, Vec3::NEG_INFINITY));
+            }
+        }
+        for (row, &body) in particles.body.iter().enumerate() {
+            let Some(own) = strips_of.get_mut(body as usize).filter(|own| own.size > 0) else {
+                continue;
+            };
+            let at = particles.origin[row] + particles.position[row].truncate();
+            if !contacts[body as usize].takes_part() || !at.is_finite() {
                 continue;
             }
+            let (low, high) = &mut strips[(own.strips.start + own.seen / own.size) as usize];
+            let (extent, radius) = (&mut bodies[body as usize], particles.radius[row]);
+            (*low, *high) = (low.min(at - radius), high.max(at + radius));
+            let apart = particles.velocity[row].truncate() - extent.velocity;
+            extent.spread = extent.spread.max(apart.length());
+            own.seen += 1;
+        }
+    }
+
+    /// Notes where particles of large bodies may come to touch another one: where that may come to, in a frame that goes as fast as the large one does in the mean, for
+    /// a parachute and its ropes fall together.
+    fn find_regions(&mut self, world: &World) {
+        let Self { bodies, of_body, regions, met, strips_of, strips, .. } = self;
+        of_body.resize(bodies.len(), 0..0);
+        for met in met.chunk_by(|one, other| one[0] == other[0]) {
             let body = met[0][0] as usize;
             let others = || met.iter().map(|&[_, other]| other as usize);
-            // Who is hit is as fast as what hits it.
-            let fastest = others().map(|other| bodies[other].fastest);
+            let count: usize = others().map(|other| strips_of[other].strips.len()).sum();
+            if count > MOST_REGIONS {
+                continue;
+            }
             let extent = &bodies[body];
-            let fastest = fastest.fold(extent.fastest, f32::max);
-            let wide = extent.led + extent.radius + reach(fastest.sqrt(), world.gravity, world.dt);
+            let speed = |other: usize| {
+                let apart = bodies[other].velocity - extent.velocity;
+                apart.length() + bodies[other].spread
+            };
+            // Who is hit is as fast as what hits it.
+            let fastest = others().map(speed).fold(extent.spread, f32::max);
+            let reach = |speed: f32| reach(speed, world.gravity, world.dt);
+            let own = extent.led + extent.radius + extent.rounding() + reach(fastest);
+            let wide = |other: usize| {
+                own + bodies[other].led + bodies[other].rounding() + reach(speed(other))
+            };
+            // Where somebody is infinitely fast, or at a speed of no number, all are asked.
+            if !others().all(|other| wide(other).is_finite()) {
+                continue;
+            }
             let first = regions.len() as u32;
-            regions.extend(others().map(|other| {
-                let (low, high) = bounds[other];
-                (low - wide, high + wide)
-            }));
+            for other in others() {
+                let wide = wide(other);
+                let own =
+                    strips_of[other].strips.start as usize..strips_of[other].strips.end as usize;
+                regions.extend(strips[own].iter().map(|&(low, high)| (low - wide, high + wide)));
+            }
             of_body[body] = first..regions.len() as u32;
         }
     }
@@ -235,6 +315,7 @@ impl Nearby {
             extent.add(at, radius);
             let speed = particles.velocity[row].truncate().length_squared();
             extent.fastest = extent.fastest.max(speed);
+            extent.velocity += particles.velocity[row].truncate();
             extent.particles += 1;
             let aside = aside.get(row).is_some_and(|&aside| aside);
             extent.free |= !aside && (radius > 0.0 || own.surface);
@@ -258,6 +339,8 @@ impl BodyExtent {
         low: Vec3::INFINITY,
         high: Vec3::NEG_INFINITY,
         fastest: 0.0,
+        velocity: Vec3::ZERO,
+        spread: 0.0,
         radius: 0.0,
         led: 0.0,
         particles: 0,
@@ -273,10 +356,13 @@ impl BodyExtent {
 
     /// What it may reach in the step; a box that overlaps nothing for one that takes no part.
     fn bounds(&self, world: &World) -> (Vec3, Vec3) {
-        let reach = reach(self.fastest.sqrt(), world.gravity, world.dt);
-        // Far out the sum with the origin is rounded.
-        let wide = reach + 1e-6 * (self.low.abs().max(self.high.abs()).max_element() + 1.0);
+        let wide = reach(self.fastest.sqrt(), world.gravity, world.dt) + self.rounding();
         (self.low - wide, self.high + wide)
+    }
+
+    /// Far out the sum of a position with its origin is rounded, metres.
+    fn rounding(&self) -> f32 {
+        1e-6 * (self.low.abs().max(self.high.abs()).max_element() + 1.0)
     }
 }
 
@@ -380,6 +466,27 @@ mod tests {
     }
 
     #[test]
+    fn what_goes_along_with_it_is_as_what_stands_beside_it() {
+        let mut sheet = Sheet::new();
+        sheet.add([Vec3::new(0.1, 0.08, 0.1)], Vec3::ZERO);
+        for row in 0..sheet.particles.len() {
+            sheet.particles.set_velocity(row, Vec3::new(3.0, -20.0, 5.0));
+        }
+        let taking_part = sheet.taking_part();
+        assert_eq!(taking_part.len(), 1, "{taking_part:?}");
+    }
+
+    #[test]
+    fn where_a_velocity_is_no_number_all_of_it_takes_part() {
+        for velocity in [Vec3::NAN, Vec3::INFINITY] {
+            let mut sheet = Sheet::new();
+            sheet.add([Vec3::new(0.1, 0.08, 0.1)], Vec3::ZERO);
+            sheet.particles.velocity[700] = velocity.extend(0.0);
+            assert_eq!(sheet.taking_part().len(), Sheet::SIDE * Sheet::SIDE, "{velocity}");
+        }
+    }
+
+    #[test]
     fn what_a_pin_is_led_to_takes_part_from_where_it_is() {
         let mut sheet = Sheet::new();
         sheet.add([Vec3::new(0.0, 1.5, 0.0)], Vec3::ZERO);
@@ -396,7 +503,13 @@ mod tests {
     fn where_most_of_it_is_near_others_or_there_are_many_all_of_it_takes_part() {
         let corner = Vec3::new(0.1, 0.08, 0.1);
         let mut sheet = Sheet::new();
-        sheet.add([corner, Vec3::new(3.0, 0.08, 3.0)], Vec3::ZERO);
+        let aslant = |share: f32| corner.lerp(Vec3::new(3.0, 0.08, 3.0), share);
+        // Of what lies aslant on it only what is below is near, and of few points that are far apart all between them.
+        sheet.add((0..128).map(|i| aslant(i as f32 / 127.0)), Vec3::ZERO);
+        let taking_part = sheet.taking_part().len();
+        assert!((100..300).contains(&taking_part), "{taking_part}");
+        let mut sheet = Sheet::new();
+        sheet.add([aslant(0.0), aslant(1.0)], Vec3::ZERO);
         assert_eq!(sheet.taking_part().len(), Sheet::SIDE * Sheet::SIDE);
         let mut sheet = Sheet::new();
         for _ in 0..=MOST_REGIONS {

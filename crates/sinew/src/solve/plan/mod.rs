@@ -343,9 +343,12 @@ impl Plan {
 
     /// The rows of an island's particles, stretch by stretch.
     pub(crate) fn runs(&self, island: &Island) -> impl Iterator<Item = Range<u32>> {
-        let members = self.islands.members.get(island.members.clone()).unwrap_or(&[]);
-        let runs = members.chunk_by(|one, next| one + 1 == *next);
-        runs.map(|run| run[0]..run[run.len() - 1] + 1)
+        // Mostly it is known that there is one.
+        let one = (island.run == island.members).then(|| self.run(island));
+        let several = if one.is_some() { 0..0 } else { island.members.clone() };
+        let members = self.islands.members.get(several).unwrap_or(&[]);
+        let several = members.chunk_by(|one, next| one + 1 == *next);
+        one.into_iter().chain(several.map(|run| run[0]..run[run.len() - 1] + 1))
     }
 
     /// The rows of an island's particles, where no other's are between them.
