@@ -58,7 +58,8 @@ pub struct SolverSettings {
     pub long_range: bool,
     /// Whether large cloth takes its sweeps as smaller substeps of its own (microsteps, or multirate integration): half as many of one sweep each, down to 1/2500
     /// s, which hold it as well at half of the work. Only where corrections are along [`GradientAt::Current`] and in [`Order::GaussSeidel`], by Verlet, in
-    /// islands of more than 64 particles with distances and bends alone, more than two for each particle, and no springs. Forces are those of the
+    /// islands of more than 64 particles with more than two constraints for each particle, which are distances, bends, joints and ties, and no springs. What is tied to
+    /// the cloth, a crate or a figure, steps as that does, and has its own sweeps in each sweep of the cloth. Forces are those of the
     /// substep; between integration and solving, positions are what the first microstep has predicted. And where something holds it, and nothing that moves may
     /// touch it, such an island ends a step with three sweeps in which each rod takes a part of its error, so that those that contradict each other share what none of
     /// them can have (under-relaxation), and, where it does not collide with itself and moves by 2 cm/s or more, with rods that are off by more than 3 % brought within

@@ -63,6 +63,7 @@
 //! | `events` | sensors that count, layers that let red through, boxes that flash by the impulse of a contact |
 //! | `sleep` | a field of stacks asleep, and what a ball wakes of it |
 //! | `stage` | flag, capes, lanterns, bridge, heap, ragdolls and a river at once |
+//! | `hammock` | a sheet on four ropes, with a crate in it |
 //! | `sweeps` | two rods in a cascade, and the error after each sweep |
 //! | `million` | up to a million particles and two million springs: waves on a lake |
 

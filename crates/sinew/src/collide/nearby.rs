@@ -10,6 +10,7 @@ use core::ops::Range;
 
 use glam::Vec3;
 
+use super::body_collider::BodyCollider;
 use super::manifold::Broad;
 use super::material::BodyContacts;
 use super::world::World;
@@ -24,6 +25,8 @@ pub(crate) struct Nearby {
     broad: Kept<Broad>,
     pairs: Vec<[u32; 2]>,
     near: Vec<bool>,
+    /// Of each body how far its shapes reach beyond its particles at the most, metres; of bodies that have none it may be missing.
+    overhangs: Vec<f32>,
     /// Of each body, whether it is near another one.
     beside: Vec<bool>,
     /// Of each body where the regions are in which its particles may come to touch another one; none where all of them may.
@@ -58,8 +61,11 @@ struct BodyExtent {
     led: f32,
     /// How many particles it has.
     particles: u32,
-    /// Whether it has particles that collide by themselves.
+    /// How far its shapes reach beyond its particles at the most, metres.
+    overhang: f32,
+    /// Whether it has particles that collide by themselves, and whether it has some that collide as a shape.
     free: bool,
+    has_shapes: bool,
 }
 
 /// Where the strips of a body are.
@@ -97,6 +103,27 @@ impl Nearby {
     pub(super) fn everywhere(contacts: &[BodyContacts]) -> Self {
         let near = contacts.iter().map(BodyContacts::takes_part).collect();
         Self { near, ..Self::default() }
+    }
+
+    /// Looks at the shapes, when those or the particles have changed.
+    pub(super) fn compile(&mut self, body_colliders: &[BodyCollider], particles: &Particles) {
+        self.overhangs.clear();
+        for BodyCollider { rows, rest, shape, .. } in body_colliders {
+            let body = rows.first().and_then(|&row| particles.body.get(row as usize));
+            let Some(&body) = body.filter(|&&body| body != NO_BODY) else { continue };
+            let (low, high) = shape.bounds();
+            let corners = (0..8_u32).map(|i| {
+                let side = |bit: u32| if i >> bit & 1 == 1 { 1.0 } else { 0.0 };
+                low + (high - low) * Vec3::new(side(0), side(1), side(2))
+            });
+            let apart = |corner: Vec3| {
+                rest.iter().map(|at| at.distance(corner)).fold(f32::INFINITY, f32::min)
+            };
+            let overhang = corners.map(apart).fold(0.0, f32::max);
+            let body = body as usize;
+            self.overhangs.resize(self.overhangs.len().max(body + 1), 0.0);
+            self.overhangs[body] = self.overhangs[body].max(overhang);
+        }
     }
 
     /// Finds them. Rows that are marked in `aside` do not collide by themselves.
@@ -170,19 +197,22 @@ impl Nearby {
     /// Puts boxes about the strips of those that they are near, and finds how fast both are.
     fn find_strips(&mut self, particles: &Particles, world: &World) {
         let contacts = world.filter.bodies();
-        let Self { bodies, met, strips_of, strips, .. } = self;
-        strips.clear();
+        let Self { bodies, met, strips_of, strips: boxes, .. } = self;
+        boxes.clear();
         strips_of.clear();
         strips_of.resize(bodies.len(), StripsOf::default());
         for &body in met.iter().flatten() {
             let (extent, own) = (&mut bodies[body as usize], &mut strips_of[body as usize]);
             if own.size == 0 {
-                own.size = extent.particles.div_ceil(STRIPS).max(STRIP);
+                // What lies between particles of different strips collides, too, where it is a shape or a surface.
+                let whole = extent.has_shapes || contacts[body as usize].surface;
+                let strips = if whole { 1 } else { STRIPS };
+                own.size = extent.particles.div_ceil(strips).max(STRIP);
                 extent.velocity /= extent.particles as f32;
-                let first = strips.len() as u32;
+                let first = boxes.len() as u32;
                 let end = first + extent.particles.div_ceil(own.size);
                 own.strips = first..end;
-                strips.resize(end as usize, (Vec3::INFINITY, Vec3::NEG_INFINITY));
+                boxes.resize(end as usize, (Vec3::INFINITY, Vec3::NEG_INFINITY));
             }
         }
         for (row, &body) in particles.body.iter().enumerate() {
@@ -193,9 +223,15 @@ impl Nearby {
             if !contacts[body as usize].takes_part() || !at.is_finite() {
                 continue;
             }
-            let (low, high) = &mut strips[(own.strips.start + own.seen / own.size) as usize];
-            let (extent, radius) = (&mut bodies[body as usize], particles.radius[row]);
-            (*low, *high) = (low.min(at - radius), high.max(at + radius));
+            let extent = &mut bodies[body as usize];
+            let (number, about) = (own.seen / own.size, particles.radius[row] + extent.overhang);
+            // The first of a strip is of the one before, too: a rope may collide between the two.
+            let first = own.seen.is_multiple_of(own.size) && number > 0;
+            let strips = own.strips.start + number - u32::from(first)..=own.strips.start + number;
+            for strip in strips {
+                let (low, high) = &mut boxes[strip as usize];
+                (*low, *high) = (low.min(at - about), high.max(at + about));
+            }
             let apart = particles.velocity[row].truncate() - extent.velocity;
             extent.spread = extent.spread.max(apart.length());
             own.seen += 1;
@@ -312,13 +348,18 @@ impl Nearby {
                 continue;
             }
             let (extent, radius) = (&mut self.bodies[body as usize], particles.radius[row]);
+            let aside = aside.get(row).is_some_and(|&aside| aside);
             extent.add(at, radius);
+            extent.has_shapes |= aside;
             let speed = particles.velocity[row].truncate().length_squared();
             extent.fastest = extent.fastest.max(speed);
             extent.velocity += particles.velocity[row].truncate();
             extent.particles += 1;
-            let aside = aside.get(row).is_some_and(|&aside| aside);
             extent.free |= !aside && (radius > 0.0 || own.surface);
+        }
+        for (extent, &overhang) in self.bodies.iter_mut().zip(&self.overhangs) {
+            (extent.low, extent.high) = (extent.low - overhang, extent.high + overhang);
+            extent.overhang = overhang;
         }
         for pin in &world.boundaries.pins {
             let body = particles.body.get(pin.particle as usize).copied().unwrap_or(NO_BODY);
@@ -344,7 +385,9 @@ impl BodyExtent {
         radius: 0.0,
         led: 0.0,
         particles: 0,
+        overhang: 0.0,
         free: false,
+        has_shapes: false,
     };
 
     #[inline(always)]
@@ -373,11 +416,14 @@ fn is_within((low, high): (Vec3, Vec3), region: (Vec3, Vec3)) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use glam::Quat;
+
     use super::*;
     use crate::collide::ContactFilter;
     use crate::constraints::{Boundaries, Pin};
     use crate::islands::Islands;
     use crate::particles::ParticleSeed;
+    use crate::recipes::{BoxLayout, BoxSpec, box_3d};
 
     /// A flat sheet of 40 × 40 particles that are 0.1 m apart and have a radius of 0.04 m, from the origin on; and other bodies.
     #[derive(Default)]
@@ -385,6 +431,7 @@ mod tests {
         particles: Particles,
         contacts: Vec<BodyContacts>,
         boundaries: Boundaries,
+        shapes: Vec<BodyCollider>,
     }
 
     impl Sheet {
@@ -415,7 +462,7 @@ mod tests {
             let world = World {
                 boundaries: &self.boundaries,
                 colliders: &[],
-                body_colliders: &[],
+                body_colliders: &self.shapes,
                 filter: &filter,
                 islands: &islands,
                 dt: 1.0 / 60.0,
@@ -424,7 +471,10 @@ mod tests {
                 at_rest: false,
             };
             let mut nearby = Nearby::default();
-            nearby.broad_phase(&self.particles, &world, &[]);
+            nearby.compile(&self.shapes, &self.particles);
+            let mut aside = vec![false; self.particles.len()];
+            self.shapes.iter().flat_map(|of| &of.rows).for_each(|&row| aside[row as usize] = true);
+            nearby.broad_phase(&self.particles, &world, &aside);
             nearby
         }
 
@@ -474,6 +524,26 @@ mod tests {
         }
         let taking_part = sheet.taking_part();
         assert_eq!(taking_part.len(), 1, "{taking_part:?}");
+    }
+
+    /// A crate that lay on a sheet, whose corners were two strips, sank into it between them; one whose particles are inside of it did so by more than a third of its size.
+    #[test]
+    fn below_all_of_a_shape_it_takes_part() {
+        for layout in [BoxLayout::Corners, BoxLayout::Equimomental] {
+            let mut sheet = Sheet::new();
+            let spec = BoxSpec { size: Vec3::splat(1.0), layout, ..BoxSpec::default() };
+            let crate_ =
+                box_3d(&spec).unwrap().transformed(Quat::IDENTITY, Vec3::new(2.0, 0.56, 2.0));
+            let rows = sheet.particles.len() as u32..sheet.particles.len() as u32 + 8;
+            sheet.add(crate_.particles.iter().map(|seed| seed.position), Vec3::ZERO);
+            let part = &crate_.parts[0];
+            let (rest, shape) = (part.rest.as_slice().into(), part.shape.clone().unwrap());
+            sheet.shapes.push(BodyCollider { rows: rows.collect(), rest, shape, id: 0 });
+            let taking_part = sheet.taking_part();
+            let below = |at: &&Vec3| (at.x - 2.0).abs() < 0.5 && (at.z - 2.0).abs() < 0.5;
+            assert_eq!(taking_part.iter().filter(below).count(), 81, "{layout:?}");
+            assert!(taking_part.len() < 400, "{layout:?}: {}", taking_part.len());
+        }
     }
 
     #[test]

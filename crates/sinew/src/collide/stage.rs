@@ -37,6 +37,7 @@ impl Contacts {
     /// Notes which rows belong to which body colliders, when those or the particles have changed.
     pub(crate) fn compile(&mut self, body_colliders: &[BodyCollider], particles: &Particles) {
         self.body_contact.compile(body_colliders, particles);
+        self.nearby.compile(body_colliders, particles);
     }
 
     /// Whether a row does not collide by itself: it belongs to a body collider, which does in its place, or its body touches nothing.

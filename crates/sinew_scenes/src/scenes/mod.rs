@@ -22,6 +22,7 @@ pub(crate) mod events;
 mod feathers;
 mod flag;
 mod flatland;
+mod hammock;
 mod hinges;
 pub(crate) mod impulses;
 mod inertia;
@@ -125,6 +126,7 @@ pub const ALL: &[Scene] = &[
     stage::SCENE,
     million::SCENE,
     sweeps::SCENE,
+    hammock::SCENE,
 ];
 
 /// The scene of that name.

@@ -258,28 +258,26 @@ fn blocks(members: &[u32], each: &[[(u32, f32); 2]], section: Range<usize>) -> V
     // Without a pin there is none.
     let section = if each.is_empty() { 0..0 } else { section };
     for begin in section.clone().step_by(2 * LANES) {
-        for which in 0..2 {
-            for parity in 0..2 {
-                let member = |lane: usize| {
-                    let member = begin + parity + 2 * lane;
-                    if member < section.end { member } else { begin + parity }
-                };
-                if begin + parity >= section.end {
-                    continue;
-                }
-                let of = |lane: usize| each[member(lane)][which];
-                if (0..LANES).all(|lane| of(lane).1 == f32::INFINITY) {
-                    continue;
-                }
-                let pin = of(0).0;
-                blocks.push(TetherBlock {
-                    member: (begin + parity) as u32,
-                    rows: core::array::from_fn(|lane| members[member(lane)]),
-                    pins: core::array::from_fn(|lane| of(lane).0),
-                    one_pin: (0..LANES).all(|lane| of(lane).0 == pin),
-                    length: core::array::from_fn(|lane| of(lane).1),
-                });
+        for (which, parity) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let member = |lane: usize| {
+                let member = begin + parity + 2 * lane;
+                if member < section.end { member } else { begin + parity }
+            };
+            if begin + parity >= section.end {
+                continue;
             }
+            let of = |lane: usize| each[member(lane)][which];
+            if (0..LANES).all(|lane| of(lane).1 == f32::INFINITY) {
+                continue;
+            }
+            let pin = of(0).0;
+            blocks.push(TetherBlock {
+                member: (begin + parity) as u32,
+                rows: core::array::from_fn(|lane| members[member(lane)]),
+                pins: core::array::from_fn(|lane| of(lane).0),
+                one_pin: (0..LANES).all(|lane| of(lane).0 == pin),
+                length: core::array::from_fn(|lane| of(lane).1),
+            });
         }
     }
     blocks
