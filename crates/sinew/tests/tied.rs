@@ -232,11 +232,12 @@ fn the_rods_that_a_rope_ends_at_are_stretched_by_little() {
     }
 }
 
-/// A sheet that is large enough to be shared among workers, with all that is tied to it, which one of them sweeps.
+/// A sheet that is large enough to be shared among workers, with all that is tied to it, which one of them sweeps; and one that rows of others are between, which is not shared.
 #[test]
 fn a_large_sheet_with_a_crate_has_the_same_bits_by_any_number_of_workers() {
-    let run = |workers: Option<usize>| {
-        let mut tied = Tied { cells: [299, 119], between: 3, ..Tied::default() }.load();
+    let run = |between: usize, workers: Option<usize>| {
+        let tied = Tied::with_others_between(between);
+        let mut tied = Tied { cells: [299, 119], ..tied }.load();
         tied.world.workers = workers.map(|count| Arc::new(Threads(count)) as Arc<dyn Workers>);
         for _ in 0..6 {
             tied.world.step(DT).unwrap();
@@ -245,8 +246,10 @@ fn a_large_sheet_with_a_crate_has_the_same_bits_by_any_number_of_workers() {
         let all = 0..tied.world.particles.len();
         all.map(|i| (tied.at(i), tied.world.particles.velocity(i))).collect::<Vec<_>>()
     };
-    let alone = run(None);
-    for workers in [1, 2, 5] {
-        assert!(run(Some(workers)) == alone, "{workers} workers");
+    for between in [0, 3] {
+        let alone = run(between, None);
+        for workers in [1, 2, 5] {
+            assert!(run(between, Some(workers)) == alone, "{between} between, {workers} workers");
+        }
     }
 }

@@ -11,9 +11,9 @@ use glam::{DVec3, Vec3, Vec4};
 use super::super::distance::{of_segments, to_triangle};
 use super::participants::{EDGES, TriangleParticipants};
 use crate::collide::filter::ContactFilter;
-use crate::collide::manifold::Broad;
+use crate::collide::manifold::{Broad, NO_GROUP};
 use crate::kept::Kept;
-use crate::particles::Particles;
+use crate::particles::{NO_BODY, Particles};
 
 /// A particle and a triangle, or two edges, that may come to touch.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +47,8 @@ pub(super) struct TriangleNeighbours {
     /// The box about each; about triangles and loose particles.
     own: Vec<(Vec3, Vec3)>,
     boxes: Vec<(Vec3, Vec3)>,
+    /// Of each box the body that it is of, if that does not touch itself.
+    groups: Vec<u32>,
     pairs: Vec<[u32; 2]>,
     broad: Kept<Broad>,
 }
@@ -79,8 +81,17 @@ impl TriangleNeighbours {
     ) {
         self.measure(participants, particles, dt);
         self.enclose(participants, particles, within);
-        let Self { boxes, pairs, broad, .. } = self;
-        broad.0.pairs(boxes, pairs);
+        let Self { boxes, groups, pairs, broad, .. } = self;
+        // Most that are near a triangle are of the cloth that it is of.
+        let group = |of: u32| {
+            let body = participants.body[of as usize];
+            let alone = body != NO_BODY && !filter.body(body).with_itself;
+            if alone { body } else { NO_GROUP }
+        };
+        groups.clear();
+        groups.extend(participants.triangles.iter().map(|&[corner, ..]| group(corner)));
+        groups.extend(participants.loose.iter().map(|&one| group(one)));
+        broad.0.pairs_of_groups(boxes, groups, pairs);
         let pairs = core::mem::take(&mut self.pairs);
         self.candidates.clear();
         self.edges.clear();

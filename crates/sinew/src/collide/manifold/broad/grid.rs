@@ -8,11 +8,22 @@ pub(super) struct BoxEntry {
     least: Vec3A,
     most: Vec3A,
     pub(super) number: u32,
+    /// Boxes of one group are not compared with each other, but for [`NO_GROUP`].
+    group: u32,
 }
+
+/// The group of a box that is in none.
+pub(crate) const NO_GROUP: u32 = u32::MAX;
 
 impl BoxEntry {
     pub(super) fn new((least, most): &(Vec3, Vec3), number: u32) -> Self {
-        Self { least: (*least).into(), most: (*most).into(), number }
+        Self { least: (*least).into(), most: (*most).into(), number, group: NO_GROUP }
+    }
+
+    /// Whether two are to be compared.
+    #[inline(always)]
+    fn concerns(&self, other: &Self) -> bool {
+        self.group != other.group || self.group == NO_GROUP
     }
 
     /// Whether two overlap or touch.
@@ -46,7 +57,7 @@ impl BoxGrid {
         &mut self,
         (largest, least): (Vec3, f32),
         these: &[u32],
-        bounds: &[(Vec3, Vec3)],
+        (bounds, groups): (&[(Vec3, Vec3)], &[u32]),
     ) {
         // Boxes without extent need cells all the same; and a cell's inverse must be finite.
         let cell = largest.max(Vec3::splat(least.max(1e-6)));
@@ -60,8 +71,7 @@ impl BoxGrid {
         self.starts.clear();
         self.starts.resize((self.cells.x * self.cells.y * self.cells.z) as usize + 1, 0);
         self.entries.clear();
-        self.entries
-            .resize(these.len(), BoxEntry { least: Vec3A::ZERO, most: Vec3A::ZERO, number: 0 });
+        self.entries.resize(these.len(), BoxEntry::new(&(Vec3::ZERO, Vec3::ZERO), 0));
         for i in these {
             let cell = self.place(self.cell(bounds[*i as usize].0));
             self.starts[cell + 1] += 1;
@@ -73,7 +83,8 @@ impl BoxGrid {
             let one = &bounds[number as usize];
             let cell = self.place(self.cell(one.0));
             let next = &mut self.starts[cell];
-            self.entries[*next as usize] = BoxEntry::new(one, number);
+            let group = groups.get(number as usize).copied().unwrap_or(NO_GROUP);
+            self.entries[*next as usize] = BoxEntry { group, ..BoxEntry::new(one, number) };
             *next += 1;
         }
         // Each start has gone on to the next one's.
@@ -191,7 +202,7 @@ impl BoxGrid {
             return;
         }
         for other in &self.entries[start..end] {
-            if entry.overlaps(other) {
+            if entry.concerns(other) && entry.overlaps(other) {
                 out(other.number);
             }
         }

@@ -17,6 +17,7 @@ use glam::Vec3;
 
 pub(crate) use clusters::ClusterSearch;
 use grid::BoxGrid;
+pub(crate) use grid::NO_GROUP;
 
 /// A search for boxes that overlap. What it keeps between calls is memory alone.
 #[derive(Default)]
@@ -56,19 +57,31 @@ const FEW: usize = 8;
 impl Broad {
     /// Takes boxes in (least and greatest corner). One with NaN, or with less than no extent, overlaps nothing.
     pub(crate) fn fill(&mut self, bounds: &[(Vec3, Vec3)]) {
-        self.filled = self.sort_out(bounds);
+        self.filled = self.sort_out(bounds, &[]);
     }
 
     /// Takes them in, and all pairs `[a, b]`, `a < b`, of those that overlap or touch; sorted.
     pub(crate) fn pairs(&mut self, bounds: &[(Vec3, Vec3)], out: &mut Vec<[u32; 2]>) {
-        self.fill(bounds);
+        self.pairs_of_groups(bounds, &[], out);
+    }
+
+    /// The same, less the pairs of one group each: `groups` has that of each box, or [`NO_GROUP`] for none. It may end before they do.
+    pub(crate) fn pairs_of_groups(
+        &mut self,
+        bounds: &[(Vec3, Vec3)],
+        groups: &[u32],
+        out: &mut Vec<[u32; 2]>,
+    ) {
+        self.filled = self.sort_out(bounds, groups);
         self.found.clear();
         let Self { grids: kept, apart, found, filled, .. } = self;
         let grids = &kept[..*filled];
+        let group = |i: u32| groups.get(i as usize).copied().unwrap_or(NO_GROUP);
         for (i, a) in apart.iter().enumerate() {
-            let bounds_a = bounds[*a as usize];
+            let (bounds_a, group_a) = (bounds[*a as usize], group(*a));
             let mut compare = |b: u32, bounds_b: (Vec3, Vec3)| {
-                if overlap(&bounds_a, &bounds_b) {
+                let concerns = group_a == NO_GROUP || group_a != group(b);
+                if concerns && overlap(&bounds_a, &bounds_b) {
                     found.push([(*a).min(b), (*a).max(b)]);
                 }
             };
@@ -99,7 +112,7 @@ impl Broad {
     }
 
     /// Makes the grids, and says how many.
-    fn sort_out(&mut self, bounds: &[(Vec3, Vec3)]) -> usize {
+    fn sort_out(&mut self, bounds: &[(Vec3, Vec3)], groups: &[u32]) -> usize {
         let Self { sizes, classes, levels, grids, apart, .. } = self;
         sizes.clear();
         apart.clear();
@@ -136,7 +149,7 @@ impl Broad {
             if made == grids.len() {
                 grids.push(BoxGrid::default());
             }
-            grids[made].fill((level.largest, smallest), &level.boxes, bounds);
+            grids[made].fill((level.largest, smallest), &level.boxes, (bounds, groups));
             made += 1;
         }
         made

@@ -51,6 +51,15 @@ fn pairs_are_those_of_comparing_all_with_all() {
         bounds.push((Vec3::splat(f32::INFINITY), Vec3::splat(f32::INFINITY)));
         broad.pairs(&bounds, &mut out);
         assert_eq!(out, naive(&bounds), "{round}");
+        // Of three groups and none; of the last ones nothing is said.
+        let groups: Vec<u32> = (0..bounds.len() as u32 - 4)
+            .map(|i| if i % 5 == 4 { NO_GROUP } else { i % 5 % 3 })
+            .collect();
+        let of = |i: u32| groups.get(i as usize).copied().unwrap_or(NO_GROUP);
+        broad.pairs_of_groups(&bounds, &groups, &mut out);
+        let mut wanted = naive(&bounds);
+        wanted.retain(|&[a, b]| of(a) == NO_GROUP || of(a) != of(b));
+        assert_eq!(out, wanted, "{round}");
     }
     broad.pairs(&[], &mut out);
     assert!(out.is_empty());
