@@ -25,12 +25,7 @@ pub(super) const SCENE: Scene = Scene {
         formula: "|c − q| = L: a rope is taut, and as long as its pieces",
         sliders: &[
             SceneSlider { label: "Mass of the crate", unit: "kg", range: [0.5, 3.0], default: 1.0 },
-            SceneSlider {
-                label: "Length of the ropes",
-                unit: "m",
-                range: [0.72, 0.95],
-                default: 0.8,
-            },
+            SceneSlider { label: "Rope length", unit: "m", range: [0.72, 0.95], default: 0.8 },
             SceneSlider { label: "Gravity", unit: "m/s²", range: [5.0, 15.0], default: 9.81 },
         ],
         number: "From a hook to the corner that it holds",
