@@ -78,9 +78,9 @@ pub(crate) struct Island {
     pub(crate) tethers: Option<u32>,
     /// Which of the plan's spans are its own.
     pub(crate) spans: Option<u32>,
-    /// Which of the plan's rod graphs is its own, and which patches are.
+    /// Which of the plan's rod graphs is its own, and which tie rods are.
     pub(crate) rod_graph: Option<u32>,
-    pub(crate) patches: Option<u32>,
+    pub(crate) tie_rods: Option<u32>,
     /// Whether a part of it collides as a rigid shape.
     pub(crate) has_solids: bool,
     /// Whether a spring pulls on it in this step.

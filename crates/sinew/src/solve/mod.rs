@@ -13,7 +13,7 @@
 //! - `rods` takes hard rods eight by eight; `chains` solves those of a rope at once; `tethers` hold what hangs on a pin through many of them;
 //! - `wide` takes most other constraints eight by eight;
 //! - `gauss_seidel`, `most_violated_first` and `jacobi` are the orders of a sweep; `column_sweep` is the first of them for large cloth; `parts` are what is tied to it,
-//!   and `patches` its rods about that, which are swept more often, on `turned_places`;
+//!   and `tie_rods` its rods about that, which are swept more often, on `turned_places`;
 //! - `constraint_ref` is one constraint of the plan, whatever its kind;
 //! - `remaining` is what instance batches and wavefronts leave of a task;
 //! - `momentum` keeps round-off out of what constraints cannot change; `damping` is friction inside a body;
@@ -40,7 +40,6 @@ mod momentum;
 mod most_violated_first;
 mod multipliers;
 mod parts;
-mod patches;
 mod plan;
 mod recovery;
 mod relaxation;
@@ -52,6 +51,7 @@ mod strain_limit;
 mod sweep_scratch;
 mod task_slice;
 mod tethers;
+mod tie_rods;
 mod turned_places;
 mod wavefront;
 mod wide;

@@ -5,14 +5,14 @@
 //! columns of all of the cloth, to the bits of one cluster batch after the other.
 //!
 //! They may ask for more sweeps than cloth does, a figure for ten times as many: where the cloth has one sweep they have several, until they hold; and so have the
-//! [`patches`](super::patches) of the cloth that they are tied to.
+//! [`tie_rods`](super::tie_rods) of the cloth.
 
 use super::constraint_ref::SolveMode;
 use super::gauss_seidel::sweep_cluster_batch;
 use super::multipliers::MultiplierSlice;
-use super::patches::Patches;
 use super::plan::{ClusterBatch, Plan};
 use super::sweep_scratch::SweepScratch;
+use super::tie_rods::TieRods;
 use super::turned_places::TurnedPlaces;
 use crate::islands::Island;
 
@@ -41,7 +41,7 @@ impl Parts<'_> {
         found
     }
 
-    /// Sweeps all of them, and the patches of cloth that they are tied to, after a sweep of the cloth: as often as they ask for, until they hold.
+    /// Sweeps all of them, and the tie rods of the cloth, after a sweep of the cloth: as often as they ask for, until they hold.
     pub(super) fn sweep_again(
         &self,
         at: &mut TurnedPlaces,
@@ -49,22 +49,22 @@ impl Parts<'_> {
         scratch: &mut SweepScratch,
     ) {
         let Self { plan, island, mode } = *self;
-        let patches = plan.tethers.patches_of(island);
-        let of_patches = patches.map_or(0, Patches::sweeps);
+        let tie_rods = plan.tethers.tie_rods_of(island);
+        let of_tie_rods = tie_rods.map_or(0, TieRods::sweeps);
         let of_parts = island.sweeps_of_parts.saturating_sub(1) as usize;
-        if mode.relaxed.is_some() || of_patches.max(of_parts) == 0 {
+        if mode.relaxed.is_some() || of_tie_rods.max(of_parts) == 0 {
             return;
         }
         let run = plan.run(island);
         let parts = plan.cluster_batches[island.cluster_batches.clone()].iter();
         let parts = parts.filter(|it| !it.is_within(&run));
-        for sweep in 0..of_parts.max(of_patches) {
+        for sweep in 0..of_parts.max(of_tie_rods) {
             let mut found = 0.0_f32;
             for part in parts.clone().filter(|_| sweep < of_parts) {
                 found = found.max(self.sweep(part, at, multipliers, scratch));
             }
-            if let Some(patches) = patches.filter(|_| sweep < of_patches) {
-                found = found.max(patches.project(at, sweep % 2 == 1));
+            if let Some(tie_rods) = tie_rods.filter(|_| sweep < of_tie_rods) {
+                found = found.max(tie_rods.project(at, sweep % 2 == 1));
             }
             if found <= island.settings.tolerance {
                 break;

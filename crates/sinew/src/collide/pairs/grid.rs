@@ -271,7 +271,9 @@ impl Stretches {
 
     /// Takes those in some slots of a level, if there are any.
     fn add(&mut self, grid: &PairGrid, level: &GridLevel, slots: [u32; 2]) {
-        let stretch = slots.map(|slot| grid.starts[(level.first + slot) as usize]);
+        // No `array::map`, which is a call of several functions.
+        let start = |slot: u32| grid.starts[(level.first + slot) as usize];
+        let stretch = [start(slots[0]), start(slots[1])];
         if stretch[0] < stretch[1] {
             self.each[self.count] = stretch;
             self.count += 1;

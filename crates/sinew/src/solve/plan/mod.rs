@@ -209,7 +209,7 @@ impl Plan {
                 for &island in &islands {
                     let island = &mut self.islands.list[island as usize];
                     (island.tethers, island.spans, island.rod_graph) = (None, None, None);
-                    island.patches = None;
+                    island.tie_rods = None;
                 }
                 if let Some(&first) = islands.first() {
                     self.cut(&given, self.marked_before(first as usize));

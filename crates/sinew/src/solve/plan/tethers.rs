@@ -5,9 +5,9 @@ use crate::constraints::{Bound, Distance, Softness};
 use crate::hash::fnv;
 use crate::islands::Island;
 use crate::particles::Particles;
-use crate::solve::patches::Patches;
 use crate::solve::rod_graph::RodGraph;
 use crate::solve::tethers::{IslandTethers, PinFields, Spans, TetherPaths, Tethers};
+use crate::solve::tie_rods::TieRods;
 
 /// An island of no more particles has no tethers: there is one rod, or two, between any of them and its pin.
 const SMALL: usize = 3;
@@ -22,7 +22,7 @@ impl Plan {
             before = keep(&mut tethers.islands, islands, |island| &mut island.tethers);
             keep(&mut tethers.spans, islands, |island| &mut island.spans);
             keep(&mut tethers.graphs, islands, |island| &mut island.rod_graph);
-            keep(&mut tethers.patches, islands, |island| &mut island.patches);
+            keep(&mut tethers.tie_rods, islands, |island| &mut island.tie_rods);
             // Rods have other numbers now.
             tethers.islands.iter_mut().for_each(|made| made.ways = None);
         }
@@ -39,7 +39,7 @@ impl Plan {
                 tethers.graphs.push(self.graph(island));
                 self.islands.list[number].rod_graph = Some(tethers.graphs.len() as u32 - 1);
             }
-            self.patch(number, particles, &mut tethers);
+            self.find_tie_rods(number, particles, &mut tethers);
             let island = &mut self.islands.list[number];
             let small = island.members.len() <= SMALL && !island.measured;
             if small {
@@ -104,10 +104,10 @@ impl Plan {
         self.tethers = tethers;
     }
 
-    /// Finds the patches of an island that takes microsteps, if they are not known.
-    fn patch(&mut self, number: usize, particles: &Particles, tethers: &mut Tethers) {
+    /// Finds the tie rods of an island that takes microsteps, if they are not known.
+    fn find_tie_rods(&mut self, number: usize, particles: &Particles, tethers: &mut Tethers) {
         let (island, edits) = (&self.islands.list[number], particles.edits());
-        let known = island.patches.map(|place| &tethers.patches[place as usize]);
+        let known = island.tie_rods.map(|place| &tethers.tie_rods[place as usize]);
         let is_known = known.is_some_and(|known| known.edits == edits);
         if island.microsteps <= 1 || is_known {
             return;
@@ -129,15 +129,15 @@ impl Plan {
         let found = match tethers.graph_of(island) {
             Some(graph) if !tied.is_empty() => {
                 let members = &self.islands.members[island.members.clone()];
-                Patches::of(graph, members, self.places(island, &tied), edits)
+                TieRods::of(graph, members, self.places(island, &tied), edits)
             }
-            _ => Patches::none(edits),
+            _ => TieRods::none(edits),
         };
-        match self.islands.list[number].patches {
-            Some(place) => tethers.patches[place as usize] = found,
+        match self.islands.list[number].tie_rods {
+            Some(place) => tethers.tie_rods[place as usize] = found,
             None => {
-                tethers.patches.push(found);
-                self.islands.list[number].patches = Some(tethers.patches.len() as u32 - 1);
+                tethers.tie_rods.push(found);
+                self.islands.list[number].tie_rods = Some(tethers.tie_rods.len() as u32 - 1);
             }
         }
     }

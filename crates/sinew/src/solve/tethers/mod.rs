@@ -28,8 +28,8 @@ use core::ops::Range;
 
 use glam::Vec4;
 
-use super::patches::Patches;
 use super::rod_graph::RodGraph;
+use super::tie_rods::TieRods;
 use crate::islands::Island;
 use crate::lanes::LANES;
 use crate::particles::Places;
@@ -48,7 +48,7 @@ pub(crate) struct Tethers {
     /// The hard rods of islands that take microsteps: for tethers, and for strain limiting.
     pub(in crate::solve) graphs: Vec<RodGraph>,
     /// What is tied to them.
-    pub(in crate::solve) patches: Vec<Patches>,
+    pub(in crate::solve) tie_rods: Vec<TieRods>,
     /// Whether the plan was compiled since they were made.
     pub(in crate::solve) stale: bool,
 }
@@ -120,9 +120,9 @@ impl Tethers {
         self.graphs.get(island.rod_graph? as usize)
     }
 
-    /// The patches of an island that takes microsteps.
-    pub(super) fn patches_of(&self, island: &Island) -> Option<&Patches> {
-        let own = self.patches.get(island.patches? as usize);
+    /// The tie rods of an island that takes microsteps.
+    pub(super) fn tie_rods_of(&self, island: &Island) -> Option<&TieRods> {
+        let own = self.tie_rods.get(island.tie_rods? as usize);
         own.filter(|own| island.microsteps > 1 && own.sweeps() > 0)
     }
 

@@ -15,15 +15,15 @@ pub(super) struct BoxEntry {
 /// The group of a box that is in none.
 pub(crate) const NO_GROUP: u32 = u32::MAX;
 
+/// Whether boxes of two groups are compared.
+#[inline(always)]
+pub(super) fn are_compared(group: u32, other: u32) -> bool {
+    group != other || group == NO_GROUP
+}
+
 impl BoxEntry {
     pub(super) fn new((least, most): &(Vec3, Vec3), number: u32) -> Self {
         Self { least: (*least).into(), most: (*most).into(), number, group: NO_GROUP }
-    }
-
-    /// Whether two are to be compared.
-    #[inline(always)]
-    fn concerns(&self, other: &Self) -> bool {
-        self.group != other.group || self.group == NO_GROUP
     }
 
     /// Whether two overlap or touch.
@@ -202,7 +202,7 @@ impl BoxGrid {
             return;
         }
         for other in &self.entries[start..end] {
-            if entry.concerns(other) && entry.overlaps(other) {
+            if are_compared(entry.group, other.group) && entry.overlaps(other) {
                 out(other.number);
             }
         }

@@ -16,8 +16,8 @@ mod grid;
 use glam::Vec3;
 
 pub(crate) use clusters::ClusterSearch;
-use grid::BoxGrid;
 pub(crate) use grid::NO_GROUP;
+use grid::{BoxGrid, are_compared};
 
 /// A search for boxes that overlap. What it keeps between calls is memory alone.
 #[derive(Default)]
@@ -80,8 +80,7 @@ impl Broad {
         for (i, a) in apart.iter().enumerate() {
             let (bounds_a, group_a) = (bounds[*a as usize], group(*a));
             let mut compare = |b: u32, bounds_b: (Vec3, Vec3)| {
-                let concerns = group_a == NO_GROUP || group_a != group(b);
-                if concerns && overlap(&bounds_a, &bounds_b) {
+                if are_compared(group_a, group(b)) && overlap(&bounds_a, &bounds_b) {
                     found.push([(*a).min(b), (*a).max(b)]);
                 }
             };

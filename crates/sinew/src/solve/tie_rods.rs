@@ -1,4 +1,4 @@
-//! Patches: the rods of large cloth about a particle that something else is tied to, which are swept more often than the others.
+//! Tie rods: the rods of large cloth about a particle that something else is tied to, which are swept more often than the others.
 //!
 //! All that hangs on a rope hangs on the few rods at its end, and the particle there weighs next to nothing: a sweep, which hands a pull on by a rod or two, leaves to
 //! those rods what it does not hand on. Of a hammock of 64 × 64 on four ropes they were off by 42 %, of cloth that is pinned there by 2 %. So those within two rods
@@ -11,7 +11,7 @@ use super::rod_graph::RodGraph;
 use super::rods::{Whole, project};
 use super::turned_places::TurnedPlaces;
 
-/// So many rods from a tie on belong to its patch. Of the hammock above, by 2, 4 and 8, with eight sweeps: 11.7, 12.5 and 12.3 %.
+/// So many rods from a tie on are tie rods. Of the hammock above, by 2, 4 and 8, with eight sweeps: 11.7, 12.5 and 12.3 %.
 const RINGS: usize = 2;
 
 /// So often they are swept in a sweep. The same by 0, 8 and 32, of the four rings: 42, 12.5 and 6.7 %, in 1.7, 2.3 and 4.8 ms.
@@ -20,9 +20,9 @@ const SWEEPS: usize = 8;
 /// But no more than this share of what a sweep of all rods is.
 const SHARE: usize = 4;
 
-/// The patches of an island. Scratch.
+/// The tie rods of an island. Scratch.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Patches {
+pub(super) struct TieRods {
     /// Rows of the two ends, length, metres, and whether it may be shorter.
     rods: Vec<(u32, u32, f32, bool)>,
     /// How often they are swept in each sweep of the cloth.
@@ -31,7 +31,7 @@ pub(super) struct Patches {
     pub(super) edits: u64,
 }
 
-impl Patches {
+impl TieRods {
     /// Of an island with such rods between its members, of which some, which ascend, are tied to another body.
     pub(super) fn of(graph: &RodGraph, members: &[u32], mut tied: Vec<u32>, edits: u64) -> Self {
         let mut from = 0;
