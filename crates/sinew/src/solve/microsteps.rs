@@ -14,7 +14,7 @@
 
 use core::ops::Range;
 
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 
 use super::constraint_ref::SolveMode;
 use super::context::{Microstep, SolveContext, SubstepParameters};
@@ -236,16 +236,33 @@ impl MicrostepScratch {
         }
     }
 
-    /// Makes one step of `h` seconds of all microsteps: from where the first began, at the mean velocity.
+    /// Makes one step of `h` seconds of all microsteps: from where the first began, at the mean velocity. What [`resume`] gives each its own velocity back by
+    /// goes to `later`.
     fn join(&self, places: &mut Places, runs: &[Range<usize>], h: f32, later: &mut [Vec4]) {
         let per_second = 1.0 / h;
         for (i, start) in runs.iter().cloned().flatten().zip(&self.start) {
             let own = places.velocity[i];
             let mean = ((places.position[i] - *start) * per_second).truncate();
-            later[i] = (mean - own.truncate()).extend(0.0);
+            later[i] = (-own.truncate()).extend(0.0);
             places.velocity[i] = mean.extend(own.w);
             places.start[i] = *start;
         }
+    }
+}
+
+/// Gives rows, whose microsteps have been [joined](MicrostepScratch::join), the velocities that they had after the last of them, and what contacts between bodies
+/// have moved them by since, in a substep of `h` seconds. Who has not been moved has what it had, bit by bit: it is nothing to it that others touch
+/// each other somewhere.
+pub(super) fn resume(places: &mut Places, rows: Range<usize>, momentum_drift: &[Vec4], h: f32) {
+    let per_second = 1.0 / h;
+    let (position, start) = (&places.position[rows.clone()], &places.start[rows.clone()]);
+    let drifts = &momentum_drift[rows.clone()];
+    let each = position.iter().zip(start).zip(&mut places.velocity[rows]).zip(drifts);
+    for (((position, start), velocity), drift) in each {
+        let mean = ((*position - *start) * per_second).truncate();
+        let (moved, drift) = (mean - velocity.truncate(), drift.truncate());
+        let now = if moved == Vec3::ZERO { -drift } else { moved - drift };
+        *velocity = now.extend(velocity.w);
     }
 }
 

@@ -11,7 +11,7 @@ use super::gauss_seidel;
 use super::instances::{BatchMotion, BatchScratch, BatchSolve, LaneCompaction};
 use super::island::{hold_again, hold_at_once, propagate_impact, solve, sweep_in_order};
 use super::loads::Loads;
-use super::microsteps::{MicrostepScratch, derive_whole_steps, list_step_rows};
+use super::microsteps::{MicrostepScratch, derive_whole_steps, list_step_rows, resume};
 use super::momentum::{MomentumDrift, note_drift};
 use super::multipliers::{MultiplierSlice, Multipliers};
 use super::parts::Parts;
@@ -197,20 +197,21 @@ pub(crate) fn settle_all(
     scratch: &mut SolveScratch,
 ) {
     let rows = 0..particles.len() as u32;
-    let mut places = Places::all(particles);
-    let (Places { position, start, velocity, .. }, momentum_drift) =
-        (&mut places, &scratch.momentum_drift[..]);
+    let (mut places, momentum_drift) = (Places::all(particles), &scratch.momentum_drift[..]);
     let SolveContext { substep: SubstepParameters { h, lag, gravity, .. }, execution, .. } =
         context;
     for StepRows { rows, microsteps } in which.iter().cloned() {
+        if microsteps > 1 {
+            resume(&mut places, rows, momentum_drift, h);
+            continue;
+        }
         let derive_some = Derive {
-            position: &position[rows.clone()],
-            start: &start[rows.clone()],
-            velocity: &mut velocity[rows.clone()],
+            position: &places.position[rows.clone()],
+            start: &places.start[rows.clone()],
+            velocity: &mut places.velocity[rows.clone()],
             momentum_drift: &momentum_drift[rows],
             h,
-            // Where there are several, it is Verlet's, and the velocity that of the last.
-            lag: if microsteps == 1 { lag } else { h / microsteps as f32 },
+            lag,
         };
         derive(derive_some, execution);
     }
