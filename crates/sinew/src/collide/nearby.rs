@@ -18,29 +18,42 @@ use crate::kept::Kept;
 use crate::particles::{NO_BODY, Particles};
 
 /// Bodies, and which are near another one. Scratch of a step.
+///
+/// What collides by its particles meets particles of others in one place (`pairs`, `triangles`) and shapes in another (`body_contact`), and takes part there where
+/// there are such: cloth that a figure runs into touches its limbs, and no particle, so that no triangle of it is looked for.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Nearby {
+    /// Which may come to touch particles of another one, or their own.
+    particles: Participation,
+    /// Which may come to touch shapes.
+    shapes: Participation,
     bodies: Vec<BodyExtent>,
     bounds: Vec<(Vec3, Vec3)>,
     broad: Kept<Broad>,
     pairs: Vec<[u32; 2]>,
-    near: Vec<bool>,
     /// Of each body how far its shapes reach beyond its particles at the most, metres; of bodies that have none it may be missing.
     overhangs: Vec<f32>,
     /// Of each body, whether it is near another one.
     beside: Vec<bool>,
-    /// Of each body where the regions are in which its particles may come to touch another one; none where all of them may.
-    of_body: Vec<Range<u32>>,
-    regions: Vec<(Vec3, Vec3)>,
     /// Large bodies, each with one that it is near; sorted.
     met: Vec<[u32; 2]>,
     /// Of each body that large ones are near where its strips are, how many particles each has, and how many of it have been looked at.
     strips_of: Vec<StripsOf>,
     /// Boxes about consecutive particles of a body.
     strips: Vec<(Vec3, Vec3)>,
+}
+
+/// Whose particles may come to touch things of one kind.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Participation {
+    /// Of each body, whether some of its particles may.
+    near: Vec<bool>,
+    /// Of each body where the regions are in which its particles may; none where all of them may.
+    of_body: Vec<Range<u32>>,
+    regions: Vec<(Vec3, Vec3)>,
     /// Of each body how many particles are in its regions.
     inside: Vec<u32>,
-    /// Of each row whether it is far from all others, though its body is near one; empty where that is so of none.
+    /// Of each row whether it is in no region, though its body is near something; empty where that is so of none.
     far: Vec<bool>,
 }
 
@@ -101,8 +114,29 @@ impl Nearby {
     /// All that take part, wherever they are.
     #[cfg(test)]
     pub(super) fn everywhere(contacts: &[BodyContacts]) -> Self {
-        let near = contacts.iter().map(BodyContacts::takes_part).collect();
-        Self { near, ..Self::default() }
+        let near: Vec<bool> = contacts.iter().map(BodyContacts::takes_part).collect();
+        let all = Participation { near, ..Participation::default() };
+        Self { particles: all.clone(), shapes: all, ..Self::default() }
+    }
+
+    /// Who may come to touch particles of another body, or of its own.
+    pub(super) fn to_particles(&self) -> &Participation {
+        &self.particles
+    }
+
+    /// Who may come to touch shapes of another body, or of its own.
+    pub(super) fn to_shapes(&self) -> &Participation {
+        &self.shapes
+    }
+
+    /// Whether a body may come to touch another one, or itself.
+    pub(super) fn has(&self, body: u32) -> bool {
+        self.particles.has(body) || self.shapes.has(body) || self.has_beside(body)
+    }
+
+    /// Whether a body may come to touch another one.
+    pub(super) fn has_beside(&self, body: u32) -> bool {
+        self.beside.get(body as usize).is_some_and(|&beside| beside)
     }
 
     /// Looks at the shapes, when those or the particles have changed.
@@ -129,13 +163,10 @@ impl Nearby {
     /// Finds them. Rows that are marked in `aside` do not collide by themselves.
     pub(super) fn broad_phase(&mut self, particles: &Particles, world: &World, aside: &[bool]) {
         let contacts = world.filter.bodies();
-        self.of_body.clear();
-        self.regions.clear();
-        self.far.clear();
-        for bodies in [&mut self.near, &mut self.beside] {
-            bodies.clear();
-            bodies.resize(contacts.len(), false);
-        }
+        self.particles.clear(contacts.len());
+        self.shapes.clear(contacts.len());
+        self.beside.clear();
+        self.beside.resize(contacts.len(), false);
         if !contacts.iter().any(BodyContacts::takes_part) {
             return;
         }
@@ -152,45 +183,52 @@ impl Nearby {
         if !self.bodies.iter().any(|body| body.free) {
             return;
         }
-        let Self { bodies, bounds, broad, pairs, near, beside, .. } = self;
+        let Self { bodies, bounds, broad, pairs, beside, .. } = self;
         bounds.clear();
         bounds.extend(bodies.iter().map(|body| body.bounds(world)));
         broad.0.pairs(bounds, pairs);
         for (number, (body, own)) in bodies.iter().zip(contacts).enumerate() {
-            near[number] = body.free && own.with_itself && !own.disabled;
+            let with_itself = body.free && own.with_itself && !own.disabled;
+            self.particles.near[number] = with_itself;
+            self.shapes.near[number] = with_itself && body.has_shapes;
         }
         for &[a, b] in &*pairs {
             let [a, b] = [a as usize, b as usize];
-            if (bodies[a].free || bodies[b].free) && contacts[a].meets(&contacts[b]) {
-                (near[a], near[b]) = (true, true);
-                (beside[a], beside[b]) = (true, true);
+            if !((bodies[a].free || bodies[b].free) && contacts[a].meets(&contacts[b])) {
+                continue;
+            }
+            (beside[a], beside[b]) = (true, true);
+            for [one, other] in [[a, b], [b, a]] {
+                self.particles.near[one] |= bodies[one].free && bodies[other].free;
+                self.shapes.near[one] |= bodies[one].free && bodies[other].has_shapes;
             }
         }
         self.find_met(world);
         if !self.met.is_empty() {
             self.find_strips(particles, world);
             self.find_regions(world);
+            for participation in [&mut self.particles, &mut self.shapes] {
+                participation.find_far(particles, &self.bodies);
+            }
         }
-        self.find_far(particles);
     }
 
-    /// Lists large bodies, which do not touch themselves, with those that they are near.
+    /// Lists large bodies with those that they are near.
     fn find_met(&mut self, world: &World) {
         let contacts = world.filter.bodies();
         let Self { bodies, pairs, beside, met, .. } = self;
         met.clear();
-        let is_large = |body: usize| {
-            bodies[body].particles > LARGE && beside[body] && !contacts[body].with_itself
-        };
+        let is_large =
+            |body: usize| bodies[body].particles > LARGE && bodies[body].free && beside[body];
         if !(0..bodies.len()).any(is_large) {
             return;
         }
-        let meet = |&&[a, b]: &&[u32; 2]| {
-            let [a, b] = [a as usize, b as usize];
-            (bodies[a].free || bodies[b].free) && contacts[a].meets(&contacts[b])
-        };
+        let meet = |&&[a, b]: &&[u32; 2]| contacts[a as usize].meets(&contacts[b as usize]);
         let both_ways = pairs.iter().filter(meet).flat_map(|&[a, b]| [[a, b], [b, a]]);
-        met.extend(both_ways.filter(|&[body, _]| is_large(body as usize)));
+        met.extend(both_ways.filter(|&[body, other]| {
+            let other = &bodies[other as usize];
+            is_large(body as usize) && (other.free || other.has_shapes)
+        }));
         met.sort_unstable();
     }
 
@@ -241,16 +279,12 @@ impl Nearby {
     /// Notes where particles of large bodies may come to touch another one: where that may come to, in a frame that goes as fast as the large one does in the mean, for
     /// a parachute and its ropes fall together.
     fn find_regions(&mut self, world: &World) {
-        let Self { bodies, of_body, regions, met, strips_of, strips, .. } = self;
-        of_body.resize(bodies.len(), 0..0);
+        let contacts = world.filter.bodies();
+        let Self { particles, shapes, bodies, met, strips_of, strips, .. } = self;
         for met in met.chunk_by(|one, other| one[0] == other[0]) {
             let body = met[0][0] as usize;
-            let others = || met.iter().map(|&[_, other]| other as usize);
-            let count: usize = others().map(|other| strips_of[other].strips.len()).sum();
-            if count > MOST_REGIONS {
-                continue;
-            }
             let extent = &bodies[body];
+            let others = || met.iter().map(|&[_, other]| other as usize);
             let speed = |other: usize| {
                 let apart = bodies[other].velocity - extent.velocity;
                 apart.length() + bodies[other].spread
@@ -259,81 +293,24 @@ impl Nearby {
             let fastest = others().map(speed).fold(extent.spread, f32::max);
             let reach = |speed: f32| reach(speed, world.gravity, world.dt);
             let own = extent.led + extent.radius + extent.rounding() + reach(fastest);
-            let wide = |other: usize| {
-                own + bodies[other].led + bodies[other].rounding() + reach(speed(other))
+            let regions = |other: usize| {
+                let theirs = &bodies[other];
+                let wide = own + theirs.led + theirs.rounding() + reach(speed(other));
+                let Range { start, end } = strips_of[other].strips.clone();
+                let boxes = &strips[start as usize..end as usize];
+                boxes.iter().map(move |&(low, high)| (low - wide, high + wide))
             };
-            // Where somebody is infinitely fast, or at a speed of no number, all are asked.
-            if !others().all(|other| wide(other).is_finite()) {
-                continue;
+            // Of what touches itself any particle may touch another one of its own.
+            let alone = !contacts[body].with_itself;
+            if alone {
+                let others = others().filter(|&other| bodies[other].free);
+                particles.take_regions(body, others.flat_map(regions));
             }
-            let first = regions.len() as u32;
-            for other in others() {
-                let wide = wide(other);
-                let own =
-                    strips_of[other].strips.start as usize..strips_of[other].strips.end as usize;
-                regions.extend(strips[own].iter().map(|&(low, high)| (low - wide, high + wide)));
+            if alone || !extent.has_shapes {
+                let others = others().filter(|&other| bodies[other].has_shapes);
+                shapes.take_regions(body, others.flat_map(regions));
             }
-            of_body[body] = first..regions.len() as u32;
         }
-    }
-
-    /// Marks the particles that are in no region of their body, where those are most of it.
-    fn find_far(&mut self, particles: &Particles) {
-        let Self { bodies, of_body, regions, far, inside, .. } = self;
-        if regions.is_empty() {
-            return;
-        }
-        inside.clear();
-        inside.resize(bodies.len(), 0);
-        far.resize(particles.len(), false);
-        for (row, &body) in particles.body.iter().enumerate() {
-            let own = of_body.get(body as usize).filter(|own| !own.is_empty());
-            let Some(own) = own else { continue };
-            let at = particles.origin[row] + particles.position[row].truncate();
-            let regions = &regions[own.start as usize..own.end as usize];
-            far[row] = !regions.iter().any(|&region| is_within((at, at), region));
-            inside[body as usize] += u32::from(!far[row]);
-        }
-        let mut any = false;
-        for ((own, extent), inside) in of_body.iter_mut().zip(&*bodies).zip(&*inside) {
-            if *inside * MANY > extent.particles {
-                *own = 0..0;
-            }
-            any |= own.start < own.end;
-        }
-        if !any {
-            far.clear();
-        }
-        for (far, &body) in far.iter_mut().zip(&particles.body) {
-            *far &= of_body.get(body as usize).is_some_and(|own| !own.is_empty());
-        }
-    }
-
-    /// Whether a body may come to touch another one, or itself.
-    #[inline(always)]
-    pub(super) fn has(&self, body: u32) -> bool {
-        self.near.get(body as usize).is_some_and(|&near| near)
-    }
-
-    /// Whether a body may come to touch another one.
-    pub(super) fn has_beside(&self, body: u32) -> bool {
-        self.beside.get(body as usize).is_some_and(|&beside| beside)
-    }
-
-    /// Whether the particle of a row, which is of a body, may come to touch another body, or its own.
-    #[inline(always)]
-    pub(super) fn has_particle(&self, row: usize, body: u32) -> bool {
-        self.has(body) && !self.far.get(row).is_some_and(|&far| far)
-    }
-
-    /// The same of what is between some points of a body, metres in the world.
-    pub(super) fn has_hull(&self, body: u32, points: [Vec3; 3]) -> bool {
-        let own = self.of_body.get(body as usize).filter(|own| !own.is_empty());
-        let Some(own) = own else { return self.has(body) };
-        let [a, b, c] = points;
-        let bounds = (a.min(b).min(c), a.max(b).max(c));
-        let regions = &self.regions[own.start as usize..own.end as usize];
-        regions.iter().any(|&region| is_within(bounds, region))
     }
 
     /// Puts a box about each body that takes part, and about where its pins lead.
@@ -372,6 +349,85 @@ impl Nearby {
                 extent.led = extent.led.max((pin.target - at).length());
             }
         }
+    }
+}
+
+impl Participation {
+    /// Forgets all, and has so many bodies.
+    fn clear(&mut self, bodies: usize) {
+        self.near.clear();
+        self.near.resize(bodies, false);
+        self.of_body.clear();
+        self.regions.clear();
+        self.far.clear();
+    }
+
+    /// Notes in which regions particles of a body take part.
+    fn take_regions(&mut self, body: usize, of_others: impl Iterator<Item = (Vec3, Vec3)>) {
+        let Self { near, of_body, regions, .. } = self;
+        let first = regions.len();
+        regions.extend(of_others.take(MOST_REGIONS + 1));
+        let is_finite = |(low, high): &(Vec3, Vec3)| low.is_finite() && high.is_finite();
+        // Where somebody is infinitely fast, or at a speed of no number, all are asked.
+        if regions.len() - first > MOST_REGIONS || !regions[first..].iter().all(is_finite) {
+            regions.truncate(first);
+        }
+        of_body.resize(near.len(), 0..0);
+        of_body[body] = first as u32..regions.len() as u32;
+    }
+
+    /// Marks the particles that are in no region of their body, where those are most of it.
+    fn find_far(&mut self, particles: &Particles, bodies: &[BodyExtent]) {
+        let Self { of_body, regions, far, inside, .. } = self;
+        if regions.is_empty() {
+            return;
+        }
+        inside.clear();
+        inside.resize(bodies.len(), 0);
+        far.resize(particles.len(), false);
+        for (row, &body) in particles.body.iter().enumerate() {
+            let own = of_body.get(body as usize).filter(|own| !own.is_empty());
+            let Some(own) = own else { continue };
+            let at = particles.origin[row] + particles.position[row].truncate();
+            let regions = &regions[own.start as usize..own.end as usize];
+            far[row] = !regions.iter().any(|&region| is_within((at, at), region));
+            inside[body as usize] += u32::from(!far[row]);
+        }
+        let mut any = false;
+        for ((own, extent), inside) in of_body.iter_mut().zip(bodies).zip(&*inside) {
+            if *inside * MANY > extent.particles {
+                *own = 0..0;
+            }
+            any |= own.start < own.end;
+        }
+        if !any {
+            far.clear();
+        }
+        for (far, &body) in far.iter_mut().zip(&particles.body) {
+            *far &= of_body.get(body as usize).is_some_and(|own| !own.is_empty());
+        }
+    }
+
+    /// Whether some particles of a body may.
+    #[inline(always)]
+    pub(super) fn has(&self, body: u32) -> bool {
+        self.near.get(body as usize).is_some_and(|&near| near)
+    }
+
+    /// Whether the particle of a row, which is of a body, may.
+    #[inline(always)]
+    pub(super) fn has_particle(&self, row: usize, body: u32) -> bool {
+        self.has(body) && !self.far.get(row).is_some_and(|&far| far)
+    }
+
+    /// Whether what is between some points of a body, metres in the world, may.
+    pub(super) fn has_hull(&self, body: u32, points: [Vec3; 3]) -> bool {
+        let own = self.of_body.get(body as usize).filter(|own| !own.is_empty());
+        let Some(own) = own else { return self.has(body) };
+        let [a, b, c] = points;
+        let bounds = (a.min(b).min(c), a.max(b).max(c));
+        let regions = &self.regions[own.start as usize..own.end as usize];
+        regions.iter().any(|&region| is_within(bounds, region))
     }
 }
 
@@ -483,11 +539,18 @@ mod tests {
             let nearby = self.nearby();
             // Of the others all that are near.
             let sheet = 0..Self::SIDE * Self::SIDE;
-            let mut others = sheet.end..self.particles.len();
+            let others = sheet.end..self.particles.len();
             let body = |row: usize| self.particles.body[row];
-            assert!(others.all(|row| nearby.has_particle(row, body(row)) == nearby.has(body(row))));
+            for kind in [nearby.to_particles(), nearby.to_shapes()] {
+                let of_all = |row: usize| kind.has_particle(row, body(row)) == kind.has(body(row));
+                assert!(others.clone().all(of_all));
+            }
             let place = |row: usize| self.particles.position(row);
-            sheet.filter(|&row| nearby.has_particle(row, 0)).map(place).collect()
+            let takes_part = |&row: &usize| {
+                nearby.to_particles().has_particle(row, 0)
+                    || nearby.to_shapes().has_particle(row, 0)
+            };
+            sheet.filter(takes_part).map(place).collect()
         }
     }
 
@@ -546,6 +609,29 @@ mod tests {
         }
     }
 
+    /// A figure that ran into cloth had all triangles of it looked for in each substep, which were two thirds of the time, and never touch a shape.
+    #[test]
+    fn what_is_beside_a_shape_meets_no_particles() {
+        let mut sheet = Sheet::new();
+        let crate_ = box_3d(&BoxSpec { size: Vec3::splat(1.0), ..BoxSpec::default() }).unwrap();
+        let crate_ = crate_.transformed(Quat::IDENTITY, Vec3::new(2.0, 0.56, 2.0));
+        let rows = sheet.particles.len() as u32..sheet.particles.len() as u32 + 8;
+        sheet.add(crate_.particles.iter().map(|seed| seed.position), Vec3::ZERO);
+        let part = &crate_.parts[0];
+        let (rest, shape) = (part.rest.as_slice().into(), part.shape.clone().unwrap());
+        sheet.shapes.push(BodyCollider { rows: rows.collect(), rest, shape, id: 0 });
+        let nearby = sheet.nearby();
+        assert!(nearby.to_shapes().has(0) && !nearby.to_particles().has(0));
+        // Beside a particle, too, each kind has its own places.
+        sheet.add([Vec3::new(0.1, 0.08, 0.1)], Vec3::ZERO);
+        let nearby = sheet.nearby();
+        let count = |kind: &Participation| {
+            (0..Sheet::SIDE * Sheet::SIDE).filter(|&row| kind.has_particle(row, 0)).count()
+        };
+        assert_eq!(count(nearby.to_particles()), 1);
+        assert!((81..400).contains(&count(nearby.to_shapes())));
+    }
+
     #[test]
     fn where_a_velocity_is_no_number_all_of_it_takes_part() {
         for velocity in [Vec3::NAN, Vec3::INFINITY] {
@@ -598,6 +684,7 @@ mod tests {
         sheet.add([Vec3::new(2.0, 0.08, 2.0)], Vec3::ZERO);
         let nearby = sheet.nearby();
         let corners = |size: f32| [Vec3::ZERO, Vec3::X * size, Vec3::Z * size];
-        assert!(nearby.has_hull(0, corners(3.9)) && !nearby.has_hull(0, corners(1.0)));
+        let kind = nearby.to_particles();
+        assert!(kind.has_hull(0, corners(3.9)) && !kind.has_hull(0, corners(1.0)));
     }
 }

@@ -87,7 +87,7 @@ impl Loose {
         };
         for row in 0..particles.len() {
             let solid = groups.solid.get(row).copied().unwrap_or(false);
-            let takes_part = nearby.has_particle(row, particles.body[row]);
+            let takes_part = nearby.to_shapes().has_particle(row, particles.body[row]);
             if particles.radius[row] > 0.0 && !solid && takes_part {
                 let low = particles.position(row).x - reach(row);
                 if low.is_finite() {

@@ -69,7 +69,7 @@ impl Participants {
         for (row, (&body, &radius)) in columns.enumerate() {
             let loose = !solid.get(row).copied().unwrap_or(false);
             // A radius of no number takes no part, either.
-            if !(nearby.has_particle(row, body) && loose && radius > 0.0) {
+            if !(nearby.to_particles().has_particle(row, body) && loose && radius > 0.0) {
                 continue;
             }
             self.rows.push(row as u32);

@@ -56,7 +56,7 @@ impl TriangleParticipants {
         self.rest.clear();
         self.triangles.clear();
         self.own.clear();
-        let asks = |body: u32| nearby.has(body) && filter.body(body).surface;
+        let asks = |body: u32| nearby.to_particles().has(body) && filter.body(body).surface;
         let any = (0..filter.bodies().len() as u32).any(asks);
         if surfaces.is_empty() || !any {
             return;
@@ -75,7 +75,7 @@ impl TriangleParticipants {
                 continue;
             }
             let place = |row: usize| particles.origin[row] + particles.position[row].truncate();
-            if nearby.has_hull(body, [place(a), place(b), place(c)]) {
+            if nearby.to_particles().has_hull(body, [place(a), place(b), place(c)]) {
                 self.triangles.push(corners);
             }
         }
@@ -105,7 +105,7 @@ impl TriangleParticipants {
         for (row, ((&its_body, &its_radius), number)) in columns.zip(&mut *number).enumerate() {
             if *number != CORNER {
                 // A radius of no number takes no part, either.
-                let takes_part = nearby.has_particle(row, its_body);
+                let takes_part = nearby.to_particles().has_particle(row, its_body);
                 if !(takes_part && its_radius > 0.0 && is_loose(row)) {
                     continue;
                 }
