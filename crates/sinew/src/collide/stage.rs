@@ -32,6 +32,7 @@ impl Contacts {
     pub(crate) fn use_instructions(&mut self, instructions: InstructionSet) {
         self.body_contact.instructions = instructions;
         self.pairs.instructions = instructions;
+        self.triangles.use_instructions(instructions);
     }
 
     /// Notes which rows belong to which body colliders, when those or the particles have changed.

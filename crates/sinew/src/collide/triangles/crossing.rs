@@ -49,8 +49,8 @@ const HALVINGS: u32 = 40;
 impl Four {
     /// Where they pass through each other first, if they end on another side than they began on: who has passed and come back has not.
     pub(super) fn crossing(&self) -> Option<ContactShares> {
-        let [began, ends] = [self.from, self.to].map(|at| self.sides(at));
-        let turned = [0, 1, 2].map(|i| ends[i] - began[i]);
+        let (began, ends) = (self.sides(self.from), self.sides(self.to));
+        let turned = [ends[0] - began[0], ends[1] - began[1], ends[2] - began[2]];
         let cubic = cubic(began, turned);
         if is_one_sided(cubic) {
             return None;
@@ -72,14 +72,14 @@ impl Four {
     }
 
     /// `p`, `u` and `v`.
-    #[inline]
+    #[inline(always)]
     fn sides(&self, [p, a, b, c]: [DVec3; 4]) -> [DVec3; 3] {
         if self.edges { [b - p, a - p, c - b] } else { [p - a, b - a, c - a] }
     }
 
     fn crosses_at(&self, time: f64) -> Option<ContactShares> {
-        let at = [0, 1, 2, 3].map(|i| self.from[i].lerp(self.to[i], time));
-        let (shares, normal) = self.meet(at, CRACK)?;
+        let at = |i: usize| self.from[i].lerp(self.to[i], time);
+        let (shares, normal) = self.meet([at(0), at(1), at(2), at(3)], CRACK)?;
         let nearing = normal.dot(gap(shares, self.to) - gap(shares, self.from));
         if nearing == 0.0 {
             return None;

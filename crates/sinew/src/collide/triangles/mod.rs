@@ -4,6 +4,8 @@
 //! |---|---|
 //! | `participants` | who takes part: triangles, their corners and edges, particles |
 //! | `neighbour_list` | who may come to touch whom, and whether somebody went further than was looked |
+//! | `close_list` | who of those is close in this substep |
+//! | `least_distance` | how near two may be at the least, eight at a time |
 //! | `distance` | the nearest points of a particle and a triangle, and of two edges |
 //! | `crossing` | whether they passed through each other |
 //! | `solve` | the kernel: four points that keep a distance, and friction |
@@ -21,16 +23,16 @@
 //! # How it goes
 //!
 //! [`broad_phase`](Triangles::broad_phase) runs once a step, and lists who may come to touch whom. In each substep [`project`](Triangles::project)
-//! looks again if somebody has gone further than was reckoned with, and then sweeps over the list, up to [`SWEEPS`] times: whoever overlaps or has
-//! passed is put back, at once. A later sweep asks only those of whom somebody has moved since. Who still passes through somebody after that goes
-//! with it for the rest of the substep (`zone`). All is done in double precision, and one after the other: a tier for tens of thousands of triangles,
-//! not for millions.
+//! looks again if somebody has gone further than was reckoned with, finds who of those is close, eight at a time (`close_list`), and sweeps over these, up to [`SWEEPS`] times: whoever overlaps or has passed is put back, at once. A later sweep asks only those of whom somebody
+//! has moved since. Who still passes through somebody after that goes with it for the rest of the substep (`zone`). What decides is done in double
+//! precision, and one after the other: a tier for tens of thousands of triangles, not for millions.
 //!
 //! # The order, and what it depends on
 //!
 //! What is listed is in the order of the rows, and who does not touch changes nothing. That makes the result a function of positions and of the order
-//! of the rows alone: not of the order of the triangles or of their corners, nor of margins, threads or instructions. Those that touch nothing of a
-//! heap change no bit of it as long as they do not make it look again within a substep.
+//! of the rows alone: not of the order of the triangles or of their corners, nor of threads or instructions. Those that touch nothing of a heap change no bit
+//! of it, nor do margins, as long as nobody is put further than was reckoned with within a substep. That is why who may come to touch is looked for when a step
+//! begins, even where what was found before would do: so all follows from where everybody is then.
 //!
 //! # What cannot happen, and what can
 //!
@@ -42,7 +44,9 @@
 //!
 //! The thickness is softer than that: in a squeeze it may be less for a while, never nothing.
 
+mod close_list;
 mod crossing;
+mod least_distance;
 mod neighbour_list;
 mod participants;
 mod restitution;
@@ -54,6 +58,7 @@ mod zone;
 use super::filter::ContactFilter;
 use super::impact::Impacts;
 use super::nearby::Nearby;
+use crate::lanes::InstructionSet;
 use crate::particles::Particles;
 
 use neighbour_list::TriangleNeighbours;
@@ -62,7 +67,7 @@ use restitution::TriangleHit;
 use solve::SubstepState;
 use zone::Zones;
 
-/// Contacts of triangles: scratch of a step, and nothing of it outlives the next [`broad_phase`](Self::broad_phase).
+/// Contacts of triangles: scratch. Nothing of it outlives the next [`broad_phase`](Self::broad_phase) but what saves asking, and changes no result.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Triangles {
     participants: TriangleParticipants,
@@ -71,8 +76,9 @@ pub(crate) struct Triangles {
     zones: Zones,
     /// Of this substep: who touched.
     hits: Vec<TriangleHit>,
-    /// Of each candidate its place among those, or [`NONE`].
+    /// Of each candidate its place among those, or [`NONE`]; and of each of those its candidate.
     hit_of: Vec<u32>,
+    hit_candidates: Vec<u32>,
     /// Of this step: what is reported.
     reported: Vec<TriangleHit>,
     /// Length of the step, seconds.
@@ -95,6 +101,11 @@ const REBUILDS: u32 = 2;
 const NONE: u32 = u32::MAX;
 
 impl Triangles {
+    /// Chooses the instructions of the wide kernels. They never change a result.
+    pub(crate) fn use_instructions(&mut self, instructions: InstructionSet) {
+        self.state.close.instructions = instructions;
+    }
+
     /// Lists what may come to touch in a step of `dt` seconds.
     ///
     /// Bodies that are near no other take no part, nor do triangles of rows that are not there, that are of several bodies or of none, or that are
@@ -141,25 +152,31 @@ impl Triangles {
         self.state.load(&self.participants, particles);
         let (mut worst, mut sweep) = (0.0_f64, 0);
         for rebuild in 0..=REBUILDS {
-            self.hit_of.clear();
             self.hit_of.resize(self.neighbours.candidates.len(), NONE);
-            self.neighbours.measure_displacement(
-                &self.participants,
-                particles,
-                &mut self.state.displacement,
-            );
-            let before = sweep;
+            let Self { participants, neighbours, state, .. } = self;
+            state.close.begin_substep(&neighbours.candidates, participants, particles);
+            let (before, mut agree) = (sweep, false);
             for number in 0..SWEEPS {
                 sweep += 1;
                 // Those of whom one has moved in the last sweep or in this one.
                 let since = if number == 0 { 0 } else { sweep - 1 };
-                worst = worst.max(self.sweep((particles, filter), sweep, since));
-                if !self.state.moved.contains(&sweep) {
+                // That it has looked again changes nothing where all agreed.
+                let least = if sweep == 1 { 0.0 } else { NEGLIGIBLE };
+                worst = worst.max(self.sweep((particles, filter), sweep, since, least));
+                agree = !self.state.moved.contains(&sweep);
+                if agree {
                     break;
                 }
             }
-            let rounds = self.zones.settle(&self.neighbours.candidates, &mut self.state, sweep + 1);
-            (sweep, self.rounds) = (sweep + rounds, self.rounds + rounds);
+            // What no contact had to be put back in passes through nobody.
+            if !agree {
+                let Self { neighbours, state, zones, .. } = self;
+                let rounds = zones.settle(&neighbours.candidates, state, sweep + 1);
+                (sweep, self.rounds) = (sweep + rounds, self.rounds + rounds);
+            }
+            for candidate in self.hit_candidates.drain(..) {
+                self.hit_of[candidate as usize] = NONE;
+            }
             let moved = self.state.moved.iter().any(|&moved| moved > before);
             if !moved || !self.state.store(&self.participants, particles) || rebuild == REBUILDS {
                 break;
@@ -169,6 +186,7 @@ impl Triangles {
             }
             self.rebuild(particles, filter, true);
         }
+        self.state.close.note_places(&self.participants, particles);
         worst
     }
 
@@ -188,33 +206,52 @@ impl Triangles {
         }
     }
 
-    /// Asks all candidates of whom one has moved since a sweep; returns the greatest overlap, metres.
+    /// Asks all candidates of whom one has moved since a sweep, and puts back who overlaps by more than `least` of the distance; returns the greatest overlap,
+    /// metres.
     fn sweep(
         &mut self,
         (particles, filter): (&Particles, &ContactFilter),
         sweep: u32,
         since: u32,
+        least: f64,
     ) -> f64 {
-        let Self { participants, neighbours, state, hits, hit_of, .. } = self;
-        let mut worst = 0.0_f64;
-        for (candidate, place) in neighbours.candidates.iter().zip(hit_of) {
-            if !state.may_touch(candidate) || !state.moved_since(candidate.four, since) {
+        let Self { participants, neighbours, state, hits, hit_of, hit_candidates, .. } = self;
+        let candidates = &neighbours.candidates[..];
+        state.close.keep_up(candidates);
+        let (mut worst, mut next) = (0.0_f64, 0);
+        // Of eight candidates the first, which are close, and from which on they are to be asked.
+        let (mut first, mut close, mut begin) = (0, 0_u32, 0);
+        loop {
+            close &= u32::MAX << begin;
+            if close == 0 {
+                if next == state.close.len() {
+                    break;
+                }
+                (first, close) = state.close.ask(next);
+                (next, begin) = (next + 1, 0);
+                continue;
+            }
+            let number = first + close.trailing_zeros();
+            begin = close.trailing_zeros() + 1;
+            let candidate = &candidates[number as usize];
+            if !state.moved_since(candidate.four, since) {
                 continue;
             }
             let Some(contact) = state.contact(participants, candidate) else { continue };
-            let least =
-                if since == 0 || contact.crossed { 0.0 } else { NEGLIGIBLE * contact.reach };
+            let least = if contact.crossed { 0.0 } else { least * contact.reach };
             let inverse = state.inverse(candidate.four, contact.way.shares);
             // What nothing moves is no contact.
             if contact.overlap <= least || inverse <= 0.0 {
                 continue;
             }
             worst = worst.max(contact.overlap);
-            if *place == NONE {
-                *place = hits.len() as u32;
+            let of = &mut hit_of[number as usize];
+            if *of == NONE {
+                *of = hits.len() as u32;
+                hit_candidates.push(number);
                 hits.push(TriangleHit::new(participants, filter, candidate));
             }
-            let hit = &mut hits[*place as usize];
+            let hit = &mut hits[*of as usize];
             hit.note(particles, state, candidate.four, &contact, inverse);
             let (four, shares, normal) = (candidate.four, contact.way.shares, contact.way.normal);
             state.part(four, shares, normal * contact.overlap, inverse, sweep);
@@ -223,12 +260,22 @@ impl Triangles {
             if slid.length() <= f64::from(hit.friction) * hit.overlap {
                 state.part(four, shares, -slid, inverse, sweep);
             }
+            // Others may be close now.
+            if state.close.keep_up(candidates) {
+                next = state.close.place_of(number) + 1;
+            }
+            let before = core::mem::replace(&mut first, 0);
+            (first, close) = state.close.ask(next - 1);
+            if first != before {
+                begin = 0;
+            }
         }
         worst
     }
 
     fn rebuild(&mut self, particles: &Particles, filter: &ContactFilter, within: bool) {
         self.neighbours.rebuild((&self.participants, filter), particles, self.dt, within);
+        self.state.close.take(&self.neighbours.candidates, &self.participants, particles);
         self.rebuilds += 1;
     }
 }

@@ -34,6 +34,13 @@ pub(super) struct TriangleParticipants {
 /// Which corners each edge of a triangle joins.
 pub(super) const EDGES: [[usize; 2]; 3] = [[0, 1], [0, 2], [1, 2]];
 
+/// The greatest sum of something that a point of each of two has: of the particle and of a corner of its triangle, or of an end of either edge.
+#[inline(always)]
+pub(super) fn largest(of: &[f32], [i, j, k, l]: [u32; 4], edges: bool) -> f32 {
+    let (a, b, c, d) = (of[i as usize], of[j as usize], of[k as usize], of[l as usize]);
+    if edges { a.max(b) + c.max(d) } else { a + b.max(c).max(d) }
+}
+
 /// A row that is no member.
 const NOBODY: u32 = u32::MAX;
 

@@ -34,6 +34,7 @@
 use glam::{DVec3, Vec3};
 
 use super::super::distance::{of_lines, to_triangle};
+use super::close_list::CloseList;
 use super::crossing::{ContactShares, Four, gap};
 use super::neighbour_list::TriangleCandidate;
 use super::participants::TriangleParticipants;
@@ -52,8 +53,7 @@ pub(super) struct SubstepState {
     pub(super) weight: Vec<f64>,
     /// In which sweep each was last moved; zero if in none.
     pub(super) moved: Vec<u32>,
-    /// How far each has been at most from where it was looked at, metres, beside what all do in the mean.
-    pub(super) displacement: Vec<f32>,
+    pub(super) close: CloseList,
 }
 
 /// A contact that holds.
@@ -106,17 +106,6 @@ impl SubstepState {
             }
         }
         any
-    }
-
-    /// Whether the four of a candidate have gone so far since it was looked that they may touch: a question that costs little, and is mostly answered
-    /// by no.
-    #[inline(always)]
-    pub(super) fn may_touch(&self, candidate: &TriangleCandidate) -> bool {
-        let of = |k: usize| self.displacement[candidate.four[k] as usize];
-        let (a, b, c, d) = (of(0), of(1), of(2), of(3));
-        let gone = if candidate.edges { a.max(b) + c.max(d) } else { a + b.max(c).max(d) };
-        // Also for what is no number.
-        gone.partial_cmp(&candidate.spare) != Some(core::cmp::Ordering::Less)
     }
 
     /// Whether one of four was moved in the sweep of that number or a later one.
@@ -207,7 +196,7 @@ impl SubstepState {
 
     /// Puts a member somewhere.
     pub(super) fn put(&mut self, i: usize, at: DVec3, sweep: u32) {
-        self.displacement[i] += (at - self.at[i]).length() as f32;
+        self.close.note_put(i, at - self.at[i]);
         self.at[i] = at;
         self.moved[i] = sweep;
     }

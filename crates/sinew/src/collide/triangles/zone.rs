@@ -58,20 +58,32 @@ impl Zones {
     }
 
     /// Joins who passes through whom. Returns whether anybody does.
-    fn join(&mut self, candidates: &[TriangleCandidate], state: &SubstepState, since: u32) -> bool {
+    fn join(
+        &mut self,
+        candidates: &[TriangleCandidate],
+        state: &mut SubstepState,
+        since: u32,
+    ) -> bool {
+        state.close.keep_up(candidates);
         let mut any = false;
-        let asked =
-            |one: &&TriangleCandidate| state.may_touch(one) && state.moved_since(one.four, since);
-        for candidate in candidates.iter().filter(asked) {
-            if state.four(candidate).crossing().is_none() {
-                continue;
-            }
-            if self.connected.len() == 0 {
-                self.connected.reset(state.at.len());
-            }
-            any = true;
-            for &other in &candidate.four[1..] {
-                self.connected.unite(candidate.four[0], other);
+        for place in 0..state.close.len() {
+            let (first, mut close) = state.close.ask(place);
+            while close != 0 {
+                let number = first + close.trailing_zeros();
+                close &= close - 1;
+                let candidate = &candidates[number as usize];
+                if !state.moved_since(candidate.four, since)
+                    || state.four(candidate).crossing().is_none()
+                {
+                    continue;
+                }
+                if self.connected.len() == 0 {
+                    self.connected.reset(state.at.len());
+                }
+                any = true;
+                for &other in &candidate.four[1..] {
+                    self.connected.unite(candidate.four[0], other);
+                }
             }
         }
         any

@@ -1,0 +1,155 @@
+//! How near two may be at the least, in single precision and eight at a time: a particle and a triangle, two edges.
+//!
+//! It is for those that are not near each other, most of those that were found, and never more than the distance is, whatever is rounded: of particle and triangle
+//! the distance, of two edges that of their lines (or of parallels), and how far the nearest point of either line is beyond the end of its edge,
+//! less [`ROUNDED`] of what was reckoned with. The derivations stand in [`distance`](super::super::distance).
+
+use crate::lanes::{Number, Vector};
+
+/// Where the sine of the angle between two directions is less than `√FLAT`, a triangle is taken for its edges and two edges for parallel: neither is off by more
+/// than [`ROUNDED`], nor is the normal, which rounding turns by `2⁻²³/√FLAT` there.
+const FLAT: f32 = 1e-6;
+
+/// Below this product of the squares of two sides, m⁴, their cross product has no square in `f32`.
+const TINY: f32 = 1e-30;
+
+/// What a distance may be too long by, as a share of the longest way from corner to corner.
+const ROUNDED: f32 = 1e-3;
+
+/// Of a particle and the corners of a triangle, metres; also where something is no number, which is then what it is.
+#[inline(always)]
+pub(super) fn to_triangle<N: Number>([p, a, b, c]: [Vector<N>; 4]) -> N {
+    let (u, v, d) = (b - a, c - a, p - a);
+    let (uu, vv, dd) = (u.length_squared(), v.length_squared(), d.length_squared());
+    let n = u.cross(v);
+    let square = n.length_squared();
+    let (of_b, of_c) = (d.cross(v).dot(n), u.cross(d).dot(n));
+    let zero = N::zero();
+    let within = zero.le(of_b).and(zero.le(of_c)).and((of_b + of_c).le(square));
+    let above = d.dot(n);
+    let side = c - b;
+    let edges = to_segment(d, u, uu).min(to_segment(d, v, vv));
+    let edges = edges.min(to_segment(p - b, side, side.length_squared()));
+    let area = uu * vv;
+    let is_flat = square.le(area * N::splat(FLAT)).or(area.le(N::splat(TINY)));
+    let edges = edges.sqrt();
+    let plane = (above / square.sqrt()).abs();
+    let nearest = is_flat.select(edges, within.select(plane, edges));
+    nearest - dd.max(uu).max(vv).sqrt() * N::splat(ROUNDED)
+}
+
+/// The square of the distance of a point and a segment, both from the beginning of that, whose square is given, too.
+#[inline(always)]
+fn to_segment<N: Number>(d: Vector<N>, u: Vector<N>, uu: N) -> N {
+    // As far along as the segment goes; of one without length not at all.
+    let share = (d.dot(u) / uu).max(N::zero()).min(N::splat(1.0));
+    (d - u * share).length_squared()
+}
+
+/// Of two edges, from the first point to the second and from the third to the fourth.
+#[inline(always)]
+pub(super) fn of_edges<N: Number>([p, a, b, c]: [Vector<N>; 4]) -> N {
+    let (u, v, r) = (a - p, c - b, b - p);
+    let (uu, vv, rr) = (u.length_squared(), v.length_squared(), r.length_squared());
+    let n = u.cross(v);
+    let square = n.length_squared();
+    let zero = N::zero();
+    // How far beyond the ends, as shares of the edges, of which a cross product is divided once and squared then: small edges have squares in `f32`, and no more.
+    let beyond = |along: N| (zero - along).max(along - N::splat(1.0)).max(zero);
+    let s = beyond(r.cross(v).dot(n) / square);
+    let t = beyond(r.cross(u).dot(n) / square);
+    let apart = r.dot(n) / square.sqrt();
+    let lines = apart * apart + (s * s * (square / vv)).max(t * t * (square / uu));
+    let parallels = r.cross(u).length_squared() / uu;
+    let area = uu * vv;
+    let is_parallel = square.le(area * N::splat(FLAT));
+    let nearest = is_parallel.select(parallels, lines);
+    let nearest = area.le(N::splat(TINY)).select(zero, nearest);
+    nearest.sqrt() - rr.max(uu).max(vv).sqrt() * N::splat(ROUNDED)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::super::super::distance;
+    use super::*;
+    use crate::lanes::Vector;
+
+    /// Numbers from -1 to 1, the same in every run.
+    fn dice(state: &mut u64) -> f32 {
+        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        ((*state >> 33) as f64 / (1_u64 << 30) as f64 - 1.0) as f32
+    }
+
+    fn least(at: [[f32; 3]; 4], edges: bool) -> f32 {
+        let [p, a, b, c] = at.map(|[x, y, z]| Vector::new(x, y, z));
+        if edges { of_edges([p, a, b, c]) } else { to_triangle([p, a, b, c]) }
+    }
+
+    fn exact(at: [[f32; 3]; 4], edges: bool) -> f64 {
+        let [p, a, b, c] = at.map(|at| DVec3::from(at.map(f64::from)));
+        if edges {
+            return distance::of_segments([p, a], [b, c]);
+        }
+        let [i, j, k] = distance::to_triangle(p, [a, b, c]);
+        (p - (a * i + b * j + c * k)).length()
+    }
+
+    /// Lumps, needles, what is nearly flat, nearly parallel, or without a size.
+    fn shapes() -> impl Iterator<Item = [[f32; 3]; 4]> {
+        let mut state = 7;
+        (0..200_000).map(move |round| {
+            let squeeze = [1.0, 1e-2, 1e-4, 1e-7, 0.0][round % 5];
+            let size = [1.0, 0.03, 20.0][round % 3];
+            let mut at = [0; 4].map(|_| [0; 3].map(|_| size * dice(&mut state)));
+            match round % 4 {
+                0 => at.iter_mut().for_each(|at| at[1] *= squeeze),
+                1 => at[3] = core::array::from_fn(|k| at[2][k] + squeeze * (at[3][k] - at[2][k])),
+                2 => {
+                    // The second edge along the first.
+                    let along: [f32; 3] = core::array::from_fn(|k| at[1][k] - at[0][k]);
+                    let off = at[3];
+                    at[3] = core::array::from_fn(|k| at[2][k] + along[k] + squeeze * off[k]);
+                }
+                _ => (),
+            }
+            at
+        })
+    }
+
+    #[test]
+    fn nothing_is_nearer_than_it_says() {
+        for at in shapes() {
+            for edges in [false, true] {
+                let (least, exact) = (least(at, edges), exact(at, edges));
+                let holds = least.is_nan() || f64::from(least) <= exact;
+                assert!(holds, "{least} of {exact}: {at:?} {edges}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_far_is_known_to_be() {
+        // Of lumps not much is lost: of a triangle rounding, of edges whose nearest points are their ends some.
+        let (mut count, mut close) = (0, [0; 2]);
+        for at in shapes().skip(3).step_by(20) {
+            for edges in [false, true] {
+                let (least, exact) = (least(at, edges), exact(at, edges));
+                close[usize::from(edges)] += u32::from(f64::from(least) > 0.9 * exact - 0.01);
+            }
+            count += 1;
+        }
+        assert!(close[0] > count * 99 / 100 && close[1] > count / 2, "{close:?} of {count}");
+    }
+
+    #[test]
+    fn what_is_no_number_is_not_far() {
+        for bad in 0..4 {
+            let mut at = [[0.0, 0.0, 9.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.5]];
+            assert!(least(at, false) > 5.0 && least(at, true) > 0.0);
+            at[bad] = [f32::NAN; 3];
+            assert!(least(at, false).is_nan() && least(at, true).is_nan(), "{bad}");
+        }
+    }
+}
