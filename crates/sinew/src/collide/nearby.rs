@@ -512,6 +512,18 @@ mod tests {
             }
         }
 
+        /// Adds a crate of 1 m that lies in its middle.
+        fn add_crate(&mut self, layout: BoxLayout) {
+            let spec = BoxSpec { size: Vec3::splat(1.0), layout, ..BoxSpec::default() };
+            let crate_ = box_3d(&spec).unwrap();
+            let crate_ = crate_.transformed(Quat::IDENTITY, Vec3::new(2.0, 0.56, 2.0));
+            let rows = self.particles.len() as u32..self.particles.len() as u32 + 8;
+            self.add(crate_.particles.iter().map(|seed| seed.position), Vec3::ZERO);
+            let part = &crate_.parts[0];
+            let (rest, shape) = (part.rest.as_slice().into(), part.shape.clone().unwrap());
+            self.shapes.push(BodyCollider { rows: rows.collect(), rest, shape, id: 0 });
+        }
+
         /// Who may come to touch whom in a sixtieth of a second.
         fn nearby(&self) -> Nearby {
             let (filter, islands) = (ContactFilter::untied(&self.contacts), Islands::default());
@@ -594,14 +606,7 @@ mod tests {
     fn below_all_of_a_shape_it_takes_part() {
         for layout in [BoxLayout::Corners, BoxLayout::Equimomental] {
             let mut sheet = Sheet::new();
-            let spec = BoxSpec { size: Vec3::splat(1.0), layout, ..BoxSpec::default() };
-            let crate_ =
-                box_3d(&spec).unwrap().transformed(Quat::IDENTITY, Vec3::new(2.0, 0.56, 2.0));
-            let rows = sheet.particles.len() as u32..sheet.particles.len() as u32 + 8;
-            sheet.add(crate_.particles.iter().map(|seed| seed.position), Vec3::ZERO);
-            let part = &crate_.parts[0];
-            let (rest, shape) = (part.rest.as_slice().into(), part.shape.clone().unwrap());
-            sheet.shapes.push(BodyCollider { rows: rows.collect(), rest, shape, id: 0 });
+            sheet.add_crate(layout);
             let taking_part = sheet.taking_part();
             let below = |at: &&Vec3| (at.x - 2.0).abs() < 0.5 && (at.z - 2.0).abs() < 0.5;
             assert_eq!(taking_part.iter().filter(below).count(), 81, "{layout:?}");
@@ -613,13 +618,7 @@ mod tests {
     #[test]
     fn what_is_beside_a_shape_meets_no_particles() {
         let mut sheet = Sheet::new();
-        let crate_ = box_3d(&BoxSpec { size: Vec3::splat(1.0), ..BoxSpec::default() }).unwrap();
-        let crate_ = crate_.transformed(Quat::IDENTITY, Vec3::new(2.0, 0.56, 2.0));
-        let rows = sheet.particles.len() as u32..sheet.particles.len() as u32 + 8;
-        sheet.add(crate_.particles.iter().map(|seed| seed.position), Vec3::ZERO);
-        let part = &crate_.parts[0];
-        let (rest, shape) = (part.rest.as_slice().into(), part.shape.clone().unwrap());
-        sheet.shapes.push(BodyCollider { rows: rows.collect(), rest, shape, id: 0 });
+        sheet.add_crate(BoxLayout::Corners);
         let nearby = sheet.nearby();
         assert!(nearby.to_shapes().has(0) && !nearby.to_particles().has(0));
         // Beside a particle, too, each kind has its own places.
