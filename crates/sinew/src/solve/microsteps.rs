@@ -6,7 +6,7 @@
 //! microsteps, pins are led in equal parts, moving colliders are where they are at each.
 //!
 //! Towards everybody else a substep stays one step. Where contacts between bodies follow, they meet a particle that began where the substep began and has
-//! come to where it is; what its last microstep left it faster or slower than that is given back after them.
+//! come to where it is. After them it goes on as its last microstep left it, and with what they have moved it by.
 //!
 //! Substeps are taken as they are by small islands; by ropes and what else has few constraints for a particle, where integration would cost more than is
 //! gained; by what keeps a volume, or moves as an explicit rigid body; where springs pull, whose forces change with every bit of the way; and where
@@ -239,10 +239,9 @@ impl MicrostepScratch {
     /// Makes one step of `h` seconds of all microsteps: from where the first began, at the mean velocity. What [`resume`] gives each its own velocity back by
     /// goes to `later`.
     fn join(&self, places: &mut Places, runs: &[Range<usize>], h: f32, later: &mut [Vec4]) {
-        let per_second = 1.0 / h;
         for (i, start) in runs.iter().cloned().flatten().zip(&self.start) {
             let own = places.velocity[i];
-            let mean = ((places.position[i] - *start) * per_second).truncate();
+            let mean = mean_velocity(places.position[i], *start, 1.0 / h);
             later[i] = (-own.truncate()).extend(0.0);
             places.velocity[i] = mean.extend(own.w);
             places.start[i] = *start;
@@ -254,16 +253,21 @@ impl MicrostepScratch {
 /// have moved them by since, in a substep of `h` seconds. Who has not been moved has what it had, bit by bit: it is nothing to it that others touch
 /// each other somewhere.
 pub(super) fn resume(places: &mut Places, rows: Range<usize>, momentum_drift: &[Vec4], h: f32) {
-    let per_second = 1.0 / h;
     let (position, start) = (&places.position[rows.clone()], &places.start[rows.clone()]);
     let drifts = &momentum_drift[rows.clone()];
     let each = position.iter().zip(start).zip(&mut places.velocity[rows]).zip(drifts);
     for (((position, start), velocity), drift) in each {
-        let mean = ((*position - *start) * per_second).truncate();
+        let mean = mean_velocity(*position, *start, 1.0 / h);
         let (moved, drift) = (mean - velocity.truncate(), drift.truncate());
         let now = if moved == Vec3::ZERO { -drift } else { moved - drift };
         *velocity = now.extend(velocity.w);
     }
+}
+
+/// From one place to another within `1/per_second` seconds, m/s: one formula, for it is asked whether it comes to the same again.
+#[inline(always)]
+fn mean_velocity(to: Vec4, from: Vec4, per_second: f32) -> Vec3 {
+    ((to - from) * per_second).truncate()
 }
 
 /// Lists rows that are left of a task by the microsteps they take, counted from the first row of the task. `apart` is scratch.

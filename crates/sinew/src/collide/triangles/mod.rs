@@ -224,10 +224,8 @@ impl Triangles {
         loop {
             close &= u32::MAX << begin;
             if close == 0 {
-                if next == state.close.len() {
-                    break;
-                }
-                (first, close) = state.close.ask(next);
+                let Some(block) = state.close.ask(next) else { break };
+                (first, close) = block;
                 (next, begin) = (next + 1, 0);
                 continue;
             }
@@ -260,15 +258,13 @@ impl Triangles {
             if slid.length() <= f64::from(hit.friction) * hit.overlap {
                 state.part(four, shares, -slid, inverse, sweep);
             }
-            // Others may be close now.
-            if state.close.keep_up(candidates) {
-                next = state.close.place_of(number) + 1;
-            }
-            let before = core::mem::replace(&mut first, 0);
-            (first, close) = state.close.ask(next - 1);
-            if first != before {
-                begin = 0;
-            }
+            // Others may be close now, of the same eight, too.
+            let outrun = state.close.keep_up(candidates);
+            let place = if outrun { state.close.place_of(number) } else { next - 1 };
+            (next, close) = match state.close.ask(place) {
+                Some((same, close)) if same == first => (place + 1, close),
+                _ => (place, 0),
+            };
         }
         worst
     }

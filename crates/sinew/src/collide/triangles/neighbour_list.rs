@@ -1,4 +1,4 @@
-//! Who may come to touch whom: looked for by boxes, and taken if they are near enough; and how far each may go until it must be looked for again.
+//! Who may come to touch whom, found by boxes; and how far each may go until it must be looked for again.
 //!
 //! Each particle has a margin, and a box about it: from where it was to where it is (if a substep has been predicted), and its radius and its margin
 //! around that. As long as everybody is within its margin, beside what all do alike, whoever touches was found. A triangle's box is that about those

@@ -66,8 +66,7 @@ impl Zones {
     ) -> bool {
         state.close.keep_up(candidates);
         let mut any = false;
-        for place in 0..state.close.len() {
-            let (first, mut close) = state.close.ask(place);
+        for (first, mut close) in (0..).map_while(|place| state.close.ask(place)) {
             while close != 0 {
                 let number = first + close.trailing_zeros();
                 close &= close - 1;
