@@ -91,10 +91,12 @@ pub(crate) struct Island {
     pub(crate) microsteps: u32,
     /// How often what is tied to large cloth is swept in each sweep of that, at the most.
     pub(crate) sweeps_of_parts: u32,
-    /// Whether a body of its particles may come to touch another one in this step; asked of what takes microsteps.
+    /// Whether a body of its particles may come to touch particles of another one in this step; asked of what takes microsteps.
     pub(crate) meets_others: bool,
-    /// Whether one may come to touch another one, or itself.
+    /// Whether one may come to touch particles of another one, or its own.
     pub(crate) meets_any: bool,
+    /// Whether a body collider has pressed on one of its particles in this step.
+    pub(crate) pressed: bool,
 }
 
 /// An island of no more particles is small: eight of them with their velocities and all fit into a core's first cache, 32 kB and a half, and so are solved
@@ -150,6 +152,14 @@ impl Islands {
             (stretch.islands.end, stretch.rows.end) = (number + 1, row + 1);
         }
         keep(&stretch);
+    }
+
+    /// Notes which islands body colliders have pressed on, by rows of theirs.
+    pub(crate) fn note_pressed(&mut self, rows: impl Iterator<Item = u32>) {
+        for row in rows {
+            let island = self.of.get(row as usize).and_then(|&own| self.list.get_mut(own as usize));
+            island.into_iter().for_each(|island| island.pressed = true);
+        }
     }
 
     /// Numbers the sets of connected particles by their first ones, and lists the members of each, ascending; but for the first `kept` islands, which are what

@@ -9,6 +9,7 @@
 //! | `inside` | what begins inside of something is put out and not thrown |
 //! | `microsteps` | large cloth takes steps of its own within a substep |
 //! | `poured` | a thousand boxes in a heap |
+//! | `pressed` | cloth that a rigid shape presses on |
 //! | `ragdolls` | figures that fall, lie in heaps, carry and meet |
 //! | `rest` | a world in which all sleep takes its steps at once |
 //! | `rigid_states` | compounds that move as one rigid state within a step |
@@ -30,6 +31,7 @@ mod far;
 mod inside;
 mod microsteps;
 mod poured;
+mod pressed;
 mod ragdolls;
 mod rest;
 mod rigid_states;

@@ -33,8 +33,6 @@ pub(crate) struct Nearby {
     pairs: Vec<[u32; 2]>,
     /// Of each body how far its shapes reach beyond its particles at the most, metres; of bodies that have none it may be missing.
     overhangs: Vec<f32>,
-    /// Of each body, whether it is near another one.
-    beside: Vec<bool>,
     /// Large bodies, each with one that it is near; sorted.
     met: Vec<[u32; 2]>,
     /// Of each body that large ones are near where its strips are, how many particles each has, and how many of it have been looked at.
@@ -46,8 +44,9 @@ pub(crate) struct Nearby {
 /// Whose particles may come to touch things of one kind.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Participation {
-    /// Of each body, whether some of its particles may.
+    /// Of each body, whether some of its particles may, and whether they may touch things of another one.
     near: Vec<bool>,
+    beside: Vec<bool>,
     /// Of each body where the regions are in which its particles may; none where all of them may.
     of_body: Vec<Range<u32>>,
     regions: Vec<(Vec3, Vec3)>,
@@ -115,7 +114,7 @@ impl Nearby {
     #[cfg(test)]
     pub(super) fn everywhere(contacts: &[BodyContacts]) -> Self {
         let near: Vec<bool> = contacts.iter().map(BodyContacts::takes_part).collect();
-        let all = Participation { near, ..Participation::default() };
+        let all = Participation { beside: near.clone(), near, ..Participation::default() };
         Self { particles: all.clone(), shapes: all, ..Self::default() }
     }
 
@@ -127,16 +126,6 @@ impl Nearby {
     /// Who may come to touch shapes of another body, or of its own.
     pub(super) fn to_shapes(&self) -> &Participation {
         &self.shapes
-    }
-
-    /// Whether a body may come to touch another one, or itself.
-    pub(super) fn has(&self, body: u32) -> bool {
-        self.particles.has(body) || self.shapes.has(body) || self.has_beside(body)
-    }
-
-    /// Whether a body may come to touch another one.
-    pub(super) fn has_beside(&self, body: u32) -> bool {
-        self.beside.get(body as usize).is_some_and(|&beside| beside)
     }
 
     /// Looks at the shapes, when those or the particles have changed.
@@ -165,8 +154,6 @@ impl Nearby {
         let contacts = world.filter.bodies();
         self.particles.clear(contacts.len());
         self.shapes.clear(contacts.len());
-        self.beside.clear();
-        self.beside.resize(contacts.len(), false);
         if !contacts.iter().any(BodyContacts::takes_part) {
             return;
         }
@@ -183,7 +170,7 @@ impl Nearby {
         if !self.bodies.iter().any(|body| body.free) {
             return;
         }
-        let Self { bodies, bounds, broad, pairs, beside, .. } = self;
+        let Self { bodies, bounds, broad, pairs, .. } = self;
         bounds.clear();
         bounds.extend(bodies.iter().map(|body| body.bounds(world)));
         broad.0.pairs(bounds, pairs);
@@ -197,10 +184,9 @@ impl Nearby {
             if !((bodies[a].free || bodies[b].free) && contacts[a].meets(&contacts[b])) {
                 continue;
             }
-            (beside[a], beside[b]) = (true, true);
             for [one, other] in [[a, b], [b, a]] {
-                self.particles.near[one] |= bodies[one].free && bodies[other].free;
-                self.shapes.near[one] |= bodies[one].free && bodies[other].has_shapes;
+                self.particles.add(one, bodies[one].free && bodies[other].free);
+                self.shapes.add(one, bodies[one].free && bodies[other].has_shapes);
             }
         }
         self.find_met(world);
@@ -216,10 +202,12 @@ impl Nearby {
     /// Lists large bodies with those that they are near.
     fn find_met(&mut self, world: &World) {
         let contacts = world.filter.bodies();
-        let Self { bodies, pairs, beside, met, .. } = self;
+        let Self { bodies, pairs, particles, shapes, met, .. } = self;
         met.clear();
-        let is_large =
-            |body: usize| bodies[body].particles > LARGE && bodies[body].free && beside[body];
+        let is_beside = |body: u32| particles.has_beside(body) || shapes.has_beside(body);
+        let is_large = |body: usize| {
+            bodies[body].particles > LARGE && bodies[body].free && is_beside(body as u32)
+        };
         if !(0..bodies.len()).any(is_large) {
             return;
         }
@@ -357,6 +345,8 @@ impl Participation {
     fn clear(&mut self, bodies: usize) {
         self.near.clear();
         self.near.resize(bodies, false);
+        self.beside.clear();
+        self.beside.resize(bodies, false);
         self.of_body.clear();
         self.regions.clear();
         self.far.clear();
@@ -406,6 +396,17 @@ impl Participation {
         for (far, &body) in far.iter_mut().zip(&particles.body) {
             *far &= of_body.get(body as usize).is_some_and(|own| !own.is_empty());
         }
+    }
+
+    /// Notes that a body is near another one, if so.
+    fn add(&mut self, body: usize, beside: bool) {
+        self.near[body] |= beside;
+        self.beside[body] |= beside;
+    }
+
+    /// Whether some particles of a body may touch things of another one.
+    pub(super) fn has_beside(&self, body: u32) -> bool {
+        self.beside.get(body as usize).is_some_and(|&beside| beside)
     }
 
     /// Whether some particles of a body may.

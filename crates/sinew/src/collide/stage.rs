@@ -66,14 +66,14 @@ impl Contacts {
         self.triangles.broad_phase(particles, surfaces, (filter, nearby), aside, dt);
     }
 
-    /// Whether a body may come to touch another one in this step.
+    /// Whether a body may come to touch particles of another one in this step.
     pub(crate) fn may_meet_others(&self, body: u32) -> bool {
-        self.nearby.has_beside(body)
+        self.nearby.to_particles().has_beside(body)
     }
 
-    /// Whether it may come to touch another one in this step, or itself.
+    /// Whether it may come to touch particles in this step, of another one or its own.
     pub(crate) fn may_meet_any(&self, body: u32) -> bool {
-        self.nearby.has(body)
+        self.nearby.to_particles().has(body)
     }
 
     /// Notes which rows do not collide by themselves.
@@ -115,15 +115,23 @@ impl Contacts {
         !quiet || !self.pairs.is_empty() || !self.triangles.is_empty()
     }
 
-    /// Between the constraints of a substep of `h` seconds and its velocities.
+    /// Between the constraints of a substep of `h` seconds and its velocities. `hold_pressed` is as [`BodyContactSolver::project`] has it, and is lent what single
+    /// particles touch.
     pub(crate) fn project(
         &mut self,
         particles: &mut Particles,
         world: &World,
-        h: f32,
-        substep: u32,
+        (h, substep): (f32, u32),
+        mut hold_pressed: impl FnMut(
+            &mut Particles,
+            (&ParticleContacts, &mut [NormalImpulse]),
+            &mut Vec<u32>,
+        ) -> bool,
     ) {
-        self.body_contact.project(particles, (world, &self.nearby), h, substep);
+        let Self { particle_contacts, normal_impulses, nearby, body_contact, .. } = self;
+        body_contact.project(particles, (world, nearby), (h, substep), |particles, pressed| {
+            hold_pressed(particles, (particle_contacts, normal_impulses), pressed)
+        });
         self.pairs.project(particles, world.filter, h);
         // Last, so that what it says of sides holds when the next substep begins.
         self.triangles.project(particles, world.filter);

@@ -326,7 +326,14 @@ impl Simulation {
                 gravity,
                 at_rest,
             };
-            contacts.project(particles, &world, h, substep);
+            contacts.project(particles, &world, (h, substep), |particles, own, pressed| {
+                let (particle_contacts, normal_impulses) = own;
+                let context =
+                    solve::SolveContext::new(plan, particle_contacts, parameters, execution);
+                let strain = solving.strain();
+                solve::hold_pressed(particles, normal_impulses, context, pressed, strain)
+            });
+            plan.islands.note_pressed(contacts.body_contact.pressed_rows());
             let Contacts { particle_contacts, normal_impulses, body_contact, .. } = contacts;
             let context = solve::SolveContext::new(plan, particle_contacts, parameters, execution);
             let stopped = body_contact.stopped();

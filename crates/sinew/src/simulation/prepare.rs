@@ -277,7 +277,7 @@ impl Simulation {
         let Islands { list, members, .. } = &mut plan.islands;
         for island in list.iter_mut().filter(|island| island.takes_microsteps()) {
             let mut last = NO_BODY;
-            (island.meets_others, island.meets_any) = (false, false);
+            (island.meets_others, island.meets_any, island.pressed) = (false, false, false);
             for &row in &members[island.members.clone()] {
                 let body = particles.body[row as usize];
                 // Neighbours mostly share their body.

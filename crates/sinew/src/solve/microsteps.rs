@@ -22,7 +22,7 @@ use super::island::solve;
 use super::momentum::MomentumDrift;
 use super::multipliers::MultiplierSlice;
 use super::plan::{GroupKind, Plan};
-use super::relaxation::relax;
+use super::relaxation::{may_relax, relax};
 use super::remaining::Remaining;
 use super::strain_limit::StrainScratch;
 use super::task_slice::TaskSlice;
@@ -168,10 +168,10 @@ impl TaskSlice<'_> {
             for run in plan.runs(island) {
                 context.bounce(places, &mut self.normal_impulses, run);
             }
-            let relaxes = is_held && !island.meets_others && !island.strain_measured;
-            if relaxes
+            if is_held
                 && ends_step
                 && number_of_step + 1 == of
+                && may_relax(plan, island)
                 && let [run] = &runs[..]
             {
                 let MicrostepScratch { start, moved, strain, .. } = &mut *scratch;

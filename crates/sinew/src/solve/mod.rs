@@ -7,6 +7,7 @@
 //! - `context` is what all of them need to know of a substep, `task_slice` what a task or an island has to itself, `sweep_scratch` what a thread keeps the memory of to sweep it;
 //! - `microsteps` takes a large soft island through a substep in smaller steps of its own; when a step ends `relaxation` shares out what is left of its errors, and
 //!   `strain_limit` brings within 3 % those of its rods that are off by more;
+//! - `pressed_cloth` holds large cloth by its rods in between while shapes of other bodies press on it;
 //! - `rod_graph` says which rods end at a particle;
 //! - `instances` takes islands that are built alike side by side, as `lane_particles`;
 //! - `wavefront` takes the substeps of a step through a large island of rods one behind the other, and several threads one behind the other, too;
@@ -41,6 +42,7 @@ mod most_violated_first;
 mod multipliers;
 mod parts;
 mod plan;
+mod pressed_cloth;
 mod recovery;
 mod relaxation;
 mod remaining;
@@ -69,6 +71,7 @@ pub(crate) use measure::{measure, measure_overlaps};
 pub(crate) use microsteps::divide;
 pub(crate) use momentum::is_free;
 pub(crate) use plan::{Change, Changes, Given, GroupKind, List, Plan};
+pub(crate) use pressed_cloth::hold_pressed;
 pub(crate) use recovery::limit_all_recoveries;
 pub(crate) use sweep_scratch::SweepScratch;
 pub(crate) use world::{SolveScratch, propagate_impacts, settle_all, solve_all};

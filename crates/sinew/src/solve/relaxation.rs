@@ -10,8 +10,9 @@
 //! are about what is off by more than a fiftieth of its length: what is within that gives the others room. They come after the velocities have been derived, and
 //! move where the substep began along with its end, so that nothing is thrown: it is a matter of what is seen, and not of what goes on.
 //!
-//! What nothing holds, no pin and no surface, is left as it is: it bears no load, and to move it without its velocity would take some of its spin. So is what may
-//! touch another body: that would be pushed, and thus be given the speed, by what has none.
+//! What nothing holds, no pin and no surface, is left as it is: it bears no load, and to move it without its velocity would take some of its spin. So is what
+//! may touch particles of another body, what a shape of another body has pressed on in this step, and what something is tied to: those would be pushed, and thus be given
+//! the speed, by what has none.
 //!
 //! The next sweep goes back into its circle, which is a motion, if one that nobody sees, and is left in the velocities. So the less the slower the island is,
 //! and what lies still stays as it lies.
@@ -24,10 +25,12 @@ use super::constraint_ref::SolveMode;
 use super::context::SolveContext;
 use super::island::project_contacts;
 use super::multipliers::MultiplierSlice;
+use super::plan::Plan;
 use super::rods::Relaxation;
 use super::strain_limit::StrainScratch;
 use super::task_slice::IslandSlice;
 use crate::constraints::{GradientAt, SubstepContext};
+use crate::islands::Island;
 use crate::particles::Places;
 
 /// The sweeps. Of capes, flags and sheets over four to six starts each, worst strains in the mean: none 2.8 to 9.9 %, two by a half and a third 2.2 to 6.5, these
@@ -41,6 +44,12 @@ const SWEEPS: [Relaxation; 3] = [
 /// Islands that are slower than this, m/s, root mean square, are relaxed by as much less, and their strain is not limited. A sheet on a table at 240 × 3 substeps a
 /// second is left with 3 mm/s by the whole of it.
 const CALM: f32 = 0.02;
+
+/// Whether an island may be relaxed in this step.
+pub(super) fn may_relax(plan: &Plan, island: &Island) -> bool {
+    let Island { meets_others, pressed, strain_measured, .. } = *island;
+    !(meets_others || pressed || strain_measured) && plan.tethers.tie_rods_of(island).is_none()
+}
 
 /// Takes the island of a number, whose places are in such a range of its own, through the relaxed sweeps after the last microstep of a step, which `context` is of.
 /// Leaves in `moved` how far each particle went, metres.

@@ -39,7 +39,7 @@ const MANY: usize = 2;
 
 /// What strain limiting needs. Scratch.
 #[derive(Clone, Debug, Default)]
-pub(super) struct StrainScratch {
+pub(crate) struct StrainScratch {
     /// Where particles were, metres.
     pub(super) before: Vec<Vec4>,
     /// Those whose rods are to be looked at, and those in the round after.
@@ -47,6 +47,8 @@ pub(super) struct StrainScratch {
     next: Vec<u32>,
     /// Whether each particle is among the next.
     listed: Vec<bool>,
+    /// Those that have been moved, ring by ring.
+    moved: Vec<u32>,
     /// Those of which a rod is beyond the last limit, and within the present one; and whether each particle is among them.
     later: Vec<u32>,
     put_off: Vec<bool>,
@@ -59,7 +61,7 @@ impl StrainScratch {
         self.list_moved(position);
         // Nothing is beyond that: it is found what is beyond the last limit.
         let mut limit = f32::MAX;
-        while self.bring_within(graph, position, limit, &mut looks) && limit > LIMIT {
+        while self.bring_within(graph, position, limit, &mut looks, ROUNDS) && limit > LIMIT {
             if limit == f32::MAX {
                 // What is twice as long as it may be is not worth a limit of its own, however far away somebody has put it.
                 limit = self.worst(graph, position).min(1.0);
@@ -69,17 +71,38 @@ impl StrainScratch {
         }
     }
 
-    /// Lists who is elsewhere than before.
-    fn list_moved(&mut self, position: &[Vec4]) {
-        let Self { before, now, next, listed, later, put_off } = self;
-        for list in [&mut *now, next, later] {
+    /// Brings the rods of some particles within the last limit, and those about them that this brings beyond it, for so many rings of rods. Returns who has
+    /// moved, some more than once.
+    pub(super) fn limit_about(
+        &mut self,
+        graph: &RodGraph,
+        position: &mut [Vec4],
+        particles: impl Iterator<Item = u32>,
+        rings: usize,
+    ) -> &[u32] {
+        self.begin(position.len());
+        self.now.extend(particles);
+        self.bring_within(graph, position, LIMIT, &mut (LOOKS * graph.ends()), rings);
+        &self.moved
+    }
+
+    /// Forgets what was listed, and makes room for so many particles.
+    fn begin(&mut self, particles: usize) {
+        let Self { now, next, listed, later, put_off, moved, .. } = self;
+        for list in [now, next, later, moved] {
             list.clear();
-            list.reserve(position.len());
+            list.reserve(particles);
         }
         for flags in [listed, put_off] {
             flags.clear();
-            flags.resize(position.len(), false);
+            flags.resize(particles, false);
         }
+    }
+
+    /// Lists who is elsewhere than before.
+    fn list_moved(&mut self, position: &[Vec4]) {
+        self.begin(position.len());
+        let Self { before, now, .. } = self;
         let moved = before.iter().zip(position).zip(0..);
         now.extend(moved.filter(|((before, here), _)| before != here).map(|(_, i)| i));
     }
@@ -92,11 +115,12 @@ impl StrainScratch {
         position: &mut [Vec4],
         limit: f32,
         looks: &mut usize,
+        rounds: usize,
     ) -> bool {
-        let Self { now, next, listed, later, put_off, .. } = self;
+        let Self { now, next, listed, later, put_off, moved, .. } = self;
         let (band, last) = (Band::of(limit), Band::of(LIMIT));
         now.iter().for_each(|&i| put_off[i as usize] = false);
-        for _ in 0..ROUNDS {
+        for _ in 0..rounds {
             if now.len() * MANY > position.len() {
                 return false;
             }
@@ -125,6 +149,7 @@ impl StrainScratch {
                 }
             }
             core::mem::swap(now, next);
+            moved.extend_from_slice(now);
             if now.is_empty() {
                 return true;
             }

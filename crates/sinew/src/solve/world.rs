@@ -18,6 +18,7 @@ use super::parts::Parts;
 use super::plan::{Plan, Task};
 use super::remaining::Remaining;
 use super::report::{IslandReport, SolverReport};
+use super::strain_limit::StrainScratch;
 use super::sweep_scratch::SweepScratch;
 use super::task_slice::{IslandSlice, TaskSlice, slices};
 use super::turned_places::TurnedPlaces;
@@ -40,6 +41,8 @@ pub(crate) struct SolveScratch {
     measured: Vec<(u32, MomentumDrift)>,
     /// Where particles of an island were before it was swept once more.
     before: Vec<Vec4>,
+    /// What cloth needs that is pressed on.
+    strain: StrainScratch,
     /// The most sweeps in each substep of a whole step.
     iteration_counts: Kept<Vec<AtomicU32>>,
 }
@@ -87,6 +90,11 @@ impl AsMut<Wavefront> for ThreadScratch {
 }
 
 impl SolveScratch {
+    /// What cloth needs that is [pressed on](super::hold_pressed).
+    pub(crate) fn strain(&mut self) -> &mut StrainScratch {
+        &mut self.strain
+    }
+
     pub(super) fn parts(
         &mut self,
     ) -> (&mut Multipliers, &Pool<ThreadScratch>, &mut Vec<AtomicU32>) {

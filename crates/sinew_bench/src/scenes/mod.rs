@@ -82,4 +82,5 @@ pub const SCENES: &[Scene] = &[
     scene("U10", user::u10),
     #[cfg(feature = "plugin")]
     scene("U11", user::u11),
+    scene("U12", user::u12),
 ];

@@ -1,4 +1,4 @@
-//! What a user gets, U1 to U11: whole frames of apps with `MinimalPlugins` and `SinewPlugins`, nothing configured (but four substeps where a row says so), a ground in each, on one thread, or with `--threads` on those that an app has.
+//! What a user gets, U1 to U12: whole frames of apps with `MinimalPlugins` and `SinewPlugins`, nothing configured (but four substeps where a row says so), a ground in each, on one thread, or with `--threads` on those that an app has.
 //!
 //! A frame is a tick of 1/60 s. What is timed is the mean of all frames from the first second to the fourth, after things have met; the quality stands
 //! beside it, over the last two seconds: how far hard distances are from their lengths, in the mean and at the worst; how fast all still are; and of boxes how
@@ -59,7 +59,7 @@ impl Level {
     }
 }
 
-/// U1 to U9.
+/// U1 to U9, and U12.
 const LEVELS: &[Level] = &[
     level("U1", "a cape of 24×24 dropped on a ball", |world| cape(world, ClothPins::None)),
     level("U1", "a cape of 24×24 hung over a ball, steady wind", |world| {
@@ -84,6 +84,10 @@ const LEVELS: &[Level] = &[
     DOWN_STAIRS.with_four_substeps(),
     level("U8", "200 jelly cubes into a bin", jelly),
     level("U9", "a level of all of it", of_all),
+    level("U12", "a crate of 5 kg is tossed into a sheet of 64×64 held at its corners", caught),
+    level("U12", "a figure flies at a hanging sheet of 64×64", flown_at),
+    level("U12", "a sheet of 64×64 falls on nine crates", on_crates),
+    level("U12", "a sheet of 64×64 falls on another one on a ball", on_another),
 ];
 
 const HEAP: Level = level("U6", "1000 boxes in rows fall into a heap", |world| boxes(world, false))
@@ -111,7 +115,7 @@ macro_rules! users {
 }
 
 users!(
-    u1 "U1", u2 "U2", u3 "U3", u4 "U4", u5 "U5", u6 "U6", u7 "U7", u8 "U8", u9 "U9"
+    u1 "U1", u2 "U2", u3 "U3", u4 "U4", u5 "U5", u6 "U6", u7 "U7", u8 "U8", u9 "U9", u12 "U12"
 );
 
 /// U10: what a ground, a far collider, a wind and a game's own system between two phases cost each scene, as a share of the frame without any of them.
@@ -121,7 +125,7 @@ users!(
 pub(super) fn u10(effort: &Effort) -> Vec<Row> {
     let falls = |level: &Level| ["U6", "U7", "U8"].contains(&level.id);
     let asleep = level("U11", "1000 boxes side by side, asleep", |world| lying(world, true));
-    let by_default = LEVELS.iter().filter(|level| level.substeps.is_none());
+    let by_default = LEVELS.iter().filter(|level| level.substeps.is_none() && level.id != "U12");
     by_default
         .map(|level| match falls(level) {
             false => with_extras(level, effort, |_| {}, &[A_GROUND, FAR, A_WIND, OWN_SYSTEM]),
@@ -436,6 +440,41 @@ fn draped(world: &mut World, folded: bool) {
     if folded {
         cloth.insert(BodyContacts::ALL);
     }
+}
+
+/// A sheet of 2 m so high, upright or level.
+fn sheet(world: &mut World, pins: ClothPins, at: Vec3, level: bool) {
+    let turn = if level { -core::f32::consts::FRAC_PI_2 } else { 0.0 };
+    let place = Transform::from_translation(at).with_rotation(Quat::from_rotation_x(turn));
+    world.spawn((Cloth::grid(2.0, 2.0, 63, 63).pinned(pins), place));
+}
+
+/// It is tossed up, so that it lands when the time is taken.
+fn caught(world: &mut World) {
+    sheet(world, ClothPins::Corners, Vec3::Y * 2.0, true);
+    let own = RigidBox::new(Vec3::splat(0.4)).with_mass(5.0);
+    world.spawn((own, Transform::from_xyz(0.1, 2.5, 0.0), LinearVelocity(Vec3::Y * 5.0)));
+}
+
+/// So is the figure.
+fn flown_at(world: &mut World) {
+    sheet(world, ClothPins::TopEdge, Vec3::Y * 1.3, false);
+    let velocity = LinearVelocity(Vec3::new(0.0, 6.0, -5.0));
+    world.spawn((Ragdoll::default(), Transform::from_xyz(0.0, 0.6, 5.2), velocity));
+}
+
+fn on_crates(world: &mut World) {
+    sheet(world, ClothPins::None, Vec3::Y * 1.2, true);
+    for (x, z) in (0..9).map(|i| ((i % 3) as f32, (i / 3) as f32)) {
+        let place = Transform::from_xyz(0.5 * x - 0.5, 0.15, 0.5 * z - 0.5);
+        world.spawn((RigidBox::new(Vec3::splat(0.3)), place));
+    }
+}
+
+fn on_another(world: &mut World) {
+    world.spawn((Collider::sphere(0.5), Transform::from_xyz(0.0, 0.5, 0.0)));
+    sheet(world, ClothPins::None, Vec3::Y * 1.2, true);
+    sheet(world, ClothPins::None, Vec3::new(0.02, 1.4, 0.0), true);
 }
 
 fn ropes(world: &mut World) {

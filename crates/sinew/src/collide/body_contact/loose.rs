@@ -20,6 +20,8 @@ use crate::particles::{NO_BODY, Particles};
 #[derive(Clone, Debug, Default)]
 pub(super) struct Loose {
     pairs: Vec<LooseContact>,
+    /// Rows that were pressed on when they were last parted.
+    pressed: Vec<u32>,
     /// The same, as numbers of body colliders and of rows.
     near: Vec<(u32, u32)>,
     /// Particles and body colliders by where they begin along x.
@@ -38,6 +40,8 @@ struct LooseContact {
     participants: [ContactParticipant; 2],
     /// Of the substep: where it pressed, if it did; speed before, m/s.
     force: f32,
+    /// Where the particle was left when the two were last parted.
+    left: Vec4,
     normal: Vec3,
     arm: Vec3,
     approach: f32,
@@ -74,7 +78,7 @@ impl Loose {
         world: &World,
         nearby: &Nearby,
     ) {
-        let Self { pairs, near, rows, body_colliders, open } = self;
+        let Self { pairs, near, rows, body_colliders, open, .. } = self;
         pairs.clear();
         near.clear();
         rows.clear();
@@ -142,6 +146,7 @@ impl Loose {
                 reports_events: own.events || other.events,
                 participants: [who, participant(groups, solid as usize, theirs)],
                 force: 0.0,
+                left: Vec4::ZERO,
                 normal: Vec3::Y,
                 arm: Vec3::ZERO,
                 approach: 0.0,
@@ -151,8 +156,18 @@ impl Loose {
         }));
     }
 
-    /// Parts those that have met, one after the other. Of what is pinned no more is recovered of an overlap than moves any of it by `recover`, metres
-    /// (`normal_solve`, "Near a pin"): as much as may turn into speed, for nothing here takes that off again.
+    /// Rows that were pressed on when they were last [parted](Self::project), body collider by body collider.
+    pub(super) fn pressed(&mut self) -> &mut Vec<u32> {
+        &mut self.pressed
+    }
+
+    /// Rows that were pressed on in this substep.
+    pub(super) fn pressed_in_substep(&self) -> impl Iterator<Item = u32> {
+        self.pairs.iter().filter(|near| near.force > 0.0).map(|near| near.row)
+    }
+
+    /// Parts those that have met, one after the other; in later turns of a substep those whose particle has moved since. Of what is pinned no more is recovered of an
+    /// overlap than moves any of it by `recover`, metres (`normal_solve`, "Near a pin"): as much as may turn into speed, for nothing here takes that off again.
     pub(super) fn project(
         &mut self,
         particles: &mut Particles,
@@ -160,14 +175,22 @@ impl Loose {
         bodies: &mut Bodies,
         world: &World,
         (h, recover): (f32, f32),
+        turn: u32,
     ) {
-        for near in &mut self.pairs {
-            near.force = 0.0;
+        let Self { pairs, pressed, .. } = self;
+        pressed.clear();
+        for near in pairs {
             let (s, i) = (near.solid as usize, near.row as usize);
+            let (q, p) = (particles.position[i], particles.start[i]);
+            if turn == 0 {
+                near.force = 0.0;
+            } else if near.left == q {
+                continue;
+            }
+            near.left = q;
             let part = &groups.parts[s];
             let Some(&home) = groups.rows.get(part.entries.start) else { continue };
             let lift = particles.origin[i] - particles.origin[home as usize];
-            let (q, p) = (particles.position[i], particles.start[i]);
             let at = groups.place(s);
             let (w, inverse_mass) = (q.w, bodies[at][SHIFT].w);
             let body = ScalarBody::of(bodies, at);
@@ -227,10 +250,14 @@ impl Loose {
             particles.position[i] += (impulse * w).extend(0.0);
             bodies[at][SHIFT] -= (impulse * inverse_mass).extend(0.0);
             bodies[at][TURN] -= body.spun(lever.cross(impulse)).extend(0.0);
-            near.force = force;
+            if near.force == 0.0 {
+                near.approach = way.dot(n) / h;
+            }
+            near.left = particles.position[i];
+            pressed.push(near.row);
+            near.force += force;
             near.normal = n;
             near.arm = lever;
-            near.approach = way.dot(n) / h;
             near.total += force;
             near.point = particles.position(i) - n * radius;
         }

@@ -101,6 +101,11 @@ const MAX_DEPENETRATION: (f32, f32) = (20.0, 0.1);
 /// What is so deep that it takes so long to come out, seconds, did not get there by an impact: 2 cm at ten substeps.
 const DEEP: f32 = 4e-3;
 
+/// So often single particles and body colliders are parted in a substep, where what is pressed on is held by its constraints in between. Of a sheet of 64 × 64 that is
+/// held at its corners, into which a crate of 5 kg falls for a metre, by 1, 4 and 8: the worst thread 3.4, 1.9 and 1.9 times as long as it should be, in 1.8, 2.0 and
+/// 2.2 ms a tick; of one that lies on nine crates 1.11, 1.06 and 1.05 times, in 3.1, 3.4 and 3.5 ms.
+const TURNS: u32 = 4;
+
 /// A contact of this step that somebody listens to.
 #[derive(Clone, Copy, Debug)]
 struct ContactEvent {
@@ -188,13 +193,15 @@ impl BodyContactSolver {
         self.groups.parts.is_empty()
     }
 
-    /// Between the constraints of a substep of `h` seconds and its velocities: moves body colliders out of what they ran into.
+    /// Between the constraints of a substep of `h` seconds and its velocities: moves body colliders out of what they ran into. `hold_pressed` is told which single
+    /// particles they have pressed on, in a list of its own from then on, moves those as their constraints have it, and others with them, and returns whether it
+    /// moved any: then contacts have their turn again.
     pub(crate) fn project(
         &mut self,
         particles: &mut Particles,
         (world, nearby): (&World, &Nearby),
-        h: f32,
-        substep: u32,
+        (h, substep): (f32, u32),
+        mut hold_pressed: impl FnMut(&mut Particles, &mut Vec<u32>) -> bool,
     ) {
         self.deep_overlaps.clear();
         self.stopped.clear();
@@ -230,18 +237,24 @@ impl BodyContactSolver {
         self.note_stopped(world.islands, (h, world.gravity));
         let Self { wide_contacts, bodies, instructions, .. } = self;
         solve_all_friction(wide_contacts, true, max_depenetration, bodies, *instructions);
-        self.loose.project(
-            particles,
-            &self.groups,
-            &mut self.bodies,
-            world,
-            (h, max_depenetration),
-        );
+        for turn in 0..TURNS {
+            let Self { loose, groups, bodies, .. } = self;
+            loose.project(particles, groups, bodies, world, (h, max_depenetration), turn);
+            let pressed = loose.pressed();
+            if pressed.is_empty() || turn + 1 == TURNS || !hold_pressed(particles, pressed) {
+                break;
+            }
+        }
         let depth = recover * (DEEP / h).max(1.0);
         let speeds = (recover / h, world.gravity * h);
         self.note_deep_overlaps(particles, world.islands, depth, speeds);
         self.apply_pose_deltas(particles);
         self.measure_residual(particles);
+    }
+
+    /// Rows of single particles that body colliders have pressed on in this substep.
+    pub(crate) fn pressed_rows(&self) -> impl Iterator<Item = u32> {
+        self.loose.pressed_in_substep()
     }
 
     /// Gives the contact cache back at the end of a step.

@@ -51,6 +51,24 @@ impl ParticleContacts {
         worst
     }
 
+    /// Puts some rows on the right side of everything, wherever they have come to.
+    pub(crate) fn project_rows(
+        &self,
+        places: &mut Places,
+        normal_impulses: &mut NormalImpulses,
+        rows: impl Iterator<Item = u32>,
+        interval: InstantInterval,
+    ) {
+        if self.is_empty() {
+            return;
+        }
+        let common = self.common_bounds();
+        for row in rows {
+            let bounds = self.bounds_of(row, true, common);
+            self.project(places, normal_impulses, (row, bounds), interval);
+        }
+    }
+
     /// How far out the farthest of the rows of an island is at the end of a step, metres, moving nothing.
     pub(crate) fn island_error(
         &self,

@@ -35,6 +35,7 @@ use crate::lanes::LANES;
 use crate::particles::Places;
 pub(super) use pin_fields::PinFields;
 pub(super) use project::hold;
+use project::hold_one;
 pub(super) use spans::Spans;
 
 /// An island of no more particles has no tethers where everything walks to rest: by tethers a rope between two pins still moved by micrometres after 20 000 such steps.
@@ -199,17 +200,21 @@ impl IslandTethers {
         for ((&row, tethers), did) in members.iter().zip(&self.each).zip(did) {
             for (&(pin, length), did) in tethers.iter().zip(did) {
                 let q = &mut places.position[(row - places.first) as usize];
-                let d = (*q - pins[pin as usize]).truncate();
-                let distance = d.length();
-                if q.w > 0.0 && distance > length {
-                    let far = distance - length;
+                let far = hold_one(q, pins[pin as usize], length);
+                if far > 0.0 {
                     *did += f64::from(far) / f64::from(q.w);
-                    *q -= (d * (far / distance)).extend(0.0);
                     worst = worst.max(far);
                 }
             }
         }
         worst
+    }
+
+    /// Puts a member where its tethers let it be, in positions that begin with the row `first`; returns whether it was elsewhere.
+    pub(super) fn hold_member(&self, member: usize, position: &mut [Vec4], first: u32) -> bool {
+        let pins = self.of_member(member, position, first);
+        let out = pins.map(|pin| hold_one(&mut position[member], pin, pin.w));
+        out.into_iter().any(|far| far > 0.0)
     }
 
     /// Hands what the tethers of each member did, kg·m, on to the rods on their ways: each is told what it would have borne.

@@ -53,6 +53,19 @@ impl IslandTethers {
     }
 }
 
+/// Puts one particle where a tether of some length to a pin lets it be, as [`hold`] does eight; returns how far out it was, metres.
+#[inline]
+pub(super) fn hold_one(q: &mut Vec4, pin: Vec4, length: f32) -> f32 {
+    let d = (*q - pin).truncate();
+    let distance = d.length();
+    if !(q.w > 0.0 && distance > length) {
+        return 0.0;
+    }
+    let far = distance - length;
+    *q -= (d * (far / distance)).extend(0.0);
+    far
+}
+
 struct ProjectTethers<'a> {
     blocks: &'a [TetherBlock],
     position: &'a mut [Vec4],

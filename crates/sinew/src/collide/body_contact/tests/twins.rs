@@ -41,7 +41,7 @@ fn substeps(
             particles.velocity[i] = v.extend(h);
             particles.position[i] += (v * h).extend(0.0);
         }
-        body_colliders.project(particles, (&seen, &nearby), h, number);
+        body_colliders.project(particles, (&seen, &nearby), (h, number), |_, _| false);
         for i in 0..particles.len() {
             let v = (particles.position[i] - particles.start[i]).truncate() / h;
             particles.velocity[i] = v.extend(h);
