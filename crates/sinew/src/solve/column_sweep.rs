@@ -45,6 +45,8 @@ impl<'a> ColumnSweep<'a> {
         let (rows, instructions) = (places.at(run.start)..places.at(run.end), mode.instructions);
         columns.reset(plan.rods.half());
         columns.turn_in(0, &places.position[rows.clone()], instructions);
+        // Tethers of the last eight ask after lanes beyond it, too, and what was there was of whatever island was in these columns before.
+        columns.blank(rows.len());
         let tethers = plan.tethers.of(island).filter(|_| mode.tethers);
         if let Some(tethers) = tethers {
             // Pins stay where they are in a sweep.
