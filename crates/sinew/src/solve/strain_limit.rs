@@ -140,6 +140,7 @@ impl StrainScratch {
                         for end in [i, rod.to] {
                             if !core::mem::replace(&mut listed[end as usize], true) {
                                 next.push(end);
+                                moved.push(end);
                             }
                         }
                     }
@@ -149,7 +150,6 @@ impl StrainScratch {
                 }
             }
             core::mem::swap(now, next);
-            moved.extend_from_slice(now);
             if now.is_empty() {
                 return true;
             }

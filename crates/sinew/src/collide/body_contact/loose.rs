@@ -20,10 +20,10 @@ use crate::particles::{NO_BODY, Particles};
 #[derive(Clone, Debug, Default)]
 pub(super) struct Loose {
     pairs: Vec<LooseContact>,
-    /// Rows that were pressed on when they were last parted.
-    pressed: Vec<u32>,
     /// The same, as numbers of body colliders and of rows.
     near: Vec<(u32, u32)>,
+    /// Rows that were pressed on when they were last parted.
+    pressed: Vec<u32>,
     /// Particles and body colliders by where they begin along x.
     rows: Vec<(f32, u32)>,
     body_colliders: Vec<(f32, u32)>,
@@ -40,11 +40,11 @@ struct LooseContact {
     participants: [ContactParticipant; 2],
     /// Of the substep: where it pressed, if it did; speed before, m/s.
     force: f32,
-    /// Where the particle was left when the two were last parted.
-    left: Vec4,
     normal: Vec3,
     arm: Vec3,
     approach: f32,
+    /// Where the particle was left when the two were last parted.
+    left: Vec4,
     /// Of the step, kg·m.
     total: f32,
     point: Vec3,
