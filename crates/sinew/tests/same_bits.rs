@@ -59,6 +59,24 @@ fn any_number_of_threads_gives_the_same_bits_in_every_scene() {
     }
 }
 
+/// A copy has none of the memory that the original keeps from step to step, and goes on to the same bits.
+#[test]
+fn memory_that_is_kept_from_step_to_step_changes_no_bit() {
+    for (name, scene, _) in HASHES {
+        let mut kept = scene();
+        let mut copied = scene();
+        for tick in 0..TICKS / 6 {
+            kept.step(1.0 / 60.0).unwrap();
+            copied = copied.clone();
+            copied.step(1.0 / 60.0).unwrap();
+            for i in 0..kept.particles.len() {
+                let of = |world: &Simulation| (world.particles.seed(i), world.velocity_now(i));
+                assert_eq!(of(&kept), of(&copied), "{name}, tick {tick}, particle {i}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_step_taken_at_once_has_the_bits_of_its_phases_one_by_one() {
     let mut at_once = 0;

@@ -66,10 +66,15 @@ impl Columns {
         }
     }
 
-    /// Makes room for columns whose odd rows begin at `half`, a multiple of sixteen. What is in them may be anything.
+    /// Makes room for columns whose odd rows begin at `half`, a multiple of sixteen. What is in them may be anything; where debug assertions are on it is no
+    /// number, so that whoever reads what nobody wrote has other bits than elsewhere.
     pub(crate) fn reset(&mut self, half: usize) {
         self.half = half.next_multiple_of(LINE);
-        self.lines.resize(8 * self.half / LINE, Line([0.0; LINE]));
+        if cfg!(debug_assertions) {
+            self.lines.clear();
+        }
+        let unwritten = if cfg!(debug_assertions) { f32::NAN } else { 0.0 };
+        self.lines.resize(8 * self.half / LINE, Line([unwritten; LINE]));
     }
 
     /// Some rows, of which the first is even, become the first ones.
